@@ -1,0 +1,53 @@
+// A picture of linear light (§2.2.2).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "vec3.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// width × height colors in rows from the top, black at first. image(x, y) is one of them; (0, 0) is the top
+/// left.
+class Image {
+ public:
+  static constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
+
+  /// Throws std::invalid_argument unless both sides are at least 1 and there are at most 2^28 pixels; no
+  /// memory is taken before that is known.
+  Image(int width, int height)
+      : width_(checked(width, height)), height_(height), pixels_(count(width, height)) {}
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+
+  /// The pixel in column x of [0, width) and row y of [0, height). The range is not checked.
+  [[nodiscard]] Color& operator()(int x, int y) { return pixels_[index(x, y)]; }
+  [[nodiscard]] const Color& operator()(int x, int y) const { return pixels_[index(x, y)]; }
+
+ private:
+  static std::size_t count(int width, int height) {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+
+  static int checked(int width, int height) {
+    if (width < 1 || height < 1 || std::int64_t{width} * height > max_pixels)
+      throw std::invalid_argument("Image: " + std::to_string(width) + "x" + std::to_string(height) +
+                                  " is not a size; sides must be at least 1 and the pixels at most 2^28");
+    return width;
+  }
+
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+  }
+
+  int width_;
+  int height_;
+  std::vector<Color> pixels_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,15 @@
+// White where there is a surface, black where there is none (§2.3.2).
+#pragma once
+
+#include "../scene.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Shows whether a ray meets anything at all, so it does not even ask what is first.
+struct BinaryIntegrator {
+  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    return scene.occluded(ray, Interval{}) ? Color{1} : Color{0};
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,18 @@
+// The flat colors of what is seen (§2.3.2, Fig. 11).
+#pragma once
+
+#include "../scene.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Shows each surface in its color, unlit; black where there is nothing.
+struct ColorIntegrator {
+  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray, Interval{});
+    return hit ? shade(*hit, scene) : Color{0};
+  }
+
+  [[nodiscard]] Color shade(const Intersection& hit, const Traceable auto&) const { return hit.color(); }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

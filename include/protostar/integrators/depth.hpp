@@ -1,0 +1,21 @@
+// The reciprocal distance of what is seen (§2.3.2, Fig. 9).
+#pragma once
+
+#include "../scene.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Shows 1/t, with t the distance in scene units for rays of unit direction; black where there is nothing, as
+/// for a surface infinitely far away.
+struct DepthIntegrator {
+  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray, Interval{});
+    return hit ? shade(*hit, scene) : Color{0};
+  }
+
+  [[nodiscard]] Color shade(const Intersection& hit, const Traceable auto&) const {
+    return Color{static_cast<float>(1 / hit.t)};
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

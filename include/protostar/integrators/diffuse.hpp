@@ -1,0 +1,25 @@
+// Diffuse surfaces under the lights of the scene, without shadows (§2.3.2, Figs. 14 and 15).
+#pragma once
+
+#include "../scene.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// The light that a diffuse surface sends towards the ray's origin: its color times the irradiance of all
+/// lights on the side that the ray sees; black where there is nothing. Nothing hides a light.
+struct DiffuseIntegrator {
+  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray, Interval{});
+    return hit ? shade(*hit, scene) : Color{0};
+  }
+
+  [[nodiscard]] Color shade(const Intersection& hit, const Traceable auto& scene) const {
+    const Point point = hit.point();
+    const Vec3 normal = hit.facing_normal();
+    Color irradiance{0};
+    for (const PointLight& light : scene.lights()) irradiance += light.irradiance(point, normal);
+    return hit.color() * irradiance;
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

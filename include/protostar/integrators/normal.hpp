@@ -1,0 +1,21 @@
+// The normals of what is seen, as colors (§2.3.2, Fig. 10).
+#pragma once
+
+#include "../scene.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Maps the surface's own unit normal from [−1, 1]³ to [0, 1]³, x, y, z to red, green, blue; black where
+/// there is nothing.
+struct NormalIntegrator {
+  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray, Interval{});
+    return hit ? shade(*hit, scene) : Color{0};
+  }
+
+  [[nodiscard]] Color shade(const Intersection& hit, const Traceable auto&) const {
+    return Color{0.5 * hit.normal() + 0.5};
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

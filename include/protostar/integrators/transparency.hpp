@@ -1,0 +1,20 @@
+// Surfaces as colored glass that does not bend the light (§2.3.2, Figs. 16–19).
+#pragma once
+
+#include "../scene.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// White light from behind, filtered by the color of every surface that the ray crosses, on its way in and on
+/// its way out. The ray is never restarted: one pass over the surfaces finds all crossings, so the work grows
+/// with their number and not with its square, and there is no limit to them. The product is taken in the
+/// order of the surfaces.
+struct TransparencyIntegrator {
+  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    Color light{1};
+    scene.crossings(ray, Interval{}, [&](const Intersection& crossing) { light *= crossing.color(); });
+    return light;
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,35 @@
+// Where light comes from.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "vec3.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// A light that shines from one point alike in all directions (§2.3.2, A.1.4).
+struct PointLight {
+  Point position{0};
+  Color power{0};  ///< Φ, the flux per channel, in watts; not negative. The tutorial calls it intensity.
+
+  /// The irradiance that the light, unhindered, brings to a point with this unit normal:
+  ///   E = Φ/(4π) · cos θ / r² = Φ/(4π) · n·l / |l|³   with l = position − point;
+  /// 0 where the light is behind the surface, and where it lies in it.
+  [[nodiscard]] Color irradiance(const Point& point, const Vec3& normal) const {
+    const Vec3 l = position - point;
+    const double height = dot(normal, l);
+    if (!(height > 0)) return Color{0};
+    const double r2 = dot(l, l);
+    return power * static_cast<float>(height / (4 * std::numbers::pi * r2 * std::sqrt(r2)));
+  }
+
+  /// Throws std::invalid_argument if the position is not finite, or the power is negative or not finite.
+  void validate() const {
+    if (!is_finite(position)) throw std::invalid_argument("PointLight: position must be finite");
+    if (!is_light(power)) throw std::invalid_argument("PointLight: power must be finite and not negative");
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,103 @@
+// A file that is replaced as a whole or not at all.
+#pragma once
+
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "platform.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Bytes on their way to a file. They go to a temporary file in the same folder, which takes the target's
+/// name when commit() says that it is complete; until then, and if anything fails, a file of that name stays
+/// as it was, and the temporary one is removed. A target that exists and is no regular file, a device or a
+/// pipe, is written directly.
+///
+/// Every failure is a std::system_error that names the path and the reason.
+class OutputFile {
+ public:
+  explicit OutputFile(std::filesystem::path target) : name_(target.string()), target_(std::move(target)) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    const fs::file_status status = fs::status(target_, error);
+    if (fs::is_directory(status)) fail(EISDIR);
+    if (fs::exists(status)) {
+      if (!fs::is_regular_file(status) || is_standard_stream()) {
+        open(target_, "ab");
+        return;
+      }
+      open(target_, "r+b");  // who may not write to the old file may not replace it either
+      std::fclose(std::exchange(file_, nullptr));
+      target_ = fs::canonical(target_, error);  // through links, so that they stay links
+      if (error) fail(error.value());
+    }
+    open_temporary();
+    if (fs::exists(status))
+      fs::permissions(temporary_, status.permissions(), error);  // as far as the system has any
+  }
+
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  ~OutputFile() {
+    std::error_code ignored;
+    if (file_) std::fclose(file_);
+    if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
+  }
+
+  void write(const void* bytes, std::size_t size) {
+    if (std::fwrite(bytes, 1, size, file_) != size) fail(errno);
+  }
+
+  void write(const std::string& bytes) { write(bytes.data(), bytes.size()); }
+
+  /// Ends the file and gives it its name.
+  void commit() {
+    if (std::fflush(file_) != 0) fail(errno);
+    if (std::fclose(std::exchange(file_, nullptr)) != 0) fail(errno);
+    if (temporary_.empty()) return;
+    std::error_code error;
+    std::filesystem::rename(temporary_, target_, error);
+    if (error) fail(error.value());
+    temporary_.clear();
+  }
+
+ private:
+  [[noreturn]] void fail(int reason) const {
+    throw std::system_error(reason, std::generic_category(), "cannot write '" + name_ + "'");
+  }
+
+  void open(const std::filesystem::path& path, const char* mode) {
+    file_ = std::fopen(path.string().c_str(), mode);
+    if (!file_) fail(errno);
+  }
+
+  /// A file that did not exist before, beside the target.
+  void open_temporary() {
+    for (int attempt = 0; !file_; ++attempt) {
+      const auto path = target_.parent_path() / (".protostar-" + std::to_string(attempt) + ".tmp");
+      file_ = std::fopen(path.string().c_str(), "wxb");  // x: only if there is none of that name
+      if (file_)
+        temporary_ = path;
+      else if (errno != EEXIST)
+        fail(errno);
+    }
+  }
+
+  /// /dev/stdout and its like may lead to a regular file, which belongs to whoever opened it.
+  [[nodiscard]] bool is_standard_stream() const {
+    const std::string folder = target_.parent_path().string();
+    return folder == "/dev" || folder == "/dev/fd" || folder.starts_with("/proc/");
+  }
+
+  std::string name_;
+  std::filesystem::path target_;
+  std::filesystem::path temporary_;  // empty: there is none
+  std::FILE* file_ = nullptr;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,36 @@
+// Images as PFM files: the linear light itself, as 32-bit floats.
+#pragma once
+
+#include <bit>
+#include <filesystem>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "image.hpp"
+#include "output_file.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Saves an image as PFM: every float as it is, in the byte order of the machine, which the header tells,
+/// rows from the bottom up as the format has them. Nothing is encoded or clipped.
+///
+/// The file is replaced as a whole or not at all (see OutputFile, also for its errors). If stop is asked for,
+/// it returns early and leaves the file as it was.
+inline void save_pfm(const Image& image, const std::filesystem::path& path, std::stop_token stop = {}) {
+  OutputFile file(path);
+  file.write("PF\n" + std::to_string(image.width()) + " " + std::to_string(image.height()) + "\n" +
+             (std::endian::native == std::endian::little ? "-1.0\n" : "1.0\n"));
+  constexpr int block = 1 << 16;  // pixels written at a time
+  static_assert(sizeof(Color) == 3 * sizeof(float));
+  for (int y = image.height() - 1; y >= 0; --y) {
+    for (int x = 0; x < image.width(); x += block) {
+      if (stop.stop_requested()) return;
+      const int count = image.width() - x < block ? image.width() - x : block;
+      file.write(&image(x, y), static_cast<std::size_t>(count) * sizeof(Color));
+    }
+  }
+  file.commit();
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

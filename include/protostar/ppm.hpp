@@ -1,0 +1,98 @@
+// Images as PPM files (§2.2.2).
+#pragma once
+
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "encode.hpp"
+#include "image.hpp"
+#include "output_file.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+struct PpmOptions {
+  int bits = 8;               ///< 8 or 16 per channel: a maximum value of 255 or 65535
+  bool plain = false;         ///< decimal numbers (P3), laid out as the tutorial does, instead of bytes (P6)
+  std::stop_token stop = {};  ///< asked for, save_ppm returns early and leaves the file as it was
+};
+
+namespace detail {
+
+/// The decimal digits of every code with a tab behind them, so that a number is copied and not computed.
+class DecimalCodes {
+ public:
+  explicit DecimalCodes(std::uint16_t max_code) : texts_(std::size_t{max_code} + 1) {
+    for (std::size_t code = 0; code < texts_.size(); ++code) {
+      Text& text = texts_[code];
+      char* end = std::to_chars(text.characters.data(), text.characters.data() + 5, code).ptr;
+      *end++ = '\t';
+      text.length = static_cast<std::uint8_t>(end - text.characters.data());
+    }
+  }
+
+  /// Copies six characters, of which it counts those that belong to the number, and returns their end.
+  char* put(char* to, std::uint16_t code) const {
+    const Text& text = texts_[code];
+    for (std::size_t i = 0; i < text.characters.size(); ++i) to[i] = text.characters[i];
+    return to + text.length;
+  }
+
+ private:
+  struct Text {
+    std::array<char, 6> characters{};
+    std::uint8_t length = 0;
+  };
+  std::vector<Text> texts_;
+};
+
+}  // namespace detail
+
+/// Saves an image as PPM, each channel encoded by the transfer and rounded to the nearest code.
+///
+/// The file is replaced as a whole or not at all (see OutputFile, also for its errors). Throws
+/// std::invalid_argument for bits other than 8 and 16 or a gamma that is not finite and greater than 0.
+inline void save_ppm(const Image& image, const std::filesystem::path& path, const Transfer& transfer = Srgb{},
+                     const PpmOptions& options = {}) {
+  if (options.bits != 8 && options.bits != 16) throw std::invalid_argument("save_ppm: bits must be 8 or 16");
+  const bool wide = options.bits == 16;
+  const Encoder encode(transfer, wide ? 65535 : 255);
+
+  OutputFile file(path);
+  file.write((options.plain ? "P3\n" : "P6\n") + std::to_string(image.width()) + " " +
+             std::to_string(image.height()) + "\n" + std::to_string(encode.max_code()) + "\n");
+
+  const detail::DecimalCodes decimals(options.plain ? encode.max_code() : std::uint16_t{0});
+  constexpr int block = 4096;           // pixels written at a time, also of a row of any width
+  std::array<char, block * 19> buffer;  // at most three numbers of five digits and four tabs a pixel
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x0 = 0; x0 < image.width(); x0 += block) {
+      if (options.stop.stop_requested()) return;
+      const int x1 = image.width() - x0 < block ? image.width() : x0 + block;
+      char* end = buffer.data();
+      for (int x = x0; x < x1; ++x) {
+        const Color& pixel = image(x, y);
+        for (const float channel : {pixel.r, pixel.g, pixel.b}) {
+          const std::uint16_t code = encode(channel);
+          if (options.plain) {
+            end = decimals.put(end, code);
+          } else {
+            if (wide) *end++ = static_cast<char>(code >> 8);  // the most significant byte first
+            *end++ = static_cast<char>(code & 0xff);
+          }
+        }
+        if (options.plain) *end++ = '\t';
+      }
+      if (options.plain && x1 == image.width()) *end++ = '\n';
+      file.write(buffer.data(), static_cast<std::size_t>(end - buffer.data()));
+    }
+  }
+  file.commit();
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,41 @@
+// A ray, and what it knows about the surface that it leaves.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "vec3.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// The geometry that a ray departs from.
+///
+/// A ray that starts on a surface meets it at t = 0. That crossing is the one it comes from and must not
+/// count, but t is computed and comes out as a little more or less than 0. No small constant tells it from a
+/// true crossing at every scale. So the ray carries, by value, the geometry that it leaves; a surface that
+/// recognizes itself divides the root t = 0 out of its equation, and what remains is the other root. Geometry
+/// that coincides exactly, the same sphere twice or two planes of one equation, has equal departures and is
+/// left together.
+struct Departure {
+  enum class Kind : std::uint8_t { none, object, sphere, plane };
+
+  Kind kind = Kind::none;
+  const void* object = nullptr;  ///< kind object: the surface itself, recognized by its address
+  std::array<double, 4>
+      geometry{};  ///< kind sphere: center, |radius|; kind plane: its equation, scaled to be unique
+
+  bool operator==(const Departure&) const = default;
+};
+
+/// The points origin + t · direction (§2.2.3). The direction may have any length other than 0; where it is a
+/// unit vector, as for camera rays, t is a distance in scene units. A ray whose direction is 0 or whose
+/// numbers are not finite crosses nothing.
+struct Ray {
+  Point origin{0};
+  Vec3 direction{0, 0, 1};
+  Departure departure{};  ///< what the ray leaves; nothing for a ray that starts in free space
+
+  [[nodiscard]] Point at(double t) const { return origin + t * direction; }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

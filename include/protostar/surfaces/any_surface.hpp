@@ -1,0 +1,83 @@
+// A surface of any type, as a value: Scene<AnySurface> is the tutorial's std::vector<Surface*> (§2.3.1).
+#pragma once
+
+#include <memory>
+#include <type_traits>
+#include <utility>
+
+#include "../surface.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Holds a copy of a surface and answers for it, through virtual calls. It offers all that the surface
+/// offers: roots and departure stay as exact as they are. Copying it copies the surface; a moved-from one may
+/// only be assigned to.
+class AnySurface {
+ public:
+  template <class S>
+  requires(!std::same_as<S, AnySurface> && Surface<S>) AnySurface(S surface)
+      : held_(std::make_unique<Held<S>>(std::move(surface))) {}
+
+  AnySurface(const AnySurface& other) : held_(other.held_->copy()) {}
+  AnySurface(AnySurface&&) noexcept = default;
+  AnySurface& operator=(const AnySurface& other) { return *this = AnySurface(other); }
+  AnySurface& operator=(AnySurface&&) noexcept = default;
+  ~AnySurface() = default;
+
+  [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
+    return held_->intersect(ray, range);
+  }
+  [[nodiscard]] Vec3 normal_at(const Point& point) const { return held_->normal_at(point); }
+  [[nodiscard]] Departure departure() const { return held_->departure(); }
+  void validate() const { held_->validate(); }
+
+  void crossings(const Ray& ray, Interval range, auto&& visit) const {
+    using Visit = std::remove_reference_t<decltype(visit)>;
+    held_->crossings(ray, range,
+                     {const_cast<void*>(static_cast<const void*>(&visit)),
+                      [](void* function, double t) { (*static_cast<Visit*>(function))(t); }});
+  }
+
+ private:
+  /// A function that is called through a pointer, since a virtual function cannot be a template.
+  struct Visitor {
+    void* function;
+    void (*call)(void* function, double t);
+    void operator()(double t) const { call(function, t); }
+  };
+
+  struct Holder {
+    virtual ~Holder() = default;
+    virtual std::unique_ptr<Holder> copy() const = 0;
+    virtual std::optional<double> intersect(const Ray&, Interval) const = 0;
+    virtual Vec3 normal_at(const Point&) const = 0;
+    virtual Departure departure() const = 0;
+    virtual void crossings(const Ray&, Interval, const Visitor&) const = 0;
+    virtual void validate() const = 0;
+  };
+
+  template <class S>
+  struct Held final : Holder {
+    explicit Held(S s) : surface(std::move(s)) {}
+    std::unique_ptr<Holder> copy() const override { return std::make_unique<Held>(surface); }
+    std::optional<double> intersect(const Ray& r, Interval i) const override {
+      return first_crossing(surface, r, i);
+    }
+    Vec3 normal_at(const Point& point) const override { return surface.normal_at(point); }
+    Departure departure() const override { return departure_of(surface); }
+    void crossings(const Ray& r, Interval i, const Visitor& v) const override {
+      each_crossing(surface, r, i, v);
+    }
+    void validate() const override {
+      if constexpr (SurfaceWithValidation<S>) surface.validate();
+    }
+
+    S surface;
+  };
+
+  std::unique_ptr<Holder> held_;
+};
+
+static_assert(SurfaceWithCrossings<AnySurface> && SurfaceWithDeparture<AnySurface>);
+
+}  // namespace protostar::inline PROTOSTAR_ABI

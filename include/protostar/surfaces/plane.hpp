@@ -1,0 +1,56 @@
+// The set of points x with normal · x = distance.
+#pragma once
+
+#include <cmath>
+#include <stdexcept>
+
+#include "../surface.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// A plane. The normal may have any length but 0; where it is a unit vector, distance is the plane's distance
+/// from the coordinate origin along it, in scene units.
+struct Plane {
+  Vec3 normal{0, 1, 0};
+  double distance = 0;
+
+  /// Where a ray crosses the plane, if that is inside the range. A ray parallel to the plane never does, one
+  /// that lies in it included, and neither does one that departs from it.
+  [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
+    return roots(ray).first_in(range);
+  }
+
+  /// The unit normal, the same at every point.
+  [[nodiscard]] Vec3 normal_at(const Point&) const { return normalize(normal); }
+
+  /// The crossing of the ray's line: normal · (o + t·d) = distance gives t = (distance − normal·o) /
+  /// normal·d.
+  [[nodiscard]] Roots roots(const Ray& ray) const {
+    const double slope = dot(normal, ray.direction);
+    if (slope == 0 || (ray.departure.kind == Departure::Kind::plane && ray.departure == departure()))
+      return {};
+    return Roots{(distance - dot(normal, ray.origin)) / slope};
+  }
+
+  /// Planes of one equation are left together. A multiple of an equation is the same plane, so the normal's
+  /// largest component is scaled to 1; the quotients of a plane and of its multiples round alike.
+  [[nodiscard]] Departure departure() const {
+    const Vec3 size = abs(normal);
+    const double largest = size.x >= size.y && size.x >= size.z ? normal.x
+                           : size.y >= size.z                   ? normal.y
+                                                                : normal.z;
+    return {.kind = Departure::Kind::plane,
+            .geometry = {normal.x / largest, normal.y / largest, normal.z / largest, distance / largest}};
+  }
+
+  /// Throws std::invalid_argument if the normal is 0 or a number is not finite.
+  void validate() const {
+    if (!is_finite(normal) || normal == Vec3{0})
+      throw std::invalid_argument("Plane: normal must be finite and not zero");
+    if (!std::isfinite(distance)) throw std::invalid_argument("Plane: distance must be finite");
+  }
+};
+
+static_assert(SurfaceWithRoots<Plane> && SurfaceWithDeparture<Plane>);
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,47 @@
+#include "interrupt.hpp"
+
+#include <pthread.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+
+namespace {
+
+sigset_t stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  return signals;
+}
+
+}  // namespace
+
+// Every thread inherits the blocked signals, so that they wait for the listener, which is an ordinary thread
+// and may do what a signal handler may not.
+Interrupt::Interrupt() {
+  const sigset_t signals = stop_signals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  listener_ = std::jthread([this](const std::stop_token& done) { listen(done); });
+}
+
+Interrupt::~Interrupt() {
+  listener_.request_stop();
+  pthread_kill(listener_.native_handle(), SIGTERM);  // wakes it, and it sees that this is the end
+}
+
+void Interrupt::listen(const std::stop_token& done) {
+  using namespace std::chrono_literals;
+  const sigset_t signals = stop_signals();
+  int signal = 0;
+  if (sigwait(&signals, &signal) != 0 || done.stop_requested()) return;
+  signal_ = signal;
+  stop_.request_stop();
+  const auto deadline = std::chrono::steady_clock::now() + 250ms;
+  while (std::chrono::steady_clock::now() < deadline) {
+    if (done.stop_requested()) return;
+    std::this_thread::sleep_for(5ms);
+  }
+  std::_Exit(128 + signal);
+}

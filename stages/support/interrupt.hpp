@@ -1,0 +1,30 @@
+// Ctrl-C: asks the work to stop, and ends the process if it does not.
+#pragma once
+
+#include <atomic>
+#include <stop_token>
+#include <thread>
+
+/// While one lives, SIGINT and SIGTERM request a stop instead of ending the process at once, so that no
+/// half-written file is left. Work that does not look at its token for a quarter of a second is ended all the
+/// same: it holds no unfinished file, since whoever writes one looks at the token at every block. Make it
+/// before any thread.
+class Interrupt {
+ public:
+  Interrupt();
+  ~Interrupt();
+  Interrupt(const Interrupt&) = delete;
+  Interrupt& operator=(const Interrupt&) = delete;
+
+  std::stop_token token() const { return stop_.get_token(); }
+
+  /// The signal that came; 0: none.
+  int signal() const { return signal_; }
+
+ private:
+  void listen(const std::stop_token& done);
+
+  std::stop_source stop_;
+  std::atomic<int> signal_ = 0;
+  std::jthread listener_;
+};

@@ -1,0 +1,134 @@
+#include "options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <protostar/image.hpp>
+#include <protostar/version.hpp>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+namespace {
+
+using protostar::Gamma, protostar::Linear, protostar::Srgb, protostar::Transfer;
+
+/// The number that a text is, all of it.
+template <class T>
+std::optional<T> number(std::string_view text) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// Usage errors name the option, what was found and what is allowed.
+[[noreturn]] void refuse(const std::string& option, std::string_view found, const std::string& allowed) {
+  throw CLI::ValidationError(option, "'" + std::string(found) + "' is not " + allowed);
+}
+
+void read_size(std::string_view text, Options& options) {
+  const std::size_t x = text.find('x');
+  const auto width = number<int>(text.substr(0, x));
+  const auto height = x == text.npos ? std::nullopt : number<int>(text.substr(x + 1));
+  if (!width || !height || *width < 1 || *height < 1 ||
+      std::int64_t{*width} * *height > protostar::Image::max_pixels)
+    refuse("--size", text, "WIDTHxHEIGHT, whole numbers of at least 1 whose product is at most 2^28");
+  options.width = *width;
+  options.height = *height;
+}
+
+Transfer read_transfer(std::string_view text) {
+  if (text == "srgb") return Srgb{};
+  if (text == "linear") return Linear{};
+  if (text.starts_with("gamma="))
+    if (const auto exponent = number<double>(text.substr(6));
+        exponent && *exponent > 0 && std::isfinite(*exponent))
+      return Gamma{*exponent};
+  refuse("--transfer", text, "srgb, linear or gamma=G with a number G greater than 0");
+}
+
+int read_whole(const std::string& option, std::string_view text, bool (*is_allowed)(int),
+               const std::string& allowed) {
+  const auto value = number<int>(text);
+  if (!value || !is_allowed(*value)) refuse(option, text, allowed);
+  return *value;
+}
+
+/// The format that a file's ending asks for. A device or a pipe has none and takes a PPM; a folder is left to
+/// the writer, whose error says what it is.
+Options::Format format_of(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::exists(status) && !fs::is_regular_file(status)) return Options::Format::ppm;
+  if (path.parent_path() == "/dev")
+    return Options::Format::ppm;  // /dev/stdout, when it leads to a regular file
+
+  std::string ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  if (ending == ".ppm") return Options::Format::ppm;
+  if (ending == ".png") return Options::Format::png;
+  if (ending == ".pfm") return Options::Format::pfm;
+  refuse("--output", path.string(),
+         "a file that ends in .ppm, .png or .pfm, or a device or pipe that exists");
+}
+
+}  // namespace
+
+std::optional<Options> parse_options(int argc, const char* const* argv, const StageDefaults& defaults,
+                                     int& status) {
+  const std::string program = std::filesystem::path(argc > 0 ? argv[0] : "protostar").filename().string();
+  Options options{.width = defaults.width,
+                  .height = defaults.height,
+                  .transfer = defaults.transfer,
+                  .plain = defaults.plain};
+  std::string output = options.output.string(), size, threads, bits, transfer;
+  const std::string default_size = std::to_string(defaults.width) + "x" + std::to_string(defaults.height);
+
+  CLI::App app("Draws the picture of one section of the tutorial.", program);
+  app.set_version_flag("--version", std::string("protostar ") + PROTOSTAR_VERSION);
+  app.add_option("-o,--output", output,
+                 "The picture's file: .ppm, .png, or .pfm for the linear light [out.ppm]")
+      ->type_name("FILE");
+  app.add_option("--size", size, "Its size in pixels [" + default_size + "]")->type_name("WxH");
+  app.add_option("--threads", threads, "How many work on it; 0: all cores [0]")->type_name("N");
+  app.add_option("--bits", bits, "Bits per channel of a .ppm: 8 or 16 [8]")->type_name("8|16");
+  app.add_option("--transfer", transfer,
+                 "How light becomes numbers: the sRGB curve, as it is, or its G-th root")
+      ->type_name("srgb|linear|gamma=G");
+  app.add_flag("--plain", options.plain, "Write the .ppm as decimal numbers (P3)");
+  app.add_flag("--quiet", options.quiet, "Print nothing but errors");
+
+  try {
+    app.parse(argc, argv);
+    options.output = output;
+    options.format = format_of(options.output);
+    if (app.count("--size")) read_size(size, options);
+    if (app.count("--threads"))
+      options.threads = read_whole(
+          "--threads", threads, [](int n) { return n >= 0; }, "a whole number of at least 0");
+    if (app.count("--bits"))
+      options.bits = read_whole(
+          "--bits", bits, [](int n) { return n == 8 || n == 16; }, "8 or 16");
+    if (app.count("--transfer")) options.transfer = read_transfer(transfer);
+
+    // What a format cannot do is refused, not left out.
+    const std::string ending = options.output.extension().string();
+    if (options.format != Options::Format::ppm) {
+      if (app.count("--plain")) refuse("--plain", ending, "a format with a plain form; .ppm is");
+      if (options.bits != 8) refuse("--bits", bits, "possible in " + ending + "; .ppm can have 16 bits");
+    }
+    if (options.format == Options::Format::pfm && app.count("--transfer") &&
+        !std::holds_alternative<Linear>(options.transfer))
+      refuse("--transfer", transfer, "possible in .pfm, which holds linear light");
+    return options;
+  } catch (const CLI::ParseError& message) {
+    status = app.exit(message) == 0 ? 0 : 2;  // prints it
+    return std::nullopt;
+  }
+}

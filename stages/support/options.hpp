@@ -1,0 +1,34 @@
+// The command line that all stages share.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <protostar/encode.hpp>
+#include <string>
+
+/// What a stage draws when it is not told otherwise.
+struct StageDefaults {
+  std::string integrator;  ///< for the line that the stage prints
+  int width = 640, height = 480;
+  protostar::Transfer transfer = protostar::Gamma{2.2};
+  bool plain = false;
+};
+
+/// What the user asked for, checked as far as it can be without touching a file.
+struct Options {
+  enum class Format { ppm, png, pfm };
+
+  std::filesystem::path output = "out.ppm";
+  Format format = Format::ppm;
+  int width = 0, height = 0;
+  int threads = 0;  ///< 0: all cores
+  int bits = 8;
+  protostar::Transfer transfer;
+  bool plain = false;
+  bool quiet = false;
+};
+
+/// Reads a command line. Nothing is returned when the program has already said all that there is to say, help
+/// or an error; then status is what it should exit with: 0, or 2 for an error in usage.
+std::optional<Options> parse_options(int argc, const char* const* argv, const StageDefaults& defaults,
+                                     int& status);

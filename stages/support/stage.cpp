@@ -1,0 +1,104 @@
+#include "stage.hpp"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <protostar/io/png.hpp>
+#include <protostar/pfm.hpp>
+#include <protostar/ppm.hpp>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "interrupt.hpp"
+#include "progress.hpp"
+
+using namespace protostar;
+
+namespace {
+
+double milliseconds(std::chrono::steady_clock::duration time) {
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+
+/// Whether a path is where stdout leads, so that a line there would end up in the picture.
+bool is_stdout(const std::filesystem::path& path) {
+  struct stat file, standard;
+  return stat(path.c_str(), &file) == 0 && fstat(STDOUT_FILENO, &standard) == 0 &&
+         file.st_dev == standard.st_dev && file.st_ino == standard.st_ino;
+}
+
+void flush(std::FILE* stream, const char* name) {
+  if (std::fflush(stream) != 0 || std::ferror(stream) != 0)
+    throw std::system_error(errno, std::generic_category(), std::string("cannot write ") + name);
+}
+
+}  // namespace
+
+Stage::Stage(const Options& options, std::string integrator, std::stop_token stop)
+    : options_(options), integrator_(std::move(integrator)), stop_(std::move(stop)) {}
+
+Image Stage::image() const {
+  // Making a file and not committing it changes nothing, but fails where saving would. Devices and pipes are
+  // left alone: for those, being opened is an event.
+  std::error_code error;
+  const auto status = std::filesystem::status(options_.output, error);
+  if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status) ||
+      std::filesystem::is_directory(status))
+    OutputFile{options_.output};
+  return Image(options_.width, options_.height);
+}
+
+RenderOptions Stage::render_options() {
+  start_ = Clock::now();
+  return {.threads = options_.threads, .stop = stop_, .progress = Progress(options_.quiet)};
+}
+
+void Stage::save(const Image& image) {
+  if (stop_.stop_requested()) return;
+  const auto rendered = Clock::now();
+  write(image);
+  if (stop_.stop_requested() || options_.quiet) return;
+  std::FILE* const out = is_stdout(options_.output) ? stderr : stdout;
+  std::fprintf(out, "%s: %dx%d, %s, rendered in %.2f ms, written in %.2f ms\n",
+               options_.output.string().c_str(), image.width(), image.height(), integrator_.c_str(),
+               milliseconds(rendered - start_), milliseconds(Clock::now() - rendered));
+}
+
+void Stage::write(const Image& image) const {
+  switch (options_.format) {
+    case Options::Format::ppm:
+      return save_ppm(image, options_.output, options_.transfer,
+                      {.bits = options_.bits, .plain = options_.plain, .stop = stop_});
+    case Options::Format::png:
+      return save_png(image, options_.output, options_.transfer);
+    case Options::Format::pfm:
+      return save_pfm(image, options_.output, stop_);
+  }
+}
+
+int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::function<void(Stage&)>& draw) {
+  const std::string program = std::filesystem::path(argc > 0 ? argv[0] : "protostar").filename().string();
+  try {
+    int status = 0;
+    const auto options = parse_options(argc, argv, defaults, status);
+    if (options) {
+      const Interrupt interrupt;
+      Stage stage(*options, defaults.integrator, interrupt.token());
+      draw(stage);
+      if (interrupt.signal() != 0) return 128 + interrupt.signal();
+    }
+    flush(stdout, "standard output");
+    return status;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "%s: not enough memory for an image of this size\n", program.c_str());
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", program.c_str(), error.what());
+  }
+  return 1;
+}

@@ -1,0 +1,40 @@
+// What the stages share besides the library: a command line, a picture to fill, a file to save it to.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <protostar/image.hpp>
+#include <protostar/render.hpp>
+
+#include "options.hpp"
+
+/// One run of a stage: what the user asked for.
+class Stage {
+ public:
+  Stage(const Options& options, std::string integrator, std::stop_token stop);
+
+  /// A black image of the size asked for. Throws std::system_error right away if it could not be saved later.
+  protostar::Image image() const;
+
+  /// The threads asked for, a progress display, and an end on Ctrl-C. The time of the render counts from
+  /// here.
+  protostar::RenderOptions render_options();
+
+  /// Saves the image in the format asked for and prints the line about it. Throws std::system_error if it
+  /// cannot.
+  void save(const protostar::Image& image);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void write(const protostar::Image& image) const;
+
+  Options options_;
+  std::string integrator_;
+  std::stop_token stop_;
+  Clock::time_point start_ = Clock::now();
+};
+
+/// Reads the command line, runs the stage, and returns the program's exit status: 0, 1 if something failed, 2
+/// for an error in usage, 130 after Ctrl-C.
+int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::function<void(Stage&)>& draw);
