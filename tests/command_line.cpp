@@ -64,14 +64,15 @@ std::string picture(const std::string& name, const std::string& arguments) {
   return bytes_of(folder / "out.ppm");
 }
 
-/// The line that a stage prints, with every digit of its times as 0.
-std::string without_times(std::string line) {
-  for (std::size_t i = line.find("rendered"); i < line.size(); ++i)
-    if (line[i] >= '0' && line[i] <= '9') {
-      const std::size_t end = line.find_first_not_of("0123456789", i);
-      line.replace(i, end - i, "0");
-    }
-  return line;
+/// The line that a stage prints, with every number of its times as 0.
+std::string without_times(const std::string& line) {
+  std::string kept = line.substr(0, line.find("rendered"));
+  for (std::size_t i = kept.size(); i < line.size(); ++i) {
+    const bool digit = line[i] >= '0' && line[i] <= '9';
+    if (!digit) kept += line[i];
+    if (digit && kept.back() != '0') kept += '0';
+  }
+  return kept;
 }
 
 std::string cannot_write(const std::string& program, const std::string& path, int reason) {
