@@ -25,6 +25,7 @@ inline const std::vector<Sphere> three_spheres{
     {.twice_center = {0, -2002, 6}, .twice_radius = 2000, .color = {0.2f, 0.4f, 0.8f}}};
 inline const std::vector<Sphere> one_sphere{three_spheres.front()};
 inline const Vector light{0, 3, 0};
+inline const Real pi = std::numbers::pi_v<Real>;
 inline const Real power = 4 * std::numbers::pi_v<float> * 10;
 
 /// What a ray sees: the sphere, and where.
@@ -56,9 +57,11 @@ inline Vector normal(const Seen& seen) {
 inline Vector lit(const Seen& seen) {
   const Vector l = light - seen.point;
   const Real cosine = dot(normal(seen), l) / length(l);
-  return power / (4 * std::numbers::pi_v<Real>)*std::max<Real>(cosine, 0) / dot(l, l) * seen.sphere->color;
+  const Real irradiance = std::max<Real>(cosine, 0) / dot(l, l) * power / (4 * pi);
+  return irradiance * seen.sphere->color;
 }
 
+/// Whether any sphere hides the light, the point's own included.
 inline bool in_shadow(const Seen& seen) {
   return std::any_of(three_spheres.begin(), three_spheres.end(), [&](const Sphere& sphere) {
     return &sphere == seen.sphere ? is_between_from_surface(sphere, seen.point, light)
