@@ -95,7 +95,7 @@ class Scene {
 
     [[nodiscard]] bool occluded(const Ray& ray, Interval range) const {
       for (const T& surface : surfaces)
-        if (first_crossing(surface, ray, range)) return true;
+        if (const auto t = first_crossing(surface, ray, range); t && range.contains(*t)) return true;
       return false;
     }
   };

@@ -27,7 +27,8 @@ struct Plane {
   /// normal·d.
   [[nodiscard]] Roots roots(const Ray& ray) const {
     const double slope = dot(normal, ray.direction);
-    if (slope == 0 || (ray.departure.kind == Departure::Kind::plane && ray.departure == departure()))
+    if (slope == 0 || !std::isfinite(slope) ||
+        (ray.departure.kind == Departure::Kind::plane && ray.departure == departure()))
       return {};
     return Roots{(distance - dot(normal, ray.origin)) / slope};
   }
