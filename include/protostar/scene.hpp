@@ -1,6 +1,8 @@
 // Surfaces and lights, and the three questions that a ray asks of them (§2.3.1).
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <stdexcept>
@@ -51,18 +53,21 @@ class Scene {
     lights_.push_back(light);
   }
 
-  /// The first crossing inside the range.
+  /// The first crossing inside the range. The order is exact for surfaces that can refine their roots.
   [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
-    std::optional<SurfaceView> first;
+    std::optional<SurfaceCrossing> first;
     each_surface([&](const auto& surface, const Color& color) {
-      const auto t = first_crossing(surface, ray, range);
-      if (!t || !range.contains(*t)) return;
-      // Each hit shortens the range, so the last hit is the nearest.
-      range.max = *t;
-      first = view_of(surface, color);
+      const auto crossing = first_crossing(surface, ray, range);
+      if (!crossing) return;
+      const SurfaceCrossing candidate = on(surface, *crossing, color);
+      if (first && !precedes(ray, candidate, *first)) return;
+      first = candidate;
+      // Each hit shortens the range, so the last hit is the nearest. What might be before it, given its
+      // error, stays in.
+      range.max = std::min(range.max, crossing->t + 4 * Roots::relative_error * std::abs(crossing->t));
     });
     if (!first) return std::nullopt;
-    return Intersection(ray, range.max, *first);
+    return Intersection(ray, *first);
   }
 
   /// Whether there is any crossing inside the range. The first one found ends the search.
@@ -74,8 +79,9 @@ class Scene {
   /// along the ray; of one surface, near before far. A point of tangency counts as two crossings.
   void crossings(const Ray& ray, Interval range, auto&& visit) const {
     each_surface([&](const auto& surface, const Color& color) {
-      each_crossing(surface, ray, range,
-                    [&](double t) { visit(Intersection(ray, t, view_of(surface, color))); });
+      each_crossing(surface, ray, range, [&](const Crossing& crossing) {
+        visit(Intersection(ray, on(surface, crossing, color)));
+      });
     });
   }
 
@@ -99,6 +105,11 @@ class Scene {
       return false;
     }
   };
+
+  template <Surface T>
+  [[nodiscard]] static SurfaceCrossing on(const T& surface, const Crossing& crossing, const Color& color) {
+    return {.crossing = crossing, .surface = &surface, .functions = &functions_of<T>, .color = &color};
+  }
 
   /// Calls visit(surface, color) for every surface, in order.
   void each_surface(auto&& visit) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "../numeric/plane_roots.hpp"
 #include "../surface.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -17,19 +18,21 @@ struct Plane {
   /// Where a ray crosses the plane, if that is inside the range. A ray parallel to the plane never does, one
   /// that lies in it included, and neither does one that departs from it.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
-    return roots(ray).first_in(range);
+    const auto crossing = first_crossing(*this, ray, range);
+    return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
   /// The unit normal, the same at every point.
   [[nodiscard]] Vec3 normal_at(const Point&) const { return normalize(normal); }
 
-  /// The crossing of the ray's line: normal · (o + t·d) = distance gives t = (distance − normal·o) /
-  /// normal·d.
+  /// The crossing of the ray's line; of a ray that departs from the plane, none.
   [[nodiscard]] Roots roots(const Ray& ray) const {
-    const double slope = dot(normal, ray.direction);
-    if (slope == 0 || (ray.departure.kind == Departure::Kind::plane && ray.departure == departure()))
-      return {};
-    return Roots{(distance - dot(normal, ray.origin)) / slope};
+    if (is_left_by(ray)) return {};
+    return plane_roots(ray.origin, ray.direction, normal, distance);
+  }
+
+  [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision) const {
+    return refined_plane_roots(ray.origin, ray.direction, normal, distance);
   }
 
   /// Planes of one equation are left together. A multiple of an equation is the same plane, so the normal's
@@ -49,8 +52,13 @@ struct Plane {
       throw std::invalid_argument("Plane: normal must be finite and not zero");
     if (!std::isfinite(distance)) throw std::invalid_argument("Plane: distance must be finite");
   }
+
+ private:
+  [[nodiscard]] bool is_left_by(const Ray& ray) const {
+    return ray.departure.kind == Departure::Kind::plane && ray.departure == departure();
+  }
 };
 
-static_assert(SurfaceWithRoots<Plane> && SurfaceWithDeparture<Plane>);
+static_assert(SurfaceWithRefinedRoots<Plane> && SurfaceWithDeparture<Plane>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

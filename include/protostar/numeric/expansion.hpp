@@ -1,0 +1,76 @@
+// Numbers without rounding, for the sign that no fixed precision decides.
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "double_double.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// An exact sum of doubles that do not overlap, from the smallest to the largest, none of them 0: its sign is
+/// that of the last one. Sums, differences and products are exact unless a term overflows or falls below
+/// 2^-1074. Source: Shewchuk, "Adaptive Precision Floating-Point Arithmetic", 1997 (grow-expansion,
+/// scale-expansion).
+class Expansion {
+ public:
+  Expansion() = default;
+  Expansion(double value) {
+    if (value != 0) terms_.push_back(value);
+  }
+
+  [[nodiscard]] int sign() const { return terms_.empty() ? 0 : terms_.back() > 0 ? 1 : -1; }
+
+  /// The sum rounded to two doubles. The terms above contribute less than 2u² of it: each is less than the
+  /// last bit of the next, and the two largest, once renormalized, hold at least 106 bits with what carries
+  /// into them.
+  explicit operator DoubleDouble() const {
+    DoubleDouble sum;
+    for (const double term : terms_) sum = DoubleDouble(term) + sum;
+    return sum;
+  }
+
+  Expansion& operator+=(double value) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < terms_.size(); ++i) {
+      const DoubleDouble sum = two_sum(value, terms_[i]);
+      if (sum.lo != 0) terms_[kept++] = sum.lo;  // never behind i: each term leaves at most one
+      value = sum.hi;
+    }
+    terms_.resize(kept);
+    if (value != 0) terms_.push_back(value);
+    return *this;
+  }
+
+  friend Expansion operator+(Expansion a, const Expansion& b) {
+    for (const double term : b.terms_) a += term;
+    return a;
+  }
+
+  friend Expansion operator-(Expansion a) {
+    for (double& term : a.terms_) term = -term;
+    return a;
+  }
+
+  friend Expansion operator-(Expansion a, const Expansion& b) {
+    for (const double term : b.terms_) a += -term;
+    return a;
+  }
+
+  friend Expansion operator*(const Expansion& a, const Expansion& b) {
+    Expansion product;
+    for (const double x : a.terms_)
+      for (const double y : b.terms_) {
+        const DoubleDouble xy = two_product(x, y);
+        product += xy.lo;
+        product += xy.hi;
+      }
+    return product;
+  }
+
+ private:
+  std::vector<double> terms_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI
