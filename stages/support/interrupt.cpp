@@ -13,7 +13,13 @@ sigset_t stop_signals() {
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGHUP);
   return signals;
+}
+
+bool is_ignored(int signal) {
+  struct sigaction action;
+  return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
 }
 
 }  // namespace
@@ -22,20 +28,24 @@ sigset_t stop_signals() {
 // and may do what a signal handler may not.
 Interrupt::Interrupt() {
   const sigset_t signals = stop_signals();
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  pthread_sigmask(SIG_BLOCK, &signals, &mask_before_);
   listener_ = std::jthread([this](const std::stop_token& done) { listen(done); });
 }
 
 Interrupt::~Interrupt() {
   listener_.request_stop();
   pthread_kill(listener_.native_handle(), SIGTERM);  // wakes it, and it sees that this is the end
+  listener_.join();
+  pthread_sigmask(SIG_SETMASK, &mask_before_, nullptr);
 }
 
 void Interrupt::listen(const std::stop_token& done) {
   using namespace std::chrono_literals;
   const sigset_t signals = stop_signals();
   int signal = 0;
-  if (sigwait(&signals, &signal) != 0 || done.stop_requested()) return;
+  do
+    if (sigwait(&signals, &signal) != 0 || done.stop_requested()) return;
+  while (is_ignored(signal));
   signal_ = signal;
   stop_.request_stop();
   const auto deadline = std::chrono::steady_clock::now() + 250ms;

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <atomic>
+#include <csignal>
 #include <stop_token>
 #include <thread>
 
-/// While one lives, SIGINT and SIGTERM request a stop instead of ending the process at once, so that no
-/// half-written file is left. Work that does not look at its token for a quarter of a second is ended all the
-/// same: it holds no unfinished file, since whoever writes one looks at the token at every block. Make it
+/// While one lives, SIGINT, SIGTERM and SIGHUP request a stop instead of ending the process at once, so that
+/// no half-written file is left. Work that does not look at its token for a quarter of a second is ended all
+/// the same: it holds no unfinished file, since whoever writes one looks at the token at every block. A
+/// signal that the process was started to ignore, as nohup and the shell's & do, stays ignored. Make it
 /// before any thread.
 class Interrupt {
  public:
@@ -24,6 +26,7 @@ class Interrupt {
  private:
   void listen(const std::stop_token& done);
 
+  sigset_t mask_before_;
   std::stop_source stop_;
   std::atomic<int> signal_ = 0;
   std::jthread listener_;

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -64,25 +65,23 @@ Options::Format format_of(const std::filesystem::path& path) {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (fs::exists(status) && !fs::is_regular_file(status)) return Options::Format::ppm;
-  if (path.parent_path() == "/dev")
-    return Options::Format::ppm;  // /dev/stdout, when it leads to a regular file
+  // What exists in /dev may lead to a regular file, as /dev/stdout does after the shell's >.
+  if (fs::exists(status) && (!fs::is_regular_file(status) || path.parent_path() == "/dev"))
+    return Options::Format::ppm;
 
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  if (ending == ".ppm") return Options::Format::ppm;
-  if (ending == ".png") return Options::Format::png;
-  if (ending == ".pfm") return Options::Format::pfm;
-  refuse("--output", path.string(),
-         "a file that ends in .ppm, .png or .pfm, or a device or pipe that exists");
+  std::string name = path.string();
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (name.ends_with(".ppm")) return Options::Format::ppm;
+  if (name.ends_with(".png")) return Options::Format::png;
+  if (name.ends_with(".pfm")) return Options::Format::pfm;
+  refuse("-o", path.string(), "a file that ends in .ppm, .png or .pfm, or a device or pipe that exists");
 }
 
 }  // namespace
 
 std::optional<Options> parse_options(int argc, const char* const* argv, const StageDefaults& defaults,
-                                     int& status) {
-  const std::string program = std::filesystem::path(argc > 0 ? argv[0] : "protostar").filename().string();
+                                     const std::string& program, int& status) {
   Options options{.width = defaults.width,
                   .height = defaults.height,
                   .transfer = defaults.transfer,
@@ -92,8 +91,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
 
   CLI::App app("Draws the picture of one section of the tutorial.", program);
   app.set_version_flag("--version", std::string("protostar ") + PROTOSTAR_VERSION);
-  app.add_option("-o,--output", output,
-                 "The picture's file: .ppm, .png, or .pfm for the linear light [out.ppm]")
+  app.add_option("-o", output, "The picture's file: .ppm, .png, or .pfm for the linear light [out.ppm]")
       ->type_name("FILE");
   app.add_option("--size", size, "Its size in pixels [" + default_size + "]")->type_name("WxH");
   app.add_option("--threads", threads, "How many work on it; 0: all cores [0]")->type_name("N");
@@ -101,8 +99,11 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   app.add_option("--transfer", transfer,
                  "How light becomes numbers: the sRGB curve, as it is, or its G-th root")
       ->type_name("srgb|linear|gamma=G");
-  app.add_flag("--plain", options.plain, "Write the .ppm as decimal numbers (P3)");
-  app.add_flag("--quiet", options.quiet, "Print nothing but errors");
+  app.add_flag("--plain", options.plain, "Write the .ppm as decimal numbers (P3)")->disable_flag_override();
+  app.add_flag("--quiet", options.quiet, "Print nothing but errors")->disable_flag_override();
+  app.failure_message([](const CLI::App* of, const CLI::Error& error) {
+    return of->get_name() + ": " + error.what() + "\nRun with --help for what is allowed.\n";
+  });
 
   try {
     app.parse(argc, argv);
@@ -118,7 +119,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     if (app.count("--transfer")) options.transfer = read_transfer(transfer);
 
     // What a format cannot do is refused, not left out.
-    const std::string ending = options.output.extension().string();
+    const std::string ending = options.format == Options::Format::png ? ".png" : ".pfm";
     if (options.format != Options::Format::ppm) {
       if (app.count("--plain")) refuse("--plain", ending, "a format with a plain form; .ppm is");
       if (options.bits != 8) refuse("--bits", bits, "possible in " + ending + "; .ppm can have 16 bits");

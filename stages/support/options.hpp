@@ -31,4 +31,4 @@ struct Options {
 /// Reads a command line. Nothing is returned when the program has already said all that there is to say, help
 /// or an error; then status is what it should exit with: 0, or 2 for an error in usage.
 std::optional<Options> parse_options(int argc, const char* const* argv, const StageDefaults& defaults,
-                                     int& status);
+                                     const std::string& program, int& status);

@@ -4,13 +4,19 @@
 #include <chrono>
 
 /// Shows progress on stderr if that is a terminal and the work has taken longer than a second, and clears it
-/// at its end.
+/// at the end.
 class Progress {
  public:
   explicit Progress(bool quiet);
+  ~Progress() { clear(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
 
   /// Takes the share that is done, from 0 to 1.
-  void operator()(double done);
+  void show(double done);
+
+  /// Leaves the line empty.
+  void clear();
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -16,7 +17,6 @@
 #include <utility>
 
 #include "interrupt.hpp"
-#include "progress.hpp"
 
 using namespace protostar;
 
@@ -41,7 +41,10 @@ void flush(std::FILE* stream, const char* name) {
 }  // namespace
 
 Stage::Stage(const Options& options, std::string integrator, std::stop_token stop)
-    : options_(options), integrator_(std::move(integrator)), stop_(std::move(stop)) {}
+    : options_(options),
+      integrator_(std::move(integrator)),
+      stop_(std::move(stop)),
+      progress_(options.quiet) {}
 
 Image Stage::image() const {
   // Making a file and not committing it changes nothing, but fails where saving would. Devices and pipes are
@@ -56,10 +59,12 @@ Image Stage::image() const {
 
 RenderOptions Stage::render_options() {
   start_ = Clock::now();
-  return {.threads = options_.threads, .stop = stop_, .progress = Progress(options_.quiet)};
+  return {
+      .threads = options_.threads, .stop = stop_, .progress = [this](double done) { progress_.show(done); }};
 }
 
 void Stage::save(const Image& image) {
+  progress_.clear();  // the calling thread need not be the one that does the last tile
   if (stop_.stop_requested()) return;
   const auto rendered = Clock::now();
   write(image);
@@ -85,8 +90,9 @@ void Stage::write(const Image& image) const {
 int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::function<void(Stage&)>& draw) {
   const std::string program = std::filesystem::path(argc > 0 ? argv[0] : "protostar").filename().string();
   try {
+    std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is met as a full disk is, by an error
     int status = 0;
-    const auto options = parse_options(argc, argv, defaults, status);
+    const auto options = parse_options(argc, argv, defaults, program, status);
     if (options) {
       const Interrupt interrupt;
       Stage stage(*options, defaults.integrator, interrupt.token());

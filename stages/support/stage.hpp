@@ -7,6 +7,7 @@
 #include <protostar/render.hpp>
 
 #include "options.hpp"
+#include "progress.hpp"
 
 /// One run of a stage: what the user asked for.
 class Stage {
@@ -32,6 +33,7 @@ class Stage {
   Options options_;
   std::string integrator_;
   std::stop_token stop_;
+  Progress progress_;
   Clock::time_point start_ = Clock::now();
 };
 

@@ -1,0 +1,540 @@
+// The stages as a user runs them: every option, what is refused, what fails, where the picture may go.
+#include <fcntl.h>
+#include <linux/capability.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <protostar/version.hpp>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/files.hpp"
+#include "support/process.hpp"
+
+#if defined(__SANITIZE_ADDRESS__)
+#define ADDRESS_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define ADDRESS_SANITIZER
+#endif
+#endif
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+namespace {
+
+struct StageRow {
+  std::string name, integrator;
+};
+
+const std::vector<StageRow> all_stages{{"01_gradient", "gradient"}, {"02_sphere", "sphere"},
+                                       {"03_scene", "binary"},      {"04_depth", "depth"},
+                                       {"05_normal", "normal"},     {"06_color", "color"},
+                                       {"07_diffuse", "diffuse"},   {"08_transparency", "transparency"},
+                                       {"09_shadow", "shadow"}};
+
+Outcome run_stage(const std::string& name, const std::string& arguments, const TemporaryFolder& folder,
+                  std::function<void()> before = {}) {
+  Command command = stage(name, words(arguments), folder / "");
+  command.before = std::move(before);
+  return run(command);
+}
+
+/// What a picture is drawn as without a word about it: into an empty folder, to be compared with.
+std::string picture(const std::string& name, const std::string& arguments) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_stage(name, arguments + " --quiet -o out.ppm", folder);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out + outcome.err == "");
+  CHECK(folder.count() == 1);
+  return bytes_of(folder / "out.ppm");
+}
+
+/// The line that a stage prints, with every number of its times as 0.
+std::string without_times(const std::string& line) {
+  std::string kept = line.substr(0, line.find("rendered"));
+  for (std::size_t i = kept.size(); i < line.size(); ++i) {
+    const bool digit = line[i] >= '0' && line[i] <= '9';
+    if (!digit) kept += line[i];
+    if (digit && kept.back() != '0') kept += '0';
+  }
+  return kept;
+}
+
+std::string cannot_write(const std::string& program, const std::string& path, int reason) {
+  return program + ": cannot write '" + path + "': " + std::generic_category().message(reason) + "\n";
+}
+
+/// Takes from root, if that is who runs the tests, the right to write where the permissions forbid it.
+void respect_permissions() { prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE); }
+
+}  // namespace
+
+TEST_CASE("every stage writes out.ppm, in the size asked for, and says so in one line") {
+  const StageRow row = GENERATE(from_range(all_stages));
+  CAPTURE(row.name);
+  const TemporaryFolder folder;
+  const Outcome outcome = run_stage(row.name, "--size 16x12", folder);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.err == "");
+  CHECK(without_times(outcome.out) ==
+        "out.ppm: 16x12, " + row.integrator + ", rendered in 0.0 ms, written in 0.0 ms\n");
+  CHECK(folder.count() == 1);
+
+  const std::string file = bytes_of(folder / "out.ppm");
+  if (row.name == "01_gradient") {
+    CHECK(file.starts_with("P3\n16 12\n255\n"));
+  } else {
+    const std::string header = "P6\n16 12\n255\n";
+    CHECK(file.starts_with(header));
+    CHECK(file.size() == header.size() + 16 * 12 * 3);
+  }
+}
+
+TEST_CASE("every stage takes every option") {
+  const StageRow row = GENERATE(from_range(all_stages));
+  CAPTURE(row.name);
+  const TemporaryFolder folder;
+  const Outcome outcome = run_stage(
+      row.name, "-o a.ppm --size 7x5 --threads 2 --bits 16 --transfer srgb --plain --quiet", folder);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out == "");
+  CHECK(outcome.err == "");
+  CHECK(bytes_of(folder / "a.ppm").starts_with("P3\n7 5\n65535\n"));
+  CHECK(folder.count() == 1);
+}
+
+TEST_CASE("--version and --help answer on stdout and draw nothing") {
+  const StageRow row = GENERATE(from_range(all_stages));
+  CAPTURE(row.name);
+  const TemporaryFolder folder;
+  const Outcome version = run_stage(row.name, "--version", folder);
+  CHECK(version.status == 0);
+  CHECK(version.out == std::string("protostar ") + PROTOSTAR_VERSION + "\n");
+  CHECK(version.err == "");
+
+  const Outcome help = run_stage(row.name, "--help", folder);
+  CHECK(help.status == 0);
+  CHECK(help.err == "");
+  for (const char* text : {"-o FILE", "--size WxH", "--threads N", "--bits 8|16",
+                           "--transfer srgb|linear|gamma=G", "--plain", "--quiet", "--help", "--version"})
+    CHECK_THAT(help.out, ContainsSubstring(text));
+  CHECK_THAT(help.out, ContainsSubstring("Usage: " + row.name));
+  CHECK_THAT(help.out, ContainsSubstring(row.name == "01_gradient" ? "[100x100]" : "[640x480]"));
+  CHECK(folder.count() == 0);
+}
+
+TEST_CASE("the ending of the file, in upper or lower case, chooses its format") {
+  struct Row {
+    std::string file, magic;
+  };
+  const Row row =
+      GENERATE(Row{"a.ppm", "P6\n"}, Row{"a.PPM", "P6\n"}, Row{".ppm", "P6\n"}, Row{"a.png", "\x89PNG"},
+               Row{"a.b.PnG", "\x89PNG"}, Row{"a.pfm", "PF\n"}, Row{"a.ppm.Pfm", "PF\n"});
+  CAPTURE(row.file);
+  const TemporaryFolder folder;
+  const Outcome outcome = run_stage("06_color", "--size 4x3 -o " + row.file, folder);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.err == "");
+  CHECK(outcome.out.starts_with(row.file + ": 4x3, "));
+  CHECK(bytes_of(folder / row.file).starts_with(row.magic));
+  CHECK(folder.count() == 1);
+}
+
+TEST_CASE("a PFM holds the light itself, whatever the stage's transfer") {
+  const TemporaryFolder folder;
+  for (const char* transfer : {"", " --transfer linear"}) {
+    CHECK(run_stage("08_transparency", std::string("--size 1x1 -o a.pfm") + transfer, folder).status == 0);
+    const std::string file = bytes_of(folder / "a.pfm");
+    REQUIRE(file.size() == std::string("PF\n1 1\n-1.0\n").size() + 12);
+    CHECK(file.starts_with("PF\n1 1\n-1.0\n"));
+  }
+}
+
+TEST_CASE("light is encoded as asked, with 8 or 16 bits") {
+  struct Row {
+    std::string arguments, middle, last;  // of a gradient of three pixels: the codes of light 0.5 and 1
+  };
+  const Row row = GENERATE(
+      Row{"", "128", "255"}, Row{"--bits 8", "128", "255"}, Row{"--transfer linear", "128", "255"},
+      Row{"--transfer gamma=1", "128", "255"}, Row{"--transfer gamma=2.2", "186", "255"},
+      Row{"--transfer gamma=0.5", "64", "255"}, Row{"--transfer srgb", "188", "255"},
+      Row{"--bits 16", "32768", "65535"}, Row{"--bits 16 --transfer gamma=2", "46340", "65535"},
+      Row{"--bits 16 --transfer srgb", "48192", "65535"}, Row{"--transfer=srgb --plain", "188", "255"});
+  CAPTURE(row.arguments);
+  const auto gray = [](const std::string& code) { return code + "\t" + code + "\t" + code + "\t\t"; };
+  CHECK(picture("01_gradient", "--size 3x1 " + row.arguments) ==
+        "P3\n3 1\n" + row.last + "\n" + gray("0") + gray(row.middle) + gray(row.last) + "\n");
+}
+
+TEST_CASE("a binary PPM has one byte or two per channel, the most significant first") {
+  const std::string white8(3, '\xff'), white16(6, '\xff');
+  CHECK(picture("08_transparency", "--size 1x1 --transfer linear --bits 8").size() == 11 + 3);
+  const std::string narrow = picture("08_transparency", "--size 100x50");
+  const std::string wide = picture("08_transparency", "--size 100x50 --bits 16");
+  CHECK(narrow.starts_with("P6\n100 50\n255\n" + white8));
+  CHECK(wide.starts_with("P6\n100 50\n65535\n" + white16));
+  CHECK(wide.size() - std::string("P6\n100 50\n65535\n").size() == 100 * 50 * 6);
+  const std::size_t narrow_begin = std::string("P6\n100 50\n255\n").size();
+  const std::size_t wide_begin = std::string("P6\n100 50\n65535\n").size();
+  int wrong = 0;
+  for (std::size_t i = 0; i < std::size_t{100 * 50 * 3}; ++i) {
+    const auto byte = [](const std::string& file, std::size_t at) {
+      return static_cast<int>(static_cast<unsigned char>(file[at]));
+    };
+    const int code8 = byte(narrow, narrow_begin + i);
+    const int code16 = 256 * byte(wide, wide_begin + 2 * i) + byte(wide, wide_begin + 2 * i + 1);
+    if (2 * std::abs(257 * code8 - code16) > 257 + 1) ++wrong;  // both round the same light
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("rows of whole blocks of pixels are written in full, plain and with 16 bits") {
+  const std::string file = picture("08_transparency", "--size 8192x2 --bits 16 --plain");
+  CHECK(file.starts_with("P3\n8192 2\n65535\n"));
+  CHECK(file.ends_with("65535\t65535\t65535\t\t\n"));
+  CHECK(std::count(file.begin(), file.end(), '\t') == 8192 * 2 * 4);
+  CHECK(std::count(file.begin(), file.end(), '\n') == 3 + 2);
+}
+
+TEST_CASE("the picture does not depend on the number of threads") {
+  const std::string expected = picture("09_shadow", "--size 130x70 --threads 1");
+  for (const char* threads : {"0", "2", "7", "100000"}) {
+    CAPTURE(threads);
+    CHECK(picture("09_shadow", std::string("--size 130x70 --threads ") + threads) == expected);
+  }
+}
+
+TEST_CASE("a picture may be one pixel wide or high") {
+  const std::string size = GENERATE("1x1", "1x5000", "5000x1");
+  CAPTURE(size);
+  const std::string stage_name = GENERATE("01_gradient", "09_shadow");
+  CHECK_THAT(picture(stage_name, "--size " + size),
+             ContainsSubstring(size.substr(0, size.find('x')) + " " + size.substr(size.find('x') + 1)));
+}
+
+TEST_CASE("what is wrong on the command line is named, with what would be right, and nothing is drawn") {
+  struct Row {
+    std::string arguments;
+    std::vector<std::string> named;
+  };
+  const std::string size = "WIDTHxHEIGHT, whole numbers of at least 1 whose product is at most 2^28";
+  const std::string threads = "a whole number of at least 0";
+  const std::string transfer = "srgb, linear or gamma=G with a number G greater than 0";
+  const std::string endings = "a file that ends in .ppm, .png or .pfm, or a device or pipe that exists";
+  const auto not_allowed = [](const std::string& option, const std::string& found,
+                              const std::string& allowed) {
+    return Row{option + " " + found, {option + ": '" + found + "' is not " + allowed}};
+  };
+  const std::vector<Row> rows{
+      {"--bogus", {"--bogus", "--help"}},
+      {"--siz 3x3", {"--siz", "--help"}},
+      {"-q", {"-q", "--help"}},
+      {"stray", {"stray", "--help"}},
+      {"-- stray", {"stray", "--help"}},
+      not_allowed("--size", "0x480", size),
+      not_allowed("--size", "640x0", size),
+      not_allowed("--size", "-5x5", size),
+      not_allowed("--size", "5x-5", size),
+      not_allowed("--size", "+5x5", size),
+      not_allowed("--size", "640", size),
+      not_allowed("--size", "x", size),
+      not_allowed("--size", "640x", size),
+      not_allowed("--size", "x480", size),
+      not_allowed("--size", "640xabc", size),
+      not_allowed("--size", "640x480x3", size),
+      not_allowed("--size", "6.5x5", size),
+      not_allowed("--size", "1e3x5", size),
+      not_allowed("--size", "0x10x5", size),
+      not_allowed("--size", "nanx5", size),
+      not_allowed("--size", "40000x40000", size),
+      not_allowed("--size", "16385x16384", size),
+      not_allowed("--size", "65536x65536", size),  // whose product is 0 in 32 bits
+      not_allowed("--size", "99999999999x1", size),
+      not_allowed("--threads", "-1", threads),
+      not_allowed("--threads", "1.5", threads),
+      not_allowed("--threads", "abc", threads),
+      not_allowed("--threads", "99999999999", threads),
+      not_allowed("--bits", "7", "8 or 16"),
+      not_allowed("--bits", "-8", "8 or 16"),
+      not_allowed("--bits", "8.0", "8 or 16"),
+      not_allowed("--transfer", "foo", transfer),
+      not_allowed("--transfer", "SRGB", transfer),
+      not_allowed("--transfer", "2.2", transfer),
+      not_allowed("--transfer", "gamma", transfer),
+      not_allowed("--transfer", "gamma=", transfer),
+      not_allowed("--transfer", "gamma=0", transfer),
+      not_allowed("--transfer", "gamma=-1", transfer),
+      not_allowed("--transfer", "gamma=nan", transfer),
+      not_allowed("--transfer", "gamma=inf", transfer),
+      not_allowed("--transfer", "gamma=1e999", transfer),
+      not_allowed("--transfer", "gamma=2.2x", transfer),
+      not_allowed("-o", "a.jpg", endings),
+      not_allowed("-o", "a", endings),
+      not_allowed("-o", "a.ppm/", endings),
+      not_allowed("-o", "a.ppm.gz", endings),
+      not_allowed("-o", "/dev/protostar", endings),
+      {"--size", {"--size", "WxH", "missing"}},
+      {"--threads", {"--threads", "N", "missing"}},
+      {"--bits", {"--bits", "8|16", "missing"}},
+      {"--transfer", {"--transfer", "srgb|linear|gamma=G", "missing"}},
+      {"-o", {"-o", "FILE", "missing"}},
+      not_allowed("--size", "--quiet", size),
+      {"-o a.ppm -o b.ppm", {"-o", "1", "2"}},
+      {"--plain=false", {"plain"}},
+      {"--quiet=7", {"quiet"}},
+      {"--bits 16 -o a.png", {"--bits: '16' is not possible in .png; .ppm can have 16 bits"}},
+      {"--bits 16 -o a.PFM", {"--bits: '16' is not possible in .pfm; .ppm can have 16 bits"}},
+      {"--plain -o a.png", {"--plain: '.png' is not a format with a plain form; .ppm is"}},
+      {"--plain -o a.pfm", {"--plain: '.pfm' is not a format with a plain form; .ppm is"}},
+      {"--transfer srgb -o a.pfm", {"--transfer: 'srgb' is not possible in .pfm, which holds linear light"}},
+      {"--transfer gamma=2.2 -o a.pfm", {"--transfer: 'gamma=2.2' is not possible in .pfm"}}};
+  const TemporaryFolder folder;
+  for (const Row& row : rows) {
+    CAPTURE(row.arguments);
+    const Outcome outcome = run_stage("09_shadow", row.arguments, folder);
+    CHECK(outcome.status == 2);
+    CHECK(outcome.out == "");
+    CHECK(outcome.err.starts_with("09_shadow: "));
+    for (const std::string& text : row.named) CHECK_THAT(outcome.err, ContainsSubstring(text));
+    CHECK(folder.count() == 0);
+  }
+}
+
+TEST_CASE("an empty value is no value") {
+  const std::string option = GENERATE("-o", "--size", "--threads", "--bits", "--transfer");
+  CAPTURE(option);
+  const TemporaryFolder folder;
+  const Outcome outcome = run(stage("09_shadow", {option, ""}, folder / ""));
+  CHECK(outcome.status == 2);
+  CHECK(outcome.err.starts_with("09_shadow: " + option + ": '' is not "));
+  CHECK(folder.count() == 0);
+}
+
+TEST_CASE("an error in usage leaves an old file as it was") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "out.ppm", "old");
+  CHECK(run_stage("09_shadow", "--size 0x0", folder).status == 2);
+  CHECK(bytes_of(folder / "out.ppm") == "old");
+}
+
+TEST_CASE("what cannot be written is said with its path and the reason") {
+  struct Row {
+    std::string path;
+    int reason;
+  };
+  const Row row = GENERATE(Row{"missing/a.ppm", ENOENT}, Row{"file/a.ppm", ENOTDIR}, Row{"folder", EISDIR},
+                           Row{"folder/", EISDIR}, Row{"folder.ppm", EISDIR}, Row{"folder.png", EISDIR},
+                           Row{"folder.pfm", EISDIR}, Row{"locked/a.ppm", EACCES},
+                           Row{"locked/a.png", EACCES}, Row{"locked/a.pfm", EACCES}, Row{"old.ppm", EACCES},
+                           Row{std::string(300, 'a') + ".ppm", ENAMETOOLONG}, Row{"/dev/full", ENOSPC});
+  CAPTURE(row.path);
+  const TemporaryFolder folder;
+  put_bytes(folder / "file", "a file");
+  for (const char* name : {"folder", "folder.ppm", "folder.png", "folder.pfm", "locked"})
+    fs::create_directory(folder / name);
+  put_bytes(folder / "old.ppm", "old");
+  fs::permissions(folder / "old.ppm", fs::perms::owner_read);
+  fs::permissions(folder / "locked", fs::perms::owner_read | fs::perms::owner_exec);
+  const auto before = folder.count();
+
+  const Outcome outcome = run_stage("09_shadow", "--size 8x8 -o " + row.path, folder, respect_permissions);
+  CHECK(outcome.status == 1);
+  CHECK(outcome.out == "");
+  CHECK(outcome.err == cannot_write("09_shadow", row.path, row.reason));
+  CHECK(folder.count() == before);
+  CHECK(fs::is_empty(folder / "locked"));
+  CHECK(bytes_of(folder / "old.ppm") == "old");
+  fs::permissions(folder / "locked", fs::perms::owner_all);
+}
+
+TEST_CASE("a picture that cannot be written is not drawn first") {
+  const TemporaryFolder folder;
+  const auto start = std::chrono::steady_clock::now();
+  CHECK(run_stage("09_shadow", "--size 16384x16384 -o missing/a.ppm", folder).status == 1);
+  CHECK(std::chrono::steady_clock::now() - start < 1s);
+}
+
+TEST_CASE("a file that cannot be completed leaves the old one as it was and no other") {
+  const std::string name = GENERATE("out.ppm", "out.png", "out.pfm");
+  CAPTURE(name);
+  const TemporaryFolder folder;
+  put_bytes(folder / name, "old");
+  const auto limit_files = [] {
+    const rlimit limit{1000, 1000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  };
+  const Outcome outcome = run_stage("09_shadow", "--size 320x240 -o " + name, folder, limit_files);
+  CHECK(outcome.status == 1);
+  CHECK(outcome.out == "");
+  CHECK(outcome.err == cannot_write("09_shadow", name, EFBIG));
+  CHECK(bytes_of(folder / name) == "old");
+  CHECK(folder.count() == 1);
+}
+
+TEST_CASE("an old file is replaced and keeps its permissions; a link stays a link") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "old.ppm", "old");
+  fs::permissions(folder / "old.ppm", fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink("old.ppm", folder / "link.ppm");
+  CHECK(run_stage("09_shadow", "--size 8x8 -o link.ppm", folder).status == 0);
+  CHECK(bytes_of(folder / "old.ppm") == picture("09_shadow", "--size 8x8"));
+  CHECK(fs::is_symlink(folder / "link.ppm"));
+  CHECK(fs::status(folder / "old.ppm").permissions() == (fs::perms::owner_read | fs::perms::owner_write));
+  CHECK(folder.count() == 2);
+}
+
+TEST_CASE("a path may hold spaces, quotes and any letters") {
+  const std::string name = GENERATE("a b.ppm", "Würfel 星.ppm", "it's \"%s\".ppm", "[1,2].ppm", "a,b;c.ppm");
+  CAPTURE(name);
+  const TemporaryFolder folder;
+  const Outcome outcome = run(stage("09_shadow", {"--size", "8x8", "-o", name}, folder / ""));
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out.starts_with(name + ": 8x8, "));
+  CHECK(bytes_of(folder / name) == picture("09_shadow", "--size 8x8"));
+}
+
+TEST_CASE("stages that run at once in one folder do not disturb each other") {
+  const TemporaryFolder folder;
+  std::vector<std::unique_ptr<Process>> processes;
+  for (const char* name : {"a.ppm", "b.ppm", "out.ppm", "out.ppm", "out.ppm"})
+    processes.push_back(
+        std::make_unique<Process>(stage("09_shadow", {"--size", "300x200", "-o", name}, folder / "")));
+  for (const auto& process : processes) CHECK(process->wait().status == 0);
+  const std::string expected = picture("09_shadow", "--size 300x200");
+  for (const char* name : {"a.ppm", "b.ppm", "out.ppm"}) CHECK(bytes_of(folder / name) == expected);
+  CHECK(folder.count() == 3);
+}
+
+TEST_CASE("/dev/stdout takes the picture and nothing else; the line goes to stderr") {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_stage("09_shadow", "--size 320x240 -o /dev/stdout", folder);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out == picture("09_shadow", "--size 320x240"));
+  CHECK(without_times(outcome.err) ==
+        "/dev/stdout: 320x240, shadow, rendered in 0.0 ms, written in 0.0 ms\n");
+  CHECK(folder.count() == 0);
+  CHECK(run_stage("09_shadow", "--size 8x8 -o /dev/stdout --quiet", folder).err == "");
+  CHECK(run_stage("09_shadow", "--size 8x8 -o /dev/stdout --plain", folder).out.starts_with("P3\n8 8\n"));
+}
+
+TEST_CASE("/dev/stdout may lead to a file") {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "redirected").string();
+  const Outcome outcome = run_stage("09_shadow", "--size 32x24 -o /dev/stdout", folder, [path] {
+    dup2(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600), STDOUT_FILENO);
+  });
+  CHECK(outcome.status == 0);
+  CHECK(bytes_of(path) == picture("09_shadow", "--size 32x24"));
+  CHECK(outcome.err.starts_with("/dev/stdout: 32x24, "));
+  CHECK(folder.count() == 1);
+}
+
+TEST_CASE("devices and pipes are written directly and stay what they are") {
+  const TemporaryFolder folder;
+  const std::string pipe = (folder / "pipe.png").string();  // whatever its ending
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  Process process(stage("09_shadow", words("--size 320x240 -o pipe.png"), folder / ""));
+  CHECK(bytes_of(pipe) == picture("09_shadow", "--size 320x240"));
+  CHECK(process.wait().status == 0);
+  CHECK(fs::is_fifo(pipe));
+  CHECK(folder.count() == 1);
+
+  const Outcome outcome = run_stage("09_shadow", "--size 8x8 -o /dev/null", folder);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out.starts_with("/dev/null: 8x8, "));
+  CHECK(fs::is_character_file("/dev/null"));
+}
+
+TEST_CASE("a line that cannot be printed is an error, though the picture is saved") {
+  struct Row {
+    int reason;
+    void (*before)();
+  };
+  const Row row = GENERATE(Row{EBADF, [] { close(STDOUT_FILENO); }},
+                           Row{ENOSPC, [] { dup2(open("/dev/full", O_WRONLY), STDOUT_FILENO); }});
+  const TemporaryFolder folder;
+  const Outcome outcome = run_stage("09_shadow", "--size 8x8", folder, row.before);
+  CHECK(outcome.status == 1);
+  CHECK(outcome.err ==
+        "09_shadow: cannot write standard output: " + std::generic_category().message(row.reason) + "\n");
+  CHECK(bytes_of(folder / "out.ppm") == picture("09_shadow", "--size 8x8"));
+  CHECK(folder.count() == 1);
+  CHECK(run_stage("09_shadow", "--size 8x8 --quiet", folder, row.before).status == 0);
+}
+
+TEST_CASE("a closed stdout is no file to write to") {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_stage("09_shadow", "--size 8x8 -o /dev/stdout", folder, [] { close(STDOUT_FILENO); });
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.err, ContainsSubstring("-o: '/dev/stdout' is not "));
+  CHECK(fs::is_symlink("/dev/stdout"));
+}
+
+#if !defined(ADDRESS_SANITIZER)  // which itself takes more than the limit
+TEST_CASE("a picture larger than the memory is refused in words") {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_stage("02_sphere", "--size 268435456x1", folder, [] {
+    const rlimit limit{500'000'000, 500'000'000};
+    setrlimit(RLIMIT_AS, &limit);
+  });
+  CHECK(outcome.status == 1);
+  CHECK(outcome.out == "");
+  CHECK(outcome.err == "02_sphere: not enough memory for an image of this size\n");
+  CHECK(folder.count() == 0);
+}
+#endif
+
+TEST_CASE("progress is shown on a terminal, and cleared, when the work takes longer than a second") {
+  struct Row {
+    std::string arguments;
+    bool terminal, shown;
+  };
+  const std::vector<Row> rows{{"--size 2000x2000 --threads 2", true, true},
+                              {"--size 2000x2000 --threads 2", false, false},
+                              {"--size 2000x2000 --threads 2 --quiet", true, false},
+                              {"--size 64x48", true, false}};
+  // Each is held for a second at its beginning, so that it takes that long on any machine. The last one is
+  // done by then.
+  std::vector<std::unique_ptr<TemporaryFolder>> folders;
+  std::vector<std::unique_ptr<Process>> processes;
+  for (const Row& row : rows) {
+    folders.push_back(std::make_unique<TemporaryFolder>());
+    Command command = stage("09_shadow", words(row.arguments), *folders.back() / "");
+    command.terminal = row.terminal;
+    processes.push_back(std::make_unique<Process>(command));
+    if (&row == &rows.back()) continue;
+    processes.back()->wait_for_thread();
+    processes.back()->send(SIGSTOP);
+  }
+  std::this_thread::sleep_for(1100ms);
+  for (const auto& process : processes) process->send(SIGCONT);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Outcome outcome = processes[i]->wait();
+    CAPTURE(rows[i].arguments, rows[i].terminal);
+    CHECK(outcome.status == 0);
+    CHECK(outcome.out.empty() == (rows[i].arguments.find("--quiet") != std::string::npos));
+    if (rows[i].shown) {
+      CHECK(outcome.err.starts_with("\r"));
+      CHECK_THAT(outcome.err, ContainsSubstring(" %"));
+      CHECK(outcome.err.ends_with("\r       \r"));
+    } else {
+      CHECK(outcome.err == "");
+    }
+  }
+}

@@ -1,0 +1,71 @@
+// Compares two pictures, byte by byte, and draws where they differ.
+//
+//   compare_images A B [DIFF.png]
+//
+// Reads PNG and binary PPM. Prints how many pixels differ and by how many levels at most. DIFF.png, written
+// if any does, is black where the two agree; a channel that differs by n levels is 95 + 10 n there, so that a
+// single level can be seen. The exit status is 0 if they are equal, 1 if they differ, 2 if something failed.
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <stdexcept>
+#include <string>
+
+#define STB_IMAGE_WRITE_STATIC
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#include <stb_image_write.h>
+
+#include "picture.hpp"
+#include "read_image.hpp"
+
+namespace {
+
+constexpr int equal = 0, different = 1, failed = 2;
+
+Picture difference_image(const Picture& a, const Picture& b) {
+  Picture result = a;
+  for (std::size_t i = 0; i < result.pixels.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const int levels = std::abs(a.pixels[i][c] - b.pixels[i][c]);
+      result.pixels[i][c] = static_cast<std::uint8_t>(levels == 0 ? 0 : std::min(255, 95 + 10 * levels));
+    }
+  return result;
+}
+
+// To a file that nobody relies on, so stb's own writing is enough, checked as far as it tells.
+void write_png(const std::string& path, const Picture& picture) {
+  if (!stbi_write_png(path.c_str(), picture.width, picture.height, 3, picture.pixels.data(),
+                      3 * picture.width))
+    throw std::runtime_error(path + ": cannot be written");
+}
+
+int compare(int argc, char** argv) {
+  if (argc != 3 && argc != 4) throw std::runtime_error("usage: compare_images A B [DIFF.png]");
+  const Picture a = read_image(argv[1]), b = read_image(argv[2]);
+  if (!same_size(a, b)) {
+    std::printf("sizes differ: %dx%d and %dx%d\n", a.width, a.height, b.width, b.height);
+    return different;
+  }
+  const Difference found = difference(a, b);
+  if (found.pixels == 0) {
+    std::puts("equal");
+    return equal;
+  }
+  std::printf("%d of %d pixels differ, by at most %d of 255 levels\n", found.pixels, a.width * a.height,
+              found.largest);
+  if (argc == 4) write_png(argv[3], difference_image(a, b));
+  return different;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return compare(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "compare_images: %s\n", error.what());
+    return failed;
+  }
+}

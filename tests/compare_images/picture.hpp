@@ -1,0 +1,35 @@
+// Pictures as files hold them, and how far two are apart.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+/// Codes of red, green and blue in rows from the top.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::array<std::uint8_t, 3>> pixels;
+};
+
+inline bool same_size(const Picture& a, const Picture& b) {
+  return a.width == b.width && a.height == b.height;
+}
+
+struct Difference {
+  int pixels = 0;   ///< that differ in any channel
+  int largest = 0;  ///< the largest difference of a channel, in levels
+};
+
+/// The difference of two pictures of the same size.
+inline Difference difference(const Picture& a, const Picture& b) {
+  Difference result;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    if (a.pixels[i] != b.pixels[i]) ++result.pixels;
+    for (std::size_t c = 0; c < 3; ++c)
+      result.largest = std::max(result.largest, std::abs(a.pixels[i][c] - b.pixels[i][c]));
+  }
+  return result;
+}

@@ -1,0 +1,14 @@
+// The same few functions, compiled for two instruction sets, each in a namespace of its own.
+#pragma once
+
+#include <protostar/protostar.hpp>
+#include <vector>
+
+using Function = void (*)();
+
+#define DECLARE_UNIT(name)                 \
+  namespace name {                         \
+  const char* scene_type();                \
+  Function inline_function();              \
+  std::vector<protostar::Color> picture(); \
+  }

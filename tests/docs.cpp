@@ -1,0 +1,230 @@
+// The documentation says what is there: its code is the code, its links and pictures lead somewhere.
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <protostar/encode.hpp>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/files.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path root = PROTOSTAR_SOURCE_DIR;
+
+std::string read(const fs::path& path) {
+  REQUIRE(fs::is_regular_file(path));
+  return bytes_of(path);
+}
+
+std::vector<fs::path> documents() {
+  std::vector<fs::path> found{root / "README.md"};
+  for (const auto& entry : fs::recursive_directory_iterator(root / "docs"))
+    if (entry.path().extension() == ".md") found.push_back(entry.path());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// The stages' names, such as 09_shadow.
+std::vector<std::string> stages() {
+  std::vector<std::string> found;
+  for (const auto& entry : fs::directory_iterator(root / "stages"))
+    if (entry.path().extension() == ".cpp") found.push_back(entry.path().stem().string());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// What a regular expression's first group is, at every match.
+std::vector<std::string> all_matches(const std::string& text, const std::regex& pattern) {
+  std::vector<std::string> found;
+  for (std::sregex_iterator match(text.begin(), text.end(), pattern), end; match != end; ++match)
+    found.push_back((*match)[1]);
+  return found;
+}
+
+/// The languages of the fenced blocks, in order; a fence without one has "".
+std::vector<std::string> fences(const std::string& text) {
+  std::vector<std::string> found;
+  bool open = false;
+  for (const std::string& language : all_matches("\n" + text, std::regex("\n```([^\n]*)"))) {
+    if (!open) found.push_back(language);
+    open = !open;
+  }
+  return found;
+}
+
+std::string quoted(const fs::path& path) {
+  const std::string name = path.string();
+  return "'" + name + "'";
+}
+
+/// Runs a program through the shell. The exit status.
+int run(const fs::path& program, const std::string& arguments) {
+  const int status = std::system((quoted(program) + " " + arguments).c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/// A project of its own: one source, one document that shows parts of it, and a copy of the script.
+class Project {
+ public:
+  Project() {
+    fs::create_directory(folder_ / "docs");
+    fs::copy_file(root / "docs" / "embed_code", folder_ / "docs/embed_code");
+    write("README.md", "Nothing to embed.\n");
+  }
+
+  void write(const std::string& name, const std::string& text) const { put_bytes(folder_ / name, text); }
+  [[nodiscard]] std::string file(const std::string& name) const { return read(folder_ / name); }
+
+  /// Runs the script; what it says goes to said(). The exit status.
+  [[nodiscard]] int embed_code(const std::string& argument = "") const {
+    return run(folder_ / "docs/embed_code", argument + " > " + quoted(folder_ / "output.txt") + " 2>&1");
+  }
+  [[nodiscard]] std::string said() const { return file("output.txt"); }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+const std::string header =
+    "namespace n {\n\n"
+    "/// Says twice.\n"
+    "template <class T>\n"
+    "T twice(T x) {\n"
+    "  if (x) { return 2 * x; }  // not }\n"
+    "  return x;\n"
+    "}\n\n"
+    "struct Ring {\n"
+    "  double radius = 1;\n\n"
+    "  /// All around.\n"
+    "  double length() const { return twice(radius) * 3; }\n"
+    "  double area(double a,\n"
+    "              double b) const {\n"
+    "    return a * b;\n"
+    "  }\n"
+    "};\n\n"
+    "}  // namespace n\n";
+
+}  // namespace
+
+TEST_CASE("the code in README.md and docs/ is the code of its source") {
+  INFO("run docs/embed_code");
+  CHECK(run(root / "docs" / "embed_code", "--check") == 0);
+}
+
+TEST_CASE("docs/embed_code puts a file, a type, a function or a member between its marks") {
+  const Project project;
+  project.write("ring.hpp", header);
+  const std::string end = "<!-- /code -->\nafter\n";
+  struct Case {
+    std::string name, code;
+  };
+  for (const auto& [name, code] : {
+           Case{"", header},
+           Case{" twice",
+                "/// Says twice.\ntemplate <class T>\nT twice(T x) {\n  if (x) { return 2 * x; }  // not }\n"
+                "  return x;\n}\n"},
+           Case{" Ring::length", "/// All around.\ndouble length() const { return twice(radius) * 3; }\n"},
+           Case{" Ring::area", "double area(double a,\n            double b) const {\n  return a * b;\n}\n"},
+           Case{" Ring", header.substr(header.find("struct"), header.find("};") + 3 - header.find("struct"))},
+       }) {
+    CAPTURE(name);
+    const std::string mark = "before\n<!-- code: ring.hpp" + name + " -->\n";
+    project.write("docs/page.md", mark + "old\n" + end);
+    CHECK(project.embed_code() == 0);
+    CHECK(project.file("docs/page.md") == mark + "```cpp\n" + code + "```\n" + end);
+    CHECK(project.embed_code("--check") == 0);
+  }
+}
+
+TEST_CASE("docs/embed_code --check names the file that drifted and leaves it as it is") {
+  const Project project;
+  project.write("ring.hpp", header);
+  project.write("docs/good.md", "<!-- code: ring.hpp -->\n<!-- /code -->\n");
+  REQUIRE(project.embed_code() == 0);
+  const std::string drifted = "<!-- code: ring.hpp twice -->\n```cpp\nold\n```\n<!-- /code -->\n";
+  project.write("docs/drifted.md", drifted);
+  CHECK(project.embed_code("--check") == 1);
+  CHECK_THAT(project.said(), ContainsSubstring("docs/drifted.md"));
+  CHECK_THAT(project.said(), !ContainsSubstring("good.md"));
+  CHECK(project.file("docs/drifted.md") == drifted);
+}
+
+TEST_CASE("docs/embed_code refuses what it cannot embed, says where, and leaves the file as it is") {
+  const Project project;
+  project.write("ring.hpp", header);
+  struct Case {
+    std::string text, message;
+  };
+  for (const auto& [text, message] : {
+           Case{"<!-- code: none.hpp -->\n<!-- /code -->\n", "none.hpp"},
+           Case{"<!-- code: ring.hpp thrice -->\n<!-- /code -->\n", "thrice"},
+           Case{"<!-- code: ring.hpp Ring::twice -->\n<!-- /code -->\n", "Ring::twice"},
+           Case{"<!-- code: ring.hpp -->\n", "line 1"},
+           Case{"x\n<!-- /code -->\n", "line 2"},
+           Case{"<!-- code: ring.hpp -->\n<!-- code: ring.hpp -->\n<!-- /code -->\n", "line 1"},
+       }) {
+    CAPTURE(text);
+    project.write("docs/bad.md", text);
+    CHECK(project.embed_code() == 2);
+    CHECK_THAT(project.said(), ContainsSubstring("docs/bad.md") && ContainsSubstring(message));
+    CHECK(project.file("docs/bad.md") == text);
+  }
+}
+
+TEST_CASE("every link and picture in the documentation leads to a file of the project") {
+  for (const fs::path& document : documents()) {
+    const std::string text = read(document);
+    std::vector<std::string> targets = all_matches(text, std::regex(R"(\]\(([^)\s]+)\))"));
+    for (const std::string& target : all_matches(text, std::regex(R"rx((?:src|href)="([^"]+)")rx")))
+      targets.push_back(target);
+    for (const std::string& target : targets) {
+      if (target.starts_with("https://")) continue;
+      CAPTURE(document, target);
+      CHECK(fs::path(target).is_relative());
+      CHECK(fs::exists(document.parent_path() / target));
+    }
+  }
+}
+
+TEST_CASE("README.md starts with two sh blocks: to a first picture, and all tests") {
+  const std::string readme = read(root / "README.md");
+  const auto blocks = fences(readme);
+  REQUIRE(blocks.size() > 2);
+  CHECK(blocks[0] == "sh");
+  CHECK(blocks[1] == "sh");
+  CHECK(blocks[2] == "cpp");
+  for (const std::string language : {"sh", "bash", "console", "shell"})
+    CHECK(std::count(blocks.begin() + 2, blocks.end(), language) == 0);
+  CHECK_THAT(readme, ContainsSubstring("<!-- code: tests/examples/readme.cpp -->"));
+}
+
+TEST_CASE("every stage has a page with its picture and its code, and both lists of stages lead to it") {
+  const std::string readme = read(root / "README.md"), index = read(root / "docs" / "stages" / "README.md");
+  REQUIRE(stages().size() >= 9);
+  for (const std::string& stage : stages()) {
+    CAPTURE(stage);
+    const std::string page = read(root / "docs" / "stages" / (stage + ".md"));
+    CHECK_THAT(page, ContainsSubstring("](../../tests/golden/" + stage + ".png)"));
+    CHECK_THAT(page, ContainsSubstring("<!-- code: stages/" + stage + ".cpp -->"));
+    CHECK_THAT(page, ContainsSubstring("\n## Exercise"));
+    CHECK_THAT(readme, ContainsSubstring("docs/stages/" + stage + ".md"));
+    CHECK_THAT(index, ContainsSubstring("(" + stage + ".md)"));
+  }
+}
+
+TEST_CASE("docs/errata.md: the tutorial's rounding differs in 24 of the 100 columns of the gradient") {
+  const protostar::Encoder encode(protostar::Linear{}, 255);
+  int differing = 0;
+  for (int x = 0; x < 100; ++x) {
+    const float light = static_cast<float>(x) / 99;
+    if (encode(light) != static_cast<int>(std::clamp(light * 256, 0.0f, 255.0f))) ++differing;
+  }
+  CHECK(differing == 24);
+}

@@ -1,0 +1,155 @@
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <protostar/encode.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/errors.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+constexpr float inf = std::numeric_limits<float>::infinity(),
+                not_a_number = std::numeric_limits<float>::quiet_NaN();
+
+/// The code as it is defined, in arithmetic with more digits: the curve itself, where the library inverts it.
+int defined_code(const Transfer& transfer, int max_code, float light) {
+  struct {
+    long double x;
+    long double operator()(Srgb) const {
+      return x <= 0.0031308L ? 12.92L * x : 1.055L * std::pow(x, 1 / 2.4L) - 0.055L;
+    }
+    long double operator()(Linear) const { return x; }
+    long double operator()(Gamma gamma) const {
+      return std::pow(x, 1 / static_cast<long double>(gamma.exponent));
+    }
+  } const curve{light};
+  if (!(light > 0)) return 0;
+  if (light >= 1) return max_code;
+  return static_cast<int>(std::floor(max_code * std::visit(curve, transfer) + 0.5L));
+}
+
+std::string name(const Transfer& transfer) {
+  struct {
+    std::string operator()(Srgb) const { return "sRGB"; }
+    std::string operator()(Linear) const { return "linear"; }
+    std::string operator()(Gamma gamma) const { return "gamma " + std::to_string(gamma.exponent); }
+  } const text;
+  return std::visit(text, transfer);
+}
+
+const std::vector<Transfer> transfers{Srgb{},      Linear{},     Gamma{2.2},  Gamma{1},
+                                      Gamma{0.45}, Gamma{100.0}, Gamma{0.01}, Gamma{1e-5}};
+
+/// In how many places the codes on either side of a threshold are not those of the definition. Both the codes
+/// and the definition rise with light, so where they agree on both sides of each threshold they agree on all
+/// floats.
+int wrong_thresholds(const Transfer& transfer, int max_code) {
+  const Encoder encode(transfer, max_code);
+  int wrong = 0;
+  for (int code = 1; code <= max_code; ++code) {
+    const float at = encode.threshold(code), below = std::nextafter(at, -1.0f);
+    if (encode(at) != defined_code(transfer, max_code, at)) ++wrong;
+    if (encode(below) != defined_code(transfer, max_code, below)) ++wrong;
+    if (!(encode(below) < code && code <= encode(at))) ++wrong;
+  }
+  return wrong;
+}
+}  // namespace
+
+TEST_CASE("each 8-bit code begins at the float where its definition has it") {
+  for (const Transfer& transfer : transfers) {
+    INFO(name(transfer));
+    CHECK(wrong_thresholds(transfer, 255) == 0);
+  }
+}
+
+TEST_CASE("each 16-bit code begins at the float where its definition has it") {
+  for (const Transfer& transfer : transfers) {
+    INFO(name(transfer));
+    CHECK(wrong_thresholds(transfer, 65535) == 0);
+  }
+}
+
+TEST_CASE("random light is encoded as defined") {
+  Random random(14);
+  for (const Transfer& transfer : transfers)
+    for (const int max_code : {255, 65535}) {
+      INFO(name(transfer) << ", maximum " << max_code);
+      const Encoder encode(transfer, max_code);
+      int wrong = 0;
+      for (int i = 0; i < 20000; ++i) {
+        // Half of them spread over [0, 1), half over all floats that there are in it.
+        const float light = i % 2 == 0 ? static_cast<float>(random.real(0, 1))
+                                       : std::bit_cast<float>(static_cast<std::uint32_t>(
+                                             random.bits() % std::bit_cast<std::uint32_t>(1.0f)));
+        if (encode(light) != defined_code(transfer, max_code, light)) ++wrong;
+      }
+      CHECK(wrong == 0);
+    }
+}
+
+TEST_CASE("codes are known at round values") {
+  struct {
+    Transfer transfer;
+    int max_code;
+    float light;
+    int expected;
+  } const rows[] = {
+      {Linear{}, 255, 0.5f, 128},  // 127.5: a tie, up
+      {Linear{}, 255, 0.25f, 64},   {Linear{}, 65535, 0.5f, 32768}, {Srgb{}, 255, 0.5f, 188},
+      {Srgb{}, 255, 0.18f, 118},    {Srgb{}, 255, 0.002f, 7},       {Gamma{2.2}, 255, 0.5f, 186},
+      {Gamma{2.2}, 255, 0.01f, 31}, {Gamma{1}, 255, 0.25f, 64},     {Gamma{2}, 255, 0.25f, 128},
+      {Gamma{0.5}, 255, 0.5f, 64},
+  };
+  for (const auto& row : rows) {
+    INFO(name(row.transfer) << " of " << row.light);
+    CHECK(Encoder(row.transfer, row.max_code)(row.light) == row.expected);
+  }
+}
+
+TEST_CASE("less than nothing and NaN are 0, more than 1 is the maximum") {
+  for (const Transfer& transfer : transfers)
+    for (const int max_code : {255, 65535}) {
+      INFO(name(transfer) << ", maximum " << max_code);
+      const Encoder encode(transfer, max_code);
+      CHECK(encode.max_code() == max_code);
+      for (const float dark :
+           {not_a_number, -not_a_number, -1.0f, -0.0f, 0.0f, -inf, -std::numeric_limits<float>::denorm_min(),
+            std::numeric_limits<float>::lowest()})
+        CHECK(encode(dark) == 0);
+      for (const float bright :
+           {1.0f, std::nextafter(1.0f, 2.0f), 2.0f, std::numeric_limits<float>::max(), inf})
+        CHECK(encode(bright) == max_code);
+    }
+}
+
+TEST_CASE("the smallest floats above 0 have the codes of their definition") {
+  constexpr float tiny = std::numeric_limits<float>::denorm_min();
+  CHECK(Encoder(Srgb{}, 65535)(tiny) == 0);
+  CHECK(Encoder(Linear{}, 65535)(tiny) == 0);
+  CHECK(Encoder(Gamma{2.2}, 65535)(tiny) == 0);
+  CHECK(Encoder(Gamma{100}, 255)(tiny) == 91);  // 255 · 2^-1.49
+  for (const float light : {tiny, 2 * tiny, 100 * tiny, std::numeric_limits<float>::min()})
+    CHECK(Encoder(Gamma{100}, 65535)(light) == defined_code(Gamma{100}, 65535, light));
+}
+
+TEST_CASE("decoding inverts the curves") {
+  CHECK(decode(Srgb{}, 0) == 0);
+  CHECK(std::abs(decode(Srgb{}, 1) - 1) < 1e-15);
+  CHECK(std::abs(decode(Srgb{}, 0.5) - 0.21404114048223255) < 1e-15);
+  CHECK(std::abs(decode(Srgb{}, 0.04) - 0.04 / 12.92) < 1e-17);
+  CHECK(decode(Linear{}, 0.3) == 0.3);
+  CHECK(decode(Gamma{2}, 0.5) == 0.25);
+}
+
+TEST_CASE("an exponent that is not finite and greater than 0 is refused") {
+  constexpr double huge = std::numeric_limits<double>::infinity();
+  for (const double bad : {0.0, -0.0, -1.0, huge, -huge, std::numeric_limits<double>::quiet_NaN()})
+    CHECK_THAT(message_of<std::invalid_argument>([&] { Encoder(Gamma{bad}, 255); }),
+               ContainsSubstring("Gamma: exponent"));
+}

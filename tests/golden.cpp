@@ -1,0 +1,228 @@
+// The pictures of the stages: each is its golden, byte for byte, and each golden is what exact arithmetic
+// gives.
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "compare_images/picture.hpp"
+#include "compare_images/read_image.hpp"
+#include "reference/pictures.hpp"
+#include "support/catch.hpp"
+#include "support/files.hpp"
+
+namespace {
+
+const std::string source_dir = PROTOSTAR_SOURCE_DIR, binary_dir = PROTOSTAR_BINARY_DIR;
+
+std::string golden(const std::string& name) { return source_dir + "/tests/golden/" + name + ".png"; }
+
+std::string quoted(const std::string& word) { return "'" + word + "'"; }
+
+/// Runs a line of shell in a folder, as a user does; its output goes to output.txt there. The exit status.
+int run(const TemporaryFolder& folder, const std::string& line) {
+  const std::string all = "cd " + quoted((folder / "").string()) + " && (" + line + ") > output.txt 2>&1";
+  const int status = std::system(all.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/// A PPM in decimal numbers, of a maximum value of 255.
+Picture read_plain_ppm(const std::string& path) {
+  std::ifstream file(path);
+  std::string magic;
+  int max_code = 0;
+  Picture picture;
+  file >> magic >> picture.width >> picture.height >> max_code;
+  REQUIRE(magic == "P3");
+  REQUIRE(max_code == 255);
+  for (int i = 0; i < picture.width * picture.height; ++i) {
+    int r = -1, g = -1, b = -1;
+    file >> r >> g >> b;
+    picture.pixels.push_back(
+        {static_cast<std::uint8_t>(r), static_cast<std::uint8_t>(g), static_cast<std::uint8_t>(b)});
+  }
+  REQUIRE(file);
+  return picture;
+}
+
+void check_equal(const Picture& a, const Picture& b) {
+  REQUIRE(same_size(a, b));
+  const Difference found = difference(a, b);
+  INFO(found.pixels << " pixels differ, by at most " << found.largest << " levels");
+  CHECK(found.pixels == 0);
+}
+
+/// A golden: the stage that draws it, and what it is according to the reference.
+struct Golden {
+  std::string name, stage, options;
+  Picture (*reference)();
+};
+
+template <reference::Vector (*light_along)(reference::Whole)>
+Picture of_scene() {
+  return reference::picture(640, 480, light_along);
+}
+
+const Golden goldens[] = {
+    {"01_gradient", "01_gradient", "", [] { return reference::gradient(100, 100); }},
+    {"02_sphere", "02_sphere", "", of_scene<reference::sphere_alone>},
+    {"03_scene", "03_scene", "", of_scene<reference::binary>},
+    {"04_depth", "04_depth", "", of_scene<reference::depth>},
+    {"05_normal", "05_normal", "", of_scene<reference::normals>},
+    {"06_color", "06_color", "", of_scene<reference::flat_color>},
+    {"07_diffuse", "07_diffuse", "", of_scene<reference::diffuse>},
+    {"07_diffuse_linear", "07_diffuse", " --transfer linear",
+     [] { return reference::picture(640, 480, reference::diffuse, 1); }},
+    {"08_transparency", "08_transparency", "", of_scene<reference::transparency>},
+    {"09_shadow", "09_shadow", "", of_scene<reference::shadow>},
+};
+
+std::string command(const Golden& picture) {
+  return quoted(binary_dir + "/stages/" + picture.stage) + picture.options;
+}
+
+}  // namespace
+
+TEST_CASE("a stage that is run without options leaves its golden in out.ppm") {
+  for (const Golden& picture : goldens) {
+    INFO(picture.name);
+    const TemporaryFolder folder;
+    REQUIRE(run(folder, command(picture)) == 0);
+    const std::string out = (folder / "out.ppm").string();
+    const bool plain = bytes_of(out).starts_with("P3");
+    check_equal(plain ? read_plain_ppm(out) : read_image(out), read_image(golden(picture.name)));
+  }
+}
+
+// A single level may come from rounding light to float. That moves it by 2^-24 of itself and so its code, at
+// most 255, by 255/2.2 · 2^-24 = 7e-6 of a level: of the 921,600 codes of a picture, a few cross the middle
+// between two levels.
+TEST_CASE("no pixel of a golden is more than one level from exact arithmetic") {
+  for (const Golden& picture : goldens) {
+    const Picture stored = read_image(golden(picture.name)), exact = picture.reference();
+    REQUIRE(same_size(stored, exact));
+    const Difference found = difference(stored, exact);
+    INFO(picture.name << ": " << found.pixels << " pixels differ from the reference, by at most "
+                      << found.largest << " levels");
+    CHECK(found.largest <= 1);
+    CHECK(found.pixels < 10);
+  }
+}
+
+TEST_CASE("every stage has a golden, and the goldens are PNG files in three channels") {
+  for (const auto& entry : std::filesystem::directory_iterator(source_dir + "/stages")) {
+    if (!entry.is_regular_file() || entry.path().extension() != ".cpp") continue;
+    const std::string stage = entry.path().stem().string();
+    INFO(stage);
+    CHECK(std::count_if(std::begin(goldens), std::end(goldens),
+                        [&](const Golden& picture) { return picture.name == stage; }) == 1);
+  }
+  for (const Golden& picture : goldens) {
+    INFO(picture.name);
+    int width = 0, height = 0, channels = 0;
+    CHECK(bytes_of(golden(picture.name)).starts_with("\x89PNG\r\n"));
+    CHECK(stbi_info(golden(picture.name).c_str(), &width, &height, &channels));
+    CHECK(channels == 3);
+  }
+}
+
+TEST_CASE("the number of threads changes no byte of a picture") {
+  for (const Golden& picture : goldens) {
+    INFO(picture.name);
+    const TemporaryFolder folder;
+    for (const std::string threads : {"1", "2", "7"})
+      REQUIRE(run(folder, command(picture) + " --threads " + threads + " -o " + threads + ".ppm") == 0);
+    const std::string one = bytes_of(folder / "1.ppm");
+    CHECK((one == bytes_of(folder / "2.ppm")));  // in parentheses: a megabyte is not to be printed
+    CHECK((one == bytes_of(folder / "7.ppm")));
+  }
+}
+
+TEST_CASE("compare_images says how far pictures are apart, and shows where") {
+  const TemporaryFolder folder;
+  const std::string compare = quoted(binary_dir + "/tests/compare_images") + " ";
+  const std::string lit = quoted(golden("07_diffuse")) + " ", shadowed = quoted(golden("09_shadow")) + " ";
+
+  CHECK(run(folder, compare + lit + lit + "difference.png") == 0);
+  CHECK(bytes_of(folder / "output.txt") == "equal\n");
+  CHECK_FALSE(std::filesystem::exists(folder / "difference.png"));
+
+  CHECK(run(folder, compare + lit + shadowed + "difference.png") == 1);
+  const Picture a = read_image(golden("07_diffuse")), b = read_image(golden("09_shadow"));
+  const Picture shown = read_image((folder / "difference.png").string());
+  REQUIRE(same_size(shown, a));
+  int differing = 0, wrong = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    if (a.pixels[i] != b.pixels[i]) ++differing;
+    for (std::size_t c = 0; c < 3; ++c)
+      if (a.pixels[i][c] == b.pixels[i][c] ? shown.pixels[i][c] != 0 : shown.pixels[i][c] < 96) ++wrong;
+  }
+  CHECK(wrong == 0);
+  CHECK_THAT(bytes_of(folder / "output.txt"),
+             ContainsSubstring(std::to_string(differing) + " of 307200 pixels differ"));
+
+  CHECK(run(folder, compare + lit + quoted(golden("01_gradient"))) == 1);
+  CHECK_THAT(bytes_of(folder / "output.txt"), ContainsSubstring("640x480 and 100x100"));
+  CHECK(run(folder, compare + lit + "none.png") == 2);
+  CHECK_THAT(bytes_of(folder / "output.txt"), ContainsSubstring("none.png"));
+  CHECK(run(folder, compare + lit) == 2);
+  CHECK(run(folder, compare + lit + shadowed + "no/folder.png") == 2);
+}
+
+TEST_CASE("update_golden replaces a golden only for a reason, and keeps the reason") {
+  // A project of its own, with one golden that is wrong and one that is right. Its cmake only notes that it
+  // was asked to build.
+  const TemporaryFolder folder;
+  namespace fs = std::filesystem;
+  fs::create_directories(folder / "tests/golden");
+  fs::create_directory(folder / "bin");
+  fs::create_directory_symlink(source_dir + "/stages", folder / "stages");
+  fs::copy_file(source_dir + "/tests/update_golden", folder / "tests/update_golden");
+  put_bytes(folder / "bin/cmake", "#!/bin/sh\necho \"$@\" > built.txt\n");
+  fs::permissions(folder / "bin/cmake", fs::perms::owner_all);
+  const std::string right = bytes_of(golden("02_sphere")), wrong = bytes_of(golden("03_scene"));
+  put_bytes(folder / "tests/golden/02_sphere.png", wrong);
+  put_bytes(folder / "tests/golden/03_scene.png", wrong);
+
+  const auto update = [&](const std::string& answers, const std::string& stages) {
+    return run(folder, "printf '" + answers + "' | TMPDIR=. PATH=./bin:$PATH tests/update_golden " +
+                           quoted(binary_dir) + stages);
+  };
+  const auto sphere = [&] { return bytes_of(folder / "tests/golden/02_sphere.png"); };
+  const fs::path reasons = folder / "tests/golden/reasons.md";
+
+  CHECK(update("", " 03_scene") == 0);  // nothing to do, nothing to ask
+  CHECK_THAT(bytes_of(folder / "built.txt"), ContainsSubstring("--target stages compare_images"));
+
+  for (const std::string answers : {"", "n\\nNo reason.\\n", "y\\n", "y\\n\\n  \\n"}) {
+    INFO("answers: " << answers);
+    CHECK(update(answers, " 02_sphere 03_scene") == 1);
+    CHECK_THAT(bytes_of(folder / "output.txt"), ContainsSubstring("02_sphere.difference.png"));
+    CHECK((sphere() == wrong));  // in parentheses: a PNG is not to be printed
+    CHECK_FALSE(fs::exists(reasons));
+  }
+
+  CHECK(update("y\\n\\nThe other spheres are gone.\\n", " 02_sphere 03_scene") == 0);
+  CHECK((sphere() == right));
+  CHECK((bytes_of(folder / "tests/golden/03_scene.png") == wrong));
+  const std::string log = bytes_of(reasons);
+  CHECK(log.starts_with("# Why the goldens are what they are\n"));
+  CHECK_THAT(log, ContainsSubstring("\nThe other spheres are gone.\n"));
+  CHECK_THAT(log, ContainsSubstring("\n- 02_sphere: "));
+  CHECK_THAT(log, ContainsSubstring(" of 307200 pixels differ, by at most 255 of 255 levels\n"));
+  CHECK_THAT(log, !ContainsSubstring("03_scene"));
+
+  CHECK(update("y\\nThe first.\\n", " 01_gradient") == 0);
+  CHECK(bytes_of(reasons).starts_with(log));
+  CHECK_THAT(bytes_of(reasons), ContainsSubstring("\nThe first.\n\n- 01_gradient: new\n"));
+  CHECK((bytes_of(folder / "tests/golden/01_gradient.png") == bytes_of(golden("01_gradient"))));
+
+  CHECK(update("", " 99_nothing") == 1);
+  CHECK_THAT(bytes_of(folder / "output.txt"), ContainsSubstring("no golden '99_nothing'"));
+}

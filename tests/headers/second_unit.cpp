@@ -1,0 +1,4 @@
+#include "all_headers.hpp"
+#include "unit.hpp"
+
+Function second_unit() { return reinterpret_cast<Function>(&protostar::quadratic_roots); }

@@ -1,0 +1,6 @@
+#pragma once
+
+using Function = void (*)();
+
+Function first_unit();
+Function second_unit();

@@ -1,0 +1,173 @@
+// An arrow of inclusion points only down the layers of the library (docs/architecture.md), so that whoever
+// reads a header has to know nothing that comes after it.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "support/catch.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A header includes only headers of the lines above its own. A new header gets a place here.
+const std::vector<std::vector<std::string>> layers = {
+    {"platform.hpp", "version.hpp"},
+    {"vec3.hpp", "interval.hpp"},
+    {"ray.hpp", "light.hpp", "numeric/roots.hpp"},
+    {"intersection.hpp"},
+    {"surface.hpp"},
+    {"surfaces/any_surface.hpp", "surfaces/plane.hpp", "surfaces/sphere.hpp"},
+    {"scene.hpp"},
+    {"camera.hpp", "image.hpp", "integrators/binary.hpp", "integrators/color.hpp", "integrators/depth.hpp",
+     "integrators/diffuse.hpp", "integrators/normal.hpp", "integrators/shadow.hpp",
+     "integrators/transparency.hpp"},
+    {"render.hpp", "encode.hpp", "output_file.hpp"},
+    {"pfm.hpp", "ppm.hpp"},
+    {"protostar.hpp", "io/png.hpp"},  // neither the other, and nothing in the core any of them
+};
+
+/// What the core includes from outside: the standard library, and of GLM the smallest part that will do.
+const std::set<std::string> glm_headers = {"glm/vec3.hpp", "glm/geometric.hpp"};
+
+/// The texts of headers by their paths inside include/protostar.
+using Headers = std::map<std::string, std::string>;
+
+Headers headers_of_the_library() {
+  Headers headers;
+  const fs::path root = fs::path(PROTOSTAR_SOURCE_DIR) / "include" / "protostar";
+  for (const auto& entry : fs::recursive_directory_iterator(root)) {
+    if (!entry.is_regular_file()) continue;
+    std::ifstream file(entry.path());
+    headers[entry.path().lexically_relative(root).generic_string()] =
+        std::string(std::istreambuf_iterator<char>(file), {});
+  }
+  return headers;
+}
+
+/// What a header includes: names in quotes as paths inside include/protostar, others as they are.
+struct Includes {
+  std::vector<std::string> own, other, malformed;
+};
+
+Includes includes_of(const std::string& header, const std::string& text) {
+  static const std::regex line(R"re([ \t]*#[ \t]*(?:include|import)[^\n]*)re");
+  static const std::regex quoted(R"re(#include "([^"]+)"[^\n]*)re"),
+      angled(R"re(#include <([^>]+)>[^\n]*)re");
+  Includes includes;
+  for (std::sregex_iterator i(text.begin(), text.end(), line), end; i != end; ++i) {
+    const std::string directive = i->str();
+    std::smatch match;
+    if (std::regex_match(directive, match, quoted) && !match.str(1).starts_with('/'))
+      includes.own.push_back(
+          (fs::path(header).parent_path() / match.str(1)).lexically_normal().generic_string());
+    else if (std::regex_match(directive, match, angled) && !match.str(1).starts_with('/'))
+      includes.other.push_back(match.str(1));
+    else
+      includes.malformed.push_back(directive);
+  }
+  return includes;
+}
+
+/// The header's line in the table; behind the last one if it has none.
+std::size_t layer_of(const std::string& header) {
+  const auto layer = std::find_if(layers.begin(), layers.end(), [&](const auto& names) {
+    return std::find(names.begin(), names.end(), header) != names.end();
+  });
+  return static_cast<std::size_t>(layer - layers.begin());
+}
+
+bool in_core(const std::string& header) { return !header.starts_with("io/"); }
+
+/// Everything that is wrong with the headers' includes, a line each.
+std::vector<std::string> complaints(const Headers& headers) {
+  static const std::regex standard_header("[a-z_0-9]+");
+  std::vector<std::string> found;
+  for (const auto& [header, text] : headers) {
+    const auto complain = [&found, &header = header](const std::string& what) {
+      found.push_back(header + " " + what);
+    };
+    if (layer_of(header) == layers.size()) complain("has no place in the layers");
+    const Includes includes = includes_of(header, text);
+    for (const std::string& directive : includes.malformed) complain("is not to say " + directive);
+    for (const std::string& name : includes.own) {
+      if (!headers.contains(name))
+        complain("includes " + name + ", which is not a header of the library");
+      else if (layer_of(name) >= layer_of(header))
+        complain("includes " + name + ", which is not below it");
+      if (header == "render.hpp" && name.starts_with("integrators/"))
+        complain("includes " + name + ", but render takes any integrator");
+    }
+    for (const std::string& name : includes.other) {
+      if (name.starts_with("protostar/"))
+        complain("is to include " + name + " by its relative path");
+      else if (in_core(header) && !glm_headers.contains(name) && !std::regex_match(name, standard_header))
+        complain("includes " + name + ", but the core needs GLM and nothing else");
+    }
+    if (header.starts_with("integrators/") &&
+        std::find(includes.own.begin(), includes.own.end(), "scene.hpp") == includes.own.end())
+      complain("does not include scene.hpp, whose questions an integrator asks");
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("a header includes only what lies below it") {
+  for (const std::string& complaint : complaints(headers_of_the_library())) FAIL_CHECK(complaint);
+}
+
+TEST_CASE("every header in the table of layers exists") {
+  const Headers headers = headers_of_the_library();
+  for (const auto& layer : layers)
+    for (const std::string& header : layer) {
+      INFO(header);
+      CHECK(headers.contains(header));
+    }
+}
+
+TEST_CASE("protostar.hpp is the whole core, and nothing else") {
+  Headers headers = headers_of_the_library();
+  std::set<std::string> reached;
+  std::vector<std::string> next = {"protostar.hpp"};
+  while (!next.empty()) {
+    const std::string header = next.back();
+    next.pop_back();
+    if (!reached.insert(header).second) continue;
+    for (const std::string& name : includes_of(header, headers[header]).own) next.push_back(name);
+  }
+  for (const auto& [header, text] : headers) {
+    INFO(header);
+    CHECK(reached.contains(header) == in_core(header));
+  }
+}
+
+TEST_CASE("an include that points the wrong way is found") {
+  struct Row {
+    std::string header, directive;
+  };
+  const auto row =
+      GENERATE(Row{"ray.hpp", R"(#include "scene.hpp")"},                    // a layer above
+               Row{"vec3.hpp", R"(#include "interval.hpp")"},                // beside
+               Row{"render.hpp", R"(#include "integrators/shadow.hpp")"},    // any will do
+               Row{"ppm.hpp", R"(#include "protostar.hpp")"},                // everything
+               Row{"ppm.hpp", R"(#include "io/png.hpp")"},                   // not the core
+               Row{"surfaces/box.hpp", R"(#include "../surface.hpp")"},      // has no place
+               Row{"scene.hpp", R"(#include "../../stages/stage.hpp")"},     // not the library
+               Row{"scene.hpp", R"(#include "light.h")"},                    // does not exist
+               Row{"vec3.hpp", "#include <glm/glm.hpp>"},                    // twice the time
+               Row{"ppm.hpp", "#include <stb_image_write.h>"},               // another library
+               Row{"vec3.hpp", "#  include <glm/ext.hpp>"},                  // out of form
+               Row{"vec3.hpp", "#include </usr/include/glm/vec3.hpp>"},      // one machine's path
+               Row{"vec3.hpp", R"(#include "/usr/include/glm/vec3.hpp")"});  // one machine's path
+  Headers headers = headers_of_the_library();
+  headers[row.header] += row.directive + "\n";
+  INFO(row.header << ": " << row.directive);
+  CHECK(complaints(headers).size() == 1);
+}

@@ -1,0 +1,249 @@
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <protostar/integrators/binary.hpp>
+#include <protostar/integrators/color.hpp>
+#include <protostar/integrators/depth.hpp>
+#include <protostar/integrators/diffuse.hpp>
+#include <protostar/integrators/normal.hpp>
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/integrators/transparency.hpp>
+#include <protostar/render.hpp>
+#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+#include <vector>
+
+#include "scenes/three_spheres.hpp"
+#include "support/catch.hpp"
+#include "support/cylinder.hpp"
+#include "support/pictures.hpp"
+
+using namespace protostar;
+
+namespace {
+constexpr float four_pi = 4 * std::numbers::pi_v<float>;
+
+/// A ball of radius 1 around (0, 0, 3) on the ground y = −1.
+Scene<Sphere, Plane> ball_on_ground() {
+  Scene<Sphere, Plane> scene;
+  scene.add(Sphere{.center = {0, 0, 3}, .radius = 1}, Color{1, 0.5f, 0.25f});
+  scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, Color{0.5f, 1, 0});
+  return scene;
+}
+
+const Ray at_ball{{0, 0, 0}, {0, 0, 1}};
+const Ray at_ground{{4, 0, 3}, {0, -1, 0}};
+const Ray at_nothing{{0, 0, 0}, {0, 1, 0}};
+
+bool near(const Color& a, const Color& b) {
+  return std::abs(a.r - b.r) < 1e-6f && std::abs(a.g - b.g) < 1e-6f && std::abs(a.b - b.b) < 1e-6f;
+}
+
+template <Surface S>
+Image picture(const Scene<S>& scene, const Camera& camera, const auto& integrator) {
+  Image image(200, 150);
+  render(image, camera, scene, integrator);
+  return image;
+}
+}  // namespace
+
+TEST_CASE("binary: white where there is a surface, black where there is none") {
+  const auto scene = ball_on_ground();
+  CHECK(BinaryIntegrator{}.radiance(at_ball, scene) == Color{1});
+  CHECK(BinaryIntegrator{}.radiance(at_ground, scene) == Color{1});
+  CHECK(BinaryIntegrator{}.radiance(at_nothing, scene) == Color{0});
+}
+
+TEST_CASE("depth: the reciprocal distance") {
+  const auto scene = ball_on_ground();
+  CHECK(DepthIntegrator{}.radiance(at_ball, scene) == Color{0.5f});
+  CHECK(DepthIntegrator{}.radiance(at_ground, scene) == Color{1});
+  CHECK(DepthIntegrator{}.radiance({{0, 0, -6}, {0, 0, 1}}, scene) == Color{0.125f});
+  CHECK(DepthIntegrator{}.radiance({{0, 0, 2.75}, {0, 0, -1}}, scene) == Color{1 / 0.75f});
+  CHECK(DepthIntegrator{}.radiance(at_nothing, scene) == Color{0});
+}
+
+TEST_CASE("normal: from [−1, 1] to [0, 1], the surface's own also from behind") {
+  const auto scene = ball_on_ground();
+  CHECK(NormalIntegrator{}.radiance(at_ball, scene) == Color{0.5f, 0.5f, 0});
+  CHECK(NormalIntegrator{}.radiance(at_ground, scene) == Color{0.5f, 1, 0.5f});
+  CHECK(NormalIntegrator{}.radiance({{0, -5, 0}, {0, 1, 0}}, scene) == Color{0.5f, 1, 0.5f});
+  CHECK(NormalIntegrator{}.radiance({{0, 0, 3}, {1, 0, 0}}, scene) == Color{1, 0.5f, 0.5f});
+  CHECK(NormalIntegrator{}.radiance(at_nothing, scene) == Color{0});
+}
+
+TEST_CASE("color: flat") {
+  const auto scene = ball_on_ground();
+  CHECK(ColorIntegrator{}.radiance(at_ball, scene) == Color{1, 0.5f, 0.25f});
+  CHECK(ColorIntegrator{}.radiance(at_ground, scene) == Color{0.5f, 1, 0});
+  CHECK(ColorIntegrator{}.radiance(at_nothing, scene) == Color{0});
+}
+
+TEST_CASE("diffuse: color times irradiance, a sum over the lights, with no regard to what hides them") {
+  auto scene = ball_on_ground();
+  scene.add(PointLight{.position = {0, 0, 1}, .power = Color{four_pi}});  // 1 before the ball
+  CHECK(near(DiffuseIntegrator{}.radiance(at_ball, scene), {1, 0.5f, 0.25f}));
+  scene.add(PointLight{.position = {0, 0, 0}, .power = Color{four_pi, 0, 8 * four_pi}});  // 2 before it
+  CHECK(near(DiffuseIntegrator{}.radiance(at_ball, scene), {1.25f, 0.5f, 0.75f}));
+  CHECK(DiffuseIntegrator{}.radiance(at_nothing, scene) == Color{0});
+
+  auto hidden = ball_on_ground();
+  hidden.add(PointLight{.position = {0, 3, 3}, .power = Color{16 * four_pi}});  // above the ball
+  CHECK(near(DiffuseIntegrator{}.radiance({{0, -0.5, 1.5}, {0, -1, 1}}, hidden),
+             Color{0.5f, 1, 0} * static_cast<float>(16 * 4 / std::pow(17, 1.5))));
+}
+
+TEST_CASE("diffuse: surfaces are two-sided, and the side that is seen is the one that is lit") {
+  Scene<Plane> scene;
+  scene.add(Plane{.normal = {0, 0, 1}, .distance = 2}, Color{1});
+  scene.add(PointLight{.position = {0, 0, 0}, .power = Color{4 * four_pi}});
+  CHECK(near(DiffuseIntegrator{}.radiance({{0, 0, 1}, {0, 0, 1}}, scene), Color{1}));
+  CHECK(near(ShadowIntegrator{}.radiance({{0, 0, 1}, {0, 0, 1}}, scene), Color{1}));
+  CHECK(DiffuseIntegrator{}.radiance({{0, 0, 9}, {0, 0, -1}}, scene) == Color{0});
+  CHECK(ShadowIntegrator{}.radiance({{0, 0, 9}, {0, 0, -1}}, scene) == Color{0});
+}
+
+TEST_CASE("shadow: as diffuse, from the lights that can be seen") {
+  auto scene = ball_on_ground();
+  scene.add(PointLight{.position = {0, 3, 3}, .power = Color{16 * four_pi}});  // above the ball
+  const Ray under_ball{{0, -0.5, 1.5}, {0, -1, 1}};  // meets the ground at (0, −1, 2)
+  CHECK(DiffuseIntegrator{}.radiance(under_ball, scene) != Color{0});
+  CHECK(ShadowIntegrator{}.radiance(under_ball, scene) == Color{0});
+  CHECK(ShadowIntegrator{}.radiance(at_ground, scene) == DiffuseIntegrator{}.radiance(at_ground, scene));
+  CHECK(ShadowIntegrator{}.radiance(at_ground, scene) != Color{0});
+  CHECK(ShadowIntegrator{}.radiance(at_nothing, scene) == Color{0});
+
+  // A second light that sees the place.
+  scene.add(PointLight{.position = {0, 0, 2}, .power = Color{four_pi}});
+  auto alone = ball_on_ground();
+  alone.add(scene.lights()[1]);
+  CHECK(ShadowIntegrator{}.radiance({{1, 0, 0}, {0, -1, 0}}, scene) != Color{0});
+  CHECK(ShadowIntegrator{}.radiance(under_ball, alone) == ShadowIntegrator{}.radiance(under_ball, scene));
+}
+
+TEST_CASE("shadow: what is beyond the light casts none, nor does what the light touches") {
+  Scene<Plane> scene;
+  scene.add(Plane{.normal = {0, 1, 0}, .distance = 0}, Color{1});
+  scene.add(Plane{.normal = {0, 1, 0}, .distance = 2}, Color{1});  // a ceiling
+  const Ray down{{0, 1, 0}, {0, -1, 0}};
+  const auto lit_from = [&](double height) {
+    auto lit = scene;
+    lit.add(PointLight{.position = {0, height, 0}, .power = Color{1}});
+    return ShadowIntegrator{}.radiance(down, lit) != Color{0};
+  };
+  CHECK(lit_from(1.9));
+  CHECK(lit_from(2));
+  CHECK_FALSE(lit_from(2.1));
+}
+
+TEST_CASE("transparency: white light from behind, times the color at every crossing") {
+  auto scene = ball_on_ground();
+  const Color ball{1, 0.5f, 0.25f}, ground{0.5f, 1, 0};
+  CHECK(TransparencyIntegrator{}.radiance(at_nothing, scene) == Color{1});
+  CHECK(TransparencyIntegrator{}.radiance(at_ball, scene) == ball * ball);
+  CHECK(TransparencyIntegrator{}.radiance({{0, 0, 3}, {0, 0, 1}}, scene) == ball);         // from inside
+  CHECK(TransparencyIntegrator{}.radiance({{0, 1, 0}, {0, 0, 1}}, scene) == ball * ball);  // touching
+  CHECK(TransparencyIntegrator{}.radiance(at_ground, scene) == ground);
+  CHECK(TransparencyIntegrator{}.radiance({{0, 5, 3}, {0, -1, 0}}, scene) == ball * ball * ground);
+}
+
+TEST_CASE("transparency: there is no limit to the number of crossings") {
+  Scene<Sphere> scene;
+  for (int i = 1; i <= 100; ++i)
+    scene.add(Sphere{.center = {0, 0, 200}, .radius = static_cast<double>(i)}, Color{0.995f, 1, 2});
+  const Color light = TransparencyIntegrator{}.radiance({{0, 0, 0}, {0, 0, 1}}, scene);
+  CHECK(std::abs(light.r / std::pow(0.995, 200) - 1) < 1e-4);
+  CHECK(light.g == 1);
+  CHECK(std::isinf(light.b));  // 2^200 is beyond float
+}
+
+TEST_CASE("without surfaces or lights every picture is defined") {
+  const Scene<Sphere> empty;
+  CHECK(BinaryIntegrator{}.radiance(at_ball, empty) == Color{0});
+  CHECK(DepthIntegrator{}.radiance(at_ball, empty) == Color{0});
+  CHECK(NormalIntegrator{}.radiance(at_ball, empty) == Color{0});
+  CHECK(ColorIntegrator{}.radiance(at_ball, empty) == Color{0});
+  CHECK(DiffuseIntegrator{}.radiance(at_ball, empty) == Color{0});
+  CHECK(ShadowIntegrator{}.radiance(at_ball, empty) == Color{0});
+  CHECK(TransparencyIntegrator{}.radiance(at_ball, empty) == Color{1});
+  const auto dark = ball_on_ground();
+  CHECK(DiffuseIntegrator{}.radiance(at_ball, dark) == Color{0});
+  CHECK(ShadowIntegrator{}.radiance(at_ball, dark) == Color{0});
+}
+
+TEST_CASE("a negative radius changes the picture of the normals and no other") {
+  const auto of_radius = [](double sign) {
+    Scene<Sphere> scene;
+    scene.add(Sphere{.center = {0, 0, 3}, .radius = sign}, Color{0.8f, 0.5f, 0.2f});
+    scene.add(Sphere{.center = {0.5, 1.5, 2}, .radius = 0.3 * sign}, Color{0.8f, 0.5f, 0.2f});
+    scene.add(PointLight{.position = {1, 3, 0}, .power = Color{100}});
+    return scene;
+  };
+  const auto differences = [&](const auto& integrator) {
+    return different_pixels(picture(of_radius(1), Camera{}, integrator),
+                            picture(of_radius(-1), Camera{}, integrator));
+  };
+  CHECK(differences(BinaryIntegrator{}) == 0);
+  CHECK(differences(DepthIntegrator{}) == 0);
+  CHECK(differences(ColorIntegrator{}) == 0);
+  CHECK(differences(DiffuseIntegrator{}) == 0);
+  CHECK(differences(ShadowIntegrator{}) == 0);
+  CHECK(differences(TransparencyIntegrator{}) == 0);
+  CHECK(differences(NormalIntegrator{}) > 1000);
+}
+
+TEST_CASE("every picture of three spheres is the same with any surfaces") {
+  const auto differences = [](const auto& integrator) {
+    return different_pixels(picture(three_spheres(), Camera{}, integrator),
+                            picture(three_spheres<AnySurface>(), Camera{}, integrator));
+  };
+  CHECK(differences(BinaryIntegrator{}) == 0);
+  CHECK(differences(DepthIntegrator{}) == 0);
+  CHECK(differences(NormalIntegrator{}) == 0);
+  CHECK(differences(ColorIntegrator{}) == 0);
+  CHECK(differences(DiffuseIntegrator{}) == 0);
+  CHECK(differences(ShadowIntegrator{}) == 0);
+  CHECK(differences(TransparencyIntegrator{}) == 0);
+}
+
+namespace {
+template <Surface S>
+void check_pictures_of_cylinder() {
+  // A cylinder hides no point of its own that faces a light: seen from outside and from inside, what is lit
+  // without shadows is lit with them. One crossing too many or too few would show as a pixel.
+  const Color color{0.5f, 0.25f, 0.75f};
+  const auto scene_of = [&](double radius, const Point& light) {
+    Scene<S> scene;
+    scene.add(Cylinder{.radius = radius}, color);
+    scene.add(PointLight{.position = light, .power = Color{100}});
+    return scene;
+  };
+  for (const double radius : {0.01, 0.7, 1.0, 3.3, 1000.0}) {
+    CAPTURE(radius);
+    const Camera outside{.position = {0, 0, -3 * radius}};
+    const auto from_outside = scene_of(radius, {2 * radius, radius, -3 * radius});
+    CHECK(different_pixels(picture(from_outside, outside, DiffuseIntegrator{}),
+                           picture(from_outside, outside, ShadowIntegrator{})) == 0);
+    const Image glass = picture(from_outside, outside, TransparencyIntegrator{});
+    const Image mask = picture(from_outside, outside, BinaryIntegrator{});
+    CHECK(count_pixels(glass, [&](int x, int y) {
+            return glass(x, y) != (mask(x, y) == Color{1} ? color * color : Color{1});
+          }) == 0);
+
+    const Camera inside{.position = {0.3 * radius, 0, 0.1 * radius}};
+    const auto from_inside = scene_of(radius, {-0.5 * radius, 0, 0.5 * radius});
+    const Image lit = picture(from_inside, inside, DiffuseIntegrator{});
+    CHECK(count_pixels(lit, [&](int x, int y) { return lit(x, y) == Color{0}; }) == 0);
+    CHECK(different_pixels(lit, picture(from_inside, inside, ShadowIntegrator{})) == 0);
+    const Image from_within = picture(from_inside, inside, TransparencyIntegrator{});
+    CHECK(count_pixels(from_within, [&](int x, int y) { return from_within(x, y) != color; }) == 0);
+  }
+}
+}  // namespace
+
+TEST_CASE("the pictures of a surface of the user's own are clean") { check_pictures_of_cylinder<Cylinder>(); }
+
+TEST_CASE("the pictures of a surface of the user's own are clean among any surfaces") {
+  check_pictures_of_cylinder<AnySurface>();
+}

@@ -1,0 +1,106 @@
+// Ctrl-C, as a user of a stage sees it.
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include "support/catch.hpp"
+#include "support/files.hpp"
+#include "support/process.hpp"
+
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Sends a signal and expects the end that belongs to it within half a second.
+void check_ends_at_once(Process& process, int signal) {
+  const auto start = std::chrono::steady_clock::now();
+  process.send(signal);
+  const Outcome outcome = process.wait();
+  const auto time = std::chrono::steady_clock::now() - start;
+  CHECK(outcome.status == 128 + signal);
+  CHECK(outcome.out == "");
+  CHECK(outcome.err == "");
+  CHECK(std::chrono::duration<double>(time).count() < 0.5);
+}
+
+/// Returns when a file other than out.ppm holds something: the picture is being written.
+void wait_for_temporary_file(const TemporaryFolder& folder) {
+  namespace fs = std::filesystem;
+  const auto deadline = std::chrono::steady_clock::now() + 60s;
+  while (std::chrono::steady_clock::now() < deadline) {
+    for (const auto& entry : fs::directory_iterator(folder / "")) {
+      std::error_code vanished;
+      const auto size = fs::file_size(entry, vanished);
+      if (entry.path().filename() != "out.ppm" && !vanished && size > 0) return;
+    }
+    std::this_thread::sleep_for(1ms);
+  }
+  FAIL("no temporary file was seen");
+}
+
+}  // namespace
+
+TEST_CASE("a signal ends a render at once, with its status, and leaves no file") {
+  const int signal = GENERATE(SIGINT, SIGTERM, SIGHUP);
+  CAPTURE(signal);
+  const TemporaryFolder folder;
+  Process process(stage("09_shadow", words("--size 4000x4000 --threads 1 --plain"), folder / ""));
+  process.wait_for_thread();
+  std::this_thread::sleep_for(200ms);
+  check_ends_at_once(process, signal);
+  CHECK(folder.count() == 0);
+}
+
+TEST_CASE("a signal while the picture is written leaves the old file as it was and no other") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "out.ppm", "old");
+  Process process(stage("01_gradient", words("--size 6000x4000"), folder / ""));
+  wait_for_temporary_file(folder);
+  check_ends_at_once(process, SIGINT);
+  CHECK(folder.count() == 1);
+  CHECK(bytes_of(folder / "out.ppm") == "old");
+}
+
+TEST_CASE("a signal while a PNG is encoded leaves no file") {
+  const TemporaryFolder folder;
+  Process process(stage("01_gradient", words("--size 4000x4000 -o out.png"), folder / ""));
+  process.wait_for_thread();
+  std::this_thread::sleep_for(400ms);
+  check_ends_at_once(process, SIGINT);
+  CHECK(folder.count() == 0);
+}
+
+TEST_CASE("a signal ends a stage that waits for the reader of a pipe") {
+  const bool opened = GENERATE(false, true);
+  CAPTURE(opened);
+  const TemporaryFolder folder;
+  const std::string pipe = (folder / "pipe").string();
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  const int reader = opened ? open(pipe.c_str(), O_RDONLY | O_NONBLOCK) : -1;  // which never reads
+  Process process(stage("01_gradient", words("-o pipe --size 400x400"), folder / ""));
+  process.wait_for_thread();
+  std::this_thread::sleep_for(100ms);
+  check_ends_at_once(process, SIGINT);
+  if (opened) close(reader);
+  CHECK(std::filesystem::is_fifo(pipe));
+  CHECK(folder.count() == 1);
+}
+
+TEST_CASE("a signal that a stage was started to ignore stays ignored") {
+  const int signal = GENERATE(SIGINT, SIGHUP);  // as after the shell's & and nohup
+  CAPTURE(signal);
+  const TemporaryFolder folder;
+  Command command = stage("09_shadow", words("--size 1000x1000 --threads 1"), folder / "");
+  command.before = [signal] { std::signal(signal, SIG_IGN); };
+  Process process(command);
+  process.wait_for_thread();
+  process.send(signal);
+  CHECK(process.wait().status == 0);
+  CHECK(bytes_of(folder / "out.ppm").size() == 3'000'000 + std::string("P6\n1000 1000\n255\n").size());
+}

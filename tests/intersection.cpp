@@ -1,0 +1,69 @@
+#include <protostar/intersection.hpp>
+#include <protostar/scene.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+
+#include "support/catch.hpp"
+
+using namespace protostar;
+
+namespace {
+Scene<Sphere, Plane> ball_on_ground() {
+  Scene<Sphere, Plane> scene;
+  scene.add(Sphere{.center = {0, 0, 3}, .radius = 1}, Color{1, 0.5f, 0.25f});
+  scene.add(Plane{.normal = {0, 2, 0}, .distance = -2}, Color{0, 1, 0});
+  return scene;
+}
+}  // namespace
+
+TEST_CASE("an intersection tells point, normal and color of what was met") {
+  const auto scene = ball_on_ground();
+  const auto ball = scene.intersect({{0, 0, 0}, {0, 0, 2}});
+  REQUIRE(ball);
+  CHECK(ball->t == 1);
+  CHECK(ball->point() == Point{0, 0, 2});
+  CHECK(ball->normal() == Vec3{0, 0, -1});
+  CHECK(ball->color() == Color{1, 0.5f, 0.25f});
+
+  const auto ground = scene.intersect({{5, 2, 7}, {0, -1, 0}});
+  REQUIRE(ground);
+  CHECK(ground->t == 3);
+  CHECK(ground->point() == Point{5, -1, 7});
+  CHECK(ground->normal() == Vec3{0, 1, 0});
+  CHECK(ground->color() == Color{0, 1, 0});
+}
+
+TEST_CASE("the normal is the surface's own, the facing normal looks at where the ray comes from") {
+  const auto scene = ball_on_ground();
+  const auto inside = scene.intersect({{0, 0, 3}, {0, 0, 1}});
+  REQUIRE(inside);
+  CHECK(inside->normal() == Vec3{0, 0, 1});
+  CHECK(inside->facing_normal() == Vec3{0, 0, -1});
+  const auto outside = scene.intersect({{0, 0, 6}, {0, 0, -1}});
+  REQUIRE(outside);
+  CHECK(outside->normal() == Vec3{0, 0, 1});
+  CHECK(outside->facing_normal() == Vec3{0, 0, 1});
+  const auto below = scene.intersect({{0, -9, 0}, {0, 1, 0}});
+  REQUIRE(below);
+  CHECK(below->normal() == Vec3{0, 1, 0});
+  CHECK(below->facing_normal() == Vec3{0, -1, 0});
+}
+
+TEST_CASE("the ray that leaves an intersection starts there and knows what it departs from") {
+  const auto scene = ball_on_ground();
+  const auto ball = scene.intersect({{0, 0, 0}, {0, 0, 1}});
+  REQUIRE(ball);
+  const Ray through = ball->leave({0, 0, 0.25});
+  CHECK(through.origin == Point{0, 0, 2});
+  CHECK(through.direction == Vec3{0, 0, 0.25});
+  CHECK(through.departure == Sphere{.center = {0, 0, 3}, .radius = 1}.departure());
+  const auto far_side = scene.intersect(through);
+  REQUIRE(far_side);
+  CHECK(far_side->t == 8);
+  CHECK_FALSE(scene.intersect(ball->leave({0, 0, -1})));
+  CHECK_FALSE(scene.intersect(ball->leave({1, 0, 0})));
+  const auto ground = scene.intersect(ball->leave({0, -1, 0}));
+  REQUIRE(ground);
+  CHECK(ground->color() == Color{0, 1, 0});
+  CHECK(ground->t == 1);
+}

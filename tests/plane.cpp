@@ -1,0 +1,132 @@
+#include <cmath>
+#include <limits>
+#include <protostar/surfaces/plane.hpp>
+#include <stdexcept>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/errors.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+constexpr double inf = std::numeric_limits<double>::infinity(),
+                 not_a_number = std::numeric_limits<double>::quiet_NaN();
+}
+
+TEST_CASE("a plane is the points x with normal · x = distance") {
+  const Plane ground{.normal = {0, 1, 0}, .distance = -1};
+  struct {
+    const char* what;
+    Plane plane;
+    Ray ray;
+    Interval range;
+    std::optional<double> expected;
+  } const rows[] = {
+      {"down to the ground", ground, {{0, 0, 0}, {0, -1, 0}}, {}, 1},
+      {"down to the ground, t in halves", ground, {{0, 0, 0}, {0, -0.5, 0}}, {}, 2},
+      {"from below", ground, {{5, -3, 2}, {1, 1, 1}}, {}, 2},
+      {"away from it", ground, {{0, 0, 0}, {0, 1, 0}}, {}, std::nullopt},
+      {"away from it, in a range that reaches back", ground, {{0, 0, 0}, {0, 1, 0}}, {-2, 0}, -1},
+      {"beyond the range", ground, {{0, 0, 0}, {0, -1, 0}}, {0, 0.5}, std::nullopt},
+      {"at the end of the range", ground, {{0, 0, 0}, {0, -1, 0}}, {0, 1}, std::nullopt},
+      {"parallel", ground, {{0, 0, 0}, {1, 0, 1}}, {-inf, inf}, std::nullopt},
+      {"in it", ground, {{0, -1, 0}, {1, 0, 1}}, {-inf, inf}, std::nullopt},
+      {"a normal of any length", {{0, 0, -4}, -12}, {{0, 0, 1}, {0, 0, 1}}, {}, 2},
+      {"oblique", {{1, 2, 2}, 9}, {{0, 0, 0}, {1, 2, 2}}, {}, 1},
+  };
+  for (const auto& row : rows) {
+    INFO(row.what);
+    CHECK(row.plane.intersect(row.ray, row.range) == row.expected);
+  }
+}
+
+TEST_CASE("where a ray meets a plane is on the plane") {
+  Random random(7);
+  int hits = 0, wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Plane plane{.normal = std::exp(random.real(-20, 20)) * random.direction(),
+                      .distance = random.real(-10, 10)};
+    const Ray ray{random.point(10), std::exp(random.real(-10, 10)) * random.direction()};
+    const auto t = plane.intersect(ray);
+    if (!t) continue;
+    ++hits;
+    const Point p = ray.at(*t);
+    const double error = std::abs(dot(plane.normal, p) - plane.distance);
+    if (!(error <=
+          1e-14 * (length(plane.normal) * (length(p) + length(ray.origin)) + std::abs(plane.distance))))
+      ++wrong;
+  }
+  CHECK(hits > 5000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("the normal of a plane is a unit vector, whatever the length it was given with") {
+  for (const double size : {1e-140, 1e-9, 1.0, 1e9, 1e140}) {
+    const Vec3 n = Plane{.normal = size * Vec3{2, -3, 6}}.normal_at({1, 2, 3});
+    CHECK(length(n - Vec3{2, -3, 6} / 7.0) < 1e-15);
+  }
+}
+
+TEST_CASE("a plane is never met again by a ray that leaves it") {
+  Random random(8);
+  int hits = 0, wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Plane plane{.normal = random.direction(), .distance = random.real(-10, 10)};
+    const Ray ray{random.point(10), random.direction()};
+    const auto hit = plane.intersect(ray);
+    if (!hit) continue;
+    ++hits;
+    const Ray left{ray.at(*hit), random.direction(), plane.departure()};
+    if (plane.intersect(left, {-inf, inf})) ++wrong;
+  }
+  CHECK(hits > 2000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a plane is left together with every multiple of its equation, and with no other") {
+  const Plane plane{.normal = {1, -2, 3}, .distance = 5};
+  const Ray left{{5, 0, 0}, {1, 1, 1}, plane.departure()};
+  for (const double factor : {1.0, -1.0, 2.0, -0.5, 3.0, -7.0, 1e3, 0x1p-900}) {
+    const Plane multiple{.normal = factor * plane.normal, .distance = factor * plane.distance};
+    CAPTURE(factor);
+    CHECK(multiple.departure() == plane.departure());
+    CHECK_FALSE(multiple.intersect(left, {-inf, inf}));
+  }
+  const Plane through_origin{.normal = {0, 1, 0}, .distance = 0},
+      reversed{.normal = {0, -1, 0}, .distance = 0};
+  CHECK(through_origin.departure() == reversed.departure());
+
+  const Plane parallel{.normal = {1, -2, 3}, .distance = 6};
+  CHECK(parallel.departure() != plane.departure());
+  CHECK(parallel.intersect(left) == 0.5);
+  const Plane mirrored{.normal = {1, -2, 3}, .distance = -5};
+  CHECK(mirrored.departure() != plane.departure());
+}
+
+TEST_CASE("a ray without direction, or with a number that is not finite, crosses no plane") {
+  const Plane plane{.normal = {0, 0, 1}, .distance = 3};
+  CHECK_FALSE(plane.intersect({{0, 0, 0}, {0, 0, 0}}, {-inf, inf}));
+  CHECK_FALSE(plane.intersect({{0, 0, 3}, {0, 0, 0}}, {-inf, inf}));
+  for (const double bad : {inf, -inf, not_a_number})
+    for (int axis = 0; axis < 3; ++axis) {
+      Ray origin{{0, 0, 0}, {0, 0, 1}}, direction = origin;
+      origin.origin[axis] = bad;
+      direction.direction[axis] = bad;
+      CAPTURE(bad, axis);
+      CHECK_FALSE(plane.intersect(origin));
+      CHECK_FALSE(plane.intersect(origin, {-inf, inf}));
+      CHECK_FALSE(plane.intersect(direction));
+    }
+}
+
+TEST_CASE("a plane that makes no sense is refused with the field's name") {
+  for (const Vec3& bad : {Vec3{0}, Vec3{0, not_a_number, 0}, Vec3{0, inf, 0}, Vec3{-inf, 1, 0}})
+    CHECK_THAT(message_of<std::invalid_argument>([&] { Plane{.normal = bad}.validate(); }),
+               ContainsSubstring("Plane: normal"));
+  for (const double bad : {inf, -inf, not_a_number})
+    CHECK_THAT(message_of<std::invalid_argument>([&] { Plane{.distance = bad}.validate(); }),
+               ContainsSubstring("Plane: distance"));
+  CHECK_NOTHROW(Plane{.normal = {0, -5, 0}, .distance = -3}.validate());
+}

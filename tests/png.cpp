@@ -1,0 +1,59 @@
+#if __has_include(<stb_image_write.h>)  // protostar::png is optional
+
+#include <protostar/io/png.hpp>
+
+#define STB_IMAGE_STATIC
+#define STB_IMAGE_IMPLEMENTATION
+#include <stb_image.h>
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "support/catch.hpp"
+#include "support/errors.hpp"
+#include "support/files.hpp"
+#include "support/test_image.hpp"
+
+using namespace protostar;
+
+TEST_CASE("a PNG starts with its signature and decodes to the encoder's codes") {
+  for (const Transfer& transfer : {Transfer{Srgb{}}, Transfer{Linear{}}, Transfer{Gamma{2.2}}}) {
+    const Image image = random_image(37, 23, 17);
+    const TemporaryFolder folder;
+    save_png(image, folder / "a.png", transfer);
+    CHECK(folder.count() == 1);
+    const std::string bytes = bytes_of(folder / "a.png");
+    CHECK(bytes.substr(0, 8) == "\x89PNG\r\n\x1a\n");
+
+    int width = 0, height = 0, channels = 0;
+    const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> codes(
+        stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size()),
+                              &width, &height, &channels, 0),
+        stbi_image_free);
+    REQUIRE(codes);
+    REQUIRE(width == 37);
+    REQUIRE(height == 23);
+    REQUIRE(channels == 3);
+    const Encoder encode(transfer, 255);
+    int wrong = 0;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        for (int channel = 0; channel < 3; ++channel)
+          if (codes.get()[(y * width + x) * 3 + channel] != encode(image(x, y)[channel])) ++wrong;
+    CHECK(wrong == 0);
+  }
+}
+
+TEST_CASE("a PNG that cannot be written says so and leaves an old file as it was") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "a.png", "old");
+  CHECK_THAT(message_of<std::invalid_argument>([&] { save_png(Image(1, 1), folder / "a.png", Gamma{-1}); }),
+             ContainsSubstring("Gamma: exponent"));
+  CHECK_THAT(message_of<std::system_error>([&] { save_png(Image(1, 1), folder / "none/a.png"); }),
+             ContainsSubstring("none/a.png"));
+  CHECK(bytes_of(folder / "a.png") == "old");
+  CHECK(folder.count() == 1);
+}
+
+#endif

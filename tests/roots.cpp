@@ -1,0 +1,57 @@
+#include <cmath>
+#include <limits>
+#include <protostar/numeric/roots.hpp>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+std::vector<double> list(const Roots& roots) { return {roots.begin(), roots.end()}; }
+}  // namespace
+
+TEST_CASE("roots come near before far, and the first inside a range counts") {
+  const Roots roots{1, 3};
+  CHECK(list(roots) == std::vector<double>{1, 3});
+  CHECK(roots.first_in({}) == 1.0);
+  CHECK(roots.first_in({.min = 1}) == 3.0);
+  CHECK(roots.first_in({.min = 2}) == 3.0);
+  CHECK_FALSE(roots.first_in({.min = 1, .max = 3}));
+  CHECK_FALSE(roots.first_in({.min = 3}));
+  CHECK(list(Roots{2}) == std::vector<double>{2});
+  CHECK(list(Roots{}).empty());
+  CHECK_FALSE(Roots{}.first_in({.min = -infinity}));
+}
+
+TEST_CASE("a quadratic has two roots, one twice, or none") {
+  // A t² − 2 b t + c = 0
+  CHECK(list(quadratic_roots(1, 2, 3, 1)) == std::vector<double>{1, 3});
+  CHECK(list(quadratic_roots(1, -2, 3, 1)) == std::vector<double>{-3, -1});
+  CHECK(list(quadratic_roots(4, 4, 3, 4)) == std::vector<double>{0.5, 1.5});
+  CHECK(list(quadratic_roots(1, 0, -4, 4)) == std::vector<double>{-2, 2});
+  CHECK(list(quadratic_roots(1, 2, 4, 0)) == std::vector<double>{2, 2});
+  CHECK(list(quadratic_roots(1, 0, 0, 0)) == std::vector<double>{0, 0});
+  CHECK(list(quadratic_roots(1, 1, 2, -1)).empty());
+  CHECK(list(quadratic_roots(1, 1, 1, std::numeric_limits<double>::quiet_NaN())).empty());
+}
+
+TEST_CASE("neither root of a quadratic loses digits, however unlike in size the two are") {
+  Random random(1);
+  double worst = 0;
+  for (int i = 0; i < 20000; ++i) {
+    // The reference is the other way round: from the roots to the coefficients, which are exact here.
+    const double near =
+        std::ldexp(std::floor(random.real(1, 1 << 12)), static_cast<int>(random.real(-20, 0)));
+    const double far = near + std::floor(random.real(1, 1 << 12));
+    const double b = (near + far) / 2, c = near * far, half = (far - near) / 2;
+    for (const double sign : {1.0, -1.0}) {
+      const auto t = list(quadratic_roots(1, sign * b, c, half * half));
+      REQUIRE(t.size() == 2);
+      worst = std::max(worst, std::abs(t[sign > 0 ? 0 : 1] * sign / near - 1));
+      worst = std::max(worst, std::abs(t[sign > 0 ? 1 : 0] * sign / far - 1));
+    }
+  }
+  CHECK(worst < 4 * std::numeric_limits<double>::epsilon());
+}

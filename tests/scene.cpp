@@ -1,0 +1,314 @@
+#include <cmath>
+#include <limits>
+#include <protostar/scene.hpp>
+#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "scenes/three_spheres.hpp"
+#include "support/catch.hpp"
+#include "support/cylinder.hpp"
+#include "support/errors.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+static_assert(Traceable<Scene<>> && Traceable<Scene<Sphere>> && Traceable<Scene<Sphere, Plane, Cylinder>>);
+static_assert(Traceable<Scene<AnySurface>> && !Traceable<Sphere>);
+
+namespace {
+constexpr double inf = std::numeric_limits<double>::infinity(),
+                 not_a_number = std::numeric_limits<double>::quiet_NaN();
+const Ray along_z{{0, 0, 0}, {0, 0, 1}};
+
+/// Colors whose red is a number that tells surfaces apart.
+Color tag(int number) { return Color{static_cast<float>(number), 0, 0}; }
+int tag_of(const Intersection& hit) { return static_cast<int>(hit.color().r); }
+
+using Crossing = std::pair<int, double>;  // the surface's tag, and t
+std::vector<Crossing> crossings_of(const Traceable auto& scene, const Ray& ray, Interval range = {}) {
+  std::vector<Crossing> list;
+  scene.crossings(ray, range, [&](const Intersection& hit) { list.emplace_back(tag_of(hit), hit.t); });
+  return list;
+}
+
+template <class S>
+concept TakesSphere = requires(S scene) {
+  scene.add(Sphere{}, Color{1});
+};
+static_assert(TakesSphere<Scene<Sphere>> && TakesSphere<Scene<AnySurface>> && !TakesSphere<Scene<Plane>>);
+}  // namespace
+
+TEST_CASE("a scene without surfaces is a miss for every ray") {
+  const auto is_empty = [](const auto& scene) {
+    return !scene.intersect(along_z) && !scene.occluded(along_z) && crossings_of(scene, along_z).empty() &&
+           scene.lights().empty();
+  };
+  CHECK(is_empty(Scene<>{}));
+  CHECK(is_empty(Scene<Sphere>{}));
+  CHECK(is_empty(Scene<Sphere, Plane>{}));
+  CHECK(is_empty(Scene<AnySurface>{}));
+}
+
+TEST_CASE("a scene's first crossing is the nearest, whichever type it has and however it was added") {
+  Scene<Sphere, Plane> scene;
+  scene.add(Plane{.normal = {0, 0, 1}, .distance = 4}, tag(1));
+  scene.add(Sphere{.center = {0, 0, 8}, .radius = 1}, tag(2));
+  scene.add(Sphere{.center = {0, 0, 2}, .radius = 1}, tag(3));
+  scene.add(Sphere{.center = {0, 0, 20}, .radius = 1}, tag(4));
+  const auto first = [&](Interval range) {
+    const auto hit = scene.intersect(along_z, range);
+    return hit ? Crossing{tag_of(*hit), hit->t} : Crossing{0, 0};
+  };
+  CHECK(first({}) == Crossing{3, 1});
+  CHECK(first({.min = 1}) == Crossing{3, 3});
+  CHECK(first({.min = 3}) == Crossing{1, 4});
+  CHECK(first({.min = 4}) == Crossing{2, 7});
+  CHECK(first({.min = 4, .max = 7}) == Crossing{0, 0});
+  CHECK(first({.min = 21}) == Crossing{0, 0});
+}
+
+TEST_CASE("at equal t the surface type named first wins, then the surface added first") {
+  // All are met at t = 2.
+  const Sphere near{.center = {0, 0, 3}, .radius = 1}, far{.center = {0, 0, 4}, .radius = 2};
+  const Plane plane{.normal = {0, 0, 1}, .distance = 2};
+  const auto first = [&](auto scene, const auto&... surfaces) {
+    int number = 0;
+    (scene.add(surfaces, tag(++number)), ...);
+    const auto hit = scene.intersect(along_z);
+    REQUIRE(hit);
+    CHECK(hit->t == 2);
+    return tag_of(*hit);
+  };
+  CHECK(first(Scene<Sphere>{}, near, far) == 1);
+  CHECK(first(Scene<Sphere>{}, far, near) == 1);
+  CHECK(first(Scene<Sphere, Plane>{}, plane, near) == 2);
+  CHECK(first(Scene<Plane, Sphere>{}, near, plane) == 2);
+  CHECK(first(Scene<Sphere, Plane>{}, plane, far, near) == 2);
+  CHECK(first(Scene<AnySurface>{}, plane, near, far) == 1);
+  CHECK(first(Scene<AnySurface>{}, near, plane) == 1);
+}
+
+TEST_CASE("crossings come in the order of the surfaces: by type, then as added, near root first") {
+  const auto fill = [](auto scene) {
+    scene.add(Plane{.normal = {0, 0, 1}, .distance = 1}, tag(1));
+    scene.add(Sphere{.center = {0, 0, 10}, .radius = 2}, tag(2));
+    scene.add(Sphere{.center = {0, 0, 4}, .radius = 1}, tag(3));
+    scene.add(Plane{.normal = {0, 0, 1}, .distance = 0.5}, tag(4));
+    scene.add(Sphere{.center = {1, 0, 6}, .radius = 1}, tag(5));  // touched
+    return scene;
+  };
+  const std::vector<Crossing> spheres{{2, 8}, {2, 12}, {3, 3}, {3, 5}, {5, 6}, {5, 6}};
+  const std::vector<Crossing> planes{{1, 1}, {4, 0.5}};
+  auto spheres_first = spheres, planes_first = planes;
+  spheres_first.insert(spheres_first.end(), planes.begin(), planes.end());
+  planes_first.insert(planes_first.end(), spheres.begin(), spheres.end());
+  CHECK(crossings_of(fill(Scene<Sphere, Plane>{}), along_z) == spheres_first);
+  CHECK(crossings_of(fill(Scene<Plane, Sphere>{}), along_z) == planes_first);
+  CHECK(crossings_of(fill(Scene<AnySurface>{}), along_z) ==
+        std::vector<Crossing>{{1, 1}, {2, 8}, {2, 12}, {3, 3}, {3, 5}, {4, 0.5}, {5, 6}, {5, 6}});
+  CHECK(crossings_of(fill(Scene<Sphere, Plane>{}), along_z, {.min = 3, .max = 8}) ==
+        std::vector<Crossing>{{3, 5}, {5, 6}, {5, 6}});
+}
+
+TEST_CASE("something is in the way exactly where something is met, in every range") {
+  Random random(11);
+  Scene<Sphere, Plane, Cylinder> scene;
+  for (int i = 0; i < 10; ++i) scene.add(Sphere{random.point(5), random.real(0.5, 2)}, tag(i));
+  scene.add(Plane{.normal = random.direction(), .distance = 6}, tag(10));
+  scene.add(Cylinder{.radius = 0.5}, tag(11));
+  int hits = 0, misses = 0, wrong = 0;
+  for (int i = 0; i < 30000; ++i) {
+    const Ray ray{random.point(6), random.direction()};
+    const double min = random.real(0, 3);
+    const Interval range{.min = min, .max = min + random.real(0, 5)};
+    const auto hit = scene.intersect(ray, range);
+    ++(hit ? hits : misses);
+    if (scene.occluded(ray, range) != hit.has_value()) ++wrong;
+    if (hit && !range.contains(hit->t)) ++wrong;
+    // The first crossing is the least of all.
+    double least = inf;
+    scene.crossings(ray, range, [&](const Intersection& crossing) { least = std::min(least, crossing.t); });
+    if (hit ? hit->t != least : least != inf) ++wrong;
+  }
+  CHECK(hits > 3000);
+  CHECK(misses > 5000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("surfaces that coincide are left together") {
+  Random random(12);
+  Scene<Sphere, Plane> scene;
+  scene.add(Sphere{.center = {0.1, 0.2, 0.3}, .radius = 0.7}, tag(1));
+  scene.add(Sphere{.center = {0.1, 0.2, 0.3}, .radius = 0.7}, tag(2));
+  scene.add(Sphere{.center = {0.1, 0.2, 0.3}, .radius = -0.7}, tag(3));
+  scene.add(Plane{.normal = {1, 2, 3}, .distance = 7}, tag(4));
+  scene.add(Plane{.normal = {1, 2, 3}, .distance = 7}, tag(5));
+  scene.add(Plane{.normal = {-3, -6, -9}, .distance = -21}, tag(6));
+  int spheres = 0, planes = 0, wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Ray ray{0.8 * random.direction(), random.direction()};
+    const auto hit = scene.intersect(ray);
+    if (!hit) continue;
+    const Ray left = hit->leave(random.direction());
+    int own = 0;
+    const bool is_sphere = tag_of(*hit) <= 3;
+    ++(is_sphere ? spheres : planes);
+    for (const auto& [number, t] : crossings_of(scene, left)) own += (number <= 3) == is_sphere ? 1 : 0;
+    if (!is_sphere && own != 0) ++wrong;
+    const bool inwards = dot(left.direction, Point{0.1, 0.2, 0.3} - left.origin) > 0;
+    if (is_sphere && own != (inwards ? 3 : 0)) ++wrong;
+  }
+  CHECK(spheres > 2000);
+  CHECK(planes > 2000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a surface of the user's own stands in any scene like those of the library") {
+  const auto fill = [](auto scene) {
+    scene.add(Cylinder{.radius = 1}, tag(1));
+    scene.add(Cylinder{.radius = 3}, tag(2));
+    return scene;
+  };
+  const auto check = [](const auto& scene) {
+    const Ray ray{{-5, 7, 0}, {1, 0, 0}};
+    const auto hit = scene.intersect(ray);
+    REQUIRE(hit);
+    CHECK(hit->t == 2);
+    CHECK(hit->normal() == Vec3{-1, 0, 0});
+    CHECK(scene.occluded(ray));
+    CHECK(crossings_of(scene, ray) == std::vector<Crossing>{{1, 4}, {1, 6}, {2, 2}, {2, 8}});
+    CHECK(crossings_of(scene, hit->leave({1, 0, 0})) == std::vector<Crossing>{{1, 2}, {1, 4}, {2, 6}});
+    CHECK(crossings_of(scene, hit->leave({-1, 0, 0})).empty());
+    CHECK_FALSE(scene.occluded(hit->leave({-1, 0, 0})));
+    CHECK_FALSE(scene.occluded(hit->leave({1, 0, 0}), {0, 2}));
+    CHECK(scene.occluded(hit->leave({1, 0, 0}), {0, 2.5}));
+  };
+  check(fill(Scene<Cylinder>{}));
+  check(fill(Scene<AnySurface>{}));
+  check(fill(Scene<Sphere, Plane, Cylinder>{}));
+  check(fill(Scene<Sphere, AnySurface>{}));
+}
+
+TEST_CASE("a surface goes to its own type, or to the first type that takes it") {
+  Scene<AnySurface, Sphere> scene;
+  scene.add(Plane{.normal = {0, 0, 1}, .distance = 2}, tag(1));
+  scene.add(Sphere{.center = {0, 0, 3}, .radius = 1}, tag(2));
+  scene.add(AnySurface{Sphere{.center = {0, 0, 3}, .radius = 1}}, tag(3));
+  // The sphere is among the spheres, hence the last, although a type that takes it comes before.
+  CHECK(crossings_of(scene, along_z) == std::vector<Crossing>{{1, 2}, {3, 2}, {3, 4}, {2, 2}, {2, 4}});
+}
+
+TEST_CASE("a ray without direction, or with a number that is not finite, crosses nothing") {
+  Scene<Sphere, Plane> scene;
+  scene.add(Sphere{.center = {0, 0, 0}, .radius = 2}, tag(1));
+  scene.add(Plane{.normal = {1, 1, 1}, .distance = 1}, tag(2));
+  std::vector<Ray> rays{{{0, 0, 0}, {0, 0, 0}}};
+  for (const double bad : {inf, -inf, not_a_number})
+    for (int axis = 0; axis < 3; ++axis) {
+      rays.push_back({{0, 0, 0}, {0.1, 0.2, 0.3}});
+      rays.back().origin[axis] = bad;
+      rays.push_back({{0, 0, 0}, {0.1, 0.2, 0.3}});
+      rays.back().direction[axis] = bad;
+    }
+  for (const Ray& ray : rays) {
+    CHECK_FALSE(scene.intersect(ray));
+    CHECK_FALSE(scene.occluded(ray));
+    CHECK(crossings_of(scene, ray).empty());
+  }
+  for (const Interval range :
+       {Interval{not_a_number, 1}, Interval{0, not_a_number}, Interval{1, 1}, Interval{9, 0}}) {
+    CHECK_FALSE(scene.intersect(along_z, range));
+    CHECK_FALSE(scene.occluded(along_z, range));
+    CHECK(crossings_of(scene, along_z, range).empty());
+  }
+}
+
+TEST_CASE("what makes no sense is refused when it is added, with the names of type and field") {
+  Scene<Sphere, Plane> typed;
+  Scene<AnySurface> any;
+  const auto says = [](auto& scene, const auto&... arguments) {
+    return message_of<std::invalid_argument>([&] { scene.add(arguments...); });
+  };
+  const auto check = [&](const auto& surface, const Color& color, const std::string& expected) {
+    CAPTURE(expected);
+    CHECK_THAT(says(typed, surface, color), ContainsSubstring(expected));
+    CHECK_THAT(says(any, surface, color), ContainsSubstring(expected));
+  };
+  for (const double bad : {0.0, not_a_number, inf, -inf})
+    check(Sphere{.radius = bad}, Color{1}, "Sphere: radius");
+  check(Sphere{.center = {not_a_number, 0, 0}}, Color{1}, "Sphere: center");
+  check(Sphere{.center = {0, 0, inf}}, Color{1}, "Sphere: center");
+  for (const Vec3& bad : {Vec3{0}, Vec3{0, not_a_number, 0}, Vec3{inf, 0, 0}})
+    check(Plane{.normal = bad}, Color{1}, "Plane: normal");
+  for (const double bad : {not_a_number, inf}) check(Plane{.distance = bad}, Color{1}, "Plane: distance");
+  for (const float bad : {-0.1f, static_cast<float>(not_a_number), static_cast<float>(inf)}) {
+    check(Sphere{}, Color{0, bad, 0}, "Scene::add: color");
+    check(Plane{}, Color{0, 0, bad}, "Scene::add: color");
+    CHECK_THAT(says(typed, PointLight{.position = {0, 0, 0}, .power = Color{bad, 0, 0}}),
+               ContainsSubstring("PointLight: power"));
+  }
+  for (const double bad : {not_a_number, inf})
+    CHECK_THAT(says(typed, PointLight{.position = {0, bad, 0}, .power = Color{1}}),
+               ContainsSubstring("PointLight: position"));
+  CHECK_THAT(says(any, AnySurface{Sphere{.radius = 0}}, Color{1}), ContainsSubstring("Sphere: radius"));
+
+  // Nothing of it has been added.
+  CHECK(crossings_of(typed, along_z, {-inf, inf}).empty());
+  CHECK(crossings_of(any, along_z, {-inf, inf}).empty());
+  CHECK(typed.lights().empty());
+}
+
+TEST_CASE("a negative radius, black, colors above 1 and a light without power make sense") {
+  Scene<Sphere> scene;
+  CHECK_NOTHROW(scene.add(Sphere{.center = {0, 0, 3}, .radius = -1}, Color{0}));
+  CHECK_NOTHROW(scene.add(Sphere{.center = {0, 0, 9}, .radius = 1}, Color{5}));
+  CHECK_NOTHROW(scene.add(PointLight{}));
+  CHECK(scene.lights().size() == 1);
+  const auto hit = scene.intersect(along_z);
+  REQUIRE(hit);
+  CHECK(hit->normal() == Vec3{0, 0, 1});
+}
+
+TEST_CASE("lights stay in the order in which they were added") {
+  Scene<> scene;
+  scene.add(PointLight{.position = {1, 0, 0}, .power = Color{1}});
+  scene.add(PointLight{.position = {2, 0, 0}, .power = Color{1}});
+  REQUIRE(scene.lights().size() == 2);
+  CHECK(scene.lights()[0].position.x == 1);
+  CHECK(scene.lights()[1].position.x == 2);
+}
+
+TEST_CASE("a scene is a value") {
+  auto scene = three_spheres();
+  const auto copy = scene;
+  scene.add(Sphere{.center = {0, 0, 1}, .radius = 0.5}, tag(9));
+  REQUIRE(copy.intersect(along_z));
+  CHECK(copy.intersect(along_z)->t == 2);
+  CHECK(scene.intersect(along_z)->t == 0.5);
+}
+
+TEST_CASE("a const scene may be asked by several threads at once") {
+  const auto scene = three_spheres<AnySurface>();
+  const auto work = [&] {
+    Random random(13);
+    double sum = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const Ray ray{{0, 0, 0}, random.direction()};
+      if (const auto hit = scene.intersect(ray)) sum += hit->t + hit->normal().y;
+      scene.crossings(ray, {}, [&](const Intersection& crossing) { sum += crossing.t; });
+    }
+    return sum;
+  };
+  const double expected = work();
+  std::vector<double> sums(4);
+  {
+    std::vector<std::jthread> threads;
+    for (double& sum : sums) threads.emplace_back([&] { sum = work(); });
+  }
+  CHECK(sums == std::vector<double>(4, expected));
+}

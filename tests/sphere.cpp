@@ -1,0 +1,222 @@
+#include <cmath>
+#include <limits>
+#include <protostar/scene.hpp>
+#include <protostar/surfaces/sphere.hpp>
+#include <stdexcept>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/errors.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+constexpr double inf = std::numeric_limits<double>::infinity(),
+                 not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+Sphere random_sphere(Random& random) {
+  return {.center = random.point(10), .radius = std::exp(random.real(-5, 5))};
+}
+
+/// A ray from anywhere, its direction of any length, towards a point near the sphere or in it.
+Ray random_ray(Random& random, const Sphere& sphere) {
+  const Point origin = random.point(20);
+  const Point target = sphere.center + 1.5 * sphere.radius * random.point(1);
+  return {origin, std::exp(random.real(-10, 10)) * (target - origin)};
+}
+
+std::vector<double> list(const Roots& roots) { return {roots.begin(), roots.end()}; }
+}  // namespace
+
+TEST_CASE("a sphere is met first where the ray enters it") {
+  const Sphere sphere{.center = {0, 0, 3}, .radius = 1};
+  struct {
+    const char* what;
+    Ray ray;
+    Interval range;
+    std::optional<double> expected;
+  } const rows[] = {
+      {"head-on", {{0, 0, 0}, {0, 0, 1}}, {}, 2},
+      {"head-on, t in half units", {{0, 0, 0}, {0, 0, 0.5}}, {}, 4},
+      {"head-on, t in thousands", {{0, 0, 0}, {0, 0, 1000}}, {}, 0.002},
+      {"off its center", {{0, 0.6, 0}, {0, 0, 1}}, {}, 2.2},
+      {"touching", {{0, 1, 0}, {0, 0, 1}}, {}, 3},
+      {"passing by", {{0, 1.0000001, 0}, {0, 0, 1}}, {}, std::nullopt},
+      {"from its center, where it leaves", {{0, 0, 3}, {0, 1, 0}}, {}, 1},
+      {"from inside", {{0, 0, 2.5}, {0, 0, 1}}, {}, 1.5},
+      {"behind", {{0, 0, 5}, {0, 0, 1}}, {}, std::nullopt},
+      {"behind, in a range that reaches there", {{0, 0, 5}, {0, 0, 1}}, {-10, 0}, -3},
+      {"beyond the range", {{0, 0, 0}, {0, 0, 1}}, {0, 1.5}, std::nullopt},
+      {"at the end of the range", {{0, 0, 0}, {0, 0, 1}}, {0, 2}, std::nullopt},
+      {"the far side, where the range leaves out the near", {{0, 0, 0}, {0, 0, 1}}, {2, inf}, 4},
+      {"neither side, in a range between them", {{0, 0, 0}, {0, 0, 1}}, {2, 4}, std::nullopt},
+  };
+  for (const auto& row : rows) {
+    INFO(row.what);
+    const auto t = sphere.intersect(row.ray, row.range);
+    CHECK(t.has_value() == row.expected.has_value());
+    if (t && row.expected) CHECK(std::abs(*t - *row.expected) < 1e-15 * (1 + std::abs(*row.expected)));
+  }
+}
+
+TEST_CASE("where a ray meets a sphere is on the sphere") {
+  Random random(3);
+  int hits = 0, wrong = 0;
+  for (int i = 0; i < 50000; ++i) {
+    const Sphere sphere = random_sphere(random);
+    const Ray ray = random_ray(random, sphere);
+    const double scale = sphere.radius + length(ray.origin - sphere.center);
+    for (const double t : sphere.roots(ray)) {
+      ++hits;
+      if (!(std::abs(length(ray.at(t) - sphere.center) - sphere.radius) < 1e-14 * scale)) ++wrong;
+    }
+  }
+  CHECK(hits > 50000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("whether and where a ray meets a sphere is what arithmetic with more digits says") {
+  Random random(4);
+  int hits = 0, misses = 0, wrong = 0;
+  for (int i = 0; i < 50000; ++i) {
+    const Sphere sphere = random_sphere(random);
+    const Ray ray = random_ray(random, sphere);
+    // The equation as it is first written: a t² + b t + c = 0.
+    using Real = long double;
+    const Real o[] = {Real{ray.origin.x} - sphere.center.x, Real{ray.origin.y} - sphere.center.y,
+                      Real{ray.origin.z} - sphere.center.z};
+    const Real d[] = {ray.direction.x, ray.direction.y, ray.direction.z};
+    const Real a = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    const Real b = 2 * (o[0] * d[0] + o[1] * d[1] + o[2] * d[2]);
+    const Real c = o[0] * o[0] + o[1] * o[1] + o[2] * o[2] - Real{sphere.radius} * sphere.radius;
+    const Real discriminant = b * b - 4 * a * c;
+    if (std::abs(discriminant) < 1e-9L * b * b) continue;  // a hair from touching: not for this reference
+    Real t = -1;
+    if (discriminant > 0) {
+      t = (-b - std::sqrt(discriminant)) / (2 * a);
+      if (!(t > 0)) t = (-b + std::sqrt(discriminant)) / (2 * a);
+    }
+    const auto found = sphere.intersect(ray);
+    if (found.has_value() != (t > 0)) ++wrong;
+    if (found && !(std::abs(*found - t) <= 1e-9L * t)) ++wrong;
+    ++(found ? hits : misses);
+  }
+  CHECK(hits > 10000);
+  CHECK(misses > 10000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a sphere that is touched is crossed twice at one t") {
+  CHECK(list(Sphere{.center = {0, 0, 3}, .radius = 1}.roots({{0, 1, 0}, {0, 0, 1}})) ==
+        std::vector<double>{3, 3});
+  CHECK(list(Sphere{.center = {0, 0, 0}, .radius = 2}.roots({{2, -1, 0}, {0, 4, 0}})) ==
+        std::vector<double>{0.25, 0.25});
+  CHECK(list(Sphere{.center = {0, 0, 3}, .radius = 1}.roots({{0, 1, 3}, {0, 0, 1}})) ==
+        std::vector<double>{0, 0});
+}
+
+TEST_CASE("the normal of a sphere is a unit vector, outwards; a negative radius turns it inwards only") {
+  Random random(5);
+  for (int i = 0; i < 1000; ++i) {
+    const Sphere sphere = random_sphere(random);
+    const Sphere inverse{.center = sphere.center, .radius = -sphere.radius};
+    const Ray ray = random_ray(random, sphere);
+    REQUIRE(list(sphere.roots(ray)) == list(inverse.roots(ray)));
+    for (const double t : sphere.roots(ray)) {
+      const Point point = ray.at(t);
+      REQUIRE(std::abs(length(sphere.normal_at(point)) - 1) < 1e-10);
+      REQUIRE(dot(sphere.normal_at(point), point - sphere.center) > 0);
+      REQUIRE(inverse.normal_at(point) == -sphere.normal_at(point));
+    }
+  }
+}
+
+TEST_CASE(
+    "a sphere is never met again by a ray that leaves it outwards, and once by one that leads inwards") {
+  Random random(6);
+  int outwards = 0, inwards = 0, wrong = 0;
+  for (int i = 0; i < 50000; ++i) {
+    const Sphere sphere = random_sphere(random);
+    const Ray ray = random_ray(random, sphere);
+    const auto t = sphere.intersect(ray);
+    if (!t) continue;
+    const Point point = ray.at(*t);
+    // Every second direction grazes.
+    Vec3 direction = random.direction();
+    if (i % 2 == 0) {
+      const Vec3 n = sphere.normal_at(point);
+      direction += (std::pow(10.0, random.real(-15, -3)) - dot(n, direction)) * n;
+      if (i % 4 == 0) direction -= 2 * dot(n, direction) * n;
+    }
+    const Ray left{point, std::exp(random.real(-10, 10)) * direction, sphere.departure()};
+    int crossings = 0;
+    each_crossing(sphere, left, {}, [&](double) { ++crossings; });
+    const bool is_inwards = dot(left.direction, sphere.center - point) > 0;
+    ++(is_inwards ? inwards : outwards);
+    if (crossings != (is_inwards ? 1 : 0)) ++wrong;
+    if (first_crossing(sphere, left, {}).has_value() != is_inwards) ++wrong;
+    if (is_inwards) {
+      const Point other = left.at(*first_crossing(sphere, left, {}));
+      if (!(std::abs(length(other - sphere.center) / sphere.radius - 1) <
+            1e-13 * (1 + length(ray.origin) / sphere.radius)))
+        ++wrong;
+    }
+  }
+  CHECK(outwards > 5000);
+  CHECK(inwards > 5000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a ray that leaves a sphere meets another one as any ray does") {
+  const Sphere left{.center = {0, 0, 0}, .radius = 1}, other{.center = {0, 0, 0}, .radius = 2};
+  CHECK(other.intersect({{1, 0, 0}, {1, 0, 0}, left.departure()}) == 1.0);
+  CHECK(other.intersect({{1, 0, 0}, {-1, 0, 0}, left.departure()}) == 3.0);
+}
+
+TEST_CASE("a ray without direction, or with a number that is not finite, crosses no sphere") {
+  const Sphere sphere{.center = {0, 0, 3}, .radius = 1};
+  std::vector<Ray> rays{{{0, 0, 0}, {0, 0, 0}}, {{0, 0, 3}, {0, 0, 0}}, {{0, 0, 2}, {0, 0, 0}}};
+  for (const double bad : {inf, -inf, not_a_number})
+    for (int axis = 0; axis < 3; ++axis) {
+      Ray ray{{0, 0, 0}, {0, 0, 1}};
+      ray.origin[axis] = bad;
+      rays.push_back(ray);
+      ray = {{0, 0, 0}, {0, 0, 1}};
+      ray.direction[axis] = bad;
+      rays.push_back(ray);
+      rays.push_back({Point{bad}, Vec3{bad}});
+      rays.push_back({{0, 0, 3}, Vec3{bad}});
+    }
+  for (Ray ray : rays) {
+    CHECK_FALSE(sphere.intersect(ray));
+    CHECK_FALSE(sphere.intersect(ray, {-inf, inf}));
+    ray.departure = sphere.departure();
+    CHECK_FALSE(sphere.intersect(ray));
+    CHECK_FALSE(sphere.intersect(ray, {-inf, inf}));
+  }
+}
+
+TEST_CASE("the length of a ray's direction changes t, and not what is met") {
+  const Sphere sphere{.center = {0, 0, 3}, .radius = 1};
+  for (const double size : {1e-140, 1e-60, 1e-9, 1.0, 1e9, 1e60, 1e140}) {
+    CAPTURE(size);
+    const auto t = sphere.intersect({{0, 0.6, 0}, {0, 0, size}});
+    REQUIRE(t);
+    CHECK(std::abs(*t * size - 2.2) < 1e-14);
+    CHECK_FALSE(sphere.intersect({{0, 1.1, 0}, {0, 0, size}}));
+  }
+}
+
+TEST_CASE("a sphere that makes no sense is refused with the field's name") {
+  for (const double bad : {0.0, -0.0, inf, -inf, not_a_number})
+    CHECK_THAT(message_of<std::invalid_argument>([&] { Sphere{.radius = bad}.validate(); }),
+               ContainsSubstring("Sphere: radius"));
+  for (const double bad : {inf, -inf, not_a_number})
+    CHECK_THAT(message_of<std::invalid_argument>([&] {
+                 Sphere{.center = {0, bad, 0}}.validate();
+               }),
+               ContainsSubstring("Sphere: center"));
+  CHECK_NOTHROW(Sphere{.radius = -2}.validate());
+  CHECK_NOTHROW(Sphere{.radius = 1e-100}.validate());
+}

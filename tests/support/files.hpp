@@ -1,0 +1,44 @@
+// Folders and files for tests that write.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+/// An empty folder that vanishes with all that it holds.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    namespace fs = std::filesystem;
+    for (int i = 0; path_.empty(); ++i) {
+      const fs::path path = fs::temp_directory_path() / ("protostar-test-" + std::to_string(i));
+      if (fs::create_directory(path)) path_ = path;  // false: another test has it
+    }
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+  /// How many files there are, links and folders included.
+  std::ptrdiff_t count() const {
+    return std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator());
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+inline void put_bytes(const std::filesystem::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}

@@ -1,0 +1,18 @@
+// Comparing pictures.
+#pragma once
+
+#include <protostar/image.hpp>
+
+/// How many pixels satisfy a condition on (x, y).
+inline int count_pixels(const protostar::Image& image, auto&& condition) {
+  int count = 0;
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x)
+      if (condition(x, y)) ++count;
+  return count;
+}
+
+/// How many pixels of two pictures of one size are not the same.
+inline int different_pixels(const protostar::Image& a, const protostar::Image& b) {
+  return count_pixels(a, [&](int x, int y) { return a(x, y) != b(x, y); });
+}

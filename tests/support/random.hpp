@@ -1,0 +1,35 @@
+// Random numbers that are the same in every run and with every standard library.
+#pragma once
+
+#include <cstdint>
+#include <protostar/ray.hpp>
+#include <protostar/vec3.hpp>
+#include <random>
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+
+  std::uint64_t bits() { return engine_(); }
+
+  /// In [min, max).
+  double real(double min, double max) {
+    return min + (max - min) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
+  }
+
+  /// In the cube [−size, size)³.
+  protostar::Point point(double size) { return {real(-size, size), real(-size, size), real(-size, size)}; }
+
+  /// A unit vector, no direction more likely than another.
+  protostar::Vec3 direction() {
+    for (;;) {
+      const protostar::Vec3 v = point(1);
+      if (const double r2 = dot(v, v); r2 > 0.01 && r2 <= 1) return normalize(v);
+    }
+  }
+
+  protostar::Color color() { return protostar::Color{protostar::Vec3{real(0, 1), real(0, 1), real(0, 1)}}; }
+
+ private:
+  std::mt19937_64 engine_;
+};

@@ -1,0 +1,15 @@
+// A picture for tests of files.
+#pragma once
+
+#include <protostar/image.hpp>
+
+#include "random.hpp"
+
+/// Random light, some of it below 0 and above 1.
+inline protostar::Image random_image(int width, int height, std::uint64_t seed) {
+  Random random(seed);
+  protostar::Image image(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) image(x, y) = 1.5f * random.color() - 0.2f;
+  return image;
+}

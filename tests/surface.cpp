@@ -1,0 +1,135 @@
+#include <protostar/scene.hpp>
+#include <protostar/surface.hpp>
+#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+#include <string>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/cylinder.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+/// Horizontal sheets at the heights 0, 1, ..., count − 1, which visit their crossings themselves.
+struct Sheets {
+  int count = 3;
+  std::optional<double> intersect(const Ray& ray, Interval range) const {
+    std::optional<double> first;
+    crossings(ray, range, [&](double t) {
+      if (!first) first = t;
+    });
+    return first;
+  }
+  Vec3 normal_at(Point) const { return {0, 1, 0}; }
+  void crossings(const Ray& ray, Interval range, auto&& visit) const {
+    for (int i = 0; i < count; ++i) {
+      const double t = ((ray.direction.y > 0 ? i : count - 1 - i) - ray.origin.y) / ray.direction.y;
+      if (range.contains(t)) visit(t);
+    }
+  }
+};
+
+struct NoNormal {
+  std::optional<double> intersect(const Ray&, Interval) const { return {}; }
+};
+struct ChangesWhenAsked {
+  std::optional<double> intersect(const Ray&, Interval) { return {}; }
+  Vec3 normal_at(Point) const { return {}; }
+};
+struct PlainNumber {  // a bare double cannot say "nothing"
+  double intersect(const Ray&, Interval) const { return -1; }
+  Vec3 normal_at(Point) const { return {}; }
+};
+
+static_assert(Surface<Cylinder> && Surface<Sheets> && Surface<Sphere> && Surface<Plane> &&
+              Surface<AnySurface>);
+static_assert(!Surface<NoNormal> && !Surface<ChangesWhenAsked> && !Surface<PlainNumber> && !Surface<int>);
+static_assert(!SurfaceWithDeparture<Cylinder> && !SurfaceWithRoots<Cylinder> &&
+              !SurfaceWithCrossings<Cylinder> && !SurfaceWithValidation<Cylinder>);
+static_assert(SurfaceWithCrossings<Sheets> && !SurfaceWithDeparture<Sheets>);
+static_assert(SurfaceWithValidation<Sphere> && SurfaceWithValidation<Plane>);
+
+std::vector<double> crossings_of(const Surface auto& surface, const Ray& ray, Interval range = {}) {
+  std::vector<double> list;
+  each_crossing(surface, ray, range, [&](double t) { list.push_back(t); });
+  return list;
+}
+}  // namespace
+
+TEST_CASE("a surface that knows only its first crossing is crossed near to far, once each") {
+  const Cylinder cylinder{.radius = 2};
+  CHECK(crossings_of(cylinder, {{-5, 0, 0}, {1, 0, 0}}) == std::vector<double>{3, 7});
+  CHECK(crossings_of(cylinder, {{-5, 0, 0}, {1, 0, 0}}, {.max = 5}) == std::vector<double>{3});
+  CHECK(crossings_of(cylinder, {{-5, 0, 0}, {1, 0, 0}}, {.min = 3}) == std::vector<double>{7});
+  CHECK(crossings_of(cylinder, {{0, 0, 0}, {0, 0, 4}}) == std::vector<double>{0.5});
+  CHECK(crossings_of(cylinder, {{0, 0, 0}, {0, 1, 0}}).empty());
+}
+
+TEST_CASE("a surface of more than two crossings may visit them itself") {
+  CHECK(crossings_of(Sheets{}, {{0, -1, 0}, {0, 1, 0}}) == std::vector<double>{1, 2, 3});
+  CHECK(crossings_of(Sheets{}, {{0, 3, 0}, {0, -1, 0}}, {.max = 3}) == std::vector<double>{1, 2});
+  CHECK(crossings_of(AnySurface{Sheets{}}, {{0, -1, 0}, {0, 1, 0}}) == std::vector<double>{1, 2, 3});
+}
+
+TEST_CASE("a surface that knows nothing of departures is recognized by its address") {
+  const Cylinder cylinder, twin;
+  CHECK(departure_of(cylinder).kind == Departure::Kind::object);
+  CHECK(departure_of(cylinder) == departure_of(cylinder));
+  CHECK(departure_of(cylinder) != departure_of(twin));
+  const Sphere sphere;
+  CHECK(departure_of(sphere) == sphere.departure());
+}
+
+TEST_CASE(
+    "what a ray departs from is cut off where its root comes out ahead, and nothing where it does not") {
+  const Cylinder cylinder;
+  const auto range_beyond = [&](double offset, double direction) {
+    return beyond_departure(cylinder, {{1 + offset, 0, 0}, {direction, 0, 0}, departure_of(cylinder)}, {});
+  };
+  CHECK(range_beyond(0, 1).min == 0);
+  CHECK(range_beyond(0, -1).min == 0);
+  CHECK(range_beyond(0x1p-50, 1).min == 0);    // outwards from a little outside
+  CHECK(range_beyond(-0x1p-50, -1).min == 0);  // inwards from a little inside
+  for (const double inwards : {-1.0, 1.0}) {   // the root 0 comes out ahead
+    const double min = range_beyond(-inwards * 0x1p-50, inwards).min;
+    CHECK(min > 0);
+    CHECK(min < 0x1p-48);
+  }
+  // The range's own end stays if it is further on.
+  CHECK(beyond_departure(cylinder, {{1 + 0x1p-50, 0, 0}, {-1, 0, 0}}, {.min = 0.5, .max = 3}).min == 0.5);
+  CHECK(beyond_departure(cylinder, {{1 + 0x1p-50, 0, 0}, {-1, 0, 0}}, {.min = 0.5, .max = 3}).max == 3);
+}
+
+TEST_CASE("a surface of the user's own is left outwards for good, and inwards with one more crossing") {
+  Random random(9);
+  int outwards = 0, inwards = 0, wrong = 0;
+  for (int i = 0; i < 50000; ++i) {
+    const Cylinder cylinder{.radius = std::exp(random.real(-4, 4))};
+    const Ray ray{random.point(20), random.direction()};
+    const auto t = cylinder.intersect(ray, {});
+    if (!t) continue;
+    const Ray left{ray.at(*t), random.direction(), departure_of(cylinder)};
+    const double slope = dot(left.direction, cylinder.normal_at(left.origin));
+    if (std::abs(slope) < 1e-4) continue;  // grazing, where beyond_departure promises nothing
+    ++(slope < 0 ? inwards : outwards);
+    const std::size_t expected = slope < 0 ? 1 : 0;
+    if (crossings_of(cylinder, left).size() != expected) ++wrong;
+    if (first_crossing(cylinder, left, {}).has_value() != (expected == 1)) ++wrong;
+    // AnySurface recognizes the copy that it holds.
+    const AnySurface any = cylinder;
+    const Ray left_any{left.origin, left.direction, departure_of(any)};
+    if (crossings_of(any, left_any) != crossings_of(cylinder, left)) ++wrong;
+  }
+  CHECK(outwards > 1000);
+  CHECK(inwards > 1000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a ray that departs from something else meets a surface of the user's own as any ray does") {
+  const Cylinder cylinder, twin;
+  CHECK(first_crossing(cylinder, {{0, 0, 0}, {1, 0, 0}, departure_of(twin)}, {}) == 1.0);
+  CHECK(first_crossing(cylinder, {{0, 0, 0}, {1, 0, 0}, Sphere{}.departure()}, {}) == 1.0);
+}
