@@ -12,7 +12,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// One crossing of a ray with a surface: the ray's parameter, and which of the surface's crossings with the
 /// ray's line it is, counted from 0.
 struct Crossing {
-  double t;
+  double t = 0;
   int root = 0;
 };
 
@@ -34,9 +34,9 @@ struct SurfaceFunctions {
 /// A crossing with the surface that it is on, whatever the type of that.
 struct SurfaceCrossing {
   Crossing crossing;
-  const void* surface;
-  const SurfaceFunctions* functions;
-  const Color* color;
+  const void* surface = nullptr;
+  const SurfaceFunctions* functions = nullptr;
+  const Color* color = nullptr;
 
   [[nodiscard]] Departure departure() const { return functions->departure(surface); }
   [[nodiscard]] RefinedCrossing refine(const Ray& ray, Precision precision) const {
@@ -44,19 +44,27 @@ struct SurfaceCrossing {
   }
 };
 
-/// Whether a ray crosses a before b: decided by their t where their errors allow, and refined where not.
-/// Crossings of surfaces that coincide are at equal t, and so are those whose refined t agree to within their
-/// bounds, of 2^-97.
-[[nodiscard]] inline bool precedes(const Ray& ray, const SurfaceCrossing& a, const SurfaceCrossing& b) {
-  const double gap = b.crossing.t - a.crossing.t;
-  const double larger = std::max(std::abs(a.crossing.t), std::abs(b.crossing.t));
-  if (std::abs(gap) > 4 * Roots::relative_error * larger) return gap > 0;
+namespace detail {
+
+/// precedes where the errors of t overlap.
+[[nodiscard, gnu::noinline, gnu::cold]] inline bool precedes_refined(Ray ray, SurfaceCrossing a, SurfaceCrossing b) {
   if (a.departure() == b.departure()) return a.crossing.root < b.crossing.root;
   for (const Precision precision : {Precision::double_double, Precision::exact}) {
     const RefinedCrossing x = a.refine(ray, precision), y = b.refine(ray, precision);
     if (const int sign = order(x.t, x.relative_error, y.t, y.relative_error); sign != 0) return sign < 0;
   }
   return false;
+}
+
+}  // namespace detail
+
+/// Whether a ray crosses a before b: decided by their t where their errors allow, and refined where not. Crossings of
+/// surfaces that coincide are at equal t, and so are those whose refined t agree to within their bounds, of 2^-97.
+[[nodiscard]] inline bool precedes(const Ray& ray, const SurfaceCrossing& a, const SurfaceCrossing& b) {
+  const double gap = b.crossing.t - a.crossing.t;
+  const double larger = std::max(std::abs(a.crossing.t), std::abs(b.crossing.t));
+  if (std::abs(gap) > 4 * Roots::relative_error * larger) return gap > 0;
+  return detail::precedes_refined(ray, a, b);
 }
 
 /// A crossing of a ray with a surface. It holds t and works out the rest when it is asked, so that an

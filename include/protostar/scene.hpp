@@ -54,20 +54,22 @@ class Scene {
   }
 
   /// The first crossing inside the range. The order is exact for surfaces that can refine their roots.
-  [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
-    std::optional<SurfaceCrossing> first;
+  [[nodiscard]] std::optional<Intersection> intersect(const Ray& given, Interval range = {}) const {
+    const Ray ray = given;
+    SurfaceCrossing first;
+    bool found = false;
     each_surface([&](const auto& surface, const Color& color) {
       const auto crossing = first_crossing(surface, ray, range);
       if (!crossing) return;
       const SurfaceCrossing candidate = on(surface, *crossing, color);
-      if (first && !precedes(ray, candidate, *first)) return;
+      if (found && !precedes(ray, candidate, first)) return;
       first = candidate;
-      // Each hit shortens the range, so the last hit is the nearest. What might be before it, given its
-      // error, stays in.
+      found = true;
+      // Each hit shortens the range, so the last hit is the nearest. What might be before it, given its error, stays in.
       range.max = std::min(range.max, crossing->t + 4 * Roots::relative_error * std::abs(crossing->t));
     });
-    if (!first) return std::nullopt;
-    return Intersection(ray, *first);
+    if (!found) return std::nullopt;
+    return Intersection(ray, first);
   }
 
   /// Whether there is any crossing inside the range. The first one found ends the search.
@@ -99,7 +101,8 @@ class Scene {
       colors.push_back(color);
     }
 
-    [[nodiscard]] bool occluded(const Ray& ray, Interval range) const {
+    [[nodiscard]] bool occluded(const Ray& given, Interval range) const {
+      const Ray ray=given;
       for (const T& surface : surfaces)
         if (first_crossing(surface, ray, range)) return true;
       return false;

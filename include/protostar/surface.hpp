@@ -97,17 +97,25 @@ template <Surface S>
   }
 }
 
-/// Which side of an end a crossing is on: -1 before it, 1 behind it, 0 at it, to within the bounds of refined
-/// roots, of 2^-97.
+namespace detail {
+
+/// lies_inside where the error of t reaches an end of the range.
 template <Surface S>
-[[nodiscard, gnu::noinline, gnu::cold]] int side_of(const S& surface, const Ray& ray, Crossing crossing,
-                                                    double end) {
-  for (const Precision precision : {Precision::double_double, Precision::exact}) {
-    const RefinedCrossing refined = refine(surface, ray, crossing, precision);
-    if (const int side = order(refined.t, refined.relative_error, end, 0); side != 0) return side;
-  }
-  return 0;
+[[nodiscard, gnu::noinline, gnu::cold]] bool lies_inside_refined(const S& surface, Ray ray, Crossing crossing,
+                                                                 Interval range) {
+  // -1 before an end, 1 behind it, 0 at it to within the bounds of refined roots, of 2^-97.
+  const auto side_of = [&](double end) {
+    for (const Precision precision : {Precision::double_double, Precision::exact}) {
+      const RefinedCrossing refined = refine(surface, ray, crossing, precision);
+      if (const int side = order(refined.t, refined.relative_error, end, 0); side != 0) return side;
+    }
+    return 0;
+  };
+  return std::isfinite(crossing.t) && (range.min == -infinity || side_of(range.min) > 0) &&
+         (range.max == infinity || side_of(range.max) < 0);
 }
+
+}  // namespace detail
 
 /// Whether a crossing lies inside an open range: decided by t where its error allows, and refined where not.
 template <Surface S>
@@ -115,9 +123,7 @@ template <Surface S>
   const double t = crossing.t, margin = 2 * Roots::relative_error * std::abs(t);
   if (range.min < t - margin && t + margin < range.max) return true;
   if (!(range.min < t + margin && t - margin < range.max)) return false;
-  // An infinite end was decided above, unless t is not finite either.
-  return std::isfinite(t) && (range.min == -infinity || side_of(surface, ray, crossing, range.min) > 0) &&
-         (range.max == infinity || side_of(surface, ray, crossing, range.max) < 0);
+  return detail::lies_inside_refined(surface, ray, crossing, range);
 }
 
 /// The part of the range that is left for a ray that departs from a surface which knows nothing of

@@ -164,9 +164,7 @@ namespace detail {
 }
 
 /// The roots where b² − A c does not tell.
-[[nodiscard, gnu::noinline, gnu::cold]] inline Roots sphere_roots_in_doubt(const Point& origin,
-                                                                           const Vec3& direction,
-                                                                           const Point& center,
+[[nodiscard, gnu::noinline, gnu::cold]] inline Roots sphere_roots_in_doubt(Point origin, Vec3 direction, Point center,
                                                                            double radius) {
   const Vec3 l = center - origin;
   const double A = dot(direction, direction), b = dot(direction, l), ll = dot(l, l), rr = radius * radius;
