@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <protostar/encode.hpp>
-#include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -40,23 +40,36 @@ std::vector<std::string> stages() {
   return found;
 }
 
-/// What a regular expression's first group is, at every match.
-std::vector<std::string> all_matches(const std::string& text, const std::regex& pattern) {
+/// What stands between an opening and the next closing, everywhere in a text.
+std::vector<std::string> all_between(const std::string& text, const std::string& open,
+                                     const std::string& close) {
   std::vector<std::string> found;
-  for (std::sregex_iterator match(text.begin(), text.end(), pattern), end; match != end; ++match)
-    found.push_back((*match)[1]);
+  for (std::size_t at = text.find(open); at != std::string::npos; at = text.find(open, at)) {
+    at += open.size();
+    found.push_back(text.substr(at, text.find(close, at) - at));
+  }
   return found;
 }
 
-/// The languages of the fenced blocks, in order; a fence without one has "".
-std::vector<std::string> fences(const std::string& text) {
-  std::vector<std::string> found;
-  bool open = false;
-  for (const std::string& language : all_matches("\n" + text, std::regex("\n```([^\n]*)"))) {
-    if (!open) found.push_back(language);
-    open = !open;
+/// A document in two parts.
+struct Document {
+  std::string prose;                // all that is not in a fenced block
+  std::vector<std::string> fences;  // the languages of the fenced blocks, in order
+};
+
+Document document(const fs::path& path) {
+  Document parts;
+  std::istringstream lines(read(path));
+  bool in_block = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("```")) {
+      if (!in_block) parts.fences.push_back(line.substr(3));
+      in_block = !in_block;
+    } else if (!in_block) {
+      parts.prose += line + '\n';
+    }
   }
-  return found;
+  return parts;
 }
 
 std::string quoted(const fs::path& path) {
@@ -179,30 +192,29 @@ TEST_CASE("docs/embed_code refuses what it cannot embed, says where, and leaves 
 }
 
 TEST_CASE("every link and picture in the documentation leads to a file of the project") {
-  for (const fs::path& document : documents()) {
-    const std::string text = read(document);
-    std::vector<std::string> targets = all_matches(text, std::regex(R"(\]\(([^)\s]+)\))"));
-    for (const std::string& target : all_matches(text, std::regex(R"rx((?:src|href)="([^"]+)")rx")))
-      targets.push_back(target);
+  for (const fs::path& path : documents()) {
+    const std::string text = document(path).prose;
+    std::vector<std::string> targets = all_between(text, "](", ")");
+    for (const std::string attribute : {"src=", "href="})
+      for (const std::string& target : all_between(text, attribute + '"', "\"")) targets.push_back(target);
     for (const std::string& target : targets) {
       if (target.starts_with("https://")) continue;
-      CAPTURE(document, target);
+      CAPTURE(path, target);
       CHECK(fs::path(target).is_relative());
-      CHECK(fs::exists(document.parent_path() / target));
+      CHECK(fs::exists(path.parent_path() / target));
     }
   }
 }
 
 TEST_CASE("README.md starts with two sh blocks: to a first picture, and all tests") {
-  const std::string readme = read(root / "README.md");
-  const auto blocks = fences(readme);
+  const auto [prose, blocks] = document(root / "README.md");
   REQUIRE(blocks.size() > 2);
   CHECK(blocks[0] == "sh");
   CHECK(blocks[1] == "sh");
   CHECK(blocks[2] == "cpp");
   for (const std::string language : {"sh", "bash", "console", "shell"})
     CHECK(std::count(blocks.begin() + 2, blocks.end(), language) == 0);
-  CHECK_THAT(readme, ContainsSubstring("<!-- code: tests/examples/readme.cpp -->"));
+  CHECK_THAT(prose, ContainsSubstring("<!-- code: tests/examples/readme.cpp -->"));
 }
 
 TEST_CASE("every stage has a page with its picture and its code, and both lists of stages lead to it") {

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <regex>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -57,20 +57,26 @@ struct Includes {
 };
 
 Includes includes_of(const std::string& header, const std::string& text) {
-  static const std::regex line(R"re([ \t]*#[ \t]*(?:include|import)[^\n]*)re");
-  static const std::regex quoted(R"re(#include "([^"]+)"[^\n]*)re"),
-      angled(R"re(#include <([^>]+)>[^\n]*)re");
   Includes includes;
-  for (std::sregex_iterator i(text.begin(), text.end(), line), end; i != end; ++i) {
-    const std::string directive = i->str();
-    std::smatch match;
-    if (std::regex_match(directive, match, quoted) && !match.str(1).starts_with('/'))
-      includes.own.push_back(
-          (fs::path(header).parent_path() / match.str(1)).lexically_normal().generic_string());
-    else if (std::regex_match(directive, match, angled) && !match.str(1).starts_with('/'))
-      includes.other.push_back(match.str(1));
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t hash = line.find_first_not_of(" \t");
+    if (hash == std::string::npos || line[hash] != '#') continue;
+    const std::size_t word = line.find_first_not_of(" \t", hash + 1);
+    if (word == std::string::npos || line.compare(word, 7, "include") != 0) continue;
+
+    const bool quoted = line.starts_with("#include \""), angled = line.starts_with("#include <");
+    const std::size_t start = std::string("#include <").size();
+    const std::size_t end = quoted || angled ? line.find(quoted ? '"' : '>', start) : std::string::npos;
+    if (end == std::string::npos || line[start] == '/') {
+      includes.malformed.push_back(line);
+      continue;
+    }
+    const std::string name = line.substr(start, end - start);
+    if (quoted)
+      includes.own.push_back((fs::path(header).parent_path() / name).lexically_normal().generic_string());
     else
-      includes.malformed.push_back(directive);
+      includes.other.push_back(name);
   }
   return includes;
 }
@@ -83,11 +89,13 @@ std::size_t layer_of(const std::string& header) {
   return static_cast<std::size_t>(layer - layers.begin());
 }
 
+/// A standard header's name has neither a folder nor an ending.
+bool in_standard_library(const std::string& name) { return name.find_first_of("/.") == std::string::npos; }
+
 bool in_core(const std::string& header) { return !header.starts_with("io/"); }
 
 /// Everything that is wrong with the headers' includes, a line each.
 std::vector<std::string> complaints(const Headers& headers) {
-  static const std::regex standard_header("[a-z_0-9]+");
   std::vector<std::string> found;
   for (const auto& [header, text] : headers) {
     const auto complain = [&found, &header = header](const std::string& what) {
@@ -107,7 +115,7 @@ std::vector<std::string> complaints(const Headers& headers) {
     for (const std::string& name : includes.other) {
       if (name.starts_with("protostar/"))
         complain("is to include " + name + " by its relative path");
-      else if (in_core(header) && !glm_headers.contains(name) && !std::regex_match(name, standard_header))
+      else if (in_core(header) && !glm_headers.contains(name) && !in_standard_library(name))
         complain("includes " + name + ", but the core needs GLM and nothing else");
     }
     if (header.starts_with("integrators/") &&

@@ -1,3 +1,4 @@
+#include <limits>
 #include <protostar/ppm.hpp>
 #include <sstream>
 #include <stdexcept>

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <protostar/numeric/roots.hpp>
@@ -41,16 +42,15 @@ TEST_CASE("neither root of a quadratic loses digits, however unlike in size the 
   Random random(1);
   double worst = 0;
   for (int i = 0; i < 20000; ++i) {
-    // The reference is the other way round: from the roots to the coefficients, which are exact here.
-    const double near =
-        std::ldexp(std::floor(random.real(1, 1 << 12)), static_cast<int>(random.real(-20, 0)));
-    const double far = near + std::floor(random.real(1, 1 << 12));
-    const double b = (near + far) / 2, c = near * far, half = (far - near) / 2;
-    for (const double sign : {1.0, -1.0}) {
-      const auto t = list(quadratic_roots(1, sign * b, c, half * half));
+    // From roots of like size to roots of which one is 10^11 times the other.
+    const double A = random.real(0.5, 2), b = std::exp(random.real(0, 12)), c = random.real(0.1, 0.4);
+    const long double D = static_cast<long double>(b) * b - static_cast<long double>(A) * c;
+    const long double far = (b + std::sqrt(D)) / A, near = c / (far * A);
+    for (const int sign : {1, -1}) {
+      const auto t = list(quadratic_roots(A, sign * b, c, static_cast<double>(D)));
       REQUIRE(t.size() == 2);
-      worst = std::max(worst, std::abs(t[sign > 0 ? 0 : 1] * sign / near - 1));
-      worst = std::max(worst, std::abs(t[sign > 0 ? 1 : 0] * sign / far - 1));
+      worst = std::max(worst, std::abs(static_cast<double>(t[sign > 0 ? 0 : 1] * sign / near - 1)));
+      worst = std::max(worst, std::abs(static_cast<double>(t[sign > 0 ? 1 : 0] * sign / far - 1)));
     }
   }
   CHECK(worst < 4 * std::numeric_limits<double>::epsilon());

@@ -24,6 +24,9 @@ class OutputFile {
     namespace fs = std::filesystem;
     std::error_code error;
     const fs::file_status status = fs::status(target_, error);
+    if (status.type() == fs::file_type::none)
+      fail(error.value());  // a link to itself, a name that is too long
+    if (is_standard_stream() && !fs::exists(status)) fail(ENOENT);  // no file is made there
     if (fs::is_directory(status)) fail(EISDIR);
     if (fs::exists(status)) {
       if (!fs::is_regular_file(status) || is_standard_stream()) {
@@ -90,8 +93,9 @@ class OutputFile {
 
   /// /dev/stdout and its like may lead to a regular file, which belongs to whoever opened it.
   [[nodiscard]] bool is_standard_stream() const {
-    const std::string folder = target_.parent_path().string();
-    return folder == "/dev" || folder == "/dev/fd" || folder.starts_with("/proc/");
+    const std::string path = target_.string();
+    return path == "/dev/stdout" || path == "/dev/stderr" || path.starts_with("/dev/fd/") ||
+           path.starts_with("/proc/");
   }
 
   std::string name_;

@@ -68,8 +68,9 @@ inline void save_ppm(const Image& image, const std::filesystem::path& path, cons
              std::to_string(image.height()) + "\n" + std::to_string(encode.max_code()) + "\n");
 
   const detail::DecimalCodes decimals(options.plain ? encode.max_code() : std::uint16_t{0});
-  constexpr int block = 4096;           // pixels written at a time, also of a row of any width
-  std::array<char, block * 19> buffer;  // at most three numbers of five digits and four tabs a pixel
+  constexpr int block = 4096;  // pixels written at a time, also of a row of any width
+  std::array<char, block * 19 + 1>
+      buffer;  // three numbers of five digits and four tabs a pixel, and a line's end
   for (int y = 0; y < image.height(); ++y) {
     for (int x0 = 0; x0 < image.width(); x0 += block) {
       if (options.stop.stop_requested()) return;

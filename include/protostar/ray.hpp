@@ -21,8 +21,9 @@ struct Departure {
 
   Kind kind = Kind::none;
   const void* object = nullptr;  ///< kind object: the surface itself, recognized by its address
-  std::array<double, 4>
-      geometry{};  ///< kind sphere: center, |radius|; kind plane: its equation, scaled to be unique
+
+  /// kind sphere: center and |radius|; kind plane: its equation, scaled to be unique
+  std::array<double, 4> geometry{};
 
   bool operator==(const Departure&) const = default;
 };

@@ -10,6 +10,8 @@
 #include <mutex>
 #include <stdexcept>
 #include <stop_token>
+#include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -51,32 +53,38 @@ inline void for_each_in_parallel(int count, const RenderOptions& options, const 
   std::atomic<int> next = 0, done = 0;
   std::exception_ptr failure;
   std::once_flag failed;
-  const auto fail = [&] {
-    std::call_once(failed, [&] { failure = std::current_exception(); });
+  const auto fail = [&](const std::exception_ptr& exception) {
+    std::call_once(failed, [&] { failure = exception; });
     next = count;
   };
   const auto run = [&](const auto& after_each) {
     try {
       for (int i = next++; i < count && !options.stop.stop_requested(); i = next++) {
         work(i);
-        after_each(++done);
+        ++done;
+        after_each();
       }
     } catch (...) {
-      fail();
+      fail(std::current_exception());
     }
+  };
+  int told = 0;
+  const auto tell = [&] {
+    told = done;
+    if (options.progress) options.progress(static_cast<double>(told) / count);
   };
   {
     std::vector<std::jthread> helpers;  // joined at the end of this block
     try {
-      for (int i = 1; i < std::min(wanted, count); ++i) helpers.emplace_back([&] { run([](int) {}); });
-    } catch (...) {
-      fail();  // the system gives no more threads
+      for (int i = 1; i < std::min(wanted, count); ++i) helpers.emplace_back([&] { run([] {}); });
+    } catch (const std::system_error& error) {
+      fail(std::make_exception_ptr(
+          std::system_error(error.code(), "render: cannot start " + std::to_string(wanted) + " threads")));
     }
-    run([&](int n) {
-      if (options.progress) options.progress(static_cast<double>(n) / count);
-    });
+    run(tell);
   }
   if (failure) std::rethrow_exception(failure);
+  if (told < done) tell();  // a helper was the last
 }
 
 }  // namespace detail

@@ -54,8 +54,7 @@ class Scene {
   }
 
   /// The first crossing inside the range. The order is exact for surfaces that can refine their roots.
-  [[nodiscard]] std::optional<Intersection> intersect(const Ray& given, Interval range = {}) const {
-    const Ray ray = given;
+  [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
     SurfaceCrossing first;
     bool found = false;
     each_surface([&](const auto& surface, const Color& color) {
@@ -101,10 +100,9 @@ class Scene {
       colors.push_back(color);
     }
 
-    [[nodiscard]] bool occluded(const Ray& given, Interval range) const {
-      const Ray ray=given;
+    [[nodiscard]] bool occluded(const Ray& ray, Interval range) const {
       for (const T& surface : surfaces)
-        if (first_crossing(surface, ray, range)) return true;
+        if (const auto t = first_crossing(surface, ray, range); t && range.contains(*t)) return true;
       return false;
     }
   };

@@ -17,11 +17,13 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A surface: any copyable type with
-///   std::optional<double> intersect(const Ray&, Interval) const   the smallest t of a crossing inside the
-///   open interval Vec3 normal_at(Point) const                                   the unit normal at a point
-///   of the surface
-/// Both are called from several threads at once. `static_assert(Surface<Mine>)` checks a type of your own.
+/// A surface: any copyable type with the two functions
+///
+///   std::optional<double> intersect(const Ray&, Interval) const
+///   Vec3 normal_at(Point) const
+///
+/// the smallest t of a crossing inside an open interval, and the unit normal at a point of the surface. Both
+/// are called from several threads at once. `static_assert(Surface<Mine>)` checks a type of your own.
 template <class S>
 concept Surface = std::copy_constructible<S> &&
     requires(const S& surface, const Ray& ray, Interval range, Point point) {

@@ -94,7 +94,7 @@ void Stage::write(const Image& image) const {
       return save_ppm(image, options_.output, options_.transfer,
                       {.bits = options_.bits, .plain = options_.plain, .stop = stop_});
     case Options::Format::png:
-      return save_png(image, options_.output, options_.transfer);
+      return save_png(image, options_.output, options_.transfer, stop_);
     case Options::Format::pfm:
       return save_pfm(image, options_.output, stop_);
   }

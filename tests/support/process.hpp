@@ -34,6 +34,14 @@ struct Outcome {
   std::string out, err;
 };
 
+/// Whether the system can make a pseudo terminal; a bare chroot cannot.
+inline bool has_terminals() {
+  const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (terminal < 0) return false;
+  close(terminal);
+  return true;
+}
+
 /// A program at work. One that is not done after two minutes is ended by SIGALRM, so that no test hangs.
 class Process {
  public:

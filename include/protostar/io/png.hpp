@@ -1,10 +1,13 @@
 // Images as PNG files, through stb_image_write. Not part of the core: link protostar::png.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <new>
+#include <stdexcept>
+#include <stop_token>
+#include <string>
 #include <vector>
 
 // As static functions of this translation unit, so that they meet no other copy of stb_image_write in a
@@ -24,15 +27,20 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Saves an image as PNG with 8 bits per channel, encoded by the transfer and rounded to the nearest code.
 ///
 /// The file is replaced as a whole or not at all (see OutputFile, also for its errors): it is made in memory
-/// first. Throws std::length_error for an image that stb_image_write cannot count in an int, 2^31 bytes or
-/// more.
-inline void save_png(const Image& image, const std::filesystem::path& path,
-                     const Transfer& transfer = Srgb{}) {
-  const Encoder encode(transfer, 255);
+/// first. If stop is asked for while it is written, save_png returns early and leaves the file as it was.
+/// Throws std::length_error for rows of more than 954 million bytes in all, which stb_image_write cannot
+/// count.
+inline void save_png(const Image& image, const std::filesystem::path& path, const Transfer& transfer = Srgb{},
+                     const std::stop_token& stop = {}) {
+  // stb_image_write counts in int and doubles a buffer that holds up to nine bits for each byte of the rows,
+  // which begin with a byte of their own.
+  constexpr std::int64_t most_bytes = (std::int64_t{1} << 30) / 9 * 8;
   const std::int64_t row_bytes = std::int64_t{image.width()} * 3;
-  if ((row_bytes + 1) * image.height() > std::numeric_limits<int>::max())
-    throw std::length_error("save_png: the image is too large for PNG, " + std::to_string(image.width()) +
-                            "x" + std::to_string(image.height()) + "; save it as .ppm");
+  if ((row_bytes + 1) * image.height() > most_bytes)
+    throw std::length_error("save_png: an image of " + std::to_string(image.width()) + "x" +
+                            std::to_string(image.height()) + " is too large for PNG; save it as .ppm");
+
+  const Encoder encode(transfer, 255);
   std::vector<std::uint8_t> codes;
   codes.reserve(static_cast<std::size_t>(row_bytes * image.height()));
   for (int y = 0; y < image.height(); ++y)
@@ -49,8 +57,13 @@ inline void save_png(const Image& image, const std::filesystem::path& path,
   if (!stbi_write_png_to_func(append, &png, image.width(), image.height(), 3, codes.data(),
                               static_cast<int>(row_bytes)))
     throw std::bad_alloc();  // the only reason that it has
+
   OutputFile file(path);
-  file.write(png.data(), png.size());
+  constexpr std::size_t block = 1 << 20;  // bytes written at a time
+  for (std::size_t begin = 0; begin < png.size(); begin += block) {
+    if (stop.stop_requested()) return;
+    file.write(png.data() + begin, std::min(block, png.size() - begin));
+  }
   file.commit();
 }
 
