@@ -47,7 +47,8 @@ struct SurfaceCrossing {
 namespace detail {
 
 /// precedes where the errors of t overlap.
-[[nodiscard, gnu::noinline, gnu::cold]] inline bool precedes_refined(Ray ray, SurfaceCrossing a, SurfaceCrossing b) {
+[[nodiscard, gnu::noinline, gnu::cold, gnu::pure]] inline bool precedes_refined(Ray ray, SurfaceCrossing a,
+                                                                                SurfaceCrossing b) {
   if (a.departure() == b.departure()) return a.crossing.root < b.crossing.root;
   for (const Precision precision : {Precision::double_double, Precision::exact}) {
     const RefinedCrossing x = a.refine(ray, precision), y = b.refine(ray, precision);
@@ -58,8 +59,9 @@ namespace detail {
 
 }  // namespace detail
 
-/// Whether a ray crosses a before b: decided by their t where their errors allow, and refined where not. Crossings of
-/// surfaces that coincide are at equal t, and so are those whose refined t agree to within their bounds, of 2^-97.
+/// Whether a ray crosses a before b: decided by their t where their errors allow, and refined where not.
+/// Crossings of surfaces that coincide are at equal t, and so are those whose refined t agree to within their
+/// bounds, of 2^-97.
 [[nodiscard]] inline bool precedes(const Ray& ray, const SurfaceCrossing& a, const SurfaceCrossing& b) {
   const double gap = b.crossing.t - a.crossing.t;
   const double larger = std::max(std::abs(a.crossing.t), std::abs(b.crossing.t));

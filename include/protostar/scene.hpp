@@ -64,7 +64,8 @@ class Scene {
       if (found && !precedes(ray, candidate, first)) return;
       first = candidate;
       found = true;
-      // Each hit shortens the range, so the last hit is the nearest. What might be before it, given its error, stays in.
+      // Each hit shortens the range, so the last hit is the nearest. What might be before it, given its
+      // error, stays in.
       range.max = std::min(range.max, crossing->t + 4 * Roots::relative_error * std::abs(crossing->t));
     });
     if (!found) return std::nullopt;
@@ -102,7 +103,7 @@ class Scene {
 
     [[nodiscard]] bool occluded(const Ray& ray, Interval range) const {
       for (const T& surface : surfaces)
-        if (const auto t = first_crossing(surface, ray, range); t && range.contains(*t)) return true;
+        if (first_crossing(surface, ray, range)) return true;
       return false;
     }
   };

@@ -103,8 +103,9 @@ namespace detail {
 
 /// lies_inside where the error of t reaches an end of the range.
 template <Surface S>
-[[nodiscard, gnu::noinline, gnu::cold]] bool lies_inside_refined(const S& surface, Ray ray, Crossing crossing,
-                                                                 Interval range) {
+[[nodiscard, gnu::noinline, gnu::cold, gnu::pure]] bool lies_inside_refined(const S& surface, Ray ray,
+                                                                            Crossing crossing,
+                                                                            Interval range) {
   // -1 before an end, 1 behind it, 0 at it to within the bounds of refined roots, of 2^-97.
   const auto side_of = [&](double end) {
     for (const Precision precision : {Precision::double_double, Precision::exact}) {

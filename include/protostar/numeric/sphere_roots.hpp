@@ -141,11 +141,14 @@ namespace detail {
   return {static_cast<double>(refined.t[0]), static_cast<double>(refined.t[1])};
 }
 
-/// The products of a squared direction and a squared length in this range neither overflow nor lose more to
-/// underflow than a small part of the error bounds.
-[[nodiscard]] inline bool in_range(double A, double w) {
-  return 0x1p-150 < A && A < 0x1p150 && 0x1p-800 < w && w < 0x1p800;
-}
+/// Added to the error of a discriminant, or of b: more than all underflows together, of 2^-1075 (4A + 3|c| +
+/// 6|b| + 2), wherever A < 2^150 and rounding is not larger still. Overflow needs nothing: it makes the error
+/// infinite first.
+inline constexpr double underflow = 0x1p-900;
+
+/// Whether the products with the square of a direction stay in the range of double, given that those of
+/// lengths do.
+[[nodiscard]] inline bool in_range(double A) { return 0x1p-150 < A && A < 0x1p150; }
 
 /// The roots from the coefficients and the discriminant, which has an error of at most E; nothing if that
 /// does not certify them. Of b ± √D, q is the one without cancellation; one root is q/A, and the other c/q,
@@ -164,18 +167,20 @@ namespace detail {
 }
 
 /// The roots where b² − A c does not tell.
-[[nodiscard, gnu::noinline, gnu::cold]] inline Roots sphere_roots_in_doubt(Point origin, Vec3 direction, Point center,
-                                                                           double radius) {
+[[nodiscard, gnu::noinline, gnu::cold, gnu::pure]] inline Roots sphere_roots_in_doubt(Point origin,
+                                                                                      Vec3 direction,
+                                                                                      Point center,
+                                                                                      double radius) {
   const Vec3 l = center - origin;
   const double A = dot(direction, direction), b = dot(direction, l), ll = dot(l, l), rr = radius * radius;
-  if (in_range(A, ll + rr)) {
+  if (in_range(A)) {
     // By Lagrange's identity D = A r² − |l × d|², which does not cancel where the center is far away. A line
     // that meets the sphere has an error here of at most 9u A r s + 15u² A s², s = |l| + r; one that does
     // not, comes out no higher.
     const Vec3 moment = cross(l, direction);
     const double r = std::abs(radius), size = std::sqrt(ll) + r;
     const double D = A * rr - dot(moment, moment);
-    const double E = 0x1p-49 * A * size * (r + 0x1p-45 * size);
+    const double E = 0x1p-49 * A * size * (r + 0x1p-45 * size) + underflow;
     if (D < -E) return {};
     if (const auto roots = certified_roots(A, b, ll - rr, ll + rr, D, E)) return *roots;
   }
@@ -191,10 +196,12 @@ namespace detail {
   const double A = dot(direction, direction), b = dot(direction, l);
   const double ll = dot(l, l), rr = radius * radius, c = ll - rr, w = ll + rr;
   const double D = b * b - A * c;
-  const double E = 0x1p-48 * (A * w);  // the error of D is at most 20u A w
-  if (D < -E && detail::in_range(A, w)) return {};
-  if (const auto roots = detail::certified_roots(A, b, c, w, D, E); roots && detail::in_range(A, w))
-    return *roots;
+  // The error of D is at most 20u A w, where nothing underflows or overflows.
+  const double E = 0x1p-48 * (A * w) + detail::underflow;
+  if (detail::in_range(A)) {
+    if (D < -E) return {};
+    if (const auto roots = detail::certified_roots(A, b, c, w, D, E)) return *roots;
+  }
   return detail::sphere_roots_in_doubt(origin, direction, center, radius);
 }
 
@@ -206,7 +213,7 @@ namespace detail {
   const double sum = std::abs(direction.x) + std::abs(direction.y) + std::abs(direction.z);
   const double A = dot(direction, direction), b = dot(direction, l);
   // The error of b is at most 4u |d||l|, hence below 2^-32 |b| here.
-  if (std::abs(b) > 0x1p-19 * sum * size && detail::in_range(A, size * size)) return Roots{2 * b / A};
+  if (std::abs(b) > 0x1p-19 * sum * size + detail::underflow && detail::in_range(A)) return Roots{2 * b / A};
   return detail::rounded_roots(origin, direction, center, radius, refined_sphere_root_leaving);
 }
 
