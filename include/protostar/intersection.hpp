@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "numeric/exact_root.hpp"
 #include "numeric/roots.hpp"
 #include "ray.hpp"
 
@@ -29,6 +30,7 @@ struct SurfaceFunctions {
   Departure (*departure)(const void* surface);
   RefinedCrossing (*refine)(const void* surface, const Ray& ray, const Crossing& crossing,
                             Precision precision);
+  ExactRoot (*exact_root)(const void* surface, const Ray& ray, const Crossing& crossing);
 };
 
 /// A crossing with the surface that it is on, whatever the type of that.
@@ -42,6 +44,9 @@ struct SurfaceCrossing {
   [[nodiscard]] RefinedCrossing refine(const Ray& ray, Precision precision) const {
     return functions->refine(surface, ray, crossing, precision);
   }
+  [[nodiscard]] ExactRoot exact_root(const Ray& ray) const {
+    return functions->exact_root(surface, ray, crossing);
+  }
 };
 
 namespace detail {
@@ -50,18 +55,16 @@ namespace detail {
 [[nodiscard, gnu::noinline, gnu::cold, gnu::pure]] inline bool precedes_refined(Ray ray, SurfaceCrossing a,
                                                                                 SurfaceCrossing b) {
   if (a.departure() == b.departure()) return a.crossing.root < b.crossing.root;
-  for (const Precision precision : {Precision::double_double, Precision::exact}) {
-    const RefinedCrossing x = a.refine(ray, precision), y = b.refine(ray, precision);
-    if (const int sign = order(x.t, x.relative_error, y.t, y.relative_error); sign != 0) return sign < 0;
-  }
-  return false;
+  const RefinedCrossing x = a.refine(ray, Precision::double_double),
+                        y = b.refine(ray, Precision::double_double);
+  if (const int sign = order(x.t, x.relative_error, y.t, y.relative_error); sign != 0) return sign < 0;
+  return order(a.exact_root(ray), b.exact_root(ray)) < 0;
 }
 
 }  // namespace detail
 
-/// Whether a ray crosses a before b: decided by their t where their errors allow, and refined where not.
-/// Crossings of surfaces that coincide are at equal t, and so are those whose refined t agree to within their
-/// bounds, of 2^-97.
+/// Whether a ray crosses a before b: decided by their t where their errors allow, and exactly where not.
+/// Crossings of surfaces that coincide are at equal t.
 [[nodiscard]] inline bool precedes(const Ray& ray, const SurfaceCrossing& a, const SurfaceCrossing& b) {
   const double gap = b.crossing.t - a.crossing.t;
   const double larger = std::max(std::abs(a.crossing.t), std::abs(b.crossing.t));

@@ -44,6 +44,7 @@ template <class S>
 concept SurfaceWithRefinedRoots = SurfaceWithRoots<S> &&
     requires(const S& surface, const Ray& ray, Precision precision) {
   { surface.refined_roots(ray, precision) } -> std::same_as<RefinedRoots>;
+  { surface.exact_root(ray, 0) } -> std::same_as<ExactRoot>;
 };
 
 /// A surface that says what a ray leaving it departs from, and that, given a ray with that departure, leaves
@@ -67,6 +68,7 @@ concept CompositeSurface = Surface<S> && SurfaceWithDeparture<S> &&
   { surface.first_crossing(ray, range) } -> std::same_as<std::optional<Crossing>>;
   surface.each_crossing(ray, range, [](const Crossing&) {});
   { surface.refine(ray, crossing, Precision::exact) } -> std::same_as<RefinedCrossing>;
+  { surface.exact_root(ray, crossing) } -> std::same_as<ExactRoot>;
 };
 
 /// A surface that can be asked whether its fields make sense: validate() throws std::invalid_argument if not.
@@ -99,6 +101,17 @@ template <Surface S>
   }
 }
 
+/// A crossing without rounding, likewise.
+template <Surface S>
+[[nodiscard]] ExactRoot exact_root(const S& surface, const Ray& ray, const Crossing& crossing) {
+  if constexpr (CompositeSurface<S>)
+    return surface.exact_root(ray, crossing);
+  else if constexpr (SurfaceWithRefinedRoots<S>)
+    return surface.exact_root(ray, crossing.root);
+  else
+    return exact_root_of(crossing.t);
+}
+
 namespace detail {
 
 /// lies_inside where the error of t reaches an end of the range.
@@ -106,13 +119,10 @@ template <Surface S>
 [[nodiscard, gnu::noinline, gnu::cold, gnu::pure]] bool lies_inside_refined(const S& surface, Ray ray,
                                                                             Crossing crossing,
                                                                             Interval range) {
-  // -1 before an end, 1 behind it, 0 at it to within the bounds of refined roots, of 2^-97.
-  const auto side_of = [&](double end) {
-    for (const Precision precision : {Precision::double_double, Precision::exact}) {
-      const RefinedCrossing refined = refine(surface, ray, crossing, precision);
-      if (const int side = order(refined.t, refined.relative_error, end, 0); side != 0) return side;
-    }
-    return 0;
+  const auto side_of = [&](double end) {  // -1 before an end, 0 at it, 1 behind it
+    const RefinedCrossing refined = refine(surface, ray, crossing, Precision::double_double);
+    if (const int side = order(refined.t, refined.relative_error, end, 0); side != 0) return side;
+    return order(exact_root(surface, ray, crossing), exact_root_of(end));
   };
   return std::isfinite(crossing.t) && (range.min == -infinity || side_of(range.min) > 0) &&
          (range.max == infinity || side_of(range.max) < 0);
@@ -120,7 +130,7 @@ template <Surface S>
 
 }  // namespace detail
 
-/// Whether a crossing lies inside an open range: decided by t where its error allows, and refined where not.
+/// Whether a crossing lies inside an open range: decided by t where its error allows, and exactly where not.
 template <Surface S>
 [[nodiscard]] bool lies_inside(const S& surface, const Ray& ray, const Crossing& crossing, Interval range) {
   const double t = crossing.t, margin = 2 * Roots::relative_error * std::abs(t);
@@ -208,9 +218,11 @@ template <Surface S>
 inline constexpr SurfaceFunctions functions_of{
     .normal_at = [](const void* s, const Point& p) -> Vec3 { return static_cast<const S*>(s)->normal_at(p); },
     .departure = [](const void* s) { return departure_of(*static_cast<const S*>(s)); },
-    .refine =
-        [](const void* s, const Ray& ray, const Crossing& crossing, Precision precision) {
-          return refine(*static_cast<const S*>(s), ray, crossing, precision);
+    .refine = [](const void* s, const Ray& ray, const Crossing& crossing,
+                 Precision precision) { return refine(*static_cast<const S*>(s), ray, crossing, precision); },
+    .exact_root =
+        [](const void* s, const Ray& ray, const Crossing& crossing) {
+          return exact_root(*static_cast<const S*>(s), ray, crossing);
         }};
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,6 +1,7 @@
 // Numbers without rounding, for the sign that no fixed precision decides.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -66,10 +67,40 @@ class Expansion {
         product += xy.lo;
         product += xy.hi;
       }
+    product.compress();
     return product;
   }
 
+  /// Multiplies by 2^exponent.
+  void scale(int exponent) {
+    for (double& term : terms_) term = std::ldexp(term, exponent);
+  }
+
+  friend bool operator==(const Expansion& a, const Expansion& b) { return (a - b).sign() == 0; }
+
  private:
+  /// Puts the same sum into as few terms as carry its bits (Shewchuk, compress): downwards, each term takes
+  /// up what fits of the next, and upwards again.
+  void compress() {
+    if (terms_.size() < 2) return;
+    std::vector<double> down;
+    double carry = terms_.back();
+    for (std::size_t i = terms_.size() - 1; i-- > 0;) {
+      const DoubleDouble sum = fast_two_sum(carry, terms_[i]);
+      carry = sum.hi;
+      if (sum.lo == 0) continue;
+      down.push_back(carry);
+      carry = sum.lo;
+    }
+    terms_.clear();
+    for (std::size_t i = down.size(); i-- > 0;) {
+      const DoubleDouble sum = fast_two_sum(down[i], carry);
+      if (sum.lo != 0) terms_.push_back(sum.lo);
+      carry = sum.hi;
+    }
+    terms_.push_back(carry);
+  }
+
   std::vector<double> terms_;
 };
 

@@ -9,16 +9,15 @@
 #include <cmath>
 
 #include "../vec3.hpp"
-#include "expansion.hpp"
+#include "exact_root.hpp"
 #include "roots.hpp"
 #include "scale.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The root of finite numbers, from exact parts; none where the line is parallel to the plane.
-[[nodiscard]] inline RefinedRoots refined_plane_roots(const Point& origin, const Vec3& direction,
-                                                      const Vec3& normal, double distance) {
-  ++fallbacks.exact;
+/// The root of finite numbers without rounding: A > 0, or A = 0 where the line is parallel to the plane.
+[[nodiscard]] inline ExactRoot exact_plane_root(const Point& origin, const Vec3& direction,
+                                                const Vec3& normal, double distance) {
   // Powers of two, as for the sphere; the distance is a product of a normal and a length.
   const int normals = exponent_of({normal}), directions = exponent_of({direction});
   const int lengths = std::max(exponent_of({origin}), exponent_of({Vec3{distance}}) - normals);
@@ -29,13 +28,24 @@ namespace protostar::inline PROTOSTAR_ABI {
   };
   const Expansion height = Expansion(std::ldexp(distance, -normals - lengths)) - exact_dot(n, o);
   const Expansion slope = exact_dot(n, d);
+  const bool negative = slope.sign() < 0;
+  return {.A = negative ? -slope : slope,
+          .b = negative ? -height : height,
+          .D = {},
+          .exponent = lengths - directions};
+}
 
+/// The same in double-double; none where the line is parallel to the plane.
+[[nodiscard]] inline RefinedRoots refined_plane_roots(const Point& origin, const Vec3& direction,
+                                                      const Vec3& normal, double distance) {
+  ++fallbacks.exact;
+  const ExactRoot exact = exact_plane_root(origin, direction, normal, distance);
   RefinedRoots roots;
   roots.relative_error = 0x1p-97;  // two conversions and a quotient, of a few u² each
-  if (slope.sign() == 0) return roots;
-  const DoubleDouble t = DoubleDouble(height) / DoubleDouble(slope);
+  if (exact.A.sign() == 0) return roots;
+  const DoubleDouble t = DoubleDouble(exact.b) / DoubleDouble(exact.A);
   roots.count = 1;
-  roots.t[0] = {std::ldexp(t.hi, lengths - directions), std::ldexp(t.lo, lengths - directions)};
+  roots.t[0] = {std::ldexp(t.hi, exact.exponent), std::ldexp(t.lo, exact.exponent)};
   return roots;
 }
 

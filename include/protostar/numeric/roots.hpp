@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "../interval.hpp"
 #include "double_double.hpp"
@@ -10,8 +11,8 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// At most two crossings of a line with a surface: near ≤ far; where the line touches, both are the same.
-/// Which of them exist is exact. Each t has the sign of the true root, is 0 only where that is 0, and is
-/// within 2^-30 |t| of it.
+/// Those of the library's surfaces are certified: which of them exist is exact, and each t has the sign of
+/// the true root, is 0 only where that is 0, and is within 2^-30 |t| of it.
 class Roots {
  public:
   static constexpr double relative_error = 0x1p-30;
@@ -25,17 +26,40 @@ class Roots {
   [[nodiscard]] constexpr const double* begin() const { return t_; }
   [[nodiscard]] constexpr const double* end() const { return t_ + count_; }
 
+  /// The first that lies inside an interval, each t taken as it is.
+  [[nodiscard]] constexpr std::optional<double> first_in(Interval range) const {
+    for (const double t : *this)
+      if (range.contains(t)) return t;
+    return std::nullopt;
+  }
+
  private:
   double t_[2] = {0, 0};
   int count_ = 0;
 };
 
+/// The roots of A t² − 2 b t + c = 0, given q = b ± √(b² − A c) without cancellation: one is q/A, and the
+/// other c/q, since their product is c/A.
+[[nodiscard]] inline Roots roots_from(double A, double c, double q) {
+  const double t1 = c / q, t2 = q / A;
+  return t1 < t2 ? Roots{t1, t2} : Roots{t2, t1};
+}
+
+/// The roots of A t² − 2 b t + c = 0 with A ≠ 0 (A.1.1, the simplified form), given the discriminant D = b² −
+/// A c: for a surface that takes double as good enough. None where D < 0 or a number is NaN.
+[[nodiscard]] inline Roots quadratic_roots(double A, double b, double c, double D) {
+  if (!(D >= 0)) return {};
+  const double q = b + std::copysign(std::sqrt(D), b);
+  if (q == 0) return {0, 0};  // b = 0 and D = 0, so c = 0 too: the line touches at its origin
+  return roots_from(A, c, q);
+}
+
 /// How a root is worked out when double does not decide: in double-double, or from exact coefficients.
 enum class Precision : std::uint8_t { double_double, exact };
 
-/// The same roots, in double-double, each with a relative error of at most relative_error. At
-/// Precision::exact that is at most 2^-97; at Precision::double_double it depends on the ray, and infinity
-/// says that nothing could be decided.
+/// The same roots, in double-double, each with a relative error of at most relative_error. From exact
+/// coefficients that is 2^-97; from coefficients in double-double it may be infinity, which says that nothing
+/// could be decided.
 struct RefinedRoots {
   DoubleDouble t[2];
   int count = 0;

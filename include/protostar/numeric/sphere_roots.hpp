@@ -14,7 +14,7 @@
 #include <optional>
 
 #include "../vec3.hpp"
-#include "expansion.hpp"
+#include "exact_root.hpp"
 #include "roots.hpp"
 #include "scale.hpp"
 
@@ -22,54 +22,60 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// The coefficients, evaluated in double-double or exactly and rounded to that.
-struct SphereEquation {
-  DoubleDouble A, b, c, D;
-  double w;                   ///< |l|² + r², to double precision
-  int t_exponent;             ///< the roots of these coefficients are to be multiplied by 2^t_exponent
-  double discriminant_error;  ///< of D, absolute; 0 where A, b, c and D are all good to 2^-103
+/// A line and a sphere, brought to lengths and a direction of about 1 by powers of two, so that no product
+/// leaves the range of double. A component that is less than 2^-100 of the largest may lose bits below
+/// 2^-1074, and exactness with them.
+struct ScaledSphere {
+  Point origin;
+  Vec3 direction;
+  Point center;
+  double radius;
+  int exponent;  ///< t is 2^exponent times what it is in these numbers
 
-  SphereEquation(Point origin, Vec3 direction, Point center, double radius, Precision precision) {
-    // Powers of two bring lengths and direction to about 1, so that no product leaves the range of double. A
-    // component that is less than 2^-200 of the largest may then lose bits below 2^-1074, exactness with
-    // them.
-    const int lengths = exponent_of({origin, center, Vec3{radius}});
-    const int directions = exponent_of({direction});
-    origin = scaled(origin, -lengths), center = scaled(center, -lengths),
-    radius = std::ldexp(radius, -lengths);
-    direction = scaled(direction, -directions);
-    t_exponent = lengths - directions;
-
-    if (precision == Precision::exact) {
-      ++fallbacks.exact;
-      evaluate<Expansion>(origin, direction, center, radius);
-    } else {
-      ++fallbacks.double_double;
-      evaluate<DoubleDouble>(origin, direction, center, radius);
-    }
-    const Vec3 l = center - origin;
-    w = dot(l, l) + radius * radius;
-    discriminant_error = precision == Precision::exact ? 0 : 0x1p-98 * A.hi * w;
+  ScaledSphere(const Point& o, const Vec3& d, const Point& c, double r) {
+    const int lengths = exponent_of({o, c, Vec3{r}}), directions = exponent_of({d});
+    origin = scaled(o, -lengths), center = scaled(c, -lengths), radius = std::ldexp(r, -lengths);
+    direction = scaled(d, -directions);
+    exponent = lengths - directions;
   }
 
   [[nodiscard]] DoubleDouble scaled_back(DoubleDouble t) const {
-    return {std::ldexp(t.hi, t_exponent), std::ldexp(t.lo, t_exponent)};
-  }
-
- private:
-  template <class T>
-  void evaluate(const Point& origin, const Vec3& direction, const Point& center, double radius) {
-    const T lx = T(center.x) - T(origin.x), ly = T(center.y) - T(origin.y), lz = T(center.z) - T(origin.z);
-    const T dx = direction.x, dy = direction.y, dz = direction.z, r = radius;
-    const T a = dx * dx + dy * dy + dz * dz;
-    const T half_slope = dx * lx + dy * ly + dz * lz;
-    const T constant = lx * lx + ly * ly + lz * lz - r * r;
-    A = DoubleDouble(a);
-    b = DoubleDouble(half_slope);
-    c = DoubleDouble(constant);
-    D = DoubleDouble(half_slope * half_slope - a * constant);
+    return {std::ldexp(t.hi, exponent), std::ldexp(t.lo, exponent)};
   }
 };
+
+/// The coefficients of the equation in a number type T: double-double, or exact.
+template <class T>
+struct SphereEquation {
+  T A, b, c;
+
+  explicit SphereEquation(const ScaledSphere& s) {
+    const T lx = T(s.center.x) - T(s.origin.x), ly = T(s.center.y) - T(s.origin.y),
+            lz = T(s.center.z) - T(s.origin.z);
+    const T dx = s.direction.x, dy = s.direction.y, dz = s.direction.z, r = s.radius;
+    A = dx * dx + dy * dy + dz * dz;
+    b = dx * lx + dy * ly + dz * lz;
+    c = lx * lx + ly * ly + lz * lz - r * r;
+  }
+
+  [[nodiscard]] T discriminant() const { return b * b - A * c; }
+};
+
+/// The roots of a line of finite numbers with direction ≠ 0, from coefficients in double-double.
+[[nodiscard]] inline RefinedRoots refined_from(const ScaledSphere& s, DoubleDouble A, DoubleDouble b,
+                                               DoubleDouble c, DoubleDouble D, double relative_error) {
+  RefinedRoots roots;
+  roots.relative_error = relative_error;
+  if (D.sign() < 0) return roots;
+  const DoubleDouble q = b.sign() < 0 ? b - sqrt(D) : b + sqrt(D);
+  // One root is q/A, and the other c/q, since their product is c/A. Where q is 0, so are D, b and c.
+  const DoubleDouble t1 = q.sign() == 0 ? DoubleDouble() : c / q, t2 = q / A;
+  const bool in_order = (t2 - t1).sign() >= 0;
+  roots.count = 2;
+  roots.t[0] = s.scaled_back(in_order ? t1 : t2);
+  roots.t[1] = s.scaled_back(in_order ? t2 : t1);
+  return roots;
+}
 
 }  // namespace detail
 
@@ -78,50 +84,68 @@ struct SphereEquation {
 [[nodiscard]] inline RefinedRoots refined_sphere_roots(const Point& origin, const Vec3& direction,
                                                        const Point& center, double radius,
                                                        Precision precision) {
-  const detail::SphereEquation e(origin, direction, center, radius, precision);
-  RefinedRoots roots;
-  const DoubleDouble root = sqrt(e.D);
-  const DoubleDouble q = e.b.sign() < 0 ? e.b - root : e.b + root;  // b ± √D without the cancellation
+  const detail::ScaledSphere s(origin, direction, center, radius);
   if (precision == Precision::exact) {
-    roots.relative_error = 0x1p-97;  // a sum, a root and a quotient of coefficients that are good to 2^-103
-  } else {
-    // The error of c is at most 16u² w, that of b 12u² √(A w), and that of D 66u² A w < 2^-99 A w. For |c| >
-    // 2^-40 w that of c is below 2^-62 |c|, and since b² or D is at least A|c|/2, q > 2^-21 √(A w), so that
-    // the error of b is below 2^-80 |q|; for √D·|q| > 2^-39 A w that of √D, which is that of D over 2√D, is
-    // below 2^-60 |q|. All of them together stay below 2^-58.
-    const double Aw = e.A.hi * e.w;
-    const bool misses = e.D.hi < -e.discriminant_error;
-    const bool certain = e.D.hi > e.discriminant_error && root.hi * std::abs(q.hi) > 0x1p-39 * Aw &&
-                         std::abs(e.c.hi) > 0x1p-40 * e.w;
-    if (!misses && !certain) return roots;
-    roots.relative_error = 0x1p-58;
+    ++fallbacks.exact;
+    const detail::SphereEquation<Expansion> e(s);
+    // The coefficients and D are good to 2^-103 each, and so a sum, a root and a quotient of them to 2^-97.
+    return detail::refined_from(s, DoubleDouble(e.A), DoubleDouble(e.b), DoubleDouble(e.c),
+                                DoubleDouble(e.discriminant()), 0x1p-97);
   }
-  if (e.D.sign() < 0) return roots;
-
-  // One root is q/A, and the other c/q, since their product is c/A. Where q is 0, so are D, b and c.
-  const DoubleDouble t1 = q.sign() == 0 ? DoubleDouble() : e.c / q, t2 = q / e.A;
-  const bool in_order = (t2 - t1).sign() >= 0;
-  roots.count = 2;
-  roots.t[0] = e.scaled_back(in_order ? t1 : t2);
-  roots.t[1] = e.scaled_back(in_order ? t2 : t1);
-  return roots;
+  ++fallbacks.double_double;
+  const detail::SphereEquation<DoubleDouble> e(s);
+  const DoubleDouble D = e.discriminant();
+  const Vec3 l = s.center - s.origin;
+  const double w = dot(l, l) + s.radius * s.radius, Aw = e.A.hi * w;
+  // The error of c is at most 16u² w, that of b 12u² √(A w), and that of D 66u² A w < 2^-99 A w. For |c| >
+  // 2^-40 w that of c is below 2^-62 |c|, and since b² or D is at least A|c|/2, q > 2^-21 √(A w), so that the
+  // error of b is below 2^-80 |q|; for √D·|q| > 2^-39 A w that of √D, which is that of D over 2√D, is below
+  // 2^-60 |q|. All of them together stay below 2^-58.
+  const double root = std::sqrt(D.hi), q = std::abs(e.b.hi) + root;
+  const bool misses = D.hi < -0x1p-98 * Aw;
+  const bool meets = D.hi > 0x1p-98 * Aw && root * q > 0x1p-39 * Aw && std::abs(e.c.hi) > 0x1p-40 * w;
+  if (!misses && !meets) return {};
+  return detail::refined_from(s, e.A, e.b, e.c, D, 0x1p-58);
 }
 
 /// The root 2b/A of a line that starts on the sphere, likewise.
 [[nodiscard]] inline RefinedRoots refined_sphere_root_leaving(const Point& origin, const Vec3& direction,
                                                               const Point& center, double radius,
                                                               Precision precision) {
-  const detail::SphereEquation e(origin, direction, center, radius, precision);
-  RefinedRoots roots;
-  if (precision == Precision::exact)
-    roots.relative_error = 0x1p-97;
-  else if (std::abs(e.b.hi) > 0x1p-40 * std::sqrt(e.A.hi * e.w))
-    roots.relative_error = 0x1p-58;  // the error of b is at most 12u² √(A w) < 2^-62 |b|
-  else
+  const detail::ScaledSphere s(origin, direction, center, radius);
+  const auto root = [&](DoubleDouble A, DoubleDouble b, double relative_error) {
+    RefinedRoots roots;
+    roots.relative_error = relative_error;
+    roots.count = 1;
+    roots.t[0] = s.scaled_back(DoubleDouble(2) * b / A);
     return roots;
-  roots.count = 1;
-  roots.t[0] = e.scaled_back(DoubleDouble(2) * e.b / e.A);
-  return roots;
+  };
+  if (precision == Precision::exact) {
+    ++fallbacks.exact;
+    const detail::SphereEquation<Expansion> e(s);
+    return root(DoubleDouble(e.A), DoubleDouble(e.b), 0x1p-97);
+  }
+  ++fallbacks.double_double;
+  const detail::SphereEquation<DoubleDouble> e(s);
+  const Vec3 l = s.center - s.origin;
+  if (!(std::abs(e.b.hi) > 0x1p-40 * std::sqrt(e.A.hi * dot(l, l)))) return {};
+  return root(e.A, e.b, 0x1p-58);  // the error of b is at most 12u² |d||l| < 2^-62 |b|
+}
+
+/// One of the roots of a line that meets the sphere, without rounding; 0 is the near one, 1 the far one.
+[[nodiscard]] inline ExactRoot exact_sphere_root(const Point& origin, const Vec3& direction,
+                                                 const Point& center, double radius, int root) {
+  const detail::ScaledSphere s(origin, direction, center, radius);
+  const detail::SphereEquation<Expansion> e(s);
+  return {.A = e.A, .b = e.b, .D = e.discriminant(), .sign = root == 0 ? -1 : 1, .exponent = s.exponent};
+}
+
+/// The root 2b/A, likewise.
+[[nodiscard]] inline ExactRoot exact_sphere_root_leaving(const Point& origin, const Vec3& direction,
+                                                         const Point& center, double radius) {
+  const detail::ScaledSphere s(origin, direction, center, radius);
+  const detail::SphereEquation<Expansion> e(s);
+  return {.A = e.A, .b = e.b + e.b, .D = {}, .exponent = s.exponent};
 }
 
 namespace detail {
@@ -162,8 +186,7 @@ inline constexpr double underflow = 0x1p-900;
   const double root = std::sqrt(D);
   const double q = b + std::copysign(root, b);
   if (!(D > 4 * E && root * std::abs(q) > 0x1p31 * E && std::abs(c) > 0x1p-18 * w)) return std::nullopt;
-  const double t1 = c / q, t2 = q / A;
-  return t1 < t2 ? Roots{t1, t2} : Roots{t2, t1};
+  return roots_from(A, c, q);
 }
 
 /// The roots where b² − A c does not tell.

@@ -45,6 +45,9 @@ class AnySurface {
   [[nodiscard]] RefinedCrossing refine(const Ray& ray, const Crossing& crossing, Precision precision) const {
     return held_->refine(ray, crossing, precision);
   }
+  [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
+    return held_->exact_root(ray, crossing);
+  }
 
  private:
   /// A function that is called through a pointer, since a virtual function cannot be a template.
@@ -60,6 +63,7 @@ class AnySurface {
     virtual std::optional<Crossing> first_crossing(const Ray&, Interval) const = 0;
     virtual void each_crossing(const Ray&, Interval, const Visitor&) const = 0;
     virtual RefinedCrossing refine(const Ray&, const Crossing&, Precision) const = 0;
+    virtual ExactRoot exact_root(const Ray&, const Crossing&) const = 0;
     virtual Vec3 normal_at(const Point&) const = 0;
     virtual Departure departure() const = 0;
     virtual void validate() const = 0;
@@ -77,6 +81,9 @@ class AnySurface {
     }
     RefinedCrossing refine(const Ray& ray, const Crossing& crossing, Precision precision) const override {
       return protostar::refine(surface, ray, crossing, precision);
+    }
+    ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const override {
+      return protostar::exact_root(surface, ray, crossing);
     }
     Vec3 normal_at(const Point& point) const override { return surface.normal_at(point); }
     Departure departure() const override { return departure_of(surface); }

@@ -35,15 +35,13 @@ struct Plane {
     return refined_plane_roots(ray.origin, ray.direction, normal, distance);
   }
 
-  /// Planes of one equation are left together. A multiple of an equation is the same plane, so the normal's
-  /// largest component is scaled to 1; the quotients of a plane and of its multiples round alike.
+  [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {
+    return exact_plane_root(ray.origin, ray.direction, normal, distance);
+  }
+
+  /// Planes of one equation, or of multiples of it, are left together.
   [[nodiscard]] Departure departure() const {
-    const Vec3 size = abs(normal);
-    const double largest = size.x >= size.y && size.x >= size.z ? normal.x
-                           : size.y >= size.z                   ? normal.y
-                                                                : normal.z;
-    return {.kind = Departure::Kind::plane,
-            .geometry = {normal.x / largest, normal.y / largest, normal.z / largest, distance / largest}};
+    return {.kind = Departure::Kind::plane, .geometry = {normal.x, normal.y, normal.z, distance}};
   }
 
   /// Throws std::invalid_argument if the normal is 0 or a number is not finite.

@@ -39,6 +39,11 @@ struct Sphere {
     return refined_sphere_roots(ray.origin, ray.direction, center, radius, precision);
   }
 
+  [[nodiscard]] ExactRoot exact_root(const Ray& ray, int root) const {
+    if (is_left_by(ray)) return exact_sphere_root_leaving(ray.origin, ray.direction, center, radius);
+    return exact_sphere_root(ray.origin, ray.direction, center, radius, root);
+  }
+
   /// Spheres of one center and radius are left together.
   [[nodiscard]] Departure departure() const {
     return {.kind = Departure::Kind::sphere, .geometry = {center.x, center.y, center.z, std::abs(radius)}};
