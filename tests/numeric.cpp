@@ -199,6 +199,7 @@ TEST_CASE("huge, tiny, far and denormal numbers are crossed like any other") {
       {"the smallest", {{0, 0, -3 * smallest}, ahead}, {Point{0}, smallest}, {2 * smallest, 4 * smallest}},
       {"a small sphere far away", {{0, 0, -1e60}, ahead}, {Point{0}, 1e-60}, {1e60, 1e60}},
       {"a small sphere far away, beside the ray", {{1e-59, 0, -1e60}, ahead}, {Point{0}, 1e-60}, {}},
+      {"A r² overflows", {{0, 0, 0}, {0, 0, 0x1p50}}, {Point{0}, 0x1p468}, {-0x1p418, 0x1p418}},
       {"a long direction", {{0, 0, 0}, {0, 0, 0x1p1000}}, unit_sphere, {0x1p-999, 0x1p-998}},
       {"a short direction", {{0, 0, 0}, {0, 0, 0x1p-1000}}, unit_sphere, {0x1p1001, 0x1p1002}},
       {"a denormal direction",
