@@ -5,9 +5,12 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <protostar/protostar.hpp>
 #include <scenes/three_spheres.hpp>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 using namespace protostar;
 namespace fs = std::filesystem;
@@ -51,6 +54,23 @@ void save_pictures(const fs::path& folder, const std::string& name, const auto& 
   save("shadow", ShadowIntegrator{});
 }
 
+/// What the pictures are made of, in double, where a difference shows that they mostly round away.
+void save_hits(const fs::path& path, const auto& scene) {
+  std::vector<double> numbers;
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x)
+      scene.crossings(Camera{}.through_pixel(x, y, 160, 120), Interval{}, [&](const Intersection& hit) {
+        const Point point = hit.point();
+        const Vec3 normal = hit.normal();
+        numbers.insert(numbers.end(),
+                       {hit.t, hit.refined(), point.x, point.y, point.z, normal.x, normal.y, normal.z});
+      });
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(numbers.data()),
+             static_cast<std::streamsize>(numbers.size() * sizeof(double)));
+  if (!file.flush()) throw std::runtime_error("cannot write " + path.string());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -60,4 +80,6 @@ int main(int argc, char** argv) {
   fs::create_directories(folder);
   save_pictures(folder, "three_spheres", three_spheres(), options);
   save_pictures(folder, "room", room(), options);
+  save_hits(folder / "three_spheres.hits", three_spheres());
+  save_hits(folder / "room.hits", room());
 }
