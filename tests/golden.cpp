@@ -156,8 +156,9 @@ TEST_CASE("a naive stage counts the pixels that are wrong, which the stage besid
           ++wrong;
           break;
         }
-    CHECK_THAT(bytes_of(folder / "output.txt"),
-               ContainsSubstring("\n" + std::to_string(wrong) + " of 307200 pixels are wrong\n"));
+    std::string line = std::to_string(wrong);
+    line += " of 307200 pixels are wrong\n";
+    CHECK((bytes_of(folder / "output.txt").ends_with(line)));
     CHECK((wrong > 0) == (stage == "08_naive" || !options.empty()));
   }
 }

@@ -54,7 +54,7 @@ namespace detail {
 /// precedes where the errors of t overlap.
 [[nodiscard, gnu::noinline, gnu::cold, gnu::pure]] inline bool precedes_refined(Ray ray, SurfaceCrossing a,
                                                                                 SurfaceCrossing b) {
-  if (a.departure() == b.departure()) return a.crossing.root < b.crossing.root;
+  if (a.crossing.root == b.crossing.root && a.departure() == b.departure()) return false;
   const RefinedCrossing x = a.refine(ray, Precision::double_double),
                         y = b.refine(ray, Precision::double_double);
   if (const int sign = order(x.t, x.relative_error, y.t, y.relative_error); sign != 0) return sign < 0;

@@ -36,13 +36,17 @@ struct Departure {
 
  private:
   /// Whether all a_i b_k = a_k b_i, with k the place of the largest component of the normal a. The products
-  /// are exact.
+  /// are exact; powers of two keep them in the range of double.
   static bool are_proportional(const std::array<double, 4>& a, const std::array<double, 4>& b) {
     std::size_t k = 0;
-    for (const std::size_t i : {1, 2})
+    for (std::size_t i = 1; i < 3; ++i)
       if (std::abs(a[i]) > std::abs(a[k])) k = i;
+    if (b[k] == 0) return false;
+    const int a_exponent = std::ilogb(a[k]), b_exponent = std::ilogb(b[k]);
+    const double a_k = std::ldexp(a[k], -a_exponent), b_k = std::ldexp(b[k], -b_exponent);
     for (std::size_t i = 0; i < 4; ++i) {
-      const DoubleDouble left = two_product(a[i], b[k]), right = two_product(a[k], b[i]);
+      const DoubleDouble left = two_product(std::ldexp(a[i], -a_exponent), b_k);
+      const DoubleDouble right = two_product(a_k, std::ldexp(b[i], -b_exponent));
       if (left.hi != right.hi || left.lo != right.lo) return false;
     }
     return true;

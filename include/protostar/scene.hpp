@@ -21,6 +21,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 ///   intersect(ray, range)         what is met first?
 ///   occluded(ray, range)          is anything in the way?
 ///   crossings(ray, range, visit)  what is crossed at all?
+/// and lights(), for what shines on it.
 template <class T>
 concept Traceable = requires(const T& scene, const Ray& ray, Interval range) {
   { scene.intersect(ray, range) } -> std::same_as<std::optional<Intersection>>;
@@ -28,6 +29,16 @@ concept Traceable = requires(const T& scene, const Ray& ray, Interval range) {
   scene.crossings(ray, range, [](const Intersection&) {});
   { scene.lights() } -> std::convertible_to<const std::vector<PointLight>&>;
 };
+
+namespace detail {
+
+template <class... T>
+inline constexpr bool are_distinct = true;
+template <class First, class... Rest>
+inline constexpr bool are_distinct<First, Rest...> =
+    (!std::same_as<First, Rest> && ...) && are_distinct<Rest...>;
+
+}  // namespace detail
 
 /// A collection of surfaces of the named types, each type in a vector of its own: what is not named costs
 /// nothing.
@@ -37,13 +48,14 @@ concept Traceable = requires(const T& scene, const Ray& ray, Interval range) {
 /// A const scene may be shared by threads.
 template <Surface... S>
 class Scene {
+  static_assert(detail::are_distinct<S...>, "a scene names each type of surface once");
+
  public:
   /// Adds a surface of one of the scene's types, or one that converts to the first of them that takes it, in
   /// a color (finite, not negative). Throws std::invalid_argument for a color or a surface that is not valid.
   template <class T>
   requires(std::convertible_to<T, S> || ...) void add(T surface, const Color& color) {
     if (!is_light(color)) throw std::invalid_argument("Scene::add: color must be finite and not negative");
-    if constexpr (SurfaceWithValidation<T>) surface.validate();
     group_for<T>().add(std::move(surface), color);
   }
 
@@ -82,7 +94,8 @@ class Scene {
   void crossings(const Ray& ray, Interval range, auto&& visit) const {
     each_surface([&](const auto& surface, const Color& color) {
       each_crossing(surface, ray, range, [&](const Crossing& crossing) {
-        visit(Intersection(ray, on(surface, crossing, color)));
+        const Intersection intersection(ray, on(surface, crossing, color));
+        visit(intersection);
       });
     });
   }
@@ -97,6 +110,8 @@ class Scene {
     std::vector<Color> colors;
 
     void add(T surface, const Color& color) {
+      if constexpr (SurfaceWithValidation<T>) surface.validate();
+      colors.reserve(surfaces.size() + 1);  // if memory ends, before one of them has grown
       surfaces.push_back(std::move(surface));
       colors.push_back(color);
     }
@@ -115,7 +130,7 @@ class Scene {
 
   /// Calls visit(surface, color) for every surface, in order.
   void each_surface(auto&& visit) const {
-    const auto in_group = [&](const auto& group) {
+    [[maybe_unused]] const auto in_group = [&](const auto& group) {
       for (std::size_t i = 0; i < group.surfaces.size(); ++i) visit(group.surfaces[i], group.colors[i]);
     };
     (in_group(std::get<Group<S>>(groups_)), ...);

@@ -23,9 +23,8 @@ class Expansion {
 
   [[nodiscard]] int sign() const { return terms_.empty() ? 0 : terms_.back() > 0 ? 1 : -1; }
 
-  /// The sum rounded to two doubles. The terms above contribute less than 2u² of it: each is less than the
-  /// last bit of the next, and the two largest, once renormalized, hold at least 106 bits with what carries
-  /// into them.
+  /// The sum in double-double, to 2^-103. Each addition is good to 3u² of its sum; the terms are not even
+  /// adjacent, so that the smaller partial sums together are no larger than the whole: 6u² in all.
   explicit operator DoubleDouble() const {
     DoubleDouble sum;
     for (const double term : terms_) sum = DoubleDouble(term) + sum;

@@ -12,14 +12,15 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// At most two crossings of a line with a surface: near ≤ far; where the line touches, both are the same.
 /// Those of the library's surfaces are certified: which of them exist is exact, and each t has the sign of
-/// the true root, is 0 only where that is 0, and is within 2^-30 |t| of it.
+/// the true root, is 0 only where that is 0, and is within 2^-30 |t| of it, as far as the range of double
+/// allows.
 class Roots {
  public:
   static constexpr double relative_error = 0x1p-30;
 
   constexpr Roots() = default;
   constexpr explicit Roots(double t) : t_{t, t}, count_(1) {}
-  constexpr Roots(double near, double far) : t_{near, far}, count_(2) {}
+  constexpr Roots(double first, double second) : t_{first, second}, count_(2) {}
 
   [[nodiscard]] constexpr int count() const { return count_; }
   [[nodiscard]] constexpr double operator[](int i) const { return t_[i]; }
@@ -78,8 +79,8 @@ inline thread_local Fallbacks fallbacks;
 [[nodiscard]] inline int order(DoubleDouble a, double a_error, DoubleDouble b, double b_error) {
   const DoubleDouble difference = a - b;
   const double uncertain = std::abs(a.hi) * a_error + std::abs(b.hi) * b_error;
-  // The factor covers the roundings of this line and of the difference, 3u² of it, where the errors are
-  // larger.
+  // The factor covers the roundings of the right side, 3u of it, and of the difference, 3u² of itself, which
+  // leave its sign as it is.
   return std::abs(difference.hi) > 1.5 * uncertain ? difference.sign() : 0;
 }
 

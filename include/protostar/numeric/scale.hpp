@@ -9,11 +9,12 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The exponent e that brings the largest component of some vectors, times 2^-e, into [1/2, 1); 0 if all are
-/// 0.
+/// The exponent e that brings the largest component of some vectors, times 2^-e, into [1/2, 1); if all are 0,
+/// less than that of any double.
 [[nodiscard]] inline int exponent_of(std::initializer_list<Vec3> vectors) {
   double largest = 0;
   for (const Vec3& v : vectors) largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  if (largest == 0) return -2000;
   int exponent = 0;
   std::frexp(largest, &exponent);
   return exponent;

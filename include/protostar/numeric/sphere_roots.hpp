@@ -22,21 +22,33 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// A line and a sphere, brought to lengths and a direction of about 1 by powers of two, so that no product
-/// leaves the range of double. A component that is less than 2^-100 of the largest may lose bits below
-/// 2^-1074, and exactness with them.
+/// A line and a sphere in numbers of about 1, brought there by powers of two, so that no product leaves the
+/// range of double. Bits may fall below 2^-1074, and exactness with them, only where numbers of very
+/// different size meet; docs/numerics.md says which.
 struct ScaledSphere {
-  Point origin;
+  DoubleDouble l[3];  ///< center − origin, without rounding
   Vec3 direction;
-  Point center;
   double radius;
   int exponent;  ///< t is 2^exponent times what it is in these numbers
 
-  ScaledSphere(const Point& o, const Vec3& d, const Point& c, double r) {
-    const int lengths = exponent_of({o, c, Vec3{r}}), directions = exponent_of({d});
-    origin = scaled(o, -lengths), center = scaled(c, -lengths), radius = std::ldexp(r, -lengths);
+  ScaledSphere(Point origin, const Vec3& d, Point center, double r) {
+    // The difference of the largest doubles is to stay one.
+    const int down = exponent_of({origin, center}) > 1000 ? -100 : 0;
+    origin = scaled(origin, down), center = scaled(center, down);
+    const Vec3 rounded = center - origin;
+    const int lengths = exponent_of({rounded, Vec3{std::ldexp(r, down)}}), directions = exponent_of({d});
+    for (int i = 0; i < 3; ++i) {
+      const DoubleDouble exact = two_sum(center[i], -origin[i]);
+      l[i] = {std::ldexp(exact.hi, -lengths), std::ldexp(exact.lo, -lengths)};
+    }
+    radius = std::ldexp(r, down - lengths);
     direction = scaled(d, -directions);
-    exponent = lengths - directions;
+    exponent = lengths - down - directions;
+  }
+
+  /// |l|² + r², to double precision.
+  [[nodiscard]] double size() const {
+    return l[0].hi * l[0].hi + l[1].hi * l[1].hi + l[2].hi * l[2].hi + radius * radius;
   }
 
   [[nodiscard]] DoubleDouble scaled_back(DoubleDouble t) const {
@@ -50,8 +62,8 @@ struct SphereEquation {
   T A, b, c;
 
   explicit SphereEquation(const ScaledSphere& s) {
-    const T lx = T(s.center.x) - T(s.origin.x), ly = T(s.center.y) - T(s.origin.y),
-            lz = T(s.center.z) - T(s.origin.z);
+    const T lx = T(s.l[0].hi) + T(s.l[0].lo), ly = T(s.l[1].hi) + T(s.l[1].lo),
+            lz = T(s.l[2].hi) + T(s.l[2].lo);
     const T dx = s.direction.x, dy = s.direction.y, dz = s.direction.z, r = s.radius;
     A = dx * dx + dy * dy + dz * dz;
     b = dx * lx + dy * ly + dz * lz;
@@ -95,10 +107,9 @@ struct SphereEquation {
   ++fallbacks.double_double;
   const detail::SphereEquation<DoubleDouble> e(s);
   const DoubleDouble D = e.discriminant();
-  const Vec3 l = s.center - s.origin;
-  const double w = dot(l, l) + s.radius * s.radius, Aw = e.A.hi * w;
+  const double w = s.size(), Aw = e.A.hi * w;
   // The error of c is at most 16u² w, that of b 12u² √(A w), and that of D 66u² A w < 2^-99 A w. For |c| >
-  // 2^-40 w that of c is below 2^-62 |c|, and since b² or D is at least A|c|/2, q > 2^-21 √(A w), so that the
+  // 2^-40 w that of c is below 2^-62 |c|, and since b² or D is at least A|c|, q > 2^-21 √(A w), so that the
   // error of b is below 2^-80 |q|; for √D·|q| > 2^-39 A w that of √D, which is that of D over 2√D, is below
   // 2^-60 |q|. All of them together stay below 2^-58.
   const double root = std::sqrt(D.hi), q = std::abs(e.b.hi) + root;
@@ -127,8 +138,7 @@ struct SphereEquation {
   }
   ++fallbacks.double_double;
   const detail::SphereEquation<DoubleDouble> e(s);
-  const Vec3 l = s.center - s.origin;
-  if (!(std::abs(e.b.hi) > 0x1p-40 * std::sqrt(e.A.hi * dot(l, l)))) return {};
+  if (!(std::abs(e.b.hi) > 0x1p-40 * std::sqrt(e.A.hi * s.size()))) return {};
   return root(e.A, e.b, 0x1p-58);  // the error of b is at most 12u² |d||l| < 2^-62 |b|
 }
 
@@ -166,26 +176,29 @@ namespace detail {
 }
 
 /// Added to the error of a discriminant, or of b: more than all underflows together, of 2^-1075 (4A + 3|c| +
-/// 6|b| + 2), wherever A < 2^150 and rounding is not larger still. Overflow needs nothing: it makes the error
-/// infinite first.
+/// 6|b| + 2), wherever A < 2^150 and rounding is not larger still.
 inline constexpr double underflow = 0x1p-900;
 
-/// Whether the products with the square of a direction stay in the range of double, given that those of
-/// lengths do.
+/// Whether the square of a direction neither underflows nor takes the products with it out of the range of
+/// double.
 [[nodiscard]] inline bool in_range(double A) { return 0x1p-150 < A && A < 0x1p150; }
+
+/// Errors below this belong to discriminants whose products are all far from overflow.
+inline constexpr double overflow = 0x1p900;
 
 /// The roots from the coefficients and the discriminant, which has an error of at most E; nothing if that
 /// does not certify them. Of b ± √D, q is the one without cancellation; one root is q/A, and the other c/q,
 /// since their product is c/A.
 ///
-/// The error of c is at most 7u w and that of √D at most E/(2√D): both must be below 2^-32 of what they go
-/// into, c and q. |c| > 2^-18 w also makes q larger than 2^-10 √(A w), so that the error of b, 4u √(A w), is
-/// of no account.
+/// The error of c is at most 7u w, below 2^-32 |c| here, and that of √D at most E/(1.86 √D), since the true D
+/// is at least ¾ of this one: below 2^-31.8 |q|. |c| > 2^-18 w also makes q larger than 2^-10 √(A w), so that
+/// the error of b, 4u √(A w), is of no account.
 [[nodiscard, gnu::always_inline]] inline std::optional<Roots> certified_roots(double A, double b, double c,
                                                                               double w, double D, double E) {
   const double root = std::sqrt(D);
   const double q = b + std::copysign(root, b);
-  if (!(D > 4 * E && root * std::abs(q) > 0x1p31 * E && std::abs(c) > 0x1p-18 * w)) return std::nullopt;
+  if (!(D > 4 * E && E < overflow && root * std::abs(q) > 0x1p31 * E && std::abs(c) > 0x1p-18 * w))
+    return std::nullopt;
   return roots_from(A, c, q);
 }
 
@@ -204,7 +217,7 @@ inline constexpr double underflow = 0x1p-900;
     const double r = std::abs(radius), size = std::sqrt(ll) + r;
     const double D = A * rr - dot(moment, moment);
     const double E = 0x1p-49 * A * size * (r + 0x1p-45 * size) + underflow;
-    if (D < -E) return {};
+    if (D < -E && E < overflow) return {};
     if (const auto roots = certified_roots(A, b, ll - rr, ll + rr, D, E)) return *roots;
   }
   return rounded_roots(origin, direction, center, radius, refined_sphere_roots);
@@ -219,7 +232,7 @@ inline constexpr double underflow = 0x1p-900;
   const double A = dot(direction, direction), b = dot(direction, l);
   const double ll = dot(l, l), rr = radius * radius, c = ll - rr, w = ll + rr;
   const double D = b * b - A * c;
-  // The error of D is at most 20u A w, where nothing underflows or overflows.
+  // The error of D is below 21u A w, underflow apart; if A c overflows, A w and with it the error do so too.
   const double E = 0x1p-48 * (A * w) + detail::underflow;
   if (detail::in_range(A)) {
     if (D < -E) return {};
@@ -236,7 +249,9 @@ inline constexpr double underflow = 0x1p-900;
   const double sum = std::abs(direction.x) + std::abs(direction.y) + std::abs(direction.z);
   const double A = dot(direction, direction), b = dot(direction, l);
   // The error of b is at most 4u |d||l|, hence below 2^-32 |b| here.
-  if (std::abs(b) > 0x1p-19 * sum * size + detail::underflow && detail::in_range(A)) return Roots{2 * b / A};
+  if (std::abs(b) > 0x1p-19 * sum * size + detail::underflow && std::abs(b) < detail::overflow &&
+      detail::in_range(A))
+    return Roots{2 * b / A};
   return detail::rounded_roots(origin, direction, center, radius, refined_sphere_root_leaving);
 }
 

@@ -1,6 +1,7 @@
 // The set of points x with normal · x = distance.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -23,7 +24,11 @@ struct Plane {
   }
 
   /// The unit normal, the same at every point.
-  [[nodiscard]] Vec3 normal_at(const Point&) const { return normalize(normal); }
+  [[nodiscard]] Vec3 normal_at(const Point&) const {
+    const Vec3 size = abs(normal);
+    return normalize(normal /
+                     std::max({size.x, size.y, size.z}));  // whose squares neither overflow nor vanish
+  }
 
   /// The crossing of the ray's line; of a ray that departs from the plane, none.
   [[nodiscard]] Roots roots(const Ray& ray) const {

@@ -23,7 +23,9 @@ struct Sphere {
     return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
-  /// The unit normal at a point of the sphere (§2.3.1, A.1.3): outwards for a positive radius.
+  /// The unit normal at a point of the sphere (§2.3.1, A.1.3): outwards for a positive radius. At hit.point()
+  /// it is off by at most (2^-30 T + 2^-53 (T + P)) / |radius| + 2^-52, which also bounds the sine of the
+  /// angle: T is the distance of the hit from the ray's origin, P that from the coordinate origin.
   [[nodiscard]] Vec3 normal_at(const Point& point) const { return (point - center) / radius; }
 
   /// All crossings of the ray's line; of a ray that departs from the sphere, the one that it does not come
