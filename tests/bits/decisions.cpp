@@ -1,5 +1,5 @@
-// Decisions of rays in whole numbers, in which no rounding has a part: the same, even where a compiler fuses
-// multiplications with additions. (A picture is not, in its last bits, as the camera's rays are not.)
+// Decisions of rays that are the same, even where a compiler fuses multiplications with additions, and so are
+// these. (A picture is not, in its last bits, as the camera's rays are not.)
 //
 //   decisions FILE
 
@@ -19,16 +19,22 @@ using namespace protostar;
 
 namespace {
 
-/// Small whole numbers, so that surfaces touch, coincide and are touched by rays again and again, all
-/// exactly.
-class Grid {
+/// Small whole numbers, so that surfaces touch, coincide and are touched by rays again and again; some of
+/// them off by very little. A double can be rounded here only once, which no compiler changes.
+class Numbers {
  public:
-  explicit Grid(std::uint64_t seed) : engine_(seed) {}
+  explicit Numbers(std::uint64_t seed) : engine_(seed) {}
+
   std::uint64_t below(std::uint64_t n) { return engine_() % n; }
   double whole(int size) {
     return static_cast<double>(below(static_cast<std::uint64_t>(2 * size + 1))) - size;
   }
-  Vec3 vector(int size) { return {whole(size), whole(size), whole(size)}; }
+  double near_whole(int size) {
+    const double number = whole(size),
+                 noise = static_cast<double>(static_cast<std::int64_t>(engine_()) >> 11);
+    return below(3) == 0 ? number + std::ldexp(noise, -60 - static_cast<int>(below(40))) : number;
+  }
+  Vec3 vector(int size) { return {near_whole(size), near_whole(size), near_whole(size)}; }
   Vec3 direction(int size) {
     for (;;)
       if (const Vec3 v = vector(size); v != Vec3{0}) return v;
@@ -38,12 +44,12 @@ class Grid {
   std::mt19937_64 engine_;
 };
 
-/// Scenes of a few surfaces, and what rays decide in them: what is first, whether anything is in the way,
-/// which surfaces are crossed and in which order. A surface's color is its number. Scaled by powers of two,
-/// and moved by as much as stays exact, the decisions must not change, as they are all written.
+/// A few surfaces of three sizes, at the origin and far away from it, and what rays decide among them: what
+/// is first, whether anything is in the way, and what is crossed in which order. A surface's color is its
+/// number.
 void save_decisions(const std::string& path) {
   std::ofstream file(path);
-  Grid grid(1);
+  Numbers numbers(1);
   for (int round = 0; round < 400; ++round) {
     const double scale = std::ldexp(1, 40 * (round % 3) - 40), shift = round % 2 == 0 ? 0 : 1 << 20;
     const auto place = [&](const Vec3& v) { return scale * (v + Vec3{shift}); };
@@ -52,21 +58,21 @@ void save_decisions(const std::string& path) {
     for (int i = 0; i < 6; ++i) {
       const Color number{static_cast<float>(i)};
       if (i < 4) {
-        const Sphere sphere{.center = place(grid.vector(3)),
-                            .radius = scale * (1 + static_cast<double>(grid.below(3)))};
+        const Sphere sphere{.center = place(numbers.vector(3)),
+                            .radius = scale * (4 + numbers.near_whole(3))};
         scene.add(sphere, number);
         departures.push_back(sphere.departure());
       } else {
-        const Vec3 normal = grid.direction(2);
-        const Plane plane{.normal = normal,
-                          .distance = scale * grid.whole(4) + dot(normal, Vec3{scale * shift})};
+        const Vec3 normal = numbers.direction(2);
+        const double sum = normal.x + normal.y + normal.z;  // the shift is along (1, 1, 1)
+        const Plane plane{.normal = normal, .distance = scale * (sum * shift + numbers.whole(4))};
         scene.add(plane, number);
         departures.push_back(plane.departure());
       }
     }
     for (int i = 0; i < 100; ++i) {
-      const Ray ray{place(grid.vector(5)), scale * grid.direction(4),
-                    departures[grid.below(departures.size())]};
+      const Ray ray{place(numbers.vector(5)), scale * numbers.direction(4),
+                    departures[numbers.below(departures.size())]};
       const auto first = scene.intersect(ray, Interval{});
       std::vector<Intersection> crossings;
       scene.crossings(ray, Interval{-infinity, infinity},
