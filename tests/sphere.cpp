@@ -127,7 +127,7 @@ TEST_CASE("the normal of a sphere is a unit vector, outwards; a negative radius 
     REQUIRE(list(sphere.roots(ray)) == list(inverse.roots(ray)));
     for (const double t : sphere.roots(ray)) {
       const Point point = ray.at(t);
-      // The bound of its docstring; that of the angle is tested by stress_numerics.
+      // The bound of its docstring, for the length.
       const double T = std::abs(t) * length(ray.direction), P = length(point);
       const double bound = (0x1p-30 * T + 0x1p-53 * (T + P)) / sphere.radius + 0x1p-52;
       const Vec3 normal = sphere.normal_at(point);
