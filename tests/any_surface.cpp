@@ -40,10 +40,11 @@ TEST_CASE("any surface answers as the surface that it holds") {
   CHECK(any.normal_at({0, 0, 1}) == Vec3{0, 0, 1});
   CHECK(any.departure() == sphere.departure());
   std::vector<double> list;
-  any.crossings(along_z, {}, [&](double t) { list.push_back(t); });
+  any.each_crossing(along_z, {}, [&](const Crossing& crossing) { list.push_back(crossing.t); });
   CHECK(list == std::vector<double>{1, 5});
   list.clear();
-  any.crossings({{0, 2, 0}, {0, 0, 1}}, {}, [&](double t) { list.push_back(t); });
+  any.each_crossing({{0, 2, 0}, {0, 0, 1}}, {},
+                    [&](const Crossing& crossing) { list.push_back(crossing.t); });
   CHECK(list == std::vector<double>{3, 3});  // touching: twice
 }
 

@@ -58,7 +58,8 @@ void check_equal(const Picture& a, const Picture& b) {
   CHECK(found.pixels == 0);
 }
 
-/// A golden: the stage that draws it, and what it is according to the reference.
+/// A golden: the stage that draws it, and what it is according to the reference; nothing for the naive
+/// stages, which are wrong on purpose.
 struct Golden {
   std::string name, stage, options;
   Picture (*reference)();
@@ -79,7 +80,11 @@ const Golden goldens[] = {
     {"07_diffuse", "07_diffuse", "", of_scene<reference::diffuse>},
     {"07_diffuse_linear", "07_diffuse", " --transfer linear",
      [] { return reference::picture(640, 480, reference::diffuse, 1); }},
+    {"08_naive", "08_naive", "", nullptr},
+    {"08_naive_0", "08_naive", " --offset 0", nullptr},
     {"08_transparency", "08_transparency", "", of_scene<reference::transparency>},
+    {"09_naive", "09_naive", "", nullptr},
+    {"09_naive_0", "09_naive", " --offset 0", nullptr},
     {"09_shadow", "09_shadow", "", of_scene<reference::shadow>},
 };
 
@@ -105,6 +110,7 @@ TEST_CASE("a stage that is run without options leaves its golden in out.ppm") {
 // between two levels.
 TEST_CASE("no pixel of a golden is more than one level from exact arithmetic") {
   for (const Golden& picture : goldens) {
+    if (!picture.reference) continue;
     const Picture stored = read_image(golden(picture.name)), exact = picture.reference();
     REQUIRE(same_size(stored, exact));
     const Difference found = difference(stored, exact);
@@ -129,6 +135,31 @@ TEST_CASE("every stage has a golden, and the goldens are PNG files in three chan
     CHECK(bytes_of(golden(picture.name)).starts_with("\x89PNG\r\n"));
     CHECK(stbi_info(golden(picture.name).c_str(), &width, &height, &channels));
     CHECK(channels == 3);
+  }
+}
+
+TEST_CASE("a naive stage counts the pixels that are wrong, which the stage beside it has none of") {
+  struct Row {
+    std::string stage, options, exact;
+  };
+  for (const auto& [stage, options, exact] :
+       {Row{"08_naive", "", "08_transparency"}, Row{"08_naive", " --offset 0", "08_transparency"},
+        Row{"09_naive", "", "09_shadow"}, Row{"09_naive", " --offset 0", "09_shadow"}}) {
+    INFO(stage << options);
+    const TemporaryFolder folder;
+    REQUIRE(run(folder, quoted(binary_dir + "/stages/" + stage) + options + " -o out.png") == 0);
+    const Picture naive = read_image((folder / "out.png").string()), right = read_image(golden(exact));
+    int wrong = 0;
+    for (std::size_t i = 0; i < naive.pixels.size(); ++i)
+      for (std::size_t channel = 0; channel < 3; ++channel)
+        if (std::abs(naive.pixels[i][channel] - right.pixels[i][channel]) > 1) {
+          ++wrong;
+          break;
+        }
+    std::string line = std::to_string(wrong);
+    line += " of 307200 pixels are wrong\n";
+    CHECK((bytes_of(folder / "output.txt").ends_with(line)));
+    CHECK((wrong > 0) == (stage == "08_naive" || !options.empty()));
   }
 }
 

@@ -20,8 +20,10 @@ namespace fs = std::filesystem;
 const std::vector<std::vector<std::string>> layers = {
     {"platform.hpp", "version.hpp"},
     {"vec3.hpp", "interval.hpp"},
-    {"ray.hpp", "light.hpp", "numeric/roots.hpp"},
-    {"intersection.hpp"},
+    {"numeric/double_double.hpp"},
+    {"ray.hpp", "light.hpp", "numeric/expansion.hpp", "numeric/roots.hpp", "numeric/scale.hpp"},
+    {"numeric/exact_root.hpp", "numeric/power.hpp"},
+    {"intersection.hpp", "numeric/plane_roots.hpp", "numeric/sphere_roots.hpp"},
     {"surface.hpp"},
     {"surfaces/any_surface.hpp", "surfaces/plane.hpp", "surfaces/sphere.hpp"},
     {"scene.hpp"},

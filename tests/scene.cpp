@@ -29,9 +29,9 @@ const Ray along_z{{0, 0, 0}, {0, 0, 1}};
 Color tag(int number) { return Color{static_cast<float>(number), 0, 0}; }
 int tag_of(const Intersection& hit) { return static_cast<int>(hit.color().r); }
 
-using Crossing = std::pair<int, double>;  // the surface's tag, and t
-std::vector<Crossing> crossings_of(const Traceable auto& scene, const Ray& ray, Interval range = {}) {
-  std::vector<Crossing> list;
+using Seen = std::pair<int, double>;  // the surface's tag, and t
+std::vector<Seen> crossings_of(const Traceable auto& scene, const Ray& ray, Interval range = {}) {
+  std::vector<Seen> list;
   scene.crossings(ray, range, [&](const Intersection& hit) { list.emplace_back(tag_of(hit), hit.t); });
   return list;
 }
@@ -62,14 +62,14 @@ TEST_CASE("a scene's first crossing is the nearest, whichever type it has and ho
   scene.add(Sphere{.center = {0, 0, 20}, .radius = 1}, tag(4));
   const auto first = [&](Interval range) {
     const auto hit = scene.intersect(along_z, range);
-    return hit ? Crossing{tag_of(*hit), hit->t} : Crossing{0, 0};
+    return hit ? Seen{tag_of(*hit), hit->t} : Seen{0, 0};
   };
-  CHECK(first({}) == Crossing{3, 1});
-  CHECK(first({.min = 1}) == Crossing{3, 3});
-  CHECK(first({.min = 3}) == Crossing{1, 4});
-  CHECK(first({.min = 4}) == Crossing{2, 7});
-  CHECK(first({.min = 4, .max = 7}) == Crossing{0, 0});
-  CHECK(first({.min = 21}) == Crossing{0, 0});
+  CHECK(first({}) == Seen{3, 1});
+  CHECK(first({.min = 1}) == Seen{3, 3});
+  CHECK(first({.min = 3}) == Seen{1, 4});
+  CHECK(first({.min = 4}) == Seen{2, 7});
+  CHECK(first({.min = 4, .max = 7}) == Seen{0, 0});
+  CHECK(first({.min = 21}) == Seen{0, 0});
 }
 
 TEST_CASE("at equal t the surface type named first wins, then the surface added first") {
@@ -102,17 +102,17 @@ TEST_CASE("crossings come in the order of the surfaces: by type, then as added, 
     scene.add(Sphere{.center = {1, 0, 6}, .radius = 1}, tag(5));  // touched
     return scene;
   };
-  const std::vector<Crossing> spheres{{2, 8}, {2, 12}, {3, 3}, {3, 5}, {5, 6}, {5, 6}};
-  const std::vector<Crossing> planes{{1, 1}, {4, 0.5}};
+  const std::vector<Seen> spheres{{2, 8}, {2, 12}, {3, 3}, {3, 5}, {5, 6}, {5, 6}};
+  const std::vector<Seen> planes{{1, 1}, {4, 0.5}};
   auto spheres_first = spheres, planes_first = planes;
   spheres_first.insert(spheres_first.end(), planes.begin(), planes.end());
   planes_first.insert(planes_first.end(), spheres.begin(), spheres.end());
   CHECK(crossings_of(fill(Scene<Sphere, Plane>{}), along_z) == spheres_first);
   CHECK(crossings_of(fill(Scene<Plane, Sphere>{}), along_z) == planes_first);
   CHECK(crossings_of(fill(Scene<AnySurface>{}), along_z) ==
-        std::vector<Crossing>{{1, 1}, {2, 8}, {2, 12}, {3, 3}, {3, 5}, {4, 0.5}, {5, 6}, {5, 6}});
+        std::vector<Seen>{{1, 1}, {2, 8}, {2, 12}, {3, 3}, {3, 5}, {4, 0.5}, {5, 6}, {5, 6}});
   CHECK(crossings_of(fill(Scene<Sphere, Plane>{}), along_z, {.min = 3, .max = 8}) ==
-        std::vector<Crossing>{{3, 5}, {5, 6}, {5, 6}});
+        std::vector<Seen>{{3, 5}, {5, 6}, {5, 6}});
 }
 
 TEST_CASE("something is in the way exactly where something is met, in every range") {
@@ -181,8 +181,8 @@ TEST_CASE("a surface of the user's own stands in any scene like those of the lib
     CHECK(hit->t == 2);
     CHECK(hit->normal() == Vec3{-1, 0, 0});
     CHECK(scene.occluded(ray));
-    CHECK(crossings_of(scene, ray) == std::vector<Crossing>{{1, 4}, {1, 6}, {2, 2}, {2, 8}});
-    CHECK(crossings_of(scene, hit->leave({1, 0, 0})) == std::vector<Crossing>{{1, 2}, {1, 4}, {2, 6}});
+    CHECK(crossings_of(scene, ray) == std::vector<Seen>{{1, 4}, {1, 6}, {2, 2}, {2, 8}});
+    CHECK(crossings_of(scene, hit->leave({1, 0, 0})) == std::vector<Seen>{{1, 2}, {1, 4}, {2, 6}});
     CHECK(crossings_of(scene, hit->leave({-1, 0, 0})).empty());
     CHECK_FALSE(scene.occluded(hit->leave({-1, 0, 0})));
     CHECK_FALSE(scene.occluded(hit->leave({1, 0, 0}), {0, 2}));
@@ -200,7 +200,7 @@ TEST_CASE("a surface goes to its own type, or to the first type that takes it") 
   scene.add(Sphere{.center = {0, 0, 3}, .radius = 1}, tag(2));
   scene.add(AnySurface{Sphere{.center = {0, 0, 3}, .radius = 1}}, tag(3));
   // The sphere is among the spheres, hence the last, although a type that takes it comes before.
-  CHECK(crossings_of(scene, along_z) == std::vector<Crossing>{{1, 2}, {3, 2}, {3, 4}, {2, 2}, {2, 4}});
+  CHECK(crossings_of(scene, along_z) == std::vector<Seen>{{1, 2}, {3, 2}, {3, 4}, {2, 2}, {2, 4}});
 }
 
 TEST_CASE("a ray without direction, or with a number that is not finite, crosses nothing") {
@@ -311,4 +311,53 @@ TEST_CASE("a const scene may be asked by several threads at once") {
     for (double& sum : sums) threads.emplace_back([&] { sum = work(); });
   }
   CHECK(sums == std::vector<double>(4, expected));
+}
+
+namespace {
+/// Answers what it is told to, whatever it is asked.
+struct Answers {
+  double t;
+  std::optional<double> intersect(const Ray&, Interval) const { return t; }
+  Vec3 normal_at(Point) const { return {0, 0, 1}; }
+};
+
+/// Becomes a sphere when it is added.
+struct Ball {
+  double radius;
+  operator Sphere() const { return {.radius = radius}; }
+};
+}  // namespace
+
+TEST_CASE("a surface that answers NaN, or a t outside the range, is not there") {
+  for (const double t : {std::numeric_limits<double>::quiet_NaN(), -5.0, 0.0, 100.0, 1e9, infinity}) {
+    CAPTURE(t);
+    Scene<Answers> scene;
+    Scene<AnySurface> any;
+    scene.add(Answers{t}, Color{1});
+    any.add(Answers{t}, Color{1});
+    int visits = 0;
+    const auto count = [&](const Intersection&) { ++visits; };
+    scene.crossings(Ray{}, {.min = 0, .max = 100}, count);
+    any.crossings(Ray{}, {.min = 0, .max = 100}, count);
+    CHECK(visits == 0);
+    CHECK_FALSE(scene.intersect(Ray{}, {.min = 0, .max = 100}));
+    CHECK_FALSE(any.intersect(Ray{}, {.min = 0, .max = 100}));
+    CHECK_FALSE(scene.occluded(Ray{}, {.min = 0, .max = 100}));
+    CHECK_FALSE(any.occluded(Ray{}, {.min = 0, .max = 100}));
+  }
+}
+
+TEST_CASE("what becomes a surface by a conversion is checked as that surface") {
+  Scene<Sphere> scene;
+  CHECK_NOTHROW(scene.add(Ball{2}, Color{1}));
+  CHECK_THROWS_AS(scene.add(Ball{0}, Color{1}), std::invalid_argument);
+  CHECK_FALSE(scene.occluded(Ray{{5, 0, 0}}));
+}
+
+TEST_CASE("a visitor of crossings may take them by reference") {
+  Scene<Sphere> scene;
+  scene.add(Sphere{.center = {0, 0, 3}}, Color{1});
+  int visits = 0;
+  scene.crossings(Ray{}, {}, [&](auto& crossing) { visits += crossing.t > 0; });
+  CHECK(visits == 2);
 }

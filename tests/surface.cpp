@@ -47,14 +47,15 @@ struct PlainNumber {  // a bare double cannot say "nothing"
 static_assert(Surface<Cylinder> && Surface<Sheets> && Surface<Sphere> && Surface<Plane> &&
               Surface<AnySurface>);
 static_assert(!Surface<NoNormal> && !Surface<ChangesWhenAsked> && !Surface<PlainNumber> && !Surface<int>);
-static_assert(!SurfaceWithDeparture<Cylinder> && !SurfaceWithRoots<Cylinder> &&
-              !SurfaceWithCrossings<Cylinder> && !SurfaceWithValidation<Cylinder>);
-static_assert(SurfaceWithCrossings<Sheets> && !SurfaceWithDeparture<Sheets>);
+static_assert(!SurfaceWithDeparture<Cylinder> && !SurfaceWithRoots<Cylinder> && !CompositeSurface<Cylinder> &&
+              !SurfaceWithValidation<Cylinder>);
+static_assert(CompositeSurface<AnySurface> && SurfaceWithRefinedRoots<Sphere> &&
+              SurfaceWithRefinedRoots<Plane>);
 static_assert(SurfaceWithValidation<Sphere> && SurfaceWithValidation<Plane>);
 
 std::vector<double> crossings_of(const Surface auto& surface, const Ray& ray, Interval range = {}) {
   std::vector<double> list;
-  each_crossing(surface, ray, range, [&](double t) { list.push_back(t); });
+  each_crossing(surface, ray, range, [&](const Crossing& crossing) { list.push_back(crossing.t); });
   return list;
 }
 }  // namespace
@@ -130,6 +131,6 @@ TEST_CASE("a surface of the user's own is left outwards for good, and inwards wi
 
 TEST_CASE("a ray that departs from something else meets a surface of the user's own as any ray does") {
   const Cylinder cylinder, twin;
-  CHECK(first_crossing(cylinder, {{0, 0, 0}, {1, 0, 0}, departure_of(twin)}, {}) == 1.0);
-  CHECK(first_crossing(cylinder, {{0, 0, 0}, {1, 0, 0}, Sphere{}.departure()}, {}) == 1.0);
+  CHECK(first_crossing(cylinder, {{0, 0, 0}, {1, 0, 0}, departure_of(twin)}, {})->t == 1.0);
+  CHECK(first_crossing(cylinder, {{0, 0, 0}, {1, 0, 0}, Sphere{}.departure()}, {})->t == 1.0);
 }

@@ -29,19 +29,28 @@ struct Camera {
     return (*this)(aspect * (2 * (x + 0.5) / width - 1), 1 - 2 * (y + 0.5) / height);
   }
 
-  /// Throws std::invalid_argument if a number is not finite, or if the three directions do not span space:
-  /// one is 0, two are parallel, or all lie in a plane.
+  /// Throws std::invalid_argument if a number is not finite, if the length of a direction is not between
+  /// 2^-400 and 2^400 (about 10^±120), or if the three directions do not span space: two are parallel, or all
+  /// lie in a plane.
   void validate() const {
     if (!is_finite(position) || !is_finite(right) || !is_finite(up) || !is_finite(forward))
       throw std::invalid_argument("Camera: position, right, up and forward must be finite");
-    // The volume that the directions span is a sum of six products. Each passes at most five roundings, of
-    // 2^-53 of its size, so a volume above 2^-50 of the sum of the sizes is truly not 0. Products that leave
-    // the range of double make the comparison false and are refused as well.
-    const double volume = dot(cross(right, up), forward);
-    const Vec3 r = abs(right), u = abs(up), f = abs(forward);
-    const double sizes = dot(Vec3{r.y * u.z + r.z * u.y, r.z * u.x + r.x * u.z, r.x * u.y + r.y * u.x}, f);
-    if (!(std::abs(volume) > 0x1p-50 * sizes && std::isfinite(sizes)))
-      throw std::invalid_argument("Camera: right, up and forward must not be zero, parallel or in one plane");
+    // Within these lengths no product of three leaves the range of double, nor does the square of a ray's
+    // direction.
+    const auto has_length = [](const Vec3& v) { return 0x1p-800 < dot(v, v) && dot(v, v) < 0x1p800; };
+    if (!has_length(right) || !has_length(up) || !has_length(forward))
+      throw std::invalid_argument(
+          "Camera: right, up and forward must not be zero, nor shorter than 2^-400 or longer "
+          "than 2^400");
+    // Of unit length, the directions span a volume that is a sum of six products. Each passes at most
+    // fourteen roundings, of 2^-53 of its size, so that a volume above 2^-49 of the sum of the sizes is truly
+    // not 0.
+    const Vec3 r = normalize(right), u = normalize(up), f = normalize(forward);
+    const Vec3 a = abs(r), b = abs(u), c = abs(f);
+    const double volume = dot(cross(r, u), f);
+    const double sizes = dot(Vec3{a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x}, c);
+    if (!(std::abs(volume) > 0x1p-49 * sizes))
+      throw std::invalid_argument("Camera: right, up and forward must not be parallel or in one plane");
   }
 };
 

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "platform.hpp"
+#include "numeric/power.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -29,78 +29,125 @@ struct Gamma {
 /// How linear light becomes the numbers in a file.
 using Transfer = std::variant<Srgb, Linear, Gamma>;
 
-/// The linear light in [0, 1] that a transfer encodes as the given value in [0, 1].
-[[nodiscard]] inline double decode(Srgb, double value) {
-  return value <= 12.92 * 0.0031308 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
-}
-[[nodiscard]] inline double decode(Linear, double value) { return value; }
-[[nodiscard]] inline double decode(Gamma gamma, double value) { return std::pow(value, gamma.exponent); }
+/// What a transfer encodes as one value in [0, 1]: the light whose root-th power is (p/q)^power, all of them
+/// exact.
+struct DecodedLight {
+  double p, q;
+  double power = 1, root = 1;
 
-/// Encodes light in whole codes from 0 to max_code: max_code · transfer(light), rounded to the nearest. Less
-/// than 0 and NaN give 0, more than 1 gives max_code.
+  /// With a relative error below 2^-57; 2^-150 and less may be given as anything down to 0.
+  explicit operator DoubleDouble() const {
+    const DoubleDouble fraction = quotient(p, q);
+    return p == 0 || power == root ? fraction : pow(fraction, quotient(power, root));
+  }
+
+  /// Exactly; see power_exceeds for when they may be equal.
+  [[nodiscard]] bool operator>(float light) const {
+    return power_exceeds(p, q, power, static_cast<double>(light), root);
+  }
+};
+
+/// The linear light that a transfer encodes as n/d, exact for whole n and d up to 2^18. The constants of sRGB
+/// are decimals, which double does not hold, so that they enter as fractions.
+[[nodiscard]] inline DecodedLight decode(Srgb, double n, double d) {
+  if (n * 1e9 <= d * 40449936) return {.p = 25 * n, .q = 323 * d};  // n/d ≤ 12.92 · 0.0031308
+  return {.p = 200 * n + 11 * d, .q = 211 * d, .power = 12, .root = 5};
+}
+[[nodiscard]] inline DecodedLight decode(Linear, double n, double d) { return {.p = n, .q = d}; }
+[[nodiscard]] inline DecodedLight decode(Gamma gamma, double n, double d) {
+  return {.p = n, .q = d, .power = gamma.exponent};
+}
+
+/// The linear light in [0, 1] that a transfer encodes as the given value in [0, 1].
+template <class Curve>
+[[nodiscard]] double decode(Curve curve, double value) {
+  return static_cast<double>(DoubleDouble(decode(curve, value, 1)));
+}
+
+/// Encodes light in whole codes from 0 to max_code: max_code · transfer(light), rounded to the nearest,
+/// exactly so for every float. Less than 0 and NaN give 0, more than 1 gives max_code.
 ///
 /// No curve is evaluated per value. Code k begins at light threshold(k), the smallest float whose encoded
-/// value is k − ½ or more, and the code of a value is the number of thresholds up to it. They are in a sorted
-/// table, entered through the leading bits of the float, which leave an 8-bit search one or two thresholds.
+/// value is k − ½ or more, and the code of a value is the number of thresholds up to it. The leading bits of
+/// the float lead to a bin, which knows how many thresholds lie below it and the first one inside it. For
+/// 8-bit sRGB no bin has another; where one has, they are searched.
 class Encoder {
  public:
   /// max_code is 255 or 65535. Throws std::invalid_argument for a gamma that is not finite and greater than
   /// 0.
-  Encoder(const Transfer& transfer, int max_code) : max_code_(static_cast<std::uint16_t>(max_code)) {
+  Encoder(const Transfer& transfer, int max_code) {
     if (const auto* gamma = std::get_if<Gamma>(&transfer))
       if (!(gamma->exponent > 0 && std::isfinite(gamma->exponent)))
         throw std::invalid_argument("Gamma: exponent must be finite and greater than 0");
-    thresholds_.reserve(max_code_);
-    for (int code = 1; code <= max_code; ++code) {
-      const double value = (code - 0.5) / max_code;
-      thresholds_.push_back(
-          float_from(std::visit([&](auto curve) { return decode(curve, value); }, transfer)));
+    thresholds_.reserve(static_cast<std::size_t>(max_code));
+    for (int code = 1; code <= max_code; ++code)
+      thresholds_.push_back(smallest_float_from(
+          std::visit([&](auto curve) { return decode(curve, 2 * code - 1, 2 * max_code); }, transfer)));
+
+    bins_.resize(bin_of(1) + 1);
+    for (std::size_t i = 0, bin = 0; bin < bins_.size(); ++bin) {
+      const std::size_t begin = i;
+      while (i < thresholds_.size() && bin_of(thresholds_[i]) == bin) ++i;
+      bins_[bin] = {.first = begin < i ? thresholds_[begin] : std::numeric_limits<float>::infinity(),
+                    .below = static_cast<std::uint16_t>(begin),
+                    .inside = static_cast<std::uint16_t>(i - begin)};
     }
-    first_bin_ = bin_of(thresholds_.front());
-    const std::size_t bins = bin_of(thresholds_.back()) - first_bin_ + 1;
-    for (std::size_t bin = 0; bin <= bins; ++bin)
-      bin_codes_.push_back(codes_below(lower_end(first_bin_ + bin)));
   }
 
   [[nodiscard]] std::uint16_t operator()(float light) const {
-    if (!(light >= thresholds_.front())) return 0;
-    if (light >= thresholds_.back()) return max_code_;
-    const std::size_t bin = bin_of(light) - first_bin_;
-    const auto begin = thresholds_.begin() + bin_codes_[bin], end = thresholds_.begin() + bin_codes_[bin + 1];
-    return static_cast<std::uint16_t>(std::upper_bound(begin, end, light) - thresholds_.begin());
+    const float x = std::min(std::max(darkest_, light), brightest_);  // darkest for NaN
+    const Bin& bin = bins_[bin_of(x)];
+    if (bin.inside > 1) return searched(bin, x);
+    return static_cast<std::uint16_t>(bin.below + (bin.first <= x));
   }
 
-  [[nodiscard]] std::uint16_t max_code() const { return max_code_; }
+  [[nodiscard]] std::uint16_t max_code() const { return static_cast<std::uint16_t>(thresholds_.size()); }
 
   /// The smallest float that is encoded as this code, of 1 to max_code, or more.
   [[nodiscard]] float threshold(int code) const { return thresholds_[static_cast<std::size_t>(code) - 1]; }
 
  private:
-  // The bits of floats above 0 are in the order of the floats. A bin is all that share the first 16: a sign,
-  // eight bits of exponent and seven of the fraction, so that it spans less than 1/128 of its lower end.
+  /// All floats that share the first 16 bits: a sign, eight bits of exponent and seven of the fraction, so
+  /// that they span less than 1/128 of the least. The bits of floats from 0 on are in the order of the
+  /// floats.
+  struct Bin {
+    float first;           ///< the first threshold inside it; infinity where there is none
+    std::uint16_t below;   ///< how many thresholds lie below it
+    std::uint16_t inside;  ///< how many thresholds lie inside it
+  };
   static std::size_t bin_of(float light) { return std::bit_cast<std::uint32_t>(light) >> 16; }
-  static float lower_end(std::size_t bin) {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(bin) << 16);
+
+  /// Bisection, as a conditional addition: a branch would be mispredicted half of the time.
+  [[nodiscard]] std::uint16_t searched(const Bin& bin, float light) const {
+    std::size_t begin = bin.below;
+    for (std::size_t left = bin.inside; left > 0; left /= 2) {
+      const std::size_t half = (left + 1) / 2;
+      begin += thresholds_[begin + half - 1] <= light ? half : 0;
+    }
+    return static_cast<std::uint16_t>(begin);
   }
 
-  /// The smallest float that is greater than 0 and not less than a number.
-  static float float_from(double x) {
-    constexpr float smallest = std::numeric_limits<float>::denorm_min();
-    if (!(x > static_cast<double>(smallest))) return smallest;
-    const float nearest = static_cast<float>(x);
-    return static_cast<double>(nearest) < x ? std::nextafter(nearest, 2.0f) : nearest;
+  /// The smallest float in (0, 1] that is not less than the light at the lower end of a code, which is less
+  /// than 1.
+  ///
+  /// Whether a float is less cannot be left open. If the light at (2k − 1)/(2 max_code) is a float, then p/q
+  /// is a fraction whose denominator is a power of two, since a power of it is. As max_code is odd, Linear
+  /// and Gamma have that at ½ alone, where p/q is a power of two, and sRGB nowhere: 211 and 323 do not cancel
+  /// for any code.
+  static float smallest_float_from(const DecodedLight& light) {
+    const DoubleDouble about(light);
+    if (about.hi <= 0x1p-150) return std::numeric_limits<float>::denorm_min();
+    const float nearest = static_cast<float>(about.hi);
+    if (nearest == 1) return nearest;
+    const double excess = (about.hi - static_cast<double>(nearest)) + about.lo;
+    const bool is_less = std::abs(excess) > 0x1p-57 * about.hi ? excess > 0 : light > nearest;
+    return is_less ? std::nextafter(nearest, 1.0f) : nearest;
   }
 
-  /// How many thresholds are less than a value: where the search of the bin that begins there has to start.
-  [[nodiscard]] std::uint16_t codes_below(float light) const {
-    return static_cast<std::uint16_t>(std::lower_bound(thresholds_.begin(), thresholds_.end(), light) -
-                                      thresholds_.begin());
-  }
-
-  std::uint16_t max_code_;
-  std::vector<float> thresholds_;
-  std::size_t first_bin_;
-  std::vector<std::uint16_t> bin_codes_;
+  // Not constants: knowing them, g++ turns the minimum and maximum into branches, which light mispredicts.
+  float darkest_ = 0, brightest_ = 1;
+  std::vector<float> thresholds_;  ///< of the codes from 1 on
+  std::vector<Bin> bins_;          ///< up to that of 1
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

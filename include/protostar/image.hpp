@@ -12,7 +12,7 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// width × height colors in rows from the top, black at first. image(x, y) is one of them; (0, 0) is the top
-/// left.
+/// left. An image that was moved from has no pixels and may only be assigned to.
 class Image {
  public:
   static constexpr std::int64_t max_pixels = std::int64_t{1} << 28;

@@ -1,18 +1,76 @@
 // Where a ray crosses a surface, and what can be asked there.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
+#include "numeric/exact_root.hpp"
+#include "numeric/roots.hpp"
 #include "ray.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A surface in a scene, whatever its type: what an Intersection needs in order to answer. surface.hpp makes
-/// one.
-struct SurfaceView {
-  const void* surface;
+/// One crossing of a ray with a surface: the ray's parameter, and which of the surface's crossings with the
+/// ray's line it is, counted from 0.
+struct Crossing {
+  double t = 0;
+  int root = 0;
+};
+
+/// A crossing's parameter to more than a double, with the relative error that it may still have.
+struct RefinedCrossing {
+  DoubleDouble t;
+  double relative_error;
+};
+
+/// What can be asked of a surface whose type has been forgotten; the first argument is the surface.
+/// surface.hpp has one such table for each type.
+struct SurfaceFunctions {
   Vec3 (*normal_at)(const void* surface, const Point& point);
   Departure (*departure)(const void* surface);
-  const Color* color;
+  RefinedCrossing (*refine)(const void* surface, const Ray& ray, const Crossing& crossing,
+                            Precision precision);
+  ExactRoot (*exact_root)(const void* surface, const Ray& ray, const Crossing& crossing);
 };
+
+/// A crossing with the surface that it is on, whatever the type of that.
+struct SurfaceCrossing {
+  Crossing crossing;
+  const void* surface = nullptr;
+  const SurfaceFunctions* functions = nullptr;
+  const Color* color = nullptr;
+
+  [[nodiscard]] Departure departure() const { return functions->departure(surface); }
+  [[nodiscard]] RefinedCrossing refine(const Ray& ray, Precision precision) const {
+    return functions->refine(surface, ray, crossing, precision);
+  }
+  [[nodiscard]] ExactRoot exact_root(const Ray& ray) const {
+    return functions->exact_root(surface, ray, crossing);
+  }
+};
+
+namespace detail {
+
+/// precedes where the errors of t overlap.
+[[nodiscard, gnu::noinline, gnu::cold, gnu::pure]] inline bool precedes_refined(Ray ray, SurfaceCrossing a,
+                                                                                SurfaceCrossing b) {
+  if (a.crossing.root == b.crossing.root && a.departure() == b.departure()) return false;
+  const RefinedCrossing x = a.refine(ray, Precision::double_double),
+                        y = b.refine(ray, Precision::double_double);
+  if (const int sign = order(x.t, x.relative_error, y.t, y.relative_error); sign != 0) return sign < 0;
+  return order(a.exact_root(ray), b.exact_root(ray)) < 0;
+}
+
+}  // namespace detail
+
+/// Whether a ray crosses a before b: decided by their t where their errors allow, and exactly where not.
+/// Crossings of surfaces that coincide are at equal t.
+[[nodiscard]] inline bool precedes(const Ray& ray, const SurfaceCrossing& a, const SurfaceCrossing& b) {
+  const double gap = b.crossing.t - a.crossing.t;
+  const double larger = std::max(std::abs(a.crossing.t), std::abs(b.crossing.t));
+  if (std::abs(gap) > 4 * Roots::relative_error * larger) return gap > 0;
+  return detail::precedes_refined(ray, a, b);
+}
 
 /// A crossing of a ray with a surface. It holds t and works out the rest when it is asked, so that an
 /// integrator pays only for what it uses. It is valid as long as the scene that it comes from lives and gets
@@ -22,13 +80,13 @@ class Intersection {
   /// The ray's parameter here. A distance in scene units where the ray's direction is a unit vector.
   double t;
 
-  Intersection(const Ray& ray, double t_, const SurfaceView& view) : t(t_), ray_(ray), view_(view) {}
+  Intersection(const Ray& ray, const SurfaceCrossing& on) : t(on.crossing.t), ray_(ray), on_(on) {}
 
   /// Where it is.
   [[nodiscard]] Point point() const { return ray_.at(t); }
 
   /// The surface's unit normal, on the side that the surface calls its outside (§2.3.1).
-  [[nodiscard]] Vec3 normal() const { return view_.normal_at(view_.surface, point()); }
+  [[nodiscard]] Vec3 normal() const { return on_.functions->normal_at(on_.surface, point()); }
 
   /// The unit normal on the side that the ray comes from: surfaces are two-sided (§2.3.2).
   [[nodiscard]] Vec3 facing_normal() const {
@@ -37,17 +95,26 @@ class Intersection {
   }
 
   /// The color that the surface was added with.
-  [[nodiscard]] Color color() const { return *view_.color; }
+  [[nodiscard]] Color color() const { return *on_.color; }
 
   /// The ray from here in a direction of any length. It knows what it departs from and does not meet it again
   /// at its origin; there is no offset.
-  [[nodiscard]] Ray leave(const Vec3& direction) const {
-    return {point(), direction, view_.departure(view_.surface)};
+  [[nodiscard]] Ray leave(const Vec3& direction) const { return {point(), direction, on_.departure()}; }
+
+  /// t to 1 ulp, for a surface that can refine it, as Sphere and Plane can; otherwise t as it is.
+  [[nodiscard]] double refined() const {
+    RefinedCrossing crossing = on_.refine(ray_, Precision::double_double);
+    if (!(crossing.relative_error < Roots::relative_error)) crossing = on_.refine(ray_, Precision::exact);
+    return static_cast<double>(crossing.t);
   }
+
+  /// Whether this is strictly before another crossing of the same ray. The order is exact for surfaces that
+  /// can refine their roots; see precedes.
+  [[nodiscard]] bool operator<(const Intersection& other) const { return precedes(ray_, on_, other.on_); }
 
  private:
   Ray ray_;
-  SurfaceView view_;
+  SurfaceCrossing on_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

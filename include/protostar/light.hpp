@@ -1,7 +1,9 @@
 // Where light comes from.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -16,13 +18,15 @@ struct PointLight {
 
   /// The irradiance that the light, unhindered, brings to a point with this unit normal:
   ///   E = Φ/(4π) · cos θ / r² = Φ/(4π) · n·l / |l|³   with l = position − point;
-  /// 0 where the light is behind the surface, and where it lies in it.
+  /// 0 where the light is behind the surface, and where it lies in it. Very near the light it grows beyond
+  /// all bounds; the factor of the power is held at the largest float.
   [[nodiscard]] Color irradiance(const Point& point, const Vec3& normal) const {
     const Vec3 l = position - point;
     const double height = dot(normal, l);
     if (!(height > 0)) return Color{0};
     const double r2 = dot(l, l);
-    return power * static_cast<float>(height / (4 * std::numbers::pi * r2 * std::sqrt(r2)));
+    const double factor = height / (4 * std::numbers::pi * r2 * std::sqrt(r2));
+    return power * static_cast<float>(std::min<double>(factor, std::numeric_limits<float>::max()));
   }
 
   /// Throws std::invalid_argument if the position is not finite, or the power is negative or not finite.

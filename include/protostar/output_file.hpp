@@ -23,6 +23,10 @@ class OutputFile {
   explicit OutputFile(std::filesystem::path target) : name_(target.string()), target_(std::move(target)) {
     namespace fs = std::filesystem;
     std::error_code error;
+    // A link that leads nowhere yet is followed, like any other, to where the file is to be.
+    while (fs::is_symlink(fs::symlink_status(target_, error)) &&
+           fs::status(target_, error).type() == fs::file_type::not_found)
+      target_ = target_.parent_path() / fs::read_symlink(target_);
     const fs::file_status status = fs::status(target_, error);
     if (status.type() == fs::file_type::none)
       fail(error.value());  // a link to itself, a name that is too long
@@ -83,7 +87,7 @@ class OutputFile {
   void open_temporary() {
     for (int attempt = 0; !file_; ++attempt) {
       const auto path = target_.parent_path() / (".protostar-" + std::to_string(attempt) + ".tmp");
-      file_ = std::fopen(path.string().c_str(), "wxb");  // x: only if there is none of that name
+      file_ = std::fopen(path.string().c_str(), "wbx");  // x: only if there is none of that name
       if (file_)
         temporary_ = path;
       else if (errno != EEXIST)

@@ -9,11 +9,20 @@
 #error "protostar needs C++20 with concepts: g++ 10, clang 10 or newer, with -std=c++20"
 #endif
 
-#if defined(__FAST_MATH__)
+// Of -ffast-math and the options that it is made of, g++ tells all by macros, clang those of the first line.
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || \
+    defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
 #error \
-    "protostar cannot be compiled with -ffast-math: it lets the compiler reorder and drop the roundings on which every hit is decided"
+    "protostar cannot be compiled with -ffast-math or a part of it: it lets the compiler reorder and drop the roundings and the comparisons with NaN on which every hit is decided"
 #endif
 
+#if defined(GLM_FORCE_XYZW_ONLY)
+#error "protostar names the channels of a color r, g and b: GLM_FORCE_XYZW_ONLY takes these names away"
+#endif
+
+// Besides, the processor is to round to nearest and to keep denormal numbers, as every program finds it at
+// its start. Whoever calls fesetround or sets flush-to-zero in a thread gets other numbers there; no header
+// can see that.
 static_assert(std::numeric_limits<double>::is_iec559 && std::numeric_limits<double>::digits == 53 &&
                   std::numeric_limits<float>::is_iec559 && std::numeric_limits<float>::digits == 24,
               "protostar needs IEEE 754 float and double");
@@ -26,17 +35,44 @@ static_assert(std::numeric_limits<double>::is_iec559 && std::numeric_limits<doub
 // Every declaration lives in protostar::PROTOSTAR_ABI, an inline namespace: nobody writes its name, the
 // linker reads it. Two translation units that were compiled for different instruction sets then hold
 // different functions, and a program that links both keeps both instead of silently merging them into one
-// that half of its machines cannot run.
-#if defined(__AVX512F__)
-#define PROTOSTAR_ABI avx512
+// that half of its machines cannot run. That holds for the library's functions; those of GLM and of the
+// standard library have no such names.
+#if defined(__AVX512VL__)
+#define PROTOSTAR_ABI_WIDTH avx512vl
+#elif defined(__AVX512F__)
+#define PROTOSTAR_ABI_WIDTH avx512
 #elif defined(__AVX2__)
-#define PROTOSTAR_ABI avx2
+#define PROTOSTAR_ABI_WIDTH avx2
 #elif defined(__AVX__)
-#define PROTOSTAR_ABI avx
+#define PROTOSTAR_ABI_WIDTH avx
+#elif defined(__SSE4_2__)
+#define PROTOSTAR_ABI_WIDTH sse42
 #elif defined(__SSE4_1__)
-#define PROTOSTAR_ABI sse4
+#define PROTOSTAR_ABI_WIDTH sse41
+#elif defined(__SSSE3__)
+#define PROTOSTAR_ABI_WIDTH ssse3
+#elif defined(__SSE3__)
+#define PROTOSTAR_ABI_WIDTH sse3
 #elif defined(__SSE2__)
-#define PROTOSTAR_ABI sse2
+#define PROTOSTAR_ABI_WIDTH sse2
 #else
-#define PROTOSTAR_ABI generic
+#define PROTOSTAR_ABI_WIDTH generic
 #endif
+
+#if defined(__FMA__)
+#define PROTOSTAR_ABI_FMA _fma
+#else
+#define PROTOSTAR_ABI_FMA
+#endif
+
+#if defined(__BMI2__)
+#define PROTOSTAR_ABI_BITS _bmi2
+#elif defined(__BMI__) || defined(__LZCNT__)
+#define PROTOSTAR_ABI_BITS _bmi
+#else
+#define PROTOSTAR_ABI_BITS
+#endif
+
+#define PROTOSTAR_ABI_JOIN(a, b, c) a##b##c
+#define PROTOSTAR_ABI_NAME(a, b, c) PROTOSTAR_ABI_JOIN(a, b, c)
+#define PROTOSTAR_ABI PROTOSTAR_ABI_NAME(PROTOSTAR_ABI_WIDTH, PROTOSTAR_ABI_FMA, PROTOSTAR_ABI_BITS)

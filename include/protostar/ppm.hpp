@@ -16,6 +16,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+/// How save_ppm writes.
 struct PpmOptions {
   int bits = 8;               ///< 8 or 16 per channel: a maximum value of 255 or 65535
   bool plain = false;         ///< decimal numbers (P3), laid out as the tutorial does, instead of bytes (P6)

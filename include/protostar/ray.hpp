@@ -2,8 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 
+#include "numeric/double_double.hpp"
 #include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -22,10 +25,32 @@ struct Departure {
   Kind kind = Kind::none;
   const void* object = nullptr;  ///< kind object: the surface itself, recognized by its address
 
-  /// kind sphere: center and |radius|; kind plane: its equation, scaled to be unique
+  /// kind sphere: center and |radius|; kind plane: normal and distance
   std::array<double, 4> geometry{};
 
-  bool operator==(const Departure&) const = default;
+  /// Whether both are of one geometry, exactly: equations of planes may be multiples of each other.
+  bool operator==(const Departure& other) const {
+    if (kind != other.kind || object != other.object) return false;
+    return kind == Kind::plane ? are_proportional(geometry, other.geometry) : geometry == other.geometry;
+  }
+
+ private:
+  /// Whether all a_i b_k = a_k b_i, with k the place of the largest component of the normal a. The products
+  /// are exact; powers of two keep them in the range of double.
+  static bool are_proportional(const std::array<double, 4>& a, const std::array<double, 4>& b) {
+    std::size_t k = 0;
+    for (std::size_t i = 1; i < 3; ++i)
+      if (std::abs(a[i]) > std::abs(a[k])) k = i;
+    if (b[k] == 0) return false;
+    const int a_exponent = std::ilogb(a[k]), b_exponent = std::ilogb(b[k]);
+    const double a_k = std::ldexp(a[k], -a_exponent), b_k = std::ldexp(b[k], -b_exponent);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const DoubleDouble left = two_product(std::ldexp(a[i], -a_exponent), b_k);
+      const DoubleDouble right = two_product(a_k, std::ldexp(b[i], -b_exponent));
+      if (left.hi != right.hi || left.lo != right.lo) return false;
+    }
+    return true;
+  }
 };
 
 /// The points origin + t · direction (§2.2.3). The direction may have any length other than 0; where it is a

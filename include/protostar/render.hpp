@@ -20,8 +20,14 @@
 #include "image.hpp"
 #include "scene.hpp"
 
+#if !defined(__cpp_lib_jthread)
+#error "protostar needs std::jthread and std::stop_token: libstdc++ 10 or newer"
+#endif
+
 namespace protostar::inline PROTOSTAR_ABI {
 
+/// How render works. An exception that progress throws ends the render and reaches its caller; after a stop,
+/// progress does not come to 1.
 struct RenderOptions {
   int threads = 0;            ///< how many work, the caller among them; 0: one for each core
   std::stop_token stop = {};  ///< asked for, render returns early; other pixels stay as they were
@@ -108,7 +114,7 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
   });
 }
 
-/// Fills an image with what a camera sees of a scene, through an integrator.
+/// Fills an image with what a camera sees of a scene, through an integrator. Errors as above.
 template <Traceable S, Integrator<S> I>
 void render(Image& image, const Camera& camera, const S& scene, const I& integrator,
             const RenderOptions& options = {}) {

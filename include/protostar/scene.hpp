@@ -1,6 +1,8 @@
 // Surfaces and lights, and the three questions that a ray asks of them (§2.3.1).
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <stdexcept>
@@ -19,6 +21,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 ///   intersect(ray, range)         what is met first?
 ///   occluded(ray, range)          is anything in the way?
 ///   crossings(ray, range, visit)  what is crossed at all?
+/// and lights(), for what shines on it.
 template <class T>
 concept Traceable = requires(const T& scene, const Ray& ray, Interval range) {
   { scene.intersect(ray, range) } -> std::same_as<std::optional<Intersection>>;
@@ -26,6 +29,16 @@ concept Traceable = requires(const T& scene, const Ray& ray, Interval range) {
   scene.crossings(ray, range, [](const Intersection&) {});
   { scene.lights() } -> std::convertible_to<const std::vector<PointLight>&>;
 };
+
+namespace detail {
+
+template <class... T>
+inline constexpr bool are_distinct = true;
+template <class First, class... Rest>
+inline constexpr bool are_distinct<First, Rest...> =
+    (!std::same_as<First, Rest> && ...) && are_distinct<Rest...>;
+
+}  // namespace detail
 
 /// A collection of surfaces of the named types, each type in a vector of its own: what is not named costs
 /// nothing.
@@ -35,13 +48,14 @@ concept Traceable = requires(const T& scene, const Ray& ray, Interval range) {
 /// A const scene may be shared by threads.
 template <Surface... S>
 class Scene {
+  static_assert(detail::are_distinct<S...>, "a scene names each type of surface once");
+
  public:
   /// Adds a surface of one of the scene's types, or one that converts to the first of them that takes it, in
   /// a color (finite, not negative). Throws std::invalid_argument for a color or a surface that is not valid.
   template <class T>
   requires(std::convertible_to<T, S> || ...) void add(T surface, const Color& color) {
     if (!is_light(color)) throw std::invalid_argument("Scene::add: color must be finite and not negative");
-    if constexpr (SurfaceWithValidation<T>) surface.validate();
     group_for<T>().add(std::move(surface), color);
   }
 
@@ -51,18 +65,23 @@ class Scene {
     lights_.push_back(light);
   }
 
-  /// The first crossing inside the range.
+  /// The first crossing inside the range. The order is exact for surfaces that can refine their roots.
   [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
-    std::optional<SurfaceView> first;
+    SurfaceCrossing first;
+    bool found = false;
     each_surface([&](const auto& surface, const Color& color) {
-      const auto t = first_crossing(surface, ray, range);
-      if (!t || !range.contains(*t)) return;
-      // Each hit shortens the range, so the last hit is the nearest.
-      range.max = *t;
-      first = view_of(surface, color);
+      const auto crossing = first_crossing(surface, ray, range);
+      if (!crossing) return;
+      const SurfaceCrossing candidate = on(surface, *crossing, color);
+      if (found && !precedes(ray, candidate, first)) return;
+      first = candidate;
+      found = true;
+      // Each hit shortens the range, so the last hit is the nearest. What might be before it, given its
+      // error, stays in.
+      range.max = std::min(range.max, crossing->t + 4 * Roots::relative_error * std::abs(crossing->t));
     });
-    if (!first) return std::nullopt;
-    return Intersection(ray, range.max, *first);
+    if (!found) return std::nullopt;
+    return Intersection(ray, first);
   }
 
   /// Whether there is any crossing inside the range. The first one found ends the search.
@@ -74,8 +93,10 @@ class Scene {
   /// along the ray; of one surface, near before far. A point of tangency counts as two crossings.
   void crossings(const Ray& ray, Interval range, auto&& visit) const {
     each_surface([&](const auto& surface, const Color& color) {
-      each_crossing(surface, ray, range,
-                    [&](double t) { visit(Intersection(ray, t, view_of(surface, color))); });
+      each_crossing(surface, ray, range, [&](const Crossing& crossing) {
+        const Intersection intersection(ray, on(surface, crossing, color));
+        visit(intersection);
+      });
     });
   }
 
@@ -89,20 +110,27 @@ class Scene {
     std::vector<Color> colors;
 
     void add(T surface, const Color& color) {
+      if constexpr (SurfaceWithValidation<T>) surface.validate();
+      colors.reserve(surfaces.size() + 1);  // if memory ends, before one of them has grown
       surfaces.push_back(std::move(surface));
       colors.push_back(color);
     }
 
     [[nodiscard]] bool occluded(const Ray& ray, Interval range) const {
       for (const T& surface : surfaces)
-        if (const auto t = first_crossing(surface, ray, range); t && range.contains(*t)) return true;
+        if (first_crossing(surface, ray, range)) return true;
       return false;
     }
   };
 
+  template <Surface T>
+  [[nodiscard]] static SurfaceCrossing on(const T& surface, const Crossing& crossing, const Color& color) {
+    return {.crossing = crossing, .surface = &surface, .functions = &functions_of<T>, .color = &color};
+  }
+
   /// Calls visit(surface, color) for every surface, in order.
   void each_surface(auto&& visit) const {
-    const auto in_group = [&](const auto& group) {
+    [[maybe_unused]] const auto in_group = [&](const auto& group) {
       for (std::size_t i = 0; i < group.surfaces.size(); ++i) visit(group.surfaces[i], group.colors[i]);
     };
     (in_group(std::get<Group<S>>(groups_)), ...);

@@ -1,9 +1,11 @@
 // What a surface is, and how a scene crosses one of any kind.
 //
 // A surface has to know two things: where a ray meets it first, and its normal. It may know more, and then
-// more is exact: its roots, its departure. The functions below ask for what it offers and derive the rest.
+// more is exact: its roots, their refinement, its departure. The functions below ask for what it offers and
+// derive the rest.
 #pragma once
 
+#include <cmath>
 #include <concepts>
 #include <limits>
 #include <optional>
@@ -29,24 +31,44 @@ concept Surface = std::copy_constructible<S> &&
   { surface.normal_at(point) } -> std::convertible_to<Vec3>;
 };
 
-/// A surface that offers its roots, so that a point of tangency counts as two crossings.
+/// A surface that offers its roots, all crossings with the ray's line, as certain as Roots says. A point of
+/// tangency counts as two, and whether one lies inside an interval is decided exactly if the roots can be
+/// refined.
 template <class S>
 concept SurfaceWithRoots = Surface<S> && requires(const S& surface, const Ray& ray) {
   { surface.roots(ray) } -> std::same_as<Roots>;
 };
 
-/// A surface that may have more than two crossings and visits them itself: crossings(ray, range, visit) calls
-/// visit(t) for each inside the range, near to far, its departure taken into account.
+/// A surface that can work out its roots further: the order of its crossings and others' is then exact.
 template <class S>
-concept SurfaceWithCrossings = Surface<S> && requires(const S& surface, const Ray& ray, Interval range) {
-  surface.crossings(ray, range, [](double) {});
+concept SurfaceWithRefinedRoots = SurfaceWithRoots<S> &&
+    requires(const S& surface, const Ray& ray, Precision precision) {
+  { surface.refined_roots(ray, precision) } -> std::same_as<RefinedRoots>;
+  { surface.exact_root(ray, 0) } -> std::same_as<ExactRoot>;
 };
 
-/// A surface that says what a ray leaving it departs from, and whose intersect and roots, given a ray with
-/// that departure, leave out the root t = 0.
+/// A surface that says what a ray leaving it departs from, and that, given a ray with that departure, leaves
+/// out the root t = 0.
 template <class S>
 concept SurfaceWithDeparture = Surface<S> && requires(const S& surface) {
   { surface.departure() } -> std::same_as<Departure>;
+};
+
+/// A surface that knows how far its t can be from the true one at the origin of a ray that leaves it, in t.
+/// Such a ray starts beyond that.
+template <class S>
+concept SurfaceWithError = Surface<S> && requires(const S& surface, const Ray& ray) {
+  { surface.departure_error(ray) } -> std::same_as<double>;
+};
+
+/// A surface that is made of others and hands on what they offer, departures included.
+template <class S>
+concept CompositeSurface = Surface<S> && SurfaceWithDeparture<S> &&
+    requires(const S& surface, const Ray& ray, Interval range, const Crossing& crossing) {
+  { surface.first_crossing(ray, range) } -> std::same_as<std::optional<Crossing>>;
+  surface.each_crossing(ray, range, [](const Crossing&) {});
+  { surface.refine(ray, crossing, Precision::exact) } -> std::same_as<RefinedCrossing>;
+  { surface.exact_root(ray, crossing) } -> std::same_as<ExactRoot>;
 };
 
 /// A surface that can be asked whether its fields make sense: validate() throws std::invalid_argument if not.
@@ -64,64 +86,143 @@ template <Surface S>
     return {.kind = Departure::Kind::object, .object = &surface};
 }
 
+/// The t of a crossing as exactly as the surface knows it. One that knows no more than t is taken at its
+/// word.
+template <Surface S>
+[[nodiscard]] RefinedCrossing refine(const S& surface, const Ray& ray, const Crossing& crossing,
+                                     Precision precision) {
+  if constexpr (CompositeSurface<S>) {
+    return surface.refine(ray, crossing, precision);
+  } else if constexpr (SurfaceWithRefinedRoots<S>) {
+    const RefinedRoots roots = surface.refined_roots(ray, precision);
+    return {roots.t[crossing.root], roots.relative_error};
+  } else {
+    return {crossing.t, 0};
+  }
+}
+
+/// A crossing without rounding, likewise.
+template <Surface S>
+[[nodiscard]] ExactRoot exact_root(const S& surface, const Ray& ray, const Crossing& crossing) {
+  if constexpr (CompositeSurface<S>)
+    return surface.exact_root(ray, crossing);
+  else if constexpr (SurfaceWithRefinedRoots<S>)
+    return surface.exact_root(ray, crossing.root);
+  else
+    return exact_root_of(crossing.t);
+}
+
+namespace detail {
+
+/// lies_inside where the error of t reaches an end of the range.
+template <Surface S>
+[[nodiscard, gnu::noinline, gnu::cold, gnu::pure]] bool lies_inside_refined(const S& surface, Ray ray,
+                                                                            Crossing crossing,
+                                                                            Interval range) {
+  const auto side_of = [&](double end) {  // -1 before an end, 0 at it, 1 behind it
+    const RefinedCrossing refined = refine(surface, ray, crossing, Precision::double_double);
+    if (const int side = order(refined.t, refined.relative_error, end, 0); side != 0) return side;
+    return order(exact_root(surface, ray, crossing), exact_root_of(end));
+  };
+  return std::isfinite(crossing.t) && (range.min == -infinity || side_of(range.min) > 0) &&
+         (range.max == infinity || side_of(range.max) < 0);
+}
+
+}  // namespace detail
+
+/// Whether a crossing lies inside an open range: decided by t where its error allows, and exactly where not.
+template <Surface S>
+[[nodiscard]] bool lies_inside(const S& surface, const Ray& ray, const Crossing& crossing, Interval range) {
+  const double t = crossing.t, margin = 2 * Roots::relative_error * std::abs(t);
+  if (range.min < t - margin && t + margin < range.max) return true;
+  if (!(range.min < t + margin && t - margin < range.max)) return false;
+  return detail::lies_inside_refined(surface, ray, crossing, range);
+}
+
 /// The part of the range that is left for a ray that departs from a surface which knows nothing of
 /// departures.
 ///
-/// The crossing at t = 0 is computed and comes out as a little more or less. Of all crossings with the line
-/// it is taken to be the nearest to the origin: one that lies ahead is cut off with what comes before it, one
-/// behind or at the origin is outside a forward ray as it is. This fails where the surface has another
-/// crossing so near that the error of t reaches it: along a ray that leaves at a grazing angle, or at a sharp
-/// edge. A surface with roots that are known to it should offer departure().
+/// The crossing at t = 0 is computed and comes out as a little more or less. A surface that knows its error
+/// says where others begin. Without that, of all crossings with the line the nearest to the origin is taken
+/// for the one that is left: one that lies ahead is cut off, one behind or at the origin is outside a forward
+/// ray as it is. This fails where the surface has another crossing so near that the error of t reaches it:
+/// along a ray that leaves at a grazing angle, or at a sharp edge. A surface that knows its roots should
+/// offer roots() and departure().
 template <Surface S>
 [[nodiscard]] Interval beyond_departure(const S& surface, const Ray& ray, Interval range) {
-  constexpr double tiny =
-      std::numeric_limits<double>::denorm_min();  // the open interval (-tiny, tiny) holds 0 alone
-  if (surface.intersect(ray, Interval{-tiny, tiny})) return range;
-  const auto ahead = surface.intersect(ray, Interval{});
-  if (!ahead) return range;
-  const auto behind = surface.intersect(Ray{ray.origin, -ray.direction}, Interval{});
-  if (behind && *behind < *ahead) return range;
-  return {.min = range.min < *ahead ? *ahead : range.min, .max = range.max};
+  const auto from = [&](double t) {
+    return Interval{.min = range.min < t ? t : range.min, .max = range.max};
+  };
+  if constexpr (SurfaceWithError<S>) {
+    return from(surface.departure_error(ray));
+  } else {
+    constexpr double tiny =
+        std::numeric_limits<double>::denorm_min();  // the open interval (-tiny, tiny) holds 0 alone
+    if (surface.intersect(ray, Interval{-tiny, tiny})) return range;
+    const auto ahead = surface.intersect(ray, Interval{});
+    if (!ahead) return range;
+    const auto behind = surface.intersect(Ray{ray.origin, -ray.direction}, Interval{});
+    return behind && *behind < *ahead ? range : from(*ahead);
+  }
 }
 
-/// Where a ray meets a surface first inside a range, its departure taken into account.
+/// The range in which a surface is crossed, its departure taken into account if it does not do that itself.
 template <Surface S>
-[[nodiscard]] std::optional<double> first_crossing(const S& surface, const Ray& ray, Interval range) {
+[[nodiscard]] Interval range_for(const S& surface, const Ray& ray, Interval range) {
   if constexpr (!SurfaceWithDeparture<S>)
     if (ray.departure.kind == Departure::Kind::object && ray.departure.object == &surface)
-      range = beyond_departure(surface, ray, range);
-  return surface.intersect(ray, range);
+      return beyond_departure(surface, ray, range);
+  return range;
 }
 
-/// Calls visit(t) for every crossing inside a range, near to far. A surface that offers its roots has a point
-/// of tangency twice; of another, a straight ray never restarts but goes on after its last hit.
+/// Where a ray meets a surface first inside a range.
+template <Surface S>
+[[nodiscard]] std::optional<Crossing> first_crossing(const S& surface, const Ray& ray, Interval range) {
+  range = range_for(surface, ray, range);
+  if constexpr (CompositeSurface<S>) {
+    return surface.first_crossing(ray, range);
+  } else if constexpr (SurfaceWithRoots<S>) {
+    const Roots roots = surface.roots(ray);
+    if (roots.count() > 0 && lies_inside(surface, ray, {roots[0], 0}, range)) return Crossing{roots[0], 0};
+    if (roots.count() > 1 && lies_inside(surface, ray, {roots[1], 1}, range)) return Crossing{roots[1], 1};
+    return std::nullopt;
+  } else {
+    const auto t = surface.intersect(ray, range);
+    return t && range.contains(*t) ? std::optional(Crossing{*t}) : std::nullopt;
+  }
+}
+
+/// Calls visit(const Crossing&) for every crossing inside a range, near to far. A surface that offers its
+/// roots has a point of tangency twice; of another, a straight ray never restarts but goes on after its last
+/// hit.
 template <Surface S>
 void each_crossing(const S& surface, const Ray& ray, Interval range, auto&& visit) {
-  if constexpr (SurfaceWithCrossings<S>) {
-    surface.crossings(ray, range, visit);
+  range = range_for(surface, ray, range);
+  if constexpr (CompositeSurface<S>) {
+    surface.each_crossing(ray, range, visit);
   } else if constexpr (SurfaceWithRoots<S>) {
-    if constexpr (!SurfaceWithDeparture<S>)
-      if (ray.departure == departure_of(surface)) range = beyond_departure(surface, ray, range);
-    for (const double t : surface.roots(ray))
-      if (range.contains(t)) visit(t);
+    const Roots roots = surface.roots(ray);
+    for (int i = 0; i < roots.count(); ++i)
+      if (const Crossing crossing{roots[i], i}; lies_inside(surface, ray, crossing, range)) visit(crossing);
   } else {
-    for (auto t = first_crossing(surface, ray, range); t && range.contains(*t);
-         t = surface.intersect(ray, range)) {
-      visit(*t);
+    int root = 0;
+    for (auto t = surface.intersect(ray, range); t && range.contains(*t); t = surface.intersect(ray, range)) {
+      visit(Crossing{*t, root++});
       range.min = *t;
     }
   }
 }
 
-/// A surface of a scene with its color, its type forgotten.
+/// The table of a surface type.
 template <Surface S>
-[[nodiscard]] SurfaceView view_of(const S& surface, const Color& color) {
-  return {.surface = &surface,
-          .normal_at = [](const void* s, const Point& p) -> Vec3 {
-            return static_cast<const S*>(s)->normal_at(p);
-          },
-          .departure = [](const void* s) { return departure_of(*static_cast<const S*>(s)); },
-          .color = &color};
-}
+inline constexpr SurfaceFunctions functions_of{
+    .normal_at = [](const void* s, const Point& p) -> Vec3 { return static_cast<const S*>(s)->normal_at(p); },
+    .departure = [](const void* s) { return departure_of(*static_cast<const S*>(s)); },
+    .refine = [](const void* s, const Ray& ray, const Crossing& crossing,
+                 Precision precision) { return refine(*static_cast<const S*>(s), ray, crossing, precision); },
+    .exact_root =
+        [](const void* s, const Ray& ray, const Crossing& crossing) {
+          return exact_root(*static_cast<const S*>(s), ray, crossing);
+        }};
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -48,7 +48,7 @@ void Interrupt::listen(const std::stop_token& done) {
   while (is_ignored(signal));
   signal_ = signal;
   stop_.request_stop();
-  const auto deadline = std::chrono::steady_clock::now() + 250ms;
+  const auto deadline = std::chrono::steady_clock::now() + 100ms;
   while (std::chrono::steady_clock::now() < deadline) {
     if (done.stop_requested()) return;
     std::this_thread::sleep_for(5ms);

@@ -7,7 +7,7 @@
 #include <thread>
 
 /// While one lives, SIGINT, SIGTERM and SIGHUP request a stop instead of ending the process at once, so that
-/// no half-written file is left. Work that does not look at its token for a quarter of a second is ended all
+/// no half-written file is left. Work that does not look at its token for a tenth of a second is ended all
 /// the same: it holds no unfinished file, since whoever writes one looks at the token at every block. A
 /// signal that the process was started to ignore, as nohup and the shell's & do, stays ignored. Make it
 /// before any thread.

@@ -59,6 +59,12 @@ int read_whole(const std::string& option, std::string_view text, bool (*is_allow
   return *value;
 }
 
+double read_finite(const std::string& option, std::string_view text) {
+  const auto value = number<double>(text);
+  if (!value || !std::isfinite(*value)) refuse(option, text, "a finite number");
+  return *value;
+}
+
 /// The format that a file's ending asks for. A device or a pipe has none and takes a PPM; a folder is left to
 /// the writer, whose error says what it is.
 Options::Format format_of(const std::filesystem::path& path) {
@@ -85,7 +91,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   Options options{.width = defaults.width,
                   .height = defaults.height,
                   .transfer = defaults.transfer,
-                  .plain = defaults.plain};
+                  .plain = defaults.plain,
+                  .numbers = defaults.numbers};
+  std::vector<std::string> numbers(options.numbers.size());
   std::string output = options.output.string(), size, threads, bits, transfer;
   const std::string default_size = std::to_string(defaults.width) + "x" + std::to_string(defaults.height);
 
@@ -99,6 +107,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   app.add_option("--transfer", transfer,
                  "How light becomes numbers: the sRGB curve, as it is, or its G-th root")
       ->type_name("srgb|linear|gamma=G");
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    app.add_option(options.numbers[i].name, numbers[i], options.numbers[i].help)->type_name("X");
   app.add_flag("--plain", options.plain, "Write the .ppm as decimal numbers (P3)")->disable_flag_override();
   app.add_flag("--quiet", options.quiet, "Print nothing but errors")->disable_flag_override();
   app.failure_message([](const CLI::App* of, const CLI::Error& error) {
@@ -117,6 +127,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
       options.bits = read_whole(
           "--bits", bits, [](int n) { return n == 8 || n == 16; }, "8 or 16");
     if (app.count("--transfer")) options.transfer = read_transfer(transfer);
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      if (app.count(options.numbers[i].name))
+        options.numbers[i].value = read_finite(options.numbers[i].name, numbers[i]);
 
     // What a format cannot do is refused, not left out.
     const std::string ending = options.format == Options::Format::png ? ".png" : ".pfm";

@@ -5,6 +5,13 @@
 #include <optional>
 #include <protostar/encode.hpp>
 #include <string>
+#include <vector>
+
+/// An option of one stage that takes a finite number.
+struct NumberOption {
+  std::string name, help;
+  double value;  ///< when it is not given
+};
 
 /// What a stage draws when it is not told otherwise.
 struct StageDefaults {
@@ -12,6 +19,7 @@ struct StageDefaults {
   int width = 640, height = 480;
   protostar::Transfer transfer = protostar::Gamma{2.2};
   bool plain = false;
+  std::vector<NumberOption> numbers = {};  ///< options of its own
 };
 
 /// What the user asked for, checked as far as it can be without touching a file.
@@ -26,6 +34,7 @@ struct Options {
   protostar::Transfer transfer;
   bool plain = false;
   bool quiet = false;
+  std::vector<NumberOption> numbers;  ///< with the values that were given
 };
 
 /// Reads a command line. Nothing is returned when the program has already said all that there is to say, help

@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -12,6 +13,7 @@
 #include <protostar/io/png.hpp>
 #include <protostar/pfm.hpp>
 #include <protostar/ppm.hpp>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -68,11 +70,22 @@ void Stage::save(const Image& image) {
   if (stop_.stop_requested()) return;
   const auto rendered = Clock::now();
   write(image);
+  std::array<char, 128> times;
+  std::snprintf(times.data(), times.size(), ", rendered in %.2f ms, written in %.2f ms",
+                milliseconds(rendered - start_), milliseconds(Clock::now() - rendered));
+  print(options_.output.string() + ": " + std::to_string(image.width()) + "x" +
+        std::to_string(image.height()) + ", " + integrator_ + times.data());
+}
+
+double Stage::number(const std::string& option) const {
+  for (const NumberOption& own : options_.numbers)
+    if (own.name == option) return own.value;
+  throw std::logic_error("a stage asks for an option that it has not declared: " + option);
+}
+
+void Stage::print(const std::string& line) const {
   if (stop_.stop_requested() || options_.quiet) return;
-  std::FILE* const out = is_stdout(options_.output) ? stderr : stdout;
-  std::fprintf(out, "%s: %dx%d, %s, rendered in %.2f ms, written in %.2f ms\n",
-               options_.output.string().c_str(), image.width(), image.height(), integrator_.c_str(),
-               milliseconds(rendered - start_), milliseconds(Clock::now() - rendered));
+  std::fprintf(is_stdout(options_.output) ? stderr : stdout, "%s\n", line.c_str());
 }
 
 void Stage::write(const Image& image) const {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <protostar/image.hpp>
 #include <protostar/render.hpp>
+#include <string>
 
 #include "options.hpp"
 #include "progress.hpp"
@@ -24,6 +25,12 @@ class Stage {
   /// Saves the image in the format asked for and prints the line about it. Throws std::system_error if it
   /// cannot.
   void save(const protostar::Image& image);
+
+  /// The value of one of the stage's own options.
+  double number(const std::string& option) const;
+
+  /// Prints a line where save prints its own, and likewise not at all if the user wants none.
+  void print(const std::string& line) const;
 
  private:
   using Clock = std::chrono::steady_clock;

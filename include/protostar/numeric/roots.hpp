@@ -1,25 +1,33 @@
-// The crossings of a line with a surface, as roots of its equation.
+// The crossings of a line with a surface, as roots of its equation, and how sure they are.
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "../interval.hpp"
+#include "double_double.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// At most two crossings of a line with a surface: near ≤ far; where the line touches, both are the same. A
-/// range for loops.
+/// At most two crossings of a line with a surface: near ≤ far; where the line touches, both are the same.
+/// Those of the library's surfaces are certified: which of them exist is exact, and each t has the sign of
+/// the true root, is 0 only where that is 0, and is within 2^-30 |t| of it, as far as the range of double
+/// allows.
 class Roots {
  public:
+  static constexpr double relative_error = 0x1p-30;
+
   constexpr Roots() = default;
   constexpr explicit Roots(double t) : t_{t, t}, count_(1) {}
-  constexpr Roots(double near, double far) : t_{near, far}, count_(2) {}
+  constexpr Roots(double first, double second) : t_{first, second}, count_(2) {}
 
+  [[nodiscard]] constexpr int count() const { return count_; }
+  [[nodiscard]] constexpr double operator[](int i) const { return t_[i]; }
   [[nodiscard]] constexpr const double* begin() const { return t_; }
   [[nodiscard]] constexpr const double* end() const { return t_ + count_; }
 
-  /// The first that lies inside an interval.
+  /// The first that lies inside an interval, each t taken as it is.
   [[nodiscard]] constexpr std::optional<double> first_in(Interval range) const {
     for (const double t : *this)
       if (range.contains(t)) return t;
@@ -31,17 +39,49 @@ class Roots {
   int count_ = 0;
 };
 
-/// The roots of A t² − 2 b t + c = 0 (A.1.1, the simplified form), given its discriminant D = b² − A c, which
-/// the caller often knows without the cancellation of that difference. None where D < 0 or a number is NaN.
-///
-/// b ± √D cancels for one of the signs. The other gives q and the root q/A, and c/q is the second, since the
-/// product of the roots is c/A.
+/// The roots of A t² − 2 b t + c = 0, given q = b ± √(b² − A c) without cancellation: one is q/A, and the
+/// other c/q, since their product is c/A.
+[[nodiscard]] inline Roots roots_from(double A, double c, double q) {
+  const double t1 = c / q, t2 = q / A;
+  return t1 < t2 ? Roots{t1, t2} : Roots{t2, t1};
+}
+
+/// The roots of A t² − 2 b t + c = 0 with A ≠ 0 (A.1.1, the simplified form), given the discriminant D = b² −
+/// A c: for a surface that takes double as good enough. None where D < 0 or a number is NaN.
 [[nodiscard]] inline Roots quadratic_roots(double A, double b, double c, double D) {
   if (!(D >= 0)) return {};
   const double q = b + std::copysign(std::sqrt(D), b);
   if (q == 0) return {0, 0};  // b = 0 and D = 0, so c = 0 too: the line touches at its origin
-  const double t1 = c / q, t2 = q / A;
-  return t1 < t2 ? Roots{t1, t2} : Roots{t2, t1};
+  return roots_from(A, c, q);
+}
+
+/// How a root is worked out when double does not decide: in double-double, or from exact coefficients.
+enum class Precision : std::uint8_t { double_double, exact };
+
+/// The same roots, in double-double, each with a relative error of at most relative_error. From exact
+/// coefficients that is 2^-97; from coefficients in double-double it may be infinity, which says that nothing
+/// could be decided.
+struct RefinedRoots {
+  DoubleDouble t[2];
+  int count = 0;
+  double relative_error = infinity;
+};
+
+/// How often double did not decide, in this thread, since it was last set to {}.
+struct Fallbacks {
+  std::uint64_t double_double = 0;  ///< roots worked out in double-double
+  std::uint64_t exact = 0;          ///< of those, worked out again from exact coefficients
+};
+inline thread_local Fallbacks fallbacks;
+
+/// The sign of a − b for two roots with these relative errors, or 0 if they are too near to each other to
+/// tell.
+[[nodiscard]] inline int order(DoubleDouble a, double a_error, DoubleDouble b, double b_error) {
+  const DoubleDouble difference = a - b;
+  const double uncertain = std::abs(a.hi) * a_error + std::abs(b.hi) * b_error;
+  // The factor covers the roundings of the right side, 3u of it, and of the difference, 3u² of itself, which
+  // leave its sign as it is.
+  return std::abs(difference.hi) > 1.5 * uncertain ? difference.sign() : 0;
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

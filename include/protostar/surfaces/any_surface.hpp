@@ -25,34 +25,47 @@ class AnySurface {
   ~AnySurface() = default;
 
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
-    return held_->intersect(ray, range);
+    const auto crossing = first_crossing(ray, range);
+    return crossing ? std::optional(crossing->t) : std::nullopt;
   }
   [[nodiscard]] Vec3 normal_at(const Point& point) const { return held_->normal_at(point); }
   [[nodiscard]] Departure departure() const { return held_->departure(); }
   void validate() const { held_->validate(); }
 
-  void crossings(const Ray& ray, Interval range, auto&& visit) const {
+  [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
+    return held_->first_crossing(ray, range);
+  }
+  void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
     using Visit = std::remove_reference_t<decltype(visit)>;
-    held_->crossings(ray, range,
-                     {const_cast<void*>(static_cast<const void*>(&visit)),
-                      [](void* function, double t) { (*static_cast<Visit*>(function))(t); }});
+    held_->each_crossing(
+        ray, range,
+        {const_cast<void*>(static_cast<const void*>(&visit)),
+         [](void* function, const Crossing& crossing) { (*static_cast<Visit*>(function))(crossing); }});
+  }
+  [[nodiscard]] RefinedCrossing refine(const Ray& ray, const Crossing& crossing, Precision precision) const {
+    return held_->refine(ray, crossing, precision);
+  }
+  [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
+    return held_->exact_root(ray, crossing);
   }
 
  private:
   /// A function that is called through a pointer, since a virtual function cannot be a template.
   struct Visitor {
     void* function;
-    void (*call)(void* function, double t);
-    void operator()(double t) const { call(function, t); }
+    void (*call)(void* function, const Crossing& crossing);
+    void operator()(const Crossing& crossing) const { call(function, crossing); }
   };
 
   struct Holder {
     virtual ~Holder() = default;
     virtual std::unique_ptr<Holder> copy() const = 0;
-    virtual std::optional<double> intersect(const Ray&, Interval) const = 0;
+    virtual std::optional<Crossing> first_crossing(const Ray&, Interval) const = 0;
+    virtual void each_crossing(const Ray&, Interval, const Visitor&) const = 0;
+    virtual RefinedCrossing refine(const Ray&, const Crossing&, Precision) const = 0;
+    virtual ExactRoot exact_root(const Ray&, const Crossing&) const = 0;
     virtual Vec3 normal_at(const Point&) const = 0;
     virtual Departure departure() const = 0;
-    virtual void crossings(const Ray&, Interval, const Visitor&) const = 0;
     virtual void validate() const = 0;
   };
 
@@ -60,14 +73,20 @@ class AnySurface {
   struct Held final : Holder {
     explicit Held(S s) : surface(std::move(s)) {}
     std::unique_ptr<Holder> copy() const override { return std::make_unique<Held>(surface); }
-    std::optional<double> intersect(const Ray& r, Interval i) const override {
-      return first_crossing(surface, r, i);
+    std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const override {
+      return protostar::first_crossing(surface, ray, range);
+    }
+    void each_crossing(const Ray& ray, Interval range, const Visitor& visit) const override {
+      protostar::each_crossing(surface, ray, range, visit);
+    }
+    RefinedCrossing refine(const Ray& ray, const Crossing& crossing, Precision precision) const override {
+      return protostar::refine(surface, ray, crossing, precision);
+    }
+    ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const override {
+      return protostar::exact_root(surface, ray, crossing);
     }
     Vec3 normal_at(const Point& point) const override { return surface.normal_at(point); }
     Departure departure() const override { return departure_of(surface); }
-    void crossings(const Ray& r, Interval i, const Visitor& v) const override {
-      each_crossing(surface, r, i, v);
-    }
     void validate() const override {
       if constexpr (SurfaceWithValidation<S>) surface.validate();
     }
@@ -78,6 +97,6 @@ class AnySurface {
   std::unique_ptr<Holder> held_;
 };
 
-static_assert(SurfaceWithCrossings<AnySurface> && SurfaceWithDeparture<AnySurface>);
+static_assert(CompositeSurface<AnySurface>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,9 +1,11 @@
 // The set of points x with normal · x = distance.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include "../numeric/plane_roots.hpp"
 #include "../surface.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -17,31 +19,34 @@ struct Plane {
   /// Where a ray crosses the plane, if that is inside the range. A ray parallel to the plane never does, one
   /// that lies in it included, and neither does one that departs from it.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
-    return roots(ray).first_in(range);
+    const auto crossing = first_crossing(*this, ray, range);
+    return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
   /// The unit normal, the same at every point.
-  [[nodiscard]] Vec3 normal_at(const Point&) const { return normalize(normal); }
-
-  /// The crossing of the ray's line: normal · (o + t·d) = distance gives t = (distance − normal·o) /
-  /// normal·d.
-  [[nodiscard]] Roots roots(const Ray& ray) const {
-    const double slope = dot(normal, ray.direction);
-    if (slope == 0 || !std::isfinite(slope) ||
-        (ray.departure.kind == Departure::Kind::plane && ray.departure == departure()))
-      return {};
-    return Roots{(distance - dot(normal, ray.origin)) / slope};
+  [[nodiscard]] Vec3 normal_at(const Point&) const {
+    const Vec3 size = abs(normal);
+    return normalize(normal /
+                     std::max({size.x, size.y, size.z}));  // whose squares neither overflow nor vanish
   }
 
-  /// Planes of one equation are left together. A multiple of an equation is the same plane, so the normal's
-  /// largest component is scaled to 1; the quotients of a plane and of its multiples round alike.
+  /// The crossing of the ray's line; of a ray that departs from the plane, none.
+  [[nodiscard]] Roots roots(const Ray& ray) const {
+    if (is_left_by(ray)) return {};
+    return plane_roots(ray.origin, ray.direction, normal, distance);
+  }
+
+  [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision) const {
+    return refined_plane_roots(ray.origin, ray.direction, normal, distance);
+  }
+
+  [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {
+    return exact_plane_root(ray.origin, ray.direction, normal, distance);
+  }
+
+  /// Planes of one equation, or of multiples of it, are left together.
   [[nodiscard]] Departure departure() const {
-    const Vec3 size = abs(normal);
-    const double largest = size.x >= size.y && size.x >= size.z ? normal.x
-                           : size.y >= size.z                   ? normal.y
-                                                                : normal.z;
-    return {.kind = Departure::Kind::plane,
-            .geometry = {normal.x / largest, normal.y / largest, normal.z / largest, distance / largest}};
+    return {.kind = Departure::Kind::plane, .geometry = {normal.x, normal.y, normal.z, distance}};
   }
 
   /// Throws std::invalid_argument if the normal is 0 or a number is not finite.
@@ -50,8 +55,13 @@ struct Plane {
       throw std::invalid_argument("Plane: normal must be finite and not zero");
     if (!std::isfinite(distance)) throw std::invalid_argument("Plane: distance must be finite");
   }
+
+ private:
+  [[nodiscard]] bool is_left_by(const Ray& ray) const {
+    return ray.departure.kind == Departure::Kind::plane && ray.departure == departure();
+  }
 };
 
-static_assert(SurfaceWithRoots<Plane> && SurfaceWithDeparture<Plane>);
+static_assert(SurfaceWithRefinedRoots<Plane> && SurfaceWithDeparture<Plane>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,82 @@
+// Where a line crosses a plane, as certain as Roots says.
+//
+// A point origin + t·d of the line is on the plane normal · x = distance for t = (distance − normal·origin) /
+// normal·d. Double decides nearly always; where its error bound does not allow that, both parts are evaluated
+// without rounding.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "../vec3.hpp"
+#include "exact_root.hpp"
+#include "roots.hpp"
+#include "scale.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// The root of finite numbers without rounding: A > 0, or A = 0 where the line is parallel to the plane.
+[[nodiscard]] inline ExactRoot exact_plane_root(const Point& origin, const Vec3& direction,
+                                                const Vec3& normal, double distance) {
+  // Powers of two, as for the sphere; the distance is a product of a normal and a length.
+  const int normals = exponent_of({normal}), directions = exponent_of({direction});
+  const int lengths = std::max(exponent_of({origin}), exponent_of({Vec3{distance}}) - normals);
+  const Vec3 n = scaled(normal, -normals), d = scaled(direction, -directions), o = scaled(origin, -lengths);
+  const auto exact_dot = [](const Vec3& v, const Vec3& w) {
+    return Expansion(v.x) * Expansion(w.x) + Expansion(v.y) * Expansion(w.y) +
+           Expansion(v.z) * Expansion(w.z);
+  };
+  const Expansion height = Expansion(std::ldexp(distance, -normals - lengths)) - exact_dot(n, o);
+  const Expansion slope = exact_dot(n, d);
+  const bool negative = slope.sign() < 0;
+  return {.A = negative ? -slope : slope,
+          .b = negative ? -height : height,
+          .D = {},
+          .exponent = lengths - directions};
+}
+
+/// The same in double-double; none where the line is parallel to the plane.
+[[nodiscard]] inline RefinedRoots refined_plane_roots(const Point& origin, const Vec3& direction,
+                                                      const Vec3& normal, double distance) {
+  ++fallbacks.exact;
+  const ExactRoot exact = exact_plane_root(origin, direction, normal, distance);
+  RefinedRoots roots;
+  roots.relative_error = 0x1p-97;  // two conversions and a quotient, of a few u² each
+  if (exact.A.sign() == 0) return roots;
+  const DoubleDouble t = DoubleDouble(exact.b) / DoubleDouble(exact.A);
+  roots.count = 1;
+  roots.t[0] = {std::ldexp(t.hi, exact.exponent), std::ldexp(t.lo, exact.exponent)};
+  return roots;
+}
+
+namespace detail {
+
+/// The root where double does not decide. Numbers that are not finite cross nothing.
+[[nodiscard, gnu::noinline, gnu::cold, gnu::pure]] inline Roots plane_roots_in_doubt(const Point& origin,
+                                                                                     const Vec3& direction,
+                                                                                     const Vec3& normal,
+                                                                                     double distance) {
+  if (!is_finite(origin) || !is_finite(direction) || !is_finite(normal) || !std::isfinite(distance))
+    return {};
+  const RefinedRoots refined = refined_plane_roots(origin, direction, normal, distance);
+  return refined.count == 0 ? Roots{} : Roots{static_cast<double>(refined.t[0])};
+}
+
+}  // namespace detail
+
+/// The root, certified.
+[[nodiscard, gnu::always_inline]] inline Roots plane_roots(const Point& origin, const Vec3& direction,
+                                                           const Vec3& normal, double distance) {
+  const double height = distance - dot(normal, origin);
+  const double slope = dot(normal, direction);
+  // The errors are at most 4u and 3u (u = 2^-53) of the sums of the sizes of the terms. Above 2^-19 of these
+  // sums, each part is good to 2^-32; in the range given, underflow adds nothing to speak of.
+  const double heights = std::abs(distance) + dot(abs(normal), abs(origin));
+  const double slopes = dot(abs(normal), abs(direction));
+  if (std::abs(height) > 0x1p-19 * heights && std::abs(slope) > 0x1p-19 * slopes && 0x1p-900 < heights &&
+      heights < 0x1p900 && 0x1p-900 < slopes && slopes < 0x1p900)
+    return Roots{height / slope};
+  return detail::plane_roots_in_doubt(origin, direction, normal, distance);
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

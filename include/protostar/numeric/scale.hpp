@@ -1,0 +1,28 @@
+// Powers of two that bring numbers of any size to about 1, without rounding.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+
+#include "../vec3.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// The exponent e that brings the largest component of some vectors, times 2^-e, into [1/2, 1); if all are 0,
+/// less than that of any double.
+[[nodiscard]] inline int exponent_of(std::initializer_list<Vec3> vectors) {
+  double largest = 0;
+  for (const Vec3& v : vectors) largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  if (largest == 0) return -2000;
+  int exponent = 0;
+  std::frexp(largest, &exponent);
+  return exponent;
+}
+
+/// v · 2^exponent.
+[[nodiscard]] inline Vec3 scaled(const Vec3& v, int exponent) {
+  return {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

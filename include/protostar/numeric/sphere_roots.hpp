@@ -1,0 +1,258 @@
+// Where a line crosses a sphere: exactly whether, and t as certain as Roots says (§2.2.4, A.1.1).
+//
+// With l = center − origin, a point origin + t·d of the line is on the sphere where |t·d − l|² = r², that is
+//   A t² − 2 b t + c = 0   with   A = d·d,  b = d·l,  c = l·l − r².
+// A line that starts on the sphere has c = 0 by definition, whatever its digits say; its roots are 0 and
+// 2b/A, and only the second is a crossing that it does not come from.
+//
+// Double decides nearly always. Where its error bound does not allow that, the same equation is evaluated in
+// double-double, and where that does not decide either, in exact arithmetic. docs/numerics.md derives the
+// bounds, in units of u = 2^-53.
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "../vec3.hpp"
+#include "exact_root.hpp"
+#include "roots.hpp"
+#include "scale.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+namespace detail {
+
+/// A line and a sphere in numbers of about 1, brought there by powers of two, so that no product leaves the
+/// range of double. Bits may fall below 2^-1074, and exactness with them, only where numbers of very
+/// different size meet; docs/numerics.md says which.
+struct ScaledSphere {
+  DoubleDouble l[3];  ///< center − origin, without rounding
+  Vec3 direction;
+  double radius;
+  int exponent;  ///< t is 2^exponent times what it is in these numbers
+
+  ScaledSphere(Point origin, const Vec3& d, Point center, double r) {
+    // The difference of the largest doubles is to stay one.
+    const int down = exponent_of({origin, center}) > 1000 ? -100 : 0;
+    origin = scaled(origin, down), center = scaled(center, down);
+    const Vec3 rounded = center - origin;
+    const int lengths = exponent_of({rounded, Vec3{std::ldexp(r, down)}}), directions = exponent_of({d});
+    for (int i = 0; i < 3; ++i) {
+      const DoubleDouble exact = two_sum(center[i], -origin[i]);
+      l[i] = {std::ldexp(exact.hi, -lengths), std::ldexp(exact.lo, -lengths)};
+    }
+    radius = std::ldexp(r, down - lengths);
+    direction = scaled(d, -directions);
+    exponent = lengths - down - directions;
+  }
+
+  /// |l|² + r², to double precision.
+  [[nodiscard]] double size() const {
+    return l[0].hi * l[0].hi + l[1].hi * l[1].hi + l[2].hi * l[2].hi + radius * radius;
+  }
+
+  [[nodiscard]] DoubleDouble scaled_back(DoubleDouble t) const {
+    return {std::ldexp(t.hi, exponent), std::ldexp(t.lo, exponent)};
+  }
+};
+
+/// The coefficients of the equation in a number type T: double-double, or exact.
+template <class T>
+struct SphereEquation {
+  T A, b, c;
+
+  explicit SphereEquation(const ScaledSphere& s) {
+    const T lx = T(s.l[0].hi) + T(s.l[0].lo), ly = T(s.l[1].hi) + T(s.l[1].lo),
+            lz = T(s.l[2].hi) + T(s.l[2].lo);
+    const T dx = s.direction.x, dy = s.direction.y, dz = s.direction.z, r = s.radius;
+    A = dx * dx + dy * dy + dz * dz;
+    b = dx * lx + dy * ly + dz * lz;
+    c = lx * lx + ly * ly + lz * lz - r * r;
+  }
+
+  [[nodiscard]] T discriminant() const { return b * b - A * c; }
+};
+
+/// The roots of a line of finite numbers with direction ≠ 0, from coefficients in double-double.
+[[nodiscard]] inline RefinedRoots refined_from(const ScaledSphere& s, DoubleDouble A, DoubleDouble b,
+                                               DoubleDouble c, DoubleDouble D, double relative_error) {
+  RefinedRoots roots;
+  roots.relative_error = relative_error;
+  if (D.sign() < 0) return roots;
+  const DoubleDouble q = b.sign() < 0 ? b - sqrt(D) : b + sqrt(D);
+  // One root is q/A, and the other c/q, since their product is c/A. Where q is 0, so are D, b and c.
+  const DoubleDouble t1 = q.sign() == 0 ? DoubleDouble() : c / q, t2 = q / A;
+  const bool in_order = (t2 - t1).sign() >= 0;
+  roots.count = 2;
+  roots.t[0] = s.scaled_back(in_order ? t1 : t2);
+  roots.t[1] = s.scaled_back(in_order ? t2 : t1);
+  return roots;
+}
+
+}  // namespace detail
+
+/// The roots of a line of finite numbers with direction ≠ 0, in double-double: good to 2^-58 or undecided, or
+/// from exact coefficients.
+[[nodiscard]] inline RefinedRoots refined_sphere_roots(const Point& origin, const Vec3& direction,
+                                                       const Point& center, double radius,
+                                                       Precision precision) {
+  const detail::ScaledSphere s(origin, direction, center, radius);
+  if (precision == Precision::exact) {
+    ++fallbacks.exact;
+    const detail::SphereEquation<Expansion> e(s);
+    // The coefficients and D are good to 2^-103 each, and so a sum, a root and a quotient of them to 2^-97.
+    return detail::refined_from(s, DoubleDouble(e.A), DoubleDouble(e.b), DoubleDouble(e.c),
+                                DoubleDouble(e.discriminant()), 0x1p-97);
+  }
+  ++fallbacks.double_double;
+  const detail::SphereEquation<DoubleDouble> e(s);
+  const DoubleDouble D = e.discriminant();
+  const double w = s.size(), Aw = e.A.hi * w;
+  // The error of c is at most 16u² w, that of b 12u² √(A w), and that of D 66u² A w < 2^-99 A w. For |c| >
+  // 2^-40 w that of c is below 2^-62 |c|, and since b² or D is at least A|c|, q > 2^-21 √(A w), so that the
+  // error of b is below 2^-80 |q|; for √D·|q| > 2^-39 A w that of √D, which is that of D over 2√D, is below
+  // 2^-60 |q|. All of them together stay below 2^-58.
+  const double root = std::sqrt(D.hi), q = std::abs(e.b.hi) + root;
+  const bool misses = D.hi < -0x1p-98 * Aw;
+  const bool meets = D.hi > 0x1p-98 * Aw && root * q > 0x1p-39 * Aw && std::abs(e.c.hi) > 0x1p-40 * w;
+  if (!misses && !meets) return {};
+  return detail::refined_from(s, e.A, e.b, e.c, D, 0x1p-58);
+}
+
+/// The root 2b/A of a line that starts on the sphere, likewise.
+[[nodiscard]] inline RefinedRoots refined_sphere_root_leaving(const Point& origin, const Vec3& direction,
+                                                              const Point& center, double radius,
+                                                              Precision precision) {
+  const detail::ScaledSphere s(origin, direction, center, radius);
+  const auto root = [&](DoubleDouble A, DoubleDouble b, double relative_error) {
+    RefinedRoots roots;
+    roots.relative_error = relative_error;
+    roots.count = 1;
+    roots.t[0] = s.scaled_back(DoubleDouble(2) * b / A);
+    return roots;
+  };
+  if (precision == Precision::exact) {
+    ++fallbacks.exact;
+    const detail::SphereEquation<Expansion> e(s);
+    return root(DoubleDouble(e.A), DoubleDouble(e.b), 0x1p-97);
+  }
+  ++fallbacks.double_double;
+  const detail::SphereEquation<DoubleDouble> e(s);
+  if (!(std::abs(e.b.hi) > 0x1p-40 * std::sqrt(e.A.hi * s.size()))) return {};
+  return root(e.A, e.b, 0x1p-58);  // the error of b is at most 12u² |d||l| < 2^-62 |b|
+}
+
+/// One of the roots of a line that meets the sphere, without rounding; 0 is the near one, 1 the far one.
+[[nodiscard]] inline ExactRoot exact_sphere_root(const Point& origin, const Vec3& direction,
+                                                 const Point& center, double radius, int root) {
+  const detail::ScaledSphere s(origin, direction, center, radius);
+  const detail::SphereEquation<Expansion> e(s);
+  return {.A = e.A, .b = e.b, .D = e.discriminant(), .sign = root == 0 ? -1 : 1, .exponent = s.exponent};
+}
+
+/// The root 2b/A, likewise.
+[[nodiscard]] inline ExactRoot exact_sphere_root_leaving(const Point& origin, const Vec3& direction,
+                                                         const Point& center, double radius) {
+  const detail::ScaledSphere s(origin, direction, center, radius);
+  const detail::SphereEquation<Expansion> e(s);
+  return {.A = e.A, .b = e.b + e.b, .D = {}, .exponent = s.exponent};
+}
+
+namespace detail {
+
+/// The roots where double does not decide, from the refined ones. Numbers that are not finite, and a
+/// direction of 0, cross nothing.
+[[nodiscard]] inline Roots rounded_roots(const Point& origin, const Vec3& direction, const Point& center,
+                                         double radius, const auto& refine) {
+  if (!is_finite(origin) || !is_finite(direction) || !is_finite(center) || !std::isfinite(radius) ||
+      direction == Vec3{0})
+    return {};
+  RefinedRoots refined = refine(origin, direction, center, radius, Precision::double_double);
+  if (!(refined.relative_error < Roots::relative_error))
+    refined = refine(origin, direction, center, radius, Precision::exact);
+  if (refined.count == 0) return {};
+  if (refined.count == 1) return Roots{static_cast<double>(refined.t[0])};
+  return {static_cast<double>(refined.t[0]), static_cast<double>(refined.t[1])};
+}
+
+/// Added to the error of a discriminant, or of b: more than all underflows together, of 2^-1075 (4A + 3|c| +
+/// 6|b| + 2), wherever A < 2^150 and rounding is not larger still.
+inline constexpr double underflow = 0x1p-900;
+
+/// Whether the square of a direction neither underflows nor takes the products with it out of the range of
+/// double.
+[[nodiscard]] inline bool in_range(double A) { return 0x1p-150 < A && A < 0x1p150; }
+
+/// Errors below this belong to discriminants whose products are all far from overflow.
+inline constexpr double overflow = 0x1p900;
+
+/// The roots from the coefficients and the discriminant, which has an error of at most E; nothing if that
+/// does not certify them. Of b ± √D, q is the one without cancellation; one root is q/A, and the other c/q,
+/// since their product is c/A.
+///
+/// The error of c is at most 7u w, below 2^-32 |c| here, and that of √D at most E/(1.86 √D), since the true D
+/// is at least ¾ of this one: below 2^-31.8 |q|. |c| > 2^-18 w also makes q larger than 2^-10 √(A w), so that
+/// the error of b, 4u √(A w), is of no account.
+[[nodiscard, gnu::always_inline]] inline std::optional<Roots> certified_roots(double A, double b, double c,
+                                                                              double w, double D, double E) {
+  const double root = std::sqrt(D);
+  const double q = b + std::copysign(root, b);
+  if (!(D > 4 * E && E < overflow && root * std::abs(q) > 0x1p31 * E && std::abs(c) > 0x1p-18 * w))
+    return std::nullopt;
+  return roots_from(A, c, q);
+}
+
+/// The roots where b² − A c does not tell.
+[[nodiscard, gnu::noinline, gnu::cold, gnu::pure]] inline Roots sphere_roots_in_doubt(Point origin,
+                                                                                      Vec3 direction,
+                                                                                      Point center,
+                                                                                      double radius) {
+  const Vec3 l = center - origin;
+  const double A = dot(direction, direction), b = dot(direction, l), ll = dot(l, l), rr = radius * radius;
+  if (in_range(A)) {
+    // By Lagrange's identity D = A r² − |l × d|², which does not cancel where the center is far away. A line
+    // that meets the sphere has an error here of at most 9u A r s + 15u² A s², s = |l| + r; one that does
+    // not, comes out no higher.
+    const Vec3 moment = cross(l, direction);
+    const double r = std::abs(radius), size = std::sqrt(ll) + r;
+    const double D = A * rr - dot(moment, moment);
+    const double E = 0x1p-49 * A * size * (r + 0x1p-45 * size) + underflow;
+    if (D < -E && E < overflow) return {};
+    if (const auto roots = certified_roots(A, b, ll - rr, ll + rr, D, E)) return *roots;
+  }
+  return rounded_roots(origin, direction, center, radius, refined_sphere_roots);
+}
+
+}  // namespace detail
+
+/// The roots, certified.
+[[nodiscard, gnu::always_inline]] inline Roots sphere_roots(const Point& origin, const Vec3& direction,
+                                                            const Point& center, double radius) {
+  const Vec3 l = center - origin;
+  const double A = dot(direction, direction), b = dot(direction, l);
+  const double ll = dot(l, l), rr = radius * radius, c = ll - rr, w = ll + rr;
+  const double D = b * b - A * c;
+  // The error of D is below 21u A w, underflow apart; if A c overflows, A w and with it the error do so too.
+  const double E = 0x1p-48 * (A * w) + detail::underflow;
+  if (detail::in_range(A)) {
+    if (D < -E) return {};
+    if (const auto roots = detail::certified_roots(A, b, c, w, D, E)) return *roots;
+  }
+  return detail::sphere_roots_in_doubt(origin, direction, center, radius);
+}
+
+/// The root of a line that starts on the sphere, certified: the one that it does not come from.
+[[nodiscard]] inline Roots sphere_root_leaving(const Point& origin, const Vec3& direction,
+                                               const Point& center, double radius) {
+  const Vec3 l = center - origin;
+  const double size = std::abs(l.x) + std::abs(l.y) + std::abs(l.z) + std::abs(radius);
+  const double sum = std::abs(direction.x) + std::abs(direction.y) + std::abs(direction.z);
+  const double A = dot(direction, direction), b = dot(direction, l);
+  // The error of b is at most 4u |d||l|, hence below 2^-32 |b| here.
+  if (std::abs(b) > 0x1p-19 * sum * size + detail::underflow && std::abs(b) < detail::overflow &&
+      detail::in_range(A))
+    return Roots{2 * b / A};
+  return detail::rounded_roots(origin, direction, center, radius, refined_sphere_root_leaving);
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,85 @@
+// Pictures of two scenes through every integrator: the same bytes, whoever compiled this, for which processor
+// and at which level, and for any number of threads.
+//
+//   pictures FOLDER THREADS
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <protostar/protostar.hpp>
+#include <scenes/three_spheres.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+using namespace protostar;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A floor, a wall that is the same plane as a board on it, and spheres that stand on the floor, touch and
+/// coincide.
+Scene<Sphere, Plane, AnySurface> room() {
+  Scene<Sphere, Plane, AnySurface> scene;
+  scene.add(Sphere{.center = {0, 0, 4}, .radius = 1}, Color{0.9f, 0.2f, 0.1f});
+  scene.add(Sphere{.center = {2, 0, 4}, .radius = 1}, Color{0.3f, 0.8f, 0.2f});
+  scene.add(Sphere{.center = {0, 0, 4}, .radius = 1}, Color{0.5f, 0.5f, 0.6f});
+  scene.add(Sphere{.center = {-1.7, -0.25, 3.1}, .radius = -0.75}, Color{0.7f, 0.6f, 0.1f});
+  scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, Color{0.6f, 0.6f, 0.6f});
+  scene.add(Plane{.normal = {0, 3, 0}, .distance = -3}, Color{0.2f, 0.4f, 0.8f});
+  scene.add(Plane{.normal = {0.1, 0.2, -1}, .distance = -9}, Color{0.8f, 0.7f, 0.7f});
+  scene.add(AnySurface(Sphere{.center = {0.5, 1.3, 3}, .radius = 0.4}), Color{0.1f, 0.9f, 0.9f});
+  scene.add(AnySurface(Plane{.normal = {1, 0.01, 0}, .distance = 3.3}), Color{0.9f, 0.9f, 0.4f});
+  scene.add(PointLight{.position = {1, 4, 1}, .power = Color{300, 290, 250}});
+  scene.add(PointLight{.position = {-2, 2.5, 0}, .power = Color{50, 60, 80}});
+  return scene;
+}
+
+void save_pictures(const fs::path& folder, const std::string& name, const auto& scene,
+                   const RenderOptions& options) {
+  const auto save = [&](const std::string& what, const auto& integrator) {
+    Image image(160, 120);
+    render(image, Camera{}, scene, integrator, options);
+    save_pfm(image, folder / (name + "_" + what + ".pfm"));
+    if (what != "shadow") return;
+    save_ppm(image, folder / (name + "_8.ppm"));
+    save_ppm(image, folder / (name + "_16.ppm"), Gamma{}, {.bits = 16});
+  };
+  save("binary", BinaryIntegrator{});
+  save("depth", DepthIntegrator{});
+  save("normal", NormalIntegrator{});
+  save("color", ColorIntegrator{});
+  save("diffuse", DiffuseIntegrator{});
+  save("transparency", TransparencyIntegrator{});
+  save("shadow", ShadowIntegrator{});
+}
+
+/// What the pictures are made of, in double, where a difference shows that they mostly round away.
+void save_hits(const fs::path& path, const auto& scene) {
+  std::vector<double> numbers;
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x)
+      scene.crossings(Camera{}.through_pixel(x, y, 160, 120), Interval{}, [&](const Intersection& hit) {
+        const Point point = hit.point();
+        const Vec3 normal = hit.normal();
+        numbers.insert(numbers.end(),
+                       {hit.t, hit.refined(), point.x, point.y, point.z, normal.x, normal.y, normal.z});
+      });
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(numbers.data()),
+             static_cast<std::streamsize>(numbers.size() * sizeof(double)));
+  if (!file.flush()) throw std::runtime_error("cannot write " + path.string());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 3) return 2;
+  const fs::path folder = argv[1];
+  const RenderOptions options{.threads = std::atoi(argv[2])};
+  fs::create_directories(folder);
+  save_pictures(folder, "three_spheres", three_spheres(), options);
+  save_pictures(folder, "room", room(), options);
+  save_hits(folder / "three_spheres.hits", three_spheres());
+  save_hits(folder / "room.hits", room());
+}

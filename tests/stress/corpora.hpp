@@ -1,0 +1,239 @@
+// Rays and surfaces that are hard, of one kind in each corpus.
+#pragma once
+
+#include <protostar/camera.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+#include <utility>
+#include <vector>
+
+#include "support/random.hpp"
+
+template <class S>
+struct Case {
+  protostar::Ray ray;
+  S surface;
+};
+
+template <class S>
+struct Corpus {
+  const char* name;
+  Case<S> (*next)(Random&);
+};
+
+// The order in which the operands of a sum or the arguments of a call are evaluated is the compiler's choice,
+// so that a statement draws no more than one random number, unless braces set the order.
+namespace corpora {
+
+using protostar::Plane, protostar::Point, protostar::Ray, protostar::Sphere, protostar::Vec3;
+using SphereCase = Case<Sphere>;
+using PlaneCase = Case<Plane>;
+
+inline int whole(Random& random, int min, int max) {
+  return min + static_cast<int>(random.bits() % static_cast<std::uint64_t>(max - min + 1));
+}
+inline bool coin(Random& random) { return (random.bits() & 1) != 0; }
+
+/// A number whose logarithm is uniform: 2^min to 2^max.
+inline double size(Random& random, int min, int max) {
+  const double mantissa = random.real(1, 2);
+  return std::ldexp(mantissa, whole(random, min, max - 1));
+}
+
+/// ± 2^-k with k in [min, max].
+inline double tiny(Random& random, int min, int max) {
+  const double sign = coin(random) ? 1 : -1;
+  return std::ldexp(sign, -whole(random, min, max));
+}
+
+/// A unit vector at a right angle to another, to within rounding.
+inline Vec3 across(Random& random, const Vec3& d) { return normalize(cross(random.direction(), d)); }
+
+/// A ray of unit direction that passes the center at a distance of impact, after about t = ahead.
+inline Ray passing(Random& random, const Point& center, double impact, double ahead) {
+  const Vec3 d = random.direction();
+  const Point origin = center + impact * across(random, d) - ahead * d;
+  return {origin, d};
+}
+
+// ---- Spheres
+
+inline SphereCase tutorial(Random& random) {
+  static constexpr Sphere spheres[] = {{{0, 0, 3}, 1}, {{-1.5, 0, 5}, 1}, {{0, -1001, 3}, 1000}};
+  return {protostar::Camera{}.through_pixel(whole(random, 0, 639), whole(random, 0, 479), 640, 480),
+          spheres[whole(random, 0, 2)]};
+}
+
+/// Radius and distance of any size, each apart from the other.
+inline SphereCase scales(Random& random) {
+  const double r = size(random, -100, 100), distance = size(random, -100, 100);
+  const double impact = r * random.real(0, 1.2);
+  return {passing(random, Point{0}, impact, coin(random) ? distance : -distance), {Point{0}, r}};
+}
+
+/// An impact parameter of r (1 ± 2^-k).
+inline SphereCase grazing(Random& random) {
+  const double r = size(random, -10, 10), ahead = r * size(random, -3, 10);
+  const Point center = coin(random) ? Point{0} : random.point(r);
+  const double impact = r * (1 + tiny(random, 1, 50));
+  return {passing(random, center, impact, ahead), {center, r}};
+}
+
+/// Inside, on and next to the sphere.
+inline SphereCase origins(Random& random) {
+  const double r = size(random, -10, 10);
+  const Sphere sphere{coin(random) ? Point{0} : random.point(r), r};
+  const double off = tiny(random, 10, 54), inside = random.real(0, 1);
+  const double from_center = coin(random) ? inside : coin(random) ? 1 : 1 + off;
+  return {{sphere.center + r * from_center * random.direction(), random.direction()}, sphere};
+}
+
+inline SphereCase far_away(Random& random) {
+  const double r = size(random, -10, 10);
+  const double far = r * size(random, 0, 40), ahead = r * size(random, -3, 10),
+               impact = r * random.real(0, 1.2);
+  const Point center = random.point(far);
+  return {passing(random, center, impact, ahead), {center, r}};
+}
+
+inline Vec3 whole_vector(Random& random, int min, int max) {
+  const int x = whole(random, min, max), y = whole(random, min, max);
+  return {x, y, whole(random, min, max)};
+}
+
+inline Vec3 turned(const Vec3& v, int times) {
+  return times == 0 ? v : times == 1 ? Vec3{v.y, v.z, v.x} : Vec3{v.z, v.x, v.y};
+}
+
+/// One coordinate moved by one unit in the last place, now and then.
+inline void nudge(Random& random, Point& point) {
+  double& moved = point[whole(random, 0, 2)];
+  if (moved != 0 && whole(random, 0, 2) == 0) moved = std::nextafter(moved, coin(random) ? 1e9 : -1e9);
+}
+
+/// Whole numbers that make the line touch exactly, but for a nudge.
+inline SphereCase tangents(Random& random) {
+  const int k = whole(random, 1, 50), times = whole(random, 0, 2);
+  // (3, 4, 0) is 5 long and at a right angle to (-4, 3, z).
+  const Vec3 d = turned({-4, 3, whole(random, -9, 9)}, times), radius = turned({3 * k, 4 * k, 0}, times);
+  const Point center = whole_vector(random, -99, 99);
+  const double ahead = whole(random, -9, 99);
+  Point origin = center + radius - ahead * d;
+  nudge(random, origin);
+  const double unit = std::ldexp(1, whole(random, -30, 30));
+  return {{unit * origin, std::ldexp(1, whole(random, -30, 30)) * d}, {unit * center, unit * (5 * k)}};
+}
+
+/// Directions that are not of unit length.
+inline SphereCase directions(Random& random) {
+  SphereCase c = grazing(random);
+  c.surface.radius *= random.real(0.8, 1.2);
+  c.ray.direction *= size(random, -10, 10);
+  return c;
+}
+
+/// Rays to a point of the sphere: t = 1 to within rounding.
+inline SphereCase ends(Random& random) {
+  const double r = size(random, -10, 10);
+  const Sphere sphere{coin(random) ? Point{0} : random.point(10 * r), r};
+  const Point target = sphere.center + r * random.direction();
+  const Point origin = sphere.center + random.point(3 * r);
+  return {{origin, target - origin}, sphere};
+}
+
+/// Rays to a whole point of the sphere: t = 1 exactly, but for a nudge; across, it moves t by about 2^-100.
+inline SphereCase whole_ends(Random& random) {
+  const int k = whole(random, 1, 50), times = whole(random, 0, 2);
+  const Point center = whole_vector(random, -99, 99);
+  const Vec3 radius = coin(random) ? Vec3{5 * k, 0, 0} : Vec3{3 * k, 4 * k, 0};
+  Point target = center + turned(radius, times);
+  nudge(random, target);
+  const Point origin = center + whole_vector(random, -99, 99);
+  if (origin == target) return whole_ends(random);
+  return {{origin, target - origin}, {center, 5.0 * k}};
+}
+
+/// Rays that leave the sphere, outwards, inwards and along it.
+inline SphereCase leaving(Random& random) {
+  const double r = size(random, -20, 20), far = r * size(random, 0, 20), slope = tiny(random, 1, 60);
+  const Sphere sphere{coin(random) ? Point{0} : random.point(far), r};
+  const Vec3 normal = random.direction();
+  const Vec3 d = coin(random) ? random.direction() : across(random, normal) + slope * normal;
+  return {{sphere.center + r * normal, size(random, -10, 10) * d, sphere.departure()}, sphere};
+}
+
+/// Sizes whose squares or products leave the range of double.
+inline SphereCase exponents(Random& random) {
+  SphereCase c = coin(random) ? grazing(random) : coin(random) ? tangents(random) : far_away(random);
+  const int lengths = whole(random, -950, 950), lengthened = whole(random, -900, 900);
+  const double unit = std::ldexp(1, lengths);
+  if (std::abs(lengths - lengthened) > 950) return exponents(random);
+  return {{unit * c.ray.origin, std::ldexp(1, lengthened) * c.ray.direction},
+          {unit * c.surface.center, unit * c.surface.radius}};
+}
+
+// ---- Planes
+
+inline PlaneCase planes(Random& random) {
+  const double far = size(random, -10, 10), length = size(random, -10, 10);
+  const Point origin = random.point(far);
+  const Vec3 direction = random.direction(), normal = length * random.direction();
+  return {{origin, direction}, {normal, random.real(-10, 10)}};
+}
+
+/// Directions that are all but parallel to the plane.
+inline PlaneCase planes_grazing(Random& random) {
+  PlaneCase c = planes(random);
+  const double length = size(random, -10, 10), slope = tiny(random, 1, 60);
+  c.ray.direction = length * (across(random, c.surface.normal) + slope * normalize(c.surface.normal));
+  return c;
+}
+
+/// Origins far from the coordinate origin, on and next to the plane.
+inline PlaneCase planes_far(Random& random) {
+  PlaneCase c = planes(random);
+  const double far = size(random, 0, 40), off = tiny(random, 10, 54);
+  c.ray.origin = random.point(far);
+  c.surface.distance = dot(c.surface.normal, c.ray.origin) * (coin(random) ? 1 : 1 + off);
+  return c;
+}
+
+/// Small whole numbers: origins in the plane, directions along it, and t = 1; but for a nudge.
+inline PlaneCase planes_whole(Random& random) {
+  PlaneCase c{{whole_vector(random, -2, 2), whole_vector(random, -2, 2)}, {whole_vector(random, -2, 2), 0}};
+  c.surface.distance = whole(random, -2, 2);
+  nudge(random, c.ray.origin), nudge(random, c.ray.direction), nudge(random, c.surface.normal);
+  return c.surface.normal == Vec3{0} || c.ray.direction == Vec3{0} ? planes_whole(random) : c;
+}
+
+inline PlaneCase planes_ends(Random& random) {
+  PlaneCase c = planes(random);
+  const Point target = random.point(10);
+  c.surface.distance = dot(c.surface.normal, target);
+  c.ray.direction = target - c.ray.origin;
+  return c;
+}
+
+inline PlaneCase planes_exponents(Random& random) {
+  PlaneCase c = coin(random)   ? planes_far(random)
+                : coin(random) ? planes_grazing(random)
+                               : planes_whole(random);
+  const int lengths = whole(random, -900, 900), lengthened = whole(random, -900, 900),
+            normals = whole(random, -900, 900);
+  if (std::abs(lengths - lengthened) > 900 || std::abs(lengths + normals) > 900)
+    return planes_exponents(random);
+  return {{std::ldexp(1, lengths) * c.ray.origin, std::ldexp(1, lengthened) * c.ray.direction},
+          {std::ldexp(1, normals) * c.surface.normal, std::ldexp(c.surface.distance, lengths + normals)}};
+}
+
+inline const std::vector<Corpus<Sphere>> of_spheres{
+    {"tutorial", tutorial},     {"scales", scales},     {"grazing", grazing},       {"origins", origins},
+    {"far", far_away},          {"tangents", tangents}, {"directions", directions}, {"ends", ends},
+    {"whole ends", whole_ends}, {"leaving", leaving},   {"exponents", exponents}};
+
+inline const std::vector<Corpus<Plane>> of_planes{
+    {"planes", planes},           {"planes grazing", planes_grazing},
+    {"planes far", planes_far},   {"planes whole", planes_whole},
+    {"planes ends", planes_ends}, {"planes exponents", planes_exponents}};
+
+}  // namespace corpora
