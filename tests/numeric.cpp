@@ -1,12 +1,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/integrators/transparency.hpp>
 #include <protostar/numeric/expansion.hpp>
+#include <protostar/render.hpp>
 #include <protostar/scene.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <vector>
 
+#include "scenes/three_spheres.hpp"
 #include "stress/exact.hpp"
 #include "support/catch.hpp"
 #include "support/random.hpp"
@@ -323,4 +327,14 @@ TEST_CASE("an expansion is the number that it stands for, and converts to within
   CHECK(Expansion(0).sign() == 0);
   CHECK((Expansion(1) - Expansion(1)).sign() == 0);
   CHECK((Expansion(1) + Expansion(0x1p-200) - Expansion(1)).sign() == 1);
+}
+
+TEST_CASE("the pictures of glass and of shadows need nothing beyond double") {
+  const auto scene = three_spheres();
+  Image image(320, 240);
+  fallbacks = {};
+  render(image, Camera{}, scene, TransparencyIntegrator{}, {.threads = 1});
+  render(image, Camera{}, scene, ShadowIntegrator{}, {.threads = 1});
+  CHECK(fallbacks.double_double == 0);
+  CHECK(fallbacks.exact == 0);
 }
