@@ -153,3 +153,11 @@ TEST_CASE("an exponent that is not finite and greater than 0 is refused") {
     CHECK_THAT(message_of<std::invalid_argument>([&] { Encoder(Gamma{bad}, 255); }),
                ContainsSubstring("Gamma: exponent"));
 }
+
+TEST_CASE("an encoder is for codes from 0 to at most 65535") {
+  CHECK_THROWS_AS(Encoder(Linear{}, 0), std::invalid_argument);
+  CHECK_THROWS_AS(Encoder(Linear{}, -1), std::invalid_argument);
+  CHECK_THROWS_AS(Encoder(Linear{}, 65536), std::invalid_argument);
+  CHECK(Encoder(Linear{}, 1)(0.5f) == 1);
+  CHECK(Encoder(Linear{}, 1)(0.49f) == 0);
+}

@@ -73,9 +73,11 @@ template <class Curve>
 /// 8-bit sRGB no bin has another; where one has, they are searched.
 class Encoder {
  public:
-  /// max_code is 255 or 65535. Throws std::invalid_argument for a gamma that is not finite and greater than
-  /// 0.
+  /// max_code is what a file's format has: 255, 65535, or another from 1 to 65535. Throws
+  /// std::invalid_argument for any other, and for a gamma that is not finite and greater than 0.
   Encoder(const Transfer& transfer, int max_code) {
+    if (max_code < 1 || max_code > 65535)
+      throw std::invalid_argument("Encoder: max_code must be from 1 to 65535");
     if (const auto* gamma = std::get_if<Gamma>(&transfer))
       if (!(gamma->exponent > 0 && std::isfinite(gamma->exponent)))
         throw std::invalid_argument("Gamma: exponent must be finite and greater than 0");

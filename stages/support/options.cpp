@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <protostar/image.hpp>
 #include <protostar/version.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -50,6 +51,14 @@ Transfer read_transfer(std::string_view text) {
         exponent && *exponent > 0 && std::isfinite(*exponent))
       return Gamma{*exponent};
   refuse("--transfer", text, "srgb, linear or gamma=G with a number G greater than 0");
+}
+
+std::string name_of(const Transfer& transfer) {
+  if (std::holds_alternative<Srgb>(transfer)) return "srgb";
+  if (std::holds_alternative<Linear>(transfer)) return "linear";
+  std::ostringstream name;
+  name << "gamma=" << std::get<Gamma>(transfer).exponent;
+  return name.str();
 }
 
 int read_whole(const std::string& option, std::string_view text, bool (*is_allowed)(int),
@@ -105,11 +114,15 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   app.add_option("--threads", threads, "How many work on it; 0: all cores [0]")->type_name("N");
   app.add_option("--bits", bits, "Bits per channel of a .ppm: 8 or 16 [8]")->type_name("8|16");
   app.add_option("--transfer", transfer,
-                 "How light becomes numbers: the sRGB curve, as it is, or its G-th root")
+                 "How light becomes numbers: the sRGB curve, as it is, or its G-th root [" +
+                     name_of(defaults.transfer) + "]")
       ->type_name("srgb|linear|gamma=G");
   for (std::size_t i = 0; i < numbers.size(); ++i)
     app.add_option(options.numbers[i].name, numbers[i], options.numbers[i].help)->type_name("X");
-  app.add_flag("--plain", options.plain, "Write the .ppm as decimal numbers (P3)")->disable_flag_override();
+  app.add_flag("--plain", options.plain,
+               std::string("Write the .ppm as decimal numbers (P3)") +
+                   (defaults.plain ? ", as here without it" : ""))
+      ->disable_flag_override();
   app.add_flag("--quiet", options.quiet, "Print nothing but errors")->disable_flag_override();
   app.failure_message([](const CLI::App* of, const CLI::Error& error) {
     return of->get_name() + ": " + error.what() + "\nRun with --help for what is allowed.\n";
