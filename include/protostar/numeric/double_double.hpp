@@ -71,7 +71,7 @@ struct DoubleDouble {
   const DoubleDouble high = two_product(a.hi, b.hi);
   return fast_two_sum(high.hi, high.lo + std::fma(a.hi, b.lo, a.lo * b.hi));
 }
-[[nodiscard]] inline DoubleDouble operator/(DoubleDouble a, DoubleDouble b) {
+[[nodiscard, gnu::noinline]] inline DoubleDouble operator/(DoubleDouble a, DoubleDouble b) {
   // Long division, two digits of 53 bits and a third to round the second.
   const double first = a.hi / b.hi;
   DoubleDouble rest = a - b * first;
@@ -80,7 +80,7 @@ struct DoubleDouble {
   return fast_two_sum(first, second) + DoubleDouble(rest.hi / b.hi);
 }
 /// √a for a ≥ 0: the double root s and one Newton step, (a − s²) / 2s.
-[[nodiscard]] inline DoubleDouble sqrt(DoubleDouble a) {
+[[nodiscard, gnu::noinline]] inline DoubleDouble sqrt(DoubleDouble a) {
   const double s = std::sqrt(a.hi);
   if (!(s > 0)) return {};
   return fast_two_sum(s, (a - two_product(s, s)).hi / (2 * s));

@@ -19,8 +19,8 @@ struct ExactRoot {
 namespace detail {
 
 /// The sign of P + x√X + y√Y for x and y of 1 or -1, and X, Y ≥ 0.
-[[nodiscard]] inline int sign_of_sum(const Expansion& P, int x, const Expansion& X, int y,
-                                     const Expansion& Y) {
+[[nodiscard, gnu::cold, gnu::noinline]] inline int sign_of_sum(const Expansion& P, int x, const Expansion& X,
+                                                               int y, const Expansion& Y) {
   const int p = P.sign();
   const int u = x == y ? ((X + Y).sign() != 0 ? x : 0) : x * (X - Y).sign();  // of U = x√X + y√Y
   if (u == 0 || u == p) return p;
@@ -37,7 +37,7 @@ namespace detail {
 }  // namespace detail
 
 /// The sign of r − s, exactly, unless a term falls below 2^-1074.
-[[nodiscard]] inline int order(const ExactRoot& r, ExactRoot s) {
+[[nodiscard, gnu::cold, gnu::noinline]] inline int order(const ExactRoot& r, ExactRoot s) {
   const int exponent = s.exponent - r.exponent;
   s.b.scale(exponent), s.D.scale(2 * exponent);
   // Roots along one ray mostly have the same A = d·d. Times A > 0, then, the difference is

@@ -25,13 +25,13 @@ class Expansion {
 
   /// The sum in double-double, to 2^-103. Each addition is good to 3u² of its sum; the terms are not even
   /// adjacent, so that the smaller partial sums together are no larger than the whole: 6u² in all.
-  explicit operator DoubleDouble() const {
+  [[gnu::cold, gnu::noinline]] explicit operator DoubleDouble() const {
     DoubleDouble sum;
     for (const double term : terms_) sum = DoubleDouble(term) + sum;
     return sum;
   }
 
-  Expansion& operator+=(double value) {
+  [[gnu::cold, gnu::noinline]] Expansion& operator+=(double value) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < terms_.size(); ++i) {
       const DoubleDouble sum = two_sum(value, terms_[i]);
@@ -43,22 +43,22 @@ class Expansion {
     return *this;
   }
 
-  friend Expansion operator+(Expansion a, const Expansion& b) {
+  [[gnu::cold, gnu::noinline]] friend Expansion operator+(Expansion a, const Expansion& b) {
     for (const double term : b.terms_) a += term;
     return a;
   }
 
-  friend Expansion operator-(Expansion a) {
+  [[gnu::cold, gnu::noinline]] friend Expansion operator-(Expansion a) {
     for (double& term : a.terms_) term = -term;
     return a;
   }
 
-  friend Expansion operator-(Expansion a, const Expansion& b) {
+  [[gnu::cold, gnu::noinline]] friend Expansion operator-(Expansion a, const Expansion& b) {
     for (const double term : b.terms_) a += -term;
     return a;
   }
 
-  friend Expansion operator*(const Expansion& a, const Expansion& b) {
+  [[gnu::cold, gnu::noinline]] friend Expansion operator*(const Expansion& a, const Expansion& b) {
     Expansion product;
     for (const double x : a.terms_)
       for (const double y : b.terms_) {
@@ -71,16 +71,18 @@ class Expansion {
   }
 
   /// Multiplies by 2^exponent.
-  void scale(int exponent) {
+  [[gnu::cold, gnu::noinline]] void scale(int exponent) {
     for (double& term : terms_) term = std::ldexp(term, exponent);
   }
 
-  friend bool operator==(const Expansion& a, const Expansion& b) { return (a - b).sign() == 0; }
+  [[gnu::cold, gnu::noinline]] friend bool operator==(const Expansion& a, const Expansion& b) {
+    return (a - b).sign() == 0;
+  }
 
  private:
   /// Puts the same sum into as few terms as carry its bits (Shewchuk, compress): downwards, each term takes
   /// up what fits of the next, and upwards again.
-  void compress() {
+  [[gnu::cold, gnu::noinline]] void compress() {
     if (terms_.size() < 2) return;
     std::vector<double> down;
     double carry = terms_.back();

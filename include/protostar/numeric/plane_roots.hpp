@@ -16,8 +16,10 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// The root of finite numbers without rounding: A > 0, or A = 0 where the line is parallel to the plane.
-[[nodiscard]] inline ExactRoot exact_plane_root(const Point& origin, const Vec3& direction,
-                                                const Vec3& normal, double distance) {
+[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_plane_root(const Point& origin,
+                                                                          const Vec3& direction,
+                                                                          const Vec3& normal,
+                                                                          double distance) {
   // Powers of two, as for the sphere; the distance is a product of a normal and a length.
   const int normals = exponent_of({normal}), directions = exponent_of({direction});
   const int lengths = std::max(exponent_of({origin}), exponent_of({Vec3{distance}}) - normals);
@@ -36,8 +38,10 @@ namespace protostar::inline PROTOSTAR_ABI {
 }
 
 /// The same in double-double; none where the line is parallel to the plane.
-[[nodiscard]] inline RefinedRoots refined_plane_roots(const Point& origin, const Vec3& direction,
-                                                      const Vec3& normal, double distance) {
+[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_plane_roots(const Point& origin,
+                                                                                const Vec3& direction,
+                                                                                const Vec3& normal,
+                                                                                double distance) {
   ++fallbacks.exact;
   const ExactRoot exact = exact_plane_root(origin, direction, normal, distance);
   RefinedRoots roots;

@@ -31,7 +31,7 @@ struct ScaledSphere {
   double radius;
   int exponent;  ///< t is 2^exponent times what it is in these numbers
 
-  ScaledSphere(Point origin, const Vec3& d, Point center, double r) {
+  [[gnu::cold, gnu::noinline]] ScaledSphere(Point origin, const Vec3& d, Point center, double r) {
     // The difference of the largest doubles is to stay one.
     const int down = exponent_of({origin, center}) > 1000 ? -100 : 0;
     origin = scaled(origin, down), center = scaled(center, down);
@@ -61,7 +61,7 @@ template <class T>
 struct SphereEquation {
   T A, b, c;
 
-  explicit SphereEquation(const ScaledSphere& s) {
+  [[gnu::cold, gnu::noinline]] explicit SphereEquation(const ScaledSphere& s) {
     const T lx = T(s.l[0].hi) + T(s.l[0].lo), ly = T(s.l[1].hi) + T(s.l[1].lo),
             lz = T(s.l[2].hi) + T(s.l[2].lo);
     const T dx = s.direction.x, dy = s.direction.y, dz = s.direction.z, r = s.radius;
@@ -70,12 +70,14 @@ struct SphereEquation {
     c = lx * lx + ly * ly + lz * lz - r * r;
   }
 
-  [[nodiscard]] T discriminant() const { return b * b - A * c; }
+  [[nodiscard, gnu::cold]] T discriminant() const { return b * b - A * c; }
 };
 
 /// The roots of a line of finite numbers with direction ≠ 0, from coefficients in double-double.
-[[nodiscard]] inline RefinedRoots refined_from(const ScaledSphere& s, DoubleDouble A, DoubleDouble b,
-                                               DoubleDouble c, DoubleDouble D, double relative_error) {
+[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_from(const ScaledSphere& s,
+                                                                         DoubleDouble A, DoubleDouble b,
+                                                                         DoubleDouble c, DoubleDouble D,
+                                                                         double relative_error) {
   RefinedRoots roots;
   roots.relative_error = relative_error;
   if (D.sign() < 0) return roots;
@@ -93,9 +95,8 @@ struct SphereEquation {
 
 /// The roots of a line of finite numbers with direction ≠ 0, in double-double: good to 2^-58 or undecided, or
 /// from exact coefficients.
-[[nodiscard]] inline RefinedRoots refined_sphere_roots(const Point& origin, const Vec3& direction,
-                                                       const Point& center, double radius,
-                                                       Precision precision) {
+[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_sphere_roots(
+    const Point& origin, const Vec3& direction, const Point& center, double radius, Precision precision) {
   const detail::ScaledSphere s(origin, direction, center, radius);
   if (precision == Precision::exact) {
     ++fallbacks.exact;
@@ -120,9 +121,8 @@ struct SphereEquation {
 }
 
 /// The root 2b/A of a line that starts on the sphere, likewise.
-[[nodiscard]] inline RefinedRoots refined_sphere_root_leaving(const Point& origin, const Vec3& direction,
-                                                              const Point& center, double radius,
-                                                              Precision precision) {
+[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_sphere_root_leaving(
+    const Point& origin, const Vec3& direction, const Point& center, double radius, Precision precision) {
   const detail::ScaledSphere s(origin, direction, center, radius);
   const auto root = [&](DoubleDouble A, DoubleDouble b, double relative_error) {
     RefinedRoots roots;
@@ -143,16 +143,20 @@ struct SphereEquation {
 }
 
 /// One of the roots of a line that meets the sphere, without rounding; 0 is the near one, 1 the far one.
-[[nodiscard]] inline ExactRoot exact_sphere_root(const Point& origin, const Vec3& direction,
-                                                 const Point& center, double radius, int root) {
+[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_sphere_root(const Point& origin,
+                                                                           const Vec3& direction,
+                                                                           const Point& center, double radius,
+                                                                           int root) {
   const detail::ScaledSphere s(origin, direction, center, radius);
   const detail::SphereEquation<Expansion> e(s);
   return {.A = e.A, .b = e.b, .D = e.discriminant(), .sign = root == 0 ? -1 : 1, .exponent = s.exponent};
 }
 
 /// The root 2b/A, likewise.
-[[nodiscard]] inline ExactRoot exact_sphere_root_leaving(const Point& origin, const Vec3& direction,
-                                                         const Point& center, double radius) {
+[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_sphere_root_leaving(const Point& origin,
+                                                                                   const Vec3& direction,
+                                                                                   const Point& center,
+                                                                                   double radius) {
   const detail::ScaledSphere s(origin, direction, center, radius);
   const detail::SphereEquation<Expansion> e(s);
   return {.A = e.A, .b = e.b + e.b, .D = {}, .exponent = s.exponent};
@@ -162,8 +166,9 @@ namespace detail {
 
 /// The roots where double does not decide, from the refined ones. Numbers that are not finite, and a
 /// direction of 0, cross nothing.
-[[nodiscard]] inline Roots rounded_roots(const Point& origin, const Vec3& direction, const Point& center,
-                                         double radius, const auto& refine) {
+[[nodiscard, gnu::cold, gnu::noinline]] inline Roots rounded_roots(const Point& origin, const Vec3& direction,
+                                                                   const Point& center, double radius,
+                                                                   const auto& refine) {
   if (!is_finite(origin) || !is_finite(direction) || !is_finite(center) || !std::isfinite(radius) ||
       direction == Vec3{0})
     return {};
