@@ -509,9 +509,9 @@ TEST_CASE("progress is shown on a terminal, and cleared, when the work takes lon
     std::string arguments;
     bool terminal, shown;
   };
-  const std::vector<Row> rows{{"--size 2000x2000 --threads 2", true, true},
-                              {"--size 2000x2000 --threads 2", false, false},
-                              {"--size 2000x2000 --threads 2 --quiet", true, false},
+  const std::vector<Row> rows{{"--size 4000x3000 --threads 2", true, true},
+                              {"--size 4000x3000 --threads 2", false, false},
+                              {"--size 4000x3000 --threads 2 --quiet", true, false},
                               {"--size 64x48", true, false}};
   // Each is held for a second at its beginning, so that it takes that long on any machine. The last one is
   // done by then.
