@@ -52,8 +52,8 @@ struct SurfaceCrossing {
 namespace detail {
 
 /// precedes where the errors of t overlap.
-[[nodiscard, gnu::noinline, gnu::cold, gnu::pure]] inline bool precedes_refined(Ray ray, SurfaceCrossing a,
-                                                                                SurfaceCrossing b) {
+[[nodiscard, gnu::noinline, gnu::cold]] inline bool precedes_refined(Ray ray, SurfaceCrossing a,
+                                                                     SurfaceCrossing b) {
   if (a.crossing.root == b.crossing.root && a.departure() == b.departure()) return false;
   const RefinedCrossing x = a.refine(ray, Precision::double_double),
                         y = b.refine(ray, Precision::double_double);

@@ -116,9 +116,8 @@ namespace detail {
 
 /// lies_inside where the error of t reaches an end of the range.
 template <Surface S>
-[[nodiscard, gnu::noinline, gnu::cold, gnu::pure]] bool lies_inside_refined(const S& surface, Ray ray,
-                                                                            Crossing crossing,
-                                                                            Interval range) {
+[[nodiscard, gnu::noinline, gnu::cold]] bool lies_inside_refined(const S& surface, Ray ray, Crossing crossing,
+                                                                 Interval range) {
   const auto side_of = [&](double end) {  // -1 before an end, 0 at it, 1 behind it
     const RefinedCrossing refined = refine(surface, ray, crossing, Precision::double_double);
     if (const int side = order(refined.t, refined.relative_error, end, 0); side != 0) return side;

@@ -56,10 +56,10 @@ namespace protostar::inline PROTOSTAR_ABI {
 namespace detail {
 
 /// The root where double does not decide. Numbers that are not finite cross nothing.
-[[nodiscard, gnu::noinline, gnu::cold, gnu::pure]] inline Roots plane_roots_in_doubt(const Point& origin,
-                                                                                     const Vec3& direction,
-                                                                                     const Vec3& normal,
-                                                                                     double distance) {
+[[nodiscard, gnu::noinline, gnu::cold]] inline Roots plane_roots_in_doubt(const Point& origin,
+                                                                          const Vec3& direction,
+                                                                          const Vec3& normal,
+                                                                          double distance) {
   if (!is_finite(origin) || !is_finite(direction) || !is_finite(normal) || !std::isfinite(distance))
     return {};
   const RefinedRoots refined = refined_plane_roots(origin, direction, normal, distance);

@@ -208,10 +208,8 @@ inline constexpr double overflow = 0x1p900;
 }
 
 /// The roots where b² − A c does not tell.
-[[nodiscard, gnu::noinline, gnu::cold, gnu::pure]] inline Roots sphere_roots_in_doubt(Point origin,
-                                                                                      Vec3 direction,
-                                                                                      Point center,
-                                                                                      double radius) {
+[[nodiscard, gnu::noinline, gnu::cold]] inline Roots sphere_roots_in_doubt(Point origin, Vec3 direction,
+                                                                           Point center, double radius) {
   const Vec3 l = center - origin;
   const double A = dot(direction, direction), b = dot(direction, l), ll = dot(l, l), rr = radius * radius;
   if (in_range(A)) {
