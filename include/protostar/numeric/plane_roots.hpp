@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "../vec3.hpp"
 #include "exact_root.hpp"
@@ -68,19 +69,52 @@ namespace detail {
 
 }  // namespace detail
 
+namespace detail {
+
+/// Both parts of the quotient in double, and whether each is good enough.
+///
+/// Their errors are at most 4u and 3u (u = 2^-53) of the sums of the sizes of their terms. Above 2^-19 of
+/// these sums, each part is good to 2^-32; in the range given, underflow adds nothing to speak of.
+template <class H, class S, class M>
+struct RoundedPlaneEquation {
+  H height;
+  S slope;
+  M certain;
+};
+
+[[nodiscard, gnu::always_inline]] inline auto rounded_plane_equation(const auto& origin,
+                                                                     const auto& direction,
+                                                                     const Vec3& normal, double distance) {
+  using std::abs;
+  const auto height = distance - dot(normal, origin);
+  const auto slope = dot(normal, direction);
+  const auto heights = std::abs(distance) + dot(abs(normal), abs(origin));
+  const auto slopes = dot(abs(normal), abs(direction));
+  const auto certain = abs(height) > 0x1p-19 * heights && abs(slope) > 0x1p-19 * slopes &&
+                       0x1p-900 < heights && heights < 0x1p900 && 0x1p-900 < slopes && slopes < 0x1p900;
+  return RoundedPlaneEquation<std::remove_const_t<decltype(height)>, std::remove_const_t<decltype(slope)>,
+                              std::remove_const_t<decltype(certain)>>{height, slope, certain};
+}
+
+}  // namespace detail
+
 /// The root, certified.
 [[nodiscard, gnu::always_inline]] inline Roots plane_roots(const Point& origin, const Vec3& direction,
                                                            const Vec3& normal, double distance) {
-  const double height = distance - dot(normal, origin);
-  const double slope = dot(normal, direction);
-  // The errors are at most 4u and 3u (u = 2^-53) of the sums of the sizes of the terms. Above 2^-19 of these
-  // sums, each part is good to 2^-32; in the range given, underflow adds nothing to speak of.
-  const double heights = std::abs(distance) + dot(abs(normal), abs(origin));
-  const double slopes = dot(abs(normal), abs(direction));
-  if (std::abs(height) > 0x1p-19 * heights && std::abs(slope) > 0x1p-19 * slopes && 0x1p-900 < heights &&
-      heights < 0x1p900 && 0x1p-900 < slopes && slopes < 0x1p900)
-    return Roots{height / slope};
+  const auto [height, slope, certain] = detail::rounded_plane_equation(origin, direction, normal, distance);
+  if (certain) return Roots{height / slope};
   return detail::plane_roots_in_doubt(origin, direction, normal, distance);
+}
+
+/// The roots of several lines at once; see sphere_roots_of_each.
+[[nodiscard, gnu::always_inline]] inline auto plane_roots_of_each(const auto& origin, const auto& direction,
+                                                                  const Vec3& normal, double distance,
+                                                                  const auto& wanted) {
+  using M = std::remove_cvref_t<decltype(wanted)>;
+  const auto [height, slope, certain] = detail::rounded_plane_equation(origin, direction, normal, distance);
+  const auto t = height / slope;
+  return RootsOfEach<std::remove_const_t<decltype(t)>, M>{
+      .near = t, .far = t, .meets = wanted && certain, .in_doubt = wanted && !certain};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

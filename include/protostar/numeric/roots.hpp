@@ -55,6 +55,14 @@ class Roots {
   return roots_from(A, c, q);
 }
 
+/// The roots of several lines with one surface, each number T and each mask M with a lane for each line. A
+/// line that is neither in meets nor in doubt has none; one that is in doubt has to be asked about by itself.
+template <class T, class M>
+struct RootsOfEach {
+  T near, far;  ///< the same where the surface has a single root
+  M meets, in_doubt;
+};
+
 /// How a root is worked out when double does not decide: in double-double, or from exact coefficients.
 enum class Precision : std::uint8_t { double_double, exact };
 

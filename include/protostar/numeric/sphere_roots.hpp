@@ -11,7 +11,7 @@
 #pragma once
 
 #include <cmath>
-#include <optional>
+#include <type_traits>
 
 #include "../vec3.hpp"
 #include "exact_root.hpp"
@@ -186,25 +186,57 @@ inline constexpr double underflow = 0x1p-900;
 
 /// Whether the square of a direction neither underflows nor takes the products with it out of the range of
 /// double.
-[[nodiscard]] inline bool in_range(double A) { return 0x1p-150 < A && A < 0x1p150; }
+template <class T>
+[[nodiscard, gnu::always_inline]] inline auto in_range(const T& A) {
+  return 0x1p-150 < A && A < 0x1p150;
+}
 
 /// Errors below this belong to discriminants whose products are all far from overflow.
 inline constexpr double overflow = 0x1p900;
 
-/// The roots from the coefficients and the discriminant, which has an error of at most E; nothing if that
-/// does not certify them. Of b ± √D, q is the one without cancellation; one root is q/A, and the other c/q,
-/// since their product is c/A.
-///
+/// The equation in double. T is the number type: double, or the doubles of several lines at once, which are
+/// rounded alike. Where the lines share their origin, c and w are one number: C is double then.
+template <class T, class C>
+struct RoundedSphereEquation {
+  T A, b;
+  C c, w;  ///< w = |l|² + r²
+  T D, E;  ///< D = b² − A c has an error of at most E
+
+  [[nodiscard, gnu::always_inline]] auto surely_misses() const { return in_range(A) && D < -E; }
+};
+
+[[nodiscard, gnu::always_inline]] inline auto rounded_sphere_equation(const auto& origin,
+                                                                      const auto& direction,
+                                                                      const Point& center, double radius) {
+  const auto l = center - origin;
+  const auto A = dot(direction, direction), b = dot(direction, l);
+  const auto ll = dot(l, l);
+  const double rr = radius * radius;
+  const auto c = ll - rr, w = ll + rr;
+  // The error of D is below 21u A w, underflow apart; if A c overflows, A w and with it the error do so too.
+  return RoundedSphereEquation<std::remove_const_t<decltype(A)>, std::remove_const_t<decltype(c)>>{
+      .A = A, .b = b, .c = c, .w = w, .D = b * b - A * c, .E = 0x1p-48 * (A * w) + underflow};
+}
+
+/// What is known of the roots without cancellation: of b ± √D, q is the one that does not cancel. One root is
+/// q/A, and the other c/q, since their product is c/A.
+template <class T, class M>
+struct CertifiedQuotient {
+  T q;
+  M certain;  ///< whether q/A and c/q are as good as Roots says
+};
+
 /// The error of c is at most 7u w, below 2^-32 |c| here, and that of √D at most E/(1.86 √D), since the true D
 /// is at least ¾ of this one: below 2^-31.8 |q|. |c| > 2^-18 w also makes q larger than 2^-10 √(A w), so that
 /// the error of b, 4u √(A w), is of no account.
-[[nodiscard, gnu::always_inline]] inline std::optional<Roots> certified_roots(double A, double b, double c,
-                                                                              double w, double D, double E) {
-  const double root = std::sqrt(D);
-  const double q = b + std::copysign(root, b);
-  if (!(D > 4 * E && E < overflow && root * std::abs(q) > 0x1p31 * E && std::abs(c) > 0x1p-18 * w))
-    return std::nullopt;
-  return roots_from(A, c, q);
+template <class T, class C>
+[[nodiscard, gnu::always_inline]] inline auto certified_quotient(const RoundedSphereEquation<T, C>& e) {
+  using std::abs, std::copysign, std::sqrt;
+  const T root = sqrt(e.D);
+  const T q = e.b + copysign(root, e.b);
+  const auto certain =
+      e.D > 4 * e.E && e.E < overflow && root * abs(q) > 0x1p31 * e.E && abs(e.c) > 0x1p-18 * e.w;
+  return CertifiedQuotient<T, std::remove_const_t<decltype(certain)>>{q, certain};
 }
 
 /// The roots where b² − A c does not tell.
@@ -221,7 +253,8 @@ inline constexpr double overflow = 0x1p900;
     const double D = A * rr - dot(moment, moment);
     const double E = 0x1p-49 * A * size * (r + 0x1p-45 * size) + underflow;
     if (D < -E && E < overflow) return {};
-    if (const auto roots = certified_roots(A, b, ll - rr, ll + rr, D, E)) return *roots;
+    const RoundedSphereEquation<double, double> e{.A = A, .b = b, .c = ll - rr, .w = ll + rr, .D = D, .E = E};
+    if (const auto [q, certain] = certified_quotient(e); certain) return roots_from(e.A, e.c, q);
   }
   return rounded_roots(origin, direction, center, radius, refined_sphere_roots);
 }
@@ -231,31 +264,78 @@ inline constexpr double overflow = 0x1p900;
 /// The roots, certified.
 [[nodiscard, gnu::always_inline]] inline Roots sphere_roots(const Point& origin, const Vec3& direction,
                                                             const Point& center, double radius) {
-  const Vec3 l = center - origin;
-  const double A = dot(direction, direction), b = dot(direction, l);
-  const double ll = dot(l, l), rr = radius * radius, c = ll - rr, w = ll + rr;
-  const double D = b * b - A * c;
-  // The error of D is below 21u A w, underflow apart; if A c overflows, A w and with it the error do so too.
-  const double E = 0x1p-48 * (A * w) + detail::underflow;
-  if (detail::in_range(A)) {
-    if (D < -E) return {};
-    if (const auto roots = detail::certified_roots(A, b, c, w, D, E)) return *roots;
-  }
+  const auto equation = detail::rounded_sphere_equation(origin, direction, center, radius);
+  if (equation.surely_misses()) return {};
+  if (detail::in_range(equation.A))
+    if (const auto [q, certain] = detail::certified_quotient(equation); certain)
+      return roots_from(equation.A, equation.c, q);
   return detail::sphere_roots_in_doubt(origin, direction, center, radius);
 }
+
+/// The roots of several lines at once, in the order near, far, of those that are wanted: the same numbers as
+/// those of sphere_roots, where double decides. Directions are vectors of lanes; the origin is one point, or
+/// one in each lane.
+[[nodiscard, gnu::always_inline]] inline auto sphere_roots_of_each(const auto& origin, const auto& direction,
+                                                                   const Point& center, double radius,
+                                                                   const auto& wanted) {
+  const auto equation = detail::rounded_sphere_equation(origin, direction, center, radius);
+  using T = std::remove_const_t<decltype(equation.A)>;
+  using M = std::remove_cvref_t<decltype(wanted)>;
+  const M open = wanted && !equation.surely_misses();
+  if (!any(open)) return RootsOfEach<T, M>{.near = T(0), .far = T(0), .meets = open, .in_doubt = open};
+  const auto [q, certain] = detail::certified_quotient(equation);
+  const M meets = open && certain && detail::in_range(equation.A);
+  const T t1 = equation.c / q, t2 = q / equation.A;
+  const auto in_order = t1 < t2;
+  return RootsOfEach<T, M>{.near = select(in_order, t1, t2),
+                           .far = select(in_order, t2, t1),
+                           .meets = meets,
+                           .in_doubt = open && !meets};
+}
+
+namespace detail {
+
+/// The equation of a line that starts on the sphere, whose root is 2b/A, and whether b is good enough for it:
+/// its error is at most 4u |d||l|, hence below 2^-32 |b| where this is certain.
+template <class T, class M>
+struct RoundedLeavingEquation {
+  T A, b;
+  M certain;
+};
+
+[[nodiscard, gnu::always_inline]] inline auto rounded_leaving_equation(const auto& origin,
+                                                                       const auto& direction,
+                                                                       const Point& center, double radius) {
+  using std::abs;
+  const auto l = center - origin;
+  const auto size = abs(l.x) + abs(l.y) + abs(l.z) + std::abs(radius);
+  const auto sum = abs(direction.x) + abs(direction.y) + abs(direction.z);
+  const auto A = dot(direction, direction), b = dot(direction, l);
+  const auto certain = abs(b) > 0x1p-19 * sum * size + underflow && abs(b) < overflow && in_range(A);
+  return RoundedLeavingEquation<std::remove_const_t<decltype(A)>, std::remove_const_t<decltype(certain)>>{
+      A, b, certain};
+}
+
+}  // namespace detail
 
 /// The root of a line that starts on the sphere, certified: the one that it does not come from.
 [[nodiscard]] inline Roots sphere_root_leaving(const Point& origin, const Vec3& direction,
                                                const Point& center, double radius) {
-  const Vec3 l = center - origin;
-  const double size = std::abs(l.x) + std::abs(l.y) + std::abs(l.z) + std::abs(radius);
-  const double sum = std::abs(direction.x) + std::abs(direction.y) + std::abs(direction.z);
-  const double A = dot(direction, direction), b = dot(direction, l);
-  // The error of b is at most 4u |d||l|, hence below 2^-32 |b| here.
-  if (std::abs(b) > 0x1p-19 * sum * size + detail::underflow && std::abs(b) < detail::overflow &&
-      detail::in_range(A))
-    return Roots{2 * b / A};
+  const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
+  if (certain) return Roots{2 * b / A};
   return detail::rounded_roots(origin, direction, center, radius, refined_sphere_root_leaving);
+}
+
+/// The same of several lines at once; see sphere_roots_of_each.
+[[nodiscard, gnu::always_inline]] inline auto sphere_root_leaving_of_each(const auto& origin,
+                                                                          const auto& direction,
+                                                                          const Point& center, double radius,
+                                                                          const auto& wanted) {
+  using M = std::remove_cvref_t<decltype(wanted)>;
+  const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
+  const auto t = 2 * b / A;
+  return RootsOfEach<std::remove_const_t<decltype(t)>, M>{
+      .near = t, .far = t, .meets = wanted && certain, .in_doubt = wanted && !certain};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

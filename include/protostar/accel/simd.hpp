@@ -1,0 +1,303 @@
+// Several numbers at once, as many as the processor's registers hold: the only file that knows of vector
+// instructions.
+//
+// Lanes<T, N> is N numbers of type T, and Mask<T, N> the N answers of a comparison. Each lane is rounded as a
+// single number is, so that the same formula gives the same bits for one number and in every lane; + − × ÷
+// and square root are all that is needed for that. With g++ and clang a Lanes is one of their vectors; with
+// other compilers, and with PROTOSTAR_SCALAR, an array.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+#include "../platform.hpp"
+
+#if defined(__GNUC__) && !defined(PROTOSTAR_SCALAR)
+#define PROTOSTAR_VECTORS 1
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+#endif
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// How many floats, and how many doubles, one instruction takes.
+#if !defined(PROTOSTAR_VECTORS)
+inline constexpr int float_lanes = 1, double_lanes = 1;
+#elif defined(__AVX512VL__)
+inline constexpr int float_lanes = 16, double_lanes = 8;
+#elif defined(__AVX2__)
+inline constexpr int float_lanes = 8, double_lanes = 4;
+#else
+inline constexpr int float_lanes = 4, double_lanes = 2;
+#endif
+
+namespace detail {
+
+/// The whole numbers as large as a T, of which masks are made: 0 is false, −1 true.
+template <class T>
+using Truth = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
+
+#if defined(PROTOSTAR_VECTORS)
+
+template <class T, int N>
+struct VectorOf {
+  typedef T type __attribute__((vector_size(sizeof(T) * N)));
+};
+template <class T, int N>
+using Vector = typename VectorOf<T, N>::type;
+
+#else
+
+/// What the vectors of g++ and clang do, in standard C++.
+template <class T, int N>
+struct Vector {
+  T lane[N];
+
+  T& operator[](int i) { return lane[i]; }
+  const T& operator[](int i) const { return lane[i]; }
+
+  template <class R = T>
+  static Vector<R, N> each(const auto& f) {
+    Vector<R, N> result{};
+    for (int i = 0; i < N; ++i) result[i] = f(i);
+    return result;
+  }
+  friend Vector operator+(const Vector& a, const Vector& b) {
+    return each([&](int i) { return static_cast<T>(a[i] + b[i]); });
+  }
+  friend Vector operator-(const Vector& a, const Vector& b) {
+    return each([&](int i) { return static_cast<T>(a[i] - b[i]); });
+  }
+  friend Vector operator*(const Vector& a, const Vector& b) {
+    return each([&](int i) { return static_cast<T>(a[i] * b[i]); });
+  }
+  friend Vector operator/(const Vector& a, const Vector& b) {
+    return each([&](int i) { return static_cast<T>(a[i] / b[i]); });
+  }
+  friend Vector operator-(const Vector& a) {
+    return each([&](int i) { return static_cast<T>(-a[i]); });
+  }
+  friend Vector operator&(const Vector& a, const Vector& b) {
+    return each([&](int i) { return static_cast<T>(a[i] & b[i]); });
+  }
+  friend Vector operator|(const Vector& a, const Vector& b) {
+    return each([&](int i) { return static_cast<T>(a[i] | b[i]); });
+  }
+  friend Vector operator~(const Vector& a) {
+    return each([&](int i) { return static_cast<T>(~a[i]); });
+  }
+  friend Vector<Truth<T>, N> operator<(const Vector& a, const Vector& b) {
+    return each<Truth<T>>([&](int i) { return a[i] < b[i] ? -1 : 0; });
+  }
+  friend Vector<Truth<T>, N> operator<=(const Vector& a, const Vector& b) {
+    return each<Truth<T>>([&](int i) { return a[i] <= b[i] ? -1 : 0; });
+  }
+  friend Vector<Truth<T>, N> operator==(const Vector& a, const Vector& b) {
+    return each<Truth<T>>([&](int i) { return a[i] == b[i] ? -1 : 0; });
+  }
+};
+
+#endif
+
+}  // namespace detail
+
+/// A set of lanes, the lowest bit being lane 0.
+using Bits = std::uint32_t;
+
+/// An answer for each of N lanes of type T.
+template <class T, int N>
+struct Mask {
+  detail::Vector<detail::Truth<T>, N> v;
+
+  Mask() = default;
+  Mask(detail::Vector<detail::Truth<T>, N> truths) : v(truths) {}
+
+  /// The same answer in every lane.
+  Mask(bool answer) {
+    for (int i = 0; i < N; ++i) v[i] = answer ? -1 : 0;
+  }
+
+  friend Mask operator&&(Mask a, Mask b) { return {a.v & b.v}; }
+  friend Mask operator||(Mask a, Mask b) { return {a.v | b.v}; }
+  friend Mask operator!(Mask a) { return {~a.v}; }
+};
+
+/// N numbers of type T.
+template <class T, int N>
+struct Lanes {
+  detail::Vector<T, N> v;
+
+  Lanes() = default;
+  Lanes(detail::Vector<T, N> lanes) : v(lanes) {}
+
+  /// The same number in every lane.
+#if defined(PROTOSTAR_VECTORS)
+  Lanes(T number) : v(number - detail::Vector<T, N>{}) {}
+#else
+  Lanes(T number) : v(v.each([&](int) { return number; })) {}
+#endif
+
+  /// The N numbers from an address on.
+  static Lanes load(const T* from) {
+    Lanes lanes;
+    std::memcpy(&lanes.v, from, sizeof(lanes.v));
+    return lanes;
+  }
+  void store(T* to) const { std::memcpy(to, &v, sizeof(v)); }
+
+  T operator[](int i) const { return v[i]; }
+  void set(int i, T number) { v[i] = number; }
+
+  friend Lanes operator+(Lanes a, Lanes b) { return {a.v + b.v}; }
+  friend Lanes operator-(Lanes a, Lanes b) { return {a.v - b.v}; }
+  friend Lanes operator*(Lanes a, Lanes b) { return {a.v * b.v}; }
+  friend Lanes operator/(Lanes a, Lanes b) { return {a.v / b.v}; }
+  friend Lanes operator-(Lanes a) { return {-a.v}; }
+  Lanes& operator+=(Lanes b) { return *this = *this + b; }
+  Lanes& operator*=(Lanes b) { return *this = *this * b; }
+  friend Mask<T, N> operator<(Lanes a, Lanes b) { return {a.v < b.v}; }
+  friend Mask<T, N> operator<=(Lanes a, Lanes b) { return {a.v <= b.v}; }
+  friend Mask<T, N> operator>(Lanes a, Lanes b) { return {b.v < a.v}; }
+  friend Mask<T, N> operator>=(Lanes a, Lanes b) { return {b.v <= a.v}; }
+  friend Mask<T, N> operator==(Lanes a, Lanes b) { return {a.v == b.v}; }
+};
+
+/// The lanes that are true.
+template <class T, int N>
+[[nodiscard]] Bits bits(Mask<T, N> mask) {
+#if defined(PROTOSTAR_VECTORS)
+  constexpr std::size_t size = sizeof(mask.v);
+#if defined(__AVX512F__)
+  if constexpr (size == 64 && sizeof(T) == 4) return _mm512_cmplt_epi32_mask((__m512i)mask.v, __m512i{});
+  if constexpr (size == 64 && sizeof(T) == 8) return _mm512_cmplt_epi64_mask((__m512i)mask.v, __m512i{});
+#endif
+#if defined(__AVX__)
+  if constexpr (size == 32 && sizeof(T) == 4) return static_cast<Bits>(_mm256_movemask_ps((__m256)mask.v));
+  if constexpr (size == 32 && sizeof(T) == 8) return static_cast<Bits>(_mm256_movemask_pd((__m256d)mask.v));
+#endif
+#if defined(__SSE2__)
+  if constexpr (size == 16 && sizeof(T) == 4) return static_cast<Bits>(_mm_movemask_ps((__m128)mask.v));
+  if constexpr (size == 16 && sizeof(T) == 8) return static_cast<Bits>(_mm_movemask_pd((__m128d)mask.v));
+#endif
+#endif
+  Bits result = 0;
+  for (int i = 0; i < N; ++i) result |= static_cast<Bits>(mask.v[i] & 1) << i;
+  return result;
+}
+
+template <class T, int N>
+[[nodiscard]] bool any(Mask<T, N> mask) {
+  return bits(mask) != 0;
+}
+
+/// a where the mask is true, and b elsewhere.
+template <class T, int N>
+[[nodiscard]] Lanes<T, N> select(Mask<T, N> mask, Lanes<T, N> a, Lanes<T, N> b) {
+#if defined(PROTOSTAR_VECTORS)
+  return mask.v ? a.v : b.v;
+#else
+  return a.v.each([&](int i) { return mask.v[i] ? a.v[i] : b.v[i]; });
+#endif
+}
+
+/// The mask in which just these lanes are true.
+template <class T, int N>
+[[nodiscard]] Mask<T, N> mask_of(Bits lanes) {
+  using Truth = detail::Truth<T>;
+  Lanes<Truth, N> bit;
+  for (int i = 0; i < N; ++i) bit.set(i, Truth{1} << i);
+  const auto chosen = bit.v & Lanes<Truth, N>(static_cast<Truth>(lanes)).v;
+  return {chosen == bit.v};
+}
+
+/// The numbers 0, 1, 2, ...
+template <class T, int N>
+[[nodiscard]] Lanes<T, N> iota() {
+  Lanes<T, N> lanes;
+  for (int i = 0; i < N; ++i) lanes.set(i, static_cast<T>(i));
+  return lanes;
+}
+
+/// The square root in each lane; NaN where the number is negative.
+template <class T, int N>
+[[nodiscard]] Lanes<T, N> sqrt(Lanes<T, N> a) {
+#if defined(PROTOSTAR_VECTORS)
+  constexpr std::size_t size = sizeof(a.v);
+  using V = detail::Vector<T, N>;
+#if defined(__AVX512F__)
+  if constexpr (size == 64 && sizeof(T) == 4) return (V)_mm512_maskz_sqrt_ps(0xffff, (__m512)a.v);
+  if constexpr (size == 64 && sizeof(T) == 8) return (V)_mm512_maskz_sqrt_pd(0xff, (__m512d)a.v);
+#endif
+#if defined(__AVX__)
+  if constexpr (size == 32 && sizeof(T) == 4) return (V)_mm256_sqrt_ps((__m256)a.v);
+  if constexpr (size == 32 && sizeof(T) == 8) return (V)_mm256_sqrt_pd((__m256d)a.v);
+#endif
+#if defined(__SSE2__)
+  if constexpr (size == 16 && sizeof(T) == 4) return (V)_mm_sqrt_ps((__m128)a.v);
+  if constexpr (size == 16 && sizeof(T) == 8) return (V)_mm_sqrt_pd((__m128d)a.v);
+#endif
+#endif
+  for (int i = 0; i < N; ++i) a.set(i, std::sqrt(a[i]));
+  return a;
+}
+
+/// The size of a with the sign of b.
+template <class T, int N>
+[[nodiscard]] Lanes<T, N> copysign(Lanes<T, N> a, Lanes<T, N> b) {
+#if defined(PROTOSTAR_VECTORS)
+  using Whole = detail::Vector<detail::Truth<T>, N>;
+  const Whole sign = (Whole)Lanes(T{-0.0}).v;
+  return (detail::Vector<T, N>)(((Whole)a.v & ~sign) | ((Whole)b.v & sign));
+#else
+  return a.v.each([&](int i) { return std::copysign(a.v[i], b.v[i]); });
+#endif
+}
+
+template <class T, int N>
+[[nodiscard]] Lanes<T, N> abs(Lanes<T, N> a) {
+  return copysign(a, Lanes<T, N>(T{0}));
+}
+
+/// The smaller; b where one of them is NaN.
+template <class T, int N>
+[[nodiscard]] Lanes<T, N> min(Lanes<T, N> a, std::type_identity_t<Lanes<T, N>> b) {
+  return select(a < b, a, b);
+}
+
+/// The larger; b where one of them is NaN.
+template <class T, int N>
+[[nodiscard]] Lanes<T, N> max(Lanes<T, N> a, std::type_identity_t<Lanes<T, N>> b) {
+  return select(a > b, a, b);
+}
+
+/// The nearest floats.
+template <int N>
+[[nodiscard]] Lanes<float, N> to_float(Lanes<double, N> a) {
+#if defined(PROTOSTAR_VECTORS)
+  return __builtin_convertvector(a.v, detail::Vector<float, N>);
+#else
+  return a.v.template each<float>([&](int i) { return static_cast<float>(a.v[i]); });
+#endif
+}
+
+/// Appends the numbers of the lanes in a set, in order, to those at an address; whatever stood in the N
+/// places from there on may change. Returns how many they are.
+template <class T, int N>
+int store_chosen(T* to, Bits lanes, Lanes<T, N> a) {
+#if defined(PROTOSTAR_VECTORS) && defined(__AVX512F__)
+  if constexpr (sizeof(a.v) == 64 && sizeof(T) == 4) {
+    _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(static_cast<__mmask16>(lanes), (__m512i)a.v));
+    return std::popcount(lanes);
+  }
+#endif
+  int count = 0;
+  for (; lanes != 0; lanes &= lanes - 1) to[count++] = a[std::countr_zero(lanes)];
+  return count;
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd
