@@ -19,14 +19,28 @@ struct Camera {
 
   /// The ray through the film at u · right + v · up, its direction of unit length.
   [[nodiscard]] Ray operator()(double u, double v) const {
-    return {position, normalize(u * right + v * up + forward)};
+    return {position, direction(u * right, v * up)};
   }
 
   /// The ray through the center of pixel (x, y), with (0, 0) at the top left, of an image of width × height
-  /// pixels: u runs over [−width/height, width/height] from left to right, v over [1, −1] from top to bottom.
+  /// pixels.
   [[nodiscard]] Ray through_pixel(int x, int y, int width, int height) const {
-    const double aspect = static_cast<double>(width) / height;
-    return (*this)(aspect * (2 * (x + 0.5) / width - 1), 1 - 2 * (y + 0.5) / height);
+    return (*this)(u_at(x + 0.5, width, height), v_at(y + 0.5, height));
+  }
+
+  /// Where a place on an image is on the film, x and y in pixels from the top left: u runs over [−width/height,
+  /// width/height] from left to right, v over [1, −1] from top to bottom.
+  [[nodiscard]] static double u_at(double x, int width, int height) {
+    return static_cast<double>(width) / height * (2 * x / width - 1);
+  }
+  [[nodiscard]] static double v_at(double y, int height) { return 1 - 2 * y / height; }
+
+  /// The unit direction to the film at u · right + v · up, given these; a vector, or several at once.
+  template <class V>
+  [[nodiscard]] V direction(const V& u_right, const V& v_up) const {
+    using std::sqrt;
+    const V towards = u_right + v_up + forward;
+    return towards * (1 / sqrt(dot(towards, towards)));
   }
 
   /// Throws std::invalid_argument if a number is not finite, if the length of a direction is not between

@@ -77,6 +77,8 @@ namespace detail {
 /// no further surfaces.
 class Intersection {
  public:
+  using Light = Color;  ///< what its ray brings
+
   /// The ray's parameter here. A distance in scene units where the ray's direction is a unit vector.
   double t;
 

@@ -20,13 +20,15 @@ struct PointLight {
   ///   E = Φ/(4π) · cos θ / r² = Φ/(4π) · n·l / |l|³   with l = position − point;
   /// 0 where the light is behind the surface, and where it lies in it. Very near the light it grows beyond
   /// all bounds; the factor of the power is held at the largest float.
-  [[nodiscard]] Color irradiance(const Point& point, const Vec3& normal) const {
-    const Vec3 l = position - point;
-    const double height = dot(normal, l);
-    if (!(height > 0)) return Color{0};
-    const double r2 = dot(l, l);
-    const double factor = height / (4 * std::numbers::pi * r2 * std::sqrt(r2));
-    return power * static_cast<float>(std::min<double>(factor, std::numeric_limits<float>::max()));
+  template <class V = Vec3>
+  [[nodiscard]] auto irradiance(const V& point, const V& normal) const {
+    using std::min, std::sqrt;
+    const V l = position - point;
+    const auto height = dot(normal, l);
+    const auto r2 = dot(l, l);
+    const auto factor = height / (4 * std::numbers::pi * r2 * sqrt(r2));
+    const double largest = std::numeric_limits<float>::max();
+    return power * to_float(select(height > 0.0, min(factor, largest), 0.0));
   }
 
   /// Throws std::invalid_argument if the position is not finite, or the power is negative or not finite.

@@ -57,11 +57,16 @@ struct Departure {
 /// unit vector, as for camera rays, t is a distance in scene units. A ray whose direction is 0 or whose
 /// numbers are not finite crosses nothing.
 struct Ray {
+  using Light = Color;  ///< what it brings
+
   Point origin{0};
   Vec3 direction{0, 0, 1};
   Departure departure{};  ///< what the ray leaves; nothing for a ray that starts in free space
 
   [[nodiscard]] Point at(double t) const { return origin + t * direction; }
+
+  /// The ray, where it is asked for: of a packet of rays, the word takes those that are.
+  friend const Ray& only(bool, const Ray& ray) { return ray; }
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "accel/render_tiles.hpp"
 #include "camera.hpp"
 #include "image.hpp"
 #include "scene.hpp"
@@ -114,10 +115,28 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
   });
 }
 
+namespace detail {
+template <class S, class I>
+inline constexpr bool can_tile = false;
+template <Surface... S, simd::PacketIntegrator I>
+inline constexpr bool can_tile<Scene<S...>, I> = true;
+}
+
 /// Fills an image with what a camera sees of a scene, through an integrator. Errors as above.
 template <Traceable S, Integrator<S> I>
 void render(Image& image, const Camera& camera, const S& scene, const I& integrator,
             const RenderOptions& options = {}) {
+  if constexpr (detail::can_tile<S, I>) {
+    camera.validate();
+    const simd::TileRenderer tiles(image, camera, scene, integrator);
+    constexpr int side = 64;  // of a tile, in pixels
+    const int columns = (image.width() + side - 1) / side, rows = (image.height() + side - 1) / side;
+    detail::for_each_in_parallel(columns * rows, options, [&](int i) {
+      const int x0 = i % columns * side, y0 = i / columns * side;
+      tiles(simd::Tile{x0, y0, std::min(x0 + side, image.width()), std::min(y0 + side, image.height())});
+    });
+    return;
+  }
   const auto radiance = [&](const Ray& ray) -> Color {
     if constexpr (std::is_invocable_r_v<Color, const I&, const Ray&, const S&>)
       return integrator(ray, scene);

@@ -72,7 +72,7 @@ class Scene {
     each_surface([&](const auto& surface, const Color& color) {
       const auto crossing = first_crossing(surface, ray, range);
       if (!crossing) return;
-      const SurfaceCrossing candidate = on(surface, *crossing, color);
+      const SurfaceCrossing candidate = crossing_on(surface, *crossing, color);
       if (found && !precedes(ray, candidate, first)) return;
       first = candidate;
       found = true;
@@ -94,13 +94,23 @@ class Scene {
   void crossings(const Ray& ray, Interval range, auto&& visit) const {
     each_surface([&](const auto& surface, const Color& color) {
       each_crossing(surface, ray, range, [&](const Crossing& crossing) {
-        const Intersection intersection(ray, on(surface, crossing, color));
+        const Intersection intersection(ray, crossing_on(surface, crossing, color));
         visit(intersection);
       });
     });
   }
 
   [[nodiscard]] const std::vector<PointLight>& lights() const { return lights_; }
+
+  /// The surfaces of one of the scene's types, and their colors, as they were added.
+  template <class T>
+  [[nodiscard]] const std::vector<T>& surfaces() const {
+    return std::get<Group<T>>(groups_).surfaces;
+  }
+  template <class T>
+  [[nodiscard]] const std::vector<Color>& colors() const {
+    return std::get<Group<T>>(groups_).colors;
+  }
 
  private:
   /// The surfaces of one type, and their colors.
@@ -122,11 +132,6 @@ class Scene {
       return false;
     }
   };
-
-  template <Surface T>
-  [[nodiscard]] static SurfaceCrossing on(const T& surface, const Crossing& crossing, const Color& color) {
-    return {.crossing = crossing, .surface = &surface, .functions = &functions_of<T>, .color = &color};
-  }
 
   /// Calls visit(surface, color) for every surface, in order.
   void each_surface(auto&& visit) const {

@@ -224,4 +224,10 @@ inline constexpr SurfaceFunctions functions_of{
           return exact_root(*static_cast<const S*>(s), ray, crossing);
         }};
 
+/// A crossing with a surface, whose type is forgotten.
+template <Surface S>
+[[nodiscard]] SurfaceCrossing crossing_on(const S& surface, const Crossing& crossing, const Color& color) {
+  return {.crossing = crossing, .surface = &surface, .functions = &functions_of<S>, .color = &color};
+}
+
 }  // namespace protostar::inline PROTOSTAR_ABI

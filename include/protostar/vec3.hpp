@@ -33,4 +33,20 @@ inline bool is_light(const Color& c) {
   return c.r >= 0 && c.g >= 0 && c.b >= 0 && std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);
 }
 
+// What is written for one ray is written for several at once as well, with a number, a vector or an answer
+// for each of them (accel/packet.hpp). Where a number is converted or a choice is made, both say it in these
+// words.
+
+/// a if so, otherwise b.
+template <class T>
+[[nodiscard]] constexpr T select(bool so, const T& a, const T& b) {
+  return so ? a : b;
+}
+
+/// Whether any answer is yes: here, the only one.
+[[nodiscard]] constexpr bool any(bool answer) { return answer; }
+
+/// The nearest float.
+[[nodiscard]] constexpr float to_float(double x) { return static_cast<float>(x); }
+
 }  // namespace protostar::inline PROTOSTAR_ABI

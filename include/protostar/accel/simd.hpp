@@ -195,13 +195,23 @@ template <class T, int N>
   return bits(mask) != 0;
 }
 
-/// a where the mask is true, and b elsewhere.
-template <class T, int N>
-[[nodiscard]] Lanes<T, N> select(Mask<T, N> mask, Lanes<T, N> a, Lanes<T, N> b) {
+/// The same answers for lanes of another type.
+template <class U, class T, int N>
+[[nodiscard]] Mask<U, N> mask_for(Mask<T, N> mask) {
 #if defined(PROTOSTAR_VECTORS)
-  return mask.v ? a.v : b.v;
+  return {__builtin_convertvector(mask.v, detail::Vector<detail::Truth<U>, N>)};
 #else
-  return a.v.each([&](int i) { return mask.v[i] ? a.v[i] : b.v[i]; });
+  return {mask.v.template each<detail::Truth<U>>([&](int i) { return mask.v[i] ? -1 : 0; })};
+#endif
+}
+
+/// a where the mask is true, and b elsewhere.
+template <class M, class T, int N>
+[[nodiscard]] Lanes<T, N> select(Mask<M, N> mask, Lanes<T, N> a, std::type_identity_t<Lanes<T, N>> b) {
+#if defined(PROTOSTAR_VECTORS)
+  return {mask_for<T>(mask).v ? a.v : b.v};
+#else
+  return {a.v.each([&](int i) { return mask.v[i] ? a.v[i] : b.v[i]; })};
 #endif
 }
 
@@ -251,7 +261,7 @@ template <class T, int N>
 [[nodiscard]] Lanes<T, N> copysign(Lanes<T, N> a, Lanes<T, N> b) {
 #if defined(PROTOSTAR_VECTORS)
   using Whole = detail::Vector<detail::Truth<T>, N>;
-  const Whole sign = (Whole)Lanes(T{-0.0}).v;
+  const Whole sign = (Whole)Lanes<T, N>(static_cast<T>(-0.0)).v;
   return (detail::Vector<T, N>)(((Whole)a.v & ~sign) | ((Whole)b.v & sign));
 #else
   return a.v.each([&](int i) { return std::copysign(a.v[i], b.v[i]); });
@@ -263,16 +273,24 @@ template <class T, int N>
   return copysign(a, Lanes<T, N>(T{0}));
 }
 
-/// The smaller; b where one of them is NaN.
+/// The smaller, as std::min chooses it: a if one of them is NaN.
 template <class T, int N>
 [[nodiscard]] Lanes<T, N> min(Lanes<T, N> a, std::type_identity_t<Lanes<T, N>> b) {
-  return select(a < b, a, b);
+  return select(b < a, b, a);
 }
 
-/// The larger; b where one of them is NaN.
+/// The larger, as std::max chooses it: a if one of them is NaN.
 template <class T, int N>
 [[nodiscard]] Lanes<T, N> max(Lanes<T, N> a, std::type_identity_t<Lanes<T, N>> b) {
-  return select(a > b, a, b);
+  return select(a < b, b, a);
+}
+
+/// The largest number of all lanes.
+template <class T, int N>
+[[nodiscard]] T largest(Lanes<T, N> a) {
+  T result = a[0];
+  for (int i = 1; i < N; ++i) result = result < a[i] ? a[i] : result;
+  return result;
 }
 
 /// The nearest floats.

@@ -7,8 +7,11 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// Shows whether a ray meets anything at all, so it does not even ask what is first.
 struct BinaryIntegrator {
-  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
-    return scene.occluded(ray, Interval{}) ? Color{1} : Color{0};
+  static constexpr bool takes_packets = true;
+
+  template <class R>
+  [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {
+    return select(scene.occluded(ray, Interval{}), Color{1}, Color{0});
   }
 };
 

@@ -7,12 +7,17 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// Shows each surface in its color, unlit; black where there is nothing.
 struct ColorIntegrator {
+  static constexpr bool takes_packets = true;
+
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
     return hit ? shade(*hit, scene) : Color{0};
   }
 
-  [[nodiscard]] Color shade(const Intersection& hit, const Traceable auto&) const { return hit.color(); }
+  template <class Hit>
+  [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto&) const {
+    return hit.color();
+  }
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

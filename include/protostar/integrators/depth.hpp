@@ -8,13 +8,16 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Shows 1/t, with t the distance in scene units for rays of unit direction; black where there is nothing, as
 /// for a surface infinitely far away.
 struct DepthIntegrator {
+  static constexpr bool takes_packets = true;
+
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
     return hit ? shade(*hit, scene) : Color{0};
   }
 
-  [[nodiscard]] Color shade(const Intersection& hit, const Traceable auto&) const {
-    return Color{static_cast<float>(1 / hit.t)};
+  template <class Hit>
+  [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto&) const {
+    return typename Hit::Light(to_float(1 / hit.t));
   }
 };
 

@@ -8,15 +8,18 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// The light that a diffuse surface sends towards the ray's origin: its color times the irradiance of all
 /// lights on the side that the ray sees; black where there is nothing. Nothing hides a light.
 struct DiffuseIntegrator {
+  static constexpr bool takes_packets = true;
+
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
     return hit ? shade(*hit, scene) : Color{0};
   }
 
-  [[nodiscard]] Color shade(const Intersection& hit, const Traceable auto& scene) const {
-    const Point point = hit.point();
-    const Vec3 normal = hit.facing_normal();
-    Color irradiance{0};
+  template <class Hit>
+  [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
+    const auto point = hit.point();
+    const auto normal = hit.facing_normal();
+    typename Hit::Light irradiance(0);
     for (const PointLight& light : scene.lights()) irradiance += light.irradiance(point, normal);
     return hit.color() * irradiance;
   }

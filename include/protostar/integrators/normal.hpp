@@ -8,13 +8,16 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Maps the surface's own unit normal from [−1, 1]³ to [0, 1]³, x, y, z to red, green, blue; black where
 /// there is nothing.
 struct NormalIntegrator {
+  static constexpr bool takes_packets = true;
+
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
     return hit ? shade(*hit, scene) : Color{0};
   }
 
-  [[nodiscard]] Color shade(const Intersection& hit, const Traceable auto&) const {
-    return Color{0.5 * hit.normal() + 0.5};
+  template <class Hit>
+  [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto&) const {
+    return typename Hit::Light(0.5 * hit.normal() + 0.5);
   }
 };
 

@@ -8,21 +8,27 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// The light that a diffuse surface sends towards the ray's origin, from the lights that it can see; black
 /// where there is nothing.
 struct ShadowIntegrator {
+  static constexpr bool takes_packets = true;
+
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
     return hit ? shade(*hit, scene) : Color{0};
   }
 
-  [[nodiscard]] Color shade(const Intersection& hit, const Traceable auto& scene) const {
-    const Point point = hit.point();
-    const Vec3 normal = hit.facing_normal();
-    Color irradiance{0};
+  template <class Hit>
+  [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
+    const auto point = hit.point();
+    const auto normal = hit.facing_normal();
+    typename Hit::Light irradiance(0);
     for (const PointLight& light : scene.lights()) {
-      const Color unhindered = light.irradiance(point, normal);
-      if (unhindered == Color{0}) continue;  // a light behind the surface needs no shadow ray
+      const auto to_light = light.position - point;
+      const auto in_front = dot(normal, to_light) > 0.0;
+      if (!any(in_front)) continue;  // a light behind the surface needs no shadow ray
       // The shadow ray is not normalized: it is at the light for t = 1, so occluders lie in (0, 1).
-      const Ray shadow_ray = hit.leave(light.position - point);
-      if (!scene.occluded(shadow_ray, Interval{0, 1})) irradiance += unhindered;
+      const auto shadow_ray = hit.leave(to_light);
+      const auto visible = in_front && !scene.occluded(only(in_front, shadow_ray), Interval{0, 1});
+      if (!any(visible)) continue;
+      irradiance += select(visible, light.irradiance(point, normal), typename Hit::Light(0));
     }
     return hit.color() * irradiance;
   }

@@ -10,9 +10,12 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// with their number and not with its square, and there is no limit to them. The product is taken in the
 /// order of the surfaces.
 struct TransparencyIntegrator {
-  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
-    Color light{1};
-    scene.crossings(ray, Interval{}, [&](const Intersection& crossing) { light *= crossing.color(); });
+  static constexpr bool takes_packets = true;
+
+  template <class R>
+  [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {
+    typename R::Light light(1);
+    scene.crossings(ray, Interval{}, [&](const auto& crossing) { light *= crossing.color(); });
     return light;
   }
 };

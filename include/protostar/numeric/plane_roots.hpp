@@ -114,7 +114,7 @@ struct RoundedPlaneEquation {
   const auto [height, slope, certain] = detail::rounded_plane_equation(origin, direction, normal, distance);
   const auto t = height / slope;
   return RootsOfEach<std::remove_const_t<decltype(t)>, M>{
-      .near = t, .far = t, .meets = wanted && certain, .in_doubt = wanted && !certain};
+      .near = t, .far = t, .meets = wanted && certain, .in_doubt = wanted && !certain, .count = 1};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -59,8 +59,9 @@ class Roots {
 /// line that is neither in meets nor in doubt has none; one that is in doubt has to be asked about by itself.
 template <class T, class M>
 struct RootsOfEach {
-  T near, far;  ///< the same where the surface has a single root
+  T near, far;  ///< the same where there is a single root
   M meets, in_doubt;
+  int count = 2;  ///< of the roots that a line has, if it has any
 };
 
 /// How a root is worked out when double does not decide: in double-double, or from exact coefficients.

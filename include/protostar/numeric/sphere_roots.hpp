@@ -335,7 +335,7 @@ struct RoundedLeavingEquation {
   const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
   const auto t = 2 * b / A;
   return RootsOfEach<std::remove_const_t<decltype(t)>, M>{
-      .near = t, .far = t, .meets = wanted && certain, .in_doubt = wanted && !certain};
+      .near = t, .far = t, .meets = wanted && certain, .in_doubt = wanted && !certain, .count = 1};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

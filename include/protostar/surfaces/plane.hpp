@@ -24,7 +24,8 @@ struct Plane {
   }
 
   /// The unit normal, the same at every point.
-  [[nodiscard]] Vec3 normal_at(const Point&) const {
+  template <class P = Point>
+  [[nodiscard]] Vec3 normal_at(const P&) const {
     const Vec3 size = abs(normal);
     return normalize(normal /
                      std::max({size.x, size.y, size.z}));  // whose squares neither overflow nor vanish
@@ -34,6 +35,12 @@ struct Plane {
   [[nodiscard]] Roots roots(const Ray& ray) const {
     if (is_left_by(ray)) return {};
     return plane_roots(ray.origin, ray.direction, normal, distance);
+  }
+
+  /// The same of several rays at once.
+  [[nodiscard]] auto roots_of_each(const auto& rays) const {
+    return plane_roots_of_each(rays.origin, rays.direction, normal, distance,
+                               rays.wanted && !is_left_by(rays));
   }
 
   [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision) const {
@@ -57,7 +64,7 @@ struct Plane {
   }
 
  private:
-  [[nodiscard]] bool is_left_by(const Ray& ray) const {
+  [[nodiscard]] bool is_left_by(const auto& ray) const {
     return ray.departure.kind == Departure::Kind::plane && ray.departure == departure();
   }
 };

@@ -26,13 +26,23 @@ struct Sphere {
   /// The unit normal at a point of the sphere (§2.3.1, A.1.3): outwards for a positive radius. At hit.point()
   /// it is off by at most (2^-30 T + 2^-53 (T + P)) / |radius| + 2^-52, which also bounds the sine of the
   /// angle: T is the distance of the hit from the ray's origin, P that from the coordinate origin.
-  [[nodiscard]] Vec3 normal_at(const Point& point) const { return (point - center) / radius; }
+  template <class P = Point>
+  [[nodiscard]] P normal_at(const P& point) const {
+    return (point - center) / radius;
+  }
 
   /// All crossings of the ray's line; of a ray that departs from the sphere, the one that it does not come
   /// from.
   [[nodiscard]] Roots roots(const Ray& ray) const {
     if (is_left_by(ray)) return sphere_root_leaving(ray.origin, ray.direction, center, radius);
     return sphere_roots(ray.origin, ray.direction, center, radius);
+  }
+
+  /// The same of several rays at once.
+  [[nodiscard]] auto roots_of_each(const auto& rays) const {
+    if (is_left_by(rays))
+      return sphere_root_leaving_of_each(rays.origin, rays.direction, center, radius, rays.wanted);
+    return sphere_roots_of_each(rays.origin, rays.direction, center, radius, rays.wanted);
   }
 
   [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision precision) const {
@@ -45,6 +55,9 @@ struct Sphere {
     if (is_left_by(ray)) return exact_sphere_root_leaving(ray.origin, ray.direction, center, radius);
     return exact_sphere_root(ray.origin, ray.direction, center, radius, root);
   }
+
+  /// The sphere that contains it: of positive radius.
+  [[nodiscard]] Sphere bounding_sphere() const { return {center, std::abs(radius)}; }
 
   /// Spheres of one center and radius are left together.
   [[nodiscard]] Departure departure() const {
@@ -59,7 +72,7 @@ struct Sphere {
   }
 
  private:
-  [[nodiscard]] bool is_left_by(const Ray& ray) const {
+  [[nodiscard]] bool is_left_by(const auto& ray) const {
     return ray.departure.kind == Departure::Kind::sphere && ray.departure == departure();
   }
 };

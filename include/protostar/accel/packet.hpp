@@ -1,0 +1,195 @@
+// Several rays at once, and what they meet: Ray and Intersection with a lane for each ray.
+//
+// An integrator that is written for one ray reads the same for a packet: `light.position - hit.point()` is
+// one vector or one in each lane. Every lane is computed as a single ray is, so that it gets the same bytes.
+#pragma once
+
+#include "../scene.hpp"
+#include "simd.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// The numbers of a packet: as many as the processor takes doubles at once.
+using Doubles = Lanes<double, double_lanes>;
+using Floats = Lanes<float, double_lanes>;
+using Indices = Lanes<std::int64_t, double_lanes>;
+using Chosen = Mask<double, double_lanes>;  ///< some rays of a packet
+
+/// A vector in each lane.
+struct Vectors {
+  Doubles x, y, z;
+
+  Vectors(Doubles x_, Doubles y_, Doubles z_) : x(x_), y(y_), z(z_) {}
+  Vectors(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
+
+  [[nodiscard]] Vec3 operator[](int lane) const { return {x[lane], y[lane], z[lane]}; }
+
+  friend Vectors operator+(const Vectors& a, const Vectors& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend Vectors operator-(const Vectors& a, const Vectors& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend Vectors operator-(const Vectors& a) { return {-a.x, -a.y, -a.z}; }
+  friend Vectors operator*(const Vectors& a, Doubles b) { return {a.x * b, a.y * b, a.z * b}; }
+  friend Vectors operator*(Doubles a, const Vectors& b) { return b * a; }
+  friend Vectors operator/(const Vectors& a, Doubles b) { return {a.x / b, a.y / b, a.z / b}; }
+  friend Vectors operator+(const Vectors& a, double b) { return {a.x + b, a.y + b, a.z + b}; }
+
+  friend Doubles dot(const Vectors& a, const Vectors& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+  friend Vectors abs(const Vectors& a) { return {abs(a.x), abs(a.y), abs(a.z)}; }
+  friend Vectors select(Chosen which, const Vectors& a, const Vectors& b) {
+    return {select(which, a.x, b.x), select(which, a.y, b.y), select(which, a.z, b.z)};
+  }
+};
+
+/// t · d with one direction for all lanes.
+inline Vectors operator*(Doubles t, const Vec3& d) { return t * Vectors(d); }
+
+/// A color in each lane.
+struct Colors {
+  Floats r, g, b;
+
+  Colors(Floats r_, Floats g_, Floats b_) : r(r_), g(g_), b(b_) {}
+  Colors(const Color& c) : r(c.r), g(c.g), b(c.b) {}
+  explicit Colors(Floats gray) : r(gray), g(gray), b(gray) {}
+  explicit Colors(float gray) : Colors(Floats(gray)) {}
+  explicit Colors(const Vectors& v) : r(to_float(v.x)), g(to_float(v.y)), b(to_float(v.z)) {}
+
+  friend Colors operator*(const Colors& a, const Colors& b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }
+  friend Colors operator*(const Colors& a, Floats b) { return {a.r * b, a.g * b, a.b * b}; }
+  Colors& operator*=(const Colors& other) { return *this = *this * other; }
+  Colors& operator+=(const Colors& other) {
+    r += other.r, g += other.g, b += other.b;
+    return *this;
+  }
+  friend Colors select(Chosen which, const Colors& a, const Colors& b) {
+    return {select(which, a.r, b.r), select(which, a.g, b.g), select(which, a.b, b.b)};
+  }
+};
+
+inline Colors operator*(const Color& color, Floats share) { return Colors(color) * share; }
+inline Colors select(Chosen which, const Color& a, const Color& b) {
+  return select(which, Colors(a), Colors(b));
+}
+
+/// The rays of a packet. Origin is Point for rays that start together, as those of a camera do, and Vectors
+/// for others. All depart from the same geometry.
+template <class Origin>
+struct Rays {
+  using Light = Colors;  ///< what they bring
+
+  Origin origin;
+  Vectors direction;
+  Chosen wanted = true;  ///< the lanes that are asked for; what is found out about the others does not matter
+  Departure departure{};
+
+  [[nodiscard]] Vectors at(Doubles t) const { return origin + t * direction; }
+
+  /// One of them.
+  [[nodiscard]] Ray operator[](int lane) const {
+    if constexpr (std::same_as<Origin, Point>)
+      return {origin, direction[lane], departure};
+    else
+      return {origin[lane], direction[lane], departure};
+  }
+
+  /// Those of them that are chosen.
+  friend Rays only(Chosen chosen, Rays rays) {
+    rays.wanted = rays.wanted && chosen;
+    return rays;
+  }
+};
+
+/// Where each ray of a packet crosses a surface first inside a range.
+struct FirstCrossings {
+  Doubles t;
+  Chosen met, in_doubt;  ///< a ray that is in doubt has to be asked about by itself
+};
+
+/// A surface that answers for several rays at once.
+template <class S>
+concept SurfaceForPackets = Surface<S> && requires(const S& surface, const Rays<Point>& rays) {
+  { surface.roots_of_each(rays) } -> std::same_as<RootsOfEach<Doubles, Chosen>>;
+};
+
+/// Whether each t lies inside the range, as lies_inside decides it by t alone.
+struct Inside {
+  Chosen surely, maybe;
+};
+[[nodiscard]] inline Inside lies_inside(Doubles t, Interval range) {
+  const Doubles margin = 2 * Roots::relative_error * abs(t);
+  return {.surely = range.min < t - margin && t + margin < range.max,
+          .maybe = range.min < t + margin && t - margin < range.max};
+}
+
+/// first_crossing for the rays of a packet.
+template <Surface S>
+[[nodiscard]] FirstCrossings first_crossings(const S& surface, const auto& rays, Interval range) {
+  FirstCrossings first{.t = infinity, .met = false, .in_doubt = false};
+  if constexpr (SurfaceForPackets<S>) {
+    const RootsOfEach<Doubles, Chosen> roots = surface.roots_of_each(rays);
+    first.in_doubt = roots.in_doubt;
+    if (!any(roots.meets)) return first;
+    const Inside near = lies_inside(roots.near, range), far = lies_inside(roots.far, range);
+    first.met = roots.meets && (near.surely || far.surely);
+    first.t = select(near.surely, roots.near, roots.far);
+    first.in_doubt =
+        first.in_doubt || (roots.meets && !near.surely && (near.maybe || (far.maybe && !far.surely)));
+  } else {
+    for (Bits left = bits(rays.wanted); left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
+      if (const auto crossing = first_crossing(surface, rays[lane], range)) {
+        first.t.set(lane, crossing->t);
+        first.met = first.met || mask_of<double, double_lanes>(Bits{1} << lane);
+      }
+    }
+  }
+  return first;
+}
+
+/// The crossings of some rays of a packet with one surface: Intersection, with a lane for each ray.
+template <Surface S, class Origin>
+class Intersections {
+ public:
+  using Light = Colors;
+
+  Doubles t;
+
+  Intersections(const Rays<Origin>& rays, Doubles at, Chosen which, const S& surface, const Color& color)
+      : t(at), rays_(rays), which_(which), surface_(surface), color_(color) {}
+
+  [[nodiscard]] Vectors point() const { return rays_.at(t); }
+
+  [[nodiscard]] Vectors normal() const {
+    if constexpr (requires(Vectors p) {
+                    { surface_.normal_at(p) } -> std::convertible_to<Vectors>;
+                  }) {
+      return surface_.normal_at(point());
+    } else {
+      const Vectors points = point();
+      Vectors normals(Vec3{0});
+      for (Bits left = bits(which_); left != 0; left &= left - 1) {
+        const int lane = std::countr_zero(left);
+        const Vec3 n = surface_.normal_at(points[lane]);
+        normals.x.set(lane, n.x), normals.y.set(lane, n.y), normals.z.set(lane, n.z);
+      }
+      return normals;
+    }
+  }
+
+  [[nodiscard]] Vectors facing_normal() const {
+    const Vectors n = normal();
+    return select(dot(n, rays_.direction) <= 0.0, n, -n);
+  }
+
+  [[nodiscard]] const Color& color() const { return color_; }
+
+  [[nodiscard]] Rays<Vectors> leave(const Vectors& direction) const {
+    return {point(), direction, which_, departure_of(surface_)};
+  }
+
+ private:
+  const Rays<Origin>& rays_;
+  Chosen which_;
+  const S& surface_;
+  const Color& color_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd

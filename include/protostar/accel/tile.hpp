@@ -1,0 +1,177 @@
+// Which surfaces the pixels of a tile may see at all: lists that are culled from tile to smaller tile.
+//
+// A surface is taken for a sphere that contains it. The rays of a tile lie between four planes through the
+// camera; what is outside one of them, the tile does not see. This is computed in float, several surfaces at
+// once, and only a sure answer drops a surface.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "../camera.hpp"
+#include "../surface.hpp"
+#include "packet.hpp"
+#include "simd.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// A rectangle of pixels: [x0, x1) × [y0, y1).
+struct Tile {
+  int x0, y0, x1, y1;
+
+  /// Calls visit(Tile) for the tiles of at most width × height pixels that it is made of, in rows.
+  void each(int width, int height, const auto& visit) const {
+    for (int y = y0; y < y1; y += height)
+      for (int x = x0; x < x1; x += width)
+        visit(Tile{x, y, std::min(x + width, x1), std::min(y + height, y1)});
+  }
+};
+
+/// The rays of a camera through the pixels of an image: Camera::through_pixel, with what the pixels of a
+/// column or a row have in common computed once.
+class PixelRays {
+ public:
+  PixelRays(const Camera& camera, int width, int height) : camera_(camera), width_(width), height_(height) {
+    const std::size_t padded = static_cast<std::size_t>(width + double_lanes);
+    for (auto* column : {&x_, &y_, &z_}) column->resize(padded);
+    for (int x = 0; x < width; ++x) {
+      const Vec3 along = Camera::u_at(x + 0.5, width, height) * camera.right;
+      const auto i = static_cast<std::size_t>(x);
+      x_[i] = along.x, y_[i] = along.y, z_[i] = along.z;
+    }
+  }
+
+  /// The rays through the pixels from (x, y) on to the right, of which those in the tile are wanted.
+  [[nodiscard]] Rays<Point> packet(const Tile& tile, int x, int y) const {
+    const auto from = [x](const std::vector<double>& column) { return Doubles::load(column.data() + x); };
+    const Vectors along(from(x_), from(y_), from(z_));
+    const Vectors up = Camera::v_at(y + 0.5, height_) * camera_.up;
+    return {.origin = camera_.position,
+            .direction = camera_.direction(along, up),
+            .wanted = numbers() < Doubles(tile.x1 - x)};
+  }
+
+  [[nodiscard]] const Camera& camera() const { return camera_; }
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+
+ private:
+  static Doubles numbers() { return iota<double, double_lanes>(); }
+
+  Camera camera_;
+  int width_, height_;
+  std::vector<double> x_, y_, z_;  ///< u · right for each column
+};
+
+/// The planes through the camera between which the rays of a tile lie, as unit normals to the inside.
+struct Frustum {
+  float normal[4][3];
+
+  Frustum(const PixelRays& rays, const Tile& tile) {
+    const Camera& camera = rays.camera();
+    const auto [right, up, forward] = std::tuple(camera.right, camera.up, camera.forward);
+    const double hand = dot(cross(right, up), forward) > 0 ? 1 : -1;  // −1 for a mirrored camera
+    const auto u = [&](int x) { return Camera::u_at(x, rays.width(), rays.height()); };
+    const auto v = [&](int y) { return Camera::v_at(y, rays.height()); };
+    // A plane holds one edge of the tile: the directions forward + u · right + v · up with one of u and v
+    // fixed.
+    const auto set = [&](int i, const Vec3& inwards) {
+      const Vec3 n = normalize(hand * inwards);
+      for (int k = 0; k < 3; ++k) normal[i][k] = static_cast<float>(n[k]);
+    };
+    set(0, cross(up, forward + u(tile.x0) * right));
+    set(1, cross(forward + u(tile.x1) * right, up));
+    set(2, cross(forward + v(tile.y1) * up, right));
+    set(3, cross(right, forward + v(tile.y0) * up));
+  }
+};
+
+/// Surfaces that a camera may see, as float spheres around its position: rows of numbers, so that several are
+/// tested at once.
+class Candidates {
+ public:
+  [[nodiscard]] int size() const { return size_; }
+  [[nodiscard]] int surface(int i) const { return surface_[index(i)]; }
+
+  /// A ray of the camera, of unit direction, surely meets the surface for no t below this.
+  [[nodiscard]] float nearest(int i) const { return nearest_[index(i)]; }
+
+  /// Adds a surface that is contained in a sphere.
+  ///
+  /// With u = 2^-24: the center from the camera, l, is off by at most u|l| in float, a normal by u, and their
+  /// product by 3u|l| more, so that the distance from a plane is good to 5u|l|, and the radius to u r. What
+  /// is given to the radius, 2^-20 (|l| + r) = 16u (|l| + r), is more; 2^-140 covers whatever underflows.
+  void add(int surface, const Point& camera, const Point& center, double radius) {
+    make_room(size_ + 1);
+    const std::size_t i = index(size_++);
+    const Vec3 l = center - camera;
+    const double distance = length(l), error = 0x1p-20 * (distance + radius) + 0x1p-140;
+    x_[i] = static_cast<float>(l.x), y_[i] = static_cast<float>(l.y), z_[i] = static_cast<float>(l.z);
+    reach_[i] = static_cast<float>(radius + error);
+    nearest_[i] = static_cast<float>(distance - radius - error);
+    surface_[i] = surface;
+  }
+
+  /// Adds those of others that a tile may see, in their order.
+  void add(const Candidates& others, const Frustum& frustum) {
+    make_room(size_ + others.size_);
+    for (int i = 0; i < others.size_; i += float_lanes) {
+      const auto at = [&](const auto& row) { return row.data() + i; };
+      const Wide x = Wide::load(at(others.x_)), y = Wide::load(at(others.y_)), z = Wide::load(at(others.z_));
+      const Wide reach = Wide::load(at(others.reach_));
+      // NaN, which comes from numbers beyond float, is not outside.
+      Mask<float, float_lanes> outside = false;
+      for (const auto& n : frustum.normal) outside = outside || (x * n[0] + y * n[1] + z * n[2] < -reach);
+      const int left = others.size_ - i;
+      const Bits all = left >= float_lanes ? ~Bits{0} >> (32 - float_lanes) : (Bits{1} << left) - 1;
+      const Bits seen = bits(!outside) & all;
+      if (seen == 0) continue;
+      const auto to = [&](auto& row) { return row.data() + size_; };
+      store_chosen(to(x_), seen, x);
+      store_chosen(to(y_), seen, y);
+      store_chosen(to(z_), seen, z);
+      store_chosen(to(reach_), seen, reach);
+      store_chosen(to(nearest_), seen, Wide::load(at(others.nearest_)));
+      size_ += store_chosen(to(surface_), seen, Lanes<std::int32_t, float_lanes>::load(at(others.surface_)));
+    }
+  }
+
+  void clear() { size_ = 0; }
+
+  /// Puts those first that may be nearest.
+  void sort() {
+    std::vector<int> order(index(size_));
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return nearest(a) < nearest(b); });
+    const auto reorder = [&](auto& row) {
+      auto sorted = row;
+      for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = row[index(order[i])];
+      row = std::move(sorted);
+    };
+    reorder(x_), reorder(y_), reorder(z_), reorder(reach_), reorder(nearest_), reorder(surface_);
+  }
+
+ private:
+  using Wide = Lanes<float, float_lanes>;
+
+  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+  /// Room for count surfaces, and for what a store of all lanes writes behind them.
+  void make_room(int count) {
+    const std::size_t needed = index(count + float_lanes);
+    if (x_.size() >= needed) return;
+    const std::size_t room = std::max(needed, 2 * x_.size());
+    for (auto* row : {&x_, &y_, &z_, &reach_, &nearest_}) row->resize(room);
+    surface_.resize(room);
+  }
+
+  int size_ = 0;
+  std::vector<float> x_, y_, z_, reach_, nearest_;
+  std::vector<std::int32_t> surface_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd
