@@ -18,9 +18,7 @@ struct Camera {
   Vec3 forward{0, 0, 1};
 
   /// The ray through the film at u · right + v · up, its direction of unit length.
-  [[nodiscard]] Ray operator()(double u, double v) const {
-    return {position, direction(u * right, v * up)};
-  }
+  [[nodiscard]] Ray operator()(double u, double v) const { return {position, direction(u * right, v * up)}; }
 
   /// The ray through the center of pixel (x, y), with (0, 0) at the top left, of an image of width × height
   /// pixels.
@@ -28,8 +26,8 @@ struct Camera {
     return (*this)(u_at(x + 0.5, width, height), v_at(y + 0.5, height));
   }
 
-  /// Where a place on an image is on the film, x and y in pixels from the top left: u runs over [−width/height,
-  /// width/height] from left to right, v over [1, −1] from top to bottom.
+  /// Where a place on an image is on the film, x and y in pixels from the top left: u runs over
+  /// [−width/height, width/height] from left to right, v over [1, −1] from top to bottom.
   [[nodiscard]] static double u_at(double x, int width, int height) {
     return static_cast<double>(width) / height * (2 * x / width - 1);
   }

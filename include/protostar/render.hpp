@@ -120,7 +120,7 @@ template <class S, class I>
 inline constexpr bool can_tile = false;
 template <Surface... S, simd::PacketIntegrator I>
 inline constexpr bool can_tile<Scene<S...>, I> = true;
-}
+}  // namespace detail
 
 /// Fills an image with what a camera sees of a scene, through an integrator. Errors as above.
 template <Traceable S, Integrator<S> I>

@@ -19,6 +19,7 @@ using Chosen = Mask<double, double_lanes>;  ///< some rays of a packet
 struct Vectors {
   Doubles x, y, z;
 
+  Vectors() = default;
   Vectors(Doubles x_, Doubles y_, Doubles z_) : x(x_), y(y_), z(z_) {}
   Vectors(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
 
@@ -91,9 +92,9 @@ struct Rays {
   }
 
   /// Those of them that are chosen.
-  friend Rays only(Chosen chosen, Rays rays) {
+  friend Rays&& only(Chosen chosen, Rays&& rays) {
     rays.wanted = rays.wanted && chosen;
-    return rays;
+    return std::move(rays);
   }
 };
 
@@ -105,35 +106,43 @@ struct FirstCrossings {
 
 /// A surface that answers for several rays at once.
 template <class S>
-concept SurfaceForPackets = Surface<S> && requires(const S& surface, const Rays<Point>& rays) {
-  { surface.roots_of_each(rays) } -> std::same_as<RootsOfEach<Doubles, Chosen>>;
+concept SurfaceForPackets = Surface<S> && requires(const S& surface, const Rays<Point>& rays, Chosen wanted) {
+  { surface.roots_of_each(rays, wanted) } -> std::same_as<RootsOfEach<Doubles, Chosen>>;
 };
 
-/// Whether each t lies inside the range, as lies_inside decides it by t alone.
+/// Whether each t lies inside a range, as lies_inside decides it. Roots have the sign of the true ones, so
+/// that at 0 nothing is in doubt.
 struct Inside {
   Chosen surely, maybe;
 };
 [[nodiscard]] inline Inside lies_inside(Doubles t, Interval range) {
+  if (range.min == 0 && range.max == infinity) return {.surely = t > 0.0, .maybe = t > 0.0};
   const Doubles margin = 2 * Roots::relative_error * abs(t);
   return {.surely = range.min < t - margin && t + margin < range.max,
           .maybe = range.min < t + margin && t - margin < range.max};
 }
 
-/// first_crossing for the rays of a packet.
+/// first_crossing for the rays of a packet that are wanted.
 template <Surface S>
-[[nodiscard]] FirstCrossings first_crossings(const S& surface, const auto& rays, Interval range) {
+[[nodiscard]] FirstCrossings first_crossings(const S& surface, const auto& rays, Chosen wanted,
+                                             Interval range) {
   FirstCrossings first{.t = infinity, .met = false, .in_doubt = false};
   if constexpr (SurfaceForPackets<S>) {
-    const RootsOfEach<Doubles, Chosen> roots = surface.roots_of_each(rays);
+    const RootsOfEach<Doubles, Chosen> roots = surface.roots_of_each(rays, wanted);
     first.in_doubt = roots.in_doubt;
     if (!any(roots.meets)) return first;
-    const Inside near = lies_inside(roots.near, range), far = lies_inside(roots.far, range);
-    first.met = roots.meets && (near.surely || far.surely);
-    first.t = select(near.surely, roots.near, roots.far);
-    first.in_doubt =
-        first.in_doubt || (roots.meets && !near.surely && (near.maybe || (far.maybe && !far.surely)));
+    first.t = roots.near();
+    const Inside near = lies_inside(first.t, range);
+    first.met = roots.meets && near.surely;
+    const Chosen others = roots.meets && !near.surely;
+    if (!any(others)) return first;
+    const Doubles far_t = roots.far();
+    const Inside far = lies_inside(far_t, range);
+    first.t = select(near.surely, first.t, far_t);
+    first.met = first.met || (others && !near.maybe && far.surely);
+    first.in_doubt = first.in_doubt || (others && (near.maybe || (far.maybe && !far.surely)));
   } else {
-    for (Bits left = bits(rays.wanted); left != 0; left &= left - 1) {
+    for (Bits left = bits(wanted); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
       if (const auto crossing = first_crossing(surface, rays[lane], range)) {
         first.t.set(lane, crossing->t);
@@ -142,6 +151,20 @@ template <Surface S>
     }
   }
   return first;
+}
+
+/// Which rays of a packet, of those that are wanted, cross a surface inside a range.
+template <Surface S>
+[[nodiscard]] CrossedByEach<Chosen> crossed_by_each(const S& surface, const auto& rays, Chosen wanted,
+                                                    Interval range) {
+  if constexpr (requires { surface.crossed_by_segments(rays, wanted); }) {
+    if (!surface.is_left_by(rays)) {
+      if (range.min == 0 && range.max == infinity) return surface.crossed_by_each(rays, wanted);
+      if (range.min == 0 && range.max == 1) return surface.crossed_by_segments(rays, wanted);
+    }
+  }
+  const FirstCrossings first = first_crossings(surface, rays, wanted, range);
+  return {.crossed = first.met, .in_doubt = first.in_doubt};
 }
 
 /// The crossings of some rays of a packet with one surface: Intersection, with a lane for each ray.

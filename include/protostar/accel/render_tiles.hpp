@@ -52,10 +52,9 @@ class TileScene {
   [[nodiscard]] Closest closest(const Rays<Point>& rays) const {
     Closest closest;
     Chosen in_doubt = false;
-    double farthest = infinity;  // no ray's first crossing is beyond this
     const auto consider = [&](int index) {
       visit(index, [&](const auto& surface, const Color&) {
-        const FirstCrossings first = first_crossings(surface, rays, Interval{});
+        const FirstCrossings first = first_crossings(surface, rays, rays.wanted, Interval{});
         // The order is sure where the errors of both t, 2^-30 of each, do not overlap.
         const Chosen sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
         const Chosen later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
@@ -64,12 +63,14 @@ class TileScene {
         closest.t = select(sooner, first.t, closest.t);
         closest.surface = select(sooner, Indices(index), closest.surface);
         closest.met = closest.met || sooner;
-        farthest = largest(select(rays.wanted, closest.t, 0.0));
       });
     };
     for (const int index : unbounded_) consider(index);
-    for (int i = 0; i < candidates_.size() && candidates_.nearest(i) <= farthest; ++i)
+    for (int i = 0; i < candidates_.size(); ++i) {
+      // Where no ray has any way left to one of the candidates, it has none to those that follow.
+      if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
       consider(candidates_.surface(i));
+    }
 
     for (Bits left = bits(in_doubt); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
@@ -83,7 +84,7 @@ class TileScene {
   }
 
   /// Which rays of a packet of the camera's meet anything.
-  [[nodiscard]] Chosen occluded(Rays<Point> rays, Interval range) const {
+  [[nodiscard]] Chosen occluded(const Rays<Point>& rays, Interval range) const {
     return occluded_by(rays, range, [&](const auto& try_surface) {
       for (const int index : unbounded_)
         if (!try_surface(index)) return;
@@ -93,7 +94,7 @@ class TileScene {
   }
 
   /// Which rays of another packet meet anything.
-  [[nodiscard]] Chosen occluded(Rays<Vectors> rays, Interval range) const {
+  [[nodiscard]] Chosen occluded(const Rays<Vectors>& rays, Interval range) const {
     return occluded_by(rays, range, [&](const auto& try_surface) {
       for (int index = 0; index < count(); ++index)
         if (!try_surface(index)) return;
@@ -171,19 +172,19 @@ class TileScene {
   }
 
   template <class Origin>
-  [[nodiscard]] Chosen occluded_by(Rays<Origin>& rays, Interval range, const auto& each) const {
-    Chosen found = false;
+  [[nodiscard]] Chosen occluded_by(const Rays<Origin>& rays, Interval range, const auto& each) const {
+    Chosen found = false, left = rays.wanted;
     each([&](int index) {
       visit(index, [&](const auto& surface, const Color&) {
-        const FirstCrossings first = first_crossings(surface, rays, range);
-        Chosen met = first.met;
-        for (Bits left = bits(first.in_doubt); left != 0; left &= left - 1)
-          if (const int lane = std::countr_zero(left); first_crossing(surface, rays[lane], range))
+        const CrossedByEach<Chosen> tested = crossed_by_each(surface, rays, left, range);
+        Chosen met = tested.crossed;
+        for (Bits alone = bits(tested.in_doubt); alone != 0; alone &= alone - 1)
+          if (const int lane = std::countr_zero(alone); first_crossing(surface, rays[lane], range))
             met = met || mask_of<double, double_lanes>(Bits{1} << lane);
         found = found || met;
-        rays.wanted = rays.wanted && !met;
+        left = left && !met;
       });
-      return any(rays.wanted);
+      return any(left);
     });
     return found;
   }
@@ -194,8 +195,9 @@ class TileScene {
     Bits alone = bits(rays.wanted);
     Chosen near = false, far = false;
     if constexpr (SurfaceForPackets<T>) {
-      const RootsOfEach<Doubles, Chosen> roots = surface.roots_of_each(rays);
-      const Inside near_inside = lies_inside(roots.near, range), far_inside = lies_inside(roots.far, range);
+      const RootsOfEach<Doubles, Chosen> roots = surface.roots_of_each(rays, rays.wanted);
+      const Inside near_inside = lies_inside(roots.near(), range),
+                   far_inside = lies_inside(roots.far(), range);
       const Chosen in_doubt = roots.in_doubt || (roots.meets && ((near_inside.maybe && !near_inside.surely) ||
                                                                  (far_inside.maybe && !far_inside.surely)));
       near = roots.meets && near_inside.surely && !in_doubt;
@@ -231,7 +233,7 @@ class TileRenderer {
   void operator()(const Tile& tile) const {
     Candidates in_tile, in_part, in_block;
     in_tile.add(candidates_, Frustum(rays_, tile));
-    tile.each(16, 16, [&](const Tile& part) {
+    tile.each(part_side, part_side, [&](const Tile& part) {
       in_part.clear();
       in_part.add(in_tile, Frustum(rays_, part));
       if (in_part.size() == 0 && unbounded_.empty()) {
@@ -249,6 +251,7 @@ class TileRenderer {
   }
 
  private:
+  static constexpr int part_side = 16;  ///< of the parts of a tile, in pixels
   static constexpr bool shades = ShadingIntegrator<I, Scene<S...>>;
 
   template <Surface T>
@@ -276,7 +279,7 @@ class TileRenderer {
       std::fill(&image_(tile.x0, y), &image_(tile.x0, y) + (tile.x1 - tile.x0), color);
   }
 
-  void fill_block(const Tile& tile, const Candidates& candidates) const {
+  [[gnu::flatten]] void fill_block(const Tile& tile, const Candidates& candidates) const {
     const TileScene<S...> scene(scene_, candidates, unbounded_);
     for (int y = tile.y0; y < tile.y1; ++y)
       for (int x = tile.x0; x < tile.x1; x += double_lanes) {
@@ -286,25 +289,28 @@ class TileRenderer {
   }
 
   [[nodiscard]] Colors radiance(const Rays<Point>& rays, const TileScene<S...>& scene) const {
-    if constexpr (!shades) {
+    if constexpr (shades)
+      return shade(rays, scene.closest(rays), scene);
+    else
       return integrator_.radiance(rays, scene);
-    } else {
-      const auto closest = scene.closest(rays);
-      Colors result(Color{0});
-      // One surface after the other: with its own numbers the same for all its rays, nothing has to be
-      // gathered.
-      Chosen left = closest.met && rays.wanted;
-      for (Bits some = bits(left); some != 0; some = bits(left)) {
-        const auto index = closest.surface[std::countr_zero(some)];
-        const Chosen on_it = left && mask_for<double>(closest.surface == Indices(index));
-        scene.visit(static_cast<int>(index), [&](const auto& surface, const Color& color) {
-          const Intersections hits(rays, closest.t, on_it, surface, color);
-          result = select(on_it, Colors(integrator_.shade(hits, scene)), result);
-        });
-        left = left && !on_it;
-      }
-      return result;
+  }
+
+  [[nodiscard]] Colors shade(const Rays<Point>& rays, const typename TileScene<S...>::Closest& closest,
+                             const TileScene<S...>& scene) const {
+    Colors result(Color{0});
+    // One surface after the other: with its own numbers the same for all its rays, nothing has to be
+    // gathered.
+    Chosen left = closest.met && rays.wanted;
+    for (Bits some = bits(left); some != 0; some = bits(left)) {
+      const auto index = closest.surface[std::countr_zero(some)];
+      const Chosen on_it = left && mask_for<double>(closest.surface == Indices(index));
+      scene.visit(static_cast<int>(index), [&](const auto& surface, const Color& color) {
+        const Intersections hits(rays, closest.t, on_it, surface, color);
+        result = select(on_it, Colors(integrator_.shade(hits, scene)), result);
+      });
+      left = left && !on_it;
     }
+    return result;
   }
 
   void write(const Tile& tile, int x, int y, const Colors& colors) const {

@@ -9,6 +9,7 @@
 
 #include <bit>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -21,6 +22,9 @@
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
+#if defined(__AVX512VL__)
+#define PROTOSTAR_BIT_MASKS 1
+#endif
 #endif
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
@@ -28,7 +32,7 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// How many floats, and how many doubles, one instruction takes.
 #if !defined(PROTOSTAR_VECTORS)
 inline constexpr int float_lanes = 1, double_lanes = 1;
-#elif defined(__AVX512VL__)
+#elif defined(PROTOSTAR_BIT_MASKS)
 inline constexpr int float_lanes = 16, double_lanes = 8;
 #elif defined(__AVX2__)
 inline constexpr int float_lanes = 8, double_lanes = 4;
@@ -104,27 +108,79 @@ struct Vector {
 
 #endif
 
+#if defined(PROTOSTAR_BIT_MASKS)
+/// The lanes of two vectors that compare so.
+template <int Predicate, class V>
+[[nodiscard]] std::uint32_t compare(V a, V b) {
+  using T = std::remove_cvref_t<decltype(a[0])>;
+  if constexpr (std::same_as<T, std::int64_t>) {
+    static_assert(sizeof(V) == 64 && Predicate == _CMP_EQ_OQ, "nothing else is needed");
+    return _mm512_cmpeq_epi64_mask((__m512i)a, (__m512i)b);
+  } else if constexpr (sizeof(V) == 64) {
+    if constexpr (sizeof(T) == 8)
+      return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, Predicate);
+    else
+      return _mm512_cmp_ps_mask((__m512)a, (__m512)b, Predicate);
+  } else {
+    static_assert(sizeof(V) == 32 && sizeof(T) == 4);
+    return _mm256_cmp_ps_mask((__m256)a, (__m256)b, Predicate);
+  }
+}
+
+/// a in these lanes, and b elsewhere.
+template <class V>
+[[nodiscard]] V blend(std::uint32_t lanes, V a, V b) {
+  constexpr std::size_t size = sizeof(a[0]);
+  if constexpr (sizeof(V) == 32)
+    return (V)_mm256_mask_blend_epi32(static_cast<__mmask8>(lanes), (__m256i)b, (__m256i)a);
+  else if constexpr (size == 8)
+    return (V)_mm512_mask_blend_epi64(static_cast<__mmask8>(lanes), (__m512i)b, (__m512i)a);
+  else
+    return (V)_mm512_mask_blend_epi32(static_cast<__mmask16>(lanes), (__m512i)b, (__m512i)a);
+}
+#endif
+
+/// The same number in every lane.
+template <class T, int N>
+[[nodiscard]] Vector<T, N> everywhere(T number) {
+#if defined(PROTOSTAR_VECTORS)
+  return number - Vector<T, N>{};
+#else
+  return Vector<T, N>::each([&](int) { return number; });
+#endif
+}
+
 }  // namespace detail
 
 /// A set of lanes, the lowest bit being lane 0.
 using Bits = std::uint32_t;
 
-/// An answer for each of N lanes of type T.
+/// The first count lanes.
+[[nodiscard]] constexpr Bits first_bits(int count) { return count >= 32 ? ~Bits{0} : (Bits{1} << count) - 1; }
+
+/// An answer for each of N lanes of type T: a bit, where the processor compares to bits (AVX-512), or else a
+/// whole number as large as a T.
 template <class T, int N>
 struct Mask {
+#if defined(PROTOSTAR_BIT_MASKS)
+  Bits v;
+
+  Mask() = default;
+  explicit Mask(Bits lanes) : v(lanes) {}
+  Mask(bool answer) : v(answer ? first_bits(N) : 0) {}
+
+  friend Mask operator!(Mask a) { return Mask(~a.v & first_bits(N)); }
+#else
   detail::Vector<detail::Truth<T>, N> v;
 
   Mask() = default;
-  Mask(detail::Vector<detail::Truth<T>, N> truths) : v(truths) {}
+  explicit Mask(detail::Vector<detail::Truth<T>, N> truths) : v(truths) {}
+  Mask(bool answer) : v(detail::everywhere<detail::Truth<T>, N>(answer ? -1 : 0)) {}
 
-  /// The same answer in every lane.
-  Mask(bool answer) {
-    for (int i = 0; i < N; ++i) v[i] = answer ? -1 : 0;
-  }
-
-  friend Mask operator&&(Mask a, Mask b) { return {a.v & b.v}; }
-  friend Mask operator||(Mask a, Mask b) { return {a.v | b.v}; }
-  friend Mask operator!(Mask a) { return {~a.v}; }
+  friend Mask operator!(Mask a) { return Mask(~a.v); }
+#endif
+  friend Mask operator&&(Mask a, Mask b) { return Mask(a.v & b.v); }
+  friend Mask operator||(Mask a, Mask b) { return Mask(a.v | b.v); }
 };
 
 /// N numbers of type T.
@@ -136,11 +192,7 @@ struct Lanes {
   Lanes(detail::Vector<T, N> lanes) : v(lanes) {}
 
   /// The same number in every lane.
-#if defined(PROTOSTAR_VECTORS)
-  Lanes(T number) : v(number - detail::Vector<T, N>{}) {}
-#else
-  Lanes(T number) : v(v.each([&](int) { return number; })) {}
-#endif
+  Lanes(T number) : v(detail::everywhere<T, N>(number)) {}
 
   /// The N numbers from an address on.
   static Lanes load(const T* from) {
@@ -160,22 +212,39 @@ struct Lanes {
   friend Lanes operator-(Lanes a) { return {-a.v}; }
   Lanes& operator+=(Lanes b) { return *this = *this + b; }
   Lanes& operator*=(Lanes b) { return *this = *this * b; }
-  friend Mask<T, N> operator<(Lanes a, Lanes b) { return {a.v < b.v}; }
-  friend Mask<T, N> operator<=(Lanes a, Lanes b) { return {a.v <= b.v}; }
-  friend Mask<T, N> operator>(Lanes a, Lanes b) { return {b.v < a.v}; }
-  friend Mask<T, N> operator>=(Lanes a, Lanes b) { return {b.v <= a.v}; }
-  friend Mask<T, N> operator==(Lanes a, Lanes b) { return {a.v == b.v}; }
+  friend Mask<T, N> operator<(Lanes a, Lanes b) {
+#if defined(PROTOSTAR_BIT_MASKS)
+    return Mask<T, N>(detail::compare<_CMP_LT_OQ>(a.v, b.v));
+#else
+    return Mask<T, N>(a.v < b.v);
+#endif
+  }
+  friend Mask<T, N> operator<=(Lanes a, Lanes b) {
+#if defined(PROTOSTAR_BIT_MASKS)
+    return Mask<T, N>(detail::compare<_CMP_LE_OQ>(a.v, b.v));
+#else
+    return Mask<T, N>(a.v <= b.v);
+#endif
+  }
+  friend Mask<T, N> operator==(Lanes a, Lanes b) {
+#if defined(PROTOSTAR_BIT_MASKS)
+    return Mask<T, N>(detail::compare<_CMP_EQ_OQ>(a.v, b.v));
+#else
+    return Mask<T, N>(a.v == b.v);
+#endif
+  }
+  friend Mask<T, N> operator>(Lanes a, Lanes b) { return b < a; }
+  friend Mask<T, N> operator>=(Lanes a, Lanes b) { return b <= a; }
 };
 
 /// The lanes that are true.
 template <class T, int N>
 [[nodiscard]] Bits bits(Mask<T, N> mask) {
+#if defined(PROTOSTAR_BIT_MASKS)
+  return mask.v;
+#else
 #if defined(PROTOSTAR_VECTORS)
   constexpr std::size_t size = sizeof(mask.v);
-#if defined(__AVX512F__)
-  if constexpr (size == 64 && sizeof(T) == 4) return _mm512_cmplt_epi32_mask((__m512i)mask.v, __m512i{});
-  if constexpr (size == 64 && sizeof(T) == 8) return _mm512_cmplt_epi64_mask((__m512i)mask.v, __m512i{});
-#endif
 #if defined(__AVX__)
   if constexpr (size == 32 && sizeof(T) == 4) return static_cast<Bits>(_mm256_movemask_ps((__m256)mask.v));
   if constexpr (size == 32 && sizeof(T) == 8) return static_cast<Bits>(_mm256_movemask_pd((__m256d)mask.v));
@@ -188,6 +257,7 @@ template <class T, int N>
   Bits result = 0;
   for (int i = 0; i < N; ++i) result |= static_cast<Bits>(mask.v[i] & 1) << i;
   return result;
+#endif
 }
 
 template <class T, int N>
@@ -198,31 +268,38 @@ template <class T, int N>
 /// The same answers for lanes of another type.
 template <class U, class T, int N>
 [[nodiscard]] Mask<U, N> mask_for(Mask<T, N> mask) {
-#if defined(PROTOSTAR_VECTORS)
-  return {__builtin_convertvector(mask.v, detail::Vector<detail::Truth<U>, N>)};
+#if defined(PROTOSTAR_BIT_MASKS)
+  return Mask<U, N>(mask.v);
+#elif defined(PROTOSTAR_VECTORS)
+  return Mask<U, N>(__builtin_convertvector(mask.v, detail::Vector<detail::Truth<U>, N>));
 #else
-  return {mask.v.template each<detail::Truth<U>>([&](int i) { return mask.v[i] ? -1 : 0; })};
-#endif
-}
-
-/// a where the mask is true, and b elsewhere.
-template <class M, class T, int N>
-[[nodiscard]] Lanes<T, N> select(Mask<M, N> mask, Lanes<T, N> a, std::type_identity_t<Lanes<T, N>> b) {
-#if defined(PROTOSTAR_VECTORS)
-  return {mask_for<T>(mask).v ? a.v : b.v};
-#else
-  return {a.v.each([&](int i) { return mask.v[i] ? a.v[i] : b.v[i]; })};
+  return Mask<U, N>(mask.v.template each<detail::Truth<U>>([&](int i) { return mask.v[i] ? -1 : 0; }));
 #endif
 }
 
 /// The mask in which just these lanes are true.
 template <class T, int N>
 [[nodiscard]] Mask<T, N> mask_of(Bits lanes) {
+#if defined(PROTOSTAR_BIT_MASKS)
+  return Mask<T, N>(lanes);
+#else
   using Truth = detail::Truth<T>;
-  Lanes<Truth, N> bit;
-  for (int i = 0; i < N; ++i) bit.set(i, Truth{1} << i);
-  const auto chosen = bit.v & Lanes<Truth, N>(static_cast<Truth>(lanes)).v;
-  return {chosen == bit.v};
+  detail::Vector<Truth, N> bit{};
+  for (int i = 0; i < N; ++i) bit[i] = Truth{1} << i;
+  return Mask<T, N>((detail::everywhere<Truth, N>(static_cast<Truth>(lanes)) & bit) == bit);
+#endif
+}
+
+/// a where the mask is true, and b elsewhere.
+template <class M, class T, int N>
+[[nodiscard]] Lanes<T, N> select(Mask<M, N> mask, Lanes<T, N> a, std::type_identity_t<Lanes<T, N>> b) {
+#if defined(PROTOSTAR_BIT_MASKS)
+  return {detail::blend(mask.v, a.v, b.v)};
+#elif defined(PROTOSTAR_VECTORS)
+  return {mask_for<T>(mask).v ? a.v : b.v};
+#else
+  return {a.v.each([&](int i) { return mask.v[i] ? a.v[i] : b.v[i]; })};
+#endif
 }
 
 /// The numbers 0, 1, 2, ...

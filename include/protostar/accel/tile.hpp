@@ -35,24 +35,17 @@ struct Tile {
 /// column or a row have in common computed once.
 class PixelRays {
  public:
-  PixelRays(const Camera& camera, int width, int height) : camera_(camera), width_(width), height_(height) {
-    const std::size_t padded = static_cast<std::size_t>(width + double_lanes);
-    for (auto* column : {&x_, &y_, &z_}) column->resize(padded);
-    for (int x = 0; x < width; ++x) {
-      const Vec3 along = Camera::u_at(x + 0.5, width, height) * camera.right;
-      const auto i = static_cast<std::size_t>(x);
-      x_[i] = along.x, y_[i] = along.y, z_[i] = along.z;
-    }
+  PixelRays(const Camera& camera, int width, int height)
+      : camera_(camera), width_(width), height_(height), along_(width + double_lanes), up_(height) {
+    for (int x = 0; x < width; ++x) along_.set(x, Camera::u_at(x + 0.5, width, height) * camera.right);
+    for (int y = 0; y < height; ++y) up_.set(y, Camera::v_at(y + 0.5, height) * camera.up);
   }
 
   /// The rays through the pixels from (x, y) on to the right, of which those in the tile are wanted.
   [[nodiscard]] Rays<Point> packet(const Tile& tile, int x, int y) const {
-    const auto from = [x](const std::vector<double>& column) { return Doubles::load(column.data() + x); };
-    const Vectors along(from(x_), from(y_), from(z_));
-    const Vectors up = Camera::v_at(y + 0.5, height_) * camera_.up;
     return {.origin = camera_.position,
-            .direction = camera_.direction(along, up),
-            .wanted = numbers() < Doubles(tile.x1 - x)};
+            .direction = camera_.direction(along_.some(x), Vectors(up_[y])),
+            .wanted = mask_of<double, double_lanes>(first_bits(tile.x1 - x))};
   }
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
@@ -60,11 +53,26 @@ class PixelRays {
   [[nodiscard]] int height() const { return height_; }
 
  private:
-  static Doubles numbers() { return iota<double, double_lanes>(); }
+  /// Vectors in rows of their components.
+  class Table {
+   public:
+    explicit Table(int size) : x_(index(size)), y_(index(size)), z_(index(size)) {}
+
+    void set(int i, const Vec3& v) { x_[index(i)] = v.x, y_[index(i)] = v.y, z_[index(i)] = v.z; }
+    [[nodiscard]] Vec3 operator[](int i) const { return {x_[index(i)], y_[index(i)], z_[index(i)]}; }
+    [[nodiscard]] Vectors some(int first) const {
+      return {Doubles::load(&x_[index(first)]), Doubles::load(&y_[index(first)]),
+              Doubles::load(&z_[index(first)])};
+    }
+
+   private:
+    static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+    std::vector<double> x_, y_, z_;
+  };
 
   Camera camera_;
   int width_, height_;
-  std::vector<double> x_, y_, z_;  ///< u · right for each column
+  Table along_, up_;  ///< u · right of each column and v · up of each row
 };
 
 /// The planes through the camera between which the rays of a tile lie, as unit normals to the inside.
@@ -126,9 +134,7 @@ class Candidates {
       // NaN, which comes from numbers beyond float, is not outside.
       Mask<float, float_lanes> outside = false;
       for (const auto& n : frustum.normal) outside = outside || (x * n[0] + y * n[1] + z * n[2] < -reach);
-      const int left = others.size_ - i;
-      const Bits all = left >= float_lanes ? ~Bits{0} >> (32 - float_lanes) : (Bits{1} << left) - 1;
-      const Bits seen = bits(!outside) & all;
+      const Bits seen = bits(!outside) & first_bits(others.size_ - i);
       if (seen == 0) continue;
       const auto to = [&](auto& row) { return row.data() + size_; };
       store_chosen(to(x_), seen, x);

@@ -112,9 +112,14 @@ struct RoundedPlaneEquation {
                                                                   const auto& wanted) {
   using M = std::remove_cvref_t<decltype(wanted)>;
   const auto [height, slope, certain] = detail::rounded_plane_equation(origin, direction, normal, distance);
-  const auto t = height / slope;
-  return RootsOfEach<std::remove_const_t<decltype(t)>, M>{
-      .near = t, .far = t, .meets = wanted && certain, .in_doubt = wanted && !certain, .count = 1};
+  using T = std::remove_cvref_t<decltype(slope)>;
+  return RootsOfEach<T, M>{.near_over = height,
+                           .near_under = slope,
+                           .far_over = height,
+                           .far_under = slope,
+                           .meets = wanted && certain,
+                           .in_doubt = wanted && !certain,
+                           .count = 1};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -55,13 +55,23 @@ class Roots {
   return roots_from(A, c, q);
 }
 
-/// The roots of several lines with one surface, each number T and each mask M with a lane for each line. A
-/// line that is neither in meets nor in doubt has none; one that is in doubt has to be asked about by itself.
+/// The roots of several lines with one surface: each T a number and each M an answer for every line. A line
+/// that neither meets the surface nor is in doubt has none; one that is in doubt has to be asked about by
+/// itself. A root is the quotient that Roots has, and is divided when it is asked for.
 template <class T, class M>
 struct RootsOfEach {
-  T near, far;  ///< the same where there is a single root
+  T near_over, near_under, far_over, far_under;
   M meets, in_doubt;
-  int count = 2;  ///< of the roots that a line has, if it has any
+  int count;  ///< 1 or 2; where it is 1, near and far are the same
+
+  [[nodiscard]] T near() const { return near_over / near_under; }
+  [[nodiscard]] T far() const { return far_over / far_under; }
+};
+
+/// Which of several lines cross a surface in some range of t.
+template <class M>
+struct CrossedByEach {
+  M crossed, in_doubt;
 };
 
 /// How a root is worked out when double does not decide: in double-double, or from exact coefficients.

@@ -203,6 +203,14 @@ struct RoundedSphereEquation {
   T D, E;  ///< D = b² − A c has an error of at most E
 
   [[nodiscard, gnu::always_inline]] auto surely_misses() const { return in_range(A) && D < -E; }
+
+  /// Whether the line surely meets the sphere and b and c surely have the signs that they show: the error of
+  /// c is at most 7u w, and that of b at most 4u √(A w), while c > 0 and D > 4E make |b| larger than 2^-23
+  /// √(A w). Where c < 0, the sign of b does not matter.
+  [[nodiscard, gnu::always_inline]] auto surely_meets() const {
+    using std::abs;
+    return in_range(A) && D > 4 * E && E < overflow && abs(c) > 0x1p-18 * w;
+  }
 };
 
 [[nodiscard, gnu::always_inline]] inline auto rounded_sphere_equation(const auto& origin,
@@ -218,24 +226,23 @@ struct RoundedSphereEquation {
       .A = A, .b = b, .c = c, .w = w, .D = b * b - A * c, .E = 0x1p-48 * (A * w) + underflow};
 }
 
-/// What is known of the roots without cancellation: of b ± √D, q is the one that does not cancel. One root is
-/// q/A, and the other c/q, since their product is c/A.
+/// The roots of such an equation without cancellation: of b ± √D, q is the one that does not cancel. One root
+/// is q/A, and the other c/q, since their product is c/A.
 template <class T, class M>
 struct CertifiedQuotient {
   T q;
   M certain;  ///< whether q/A and c/q are as good as Roots says
 };
 
-/// The error of c is at most 7u w, below 2^-32 |c| here, and that of √D at most E/(1.86 √D), since the true D
-/// is at least ¾ of this one: below 2^-31.8 |q|. |c| > 2^-18 w also makes q larger than 2^-10 √(A w), so that
-/// the error of b, 4u √(A w), is of no account.
+/// The error of c is below 2^-32 |c| where the line surely meets, and that of √D at most E/(1.86 √D), since
+/// the true D is at least ¾ of this one: below 2^-31.8 |q| here. |c| > 2^-18 w also makes q larger than 2^-10
+/// √(A w), so that the error of b, 4u √(A w), is of no account.
 template <class T, class C>
 [[nodiscard, gnu::always_inline]] inline auto certified_quotient(const RoundedSphereEquation<T, C>& e) {
   using std::abs, std::copysign, std::sqrt;
   const T root = sqrt(e.D);
   const T q = e.b + copysign(root, e.b);
-  const auto certain =
-      e.D > 4 * e.E && e.E < overflow && root * abs(q) > 0x1p31 * e.E && abs(e.c) > 0x1p-18 * e.w;
+  const auto certain = e.surely_meets() && root * abs(q) > 0x1p31 * e.E;
   return CertifiedQuotient<T, std::remove_const_t<decltype(certain)>>{q, certain};
 }
 
@@ -266,9 +273,8 @@ template <class T, class C>
                                                             const Point& center, double radius) {
   const auto equation = detail::rounded_sphere_equation(origin, direction, center, radius);
   if (equation.surely_misses()) return {};
-  if (detail::in_range(equation.A))
-    if (const auto [q, certain] = detail::certified_quotient(equation); certain)
-      return roots_from(equation.A, equation.c, q);
+  if (const auto [q, certain] = detail::certified_quotient(equation); certain)
+    return roots_from(equation.A, equation.c, q);
   return detail::sphere_roots_in_doubt(origin, direction, center, radius);
 }
 
@@ -282,15 +288,67 @@ template <class T, class C>
   using T = std::remove_const_t<decltype(equation.A)>;
   using M = std::remove_cvref_t<decltype(wanted)>;
   const M open = wanted && !equation.surely_misses();
-  if (!any(open)) return RootsOfEach<T, M>{.near = T(0), .far = T(0), .meets = open, .in_doubt = open};
+  const T A = equation.A, c(equation.c);
+  if (!any(open))
+    return RootsOfEach<T, M>{.near_over = c,
+                             .near_under = c,
+                             .far_over = c,
+                             .far_under = c,
+                             .meets = open,
+                             .in_doubt = open,
+                             .count = 2};
   const auto [q, certain] = detail::certified_quotient(equation);
-  const M meets = open && certain && detail::in_range(equation.A);
-  const T t1 = equation.c / q, t2 = q / equation.A;
-  const auto in_order = t1 < t2;
-  return RootsOfEach<T, M>{.near = select(in_order, t1, t2),
-                           .far = select(in_order, t2, t1),
+  const M meets = open && certain;
+  // b and q have one sign. Certified roots are so far apart that rounding does not change their order.
+  const auto backwards = q < 0.0;
+  return RootsOfEach<T, M>{.near_over = select(backwards, q, c),
+                           .near_under = select(backwards, A, q),
+                           .far_over = select(backwards, c, q),
+                           .far_under = select(backwards, q, A),
                            .meets = meets,
-                           .in_doubt = open && !meets};
+                           .in_doubt = open && !meets,
+                           .count = 2};
+}
+
+/// Which of several lines surely cross the sphere somewhere in t > 0, by signs alone: there is no root to
+/// work out.
+[[nodiscard, gnu::always_inline]] inline auto sphere_crossed_by_each(const auto& origin,
+                                                                     const auto& direction,
+                                                                     const Point& center, double radius,
+                                                                     const auto& wanted) {
+  const auto equation = detail::rounded_sphere_equation(origin, direction, center, radius);
+  using M = std::remove_cvref_t<decltype(wanted)>;
+  const M open = wanted && !equation.surely_misses();
+  const M sure = open && equation.surely_meets();
+  return CrossedByEach<M>{.crossed = sure && (equation.b > 0.0 || equation.c < 0.0),
+                          .in_doubt = open && !sure};
+}
+
+/// Which of several lines surely cross the sphere somewhere in 0 < t < 1, likewise.
+///
+/// At t = 1 the equation has the value f = A − 2b + c and half its slope is A − b. The errors of A, b, c are
+/// at most 3u A, 4u √(A w) ≤ 2u (A + w) and 7u w, those of the two operations at most 4u (A + w) together, so
+/// that f and A − b are good to 15u (A + w) < 2^-49 (A + w). A line that meets the sphere is inside it
+/// between its roots: from outside, it gets there if it ends inside, or else if its nearest point to the
+/// center is on the way.
+[[nodiscard, gnu::always_inline]] inline auto sphere_crossed_by_segments(const auto& origin,
+                                                                         const auto& direction,
+                                                                         const Point& center, double radius,
+                                                                         const auto& wanted) {
+  const auto e = detail::rounded_sphere_equation(origin, direction, center, radius);
+  using M = std::remove_cvref_t<decltype(wanted)>;
+  const M open = wanted && !e.surely_misses();
+  if (!any(open)) return CrossedByEach<M>{.crossed = open, .in_doubt = open};
+  const auto f = e.A - 2 * e.b + e.c, slope = e.A - e.b, error = 0x1p-49 * (e.A + e.w);
+  const auto starts_outside = e.c > 0.0;
+  const auto ends_outside = f > error, ends_inside = f < -error;
+  const auto approaches = e.b > 0.0, recedes = slope > error;
+  const M sure =
+      open && e.surely_meets() &&
+      (ends_inside || (ends_outside && (!starts_outside || !approaches || recedes || slope < -error)));
+  const M crossed = sure && ((starts_outside && approaches && (ends_inside || recedes)) ||
+                             (!starts_outside && ends_outside));
+  return CrossedByEach<M>{.crossed = crossed, .in_doubt = open && !sure};
 }
 
 namespace detail {
@@ -333,9 +391,15 @@ struct RoundedLeavingEquation {
                                                                           const auto& wanted) {
   using M = std::remove_cvref_t<decltype(wanted)>;
   const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
-  const auto t = 2 * b / A;
-  return RootsOfEach<std::remove_const_t<decltype(t)>, M>{
-      .near = t, .far = t, .meets = wanted && certain, .in_doubt = wanted && !certain, .count = 1};
+  using T = std::remove_cvref_t<decltype(b)>;
+  const T over = 2 * b;
+  return RootsOfEach<T, M>{.near_over = over,
+                           .near_under = A,
+                           .far_over = over,
+                           .far_under = A,
+                           .meets = wanted && certain,
+                           .in_doubt = wanted && !certain,
+                           .count = 1};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

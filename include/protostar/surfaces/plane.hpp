@@ -37,10 +37,9 @@ struct Plane {
     return plane_roots(ray.origin, ray.direction, normal, distance);
   }
 
-  /// The same of several rays at once.
-  [[nodiscard]] auto roots_of_each(const auto& rays) const {
-    return plane_roots_of_each(rays.origin, rays.direction, normal, distance,
-                               rays.wanted && !is_left_by(rays));
+  /// The same of several rays at once, of those that are wanted.
+  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
+    return plane_roots_of_each(rays.origin, rays.direction, normal, distance, wanted && !is_left_by(rays));
   }
 
   [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision) const {

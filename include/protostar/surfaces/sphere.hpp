@@ -28,7 +28,7 @@ struct Sphere {
   /// angle: T is the distance of the hit from the ray's origin, P that from the coordinate origin.
   template <class P = Point>
   [[nodiscard]] P normal_at(const P& point) const {
-    return (point - center) / radius;
+    return (point - center) * (1 / radius);
   }
 
   /// All crossings of the ray's line; of a ray that departs from the sphere, the one that it does not come
@@ -38,11 +38,19 @@ struct Sphere {
     return sphere_roots(ray.origin, ray.direction, center, radius);
   }
 
-  /// The same of several rays at once.
-  [[nodiscard]] auto roots_of_each(const auto& rays) const {
+  /// The same of several rays at once, of those that are wanted.
+  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
     if (is_left_by(rays))
-      return sphere_root_leaving_of_each(rays.origin, rays.direction, center, radius, rays.wanted);
-    return sphere_roots_of_each(rays.origin, rays.direction, center, radius, rays.wanted);
+      return sphere_root_leaving_of_each(rays.origin, rays.direction, center, radius, wanted);
+    return sphere_roots_of_each(rays.origin, rays.direction, center, radius, wanted);
+  }
+
+  /// Which of several rays, none of which departs from the sphere, cross it in t > 0, or in 0 < t < 1.
+  [[nodiscard]] auto crossed_by_each(const auto& rays, const auto& wanted) const {
+    return sphere_crossed_by_each(rays.origin, rays.direction, center, radius, wanted);
+  }
+  [[nodiscard]] auto crossed_by_segments(const auto& rays, const auto& wanted) const {
+    return sphere_crossed_by_segments(rays.origin, rays.direction, center, radius, wanted);
   }
 
   [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision precision) const {
@@ -71,7 +79,7 @@ struct Sphere {
       throw std::invalid_argument("Sphere: radius must be finite and not 0");
   }
 
- private:
+  /// Whether a ray, or the rays of a packet, depart from it.
   [[nodiscard]] bool is_left_by(const auto& ray) const {
     return ray.departure.kind == Departure::Kind::sphere && ray.departure == departure();
   }
