@@ -1,6 +1,7 @@
 // A picture of linear light (§2.2.2).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -10,6 +11,24 @@
 #include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
+
+/// A rectangle of pixels: those in the columns [x0, x1) and the rows [y0, y1).
+struct Tile {
+  int x0, y0, x1, y1;
+
+  [[nodiscard]] int width() const { return x1 - x0; }
+  [[nodiscard]] int height() const { return y1 - y0; }
+
+  /// The number of tiles of at most side × side pixels that it is made of, and the i-th of them, in rows.
+  [[nodiscard]] int count(int side) const {
+    return ((width() + side - 1) / side) * ((height() + side - 1) / side);
+  }
+  [[nodiscard]] Tile part(int i, int side) const {
+    const int columns = (width() + side - 1) / side;
+    const int x = x0 + i % columns * side, y = y0 + i / columns * side;
+    return {x, y, std::min(x + side, x1), std::min(y + side, y1)};
+  }
+};
 
 /// width × height colors in rows from the top, black at first. image(x, y) is one of them; (0, 0) is the top
 /// left. An image that was moved from has no pixels and may only be assigned to.
@@ -24,6 +43,9 @@ class Image {
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
+
+  /// All its pixels.
+  [[nodiscard]] Tile tile() const { return {0, 0, width_, height_}; }
 
   /// The pixel in column x of [0, width) and row y of [0, height). The range is not checked.
   [[nodiscard]] Color& operator()(int x, int y) { return pixels_[index(x, y)]; }

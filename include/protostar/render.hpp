@@ -5,7 +5,7 @@
 #include <concepts>
 #include <type_traits>
 
-#include "accel/render_tiles.hpp"
+#include "accel/render_tiles.hpp"  // without this line every picture is the same, only later
 #include "camera.hpp"
 #include "image.hpp"
 #include "parallel.hpp"
@@ -26,6 +26,24 @@ concept Integrator = std::is_invocable_r_v<Color, const I&, const Ray&, const S&
   { integrator.radiance(ray, scene) } -> std::convertible_to<Color>;
 };
 
+namespace detail {
+
+/// Fills the pixels of a tile, one ray after the other.
+void fill_pixels(Image& image, const Tile& tile, const Camera& camera, const auto& radiance) {
+  for (int y = tile.y0; y < tile.y1; ++y)
+    for (int x = tile.x0; x < tile.x1; ++x)
+      image(x, y) = radiance(camera.through_pixel(x, y, image.width(), image.height()));
+}
+
+/// Fills an image by tiles, which threads take as they come.
+void fill_tiles(const Image& image, const RenderOptions& options, const auto& fill) {
+  constexpr int side = 64;  // of a tile, in pixels
+  const Tile all = image.tile();
+  for_each_in_parallel(all.count(side), options, [&](int i) { fill(all.part(i, side)); });
+}
+
+}  // namespace detail
+
 /// Fills an image with what a camera sees, one ray through each pixel's center; radiance says what a ray
 /// brings, and is called from several threads at once. The picture is the same for any number of threads.
 ///
@@ -34,46 +52,43 @@ concept Integrator = std::is_invocable_r_v<Color, const I&, const Ray&, const S&
 void render(Image& image, const Camera& camera, const Radiance auto& radiance,
             const RenderOptions& options = {}) {
   camera.validate();
-  constexpr int side = 32;  // of a tile, in pixels
-  const int columns = (image.width() + side - 1) / side, rows = (image.height() + side - 1) / side;
-  detail::for_each_in_parallel(columns * rows, options, [&](int tile) {
-    const int x0 = tile % columns * side, y0 = tile / columns * side;
-    const int x1 = std::min(x0 + side, image.width()), y1 = std::min(y0 + side, image.height());
-    for (int y = y0; y < y1; ++y)
-      for (int x = x0; x < x1; ++x)
-        image(x, y) = radiance(camera.through_pixel(x, y, image.width(), image.height()));
-  });
+  detail::fill_tiles(image, options,
+                     [&](const Tile& tile) { detail::fill_pixels(image, tile, camera, radiance); });
 }
 
 namespace detail {
-template <class S, class I>
-inline constexpr bool can_tile = false;
-template <Surface... S, simd::PacketIntegrator I>
-inline constexpr bool can_tile<Scene<S...>, I> = true;
+
+/// What an integrator says that a ray brings in a scene.
+template <class S, Integrator<S> I>
+[[nodiscard]] Color radiance_of(const I& integrator, const Ray& ray, const S& scene) {
+  if constexpr (std::is_invocable_r_v<Color, const I&, const Ray&, const S&>)
+    return integrator(ray, scene);
+  else
+    return integrator.radiance(ray, scene);
+}
+
 }  // namespace detail
+
+/// What fills a tile of an image with what a camera sees of a scene: here, one ray after the other. For
+/// scenes, accel/ has one that gives the same bytes sooner.
+template <class S, class I>
+auto tile_filler(Image& image, const Camera& camera, const S& scene, const I& integrator,
+                 const RenderOptions&) {
+  return [&](const Tile& tile) {
+    detail::fill_pixels(image, tile, camera,
+                        [&](const Ray& ray) { return detail::radiance_of(integrator, ray, scene); });
+  };
+}
 
 /// Fills an image with what a camera sees of a scene, through an integrator. Errors as above.
 template <Traceable S, Integrator<S> I>
 void render(Image& image, const Camera& camera, const S& scene, const I& integrator,
             const RenderOptions& options = {}) {
-  if constexpr (detail::can_tile<S, I>) {
-    camera.validate();
-    const simd::TileRenderer tiles(image, camera, scene, integrator);
-    constexpr int side = 64;  // of a tile, in pixels
-    const int columns = (image.width() + side - 1) / side, rows = (image.height() + side - 1) / side;
-    detail::for_each_in_parallel(columns * rows, options, [&](int i) {
-      const int x0 = i % columns * side, y0 = i / columns * side;
-      tiles(simd::Tile{x0, y0, std::min(x0 + side, image.width()), std::min(y0 + side, image.height())});
-    });
-    return;
-  }
-  const auto radiance = [&](const Ray& ray) -> Color {
-    if constexpr (std::is_invocable_r_v<Color, const I&, const Ray&, const S&>)
-      return integrator(ray, scene);
-    else
-      return integrator.radiance(ray, scene);
-  };
-  render(image, camera, radiance, options);
+  if (!options.tiles)
+    return render(
+        image, camera, [&](const Ray& ray) { return detail::radiance_of(integrator, ray, scene); }, options);
+  camera.validate();
+  detail::fill_tiles(image, options, tile_filler(image, camera, scene, integrator, options));
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

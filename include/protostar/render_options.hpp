@@ -1,6 +1,7 @@
 // How much of the machine works, and who is told about it.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <stop_token>
 
@@ -12,11 +13,32 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+/// What a picture took: work that was done, and work that was found not to be needed.
+struct RenderStatistics {
+  std::uint64_t camera_rays = 0;    ///< through the centers of pixels whose tile sees anything
+  std::uint64_t other_rays = 0;     ///< that integrators cast: shadow rays
+  std::uint64_t surface_tests = 0;  ///< of rays with surfaces, in double
+  std::uint64_t in_doubt = 0;  ///< tests that double could not decide for a packet, so that a ray went alone
+  std::uint64_t double_double = 0;   ///< roots worked out in double-double
+  std::uint64_t exact = 0;           ///< and from exact coefficients
+  std::uint64_t pixels_skipped = 0;  ///< in parts of tiles that see nothing: they had no ray
+
+  RenderStatistics& operator+=(const RenderStatistics& other) {
+    camera_rays += other.camera_rays, other_rays += other.other_rays;
+    surface_tests += other.surface_tests, in_doubt += other.in_doubt;
+    double_double += other.double_double, exact += other.exact;
+    pixels_skipped += other.pixels_skipped;
+    return *this;
+  }
+};
+
 /// How render works. An exception that progress throws ends the render and reaches its caller; after a stop,
 /// progress does not come to 1.
 struct RenderOptions {
   int threads = 0;            ///< how many work, the caller among them; 0: one for each core
   std::stop_token stop = {};  ///< asked for, render returns early; other pixels stay as they were
+  bool tiles = true;  ///< scenes are rendered by tiles and packets; without, ray by ray: the same picture
+  RenderStatistics* statistics = nullptr;  ///< if given, what the picture took is added here; by tiles only
   std::function<void(double done)> progress = {};  ///< called in the caller's thread with a share from 0 to 1
 };
 

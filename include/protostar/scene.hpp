@@ -85,7 +85,7 @@ class Scene {
   }
 
   /// Whether there is any crossing inside the range. The first one found ends the search.
-  [[nodiscard]] bool occluded(const Ray& ray, Interval range = {}) const {
+  [[nodiscard]] bool occluded(const Ray& ray, [[maybe_unused]] Interval range = {}) const {
     return (std::get<Group<S>>(groups_).occluded(ray, range) || ...);
   }
 
@@ -101,6 +101,9 @@ class Scene {
   }
 
   [[nodiscard]] const std::vector<PointLight>& lights() const { return lights_; }
+
+  /// How many surfaces there are.
+  [[nodiscard]] std::size_t size() const { return (std::size_t{0} + ... + surfaces<S>().size()); }
 
   /// The surfaces of one of the scene's types, and their colors, as they were added.
   template <class T>

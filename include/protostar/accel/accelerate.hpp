@@ -46,6 +46,9 @@ class Finder {
     return false;
   }
 
+  /// Calls visit(i) for each surface that may be in a frustum, but none for which nothing is known.
+  void each_in(const auto&, const auto&) const {}
+
  private:
   std::uint32_t count_;
 };
@@ -57,7 +60,9 @@ class Finder<T> {
   Finder(const std::vector<T>& surfaces, const RenderOptions& options)
       : bvh_(
             surfaces.size(), [&](std::size_t i) { return surfaces[i].bounds(); }, leaf_size, options) {
-    if constexpr (is_sphere) spheres_ = SphereLeaves(bvh_, [&](std::size_t i) -> auto& { return surfaces[i]; });
+    if constexpr (is_sphere)
+      spheres_ = SphereLeaves(
+          bvh_, [&](std::size_t i) -> auto& { return surfaces[i]; });
   }
 
   template <Order order>
@@ -107,7 +112,8 @@ template <class>
 class Accelerated;
 
 /// A scene with a tree of boxes over the surfaces that have bounds. Its answers are those of the scene, to
-/// the last bit. It borrows the scene, which has to live as long and stay as it is. Many threads may share it.
+/// the last bit. It borrows the scene, which has to live as long and stay as it is. Many threads may share
+/// it.
 template <Surface... S>
 class Accelerated<Scene<S...>> {
  public:
@@ -130,11 +136,11 @@ class Accelerated<Scene<S...>> {
 
   /// Calls visit(const Intersection&) for every crossing inside the range, in the order of the surfaces; of
   /// one surface, near before far.
-  void crossings(const Ray& ray, Interval range, auto&& visit) const {
-    (cross<S>(ray, range, visit), ...);
-  }
+  void crossings(const Ray& ray, Interval range, auto&& visit) const { (cross<S>(ray, range, visit), ...); }
 
   [[nodiscard]] const std::vector<PointLight>& lights() const { return scene_->lights(); }
+
+  [[nodiscard]] const Scene<S...>& scene() const { return *scene_; }
 
  private:
   template <class T>
@@ -193,7 +199,8 @@ class Accelerated<Scene<S...>> {
 
 /// A scene that answers sooner. It borrows the scene: see Accelerated.
 template <Surface... S>
-[[nodiscard]] Accelerated<Scene<S...>> accelerate(const Scene<S...>& scene, const RenderOptions& options = {}) {
+[[nodiscard]] Accelerated<Scene<S...>> accelerate(const Scene<S...>& scene,
+                                                  const RenderOptions& options = {}) {
   return Accelerated<Scene<S...>>(scene, options);
 }
 template <Surface... S>

@@ -68,7 +68,9 @@ struct BoxSpace {
   }
 
  private:
-  static double largest(const Vec3& v) { return v.x > v.y ? (v.x > v.z ? v.x : v.z) : (v.y > v.z ? v.y : v.z); }
+  static double largest(const Vec3& v) {
+    return v.x > v.y ? (v.x > v.z ? v.x : v.z) : (v.y > v.z ? v.y : v.z);
+  }
 
   /// Between 2^-1000 and 2^1000.
   static double power_of_two_below(double x) {
@@ -113,7 +115,8 @@ struct BoxRay {
     const double step = 1 / length;
     for (int i = 0; i < 3; ++i) {
       const double unit = d[i] * step, size = std::abs(unit) < 0x1p-60 ? 0x1p-60 : std::abs(unit);
-      const double shift = std::copysign(0x1p-23 * std::abs(o[i]) + 0x1p-40 * (1 + distance) + 2 * wide, unit);
+      const double shift =
+          std::copysign(0x1p-23 * std::abs(o[i]) + 0x1p-40 * (1 + distance) + 2 * wide, unit);
       const double slope = std::copysign(1 / size, unit);
       origin[i] = static_cast<float>(o[i]);
       direction[i] = static_cast<float>(unit);

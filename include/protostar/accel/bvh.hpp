@@ -43,8 +43,7 @@ class Bvh {
         unbounded_.push_back(static_cast<std::uint32_t>(i));
       }
     }
-    if (!boxes.empty())
-      tree_ = TreeBuilder(std::move(boxes), std::move(order), leaf_size, options).build();
+    if (!boxes.empty()) tree_ = TreeBuilder(std::move(boxes), std::move(order), leaf_size, options).build();
   }
 
   /// Which thing stands at each place.
@@ -85,7 +84,8 @@ class Bvh {
           const Entry entry{node.child[k], near[k]};
           int place = top++;
           if constexpr (order == Order::near_first)
-            for (; place > below && stack[place - 1].near < entry.near; --place) stack[place] = stack[place - 1];
+            for (; place > below && stack[place - 1].near < entry.near; --place)
+              stack[place] = stack[place - 1];
           stack[place] = entry;
         }
       }

@@ -75,7 +75,9 @@ class TreeBuilder {
   /// Of the boxes of things, in the order in which they are numbered.
   TreeBuilder(std::vector<Box> boxes, std::vector<std::uint32_t> order, int leaf_size,
               const RenderOptions& options)
-      : boxes_(std::move(boxes)), leaf_size_(static_cast<std::uint32_t>(leaf_size)), options_{options.threads} {
+      : boxes_(std::move(boxes)),
+        leaf_size_(static_cast<std::uint32_t>(leaf_size)),
+        options_{options.threads} {
     tree_.order = std::move(order);
   }
 

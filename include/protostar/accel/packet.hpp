@@ -19,8 +19,7 @@ using Chosen = Mask<double, double_lanes>;  ///< some rays of a packet
 struct Vectors {
   Doubles x, y, z;
 
-  Vectors() = default;
-  Vectors(Doubles x_, Doubles y_, Doubles z_) : x(x_), y(y_), z(z_) {}
+  Vectors(Doubles first, Doubles second, Doubles third) : x(first), y(second), z(third) {}
   Vectors(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
 
   [[nodiscard]] Vec3 operator[](int lane) const { return {x[lane], y[lane], z[lane]}; }
@@ -47,21 +46,21 @@ inline Vectors operator*(Doubles t, const Vec3& d) { return t * Vectors(d); }
 struct Colors {
   Floats r, g, b;
 
-  Colors(Floats r_, Floats g_, Floats b_) : r(r_), g(g_), b(b_) {}
+  Colors(Floats red, Floats green, Floats blue) : r(red), g(green), b(blue) {}
   Colors(const Color& c) : r(c.r), g(c.g), b(c.b) {}
   explicit Colors(Floats gray) : r(gray), g(gray), b(gray) {}
   explicit Colors(float gray) : Colors(Floats(gray)) {}
   explicit Colors(const Vectors& v) : r(to_float(v.x)), g(to_float(v.y)), b(to_float(v.z)) {}
 
-  friend Colors operator*(const Colors& a, const Colors& b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }
-  friend Colors operator*(const Colors& a, Floats b) { return {a.r * b, a.g * b, a.b * b}; }
+  friend Colors operator*(const Colors& p, const Colors& q) { return {p.r * q.r, p.g * q.g, p.b * q.b}; }
+  friend Colors operator*(const Colors& p, Floats share) { return {p.r * share, p.g * share, p.b * share}; }
   Colors& operator*=(const Colors& other) { return *this = *this * other; }
   Colors& operator+=(const Colors& other) {
     r += other.r, g += other.g, b += other.b;
     return *this;
   }
-  friend Colors select(Chosen which, const Colors& a, const Colors& b) {
-    return {select(which, a.r, b.r), select(which, a.g, b.g), select(which, a.b, b.b)};
+  friend Colors select(Chosen which, const Colors& p, const Colors& q) {
+    return {select(which, p.r, q.r), select(which, p.g, q.g), select(which, p.b, q.b)};
   }
 };
 

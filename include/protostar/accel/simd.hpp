@@ -121,9 +121,10 @@ template <int Predicate, class V>
       return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, Predicate);
     else
       return _mm512_cmp_ps_mask((__m512)a, (__m512)b, Predicate);
-  } else {
-    static_assert(sizeof(V) == 32 && sizeof(T) == 4);
+  } else if constexpr (sizeof(V) == 32) {
     return _mm256_cmp_ps_mask((__m256)a, (__m256)b, Predicate);
+  } else {
+    return _mm_cmp_ps_mask((__m128)a, (__m128)b, Predicate);
   }
 }
 
@@ -131,7 +132,9 @@ template <int Predicate, class V>
 template <class V>
 [[nodiscard]] V blend(std::uint32_t lanes, V a, V b) {
   constexpr std::size_t size = sizeof(a[0]);
-  if constexpr (sizeof(V) == 32)
+  if constexpr (sizeof(V) == 16)
+    return (V)_mm_mask_blend_epi32(static_cast<__mmask8>(lanes), (__m128i)b, (__m128i)a);
+  else if constexpr (sizeof(V) == 32)
     return (V)_mm256_mask_blend_epi32(static_cast<__mmask8>(lanes), (__m256i)b, (__m256i)a);
   else if constexpr (size == 8)
     return (V)_mm512_mask_blend_epi64(static_cast<__mmask8>(lanes), (__m512i)b, (__m512i)a);

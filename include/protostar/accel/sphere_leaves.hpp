@@ -9,8 +9,8 @@
 //   p   the errors of l and b, u |l| for d, the product and the difference: u (4|o| + 11|l|)
 //
 // A line that meets the sphere has |l| ≤ |b| + r. So with e = 16u (|o| + |b| + r) and R = r + e, the 5u left
-// being for squares, sums and the rounding of r, it has p² ≤ R²; it meets the sphere nowhere before b − √(R² −
-// p²) − e or after b + √(R² − p²) + e.
+// being for squares, sums and the rounding of r, it has p² ≤ R²; it meets the sphere nowhere before b − √(R²
+// − p²) − e or after b + √(R² − p²) + e.
 #pragma once
 
 #include <cstddef>

@@ -9,27 +9,16 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <vector>
 
 #include "../camera.hpp"
+#include "../image.hpp"
 #include "../surface.hpp"
+#include "../surfaces/sphere.hpp"
 #include "packet.hpp"
 #include "simd.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
-
-/// A rectangle of pixels: [x0, x1) × [y0, y1).
-struct Tile {
-  int x0, y0, x1, y1;
-
-  /// Calls visit(Tile) for the tiles of at most width × height pixels that it is made of, in rows.
-  void each(int width, int height, const auto& visit) const {
-    for (int y = y0; y < y1; y += height)
-      for (int x = x0; x < x1; x += width)
-        visit(Tile{x, y, std::min(x + width, x1), std::min(y + height, y1)});
-  }
-};
 
 /// The rays of a camera through the pixels of an image: Camera::through_pixel, with what the pixels of a
 /// column or a row have in common computed once.
@@ -75,37 +64,69 @@ class PixelRays {
   Table along_, up_;  ///< u · right of each column and v · up of each row
 };
 
-/// The planes through the camera between which the rays of a tile lie, as unit normals to the inside.
+/// The planes through the camera between which the rays of a tile lie, as unit normals to the inside: four
+/// sides, and one that has what is behind the camera on its other side.
 struct Frustum {
-  float normal[4][3];
+  float normal[5][3];
 
   Frustum(const PixelRays& rays, const Tile& tile) {
     const Camera& camera = rays.camera();
-    const auto [right, up, forward] = std::tuple(camera.right, camera.up, camera.forward);
+    const auto& [position, right, up, forward] = camera;
     const double hand = dot(cross(right, up), forward) > 0 ? 1 : -1;  // −1 for a mirrored camera
     const auto u = [&](int x) { return Camera::u_at(x, rays.width(), rays.height()); };
     const auto v = [&](int y) { return Camera::v_at(y, rays.height()); };
-    // A plane holds one edge of the tile: the directions forward + u · right + v · up with one of u and v
+    // A side holds one edge of the tile: the directions forward + u · right + v · up with one of u and v
     // fixed.
-    const auto set = [&](int i, const Vec3& inwards) {
-      const Vec3 n = normalize(hand * inwards);
-      for (int k = 0; k < 3; ++k) normal[i][k] = static_cast<float>(n[k]);
-    };
-    set(0, cross(up, forward + u(tile.x0) * right));
-    set(1, cross(forward + u(tile.x1) * right, up));
-    set(2, cross(forward + v(tile.y1) * up, right));
-    set(3, cross(right, forward + v(tile.y0) * up));
+    set(0, hand * cross(up, forward + u(tile.x0) * right));
+    set(1, hand * cross(forward + u(tile.x1) * right, up));
+    set(2, hand * cross(forward + v(tile.y1) * up, right));
+    set(3, hand * cross(right, forward + v(tile.y0) * up));
+    // Where the middle ray is at less than a right angle to those of the corners, it is so to all between
+    // them.
+    const Vec3 middle =
+        camera.direction(0.5 * (u(tile.x0) + u(tile.x1)) * right, 0.5 * (v(tile.y0) + v(tile.y1)) * up);
+    bool ahead = true;
+    for (const int x : {tile.x0, tile.x1})
+      for (const int y : {tile.y0, tile.y1})
+        ahead = ahead && dot(middle, camera.direction(u(x) * right, v(y) * up)) > 0.1;
+    set(4, ahead ? middle : Vec3{0});
+  }
+
+ private:
+  void set(int i, const Vec3& inwards) {
+    const double size = length(inwards);
+    for (int k = 0; k < 3; ++k) normal[i][k] = size > 0 ? static_cast<float>(inwards[k] / size) : 0;
   }
 };
+
+/// A sphere that contains a surface.
+struct SphereAround {
+  Point center;
+  double radius;  ///< infinite where the surface has no bounds
+};
+template <SurfaceWithBounds S>
+[[nodiscard]] SphereAround sphere_around(const S& surface) {
+  if constexpr (std::same_as<S, Sphere>) {
+    return {surface.center, std::abs(surface.radius)};
+  } else {
+    const auto [min, max] = surface.bounds();
+    const Vec3 half = 0.5 * max - 0.5 * min;
+    const Point center = min + half;
+    // The center is off by a rounding of each of its parts, the length by three of itself.
+    return {center, length(half) * (1 + 0x1p-50) + 0x1p-51 * (length(center) + length(half))};
+  }
+}
 
 /// Surfaces that a camera may see, as float spheres around its position: rows of numbers, so that several are
 /// tested at once.
 class Candidates {
  public:
   [[nodiscard]] int size() const { return size_; }
-  [[nodiscard]] int surface(int i) const { return surface_[index(i)]; }
+  /// The place of the surface in the scene's order.
+  [[nodiscard]] int place(int i) const { return place_[index(i)]; }
 
-  /// A ray of the camera, of unit direction, surely meets the surface for no t below this.
+  /// A ray of the camera, of unit direction, surely meets the surface for no t below this; once they are
+  /// ordered, nor any that follows.
   [[nodiscard]] float nearest(int i) const { return nearest_[index(i)]; }
 
   /// Adds a surface that is contained in a sphere.
@@ -113,7 +134,7 @@ class Candidates {
   /// With u = 2^-24: the center from the camera, l, is off by at most u|l| in float, a normal by u, and their
   /// product by 3u|l| more, so that the distance from a plane is good to 5u|l|, and the radius to u r. What
   /// is given to the radius, 2^-20 (|l| + r) = 16u (|l| + r), is more; 2^-140 covers whatever underflows.
-  void add(int surface, const Point& camera, const Point& center, double radius) {
+  void add(int place, const Point& camera, const Point& center, double radius) {
     make_room(size_ + 1);
     const std::size_t i = index(size_++);
     const Vec3 l = center - camera;
@@ -121,7 +142,7 @@ class Candidates {
     x_[i] = static_cast<float>(l.x), y_[i] = static_cast<float>(l.y), z_[i] = static_cast<float>(l.z);
     reach_[i] = static_cast<float>(radius + error);
     nearest_[i] = static_cast<float>(distance - radius - error);
-    surface_[i] = surface;
+    place_[i] = place;
   }
 
   /// Adds those of others that a tile may see, in their order.
@@ -142,23 +163,35 @@ class Candidates {
       store_chosen(to(z_), seen, z);
       store_chosen(to(reach_), seen, reach);
       store_chosen(to(nearest_), seen, Wide::load(at(others.nearest_)));
-      size_ += store_chosen(to(surface_), seen, Lanes<std::int32_t, float_lanes>::load(at(others.surface_)));
+      size_ += store_chosen(to(place_), seen, Lanes<std::int32_t, float_lanes>::load(at(others.place_)));
     }
   }
 
   void clear() { size_ = 0; }
 
-  /// Puts those first that may be nearest.
-  void sort() {
-    std::vector<int> order(index(size_));
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return nearest(a) < nearest(b); });
+  /// Puts those first, more or less, that may be nearest.
+  void order_by_distance() {
+    constexpr std::size_t slabs = 256;
+    float least = std::numeric_limits<float>::infinity(), most = 0;
+    for (int i = 0; i < size_; ++i) least = std::min(least, nearest(i)), most = std::max(most, nearest(i));
+    const float scale = (slabs - 1) / (most - least);
+    const auto slab = [&](int i) {
+      const float depth = (nearest(i) - least) * scale;
+      return depth >= 0 && depth < slabs ? static_cast<std::size_t>(depth) : 0;  // 0 for NaN too
+    };
+    std::size_t start[slabs + 1] = {};
+    for (int i = 0; i < size_; ++i) ++start[slab(i) + 1];
+    for (std::size_t k = 0; k < slabs; ++k) start[k + 1] += start[k];
+    std::vector<std::size_t> target(index(size_));
+    for (int i = 0; i < size_; ++i) target[index(i)] = start[slab(i)]++;
     const auto reorder = [&](auto& row) {
       auto sorted = row;
-      for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = row[index(order[i])];
+      for (std::size_t i = 0; i < target.size(); ++i) sorted[target[i]] = row[i];
       row = std::move(sorted);
     };
-    reorder(x_), reorder(y_), reorder(z_), reorder(reach_), reorder(nearest_), reorder(surface_);
+    reorder(x_), reorder(y_), reorder(z_), reorder(reach_), reorder(nearest_), reorder(place_);
+    for (int i = size_ - 2; i >= 0; --i)
+      nearest_[index(i)] = std::min(nearest_[index(i)], nearest_[index(i + 1)]);
   }
 
  private:
@@ -172,12 +205,12 @@ class Candidates {
     if (x_.size() >= needed) return;
     const std::size_t room = std::max(needed, 2 * x_.size());
     for (auto* row : {&x_, &y_, &z_, &reach_, &nearest_}) row->resize(room);
-    surface_.resize(room);
+    place_.resize(room);
   }
 
   int size_ = 0;
   std::vector<float> x_, y_, z_, reach_, nearest_;
-  std::vector<std::int32_t> surface_;
+  std::vector<std::int32_t> place_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

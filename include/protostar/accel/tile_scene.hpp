@@ -1,0 +1,252 @@
+// A scene as one tile of a picture sees it: the rays of a camera meet nothing but the tile's candidates.
+#pragma once
+
+#include <bit>
+#include <optional>
+#include <vector>
+
+#include "accelerate.hpp"
+#include "packet.hpp"
+#include "tile.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// A scene as one tile of a camera sees it. The camera's rays, as packets Rays<Point> or as the pixel's one
+/// ray, can meet only the candidates; all others ask the whole scene. It is Traceable, and so is it for
+/// packets: a surface is asked about all rays of a packet at once, and about one by itself where that leaves
+/// it in doubt.
+template <Surface... S>
+class TileScene {
+ public:
+  TileScene(const Accelerated<Scene<S...>>& everything, const Candidates& candidates,
+            const std::vector<int>& unbounded, RenderStatistics& statistics)
+      : everything_(everything),
+        scene_(everything.scene()),
+        candidates_(candidates),
+        unbounded_(unbounded),
+        statistics_(statistics) {}
+
+  [[nodiscard]] const std::vector<PointLight>& lights() const { return scene_.lights(); }
+
+  // ---- For one ray.
+
+  /// The ray of the camera that is the pixel's.
+  void set_pixel(const Ray& ray) { pixel_ = ray; }
+
+  [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
+    const bool is_pixel = ray.origin == pixel_.origin && ray.direction == pixel_.direction &&
+                          ray.departure.kind == Departure::Kind::none;
+    if (!is_pixel || range.min != 0 || range.max != infinity) {
+      ++statistics_.other_rays;
+      return everything_.intersect(ray, range);
+    }
+    const auto [place, crossing] = closest_by_itself(ray);
+    return place < 0 ? std::nullopt : std::optional(Intersection(ray, crossing));
+  }
+
+  [[nodiscard]] bool occluded(const Ray& ray, Interval range = {}) const {
+    ++statistics_.other_rays;
+    return everything_.occluded(ray, range);
+  }
+
+  void crossings(const Ray& ray, Interval range, auto&& visit) const {
+    ++statistics_.other_rays;
+    everything_.crossings(ray, range, visit);
+  }
+
+  // ---- For the rays of a packet.
+
+  /// What each ray meets first.
+  struct Closest {
+    Doubles t = infinity;
+    Indices place = -1;  ///< of the surface in the scene's order
+    Chosen met = false;
+  };
+  [[nodiscard]] Closest closest(const Rays<Point>& rays) const {
+    Closest closest;
+    Chosen in_doubt = false;
+    const auto consider = [&](int place) {
+      count_tests(rays.wanted);
+      visit(place, [&](const auto& surface, const Color&) {
+        const FirstCrossings first = first_crossings(surface, rays, rays.wanted, Interval{});
+        // The order is sure where the errors of both t, 2^-30 of each, do not overlap.
+        const Chosen sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
+        const Chosen later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
+        in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
+        if (!any(sooner)) return;
+        closest.t = select(sooner, first.t, closest.t);
+        closest.place = select(sooner, Indices(place), closest.place);
+        closest.met = closest.met || sooner;
+      });
+    };
+    for (const int place : unbounded_) consider(place);
+    for (int i = 0; i < candidates_.size(); ++i) {
+      // Where no ray has any way left to a candidate, it has none to those that follow.
+      if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
+      consider(candidates_.place(i));
+    }
+    for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
+      const int lane = std::countr_zero(alone);
+      ++statistics_.in_doubt;
+      const auto [place, crossing] = closest_by_itself(rays[lane]);
+      closest.t = select(one(lane), Doubles(crossing.crossing.t), closest.t);
+      closest.place = select(one(lane), Indices(place), closest.place);
+      closest.met = (closest.met && !one(lane)) || (one(lane) && Chosen(place >= 0));
+    }
+    return closest;
+  }
+
+  /// Which rays of the camera meet anything.
+  [[nodiscard]] Chosen occluded(const Rays<Point>& rays, Interval range) const {
+    Chosen found = false, left = rays.wanted;
+    const auto try_one = [&](int place) { test(place, rays, range, found, left); };
+    for (std::size_t i = 0; i < unbounded_.size() && any(left); ++i) try_one(unbounded_[i]);
+    for (int i = 0; i < candidates_.size() && any(left); ++i) try_one(candidates_.place(i));
+    return found;
+  }
+
+  /// Which other rays meet anything. What the last ones met is tried first; where there are many surfaces,
+  /// each ray goes on by itself.
+  [[nodiscard]] Chosen occluded(const Rays<Vectors>& rays, Interval range) const {
+    Chosen found = false, left = rays.wanted;
+    statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
+    const auto try_one = [&](int place) { test(place, rays, range, found, left); };
+    const int count = static_cast<int>(scene_.size()), first = last_occluder_;
+    if (first >= 0) try_one(first);
+    if (count <= few) {
+      for (int place = 0; place < count && any(left); ++place)
+        if (place != first) try_one(place);
+    } else {
+      for (Bits alone = bits(left); alone != 0; alone &= alone - 1) {
+        const int lane = std::countr_zero(alone);
+        if (everything_.occluded(rays[lane], range)) found = found || one(lane);
+      }
+    }
+    return found;
+  }
+
+  /// Calls visit for all crossings of rays of the camera, as Scene::crossings does. What it visits has a
+  /// color() for each ray: that of the surface, or white, which leaves a product as it is, where the ray does
+  /// not cross it.
+  void crossings(const Rays<Point>& rays, Interval range, auto&& visit_crossing) const {
+    const auto cross = [&](int place) {
+      count_tests(rays.wanted);
+      visit(place, [&](const auto& surface, const Color& color) {
+        each_crossing_of(surface, rays, range, [&](Chosen which) {
+          if (any(which)) visit_crossing(SomeCross{which, color});
+        });
+      });
+    };
+    // Both lists are in the scene's order, and so is what is visited.
+    std::size_t k = 0;
+    for (int i = 0; i < candidates_.size(); ++i) {
+      for (; k < unbounded_.size() && unbounded_[k] < candidates_.place(i); ++k) cross(unbounded_[k]);
+      cross(candidates_.place(i));
+    }
+    for (; k < unbounded_.size(); ++k) cross(unbounded_[k]);
+  }
+
+  /// Calls visit(surface, color) for the surface at a place of the scene's order.
+  void visit(int place, const auto& visit) const {
+    auto i = static_cast<std::size_t>(place);
+    static_cast<void>((visit_group<S>(i, visit) || ...));
+  }
+
+ private:
+  /// So many surfaces are sooner tried in turn than looked for.
+  static constexpr int few = 16;
+
+  struct SomeCross {
+    Chosen which;
+    const Color& surface_color;
+    [[nodiscard]] Colors color() const { return select(which, surface_color, Color{1}); }
+  };
+
+  static Chosen one(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
+
+  void count_tests(Chosen which) const {
+    statistics_.surface_tests += static_cast<std::uint64_t>(std::popcount(bits(which)));
+  }
+
+  /// If i is one of a type's surfaces, visits it; if not, makes it one that starts behind them.
+  template <Surface T>
+  bool visit_group(std::size_t& i, const auto& visit) const {
+    const auto& surfaces = scene_.template surfaces<T>();
+    if (i < surfaces.size()) {
+      visit(surfaces[i], scene_.template colors<T>()[i]);
+      return true;
+    }
+    i -= surfaces.size();
+    return false;
+  }
+
+  /// What one ray of the camera meets first, and the place of that; −1 if nothing.
+  [[nodiscard]] auto closest_by_itself(const Ray& ray) const {
+    struct {
+      int place = -1;
+      SurfaceCrossing crossing;
+    } first;
+    const auto consider = [&](int place) {
+      visit(place, [&](const auto& surface, const Color& color) {
+        const auto crossing = first_crossing(surface, ray, Interval{});
+        if (!crossing) return;
+        const SurfaceCrossing candidate = crossing_on(surface, *crossing, color);
+        // Of crossings at equal t the earlier surface's is the first.
+        if (first.place >= 0 && (place < first.place ? precedes(ray, first.crossing, candidate)
+                                                     : !precedes(ray, candidate, first.crossing)))
+          return;
+        first = {place, candidate};
+      });
+    };
+    for (const int place : unbounded_) consider(place);
+    for (int i = 0; i < candidates_.size(); ++i) consider(candidates_.place(i));
+    return first;
+  }
+
+  /// Moves the rays that cross a surface inside the range from those that are left to those found.
+  void test(int place, const auto& rays, Interval range, Chosen& found, Chosen& left) const {
+    count_tests(left);
+    visit(place, [&](const auto& surface, const Color&) {
+      const CrossedByEach<Chosen> tested = crossed_by_each(surface, rays, left, range);
+      Chosen crossed = tested.crossed;
+      for (Bits alone = bits(tested.in_doubt); alone != 0; alone &= alone - 1) {
+        const int lane = std::countr_zero(alone);
+        ++statistics_.in_doubt;
+        if (first_crossing(surface, rays[lane], range)) crossed = crossed || one(lane);
+      }
+      if (!any(crossed)) return;
+      last_occluder_ = place;
+      found = found || crossed;
+      left = left && !crossed;
+    });
+  }
+
+  /// Calls tell(Chosen) for the crossings with one surface, near before far, with the rays that have one.
+  template <Surface T>
+  void each_crossing_of(const T& surface, const Rays<Point>& rays, Interval range, const auto& tell) const {
+    Chosen alone = rays.wanted;
+    if constexpr (SurfaceForPackets<T>) {
+      const RootsOfEach<Doubles, Chosen> roots = surface.roots_of_each(rays, rays.wanted);
+      const Inside near = lies_inside(roots.near(), range), far = lies_inside(roots.far(), range);
+      alone = roots.in_doubt || (roots.meets && ((near.maybe && !near.surely) || (far.maybe && !far.surely)));
+      const Chosen sure = roots.meets && !alone;
+      tell(sure && near.surely);
+      if (roots.count > 1) tell(sure && far.surely);
+    }
+    for (Bits left = bits(alone); left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
+      ++statistics_.in_doubt;
+      each_crossing(surface, rays[lane], range, [&](const Crossing&) { tell(one(lane)); });
+    }
+  }
+
+  const Accelerated<Scene<S...>>& everything_;
+  const Scene<S...>& scene_;
+  const Candidates& candidates_;
+  const std::vector<int>& unbounded_;
+  RenderStatistics& statistics_;
+  Ray pixel_;
+  mutable int last_occluder_ = -1;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd
