@@ -8,6 +8,7 @@
 #include <string>
 
 #include "options.hpp"
+#include "pictures.hpp"
 #include "progress.hpp"
 
 /// One run of a stage: what the user asked for.

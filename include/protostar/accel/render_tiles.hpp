@@ -11,8 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "../image.hpp"
-#include "../scene.hpp"
+#include "../integrator.hpp"
 #include "accelerate.hpp"
 #include "packet.hpp"
 #include "tile.hpp"
@@ -109,18 +108,12 @@ class TileRenderer {
 
   void leave_empty(const Tile& tile) const {
     // Packets that meet nothing all bring the same.
-    const Color color = radiance(Ray{rays_.camera().position, rays_.camera().forward}, Scene<>{});
+    const Color color = protostar::detail::radiance_of(
+        integrator_, Ray{rays_.camera().position, rays_.camera().forward}, Scene<>{});
     for (int y = tile.y0; y < tile.y1; ++y) {
       Color* const row = &image_(tile.x0, y);
       std::fill(row, row + tile.width(), color);
     }
-  }
-
-  [[nodiscard]] Color radiance(const Ray& ray, const auto& scene) const {
-    if constexpr (std::is_invocable_v<const I&, const Ray&, decltype(scene)>)
-      return integrator_(ray, scene);
-    else
-      return integrator_.radiance(ray, scene);
   }
 
   [[gnu::flatten]] void fill(const Tile& tile, const Candidates& candidates, RenderStatistics& taken) const {
@@ -136,7 +129,7 @@ class TileRenderer {
         for (int x = tile.x0; x < tile.x1; ++x) {
           const Ray ray = rays_.camera().through_pixel(x, y, image_.width(), image_.height());
           view.set_pixel(ray);
-          image_(x, y) = radiance(ray, view);
+          image_(x, y) = protostar::detail::radiance_of(integrator_, ray, view);
         }
       }
     }
@@ -183,20 +176,44 @@ class TileRenderer {
       unbounded_;  ///< places of surfaces of which nothing is known that a tile could be tested against
 };
 
-/// Fills tiles of a picture of a scene, with all that takes.
+/// Fills tiles of a picture of a scene, with all that takes. Its functions are not inline, so that a program
+/// may compile them once for the scenes and integrators that it uses in several units: `extern template
+/// class`.
 template <class I, Surface... S>
 class SceneTiles {
  public:
   SceneTiles(Image& image, const Camera& camera, const Scene<S...>& scene, const I& integrator,
-             const RenderOptions& options)
-      : scene_(scene, options), tiles_(image, camera, scene_, integrator, options.statistics) {}
+             const RenderOptions& options);
 
-  void operator()(const Tile& tile) const { tiles_(tile); }
+  void operator()(const Tile& tile) const;
 
  private:
+  struct Plain {
+    Image& image;
+    const Camera& camera;
+    const Scene<S...>& scene;
+    const I& integrator;
+  } plain_;
+  bool by_tiles_;
   Accelerated<Scene<S...>> scene_;
   TileRenderer<I, S...> tiles_;
 };
+
+template <class I, Surface... S>
+SceneTiles<I, S...>::SceneTiles(Image& image, const Camera& camera, const Scene<S...>& scene,
+                                const I& integrator, const RenderOptions& options)
+    : plain_{image, camera, scene, integrator},
+      by_tiles_(options.tiles),
+      scene_(scene, options),
+      tiles_(image, camera, scene_, integrator, options.statistics) {}
+
+template <class I, Surface... S>
+void SceneTiles<I, S...>::operator()(const Tile& tile) const {
+  if (by_tiles_) return tiles_(tile);
+  protostar::detail::fill_pixels(plain_.image, tile, plain_.camera, [&](const Ray& ray) {
+    return protostar::detail::radiance_of(plain_.integrator, ray, plain_.scene);
+  });
+}
 
 /// An integrator that does not ask for one type of scene, or takes packets.
 template <class I, class View>

@@ -85,14 +85,7 @@ class TileScene {
       if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
       consider(candidates_.place(i));
     }
-    for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
-      const int lane = std::countr_zero(alone);
-      ++statistics_.in_doubt;
-      const auto [place, crossing] = closest_by_itself(rays[lane]);
-      closest.t = select(one(lane), Doubles(crossing.crossing.t), closest.t);
-      closest.place = select(one(lane), Indices(place), closest.place);
-      closest.met = (closest.met && !one(lane)) || (one(lane) && Chosen(place >= 0));
-    }
+    if (any(in_doubt)) decide(rays, in_doubt, closest);
     return closest;
   }
 
@@ -110,17 +103,12 @@ class TileScene {
   [[nodiscard]] Chosen occluded(const Rays<Vectors>& rays, Interval range) const {
     Chosen found = false, left = rays.wanted;
     statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
-    const auto try_one = [&](int place) { test(place, rays, range, found, left); };
-    const int count = static_cast<int>(scene_.size()), first = last_occluder_;
-    if (first >= 0) try_one(first);
-    if (count <= few) {
-      for (int place = 0; place < count && any(left); ++place)
-        if (place != first) try_one(place);
-    } else {
-      for (Bits alone = bits(left); alone != 0; alone &= alone - 1) {
-        const int lane = std::countr_zero(alone);
-        if (everything_.occluded(rays[lane], range)) found = found || one(lane);
-      }
+    const int last = last_occluder_, count = static_cast<int>(scene_.size());
+    const int end = count <= few ? count : 0;
+    for (int place = last >= 0 ? -1 : 0; place < end && any(left); ++place)
+      if (place != last) test(place < 0 ? last : place, rays, range, found, left);
+    if (count > few && any(left)) {
+      found = found || occluded_each_by_itself(rays, left, range);
     }
     return found;
   }
@@ -180,12 +168,38 @@ class TileScene {
     return false;
   }
 
+  /// Asks about the rays in doubt, each by itself.
+  [[gnu::noinline, gnu::cold]] void decide(const Rays<Point>& rays, Chosen in_doubt, Closest& closest) const {
+    for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
+      const int lane = std::countr_zero(alone);
+      ++statistics_.in_doubt;
+      const auto [place, crossing] = closest_by_itself(rays[lane]);
+      closest.t = select(one(lane), Doubles(crossing.crossing.t), closest.t);
+      closest.place = select(one(lane), Indices(place), closest.place);
+      closest.met = (closest.met && !one(lane)) || (one(lane) && Chosen(place >= 0));
+    }
+  }
+
+  /// Those of the rays in doubt that do cross a surface inside the range.
+  template <Surface T>
+  [[gnu::noinline, gnu::cold]] Chosen decide(const T& surface, const auto& rays, Chosen in_doubt,
+                                             Interval range) const {
+    Chosen crossed = false;
+    for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
+      const int lane = std::countr_zero(alone);
+      ++statistics_.in_doubt;
+      if (first_crossing(surface, rays[lane], range)) crossed = crossed || one(lane);
+    }
+    return crossed;
+  }
+
   /// What one ray of the camera meets first, and the place of that; −1 if nothing.
-  [[nodiscard]] auto closest_by_itself(const Ray& ray) const {
-    struct {
-      int place = -1;
-      SurfaceCrossing crossing;
-    } first;
+  struct PlacedCrossing {
+    int place = -1;
+    SurfaceCrossing crossing;
+  };
+  [[nodiscard, gnu::noinline]] PlacedCrossing closest_by_itself(const Ray& ray) const {
+    PlacedCrossing first;
     const auto consider = [&](int place) {
       visit(place, [&](const auto& surface, const Color& color) {
         const auto crossing = first_crossing(surface, ray, Interval{});
@@ -203,17 +217,23 @@ class TileScene {
     return first;
   }
 
+  [[nodiscard, gnu::noinline]] Chosen occluded_each_by_itself(const auto& rays, Chosen wanted,
+                                                              Interval range) const {
+    Chosen found = false;
+    for (Bits alone = bits(wanted); alone != 0; alone &= alone - 1) {
+      const int lane = std::countr_zero(alone);
+      if (everything_.occluded(rays[lane], range)) found = found || one(lane);
+    }
+    return found;
+  }
+
   /// Moves the rays that cross a surface inside the range from those that are left to those found.
   void test(int place, const auto& rays, Interval range, Chosen& found, Chosen& left) const {
     count_tests(left);
     visit(place, [&](const auto& surface, const Color&) {
       const CrossedByEach<Chosen> tested = crossed_by_each(surface, rays, left, range);
       Chosen crossed = tested.crossed;
-      for (Bits alone = bits(tested.in_doubt); alone != 0; alone &= alone - 1) {
-        const int lane = std::countr_zero(alone);
-        ++statistics_.in_doubt;
-        if (first_crossing(surface, rays[lane], range)) crossed = crossed || one(lane);
-      }
+      if (any(tested.in_doubt)) crossed = crossed || decide(surface, rays, tested.in_doubt, range);
       if (!any(crossed)) return;
       last_occluder_ = place;
       found = found || crossed;
@@ -233,6 +253,12 @@ class TileScene {
       tell(sure && near.surely);
       if (roots.count > 1) tell(sure && far.surely);
     }
+    if (any(alone)) each_crossing_by_itself(surface, rays, alone, range, tell);
+  }
+
+  [[gnu::noinline, gnu::cold]] void each_crossing_by_itself(const auto& surface, const Rays<Point>& rays,
+                                                            Chosen alone, Interval range,
+                                                            const auto& tell) const {
     for (Bits left = bits(alone); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
       ++statistics_.in_doubt;
