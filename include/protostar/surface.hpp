@@ -10,6 +10,7 @@
 #include <limits>
 #include <optional>
 
+#include "bounds.hpp"
 #include "intersection.hpp"
 #include "interval.hpp"
 #include "numeric/roots.hpp"
@@ -75,6 +76,13 @@ concept CompositeSurface = Surface<S> && SurfaceWithDeparture<S> &&
 template <class S>
 concept SurfaceWithValidation = Surface<S> && requires(const S& surface) {
   surface.validate();
+};
+
+/// A surface that knows a box around itself: every crossing that it reports is inside, and it is found by way
+/// of that box. What rounds has to widen it.
+template <class S>
+concept SurfaceWithBounds = Surface<S> && requires(const S& surface) {
+  { surface.bounds() } -> std::same_as<Bounds>;
 };
 
 /// What a ray that leaves this surface departs from: what the surface says, or else the object itself.

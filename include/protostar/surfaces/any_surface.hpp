@@ -30,6 +30,7 @@ class AnySurface {
   }
   [[nodiscard]] Vec3 normal_at(const Point& point) const { return held_->normal_at(point); }
   [[nodiscard]] Departure departure() const { return held_->departure(); }
+  [[nodiscard]] Bounds bounds() const { return held_->bounds(); }
   void validate() const { held_->validate(); }
 
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
@@ -66,6 +67,7 @@ class AnySurface {
     virtual ExactRoot exact_root(const Ray&, const Crossing&) const = 0;
     virtual Vec3 normal_at(const Point&) const = 0;
     virtual Departure departure() const = 0;
+    virtual Bounds bounds() const = 0;
     virtual void validate() const = 0;
   };
 
@@ -87,6 +89,12 @@ class AnySurface {
     }
     Vec3 normal_at(const Point& point) const override { return surface.normal_at(point); }
     Departure departure() const override { return departure_of(surface); }
+    Bounds bounds() const override {
+      if constexpr (SurfaceWithBounds<S>)
+        return surface.bounds();
+      else
+        return {.min = Point{-infinity}, .max = Point{infinity}};
+    }
     void validate() const override {
       if constexpr (SurfaceWithValidation<S>) surface.validate();
     }

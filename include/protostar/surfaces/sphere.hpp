@@ -59,6 +59,11 @@ struct Sphere {
   /// The sphere that contains it: of positive radius.
   [[nodiscard]] Sphere bounding_sphere() const { return {center, std::abs(radius)}; }
 
+  [[nodiscard]] Bounds bounds() const {
+    const Vec3 r(std::abs(radius));
+    return outward({center - r, center + r});
+  }
+
   /// Spheres of one center and radius are left together.
   [[nodiscard]] Departure departure() const {
     return {.kind = Departure::Kind::sphere, .geometry = {center.x, center.y, center.z, std::abs(radius)}};
@@ -77,6 +82,6 @@ struct Sphere {
   }
 };
 
-static_assert(SurfaceWithRefinedRoots<Sphere> && SurfaceWithDeparture<Sphere>);
+static_assert(SurfaceWithRefinedRoots<Sphere> && SurfaceWithDeparture<Sphere> && SurfaceWithBounds<Sphere>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

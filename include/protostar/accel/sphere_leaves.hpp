@@ -1,0 +1,73 @@
+// The spheres of a tree's leaves in float, and which of them a ray surely misses.
+//
+// In box space let l = center − origin and d the direction, of length 1. The line passes the center at the
+// distance b = d·l from the origin, and at p = l − b d from the center. It meets the sphere where |p| ≤ r,
+// from b − √(r² − p²) to b + √(r² − p²). In float, with u = 2^-24 and o the origin:
+//
+//   l   rounding the center, the origin and the difference: u (|c| + |o| + |l|) ≤ 2u (|o| + |l|)
+//   b   the same, u |l| for that of d, 3u |l| for products and sums: u (2|o| + 6|l|)
+//   p   the errors of l and b, u |l| for d, the product and the difference: u (4|o| + 11|l|)
+//
+// A line that meets the sphere has |l| ≤ |b| + r. So with e = 16u (|o| + |b| + r) and R = r + e, the 5u left
+// being for squares, sums and the rounding of r, it has p² ≤ R²; it meets the sphere nowhere before b − √(R²
+// − p²) − e or after b + √(R² − p²) + e.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "bvh.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+class SphereLeaves {
+ public:
+  using Floats = Lanes<float, float_lanes>;
+
+  /// The spheres that may be met, by their place from a leaf's first on, and no nearer than where.
+  struct Met {
+    Bits spheres;
+    Floats near;
+  };
+
+  SphereLeaves() = default;
+  SphereLeaves(const Bvh& bvh, const auto& sphere_of)
+      : rows_(4 * bvh.order().size() + static_cast<std::size_t>(float_lanes)) {
+    bvh.each_leaf([&](Leaf leaf) {
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
+        const auto& sphere = sphere_of(bvh.order()[leaf.first + i]);
+        const Point center = bvh.space()(sphere.center);
+        float* const row = &rows_[4 * std::size_t{leaf.first} + i];
+        for (int axis = 0; axis < 3; ++axis) row[axis * leaf.count] = static_cast<float>(center[axis]);
+        row[3 * leaf.count] = static_cast<float>(std::abs(sphere.radius) * bvh.space().scale);
+      }
+    });
+  }
+
+  /// Of the spheres from the i-th of a leaf on, as many as a vector holds.
+  [[nodiscard]] Met met(Leaf leaf, std::uint32_t i, const BoxRay& ray, Reach reach) const {
+    const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
+    const Floats dx = ray.direction[0], dy = ray.direction[1], dz = ray.direction[2];
+    const Floats lx = Floats::load(row) - Floats(ray.origin[0]);
+    const Floats ly = Floats::load(row + leaf.count) - Floats(ray.origin[1]);
+    const Floats lz = Floats::load(row + 2 * leaf.count) - Floats(ray.origin[2]);
+    const Floats r = Floats::load(row + 3 * leaf.count);
+    const Floats b = dx * lx + dy * ly + dz * lz;
+    const Floats px = lx - b * dx, py = ly - b * dy, pz = lz - b * dz;
+    const Floats e = Floats(0x1p-20f) * (abs(b) + r) + Floats(ray.margin);
+    const Floats R = r + e, q = R * R - (px * px + py * py + pz * pz);
+    Bits spheres = bits(q >= Floats(0)) & all_below(leaf.count - i);
+    if (spheres == 0) return {0, {}};
+    const Floats s = sqrt(q), near = b - s - e, far = b + s + e;
+    return {spheres & bits(near <= Floats(reach.until) && far >= Floats(reach.from)), near};
+  }
+
+ private:
+  /// The lanes below the n-th.
+  static Bits all_below(std::uint32_t n) { return n < 32 ? (Bits{1} << n) - 1 : ~Bits{0}; }
+
+  /// Of each leaf, from 4 · first on: all x, all y, all z of the centers, and the radii.
+  std::vector<float> rows_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -1,0 +1,67 @@
+// Work that several threads share.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "render_options.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+namespace detail {
+
+/// Calls work(i) for every i in [0, count), by as many threads as the options say. They take what comes next,
+/// so that none waits for another. The first exception ends all of them and is thrown in the caller's thread.
+inline void for_each_in_parallel(int count, const RenderOptions& options, const auto& work) {
+  if (options.threads < 0)
+    throw std::invalid_argument("RenderOptions: threads must be 0 (all cores) or more");
+  const int wanted =
+      options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
+
+  std::atomic<int> next = 0, done = 0;
+  std::exception_ptr failure;
+  std::once_flag failed;
+  const auto fail = [&](const std::exception_ptr& exception) {
+    std::call_once(failed, [&] { failure = exception; });
+    next = count;
+  };
+  const auto run = [&](const auto& after_each) {
+    try {
+      for (int i = next++; i < count && !options.stop.stop_requested(); i = next++) {
+        work(i);
+        ++done;
+        after_each();
+      }
+    } catch (...) {
+      fail(std::current_exception());
+    }
+  };
+  int told = 0;
+  const auto tell = [&] {
+    told = done;
+    if (options.progress) options.progress(static_cast<double>(told) / count);
+  };
+  {
+    std::vector<std::jthread> helpers;  // joined at the end of this block
+    try {
+      for (int i = 1; i < std::min(wanted, count); ++i) helpers.emplace_back([&] { run([] {}); });
+    } catch (const std::system_error& error) {
+      fail(std::make_exception_ptr(
+          std::system_error(error.code(), "render: cannot start " + std::to_string(wanted) + " threads")));
+    }
+    run(tell);
+  }
+  if (failure) std::rethrow_exception(failure);
+  if (told < done) tell();  // a helper was the last
+}
+
+}  // namespace detail
+
+}  // namespace protostar::inline PROTOSTAR_ABI
