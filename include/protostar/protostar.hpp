@@ -1,6 +1,8 @@
 // The whole core. What needs a library besides GLM is in io/.
 #pragma once
 
+#include "accel/accelerate.hpp"
+#include "bounds.hpp"
 #include "camera.hpp"
 #include "encode.hpp"
 #include "image.hpp"
@@ -18,6 +20,7 @@
 #include "ppm.hpp"
 #include "ray.hpp"
 #include "render.hpp"
+#include "render_options.hpp"
 #include "scene.hpp"
 #include "surface.hpp"
 #include "surfaces/any_surface.hpp"

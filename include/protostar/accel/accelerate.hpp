@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <vector>
 
@@ -46,8 +47,10 @@ class Finder {
     return false;
   }
 
-  /// Calls visit(i) for each surface that may be in a frustum, but none for which nothing is known.
-  void each_in(const auto&, const auto&) const {}
+  /// Calls visit(i) for each surface that may reach into all of some half-spaces.
+  void each_in(std::span<const HalfSpace>, const auto& visit) const {
+    for (std::uint32_t i = 0; i < count_; ++i) visit(i);
+  }
 
  private:
   std::uint32_t count_;
@@ -96,9 +99,16 @@ class Finder<T> {
     });
   }
 
+  void each_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {
+    for (const std::uint32_t i : bvh_.unbounded()) visit(i);
+    bvh_.each_leaf_in(half_spaces, [&](Leaf leaf) {
+      for (std::uint32_t i = 0; i < leaf.count; ++i) visit(bvh_.order()[leaf.first + i]);
+    });
+  }
+
  private:
   static constexpr bool is_sphere = std::same_as<T, Sphere>;
-  static constexpr int leaf_size = is_sphere ? 8 : 1;
+  static constexpr int leaf_size = is_sphere ? node_width : 1;
   struct Nothing {};
 
   Bvh bvh_;
@@ -141,6 +151,12 @@ class Accelerated<Scene<S...>> {
   [[nodiscard]] const std::vector<PointLight>& lights() const { return scene_->lights(); }
 
   [[nodiscard]] const Scene<S...>& scene() const { return *scene_; }
+
+  /// Calls visit(i) for each surface of one type that may reach into all of some half-spaces, in any order.
+  template <class T>
+  void each_in(std::span<const simd::HalfSpace> half_spaces, const auto& visit) const {
+    finder<T>().each_in(half_spaces, visit);
+  }
 
  private:
   template <class T>

@@ -4,6 +4,7 @@
 // digits are not spent on where in the world a scene is.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -50,9 +51,11 @@ struct BoxSpace {
   double scale = 1;
 
   BoxSpace() = default;
-  explicit BoxSpace(const Bounds& everything)
-      : center(0.5 * everything.min + 0.5 * everything.max),
-        scale(power_of_two_below(1 / largest(0.5 * everything.max - 0.5 * everything.min))) {}
+  explicit BoxSpace(const Bounds& everything) : center(0.5 * everything.min + 0.5 * everything.max) {
+    const Vec3 half = 0.5 * everything.max - 0.5 * everything.min;
+    const double largest = std::max({half.x, half.y, half.z});
+    if (largest > 0) scale = std::ldexp(1.0, std::clamp(-1 - std::ilogb(largest), -1000, 1000));
+  }
 
   [[nodiscard]] Point operator()(const Point& x) const { return (x - center) * scale; }
 
@@ -65,16 +68,6 @@ struct BoxSpace {
       box.max.set(i, static_cast<float>(b[i] + (0x1p-23 * std::abs(b[i]) + 0x1p-140)));
     }
     return box;
-  }
-
- private:
-  static double largest(const Vec3& v) {
-    return v.x > v.y ? (v.x > v.z ? v.x : v.z) : (v.y > v.z ? v.y : v.z);
-  }
-
-  /// Between 2^-1000 and 2^1000.
-  static double power_of_two_below(double x) {
-    return x < 0x1p-1000 ? 0x1p-1000 : x < 0x1p1000 ? std::ldexp(1.0, std::ilogb(x)) : 0x1p1000;
   }
 };
 

@@ -147,10 +147,15 @@ class TreeBuilder {
     const auto size_of = [&](const Range& part) {
       return depth < levels_by_cost ? part.box.area() : static_cast<float>(part.count());
     };
+    std::uint32_t enough = leaf_size_;
     while (count < node_width) {
       Range* largest = nullptr;
       for (Range* part = parts; part != parts + count; ++part)
-        if (part->count() > leaf_size_ && (!largest || size_of(*part) > size_of(*largest))) largest = part;
+        if (part->count() > enough && (!largest || size_of(*part) > size_of(*largest))) largest = part;
+      if (!largest && enough > 2) {
+        enough = 2;  // all parts are leaves; places that are left over make smaller ones of them
+        continue;
+      }
       if (!largest) break;
       const auto [left, right] = depth < levels_by_cost ? cut_by_cost(*largest) : halves(*largest);
       *largest = left;

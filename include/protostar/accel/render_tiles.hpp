@@ -44,8 +44,8 @@ class TileRenderer {
         integrator_(integrator),
         rays_(camera, image.width(), image.height()),
         statistics_(statistics) {
-    int first = 0;
-    (add_group<S>(first), ...);
+    int place = 0;
+    (add_group<S>(place), ...);
     if constexpr (nearest_first) candidates_.order_by_distance();
   }
 
@@ -54,7 +54,19 @@ class TileRenderer {
     RenderStatistics taken;
     const Fallbacks before = fallbacks;
     Candidates in_tile, in_part, in_block;
-    in_tile.add(candidates_, Frustum(rays_, tile));
+    const Frustum frustum(rays_, tile);
+    if (is_large()) {
+      Candidates found;
+      int first = 0;
+      (add_found<S>(frustum, first, found), ...);
+      if constexpr (nearest_first)
+        found.order_by_distance();
+      else
+        found.order_by_place();
+      in_tile.add(found, frustum);
+    } else {
+      in_tile.add(candidates_, frustum);
+    }
     for (int i = 0; i < tile.count(part_side); ++i) {
       const Tile part = tile.part(i, part_side);
       in_part.clear();
@@ -90,20 +102,47 @@ class TileRenderer {
   static constexpr int part_side = 16, block_side = 8;  ///< of what tiles are made of, in pixels
   static constexpr int few = 3;  ///< candidates that are sooner tried than looked at again
 
+  /// Whether there are so many surfaces that a tile's are looked for in the tree, and not among all.
+  [[nodiscard]] bool is_large() const { return scene_.scene().size() > 2048; }
+
+  /// Adds what may be a candidate of any tile, and what has no bounds.
   template <Surface T>
   void add_group(int& place) {
     for (const T& surface : scene_.scene().template surfaces<T>()) {
-      if constexpr (SurfaceWithBounds<T>) {
-        const auto [center, radius] = sphere_around(surface);
-        if (std::isfinite(radius))
-          candidates_.add(place, rays_.camera().position, center, radius);
-        else
-          unbounded_.push_back(place);
-      } else {
+      const double radius = radius_around(surface);
+      if (!std::isfinite(radius))
         unbounded_.push_back(place);
-      }
+      else if (!is_large())
+        add(surface, place, candidates_);
       ++place;
     }
+  }
+
+  /// Adds what the tree has for a frustum; first is the place of the type's first surface.
+  template <Surface T>
+  void add_found(const Frustum& frustum, int& first, Candidates& found) const {
+    const auto& surfaces = scene_.scene().template surfaces<T>();
+    if constexpr (SurfaceWithBounds<T>)
+      scene_.template each_in<T>(frustum.side, [&](std::uint32_t i) {
+        if (std::isfinite(radius_around(surfaces[i]))) add(surfaces[i], first + static_cast<int>(i), found);
+      });
+    first += static_cast<int>(surfaces.size());
+  }
+
+  template <Surface T>
+  void add(const T& surface, int place, Candidates& to) const {
+    if constexpr (SurfaceWithBounds<T>) {
+      const auto [center, radius] = sphere_around(surface);
+      to.add(place, rays_.camera().position, center, radius);
+    }
+  }
+
+  template <Surface T>
+  [[nodiscard]] static double radius_around(const T& surface) {
+    if constexpr (SurfaceWithBounds<T>)
+      return sphere_around(surface).radius;
+    else
+      return infinity;
   }
 
   void leave_empty(const Tile& tile) const {

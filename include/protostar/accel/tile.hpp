@@ -9,12 +9,14 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "../camera.hpp"
 #include "../image.hpp"
 #include "../surface.hpp"
 #include "../surfaces/sphere.hpp"
+#include "bvh.hpp"
 #include "packet.hpp"
 #include "simd.hpp"
 
@@ -67,7 +69,8 @@ class PixelRays {
 /// The planes through the camera between which the rays of a tile lie, as unit normals to the inside: four
 /// sides, and one that has what is behind the camera on its other side.
 struct Frustum {
-  float normal[5][3];
+  HalfSpace side[5];
+  float normal[5][3];  ///< the same normals
 
   Frustum(const PixelRays& rays, const Tile& tile) {
     const Camera& camera = rays.camera();
@@ -77,10 +80,10 @@ struct Frustum {
     const auto v = [&](int y) { return Camera::v_at(y, rays.height()); };
     // A side holds one edge of the tile: the directions forward + u · right + v · up with one of u and v
     // fixed.
-    set(0, hand * cross(up, forward + u(tile.x0) * right));
-    set(1, hand * cross(forward + u(tile.x1) * right, up));
-    set(2, hand * cross(forward + v(tile.y1) * up, right));
-    set(3, hand * cross(right, forward + v(tile.y0) * up));
+    set(0, position, hand * cross(up, forward + u(tile.x0) * right));
+    set(1, position, hand * cross(forward + u(tile.x1) * right, up));
+    set(2, position, hand * cross(forward + v(tile.y1) * up, right));
+    set(3, position, hand * cross(right, forward + v(tile.y0) * up));
     // Where the middle ray is at less than a right angle to those of the corners, it is so to all between
     // them.
     const Vec3 middle =
@@ -89,13 +92,14 @@ struct Frustum {
     for (const int x : {tile.x0, tile.x1})
       for (const int y : {tile.y0, tile.y1})
         ahead = ahead && dot(middle, camera.direction(u(x) * right, v(y) * up)) > 0.1;
-    set(4, ahead ? middle : Vec3{0});
+    set(4, position, ahead ? middle : Vec3{0});
   }
 
  private:
-  void set(int i, const Vec3& inwards) {
+  void set(int i, const Point& apex, const Vec3& inwards) {
     const double size = length(inwards);
-    for (int k = 0; k < 3; ++k) normal[i][k] = size > 0 ? static_cast<float>(inwards[k] / size) : 0;
+    side[i] = {apex, size > 0 ? inwards / size : Vec3{0}};
+    for (int k = 0; k < 3; ++k) normal[i][k] = static_cast<float>(side[i].normal[k]);
   }
 };
 
@@ -182,22 +186,36 @@ class Candidates {
     std::size_t start[slabs + 1] = {};
     for (int i = 0; i < size_; ++i) ++start[slab(i) + 1];
     for (std::size_t k = 0; k < slabs; ++k) start[k + 1] += start[k];
-    std::vector<std::size_t> target(index(size_));
-    for (int i = 0; i < size_; ++i) target[index(i)] = start[slab(i)]++;
-    const auto reorder = [&](auto& row) {
-      auto sorted = row;
-      for (std::size_t i = 0; i < target.size(); ++i) sorted[target[i]] = row[i];
-      row = std::move(sorted);
-    };
-    reorder(x_), reorder(y_), reorder(z_), reorder(reach_), reorder(nearest_), reorder(place_);
+    std::vector<std::size_t> order(index(size_));
+    for (int i = 0; i < size_; ++i) order[start[slab(i)]++] = index(i);
+    reorder(order);
     for (int i = size_ - 2; i >= 0; --i)
       nearest_[index(i)] = std::min(nearest_[index(i)], nearest_[index(i + 1)]);
+  }
+
+  /// Puts them in the scene's order.
+  void order_by_place() {
+    std::vector<std::size_t> order(index(size_));
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return place_[a] < place_[b]; });
+    reorder(order);
   }
 
  private:
   using Wide = Lanes<float, float_lanes>;
 
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+  /// Makes the order[i]-th the i-th.
+  void reorder(const std::vector<std::size_t>& order) {
+    const auto move = [&](auto& row) {
+      auto moved = row;
+      for (std::size_t i = 0; i < order.size(); ++i) moved[i] = row[order[i]];
+      row = std::move(moved);
+    };
+    move(x_), move(y_), move(z_), move(reach_), move(nearest_), move(place_);
+  }
 
   /// Room for count surfaces, and for what a store of all lanes writes behind them.
   void make_room(int count) {

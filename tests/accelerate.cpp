@@ -1,0 +1,241 @@
+#include <protostar/accel/accelerate.hpp>
+#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/cylinder.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+
+/// A box as a user writes it: what is met first, a normal, and bounds that are wider than it by far more than
+/// double rounds.
+struct Cube {
+  Point center{0};
+  double half = 1;
+
+  std::optional<double> intersect(const Ray& ray, Interval range) const {
+    double from = -infinity, until = infinity;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double a = (center[axis] - half - ray.origin[axis]) / ray.direction[axis];
+      const double b = (center[axis] + half - ray.origin[axis]) / ray.direction[axis];
+      from = std::max(from, std::min(a, b));
+      until = std::min(until, std::max(a, b));
+    }
+    if (!(from <= until)) return std::nullopt;
+    if (range.contains(from)) return from;
+    return range.contains(until) ? std::optional(until) : std::nullopt;
+  }
+  Vec3 normal_at(Point point) const {
+    const Vec3 p = abs(point - center);
+    return p.x > p.y && p.x > p.z ? Vec3{1, 0, 0} : p.y > p.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+  }
+  Bounds bounds() const { return {center - Vec3{1.001 * half}, center + Vec3{1.001 * half}}; }
+};
+static_assert(SurfaceWithBounds<Cube> && !SurfaceWithBounds<Cylinder>);
+
+std::uint64_t bits_of(double x) { return std::bit_cast<std::uint64_t>(x); }
+
+/// What a scene answers to a ray, as numbers that are equal only if all bits are; colors tell surfaces apart.
+std::vector<std::uint64_t> answers(const Traceable auto& scene, const Ray& ray, Interval range) {
+  std::vector<std::uint64_t> all;
+  const auto add = [&](const Intersection& hit) {
+    all.push_back(bits_of(hit.t));
+    all.push_back(std::bit_cast<std::uint32_t>(hit.color().r));
+  };
+  if (const auto hit = scene.intersect(ray, range)) add(*hit);
+  all.push_back(scene.occluded(ray, range));
+  scene.crossings(ray, range, add);
+  return all;
+}
+
+/// Rays in and around a scene, those that its hits leave, and with ranges; returns how many of them hit.
+template <Surface... S>
+int compare(const Scene<S...>& plain, Random& random, const Point& around, double size, int rays) {
+  const auto fast = accelerate(plain, {.threads = 1});
+  int hits = 0;
+  const auto check = [&](const Ray& ray, Interval range) {
+    const auto expected = answers(plain, ray, range);
+    if (answers(fast, ray, range) != expected) {
+      CAPTURE(ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z);
+      CAPTURE(range.min, range.max);
+      FAIL_CHECK("other answers");
+    }
+    hits += expected.size() > 1;
+  };
+  for (int i = 0; i < rays; ++i) {
+    const Ray ray{around + random.point(size), random.direction() * std::exp2(random.real(-2, 2))};
+    check(ray, {});
+    check(ray, {-infinity, infinity});
+    check(ray, {random.real(-1, 1), random.real(0, 2) * size});
+    const auto hit = plain.intersect(ray);
+    if (!hit) continue;
+    const Point target = around + random.point(size);
+    check(hit->leave(target - hit->point()), {0, 1});
+    check(hit->leave(ray.direction), {});
+    check(hit->leave(cross(hit->normal(), random.direction())), {});  // along the surface
+    check(ray, {0, hit->t});
+  }
+  return hits;
+}
+
+/// A color by which a surface is recognized.
+Color number(int i) { return Color{static_cast<float>(i)}; }
+
+}  // namespace
+
+TEST_CASE("an accelerated scene answers as the plain one does, bit for bit") {
+  struct Row {
+    const char* what;
+    int count;
+    Point around;
+    std::function<Sphere(Random&, int)> sphere;
+  };
+  const auto anywhere = [](double radius) {
+    return [radius](Random& random, int) {
+      return Sphere{random.point(1), radius * random.real(0.5, 1) * (random.bits() % 2 ? 1 : -1)};
+    };
+  };
+  const auto row = GENERATE_COPY(
+      values<Row>({{"one", 1, {}, anywhere(0.8)},
+                   {"few", 3, {}, anywhere(0.5)},
+                   {"some", 100, {}, anywhere(0.2)},
+                   {"many", 5000, {}, anywhere(0.03)},
+                   {"around the camera", 100, {}, anywhere(2)},
+                   {"far from the origin", 100, Point{65537, -65537, 65537},
+                    [](Random& random, int) {
+                      return Sphere{Point{65537, -65537, 65537} + random.point(1), random.real(0.1, 0.3)};
+                    }},
+                   {"nested",
+                    60,
+                    {},
+                    [](Random&, int i) {
+                      return Sphere{Point{0.25}, std::exp2(-0.5 * i)};
+                    }},
+                   {"tangent in one point",
+                    60,
+                    {},
+                    [](Random&, int i) {
+                      return Sphere{Point{0, std::exp2(-i / 4), 0}, std::exp2(-i / 4)};
+                    }},
+                   {"touching in a row",
+                    50,
+                    {},
+                    [](Random&, int i) {
+                      return Sphere{Point{0.25 * (i - 25), 0, 0}, 0.125};
+                    }},
+                   {"coincident",
+                    64,
+                    {},
+                    [](Random&, int i) {
+                      return Sphere{Point{0.5 * (i % 4), 0, 0}, i % 8 < 4 ? 0.5 : -0.5};
+                    }},
+                   {"huge and tiny", 200, {}, [](Random& random, int i) {
+                      if (i == 7) return Sphere{{0, -1e6 - 1, 0}, 1e6};
+                      return Sphere{random.point(1), std::exp2(random.real(-20, -2))};
+                    }}}));
+  CAPTURE(row.what);
+  Random random(row.count);
+  Scene<Sphere> scene;
+  for (int i = 0; i < row.count; ++i) scene.add(row.sphere(random, i), number(i));
+  CHECK(compare(scene, random, row.around, 1.5, row.count > 1000 ? 40 : 200) > 10);
+}
+
+TEST_CASE("rays through points of tangency and along axes get the plain scene's answers") {
+  Scene<Sphere> scene;
+  for (int i = 0; i < 40; ++i)
+    scene.add(Sphere{Point(0.5 * (i % 5), 0.5 * (i / 5 % 4), 0.5 * (i / 20)), 0.25}, number(i));
+  const auto fast = accelerate(scene);
+  for (int axis = 0; axis < 3; ++axis)
+    for (int a = -2; a <= 8; ++a)
+      for (int b = -2; b <= 8; ++b) {
+        Point origin{0};
+        origin[axis] = -3;
+        origin[(axis + 1) % 3] = 0.25 * a;
+        origin[(axis + 2) % 3] = 0.25 * b;
+        Vec3 direction{0};
+        direction[axis] = 1;
+        const Ray ray{origin, direction}, back{origin + 10.0 * direction, -direction};
+        CHECK(answers(fast, ray, {}) == answers(scene, ray, {}));
+        CHECK(answers(fast, back, {}) == answers(scene, back, {}));
+      }
+}
+
+TEST_CASE("surfaces of several types, with and without bounds, are met as in the plain scene") {
+  Random random(5);
+  Scene<Plane, Sphere, Cylinder, Cube, AnySurface> scene;
+  for (int i = 0; i < 30; ++i) {
+    scene.add(Sphere{random.point(1), random.real(0.1, 0.4)}, number(5 * i));
+    scene.add(Cube{random.point(1), random.real(0.05, 0.3)}, number(5 * i + 1));
+    scene.add(AnySurface(Sphere{random.point(1), random.real(0.1, 0.4)}), number(5 * i + 2));
+    if (i < 2) scene.add(Plane{random.direction(), random.real(-1, 1)}, number(5 * i + 3));
+    if (i < 2) scene.add(AnySurface(Plane{random.direction(), random.real(-1, 1)}), number(5 * i + 4));
+    if (i < 2) scene.add(Cylinder{random.real(0.2, 0.5)}, number(5 * i + 4));
+  }
+  CHECK(compare(scene, random, Point{0}, 1.5, 300) > 100);
+}
+
+TEST_CASE("of crossings at equal t the earlier surface's is the first, wherever they stand in the tree") {
+  Scene<AnySurface, Sphere> scene;
+  for (int i = 0; i < 50; ++i) scene.add(Sphere{Point{0}, i % 2 ? 1.0 : -1.0}, number(i));
+  for (int i = 0; i < 50; ++i) scene.add(Sphere{Point(3, i % 7, 0), 0.5}, number(100 + i));
+  const auto color = [&](const Ray& ray) { return accelerate(scene).intersect(ray)->color().r; };
+  CHECK(color({{0, 0, -3}, {0, 0, 1}}) == 0);
+  CHECK(color({{3, 4, -3}, {0, 0, 1}}) == 104);
+  scene.add(AnySurface(Sphere{}), number(200));
+  CHECK(color({{0, 0, -3}, {0, 0, 1}}) == 200);
+}
+
+TEST_CASE("a ray whose origin is not where its departure says gets the plain scene's answers") {
+  Random random(9);
+  Scene<Sphere> scene;
+  std::vector<Sphere> spheres;
+  for (int i = 0; i < 100; ++i) {
+    spheres.push_back({random.point(1), random.real(0.05, 0.2)});
+    scene.add(spheres.back(), number(i));
+  }
+  const auto fast = accelerate(scene);
+  for (int i = 0; i < 2000; ++i) {
+    const Sphere& sphere = spheres[random.bits() % spheres.size()];
+    // A little off the sphere, on either side, and in any direction; now and then far off.
+    const double off = 1 + std::exp2(random.real(-50, i % 10 ? -20 : 2)) * (i % 2 ? 1 : -0.1);
+    const Vec3 normal = random.direction();
+    const Ray ray{sphere.center + (off * sphere.radius) * normal,
+                  i % 3 ? random.direction() : cross(normal, random.direction()) - 1e-9 * normal,
+                  sphere.departure()};
+    CHECK(answers(fast, ray, {}) == answers(scene, ray, {}));
+  }
+}
+
+TEST_CASE("rays that float cannot hold get the plain scene's answers") {
+  Random random(13);
+  Scene<Sphere, Cube> scene;
+  for (int i = 0; i < 50; ++i) scene.add(Sphere{random.point(1), 0.3}, number(i));
+  for (int i = 0; i < 50; ++i) scene.add(Cube{random.point(1), 0.1}, number(50 + i));
+  const auto fast = accelerate(scene);
+  const double nan = std::nan("");
+  for (const Ray& ray :
+       {Ray{Point{0, 0, -3}, Vec3{0}}, Ray{Point{0, 0, -3}, Vec3{0, 0, infinity}}, Ray{Point{nan}, Vec3{1}},
+        Ray{Point{0, 0, -3}, Vec3{0, nan, 1}}, Ray{Point{0, 0, -1e30}, Vec3{0, 0, 1}},
+        Ray{Point{0.1, 0.1, -3}, Vec3{0, 0, 1e-250}}, Ray{Point{0.1, 0.1, -3}, Vec3{0, 0, 1e250}},
+        Ray{Point{0.1, 0.1, -3}, Vec3{5e-324, 0, 1}}, Ray{Point{0.1, 0.1, -3}, Vec3{1e-30, -1e-300, 1}}})
+    for (const Interval range : {Interval{}, Interval{-infinity, infinity}, Interval{nan, 1},
+                                 Interval{0, nan}, Interval{1, 0}, Interval{2.5, 1e300}})
+      CHECK(answers(fast, ray, range) == answers(scene, ray, range));
+}
+
+TEST_CASE("an empty scene, accelerated, is a miss and dark") {
+  const Scene<Sphere, Plane> scene;
+  const auto fast = accelerate(scene);
+  CHECK_FALSE(fast.intersect(Ray{}));
+  CHECK_FALSE(fast.occluded(Ray{}));
+  CHECK(&fast.lights() == &scene.lights());
+}

@@ -1,0 +1,270 @@
+#include <protostar/accel/bvh.hpp>
+#include <protostar/surfaces/sphere.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+using simd::BoxRay;
+using simd::Bvh;
+using simd::Leaf;
+using simd::Reach;
+
+namespace {
+
+Bvh tree_of(const std::vector<Bounds>& bounds, int leaf_size = 4, int threads = 1) {
+  return Bvh(bounds.size(), [&](std::size_t i) { return bounds[i]; }, leaf_size, {.threads = threads});
+}
+
+std::vector<Bounds> random_bounds(Random& random, int count, double size, const Point& around = Point{0}) {
+  std::vector<Bounds> bounds;
+  for (int i = 0; i < count; ++i) {
+    const Point center = around + random.point(1);
+    const Vec3 half = abs(random.point(size));
+    bounds.push_back({center - half, center + half});
+  }
+  return bounds;
+}
+
+/// What a walk of the tree visits; each thing at most once.
+std::vector<std::uint32_t> visited(const Bvh& tree, const auto& walk) {
+  std::vector<std::uint32_t> found;
+  walk([&](Leaf leaf) {
+    for (std::uint32_t i = 0; i < leaf.count; ++i) found.push_back(tree.order()[leaf.first + i]);
+  });
+  std::sort(found.begin(), found.end());
+  CHECK(std::adjacent_find(found.begin(), found.end()) == found.end());
+  return found;
+}
+
+std::vector<std::uint32_t> along(const Bvh& tree, const Ray& ray, Interval range) {
+  const BoxRay line(ray, tree.space(), 0);
+  REQUIRE(line.usable);
+  const Reach reach{line.at_least(range.min), line.at_most(range.max)};
+  return visited(tree, [&](const auto& visit) {
+    tree.each_leaf_along<simd::Order::near_first>(line, reach, [&](Leaf leaf, Reach&) {
+      visit(leaf);
+      return false;
+    });
+  });
+}
+
+/// Whether a point of the ray's, at one of some t in the range, lies in a box: in long double, which sees
+/// what double rounds.
+bool meets(const Ray& ray, Interval range, const Bounds& box) {
+  long double from = range.min, until = range.max;
+  for (int axis = 0; axis < 3; ++axis) {
+    const long double o = ray.origin[axis], d = ray.direction[axis];
+    if (d == 0) {
+      if (o < box.min[axis] || o > box.max[axis]) return false;
+      continue;
+    }
+    const long double a = (box.min[axis] - o) / d, b = (box.max[axis] - o) / d;
+    from = std::max(from, std::min(a, b));
+    until = std::min(until, std::max(a, b));
+  }
+  return from <= until;
+}
+
+}  // namespace
+
+TEST_CASE("every leaf whose box a ray meets is visited, and each at most once") {
+  struct Row {
+    int count;
+    double size, away;  // of the boxes, and of the scene from the coordinate origin
+  };
+  const auto row = GENERATE(Row{1, 0.5, 0}, Row{3, 0.5, 0}, Row{100, 0.2, 0}, Row{100, 0, 0},
+                            Row{3000, 0.05, 0}, Row{3000, 0.05, 65537}, Row{300, 1e-9, 1e9});
+  CAPTURE(row.count, row.size, row.away);
+  Random random(row.count);
+  const Point center(row.away, -row.away, row.away);
+  const auto bounds = random_bounds(random, row.count, row.size, center);
+  const Bvh tree = tree_of(bounds);
+  int met = 0, needless = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Point origin = center + random.point(2);
+    Vec3 direction = random.direction() * std::exp2(random.real(-40, 40));
+    if (i % 3 == 0) {  // towards a corner of a box
+      const Bounds& box = bounds[random.bits() % bounds.size()];
+      direction = Point{box.min.x, box.max.y, box.min.z} - origin;
+    }
+    if (i % 5 == 0) direction[i % 3] = i % 2 ? 0.0 : -0.0;
+    const Ray ray{origin, direction};
+    const Interval range = i % 4 ? Interval{} : Interval{0, 1};
+    const auto found = along(tree, ray, range);
+    for (std::uint32_t k = 0; k < bounds.size(); ++k) {
+      const bool is_met = meets(ray, range, bounds[k]);
+      const bool is_visited = std::binary_search(found.begin(), found.end(), k);
+      if (is_met && !is_visited) FAIL("ray " << i << " misses box " << k);
+      met += is_met;
+      needless += is_visited && !is_met;
+    }
+  }
+  CHECK(met > 0);
+  if (row.count >= 3000) CHECK(needless < 300 * row.count / 10);  // it is a tree and not a list
+}
+
+TEST_CASE("a ray along the face of a box meets it") {
+  const std::vector<Bounds> bounds{{Point{0}, Point{1}}, {Point{2}, Point{3}}};
+  const Bvh tree = tree_of(bounds, 1);
+  const double edge = GENERATE(0.0, 1.0);
+  for (const Vec3& direction : {Vec3{1, 0, 0}, Vec3{1, -0.0, 0.0}, Vec3{-1, 0.0, -0.0}}) {
+    const Ray ray{Point{-5 * direction.x, edge, edge}, direction};
+    CHECK(along(tree, ray, {}) == std::vector<std::uint32_t>{0});
+  }
+}
+
+TEST_CASE("leaves are visited near to far") {
+  Random random(1);
+  const Bvh tree = tree_of(random_bounds(random, 1000, 0), 1);
+  const Ray ray{.origin = {-5, 0, 0}, .direction = {1, 0, 0}};
+  const BoxRay line(ray, tree.space(), 1);  // so wide that it meets them all
+  std::uint32_t count = 0;
+  double previous = 0;
+  tree.each_leaf_along<simd::Order::near_first>(line, {0, line.at_most(infinity)}, [&](Leaf, Reach& reach) {
+    ++count;
+    CHECK(reach.from <= reach.until);
+    previous = count;
+    return false;
+  });
+  CHECK(count == 1000);
+  CHECK(previous == 1000);
+}
+
+TEST_CASE("a reach that has been shortened ends the walk, and so does a visit that says so") {
+  std::vector<Bounds> bounds;
+  for (int i = 0; i < 100; ++i) bounds.push_back({Point(i, 0, 0), Point(i + 0.5, 1, 1)});
+  const Bvh tree = tree_of(bounds, 1);
+  const Ray ray{.origin = {-1, 0.5, 0.5}, .direction = {1, 0, 0}};
+  const BoxRay line(ray, tree.space(), 0);
+  std::vector<std::uint32_t> found;
+  tree.each_leaf_along<simd::Order::near_first>(
+      line, {0, line.at_most(infinity)}, [&](Leaf leaf, Reach& reach) {
+        found.push_back(tree.order()[leaf.first]);
+        if (found.size() == 3) reach.until = line.at_most(4.25);  // inside the fourth box
+        return false;
+      });
+  CHECK(found == std::vector<std::uint32_t>{0, 1, 2, 3});
+
+  int visits = 0;
+  CHECK(tree.each_leaf_along<simd::Order::any>(line, {0, line.at_most(infinity)},
+                                               [&](Leaf, Reach&) { return ++visits == 2; }));
+  CHECK(visits == 2);
+}
+
+TEST_CASE("each thing is in one leaf, and no leaf is too large, however things lie") {
+  const int leaf_size = GENERATE(1, 4, 16);
+  const int kind = GENERATE(0, 1, 2, 3, 4, 5, 6, 7);
+  CAPTURE(leaf_size, kind);
+  Random random(7);
+  std::vector<Bounds> bounds;
+  switch (kind) {
+    case 0:
+      break;
+    case 1:
+      bounds = {{Point{1}, Point{1}}};
+      break;
+    case 2:
+      bounds.assign(5000, {Point{1}, Point{2}});
+      break;  // all the same
+    case 3:
+      bounds.assign(5000, {Point{3}, Point{3}});
+      break;  // all the same point
+    case 4:   // each half as large as the last
+      for (int i = 0; i < 1000; ++i) bounds.push_back({Point{0}, Point{std::exp2(-i)}});
+      break;
+    case 5:  // each half as far away as the last
+      for (int i = 0; i < 2000; ++i) bounds.push_back({Point{std::exp2(-i)}, Point{std::exp2(-i)}});
+      break;
+    case 6:  // the largest numbers and the smallest
+      for (const double x : {-1e308, -1e-308, 5e-324, 1e-300, 1.0, 1e308})
+        bounds.push_back({Point{x}, Point{x}});
+      bounds.push_back({Point{-1e308}, Point{1e308}});
+      break;
+    default:
+      bounds = random_bounds(random, 3000, 0.1);
+  }
+  const Bvh tree = tree_of(bounds, leaf_size);
+  const auto found = visited(tree, [&](const auto& visit) {
+    tree.each_leaf([&](Leaf leaf) {
+      CHECK(leaf.count >= 1);
+      CHECK(leaf.count <= static_cast<std::uint32_t>(leaf_size));
+      visit(leaf);
+    });
+  });
+  CHECK(found.size() == bounds.size());
+  CHECK(tree.order().size() == bounds.size());
+
+  // A line through a point of the first box visits that.
+  if (!bounds.empty() && kind != 6) {
+    const Vec3 direction = random.direction();
+    const auto met = along(tree, {bounds[0].max - direction, direction}, {});
+    CHECK(std::binary_search(met.begin(), met.end(), 0u));
+  }
+}
+
+TEST_CASE("a million things at one place are a tree like any other") {
+  const Bvh tree(1'000'000, [](std::size_t) { return Bounds{Point{1}, Point{1}}; }, 8, {.threads = 2});
+  std::size_t count = 0;
+  tree.each_leaf([&](Leaf leaf) { count += leaf.count; });
+  CHECK(count == 1'000'000);
+  CHECK(along(tree, {Point{0}, Vec3{1}}, {}).size() == 1'000'000);
+}
+
+TEST_CASE("things without finite bounds are in no leaf") {
+  const std::vector<Bounds> bounds{{Point{0}, Point{1}},
+                                   {Point{-infinity}, Point{infinity}},
+                                   {Point{0}, Point{1, infinity, 1}},
+                                   {Point{std::nan("")}, Point{1}},
+                                   {Point{2}, Point{3}}};
+  const Bvh tree = tree_of(bounds);
+  CHECK(std::vector(tree.unbounded().begin(), tree.unbounded().end()) == std::vector<std::uint32_t>{1, 2, 3});
+  CHECK(visited(tree, [&](const auto& visit) { tree.each_leaf(visit); }) == std::vector<std::uint32_t>{0, 4});
+}
+
+TEST_CASE("the tree is the same for any number of threads") {
+  Random random(3);
+  const auto bounds = random_bounds(random, 20000, 0.02);
+  const Bvh one = tree_of(bounds, 4, 1), several = tree_of(bounds, 4, 3);
+  CHECK(std::ranges::equal(one.order(), several.order()));
+  std::vector<std::uint32_t> firsts[2];
+  one.each_leaf([&](Leaf leaf) { firsts[0].push_back(leaf.first * 32 + leaf.count); });
+  several.each_leaf([&](Leaf leaf) { firsts[1].push_back(leaf.first * 32 + leaf.count); });
+  CHECK(firsts[0] == firsts[1]);
+}
+
+TEST_CASE("a ray that float cannot hold says so") {
+  const Bvh tree = tree_of({{Point{-1}, Point{1}}});
+  const auto usable = [&](const Ray& ray) { return BoxRay(ray, tree.space(), 0).usable; };
+  CHECK(usable({Point{3}, Vec3{1e-50, 0, 0}}));
+  CHECK(usable({Point{3}, Vec3{1e100, 0, 1}}));
+  CHECK_FALSE(usable({Point{3}, Vec3{0}}));
+  CHECK_FALSE(usable({Point{3}, Vec3{1e-200, 0, 0}}));
+  CHECK_FALSE(usable({Point{3}, Vec3{0, 1e200, 0}}));
+  CHECK_FALSE(usable({Point{3}, Vec3{0, infinity, 0}}));
+  CHECK_FALSE(usable({Point{3}, Vec3{0, std::nan(""), 0}}));
+  CHECK_FALSE(usable({Point{1e30}, Vec3{1}}));
+  CHECK_FALSE(usable({Point{0, 0, infinity}, Vec3{1}}));
+  CHECK_FALSE(usable({Point{0, std::nan(""), 0}, Vec3{1}}));
+}
+
+TEST_CASE("a sphere's bounds contain it, rounding included") {
+  Random random(11);
+  for (int i = 0; i < 1000; ++i) {
+    const Sphere sphere{random.point(std::exp2(random.real(-60, 60))),
+                        std::exp2(random.real(-60, 60)) * (i % 2 ? 1 : -1)};
+    const Bounds bounds = sphere.bounds();
+    for (int axis = 0; axis < 3; ++axis) {
+      // The differences to the center are exact in two numbers.
+      const DoubleDouble below = two_sum(sphere.center[axis], -bounds.min[axis]);
+      const DoubleDouble above = two_sum(bounds.max[axis], -sphere.center[axis]);
+      CHECK((below - DoubleDouble(std::abs(sphere.radius))).sign() >= 0);
+      CHECK((above - DoubleDouble(std::abs(sphere.radius))).sign() >= 0);
+    }
+  }
+}
