@@ -124,7 +124,8 @@ class Scene {
 
     void add(T surface, const Color& color) {
       if constexpr (SurfaceWithValidation<T>) surface.validate();
-      colors.reserve(surfaces.size() + 1);  // if memory ends, before one of them has grown
+      // If memory ends, it does so before one of them has grown.
+      if (colors.size() == colors.capacity()) colors.reserve(2 * colors.size() + 1);
       surfaces.push_back(std::move(surface));
       colors.push_back(color);
     }
