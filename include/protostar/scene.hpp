@@ -85,7 +85,7 @@ class Scene {
   }
 
   /// Whether there is any crossing inside the range. The first one found ends the search.
-  [[nodiscard]] bool occluded(const Ray& ray, Interval range = {}) const {
+  [[nodiscard]] bool occluded(const Ray& ray, [[maybe_unused]] Interval range = {}) const {
     return (std::get<Group<S>>(groups_).occluded(ray, range) || ...);
   }
 
