@@ -24,6 +24,6 @@ int main(int argc, char** argv) {
 
     Image exact = stage.image();
     render(exact, camera, three_spheres(), ShadowIntegrator{}, stage.render_options());
-    stage.print(naive::count_wrong(image, exact));
+    stage.compare(image, exact);
   });
 }

@@ -7,14 +7,9 @@
 
 #include <array>
 #include <cmath>
-#include <cstdint>
-#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <protostar/encode.hpp>
-#include <protostar/image.hpp>
-#include <string>
 
 #include "scenes/three_spheres.hpp"
 
@@ -105,21 +100,6 @@ inline Color shadow(const Ray& ray, float offset) {
     if (const auto t = sphere.intersect(shadow_ray); t && *t < distance - offset) return Color{0};
   const float intensity = 1 / (4 * std::numbers::pi_v<float>);
   return hit->color * light_of_the_three_spheres.power * (intensity * cosine / (distance * distance));
-}
-
-/// Says how many pixels of a picture are wrong: more than one level of 255 off the exact one, as gamma 2.2
-/// encodes them.
-inline std::string count_wrong(const protostar::Image& image, const protostar::Image& exact) {
-  const protostar::Encoder encode(protostar::Gamma{2.2}, 255);
-  const auto differs = [&](float a, float b) { return std::abs(encode(a) - encode(b)) > 1; };
-  std::int64_t wrong = 0;
-  for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x) {
-      const Color a = image(x, y), b = exact(x, y);
-      if (differs(a.r, b.r) || differs(a.g, b.g) || differs(a.b, b.b)) ++wrong;
-    }
-  return std::to_string(wrong) + " of " + std::to_string(std::int64_t{image.width()} * image.height()) +
-         " pixels are wrong";
 }
 
 }  // namespace naive

@@ -159,14 +159,17 @@ TEST_CASE("transparency: there is no limit to the number of crossings") {
 }
 
 TEST_CASE("without surfaces or lights every picture is defined") {
-  const Scene<Sphere> empty;
-  CHECK(BinaryIntegrator{}.radiance(at_ball, empty) == Color{0});
-  CHECK(DepthIntegrator{}.radiance(at_ball, empty) == Color{0});
-  CHECK(NormalIntegrator{}.radiance(at_ball, empty) == Color{0});
-  CHECK(ColorIntegrator{}.radiance(at_ball, empty) == Color{0});
-  CHECK(DiffuseIntegrator{}.radiance(at_ball, empty) == Color{0});
-  CHECK(ShadowIntegrator{}.radiance(at_ball, empty) == Color{0});
-  CHECK(TransparencyIntegrator{}.radiance(at_ball, empty) == Color{1});
+  const auto check_background = [](const auto& empty) {
+    CHECK(BinaryIntegrator{}.radiance(at_ball, empty) == Color{0});
+    CHECK(DepthIntegrator{}.radiance(at_ball, empty) == Color{0});
+    CHECK(NormalIntegrator{}.radiance(at_ball, empty) == Color{0});
+    CHECK(ColorIntegrator{}.radiance(at_ball, empty) == Color{0});
+    CHECK(DiffuseIntegrator{}.radiance(at_ball, empty) == Color{0});
+    CHECK(ShadowIntegrator{}.radiance(at_ball, empty) == Color{0});
+    CHECK(TransparencyIntegrator{}.radiance(at_ball, empty) == Color{1});
+  };
+  check_background(Scene<>{});  // without so much as a type of surface
+  check_background(Scene<Sphere>{});
   const auto dark = ball_on_ground();
   CHECK(DiffuseIntegrator{}.radiance(at_ball, dark) == Color{0});
   CHECK(ShadowIntegrator{}.radiance(at_ball, dark) == Color{0});

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -19,7 +20,8 @@ namespace detail {
 
 /// Calls work(i) for every i in [0, count), by as many threads as the options say. They take what comes next,
 /// so that none waits for another. The first exception ends all of them and is thrown in the caller's thread.
-inline void for_each_in_parallel(int count, const RenderOptions& options, const auto& work) {
+inline void for_each_in_parallel(int count, const RenderOptions& options,
+                                 const std::function<void(int)>& work) {
   if (options.threads < 0)
     throw std::invalid_argument("RenderOptions: threads must be 0 (all cores) or more");
   const int wanted =

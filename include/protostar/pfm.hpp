@@ -17,7 +17,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 ///
 /// The file is replaced as a whole or not at all (see OutputFile, also for its errors). If stop is asked for,
 /// it returns early and leaves the file as it was.
-inline void save_pfm(const Image& image, const std::filesystem::path& path, std::stop_token stop = {}) {
+inline void save_pfm(const Image& image, const std::filesystem::path& path,
+                     const std::stop_token& stop = {}) {
   OutputFile file(path);
   file.write("PF\n" + std::to_string(image.width()) + " " + std::to_string(image.height()) + "\n" +
              (std::endian::native == std::endian::little ? "-1.0\n" : "1.0\n"));

@@ -36,7 +36,8 @@ static_assert(std::numeric_limits<double>::is_iec559 && std::numeric_limits<doub
 // linker reads it. Two translation units that were compiled for different instruction sets then hold
 // different functions, and a program that links both keeps both instead of silently merging them into one
 // that half of its machines cannot run. That holds for the library's functions; those of GLM and of the
-// standard library have no such names.
+// standard library have no such names. The name is that of the widest vectors, then _fma, then _bmi or _bmi2:
+// -march=haswell gives avx2_fma_bmi2, -mavx2 alone avx2.
 #if defined(__AVX512VL__)
 #define PROTOSTAR_ABI_WIDTH avx512vl
 #elif defined(__AVX512F__)

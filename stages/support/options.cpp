@@ -35,7 +35,7 @@ std::optional<T> number(std::string_view text) {
 void read_size(std::string_view text, Options& options) {
   const std::size_t x = text.find('x');
   const auto width = number<int>(text.substr(0, x));
-  const auto height = x == text.npos ? std::nullopt : number<int>(text.substr(x + 1));
+  const auto height = x == std::string_view::npos ? std::nullopt : number<int>(text.substr(x + 1));
   if (!width || !height || *width < 1 || *height < 1 ||
       std::int64_t{*width} * *height > protostar::Image::max_pixels)
     refuse("--size", text, "WIDTHxHEIGHT, whole numbers of at least 1 whose product is at most 2^28");

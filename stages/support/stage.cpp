@@ -6,10 +6,13 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <protostar/encode.hpp>
 #include <protostar/io/png.hpp>
 #include <protostar/pfm.hpp>
 #include <protostar/ppm.hpp>
@@ -75,6 +78,19 @@ void Stage::save(const Image& image) {
                 milliseconds(rendered - start_), milliseconds(Clock::now() - rendered));
   print(options_.output.string() + ": " + std::to_string(image.width()) + "x" +
         std::to_string(image.height()) + ", " + integrator_ + times.data());
+}
+
+void Stage::compare(const Image& image, const Image& exact) const {
+  const Encoder encode(Gamma{2.2}, 255);
+  const auto differs = [&](float a, float b) { return std::abs(encode(a) - encode(b)) > 1; };
+  std::int64_t wrong = 0;
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) {
+      const Color a = image(x, y), b = exact(x, y);
+      if (differs(a.r, b.r) || differs(a.g, b.g) || differs(a.b, b.b)) ++wrong;
+    }
+  print(std::to_string(wrong) + " of " + std::to_string(std::int64_t{image.width()} * image.height()) +
+        " pixels are wrong");
 }
 
 double Stage::number(const std::string& option) const {

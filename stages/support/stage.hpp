@@ -27,15 +27,18 @@ class Stage {
   /// cannot.
   void save(const protostar::Image& image);
 
+  /// Prints how many pixels of an image are wrong: more than one level of 255 off the exact image of the same
+  /// size, as gamma 2.2 encodes them.
+  void compare(const protostar::Image& image, const protostar::Image& exact) const;
+
   /// The value of one of the stage's own options.
   double number(const std::string& option) const;
-
-  /// Prints a line where save prints its own, and likewise not at all if the user wants none.
-  void print(const std::string& line) const;
 
  private:
   using Clock = std::chrono::steady_clock;
 
+  /// Prints a line, unless the user wants none.
+  void print(const std::string& line) const;
   void write(const protostar::Image& image) const;
 
   Options options_;

@@ -1,4 +1,4 @@
-// The command lines of both programs: --name value, nothing else.
+// The command lines of the stress programs that take numbers: --name value, nothing else.
 #pragma once
 
 #include <cstdint>

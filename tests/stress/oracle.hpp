@@ -70,6 +70,27 @@ inline Roots roots(const protostar::Ray& ray, const protostar::Plane& plane, boo
   return {{p, {}, A, 0, Quad(p) / Quad(A)}};
 }
 
+/// A crossing with one surface of a scene, by its number.
+struct Hit {
+  Root root;
+  int surface;
+};
+
+/// Adds the crossings of a ray and a surface of this number with 0 < t < end.
+template <class S>
+void add_hits(std::vector<Hit>& hits, const protostar::Ray& ray, const S& surface, int number, bool leaves,
+              double end) {
+  for (const Root& root : roots(ray, surface, leaves))
+    if (root.t > 0 && (end == protostar::infinity || compare(root, root_at(end)) < 0))
+      hits.push_back({root, number});
+}
+
+/// Puts crossings in the order in which the ray meets them; what is met at once stays as it was.
+inline void sort(std::vector<Hit>& hits) {
+  std::stable_sort(hits.begin(), hits.end(),
+                   [](const Hit& a, const Hit& b) { return compare(a.root, b.root) < 0; });
+}
+
 /// Whether two surfaces are the same points.
 inline bool coincide(const protostar::Sphere& a, const protostar::Sphere& b) {
   return a.center == b.center && std::abs(a.radius) == std::abs(b.radius);

@@ -6,8 +6,10 @@
 // holds; kernels in float get only those, so that what they get wrong is their own doing. t is in units of
 // the last place of double. Exits with 1 if the library was wrong once, and prints the case in hexadecimal.
 
+#include <array>
 #include <chrono>
 #include <cinttypes>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -183,24 +185,58 @@ const exact::Root* first_ahead(const exact::Roots& roots) {
   return nullptr;
 }
 
-/// The distance between a kernel's normal, from its own t and in its own precision, and the true one.
+using QuadVector = std::array<Quad, 3>;
+
+double length(const QuadVector& v) {
+  const auto square = [](Quad x) { return static_cast<double>(x) * static_cast<double>(x); };
+  return std::sqrt(square(v[0]) + square(v[1]) + square(v[2]));
+}
+
+/// The normal where the line has the parameter t, which is a root.
+QuadVector true_normal(const Case<Sphere>& c, Quad t) {
+  const auto component = [&](int i) {
+    return (Quad(c.ray.origin[i]) + t * Quad(c.ray.direction[i]) - Quad(c.surface.center[i])) /
+           Quad(c.surface.radius);
+  };
+  return {component(0), component(1), component(2)};
+}
+
+/// The distance between a normal and the true one.
+template <class T>
+double normal_error(const naive::Vector<T>& normal, const QuadVector& truth) {
+  return length(QuadVector{Quad(normal.x) - truth[0], Quad(normal.y) - truth[1], Quad(normal.z) - truth[2]});
+}
+
+/// That of a kernel's normal, from its own t and in its own precision.
 template <class T>
 double normal_error(const Case<Sphere>& c, double t, Quad truth) {
   const auto ray = converted<T>(c.ray);
   const auto sphere = converted<T>(c.surface);
-  const auto normal = (ray.origin + static_cast<T>(t) * ray.direction - sphere.center) / sphere.radius;
-  double squares = 0;
-  for (int i = 0; i < 3; ++i) {
-    const Quad component =
-        (Quad(c.ray.origin[i]) + truth * Quad(c.ray.direction[i]) - Quad(c.surface.center[i])) /
-        Quad(c.surface.radius);
-    const double error = static_cast<double>(Quad(normal[i]) - component);
-    squares += error * error;
-  }
-  return std::sqrt(squares);
+  const naive::Vector<T> normal =
+      (ray.origin + static_cast<T>(t) * ray.direction - sphere.center) / sphere.radius;
+  return normal_error(normal, true_normal(c, truth));
 }
 
 // ---- The library's promises beyond hit and miss
+
+/// Whether the normal at a t with this relative error is as near to the true one as Sphere::normal_at says,
+/// and no more turned. (The true one of a ray that leaves the sphere is not of unit length, as its origin is
+/// rounded.)
+bool is_within_bound(const Case<Sphere>& c, double t, double relative_error, Quad truth) {
+  const Vec3 way = t * c.ray.direction;
+  const Point point = c.ray.at(t);
+  const double T = std::hypot(way.x, way.y, way.z), P = std::hypot(point.x, point.y, point.z);
+  const double bound = (relative_error * T + 0x1p-53 * (T + P)) / std::abs(c.surface.radius) + 0x1p-52;
+
+  const Vec3 normal = c.surface.normal_at(point);
+  const Quad x = normal.x, y = normal.y, z = normal.z;
+  const QuadVector n = true_normal(c, truth);
+  const QuadVector cross{y * n[2] - z * n[1], z * n[0] - x * n[2], x * n[1] - y * n[0]};
+  // The sine, times both lengths: from further than the bound says anything about, the normal may be 0.
+  const bool is_turned_no_more = length(cross) <= bound * length(QuadVector{x, y, z}) * length(n);
+  return normal_error(normal, n) <= bound && (is_turned_no_more || c.ray.departure == c.surface.departure());
+}
+bool is_within_bound(const Case<Plane>&, double, double, Quad) { return true; }
 
 /// The first promise that is broken, if any is.
 template <class S>
@@ -217,6 +253,8 @@ const char* broken_promise(const Case<S>& c, const exact::Roots& truth) {
     const Color white{1};
     const Intersection hit(c.ray, {{t, i}, &c.surface, &functions_of<S>, &white});
     if (ulps(hit.refined(), exact_t) > 1) return "a refined root to 1 ulp";
+    if (!is_within_bound(c, t, 0x1p-30, exact_t)) return "a normal";
+    if (!is_within_bound(c, hit.refined(), 0x1p-52, exact_t)) return "a normal of a refined root";
   }
   for (const Interval range : {Interval{0, 1}, Interval{1, infinity}, Interval{-infinity, 1}}) {
     const exact::Root* first = nullptr;

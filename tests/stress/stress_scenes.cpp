@@ -160,10 +160,7 @@ Ray ray_through(Random& random, const Model& model) {
 
 // ---- The truth
 
-struct Hit {
-  exact::Root root;
-  int surface;
-};
+using exact::Hit;
 
 template <class Visit>
 void each_surface(const Model& model, const Visit& visit) {
@@ -185,12 +182,9 @@ bool coincide(const Model& model, int a, int b) {
 std::vector<Hit> crossings(const Model& model, const Ray& ray, int left, double end) {
   std::vector<Hit> hits;
   each_surface(model, [&](const auto& surface, int id) {
-    for (const exact::Root& root : exact::roots(ray, surface, left >= 0 && coincide(model, id, left)))
-      if (root.t > 0 && (end == infinity || compare(root, exact::root_at(end)) < 0))
-        hits.push_back({root, id});
+    add_hits(hits, ray, surface, id, left >= 0 && coincide(model, id, left), end);
   });
-  std::stable_sort(hits.begin(), hits.end(),
-                   [](const Hit& a, const Hit& b) { return compare(a.root, b.root) < 0; });
+  sort(hits);
   return hits;
 }
 
