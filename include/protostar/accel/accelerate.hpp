@@ -47,10 +47,9 @@ class Finder {
     return false;
   }
 
-  /// Calls visit(i) for each surface that may reach into all of some half-spaces.
-  void each_in(std::span<const HalfSpace>, const auto& visit) const {
-    for (std::uint32_t i = 0; i < count_; ++i) visit(i);
-  }
+  /// Calls visit(i, SphereAround) for each surface that has bounds and may reach into all of some
+  /// half-spaces.
+  void each_in(std::span<const HalfSpace>, const auto&) const {}
 
  private:
   std::uint32_t count_;
@@ -61,7 +60,8 @@ template <SurfaceWithBounds T>
 class Finder<T> {
  public:
   Finder(const std::vector<T>& surfaces, const RenderOptions& options)
-      : bvh_(
+      : surfaces_(&surfaces),
+        bvh_(
             surfaces.size(), [&](std::size_t i) { return surfaces[i].bounds(); }, leaf_size, options) {
     if constexpr (is_sphere)
       spheres_ = SphereLeaves(
@@ -100,9 +100,14 @@ class Finder<T> {
   }
 
   void each_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {
-    for (const std::uint32_t i : bvh_.unbounded()) visit(i);
     bvh_.each_leaf_in(half_spaces, [&](Leaf leaf) {
-      for (std::uint32_t i = 0; i < leaf.count; ++i) visit(bvh_.order()[leaf.first + i]);
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
+        const std::uint32_t surface = bvh_.order()[leaf.first + i];
+        if constexpr (is_sphere)
+          visit(surface, spheres_.around(leaf, i, bvh_.space()));
+        else
+          visit(surface, sphere_around((*surfaces_)[surface]));
+      }
     });
   }
 
@@ -111,6 +116,7 @@ class Finder<T> {
   static constexpr int leaf_size = is_sphere ? node_width : 1;
   struct Nothing {};
 
+  const std::vector<T>* surfaces_;
   Bvh bvh_;
   std::conditional_t<is_sphere, SphereLeaves, Nothing> spheres_;
 };
@@ -152,7 +158,8 @@ class Accelerated<Scene<S...>> {
 
   [[nodiscard]] const Scene<S...>& scene() const { return *scene_; }
 
-  /// Calls visit(i) for each surface of one type that may reach into all of some half-spaces, in any order.
+  /// Calls visit(i, SphereAround) for each surface of one type that has bounds and may reach into all of some
+  /// half-spaces, in any order.
   template <class T>
   void each_in(std::span<const simd::HalfSpace> half_spaces, const auto& visit) const {
     finder<T>().each_in(half_spaces, visit);

@@ -109,11 +109,11 @@ class TileRenderer {
   template <Surface T>
   void add_group(int& place) {
     for (const T& surface : scene_.scene().template surfaces<T>()) {
-      const double radius = radius_around(surface);
-      if (!std::isfinite(radius))
+      const SphereAround around = sphere_around(surface);
+      if (!std::isfinite(around.radius))
         unbounded_.push_back(place);
       else if (!is_large())
-        add(surface, place, candidates_);
+        candidates_.add(place, rays_.camera().position, around);
       ++place;
     }
   }
@@ -121,28 +121,10 @@ class TileRenderer {
   /// Adds what the tree has for a frustum; first is the place of the type's first surface.
   template <Surface T>
   void add_found(const Frustum& frustum, int& first, Candidates& found) const {
-    const auto& surfaces = scene_.scene().template surfaces<T>();
-    if constexpr (SurfaceWithBounds<T>)
-      scene_.template each_in<T>(frustum.side, [&](std::uint32_t i) {
-        if (std::isfinite(radius_around(surfaces[i]))) add(surfaces[i], first + static_cast<int>(i), found);
-      });
-    first += static_cast<int>(surfaces.size());
-  }
-
-  template <Surface T>
-  void add(const T& surface, int place, Candidates& to) const {
-    if constexpr (SurfaceWithBounds<T>) {
-      const auto [center, radius] = sphere_around(surface);
-      to.add(place, rays_.camera().position, center, radius);
-    }
-  }
-
-  template <Surface T>
-  [[nodiscard]] static double radius_around(const T& surface) {
-    if constexpr (SurfaceWithBounds<T>)
-      return sphere_around(surface).radius;
-    else
-      return infinity;
+    scene_.template each_in<T>(frustum.side, [&](std::uint32_t i, const SphereAround& around) {
+      found.add(first + static_cast<int>(i), rays_.camera().position, around);
+    });
+    first += static_cast<int>(scene_.scene().template surfaces<T>().size());
   }
 
   void leave_empty(const Tile& tile) const {

@@ -13,10 +13,12 @@
 // − p²) − e or after b + √(R² − p²) + e.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
 #include "bvh.hpp"
+#include "sphere_around.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -60,6 +62,17 @@ class SphereLeaves {
     if (spheres == 0) return {0, {}};
     const Floats s = sqrt(q), near = b - s - e, far = b + s + e;
     return {spheres & bits(near <= Floats(reach.until) && far >= Floats(reach.from)), near};
+  }
+
+  /// A sphere that surely contains the i-th of a leaf. A float is off by a part 2^-24 or by 2^-150, and the
+  /// center in the world by two roundings of double.
+  [[nodiscard]] SphereAround around(Leaf leaf, std::uint32_t i, const BoxSpace& space) const {
+    const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
+    const Vec3 c{row[0], row[leaf.count], row[2 * leaf.count]};
+    const double r = row[3 * leaf.count], size = std::abs(c.x) + std::abs(c.y) + std::abs(c.z);
+    const Point center = space.center + c / space.scale;
+    const double rounding = 0x1p-50 * (std::abs(center.x) + std::abs(center.y) + std::abs(center.z));
+    return {center, (r + 0x1p-23 * (r + size) + 0x1p-140) / space.scale + rounding};
   }
 
  private:

@@ -14,11 +14,10 @@
 
 #include "../camera.hpp"
 #include "../image.hpp"
-#include "../surface.hpp"
-#include "../surfaces/sphere.hpp"
 #include "bvh.hpp"
 #include "packet.hpp"
 #include "simd.hpp"
+#include "sphere_around.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -103,24 +102,6 @@ struct Frustum {
   }
 };
 
-/// A sphere that contains a surface.
-struct SphereAround {
-  Point center;
-  double radius;  ///< infinite where the surface has no bounds
-};
-template <SurfaceWithBounds S>
-[[nodiscard]] SphereAround sphere_around(const S& surface) {
-  if constexpr (std::same_as<S, Sphere>) {
-    return {surface.center, std::abs(surface.radius)};
-  } else {
-    const auto [min, max] = surface.bounds();
-    const Vec3 half = 0.5 * max - 0.5 * min;
-    const Point center = min + half;
-    // The center is off by a rounding of each of its parts, the length by three of itself.
-    return {center, length(half) * (1 + 0x1p-50) + 0x1p-51 * (length(center) + length(half))};
-  }
-}
-
 /// Surfaces that a camera may see, as float spheres around its position: rows of numbers, so that several are
 /// tested at once.
 class Candidates {
@@ -138,7 +119,8 @@ class Candidates {
   /// With u = 2^-24: the center from the camera, l, is off by at most u|l| in float, a normal by u, and their
   /// product by 3u|l| more, so that the distance from a plane is good to 5u|l|, and the radius to u r. What
   /// is given to the radius, 2^-20 (|l| + r) = 16u (|l| + r), is more; 2^-140 covers whatever underflows.
-  void add(int place, const Point& camera, const Point& center, double radius) {
+  void add(int place, const Point& camera, const SphereAround& around) {
+    const auto& [center, radius] = around;
     make_room(size_ + 1);
     const std::size_t i = index(size_++);
     const Vec3 l = center - camera;
