@@ -70,9 +70,10 @@ class SphereLeaves {
     const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
     const Vec3 c{row[0], row[leaf.count], row[2 * leaf.count]};
     const double r = row[3 * leaf.count], size = std::abs(c.x) + std::abs(c.y) + std::abs(c.z);
-    const Point center = space.center + c / space.scale;
+    const double unit = 1 / space.scale;  // exact: a power of two
+    const Point center = space.center + c * unit;
     const double rounding = 0x1p-50 * (std::abs(center.x) + std::abs(center.y) + std::abs(center.z));
-    return {center, (r + 0x1p-23 * (r + size) + 0x1p-140) / space.scale + rounding};
+    return {center, (r + 0x1p-23 * (r + size) + 0x1p-140) * unit + rounding};
   }
 
  private:
