@@ -121,7 +121,8 @@ class Scene {
 
     void add(T surface, const Color& color) {
       if constexpr (SurfaceWithValidation<T>) surface.validate();
-      colors.reserve(surfaces.size() + 1);  // if memory ends, before one of them has grown
+      if (colors.capacity() == surfaces.size())  // if memory ends, before one of them has grown
+        colors.reserve(2 * surfaces.size() + 1);
       surfaces.push_back(std::move(surface));
       colors.push_back(color);
     }

@@ -44,6 +44,12 @@ class SphereLeaves {
     });
   }
 
+  void fetch(Leaf leaf) const {
+    const float* const row = &rows_[4 * std::size_t{leaf.first}];
+    prefetch(row);
+    prefetch(row + 16);
+  }
+
   /// Of the spheres from the i-th of a leaf on, as many as a vector holds.
   [[nodiscard]] Met met(Leaf leaf, std::uint32_t i, const BoxRay& ray, Reach reach) const {
     const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
