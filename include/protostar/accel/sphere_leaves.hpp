@@ -40,10 +40,18 @@ class SphereLeaves {
         const auto& sphere = sphere_of(bvh.order()[leaf.first + i]);
         const Point center = bvh.space()(sphere.center);
         float* const row = &rows_[4 * std::size_t{leaf.first} + i];
-        for (int axis = 0; axis < 3; ++axis) row[axis * leaf.count] = static_cast<float>(center[axis]);
+        row[0] = static_cast<float>(center.x);
+        row[leaf.count] = static_cast<float>(center.y);
+        row[2 * leaf.count] = static_cast<float>(center.z);
         row[3 * leaf.count] = static_cast<float>(std::abs(sphere.radius) * bvh.space().scale);
       }
     });
+  }
+
+  void fetch(Leaf leaf) const {
+    const float* const row = &rows_[4 * std::size_t{leaf.first}];
+    prefetch(row);
+    prefetch(row + 16);
   }
 
   /// Of the spheres from the i-th of a leaf on, as many as a vector holds.
