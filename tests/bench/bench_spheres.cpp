@@ -181,7 +181,7 @@ class Contest {
     std::vector<Work> works = embree_works(rays, &Embree::any, true, hits);
     works.emplace_back([&] { draw(DiffuseIntegrator{}); });
     works.emplace_back([&] { draw(ShadowIntegrator{}); });
-    const Times times(runs_for(image_seconds(ShadowIntegrator{})), works);
+    const Times times(options_, works);
     const std::size_t diffuse = works.size() - 2, shadow = works.size() - 1;
     std::vector<double> ours;
     for (std::size_t run = 0; run < times[shadow].size(); ++run)
@@ -199,7 +199,7 @@ class Contest {
     answers.embree.resize(rays.size());
     std::vector<Work> works = embree_works(rays, query, coherent, answers.embree);
     works.push_back(ours);
-    const Times times(runs_for(expected_seconds), works);
+    const Times times(options_, works);
     read_answers(answers.ours);
     print(name, rays.size(), times, times[works.size() - 1], answers);
   }
@@ -208,13 +208,6 @@ class Contest {
     if (expected_seconds <= too_long) return false;
     std::printf("%s: left out, a run would take %.0f s\n", labelled(name).c_str(), expected_seconds);
     return true;
-  }
-
-  /// Long works are disturbed less, so that fewer runs will do.
-  bench::Options runs_for(double expected_seconds) const {
-    bench::Options options = options_;
-    if (expected_seconds > 0.5) options.runs = std::min(options.runs, 3);
-    return options;
   }
 
   std::vector<Work> embree_works(const std::vector<FloatRay>& rays, Query query, bool coherent,

@@ -106,13 +106,17 @@ inline double median(std::vector<double> values) {
 /// slows all of them alike. Ratios are taken within a turn, and of those the median.
 class Times {
  public:
-  /// As many turns as the options say, and more of short works, which are disturbed more easily.
+  /// As many turns as the options say; more of short works, which are disturbed more easily, and no more than
+  /// three of long ones.
   Times(const Options& options, const std::vector<Work>& works) : seconds_(works.size()) {
     for (const Work& work : works) work();  // caches, pages and tables are warm from here on
-    constexpr double enough = 0.5;
+    constexpr double enough = 0.5, plenty = 10;
     double total = 0;
-    for (int run = 0; run < options.runs || (total < enough && run < 20 * options.runs && !options.quick);
-         ++run)
+    const auto go_on = [&](int turns) {
+      if (turns < options.runs) return turns < 3 || total < plenty;
+      return total < enough && turns < 20 * options.runs && !options.quick;
+    };
+    for (int turns = 0; go_on(turns); ++turns)
       for (std::size_t i = 0; i < works.size(); ++i) {
         seconds_[i].push_back(seconds_of(works[i]));
         total += seconds_[i].back();
@@ -123,6 +127,9 @@ class Times {
   [[nodiscard]] const std::vector<double>& operator[](std::size_t i) const { return seconds_[i]; }
 
   [[nodiscard]] double seconds(std::size_t i) const { return median(seconds_[i]); }
+
+  /// The least disturbed turn: where works differ in how much of the machine they need.
+  [[nodiscard]] double shortest(std::size_t i) const { return *std::ranges::min_element(seconds_[i]); }
 
   /// The time of one work in terms of another's.
   [[nodiscard]] double ratio(std::size_t i, std::size_t to) const {
