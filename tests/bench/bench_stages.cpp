@@ -42,6 +42,19 @@ struct Pictures {
   [[nodiscard]] double pixels() const { return static_cast<double>(ours.width()) * ours.height(); }
 };
 
+/// Throws unless both show the same but for what float and the offset get wrong, which is less than one pixel
+/// in fifty: otherwise their times would not be of the same work.
+void check(const std::string& name, const Pictures& pictures) {
+  int differ = 0;
+  for (int y = 0; y < pictures.ours.height(); ++y)
+    for (int x = 0; x < pictures.ours.width(); ++x) {
+      const Color difference = abs(pictures.ours(x, y) - pictures.theirs(x, y));
+      if (!(std::max({difference.r, difference.g, difference.b}) < 0x1p-8f)) ++differ;
+    }
+  if (50 * differ > pictures.pixels())
+    throw std::runtime_error(name + ": " + std::to_string(differ) + " pixels differ from the tutorial's");
+}
+
 void renders(Table& table, const bench::Options& options, Pictures& pictures) {
   const auto their_scene = tutorial::three_spheres();
   const auto scene = three_spheres();
@@ -51,6 +64,7 @@ void renders(Table& table, const bench::Options& options, Pictures& pictures) {
         table, options, name, "ns/pixel", pictures.pixels(),
         [&] { theirs.render(pictures.theirs, tutorial::Camera{}, their_scene); },
         [&] { render(pictures.ours, Camera{}, scene, ours, by); });
+    check(name, pictures);
   };
   stage("03_scene", tutorial::BinaryIntegrator{}, BinaryIntegrator{});
   stage("04_depth", tutorial::DepthIntegrator{}, DepthIntegrator{});

@@ -76,7 +76,7 @@ class Panel {
   Panel(std::ostream& svg, const Plot& plot, double x)
       : svg_(svg),
         plot_(plot),
-        left_(x + 62),
+        left_(x + 76),
         right_(x + width - 24),
         time_(times(plot), left_, right_),
         error_(errors(plot), has_zero(plot) ? zero - 34 : zero, top) {}
@@ -99,8 +99,11 @@ class Panel {
            << (is_on_front(point.measure, all) ? " on" : "") << "\" cx=\"" << x << "\" cy=\"" << y
            << "\" r=\"4\"/>";
       if (!point.label.empty())
-        text(x + (near_the_edge ? -8 : 8), above ? y - 6 : y + 14, near_the_edge ? "end" : "start",
-             point.label);
+        text(x + (near_the_edge ? -8 : 8),
+             above                     ? y - 6
+             : point.measure.error > 0 ? y + 14
+                                       : y - 20,
+             near_the_edge ? "end" : "start", point.label);
       above = !above;
       svg_ << '\n';
     }
@@ -157,7 +160,7 @@ class Panel {
       line(left_, zero, right_, zero);
       text(left_ - 6, zero + 4, "end", "none");
     }
-    svg_ << "<g transform=\"translate(" << left_ - 46 << ' ' << (top + zero) / 2 << ") rotate(-90)\">";
+    svg_ << "<g transform=\"translate(" << left_ - 60 << ' ' << (top + zero) / 2 << ") rotate(-90)\">";
     text(0, 0, "middle", plot_.error_axis);
     svg_ << "</g>\n";
   }
