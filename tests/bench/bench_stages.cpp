@@ -136,6 +136,8 @@ void files(Table& table, const bench::Options& options, Pictures& pictures) {
 
 // ---- Whole processes
 
+#ifdef BENCH_STAGE
+
 /// Starts a program and waits for its end.
 void start(std::vector<std::string> words) {
   std::vector<char*> argv;
@@ -149,8 +151,7 @@ void start(std::vector<std::string> words) {
 }
 
 /// 09_shadow as a program against the tutorial's, the start of a process that does nothing taken off both.
-void processes([[maybe_unused]] Table& table, [[maybe_unused]] const bench::Options& options) {
-#ifdef BENCH_STAGE
+void processes(Table& table, const bench::Options& options) {
   const TemporaryFolder folder;
   const std::string file = (folder / "out.ppm").string(), threads = std::to_string(options.threads);
   const auto theirs = [&] { start({BENCH_TUTORIAL, file}); };
@@ -173,10 +174,15 @@ void processes([[maybe_unused]] Table& table, [[maybe_unused]] const bench::Opti
   };
   row("process 09_shadow, P3", {"--plain"});
   row("process 09_shadow, P3 / P6", {});
-#else
-  std::printf("no whole processes: the stages are not built\n");
-#endif
 }
+
+#else
+
+void processes(Table&, const bench::Options&) {
+  std::printf("no whole processes: the stages are not built\n");
+}
+
+#endif
 
 void stages(const bench::Options& options) {
   Pictures pictures(options.quick ? 64 : 640, options.quick ? 48 : 480);
