@@ -116,11 +116,19 @@ class Contest {
     render(image_, work_.camera, scene_, integrator, RenderOptions{.threads = options_.threads});
   }
 
-  /// About how long a picture will take, from a small one.
-  double image_seconds(const auto& integrator) const {
-    Image small(16, 16);
-    const double seconds = bench::seconds_of([&] { render(small, work_.camera, scene_, integrator); });
-    return seconds * image_.width() * image_.height() / 256;
+  /// About how long a picture takes, from the tiles that are done when half a second has passed.
+  double image_seconds(const auto& integrator) {
+    std::stop_source enough;
+    double seconds = 0, share = 0;
+    const auto start = std::chrono::steady_clock::now();
+    const auto look = [&](double done) {
+      seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      share = done;
+      if (seconds > 0.5) enough.request_stop();
+    };
+    render(image_, work_.camera, scene_, integrator,
+           {.threads = options_.threads, .stop = enough.get_token(), .progress = look});
+    return seconds / share;
   }
 
   void read_image(std::vector<Index>& seen, const auto& index_of) const {
