@@ -184,6 +184,8 @@ TEST_CASE("a mask is the set of its lanes, for lanes of any type") {
       CHECK(bits(!mask) == (~set & all));
       CHECK(any(mask) == (set != 0));
     }
+    CHECK(bits(simd::mask_of<T, N>(~Bits{0})) == all);
+    CHECK_FALSE(any(simd::mask_of<T, N>(~all)));
   });
   for (Bits lanes = 0; lanes <= simd::first_bits(simd::double_lanes); ++lanes) {
     const auto mask = simd::mask_of<double, simd::double_lanes>(lanes);
@@ -213,8 +215,8 @@ TEST_CASE("the first lanes are counted from the lowest bit, up to all") {
   CHECK(simd::first_bits(1) == 1);
   CHECK(simd::first_bits(5) == 31);
   CHECK(simd::first_bits(31) == 0x7fffffff);
-  CHECK(simd::first_bits(32) == 0xffffffff);
-  CHECK(simd::first_bits(100) == 0xffffffff);  // a tile may have more pixels left than a packet has lanes
+  static_assert(simd::first_bits(32) == 0xffffffff);
+  static_assert(simd::first_bits(100) == 0xffffffff);  // a tile may have more pixels left than there are bits
 }
 
 TEST_CASE("lanes are loaded and stored in order, from any address") {

@@ -280,11 +280,11 @@ template <class U, class T, int N>
 #endif
 }
 
-/// The mask in which just these lanes are true.
+/// The mask in which just these lanes are true, of those that there are.
 template <class T, int N>
 [[nodiscard]] Mask<T, N> mask_of(Bits lanes) {
 #if defined(PROTOSTAR_BIT_MASKS)
-  return Mask<T, N>(lanes);
+  return Mask<T, N>(lanes & first_bits(N));
 #else
   using Truth = detail::Truth<T>;
   detail::Vector<Truth, N> bit{};

@@ -119,15 +119,19 @@ class Candidates {
   /// With u = 2^-24: the center from the camera, l, is off by at most u|l| in float, a normal by u, and their
   /// product by 3u|l| more, so that the distance from a plane is good to 5u|l|, and the radius to u r. What
   /// is given to the radius, 2^-20 (|l| + r) = 16u (|l| + r), is more; 2^-140 covers whatever underflows.
+  /// What is so large that the sums might overflow is taken to be everywhere.
   void add(int place, const Point& camera, const SphereAround& around) {
     const auto& [center, radius] = around;
     make_room(size_ + 1);
     const std::size_t i = index(size_++);
     const Vec3 l = center - camera;
     const double distance = length(l), error = 0x1p-20 * (distance + radius) + 0x1p-140;
-    x_[i] = static_cast<float>(l.x), y_[i] = static_cast<float>(l.y), z_[i] = static_cast<float>(l.z);
-    reach_[i] = static_cast<float>(radius + error);
-    nearest_[i] = static_cast<float>(distance - radius - error);
+    const bool fits = distance + radius < 0x1p120;
+    x_[i] = fits ? static_cast<float>(l.x) : 0;
+    y_[i] = fits ? static_cast<float>(l.y) : 0;
+    z_[i] = fits ? static_cast<float>(l.z) : 0;
+    reach_[i] = fits ? static_cast<float>(radius + error) : std::numeric_limits<float>::infinity();
+    nearest_[i] = fits ? static_cast<float>(distance - radius - error) : 0;
     place_[i] = place;
   }
 
