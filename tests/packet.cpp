@@ -97,9 +97,7 @@ void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
                      roots.count != expected.count();
     }
   }
-  const double a = random.real(-3, 3), b = a + random.real(0, 3);
-  for (const Interval range : {Interval{}, Interval{0, 1}, Interval{-infinity, infinity}, Interval{a, b},
-                               Interval{0, b}, Interval{b, a}}) {
+  const auto compare_in = [&](Interval range, bool may_be_in_doubt) {
     const simd::FirstCrossings first = first_crossings(surface, rays, wanted, range);
     const auto crossed = crossed_by_each(surface, rays, wanted, range);
     for (int i = 0; i < double_lanes; ++i) {
@@ -109,14 +107,26 @@ void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
         continue;
       }
       const auto expected = first_crossing(surface, rays[i], range);
-      tally.asked += 2;
-      tally.in_doubt += has(first.in_doubt, i) + has(crossed.in_doubt, i);
+      if (!may_be_in_doubt) {
+        tally.asked += 2;
+        tally.in_doubt += has(first.in_doubt, i) + has(crossed.in_doubt, i);
+      }
       if (!has(first.in_doubt, i))
         tally.wrong +=
             has(first.met, i) != expected.has_value() || (expected && !same_bits(first.t[i], expected->t));
       if (!has(crossed.in_doubt, i)) tally.wrong += has(crossed.crossed, i) != expected.has_value();
     }
-  }
+  };
+  const double a = random.real(-3, 3), b = a + random.real(0, 3);
+  for (const Interval range : {Interval{}, Interval{0, 1}, Interval{-infinity, infinity}, Interval{a, b},
+                               Interval{0, b}, Interval{b, a}})
+    compare_in(range, false);
+  // Ranges that end at a crossing, or nearly.
+  const auto somewhere = first_crossing(surface, rays[0], Interval{-infinity, infinity});
+  const double t = somewhere ? somewhere->t : 0, nearly = t * (1 + std::ldexp(random.real(-1, 1), -31));
+  for (const Interval range :
+       {Interval{t, infinity}, Interval{-infinity, t}, Interval{nearly, b}, Interval{a, nearly}})
+    compare_in(range, true);
 }
 
 /// Some lanes, or all.
@@ -158,7 +168,7 @@ struct Rows {
   const char* what;
   std::function<Ray(Random&)> ray;
   double most_in_doubt;  ///< the share of answers
-  double least_met;      ///< the share of questions, of which one in thirteen asks for roots
+  double least_met;      ///< the share of questions, of which one in 13 asks for roots
 };
 
 }  // namespace
@@ -170,29 +180,42 @@ TEST_CASE("a packet meets a sphere where each of its rays does, or is in doubt")
         [](Random& r) {
           return Ray{r.point(3), r.direction()};
         },
-        1e-3, 0.005},
+        1e-3, 0.003},
        {"of any length",
         [](Random& r) {
           return Ray{r.point(3), r.direction() * std::exp2(r.real(-60, 60))};
         },
-        1e-3, 0.005},
+        1e-3, 0.003},
        {"from far away, towards it",
         [](Random& r) {
           const Point from = 1e3 * r.direction();
           return Ray{from, r.point(1) - from};
         },
-        1e-2, 0.01},
+        1e-2, 0.005},
        {"from inside",
         [](Random& r) {
           return Ray{0.9 * r.direction(), r.direction()};
         },
-        1e-3, 0.05},
+        1e-3, 0.03},
        {"between two points",
         [](Random& r) {
           const Point from = r.point(2);
           return Ray{from, r.point(2) - from};
         },
-        1e-3, 0.005},
+        1e-3, 0.003},
+       {"to a point of it",
+        [](Random& r) {
+          const Point from = r.point(2);
+          return Ray{from, r.direction() - from};
+        },
+        1, 0.005},
+       {"to nearly a point of it",
+        [](Random& r) {
+          const Point from = r.point(2);
+          return Ray{from, (r.direction() - from) *
+                               (1 + std::ldexp(r.real(-1, 1), -static_cast<int>(r.bits() % 54)))};
+        },
+        1, 0.005},
        {"from the surface, as a point",
         [](Random& r) {
           return Ray{r.direction(), r.direction()};
@@ -226,7 +249,7 @@ TEST_CASE("a packet meets a sphere where each of its rays does, or is in doubt")
         [](Random& r) {
           return Ray{r.direction(), r.direction(), Sphere{}.departure()};
         },
-        1e-3, 0.05},
+        1e-3, 0.03},
        {"departing along it",
         [](Random& r) {
           const Vec3 n = r.direction(), along = normalize(cross(n, r.direction()));
@@ -238,7 +261,7 @@ TEST_CASE("a packet meets a sphere where each of its rays does, or is in doubt")
         [](Random& r) {
           return Ray{r.point(2), r.direction(), Sphere{.center = {1, 0, 0}}.departure()};
         },
-        1e-3, 0.005}}));
+        1e-3, 0.003}}));
   const Tally tally = compare(row.ray, unit, 2000);
   CAPTURE(row.what, tally.asked, tally.met, tally.in_doubt);
   CHECK(tally.wrong == 0);
@@ -364,7 +387,7 @@ TEST_CASE("what a packet's hits say is what the hit of each ray says") {
     compare_hits(Plane{.normal = random.point(1), .distance = random.real(-2, 2)});
     compare_hits(Cylinder{.radius = random.real(0.5, 2)});
   }
-  CHECK(hits > 1000);
+  CHECK(hits > 500);
   CHECK(wrong == 0);
 }
 
@@ -373,6 +396,7 @@ TEST_CASE("of a packet's rays, those are asked for that are wanted and chosen") 
   const Bits all = simd::first_bits(double_lanes);
   for (Bits lanes = 0; lanes <= all; ++lanes) {
     Rays<Point> rays{.origin = Point{0}, .direction = Vec3{0, 0, 1}, .wanted = mask(lanes)};
-    CHECK(bits(rays.wanted && mask(all & 5)) == bits(only(mask(all & 5), std::move(rays)).wanted));
+    const Rays<Point> chosen = only(mask(all & 5), std::move(rays));
+    CHECK(bits(chosen.wanted) == (lanes & 5));
   }
 }
