@@ -9,9 +9,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// Fills an image by tiles, which threads take as they come.
-void fill_tiles(const Image& image, const RenderOptions& options, const auto& fill) {
-  constexpr int side = 64;  // of a tile, in pixels
+/// Fills an image by tiles of side × side pixels, which threads take as they come.
+void fill_tiles(const Image& image, int side, const RenderOptions& options, const auto& fill) {
   const Tile all = image.tile();
   for_each_in_parallel(all.count(side), options, [&](int i) { fill(all.part(i, side)); });
 }
@@ -37,7 +36,7 @@ auto tile_filler(Image& image, const Camera& camera, const S& scene, const I& in
 void render(Image& image, const Camera& camera, const Radiance auto& radiance,
             const RenderOptions& options = {}) {
   camera.validate();
-  detail::fill_tiles(image, options,
+  detail::fill_tiles(image, 32, options,
                      [&](const Tile& tile) { detail::fill_pixels(image, tile, camera, radiance); });
 }
 
@@ -46,7 +45,7 @@ template <Traceable S, Integrator<S> I>
 void render(Image& image, const Camera& camera, const S& scene, const I& integrator,
             const RenderOptions& options = {}) {
   camera.validate();
-  detail::fill_tiles(image, options, tile_filler(image, camera, scene, integrator, options));
+  detail::fill_tiles(image, 64, options, tile_filler(image, camera, scene, integrator, options));
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

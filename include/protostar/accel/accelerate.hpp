@@ -79,7 +79,7 @@ class Finder<T> {
       return false;
     }
     const Reach reach{line.at_least(range.min), line.at_most(range.max)};
-    return bvh_.each_leaf_along<order>(line, reach, [&](Leaf leaf, Reach& left) {
+    const auto visit_leaf = [&](Leaf leaf, Reach& left) {
       if constexpr (is_sphere) {
         for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
           const auto met = spheres_.met(leaf, i, line, left);
@@ -96,7 +96,11 @@ class Finder<T> {
         left.until = line.at_most(range.max);
       }
       return false;
-    });
+    };
+    const auto soon = [&](Leaf leaf) {
+      if constexpr (is_sphere) spheres_.fetch(leaf);
+    };
+    return bvh_.each_leaf_along<order>(line, reach, visit_leaf, soon);
   }
 
   void each_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {

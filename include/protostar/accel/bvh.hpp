@@ -23,6 +23,11 @@ struct HalfSpace {
 /// In which order leaves are visited.
 enum class Order { near_first, any };
 
+/// For leaves that need no preparation.
+struct Ignore {
+  void operator()(Leaf) const {}
+};
+
 /// Things with bounds, in leaves of a few, in a tree of boxes around them. It knows nothing of the things but
 /// their bounds. What it visits are leaves: places first, first + 1, ... in order().
 class Bvh {
@@ -67,9 +72,10 @@ class Bvh {
   }
 
   /// Calls visit(leaf, reach) for every leaf whose box the ray may meet within a reach, until one of them
-  /// returns true; returns whether one did. A visit may shorten the reach.
-  template <Order order>
-  bool each_leaf_along(const BoxRay& ray, Reach reach, const auto& visit) const {
+  /// returns true; returns whether one did. A visit may shorten the reach. Before that, soon(leaf) is called
+  /// for leaves that are likely to be visited.
+  template <Order order, class Soon = Ignore>
+  bool each_leaf_along(const BoxRay& ray, Reach reach, const auto& visit, const Soon& soon = {}) const {
     if (tree_.order.empty()) return false;
     struct Entry {
       Child child;
@@ -88,6 +94,10 @@ class Bvh {
         for (Bits met = met_children(node, ray, reach, near); met != 0; met &= met - 1) {
           const int k = std::countr_zero(met);
           const Entry entry{node.child[k], near[k]};
+          if (entry.child.is_leaf())
+            soon(entry.child.leaf());
+          else
+            prefetch(&tree_.nodes[entry.child.node()]);
           int place = top++;
           if constexpr (order == Order::near_first)
             for (; place > below && stack[place - 1].near < entry.near; --place)

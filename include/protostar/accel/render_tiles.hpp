@@ -67,14 +67,14 @@ class TileRenderer {
     } else {
       in_tile.add(candidates_, frustum);
     }
-    for (int i = 0; i < tile.count(part_side); ++i) {
+    const bool sees_nothing = by_packets && in_tile.size() == 0 && unbounded_.empty();
+    if (sees_nothing) leave_empty(tile, taken);
+    for (int i = 0; i < tile.count(part_side) && !sees_nothing; ++i) {
       const Tile part = tile.part(i, part_side);
       in_part.clear();
       in_part.add(in_tile, Frustum(rays_, part));
       if (by_packets && in_part.size() == 0 && unbounded_.empty()) {
-        leave_empty(part);
-        taken.pixels_skipped +=
-            static_cast<std::uint64_t>(part.width()) * static_cast<std::uint64_t>(part.height());
+        leave_empty(part, taken);
       } else if (in_part.size() <= few) {
         fill(part, in_part, taken);
       } else {
@@ -127,7 +127,9 @@ class TileRenderer {
     first += static_cast<int>(scene_.scene().template surfaces<T>().size());
   }
 
-  void leave_empty(const Tile& tile) const {
+  void leave_empty(const Tile& tile, RenderStatistics& taken) const {
+    taken.pixels_skipped +=
+        static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
     // Packets that meet nothing all bring the same.
     const Color color = protostar::detail::radiance_of(
         integrator_, Ray{rays_.camera().position, rays_.camera().forward}, Scene<>{});

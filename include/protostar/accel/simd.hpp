@@ -383,6 +383,13 @@ template <int N>
 #endif
 }
 
+/// Says that what is at an address will be read soon.
+inline void prefetch([[maybe_unused]] const void* address) {
+#if defined(__GNUC__)
+  __builtin_prefetch(address);
+#endif
+}
+
 /// Appends the numbers of the lanes in a set, in order, to those at an address; whatever stood in the N
 /// places from there on may change. Returns how many they are.
 template <class T, int N>

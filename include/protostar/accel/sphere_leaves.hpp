@@ -40,10 +40,18 @@ class SphereLeaves {
         const auto& sphere = sphere_of(bvh.order()[leaf.first + i]);
         const Point center = bvh.space()(sphere.center);
         float* const row = &rows_[4 * std::size_t{leaf.first} + i];
-        for (int axis = 0; axis < 3; ++axis) row[axis * leaf.count] = static_cast<float>(center[axis]);
+        row[0] = static_cast<float>(center.x);
+        row[leaf.count] = static_cast<float>(center.y);
+        row[2 * leaf.count] = static_cast<float>(center.z);
         row[3 * leaf.count] = static_cast<float>(std::abs(sphere.radius) * bvh.space().scale);
       }
     });
+  }
+
+  void fetch(Leaf leaf) const {
+    const float* const row = &rows_[4 * std::size_t{leaf.first}];
+    prefetch(row);
+    prefetch(row + 16);
   }
 
   /// Of the spheres from the i-th of a leaf on, as many as a vector holds.
@@ -70,9 +78,10 @@ class SphereLeaves {
     const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
     const Vec3 c{row[0], row[leaf.count], row[2 * leaf.count]};
     const double r = row[3 * leaf.count], size = std::abs(c.x) + std::abs(c.y) + std::abs(c.z);
-    const Point center = space.center + c / space.scale;
+    const double unit = 1 / space.scale;  // exact: a power of two
+    const Point center = space.center + c * unit;
     const double rounding = 0x1p-50 * (std::abs(center.x) + std::abs(center.y) + std::abs(center.z));
-    return {center, (r + 0x1p-23 * (r + size) + 0x1p-140) / space.scale + rounding};
+    return {center, (r + 0x1p-23 * (r + size) + 0x1p-140) * unit + rounding};
   }
 
  private:

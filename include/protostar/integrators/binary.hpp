@@ -7,9 +7,9 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// Shows whether a ray meets anything at all, so it does not even ask what is first.
 struct BinaryIntegrator {
-  static constexpr bool takes_packets = true;
+  static constexpr bool takes_packets = true;  ///< of rays, as well as single ones (accel/packet.hpp)
 
-  template <class R>
+  template <class R = Ray>
   [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {
     return select(scene.occluded(ray, Interval{}), Color{1}, Color{0});
   }

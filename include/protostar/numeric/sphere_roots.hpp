@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <type_traits>
 
 #include "../vec3.hpp"
@@ -246,6 +247,25 @@ template <class T, class C>
   return CertifiedQuotient<T, std::remove_const_t<decltype(certain)>>{q, certain};
 }
 
+/// The roots of a line that starts next to the sphere, where nothing but c cancels: with a c in
+/// double-double, its error is at most 16u² w, below 2^-32 |c| for |c| > 2^-70 w. The rest is as in
+/// certified_quotient: q is larger than 2^-9 √(A w), since |q|² ≥ √D |q| > 2^31 E, so that the errors of b
+/// and √D do not need a large c. Above 2^-900, w is no product that underflow could reach.
+[[nodiscard, gnu::noinline, gnu::cold]] inline std::optional<Roots> roots_next_to_sphere(
+    const Point& origin, const Vec3& direction, const Point& center, double radius) {
+  const auto e = rounded_sphere_equation(origin, direction, center, radius);
+  if (!(in_range(e.A) && e.D > 4 * e.E && e.E < overflow && e.w > 0x1p-900)) return std::nullopt;
+  const double root = std::sqrt(e.D), q = e.b + std::copysign(root, e.b);
+  if (!(root * std::abs(q) > 0x1p31 * e.E)) return std::nullopt;
+  DoubleDouble c = -two_product(radius, radius);
+  for (int i = 0; i < 3; ++i) {
+    const DoubleDouble l = two_sum(center[i], -origin[i]);
+    c = c + l * l;
+  }
+  if (!(std::abs(c.hi) > 0x1p-70 * e.w)) return std::nullopt;
+  return roots_from(e.A, c.hi, q);
+}
+
 /// The roots where b² − A c does not tell.
 [[nodiscard, gnu::noinline, gnu::cold]] inline Roots sphere_roots_in_doubt(Point origin, Vec3 direction,
                                                                            Point center, double radius) {
@@ -263,6 +283,7 @@ template <class T, class C>
     const RoundedSphereEquation<double, double> e{.A = A, .b = b, .c = ll - rr, .w = ll + rr, .D = D, .E = E};
     if (const auto [q, certain] = certified_quotient(e); certain) return roots_from(e.A, e.c, q);
   }
+  if (const auto roots = roots_next_to_sphere(origin, direction, center, radius)) return *roots;
   return rounded_roots(origin, direction, center, radius, refined_sphere_roots);
 }
 

@@ -64,9 +64,6 @@ struct Sphere {
     return exact_sphere_root(ray.origin, ray.direction, center, radius, root);
   }
 
-  /// The sphere that contains it: of positive radius.
-  [[nodiscard]] Sphere bounding_sphere() const { return {center, std::abs(radius)}; }
-
   [[nodiscard]] Bounds bounds() const {
     const Vec3 r(std::abs(radius));
     return outward({center - r, center + r});

@@ -1,0 +1,21 @@
+// Run time against error: of ways to intersect a sphere, and of pictures.
+//
+//   bench_error [--runs N] [--threads N] [--csv FILE] [--svg FILE] [--quick]
+//
+// A kernel is judged by exact arithmetic, on cases whose numbers float holds, so that what a kernel in float
+// gets wrong is its own doing. A picture is judged by the light that truly falls on each of 640 × 480 pixels,
+// the average over its area; a picture of fewer pixels is shown in larger ones. "front" marks what nothing
+// beats in both, time and error.
+#include "bench_error.hpp"
+
+namespace {
+
+void errors(const bench::Options& options) {
+  std::vector<bench::Plot> plots{errors_of_kernels(options)};
+  for (bench::Plot& plot : errors_of_pictures(options)) plots.push_back(std::move(plot));
+  if (!options.svg.empty()) bench::save_svg(options.svg, plots);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return bench::run(argc, argv, errors); }

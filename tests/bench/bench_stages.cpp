@@ -1,0 +1,200 @@
+// The stages against the tutorial's way: time per pixel of render, encode and write, and of whole processes.
+//
+//   bench_stages [--threads N] [--runs N] [--csv FILE] [--quick]
+//
+// The tutorial's way has one thread, whatever N is.
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <protostar/protostar.hpp>
+
+#include "scenes/three_spheres.hpp"
+#include "stages/naive.hpp"
+#include "support.hpp"
+#include "support/files.hpp"
+#include "tutorial.hpp"
+
+using namespace protostar;
+using bench::number, bench::Table, bench::Times, bench::Work;
+
+namespace {
+
+/// One row: a work in both ways. units is how many of the unit the work consists of.
+void compare(Table& table, const bench::Options& options, const std::string& name, const std::string& unit,
+             double units, const Work& theirs, const Work& ours) {
+  const Times times(options, {theirs, ours});
+  table.row({name, unit, number(times.seconds(0) * 1e9 / units), number(times.seconds(1) * 1e9 / units),
+             number(times.ratio(0, 1))});
+}
+
+// ---- Render
+
+/// A picture by both, and the size of both.
+struct Pictures {
+  tutorial::Image theirs;
+  Image ours;
+
+  Pictures(int width, int height) : theirs(width, height), ours(width, height) {}
+  [[nodiscard]] double pixels() const { return static_cast<double>(ours.width()) * ours.height(); }
+};
+
+/// Throws unless both show the same but for what float and the offset get wrong, which is less than one pixel
+/// in fifty: otherwise their times would not be of the same work.
+void check(const std::string& name, const Pictures& pictures) {
+  int differ = 0;
+  for (int y = 0; y < pictures.ours.height(); ++y)
+    for (int x = 0; x < pictures.ours.width(); ++x) {
+      const Color difference = abs(pictures.ours(x, y) - pictures.theirs(x, y));
+      if (!(std::max({difference.r, difference.g, difference.b}) < 0x1p-8f)) ++differ;
+    }
+  if (50 * differ > pictures.pixels())
+    throw std::runtime_error(name + ": " + std::to_string(differ) + " pixels differ from the tutorial's");
+}
+
+void renders(Table& table, const bench::Options& options, Pictures& pictures) {
+  const auto their_scene = tutorial::three_spheres();
+  const auto scene = three_spheres();
+  const RenderOptions by{.threads = options.threads};
+  const auto stage = [&](const char* name, const tutorial::Integrator& theirs, const auto& ours) {
+    compare(
+        table, options, name, "ns/pixel", pictures.pixels(),
+        [&] { theirs.render(pictures.theirs, tutorial::Camera{}, their_scene); },
+        [&] { render(pictures.ours, Camera{}, scene, ours, by); });
+    check(name, pictures);
+  };
+  stage("03_scene", tutorial::BinaryIntegrator{}, BinaryIntegrator{});
+  stage("04_depth", tutorial::DepthIntegrator{}, DepthIntegrator{});
+  stage("05_normal", tutorial::NormalIntegrator{}, NormalIntegrator{});
+  stage("06_color", tutorial::ColorIntegrator{}, ColorIntegrator{});
+  stage("07_diffuse", tutorial::DiffuseIntegrator{}, DiffuseIntegrator{});
+  stage("08_transparency", tutorial::TransparencyIntegrator{}, TransparencyIntegrator{});
+  stage("09_shadow", tutorial::ShadowIntegrator{}, ShadowIntegrator{});
+}
+
+/// The stages 08_naive and 09_naive, which keep the tutorial's float and offset but not its virtual
+/// functions, in the library's own loop.
+void naive_renders(Table& table, const bench::Options& options, Pictures& pictures) {
+  const auto scene = three_spheres();
+  const RenderOptions by{.threads = options.threads};
+  Image naive_image(pictures.ours.width(), pictures.ours.height());
+  const auto stage = [&](const char* name, const Radiance auto& naive, const auto& exact) {
+    compare(
+        table, options, name, "ns/pixel", pictures.pixels(),
+        [&] { render(naive_image, Camera{}, naive, by); },
+        [&] { render(pictures.ours, Camera{}, scene, exact, by); });
+  };
+  stage(
+      "08_naive / 08_transparency",
+      [](const Ray& ray) { return naive::transparency(naive::Ray(ray), 1e-4f); }, TransparencyIntegrator{});
+  stage(
+      "09_naive / 09_shadow", [](const Ray& ray) { return naive::shadow(naive::Ray(ray), 1e-4f); },
+      ShadowIntegrator{});
+}
+
+// ---- Encode and write
+
+void files(Table& table, const bench::Options& options, Pictures& pictures) {
+  const TemporaryFolder folder;
+  const Gamma gamma{2.2};
+  tutorial::ShadowIntegrator{}.render(pictures.theirs, tutorial::Camera{}, tutorial::three_spheres());
+  render(pictures.ours, Camera{}, three_spheres(), ShadowIntegrator{});
+
+  const tutorial::Image light = pictures.theirs;
+  const auto encode_theirs = [&] {
+    pictures.theirs = light;  // a copy, of about 0.3 ns/pixel, since it is encoded in place
+    pictures.theirs.correct_gamma();
+  };
+  std::vector<std::array<std::uint8_t, 3>> codes(static_cast<std::size_t>(pictures.pixels()));
+  const auto encode_ours = [&] {
+    const Encoder encode(gamma, 255);
+    std::size_t i = 0;
+    for (int y = 0; y < pictures.ours.height(); ++y)
+      for (int x = 0; x < pictures.ours.width(); ++x, ++i)
+        for (int channel = 0; channel < 3; ++channel)
+          codes[i][static_cast<std::size_t>(channel)] =
+              static_cast<std::uint8_t>(encode(pictures.ours(x, y)[channel]));
+    bench::keep(codes[0]);
+  };
+  const auto save_theirs = [&] {
+    encode_theirs();
+    pictures.theirs.save_ppm(folder / "theirs.ppm");
+  };
+  const auto save_ours = [&](bool plain) {
+    return [&, plain] { save_ppm(pictures.ours, folder / "ours.ppm", gamma, {.plain = plain}); };
+  };
+  const auto row = [&](const char* name, const Work& theirs, const Work& ours) {
+    compare(table, options, name, "ns/pixel", pictures.pixels(), theirs, ours);
+  };
+  row("encode", encode_theirs, encode_ours);
+  row("encode and write, P3", save_theirs, save_ours(true));
+  row("encode and write, P3 / P6", save_theirs, save_ours(false));
+}
+
+// ---- Whole processes
+
+#ifdef BENCH_STAGE
+
+/// Starts a program and waits for its end.
+void start(std::vector<std::string> words) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  pid_t pid = 0;
+  int status = 0;
+  if (posix_spawn(&pid, argv[0], nullptr, nullptr, argv.data(), environ) != 0 ||
+      waitpid(pid, &status, 0) != pid || status != 0)
+    throw std::runtime_error(words[0] + " failed");
+}
+
+/// 09_shadow as a program against the tutorial's, the start of a process that does nothing taken off both.
+void processes(Table& table, const bench::Options& options) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "out.ppm").string(), threads = std::to_string(options.threads);
+  const auto theirs = [&] { start({BENCH_TUTORIAL, file}); };
+  const auto nothing = [&] { start({BENCH_NOTHING}); };
+  const auto row = [&](const char* name, const std::vector<std::string>& further) {
+    const auto ours = [&] {
+      std::vector<std::string> words{BENCH_STAGE, "--quiet", "--threads", threads, "-o", file};
+      words.insert(words.end(), further.begin(), further.end());
+      start(words);
+    };
+    const Times times(options, {theirs, ours, nothing});
+    std::vector<double> their_seconds, our_seconds, ratios;
+    for (std::size_t i = 0; i < times[0].size(); ++i) {
+      their_seconds.push_back(times[0][i] - times[2][i]);
+      our_seconds.push_back(times[1][i] - times[2][i]);
+      ratios.push_back(their_seconds.back() / our_seconds.back());
+    }
+    table.row({name, "ms", number(1e3 * bench::median(their_seconds)),
+               number(1e3 * bench::median(our_seconds)), number(bench::median(ratios))});
+  };
+  row("process 09_shadow, P3", {"--plain"});
+  row("process 09_shadow, P3 / P6", {});
+}
+
+#else
+
+void processes(Table&, const bench::Options&) {
+  std::printf("no whole processes: the stages are not built\n");
+}
+
+#endif
+
+void stages(const bench::Options& options) {
+  Pictures pictures(options.quick ? 64 : 640, options.quick ? 48 : 480);
+  Table table(options, {"work", "unit", "tutorial", "protostar", "times faster"});
+  renders(table, options, pictures);
+  files(table, options, pictures);
+  processes(table, options);
+
+  Table certainty(options, {"certainty", "unit", "naive", "protostar", "times faster"});
+  naive_renders(certainty, options, pictures);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return bench::run(argc, argv, stages); }

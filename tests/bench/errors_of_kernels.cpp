@@ -1,0 +1,237 @@
+// Ways to intersect a ray and a sphere: time, and what is wrong with the answers.
+#include <optional>
+#include <protostar/camera.hpp>
+
+#include "bench_error.hpp"
+#include "stress/corpora.hpp"
+#include "stress/naive.hpp"
+#include "stress/oracle.hpp"
+#include "workload.hpp"
+
+using namespace protostar;
+using bench::number, bench::Table, bench::Times, bench::Work;
+using exact::Quad;
+
+namespace {
+
+// ---- Kernels: errors
+
+struct Errors {
+  double tests = 0, wrong = 0;
+  std::vector<double> t;  // in ulp of float, of the hits that are right
+
+  [[nodiscard]] double wrong_per_million() const { return 1e6 * wrong / tests; }
+  [[nodiscard]] double quantile(double share) const {
+    std::vector<double> sorted = t;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted.empty() ? 0 : sorted[static_cast<std::size_t>(share * static_cast<double>(t.size() - 1))];
+  }
+};
+
+/// |t − truth| in units of the last place that float has there.
+double float_ulps(double t, Quad truth) {
+  int exponent = 0;
+  std::frexp(static_cast<double>(truth), &exponent);
+  const Quad error = Quad(t) - truth;
+  return std::ldexp(static_cast<double>(error < 0 ? -error : error), 24 - exponent);
+}
+
+/// Adds an answer, the first t > 0 or infinity. A root is wrong if it is nearer to the other one, unless both
+/// are so near to each other that float hardly tells them apart.
+void judge(Errors& errors, const exact::Roots& roots, double t) {
+  const auto size = [](Quad x) { return x < 0 ? -x : x; };
+  const auto first =
+      std::find_if(roots.begin(), roots.end(), [](const exact::Root& root) { return root.t > 0; });
+  ++errors.tests;
+  const bool hits = t < infinity;
+  if (hits != (first != roots.end())) {
+    ++errors.wrong;
+  } else if (hits) {
+    const bool other = std::any_of(roots.begin(), roots.end(), [&](const exact::Root& root) {
+      return size(root.t - first->t) > Quad(0x1p-20) * size(first->t) &&
+             size(Quad(t) - root.t) < size(Quad(t) - first->t);
+    });
+    if (other)
+      ++errors.wrong;
+    else
+      errors.t.push_back(float_ulps(t, first->t));
+  }
+}
+
+/// The nearest float. Through a volatile, since g++ 12 at -O2 drops the rounding of pairs of doubles that are
+/// converted to float and back.
+double rounded(double x) {
+  const volatile float nearest = static_cast<float>(x);
+  return nearest;
+}
+Vec3 rounded(const Vec3& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
+
+template <class T>
+naive::Ray<T> in(const Ray& ray) {
+  return {naive::Vector<T>(ray.origin), naive::Vector<T>(ray.direction)};
+}
+template <class T>
+naive::Sphere<T> in(const Sphere& sphere) {
+  return {naive::Vector<T>(sphere.center), static_cast<T>(sphere.radius)};
+}
+
+// ---- Kernels: time
+
+/// The closest-hit loop of a kernel over a scene, for every ray: how many hit, so that nothing is left out.
+template <class T, auto kernel>
+int closest_hits(const std::vector<naive::Ray<T>>& rays, const std::vector<naive::Sphere<T>>& spheres) {
+  int hits = 0;
+  for (const naive::Ray<T>& ray : rays) {
+    T nearest = naive::miss<T>;
+    const naive::Sphere<T>* seen = nullptr;
+    for (const naive::Sphere<T>& sphere : spheres)
+      if (const T t = kernel(ray, sphere); t < nearest) {
+        nearest = t;
+        seen = &sphere;
+      }
+    bench::keep(nearest);
+    if (seen) ++hits;
+  }
+  return hits;
+}
+
+/// Rays and spheres in float, in double and as a scene.
+struct Loop {
+  std::vector<Ray> rays;
+  Scene<Sphere> scene;
+  std::vector<naive::Ray<double>> double_rays;
+  std::vector<naive::Sphere<double>> double_spheres;
+  std::vector<naive::Ray<float>> float_rays;
+  std::vector<naive::Sphere<float>> float_spheres;
+
+  Loop(const bench::Workload& work, int width, int height) {
+    for (const bench::FloatSphere& s : work.spheres) {
+      const Sphere sphere{Point(s.center), s.radius};
+      scene.add(sphere, Color{1});
+      double_spheres.push_back(in<double>(sphere));
+      float_spheres.push_back(in<float>(sphere));
+    }
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        rays.push_back(work.camera.through_pixel(x, y, width, height));
+        double_rays.push_back(in<double>(rays.back()));
+        float_rays.push_back(in<float>(rays.back()));
+      }
+  }
+  [[nodiscard]] double tests() const {
+    return static_cast<double>(rays.size()) * static_cast<double>(float_spheres.size());
+  }
+};
+
+int closest_hits_of_library(const Loop& loop) {
+  int hits = 0;
+  for (const Ray& ray : loop.rays) {
+    const auto hit = loop.scene.intersect(ray, Interval{});
+    bench::keep(hit);
+    if (hit) ++hits;
+  }
+  return hits;
+}
+
+/// The library's roots in the same loop; Scene::intersect also decides their order exactly.
+double certified(const naive::Ray<double>& ray, const naive::Sphere<double>& sphere) {
+  return sphere_roots(ray.origin, ray.direction, sphere.center, sphere.radius)
+      .first_in(Interval{})
+      .value_or(infinity);
+}
+
+struct Kernel {
+  const char* name;
+  double (*first)(const Ray&, const Sphere&);  // t > 0, infinity for a miss
+  int (*closest)(const Loop&);
+};
+template <auto kernel>
+Kernel float_kernel(const char* name) {
+  return {name,
+          [](const Ray& ray, const Sphere& sphere) {
+            return static_cast<double>(kernel(in<float>(ray), in<float>(sphere)));
+          },
+          [](const Loop& loop) { return closest_hits<float, kernel>(loop.float_rays, loop.float_spheres); }};
+}
+template <auto kernel>
+Kernel double_kernel(const char* name) {
+  return {
+      name, [](const Ray& ray, const Sphere& sphere) { return kernel(in<double>(ray), in<double>(sphere)); },
+      [](const Loop& loop) { return closest_hits<double, kernel>(loop.double_rays, loop.double_spheres); }};
+}
+const std::vector<Kernel> kernels{
+    float_kernel<naive::quadratic<float>>("float, tutorial"),
+    float_kernel<naive::geometric>("geometric"),
+    float_kernel<naive::gems>("RT Gems 7"),
+    double_kernel<naive::quadratic<double>>("double"),
+    double_kernel<certified>("certified roots"),
+    Kernel{"Scene::intersect",
+           [](const Ray& ray, const Sphere& sphere) { return sphere.intersect(ray).value_or(infinity); },
+           closest_hits_of_library}};
+
+// ---- Kernels: the table
+
+std::vector<Errors> errors_on(const std::vector<Case<Sphere> (*)(Random&)>& corpora, int each) {
+  std::vector<Errors> errors(kernels.size());
+  Random random(1);
+  for (const auto next : corpora)
+    for (int i = 0; i < each;) {
+      Case<Sphere> c = next(random);
+      c.ray = {rounded(c.ray.origin), rounded(c.ray.direction)};
+      c.surface = {rounded(c.surface.center), rounded(c.surface.radius)};
+      const exact::Roots roots = exact::roots(c.ray, c.surface, false);
+      for (std::size_t k = 0; k < kernels.size(); ++k)
+        judge(errors[k], roots, kernels[k].first(c.ray, c.surface));
+      ++i;
+    }
+  return errors;
+}
+
+Times times_of(const bench::Options& options, const Loop& loop) {
+  std::vector<Work> works;
+  for (const Kernel& kernel : kernels)
+    works.emplace_back([&loop, closest = kernel.closest] { bench::keep(closest(loop)); });
+  return {options, works};
+}
+
+}  // namespace
+
+bench::Plot errors_of_kernels(const bench::Options& options) {
+  bench::Workload sparse = bench::workload(100);
+  for (bench::FloatSphere& sphere : sparse.spheres) sphere.radius *= 0.2f;
+  const Loop few(sparse, options.quick ? 16 : 160, options.quick ? 12 : 120);
+  const Loop half(bench::workload(3), options.quick ? 64 : 640, options.quick ? 48 : 480);
+  const auto share = [](const Loop& loop) {
+    return number(100.0 * closest_hits_of_library(loop) / static_cast<double>(loop.rays.size())) + " %";
+  };
+  std::printf("few: 100 spheres, met by %s of the rays; half: 3 spheres, met by %s\n", share(few).c_str(),
+              share(half).c_str());
+  const Times few_times = times_of(options, few), half_times = times_of(options, half);
+
+  // In the tutorial's scene; and where lines nearly touch, start far away, or on the sphere or next to it.
+  const int tests = options.quick ? 100 : 200'000;
+  const std::vector<Errors> usual = errors_on({corpora::tutorial}, tests);
+  const std::vector<Errors> hard = errors_on({corpora::grazing, corpora::far_away, corpora::origins}, tests);
+
+  const auto measure = [&](std::size_t k) {
+    return bench::Measure{1e9 * half_times.seconds(k) / half.tests(),
+                          1e6 * (usual[k].wrong + hard[k].wrong) / (usual[k].tests + hard[k].tests)};
+  };
+  std::vector<bench::Measure> all;
+  for (std::size_t k = 0; k < kernels.size(); ++k) all.push_back(measure(k));
+
+  Table table(options,
+              {"kernel", "few: ns/test", "to float", "half: ns/test", "to float", "tutorial: wrong/M",
+               "t p99.9", "t max", "hard: wrong/M", "t p99.9", "t max", "front"});
+  bench::Plot plot{"Ray and sphere", "ns per test, half of the rays hit", "wrong decisions per million", {}};
+  for (std::size_t k = 0; k < kernels.size(); ++k) {
+    table.row({kernels[k].name, number(1e9 * few_times.seconds(k) / few.tests()),
+               number(few_times.ratio(k, 0)), number(all[k].time), number(half_times.ratio(k, 0)),
+               number(usual[k].wrong_per_million()), number(usual[k].quantile(0.999), 2),
+               number(usual[k].quantile(1), 2), number(hard[k].wrong_per_million()),
+               number(hard[k].quantile(0.999), 2), number(hard[k].quantile(1), 2),
+               bench::is_on_front(all[k], all) ? "yes" : ""});
+    plot.points.push_back({all[k], kernels[k].name, k + 2 >= kernels.size()});
+  }
+  return plot;
+}

@@ -1,0 +1,2 @@
+// What the start of any process takes.
+int main() {}
