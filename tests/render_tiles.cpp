@@ -105,10 +105,14 @@ Everything random_spheres(int count, double least, double most, const Point& aro
   Random random(static_cast<std::uint64_t>(count));
   Everything scene;
   scene.add(Plane{.normal = {0, 1, 0}, .distance = around.y - 2}, Color{0.5f});
-  for (int i = 0; i < count; ++i)
-    scene.add(Sphere{around + Vec3{0, 0, 5} + random.point(4),
-                     std::exp2(random.real(std::log2(least), std::log2(most)))},
-              random.color());
+  for (int i = 0; i < count; ++i) {
+    const Sphere sphere{around + Vec3{0, 0, 5} + random.point(4),
+                        std::exp2(random.real(std::log2(least), std::log2(most)))};
+    if (i % 10 == 9)
+      scene.add(AnySurface(sphere), random.color());
+    else
+      scene.add(sphere, random.color());
+  }
   return with_lights(std::move(scene), around);
 }
 
@@ -161,6 +165,36 @@ TEST_CASE("by tiles, surfaces that coincide, touch or lie in each other look as 
   check_pictures(with_lights(scene), Camera{}, 120, 90);
   // The rays of the middle row and column of odd pictures run along what is symmetric, and touch.
   check_pictures(with_lights(scene), Camera{}, 41, 31);
+}
+
+TEST_CASE("by tiles, rays that only touch a surface are decided as they are ray by ray") {
+  const int width = 61, height = 43;
+  Random random(8);
+  Everything scene;
+  const auto touched = [&] {
+    const int pixel = static_cast<int>(random.bits() % (width * height));
+    const Ray ray = Camera{}.through_pixel(pixel % width, pixel / width, width, height);
+    const double radius = random.real(0.01, 0.4);
+    const Vec3 away = normalize(cross(ray.direction, random.direction()));
+    return Sphere{ray.at(random.real(3, 8)) + radius * away, radius};
+  };
+  for (int i = 0; i < 150; ++i) scene.add(touched(), random.color());
+  for (int i = 0; i < 30; ++i) scene.add(AnySurface(touched()), random.color());
+  check_pictures(with_lights(scene), Camera{}, width, height);
+}
+
+// A tile takes AnySurface for the sphere around its box, so that it looks at the later of the two first.
+TEST_CASE("by tiles, of two surfaces in one place the earlier is seen, whichever is looked at first") {
+  Everything scene;
+  for (int i = -1; i <= 1; ++i) {
+    scene.add(Sphere{.center = {2.0 * i, 0, 5}, .radius = 1}, Color{1, 0, 0});
+    scene.add(AnySurface(Sphere{.center = {2.0 * i, 0, 5}, .radius = 1}), Color{0, 1, 0});
+  }
+  check_pictures(with_lights(scene), Camera{}, 50, 40);
+  Image image(50, 40);
+  render(image, Camera{}, scene, ColorIntegrator{});
+  CHECK(count_pixels(image, [&](int x, int y) { return image(x, y).r > 0; }) > 100);
+  CHECK(count_pixels(image, [&](int x, int y) { return image(x, y).g > 0; }) == 0);
 }
 
 TEST_CASE("by tiles, surfaces of any kind look as they do ray by ray") {
