@@ -281,6 +281,24 @@ struct Mirrors {
   }
 };
 
+/// One that asks for more than the first hit of the pixel's ray: behind some t, beside, and as if it departed
+/// from a surface.
+struct Curious {
+  Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    Color color{0};
+    const auto look = [&](const Ray& along, Interval range) {
+      const auto hit = scene.intersect(along, range);
+      color = 0.5f * color + (hit ? hit->color() : Color{1});
+    };
+    look(ray, {3, infinity});
+    look(ray, {0, 3});
+    look({ray.origin, ray.direction + Vec3{0.4, 0.1, 0}}, {});
+    look({ray.origin + Vec3{0.4, 0.1, 0}, ray.direction}, {});
+    look({ray.origin, ray.direction, the_three_spheres[0].sphere.departure()}, {});
+    return color;
+  }
+};
+
 /// One that takes packets.
 struct Rings {
   static constexpr bool takes_packets = true;
@@ -308,6 +326,7 @@ TEST_CASE("by tiles, a user's integrator draws what it draws ray by ray") {
   const auto scene = three_spheres();
   check(scene, Headlight{});
   check(scene, Mirrors{});
+  check(scene, Curious{});
   check(scene, Rings{});
 
   const auto lambda = [](const Ray& ray, const auto& traced) { return Mirrors{}.radiance(ray, traced); };
