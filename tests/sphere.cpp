@@ -129,7 +129,7 @@ TEST_CASE("the normal of a sphere is a unit vector, outwards; a negative radius 
       const Point point = ray.at(t);
       // The bound of its docstring, for the length.
       const double T = std::abs(t) * length(ray.direction), P = length(point);
-      const double bound = (0x1p-30 * T + 0x1p-53 * (T + P)) / sphere.radius + 0x1p-52;
+      const double bound = (0x1p-30 * T + 0x1p-53 * (T + P)) / sphere.radius + 0x1p-51;
       const Vec3 normal = sphere.normal_at(point);
       REQUIRE(std::abs(length(normal) - 1) <= bound);
       REQUIRE(dot(sphere.normal_at(point), point - sphere.center) > 0);

@@ -226,7 +226,7 @@ bool is_within_bound(const Case<Sphere>& c, double t, double relative_error, Qua
   const Vec3 way = t * c.ray.direction;
   const Point point = c.ray.at(t);
   const double T = std::hypot(way.x, way.y, way.z), P = std::hypot(point.x, point.y, point.z);
-  const double bound = (relative_error * T + 0x1p-53 * (T + P)) / std::abs(c.surface.radius) + 0x1p-52;
+  const double bound = (relative_error * T + 0x1p-53 * (T + P)) / std::abs(c.surface.radius) + 0x1p-51;
 
   const Vec3 normal = c.surface.normal_at(point);
   const Quad x = normal.x, y = normal.y, z = normal.z;

@@ -24,7 +24,7 @@ struct Sphere {
   }
 
   /// The unit normal at a point of the sphere (§2.3.1, A.1.3): outwards for a positive radius. At hit.point()
-  /// it is off by at most (2^-30 T + 2^-53 (T + P)) / |radius| + 2^-52, which also bounds the sine of the
+  /// it is off by at most (2^-30 T + 2^-53 (T + P)) / |radius| + 2^-51, which also bounds the sine of the
   /// angle: T is the distance of the hit from the ray's origin, P that from the coordinate origin.
   template <class P = Point>
   [[nodiscard]] P normal_at(const P& point) const {
