@@ -41,9 +41,12 @@ Scene<Sphere, Plane, AnySurface> room() {
 Scene<Sphere> many() {
   Random random(1);
   Scene<Sphere> scene;
-  for (int i = 0; i < 200; ++i)
-    scene.add(Sphere{.center = Vec3{0, 0, 5} + random.point(3), .radius = random.real(0.05, 0.5)},
-              random.color());
+  for (int i = 0; i < 200; ++i) {
+    // One after the other: compilers choose their own order for the arguments of a call.
+    const Sphere sphere{.center = Vec3{0, 0, 5} + random.point(3), .radius = random.real(0.05, 0.5)};
+    const Color color = random.color();
+    scene.add(sphere, color);
+  }
   scene.add(PointLight{.position = {1, 4, 1}, .power = Color{300, 290, 250}});
   return scene;
 }
