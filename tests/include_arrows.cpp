@@ -116,6 +116,8 @@ std::vector<std::string> complaints(const Headers& headers) {
         complain("includes " + name + ", which is not a header of the library");
       else if (layer_of(name) >= layer_of(header))
         complain("includes " + name + ", which is not below it");
+      if (name.starts_with("accel/") && !header.starts_with("accel/") && header != "render.hpp")
+        complain("includes " + name + ", but that is left to render.hpp");
       if (header == "render.hpp" && name.starts_with("integrators/"))
         complain("includes " + name + ", but render takes any integrator");
     }
@@ -178,6 +180,8 @@ TEST_CASE("an include that points the wrong way is found") {
                Row{"surfaces/box.hpp", R"(#include "../surface.hpp")"},      // has no place
                Row{"scene.hpp", R"(#include "../../stages/stage.hpp")"},     // not the library
                Row{"scene.hpp", R"(#include "light.h")"},                    // does not exist
+               Row{"protostar.hpp", R"(#include "accel/bvh.hpp")"},          // render.hpp's business
+               Row{"accel/tile.hpp", "#include <immintrin.h>"},              // simd.hpp's
                Row{"vec3.hpp", "#include <glm/glm.hpp>"},                    // twice the time
                Row{"ppm.hpp", "#include <stb_image_write.h>"},               // another library
                Row{"vec3.hpp", "#  include <glm/ext.hpp>"},                  // out of form

@@ -37,7 +37,8 @@ static_assert(std::numeric_limits<double>::is_iec559 && std::numeric_limits<doub
 // different functions, and a program that links both keeps both instead of silently merging them into one
 // that half of its machines cannot run. That holds for the library's functions; those of GLM and of the
 // standard library have no such names. The name is that of the widest vectors, then _fma, then _bmi or _bmi2:
-// -march=haswell gives avx2_fma_bmi2, -mavx2 alone avx2.
+// -march=haswell gives avx2_fma_bmi2, -mavx2 alone avx2. A program that defines PROTOSTAR_SCALAR, for which
+// accel/simd.hpp leaves vectors aside, has _scalar at the end.
 #if defined(__AVX512VL__)
 #define PROTOSTAR_ABI_WIDTH avx512vl
 #elif defined(__AVX512F__)
@@ -74,6 +75,13 @@ static_assert(std::numeric_limits<double>::is_iec559 && std::numeric_limits<doub
 #define PROTOSTAR_ABI_BITS
 #endif
 
-#define PROTOSTAR_ABI_JOIN(a, b, c) a##b##c
-#define PROTOSTAR_ABI_NAME(a, b, c) PROTOSTAR_ABI_JOIN(a, b, c)
-#define PROTOSTAR_ABI PROTOSTAR_ABI_NAME(PROTOSTAR_ABI_WIDTH, PROTOSTAR_ABI_FMA, PROTOSTAR_ABI_BITS)
+#if defined(PROTOSTAR_SCALAR)
+#define PROTOSTAR_ABI_LANES _scalar
+#else
+#define PROTOSTAR_ABI_LANES
+#endif
+
+#define PROTOSTAR_ABI_JOIN(a, b, c, d) a##b##c##d
+#define PROTOSTAR_ABI_NAME(a, b, c, d) PROTOSTAR_ABI_JOIN(a, b, c, d)
+#define PROTOSTAR_ABI \
+  PROTOSTAR_ABI_NAME(PROTOSTAR_ABI_WIDTH, PROTOSTAR_ABI_FMA, PROTOSTAR_ABI_BITS, PROTOSTAR_ABI_LANES)

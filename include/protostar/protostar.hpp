@@ -1,7 +1,6 @@
 // The whole core. What needs a library besides GLM is in io/.
 #pragma once
 
-#include "accel/accelerate.hpp"
 #include "bounds.hpp"
 #include "camera.hpp"
 #include "encode.hpp"

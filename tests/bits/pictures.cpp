@@ -1,5 +1,5 @@
-// Pictures of two scenes through every integrator: the same bytes, whoever compiled this, for which processor
-// and at which level, and for any number of threads.
+// Pictures of three scenes through every integrator: the same bytes, whoever compiled this, for which
+// processor and at which level, and for any number of threads.
 //
 //   pictures FOLDER THREADS
 
@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "support/random.hpp"
 
 using namespace protostar;
 namespace fs = std::filesystem;
@@ -32,6 +34,20 @@ Scene<Sphere, Plane, AnySurface> room() {
   scene.add(AnySurface(Plane{.normal = {1, 0.01, 0}, .distance = 3.3}), Color{0.9f, 0.9f, 0.4f});
   scene.add(PointLight{.position = {1, 4, 1}, .power = Color{300, 290, 250}});
   scene.add(PointLight{.position = {-2, 2.5, 0}, .power = Color{50, 60, 80}});
+  return scene;
+}
+
+/// So many spheres that tiles and shadow rays look for them in their own ways.
+Scene<Sphere> many() {
+  Random random(1);
+  Scene<Sphere> scene;
+  for (int i = 0; i < 200; ++i) {
+    // One after the other: compilers choose their own order for the arguments of a call.
+    const Sphere sphere{.center = Vec3{0, 0, 5} + random.point(3), .radius = random.real(0.05, 0.5)};
+    const Color color = random.color();
+    scene.add(sphere, color);
+  }
+  scene.add(PointLight{.position = {1, 4, 1}, .power = Color{300, 290, 250}});
   return scene;
 }
 
@@ -80,6 +96,7 @@ int main(int argc, char** argv) {
   fs::create_directories(folder);
   save_pictures(folder, "three_spheres", three_spheres(), options);
   save_pictures(folder, "room", room(), options);
+  save_pictures(folder, "many", many(), options);
   save_hits(folder / "three_spheres.hits", three_spheres());
   save_hits(folder / "room.hits", room());
 }

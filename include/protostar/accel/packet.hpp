@@ -110,12 +110,15 @@ concept SurfaceForPackets = Surface<S> && requires(const S& surface, const Rays<
 };
 
 /// Whether each t lies inside a range, as lies_inside decides it. Roots have the sign of the true ones, so
-/// that at 0 nothing is in doubt.
+/// that at 0 nothing is in doubt; one beyond the range of double comes out as infinity, and lies nowhere.
 struct Inside {
   Chosen surely, maybe;
 };
 [[nodiscard]] inline Inside lies_inside(Doubles t, Interval range) {
-  if (range.min == 0 && range.max == infinity) return {.surely = t > 0.0, .maybe = t > 0.0};
+  if (range.min == 0 && range.max == infinity) {
+    const Chosen inside = t > 0.0 && t < infinity;
+    return {.surely = inside, .maybe = inside};
+  }
   const Doubles margin = 2 * Roots::relative_error * abs(t);
   return {.surely = range.min < t - margin && t + margin < range.max,
           .maybe = range.min < t + margin && t - margin < range.max};

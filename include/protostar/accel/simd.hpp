@@ -280,7 +280,7 @@ template <class U, class T, int N>
 #endif
 }
 
-/// The mask in which just these lanes are true.
+/// The mask in which just these lanes are true, of those that there are.
 template <class T, int N>
 [[nodiscard]] Mask<T, N> mask_of(Bits lanes) {
 #if defined(PROTOSTAR_BIT_MASKS)

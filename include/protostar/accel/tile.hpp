@@ -26,7 +26,12 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 class PixelRays {
  public:
   PixelRays(const Camera& camera, int width, int height)
-      : camera_(camera), width_(width), height_(height), along_(width + double_lanes), up_(height) {
+      : camera_(camera),
+        hand_(hand_of(camera)),
+        width_(width),
+        height_(height),
+        along_(width + double_lanes),
+        up_(height) {
     for (int x = 0; x < width; ++x) along_.set(x, Camera::u_at(x + 0.5, width, height) * camera.right);
     for (int y = 0; y < height; ++y) up_.set(y, Camera::v_at(y + 0.5, height) * camera.up);
   }
@@ -39,10 +44,26 @@ class PixelRays {
   }
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
+
+  /// On which side of right and up the camera looks: 1, or −1 if it is mirrored; 0 if its directions almost
+  /// lie in a plane.
+  ///
+  /// Let V be the volume of the unit directions. A sum of multiples of the directions is at least V times as
+  /// long as the longest of these, and as much is left of the vector product of such a sum with a direction
+  /// that is not in it. Rounding turns rays and products by a few 2^-52 of their terms, hence by less than
+  /// 2^-49 / V, and that is to be below 2^-25.
+  [[nodiscard]] double hand() const { return hand_; }
+
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
 
  private:
+  static double hand_of(const Camera& camera) {
+    const double volume =
+        dot(cross(normalize(camera.right), normalize(camera.up)), normalize(camera.forward));
+    return std::abs(volume) > 0x1p-24 ? std::copysign(1, volume) : 0;
+  }
+
   /// Vectors in rows of their components.
   class Table {
    public:
@@ -61,12 +82,14 @@ class PixelRays {
   };
 
   Camera camera_;
+  double hand_;
   int width_, height_;
   Table along_, up_;  ///< u · right of each column and v · up of each row
 };
 
 /// The planes through the camera between which the rays of a tile lie, as unit normals to the inside: four
-/// sides, and one that has what is behind the camera on its other side.
+/// sides, and one that has what is behind the camera on its other side. A normal that is not sure is 0: all
+/// points are inside.
 struct Frustum {
   HalfSpace side[5];
   float normal[5][3];  ///< the same normals
@@ -74,7 +97,7 @@ struct Frustum {
   Frustum(const PixelRays& rays, const Tile& tile) {
     const Camera& camera = rays.camera();
     const auto& [position, right, up, forward] = camera;
-    const double hand = dot(cross(right, up), forward) > 0 ? 1 : -1;  // −1 for a mirrored camera
+    const double hand = rays.hand();
     const auto u = [&](int x) { return Camera::u_at(x, rays.width(), rays.height()); };
     const auto v = [&](int y) { return Camera::v_at(y, rays.height()); };
     // A side holds one edge of the tile: the directions forward + u · right + v · up with one of u and v
@@ -87,7 +110,7 @@ struct Frustum {
     // them.
     const Vec3 middle =
         camera.direction(0.5 * (u(tile.x0) + u(tile.x1)) * right, 0.5 * (v(tile.y0) + v(tile.y1)) * up);
-    bool ahead = true;
+    bool ahead = hand != 0;
     for (const int x : {tile.x0, tile.x1})
       for (const int y : {tile.y0, tile.y1})
         ahead = ahead && dot(middle, camera.direction(u(x) * right, v(y) * up)) > 0.1;
@@ -96,8 +119,8 @@ struct Frustum {
 
  private:
   void set(int i, const Point& apex, const Vec3& inwards) {
-    const double size = length(inwards);
-    side[i] = {apex, size > 0 ? inwards / size : Vec3{0}};
+    const double size = length(inwards);  // whose squares, within these bounds, neither overflow nor vanish
+    side[i] = {apex, 0x1p-500 < size && size < 0x1p500 ? inwards / size : Vec3{0}};
     for (int k = 0; k < 3; ++k) normal[i][k] = static_cast<float>(side[i].normal[k]);
   }
 };
@@ -117,17 +140,22 @@ class Candidates {
   /// Adds a surface that is contained in a sphere.
   ///
   /// With u = 2^-24: the center from the camera, l, is off by at most u|l| in float, a normal by u, and their
-  /// product by 3u|l| more, so that the distance from a plane is good to 5u|l|, and the radius to u r. What
+  /// product by 3u|l| more; in double, normals and rays have been turned by less than u. So the distance from
+  /// a plane is good to 6u|l|, and the radius to u r. What
   /// is given to the radius, 2^-20 (|l| + r) = 16u (|l| + r), is more; 2^-140 covers whatever underflows.
+  /// What is so large that the sums might overflow is taken to be everywhere.
   void add(int place, const Point& camera, const SphereAround& around) {
     const auto& [center, radius] = around;
     make_room(size_ + 1);
     const std::size_t i = index(size_++);
     const Vec3 l = center - camera;
     const double distance = length(l), error = 0x1p-20 * (distance + radius) + 0x1p-140;
-    x_[i] = static_cast<float>(l.x), y_[i] = static_cast<float>(l.y), z_[i] = static_cast<float>(l.z);
-    reach_[i] = static_cast<float>(radius + error);
-    nearest_[i] = static_cast<float>(distance - radius - error);
+    const bool fits = distance + radius < 0x1p120;
+    x_[i] = fits ? static_cast<float>(l.x) : 0;
+    y_[i] = fits ? static_cast<float>(l.y) : 0;
+    z_[i] = fits ? static_cast<float>(l.z) : 0;
+    reach_[i] = fits ? static_cast<float>(radius + error) : std::numeric_limits<float>::infinity();
+    nearest_[i] = fits ? static_cast<float>(distance - radius - error) : 0;
     place_[i] = place;
   }
 

@@ -252,6 +252,7 @@ class TileScene {
       const Chosen sure = roots.meets && !alone;
       tell(sure && near.surely);
       if (roots.count > 1) tell(sure && far.surely);
+      statistics_.in_doubt += static_cast<std::uint64_t>(std::popcount(bits(alone)));
     }
     if (any(alone)) each_crossing_by_itself(surface, rays, alone, range, tell);
   }
@@ -261,7 +262,6 @@ class TileScene {
                                                             const auto& tell) const {
     for (Bits left = bits(alone); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
-      ++statistics_.in_doubt;
       each_crossing(surface, rays[lane], range, [&](const Crossing&) { tell(one(lane)); });
     }
   }

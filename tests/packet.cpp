@@ -1,0 +1,402 @@
+#include <protostar/accel/packet.hpp>
+#include <protostar/light.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+
+#include "support/catch.hpp"
+#include "support/cylinder.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+using simd::Bits;
+using simd::Chosen;
+using simd::double_lanes;
+using simd::Rays;
+using simd::Vectors;
+
+namespace {
+
+static_assert(simd::SurfaceForPackets<Sphere> && simd::SurfaceForPackets<Plane>);
+static_assert(!simd::SurfaceForPackets<Cylinder>);
+
+/// As many rays as a packet takes. All depart from the same geometry.
+using Bundle = std::array<Ray, double_lanes>;
+
+Vectors directions_of(const Bundle& bundle) {
+  Vectors directions(Vec3{0});
+  for (int i = 0; i < double_lanes; ++i) {
+    const Vec3& d = bundle[static_cast<std::size_t>(i)].direction;
+    directions.x.set(i, d.x), directions.y.set(i, d.y), directions.z.set(i, d.z);
+  }
+  return directions;
+}
+
+/// The packet of some rays, each with an origin of its own.
+Rays<Vectors> packet_of(const Bundle& bundle, Chosen wanted) {
+  Vectors origins(Vec3{0});
+  for (int i = 0; i < double_lanes; ++i) {
+    const Point& o = bundle[static_cast<std::size_t>(i)].origin;
+    origins.x.set(i, o.x), origins.y.set(i, o.y), origins.z.set(i, o.z);
+  }
+  return {.origin = origins,
+          .direction = directions_of(bundle),
+          .wanted = wanted,
+          .departure = bundle[0].departure};
+}
+
+/// The packet of rays that start together, as the first one does.
+Rays<Point> packet_from_one_point(const Bundle& bundle, Chosen wanted) {
+  return {.origin = bundle[0].origin,
+          .direction = directions_of(bundle),
+          .wanted = wanted,
+          .departure = bundle[0].departure};
+}
+
+bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+bool same_bits(const Vec3& a, const Vec3& b) {
+  return same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z);
+}
+
+/// What came of comparing packets with their rays.
+struct Tally {
+  int asked = 0, met = 0, in_doubt = 0, wrong = 0;
+};
+
+bool has(Chosen some, int lane) { return (bits(some) >> lane & 1) != 0; }
+
+/// Asks a surface about a packet and about its rays, for the roots and for what lies inside some ranges.
+template <Surface S>
+void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
+  const Chosen wanted = rays.wanted;
+  if constexpr (simd::SurfaceForPackets<S>) {
+    const auto roots = surface.roots_of_each(rays, wanted);
+    const simd::Doubles near = roots.near(), far = roots.far();
+    for (int i = 0; i < double_lanes; ++i) {
+      const bool meets = has(roots.meets, i), in_doubt = has(roots.in_doubt, i);
+      if (!has(wanted, i)) {
+        tally.wrong += meets || in_doubt;
+        continue;
+      }
+      ++tally.asked;
+      tally.met += meets;
+      tally.in_doubt += in_doubt;
+      if (in_doubt) continue;
+      const Roots expected = surface.roots(rays[i]);
+      tally.wrong += meets != (expected.count() > 0);
+      if (!meets) continue;
+      tally.wrong += !same_bits(near[i], expected[0]) || !same_bits(far[i], expected[expected.count() - 1]) ||
+                     roots.count != expected.count();
+    }
+  }
+  const auto compare_in = [&](Interval range, bool may_be_in_doubt) {
+    const simd::FirstCrossings first = first_crossings(surface, rays, wanted, range);
+    const auto crossed = crossed_by_each(surface, rays, wanted, range);
+    for (int i = 0; i < double_lanes; ++i) {
+      if (!has(wanted, i)) {
+        tally.wrong += has(first.met, i) || has(first.in_doubt, i) || has(crossed.crossed, i) ||
+                       has(crossed.in_doubt, i);
+        continue;
+      }
+      const auto expected = first_crossing(surface, rays[i], range);
+      if (!may_be_in_doubt) {
+        tally.asked += 2;
+        tally.in_doubt += has(first.in_doubt, i) + has(crossed.in_doubt, i);
+      }
+      if (!has(first.in_doubt, i))
+        tally.wrong +=
+            has(first.met, i) != expected.has_value() || (expected && !same_bits(first.t[i], expected->t));
+      if (!has(crossed.in_doubt, i)) tally.wrong += has(crossed.crossed, i) != expected.has_value();
+    }
+  };
+  const double a = random.real(-3, 3), b = a + random.real(0, 3);
+  for (const Interval range : {Interval{}, Interval{0, 1}, Interval{-infinity, infinity}, Interval{a, b},
+                               Interval{0, b}, Interval{b, a}})
+    compare_in(range, false);
+  // Ranges that end at a crossing, or nearly.
+  const auto somewhere = first_crossing(surface, rays[0], Interval{-infinity, infinity});
+  const double t = somewhere ? somewhere->t : 0, nearly = t * (1 + std::ldexp(random.real(-1, 1), -31));
+  for (const Interval range :
+       {Interval{t, infinity}, Interval{-infinity, t}, Interval{nearly, b}, Interval{a, nearly}})
+    compare_in(range, true);
+}
+
+/// Some lanes, or all.
+Chosen some_lanes(Random& random) {
+  const Bits all = simd::first_bits(double_lanes), some = static_cast<Bits>(random.bits()) & all;
+  return simd::mask_of<double, double_lanes>(random.bits() % 2 ? all : some);
+}
+
+/// What a surface says of packets of rays, of own origins and of one origin, in rounds.
+Tally compare(const std::function<Ray(Random&)>& ray, const auto& surface_of, int rounds) {
+  Tally tally;
+  Random random(7);
+  for (int round = 0; round < rounds; ++round) {
+    const auto surface = surface_of(random);
+    Bundle bundle;
+    for (Ray& r : bundle) r = ray(random);
+    for (Ray& r : bundle) r.departure = bundle[0].departure;
+    compare(surface, packet_of(bundle, some_lanes(random)), random, tally);
+    compare(surface, packet_from_one_point(bundle, some_lanes(random)), random, tally);
+  }
+  return tally;
+}
+
+/// A double of any size, and sometimes 0 or none that can be reckoned with.
+double any_size(Random& random) {
+  switch (random.bits() % 16) {
+    case 0:
+      return 0;
+    case 1:
+      return infinity;
+    case 2:
+      return std::nan("");
+    default:
+      return std::ldexp(random.real(-1, 1), static_cast<int>(random.bits() % 2000) - 1000);
+  }
+}
+
+struct Rows {
+  const char* what;
+  std::function<Ray(Random&)> ray;
+  double most_in_doubt;  ///< the share of answers
+  double least_met;      ///< the share of questions, of which one in 13 asks for roots
+};
+
+}  // namespace
+
+TEST_CASE("a packet meets a sphere where each of its rays does, or is in doubt") {
+  const auto unit = [](Random&) { return Sphere{}; };
+  const auto row = GENERATE_COPY(values<Rows>(
+      {{"ordinary rays",
+        [](Random& r) {
+          return Ray{r.point(3), r.direction()};
+        },
+        1e-3, 0.003},
+       {"of any length",
+        [](Random& r) {
+          return Ray{r.point(3), r.direction() * std::exp2(r.real(-60, 60))};
+        },
+        1e-3, 0.003},
+       {"from far away, towards it",
+        [](Random& r) {
+          const Point from = 1e3 * r.direction();
+          return Ray{from, r.point(1) - from};
+        },
+        1e-2, 0.005},
+       {"from inside",
+        [](Random& r) {
+          return Ray{0.9 * r.direction(), r.direction()};
+        },
+        1e-3, 0.03},
+       {"between two points",
+        [](Random& r) {
+          const Point from = r.point(2);
+          return Ray{from, r.point(2) - from};
+        },
+        1e-3, 0.003},
+       {"to a point of it",
+        [](Random& r) {
+          const Point from = r.point(2);
+          return Ray{from, r.direction() - from};
+        },
+        1, 0.005},
+       {"to nearly a point of it",
+        [](Random& r) {
+          const Point from = r.point(2);
+          return Ray{from, (r.direction() - from) *
+                               (1 + std::ldexp(r.real(-1, 1), -static_cast<int>(r.bits() % 54)))};
+        },
+        1, 0.005},
+       {"from the surface, as a point",
+        [](Random& r) {
+          return Ray{r.direction(), r.direction()};
+        },
+        1, 0},
+       {"tangent",
+        [](Random& r) {
+          const Vec3 n = r.direction(), along = normalize(cross(n, r.direction()));
+          return Ray{n - r.real(-3, 3) * along, along};
+        },
+        1, 0},
+       {"nearly tangent",
+        [](Random& r) {
+          const Vec3 n = r.direction(), along = normalize(cross(n, r.direction()));
+          return Ray{
+              (1 + std::ldexp(r.real(-1, 1), -static_cast<int>(r.bits() % 50))) * n - r.real(-3, 3) * along,
+              along};
+        },
+        1, 0.001},
+       {"touching in whole numbers",
+        [](Random& r) {
+          return Ray{{1, r.real(-2, 2) < 0 ? -2.0 : 0.0, 0}, {0, 1, 0}};
+        },
+        1, 0},
+       {"of any numbers",
+        [](Random& r) {
+          return Ray{{any_size(r), any_size(r), any_size(r)}, {any_size(r), any_size(r), any_size(r)}};
+        },
+        1, 0},
+       {"departing",
+        [](Random& r) {
+          return Ray{r.direction(), r.direction(), Sphere{}.departure()};
+        },
+        1e-3, 0.03},
+       {"departing along it",
+        [](Random& r) {
+          const Vec3 n = r.direction(), along = normalize(cross(n, r.direction()));
+          return Ray{n, along + std::ldexp(r.real(-1, 1), -static_cast<int>(r.bits() % 60)) * n,
+                     Sphere{.radius = -1}.departure()};
+        },
+        1, 0.01},
+       {"departing from another",
+        [](Random& r) {
+          return Ray{r.point(2), r.direction(), Sphere{.center = {1, 0, 0}}.departure()};
+        },
+        1e-3, 0.003}}));
+  const Tally tally = compare(row.ray, unit, 2000);
+  CAPTURE(row.what, tally.asked, tally.met, tally.in_doubt);
+  CHECK(tally.wrong == 0);
+  CHECK(tally.in_doubt <= row.most_in_doubt * tally.asked);
+  CHECK(tally.met >= row.least_met * tally.asked);
+}
+
+TEST_CASE("a packet meets spheres of any size and place where each of its rays does, or is in doubt") {
+  const auto at = [](double center, double radius) {
+    return [=](Random& r) {
+      return Sphere{.center = center + r.point(std::abs(radius)),
+                    .radius = radius * std::exp2(r.real(-1, 1))};
+    };
+  };
+  struct Row {
+    double center, radius;
+  };
+  for (const auto& [center, radius] :
+       {Row{0, 1e-6}, Row{65537, 1}, Row{65537, -1e-3}, Row{0, 1e6}, Row{1e9, 1}, Row{0, 1e300},
+        Row{0, 1e-300}, Row{0, 1e160}, Row{0, 5e-324}}) {
+    CAPTURE(center, radius);
+    const auto near_it = [center = center, size = std::abs(radius)](Random& r) {
+      const Point from = center + r.point(3 * size);
+      return Ray{from, (center + r.point(size) - from) * std::exp2(r.real(-2, 2))};
+    };
+    const Tally tally = compare(near_it, at(center, radius), 1000);
+    CHECK(tally.wrong == 0);
+  }
+  const auto any_sphere = [](Random& r) {
+    return Sphere{{any_size(r), any_size(r), any_size(r)}, any_size(r)};
+  };
+  const auto any_ray = [](Random& r) {
+    return Ray{{any_size(r), any_size(r), any_size(r)}, {any_size(r), any_size(r), any_size(r)}};
+  };
+  CHECK(compare(any_ray, any_sphere, 4000).wrong == 0);
+}
+
+TEST_CASE("a packet meets a plane where each of its rays does, or is in doubt") {
+  const auto ordinary = [](Random& r) { return Ray{r.point(3), r.direction()}; };
+  const auto random_plane = [](Random& r) { return Plane{.normal = r.point(2), .distance = r.real(-2, 2)}; };
+  const Tally tally = compare(ordinary, random_plane, 4000);
+  CHECK(tally.wrong == 0);
+  CHECK(tally.met > 0.05 * tally.asked);
+  CHECK(tally.in_doubt < 1e-3 * tally.asked);
+
+  const auto floor = [](Random&) { return Plane{.normal = {0, 1, 0}, .distance = -1}; };
+  for (const Rows& row :
+       {Rows{"from the plane",
+             [](Random& r) {
+               return Ray{{r.real(-2, 2), -1, 0}, r.direction()};
+             },
+             1, 0},
+        Rows{"parallel",
+             [](Random& r) {
+               return Ray{r.point(3), {r.real(-1, 1), 0, r.real(-1, 1)}};
+             },
+             1, 0},
+        Rows{"nearly parallel",
+             [](Random& r) {
+               return Ray{r.point(3), {1, std::ldexp(r.real(-1, 1), -static_cast<int>(r.bits() % 1000)), 2}};
+             },
+             1, 0.001},
+        Rows{"departing",
+             [](Random& r) {
+               return Ray{{r.real(-2, 2), -1, 0}, r.direction(), Plane{{0, 2, 0}, -2}.departure()};
+             },
+             0, 0},
+        Rows{"of any numbers",
+             [](Random& r) {
+               return Ray{{any_size(r), any_size(r), any_size(r)}, {any_size(r), any_size(r), any_size(r)}};
+             },
+             1, 0}}) {
+    const Tally answers = compare(row.ray, floor, 1000);
+    CAPTURE(row.what, answers.asked, answers.met, answers.in_doubt);
+    CHECK(answers.wrong == 0);
+    CHECK(answers.in_doubt <= row.most_in_doubt * answers.asked);
+    CHECK(answers.met >= row.least_met * answers.asked);
+  }
+  const auto any_plane = [](Random& r) {
+    return Plane{{any_size(r), any_size(r), any_size(r)}, any_size(r)};
+  };
+  CHECK(compare(ordinary, any_plane, 4000).wrong == 0);
+}
+
+TEST_CASE("a surface that knows single rays only is asked about each of a packet") {
+  const auto ordinary = [](Random& r) { return Ray{r.point(3), r.direction()}; };
+  const Tally tally = compare(
+      ordinary, [](Random&) { return Cylinder{}; }, 1000);
+  CHECK(tally.wrong == 0);
+  CHECK(tally.in_doubt == 0);
+}
+
+TEST_CASE("what a packet's hits say is what the hit of each ray says") {
+  Random random(3);
+  const PointLight light{.position = {1, 4, -2}, .power = Color{300, 200, 100}};
+  int hits = 0, wrong = 0;
+  const auto compare_hits = [&](const auto& surface) {
+    Bundle bundle;
+    for (Ray& r : bundle) r = {random.point(3), random.direction()};
+    const Rays<Vectors> rays = packet_of(bundle, true);
+    const simd::FirstCrossings first = first_crossings(surface, rays, true, Interval{});
+    const Color color = random.color();
+    const simd::Intersections some(rays, first.t, first.met, surface, color);
+    const Vectors normals = some.normal(), facing = some.facing_normal(), points = some.point();
+    const simd::Colors lights = light.irradiance(points, facing);
+    const Rays<Vectors> left = some.leave(light.position - points);
+    for (int i = 0; i < double_lanes; ++i) {
+      if (!has(first.met && !first.in_doubt, i)) continue;
+      ++hits;
+      const auto crossing = first_crossing(surface, rays[i], Interval{});
+      const Intersection one(bundle[static_cast<std::size_t>(i)], crossing_on(surface, *crossing, color));
+      const Color lit = light.irradiance(one.point(), one.facing_normal());
+      const Ray leaving = one.leave(light.position - one.point());
+      wrong += !same_bits(one.point(), points[i]) || !same_bits(one.normal(), normals[i]) ||
+               !same_bits(one.facing_normal(), facing[i]) || one.color() != some.color() ||
+               lit != Color{lights.r[i], lights.g[i], lights.b[i]} || !has(left.wanted, i) ||
+               !same_bits(leaving.origin, left[i].origin) ||
+               !same_bits(leaving.direction, left[i].direction) || leaving.departure != left[i].departure;
+    }
+  };
+  for (int round = 0; round < 1000; ++round) {
+    compare_hits(Sphere{.center = random.point(1), .radius = random.real(-2, 2)});
+    compare_hits(Plane{.normal = random.point(1), .distance = random.real(-2, 2)});
+    compare_hits(Cylinder{.radius = random.real(0.5, 2)});
+  }
+  CHECK(hits > 500);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("of a packet's rays, those are asked for that are wanted and chosen") {
+  const auto mask = [](Bits lanes) { return simd::mask_of<double, double_lanes>(lanes); };
+  const Bits all = simd::first_bits(double_lanes);
+  for (Bits lanes = 0; lanes <= all; ++lanes) {
+    Rays<Point> rays{.origin = Point{0}, .direction = Vec3{0, 0, 1}, .wanted = mask(lanes)};
+    const Rays<Point> chosen = only(mask(all & 5), std::move(rays));
+    CHECK(bits(chosen.wanted) == (lanes & 5));
+  }
+}

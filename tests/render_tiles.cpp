@@ -1,0 +1,401 @@
+#include <protostar/accel/accelerate.hpp>
+#include <protostar/integrators/binary.hpp>
+#include <protostar/integrators/color.hpp>
+#include <protostar/integrators/depth.hpp>
+#include <protostar/integrators/diffuse.hpp>
+#include <protostar/integrators/normal.hpp>
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/integrators/transparency.hpp>
+#include <protostar/render.hpp>
+#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <type_traits>
+
+#include "scenes/three_spheres.hpp"
+#include "support/catch.hpp"
+#include "support/cylinder.hpp"
+#include "support/pictures.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+
+/// A sphere as a user writes it, who knows a box around it and no more.
+struct Ball {
+  Point center{0};
+  double radius = 1;
+
+  std::optional<double> intersect(const Ray& ray, Interval range) const {
+    const Vec3 l = center - ray.origin, d = ray.direction;
+    return quadratic_roots(dot(d, d), dot(d, l), dot(l, l) - radius * radius,
+                           dot(d, l) * dot(d, l) - dot(d, d) * (dot(l, l) - radius * radius))
+        .first_in(range);
+  }
+  Vec3 normal_at(Point point) const { return (point - center) / radius; }
+  Bounds bounds() const { return {center - Vec3{1.001 * radius}, center + Vec3{1.001 * radius}}; }
+};
+static_assert(SurfaceWithBounds<Ball> && !SurfaceWithBounds<Cylinder>);
+
+/// One type of scene for nearly all tests, since every integrator is compiled anew for each.
+using Everything = Scene<Sphere, Plane, AnySurface>;
+
+/// How many pixels of two pictures of one size do not have the same bytes.
+int different_bytes(const Image& a, const Image& b) {
+  return count_pixels(a, [&](int x, int y) { return std::memcmp(&a(x, y), &b(x, y), sizeof(Color)) != 0; });
+}
+
+void for_each_integrator(const auto& test) {
+  test("binary", BinaryIntegrator{});
+  test("color", ColorIntegrator{});
+  test("depth", DepthIntegrator{});
+  test("diffuse", DiffuseIntegrator{});
+  test("normal", NormalIntegrator{});
+  test("shadow", ShadowIntegrator{});
+  test("transparency", TransparencyIntegrator{});
+}
+
+/// The picture ray by ray: of a scene, render is told nothing.
+Image ray_by_ray(const Camera& camera, int width, int height, const auto& scene, const auto& integrator) {
+  Image image(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      image(x, y) = integrator.radiance(camera.through_pixel(x, y, width, height), scene);
+  return image;
+}
+
+/// Checks an integrator's picture of a scene. What it took is sensible, too.
+void check_picture(const auto& scene, const Camera& camera, int width, int height, const auto& integrator) {
+  RenderStatistics taken;
+  Image image(width, height);
+  render(image, camera, scene, integrator, {.statistics = &taken});
+  CHECK(different_bytes(image, ray_by_ray(camera, width, height, scene, integrator)) == 0);
+  CHECK(taken.pixels_skipped + taken.camera_rays == static_cast<std::uint64_t>(width * height));
+  if (!std::is_same_v<decltype(integrator), const ShadowIntegrator&>) CHECK(taken.other_rays == 0);
+}
+
+void check_pictures(const Everything& scene, const Camera& camera, int width, int height) {
+  for_each_integrator([&](const std::string& name, const auto& integrator) {
+    INFO(name << ", " << width << "x" << height);
+    check_picture(scene, camera, width, height, integrator);
+  });
+}
+
+template <class S>
+S with_lights(S scene, const Point& around = Point{0}) {
+  scene.add(PointLight{.position = around + Vec3{1, 4, -2}, .power = Color{300, 200, 100}});
+  scene.add(PointLight{.position = around + Vec3{-5, 2, 1}, .power = Color{50, 100, 300}});
+  scene.add(PointLight{.position = around + Vec3{0, 0.1, 3}, .power = Color{10}});
+  return scene;
+}
+
+Everything three_spheres_and_nothing_else() {
+  Everything scene;
+  for (const auto& [sphere, color] : the_three_spheres) scene.add(sphere, color);
+  scene.add(light_of_the_three_spheres);
+  return scene;
+}
+
+Everything random_spheres(int count, double least, double most, const Point& around) {
+  Random random(static_cast<std::uint64_t>(count));
+  Everything scene;
+  scene.add(Plane{.normal = {0, 1, 0}, .distance = around.y - 2}, Color{0.5f});
+  for (int i = 0; i < count; ++i) {
+    const Sphere sphere{around + Vec3{0, 0, 5} + random.point(4),
+                        std::exp2(random.real(std::log2(least), std::log2(most)))};
+    if (i % 10 == 9)
+      scene.add(AnySurface(sphere), random.color());
+    else
+      scene.add(sphere, random.color());
+  }
+  return with_lights(std::move(scene), around);
+}
+
+}  // namespace
+
+TEST_CASE("by tiles, pictures of any size are those drawn ray by ray") {
+  const auto scene = three_spheres_and_nothing_else();
+  struct {
+    int width, height;
+  } const sizes[] = {{1, 1}, {3, 1}, {1, 3}, {16, 16}, {17, 63}, {65, 129}, {641, 479}};
+  for (const auto& [width, height] : sizes) check_pictures(scene, Camera{}, width, height);
+}
+
+TEST_CASE("by tiles, pictures of many spheres are those drawn ray by ray") {
+  check_pictures(random_spheres(300, 0.002, 2, Point{0}), Camera{}, 101, 67);
+  check_pictures(random_spheres(40, 0.1, 1, Point{0}), Camera{}, 131, 70);
+  check_pictures(random_spheres(2100, 0.01, 0.3, Point{0}), Camera{}, 70,
+                 33);  // so many are looked for in a tree
+}
+
+TEST_CASE("by tiles, pictures far from the origin are those drawn ray by ray") {
+  const Point there{65537, -65537, 65537};
+  const auto scene = random_spheres(60, 0.1, 1, there);
+  check_pictures(scene, Camera{.position = there}, 80, 60);
+  check_pictures(scene, Camera{.position = there, .right = {1e-2, 0, 0}, .up = {0, 1e-2, 0}}, 40, 30);
+}
+
+TEST_CASE("by tiles, pictures from any camera are those drawn ray by ray") {
+  const auto scene = random_spheres(20, 0.1, 3, Point{0});
+  for (const Camera& camera :
+       {Camera{.right = {-1, 0, 0}}, Camera{.forward = {0, 0, -1}},
+        Camera{.right = {10, 0, 0}, .up = {0, 10, 0}}, Camera{.position = {0, -2, 0}},  // on the plane
+        Camera{.position = scene.surfaces<Sphere>()[3].center},
+        Camera{.position = {0, 5, 0}, .right = {1, 0.5, 0}, .up = {0.2, 0.1, 3}, .forward = {0.1, -1, 2}}})
+    check_pictures(scene, camera, 67, 50);
+}
+
+TEST_CASE("by tiles, surfaces that coincide, touch or lie in each other look as they do ray by ray") {
+  Everything scene;
+  Random random(5);
+  const auto add = [&](const auto& surface) { scene.add(surface, random.color()); };
+  for (int i = 0; i < 3; ++i) add(Sphere{.center = {-2, 0, 5}, .radius = i == 1 ? -1.0 : 1.0});  // coincide
+  for (int i = 0; i < 6; ++i) add(Sphere{.center = {0.5, 0, 5}, .radius = std::exp2(-i)});       // nested
+  for (int i = 0; i < 6; ++i)
+    add(Sphere{.center = {0, -1 + std::exp2(-i), 4}, .radius = std::exp2(-i)});       // tangent
+  for (int i = 0; i < 3; ++i) add(Sphere{.center = {2.0 + i, 0, 5}, .radius = 0.5});  // in a row
+  add(Sphere{.center = {0, 0, 0}, .radius = 0.25});                                   // around the camera
+  for (int i = 1; i < 4; ++i) add(Plane{.normal = {0, 1.0 * i, 0}, .distance = -1.0 * i});
+  add(Plane{.normal = {0, 0, 1}, .distance = 6});
+  check_pictures(with_lights(scene), Camera{}, 120, 90);
+  // The rays of the middle row and column of odd pictures run along what is symmetric, and touch.
+  check_pictures(with_lights(scene), Camera{}, 41, 31);
+}
+
+TEST_CASE("by tiles, rays that only touch a surface are decided as they are ray by ray") {
+  const int width = 61, height = 43;
+  Random random(8);
+  Everything scene;
+  const auto touched = [&] {
+    const int pixel = static_cast<int>(random.bits() % (width * height));
+    const Ray ray = Camera{}.through_pixel(pixel % width, pixel / width, width, height);
+    const double radius = random.real(0.01, 0.4);
+    const Vec3 away = normalize(cross(ray.direction, random.direction()));
+    return Sphere{ray.at(random.real(3, 8)) + radius * away, radius};
+  };
+  for (int i = 0; i < 150; ++i) scene.add(touched(), random.color());
+  for (int i = 0; i < 30; ++i) scene.add(AnySurface(touched()), random.color());
+  check_pictures(with_lights(scene), Camera{}, width, height);
+}
+
+// A tile takes AnySurface for the sphere around its box, so that it looks at the later of the two first.
+TEST_CASE("by tiles, of two surfaces in one place the earlier is seen, whichever is looked at first") {
+  Everything scene;
+  for (int i = -1; i <= 1; ++i) {
+    scene.add(Sphere{.center = {2.0 * i, 0, 5}, .radius = 1}, Color{1, 0, 0});
+    scene.add(AnySurface(Sphere{.center = {2.0 * i, 0, 5}, .radius = 1}), Color{0, 1, 0});
+  }
+  check_pictures(with_lights(scene), Camera{}, 50, 40);
+  Image image(50, 40);
+  render(image, Camera{}, scene, ColorIntegrator{});
+  CHECK(count_pixels(image, [&](int x, int y) { return image(x, y).r > 0; }) > 100);
+  CHECK(count_pixels(image, [&](int x, int y) { return image(x, y).g > 0; }) == 0);
+}
+
+TEST_CASE("by tiles, surfaces of any kind look as they do ray by ray") {
+  Random random(6);
+  Everything any;
+  Scene<Ball, Cylinder> own;
+  for (int i = 0; i < 20; ++i) {
+    const Sphere sphere{Vec3{0, 0, 6} + random.point(3), random.real(0.1, 1)};
+    const Ball ball{Vec3{0, 0, 6} + random.point(3), random.real(0.1, 1)};
+    any.add(AnySurface(sphere), random.color());
+    any.add(AnySurface(ball), random.color());
+    own.add(ball, random.color());
+  }
+  any.add(Plane{.normal = {0, 1, 0.1}, .distance = -2}, random.color());
+  any.add(AnySurface(Plane{.normal = {0, 1, 0}, .distance = -2}), random.color());
+  any.add(AnySurface(Cylinder{.radius = 9}), random.color());
+  own.add(Cylinder{.radius = 8}, random.color());
+  own.add(Cylinder{.radius = 0.5}, random.color());
+  check_pictures(with_lights(any), Camera{}, 75, 50);
+  for (const Camera& camera :
+       {Camera{}, Camera{.position = {2, 0, -10}}}) {  // inside and outside of the cylinders
+    check_picture(with_lights(own), camera, 75, 50, ShadowIntegrator{});
+    check_picture(with_lights(own), camera, 75, 50, TransparencyIntegrator{});
+  }
+}
+
+TEST_CASE("by tiles, an empty scene is empty") {
+  check_pictures(Everything{}, Camera{}, 33, 20);
+  RenderStatistics taken;
+  Image image(33, 20);
+  render(image, Camera{}, Everything{}, DepthIntegrator{}, {.statistics = &taken});
+  CHECK(taken.pixels_skipped == 33 * 20);
+  CHECK(taken.surface_tests == 0);
+}
+
+TEST_CASE("without tiles, or by any number of threads, the picture is the same") {
+  const auto scene = three_spheres_and_nothing_else();
+  for_each_integrator([&](const std::string& name, const auto& integrator) {
+    INFO(name);
+    const Image expected = ray_by_ray(Camera{}, 200, 150, scene, integrator);
+    RenderStatistics first;
+    for (const int threads : {1, 2, 5}) {
+      RenderStatistics taken, none;
+      Image by_tiles(200, 150), without(200, 150), accelerated(200, 150);
+      render(by_tiles, Camera{}, scene, integrator, {.threads = threads, .statistics = &taken});
+      render(without, Camera{}, scene, integrator, {.threads = threads, .tiles = false, .statistics = &none});
+      render(accelerated, Camera{}, accelerate(scene), integrator, {.threads = threads});
+      CHECK(different_bytes(by_tiles, expected) == 0);
+      CHECK(different_bytes(without, expected) == 0);
+      CHECK(different_bytes(accelerated, expected) == 0);
+      CHECK(none.camera_rays + none.pixels_skipped + none.surface_tests == 0);
+      if (threads == 1) first = taken;
+      CHECK(taken.surface_tests == first.surface_tests);
+      CHECK(taken.other_rays == first.other_rays);
+      CHECK(taken.in_doubt == first.in_doubt);
+      CHECK(taken.double_double == first.double_double);
+    }
+  });
+}
+
+namespace {
+
+/// Integrators of a user: one that finds and shades, for single rays.
+struct Headlight {
+  Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray);
+    return hit ? shade(*hit, scene) : Color{0};
+  }
+  Color shade(const Intersection& hit, const auto&) const {
+    return hit.color() * static_cast<float>(std::abs(hit.normal().z));
+  }
+};
+
+/// One that sees a sky, and is thus not black where it meets nothing; it asks all questions about all rays.
+struct Mirrors {
+  Color radiance(const Ray& ray, const Traceable auto& scene) const { return radiance(ray, scene, 3); }
+  Color radiance(const Ray& ray, const auto& scene, int left) const {
+    const auto hit = scene.intersect(ray);
+    Color color{Vec3{0.5 + 0.5 * ray.direction.y}};
+    scene.crossings(ray, Interval{0, 4}, [&](const Intersection& crossing) { color *= crossing.color(); });
+    if (!hit || left == 0 || scene.occluded(ray, Interval{0, 0.5})) return color;
+    const Vec3 n = hit->facing_normal(), d = ray.direction;
+    return hit->color() * radiance(hit->leave(d - 2 * dot(d, n) * n), scene, left - 1) + 0.1f * color;
+  }
+};
+
+/// One that asks for more than the first hit of the pixel's ray: behind some t, beside, and as if it departed
+/// from a surface.
+struct Curious {
+  Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    Color color{0};
+    const auto look = [&](const Ray& along, Interval range) {
+      const auto hit = scene.intersect(along, range);
+      color = 0.5f * color + (hit ? hit->color() : Color{1});
+    };
+    look(ray, {3, infinity});
+    look(ray, {0, 3});
+    look({ray.origin, ray.direction + Vec3{0.4, 0.1, 0}}, {});
+    look({ray.origin + Vec3{0.4, 0.1, 0}, ray.direction}, {});
+    look({ray.origin, ray.direction, the_three_spheres[0].sphere.departure()}, {});
+    return color;
+  }
+};
+
+/// One that takes packets.
+struct Rings {
+  static constexpr bool takes_packets = true;
+  Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray);
+    return hit ? shade(*hit, scene) : Color{0};
+  }
+  template <class Hit>
+  typename Hit::Light shade(const Hit& hit, const auto&) const {
+    return hit.color() * to_float(1 / (1 + hit.t * hit.t));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("by tiles, a user's integrator draws what it draws ray by ray") {
+  const auto check = [](const auto& scene, const auto& integrator) {
+    const Image expected = ray_by_ray(Camera{}, 90, 70, scene, integrator);
+    for (const bool tiles : {true, false}) {
+      Image image(90, 70);
+      render(image, Camera{}, scene, integrator, {.threads = 2, .tiles = tiles});
+      CHECK(different_bytes(image, expected) == 0);
+    }
+  };
+  const auto scene = three_spheres();
+  check(scene, Headlight{});
+  check(scene, Mirrors{});
+  check(scene, Curious{});
+  check(scene, Rings{});
+
+  const auto lambda = [](const Ray& ray, const auto& traced) { return Mirrors{}.radiance(ray, traced); };
+  const auto typed = [](const Ray& ray, const Scene<Sphere>& traced) {
+    return Mirrors{}.radiance(ray, traced);
+  };
+  const Image expected = ray_by_ray(Camera{}, 90, 70, scene, Mirrors{});
+  Image by_lambda(90, 70), by_typed(90, 70), by_structure(90, 70);
+  render(by_lambda, Camera{}, scene, lambda);
+  render(by_typed, Camera{}, scene, typed);
+  struct Typed {
+    Color radiance(const Ray& ray, const Scene<Sphere>& traced) const {
+      return Mirrors{}.radiance(ray, traced);
+    }
+  };
+  render(by_structure, Camera{}, scene, Typed{});
+  CHECK(different_bytes(by_lambda, expected) == 0);
+  CHECK(different_bytes(by_typed, expected) == 0);
+  CHECK(different_bytes(by_structure, expected) == 0);
+}
+
+TEST_CASE("statistics count the work that is needed, and no other") {
+  Image image(320, 240);
+  const auto taken_by = [&](const auto& scene, const auto& integrator, const Camera& camera = {}) {
+    RenderStatistics taken;
+    render(image, camera, scene, integrator, {.statistics = &taken});
+    return taken;
+  };
+  Everything scene;
+  scene.add(Sphere{.center = {0, 0, 5}, .radius = 1}, Color{1});
+
+  // One sphere: each ray near it is tested once, and the others do not exist.
+  const RenderStatistics binary = taken_by(scene, BinaryIntegrator{});
+  CHECK(binary.surface_tests == binary.camera_rays);
+  CHECK(binary.camera_rays < 320 * 240 / 5);
+  CHECK(taken_by(scene, DepthIntegrator{}).surface_tests == binary.surface_tests);
+
+  // Behind the camera: nothing at all.
+  const RenderStatistics away = taken_by(scene, ShadowIntegrator{}, Camera{.forward = {0, 0, -1}});
+  CHECK(away.surface_tests + away.camera_rays + away.other_rays + away.in_doubt == 0);
+  CHECK(away.pixels_skipped == 320 * 240);
+
+  // A light behind all that is seen needs no shadow ray, one in front of it just one for each hit.
+  scene.add(PointLight{.position = {0, 0, 100}, .power = Color{1}});
+  CHECK(taken_by(scene, ShadowIntegrator{}).other_rays == 0);
+  scene.add(PointLight{.position = {0, 0, 0}, .power = Color{1}});
+  const RenderStatistics lit = taken_by(scene, ShadowIntegrator{});
+  const int seen = count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; });
+  CHECK(lit.other_rays == static_cast<std::uint64_t>(seen));
+
+  // What is done is added to what there is.
+  RenderStatistics twice = lit;
+  render(image, Camera{}, scene, ShadowIntegrator{}, {.statistics = &twice});
+  CHECK(twice.other_rays == 2 * lit.other_rays);
+  CHECK(twice.surface_tests == 2 * lit.surface_tests);
+  CHECK(twice.pixels_skipped == 2 * lit.pixels_skipped);
+}
+
+TEST_CASE("a packet is in doubt about few of its rays") {
+  Image image(320, 240);
+  const auto check = [&](const auto& scene) {
+    for_each_integrator([&](const std::string& name, const auto& integrator) {
+      INFO(name);
+      RenderStatistics taken;
+      render(image, Camera{}, scene, integrator, {.statistics = &taken});
+      CHECK(taken.surface_tests > 10000);
+      CHECK(taken.in_doubt * 1000 < taken.surface_tests);
+    });
+  };
+  check(three_spheres_and_nothing_else());
+  check(random_spheres(300, 0.002, 2, Point{0}));
+}

@@ -1,0 +1,266 @@
+#include <protostar/accel/bvh_build.hpp>
+#include <protostar/accel/simd.hpp>
+#include <protostar/vec3.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+using simd::Bits;
+using simd::Lanes;
+using simd::Mask;
+
+namespace {
+
+/// Calls test(lanes) with a Lanes of each type and number that the library uses.
+void for_each_kind(const auto& test) {
+  test(Lanes<float, simd::float_lanes>(0.0f));
+  test(Lanes<float, simd::double_lanes>(0.0f));
+  test(Lanes<float, simd::node_width>(0.0f));
+  test(Lanes<double, simd::double_lanes>(0.0));
+}
+
+template <class T, int N>
+constexpr int count_of(const Lanes<T, N>&) {
+  return N;
+}
+
+/// Whether two numbers have the same bits or neither is a number: which NaN comes of an operation is left
+/// open.
+template <class T>
+bool same(T a, T b) {
+  using Whole = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
+  return std::bit_cast<Whole>(a) == std::bit_cast<Whole>(b) || (std::isnan(a) && std::isnan(b));
+}
+
+/// Numbers at the ends of a type's range and in the middle, among them what is none; then some of any bits.
+template <class T>
+std::vector<T> numbers() {
+  using Limits = std::numeric_limits<T>;
+  std::vector<T> all;
+  for (const T x : {T{0}, T{1}, std::nextafter(T{1}, T{2}), T{1} / 3, T{1e10f}, Limits::denorm_min(),
+                    Limits::min(), Limits::max(), Limits::infinity(), Limits::quiet_NaN()}) {
+    all.push_back(x);
+    all.push_back(-x);
+  }
+  Random random(1);
+  for (int i = 0; i < 80; ++i) {
+    const std::uint64_t bits = random.bits();
+    T x;
+    std::memcpy(&x, &bits, sizeof(x));
+    all.push_back(x);
+    all.push_back(static_cast<T>(random.real(-4, 4)));
+  }
+  return all;
+}
+
+/// Checks that f says of lanes what it says of the numbers in them, for every two numbers. An answer is a
+/// number or yes or no.
+template <class T, int N>
+void check_each_pair(const Lanes<T, N>&, const auto& f) {
+  const std::vector<T> all = numbers<T>();
+  const std::size_t n = all.size();
+  int wrong = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = 0; k < n; ++k) {
+      Lanes<T, N> a, b;
+      for (int lane = 0; lane < N; ++lane) {
+        a.set(lane, all[(i + static_cast<std::size_t>(lane)) % n]);
+        b.set(lane, all[(i + k + 3 * static_cast<std::size_t>(lane)) % n]);
+      }
+      const auto answers = f(a, b);
+      for (int lane = 0; lane < N; ++lane) {
+        const auto expected = f(a[lane], b[lane]);
+        if constexpr (std::is_same_v<decltype(answers), const Mask<T, N>>)
+          wrong += ((bits(answers) >> lane) & 1) != (expected ? 1U : 0U);
+        else
+          wrong += !same(answers[lane], expected);
+      }
+    }
+  CHECK(wrong == 0);
+}
+
+struct Smaller {
+  float operator()(float a, float b) const { return std::min(a, b); }
+  double operator()(double a, double b) const { return std::min(a, b); }
+  auto operator()(auto a, auto b) const { return min(a, b); }
+};
+struct Larger {
+  float operator()(float a, float b) const { return std::max(a, b); }
+  double operator()(double a, double b) const { return std::max(a, b); }
+  auto operator()(auto a, auto b) const { return max(a, b); }
+};
+
+}  // namespace
+
+TEST_CASE("arithmetic is rounded in every lane as it is for one number") {
+  for_each_kind([](const auto& kind) {
+    check_each_pair(kind, [](auto a, auto b) { return a + b; });
+    check_each_pair(kind, [](auto a, auto b) { return a - b; });
+    check_each_pair(kind, [](auto a, auto b) { return a * b; });
+    check_each_pair(kind, [](auto a, auto b) { return a / b; });
+    check_each_pair(kind, [](auto a, auto) { return -a; });
+    check_each_pair(kind, [](auto a, auto b) { return a += b; });
+    check_each_pair(kind, [](auto a, auto b) { return a *= b; });
+    check_each_pair(kind, [](auto a, auto) {
+      using std::sqrt;
+      return sqrt(a);
+    });
+  });
+}
+
+TEST_CASE("signs and sizes are taken apart and put together in every lane") {
+  using std::abs, std::copysign;
+  for_each_kind([](const auto& kind) {
+    check_each_pair(kind, [](auto a, auto b) { return copysign(a, b); });
+    check_each_pair(kind, [](auto a, auto) { return abs(a); });
+  });
+  Lanes<double, simd::double_lanes> a(std::nan("")), b(-0.0);
+  CHECK(std::signbit(copysign(a, b)[0]));
+  CHECK_FALSE(std::signbit(copysign(-a, -b)[0]));
+}
+
+TEST_CASE("numbers are compared in every lane, and every comparison with NaN is false") {
+  for_each_kind([](const auto& kind) {
+    check_each_pair(kind, [](auto a, auto b) { return a < b; });
+    check_each_pair(kind, [](auto a, auto b) { return a <= b; });
+    check_each_pair(kind, [](auto a, auto b) { return a == b; });
+    check_each_pair(kind, [](auto a, auto b) { return a > b; });
+    check_each_pair(kind, [](auto a, auto b) { return a >= b; });
+  });
+}
+
+TEST_CASE("answers are negated and joined in every lane") {
+  for_each_kind([](const auto& kind) {
+    check_each_pair(kind, [](auto a, auto b) { return !(a < b); });
+    check_each_pair(kind, [](auto a, auto b) { return a < b && b > 0; });
+    check_each_pair(kind, [](auto a, auto b) { return a < b || b > 0; });
+  });
+}
+
+TEST_CASE("a choice takes one number or the other as it is") {
+  for_each_kind(
+      [](const auto& kind) { check_each_pair(kind, [](auto a, auto b) { return select(a < 1, b, a); }); });
+}
+
+TEST_CASE("the smaller and the larger are chosen as std::min and std::max choose them") {
+  for_each_kind([](const auto& kind) {
+    check_each_pair(kind, Smaller{});
+    check_each_pair(kind, Larger{});
+  });
+}
+
+TEST_CASE("doubles become the nearest floats in every lane") {
+  using D = Lanes<double, simd::double_lanes>;
+  std::vector<double> all = numbers<double>();
+  for (const float x : numbers<float>()) all.push_back(static_cast<double>(x) * (1 + 0x1p-24));  // half way
+  for (const double x : all) {
+    D a(1.0);
+    for (int lane = 0; lane < simd::double_lanes; ++lane) {
+      a.set(lane, x);
+      CHECK(same(to_float(a)[lane], to_float(x)));
+    }
+  }
+}
+
+TEST_CASE("a mask is the set of its lanes, for lanes of any type") {
+  for_each_kind([]<class T, int N>(const Lanes<T, N>&) {
+    const Bits all = simd::first_bits(N);
+    CHECK(bits(Mask<T, N>(true)) == all);
+    CHECK(bits(Mask<T, N>(false)) == 0);
+    for (Bits lanes = 0; lanes <= std::min(all, Bits{0xfff}); ++lanes) {
+      const Bits set = lanes | (lanes << 4 & all);
+      const auto mask = simd::mask_of<T, N>(set);
+      CHECK(bits(mask) == set);
+      CHECK(bits(!mask) == (~set & all));
+      CHECK(any(mask) == (set != 0));
+    }
+    CHECK(bits(simd::mask_of<T, N>(~Bits{0})) == all);
+    CHECK_FALSE(any(simd::mask_of<T, N>(~all)));
+  });
+  for (Bits lanes = 0; lanes <= simd::first_bits(simd::double_lanes); ++lanes) {
+    const auto mask = simd::mask_of<double, simd::double_lanes>(lanes);
+    CHECK(bits(simd::mask_for<float>(mask)) == lanes);
+    CHECK(bits(simd::mask_for<std::int64_t>(mask)) == lanes);
+    CHECK(bits(simd::mask_for<double>(simd::mask_for<float>(mask))) == lanes);
+    const auto chosen = select(mask, Lanes<float, simd::double_lanes>(1.0f), -2.0f);
+    for (int lane = 0; lane < simd::double_lanes; ++lane) CHECK(chosen[lane] == (lanes >> lane & 1 ? 1 : -2));
+  }
+}
+
+TEST_CASE("whole numbers are chosen and compared in every lane") {
+  using Whole = Lanes<std::int64_t, simd::double_lanes>;
+  const std::int64_t numbers[] = {-1, 0, 1, 7, std::int64_t{1} << 40, (std::int64_t{1} << 40) + 1};
+  for (const std::int64_t a : numbers)
+    for (const std::int64_t b : numbers)
+      for (int lane = 0; lane < simd::double_lanes; ++lane) {
+        const auto only = simd::mask_of<double, simd::double_lanes>(Bits{1} << lane);
+        const Whole some = select(only, Whole(a), Whole(b));
+        for (int i = 0; i < simd::double_lanes; ++i) CHECK(some[i] == (i == lane ? a : b));
+        CHECK(bits(some == Whole(b)) == (a == b ? bits(only || !only) : bits(!only)));
+      }
+}
+
+TEST_CASE("the first lanes are counted from the lowest bit, up to all") {
+  CHECK(simd::first_bits(0) == 0);
+  CHECK(simd::first_bits(1) == 1);
+  CHECK(simd::first_bits(5) == 31);
+  CHECK(simd::first_bits(31) == 0x7fffffff);
+  static_assert(simd::first_bits(32) == 0xffffffff);
+  static_assert(simd::first_bits(100) == 0xffffffff);  // a tile may have more pixels left than there are bits
+}
+
+TEST_CASE("lanes are loaded and stored in order, from any address") {
+  for_each_kind([]<class T, int N>(const Lanes<T, N>&) {
+    T from[N + 1], to[N + 2];
+    for (int i = 0; i <= N; ++i) from[i] = static_cast<T>(10 + i);
+    std::fill(std::begin(to), std::end(to), T{-1});
+    const auto lanes = Lanes<T, N>::load(from + 1);
+    lanes.store(to + 1);
+    for (int i = 0; i < N; ++i) {
+      CHECK(lanes[i] == from[i + 1]);
+      CHECK(to[i + 1] == from[i + 1]);
+      CHECK(simd::iota<T, N>()[i] == static_cast<T>(i));
+    }
+    CHECK(to[0] == -1);
+    CHECK(to[N + 1] == -1);
+  });
+}
+
+TEST_CASE("the chosen lanes are stored side by side, in order") {
+  const auto check = []<class T, int N>(const Lanes<T, N>&) {
+    for (Bits round = 0; round < Bits{1} << std::min(N, 12); ++round) {
+      const Bits chosen = round * 2654435761U & simd::first_bits(N);  // an odd number: all of few lanes
+      std::vector<T> to(2 * N + 1, T{-1}), expected{T{-1}};
+      for (int i = 0; i < N; ++i)
+        if (chosen >> i & 1) expected.push_back(static_cast<T>(i));
+      const int count = simd::store_chosen(to.data() + 1, chosen, simd::iota<T, N>());
+      CHECK(count == std::popcount(chosen));
+      CHECK(std::equal(expected.begin(), expected.end(), to.begin()));
+      CHECK(std::all_of(to.begin() + 1 + N, to.end(), [](T x) { return x == T{-1}; }));
+    }
+  };
+  for_each_kind(check);
+  check(Lanes<std::int32_t, simd::float_lanes>(0));
+}
+
+TEST_CASE("the largest number of all lanes is found in any of them") {
+  for_each_kind([]<class T, int N>(const Lanes<T, N>&) {
+    for (int i = 0; i < N; ++i) {
+      Lanes<T, N> a(T{-3});
+      a.set(i, T{-2});
+      CHECK(largest(a) == T{-2});
+      a.set((i + 1) % N, std::numeric_limits<T>::infinity());
+      CHECK(largest(a) == std::numeric_limits<T>::infinity());
+    }
+  });
+}

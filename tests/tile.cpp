@@ -1,0 +1,300 @@
+#include <protostar/accel/tile.hpp>
+#include <protostar/surfaces/sphere.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+using simd::Candidates;
+using simd::Frustum;
+using simd::PixelRays;
+
+namespace {
+
+std::vector<int> places_of(const Candidates& candidates) {
+  std::vector<int> places;
+  for (int i = 0; i < candidates.size(); ++i) places.push_back(candidates.place(i));
+  return places;
+}
+
+std::vector<int> sorted(std::vector<int> places) {
+  std::sort(places.begin(), places.end());
+  return places;
+}
+
+Candidates candidates_of(const std::vector<Sphere>& spheres, const Point& camera) {
+  Candidates candidates;
+  for (std::size_t i = 0; i < spheres.size(); ++i)
+    candidates.add(static_cast<int>(i), camera, simd::sphere_around(spheres[i]));
+  return candidates;
+}
+
+/// A camera whose three directions are at right angles, and some turned anywhere.
+Camera turned_camera(Random& random, const Point& position, double right, double up, double forward) {
+  const Vec3 f = random.direction(), r = normalize(cross(f, random.direction())), u = cross(r, f);
+  return {.position = position, .right = right * r, .up = up * u, .forward = forward * f};
+}
+
+/// A camera as none is built: skewed, with its handedness by chance.
+Camera skewed_camera(Random& random, const Point& position, double scale) {
+  for (;;) {
+    const Camera camera{position, scale * random.point(1), scale * random.point(1), scale * random.point(1)};
+    const Vec3 r = normalize(camera.right), u = normalize(camera.up), f = normalize(camera.forward);
+    if (std::abs(dot(cross(r, u), f)) > 0.05) return camera;
+  }
+}
+
+/// A sphere that the ray through a pixel crosses or nearly does: its center is at t along the ray and, less
+/// or more by a little, its radius away from it.
+Sphere beside(const Ray& ray, double t, double radius, Random& random) {
+  const Vec3 away = normalize(cross(ray.direction, random.direction()));
+  const double share = 1 + std::ldexp(random.real(-1, 0.25), -static_cast<int>(random.bits() % 40));
+  return {.center = ray.at(t) + (radius * share) * away, .radius = radius};
+}
+
+struct Counts {
+  int met = 0, kept = 0, all = 0, dropped_though_met = 0, nearer_than_nearest = 0;
+};
+
+/// Looks whether a tile keeps the spheres that the rays of its pixels meet, and its parts and their blocks
+/// likewise.
+void look(const Camera& camera, int width, int height, const std::function<Sphere(const Ray&)>& sphere_beside,
+          Random& random, Counts& counts) {
+  camera.validate();
+  const PixelRays rays(camera, width, height);
+  const Tile picture{0, 0, width, height};
+  const Tile tile =
+      picture.part(static_cast<int>(random.bits() % static_cast<unsigned>(picture.count(64))), 64);
+  struct Pixel {
+    int x, y;
+  };
+  std::vector<Pixel> pixels;
+  std::vector<Sphere> spheres;
+  for (int i = 0; i < 50; ++i) {
+    const auto below = [&](int n) { return static_cast<int>(random.bits() % static_cast<unsigned>(n)); };
+    // Most of them at an edge.
+    const int x = i % 3 == 0 ? tile.x0 + below(tile.width()) : i % 3 == 1 ? tile.x0 : tile.x1 - 1;
+    const int y = i % 5 == 0 ? tile.y0 : i % 5 == 1 ? tile.y1 - 1 : tile.y0 + below(tile.height());
+    pixels.push_back({x, y});
+    spheres.push_back(sphere_beside(camera.through_pixel(x, y, width, height)));
+  }
+  Candidates everything = candidates_of(spheres, camera.position), in_tile;
+  if (random.bits() % 2) everything.order_by_distance();
+  in_tile.add(everything, Frustum(rays, tile));
+  counts.all += static_cast<int>(spheres.size());
+  counts.kept += in_tile.size();
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    const auto [x, y] = pixels[i];
+    const auto t = spheres[i].intersect(camera.through_pixel(x, y, width, height));
+    if (!t) continue;
+    ++counts.met;
+    Candidates in_part, in_block;
+    for (int k = 0; k < tile.count(16); ++k) {
+      const Tile part = tile.part(k, 16);
+      if (!(part.x0 <= x && x < part.x1 && part.y0 <= y && y < part.y1)) continue;
+      in_part.add(in_tile, Frustum(rays, part));
+    }
+    in_block.add(in_part, Frustum(rays, {x, y, x + 1, y + 1}));
+    const auto places = places_of(in_block);
+    const auto found = std::find(places.begin(), places.end(), static_cast<int>(i));
+    if (found == places.end())
+      ++counts.dropped_though_met;
+    else if (!(in_block.nearest(static_cast<int>(found - places.begin())) <= *t))
+      ++counts.nearer_than_nearest;
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a tile keeps every sphere that the ray through one of its pixels meets") {
+  struct Row {
+    const char* what;
+    std::function<Camera(Random&)> camera;
+    double least_size, most_size;  ///< of what is seen, in powers of two
+  };
+  const Point far_away{65537, -65537, 131074};
+  const auto row = GENERATE_COPY(values<Row>({
+      {"the usual camera", [](Random&) { return Camera{}; }, -3, 3},
+      {"turned", [](Random& r) { return turned_camera(r, r.point(2), 1, 1, 1); }, -3, 3},
+      {"mirrored", [](Random& r) { return turned_camera(r, r.point(2), -1, 1, 1); }, -3, 3},
+      {"of a wide field", [](Random& r) { return turned_camera(r, r.point(2), 30, 30, 1); }, -3, 3},
+      {"of a narrow field", [](Random& r) { return turned_camera(r, r.point(2), 1e-7, 1e-7, 1); }, -3, 3},
+      {"of pixels that are not square", [](Random& r) { return turned_camera(r, r.point(2), 1e-6, 10, 1); },
+       -3, 3},
+      {"skewed", [](Random& r) { return skewed_camera(r, r.point(2), 1); }, -3, 3},
+      {"skewed, of small numbers", [](Random& r) { return skewed_camera(r, r.point(2), 0x1p-300); }, -3, 3},
+      {"skewed, of numbers whose fourth powers are denormal",
+       [](Random& r) { return skewed_camera(r, r.point(2), std::exp2(r.real(-269, -266))); }, -3, 3},
+      {"skewed, of large numbers", [](Random& r) { return skewed_camera(r, r.point(2), 0x1p300); }, -3, 3},
+      {"of directions of all sizes",
+       [](Random& r) {
+         const auto size = [&] { return std::exp2(r.real(-390, 390)); };
+         return turned_camera(r, r.point(2), size(), size(), size());
+       },
+       -3, 3},
+      {"far from the origin", [=](Random& r) { return turned_camera(r, far_away + r.point(1), 1, 1, 1); }, -3,
+       3},
+      {"far from the origin, of a narrow field",
+       [=](Random& r) { return turned_camera(r, far_away + r.point(1), 1e-6, 1e-6, 1); }, -3, 3},
+      {"of spheres from 1e-6 to 1e6", [](Random& r) { return turned_camera(r, r.point(2), 1, 1, 1); }, -20,
+       20},
+      {"of tiny spheres", [](Random& r) { return turned_camera(r, Point{0}, 1e-3, 1e-3, 1); }, -1074, -120},
+      {"of huge spheres", [](Random& r) { return turned_camera(r, Point{0}, 1e-3, 1e-3, 1); }, 100, 1000},
+  }));
+  CAPTURE(row.what);
+  Random random(11);
+  Counts counts;
+  for (int round = 0; round < 300; ++round) {
+    const int width = 1 + static_cast<int>(random.bits() % 200),
+              height = 1 + static_cast<int>(random.bits() % 150);
+    const double scale = random.real(row.least_size, row.most_size);
+    look(
+        row.camera(random), width, height,
+        [&](const Ray& ray) {
+          // Now and then so near that the camera is inside.
+          const double radius = std::exp2(scale + random.real(-3, 0)),
+                       t = std::exp2(scale + random.real(-4, 3));
+          return beside(ray, t, radius, random);
+        },
+        random, counts);
+  }
+  CAPTURE(counts.met, counts.kept, counts.all);
+  CHECK(counts.met > 3000);
+  CHECK(counts.dropped_though_met == 0);
+  CHECK(counts.nearer_than_nearest == 0);
+}
+
+// The rays of the two columns beside the middle are almost opposite to each other then, and the plane between
+// them is hard to tell.
+TEST_CASE(
+    "a tile keeps every sphere that its ray meets where the camera's directions almost lie in a plane") {
+  Random random(15);
+  int met = 0, dropped_though_met = 0;
+  for (int round = 0; round < 3000; ++round) {
+    const double flatness = std::exp2(random.real(-48, -10));
+    Camera camera = turned_camera(random, Point{0}, random.bits() % 2 ? 1 : -1, 1, flatness);
+    camera.forward += random.real(-1, 1) * camera.up;
+    camera.validate();
+    const int height = 64 * (1 + static_cast<int>(random.bits() % 8)), x = height,
+              y = static_cast<int>(random.bits() % 64);
+    const PixelRays rays(camera, 2 * height, height);
+    const Ray ray = camera.through_pixel(x, y, 2 * height, height);
+    for (int i = 0; i < 10; ++i) {
+      const std::vector<Sphere> sphere{beside(ray, 1, std::exp2(random.real(-20, 0)), random)};
+      if (!sphere[0].intersect(ray)) continue;
+      ++met;
+      Candidates in_tile;
+      in_tile.add(candidates_of(sphere, camera.position), Frustum(rays, {x, y, x + 1, y + 1}));
+      dropped_though_met += in_tile.size() == 0;
+    }
+  }
+  CHECK(met > 10000);
+  CHECK(dropped_though_met == 0);
+}
+
+TEST_CASE("a tile drops what is beside it and behind the camera") {
+  Random random(12);
+  for (const Camera& camera :
+       {Camera{}, Camera{.right = {-1, 0, 0}}, Camera{.up = {0.3, 0.9, 0.1}},
+        Camera{.position = {65537, 0, 0}, .right = {1e-3, 0, 0}, .up = {0, 1e-3, 0}}}) {
+    const PixelRays rays(camera, 320, 240);
+    const Tile tile{64, 64, 128, 128};
+    std::vector<Sphere> spheres;
+    std::vector<int> seen;
+    for (int i = 0; i < 500; ++i) {
+      // By i, in one of nine fields around the tile, or behind the camera where there is the tenth.
+      const int column = i % 10 % 3 - 1, line = i % 10 / 3 - 1;
+      const double x = 96 + 100 * column + random.real(-30, 30), y = 96 + 100 * line + random.real(-30, 30);
+      const Ray ray = camera(Camera::u_at(x, 320, 240), Camera::v_at(y, 240));
+      const double t = random.real(1, 5) * (i % 10 == 9 ? -1 : 1);
+      // Those behind are so large that they reach across the planes at the sides, which meet in the camera.
+      spheres.push_back({.center = ray.at(t), .radius = i % 10 == 9 ? 0.5 : 1e-5});
+      if (i % 10 == 4) seen.push_back(i);
+    }
+    Candidates in_tile;
+    in_tile.add(candidates_of(spheres, camera.position), Frustum(rays, tile));
+    CHECK(places_of(in_tile) == seen);
+  }
+}
+
+TEST_CASE("a tile keeps the order of its candidates and adds to those that it has") {
+  std::vector<Sphere> spheres(100, Sphere{.center = {0, 0, 5}});
+  const PixelRays rays(Camera{}, 8, 8);
+  const Frustum frustum(rays, {0, 0, 8, 8});
+  Candidates kept;
+  kept.add(candidates_of(spheres, Point{0}), frustum);
+  kept.add(candidates_of({spheres.begin(), spheres.begin() + 3}, Point{0}), frustum);
+  std::vector<int> expected;
+  for (int i = 0; i < 103; ++i) expected.push_back(i % 100);
+  CHECK(places_of(kept) == expected);
+  kept.clear();
+  CHECK(kept.size() == 0);
+}
+
+TEST_CASE("candidates in the order of their distance are the same ones, and none is nearer than one says") {
+  Random random(13);
+  for (const int count : {0, 1, 2, 17, 1000}) {
+    CAPTURE(count);
+    std::vector<Sphere> spheres;
+    for (int i = 0; i < count; ++i)
+      spheres.push_back({.center = random.point(20), .radius = std::exp2(random.real(-6, 3))});
+    if (count == 1000) {  // and some that float does not hold, or holds as 0
+      spheres[3] = {.center = {1e300, 0, 0}, .radius = 1};
+      spheres[4] = {.center = {0, 1e200, 0}, .radius = 1e200};
+      spheres[5] = {.center = {0, 0, 1e-320}, .radius = 1e-320};
+      spheres[6] = {.center = {1e308, 1e308, 1e308}, .radius = 1e308};
+    }
+    const Candidates before = candidates_of(spheres, Point{0});
+    Candidates ordered = before;
+    ordered.order_by_distance();
+    CHECK(sorted(places_of(ordered)) == places_of(before));
+    int wrong = 0, far_off = 0;
+    for (int i = 0; i < ordered.size(); ++i) {
+      for (int k = i; k < ordered.size(); ++k)
+        wrong += !(ordered.nearest(i) <= before.nearest(ordered.place(k)));
+      wrong += !(ordered.nearest(i) < 1e10);
+      far_off += before.nearest(ordered.place(i)) > ordered.nearest(i) + 1;
+    }
+    CHECK(wrong == 0);
+    if (count < 1000) CHECK(far_off == 0);
+
+    // The rows have moved together: a tile sees the same ones as before.
+    const PixelRays rays(Camera{}, 64, 64);
+    for (const Tile& tile : {Tile{0, 0, 32, 32}, Tile{40, 8, 48, 16}}) {
+      Candidates from_before, from_ordered;
+      from_before.add(before, Frustum(rays, tile));
+      from_ordered.add(ordered, Frustum(rays, tile));
+      CHECK(sorted(places_of(from_ordered)) == places_of(from_before));
+      from_ordered.order_by_place();
+      CHECK(places_of(from_ordered) == places_of(from_before));
+    }
+  }
+}
+
+TEST_CASE("the rays of a packet are those through its pixels") {
+  Random random(14);
+  for (int round = 0; round < 50; ++round) {
+    const Camera camera = skewed_camera(random, random.point(2), 1);
+    const int width = 1 + static_cast<int>(random.bits() % 40),
+              height = 1 + static_cast<int>(random.bits() % 30);
+    const PixelRays rays(camera, width, height);
+    const Tile tile{0, 0, width, height};
+    int wrong = 0;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; x += simd::double_lanes) {
+        const auto packet = rays.packet(tile, x, y);
+        wrong += bits(packet.wanted) != simd::first_bits(std::min(width - x, simd::double_lanes));
+        for (int i = 0; i < std::min(width - x, simd::double_lanes); ++i) {
+          const Ray ray = camera.through_pixel(x + i, y, width, height);
+          wrong += packet[i].origin != ray.origin || packet[i].direction != ray.direction ||
+                   packet[i].departure.kind != Departure::Kind::none;
+        }
+      }
+    CHECK(wrong == 0);
+  }
+}
