@@ -301,7 +301,7 @@ struct Curious {
 
 /// One that takes packets.
 struct Rings {
-  static constexpr bool takes_packets = true;
+  using TakesPackets = Rings;
   Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray);
     return hit ? shade(*hit, scene) : Color{0};

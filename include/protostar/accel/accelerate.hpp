@@ -73,7 +73,8 @@ class Finder<T> {
     for (const std::uint32_t i : bvh_.unbounded())
       if (visit(i)) return true;
     const BoxRay line(ray, bvh_.space(), widening(ray));
-    if (!line.usable) {
+    // Behind the origin the ends of a box are not widened (BoxRay).
+    if (!line.usable || range.min < 0) {
       for (const std::uint32_t i : bvh_.order())
         if (visit(i)) return true;
       return false;

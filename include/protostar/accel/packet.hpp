@@ -103,7 +103,7 @@ struct FirstCrossings {
   Chosen met, in_doubt;  ///< a ray that is in doubt has to be asked about by itself
 };
 
-/// A surface that answers for several rays at once.
+/// A surface that answers for several rays at once, and whose normal_at takes their points.
 template <class S>
 concept SurfaceForPackets = Surface<S> && requires(const S& surface, const Rays<Point>& rays, Chosen wanted) {
   { surface.roots_of_each(rays, wanted) } -> std::same_as<RootsOfEach<Doubles, Chosen>>;
@@ -183,9 +183,7 @@ class Intersections {
   [[nodiscard]] Vectors point() const { return rays_.at(t); }
 
   [[nodiscard]] Vectors normal() const {
-    if constexpr (requires(Vectors p) {
-                    { surface_.normal_at(p) } -> std::convertible_to<Vectors>;
-                  }) {
+    if constexpr (SurfaceForPackets<S>) {
       return surface_.normal_at(point());
     } else {
       const Vectors points = point();

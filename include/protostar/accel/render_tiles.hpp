@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <type_traits>
 #include <vector>
@@ -21,10 +22,10 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace simd {
 
-/// An integrator whose functions take packets as well as single rays, and says so. All rays that meet nothing
-/// bring the same.
+/// An integrator whose functions take packets as well as single rays, and says so of itself: what derives
+/// from it may have changed a function. All rays that meet nothing bring the same.
 template <class I>
-concept PacketIntegrator = I::takes_packets;
+concept PacketIntegrator = std::same_as<typename I::TakesPackets, I>;
 
 /// One that looks at what a ray meets first, and is black where it meets nothing.
 template <class I, class S>
@@ -67,13 +68,13 @@ class TileRenderer {
     } else {
       in_tile.add(candidates_, frustum);
     }
-    const bool sees_nothing = by_packets && in_tile.size() == 0 && unbounded_.empty();
+    const bool sees_nothing = can_be_left(in_tile);
     if (sees_nothing) leave_empty(tile, taken);
     for (int i = 0; i < tile.count(part_side) && !sees_nothing; ++i) {
       const Tile part = tile.part(i, part_side);
       in_part.clear();
       in_part.add(in_tile, Frustum(rays_, part));
-      if (by_packets && in_part.size() == 0 && unbounded_.empty()) {
+      if (can_be_left(in_part)) {
         leave_empty(part, taken);
       } else if (in_part.size() <= few) {
         fill(part, in_part, taken);
@@ -109,11 +110,10 @@ class TileRenderer {
   template <Surface T>
   void add_group(int& place) {
     for (const T& surface : scene_.scene().template surfaces<T>()) {
-      const SphereAround around = sphere_around(surface);
-      if (!std::isfinite(around.radius))
+      if (!has_bounds(surface))
         unbounded_.push_back(place);
       else if (!is_large())
-        candidates_.add(place, rays_.camera().position, around);
+        candidates_.add(place, rays_.camera().position, sphere_around(surface));
       ++place;
     }
   }
@@ -127,15 +127,24 @@ class TileRenderer {
     first += static_cast<int>(scene_.scene().template surfaces<T>().size());
   }
 
+  /// Whether a tile with these candidates sees nothing, so that one packet can stand for all of its rays.
+  [[nodiscard]] bool can_be_left(const Candidates& candidates) const {
+    return by_packets && candidates.size() == 0 && unbounded_.empty();
+  }
+
   void leave_empty(const Tile& tile, RenderStatistics& taken) const {
-    taken.pixels_skipped +=
-        static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
-    // Packets that meet nothing all bring the same.
-    const Color color = protostar::detail::radiance_of(
-        integrator_, Ray{rays_.camera().position, rays_.camera().forward}, Scene<>{});
-    for (int y = tile.y0; y < tile.y1; ++y) {
-      Color* const row = &image_(tile.x0, y);
-      std::fill(row, row + tile.width(), color);
+    if constexpr (by_packets) {
+      taken.pixels_skipped +=
+          static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
+      // Rays that meet nothing all bring the same: what one of them brings that has no candidates.
+      const Candidates none;
+      const View view(scene_, none, unbounded_, taken);
+      const Colors colors = radiance(rays_.packet(tile, tile.x0, tile.y0), view);
+      const Color color{colors.r[0], colors.g[0], colors.b[0]};
+      for (int y = tile.y0; y < tile.y1; ++y) {
+        Color* const row = &image_(tile.x0, y);
+        std::fill(row, row + tile.width(), color);
+      }
     }
   }
 
@@ -258,7 +267,13 @@ auto tile_filler(Image& image, const Camera& camera, const Scene<S...>& scene, c
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 auto tile_filler(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& scene,
                  const I& integrator, const RenderOptions& options) {
-  return simd::TileRenderer<I, S...>(image, camera, scene, integrator, options.statistics);
+  const auto tiles = std::make_shared<const simd::TileRenderer<I, S...>>(image, camera, scene, integrator,
+                                                                         options.statistics);
+  return [&, tiles, by_tiles = options.tiles](const Tile& tile) {
+    if (by_tiles) return (*tiles)(tile);
+    detail::fill_pixels(image, tile, camera,
+                        [&](const Ray& ray) { return detail::radiance_of(integrator, ray, scene); });
+  };
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -14,6 +14,19 @@ struct SphereAround {
   Point center;
   double radius;  ///< infinite where the surface has no bounds
 };
+
+/// Whether a surface has finite bounds. A tree has just these in its leaves.
+template <Surface S>
+[[nodiscard]] bool has_bounds(const S& surface) {
+  if constexpr (SurfaceWithBounds<S>) {
+    const auto [min, max] = surface.bounds();
+    return is_finite(min) && is_finite(max);
+  } else {
+    return false;
+  }
+}
+
+/// The sphere around a surface. Its radius may be infinite.
 template <Surface S>
 [[nodiscard]] SphereAround sphere_around(const S& surface) {
   if constexpr (std::same_as<S, Sphere>) {

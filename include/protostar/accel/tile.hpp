@@ -87,12 +87,14 @@ class PixelRays {
   Table along_, up_;  ///< u · right of each column and v · up of each row
 };
 
-/// The planes through the camera between which the rays of a tile lie, as unit normals to the inside: four
-/// sides, and one that has what is behind the camera on its other side. A normal that is not sure is 0: all
-/// points are inside.
+/// What holds the rays of a tile: four planes through the camera, one for each side, as unit normals to the
+/// inside, and a cone around the middle ray. The planes fit a tile better, and the cone tells the sky from a
+/// sphere that fills the view below it. A normal that is not sure is 0: all points are inside.
 struct Frustum {
   HalfSpace side[5];
-  float normal[5][3];  ///< the same normals
+  float normal[5][3];  ///< the same normals; the last is the axis of the cone, and has what is behind on its
+                       ///< other side
+  float cosine, sine;  ///< of the cone's half-angle; 0 and 1 if it is not sure, or above 60°
 
   Frustum(const PixelRays& rays, const Tile& tile) {
     const Camera& camera = rays.camera();
@@ -106,15 +108,18 @@ struct Frustum {
     set(1, position, hand * cross(forward + u(tile.x1) * right, up));
     set(2, position, hand * cross(forward + v(tile.y1) * up, right));
     set(3, position, hand * cross(right, forward + v(tile.y0) * up));
-    // Where the middle ray is at less than a right angle to those of the corners, it is so to all between
-    // them.
+    // The directions at no more than an angle below 90° from an axis are convex: what holds the corners'
+    // rays, holds all between them.
     const Vec3 middle =
         camera.direction(0.5 * (u(tile.x0) + u(tile.x1)) * right, 0.5 * (v(tile.y0) + v(tile.y1)) * up);
-    bool ahead = hand != 0;
+    double least = hand != 0 ? 1 : 0;
     for (const int x : {tile.x0, tile.x1})
       for (const int y : {tile.y0, tile.y1})
-        ahead = ahead && dot(middle, camera.direction(u(x) * right, v(y) * up)) > 0.1;
-    set(4, position, ahead ? middle : Vec3{0});
+        least = std::min(least, dot(middle, camera.direction(u(x) * right, v(y) * up)));
+    const bool sure = least > 0.5;
+    set(4, position, least > 0.1 ? middle : Vec3{0});
+    cosine = sure ? static_cast<float>(least) : 0;
+    sine = sure ? static_cast<float>(std::sqrt(1 - least * least)) : 1;
   }
 
  private:
@@ -144,6 +149,13 @@ class Candidates {
   /// a plane is good to 6u|l|, and the radius to u r. What
   /// is given to the radius, 2^-20 (|l| + r) = 16u (|l| + r), is more; 2^-140 covers whatever underflows.
   /// What is so large that the sums might overflow is taken to be everywhere.
+  ///
+  /// Seen from outside, the sphere has an angular radius ψ with sin ψ = r/|l|. A cone of half-angle φ around
+  /// an axis a misses it where l is at more than φ + ψ from a, that is where
+  ///   a·l < |l| cos(φ + ψ) = cos φ · h − sin φ · r   with the distance of the horizon h = √(|l|² − r²).
+  /// |l|² − r² is good to 2^-50 (|l|² + r²), from |l| as it is computed. In float a·l is off by 6u|l|, each
+  /// product by 3u (|l| + r), cos φ and sin φ by 2u of them; with cos φ > 1/2, 2^-18 (|l| + r) = 64u (|l| +
+  /// r) less for h is more than all of it.
   void add(int place, const Point& camera, const SphereAround& around) {
     const auto& [center, radius] = around;
     make_room(size_ + 1);
@@ -155,6 +167,10 @@ class Candidates {
     y_[i] = fits ? static_cast<float>(l.y) : 0;
     z_[i] = fits ? static_cast<float>(l.z) : 0;
     reach_[i] = fits ? static_cast<float>(radius + error) : std::numeric_limits<float>::infinity();
+    const double square = distance * distance - radius * radius;
+    const double uncertain = 0x1p-49 * (distance * distance + radius * radius);
+    horizon_[i] = fits && square > uncertain ? static_cast<float>(std::sqrt(square - uncertain) - 4 * error)
+                                             : -std::numeric_limits<float>::infinity();
     nearest_[i] = fits ? static_cast<float>(distance - radius - error) : 0;
     place_[i] = place;
   }
@@ -169,6 +185,10 @@ class Candidates {
       // NaN, which comes from numbers beyond float, is not outside.
       Mask<float, float_lanes> outside = false;
       for (const auto& n : frustum.normal) outside = outside || (x * n[0] + y * n[1] + z * n[2] < -reach);
+      const auto& axis = frustum.normal[4];
+      const Wide horizon = Wide::load(at(others.horizon_));
+      outside = outside ||
+                (x * axis[0] + y * axis[1] + z * axis[2] < horizon * frustum.cosine - reach * frustum.sine);
       const Bits seen = bits(!outside) & first_bits(others.size_ - i);
       if (seen == 0) continue;
       const auto to = [&](auto& row) { return row.data() + size_; };
@@ -176,6 +196,7 @@ class Candidates {
       store_chosen(to(y_), seen, y);
       store_chosen(to(z_), seen, z);
       store_chosen(to(reach_), seen, reach);
+      store_chosen(to(horizon_), seen, horizon);
       store_chosen(to(nearest_), seen, Wide::load(at(others.nearest_)));
       size_ += store_chosen(to(place_), seen, Lanes<std::int32_t, float_lanes>::load(at(others.place_)));
     }
@@ -224,7 +245,7 @@ class Candidates {
       for (std::size_t i = 0; i < order.size(); ++i) moved[i] = row[order[i]];
       row = std::move(moved);
     };
-    move(x_), move(y_), move(z_), move(reach_), move(nearest_), move(place_);
+    move(x_), move(y_), move(z_), move(reach_), move(horizon_), move(nearest_), move(place_);
   }
 
   /// Room for count surfaces, and for what a store of all lanes writes behind them.
@@ -232,12 +253,12 @@ class Candidates {
     const std::size_t needed = index(count + float_lanes);
     if (x_.size() >= needed) return;
     const std::size_t room = std::max(needed, 2 * x_.size());
-    for (auto* row : {&x_, &y_, &z_, &reach_, &nearest_}) row->resize(room);
+    for (auto* row : {&x_, &y_, &z_, &reach_, &horizon_, &nearest_}) row->resize(room);
     place_.resize(room);
   }
 
   int size_ = 0;
-  std::vector<float> x_, y_, z_, reach_, nearest_;
+  std::vector<float> x_, y_, z_, reach_, horizon_, nearest_;
   std::vector<std::int32_t> place_;
 };
 

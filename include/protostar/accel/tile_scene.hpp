@@ -28,6 +28,17 @@ class TileScene {
 
   [[nodiscard]] const std::vector<PointLight>& lights() const { return scene_.lights(); }
 
+  // What a Scene tells beyond what is Traceable.
+  [[nodiscard]] std::size_t size() const { return scene_.size(); }
+  template <class T>
+  [[nodiscard]] const std::vector<T>& surfaces() const {
+    return scene_.template surfaces<T>();
+  }
+  template <class T>
+  [[nodiscard]] const std::vector<Color>& colors() const {
+    return scene_.template colors<T>();
+  }
+
   // ---- For one ray.
 
   /// The ray of the camera that is the pixel's.

@@ -7,7 +7,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// Shows whether a ray meets anything at all, so it does not even ask what is first.
 struct BinaryIntegrator {
-  static constexpr bool takes_packets = true;  ///< of rays, as well as single ones (accel/packet.hpp)
+  using TakesPackets = BinaryIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
 
   template <class R = Ray>
   [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {

@@ -7,7 +7,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// Shows each surface in its color, unlit; black where there is nothing.
 struct ColorIntegrator {
-  static constexpr bool takes_packets = true;  ///< of rays, as well as single ones (accel/packet.hpp)
+  using TakesPackets = ColorIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});

@@ -8,7 +8,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Shows 1/t, with t the distance in scene units for rays of unit direction; black where there is nothing, as
 /// for a surface infinitely far away.
 struct DepthIntegrator {
-  static constexpr bool takes_packets = true;  ///< of rays, as well as single ones (accel/packet.hpp)
+  using TakesPackets = DepthIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});

@@ -8,7 +8,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// The light that a diffuse surface sends towards the ray's origin: its color times the irradiance of all
 /// lights on the side that the ray sees; black where there is nothing. Nothing hides a light.
 struct DiffuseIntegrator {
-  static constexpr bool takes_packets = true;  ///< of rays, as well as single ones (accel/packet.hpp)
+  using TakesPackets = DiffuseIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});

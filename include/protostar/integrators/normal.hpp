@@ -8,7 +8,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Maps the surface's own unit normal from [−1, 1]³ to [0, 1]³, x, y, z to red, green, blue; black where
 /// there is nothing.
 struct NormalIntegrator {
-  static constexpr bool takes_packets = true;  ///< of rays, as well as single ones (accel/packet.hpp)
+  using TakesPackets = NormalIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});

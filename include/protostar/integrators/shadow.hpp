@@ -8,7 +8,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// The light that a diffuse surface sends towards the ray's origin, from the lights that it can see; black
 /// where there is nothing.
 struct ShadowIntegrator {
-  static constexpr bool takes_packets = true;  ///< of rays, as well as single ones (accel/packet.hpp)
+  using TakesPackets = ShadowIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});

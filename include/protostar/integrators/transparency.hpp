@@ -10,7 +10,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// with their number and not with its square, and there is no limit to them. The product is taken in the
 /// order of the surfaces.
 struct TransparencyIntegrator {
-  static constexpr bool takes_packets = true;  ///< of rays, as well as single ones (accel/packet.hpp)
+  using TakesPackets = TransparencyIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
 
   template <class R = Ray>
   [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {
