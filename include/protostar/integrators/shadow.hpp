@@ -25,8 +25,7 @@ struct ShadowIntegrator {
       const auto in_front = dot(normal, to_light) > 0.0;
       if (!any(in_front)) continue;  // a light behind the surface needs no shadow ray
       // The shadow ray is not normalized: it is at the light for t = 1, so occluders lie in (0, 1).
-      auto shadow_ray = hit.leave(to_light);
-      const auto visible = in_front && !scene.occluded(only(in_front, std::move(shadow_ray)), Interval{0, 1});
+      const auto visible = in_front && !scene.occluded(only(in_front, hit.leave(to_light)), Interval{0, 1});
       if (!any(visible)) continue;
       irradiance += select(visible, light.irradiance(point, normal), typename Hit::Light(0));
     }
