@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "material.hpp"
 #include "numeric/exact_root.hpp"
 #include "numeric/roots.hpp"
 #include "ray.hpp"
@@ -27,6 +28,7 @@ struct RefinedCrossing {
 /// surface.hpp has one such table for each type.
 struct SurfaceFunctions {
   Vec3 (*normal_at)(const void* surface, const Point& point);
+  Uv (*uv_at)(const void* surface, const Point& point);
   Departure (*departure)(const void* surface);
   RefinedCrossing (*refine)(const void* surface, const Ray& ray, const Crossing& crossing,
                             Precision precision);
@@ -38,7 +40,7 @@ struct SurfaceCrossing {
   Crossing crossing;
   const void* surface = nullptr;
   const SurfaceFunctions* functions = nullptr;
-  const Color* color = nullptr;
+  const Material* material = nullptr;
 
   [[nodiscard]] Departure departure() const { return functions->departure(surface); }
   [[nodiscard]] RefinedCrossing refine(const Ray& ray, Precision precision) const {
@@ -96,8 +98,18 @@ class Intersection {
     return dot(n, ray_.direction) <= 0 ? n : -n;
   }
 
-  /// The color that the surface was added with.
-  [[nodiscard]] Color color() const { return *on_.color; }
+  /// What the surface is made of.
+  [[nodiscard]] const Material& material() const { return *on_.material; }
+
+  /// Where it is on the surface, in the surface's own coordinates; 0 and 0 on one that has none.
+  [[nodiscard]] Uv uv() const { return on_.functions->uv_at(on_.surface, point()); }
+
+  /// The surface's color here: the diffuse color of its material, or what that has for a texture.
+  [[nodiscard]] Color color() const {
+    if (!material().texture) return material().diffuse;
+    const Uv place = uv();
+    return material().texture(place.x, place.y);
+  }
 
   /// The ray from here in a direction of any length. It knows what it departs from and does not meet it again
   /// at its origin; there is no offset.

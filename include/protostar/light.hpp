@@ -6,36 +6,157 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <string>
 
-#include "vec3.hpp"
+#include "interval.hpp"
+#include "numeric/trigonometry.hpp"
+#include "ray.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A light that shines from one point alike in all directions (§2.3.2, A.1.4).
+/// A light that shines from one point alike in all directions (§2.3.2, A.1.4). At a distance r it brings
+/// Φ/(4π r²) to a surface that faces it.
 struct PointLight {
   Point position{0};
   Color power{0};  ///< Φ, the flux per channel, in watts; not negative. The tutorial calls it intensity.
+};
+
+/// A light at a point that brings the same at every distance, which no real one does.
+struct ConstantLight {
+  Point position{0};
+  Color intensity{0};  ///< the irradiance of a surface that faces it, in watts per square unit; not negative
+};
+
+/// A light infinitely far away, as the sun nearly is.
+struct DirectionalLight {
+  Vec3 direction{0, 1, 0};  ///< towards the light, of any length but 0
+  Color intensity{0};       ///< the irradiance of a surface that faces it, in watts per square unit
+};
+
+/// A point light that shines into a cone: inside as a PointLight of the same power does, outside not at all.
+struct SpotLight {
+  Point position{0};
+  Vec3 direction{0, 0, 1};  ///< the cone's axis, away from the light, of any length but 0
+  double angle = 30;        ///< from the axis to the edge, in degrees, above 0 and at most 180
+  Color power{0};           ///< Φ, as if it shone in all directions; not negative
+  double fade = 0;  ///< over the last so many degrees before the edge the light falls to 0, by a smoothstep
+};
+
+/// Light from everywhere: it is added to the irradiance of every point, and nothing hides it.
+struct AmbientLight {
+  Color intensity{0};  ///< in watts per square unit; not negative
+};
+
+/// A light of any kind that comes from one place: what an integrator asks about the light on a point.
+class Light {
+ public:
+  /// Each throws std::invalid_argument if a number is not finite, a color is negative, a direction is 0, or
+  /// an angle is not as said above.
+  Light(const PointLight& light) : Light("PointLight", light.position, light.power, Falloff::square) {
+    check(is_finite(light.position), "position must be finite");
+    check(is_light(light.power), "power must be finite and not negative");
+  }
+  Light(const ConstantLight& light)
+      : Light("ConstantLight", light.position, light.intensity, Falloff::none) {
+    check(is_finite(light.position), "position must be finite");
+    check(is_light(light.intensity), "intensity must be finite and not negative");
+  }
+  Light(const DirectionalLight& light)
+      : Light("DirectionalLight", light.direction, light.intensity, Falloff::none) {
+    check_direction(light.direction);
+    check(is_light(light.intensity), "intensity must be finite and not negative");
+    place_ = unit(light.direction);
+    is_far_ = true;
+  }
+  Light(const SpotLight& light) : Light("SpotLight", light.position, light.power, Falloff::square) {
+    check(is_finite(light.position), "position must be finite");
+    check(is_light(light.power), "power must be finite and not negative");
+    check_direction(light.direction);
+    check(0 < light.angle && light.angle <= 180, "angle must be above 0 and at most 180 degrees");
+    check(0 <= light.fade && light.fade <= light.angle, "fade must be from 0 to angle");
+    is_spot_ = true;
+    axis_ = unit(light.direction);
+    angle_ = light.angle;
+    fade_ = light.fade;
+  }
+
+  /// From a point, or several, to the light. The ray along it is at the light at t = 1, or for a light
+  /// infinitely far away only at infinity: what lies in between, inside way(), hides it.
+  template <class V = Vec3>
+  [[nodiscard]] V towards(const V& point) const {
+    return is_far_ ? V(place_) : place_ - point;
+  }
+  [[nodiscard]] Interval way() const { return {.min = 0, .max = is_far_ ? infinity : 1}; }
 
   /// The irradiance that the light, unhindered, brings to a point with this unit normal:
-  ///   E = Φ/(4π) · cos θ / r² = Φ/(4π) · n·l / |l|³   with l = position − point;
-  /// 0 where the light is behind the surface, and where it lies in it. Very near the light it grows beyond
-  /// all bounds; the factor of the power is held at the largest float.
+  ///   E = E⊥ · cos θ   with   cos θ = n·l/|l|,   l = towards(point);
+  /// 0 where the light is behind the surface, and where it lies in it. Very near a light it grows beyond all
+  /// bounds; the factor of the light's color is held at the largest float.
   template <class V = Vec3>
   [[nodiscard]] auto irradiance(const V& point, const V& normal) const {
-    using std::min, std::sqrt;
-    const V l = position - point;
-    const auto height = dot(normal, l);
-    const auto r2 = dot(l, l);
-    const auto factor = height / (4 * std::numbers::pi * r2 * sqrt(r2));
-    const double largest = std::numeric_limits<float>::max();
-    return power * to_float(select(height > 0.0, min(factor, largest), 0.0));
+    const V l = towards(point);
+    return received(l, dot(normal, l));
   }
 
-  /// Throws std::invalid_argument if the position is not finite, or the power is negative or not finite.
-  void validate() const {
-    if (!is_finite(position)) throw std::invalid_argument("PointLight: position must be finite");
-    if (!is_light(power)) throw std::invalid_argument("PointLight: power must be finite and not negative");
+  /// E⊥, the irradiance of a surface that faces the light.
+  template <class V = Vec3>
+  [[nodiscard]] auto perpendicular_irradiance(const V& point) const {
+    using std::sqrt;
+    const V l = towards(point);
+    return received(l, sqrt(dot(l, l)));
   }
+
+ private:
+  enum class Falloff { none, square };
+
+  Light(const char* type, const Vec3& place, const Color& color, Falloff falloff)
+      : type_(type), place_(place), color_(color), falloff_(falloff) {}
+
+  void check(bool holds, const char* rule) const {
+    if (!holds) throw std::invalid_argument(std::string(type_) + ": " + rule);
+  }
+  void check_direction(const Vec3& direction) const {
+    check(is_finite(direction) && direction != Vec3{0}, "direction must be finite and not zero");
+  }
+
+  static Vec3 unit(const Vec3& v) {
+    const Vec3 size = abs(v);  // squares of what is divided by the largest neither overflow nor vanish
+    return normalize(v / std::max({size.x, size.y, size.z}));
+  }
+
+  /// The color times height/|l| · g, with the height n·l of the light over the surface, and g = 1/(4π |l|²)
+  /// for a power and 1 for an irradiance.
+  template <class V, class Number>
+  [[nodiscard]] auto received(const V& l, const Number& height) const {
+    using std::min, std::sqrt;
+    const Number r2 = dot(l, l);
+    const Number weight =
+        falloff_ == Falloff::square ? Number(4 * std::numbers::pi * r2 * sqrt(r2)) : Number(sqrt(r2));
+    const double largest = std::numeric_limits<float>::max();
+    const Number factor = select(height > 0.0, min(height / weight, Number(largest)), Number(0.0));
+    return color_ * to_float(is_spot_ ? factor * share(l) : factor);
+  }
+
+  /// The share of a spotlight's power that goes in the direction of −l.
+  template <class V>
+  [[nodiscard]] auto share(const V& l) const {
+    using std::sqrt;
+    return of_each(-dot(l, axis_) / sqrt(dot(l, l)), [this](double cosine) {
+      const double inside = angle_ - 180 / std::numbers::pi * arc_cosine(cosine);
+      if (!(inside >= 0)) return 0.0;
+      if (inside >= fade_) return 1.0;
+      const double x = inside / fade_;
+      return x * x * (3 - 2 * x);
+    });
+  }
+
+  const char* type_;
+  Vec3 place_;  ///< the position, or the unit direction of a light infinitely far away
+  Color color_;
+  Falloff falloff_;
+  bool is_far_ = false, is_spot_ = false;
+  Vec3 axis_{0};
+  double angle_ = 0, fade_ = 0;  ///< degrees
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

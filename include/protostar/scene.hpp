@@ -12,23 +12,39 @@
 #include <vector>
 
 #include "light.hpp"
+#include "material.hpp"
 #include "surface.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Whatever answers the three questions: a Scene, or what stands in for one. Integrators ask no more than
-/// this.
+/// Whatever answers the three questions: a Scene, or what stands in for one.
 ///   intersect(ray, range)         what is met first?
 ///   occluded(ray, range)          is anything in the way?
 ///   crossings(ray, range, visit)  what is crossed at all?
-/// and lights(), for what shines on it.
+/// Integrators of light also ask it for lights(), ambient() and sky(), as Scene has them; of those, the last
+/// two may be missing.
 template <class T>
 concept Traceable = requires(const T& scene, const Ray& ray, Interval range) {
   { scene.intersect(ray, range) } -> std::same_as<std::optional<Intersection>>;
   { scene.occluded(ray, range) } -> std::same_as<bool>;
   scene.crossings(ray, range, [](const Intersection&) {});
-  { scene.lights() } -> std::convertible_to<const std::vector<PointLight>&>;
 };
+
+/// The irradiance that is everywhere in a scene: none in one that knows of none.
+[[nodiscard]] Color ambient_of(const auto& scene) {
+  if constexpr (requires { scene.ambient(); })
+    return scene.ambient();
+  else
+    return Color{0};
+}
+
+/// What a ray brings that meets nothing, or what it brings without a sky.
+[[nodiscard]] Color sky_of(const auto& scene, const Color& without) {
+  if constexpr (requires { scene.sky(); })
+    return scene.sky().value_or(without);
+  else
+    return without;
+}
 
 namespace detail {
 
@@ -51,28 +67,48 @@ class Scene {
   static_assert(detail::are_distinct<S...>, "a scene names each type of surface once");
 
  public:
-  /// Adds a surface of one of the scene's types, or one that converts to the first of them that takes it, in
-  /// a color (finite, not negative). Throws std::invalid_argument for a color or a surface that is not valid.
+  /// Adds a surface of one of the scene's types, or one that converts to the first of them that takes it.
+  /// Throws std::invalid_argument for a material or a surface that is not valid, and for a texture on a
+  /// surface that has no coordinates.
+  template <class T>
+  requires(std::convertible_to<T, S> || ...) void add(T surface, Material material) {
+    material.validate();
+    group_for<T>().add(std::move(surface), std::move(material));
+  }
+
+  /// Adds a matte surface of a color (finite, not negative).
   template <class T>
   requires(std::convertible_to<T, S> || ...) void add(T surface, const Color& color) {
     if (!is_light(color)) throw std::invalid_argument("Scene::add: color must be finite and not negative");
-    group_for<T>().add(std::move(surface), color);
+    group_for<T>().add(std::move(surface), Material{.diffuse = color});
   }
 
-  /// Adds a light. Throws std::invalid_argument if it is not valid.
-  void add(const PointLight& light) {
-    light.validate();
-    lights_.push_back(light);
+  /// Adds a light: a PointLight, or any that Light takes. One that is not valid throws std::invalid_argument.
+  void add(const Light& light) { lights_.push_back(light); }
+
+  /// Adds to the irradiance of all points. Throws std::invalid_argument if the light is negative or not
+  /// finite.
+  void add(const AmbientLight& light) {
+    if (!is_light(light.intensity))
+      throw std::invalid_argument("AmbientLight: intensity must be finite and not negative");
+    ambient_ += light.intensity;
+  }
+
+  /// Gives the scene a sky: what a ray brings that meets nothing. Throws std::invalid_argument if it is
+  /// negative or not finite.
+  void set_sky(const Color& sky) {
+    if (!is_light(sky)) throw std::invalid_argument("Scene::set_sky: sky must be finite and not negative");
+    sky_ = sky;
   }
 
   /// The first crossing inside the range. The order is exact for surfaces that can refine their roots.
   [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
     SurfaceCrossing first;
     bool found = false;
-    each_surface([&](const auto& surface, const Color& color) {
+    each_surface([&](const auto& surface, const Material& material) {
       const auto crossing = first_crossing(surface, ray, range);
       if (!crossing) return;
-      const SurfaceCrossing candidate = crossing_on(surface, *crossing, color);
+      const SurfaceCrossing candidate = crossing_on(surface, *crossing, material);
       if (found && !precedes(ray, candidate, first)) return;
       first = candidate;
       found = true;
@@ -92,42 +128,50 @@ class Scene {
   /// Calls visit(const Intersection&) for every crossing inside the range, in the order of the surfaces, not
   /// along the ray; of one surface, near before far. A point of tangency counts as two crossings.
   void crossings(const Ray& ray, Interval range, auto&& visit) const {
-    each_surface([&](const auto& surface, const Color& color) {
+    each_surface([&](const auto& surface, const Material& material) {
       each_crossing(surface, ray, range, [&](const Crossing& crossing) {
-        const Intersection intersection(ray, crossing_on(surface, crossing, color));
+        const Intersection intersection(ray, crossing_on(surface, crossing, material));
         visit(intersection);
       });
     });
   }
 
-  [[nodiscard]] const std::vector<PointLight>& lights() const { return lights_; }
+  [[nodiscard]] const std::vector<Light>& lights() const { return lights_; }
+
+  /// The irradiance that is added everywhere: the sum of the ambient lights.
+  [[nodiscard]] const Color& ambient() const { return ambient_; }
+
+  /// What a ray brings that meets nothing; without one, each integrator has its own.
+  [[nodiscard]] const std::optional<Color>& sky() const { return sky_; }
 
   /// How many surfaces there are.
   [[nodiscard]] std::size_t size() const { return (std::size_t{0} + ... + surfaces<S>().size()); }
 
-  /// The surfaces of one of the scene's types, and their colors, as they were added.
+  /// The surfaces of one of the scene's types, and their materials, as they were added.
   template <class T>
   [[nodiscard]] const std::vector<T>& surfaces() const {
     return std::get<Group<T>>(groups_).surfaces;
   }
   template <class T>
-  [[nodiscard]] const std::vector<Color>& colors() const {
-    return std::get<Group<T>>(groups_).colors;
+  [[nodiscard]] const std::vector<Material>& materials() const {
+    return std::get<Group<T>>(groups_).materials;
   }
 
  private:
-  /// The surfaces of one type, and their colors.
+  /// The surfaces of one type, and their materials.
   template <Surface T>
   struct Group {
     std::vector<T> surfaces;
-    std::vector<Color> colors;
+    std::vector<Material> materials;
 
-    void add(T surface, const Color& color) {
+    void add(T surface, Material material) {
       if constexpr (SurfaceWithValidation<T>) surface.validate();
+      if (material.texture && !has_uv(surface))
+        throw std::invalid_argument("Scene::add: a texture needs a surface with coordinates, uv_at(point)");
       // If memory ends, it does so before one of them has grown.
-      if (colors.size() == colors.capacity()) colors.reserve(2 * colors.size() + 1);
+      if (materials.size() == materials.capacity()) materials.reserve(2 * materials.size() + 1);
       surfaces.push_back(std::move(surface));
-      colors.push_back(color);
+      materials.push_back(std::move(material));
     }
 
     [[nodiscard]] bool occluded(const Ray& ray, Interval range) const {
@@ -137,10 +181,10 @@ class Scene {
     }
   };
 
-  /// Calls visit(surface, color) for every surface, in order.
+  /// Calls visit(surface, material) for every surface, in order.
   void each_surface(auto&& visit) const {
     [[maybe_unused]] const auto in_group = [&](const auto& group) {
-      for (std::size_t i = 0; i < group.surfaces.size(); ++i) visit(group.surfaces[i], group.colors[i]);
+      for (std::size_t i = 0; i < group.surfaces.size(); ++i) visit(group.surfaces[i], group.materials[i]);
     };
     (in_group(std::get<Group<S>>(groups_)), ...);
   }
@@ -162,7 +206,9 @@ class Scene {
   }
 
   std::tuple<Group<S>...> groups_;
-  std::vector<PointLight> lights_;
+  std::vector<Light> lights_;
+  Color ambient_{0};
+  std::optional<Color> sky_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

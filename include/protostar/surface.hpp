@@ -85,6 +85,30 @@ concept SurfaceWithBounds = Surface<S> && requires(const S& surface) {
   { surface.bounds() } -> std::same_as<Bounds>;
 };
 
+/// A surface that has coordinates of its own, for textures.
+template <class S>
+concept SurfaceWithUv = Surface<S> && requires(const S& surface, const Point& point) {
+  { surface.uv_at(point) } -> std::same_as<Uv>;
+};
+
+/// Whether a surface has coordinates. One that holds others may say it of each.
+template <Surface S>
+[[nodiscard]] bool has_uv(const S& surface) {
+  if constexpr (requires { surface.has_uv(); })
+    return surface.has_uv();
+  else
+    return SurfaceWithUv<S>;
+}
+
+/// The coordinates of a point of a surface; 0 and 0 if it has none.
+template <Surface S>
+[[nodiscard]] Uv uv_at(const S& surface, const Point& point) {
+  if constexpr (SurfaceWithUv<S>)
+    return surface.uv_at(point);
+  else
+    return Uv{0};
+}
+
 /// What a ray that leaves this surface departs from: what the surface says, or else the object itself.
 template <Surface S>
 [[nodiscard]] Departure departure_of(const S& surface) {
@@ -224,6 +248,7 @@ void each_crossing(const S& surface, const Ray& ray, Interval range, auto&& visi
 template <Surface S>
 inline constexpr SurfaceFunctions functions_of{
     .normal_at = [](const void* s, const Point& p) -> Vec3 { return static_cast<const S*>(s)->normal_at(p); },
+    .uv_at = [](const void* s, const Point& p) -> Uv { return uv_at(*static_cast<const S*>(s), p); },
     .departure = [](const void* s) { return departure_of(*static_cast<const S*>(s)); },
     .refine = [](const void* s, const Ray& ray, const Crossing& crossing,
                  Precision precision) { return refine(*static_cast<const S*>(s), ray, crossing, precision); },
@@ -234,8 +259,9 @@ inline constexpr SurfaceFunctions functions_of{
 
 /// A crossing with a surface, whose type is forgotten.
 template <Surface S>
-[[nodiscard]] SurfaceCrossing crossing_on(const S& surface, const Crossing& crossing, const Color& color) {
-  return {.crossing = crossing, .surface = &surface, .functions = &functions_of<S>, .color = &color};
+[[nodiscard]] SurfaceCrossing crossing_on(const S& surface, const Crossing& crossing,
+                                           const Material& material) {
+  return {.crossing = crossing, .surface = &surface, .functions = &functions_of<S>, .material = &material};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

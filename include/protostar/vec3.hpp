@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "platform.hpp"
@@ -21,6 +22,9 @@ using Point = Vec3;
 /// Red, green and blue: linear light, or the share of light that a surface reflects. 0 is black; there is no
 /// upper limit.
 using Color = glm::vec3;
+
+/// A place on a surface, in the surface's own coordinates u and v, which are x and y of this.
+using Uv = glm::dvec2;
 
 /// Whether no component is infinite or not a number.
 inline bool is_finite(const Vec3& v) {
@@ -45,6 +49,9 @@ template <class T>
 
 /// Whether any answer is yes: here, the only one.
 [[nodiscard]] constexpr bool any(bool answer) { return answer; }
+
+/// f of each number: here, of the only one.
+[[nodiscard]] double of_each(double x, const auto& f) { return f(x); }
 
 /// The nearest float.
 [[nodiscard]] constexpr float to_float(double x) { return static_cast<float>(x); }

@@ -159,7 +159,9 @@ class Accelerated<Scene<S...>> {
   /// one surface, near before far.
   void crossings(const Ray& ray, Interval range, auto&& visit) const { (cross<S>(ray, range, visit), ...); }
 
-  [[nodiscard]] const std::vector<PointLight>& lights() const { return scene_->lights(); }
+  [[nodiscard]] const std::vector<Light>& lights() const { return scene_->lights(); }
+  [[nodiscard]] const Color& ambient() const { return scene_->ambient(); }
+  [[nodiscard]] const std::optional<Color>& sky() const { return scene_->sky(); }
 
   [[nodiscard]] const Scene<S...>& scene() const { return *scene_; }
 
@@ -174,12 +176,12 @@ class Accelerated<Scene<S...>> {
   template <class T>
   void look_for_first(const Ray& ray, Interval& range, SurfaceCrossing& first) const {
     const auto& surfaces = scene_->template surfaces<T>();
-    const auto& colors = scene_->template colors<T>();
+    const auto& materials = scene_->template materials<T>();
     std::uint32_t first_index = 0;  // all of other types come before
     finder<T>().template each_candidate<simd::Order::near_first>(ray, range, [&](std::uint32_t i) {
       const auto crossing = first_crossing(surfaces[i], ray, range);
       if (!crossing) return false;
-      const SurfaceCrossing candidate = crossing_on(surfaces[i], *crossing, colors[i]);
+      const SurfaceCrossing candidate = crossing_on(surfaces[i], *crossing, materials[i]);
       // Of crossings at equal t the earlier surface's is the first.
       if (first.surface != nullptr &&
           (i < first_index ? precedes(ray, first, candidate) : !precedes(ray, candidate, first)))
@@ -208,10 +210,10 @@ class Accelerated<Scene<S...>> {
     });
     std::sort(candidates.begin(), candidates.end());
     const auto& surfaces = scene_->template surfaces<T>();
-    const auto& colors = scene_->template colors<T>();
+    const auto& materials = scene_->template materials<T>();
     for (const std::uint32_t i : candidates)
       each_crossing(surfaces[i], ray, range, [&](const Crossing& crossing) {
-        const Intersection intersection(ray, crossing_on(surfaces[i], crossing, colors[i]));
+        const Intersection intersection(ray, crossing_on(surfaces[i], crossing, materials[i]));
         visit(intersection);
       });
   }

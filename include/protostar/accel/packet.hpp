@@ -15,6 +15,12 @@ using Floats = Lanes<float, double_lanes>;
 using Indices = Lanes<std::int64_t, double_lanes>;
 using Chosen = Mask<double, double_lanes>;  ///< some rays of a packet
 
+/// f of each number.
+[[nodiscard]] Doubles of_each(Doubles x, const auto& f) {
+  for (int lane = 0; lane < double_lanes; ++lane) x.set(lane, f(x[lane]));
+  return x;
+}
+
 /// A vector in each lane.
 struct Vectors {
   Doubles x, y, z;
@@ -177,8 +183,9 @@ class Intersections {
 
   Doubles t;
 
-  Intersections(const Rays<Origin>& rays, Doubles at, Chosen which, const S& surface, const Color& color)
-      : t(at), rays_(rays), which_(which), surface_(surface), color_(color) {}
+  Intersections(const Rays<Origin>& rays, Doubles at, Chosen which, const S& surface,
+                const Material& material)
+      : t(at), rays_(rays), which_(which), surface_(surface), material_(material) {}
 
   [[nodiscard]] Vectors point() const { return rays_.at(t); }
 
@@ -202,17 +209,31 @@ class Intersections {
     return select(dot(n, rays_.direction) <= 0.0, n, -n);
   }
 
-  [[nodiscard]] const Color& color() const { return color_; }
+  [[nodiscard]] const Material& material() const { return material_; }
+
+  [[nodiscard]] Colors color() const { return material_.texture ? texture() : Colors(material_.diffuse); }
 
   [[nodiscard]] Rays<Vectors> leave(const Vectors& direction) const {
     return {point(), direction, which_, departure_of(surface_)};
   }
 
  private:
+  [[nodiscard, gnu::noinline]] Colors texture() const {
+    const Vectors points = point();
+    Colors colors(Color{0});
+    for (Bits left = bits(which_); left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
+      const Uv place = uv_at(surface_, points[lane]);
+      const Color color = material_.texture(place.x, place.y);
+      colors.r.set(lane, color.r), colors.g.set(lane, color.g), colors.b.set(lane, color.b);
+    }
+    return colors;
+  }
+
   const Rays<Origin>& rays_;
   Chosen which_;
   const S& surface_;
-  const Color& color_;
+  const Material& material_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

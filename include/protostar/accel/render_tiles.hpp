@@ -27,10 +27,11 @@ namespace simd {
 template <class I>
 concept PacketIntegrator = std::same_as<typename I::TakesPackets, I>;
 
-/// One that looks at what a ray meets first, and is black where it meets nothing.
+/// One that looks at what a ray meets first, and has a background where it meets nothing.
 template <class I, class S>
 concept ShadingIntegrator = requires(const I& integrator, const Intersection& hit, const S& scene) {
   { integrator.shade(hit, scene) } -> std::convertible_to<Color>;
+  { integrator.background(scene) } -> std::convertible_to<Color>;
 };
 
 /// What is the same for all tiles of a picture.
@@ -178,13 +179,13 @@ class TileRenderer {
   /// for all its rays and nothing has to be gathered.
   [[nodiscard]] Colors shade(const Rays<Point>& rays, const typename View::Closest& closest,
                              const View& view) const {
-    Colors result(Color{0});
+    Colors result(integrator_.background(view));
     Chosen left = closest.met && rays.wanted;
     for (Bits some = bits(left); some != 0; some = bits(left)) {
       const auto place = closest.place[std::countr_zero(some)];
       const Chosen here = left && mask_for<double>(closest.place == Indices(place));
-      view.visit(static_cast<int>(place), [&](const auto& surface, const Color& color) {
-        const Intersections hits(rays, closest.t, here, surface, color);
+      view.visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
+        const Intersections hits(rays, closest.t, here, surface, material);
         result = select(here, Colors(integrator_.shade(hits, view)), result);
       });
       left = left && !here;

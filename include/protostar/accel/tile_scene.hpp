@@ -26,7 +26,9 @@ class TileScene {
         unbounded_(unbounded),
         statistics_(statistics) {}
 
-  [[nodiscard]] const std::vector<PointLight>& lights() const { return scene_.lights(); }
+  [[nodiscard]] const std::vector<Light>& lights() const { return scene_.lights(); }
+  [[nodiscard]] const Color& ambient() const { return scene_.ambient(); }
+  [[nodiscard]] const std::optional<Color>& sky() const { return scene_.sky(); }
 
   // What a Scene tells beyond what is Traceable.
   [[nodiscard]] std::size_t size() const { return scene_.size(); }
@@ -35,8 +37,8 @@ class TileScene {
     return scene_.template surfaces<T>();
   }
   template <class T>
-  [[nodiscard]] const std::vector<Color>& colors() const {
-    return scene_.template colors<T>();
+  [[nodiscard]] const std::vector<Material>& materials() const {
+    return scene_.template materials<T>();
   }
 
   // ---- For one ray.
@@ -78,7 +80,7 @@ class TileScene {
     Chosen in_doubt = false;
     const auto consider = [&](int place) {
       count_tests(rays.wanted);
-      visit(place, [&](const auto& surface, const Color&) {
+      visit(place, [&](const auto& surface, const Material&) {
         const FirstCrossings first = first_crossings(surface, rays, rays.wanted, Interval{});
         // The order is sure where the errors of both t, 2^-30 of each, do not overlap.
         const Chosen sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
@@ -130,9 +132,9 @@ class TileScene {
   void crossings(const Rays<Point>& rays, Interval range, auto&& visit_crossing) const {
     const auto cross = [&](int place) {
       count_tests(rays.wanted);
-      visit(place, [&](const auto& surface, const Color& color) {
-        each_crossing_of(surface, rays, range, [&](Chosen which) {
-          if (any(which)) visit_crossing(SomeCross{which, color});
+      visit(place, [&](const auto& surface, const Material& material) {
+        each_crossing_of(surface, rays, range, [&](Chosen which, Doubles t) {
+          if (any(which)) visit_crossing(SomeCross{which, Intersections(rays, t, which, surface, material)});
         });
       });
     };
@@ -145,7 +147,7 @@ class TileScene {
     for (; k < unbounded_.size(); ++k) cross(unbounded_[k]);
   }
 
-  /// Calls visit(surface, color) for the surface at a place of the scene's order.
+  /// Calls visit(surface, material) for the surface at a place of the scene's order.
   void visit(int place, const auto& visit) const {
     auto i = static_cast<std::size_t>(place);
     static_cast<void>((visit_group<S>(i, visit) || ...));
@@ -155,11 +157,14 @@ class TileScene {
   /// So many surfaces are sooner tried in turn than looked for.
   static constexpr int few = 16;
 
+  template <class Crossings>
   struct SomeCross {
     Chosen which;
-    const Color& surface_color;
-    [[nodiscard]] Colors color() const { return select(which, surface_color, Color{1}); }
+    Crossings crossings;
+    [[nodiscard]] Colors color() const { return select(which, crossings.color(), Color{1}); }
   };
+  template <class Crossings>
+  SomeCross(Chosen, Crossings) -> SomeCross<Crossings>;
 
   static Chosen one(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
 
@@ -172,7 +177,7 @@ class TileScene {
   bool visit_group(std::size_t& i, const auto& visit) const {
     const auto& surfaces = scene_.template surfaces<T>();
     if (i < surfaces.size()) {
-      visit(surfaces[i], scene_.template colors<T>()[i]);
+      visit(surfaces[i], scene_.template materials<T>()[i]);
       return true;
     }
     i -= surfaces.size();
@@ -212,10 +217,10 @@ class TileScene {
   [[nodiscard, gnu::noinline]] PlacedCrossing closest_by_itself(const Ray& ray) const {
     PlacedCrossing first;
     const auto consider = [&](int place) {
-      visit(place, [&](const auto& surface, const Color& color) {
+      visit(place, [&](const auto& surface, const Material& material) {
         const auto crossing = first_crossing(surface, ray, Interval{});
         if (!crossing) return;
-        const SurfaceCrossing candidate = crossing_on(surface, *crossing, color);
+        const SurfaceCrossing candidate = crossing_on(surface, *crossing, material);
         // Of crossings at equal t the earlier surface's is the first.
         if (first.place >= 0 && (place < first.place ? precedes(ray, first.crossing, candidate)
                                                      : !precedes(ray, candidate, first.crossing)))
@@ -241,7 +246,7 @@ class TileScene {
   /// Moves the rays that cross a surface inside the range from those that are left to those found.
   void test(int place, const auto& rays, Interval range, Chosen& found, Chosen& left) const {
     count_tests(left);
-    visit(place, [&](const auto& surface, const Color&) {
+    visit(place, [&](const auto& surface, const Material&) {
       const CrossedByEach<Chosen> tested = crossed_by_each(surface, rays, left, range);
       Chosen crossed = tested.crossed;
       if (any(tested.in_doubt)) crossed = crossed || decide(surface, rays, tested.in_doubt, range);
@@ -252,7 +257,7 @@ class TileScene {
     });
   }
 
-  /// Calls tell(Chosen) for the crossings with one surface, near before far, with the rays that have one.
+  /// Calls tell(Chosen, t) for the crossings with one surface, near before far, with the rays that have one.
   template <Surface T>
   void each_crossing_of(const T& surface, const Rays<Point>& rays, Interval range, const auto& tell) const {
     Chosen alone = rays.wanted;
@@ -261,8 +266,8 @@ class TileScene {
       const Inside near = lies_inside(roots.near(), range), far = lies_inside(roots.far(), range);
       alone = roots.in_doubt || (roots.meets && ((near.maybe && !near.surely) || (far.maybe && !far.surely)));
       const Chosen sure = roots.meets && !alone;
-      tell(sure && near.surely);
-      if (roots.count > 1) tell(sure && far.surely);
+      tell(sure && near.surely, roots.near());
+      if (roots.count > 1) tell(sure && far.surely, roots.far());
       statistics_.in_doubt += static_cast<std::uint64_t>(std::popcount(bits(alone)));
     }
     if (any(alone)) each_crossing_by_itself(surface, rays, alone, range, tell);
@@ -273,7 +278,7 @@ class TileScene {
                                                             const auto& tell) const {
     for (Bits left = bits(alone); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
-      each_crossing(surface, rays[lane], range, [&](const Crossing&) { tell(one(lane)); });
+      each_crossing(surface, rays[lane], range, [&](const Crossing& crossing) { tell(one(lane), crossing.t); });
     }
   }
 

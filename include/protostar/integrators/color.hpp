@@ -5,14 +5,16 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Shows each surface in its color, unlit; black where there is nothing.
+/// Shows each surface in its color, unlit; the sky, or black, where there is nothing.
 struct ColorIntegrator {
   using TakesPackets = ColorIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
-    return hit ? shade(*hit, scene) : Color{0};
+    return hit ? shade(*hit, scene) : background(scene);
   }
+
+  [[nodiscard]] Color background(const auto& scene) const { return sky_of(scene, Color{0}); }
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto&) const {

@@ -6,21 +6,23 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// The light that a diffuse surface sends towards the ray's origin: its color times the irradiance of all
-/// lights on the side that the ray sees; black where there is nothing. Nothing hides a light.
+/// lights on the side that the ray sees; the sky, or black, where there is nothing. Nothing hides a light.
 struct DiffuseIntegrator {
   using TakesPackets = DiffuseIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
-    return hit ? shade(*hit, scene) : Color{0};
+    return hit ? shade(*hit, scene) : background(scene);
   }
+
+  [[nodiscard]] Color background(const auto& scene) const { return sky_of(scene, Color{0}); }
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
     const auto point = hit.point();
     const auto normal = hit.facing_normal();
-    typename Hit::Light irradiance(0);
-    for (const PointLight& light : scene.lights()) irradiance += light.irradiance(point, normal);
+    typename Hit::Light irradiance(ambient_of(scene));
+    for (const Light& light : scene.lights()) irradiance += light.irradiance(point, normal);
     return hit.color() * irradiance;
   }
 };

@@ -5,27 +5,29 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The light that a diffuse surface sends towards the ray's origin, from the lights that it can see; black
-/// where there is nothing.
+/// The light that a diffuse surface sends towards the ray's origin, from the lights that it can see; the
+/// sky, or black, where there is nothing.
 struct ShadowIntegrator {
   using TakesPackets = ShadowIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
-    return hit ? shade(*hit, scene) : Color{0};
+    return hit ? shade(*hit, scene) : background(scene);
   }
+
+  [[nodiscard]] Color background(const auto& scene) const { return sky_of(scene, Color{0}); }
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
     const auto point = hit.point();
     const auto normal = hit.facing_normal();
-    typename Hit::Light irradiance(0);
-    for (const PointLight& light : scene.lights()) {
-      const auto to_light = light.position - point;
+    typename Hit::Light irradiance(ambient_of(scene));
+    for (const Light& light : scene.lights()) {
+      const auto to_light = light.towards(point);
       const auto in_front = dot(normal, to_light) > 0.0;
       if (!any(in_front)) continue;  // a light behind the surface needs no shadow ray
-      // The shadow ray is not normalized: it is at the light for t = 1, so occluders lie in (0, 1).
-      const auto visible = in_front && !scene.occluded(only(in_front, hit.leave(to_light)), Interval{0, 1});
+      // The shadow ray is not normalized: it is at a near light for t = 1, so occluders lie in (0, 1).
+      const auto visible = in_front && !scene.occluded(only(in_front, hit.leave(to_light)), light.way());
       if (!any(visible)) continue;
       irradiance += select(visible, light.irradiance(point, normal), typename Hit::Light(0));
     }

@@ -5,7 +5,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// White light from behind, filtered by the color of every surface that the ray crosses, on its way in and on
+/// Light from behind, white if the scene has no sky, filtered by the color of every surface that the ray crosses, on its way in and on
 /// its way out. The ray is never restarted: one pass over the surfaces finds all crossings, so the work grows
 /// with their number and not with its square, and there is no limit to them. The product is taken in the
 /// order of the surfaces.
@@ -14,7 +14,7 @@ struct TransparencyIntegrator {
 
   template <class R = Ray>
   [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {
-    typename R::Light light(1);
+    typename R::Light light(sky_of(scene, Color{1}));
     scene.crossings(ray, Interval{}, [&](const auto& crossing) { light *= crossing.color(); });
     return light;
   }

@@ -29,6 +29,8 @@ class AnySurface {
     return crossing ? std::optional(crossing->t) : std::nullopt;
   }
   [[nodiscard]] Vec3 normal_at(const Point& point) const { return held_->normal_at(point); }
+  [[nodiscard]] bool has_uv() const { return held_->has_uv(); }
+  [[nodiscard]] Uv uv_at(const Point& point) const { return held_->uv_at(point); }
   [[nodiscard]] Departure departure() const { return held_->departure(); }
   [[nodiscard]] Bounds bounds() const { return held_->bounds(); }
   void validate() const { held_->validate(); }
@@ -66,6 +68,8 @@ class AnySurface {
     virtual RefinedCrossing refine(const Ray&, const Crossing&, Precision) const = 0;
     virtual ExactRoot exact_root(const Ray&, const Crossing&) const = 0;
     virtual Vec3 normal_at(const Point&) const = 0;
+    virtual bool has_uv() const = 0;
+    virtual Uv uv_at(const Point&) const = 0;
     virtual Departure departure() const = 0;
     virtual Bounds bounds() const = 0;
     virtual void validate() const = 0;
@@ -88,6 +92,8 @@ class AnySurface {
       return protostar::exact_root(surface, ray, crossing);
     }
     Vec3 normal_at(const Point& point) const override { return surface.normal_at(point); }
+    bool has_uv() const override { return protostar::has_uv(surface); }
+    Uv uv_at(const Point& point) const override { return protostar::uv_at(surface, point); }
     Departure departure() const override { return departure_of(surface); }
     Bounds bounds() const override {
       if constexpr (SurfaceWithBounds<S>)

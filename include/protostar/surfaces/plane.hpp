@@ -7,6 +7,7 @@
 
 #include "../numeric/plane_roots.hpp"
 #include "../surface.hpp"
+#include "coordinates.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -30,6 +31,11 @@ struct Plane {
     return normalize(normal /
                      std::max({size.x, size.y, size.z}));  // whose squares neither overflow nor vanish
   }
+
+  /// In scene units from the plane's point nearest the coordinate origin: u along e1, the direction of a × n,
+  /// where n is the unit normal and a the coordinate axis on which it is smallest in magnitude, the first of
+  /// equals; v along e2 = n × e1.
+  [[nodiscard]] Uv uv_at(const Point& point) const { return plane_uv(normal_at(point), point); }
 
   /// The crossing of the ray's line; of a ray that departs from the plane, none.
   [[nodiscard]] Roots roots(const Ray& ray) const {

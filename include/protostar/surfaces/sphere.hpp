@@ -6,6 +6,7 @@
 
 #include "../numeric/sphere_roots.hpp"
 #include "../surface.hpp"
+#include "coordinates.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -30,6 +31,10 @@ struct Sphere {
   [[nodiscard]] P normal_at(const P& point) const {
     return (point - center) * (1 / radius);
   }
+
+  /// The direction from the center as longitude and latitude: u from 0 to 1 around the y axis, ½ where the
+  /// direction is that of z; v from 0 at the top to 1 at the bottom.
+  [[nodiscard]] Uv uv_at(const Point& point) const { return direction_uv(normalize(point - center)); }
 
   /// All crossings of the ray's line; of a ray that departs from the sphere, the one that it does not come
   /// from.

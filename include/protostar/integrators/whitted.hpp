@@ -1,0 +1,86 @@
+// Light, shadows, mirrors and glass: Whitted's picture, by rays that follow rays.
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "../numeric/power.hpp"
+#include "../scene.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// d, seen in a mirror with this unit normal.
+[[nodiscard]] inline Vec3 reflected(const Vec3& d, const Vec3& normal) {
+  return d - 2 * dot(normal, d) * normal;
+}
+
+/// The unit direction d after it has passed a surface whose unit normal faces it (n·d ≤ 0), by Snell's law:
+/// the sine of its angle to the normal is ratio times as large as before, ratio being the index of refraction
+/// before the surface over that behind it. Nothing if there is no such angle: all light is reflected.
+[[nodiscard]] inline std::optional<Vec3> refracted(const Vec3& d, const Vec3& normal, double ratio) {
+  const double cosine = -dot(normal, d);
+  const double square = 1 - ratio * ratio * (1 - cosine * cosine);  // of the cosine behind the surface
+  if (!(square >= 0)) return std::nullopt;
+  return ratio * d + (ratio * cosine - std::sqrt(square)) * normal;
+}
+
+/// The light of Material's equation: what the lights that a point can see bring to it, and what the mirror
+/// direction and the refracted direction see, by rays of their own (Whitted 1980, "An Improved Illumination
+/// Model for Shaded Display"). The sky, or black, where there is nothing.
+struct WhittedIntegrator {
+  int depth = 10;  ///< the most rays in one path; 1 is the camera's alone. A path that is cut sees the sky
+
+  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    return radiance(ray, scene, depth);
+  }
+
+ private:
+  [[nodiscard]] Color radiance(const Ray& ray, const auto& scene, int rays) const {
+    const auto hit = rays > 0 ? scene.intersect(ray, Interval{}) : std::nullopt;
+    if (!hit) return sky_of(scene, Color{0});
+
+    const Material& material = hit->material();
+    const Vec3 direction = normalize(ray.direction);
+    const Vec3 outside = hit->normal();
+    const bool enters = dot(outside, direction) <= 0;
+    const Vec3 normal = enters ? outside : -outside;
+
+    Color result = from_lights(*hit, normal, reflected(-direction, normal), scene);
+    if (material.reflect > 0)
+      result += static_cast<float>(material.reflect) *
+               radiance(hit->leave(reflected(direction, normal)), scene, rays - 1);
+    if (material.refract > 0)
+      if (const auto d = refracted(direction, normal, enters ? 1 / material.ior : material.ior))
+        result += static_cast<float>(material.refract) * radiance(hit->leave(*d), scene, rays - 1);
+    return result;
+  }
+
+  /// What comes from the lights: diffuse and, around the mirror image of the direction to the eye, specular.
+  [[nodiscard]] Color from_lights(const Intersection& hit, const Vec3& normal, const Vec3& eye_mirrored,
+                                  const auto& scene) const {
+    const Color color = hit.color(), specular = hit.material().specular;
+    if (color == Color{0} && specular == Color{0}) return Color{0};  // no light can be seen here
+
+    const Point point = hit.point();
+    Color result = color * ambient_of(scene);
+    for (const Light& light : scene.lights()) {
+      const Vec3 to_light = light.towards(point);
+      if (!(dot(normal, to_light) > 0)) continue;  // it is behind the surface
+      if (scene.occluded(hit.leave(to_light), light.way())) continue;
+      result += color * light.irradiance(point, normal);
+      if (specular != Color{0})
+        result += specular * light.perpendicular_irradiance(point) *
+                 lobe(dot(eye_mirrored, to_light) / length(to_light), hit.material().shininess);
+    }
+    return result;
+  }
+
+  /// cos^shininess; 0 behind the surface that the lobe stands on.
+  [[nodiscard]] static float lobe(double cosine, double shininess) {
+    if (shininess == 0) return cosine > 0 ? 1 : 0;
+    if (!(cosine > 0x1p-500)) return 0;
+    return static_cast<float>(static_cast<double>(pow(DoubleDouble(cosine), DoubleDouble(shininess))));
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

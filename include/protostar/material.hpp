@@ -1,0 +1,59 @@
+// What a surface is made of: what it makes of the light that reaches it.
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+
+#include "vec3.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// A color for each place of a surface, which the surface calls u and v (its uv_at). Any function of the two
+/// will do; it is called from several threads at once.
+using Texture = std::function<Color(double u, double v)>;
+
+/// Squares of two colors in turn. The one at 0 < u, v < size has the first; a line between two belongs to the
+/// one on its greater side.
+struct Checker {
+  Color first{1}, second{0};
+  double size = 1;  ///< the side of a square, in units of u and v; finite and greater than 0
+
+  [[nodiscard]] Color operator()(double u, double v) const {
+    // Whole numbers as double: their parity needs no integer to hold them.
+    const double sum = std::floor(u / size) + std::floor(v / size);
+    return std::fmod(sum, 2) == 0 ? first : second;
+  }
+};
+
+/// The radiance that leaves a point is
+///   Σ over the lights (diffuse · E + specular · E⊥ · cos(r, v)^shininess)
+///     + reflect · (what the mirror direction sees) + refract · (what the refracted direction sees)
+/// with the irradiance E of a light and E⊥ without its cosine, and the angle between the mirror image r of
+/// the direction to the light and the direction v to the eye (Phong). Nothing else is weighed: the materials
+/// of different ray tracers differ in their numbers alone.
+struct Material {
+  Color diffuse{0};      ///< the share of irradiance that is sent on alike in all directions
+  Texture texture = {};  ///< if there is one, it takes the place of diffuse
+  Color specular{0};
+  double shininess = 50;
+  double reflect = 0;
+  double refract = 0;
+  double ior = 1.5;  ///< the index of refraction inside, where the normal points out; outside it is 1
+
+  /// Throws std::invalid_argument if a number is negative or not finite, or if ior is 0.
+  void validate() const {
+    const auto check = [](bool holds, const char* rule) {
+      if (!holds) throw std::invalid_argument(rule);
+    };
+    const auto is_share = [](double x) { return x >= 0 && std::isfinite(x); };
+    check(is_light(diffuse), "Material: diffuse color must be finite and not negative");
+    check(is_light(specular), "Material: specular color must be finite and not negative");
+    check(is_share(shininess), "Material: shininess must be finite and not negative");
+    check(is_share(reflect), "Material: reflect must be finite and not negative");
+    check(is_share(refract), "Material: refract must be finite and not negative");
+    check(is_share(ior) && ior > 0, "Material: ior must be finite and greater than 0");
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

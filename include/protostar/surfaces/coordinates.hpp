@@ -1,0 +1,29 @@
+// The coordinates u and v that surfaces of one kind share.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+#include "../numeric/trigonometry.hpp"
+#include "../vec3.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// A unit direction as longitude and latitude: u = ½ + the angle of (z, x)/2π and v = the angle from the y axis/π, both from 0 to 1.
+[[nodiscard]] inline Uv direction_uv(const Vec3& direction) {
+  const double pi = std::numbers::pi;
+  return {0.5 + arc_tangent(direction.x, direction.z) / (2 * pi), arc_cosine(direction.y) / pi};
+}
+
+/// The components of p along two directions that span the plane of a unit normal: e1, the direction of a × n,
+/// where a is the coordinate axis on which n is smallest in magnitude, the first of equals, and e2 = n × e1.
+[[nodiscard]] inline Uv plane_uv(const Vec3& normal, const Vec3& p) {
+  const Vec3 size = abs(normal);
+  const Vec3 axis = size.x <= size.y && size.x <= size.z ? Vec3{1, 0, 0}
+                    : size.y <= size.z                   ? Vec3{0, 1, 0}
+                                                         : Vec3{0, 0, 1};
+  const Vec3 e1 = normalize(cross(axis, normal));
+  return {dot(e1, p), dot(cross(normal, e1), p)};
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

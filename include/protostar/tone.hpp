@@ -1,0 +1,40 @@
+// What is done with linear light before it is encoded: exposure, and what becomes of light above 1.
+#pragma once
+
+#include <algorithm>
+
+#include "image.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// What becomes of channels above 1, which no file but a linear one holds.
+enum class Tone {
+  clip,         ///< the encoder cuts each channel at 1
+  scale_pixel,  ///< a pixel is divided by its largest channel where that is above 1, so that it keeps its hue
+  scale_image,  ///< the image is divided by its largest channel, if that is above 0
+};
+
+/// Multiplies all light by a factor, which has to be finite and not negative.
+inline void expose(Image& image, double exposure) {
+  if (exposure == 1) return;
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) image(x, y) *= static_cast<float>(exposure);
+}
+
+/// Changes an image as a tone says.
+inline void apply(Tone tone, Image& image) {
+  if (tone == Tone::clip) return;
+  const auto largest_of = [](const Color& c) { return std::max({c.r, c.g, c.b}); };
+  float largest = 0;
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) {
+      const float channel = largest_of(image(x, y));
+      largest = std::max(largest, channel);
+      if (tone == Tone::scale_pixel && channel > 1) image(x, y) /= channel;
+    }
+  if (tone != Tone::scale_image || !(largest > 0)) return;
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) image(x, y) /= largest;
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI
