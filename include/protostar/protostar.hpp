@@ -15,6 +15,7 @@
 #include "intersection.hpp"
 #include "interval.hpp"
 #include "light.hpp"
+#include "numeric/trigonometry.hpp"
 #include "pfm.hpp"
 #include "ppm.hpp"
 #include "ray.hpp"
