@@ -1,4 +1,5 @@
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <protostar/camera.hpp>
 #include <stdexcept>
@@ -14,6 +15,13 @@ constexpr double inf = std::numeric_limits<double>::infinity(),
 
 /// How far a ray's direction is from the unit vector along v.
 double error(const Ray& ray, const Vec3& v) { return length(ray.direction - v / length(v)); }
+
+bool equal(const Camera& a, const Camera& b) {
+  return a.position == b.position && a.right == b.right && a.up == b.up && a.forward == b.forward &&
+         a.film_right == b.film_right && a.film_up == b.film_up;
+}
+
+const Vec3 x_axis{1, 0, 0}, y_axis{0, 1, 0}, z_axis{0, 0, 1};
 }  // namespace
 
 TEST_CASE("the default camera is the tutorial's: at the origin, x to the right, y up, looking along z") {
@@ -22,6 +30,8 @@ TEST_CASE("the default camera is the tutorial's: at the origin, x to the right, 
   CHECK(camera(0, 0).direction == Vec3{0, 0, 1});
   CHECK(error(camera(1, 0), {1, 0, 1}) < 1e-15);
   CHECK(error(camera(0, 1), {0, 1, 1}) < 1e-15);
+  CHECK(camera.is_pinhole());
+  CHECK(!camera.is_orthographic());
   CHECK_NOTHROW(camera.validate());
 }
 
@@ -74,7 +84,8 @@ TEST_CASE("camera rays are unit vectors, so that t is a distance") {
 
 TEST_CASE("a camera whose numbers are not finite is refused") {
   for (const double bad : {inf, -inf, not_a_number})
-    for (Vec3 Camera::*field : {&Camera::position, &Camera::right, &Camera::up, &Camera::forward})
+    for (Vec3 Camera::*field : {&Camera::position, &Camera::right, &Camera::up, &Camera::forward,
+                                &Camera::film_right, &Camera::film_up})
       for (int axis = 0; axis < 3; ++axis) {
         Camera camera;
         (camera.*field)[axis] = bad;
@@ -123,4 +134,201 @@ TEST_CASE("a camera may be of any scale, oblique, mirrored and almost flat") {
   CHECK_NOTHROW(Camera{.up = {0, 1e-17, 1}}.validate());
   CHECK_NOTHROW(Camera{.right = {1e-30, 0, 0}, .forward = {0, 0, 1e30}}.validate());
   CHECK_NOTHROW(Camera{.right = {1, 2, 3}, .up = {4, 5, 6}, .forward = {7, 8, 10}}.validate());
+}
+
+TEST_CASE("where the film vectors are not zero, rays start on the film") {
+  const Camera camera{
+      .position = {1, 2, 3}, .right = {1, 0, 0}, .film_right = {0, 0, 2}, .film_up = {5, 0, 0}};
+  CHECK(camera(0, 0).origin == Point{1, 2, 3});
+  CHECK(camera(0.5, -1).origin == Point{-4, 2, 4});
+  CHECK(error(camera(0.5, -1), {0.5, -1, 1}) < 1e-15);
+  CHECK(camera.through_pixel(0, 0, 2, 2).origin == Point{3.5, 2, 2});
+  CHECK_NOTHROW(camera.validate());
+}
+
+TEST_CASE("the perspective camera of 90 degrees is the default one") {
+  CHECK(equal(Camera::perspective(Point{0}, z_axis, y_axis, 90), Camera{}));
+  CHECK(equal(Camera::look_at(Point{0}, {0, 0, 7}, y_axis), Camera{}));
+  CHECK(equal(Camera::look_at(Point{0}, {0, 0, 0.3}, {0, 0.1, 55}, 90), Camera{}));
+}
+
+TEST_CASE("a perspective camera sees its field of view between the upper and the lower edge") {
+  struct {
+    Vec3 direction, upward;
+    double field_of_view;
+    Vec3 right, up;  ///< the directions to the middles of the edges of a square image
+  } const rows[] = {
+      {z_axis, y_axis, 90, {1, 0, 1}, {0, 1, 1}},
+      {{0, 0, 1e-200}, {0, 1e200, 0}, 90, {1, 0, 1}, {0, 1, 1}},
+      {-z_axis, y_axis, 90, {-1, 0, -1}, {0, 1, -1}},
+      {x_axis, z_axis, 60, {1, 1 / std::sqrt(3), 0}, {1, 0, 1 / std::sqrt(3)}},
+      {{0, -2, 0}, {3, 0, 0}, 120, {0, -1, -std::sqrt(3)}, {std::sqrt(3), -1, 0}},
+      {{1, 1, 0}, {-1, 1, 0}, 90, {1, 1, -std::sqrt(2)}, {0, 1, 0}},
+  };
+  for (const auto& row : rows) {
+    CAPTURE(row.field_of_view, row.direction.x, row.direction.y, row.direction.z);
+    const Camera camera = Camera::perspective({1, 2, 3}, row.direction, row.upward, row.field_of_view);
+    CHECK(camera.is_pinhole());
+    CHECK(camera(0.3, 0.7).origin == Point{1, 2, 3});
+    CHECK(error(camera(1, 0), row.right) < 1e-15);
+    CHECK(error(camera(0, 1), row.up) < 1e-15);
+  }
+}
+
+TEST_CASE("the rays of a sensor start on it and lead away from its focal point") {
+  const Camera camera = Camera::sensor({1, 2, 3}, {0, 0, 5}, {0, 2, 0}, 1.5);
+  CHECK(!camera.is_pinhole());
+  CHECK(camera(0, 0).origin == Point{1, 2, 3});
+  CHECK(camera(0, 0).direction == z_axis);
+  CHECK(camera(0, 1).origin == Point{1, 2.5, 3});
+  CHECK(camera(-2, -1).origin == Point{0, 1.5, 3});
+  CHECK(error(camera(-2, -1), {-1, -0.5, 1.5}) < 1e-15);
+  for (const double u : {-1.3, 0.2, 1.0})
+    for (const double v : {-1.0, 0.4}) {
+      const Ray ray = camera(u, v);
+      const Point focal_point{1, 2, 1.5};
+      CHECK(error(ray, ray.origin - focal_point) < 1e-15);
+    }
+  // What is seen under which angle: height 1 at 1.5.
+  CHECK(error(camera(0, 1),
+              Camera::perspective(Point{0}, z_axis, y_axis, 2 * 18.434948822922011)(0, 1).direction) < 1e-15);
+}
+
+TEST_CASE("the rays of a viewport start on it and lead away from the eye") {
+  const Camera camera = Camera::viewport({1, 2, 3}, z_axis, y_axis, 3, 1, 2);
+  CHECK(camera(0, 0).origin == Point{1, 2, 5});
+  CHECK(camera(1, 1).origin == Point{2.5, 2.5, 5});
+  CHECK(error(camera(1, 1), {1.5, 0.5, 2}) < 1e-15);
+  // The eye's ray at t = 1 is where this one starts.
+  const Ray from_eye =
+      Camera{.position = {1, 2, 3}, .right = {1.5, 0, 0}, .up = {0, 0.5, 0}, .forward = {0, 0, 2}}(0.3, -0.7);
+  CHECK(camera(0.3, -0.7).direction == from_eye.direction);
+  CHECK(length(camera(0.3, -0.7).origin - (Point{1, 2, 3} + Vec3{0.45, -0.35, 2})) < 1e-15);
+}
+
+TEST_CASE("the rays of an orthographic camera are parallel, and its film is as high as it says") {
+  const Camera camera = Camera::orthographic({1, 2, 3}, {0, 0, 5}, {0, 2, 0}, 6);
+  CHECK(camera.is_orthographic());
+  CHECK(!camera.is_pinhole());
+  CHECK(camera(0, 0).origin == Point{1, 2, 3});
+  CHECK(camera(0, 1).origin == Point{1, 5, 3});
+  CHECK(camera(-2, -1).origin == Point{-5, -1, 3});
+  for (const double u : {-1.3, 0.0, 1.0}) CHECK(camera(u, 0.4).direction == z_axis);
+  CHECK(camera.through_pixel(0, 0, 2, 2).origin == Point{-0.5, 3.5, 3});
+}
+
+TEST_CASE("a camera that looks at a point has it in the middle, and upward above it") {
+  struct {
+    Point position, target;
+    Vec3 upward;
+    Vec3 right, up;
+  } const rows[] = {
+      {{0, 0, 0}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}, {0, 1, 0}},
+      {{5, 0, 0}, {0, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 0}},
+      {{0, 3, 0}, {0, 0, 0}, {0, 7, 1}, {1, 0, 0}, {0, 0, 1}},
+      {{1, 1, 1}, {1, 1, 2}, {1, 0, 9}, {0, -1, 0}, {1, 0, 0}},
+      {{0, 0, 0}, {1, 0, 1}, {0, 1, 1e-3}, Vec3{1, 0, -1}, {0, 1, 0}},
+  };
+  for (const auto& row : rows) {
+    CAPTURE(row.position.x, row.position.y, row.position.z);
+    const Camera camera = Camera::look_at(row.position, row.target, row.upward, 60);
+    const double half = 1 / std::sqrt(3);
+    CHECK(camera.position == row.position);
+    CHECK(error(camera(0, 0), row.target - row.position) < 1e-15);
+    CHECK(length(camera.right - half * row.right / length(row.right)) < 1e-3);
+    CHECK(length(camera.up - half * row.up) < 1e-3);
+    CHECK(std::abs(dot(camera.up, camera.forward)) < 1e-15);
+    CHECK(std::abs(dot(camera.right, camera.forward)) < 1e-15);
+  }
+}
+
+TEST_CASE("what makes no camera is refused, with what was found and what is allowed") {
+  const Point o{0};
+  struct {
+    std::function<Camera()> make;
+    const char *allowed, *found;
+  } const rows[] = {
+      {[=] { return Camera::perspective(o, z_axis, y_axis, 0); }, "field of view must be greater than 0",
+       "is 0"},
+      {[=] { return Camera::perspective(o, z_axis, y_axis, 180); }, "less than 180", "is 180"},
+      {[=] { return Camera::perspective(o, z_axis, y_axis, -3.5); }, "field of view", "is -3.5"},
+      {[=] { return Camera::perspective(o, z_axis, y_axis, not_a_number); }, "field of view", "nan"},
+      {[=] {
+         return Camera::perspective(o, {0, 0, 0}, y_axis, 90);
+       },
+       "direction must be finite and not zero", "(0, 0, 0)"},
+      {[=] {
+         return Camera::perspective(o, z_axis, {0, inf, 0}, 90);
+       },
+       "upward must be finite and not zero", "(0, inf, 0)"},
+      {[=] {
+         return Camera::perspective(o, z_axis, {0, 4, 3}, 90);
+       },
+       "upward must be orthogonal to direction", "is 0.6"},
+      {[=] {
+         return Camera::perspective(o, z_axis, {0, 1, -1.1e-6}, 90);
+       },
+       "at most 1e-6", "is -1.1e-06"},
+      {[=] {
+         return Camera::perspective({0, inf, 0}, z_axis, y_axis, 90);
+       },
+       "position", "finite"},
+      {[=] { return Camera::perspective(o, z_axis, y_axis, 1e-200); }, "right, up and forward", "2^-400"},
+      {[=] { return Camera::sensor(o, z_axis, y_axis, 0); }, "focal length must be finite and greater than 0",
+       "is 0"},
+      {[=] { return Camera::sensor(o, z_axis, y_axis, inf); }, "focal length", "is inf"},
+      {[=] { return Camera::sensor(o, z_axis, z_axis, 1); }, "orthogonal", "is 1"},
+      {[=] { return Camera::viewport(o, z_axis, y_axis, -1, 1, 1); }, "viewport's width must be", "is -1"},
+      {[=] { return Camera::viewport(o, z_axis, y_axis, 1, 0, 1); }, "viewport's height must be", "is 0"},
+      {[=] { return Camera::viewport(o, z_axis, y_axis, 1, 1, not_a_number); }, "viewport's distance must be",
+       "nan"},
+      {[=] { return Camera::orthographic(o, z_axis, y_axis, -2); }, "film's height must be finite", "is -2"},
+      {[=] { return Camera::orthographic(o, z_axis, y_axis, 1e-200); }, "film_right, film_up and forward",
+       "2^-400"},
+      {[=] {
+         return Camera::look_at({1, 2, 3}, {1, 2, 3}, y_axis);
+       },
+       "position and target must differ", "(1, 2, 3)"},
+      {[=] {
+         return Camera::look_at(o, {0, -9, 0}, {0, 3, 0});
+       },
+       "upward must not be parallel", "(0, 3, 0)"},
+      {[=] {
+         return Camera::look_at(o, {0.1, 0.2, 0.3}, {0.3, 0.6, 0.9});
+       },
+       "upward must not be parallel", "(0.3, 0.6, 0.9)"},
+      {[=] {
+         return Camera::look_at(o, {0, 0, inf}, y_axis);
+       },
+       "target - position must be finite", "(0, 0, inf)"},
+      {[=] { return Camera::look_at(o, z_axis, Vec3{0}); }, "upward must be finite and not zero",
+       "(0, 0, 0)"},
+  };
+  for (const auto& row : rows) {
+    INFO(row.allowed);
+    CHECK_THAT(message_of<std::invalid_argument>(row.make), ContainsSubstring("Camera: ") &&
+                                                                ContainsSubstring(row.allowed) &&
+                                                                ContainsSubstring(row.found));
+  }
+  CHECK_NOTHROW(Camera::perspective(o, z_axis, {0, 1, 0.9e-6}, 90));
+}
+
+TEST_CASE("of a camera whose right and up are zero, film and forward have to span space") {
+  const Vec3 none{0};
+  CHECK_NOTHROW(Camera{.right = none, .up = none, .film_right = x_axis, .film_up = y_axis}.validate());
+  CHECK_NOTHROW(Camera{.right = none, .up = none, .film_right = x_axis, .film_up = {1, 1, 3}}.validate());
+  for (const Camera& camera :
+       {Camera{.right = none, .up = none}, Camera{.right = none, .up = none, .film_right = x_axis},
+        Camera{.right = none, .up = none, .film_right = x_axis, .film_up = -x_axis},
+        Camera{.right = none, .up = none, .film_right = x_axis, .film_up = z_axis}})
+    CHECK_THAT(message_of<std::invalid_argument>([&] { camera.validate(); }),
+               ContainsSubstring("Camera: film_right, film_up and forward"));
+  // One of the two does not make it orthographic.
+  CHECK_THAT(message_of<std::invalid_argument>(
+                 [&] { Camera{.right = none, .film_right = x_axis, .film_up = y_axis}.validate(); }),
+             ContainsSubstring("Camera: right, up and forward"));
+  CHECK_THAT(message_of<std::invalid_argument>([&] {
+               Camera{.film_up = {0, 1e121, 0}}.validate();
+             }),
+             ContainsSubstring("film_right and film_up must not be longer"));
 }

@@ -150,6 +150,95 @@ TEST_CASE("by tiles, pictures from any camera are those drawn ray by ray") {
     check_pictures(scene, camera, 67, 50);
 }
 
+TEST_CASE("by tiles, pictures of rays that start on a film are those drawn ray by ray") {
+  const auto few = random_spheres(20, 0.1, 3, Point{0}), some = random_spheres(300, 0.002, 2, Point{0}),
+             many = random_spheres(2100, 0.01, 0.3, Point{0});
+  const Vec3 ahead{0, 0, 1}, up{0, 1, 0};
+  const Point inside = few.surfaces<Sphere>()[3].center;
+  for (const Camera& camera :
+       {Camera::sensor({0, 0, 2}, ahead, up, 0.7), Camera::sensor(inside, ahead, up, 2),
+        Camera::viewport({0, 0, -1}, ahead, up, 6, 6, 5),  // in the midst of the spheres
+        Camera::orthographic(Point{0}, ahead, up, 7), Camera::orthographic(inside, {0.6, 0, 0.8}, up, 3),
+        Camera::orthographic({0, 0, 1e6}, -ahead, up, 8),
+        // Rays that start on a line, and that cross each other.
+        Camera{.position = {0, 0, 1}, .film_right = {3, 0, 0}},
+        Camera{.position = {0, 0, 1}, .film_right = {-3, 0, 0}, .film_up = {0, -3, 1}}}) {
+    CAPTURE(camera.position.x, camera.position.z, camera.film_right.x);
+    check_pictures(few, camera, 67, 50);
+    check_pictures(some, camera, 51, 33);
+    check_pictures(many, camera, 35, 17);
+  }
+  const Point there{65537, -65537, 65537};
+  const auto far_away = random_spheres(60, 0.1, 1, there);
+  check_pictures(far_away, Camera::orthographic(there, ahead, up, 6), 40, 30);
+  check_pictures(far_away, Camera::sensor(there, ahead, up, 1), 40, 30);
+}
+
+TEST_CASE("by tiles, rays that start on a film and only touch a surface are decided as they are ray by ray") {
+  const int width = 61, height = 43;
+  for (const Camera& camera : {Camera::sensor(Point{0}, {0, 0, 1}, {0, 1, 0}, 0.5),
+                               Camera::orthographic(Point{0}, {0, 0, 1}, {0, 1, 0}, 2)}) {
+    Random random(9);
+    Everything scene;
+    for (int i = 0; i < 150; ++i) {
+      const int pixel = static_cast<int>(random.bits() % (width * height));
+      const Ray ray = camera.through_pixel(pixel % width, pixel / width, width, height);
+      const double radius = random.real(0.01, 0.4);
+      const Sphere touched{
+          ray.at(random.real(-0.4, 8)) + radius * normalize(cross(ray.direction, random.direction())),
+          radius};
+      if (i % 5 == 0)
+        scene.add(AnySurface(touched), random.color());
+      else
+        scene.add(touched, random.color());
+      // Rays that start on it or almost.
+      if (i % 10 == 0) scene.add(Sphere{ray.origin + radius * random.direction(), radius}, random.color());
+    }
+    check_pictures(with_lights(scene), camera, width, height);
+  }
+}
+
+TEST_CASE(
+    "a sensor does not see what is between it and its focal point, nor does its picture take any work") {
+  Everything scene;
+  scene.add(Sphere{.center = {0, 0, -0.5}, .radius = 0.2}, Color{1});
+  const Camera sensor = Camera::sensor(Point{0}, {0, 0, 1}, {0, 1, 0}, 1),
+               pinhole{.position = {0, 0, -1}, .right = sensor.right, .up = sensor.up};
+  const auto seen_by = [&](const Camera& camera, RenderStatistics& taken) {
+    Image image(160, 120);
+    render(image, camera, scene, BinaryIntegrator{}, {.statistics = &taken});
+    return count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; });
+  };
+  RenderStatistics by_sensor, by_pinhole;
+  CHECK(seen_by(pinhole, by_pinhole) > 1000);
+  CHECK(seen_by(sensor, by_sensor) == 0);
+  CHECK(by_sensor.surface_tests == 0);
+  CHECK(by_sensor.pixels_skipped == 160 * 120);
+  // What is cut by the sensor is seen from within.
+  scene.add(Sphere{.center = {0, 0, 0}, .radius = 0.1}, Color{1});
+  CHECK(seen_by(sensor, by_sensor) > 300);
+}
+
+TEST_CASE("tiles leave out for any camera what its rays do not meet") {
+  const Vec3 ahead{0, 0, 1}, up{0, 1, 0};
+  for (const Camera& camera :
+       {Camera{}, Camera::sensor(Point{0}, ahead, up, 0.5), Camera::orthographic(Point{0}, ahead, up, 10)})
+    for (const int count : {60, 3000}) {
+      Everything scene;
+      Random random(10);
+      for (int i = 0; i < count; ++i)
+        scene.add(Sphere{Vec3{0, 0, 6} + random.point(5), 2 / std::sqrt(count)}, random.color());
+      RenderStatistics taken;
+      Image image(320, 240);
+      render(image, camera, scene, BinaryIntegrator{}, {.statistics = &taken});
+      CAPTURE(count, camera.film_right.x, taken.camera_rays, taken.surface_tests);
+      const auto seen = count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; });
+      CHECK(seen > 4000);
+      CHECK(taken.camera_rays < 320 * 240);
+      CHECK(taken.surface_tests < 5 * taken.camera_rays);
+    }
+}
+
 TEST_CASE("by tiles, surfaces that coincide, touch or lie in each other look as they do ray by ray") {
   Everything scene;
   Random random(5);
@@ -316,11 +405,14 @@ struct Rings {
 
 TEST_CASE("by tiles, a user's integrator draws what it draws ray by ray") {
   const auto check = [](const auto& scene, const auto& integrator) {
-    const Image expected = ray_by_ray(Camera{}, 90, 70, scene, integrator);
-    for (const bool tiles : {true, false}) {
-      Image image(90, 70);
-      render(image, Camera{}, scene, integrator, {.threads = 2, .tiles = tiles});
-      CHECK(different_bytes(image, expected) == 0);
+    for (const Camera& camera : {Camera{}, Camera::sensor({0, 0, 1}, {0, 0, 1}, {0, 1, 0}, 0.6),
+                                 Camera::orthographic({0, 0, 2}, {0, 0, 1}, {0, 1, 0}, 3)}) {
+      const Image expected = ray_by_ray(camera, 90, 70, scene, integrator);
+      for (const bool tiles : {true, false}) {
+        Image image(90, 70);
+        render(image, camera, scene, integrator, {.threads = 2, .tiles = tiles});
+        CHECK(different_bytes(image, expected) == 0);
+      }
     }
   };
   const auto scene = three_spheres();

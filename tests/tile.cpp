@@ -13,6 +13,7 @@ using namespace protostar;
 using simd::Candidates;
 using simd::Frustum;
 using simd::PixelRays;
+using simd::Viewpoint;
 
 namespace {
 
@@ -27,10 +28,10 @@ std::vector<int> sorted(std::vector<int> places) {
   return places;
 }
 
-Candidates candidates_of(const std::vector<Sphere>& spheres, const Point& camera) {
+Candidates candidates_of(const std::vector<Sphere>& spheres, const Viewpoint& viewpoint) {
   Candidates candidates;
   for (std::size_t i = 0; i < spheres.size(); ++i)
-    candidates.add(static_cast<int>(i), camera, simd::sphere_around(spheres[i]));
+    candidates.add(static_cast<int>(i), viewpoint, simd::sphere_around(spheres[i]));
   return candidates;
 }
 
@@ -47,6 +48,25 @@ Camera skewed_camera(Random& random, const Point& position, double scale) {
     const Vec3 r = normalize(camera.right), u = normalize(camera.up), f = normalize(camera.forward);
     if (std::abs(dot(cross(r, u), f)) > 0.05) return camera;
   }
+}
+
+/// The camera with a film in front of its pinhole: k times its directions.
+Camera with_film(Camera camera, double k) {
+  camera.film_right = k * camera.right, camera.film_up = k * camera.up;
+  return camera;
+}
+
+/// The camera with a film of any two vectors, of which rays come from no one point.
+Camera with_any_film(Random& random, Camera camera, double size) {
+  camera.film_right = size * random.point(1), camera.film_up = size * random.point(1);
+  return camera;
+}
+
+/// The orthographic camera whose film has the camera's directions.
+Camera parallel(Camera camera, double size) {
+  camera.film_right = size * camera.right, camera.film_up = size * camera.up;
+  camera.right = camera.up = Vec3{0};
+  return camera;
 }
 
 /// A sphere that the ray through a pixel crosses or nearly does: its center is at t along the ray and, less
@@ -83,7 +103,7 @@ void look(const Camera& camera, int width, int height, const std::function<Spher
     pixels.push_back({x, y});
     spheres.push_back(sphere_beside(camera.through_pixel(x, y, width, height)));
   }
-  Candidates everything = candidates_of(spheres, camera.position), in_tile;
+  Candidates everything = candidates_of(spheres, rays.viewpoint()), in_tile;
   if (random.bits() % 2) everything.order_by_distance();
   in_tile.add(everything, Frustum(rays, tile));
   counts.all += static_cast<int>(spheres.size());
@@ -143,6 +163,45 @@ TEST_CASE("a tile keeps every sphere that the ray through one of its pixels meet
        [=](Random& r) { return turned_camera(r, far_away + r.point(1), 1e-6, 1e-6, 1); }, -3, 3},
       {"of spheres from 1e-6 to 1e6", [](Random& r) { return turned_camera(r, r.point(2), 1, 1, 1); }, -20,
        20},
+      {"a sensor", [](Random& r) { return with_film(turned_camera(r, r.point(2), 1, 1, 1), r.real(0, 3)); },
+       -3, 3},
+      {"a mirrored sensor", [](Random& r) { return with_film(turned_camera(r, r.point(2), -1, 1, 1), 1); },
+       -3, 3},
+      {"a skewed sensor", [](Random& r) { return with_film(skewed_camera(r, r.point(2), 1), r.real(0, 3)); },
+       -3, 3},
+      {"a skewed sensor, of large numbers and a small film",
+       [](Random& r) { return with_film(skewed_camera(r, r.point(2), 0x1p300), 0x1p-301); }, -3, 3},
+      {"a sensor far before its focal point",
+       [](Random& r) { return with_film(turned_camera(r, r.point(2), 1e-5, 1e-5, 1), 1e5); }, -3, 3},
+      {"a sensor far from the origin",
+       [=](Random& r) { return with_film(turned_camera(r, far_away + r.point(1), 1, 1, 1), 1e-3); }, -14, -8},
+      {"a small sensor and spheres from 1e-6 to 1e6",
+       [](Random& r) { return with_film(turned_camera(r, r.point(2), 1, 1, 1), 0x1p-10); }, -20, 20},
+      {"a film behind which rays cross",
+       [](Random& r) { return with_film(turned_camera(r, r.point(2), 1, 1, 1), -1); }, -3, 3},
+      {"a film of any vectors",
+       [](Random& r) { return with_any_film(r, turned_camera(r, r.point(2), 1, 1, 1), 1); }, -3, 3},
+      {"a film of any vectors, skewed",
+       [](Random& r) { return with_any_film(r, skewed_camera(r, r.point(2), 1), 2); }, -3, 3},
+      {"a film without width",
+       [](Random& r) {
+         Camera camera = with_film(turned_camera(r, r.point(2), 1, 1, 1), 1);
+         camera.film_right = Vec3{0};
+         return camera;
+       },
+       -3, 3},
+      {"orthographic", [](Random& r) { return parallel(turned_camera(r, r.point(2), 1, 1, 1), 2); }, -3, 3},
+      {"orthographic, mirrored",
+       [](Random& r) { return parallel(turned_camera(r, r.point(2), 1, -1, 1), 2); }, -3, 3},
+      {"orthographic, skewed", [](Random& r) { return parallel(skewed_camera(r, r.point(2), 1), 3); }, -3, 3},
+      {"orthographic, of large numbers and a small film",
+       [](Random& r) { return parallel(skewed_camera(r, r.point(2), 0x1p300), 0x1p-301); }, -3, 3},
+      {"orthographic, of a small film far from the origin",
+       [=](Random& r) { return parallel(turned_camera(r, far_away + r.point(1), 1, 1, 1), 1e-3); }, -14, -8},
+      {"orthographic, of spheres from 1e-6 to 1e6",
+       [](Random& r) { return parallel(turned_camera(r, r.point(2), 1, 1, 1), 2); }, -20, 20},
+      {"orthographic, of a huge film",
+       [](Random& r) { return parallel(turned_camera(r, Point{0}, 1, 1, 1), 0x1p200); }, 195, 205},
       {"of tiny spheres", [](Random& r) { return turned_camera(r, Point{0}, 1e-3, 1e-3, 1); }, -1074, -120},
       {"of huge spheres", [](Random& r) { return turned_camera(r, Point{0}, 1e-3, 1e-3, 1); }, 100, 1000},
   }));
@@ -189,7 +248,7 @@ TEST_CASE(
       if (!sphere[0].intersect(ray)) continue;
       ++met;
       Candidates in_tile;
-      in_tile.add(candidates_of(sphere, camera.position), Frustum(rays, {x, y, x + 1, y + 1}));
+      in_tile.add(candidates_of(sphere, rays.viewpoint()), Frustum(rays, {x, y, x + 1, y + 1}));
       dropped_though_met += in_tile.size() == 0;
     }
   }
@@ -201,7 +260,11 @@ TEST_CASE("a tile drops what is beside it and behind the camera") {
   Random random(12);
   for (const Camera& camera :
        {Camera{}, Camera{.right = {-1, 0, 0}}, Camera{.up = {0.3, 0.9, 0.1}},
-        Camera{.position = {65537, 0, 0}, .right = {1e-3, 0, 0}, .up = {0, 1e-3, 0}}}) {
+        Camera{.position = {65537, 0, 0}, .right = {1e-3, 0, 0}, .up = {0, 1e-3, 0}}, with_film(Camera{}, 1),
+        with_film(Camera{.position = {65537, 0, 0}, .right = {1e-3, 0, 0}, .up = {0, 1e-3, 0}}, 1),
+        with_film(Camera{.up = {0.3, 0.9, 0.1}}, 0.1), parallel(Camera{}, 1),
+        parallel(Camera{.right = {-1, 0, 0}, .up = {0.3, 0.9, 0.1}, .forward = {0.2, 0.3, 2}}, 2),
+        parallel(Camera{.position = {65537, 0, 0}}, 0.1)}) {
     const PixelRays rays(camera, 320, 240);
     const Tile tile{64, 64, 128, 128};
     std::vector<Sphere> spheres;
@@ -217,8 +280,51 @@ TEST_CASE("a tile drops what is beside it and behind the camera") {
       if (i % 10 == 4) seen.push_back(i);
     }
     Candidates in_tile;
-    in_tile.add(candidates_of(spheres, camera.position), Frustum(rays, tile));
+    in_tile.add(candidates_of(spheres, rays.viewpoint()), Frustum(rays, tile));
     CHECK(places_of(in_tile) == seen);
+  }
+}
+
+TEST_CASE(
+    "a tile drops what is between the focal point and the sensor, and keeps what is around the sensor") {
+  const Camera camera = Camera::sensor({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 4);
+  const PixelRays rays(camera, 64, 64);
+  const Tile tile{0, 0, 64, 64};
+  const std::vector<Sphere> spheres{{{1, 2, 1}, 0.5},     // between, on the axis
+                                    {{1, 2, 2}, 0.999},   // and almost up to the sensor
+                                    {{1, 2, 2}, 1.001},   // and through it
+                                    {{1, 2, 3}, 10},      // around all
+                                    {{1, 2, -1}, 0.1},    // around the focal point
+                                    {{1, 2, 5}, 0.5},     // in front
+                                    {{3, 2, 3.1}, 0.5}};  // beside
+  const Candidates everything = candidates_of(spheres, rays.viewpoint());
+  CHECK(places_of(everything) == std::vector<int>{2, 3, 5, 6});
+  Candidates in_tile;
+  in_tile.add(everything, Frustum(rays, tile));
+  CHECK(places_of(in_tile) == std::vector<int>{2, 3, 5});
+  // As good as exact, where one ray leads straight ahead: t is 0 or more, and 1.5 for what is in front.
+  CHECK(std::abs(everything.nearest(2) - 1.5) < 1e-3);
+  CHECK(everything.nearest(1) <= 0);
+}
+
+TEST_CASE("an orthographic tile drops what is beside it, however near and however far") {
+  const PixelRays rays(Camera::orthographic(Point{0}, {0, 0, 1}, {0, 1, 0}, 2), 64, 64);
+  const Tile upper_left{0, 0, 32, 32};  // x from −1 to 0, y from 0 to 1
+  for (const double z : {0.5, 10.0, 100.0}) {
+    CAPTURE(z);
+    std::vector<Sphere> spheres;
+    std::vector<int> seen;
+    for (int i = 0; i < 25; ++i) {
+      const double x = i % 5 - 2.5, y = i / 5 - 1.5;
+      spheres.push_back({{x, y, z}, 0.499});
+      if (x == -0.5 && y == 0.5) seen.push_back(i);
+    }
+    const Candidates everything = candidates_of(spheres, rays.viewpoint());
+    Candidates in_tile;
+    in_tile.add(everything, Frustum(rays, upper_left));
+    CHECK(places_of(in_tile) == seen);
+    for (int i = 0; i < everything.size(); ++i)
+      CHECK(std::abs(everything.nearest(i) - (z - 0.499)) < 1e-5 * (1 + z));
   }
 }
 
@@ -227,8 +333,8 @@ TEST_CASE("a tile keeps the order of its candidates and adds to those that it ha
   const PixelRays rays(Camera{}, 8, 8);
   const Frustum frustum(rays, {0, 0, 8, 8});
   Candidates kept;
-  kept.add(candidates_of(spheres, Point{0}), frustum);
-  kept.add(candidates_of({spheres.begin(), spheres.begin() + 3}, Point{0}), frustum);
+  kept.add(candidates_of(spheres, {.apex = Point{0}}), frustum);
+  kept.add(candidates_of({spheres.begin(), spheres.begin() + 3}, {.apex = Point{0}}), frustum);
   std::vector<int> expected;
   for (int i = 0; i < 103; ++i) expected.push_back(i % 100);
   CHECK(places_of(kept) == expected);
@@ -249,7 +355,7 @@ TEST_CASE("candidates in the order of their distance are the same ones, and none
       spheres[5] = {.center = {0, 0, 1e-320}, .radius = 1e-320};
       spheres[6] = {.center = {1e308, 1e308, 1e308}, .radius = 1e308};
     }
-    const Candidates before = candidates_of(spheres, Point{0});
+    const Candidates before = candidates_of(spheres, {.apex = Point{0}});
     Candidates ordered = before;
     ordered.order_by_distance();
     CHECK(sorted(places_of(ordered)) == places_of(before));
@@ -276,25 +382,38 @@ TEST_CASE("candidates in the order of their distance are the same ones, and none
   }
 }
 
+namespace {
+
+/// How many rays of the packets of a picture are not those through its pixels.
+template <class Origin>
+int wrong_rays(const Camera& camera, int width, int height) {
+  const PixelRays rays(camera, width, height);
+  const Tile tile{0, 0, width, height};
+  int wrong = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; x += simd::double_lanes) {
+      const auto packet = rays.packet<Origin>(tile, x, y);
+      wrong += bits(packet.wanted) != simd::first_bits(std::min(width - x, simd::double_lanes));
+      for (int i = 0; i < std::min(width - x, simd::double_lanes); ++i) {
+        const Ray ray = camera.through_pixel(x + i, y, width, height);
+        wrong += packet[i].origin != ray.origin || packet[i].direction != ray.direction ||
+                 packet[i].departure.kind != Departure::Kind::none;
+      }
+    }
+  return wrong;
+}
+
+}  // namespace
+
 TEST_CASE("the rays of a packet are those through its pixels") {
   Random random(14);
   for (int round = 0; round < 50; ++round) {
     const Camera camera = skewed_camera(random, random.point(2), 1);
     const int width = 1 + static_cast<int>(random.bits() % 40),
               height = 1 + static_cast<int>(random.bits() % 30);
-    const PixelRays rays(camera, width, height);
-    const Tile tile{0, 0, width, height};
-    int wrong = 0;
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; x += simd::double_lanes) {
-        const auto packet = rays.packet(tile, x, y);
-        wrong += bits(packet.wanted) != simd::first_bits(std::min(width - x, simd::double_lanes));
-        for (int i = 0; i < std::min(width - x, simd::double_lanes); ++i) {
-          const Ray ray = camera.through_pixel(x + i, y, width, height);
-          wrong += packet[i].origin != ray.origin || packet[i].direction != ray.direction ||
-                   packet[i].departure.kind != Departure::Kind::none;
-        }
-      }
-    CHECK(wrong == 0);
+    CHECK(wrong_rays<Point>(camera, width, height) == 0);
+    CHECK(wrong_rays<simd::Vectors>(with_film(camera, 0.3), width, height) == 0);
+    CHECK(wrong_rays<simd::Vectors>(with_any_film(random, camera, 1), width, height) == 0);
+    CHECK(wrong_rays<simd::Vectors>(parallel(camera, 0.7), width, height) == 0);
   }
 }

@@ -1,24 +1,126 @@
-// The camera: which ray leads through which point of the film (§2.2.3).
+// The camera: which ray belongs to which point of the film (§2.2.3).
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
+#include <string>
 
+#include "numeric/scale.hpp"
+#include "numeric/trigonometry.hpp"
 #include "ray.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A pinhole at position. The film stands at forward's tip, spanned by right and up, so that forward's length
-/// is the focal length. The default is the tutorial's camera: at the origin, x to the right, y up, looking
-/// along z.
+/// An affine camera: of the ray that belongs to the place (u, v) on the film, both where it starts and where
+/// it leads are affine in u and v,
+///   origin    = position + u · film_right + v · film_up
+///   direction = forward  + u · right      + v · up.
+///
+/// - A pinhole: the film vectors are 0, and all rays start at position. The film stands at forward's tip,
+///   spanned by right and up, so that forward's length is the focal length. The default is the tutorial's
+///   camera: at the origin, x to the right, y up, looking along z.
+/// - A pinhole behind its film: the film vectors are k · right and k · up, for one k > 0. Then
+///     origin = (position − k · forward) + k · direction,
+///   so that the rays are those of a pinhole at position − k · forward, without their first k · direction.
+///   They start on the film, and what stands between it and the pinhole is not seen.
+/// - Orthographic: right and up are 0, and all rays run along forward.
+///
+/// Any other film vectors will do where right, up and forward span space. Rays of such a camera do not come
+/// from one point; they are drawn by tiles as all others are, but the tiles leave less out.
 struct Camera {
   Point position{0};
   Vec3 right{1, 0, 0};
   Vec3 up{0, 1, 0};
   Vec3 forward{0, 0, 1};
+  Vec3 film_right{0};
+  Vec3 film_up{0};
 
-  /// The ray through the film at u · right + v · up, its direction of unit length.
-  [[nodiscard]] Ray operator()(double u, double v) const { return {position, direction(u * right, v * up)}; }
+  /// A pinhole at position, and a film that it sees under a vertical angle of field_of_view, in degrees,
+  /// between 0 and 180. Of this and all below: direction and upward may have any length but 0 and have to be
+  /// orthogonal, their cosine at most 10^-6; what is to the right is upward × direction.
+  /// std::invalid_argument says what is wrong and what is allowed.
+  [[nodiscard]] static Camera perspective(const Point& position, const Vec3& direction, const Vec3& upward,
+                                          double field_of_view) {
+    if (!(field_of_view > 0 && field_of_view < 180))
+      throw std::invalid_argument(
+          "Camera: the field of view must be greater than 0 and less than 180 degrees; it is " +
+          text_of(field_of_view));
+    const auto [right, up, forward] = axes(direction, upward);
+    const double half = tangent_of_degrees(field_of_view / 2);
+    return valid({.position = position, .right = half * right, .up = half * up, .forward = forward});
+  }
+
+  /// A sensor of height 1 around position, with its focal point focal_length behind it: rays start on the
+  /// sensor and lead away from that point.
+  [[nodiscard]] static Camera sensor(const Point& position, const Vec3& direction, const Vec3& upward,
+                                     double focal_length) {
+    require_length("focal length", focal_length);
+    const auto [right, up, forward] = axes(direction, upward);
+    return valid({.position = position,
+                  .right = 0.5 * right,
+                  .up = 0.5 * up,
+                  .forward = focal_length * forward,
+                  .film_right = 0.5 * right,
+                  .film_up = 0.5 * up});
+  }
+
+  /// A viewport at a distance before the eye: rays lead from the eye through the viewport and start on it, so
+  /// that nothing before it is seen. Along eye + t (place on the viewport − eye) just t > 1 counts. A square
+  /// image shows width × height of it; one of another shape as much more or less of its width.
+  [[nodiscard]] static Camera viewport(const Point& eye, const Vec3& direction, const Vec3& upward,
+                                       double width, double height, double distance) {
+    require_length("viewport's width", width);
+    require_length("viewport's height", height);
+    require_length("viewport's distance", distance);
+    const auto [right, up, forward] = axes(direction, upward);
+    return valid({.position = eye + distance * forward,
+                  .right = 0.5 * width * right,
+                  .up = 0.5 * height * up,
+                  .forward = distance * forward,
+                  .film_right = 0.5 * width * right,
+                  .film_up = 0.5 * height * up});
+  }
+
+  /// Parallel rays along direction, from a film of the given height around position.
+  [[nodiscard]] static Camera orthographic(const Point& position, const Vec3& direction, const Vec3& upward,
+                                           double height) {
+    require_length("film's height", height);
+    const auto [right, up, forward] = axes(direction, upward);
+    return valid({.position = position,
+                  .right = Vec3{0},
+                  .up = Vec3{0},
+                  .forward = forward,
+                  .film_right = 0.5 * height * right,
+                  .film_up = 0.5 * height * up});
+  }
+
+  /// The perspective camera at position that has target in the middle of its picture. upward leads to where
+  /// up is in it, and may be any direction but that to the target and its opposite.
+  [[nodiscard]] static Camera look_at(const Point& position, const Point& target,
+                                      const Vec3& upward = {0, 1, 0}, double field_of_view = 90) {
+    if (position == target)
+      throw std::invalid_argument("Camera: position and target must differ; both are " + text_of(position));
+    const Vec3 forward = unit(target - position, "target - position"), above = unit(upward, "upward");
+    const Vec3 right = cross(above, forward);
+    // Of parallel unit vectors, each good to 2^-52, rounding may leave a product of 2^-50.
+    if (!(length(right) > 0x1p-48))
+      throw std::invalid_argument("Camera: upward must not be parallel to target - position; it is " +
+                                  text_of(upward));
+    return perspective(position, forward, cross(forward, unit(right, "upward")), field_of_view);
+  }
+
+  /// Whether all rays start at position.
+  [[nodiscard]] bool is_pinhole() const { return film_right == Vec3{0} && film_up == Vec3{0}; }
+
+  /// Whether all rays have one direction.
+  [[nodiscard]] bool is_orthographic() const { return right == Vec3{0} && up == Vec3{0}; }
+
+  /// The ray through the film at (u, v), its direction of unit length.
+  [[nodiscard]] Ray operator()(double u, double v) const {
+    return {is_pinhole() ? position : origin(u * film_right, v * film_up), direction(u * right, v * up)};
+  }
 
   /// The ray through the center of pixel (x, y), with (0, 0) at the top left, of an image of width × height
   /// pixels.
@@ -41,19 +143,78 @@ struct Camera {
     return towards * (1 / sqrt(dot(towards, towards)));
   }
 
-  /// Throws std::invalid_argument if a number is not finite, if the length of a direction is not between
-  /// 2^-400 and 2^400 (about 10^±120), or if the three directions do not span space: two are parallel, or all
-  /// lie in a plane.
+  /// Where the ray starts, given u · film_right and v · film_up; a point, or several at once.
+  template <class V>
+  [[nodiscard]] V origin(const V& u_film_right, const V& v_film_up) const {
+    return u_film_right + v_film_up + position;
+  }
+
+  /// Throws std::invalid_argument if a number is not finite, or if three directions do not span space: these
+  /// are right, up and forward, or film_right, film_up and forward where right and up are both 0. They do not
+  /// if the length of one is not between 2^-400 and 2^400 (about 10^±120), if two are parallel, or if all lie
+  /// in a plane. Film vectors are never longer than 2^400.
   void validate() const {
-    if (!is_finite(position) || !is_finite(right) || !is_finite(up) || !is_finite(forward))
-      throw std::invalid_argument("Camera: position, right, up and forward must be finite");
+    for (const Vec3& v : {position, right, up, forward, film_right, film_up})
+      if (!is_finite(v))
+        throw std::invalid_argument(
+            "Camera: position, right, up, forward, film_right and film_up must be finite");
+    if (is_orthographic())
+      require_space(film_right, film_up, forward,
+                    "Camera: film_right, film_up and forward of a camera whose right and up are zero");
+    else
+      require_space(right, up, forward, "Camera: right, up and forward");
+    for (const Vec3& v : {film_right, film_up})
+      if (!(dot(v, v) < 0x1p800))
+        throw std::invalid_argument("Camera: film_right and film_up must not be longer than 2^400");
+  }
+
+ private:
+  static std::string text_of(double x) {
+    char text[32];
+    static_cast<void>(std::snprintf(text, sizeof text, "%.9g", x));
+    return text;
+  }
+  static std::string text_of(const Vec3& v) {
+    return "(" + text_of(v.x) + ", " + text_of(v.y) + ", " + text_of(v.z) + ")";
+  }
+
+  static Camera valid(const Camera& camera) {
+    camera.validate();
+    return camera;
+  }
+
+  static void require_length(const char* name, double value) {
+    if (!(value > 0 && std::isfinite(value)))
+      throw std::invalid_argument("Camera: the " + std::string(name) +
+                                  " must be finite and greater than 0; it is " + text_of(value));
+  }
+
+  /// The vector of unit length along v.
+  static Vec3 unit(const Vec3& v, const char* name) {
+    if (!is_finite(v) || v == Vec3{0})
+      throw std::invalid_argument("Camera: " + std::string(name) + " must be finite and not zero; it is " +
+                                  text_of(v));
+    const Vec3 near_one = scaled(v, -exponent_of({v}));
+    return near_one / length(near_one);
+  }
+
+  /// Right, up and forward, each of unit length.
+  static std::array<Vec3, 3> axes(const Vec3& direction, const Vec3& upward) {
+    const Vec3 forward = unit(direction, "direction"), up = unit(upward, "upward");
+    if (!(std::abs(dot(up, forward)) <= 1e-6))
+      throw std::invalid_argument(
+          "Camera: upward must be orthogonal to direction, their cosine at most 1e-6; it is " +
+          text_of(dot(up, forward)));
+    return {cross(up, forward), up, forward};
+  }
+
+  static void require_space(const Vec3& right, const Vec3& up, const Vec3& forward,
+                            const std::string& names) {
     // Within these lengths no product of three leaves the range of double, nor does the square of a ray's
     // direction.
     const auto has_length = [](const Vec3& v) { return 0x1p-800 < dot(v, v) && dot(v, v) < 0x1p800; };
     if (!has_length(right) || !has_length(up) || !has_length(forward))
-      throw std::invalid_argument(
-          "Camera: right, up and forward must not be zero, nor shorter than 2^-400 or longer "
-          "than 2^400");
+      throw std::invalid_argument(names + " must not be zero, nor shorter than 2^-400 or longer than 2^400");
     // Of unit length, the directions span a volume that is a sum of six products. Each passes at most
     // fourteen roundings, of 2^-53 of its size, so that a volume above 2^-49 of the sum of the sizes is truly
     // not 0.
@@ -62,7 +223,7 @@ struct Camera {
     const double volume = dot(cross(r, u), f);
     const double sizes = dot(Vec3{a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x}, c);
     if (!(std::abs(volume) > 0x1p-49 * sizes))
-      throw std::invalid_argument("Camera: right, up and forward must not be parallel or in one plane");
+      throw std::invalid_argument(names + " must not be parallel or in one plane");
   }
 };
 

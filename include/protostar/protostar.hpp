@@ -17,6 +17,7 @@
 #include "interval.hpp"
 #include "light.hpp"
 #include "material.hpp"
+#include "numeric/trigonometry.hpp"
 #include "pfm.hpp"
 #include "ppm.hpp"
 #include "ray.hpp"

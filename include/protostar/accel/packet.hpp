@@ -75,7 +75,7 @@ inline Colors select(Chosen which, const Color& a, const Color& b) {
   return select(which, Colors(a), Colors(b));
 }
 
-/// The rays of a packet. Origin is Point for rays that start together, as those of a camera do, and Vectors
+/// The rays of a packet. Origin is Point for rays that start together, as those of a pinhole do, and Vectors
 /// for others. All depart from the same geometry.
 template <class Origin>
 struct Rays {
@@ -102,6 +102,11 @@ struct Rays {
     return std::move(rays);
   }
 };
+
+/// The rays of a camera through some pixels. They have a type of their own, since they meet nothing but what
+/// has been listed for their tile (accel/tile_scene.hpp).
+template <class Origin>
+struct CameraRays : Rays<Origin> {};
 
 /// Where each ray of a packet crosses a surface first inside a range.
 struct FirstCrossings {

@@ -114,7 +114,7 @@ class TileRenderer {
       if (!has_bounds(surface))
         unbounded_.push_back(place);
       else if (!is_large())
-        candidates_.add(place, rays_.camera().position, sphere_around(surface));
+        candidates_.add(place, rays_.viewpoint(), sphere_around(surface));
       ++place;
     }
   }
@@ -123,7 +123,7 @@ class TileRenderer {
   template <Surface T>
   void add_found(const Frustum& frustum, int& first, Candidates& found) const {
     scene_.template each_in<T>(frustum.side, [&](std::uint32_t i, const SphereAround& around) {
-      found.add(first + static_cast<int>(i), rays_.camera().position, around);
+      found.add(first + static_cast<int>(i), rays_.viewpoint(), around);
     });
     first += static_cast<int>(scene_.scene().template surfaces<T>().size());
   }
@@ -149,13 +149,27 @@ class TileRenderer {
     }
   }
 
-  [[gnu::flatten]] void fill(const Tile& tile, const Candidates& candidates, RenderStatistics& taken) const {
+  void fill(const Tile& tile, const Candidates& candidates, RenderStatistics& taken) const {
+    if constexpr (by_packets)
+      if (!rays_.camera().is_pinhole()) return fill_from<Vectors>(tile, candidates, taken);
+    fill_from_point(tile, candidates, taken);
+  }
+
+  /// Most pictures are a pinhole's: its packets are computed in one piece, and those of all others by the
+  /// same functions as they come, which keeps the code small.
+  [[gnu::flatten]] void fill_from_point(const Tile& tile, const Candidates& candidates,
+                                        RenderStatistics& taken) const {
+    fill_from<Point>(tile, candidates, taken);
+  }
+
+  template <class Origin>
+  void fill_from(const Tile& tile, const Candidates& candidates, RenderStatistics& taken) const {
     taken.camera_rays += static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
     View view(scene_, candidates, unbounded_, taken);
     for (int y = tile.y0; y < tile.y1; ++y) {
       if constexpr (by_packets) {
         for (int x = tile.x0; x < tile.x1; x += double_lanes) {
-          const Rays<Point> rays = rays_.packet(tile, x, y);
+          const CameraRays<Origin> rays = rays_.template packet<Origin>(tile, x, y);
           write(tile, x, y, radiance(rays, view));
         }
       } else {
@@ -168,7 +182,7 @@ class TileRenderer {
     }
   }
 
-  [[nodiscard]] Colors radiance(const Rays<Point>& rays, const View& view) const {
+  [[nodiscard]] Colors radiance(const auto& rays, const View& view) const {
     if constexpr (ShadingIntegrator<I, View>)
       return shade(rays, view.closest(rays), view);
     else
@@ -177,7 +191,7 @@ class TileRenderer {
 
   /// What a packet brings that meets these: one surface after the other, so that its own numbers are the same
   /// for all its rays and nothing has to be gathered.
-  [[nodiscard]] Colors shade(const Rays<Point>& rays, const typename View::Closest& closest,
+  [[nodiscard]] Colors shade(const auto& rays, const typename View::Closest& closest,
                              const View& view) const {
     Colors result(integrator_.background(view));
     Chosen left = closest.met && rays.wanted;

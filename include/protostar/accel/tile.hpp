@@ -1,8 +1,8 @@
 // Which surfaces the pixels of a tile may see at all: lists that are culled from tile to smaller tile.
 //
-// A surface is taken for a sphere that contains it. The rays of a tile lie between four planes through the
-// camera; what is outside one of them, the tile does not see. This is computed in float, several surfaces at
-// once, and only a sure answer drops a surface.
+// A surface is taken for a sphere that contains it. The rays of a tile lie between four planes; what is
+// outside one of them, the tile does not see. This is computed in float, several surfaces at once, and only a
+// sure answer drops a surface.
 #pragma once
 
 #include <algorithm>
@@ -21,6 +21,20 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
+/// Where the rays of a picture start, as bounds see it.
+struct Viewpoint {
+  /// What centers are measured from. Each ray, once it is shifted by at most drift, is a part of one that
+  /// starts here, and its first t is at most start there. Parallel rays come from no point, and start is
+  /// infinite.
+  Point apex;
+  double drift = 0, start = 0;
+
+  /// All rays start on the plane through film, up to drift, and lead to where its unit normal ahead leads. A
+  /// normal that is not sure is 0.
+  Point film{0};
+  Vec3 ahead{0};
+};
+
 /// The rays of a camera through the pixels of an image: Camera::through_pixel, with what the pixels of a
 /// column or a row have in common computed once.
 class PixelRays {
@@ -30,23 +44,43 @@ class PixelRays {
         hand_(hand_of(camera)),
         width_(width),
         height_(height),
+        viewpoint_(camera.is_pinhole() ? Viewpoint{.apex = camera.position} : viewpoint_of_film()),
         along_(width + double_lanes),
-        up_(height) {
-    for (int x = 0; x < width; ++x) along_.set(x, Camera::u_at(x + 0.5, width, height) * camera.right);
-    for (int y = 0; y < height; ++y) up_.set(y, Camera::v_at(y + 0.5, height) * camera.up);
+        up_(height),
+        film_along_(camera.is_pinhole() ? 0 : width + double_lanes),
+        film_up_(camera.is_pinhole() ? 0 : height) {
+    for (int x = 0; x < width; ++x) {
+      const double u = Camera::u_at(x + 0.5, width, height);
+      along_.set(x, u * camera.right);
+      if (!camera.is_pinhole()) film_along_.set(x, u * camera.film_right);
+    }
+    for (int y = 0; y < height; ++y) {
+      const double v = Camera::v_at(y + 0.5, height);
+      up_.set(y, v * camera.up);
+      if (!camera.is_pinhole()) film_up_.set(y, v * camera.film_up);
+    }
   }
 
-  /// The rays through the pixels from (x, y) on to the right, of which those in the tile are wanted.
-  [[nodiscard]] Rays<Point> packet(const Tile& tile, int x, int y) const {
-    return {.origin = camera_.position,
-            .direction = camera_.direction(along_.some(x), Vectors(up_[y])),
-            .wanted = mask_of<double, double_lanes>(first_bits(tile.x1 - x))};
+  /// The rays through the pixels from (x, y) on to the right, of which those in the tile are wanted. Those of
+  /// a pinhole have one origin, and those of any other camera have Vectors.
+  template <class Origin = Point>
+  [[nodiscard]] CameraRays<Origin> packet(const Tile& tile, int x, int y) const {
+    const auto origin = [&]() -> Origin {
+      if constexpr (std::same_as<Origin, Point>)
+        return camera_.position;
+      else
+        return camera_.origin(film_along_.some(x), Vectors(film_up_[y]));
+    };
+    return {{.origin = origin(),
+             .direction = camera_.direction(along_.some(x), Vectors(up_[y])),
+             .wanted = mask_of<double, double_lanes>(first_bits(tile.x1 - x))}};
   }
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
+  [[nodiscard]] const Viewpoint& viewpoint() const { return viewpoint_; }
 
-  /// On which side of right and up the camera looks: 1, or −1 if it is mirrored; 0 if its directions almost
-  /// lie in a plane.
+  /// On which side of right and up the camera looks, or of the film vectors where its rays are parallel: 1,
+  /// or −1 if it is mirrored; 0 if its directions almost lie in a plane.
   ///
   /// Let V be the volume of the unit directions. A sum of multiples of the directions is at least V times as
   /// long as the longest of these, and as much is left of the vector product of such a sum with a direction
@@ -59,9 +93,51 @@ class PixelRays {
 
  private:
   static double hand_of(const Camera& camera) {
-    const double volume =
-        dot(cross(normalize(camera.right), normalize(camera.up)), normalize(camera.forward));
+    const bool parallel = camera.is_orthographic();
+    const Vec3 &right = parallel ? camera.film_right : camera.right,
+               &up = parallel ? camera.film_up : camera.up;
+    const double volume = dot(cross(normalize(right), normalize(up)), normalize(camera.forward));
     return std::abs(volume) > 0x1p-24 ? std::copysign(1, volume) : 0;
+  }
+
+  /// The viewpoint of a camera whose rays start on a film. With position P, film vectors F, G and directions
+  /// d = f + u r + v g, a ray starts at
+  ///   P + u F + v G = A + k d + e   with   A = P − k f,   e = u (F − k r) + v (G − k g),
+  /// for whatever k ≥ 0. Shifted by −e, it is a part of the ray from A along d, from k |d| on. The k for
+  /// which F − k r and G − k g are shortest together is the k of a sensor, and e is 0 then but for rounding;
+  /// k = 0 does for what is no sensor. |e| and |d| are largest in the corners of the image.
+  ///
+  /// The corners of the film are at most R = |u F| + |v G| from P. Origins and A are rounded by less than
+  /// 2^-50 of what they are added up from, (|P| + |A| + R). The normal of the film, of vectors with an angle
+  /// of 2^-24 or more between them, is good to 2^-26, and its product with what lies in the film, which is 0,
+  /// to 2^-26 R; a half-space through the film's edge is off in float by 2^-23 R. 2^-20 R + 2^-49 (|P| + |A|)
+  /// more for e is more than all of it.
+  [[nodiscard]] Viewpoint viewpoint_of_film() const {
+    const auto& [position, right, up, forward, film_right, film_up] = camera_;
+    const double u =
+        Camera::u_at(width_, width_, height_);  // of the image's right edge; v of the upper one is 1
+    const double film = u * length(film_right) + length(film_up);
+    Viewpoint viewpoint{.apex = position, .film = position};
+    double least = 1;  // cosine between the film's normal and a ray
+    const Vec3 normal = hand_ * cross(normalize(film_right), normalize(film_up));
+    if (camera_.is_orthographic()) {
+      viewpoint.start = std::numeric_limits<double>::infinity();
+    } else {
+      const double k =
+          std::max(0.0, (dot(film_right, right) + dot(film_up, up)) / (dot(right, right) + dot(up, up)));
+      viewpoint.apex = position - k * forward;
+      viewpoint.drift = u * length(film_right - k * right) + length(film_up - k * up);
+      for (const Vec3& across : {u * right, -u * right})
+        for (const Vec3& upwards : {up, -up}) {
+          const Vec3 d = forward + across + upwards;
+          viewpoint.start = std::max(viewpoint.start, (1 + 0x1p-40) * k * length(d));
+          least = std::min(least, dot(normal, d) / length(d));
+        }
+    }
+    viewpoint.drift += 0x1p-20 * film + 0x1p-49 * (length(position) + length(viewpoint.apex));
+    // Rays are turned by rounding, by less than 2^-25: well below 2^-20.
+    if (length(normal) > 0x1p-24 && least > 0x1p-20 * length(normal)) viewpoint.ahead = normalize(normal);
+    return viewpoint;
   }
 
   /// Vectors in rows of their components.
@@ -84,54 +160,72 @@ class PixelRays {
   Camera camera_;
   double hand_;
   int width_, height_;
-  Table along_, up_;  ///< u · right of each column and v · up of each row
+  Viewpoint viewpoint_;
+  Table along_, up_;            ///< u · right of each column and v · up of each row
+  Table film_along_, film_up_;  ///< u · film_right and v · film_up; empty for a pinhole
 };
 
-/// What holds the rays of a tile: four planes through the camera, one for each side, as unit normals to the
-/// inside, and a cone around the middle ray. The planes fit a tile better, and the cone tells the sky from a
-/// sphere that fills the view below it. A normal that is not sure is 0: all points are inside.
+/// What holds the rays of a tile: four planes, one for each side, as unit normals to the inside, and a cone
+/// around the middle ray. They pass through the camera's apex; those of parallel rays have none, and there is
+/// no cone. The planes fit a tile better, and the cone tells the sky from a sphere that fills the view below
+/// it. A normal that is not sure is 0: all points are inside.
 struct Frustum {
-  HalfSpace side[5];
-  float normal[5][3];  ///< the same normals; the last is the axis of the cone, and has what is behind on its
-                       ///< other side
+  HalfSpace side[5];   ///< the last has what is behind on its other side
+  float normal[5][3];  ///< of the four sides, and the axis of the cone
+  float offset[4];     ///< normal · x of a side's points, measured from the apex
   float cosine, sine;  ///< of the cone's half-angle; 0 and 1 if it is not sure, or above 60°
 
   Frustum(const PixelRays& rays, const Tile& tile) {
     const Camera& camera = rays.camera();
-    const auto& [position, right, up, forward] = camera;
+    const Viewpoint& viewpoint = rays.viewpoint();
+    const auto& [position, right, up, forward, film_right, film_up] = camera;
     const double hand = rays.hand();
     const auto u = [&](int x) { return Camera::u_at(x, rays.width(), rays.height()); };
     const auto v = [&](int y) { return Camera::v_at(y, rays.height()); };
     // A side holds one edge of the tile: the directions forward + u · right + v · up with one of u and v
-    // fixed.
-    set(0, position, hand * cross(up, forward + u(tile.x0) * right));
-    set(1, position, hand * cross(forward + u(tile.x1) * right, up));
-    set(2, position, hand * cross(forward + v(tile.y1) * up, right));
-    set(3, position, hand * cross(right, forward + v(tile.y0) * up));
+    // fixed, from the apex; or, where these are all forward, the edge of the film from one of its corners on.
+    const bool parallel = camera.is_orthographic();
+    const Vec3 &across = parallel ? film_right : right, &upwards = parallel ? film_up : up;
+    const auto edge = [&](int x, int y) { return parallel ? camera(u(x), v(y)).origin : viewpoint.apex; };
+    const Point first = edge(tile.x0, tile.y0), last = edge(tile.x1, tile.y1);
+    set(0, viewpoint, first, hand * cross(upwards, forward + u(tile.x0) * right));
+    set(1, viewpoint, last, hand * cross(forward + u(tile.x1) * right, upwards));
+    set(2, viewpoint, last, hand * cross(forward + v(tile.y1) * up, across));
+    set(3, viewpoint, first, hand * cross(across, forward + v(tile.y0) * up));
     // The directions at no more than an angle below 90° from an axis are convex: what holds the corners'
     // rays, holds all between them.
     const Vec3 middle =
         camera.direction(0.5 * (u(tile.x0) + u(tile.x1)) * right, 0.5 * (v(tile.y0) + v(tile.y1)) * up);
-    double least = hand != 0 ? 1 : 0;
+    double least = hand != 0 && !parallel ? 1 : 0;
     for (const int x : {tile.x0, tile.x1})
       for (const int y : {tile.y0, tile.y1})
         least = std::min(least, dot(middle, camera.direction(u(x) * right, v(y) * up)));
     const bool sure = least > 0.5;
-    set(4, position, least > 0.1 ? middle : Vec3{0});
+    const Vec3 axis = least > 0.1 ? middle : Vec3{0};
+    for (int k = 0; k < 3; ++k) normal[4][k] = static_cast<float>(axis[k]);
     cosine = sure ? static_cast<float>(least) : 0;
     sine = sure ? static_cast<float>(std::sqrt(1 - least * least)) : 1;
+    if (camera.is_pinhole())
+      side[4] = {position, axis};
+    else
+      side[4] = {viewpoint.film - viewpoint.drift * viewpoint.ahead, viewpoint.ahead};
   }
 
  private:
-  void set(int i, const Point& apex, const Vec3& inwards) {
+  /// A plane through a point, and everything moved out by drift. In float, offsets stay far from overflow.
+  void set(int i, const Viewpoint& viewpoint, const Point& on, const Vec3& inwards) {
     const double size = length(inwards);  // whose squares, within these bounds, neither overflow nor vanish
-    side[i] = {apex, 0x1p-500 < size && size < 0x1p500 ? inwards / size : Vec3{0}};
-    for (int k = 0; k < 3; ++k) normal[i][k] = static_cast<float>(side[i].normal[k]);
+    Vec3 n = 0x1p-500 < size && size < 0x1p500 ? inwards / size : Vec3{0};
+    double from_apex = dot(n, on - viewpoint.apex);
+    if (!(std::abs(from_apex) < 0x1p120)) n = Vec3{0}, from_apex = 0;
+    side[i] = {on - viewpoint.drift * n, n};
+    for (int k = 0; k < 3; ++k) normal[i][k] = static_cast<float>(n[k]);
+    offset[i] = static_cast<float>(from_apex);
   }
 };
 
-/// Surfaces that a camera may see, as float spheres around its position: rows of numbers, so that several are
-/// tested at once.
+/// Surfaces that a camera may see, as float spheres, their centers measured from its apex: rows of numbers,
+/// so that several are tested at once.
 class Candidates {
  public:
   [[nodiscard]] int size() const { return size_; }
@@ -142,13 +236,17 @@ class Candidates {
   /// ordered, nor any that follows.
   [[nodiscard]] float nearest(int i) const { return nearest_[index(i)]; }
 
-  /// Adds a surface that is contained in a sphere.
+  /// Adds a surface that is contained in a sphere, unless it is wholly behind the film.
   ///
-  /// With u = 2^-24: the center from the camera, l, is off by at most u|l| in float, a normal by u, and their
+  /// A ray that meets the sphere does so too when both are shifted, and so a ray from the apex meets the
+  /// sphere of that center whose radius r is larger by drift. From here on that is the sphere.
+  ///
+  /// With u = 2^-24: the center from the apex, l, is off by at most u|l| in float, a normal by u, and their
   /// product by 3u|l| more; in double, normals and rays have been turned by less than u. So the distance from
   /// a plane is good to 6u|l|, and the radius to u r. What
   /// is given to the radius, 2^-20 (|l| + r) = 16u (|l| + r), is more; 2^-140 covers whatever underflows.
-  /// What is so large that the sums might overflow is taken to be everywhere.
+  /// What is so large that the sums might overflow is taken to be everywhere. The distance of the center from
+  /// the film, which is computed in double, is good to that as well.
   ///
   /// Seen from outside, the sphere has an angular radius ψ with sin ψ = r/|l|. A cone of half-angle φ around
   /// an axis a misses it where l is at more than φ + ψ from a, that is where
@@ -156,13 +254,18 @@ class Candidates {
   /// |l|² − r² is good to 2^-50 (|l|² + r²), from |l| as it is computed. In float a·l is off by 6u|l|, each
   /// product by 3u (|l| + r), cos φ and sin φ by 2u of them; with cos φ > 1/2, 2^-18 (|l| + r) = 64u (|l| +
   /// r) less for h is more than all of it.
-  void add(int place, const Point& camera, const SphereAround& around) {
-    const auto& [center, radius] = around;
+  ///
+  /// The sphere is met for no t below |l| − r, measured from the apex, of which a ray lacks at most the first
+  /// start. Nor is it where t is less than the distance of the sphere from the film.
+  void add(int place, const Viewpoint& viewpoint, const SphereAround& around) {
+    const Vec3 l = around.center - viewpoint.apex;
+    const double radius = around.radius + viewpoint.drift;
+    const double distance = length(l), depth = dot(viewpoint.ahead, around.center - viewpoint.film);
+    const double error = 0x1p-20 * (distance + radius) + 0x1p-140;
+    if (depth < -(radius + error)) return;
     make_room(size_ + 1);
     const std::size_t i = index(size_++);
-    const Vec3 l = center - camera;
-    const double distance = length(l), error = 0x1p-20 * (distance + radius) + 0x1p-140;
-    const bool fits = distance + radius < 0x1p120;
+    const bool fits = distance + radius + std::abs(depth) < 0x1p120;
     x_[i] = fits ? static_cast<float>(l.x) : 0;
     y_[i] = fits ? static_cast<float>(l.y) : 0;
     z_[i] = fits ? static_cast<float>(l.z) : 0;
@@ -171,7 +274,7 @@ class Candidates {
     const double uncertain = 0x1p-49 * (distance * distance + radius * radius);
     horizon_[i] = fits && square > uncertain ? static_cast<float>(std::sqrt(square - uncertain) - 4 * error)
                                              : -std::numeric_limits<float>::infinity();
-    nearest_[i] = fits ? static_cast<float>(distance - radius - error) : 0;
+    nearest_[i] = fits ? static_cast<float>(std::max(distance - viewpoint.start, depth) - radius - error) : 0;
     place_[i] = place;
   }
 
@@ -184,7 +287,10 @@ class Candidates {
       const Wide reach = Wide::load(at(others.reach_));
       // NaN, which comes from numbers beyond float, is not outside.
       Mask<float, float_lanes> outside = false;
-      for (const auto& n : frustum.normal) outside = outside || (x * n[0] + y * n[1] + z * n[2] < -reach);
+      for (int k = 0; k < 4; ++k) {
+        const auto& n = frustum.normal[k];
+        outside = outside || (x * n[0] + y * n[1] + z * n[2] < frustum.offset[k] - reach);
+      }
       const auto& axis = frustum.normal[4];
       const Wide horizon = Wide::load(at(others.horizon_));
       outside = outside ||

@@ -11,8 +11,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// A scene as one tile of a camera sees it. The camera's rays, as packets Rays<Point> or as the pixel's one
-/// ray, can meet only the candidates; all others ask the whole scene. It is Traceable, and so is it for
+/// A scene as one tile of a camera sees it. The camera's rays, as packets of CameraRays or as the pixel's
+/// one ray, can meet only the candidates; all others ask the whole scene. It is Traceable, and so is it for
 /// packets: a surface is asked about all rays of a packet at once, and about one by itself where that leaves
 /// it in doubt.
 template <Surface... S>
@@ -75,7 +75,8 @@ class TileScene {
     Indices place = -1;  ///< of the surface in the scene's order
     Chosen met = false;
   };
-  [[nodiscard]] Closest closest(const Rays<Point>& rays) const {
+  template <class Origin>
+  [[nodiscard]] Closest closest(const CameraRays<Origin>& rays) const {
     Closest closest;
     Chosen in_doubt = false;
     const auto consider = [&](int place) {
@@ -103,7 +104,8 @@ class TileScene {
   }
 
   /// Which rays of the camera meet anything.
-  [[nodiscard]] Chosen occluded(const Rays<Point>& rays, Interval range) const {
+  template <class Origin>
+  [[nodiscard]] Chosen occluded(const CameraRays<Origin>& rays, Interval range) const {
     Chosen found = false, left = rays.wanted;
     const auto try_one = [&](int place) { test(place, rays, range, found, left); };
     for (std::size_t i = 0; i < unbounded_.size() && any(left); ++i) try_one(unbounded_[i]);
@@ -113,7 +115,8 @@ class TileScene {
 
   /// Which other rays meet anything. What the last ones met is tried first; where there are many surfaces,
   /// each ray goes on by itself.
-  [[nodiscard]] Chosen occluded(const Rays<Vectors>& rays, Interval range) const {
+  template <class Origin>
+  [[nodiscard]] Chosen occluded(const Rays<Origin>& rays, Interval range) const {
     Chosen found = false, left = rays.wanted;
     statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
     const int last = last_occluder_, count = static_cast<int>(scene_.size());
@@ -129,7 +132,8 @@ class TileScene {
   /// Calls visit for all crossings of rays of the camera, as Scene::crossings does. What it visits has a
   /// color() for each ray: that of the surface, or white, which leaves a product as it is, where the ray does
   /// not cross it.
-  void crossings(const Rays<Point>& rays, Interval range, auto&& visit_crossing) const {
+  template <class Origin>
+  void crossings(const CameraRays<Origin>& rays, Interval range, auto&& visit_crossing) const {
     const auto cross = [&](int place) {
       count_tests(rays.wanted);
       visit(place, [&](const auto& surface, const Material& material) {
@@ -185,7 +189,7 @@ class TileScene {
   }
 
   /// Asks about the rays in doubt, each by itself.
-  [[gnu::noinline, gnu::cold]] void decide(const Rays<Point>& rays, Chosen in_doubt, Closest& closest) const {
+  [[gnu::noinline, gnu::cold]] void decide(const auto& rays, Chosen in_doubt, Closest& closest) const {
     for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       ++statistics_.in_doubt;
@@ -259,7 +263,7 @@ class TileScene {
 
   /// Calls tell(Chosen, t) for the crossings with one surface, near before far, with the rays that have one.
   template <Surface T>
-  void each_crossing_of(const T& surface, const Rays<Point>& rays, Interval range, const auto& tell) const {
+  void each_crossing_of(const T& surface, const auto& rays, Interval range, const auto& tell) const {
     Chosen alone = rays.wanted;
     if constexpr (SurfaceForPackets<T>) {
       const RootsOfEach<Doubles, Chosen> roots = surface.roots_of_each(rays, rays.wanted);
@@ -273,7 +277,7 @@ class TileScene {
     if (any(alone)) each_crossing_by_itself(surface, rays, alone, range, tell);
   }
 
-  [[gnu::noinline, gnu::cold]] void each_crossing_by_itself(const auto& surface, const Rays<Point>& rays,
+  [[gnu::noinline, gnu::cold]] void each_crossing_by_itself(const auto& surface, const auto& rays,
                                                             Chosen alone, Interval range,
                                                             const auto& tell) const {
     for (Bits left = bits(alone); left != 0; left &= left - 1) {
