@@ -133,7 +133,7 @@ class Light {
     const Number weight =
         falloff_ == Falloff::square ? Number(4 * std::numbers::pi * r2 * sqrt(r2)) : Number(sqrt(r2));
     const double largest = std::numeric_limits<float>::max();
-    const Number factor = select(height > 0.0, min(height / weight, Number(largest)), Number(0.0));
+    const Number factor = select(height > 0.0, min(height / weight, largest), Number(0.0));
     return color_ * to_float(is_spot_ ? factor * share(l) : factor);
   }
 
