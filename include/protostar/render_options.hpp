@@ -44,7 +44,7 @@ struct Crop {
 struct RenderOptions {
   int samples = 0;  ///< rays through each pixel, of which it gets the mean (pixels.hpp); 0, as 1, its center
   Crop crop = {};   ///< the picture that the image is a part of
-  int threads = 0;            ///< how many work, the caller among them; 0: one for each core
+  int threads = 0;  ///< how many work, the caller among them; 0: one for each core
   std::stop_token stop = {};  ///< asked for, render returns early; other pixels stay as they were
   bool tiles = true;  ///< scenes are rendered by tiles and packets; without, ray by ray: the same picture
   RenderStatistics* statistics = nullptr;  ///< if given, what the picture took is added here; by tiles only

@@ -141,8 +141,9 @@ class TileRenderer {
       const Candidates none;
       const View view(scene_, none, unbounded_, taken);
       const Colors colors = radiance(rays_.packet(tile, tile.x0, tile.y0), view);
-      const Color color =
-          rays_.pixels().mean([&](int) { return Color{colors.r[0], colors.g[0], colors.b[0]}; });
+      const Color color = rays_.pixels().mean([&](int) {
+        return Color{colors.r[0], colors.g[0], colors.b[0]};
+      });
       for (int y = tile.y0; y < tile.y1; ++y) {
         Color* const row = &image_(tile.x0, y);
         std::fill(row, row + tile.width(), color);
@@ -173,10 +174,12 @@ class TileRenderer {
     for (int y = tile.y0; y < tile.y1; ++y) {
       if constexpr (by_packets) {
         for (int x = tile.x0; x < tile.x1; x += double_lanes) {
-          write(tile, x, y, pixels.mean([&](int i) {
-            const CameraRays<Origin> rays = rays_.template packet<Origin>(tile, x, y, i);
-            return radiance(rays, view);
-          }));
+          if (pixels.samples() > 1) {
+            write(tile, x, y, mean_radiance<Origin>(tile, x, y, view));
+          } else {
+            const CameraRays<Origin> rays = rays_.template packet<Origin>(tile, x, y);
+            write(tile, x, y, radiance(rays, view));
+          }
         }
       } else {
         for (int x = tile.x0; x < tile.x1; ++x) {
@@ -188,6 +191,14 @@ class TileRenderer {
         }
       }
     }
+  }
+
+  template <class Origin>
+  [[nodiscard, gnu::noinline]] Colors mean_radiance(const Tile& tile, int x, int y, const View& view) const {
+    return rays_.pixels().mean([&](int i) {
+      const CameraRays<Origin> rays = rays_.template packet<Origin>(tile, x, y, i);
+      return radiance(rays, view);
+    });
   }
 
   [[nodiscard]] Colors radiance(const auto& rays, const View& view) const {
