@@ -216,9 +216,9 @@ struct Frustum {
   }
 
   /// What is otherwise where rays start on a film, of which the tile has the part between two corners. What
-  /// is behind is behind the film. Sides of parallel rays pass through a corner, which is on two of them; an
-  /// offset far out in the range of float would overflow, and the side is given up. Every half-space is
-  /// moved out by drift; candidates are larger by that.
+  /// is behind is behind the film. Sides of parallel rays pass through a corner, each through one of two; no
+  /// candidate that float holds is as far out as 2^120. Every half-space is moved out by drift, by which
+  /// candidates are larger.
   void start_on_film(const PixelRays& rays, const Point& upper_left, const Point& lower_right) {
     const Viewpoint& viewpoint = rays.viewpoint();
     side[4] = {viewpoint.film, viewpoint.ahead};
@@ -226,10 +226,7 @@ struct Frustum {
       for (const int i : {0, 1, 2, 3}) {
         side[i].on = i == 0 || i == 3 ? upper_left : lower_right;
         const double from_apex = dot(side[i].normal, side[i].on - viewpoint.apex);
-        if (std::abs(from_apex) < 0x1p120)
-          offset[i] = static_cast<float>(from_apex);
-        else
-          set(i, viewpoint.apex, Vec3{0});
+        offset[i] = static_cast<float>(std::clamp(from_apex, -0x1p120, 0x1p120));
       }
     for (HalfSpace& half_space : side) half_space.on -= viewpoint.drift * half_space.normal;
   }
