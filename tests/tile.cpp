@@ -259,6 +259,61 @@ TEST_CASE(
   CHECK(dropped_though_met == 0);
 }
 
+// Of all rays of a tile, those at its corners are the farthest from the middle one, around which the cone is.
+// A sphere that touches one of them from beyond is at the very edge of the cone.
+TEST_CASE("a tile keeps every sphere that a ray at one of its corners touches from outside") {
+  Random random(18);
+  int all = 0, dropped = 0;
+  for (int round = 0; round < 2000; ++round) {
+    const double field = std::exp2(random.real(-20, 0));
+    const Camera camera = turned_camera(random, random.point(2), field, field, 1);
+    const PixelRays rays(camera, 200, 150);
+    const Tile picture{0, 0, 200, 150};
+    const int side = 1 << random.bits() % 7;
+    const Tile tile =
+        picture.part(static_cast<int>(random.bits() % static_cast<unsigned>(picture.count(side))), side);
+    const auto through = [&](double x, double y) {
+      return camera(Camera::u_at(x, 200, 150), Camera::v_at(y, 150));
+    };
+    const Vec3 middle = through(0.5 * (tile.x0 + tile.x1), 0.5 * (tile.y0 + tile.y1)).direction;
+    std::vector<Sphere> spheres;
+    for (const int x : {tile.x0, tile.x1})
+      for (const int y : {tile.y0, tile.y1})
+        for (int i = 0; i < 5; ++i) {
+          const Ray ray = through(x, y);
+          const Vec3 outwards =
+              normalize(ray.direction - dot(ray.direction, middle) * middle);  // and across the ray:
+          const Vec3 away = normalize(outwards - dot(outwards, ray.direction) * ray.direction);
+          const double t = std::exp2(random.real(-3, 10)), radius = t * std::exp2(random.real(-10, 10));
+          spheres.push_back({.center = ray.at(t) + radius * away, .radius = radius});
+        }
+    Candidates in_tile;
+    in_tile.add(candidates_of(spheres, camera.position), Frustum(rays, tile));
+    all += static_cast<int>(spheres.size());
+    dropped += static_cast<int>(spheres.size()) - in_tile.size();
+  }
+  CHECK(all == 40000);
+  CHECK(dropped == 0);
+}
+
+TEST_CASE("a tile drops a sphere that fills the view below it, and keeps it where the ground begins") {
+  const Sphere ground{.center = {0, -1001, 3}, .radius = 1000};
+  const PixelRays rays(Camera{}, 640, 480);
+  const auto is_kept = [&](const Tile& tile) {
+    Candidates in_tile;
+    in_tile.add(candidates_of({ground}, Point{0}), Frustum(rays, tile));
+    return in_tile.size() == 1;
+  };
+  // The horizon is where the line of sight touches: about 2.6° below the middle, between rows 250 and 258.
+  // From some way above it on, the plane under a tile is so steep that the ground reaches through it.
+  for (int x = 0; x < 640; x += 16) {
+    int kept = 0;
+    for (int y = 0; y < 240; y += 16) kept += is_kept({x, y, x + 16, y + 16});
+    CHECK(kept == 0);
+    CHECK(is_kept({x, 272, x + 16, 288}));
+  }
+}
+
 TEST_CASE("a tile drops what is beside it and behind the camera") {
   Random random(12);
   for (const Camera& camera :
