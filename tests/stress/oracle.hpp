@@ -1,6 +1,8 @@
 // Where a ray crosses a surface, and in which order: exactly, for the ray as it is given in doubles.
 #pragma once
 
+#include <array>
+#include <protostar/surfaces/parallelogram.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <vector>
@@ -16,6 +18,9 @@ struct Vector {
   Vector(const Number& vx, const Number& vy, const Number& vz) : x(vx), y(vy), z(vz) {}
 };
 inline Vector operator-(const Vector& a, const Vector& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Vector cross(const Vector& a, const Vector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 inline Number dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 /// A crossing's parameter: (p + side · √D) / A with A > 0, side -1, 0 or 1; and that rounded to Quad, good to
@@ -70,6 +75,23 @@ inline Roots roots(const protostar::Ray& ray, const protostar::Plane& plane, boo
   return {{p, {}, A, 0, Quad(p) / Quad(A)}};
 }
 
+/// The parallelogram's: o + t d is a point position + a u + b v with a and b from 0 to 1. With e = o −
+/// position and n = u × v that is t = −n·e / n·d, and a n·n = ((e + t d) × v)·n, b n·n = (u × (e + t d))·n.
+inline Roots roots(const protostar::Ray& ray, const protostar::Parallelogram& s, bool leaves) {
+  const Vector u(s.edge_u), v(s.edge_v), n = cross(u, v), d(ray.direction),
+                                         e = Vector(ray.origin) - Vector(s.position);
+  const Number down = dot(n, d);
+  if (leaves || down.sign() == 0) return {};
+  const bool turned = down.sign() < 0;
+  const Number slope = turned ? -down : down, height = turned ? dot(n, e) : -dot(n, e);
+  // e + t d, times the slope.
+  const Vector x(slope * e.x + height * d.x, slope * e.y + height * d.y, slope * e.z + height * d.z);
+  const Number end = slope * dot(n, n);
+  for (const Number& along : {dot(cross(x, v), n), dot(cross(u, x), n)})
+    if (along.sign() < 0 || (end - along).sign() < 0) return {};
+  return {{height, {}, slope, 0, Quad(height) / Quad(slope)}};
+}
+
 /// A crossing with one surface of a scene, by its number.
 struct Hit {
   Root root;
@@ -102,6 +124,37 @@ inline bool coincide(const protostar::Plane& a, const protostar::Plane& b) {
     for (int j = 0; j < i; ++j)
       if ((p[i] * q[j] - p[j] * q[i]).sign() != 0) return false;  // not multiples of each other
   return true;
+}
+/// The plane that a parallelogram lies in, as surfaces in one plane recognize each other: the plane's
+/// equation, divided by the largest component of the normal, the first of equals, and rounded.
+inline std::array<double, 4> rounded_equation(const Vector& n, const Number& distance) {
+  const Number numbers[] = {n.x, n.y, n.z, distance};
+  int k = 0;
+  for (int i = 1; i < 3; ++i)
+    if ((square(numbers[i]) - square(numbers[k])).sign() > 0) k = i;
+  std::array<double, 4> rounded{};
+  for (std::size_t i = 0; i < 4; ++i) rounded[i] = static_cast<double>(Quad(numbers[i]) / Quad(numbers[k]));
+  return rounded;
+}
+inline std::array<double, 4> rounded_equation(const protostar::Plane& s) {
+  return rounded_equation(Vector(s.normal), s.distance);
+}
+inline std::array<double, 4> rounded_equation(const protostar::Parallelogram& s) {
+  const Vector n = cross(Vector(s.edge_u), Vector(s.edge_v));
+  return rounded_equation(n, dot(n, Vector(s.position)));
+}
+inline bool coincide(const protostar::Parallelogram& a, const protostar::Parallelogram& b) {
+  return rounded_equation(a) == rounded_equation(b);
+}
+/// Exactly, where the parallelogram is at a right angle to an axis.
+inline bool coincide(const protostar::Parallelogram& a, const protostar::Plane& b) {
+  for (int i = 0; i < 3; ++i)
+    if (a.edge_u[i] == 0 && a.edge_v[i] == 0) {
+      protostar::Plane plane{protostar::Vec3{0}, a.position[i]};
+      plane.normal[i] = 1;
+      return coincide(plane, b);
+    }
+  return rounded_equation(a) == rounded_equation(b);
 }
 
 }  // namespace exact

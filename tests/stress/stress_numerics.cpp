@@ -45,6 +45,10 @@ template <class T>
 naive::Plane<T> converted(const Plane& s) {
   return {converted<T>(s.normal), static_cast<T>(s.distance)};
 }
+template <class T>
+naive::Parallelogram<T> converted(const Parallelogram& s) {
+  return {converted<T>(s.position), converted<T>(s.edge_u), converted<T>(s.edge_v)};
+}
 template <class T, class S>
 using Converted = decltype(converted<T>(S()));
 
@@ -57,6 +61,9 @@ double rounded(double x) {
 Vec3 rounded(const Vec3& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
 Sphere rounded(const Sphere& s) { return {rounded(s.center), rounded(s.radius)}; }
 Plane rounded(const Plane& s) { return {rounded(s.normal), rounded(s.distance)}; }
+Parallelogram rounded(const Parallelogram& s) {
+  return {rounded(s.position), rounded(s.edge_u), rounded(s.edge_v)};
+}
 
 bool is_sound(const Ray& ray) {
   return is_finite(ray.origin) && is_finite(ray.direction) && ray.direction != Vec3{0};
@@ -64,6 +71,9 @@ bool is_sound(const Ray& ray) {
 bool is_sound(const Sphere& s) { return is_finite(s.center) && std::isfinite(s.radius) && s.radius != 0; }
 bool is_sound(const Plane& s) {
   return is_finite(s.normal) && std::isfinite(s.distance) && s.normal != Vec3{0};
+}
+bool is_sound(const Parallelogram& s) {
+  return is_finite(s.position) && is_finite(s.edge_u) && is_finite(s.edge_v);
 }
 
 /// The case with every number rounded to float, if it stays one.
@@ -131,6 +141,10 @@ const std::vector<Kernel<Sphere>> sphere_kernels{{"library", false, run_library<
 const std::vector<Kernel<Plane>> plane_kernels{{"library", false, run_library<Plane>},
                                                {"tutorial", true, in_float<naive::quotient<float>>},
                                                {"double", false, in_double<naive::quotient<double>>}};
+const std::vector<Kernel<Parallelogram>> parallelogram_kernels{
+    {"library", false, run_library<Parallelogram>},
+    {"tutorial", true, in_float<naive::determinants<float>>},
+    {"double", false, in_double<naive::determinants<double>>}};
 
 // ---- What is counted
 
@@ -236,7 +250,10 @@ bool is_within_bound(const Case<Sphere>& c, double t, double relative_error, Qua
   const bool is_turned_no_more = length(cross) <= bound * length(QuadVector{x, y, z}) * length(n);
   return normal_error(normal, n) <= bound && (is_turned_no_more || c.ray.departure == c.surface.departure());
 }
-bool is_within_bound(const Case<Plane>&, double, double, Quad) { return true; }
+template <class S>
+bool is_within_bound(const Case<S>&, double, double, Quad) {
+  return true;
+}
 
 /// The first promise that is broken, if any is.
 template <class S>
@@ -276,6 +293,9 @@ void print(const Sphere& s) {
 }
 void print(const Plane& s) {
   std::fprintf(stderr, "plane "), print(s.normal), std::fprintf(stderr, ", %a", s.distance);
+}
+void print(const Parallelogram& s) {
+  std::fprintf(stderr, "parallelogram "), print(s.position), print(s.edge_u), print(s.edge_v);
 }
 
 template <class S>
@@ -432,7 +452,8 @@ int stress(int argc, char** argv) {
   const Options options(argc, argv, {"--tests", "--seed", "--kernel", "--csv"});
   const std::string& only = options.text("--kernel");
   if (!only.empty() && !is_kernel(only)) throw std::invalid_argument("no such kernel: " + only);
-  const std::uint64_t corpora_count = corpora::of_spheres.size() + corpora::of_planes.size();
+  const std::uint64_t corpora_count =
+      corpora::of_spheres.size() + corpora::of_planes.size() + corpora::of_parallelograms.size();
   const std::uint64_t each = (options.number("--tests", 2'000'000) + corpora_count - 1) / corpora_count;
   Random seeds(options.number("--seed", 1));
 
@@ -440,6 +461,7 @@ int stress(int argc, char** argv) {
   Totals library;
   run(corpora::of_spheres, sphere_kernels, only, each, seeds, table, library);
   run(corpora::of_planes, plane_kernels, only, each, seeds, table, library);
+  run(corpora::of_parallelograms, parallelogram_kernels, only, each, seeds, table, library);
   table.close();
   std::printf("library: wrong %" PRIu64 " of %" PRIu64 "; not decided in double %" PRIu64
               ", nor in double-double %" PRIu64 "\n",
