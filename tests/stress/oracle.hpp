@@ -1,6 +1,8 @@
 // Where a ray crosses a surface, and in which order: exactly, for the ray as it is given in doubles.
 #pragma once
 
+#include <array>
+#include <protostar/surfaces/parallelogram.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <vector>
@@ -20,6 +22,10 @@ struct Vector {
 template <class T>
 Vector<T> operator-(const Vector<T>& a, const Vector<T>& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T>
+Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class T>
 T dot(const Vector<T>& a, const Vector<T>& b) {
@@ -47,6 +53,31 @@ struct PlaneEquation {
     const Vector<T> n(plane.normal);
     slope = dot(n, Vector<T>(ray.direction));
     height = T(plane.distance) - dot(n, Vector<T>(ray.origin));
+  }
+};
+
+/// slope · t = height is where the line crosses the plane that the parallelogram lies in, at the point
+/// position + a u + b v. With e = origin − position and n = u × v, slope = n·d and height = −n·e; and the
+/// products of e + t d = a u + b v with v and u are a n and b n: a n·n = ((e + t d) × v)·n, b n·n = (u × (e +
+/// t d))·n.
+template <class T>
+struct ParallelogramEquation {
+  T slope, height;
+  T inside[4];  ///< a, b, 1 − a and 1 − b, times slope · n·n
+
+  ParallelogramEquation(const protostar::Ray& ray, const protostar::Parallelogram& parallelogram) {
+    const Vector<T> u(parallelogram.edge_u), v(parallelogram.edge_v), n = cross(u, v);
+    const Vector<T> d(ray.direction), e = Vector<T>(ray.origin) - Vector<T>(parallelogram.position);
+    slope = dot(n, d), height = -dot(n, e);
+    // slope · (e + t d)
+    const Vector<T> x(slope * e.x + height * d.x, slope * e.y + height * d.y, slope * e.z + height * d.z);
+    const T one = slope * dot(n, n);
+    inside[0] = dot(cross(x, v), n), inside[1] = dot(cross(u, x), n);
+    inside[2] = one - inside[0], inside[3] = one - inside[1];
+  }
+  /// Whether 0 ≤ a ≤ 1 and 0 ≤ b ≤ 1, of a slope that is not 0.
+  [[nodiscard]] bool is_inside() const {
+    return std::all_of(inside, inside + 4, [&](const T& x) { return x.sign() * slope.sign() >= 0; });
   }
 };
 
@@ -90,14 +121,25 @@ inline Roots roots(const protostar::Ray& ray, const protostar::Sphere& sphere, b
   return {{e.b, D, e.A, -1, ahead ? other : one}, {e.b, D, e.A, 1, ahead ? one : other}};
 }
 
+/// The root of slope · t = height, with a slope that is not 0.
+inline Root only_root(const Number& slope, const Number& height) {
+  const bool falls = slope.sign() < 0;
+  const Number p = falls ? -height : height, A = falls ? -slope : slope;
+  return {p, {}, A, 0, Quad(p) / Quad(A)};
+}
+
 /// A ray that leaves a plane does not come back.
 inline Roots roots(const protostar::Ray& ray, const protostar::Plane& plane, bool leaves) {
   if (leaves) return {};
   const PlaneEquation<Number> e(ray, plane);
   if (e.slope.sign() == 0) return {};
-  const bool falls = e.slope.sign() < 0;
-  const Number p = falls ? -e.height : e.height, A = falls ? -e.slope : e.slope;
-  return {{p, {}, A, 0, Quad(p) / Quad(A)}};
+  return {only_root(e.slope, e.height)};
+}
+inline Roots roots(const protostar::Ray& ray, const protostar::Parallelogram& parallelogram, bool leaves) {
+  if (leaves) return {};
+  const ParallelogramEquation<Number> e(ray, parallelogram);
+  if (e.slope.sign() == 0 || !e.is_inside()) return {};
+  return {only_root(e.slope, e.height)};
 }
 
 /// A crossing with one surface of a scene, by its number.
@@ -132,6 +174,37 @@ inline bool coincide(const protostar::Plane& a, const protostar::Plane& b) {
     for (int j = 0; j < i; ++j)
       if ((p[i] * q[j] - p[j] * q[i]).sign() != 0) return false;  // not multiples of each other
   return true;
+}
+/// The plane that a parallelogram lies in, as surfaces in one plane recognize each other: the plane's
+/// equation, divided by the largest component of the normal, the first of equals, and rounded.
+inline std::array<double, 4> rounded_equation(const Vector<Number>& n, const Number& distance) {
+  const Number numbers[] = {n.x, n.y, n.z, distance};
+  int k = 0;
+  for (int i = 1; i < 3; ++i)
+    if ((square(numbers[i]) - square(numbers[k])).sign() > 0) k = i;
+  std::array<double, 4> rounded{};
+  for (std::size_t i = 0; i < 4; ++i) rounded[i] = static_cast<double>(Quad(numbers[i]) / Quad(numbers[k]));
+  return rounded;
+}
+inline std::array<double, 4> rounded_equation(const protostar::Plane& s) {
+  return rounded_equation(Vector<Number>(s.normal), s.distance);
+}
+inline std::array<double, 4> rounded_equation(const protostar::Parallelogram& s) {
+  const Vector<Number> n = cross(Vector<Number>(s.edge_u), Vector<Number>(s.edge_v));
+  return rounded_equation(n, dot(n, Vector<Number>(s.position)));
+}
+inline bool coincide(const protostar::Parallelogram& a, const protostar::Parallelogram& b) {
+  return rounded_equation(a) == rounded_equation(b);
+}
+/// Exactly, where the parallelogram is at a right angle to an axis.
+inline bool coincide(const protostar::Parallelogram& a, const protostar::Plane& b) {
+  for (int i = 0; i < 3; ++i)
+    if (a.edge_u[i] == 0 && a.edge_v[i] == 0) {
+      protostar::Plane plane{protostar::Vec3{0}, a.position[i]};
+      plane.normal[i] = 1;
+      return coincide(plane, b);
+    }
+  return rounded_equation(a) == rounded_equation(b);
 }
 
 }  // namespace exact
