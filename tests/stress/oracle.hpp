@@ -56,28 +56,27 @@ struct PlaneEquation {
   }
 };
 
-/// slope · t = height is where the line crosses the plane that the parallelogram lies in, at the point
-/// position + a u + b v. With e = origin − position and n = u × v, slope = n·d and height = −n·e; and the
-/// products of e + t d = a u + b v with v and u are a n and b n: a n·n = ((e + t d) × v)·n, b n·n = (u × (e +
-/// t d))·n.
+/// slope · t = height is where the line crosses the parallelogram's plane: with n = u × v and g = position −
+/// origin, slope = n·d and height = n·g. Seen from the origin it is at t d. That is to the left of an edge w
+/// through p where w × (t d − p) has the direction of n, so where its product with d has the slope's sign:
+///   d·(w × (t d − p)) = d·(p × w) = (d × p)·w.
+/// The parallelogram is to the left of its outline: along u from g, v from g + u, −u from g + v, −v from g.
 template <class T>
 struct ParallelogramEquation {
   T slope, height;
-  T inside[4];  ///< a, b, 1 − a and 1 − b, times slope · n·n
+  T left[4];  ///< these products; 0 on the line through an edge
 
   ParallelogramEquation(const protostar::Ray& ray, const protostar::Parallelogram& parallelogram) {
     const Vector<T> u(parallelogram.edge_u), v(parallelogram.edge_v), n = cross(u, v);
-    const Vector<T> d(ray.direction), e = Vector<T>(ray.origin) - Vector<T>(parallelogram.position);
-    slope = dot(n, d), height = -dot(n, e);
-    // slope · (e + t d)
-    const Vector<T> x(slope * e.x + height * d.x, slope * e.y + height * d.y, slope * e.z + height * d.z);
-    const T one = slope * dot(n, n);
-    inside[0] = dot(cross(x, v), n), inside[1] = dot(cross(u, x), n);
-    inside[2] = one - inside[0], inside[3] = one - inside[1];
+    const Vector<T> d(ray.direction), g = Vector<T>(parallelogram.position) - Vector<T>(ray.origin);
+    slope = dot(n, d), height = dot(n, g);
+    const Vector<T> m = cross(d, g);
+    left[0] = dot(m, u), left[1] = dot(m, v) + slope;  // (d × u)·v = n·d
+    left[2] = slope - left[0], left[3] = -dot(m, v);
   }
-  /// Whether 0 ≤ a ≤ 1 and 0 ≤ b ≤ 1, of a slope that is not 0.
+  /// Whether the crossing is in the parallelogram, if the slope is not 0.
   [[nodiscard]] bool is_inside() const {
-    return std::all_of(inside, inside + 4, [&](const T& x) { return x.sign() * slope.sign() >= 0; });
+    return std::all_of(left, left + 4, [&](const T& x) { return x.sign() * slope.sign() >= 0; });
   }
 };
 

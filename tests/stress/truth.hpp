@@ -90,7 +90,7 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray,
   const ParallelogramEquation<Ball> e(ray, parallelogram);
   if (!e.slope.is_known() || !e.height.is_known()) return std::nullopt;
   if (e.slope.sign() == 0) return Truth<>{};
-  for (const Ball& x : e.inside)
+  for (const Ball& x : e.left)
     if (!x.is_known()) return std::nullopt;
   if (!e.is_inside()) return Truth<>{};
   return first_level(e.height, e.slope);
@@ -133,7 +133,7 @@ inline const char* wrong_coefficient(const protostar::Ray& ray,
   if (!e.slope.may_be(truth.slope)) return "the slope";
   if (!e.height.may_be(truth.height)) return "the height";
   for (int i = 0; i < 4; ++i)
-    if (!e.inside[i].may_be(truth.inside[i])) return "which side of an edge a point is on";
+    if (!e.left[i].may_be(truth.left[i])) return "which side of an edge a point is on";
   return nullptr;
 }
 
