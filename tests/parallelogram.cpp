@@ -300,13 +300,17 @@ TEST_CASE("the equation of a plane is rounded to nearest, by double-double as wi
   CHECK(wrong == 0);
 
   // Quotients next to the middle of two doubles, and in it.
-  const Expansion one(1.0), middle = one + Expansion(ulp / 2), hair(0x1p-200);
-  CHECK(detail::nearest_quotient(middle - hair, one) == 1);
-  CHECK(detail::nearest_quotient(middle, one) == 1);
-  CHECK(detail::nearest_quotient(middle + hair, one) == 1 + ulp);
-  CHECK(detail::nearest_quotient(-middle, one) == -1 - ulp);
-  CHECK(detail::nearest_quotient(-middle + hair, one) == -1);
-  CHECK(detail::nearest_quotient(middle - hair, -one) == -1);
+  const Expansion one(1.0), hair(0x1p-200);
+  for (const double q : {1.0, 1 + ulp, 1 + 2 * ulp}) {
+    const Expansion middle = Expansion(q) + Expansion(ulp / 2);
+    const double up = q + ulp, even = q == 1 + ulp ? up : q;
+    CHECK(detail::nearest_quotient(middle - hair, one) == q);
+    CHECK(detail::nearest_quotient(middle + hair, one) == up);
+    CHECK(detail::nearest_quotient(middle, one) == even);
+    CHECK(detail::nearest_quotient(-middle, one) == -even);
+    CHECK(detail::nearest_quotient(-middle - hair, one) == -up);
+    CHECK(detail::nearest_quotient(hair - middle, -one) == q);
+  }
   CHECK(detail::nearest_quotient(Expansion(), one) == 0);
 }
 

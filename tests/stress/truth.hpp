@@ -45,8 +45,9 @@ inline std::optional<TrueRoot<long double>> true_root(const Ball& p, int side, c
   return TrueRoot<long double>{t, u.sign() * squares.sign()};
 }
 
-/// The only root p/A, A > 0.
+/// The only root p/A, A ≠ 0.
 inline std::optional<Truth<>> first_level(const Ball& p, const Ball& A) {
+  if (A.sign() < 0) return first_level(-p, -A);
   const auto root = true_root(p, 0, {}, A, static_cast<long double>(p) / static_cast<long double>(A));
   return root ? std::optional(Truth<>{1, {*root, {}}}) : std::nullopt;
 }
@@ -80,7 +81,19 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const proto
   const PlaneEquation<Ball> e(ray, plane);
   if (!e.slope.is_known() || !e.height.is_known()) return std::nullopt;
   if (e.slope.sign() == 0) return Truth<>{};
-  return e.slope.sign() < 0 ? first_level(-e.height, -e.slope) : first_level(e.height, e.slope);
+  return first_level(e.height, e.slope);
+}
+
+inline std::optional<Truth<>> first_level(const protostar::Ray& ray,
+                                          const protostar::Parallelogram& parallelogram, bool leaves) {
+  if (leaves) return Truth<>{};
+  const ParallelogramEquation<Ball> e(ray, parallelogram);
+  if (!e.slope.is_known() || !e.height.is_known()) return std::nullopt;
+  if (e.slope.sign() == 0) return Truth<>{};
+  for (const Ball& x : e.left)
+    if (!x.is_known()) return std::nullopt;
+  if (!e.is_inside()) return Truth<>{};
+  return first_level(e.height, e.slope);
 }
 
 /// The truth, from exact numbers.
@@ -112,6 +125,16 @@ inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar:
   const PlaneEquation<Number> truth(ray, plane);
   if (!e.slope.may_be(truth.slope)) return "the slope";
   return e.height.may_be(truth.height) ? nullptr : "the height";
+}
+inline const char* wrong_coefficient(const protostar::Ray& ray,
+                                     const protostar::Parallelogram& parallelogram) {
+  const ParallelogramEquation<Ball> e(ray, parallelogram);
+  const ParallelogramEquation<Number> truth(ray, parallelogram);
+  if (!e.slope.may_be(truth.slope)) return "the slope";
+  if (!e.height.may_be(truth.height)) return "the height";
+  for (int i = 0; i < 4; ++i)
+    if (!e.left[i].may_be(truth.left[i])) return "which side of an edge a point is on";
+  return nullptr;
 }
 
 /// What a truth of the first level says that exact numbers do not, if anything. They have a t that is off by

@@ -6,8 +6,10 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "../vec3.hpp"
@@ -53,17 +55,21 @@ using PlaneEquation = std::array<double, 4>;
 
 namespace detail {
 
-/// The number nearest to N/M, the smaller one of two that are equally near.
+/// N/M, rounded as a quotient of doubles is: to nearest, in the middle of two to the one whose last bit is 0.
 [[nodiscard, gnu::cold, gnu::noinline]] inline double nearest_quotient(const Expansion& N,
                                                                        const Expansion& M) {
+  if (N.sign() == 0) return 0;
   // Good to 2^-96, so that one of its neighbors may be nearer, and none beyond them.
   const double q = static_cast<double>(DoubleDouble(N) / DoubleDouble(M));
-  const double lower = std::nextafter(q, -infinity), upper = std::nextafter(q, infinity);
-  const auto side_of_middle = [&](double neighbor) {  // the sign of N/M − (q + neighbor)/2
-    return (Expansion(2) * N - (Expansion(q) + Expansion(neighbor)) * M).sign() * M.sign();
-  };
-  if (N.sign() != 0 && side_of_middle(upper) > 0) return upper;
-  return N.sign() != 0 && side_of_middle(lower) <= 0 ? lower : q;
+  const bool is_even = (std::bit_cast<std::uint64_t>(q) & 1) == 0;
+  for (const int side : {-1, 1}) {
+    const double neighbor = std::nextafter(q, side * infinity);
+    // Where N/M is, seen from the middle: on the neighbor's side, in it, or on the side of q.
+    const Expansion middle = (Expansion(q) + Expansion(neighbor)) * M;
+    const int beyond = side * M.sign() * (Expansion(2) * N - middle).sign();
+    if (beyond > 0 || (beyond == 0 && !is_even)) return neighbor;
+  }
+  return q;
 }
 
 /// The equation from numbers of about 1, without rounding before the last.
