@@ -113,8 +113,7 @@ inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar:
   return e.height.may_be(truth.height) ? nullptr : "the height";
 }
 
-/// What a truth of the first level says that exact numbers do not, if anything. They have a t that is off by
-/// less than 2^-100, and lost 2^-64 when it became a long double.
+/// What a truth of the first level says that exact numbers do not, if anything.
 inline const char* difference(const Truth<>& truth, const Roots& exact) {
   if (truth.count != static_cast<int>(exact.size())) return "the number of roots";
   for (std::size_t i = 0; i < exact.size(); ++i) {
