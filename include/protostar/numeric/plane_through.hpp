@@ -42,11 +42,17 @@ using ExactVector = std::array<Expansion, 3>;
   return {component(1, 2), component(2, 0), component(0, 1)};
 }
 
+/// A vector that is neither so long nor so short that products of a few would leave the range of double; or
+/// else, one of about 1 in its direction.
+[[nodiscard]] inline Vec3 of_moderate_size(const Vec3& v) {
+  const double size = std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
+  return 0x1p-100 < size && size < 0x1p100 ? v : scaled(v, -exponent_of({v}));
+}
+
 /// The unit normal along u × v, whatever the sizes of both; NaN where they are parallel.
 [[nodiscard]] inline Vec3 unit_normal(const Vec3& u, const Vec3& v) {
-  const auto n = cross_product(scaled(u, -exponent_of({u})), scaled(v, -exponent_of({v})));
-  const Vec3 rounded{n[0].hi, n[1].hi, n[2].hi};
-  return normalize(scaled(rounded, -exponent_of({rounded})));
+  const auto n = cross_product(of_moderate_size(u), of_moderate_size(v));
+  return normalize(of_moderate_size({n[0].hi, n[1].hi, n[2].hi}));
 }
 
 /// The numbers of normal · x = distance, divided by the largest component of the normal, the first of equals,
@@ -72,7 +78,7 @@ namespace detail {
   return q;
 }
 
-/// The equation from numbers of about 1, without rounding before the last.
+/// The equation from numbers of moderate size, without rounding before the last.
 [[nodiscard, gnu::cold, gnu::noinline]] inline PlaneEquation exact_plane_through(const Point& position,
                                                                                  const Vec3& u,
                                                                                  const Vec3& v) {
@@ -137,7 +143,7 @@ namespace detail {
 [[nodiscard]] inline PlaneEquation plane_through(const Point& position, const Vec3& u, const Vec3& v) {
   const int lengths = exponent_of({position});
   const Point p = scaled(position, -lengths);
-  const Vec3 a = scaled(u, -exponent_of({u})), b = scaled(v, -exponent_of({v}));
+  const Vec3 a = of_moderate_size(u), b = of_moderate_size(v);
   PlaneEquation equation;
   if (const auto refined = detail::refined_plane_through(p, a, b))
     equation = *refined;
