@@ -175,7 +175,9 @@ struct Camera {
     return text;
   }
   static std::string text_of(const Vec3& v) {
-    return "(" + text_of(v.x) + ", " + text_of(v.y) + ", " + text_of(v.z) + ")";
+    char text[96];
+    static_cast<void>(std::snprintf(text, sizeof text, "(%.9g, %.9g, %.9g)", v.x, v.y, v.z));
+    return text;
   }
 
   static Camera valid(const Camera& camera) {

@@ -250,8 +250,8 @@ const char* broken_promise(const Case<S>& c, const exact::Roots& truth) {
     if ((t > 0) != (exact_t > 0) || (t < 0) != (exact_t < 0)) return "the sign of a root";
     if (!(size_of(Quad(t) - exact_t) <= Quad(0x1p-30) * size_of(exact_t))) return "a root to 2^-30";
 
-    const Color white{1};
-    const Intersection hit(c.ray, {{t, i}, &c.surface, &functions_of<S>, &white});
+    const Material material;
+    const Intersection hit(c.ray, {{t, i}, &c.surface, &functions_of<S>, &material});
     if (ulps(hit.refined(), exact_t) > 1) return "a refined root to 1 ulp";
     if (!is_within_bound(c, t, 0x1p-30, exact_t)) return "a normal";
     if (!is_within_bound(c, hit.refined(), 0x1p-52, exact_t)) return "a normal of a refined root";
