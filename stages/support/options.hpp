@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <protostar/encode.hpp>
+#include <protostar/tone.hpp>
 #include <string>
 #include <vector>
 
@@ -18,13 +19,17 @@ struct StageDefaults {
   std::string integrator;  ///< for the line that the stage prints
   int width = 640, height = 480;
   protostar::Transfer transfer = protostar::Gamma{2.2};
+  protostar::Tone tone = protostar::Tone::clip;  ///< not for files of linear light
   bool plain = false;
   std::vector<NumberOption> numbers = {};  ///< options of its own
 };
 
 /// What the user asked for, checked as far as it can be without touching a file.
 struct Options {
-  enum class Format { ppm, png, pfm };
+  enum class Format { ppm, png, pfm, hdr };
+
+  /// Whether the file holds the light itself: nothing is encoded, nothing above 1 has to be cut.
+  [[nodiscard]] bool is_linear() const { return format == Format::pfm || format == Format::hdr; }
 
   std::filesystem::path output = "out.ppm";
   Format format = Format::ppm;
@@ -32,6 +37,7 @@ struct Options {
   int threads = 0;  ///< 0: all cores
   int bits = 8;
   protostar::Transfer transfer;
+  protostar::Tone tone = protostar::Tone::clip;
   bool plain = false;
   bool quiet = false;
   std::vector<NumberOption> numbers;  ///< with the values that were given
