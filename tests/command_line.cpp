@@ -199,7 +199,7 @@ TEST_CASE("a tone changes what has 8 or 16 bits, and no file of linear light") {
     }
   CHECK(above_1 > 100);
   CHECK(wrong == 0);
-  CHECK(bytes_of(folder / "a.hdr").size() > 128 * 96);
+  CHECK(bytes_of(folder / "a.hdr").starts_with("#?RADIANCE\n"));
 }
 
 TEST_CASE("light is encoded as asked, with 8 or 16 bits") {

@@ -32,8 +32,9 @@ TEST_CASE("clip leaves the light to the encoder") {
 }
 
 TEST_CASE("scale-pixel divides a pixel by its largest channel, where that is above 1") {
-  check_tone(Tone::scale_pixel, {{0, 0, 0}, {0.5f, 1, 0.25f}, {0.5f, 1, 4}, {16, 8, 0}, {2, 2, 2}},
-             {{0, 0, 0}, {0.5f, 1, 0.25f}, {0.125f, 0.25f, 1}, {1, 0.5f, 0}, {1, 1, 1}});
+  check_tone(Tone::scale_pixel,
+             {{0, 0, 0}, {0.5f, 0.25f, 0}, {0.5f, 1, 0.25f}, {0.5f, 1, 4}, {16, 8, 0}, {2, 2, 2}},
+             {{0, 0, 0}, {0.5f, 0.25f, 0}, {0.5f, 1, 0.25f}, {0.125f, 0.25f, 1}, {1, 0.5f, 0}, {1, 1, 1}});
 }
 
 TEST_CASE("scale-image divides all pixels by the largest channel of any") {
