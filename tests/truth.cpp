@@ -1,3 +1,4 @@
+#include <protostar/surfaces/parallelogram.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 
@@ -99,4 +100,11 @@ TEST_CASE("what 128 digits cannot tell, exact numbers tell") {
   const Ray ray{.origin = {1, 0x1p-200, 0}, .direction = {0, -1, 0}};
   CHECK_FALSE(exact::first_level(ray, plane, false));
   CHECK(exact::truth_of(ray, plane, false).root[0].t == 0x1p-200L);
+  // The ray passes an edge of the parallelogram, or meets it, as near to that.
+  const Parallelogram parallelogram{.position = {0, 0, 3}, .edge_u = {1, 0, 0}, .edge_v = {0, 1, 0}};
+  for (const double off : {-0x1p-200, 0x1p-200})
+    for (const Ray& to_edge : {Ray{{1, 0.5, 0}, {off, 0, 1}}, Ray{{0.5, 1, 0}, {0, off, 1}}}) {
+      CHECK_FALSE(exact::first_level(to_edge, parallelogram, false));
+      CHECK(exact::truth_of(to_edge, parallelogram, false).count == (off < 0 ? 1 : 0));
+    }
 }

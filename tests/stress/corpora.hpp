@@ -63,8 +63,8 @@ inline Ray passing(Random& random, const Point& center, double impact, double ah
 
 inline SphereCase tutorial(Random& random) {
   static constexpr Sphere spheres[] = {{{0, 0, 3}, 1}, {{-1.5, 0, 5}, 1}, {{0, -1001, 3}, 1000}};
-  return {protostar::Camera{}.through_pixel(whole(random, 0, 639), whole(random, 0, 479), 640, 480),
-          spheres[whole(random, 0, 2)]};
+  const int y = whole(random, 0, 479), x = whole(random, 0, 639);
+  return {protostar::Camera{}.through_pixel(x, y, 640, 480), spheres[whole(random, 0, 2)]};
 }
 
 /// Radius and distance of any size, each apart from the other.

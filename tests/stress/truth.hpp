@@ -87,7 +87,7 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray,
                                           const protostar::Parallelogram& parallelogram, bool leaves) {
   if (leaves) return Truth<>{};
   const ParallelogramEquation<Ball> e(ray, parallelogram);
-  if (!e.slope.is_known() || !e.height.is_known()) return std::nullopt;
+  if (!e.slope.is_known()) return std::nullopt;
   if (e.slope.sign() == 0) return Truth<>{};
   for (const Ball& x : e.left)
     if (!x.is_known()) return std::nullopt;
