@@ -317,6 +317,13 @@ TEST_CASE("the equation of a plane is rounded to nearest, by double-double as wi
     CHECK(detail::nearest_quotient(hair - middle, -one) == q);
   }
   CHECK(detail::nearest_quotient(Expansion(), one) == 0);
+  int off = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const double leading = random.real(1, 2), more = random.real(-1, 1), last = random.real(-1, 1);
+    const Expansion M = Expansion(leading) + Expansion(0x1p-60 * more) + Expansion(0x1p-120 * last);
+    off += detail::nearest_quotient((Expansion(1 + ulp) + Expansion(ulp / 2)) * M, M) != 1 + 2 * ulp;
+  }
+  CHECK(off == 0);
 }
 
 namespace {
