@@ -22,11 +22,11 @@ const std::vector<std::vector<std::string>> layers = {
     {"vec3.hpp", "interval.hpp", "render_options.hpp", "accel/simd.hpp"},
     {"bounds.hpp", "parallel.hpp", "numeric/double_double.hpp"},
     {"ray.hpp", "light.hpp", "numeric/expansion.hpp", "numeric/roots.hpp", "numeric/scale.hpp"},
-    {"numeric/exact_root.hpp", "numeric/power.hpp", "accel/box_space.hpp"},
-    {"intersection.hpp", "numeric/plane_roots.hpp", "numeric/sphere_roots.hpp", "numeric/trigonometry.hpp",
-     "accel/bvh_build.hpp"},
+    {"numeric/exact_root.hpp", "numeric/plane_through.hpp", "numeric/power.hpp", "accel/box_space.hpp"},
+    {"intersection.hpp", "numeric/parallelogram_roots.hpp", "numeric/plane_roots.hpp",
+     "numeric/sphere_roots.hpp", "numeric/trigonometry.hpp", "accel/bvh_build.hpp"},
     {"surface.hpp", "accel/bvh.hpp"},
-    {"surfaces/any_surface.hpp", "surfaces/plane.hpp", "surfaces/sphere.hpp"},
+    {"surfaces/any_surface.hpp", "surfaces/parallelogram.hpp", "surfaces/plane.hpp", "surfaces/sphere.hpp"},
     {"scene.hpp", "accel/sphere_around.hpp"},
     {"camera.hpp", "image.hpp", "accel/packet.hpp", "accel/sphere_leaves.hpp", "integrators/binary.hpp",
      "integrators/color.hpp", "integrators/depth.hpp", "integrators/diffuse.hpp", "integrators/normal.hpp",
@@ -41,7 +41,7 @@ const std::vector<std::vector<std::string>> layers = {
 
 /// What the core includes from outside: the standard library, and of GLM the smallest part that will do; and
 /// in one header the processor's instructions.
-const std::set<std::string> glm_headers = {"glm/vec3.hpp", "glm/geometric.hpp"};
+const std::set<std::string> glm_headers = {"glm/vec2.hpp", "glm/vec3.hpp", "glm/geometric.hpp"};
 const std::string instructions = "immintrin.h", header_of_instructions = "accel/simd.hpp";
 
 /// The texts of headers by their paths inside include/protostar.

@@ -56,7 +56,11 @@ namespace detail {
 /// precedes where the errors of t overlap.
 [[nodiscard, gnu::noinline, gnu::cold]] inline bool precedes_refined(Ray ray, SurfaceCrossing a,
                                                                      SurfaceCrossing b) {
-  if (a.crossing.root == b.crossing.root && a.departure() == b.departure()) return false;
+  // What coincides exactly needs no more arithmetic.
+  if (const Departure departure = a.departure(); departure.kind != Departure::Kind::rounded_plane &&
+                                                 a.crossing.root == b.crossing.root &&
+                                                 departure == b.departure())
+    return false;
   const RefinedCrossing x = a.refine(ray, Precision::double_double),
                         y = b.refine(ray, Precision::double_double);
   if (const int sign = order(x.t, x.relative_error, y.t, y.relative_error); sign != 0) return sign < 0;

@@ -26,6 +26,7 @@
 #include "scene.hpp"
 #include "surface.hpp"
 #include "surfaces/any_surface.hpp"
+#include "surfaces/parallelogram.hpp"
 #include "surfaces/plane.hpp"
 #include "surfaces/sphere.hpp"
 #include "tone.hpp"

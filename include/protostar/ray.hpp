@@ -17,30 +17,35 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// count, but t is computed and comes out as a little more or less than 0. No small constant tells it from a
 /// true crossing at every scale. So the ray carries, by value, the geometry that it leaves; a surface that
 /// recognizes itself divides the root t = 0 out of its equation, and what remains is the other root. Geometry
-/// that coincides exactly, the same sphere twice or two planes of one equation, has equal departures and is
+/// that coincides exactly, the same sphere twice or a board that lies on a floor, has equal departures and is
 /// left together.
 struct Departure {
-  enum class Kind : std::uint8_t { none, object, sphere, plane };
+  enum class Kind : std::uint8_t { none, object, sphere, plane, rounded_plane };
 
   Kind kind = Kind::none;
   const void* object = nullptr;  ///< kind object: the surface itself, recognized by its address
 
-  /// kind sphere: center and |radius|; kind plane: normal and distance
+  /// kind sphere: center and |radius|; kind plane: normal and distance; kind rounded_plane: the same of a
+  /// plane that doubles may not hold, as PlaneEquation has them (numeric/plane_through.hpp)
   std::array<double, 4> geometry{};
 
-  /// Whether both are of one geometry, exactly: equations of planes may be multiples of each other.
+  [[nodiscard]] bool is_planar() const { return kind == Kind::plane || kind == Kind::rounded_plane; }
+
+  /// Whether both are of one geometry. For planes that is exact where both equations are, and these may be
+  /// multiples of each other. Where one is rounded, planes that are equal are found to be, and two others
+  /// only if rounding leaves them the same numbers: at any point, they are no further apart than roundings of
+  /// its coordinates.
   bool operator==(const Departure& other) const {
-    if (kind != other.kind || object != other.object) return false;
-    return kind == Kind::plane ? are_proportional(geometry, other.geometry) : geometry == other.geometry;
+    if (kind == Kind::plane && other.kind == Kind::plane) return are_proportional(geometry, other.geometry);
+    if (is_planar() && other.is_planar()) return rounded() == other.rounded();
+    return kind == other.kind && object == other.object && geometry == other.geometry;
   }
 
  private:
   /// Whether all a_i b_k = a_k b_i, with k the place of the largest component of the normal a. The products
   /// are exact; powers of two keep them in the range of double.
   static bool are_proportional(const std::array<double, 4>& a, const std::array<double, 4>& b) {
-    std::size_t k = 0;
-    for (std::size_t i = 1; i < 3; ++i)
-      if (std::abs(a[i]) > std::abs(a[k])) k = i;
+    const std::size_t k = largest_component(a);
     if (b[k] == 0) return false;
     const int a_exponent = std::ilogb(a[k]), b_exponent = std::ilogb(b[k]);
     const double a_k = std::ldexp(a[k], -a_exponent), b_k = std::ldexp(b[k], -b_exponent);
@@ -50,6 +55,21 @@ struct Departure {
       if (left.hi != right.hi || left.lo != right.lo) return false;
     }
     return true;
+  }
+
+  /// The equation as a rounded_plane has it. A quotient of two doubles is rounded as any number is.
+  [[nodiscard]] std::array<double, 4> rounded() const {
+    if (kind == Kind::rounded_plane) return geometry;
+    const double largest = geometry[largest_component(geometry)];
+    return {geometry[0] / largest, geometry[1] / largest, geometry[2] / largest, geometry[3] / largest};
+  }
+
+  /// The place of the normal's largest component, the first of equals.
+  static std::size_t largest_component(const std::array<double, 4>& a) {
+    std::size_t k = 0;
+    for (std::size_t i = 1; i < 3; ++i)
+      if (std::abs(a[i]) > std::abs(a[k])) k = i;
+    return k;
   }
 };
 

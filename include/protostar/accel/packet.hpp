@@ -39,6 +39,9 @@ struct Vectors {
   friend Vectors operator+(const Vectors& a, double b) { return {a.x + b, a.y + b, a.z + b}; }
 
   friend Doubles dot(const Vectors& a, const Vectors& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+  friend Vectors cross(const Vectors& a, const Vectors& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  }
   friend Vectors abs(const Vectors& a) { return {abs(a.x), abs(a.y), abs(a.z)}; }
   friend Vectors select(Chosen which, const Vectors& a, const Vectors& b) {
     return {select(which, a.x, b.x), select(which, a.y, b.y), select(which, a.z, b.z)};

@@ -70,9 +70,10 @@ class Expansion {
     return product;
   }
 
-  /// Multiplies by 2^exponent.
+  /// Multiplies by 2^exponent; what falls below 2^-1074 is lost.
   [[gnu::cold, gnu::noinline]] void scale(int exponent) {
     for (double& term : terms_) term = std::ldexp(term, exponent);
+    std::erase(terms_, 0.0);
   }
 
   [[gnu::cold, gnu::noinline]] friend bool operator==(const Expansion& a, const Expansion& b) {

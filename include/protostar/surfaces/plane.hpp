@@ -56,7 +56,7 @@ struct Plane {
     return exact_plane_root(ray.origin, ray.direction, normal, distance);
   }
 
-  /// Planes of one equation, or of multiples of it, are left together.
+  /// Planes of one equation, or of multiples of it, are left together, with whatever lies in them.
   [[nodiscard]] Departure departure() const {
     return {.kind = Departure::Kind::plane, .geometry = {normal.x, normal.y, normal.z, distance}};
   }
@@ -70,7 +70,7 @@ struct Plane {
 
  private:
   [[nodiscard]] bool is_left_by(const auto& ray) const {
-    return ray.departure.kind == Departure::Kind::plane && ray.departure == departure();
+    return ray.departure.is_planar() && ray.departure == departure();
   }
 };
 

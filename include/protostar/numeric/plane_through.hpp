@@ -1,0 +1,144 @@
+// The plane through a point along two directions: its normal, and the equation that it has in doubles.
+//
+// The normal u × v and the distance of an exact plane are seldom doubles. Where two surfaces have to find out
+// that they lie in one plane, each therefore writes down the same equation: divided by the component of the
+// normal that is the largest, and rounded to the nearest doubles.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+#include "../vec3.hpp"
+#include "double_double.hpp"
+#include "expansion.hpp"
+#include "roots.hpp"
+#include "scale.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// A vector without rounding.
+using ExactVector = std::array<Expansion, 3>;
+
+[[nodiscard, gnu::cold, gnu::noinline]] inline ExactVector exact_vector(const Vec3& v) {
+  return {v.x, v.y, v.z};
+}
+[[nodiscard, gnu::cold, gnu::noinline]] inline Expansion exact_dot(const ExactVector& a,
+                                                                   const ExactVector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+[[nodiscard, gnu::cold, gnu::noinline]] inline ExactVector exact_cross(const ExactVector& a,
+                                                                       const ExactVector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// u × v, each component to 2^-104 of itself: the products are exact, and their difference is rounded by
+/// 3u² + 13u³. So a component is 0 only where it is.
+[[nodiscard]] inline std::array<DoubleDouble, 3> cross_product(const Vec3& u, const Vec3& v) {
+  const auto component = [&](int j, int k) { return two_product(u[j], v[k]) - two_product(u[k], v[j]); };
+  return {component(1, 2), component(2, 0), component(0, 1)};
+}
+
+/// The unit normal along u × v, whatever the sizes of both; NaN where they are parallel.
+[[nodiscard]] inline Vec3 unit_normal(const Vec3& u, const Vec3& v) {
+  const auto n = cross_product(scaled(u, -exponent_of({u})), scaled(v, -exponent_of({v})));
+  const Vec3 rounded{n[0].hi, n[1].hi, n[2].hi};
+  return normalize(scaled(rounded, -exponent_of({rounded})));
+}
+
+/// The numbers of normal · x = distance, divided by the largest component of the normal, the first of equals,
+/// and rounded to nearest: normal, then distance. Equal planes have equal ones.
+using PlaneEquation = std::array<double, 4>;
+
+namespace detail {
+
+/// The number nearest to N/M, the smaller one of two that are equally near.
+[[nodiscard, gnu::cold, gnu::noinline]] inline double nearest_quotient(const Expansion& N,
+                                                                       const Expansion& M) {
+  // Good to 2^-96, so that one of its neighbors may be nearer, and none beyond them.
+  const double q = static_cast<double>(DoubleDouble(N) / DoubleDouble(M));
+  const double lower = std::nextafter(q, -infinity), upper = std::nextafter(q, infinity);
+  const auto side_of_middle = [&](double neighbor) {  // the sign of N/M − (q + neighbor)/2
+    return (Expansion(2) * N - (Expansion(q) + Expansion(neighbor)) * M).sign() * M.sign();
+  };
+  if (N.sign() != 0 && side_of_middle(upper) > 0) return upper;
+  return N.sign() != 0 && side_of_middle(lower) <= 0 ? lower : q;
+}
+
+/// The equation from numbers of about 1, without rounding before the last.
+[[nodiscard, gnu::cold, gnu::noinline]] inline PlaneEquation exact_plane_through(const Point& position,
+                                                                                 const Vec3& u,
+                                                                                 const Vec3& v) {
+  const ExactVector n = exact_cross(exact_vector(u), exact_vector(v));
+  const auto size = [&](std::size_t i) { return n[i].sign() < 0 ? -n[i] : n[i]; };
+  std::size_t k = 0;
+  for (std::size_t i = 1; i < 3; ++i)
+    if ((size(i) - size(k)).sign() > 0) k = i;
+  if (n[k].sign() == 0) return {};
+  return {nearest_quotient(n[0], n[k]), nearest_quotient(n[1], n[k]), nearest_quotient(n[2], n[k]),
+          nearest_quotient(exact_dot(n, exact_vector(position)), n[k])};
+}
+
+/// The same from double-double, unless it does not tell which component is the largest or how a quotient is
+/// rounded.
+///
+/// In units of u²: the normal has 3 of itself, and a quotient 3 + 3 + 10; the distance 3 + 7 + 3 + 3 of the
+/// sizes of its terms, and its quotient 3 + 10 more. All are below 2^-100 = 64u².
+[[nodiscard]] inline std::optional<PlaneEquation> refined_plane_through(const Point& position, const Vec3& u,
+                                                                        const Vec3& v) {
+  constexpr double error = 0x1p-100;
+  const auto n = cross_product(u, v);
+  std::size_t k = 0;
+  for (std::size_t i = 1; i < 3; ++i) {
+    const int sign = order(abs(n[i]), error, abs(n[k]), error);
+    if (sign == 0) return std::nullopt;
+    if (sign > 0) k = i;
+  }
+  PlaneEquation equation;
+  const auto is_rounded = [&](std::size_t i, DoubleDouble q, double uncertain) {
+    equation[i] = q.hi;
+    return q.hi + (q.lo + uncertain) == q.hi && q.hi + (q.lo - uncertain) == q.hi;
+  };
+  DoubleDouble distance;
+  double terms = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const DoubleDouble q = n[i] / n[k], term = n[i] * position[static_cast<int>(i)];
+    if (!is_rounded(i, q, error * std::abs(q.hi))) return std::nullopt;
+    distance = distance + term;
+    terms += std::abs(term.hi);
+  }
+  if (!is_rounded(3, distance / n[k], error * (terms / std::abs(n[k].hi)))) return std::nullopt;
+  return equation;
+}
+
+}  // namespace detail
+
+/// Whether an equation, which may have been rounded, is surely not that of the plane through a point along u
+/// and v. Its numbers are good to u = 2^-53 of themselves, the scalar product to 3u of the sizes of its terms
+/// and the difference to u, together less than 2^-50 of them; 2^-900 covers what underflows.
+[[nodiscard]] inline bool surely_differs(const PlaneEquation& equation, const Point& position, const Vec3& u,
+                                         const Vec3& v) {
+  const Vec3 normal{equation[0], equation[1], equation[2]};
+  const auto is_off = [&](const Vec3& x, double expected) {
+    return std::abs(dot(normal, x) - expected) >
+           0x1p-50 * (dot(abs(normal), abs(x)) + std::abs(expected)) + 0x1p-900;
+  };
+  return is_off(position, equation[3]) || is_off(u, 0) || is_off(v, 0);
+}
+
+/// The equation of the plane through a point along u and v, which are not parallel.
+[[nodiscard]] inline PlaneEquation plane_through(const Point& position, const Vec3& u, const Vec3& v) {
+  const int lengths = exponent_of({position});
+  const Point p = scaled(position, -lengths);
+  const Vec3 a = scaled(u, -exponent_of({u})), b = scaled(v, -exponent_of({v}));
+  PlaneEquation equation;
+  if (const auto refined = detail::refined_plane_through(p, a, b))
+    equation = *refined;
+  else
+    equation = detail::exact_plane_through(p, a, b);
+  equation[3] = std::ldexp(equation[3], lengths);
+  return equation;
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

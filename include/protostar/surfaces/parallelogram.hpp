@@ -1,0 +1,98 @@
+// The set of points position + a·edge_u + b·edge_v with 0 ≤ a ≤ 1 and 0 ≤ b ≤ 1.
+#pragma once
+
+#include <cmath>
+#include <stdexcept>
+
+#include "../numeric/parallelogram_roots.hpp"
+#include "../numeric/plane_through.hpp"
+#include "../surface.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// A parallelogram, from one corner along two edges, which are not parallel. Its outline belongs to it.
+/// Whether a ray hits it is exact for numbers whose sizes in one test differ by less than 2^100; what lies
+/// further below the largest may be lost.
+struct Parallelogram {
+  Point position{0};
+  Vec3 edge_u{1, 0, 0}, edge_v{0, 1, 0};
+
+  /// Where a ray crosses the parallelogram, if that is inside the range. A ray parallel to its plane never
+  /// does, one that lies in it included, and neither does one that departs from its plane.
+  [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
+    const auto crossing = first_crossing(*this, ray, range);
+    return crossing ? std::optional(crossing->t) : std::nullopt;
+  }
+
+  /// The unit normal along edge_u × edge_v, the same at every point.
+  template <class P = Point>
+  [[nodiscard]] Vec3 normal_at(const P&) const {
+    return unit_normal(edge_u, edge_v);
+  }
+
+  /// Where a point of the plane is along edge_u and edge_v, in scene units: 0 at position, and at the far end
+  /// of an edge its length.
+  [[nodiscard]] Uv uv_at(const Point& point) const {
+    // For the unit vectors u and v of the edges and w = α u + β v, with n = u × v: w × v = α n, u × w = β n.
+    const auto unit = [](const Vec3& edge) { return normalize(scaled(edge, -exponent_of({edge}))); };
+    const Vec3 u = unit(edge_u), v = unit(edge_v), w = point - position, n = cross(u, v);
+    return {dot(cross(w, v), n) / dot(n, n), dot(cross(u, w), n) / dot(n, n)};
+  }
+
+  /// The crossing of the ray's line; of a ray that departs from the parallelogram's plane, none.
+  [[nodiscard]] Roots roots(const Ray& ray) const {
+    if (is_left_by(ray)) return {};
+    return parallelogram_roots(ray.origin, ray.direction, position, edge_u, edge_v);
+  }
+
+  /// The same of several rays at once, of those that are wanted.
+  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
+    return parallelogram_roots_of_each(rays.origin, rays.direction, position, edge_u, edge_v,
+                                       wanted && !is_left_by(rays));
+  }
+
+  [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision) const {
+    return refined_parallelogram_roots(ray.origin, ray.direction, position, edge_u, edge_v);
+  }
+
+  [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {
+    return exact_parallelogram_root(ray.origin, ray.direction, position, edge_u, edge_v);
+  }
+
+  [[nodiscard]] Bounds bounds() const {
+    const Bounds edge = outward({position + min(edge_u, 0.0), position + max(edge_u, 0.0)});
+    return outward({edge.min + min(edge_v, 0.0), edge.max + max(edge_v, 0.0)});
+  }
+
+  /// What lies in one plane is left together. Where the plane is at a right angle to an axis that is exact;
+  /// of others, equal planes always have equal departures.
+  [[nodiscard]] Departure departure() const {
+    for (int i = 0; i < 3; ++i)
+      if (edge_u[i] == 0 && edge_v[i] == 0) {
+        Departure departure{.kind = Departure::Kind::plane};
+        departure.geometry[static_cast<std::size_t>(i)] = 1, departure.geometry[3] = position[i];
+        return departure;
+      }
+    return {.kind = Departure::Kind::rounded_plane, .geometry = plane_through(position, edge_u, edge_v)};
+  }
+
+  /// Throws std::invalid_argument if the edges are parallel or 0, or a number is not finite.
+  void validate() const {
+    if (!is_finite(position)) throw std::invalid_argument("Parallelogram: position must be finite");
+    if (!is_finite(edge_u) || !is_finite(edge_v))
+      throw std::invalid_argument("Parallelogram: edge_u and edge_v must be finite");
+    if (!is_finite(normal_at(position)))
+      throw std::invalid_argument("Parallelogram: edge_u and edge_v must not be 0 or parallel");
+  }
+
+ private:
+  [[nodiscard]] bool is_left_by(const auto& ray) const {
+    return ray.departure.is_planar() && !surely_differs(ray.departure.geometry, position, edge_u, edge_v) &&
+           ray.departure == departure();
+  }
+};
+
+static_assert(SurfaceWithRefinedRoots<Parallelogram> && SurfaceWithDeparture<Parallelogram> &&
+              SurfaceWithBounds<Parallelogram>);
+
+}  // namespace protostar::inline PROTOSTAR_ABI
