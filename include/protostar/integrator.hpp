@@ -6,6 +6,7 @@
 
 #include "camera.hpp"
 #include "image.hpp"
+#include "pixels.hpp"
 #include "scene.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -34,10 +35,11 @@ template <class I, class S>
 }
 
 /// Fills the pixels of a tile with what a function says that their rays bring.
-void fill_pixels(Image& image, const Tile& tile, const Camera& camera, const auto& radiance) {
+void fill_pixels(Image& image, const Tile& tile, const Camera& camera, const PixelGrid& pixels,
+                 const auto& radiance) {
   for (int y = tile.y0; y < tile.y1; ++y)
     for (int x = tile.x0; x < tile.x1; ++x)
-      image(x, y) = radiance(camera.through_pixel(x, y, image.width(), image.height()));
+      image(x, y) = pixels.mean([&](int i) -> Color { return radiance(pixels.ray(camera, x, y, i)); });
 }
 
 }  // namespace detail

@@ -56,8 +56,7 @@ class Light {
     check(is_finite(light.position), "position must be finite");
     check(is_light(light.power), "power must be finite and not negative");
   }
-  Light(const ConstantLight& light)
-      : Light("ConstantLight", light.position, light.intensity, Falloff::none) {
+  Light(const ConstantLight& light) : Light("ConstantLight", light.position, light.intensity, Falloff::none) {
     check(is_finite(light.position), "position must be finite");
     check(is_light(light.intensity), "intensity must be finite and not negative");
   }
@@ -66,7 +65,7 @@ class Light {
     check_direction(light.direction);
     check(is_light(light.intensity), "intensity must be finite and not negative");
     place_ = unit(light.direction);
-    is_far_ = true;
+    w_ = 0;
   }
   Light(const SpotLight& light) : Light("SpotLight", light.position, light.power, Falloff::square) {
     check(is_finite(light.position), "position must be finite");
@@ -84,9 +83,9 @@ class Light {
   /// infinitely far away only at infinity: what lies in between, inside way(), hides it.
   template <class V = Vec3>
   [[nodiscard]] V towards(const V& point) const {
-    return is_far_ ? V(place_) : place_ - point;
+    return place_ - w_ * point;
   }
-  [[nodiscard]] Interval way() const { return {.min = 0, .max = is_far_ ? infinity : 1}; }
+  [[nodiscard]] Interval way() const { return {.min = 0, .max = 1 / w_}; }
 
   /// The irradiance that the light, unhindered, brings to a point with this unit normal:
   ///   E = E⊥ · cos θ   with   cos θ = n·l/|l|,   l = towards(point);
@@ -139,7 +138,7 @@ class Light {
 
   /// The share of a spotlight's power that goes in the direction of −l.
   template <class V>
-  [[nodiscard]] auto share(const V& l) const {
+  [[nodiscard, gnu::noinline, gnu::cold]] auto share(const V& l) const {
     using std::sqrt;
     return of_each(-dot(l, axis_) / sqrt(dot(l, l)), [this](double cosine) {
       const double inside = angle_ - 180 / std::numbers::pi * arc_cosine(cosine);
@@ -151,10 +150,11 @@ class Light {
   }
 
   const char* type_;
-  Vec3 place_;  ///< the position, or the unit direction of a light infinitely far away
+  Vec3 place_;    ///< the position, or the unit direction of a light infinitely far away:
+  double w_ = 1;  ///< homogeneous coordinates, 1 of a position and 0 of a direction
   Color color_;
   Falloff falloff_;
-  bool is_far_ = false, is_spot_ = false;
+  bool is_spot_ = false;
   Vec3 axis_{0};
   double angle_ = 0, fade_ = 0;  ///< degrees
 };

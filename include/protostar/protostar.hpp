@@ -19,6 +19,7 @@
 #include "material.hpp"
 #include "numeric/trigonometry.hpp"
 #include "pfm.hpp"
+#include "pixels.hpp"
 #include "ppm.hpp"
 #include "ray.hpp"
 #include "render.hpp"

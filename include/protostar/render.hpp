@@ -21,23 +21,25 @@ void fill_tiles(const Image& image, int side, const RenderOptions& options, cons
 /// scenes, accel/ has one that gives the same bytes sooner.
 template <class S, class I>
 auto tile_filler(Image& image, const Camera& camera, const S& scene, const I& integrator,
-                 const RenderOptions&) {
-  return [&](const Tile& tile) {
-    detail::fill_pixels(image, tile, camera,
+                 const RenderOptions& options) {
+  return [&, pixels = PixelGrid(image.width(), image.height(), options)](const Tile& tile) {
+    detail::fill_pixels(image, tile, camera, pixels,
                         [&](const Ray& ray) { return detail::radiance_of(integrator, ray, scene); });
   };
 }
 
-/// Fills an image with what a camera sees, one ray through each pixel's center; radiance says what a ray
+/// Fills an image with what a camera sees, one ray through each pixel's center unless the options say
+/// otherwise; radiance says what a ray
 /// brings, and is called from several threads at once. The picture is the same for any number of threads.
 ///
-/// Throws std::invalid_argument for an invalid camera or a negative number of threads, and whatever radiance
-/// throws.
+/// Throws std::invalid_argument for an invalid camera, a negative number of threads or samples and a crop
+/// that does not hold the image, and whatever radiance throws.
 void render(Image& image, const Camera& camera, const Radiance auto& radiance,
             const RenderOptions& options = {}) {
   camera.validate();
+  const PixelGrid pixels(image.width(), image.height(), options);
   detail::fill_tiles(image, 32, options,
-                     [&](const Tile& tile) { detail::fill_pixels(image, tile, camera, radiance); });
+                     [&](const Tile& tile) { detail::fill_pixels(image, tile, camera, pixels, radiance); });
 }
 
 /// Fills an image with what a camera sees of a scene, through an integrator. Errors as above.

@@ -32,10 +32,19 @@ struct RenderStatistics {
   }
 };
 
+/// Where an image lies in a larger picture, of which it is drawn: its upper left pixel is at column x and row
+/// y of a picture of width × height pixels. Without a size, the image is the picture.
+struct Crop {
+  int x = 0, y = 0;
+  int width = 0, height = 0;
+};
+
 /// How render works. An exception that progress throws ends the render and reaches its caller; after a stop,
 /// progress does not come to 1.
 struct RenderOptions {
-  int threads = 0;            ///< how many work, the caller among them; 0: one for each core
+  int samples = 0;  ///< rays through each pixel, of which it gets the mean (pixels.hpp); 0, as 1, its center
+  Crop crop = {};   ///< the picture that the image is a part of
+  int threads = 0;  ///< how many work, the caller among them; 0: one for each core
   std::stop_token stop = {};  ///< asked for, render returns early; other pixels stay as they were
   bool tiles = true;  ///< scenes are rendered by tiles and packets; without, ray by ray: the same picture
   RenderStatistics* statistics = nullptr;  ///< if given, what the picture took is added here; by tiles only

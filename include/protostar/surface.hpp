@@ -260,7 +260,7 @@ inline constexpr SurfaceFunctions functions_of{
 /// A crossing with a surface, whose type is forgotten.
 template <Surface S>
 [[nodiscard]] SurfaceCrossing crossing_on(const S& surface, const Crossing& crossing,
-                                           const Material& material) {
+                                          const Material& material) {
   return {.crossing = crossing, .surface = &surface, .functions = &functions_of<S>, .material = &material};
 }
 

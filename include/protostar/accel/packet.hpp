@@ -226,7 +226,7 @@ class Intersections {
   }
 
  private:
-  [[nodiscard, gnu::noinline]] Colors texture() const {
+  [[nodiscard, gnu::noinline, gnu::cold]] Colors texture() const {
     const Vectors points = point();
     Colors colors(Color{0});
     for (Bits left = bits(which_); left != 0; left &= left - 1) {

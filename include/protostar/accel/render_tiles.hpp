@@ -40,12 +40,12 @@ class TileRenderer {
  public:
   /// Borrows all but the options.
   TileRenderer(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& scene, const I& integrator,
-               RenderStatistics* statistics)
+               const RenderOptions& options)
       : image_(image),
         scene_(scene),
         integrator_(integrator),
-        rays_(camera, image.width(), image.height()),
-        statistics_(statistics) {
+        rays_(camera, PixelGrid(image.width(), image.height(), options), image.width(), image.height()),
+        statistics_(options.statistics) {
     int place = 0;
     (add_group<S>(place), ...);
     if constexpr (nearest_first) candidates_.order_by_distance();
@@ -141,7 +141,9 @@ class TileRenderer {
       const Candidates none;
       const View view(scene_, none, unbounded_, taken);
       const Colors colors = radiance(rays_.packet(tile, tile.x0, tile.y0), view);
-      const Color color{colors.r[0], colors.g[0], colors.b[0]};
+      const Color color = rays_.pixels().mean([&](int) {
+        return Color{colors.r[0], colors.g[0], colors.b[0]};
+      });
       for (int y = tile.y0; y < tile.y1; ++y) {
         Color* const row = &image_(tile.x0, y);
         std::fill(row, row + tile.width(), color);
@@ -164,22 +166,39 @@ class TileRenderer {
 
   template <class Origin>
   void fill_from(const Tile& tile, const Candidates& candidates, RenderStatistics& taken) const {
-    taken.camera_rays += static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
+    const PixelGrid& pixels = rays_.pixels();
+    taken.camera_rays += static_cast<std::uint64_t>(tile.width()) *
+                         static_cast<std::uint64_t>(tile.height()) *
+                         static_cast<std::uint64_t>(pixels.samples());
     View view(scene_, candidates, unbounded_, taken);
     for (int y = tile.y0; y < tile.y1; ++y) {
       if constexpr (by_packets) {
         for (int x = tile.x0; x < tile.x1; x += double_lanes) {
-          const CameraRays<Origin> rays = rays_.template packet<Origin>(tile, x, y);
-          write(tile, x, y, radiance(rays, view));
+          if (pixels.samples() > 1) {
+            write(tile, x, y, mean_radiance<Origin>(tile, x, y, view));
+          } else {
+            const CameraRays<Origin> rays = rays_.template packet<Origin>(tile, x, y);
+            write(tile, x, y, radiance(rays, view));
+          }
         }
       } else {
         for (int x = tile.x0; x < tile.x1; ++x) {
-          const Ray ray = rays_.camera().through_pixel(x, y, image_.width(), image_.height());
-          view.set_pixel(ray);
-          image_(x, y) = protostar::detail::radiance_of(integrator_, ray, view);
+          image_(x, y) = pixels.mean([&](int i) {
+            const Ray ray = pixels.ray(rays_.camera(), x, y, i);
+            view.set_pixel(ray);
+            return protostar::detail::radiance_of(integrator_, ray, view);
+          });
         }
       }
     }
+  }
+
+  template <class Origin>
+  [[nodiscard, gnu::noinline]] Colors mean_radiance(const Tile& tile, int x, int y, const View& view) const {
+    return rays_.pixels().mean([&](int i) {
+      const CameraRays<Origin> rays = rays_.template packet<Origin>(tile, x, y, i);
+      return radiance(rays, view);
+    });
   }
 
   [[nodiscard]] Colors radiance(const auto& rays, const View& view) const {
@@ -240,6 +259,7 @@ class SceneTiles {
     const Camera& camera;
     const Scene<S...>& scene;
     const I& integrator;
+    PixelGrid pixels;
   } plain_;
   bool by_tiles_;
   Accelerated<Scene<S...>> scene_;
@@ -249,15 +269,15 @@ class SceneTiles {
 template <class I, Surface... S>
 SceneTiles<I, S...>::SceneTiles(Image& image, const Camera& camera, const Scene<S...>& scene,
                                 const I& integrator, const RenderOptions& options)
-    : plain_{image, camera, scene, integrator},
+    : plain_{image, camera, scene, integrator, PixelGrid(image.width(), image.height(), options)},
       by_tiles_(options.tiles),
       scene_(scene, options),
-      tiles_(image, camera, scene_, integrator, options.statistics) {}
+      tiles_(image, camera, scene_, integrator, options) {}
 
 template <class I, Surface... S>
 void SceneTiles<I, S...>::operator()(const Tile& tile) const {
   if (by_tiles_) return tiles_(tile);
-  protostar::detail::fill_pixels(plain_.image, tile, plain_.camera, [&](const Ray& ray) {
+  protostar::detail::fill_pixels(plain_.image, tile, plain_.camera, plain_.pixels, [&](const Ray& ray) {
     return protostar::detail::radiance_of(plain_.integrator, ray, plain_.scene);
   });
 }
@@ -282,11 +302,12 @@ auto tile_filler(Image& image, const Camera& camera, const Scene<S...>& scene, c
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 auto tile_filler(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& scene,
                  const I& integrator, const RenderOptions& options) {
-  const auto tiles = std::make_shared<const simd::TileRenderer<I, S...>>(image, camera, scene, integrator,
-                                                                         options.statistics);
-  return [&, tiles, by_tiles = options.tiles](const Tile& tile) {
+  const auto tiles =
+      std::make_shared<const simd::TileRenderer<I, S...>>(image, camera, scene, integrator, options);
+  return [&, tiles, pixels = PixelGrid(image.width(), image.height(), options),
+          by_tiles = options.tiles](const Tile& tile) {
     if (by_tiles) return (*tiles)(tile);
-    detail::fill_pixels(image, tile, camera,
+    detail::fill_pixels(image, tile, camera, pixels,
                         [&](const Ray& ray) { return detail::radiance_of(integrator, ray, scene); });
   };
 }

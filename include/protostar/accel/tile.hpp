@@ -14,6 +14,7 @@
 
 #include "../camera.hpp"
 #include "../image.hpp"
+#include "../pixels.hpp"
 #include "bvh.hpp"
 #include "packet.hpp"
 #include "simd.hpp"
@@ -35,48 +36,36 @@ struct Viewpoint {
   Vec3 ahead{0};
 };
 
-/// The rays of a camera through the pixels of an image: Camera::through_pixel, with what the pixels of a
-/// column or a row have in common computed once.
+/// The rays of a camera through the pixels of an image: PixelGrid::ray, with what the pixels of a column or a
+/// row have in common computed once.
 class PixelRays {
  public:
-  PixelRays(const Camera& camera, int width, int height)
+  PixelRays(const Camera& camera, const PixelGrid& pixels, int width, int height)
       : camera_(camera),
+        pixels_(pixels),
         hand_(hand_of(camera)),
-        width_(width),
-        height_(height),
-        viewpoint_(camera.is_pinhole() ? Viewpoint{.apex = camera.position} : viewpoint_of_film()),
-        along_(width + double_lanes),
-        up_(height),
-        film_along_(camera.is_pinhole() ? 0 : width + double_lanes),
-        film_up_(camera.is_pinhole() ? 0 : height) {
-    for (int x = 0; x < width; ++x) {
-      const double u = Camera::u_at(x + 0.5, width, height);
-      along_.set(x, u * camera.right);
-      if (!camera.is_pinhole()) film_along_.set(x, u * camera.film_right);
-    }
-    for (int y = 0; y < height; ++y) {
-      const double v = Camera::v_at(y + 0.5, height);
-      up_.set(y, v * camera.up);
-      if (!camera.is_pinhole()) film_up_.set(y, v * camera.film_up);
-    }
+        viewpoint_(camera.is_pinhole() ? Viewpoint{.apex = camera.position} : viewpoint_of_film()) {
+    for (int i = 0; i < pixels.samples(); ++i) samples_.push_back(tables(pixels.sample(i), width, height));
   }
 
-  /// The rays through the pixels from (x, y) on to the right, of which those in the tile are wanted. Those of
-  /// a pinhole have one origin, and those of any other camera have Vectors.
+  /// The rays through the i-th samples of the pixels from (x, y) on to the right, of which those in the tile
+  /// are wanted. Those of a pinhole have one origin, and those of any other camera have Vectors.
   template <class Origin = Point>
-  [[nodiscard]] CameraRays<Origin> packet(const Tile& tile, int x, int y) const {
+  [[nodiscard]] CameraRays<Origin> packet(const Tile& tile, int x, int y, int i = 0) const {
+    const Tables& sample = samples_[static_cast<std::size_t>(i)];
     const auto origin = [&]() -> Origin {
       if constexpr (std::same_as<Origin, Point>)
         return camera_.position;
       else
-        return camera_.origin(film_along_.some(x), Vectors(film_up_[y]));
+        return camera_.origin(sample.film_along.some(x), Vectors(sample.film_up[y]));
     };
     return {{.origin = origin(),
-             .direction = camera_.direction(along_.some(x), Vectors(up_[y])),
+             .direction = camera_.direction(sample.along.some(x), Vectors(sample.up[y])),
              .wanted = mask_of<double, double_lanes>(first_bits(tile.x1 - x))}};
   }
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
+  [[nodiscard]] const PixelGrid& pixels() const { return pixels_; }
   [[nodiscard]] const Viewpoint& viewpoint() const { return viewpoint_; }
 
   /// On which side of right and up the camera looks, or of the film vectors where its rays are parallel: 1,
@@ -87,9 +76,6 @@ class PixelRays {
   /// that is not in it. Rounding turns rays and products by a few 2^-52 of their terms, hence by less than
   /// 2^-49 / V, and that is to be below 2^-25.
   [[nodiscard]] double hand() const { return hand_; }
-
-  [[nodiscard]] int width() const { return width_; }
-  [[nodiscard]] int height() const { return height_; }
 
  private:
   static double hand_of(const Camera& camera) {
@@ -114,8 +100,7 @@ class PixelRays {
   /// more for e is more than all of it.
   [[nodiscard]] Viewpoint viewpoint_of_film() const {
     const auto& [position, right, up, forward, film_right, film_up] = camera_;
-    const double u =
-        Camera::u_at(width_, width_, height_);  // of the image's right edge; v of the upper one is 1
+    const double u = pixels_.largest_u();
     const double film = u * length(film_right) + length(film_up);
     Viewpoint viewpoint{.apex = position, .film = position};
     double least = 1;  // cosine between the film's normal and a ray
@@ -157,12 +142,36 @@ class PixelRays {
     std::vector<double> x_, y_, z_;
   };
 
+  /// What the rays through one sample of all pixels have in common.
+  struct Tables {
+    Table along, up;            ///< u · right of each column and v · up of each row
+    Table film_along, film_up;  ///< u · film_right and v · film_up; empty for a pinhole
+  };
+
+  [[nodiscard]] Tables tables(const PixelSample& sample, int width, int height) const {
+    const bool is_film = !camera_.is_pinhole();
+    Tables tables{.along = Table(width + double_lanes),
+                  .up = Table(height),
+                  .film_along = Table(is_film ? width + double_lanes : 0),
+                  .film_up = Table(is_film ? height : 0)};
+    for (int x = 0; x < width; ++x) {
+      const double u = pixels_.u(x, sample.x);
+      tables.along.set(x, u * camera_.right);
+      if (is_film) tables.film_along.set(x, u * camera_.film_right);
+    }
+    for (int y = 0; y < height; ++y) {
+      const double v = pixels_.v(y, sample.y);
+      tables.up.set(y, v * camera_.up);
+      if (is_film) tables.film_up.set(y, v * camera_.film_up);
+    }
+    return tables;
+  }
+
   Camera camera_;
+  PixelGrid pixels_;
   double hand_;
-  int width_, height_;
   Viewpoint viewpoint_;
-  Table along_, up_;            ///< u · right of each column and v · up of each row
-  Table film_along_, film_up_;  ///< u · film_right and v · film_up; empty for a pinhole
+  std::vector<Tables> samples_;
 };
 
 /// What holds the rays of a tile: four planes, one for each side, as unit normals to the inside, and a cone
@@ -180,8 +189,8 @@ struct Frustum {
     const Viewpoint& viewpoint = rays.viewpoint();
     const auto& [position, right, up, forward, film_right, film_up] = camera;
     const double hand = rays.hand();
-    const auto u = [&](int x) { return Camera::u_at(x, rays.width(), rays.height()); };
-    const auto v = [&](int y) { return Camera::v_at(y, rays.height()); };
+    const auto u = [&](int x) { return rays.pixels().u(x, 0); };
+    const auto v = [&](int y) { return rays.pixels().v(y, 0); };
     // A side holds one edge of the tile: the directions forward + u · right + v · up with one of u and v
     // fixed, from the apex; or, where these are all forward, the edge of the film from one of its corners on.
     const bool parallel = camera.is_orthographic();

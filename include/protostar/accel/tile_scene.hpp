@@ -137,9 +137,15 @@ class TileScene {
     const auto cross = [&](int place) {
       count_tests(rays.wanted);
       visit(place, [&](const auto& surface, const Material& material) {
-        each_crossing_of(surface, rays, range, [&](Chosen which, Doubles t) {
-          if (any(which)) visit_crossing(SomeCross{which, Intersections(rays, t, which, surface, material)});
-        });
+        if (material.texture)
+          each_crossing_of(surface, rays, range, [&](Chosen which, Doubles t) {
+            const Intersections crossings(rays, t, which, surface, material);
+            if (any(which)) visit_crossing(SomeCross{which, crossings.color()});
+          });
+        else
+          each_crossing_of(surface, rays, range, [&](Chosen which, Doubles) {
+            if (any(which)) visit_crossing(SomeCross{which, material.diffuse});
+          });
       });
     };
     // Both lists are in the scene's order, and so is what is visited.
@@ -161,14 +167,11 @@ class TileScene {
   /// So many surfaces are sooner tried in turn than looked for.
   static constexpr int few = 16;
 
-  template <class Crossings>
   struct SomeCross {
     Chosen which;
-    Crossings crossings;
-    [[nodiscard]] Colors color() const { return select(which, crossings.color(), Color{1}); }
+    Colors surface_color;
+    [[nodiscard]] Colors color() const { return select(which, surface_color, Color{1}); }
   };
-  template <class Crossings>
-  SomeCross(Chosen, Crossings) -> SomeCross<Crossings>;
 
   static Chosen one(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
 
@@ -282,7 +285,8 @@ class TileScene {
                                                             const auto& tell) const {
     for (Bits left = bits(alone); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
-      each_crossing(surface, rays[lane], range, [&](const Crossing& crossing) { tell(one(lane), crossing.t); });
+      each_crossing(surface, rays[lane], range,
+                    [&](const Crossing& crossing) { tell(one(lane), crossing.t); });
     }
   }
 

@@ -48,7 +48,7 @@ struct WhittedIntegrator {
     Color result = from_lights(*hit, normal, reflected(-direction, normal), scene);
     if (material.reflect > 0)
       result += static_cast<float>(material.reflect) *
-               radiance(hit->leave(reflected(direction, normal)), scene, rays - 1);
+                radiance(hit->leave(reflected(direction, normal)), scene, rays - 1);
     if (material.refract > 0)
       if (const auto d = refracted(direction, normal, enters ? 1 / material.ior : material.ior))
         result += static_cast<float>(material.refract) * radiance(hit->leave(*d), scene, rays - 1);
@@ -70,7 +70,7 @@ struct WhittedIntegrator {
       result += color * light.irradiance(point, normal);
       if (specular != Color{0})
         result += specular * light.perpendicular_irradiance(point) *
-                 lobe(dot(eye_mirrored, to_light) / length(to_light), hit.material().shininess);
+                  lobe(dot(eye_mirrored, to_light) / length(to_light), hit.material().shininess);
     }
     return result;
   }

@@ -9,7 +9,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A unit direction as longitude and latitude: u = ½ + the angle of (z, x)/2π and v = the angle from the y axis/π, both from 0 to 1.
+/// A unit direction as longitude and latitude: u = ½ + the angle of (z, x)/2π and v = the angle from the y
+/// axis/π, both from 0 to 1.
 [[nodiscard]] inline Uv direction_uv(const Vec3& direction) {
   const double pi = std::numbers::pi;
   return {0.5 + arc_tangent(direction.x, direction.z) / (2 * pi), arc_cosine(direction.y) / pi};
