@@ -2,8 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <protostar/encode.hpp>
+#include <protostar/render_options.hpp>
+#include <protostar/tone.hpp>
 #include <string>
 #include <vector>
 
@@ -20,6 +23,11 @@ struct StageDefaults {
   protostar::Transfer transfer = protostar::Gamma{2.2};
   bool plain = false;
   std::vector<NumberOption> numbers = {};  ///< options of its own
+  protostar::Tone tone = protostar::Tone::clip;
+  int samples = 0;
+
+  /// Of a program that draws scene files: reads one, and says what it asks for.
+  std::function<StageDefaults(const std::filesystem::path&)> read_scene = {};
 };
 
 /// What the user asked for, checked as far as it can be without touching a file.
@@ -31,7 +39,11 @@ struct Options {
   int width = 0, height = 0;
   int threads = 0;  ///< 0: all cores
   int bits = 8;
-  protostar::Transfer transfer;
+  protostar::Transfer transfer = {};
+  protostar::Tone tone = protostar::Tone::clip;
+  std::string integrator = {};
+  int samples = 0;
+  protostar::Crop crop = {};  ///< the picture, if width and height are those of a part of it
   bool plain = false;
   bool quiet = false;
   std::vector<NumberOption> numbers;  ///< with the values that were given

@@ -1,7 +1,7 @@
 // Scene files (docs/scene-format.md), through nlohmann_json. Not part of the core: link protostar::json.
 //
-// Everything is checked where it is read, by a JsonCursor, which knows the way to its value. To add a type of surface,
-// write a function that makes one, beside sphere_at, and a row in surface_types.
+// Everything is checked where it is read, by a JsonCursor, which knows the way to its value. To add a type of
+// surface, write a function that makes one, beside sphere_at, and a row in surface_types.
 #pragma once
 
 #include <algorithm>
@@ -38,6 +38,9 @@ namespace detail {
 
 using nlohmann::json;
 
+/// Of a scene file. A million spheres take half of it.
+inline constexpr std::size_t most_bytes = std::size_t{1} << 28;
+
 /// The beginning of a text that may be of any length, whole characters of UTF-8.
 inline std::string beginning(const std::string& text, std::size_t most = 60) {
   if (text.size() <= most) return text;
@@ -54,7 +57,8 @@ inline std::string step(const std::string& key) {
 }
 inline std::string step(std::size_t index) { return "/" + std::to_string(index); }
 
-[[noreturn]] inline void refuse(const std::string& file, const std::string& pointer, const std::string& what) {
+[[noreturn]] inline void refuse(const std::string& file, const std::string& pointer,
+                                const std::string& what) {
   throw SceneError(file + ": " + (pointer.empty() ? "the whole" : pointer) + ": " + what);
 }
 
@@ -71,8 +75,8 @@ std::string list_of(const Names& names, const std::string& last = " and ") {
   return text;
 }
 
-/// Takes what nlohmann's parser reads and builds the value of it. It refuses what the parser would let pass, a key that
-/// is there twice, and what would be built for nothing, a nesting that no scene has.
+/// Takes what nlohmann's parser reads and builds the value of it. It refuses what the parser would let pass,
+/// a key that is there twice, and what would be built for nothing, a nesting that no scene has.
 class JsonBuilder {
  public:
   explicit JsonBuilder(std::string file) : file_(std::move(file)) {}
@@ -124,8 +128,9 @@ class JsonBuilder {
   bool open(json value) {
     if (open_.size() == most_open)
       refuse(file_, pointer(),
-             "there are " + std::to_string(most_open + 1) + " arrays and objects inside each other; at most " +
-                 std::to_string(most_open) + " are allowed");
+             "there are " + std::to_string(most_open + 1) +
+                 " arrays and objects inside each other; at most " + std::to_string(most_open) +
+                 " are allowed");
     open_.push_back({.value = &place(std::move(value)), .key = ""});
     return true;
   }
@@ -159,8 +164,8 @@ class JsonBuilder {
   std::vector<Open> open_;
 };
 
-/// A value in a scene file, or the lack of one, and the way to it. Whatever is read from it is checked; what is wrong
-/// throws SceneError.
+/// A value in a scene file, or the lack of one, and the way to it. Whatever is read from it is checked; what
+/// is wrong throws SceneError.
 class JsonCursor {
  public:
   /// The whole file. Both have to live as long as the cursor.
@@ -186,6 +191,7 @@ class JsonCursor {
 
   /// What an object has under a key.
   [[nodiscard]] JsonCursor operator[](const std::string& key) const {
+    require(is_object(), "an object");
     return {*this, step(key), has(key) ? &*value_->find(key) : nullptr};
   }
 
@@ -363,8 +369,8 @@ inline Material material_at(const JsonCursor& at) {
     material.diffuse = at["diffuse"].color();
   if (at.has("specular")) material.specular = at["specular"].color();
   if (at.has("shininess"))
-    material.shininess = at["shininess"].number_between(0, std::numeric_limits<double>::max(),
-                                                        "a number of at least 0");
+    material.shininess =
+        at["shininess"].number_between(0, std::numeric_limits<double>::max(), "a number of at least 0");
   if (at.has("reflect")) material.reflect = at["reflect"].factor();
   if (at.has("refract")) material.refract = at["refract"].factor();
   if (at.has("ior")) material.ior = at["ior"].number_above_0();
@@ -384,7 +390,8 @@ inline Material material_of(const JsonCursor& object, const Materials& materials
   for (const auto& [name, material] : materials)
     if (names.size() < 10) names.push_back(json(beginning(name)).dump());
   if (names.size() < materials.size()) names.push_back("more");
-  object["material-id"].refuse(allowed + (names.empty() ? ", of which there are none" : ": " + list_of(names)));
+  object["material-id"].refuse(allowed +
+                               (names.empty() ? ", of which there are none" : ": " + list_of(names)));
 }
 
 // ---- Lights. The keys say which kind it is.
@@ -413,7 +420,8 @@ inline void add_light(const JsonCursor& at, SceneFile& file) {
     at.with_keys({"position", "direction", "intensity", "power", "angle", "fade", "ambient"});
     if (!at.has("position") && !at.has("intensity"))
       at.refuse(
-          "a light: position and intensity, position and power, direction and intensity, position, direction, angle "
+          "a light: position and intensity, position and power, direction and intensity, position, "
+          "direction, angle "
           "and power, or ambient");
     file.scene.add(ConstantLight{.position = at["position"].vector(), .intensity = at["intensity"].color()});
   }
@@ -423,9 +431,9 @@ inline void add_light(const JsonCursor& at, SceneFile& file) {
 
 inline Camera camera_at(const JsonCursor& at) {
   enum class Projection { perspective, orthographic };
-  const auto projection = at["projection"].one_of(std::array{
-      std::pair{std::string_view("perspective"), Projection::perspective},
-      std::pair{std::string_view("orthographic"), Projection::orthographic}});
+  const auto projection = at["projection"].one_of(
+      std::array{std::pair{std::string_view("perspective"), Projection::perspective},
+                 std::pair{std::string_view("orthographic"), Projection::orthographic}});
   if (projection == Projection::orthographic)
     at.with_keys({"projection", "position", "direction", "upward", "ortho-scale"});
   else
@@ -465,7 +473,8 @@ inline Tone tone_at(const JsonCursor& at) {
 }
 
 inline void read_settings(const JsonCursor& at, SceneFile& file) {
-  at.with_keys({"resolution-x", "resolution-y", "samples", "depth", "integrator", "transfer", "tone", "exposure"});
+  at.with_keys(
+      {"resolution-x", "resolution-y", "samples", "depth", "integrator", "transfer", "tone", "exposure"});
   const int most = static_cast<int>(Image::max_pixels);
   file.width = at["resolution-x"].whole_number(1, most);
   file.height = at["resolution-y"].whole_number(1, most);

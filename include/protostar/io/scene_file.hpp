@@ -1,4 +1,5 @@
-// What a scene file holds: a scene, a camera, and how the picture is drawn. It says nothing about the file's form.
+// What a scene file holds: a scene, a camera, and how the picture is drawn. It says nothing about the file's
+// form.
 #pragma once
 
 #include <array>
@@ -18,6 +19,10 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// The integrators that a file can ask for.
 inline constexpr std::array<std::string_view, 8> integrator_names{
     "binary", "depth", "normal", "color", "diffuse", "transparency", "shadow", "whitted"};
+
+/// The most that a file can ask for. WhittedIntegrator calls itself for each ray of a path, so that the depth
+/// is held far below what fits on a thread's stack.
+inline constexpr int most_samples = 1 << 16, most_depth = 1000;
 
 /// A scene, and the settings of its picture; they begin with what a file need not say.
 struct SceneFile {
