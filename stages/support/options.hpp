@@ -18,7 +18,7 @@ struct NumberOption {
 
 /// What a stage draws when it is not told otherwise.
 struct StageDefaults {
-  std::string integrator;  ///< for the line that the stage prints
+  std::string integrator = {};  ///< for the line that the stage prints
   int width = 640, height = 480;
   protostar::Transfer transfer = protostar::Gamma{2.2};
   bool plain = false;

@@ -1,0 +1,371 @@
+// Scene files: what they mean, and how each mistake in one is named.
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <protostar/io/json_scene.hpp>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "scenes/three_spheres.hpp"
+#include "support/catch.hpp"
+#include "support/errors.hpp"
+#include "support/files.hpp"
+
+namespace fs = std::filesystem;
+using namespace protostar;
+using nlohmann::json;
+
+namespace {
+
+const fs::path scenes = fs::path(PROTOSTAR_SOURCE_DIR) / "scenes";
+
+/// As little as a scene can be, with one of each thing that has to be in it.
+const std::string smallest = R"({
+  "settings": {"resolution-x": 8, "resolution-y": 6},
+  "camera": {"projection": "perspective", "position": [0, 0, 0], "direction": [0, 0, 1], "upward": [0, 1, 0],
+             "field-of-view": 90},
+  "objects": [{"surface": {"type": "sphere", "position": [0, 0, 3], "radius": 1}, "color": [1, 0.5, 0]}]
+})";
+
+/// A scene with one of everything, for mistakes to be made in.
+const std::string everything = R"({
+  "settings": {"resolution-x": 8, "resolution-y": 6, "samples": 4, "depth": 3, "integrator": "shadow",
+               "transfer": {"gamma": 2.2}, "tone": "scale-pixel", "exposure": 0.5},
+  "world": {"sky": [0.1, 0.2, 0.3]},
+  "camera": {"projection": "perspective", "position": [1, 2, 3], "direction": [0, 0, 2], "upward": [0, 3, 0],
+             "field-of-view": 60},
+  "objects": [
+    {"surface": {"type": "sphere", "position": [0, 0, 3], "radius": 1}, "material-id": "red"},
+    {"surface": {"type": "plane", "normal": [0, 2, 0], "distance": -1}, "material-id": "squares"},
+    {"surface": {"type": "parallelogram", "position": [1, 1, 1], "edges": [[2, 0, 0], [0, 0, 3]]},
+     "color": [1, 0.5, 0]}
+  ],
+  "lights": [
+    {"position": [0, 3, 0], "intensity": [1, 2, 3]},
+    {"position": [0, 3, 0], "power": [4, 5, 6]},
+    {"direction": [0, 2, 0], "intensity": [7, 8, 9]},
+    {"position": [0, 3, 0], "direction": [0, -2, 0], "angle": 30, "fade": 10, "power": [1, 1, 1]},
+    {"ambient": [0.1, 0.1, 0.2]}
+  ],
+  "materials": {
+    "red": {"diffuse": [0.8, 0.1, 0.1], "specular": [0.5, 0.6, 0.7], "shininess": 20, "reflect": 0.25,
+            "refract": 0.5, "ior": 1.33},
+    "squares": {"diffuse": {"checker": [[1, 0, 0], [0, 0, 1]], "size": 2}},
+    "black": {}
+  }
+})";
+
+SceneFile read(const std::string& text) { return scene_from_json(text, "scene.json"); }
+
+std::string error_of(const std::string& text) {
+  return message_of<SceneError>([&] { static_cast<void>(read(text)); });
+}
+
+/// The scene with everything, after a JSON Patch (RFC 6902).
+std::string patched(const std::string& patch) {
+  return json::parse(everything).patch(json::parse("[" + patch + "]")).dump();
+}
+
+std::string replacing(const std::string& pointer, const std::string& value) {
+  return patched(R"({"op": "replace", "path": ")" + pointer + R"(", "value": )" + value + "}");
+}
+
+std::string without(const std::string& pointer) {
+  return patched(R"({"op": "remove", "path": ")" + pointer + R"("})");
+}
+
+std::string with(const std::string& pointer, const std::string& value) {
+  return patched(R"({"op": "add", "path": ")" + pointer + R"(", "value": )" + value + "}");
+}
+
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+/// Whether two cameras have the same rays.
+bool same_camera(const Camera& a, const Camera& b) {
+  return a.position == b.position && a.right == b.right && a.up == b.up && a.forward == b.forward &&
+         a.film_right == b.film_right && a.film_up == b.film_up;
+}
+
+}  // namespace
+
+TEST_CASE("a scene file needs a resolution, a camera and objects; all else has a default") {
+  const SceneFile file = read(smallest);
+  CHECK(file.width == 8);
+  CHECK(file.height == 6);
+  CHECK(file.samples == 0);
+  CHECK(file.depth == 10);
+  CHECK(file.integrator == "whitted");
+  CHECK(std::holds_alternative<Srgb>(file.transfer));
+  CHECK(file.tone == Tone::clip);
+  CHECK(file.exposure == 1);
+  CHECK(!file.scene.sky());
+  CHECK(file.scene.ambient() == Color{0});
+  CHECK(file.scene.lights().empty());
+  CHECK(same_camera(file.camera, Camera{}));
+  REQUIRE(file.scene.size() == 1);
+  CHECK(file.scene.materials<Sphere>()[0].diffuse == Color{1, 0.5f, 0});
+
+  const SceneFile plain = read(replacing("/objects/0/material-id", R"("black")"));
+  const Material& material = plain.scene.materials<Sphere>()[0];
+  CHECK(material.diffuse == Color{0});
+  CHECK(!material.texture);
+  CHECK(material.specular == Color{0});
+  CHECK(material.shininess == 50);
+  CHECK(material.reflect == 0);
+  CHECK(material.refract == 0);
+  CHECK(material.ior == 1.5);
+}
+
+TEST_CASE("a scene file says everything that a scene is") {
+  const SceneFile file = read(everything);
+  CHECK(file.samples == 4);
+  CHECK(file.depth == 3);
+  CHECK(file.integrator == "shadow");
+  REQUIRE(std::holds_alternative<Gamma>(file.transfer));
+  CHECK(std::get<Gamma>(file.transfer).exponent == 2.2);
+  CHECK(file.tone == Tone::scale_pixel);
+  CHECK(file.exposure == 0.5);
+  CHECK(file.scene.sky() == Color{0.1f, 0.2f, 0.3f});
+  CHECK(same_camera(file.camera, Camera::perspective({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 60)));
+
+  const auto& spheres = file.scene.surfaces<Sphere>();
+  REQUIRE(spheres.size() == 1);
+  CHECK(spheres[0].center == Point{0, 0, 3});
+  CHECK(spheres[0].radius == 1);
+  const Material& red = file.scene.materials<Sphere>()[0];
+  CHECK(red.diffuse == Color{0.8f, 0.1f, 0.1f});
+  CHECK(red.specular == Color{0.5f, 0.6f, 0.7f});
+  CHECK(red.shininess == 20);
+  CHECK(red.reflect == 0.25);
+  CHECK(red.refract == 0.5);
+  CHECK(red.ior == 1.33);
+
+  const auto& planes = file.scene.surfaces<Plane>();
+  REQUIRE(planes.size() == 1);
+  CHECK(planes[0].normal == Vec3{0, 1, 0});  // normalized first: the distance is one along the unit normal
+  CHECK(planes[0].distance == -1);
+  const Texture& squares = file.scene.materials<Plane>()[0].texture;
+  REQUIRE(squares);
+  CHECK(squares(1, 1) == Color{1, 0, 0});
+  CHECK(squares(3, 1) == Color{0, 0, 1});
+
+  const auto& boards = file.scene.surfaces<Parallelogram>();
+  REQUIRE(boards.size() == 1);
+  CHECK(boards[0].position == Point{1, 1, 1});
+  CHECK(boards[0].edge_u == Vec3{2, 0, 0});
+  CHECK(boards[0].edge_v == Vec3{0, 0, 3});
+  CHECK(file.scene.materials<Parallelogram>()[0].diffuse == Color{1, 0.5f, 0});
+
+  const Point below{0, 2, 0}, aside{0.1, 2, 0};
+  const Vec3 up{0, 1, 0};
+  const auto& lights = file.scene.lights();
+  REQUIRE(lights.size() == 4);
+  CHECK(lights[0].irradiance(below, up) == Color{1, 2, 3});
+  CHECK(lights[1].irradiance(aside, up) == Light(PointLight{{0, 3, 0}, {4, 5, 6}}).irradiance(aside, up));
+  CHECK(lights[2].irradiance(below, up) == Color{7, 8, 9});
+  const SpotLight spot{.position = {0, 3, 0}, .direction = {0, -1, 0}, .angle = 30, .power = Color{1}, .fade = 10};
+  const Point in_fade{0.5, 2, 0};  // 26.6° off the axis
+  CHECK(lights[3].irradiance(in_fade, up) == Light(spot).irradiance(in_fade, up));
+  CHECK(file.scene.ambient() == Color{0.1f, 0.1f, 0.2f});
+}
+
+TEST_CASE("a scene file knows three cameras") {
+  const std::string sensor = R"({"projection": "perspective", "position": [1, 2, 3], "direction": [0, 0, 1],
+      "upward": [0, 1, 0], "focal-length": 3})";
+  CHECK(same_camera(read(replacing("/camera", sensor)).camera,
+                    Camera::sensor({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 3)));
+  const std::string orthographic = R"({"projection": "orthographic", "position": [1, 2, 3],
+      "direction": [0, 0, 1], "upward": [0, 1, 0], "ortho-scale": 4})";
+  CHECK(same_camera(read(replacing("/camera", orthographic)).camera,
+                    Camera::orthographic({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 4)));
+}
+
+TEST_CASE("names in a scene file may be any text, and numbers may be written in any way") {
+  CHECK(read(replacing("/settings/resolution-x", "8.0")).width == 8);
+  CHECK(read(replacing("/settings/resolution-x", "0.8e1")).width == 8);
+  CHECK(read(replacing("/settings/transfer", R"("srgb")")).transfer.index() == Transfer(Srgb{}).index());
+  CHECK(read(replacing("/settings/transfer", R"("linear")")).transfer.index() == Transfer(Linear{}).index());
+  CHECK(read(replacing("/settings/tone", R"("scale-image")")).tone == Tone::scale_image);
+  CHECK(read(replacing("/settings/tone", R"("clip")")).tone == Tone::clip);
+  for (const std::string_view name : integrator_names)
+    CHECK(read(replacing("/settings/integrator", json(name).dump())).integrator == name);
+  CHECK(read(replacing("/objects", "[]")).scene.size() == 0);
+  CHECK(read(with("/materials/~1~0 \xc3\xa4\\n", "{}")).scene.size() == 3);
+  CHECK(read("\xef\xbb\xbf" + smallest).width == 8);  // a byte order mark
+}
+
+TEST_CASE("a mistake in a scene file is named with its place, what was found and what is allowed") {
+  struct Row {
+    std::string text, error;
+  };
+  const std::string vector = "a vector, an array of three numbers", number = "a number",
+                    above_0 = "a number greater than 0",
+                    color = "a color, an array of three numbers from 0 to 3.4e38",
+                    factor = "a number from 0 to 3.4e38",
+                    direction = "a direction, a vector that is not 0",
+                    side = "a whole number from 1 to 268435456",
+                    samples = "a whole number from 0 to 65536", depth = "a whole number from 1 to 1000",
+                    spot_angle = "a number of degrees above 0 and at most 180",
+                    view_angle = "a number of degrees between 0 and 180, both excluded",
+                    shininess = "a number of at least 0", tone = R"("clip", "scale-pixel" or "scale-image")",
+                    types = R"("sphere", "plane" or "parallelogram")",
+                    light = "a light: position and intensity, position and power, direction and intensity, "
+                            "position, direction, angle and power, or ambient";
+  // The value at a pointer replaced by another, which is not what is allowed.
+  const auto not_allowed = [](const std::string& pointer, const std::string& value, const std::string& allowed) {
+    return Row{replacing(pointer, value), pointer + ": " + value + " is not " + allowed};
+  };
+  const auto missing = [](const std::string& pointer, const std::string& allowed) {
+    return Row{without(pointer), pointer + ": nothing is not " + allowed};
+  };
+  const auto unknown = [](const std::string& pointer, const std::string& allowed) {
+    return Row{with(pointer, "1"), pointer + ": is not a key here; allowed are " + allowed};
+  };
+  const std::string settings_keys =
+      "resolution-x, resolution-y, samples, depth, integrator, transfer, tone and exposure";
+  const std::string ids = R"("black", "red" and "squares")";
+  const std::vector<Row> rows{
+      {"[]", "the whole: [] is not an object"},
+      {"3", "the whole: 3 is not an object"},
+      unknown("/Settings", "settings, world, camera, objects, lights and materials"),
+      missing("/settings", "an object"),
+      not_allowed("/settings", "[]", "an object"),
+      unknown("/settings/resolution", settings_keys),
+      missing("/settings/resolution-x", side),
+      missing("/settings/resolution-y", side),
+      not_allowed("/settings/resolution-x", "0", side),
+      not_allowed("/settings/resolution-x", "-8", side),
+      not_allowed("/settings/resolution-x", "8.5", side),
+      not_allowed("/settings/resolution-x", "\"8\"", side),
+      not_allowed("/settings/resolution-y", "268435457", side),
+      not_allowed("/settings/resolution-y", "18446744073709551615", side),
+      not_allowed("/settings/samples", "-1", samples),
+      not_allowed("/settings/samples", "65537", samples),
+      not_allowed("/settings/samples", "true", samples),
+      not_allowed("/settings/depth", "0", depth),
+      not_allowed("/settings/depth", "1001", depth),
+      not_allowed("/settings/depth", "1.5", depth),
+      not_allowed("/settings/integrator", "\"path\"",
+                  R"("binary", "depth", "normal", "color", "diffuse", "transparency", "shadow" or "whitted")"),
+      not_allowed("/settings/integrator", "null",
+                  R"("binary", "depth", "normal", "color", "diffuse", "transparency", "shadow" or "whitted")"),
+      not_allowed("/settings/transfer", "\"sRGB\"", R"("srgb" or "linear")"),
+      not_allowed("/settings/transfer", "2.2", R"("srgb" or "linear")"),
+      not_allowed("/settings/transfer/gamma", "0", above_0),
+      not_allowed("/settings/transfer/gamma", "-1", above_0),
+      unknown("/settings/transfer/exponent", "gamma"),
+      not_allowed("/settings/tone", "\"none\"", tone),
+      not_allowed("/settings/exposure", "-0.5", factor),
+      not_allowed("/settings/exposure", "1e+39", factor),
+      not_allowed("/world", "[]", "an object"),
+      unknown("/world/ground", "sky"),
+      not_allowed("/world/sky", "[0,1]", color),
+      not_allowed("/world/sky", "0.5", color),
+      not_allowed("/world/sky/2", "-0.1", factor),
+      not_allowed("/world/sky/0", "1e+39", factor),
+      missing("/camera", "an object"),
+      unknown("/camera/fov", "projection, position, direction, upward, field-of-view and focal-length"),
+      unknown("/camera/ortho-scale", "projection, position, direction, upward, field-of-view and focal-length"),
+      missing("/camera/projection", R"("perspective" or "orthographic")"),
+      not_allowed("/camera/projection", "\"fisheye\"", R"("perspective" or "orthographic")"),
+      missing("/camera/position", vector),
+      missing("/camera/direction", vector),
+      missing("/camera/upward", vector),
+      not_allowed("/camera/position", "[0,0]", vector),
+      not_allowed("/camera/position", "[0,0,0,0]", vector),
+      not_allowed("/camera/position/1", "\"0\"", number),
+      not_allowed("/camera/direction", "[0,0,0]", direction),
+      not_allowed("/camera/upward", "[0,0,0]", direction),
+      not_allowed("/camera/upward", "[0,1,0.001]",
+                  "orthogonal to direction: the cosine between them is at most 1e-6"),
+      not_allowed("/camera/field-of-view", "0", view_angle),
+      not_allowed("/camera/field-of-view", "180", view_angle),
+      not_allowed("/camera/field-of-view", "[90]", view_angle),
+      missing("/objects", "an array"),
+      not_allowed("/objects", "{}", "an array"),
+      not_allowed("/objects/0", "1", "an object"),
+      unknown("/objects/0/material", "surface, material-id and color"),
+      missing("/objects/0/surface", "an object"),
+      missing("/objects/0/surface/type", types),
+      not_allowed("/objects/0/surface/type", "\"cube\"", types),
+      unknown("/objects/0/surface/center", "type, position and radius"),
+      missing("/objects/0/surface/position", vector),
+      missing("/objects/0/surface/radius", above_0),
+      not_allowed("/objects/0/surface/radius", "0", above_0),
+      not_allowed("/objects/0/surface/radius", "-1", above_0),
+      not_allowed("/objects/0/surface/radius", "\"1\"", above_0),
+      not_allowed("/objects/1/surface/normal", "[0,0,0]", direction),
+      missing("/objects/1/surface/distance", number),
+      unknown("/objects/1/surface/radius", "type, normal and distance"),
+      missing("/objects/2/surface/edges", "an array of two vectors"),
+      not_allowed("/objects/2/surface/edges", "[[1,0,0]]", "an array of two vectors"),
+      not_allowed("/objects/2/surface/edges/1", "[1,0]", vector),
+      {replacing("/objects/2/surface/edges", "[[1,2,3],[2,4,6]]"),
+       "/objects/2/surface/edges: [[1,2,3],[2,4,6]] is not possible: Parallelogram: edge_u and edge_v must "
+       "not be 0 or parallel"},
+      {replacing("/objects/2/surface/edges", "[[1,2,3],[0,0,0]]"),
+       "/objects/2/surface/edges: [[1,2,3],[0,0,0]] is not possible: Parallelogram: edge_u and edge_v must "
+       "not be 0 or parallel"},
+      not_allowed("/objects/2/color", "[1,1]", color),
+      not_allowed("/objects/0/material-id", "\"blue\"", "the name of one of the materials: " + ids),
+      missing("/objects/0/material-id", "the name of one of the materials, and there is no color"),
+      not_allowed("/objects/0/material-id", "3", "the name of one of the materials, and there is no color"),
+      {with("/objects/0/color", "[1,1,1]"), "/objects/0: "},
+      {with("/objects/0/color", "[1,1,1]"), " is not an object with either a material-id or a color"},
+      {without("/materials"),
+       R"(/objects/0/material-id: "red" is not the name of one of the materials, of which there are none)"},
+      not_allowed("/lights", "{}", "an array"),
+      not_allowed("/lights/0", "[]", "an object"),
+      not_allowed("/lights/0", "{}", light),
+      missing("/lights/0/intensity", color),
+      missing("/lights/0/position", vector),
+      unknown("/lights/0/color", "position, direction, intensity, power, angle, fade and ambient"),
+      unknown("/lights/1/intensity", "position and power"),
+      not_allowed("/lights/1/power/0", "-1", factor),
+      not_allowed("/lights/2/direction", "[0,0,0]", direction),
+      unknown("/lights/2/power", "direction and intensity"),
+      unknown("/lights/3/intensity", "position, direction, angle, fade and power"),
+      missing("/lights/3/angle", spot_angle),
+      not_allowed("/lights/3/angle", "0", spot_angle),
+      not_allowed("/lights/3/angle", "181", spot_angle),
+      not_allowed("/lights/3/fade", "31", "a number of degrees from 0 to the angle"),
+      not_allowed("/lights/3/fade", "-1", "a number of degrees from 0 to the angle"),
+      unknown("/lights/4/position", "ambient"),
+      not_allowed("/lights/4/ambient", "0.5", color),
+      not_allowed("/materials", "[]", "an object"),
+      not_allowed("/materials/red", "[1,0,0]", "an object"),
+      unknown("/materials/red/color", "diffuse, specular, shininess, reflect, refract and ior"),
+      not_allowed("/materials/black", "null", "an object"),  // though nothing is made of it
+      not_allowed("/materials/red/diffuse", "\"red\"", color),
+      not_allowed("/materials/red/specular", "0.5", color),
+      not_allowed("/materials/red/shininess", "-1", shininess),
+      not_allowed("/materials/red/reflect", "-0.1", factor),
+      not_allowed("/materials/red/refract", "[1]", factor),
+      not_allowed("/materials/red/ior", "0", above_0),
+      unknown("/materials/squares/diffuse/colors", "checker and size"),
+      missing("/materials/squares/diffuse/size", above_0),
+      not_allowed("/materials/squares/diffuse/size", "0", above_0),
+      not_allowed("/materials/squares/diffuse/checker", "[[1,0,0]]", "an array of two colors"),
+      not_allowed("/materials/squares/diffuse/checker/1/2", "-1", factor),
+      unknown("/materials/red/a~1b~0c", "diffuse, specular, shininess, reflect, refract and ior"),
+      {replacing("/settings/resolution-x", "100000").replace(0, 0, ""), ""},
+  };
+  for (const Row& row : rows) {
+    CAPTURE(row.text, row.error);
+    const std::string error = error_of(row.text);
+    if (row.error.empty()) continue;
+    CHECK(error.starts_with("scene.json: "));
+    if (row.error.starts_with(" ") || row.error.ends_with(" "))
+      CHECK_THAT(error, ContainsSubstring(row.error));
+    else
+      CHECK(error == "scene.json: " + row.error);
+  }
+}
