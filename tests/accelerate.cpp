@@ -42,6 +42,12 @@ struct Cube {
 };
 static_assert(SurfaceWithBounds<Cube> && !SurfaceWithBounds<Cylinder>);
 
+/// A cube that may be told to know no better box.
+struct LooseCube : Cube {
+  double reach = 2;
+  Bounds bounds() const { return {Point{-reach}, Point{reach}}; }
+};
+
 std::uint64_t bits_of(double x) { return std::bit_cast<std::uint64_t>(x); }
 
 /// What a scene answers to a ray, as numbers that are equal only if all bits are; colors tell surfaces apart.
@@ -230,6 +236,44 @@ TEST_CASE("rays that float cannot hold get the plain scene's answers") {
     for (const Interval range : {Interval{}, Interval{-infinity, infinity}, Interval{nan, 1},
                                  Interval{0, nan}, Interval{1, 0}, Interval{2.5, 1e300}})
       CHECK(answers(fast, ray, range) == answers(scene, ray, range));
+}
+
+TEST_CASE("surfaces whose bounds overflow, or nearly do, are met as in the plain scene, and none twice") {
+  Random random(16);
+  Scene<Sphere, LooseCube> scene;
+  int i = 0;
+  for (; i < 2100; ++i) scene.add(Sphere{random.point(1), random.real(0.01, 0.05)}, number(i));
+  scene.add(Sphere{.center = {1e308, 0, 0}, .radius = 1.7e308}, number(i++));
+  for (; i < 2150; ++i) scene.add(LooseCube{{random.point(1), random.real(0.05, 0.3)}}, number(i));
+  scene.add(LooseCube{{Point{0}, 0.5}, 1e200}, number(i));
+  CHECK(compare(scene, random, Point{0}, 1.5, 40) > 100);
+}
+
+TEST_CASE("behind a ray's origin, small and far spheres are met as in the plain scene") {
+  Random random(17);
+  Scene<Sphere> scene;
+  std::vector<Sphere> spheres;
+  for (int i = 0; i < 300; ++i) {
+    spheres.push_back({random.point(std::exp2(random.real(0, 12))), 1e-7});
+    scene.add(spheres.back(), number(i));
+  }
+  const auto fast = accelerate(scene);
+  int wrong = 0, hits = 0;
+  for (const Sphere& sphere : spheres)
+    for (int i = 0; i < 10; ++i) {
+      const Point target = sphere.center + (0.9 * sphere.radius) * random.direction();
+      const Point origin = target + random.point(std::exp2(random.real(-10, 12)));
+      const double scale = std::exp2(random.real(-2, 2)), t = -1 / scale;
+      const Ray ray{origin, scale * (origin - target)};
+      for (const Interval range :
+           {Interval{-infinity, infinity}, {-infinity, 0}, {-infinity, 0.5 * t}, {2 * t, 0.5 * t}}) {
+        const auto expected = answers(scene, ray, range);
+        wrong += answers(fast, ray, range) != expected;
+        hits += expected.size() > 1;
+      }
+    }
+  CHECK(wrong == 0);
+  CHECK(hits > 10000);
 }
 
 TEST_CASE("an empty scene, accelerated, is a miss and dark") {

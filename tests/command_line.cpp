@@ -341,7 +341,7 @@ TEST_CASE("what cannot be written is said with its path and the reason") {
                            Row{"folder/", EISDIR}, Row{"folder.ppm", EISDIR}, Row{"folder.png", EISDIR},
                            Row{"folder.pfm", EISDIR}, Row{"locked/a.ppm", EACCES},
                            Row{"locked/a.png", EACCES}, Row{"locked/a.pfm", EACCES}, Row{"old.ppm", EACCES},
-                           Row{std::string(300, 'a') + ".ppm", ENAMETOOLONG}, Row{"/dev/full", ENOSPC});
+                           Row{std::string(300, 'a').append(".ppm"), ENAMETOOLONG}, Row{"/dev/full", ENOSPC});
   CAPTURE(row.path);
   const TemporaryFolder folder;
   put_bytes(folder / "file", "a file");

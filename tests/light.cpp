@@ -3,6 +3,8 @@
 #include <numbers>
 #include <protostar/light.hpp>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "support/catch.hpp"
 #include "support/errors.hpp"
@@ -14,11 +16,24 @@ namespace {
 constexpr float four_pi = 4 * std::numbers::pi_v<float>;
 constexpr double inf = std::numeric_limits<double>::infinity(),
                  not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+const Point origin{0};
+const Vec3 up{0, 1, 0};
+
+/// What a light brings to the origin, there to a surface that looks up, and to one that faces the light.
+double lit(const Light& light) { return double{light.irradiance(origin, up).r}; }
+double lit_facing(const Light& light) { return double{light.perpendicular_irradiance(origin).r}; }
+
+bool near(double a, double b) { return std::abs(a - b) <= 1e-6 * std::abs(b); }
+
+std::string refusal(const auto& light) {
+  return message_of<std::invalid_argument>([&] { static_cast<void>(Light(light)); });
+}
 }  // namespace
 
 TEST_CASE("a point light of 4π watts brings 1 W/m² to what faces it at distance 1") {
-  const PointLight light{.position = {0, 1, 0}, .power = Color{four_pi, 2 * four_pi, 0}};
-  const Color e = light.irradiance({0, 0, 0}, {0, 1, 0});
+  const Light light = PointLight{.position = {0, 1, 0}, .power = Color{four_pi, 2 * four_pi, 0}};
+  const Color e = light.irradiance(origin, up);
   CHECK(std::abs(e.r - 1) < 1e-6f);
   CHECK(std::abs(e.g - 2) < 1e-6f);
   CHECK(e.b == 0);
@@ -27,30 +42,114 @@ TEST_CASE("a point light of 4π watts brings 1 W/m² to what faces it at distanc
 TEST_CASE("irradiance falls with the square of the distance and the cosine of the angle") {
   struct {
     Point position;
-    double expected;
+    double facing, cosine;
   } const rows[] = {
-      {{0, 2, 0}, 0.25},
-      {{0, 10, 0}, 0.01},
-      {{0, 0.1, 0}, 100},
-      {{1, 1, 0}, std::sqrt(0.5) / 2},
-      {{0, 1, std::sqrt(3.0)}, 0.5 / 4},
+      {{0, 2, 0}, 0.25, 1},
+      {{0, 10, 0}, 0.01, 1},
+      {{0, 0.1, 0}, 100, 1},
+      {{1, 1, 0}, 0.5, std::sqrt(0.5)},
+      {{0, 1, std::sqrt(3.0)}, 0.25, 0.5},
   };
   for (const auto& row : rows) {
-    const Color e = PointLight{row.position, Color{four_pi}}.irradiance({0, 0, 0}, {0, 1, 0});
-    CHECK(std::abs(e.r / row.expected - 1) < 1e-6);
+    const Light light = PointLight{row.position, Color{four_pi}};
+    CHECK(near(lit(light), row.facing * row.cosine));
+    CHECK(near(lit_facing(light), row.facing));
   }
 }
 
+TEST_CASE("a constant light falls with the cosine alone") {
+  struct {
+    Point position;
+    double cosine;
+  } const rows[] = {{{0, 2, 0}, 1},
+                    {{0, 1000, 0}, 1},
+                    {{0, 0.1, 0}, 1},
+                    {{1, 1, 0}, std::sqrt(0.5)},
+                    {{0, 7, 7 * std::sqrt(3.0)}, 0.5}};
+  for (const auto& row : rows) {
+    const Light light = ConstantLight{row.position, Color{3}};
+    CHECK(near(lit(light), 3 * row.cosine));
+    CHECK(near(lit_facing(light), 3));
+    CHECK(light.towards(origin) == row.position);
+    CHECK(light.way().max == 1);
+  }
+}
+
+TEST_CASE("a directional light comes from its direction, of any length, at every point") {
+  for (const double length : {1.0, 5.0, 1e-200, 1e200}) {
+    CAPTURE(length);
+    const Light light = DirectionalLight{.direction = length * Vec3{1, 1, 0}, .intensity = Color{2}};
+    for (const Point& point : {origin, Point{1e6, -3, 5}}) {
+      CHECK(std::abs(light.irradiance(point, up).r - std::sqrt(2.0f)) < 1e-6f);
+      CHECK(std::abs(light.irradiance(point, normalize(Vec3{1, 1, 0})).r - 2) < 1e-6f);
+      CHECK(std::abs(light.perpendicular_irradiance(point).r - 2) < 1e-6f);
+      CHECK(light.irradiance(point, Vec3{0, -1, 0}) == Color{0});
+      CHECK(distance(light.towards(point), normalize(Vec3{1, 1, 0})) < 1e-15);
+    }
+    CHECK(light.way().min == 0);
+    CHECK(light.way().max == inf);  // nothing stands behind it
+  }
+}
+
+TEST_CASE("a spotlight is a point light inside its cone, and dark outside") {
+  struct {
+    double degrees;  // from the axis to the place that is lit
+    double angle, fade, share;
+  } const rows[] = {
+      {0, 30, 0, 1},           {29.999, 30, 0, 1},  {30.001, 30, 0, 0},  {90, 30, 0, 0},
+      {180, 30, 0, 0},         {0, 30, 10, 1},      {19.999, 30, 10, 1}, {25, 30, 10, 0.5},
+      {27.5, 30, 10, 0.15625},  // the smoothstep x²(3 − 2x) of ¼
+      {22.5, 30, 10, 0.84375},  // and of ¾
+      {30.001, 30, 10, 0},     {0, 30, 30, 1},      {15, 30, 30, 0.5},   {100, 120, 0, 1},
+      {125, 120, 0, 0},        {179.99, 180, 0, 1}, {90, 180, 180, 0.5},
+  };
+  for (const auto& row : rows) {
+    CAPTURE(row.degrees, row.angle, row.fade);
+    const double radians = row.degrees * std::numbers::pi / 180;
+    // The light is at (0, 2, 0); its axis is turned away from the way down.
+    const Vec3 axis{std::sin(radians), -std::cos(radians), 0};
+    const Light light = SpotLight{.position = {0, 2, 0},
+                                  .direction = 3.0 * axis,
+                                  .angle = row.angle,
+                                  .power = Color{four_pi},
+                                  .fade = row.fade};
+    CHECK(std::abs(lit(light) - 0.25 * row.share) < 1e-4);
+    CHECK(std::abs(lit_facing(light) - 0.25 * row.share) < 1e-4);
+    CHECK((lit(light) == 0) == (row.share == 0));
+    CHECK(light.towards(origin) == Vec3{0, 2, 0});
+    CHECK(light.way().max == 1);
+  }
+}
+
+TEST_CASE("the edge of a spotlight belongs to its cone, unless it fades") {
+  // The cosine of 90° is 0, and that of a direction at a right angle to the axis, exactly.
+  const auto at_edge = [](double fade) {
+    return lit(SpotLight{
+        .position = {0, 2, 0}, .direction = {1, 0, 0}, .angle = 90, .power = Color{four_pi}, .fade = fade});
+  };
+  CHECK(near(at_edge(0), 0.25));
+  CHECK(at_edge(10) == 0);
+}
+
 TEST_CASE("a light behind a surface, in its plane or at the point itself brings nothing") {
-  for (const Point& position : {Point{0, -1, 0}, Point{3, -1e-9, 0}, Point{1, 0, 1}, Point{0, 0, 0}})
-    CHECK(PointLight{position, Color{1}}.irradiance({0, 0, 0}, {0, 1, 0}) == Color{0});
+  for (const Point& position : {Point{0, -1, 0}, Point{3, -1e-9, 0}, Point{1, 0, 1}, Point{0, 0, 0}}) {
+    CHECK(lit(PointLight{position, Color{1}}) == 0);
+    CHECK(lit(ConstantLight{position, Color{1}}) == 0);
+    CHECK(lit(SpotLight{.position = position, .angle = 180, .power = Color{1}}) == 0);
+    if (position != origin) CHECK(lit(DirectionalLight{position, Color{1}}) == 0);
+  }
+}
+
+TEST_CASE("very near a light its brightness is held at the largest float") {
+  const Light light = PointLight{.position = {0, 1e-200, 0}, .power = Color{1, 0, 0}};
+  CHECK(light.irradiance(origin, up) == Color{std::numeric_limits<float>::max(), 0, 0});
 }
 
 TEST_CASE("a sphere around a point light receives its power") {
   // The mean over the sphere of E · 4πR² is Φ, wherever in the sphere the light is. (a property of the
   // formula that uses neither its cosine nor its distance one by one)
   Random random(2);
-  const PointLight light{.position = {0.5, 0.3, -0.2}, .power = Color{7}};
+  const Light light = PointLight{.position = {0.5, 0.3, -0.2}, .power = Color{7}};
   double sum = 0;
   constexpr int samples = 100000;
   constexpr double radius = 2;
@@ -63,14 +162,32 @@ TEST_CASE("a sphere around a point light receives its power") {
 
 TEST_CASE("a light that makes no sense is refused with the field's name") {
   for (const double bad : {inf, -inf, not_a_number}) {
-    const PointLight light{.position = {0, bad, 0}, .power = Color{1}};
-    CHECK_THAT(message_of<std::invalid_argument>([&] { light.validate(); }),
-               ContainsSubstring("PointLight: position"));
+    CHECK(refusal(PointLight{.position = {0, bad, 0}}) == "PointLight: position must be finite");
+    CHECK(refusal(ConstantLight{.position = {0, 0, bad}}) == "ConstantLight: position must be finite");
+    CHECK(refusal(SpotLight{.position = {bad, 0, 0}}) == "SpotLight: position must be finite");
+    CHECK(refusal(DirectionalLight{.direction = {0, bad, 0}}) ==
+          "DirectionalLight: direction must be finite and not zero");
+    CHECK(refusal(SpotLight{.direction = {0, bad, 0}}) == "SpotLight: direction must be finite and not zero");
   }
+  CHECK(refusal(DirectionalLight{.direction = Vec3{0}}) ==
+        "DirectionalLight: direction must be finite and not zero");
+  CHECK(refusal(SpotLight{.direction = Vec3{0}}) == "SpotLight: direction must be finite and not zero");
   for (const double bad : {inf, not_a_number, -1.0}) {
-    const PointLight light{.position = {0, 0, 0}, .power = Color{1, 1, static_cast<float>(bad)}};
-    CHECK_THAT(message_of<std::invalid_argument>([&] { light.validate(); }),
-               ContainsSubstring("PointLight: power"));
+    const Color light{1, 1, static_cast<float>(bad)};
+    CHECK(refusal(PointLight{.power = light}) == "PointLight: power must be finite and not negative");
+    CHECK(refusal(SpotLight{.power = light}) == "SpotLight: power must be finite and not negative");
+    CHECK(refusal(ConstantLight{.intensity = light}) ==
+          "ConstantLight: intensity must be finite and not negative");
+    CHECK(refusal(DirectionalLight{.intensity = light}) ==
+          "DirectionalLight: intensity must be finite and not negative");
   }
-  CHECK_NOTHROW(PointLight{}.validate());  // dark, but a light
+  for (const double bad : {0.0, -1.0, 180.1, inf, not_a_number})
+    CHECK(refusal(SpotLight{.angle = bad}) == "SpotLight: angle must be above 0 and at most 180 degrees");
+  for (const double bad : {-1.0, 30.1, inf, not_a_number})
+    CHECK(refusal(SpotLight{.angle = 30, .fade = bad}) == "SpotLight: fade must be from 0 to angle");
+  // Dark, but lights.
+  CHECK(refusal(PointLight{}).empty());
+  CHECK(refusal(ConstantLight{}).empty());
+  CHECK(refusal(DirectionalLight{}).empty());
+  CHECK(refusal(SpotLight{}).empty());
 }

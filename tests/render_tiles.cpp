@@ -26,7 +26,8 @@ using namespace protostar;
 
 namespace {
 
-/// A sphere as a user writes it, who knows a box around it and no more.
+/// A sphere as a user writes it, who knows a box around it and no more. Its normal is for any point of GLM,
+/// and for nothing else.
 struct Ball {
   Point center{0};
   double radius = 1;
@@ -37,10 +38,15 @@ struct Ball {
                            dot(d, l) * dot(d, l) - dot(d, d) * (dot(l, l) - radius * radius))
         .first_in(range);
   }
-  Vec3 normal_at(Point point) const { return (point - center) / radius; }
+  auto normal_at(const auto& point) const { return glm::normalize(point - center); }
   Bounds bounds() const { return {center - Vec3{1.001 * radius}, center + Vec3{1.001 * radius}}; }
 };
 static_assert(SurfaceWithBounds<Ball> && !SurfaceWithBounds<Cylinder>);
+
+/// One that knows no better box than this.
+struct BallSomewhere : Ball {
+  Bounds bounds() const { return {Point{-1e200}, Point{1e200}}; }
+};
 
 /// One type of scene for nearly all tests, since every integrator is compiled anew for each.
 using Everything = Scene<Sphere, Plane, AnySurface>;
@@ -310,6 +316,16 @@ TEST_CASE("by tiles, surfaces of any kind look as they do ray by ray") {
   }
 }
 
+TEST_CASE("by tiles, surfaces whose bounds overflow, or nearly do, look as they do ray by ray") {
+  for (const int others : {5, 2100}) {  // of which a tile's are looked for among all, or in a tree
+    Everything scene = random_spheres(others, 0.01, 0.3, Point{0});
+    scene.add(Sphere{.center = {1e308, 0, 0}, .radius = 1.7e308}, Color{0.5f, 0.7f, 0.9f});
+    scene.add(AnySurface(BallSomewhere{Ball{.center = {0.5, 0.5, 4}, .radius = 0.8}}),
+              Color{0.9f, 0.5f, 0.2f});
+    check_pictures(scene, Camera{}, 70, 33);
+  }
+}
+
 TEST_CASE("by tiles, an empty scene is empty") {
   check_pictures(Everything{}, Camera{}, 33, 20);
   RenderStatistics taken;
@@ -327,14 +343,17 @@ TEST_CASE("without tiles, or by any number of threads, the picture is the same")
     RenderStatistics first;
     for (const int threads : {1, 2, 5}) {
       RenderStatistics taken, none;
-      Image by_tiles(200, 150), without(200, 150), accelerated(200, 150);
+      Image by_tiles(200, 150), without(200, 150), accelerated(200, 150), only_accelerated(200, 150);
       render(by_tiles, Camera{}, scene, integrator, {.threads = threads, .statistics = &taken});
       render(without, Camera{}, scene, integrator, {.threads = threads, .tiles = false, .statistics = &none});
       render(accelerated, Camera{}, accelerate(scene), integrator, {.threads = threads});
+      render(only_accelerated, Camera{}, accelerate(scene), integrator,
+             {.threads = threads, .tiles = false, .statistics = &none});
       CHECK(different_bytes(by_tiles, expected) == 0);
       CHECK(different_bytes(without, expected) == 0);
       CHECK(different_bytes(accelerated, expected) == 0);
-      CHECK(none.camera_rays + none.pixels_skipped + none.surface_tests == 0);
+      CHECK(different_bytes(only_accelerated, expected) == 0);
+      CHECK(none.camera_rays + none.other_rays + none.pixels_skipped + none.surface_tests == 0);
       if (threads == 1) first = taken;
       CHECK(taken.surface_tests == first.surface_tests);
       CHECK(taken.other_rays == first.other_rays);
@@ -401,6 +420,25 @@ struct Rings {
   }
 };
 
+/// One that derives from one of the library, which takes packets, and draws something else.
+struct Facets : DepthIntegrator {
+  Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray);
+    return hit ? 0.25f * Color{floor(4.0 * hit->normal())} : Color{0.5f};
+  }
+};
+
+/// One that takes packets and sees the lights where nothing is in the way.
+struct Glow {
+  using TakesPackets = Glow;
+  template <class R>
+  typename R::Light radiance(const R& ray, const auto& scene) const {
+    Color glow{0};
+    for (const PointLight& light : scene.lights()) glow += light.power;
+    return select(scene.occluded(ray, Interval{}), Color{0}, glow);
+  }
+};
+
 }  // namespace
 
 TEST_CASE("by tiles, a user's integrator draws what it draws ray by ray") {
@@ -420,6 +458,8 @@ TEST_CASE("by tiles, a user's integrator draws what it draws ray by ray") {
   check(scene, Mirrors{});
   check(scene, Curious{});
   check(scene, Rings{});
+  check(scene, Facets{});
+  check(scene, Glow{});
 
   const auto lambda = [](const Ray& ray, const auto& traced) { return Mirrors{}.radiance(ray, traced); };
   const auto typed = [](const Ray& ray, const Scene<Sphere>& traced) {
@@ -440,6 +480,33 @@ TEST_CASE("by tiles, a user's integrator draws what it draws ray by ray") {
   CHECK(different_bytes(by_structure, expected) == 0);
 }
 
+TEST_CASE("where a tile sees nothing, its pixels are what a packet integrator makes of the scene's lights") {
+  Scene<Sphere> scene;
+  scene.add(Sphere{.center = {0, 0, 9}, .radius = 1}, Color{1});
+  scene.add(PointLight{.position = {0, 5, 0}, .power = Color{1, 2, 3}});
+  RenderStatistics taken;
+  Image image(90, 70);
+  render(image, Camera{}, scene, Glow{}, {.statistics = &taken});
+  CHECK(different_bytes(image, ray_by_ray(Camera{}, 90, 70, scene, Glow{})) == 0);
+  CHECK(taken.pixels_skipped > 90 * 70 / 2);
+  CHECK(image(0, 0) == Color{1, 2, 3});
+}
+
+TEST_CASE("by tiles, a function of a ray and any scene may ask for the scene's surfaces") {
+  const auto scene = three_spheres();
+  const auto touched = [&](const Ray& ray, const auto& traced) {
+    Color color{static_cast<float>(traced.size())};
+    for (std::size_t i = 0; i < traced.template surfaces<Sphere>().size(); ++i)
+      if (traced.template surfaces<Sphere>()[i].intersect(ray)) color *= traced.template colors<Sphere>()[i];
+    return color;
+  };
+  Image by_tiles(90, 70), without(90, 70);
+  render(by_tiles, Camera{}, scene, touched);
+  render(without, Camera{}, scene, touched, {.tiles = false});
+  CHECK(different_bytes(by_tiles, without) == 0);
+  CHECK(count_pixels(without, [&](int x, int y) { return without(x, y) == Color{3}; }) > 90 * 70 / 4);
+}
+
 TEST_CASE("statistics count the work that is needed, and no other") {
   Image image(320, 240);
   const auto taken_by = [&](const auto& scene, const auto& integrator, const Camera& camera = {}) {
@@ -455,6 +522,13 @@ TEST_CASE("statistics count the work that is needed, and no other") {
   CHECK(binary.surface_tests == binary.camera_rays);
   CHECK(binary.camera_rays < 320 * 240 / 5);
   CHECK(taken_by(scene, DepthIntegrator{}).surface_tests == binary.surface_tests);
+
+  // The sky above the ground: though the ground reaches to both sides of all tiles there, hardly a ray.
+  const auto tutorial = three_spheres_and_nothing_else();
+  const RenderStatistics outdoors = taken_by(tutorial, BinaryIntegrator{});
+  const int sky = count_pixels(image, [&](int x, int y) { return image(x, y) == Color{0}; });
+  CHECK(sky > 320 * 240 / 4);
+  CHECK(outdoors.pixels_skipped > static_cast<std::uint64_t>(sky) * 3 / 4);
 
   // Behind the camera: nothing at all.
   const RenderStatistics away = taken_by(scene, ShadowIntegrator{}, Camera{.forward = {0, 0, -1}});

@@ -279,8 +279,8 @@ TEST_CASE("lights stay in the order in which they were added") {
   scene.add(PointLight{.position = {1, 0, 0}, .power = Color{1}});
   scene.add(PointLight{.position = {2, 0, 0}, .power = Color{1}});
   REQUIRE(scene.lights().size() == 2);
-  CHECK(scene.lights()[0].position.x == 1);
-  CHECK(scene.lights()[1].position.x == 2);
+  CHECK(scene.lights()[0].towards(Point{0}) == Vec3{1, 0, 0});
+  CHECK(scene.lights()[1].towards(Point{0}) == Vec3{2, 0, 0});
 }
 
 TEST_CASE("a scene is a value") {

@@ -86,7 +86,7 @@ struct Counts {
 void look(const Camera& camera, int width, int height, const std::function<Sphere(const Ray&)>& sphere_beside,
           Random& random, Counts& counts) {
   camera.validate();
-  const PixelRays rays(camera, width, height);
+  const PixelRays rays(camera, PixelGrid(width, height), width, height);
   const Tile picture{0, 0, width, height};
   const Tile tile =
       picture.part(static_cast<int>(random.bits() % static_cast<unsigned>(picture.count(64))), 64);
@@ -175,6 +175,9 @@ TEST_CASE("a tile keeps every sphere that the ray through one of its pixels meet
        [](Random& r) { return with_film(turned_camera(r, r.point(2), 1e-5, 1e-5, 1), 1e5); }, -3, 3},
       {"a sensor far from the origin",
        [=](Random& r) { return with_film(turned_camera(r, far_away + r.point(1), 1, 1, 1), 1e-3); }, -14, -8},
+      {"a tiny sensor far from the origin",
+       [=](Random& r) { return with_film(turned_camera(r, far_away + r.point(1), 1, 1, 1), 1e-6); }, -24,
+       -20},
       {"a small sensor and spheres from 1e-6 to 1e6",
        [](Random& r) { return with_film(turned_camera(r, r.point(2), 1, 1, 1), 0x1p-10); }, -20, 20},
       {"a film behind which rays cross",
@@ -241,7 +244,7 @@ TEST_CASE(
     camera.validate();
     const int height = 64 * (1 + static_cast<int>(random.bits() % 8)), x = height,
               y = static_cast<int>(random.bits() % 64);
-    const PixelRays rays(camera, 2 * height, height);
+    const PixelRays rays(camera, PixelGrid(2 * height, height), 2 * height, height);
     const Ray ray = camera.through_pixel(x, y, 2 * height, height);
     for (int i = 0; i < 10; ++i) {
       const std::vector<Sphere> sphere{beside(ray, 1, std::exp2(random.real(-20, 0)), random)};
@@ -256,6 +259,61 @@ TEST_CASE(
   CHECK(dropped_though_met == 0);
 }
 
+// Of all rays of a tile, those at its corners are the farthest from the middle one, around which the cone is.
+// A sphere that touches one of them from beyond is at the very edge of the cone.
+TEST_CASE("a tile keeps every sphere that a ray at one of its corners touches from outside") {
+  Random random(18);
+  int all = 0, dropped = 0;
+  for (int round = 0; round < 2000; ++round) {
+    const double field = std::exp2(random.real(-20, 0));
+    const Camera camera = turned_camera(random, random.point(2), field, field, 1);
+    const PixelRays rays(camera, 200, 150);
+    const Tile picture{0, 0, 200, 150};
+    const int side = 1 << random.bits() % 7;
+    const Tile tile =
+        picture.part(static_cast<int>(random.bits() % static_cast<unsigned>(picture.count(side))), side);
+    const auto through = [&](double x, double y) {
+      return camera(Camera::u_at(x, 200, 150), Camera::v_at(y, 150));
+    };
+    const Vec3 middle = through(0.5 * (tile.x0 + tile.x1), 0.5 * (tile.y0 + tile.y1)).direction;
+    std::vector<Sphere> spheres;
+    for (const int x : {tile.x0, tile.x1})
+      for (const int y : {tile.y0, tile.y1})
+        for (int i = 0; i < 5; ++i) {
+          const Ray ray = through(x, y);
+          const Vec3 outwards =
+              normalize(ray.direction - dot(ray.direction, middle) * middle);  // and across the ray:
+          const Vec3 away = normalize(outwards - dot(outwards, ray.direction) * ray.direction);
+          const double t = std::exp2(random.real(-3, 10)), radius = t * std::exp2(random.real(-10, 10));
+          spheres.push_back({.center = ray.at(t) + radius * away, .radius = radius});
+        }
+    Candidates in_tile;
+    in_tile.add(candidates_of(spheres, camera.position), Frustum(rays, tile));
+    all += static_cast<int>(spheres.size());
+    dropped += static_cast<int>(spheres.size()) - in_tile.size();
+  }
+  CHECK(all == 40000);
+  CHECK(dropped == 0);
+}
+
+TEST_CASE("a tile drops a sphere that fills the view below it, and keeps it where the ground begins") {
+  const Sphere ground{.center = {0, -1001, 3}, .radius = 1000};
+  const PixelRays rays(Camera{}, 640, 480);
+  const auto is_kept = [&](const Tile& tile) {
+    Candidates in_tile;
+    in_tile.add(candidates_of({ground}, Point{0}), Frustum(rays, tile));
+    return in_tile.size() == 1;
+  };
+  // The horizon is where the line of sight touches: about 2.6° below the middle, between rows 250 and 258.
+  // From some way above it on, the plane under a tile is so steep that the ground reaches through it.
+  for (int x = 0; x < 640; x += 16) {
+    int kept = 0;
+    for (int y = 0; y < 240; y += 16) kept += is_kept({x, y, x + 16, y + 16});
+    CHECK(kept == 0);
+    CHECK(is_kept({x, 272, x + 16, 288}));
+  }
+}
+
 TEST_CASE("a tile drops what is beside it and behind the camera") {
   Random random(12);
   for (const Camera& camera :
@@ -265,7 +323,7 @@ TEST_CASE("a tile drops what is beside it and behind the camera") {
         with_film(Camera{.up = {0.3, 0.9, 0.1}}, 0.1), parallel(Camera{}, 1),
         parallel(Camera{.right = {-1, 0, 0}, .up = {0.3, 0.9, 0.1}, .forward = {0.2, 0.3, 2}}, 2),
         parallel(Camera{.position = {65537, 0, 0}}, 0.1)}) {
-    const PixelRays rays(camera, 320, 240);
+    const PixelRays rays(camera, PixelGrid(320, 240), 320, 240);
     const Tile tile{64, 64, 128, 128};
     std::vector<Sphere> spheres;
     std::vector<int> seen;
@@ -288,7 +346,7 @@ TEST_CASE("a tile drops what is beside it and behind the camera") {
 TEST_CASE(
     "a tile drops what is between the focal point and the sensor, and keeps what is around the sensor") {
   const Camera camera = Camera::sensor({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 4);
-  const PixelRays rays(camera, 64, 64);
+  const PixelRays rays(camera, PixelGrid(64, 64), 64, 64);
   const Tile tile{0, 0, 64, 64};
   const std::vector<Sphere> spheres{{{1, 2, 1}, 0.5},     // between, on the axis
                                     {{1, 2, 2}, 0.999},   // and almost up to the sensor
@@ -308,7 +366,7 @@ TEST_CASE(
 }
 
 TEST_CASE("an orthographic tile drops what is beside it, however near and however far") {
-  const PixelRays rays(Camera::orthographic(Point{0}, {0, 0, 1}, {0, 1, 0}, 2), 64, 64);
+  const PixelRays rays(Camera::orthographic(Point{0}, {0, 0, 1}, {0, 1, 0}, 2), PixelGrid(64, 64), 64, 64);
   const Tile upper_left{0, 0, 32, 32};  // x from −1 to 0, y from 0 to 1
   for (const double z : {0.5, 10.0, 100.0}) {
     CAPTURE(z);
@@ -330,7 +388,7 @@ TEST_CASE("an orthographic tile drops what is beside it, however near and howeve
 
 TEST_CASE("a tile keeps the order of its candidates and adds to those that it has") {
   std::vector<Sphere> spheres(100, Sphere{.center = {0, 0, 5}});
-  const PixelRays rays(Camera{}, 8, 8);
+  const PixelRays rays(Camera{}, PixelGrid(8, 8), 8, 8);
   const Frustum frustum(rays, {0, 0, 8, 8});
   Candidates kept;
   kept.add(candidates_of(spheres, {.apex = Point{0}}), frustum);
@@ -370,7 +428,7 @@ TEST_CASE("candidates in the order of their distance are the same ones, and none
     if (count < 1000) CHECK(far_off == 0);
 
     // The rows have moved together: a tile sees the same ones as before.
-    const PixelRays rays(Camera{}, 64, 64);
+    const PixelRays rays(Camera{}, PixelGrid(64, 64), 64, 64);
     for (const Tile& tile : {Tile{0, 0, 32, 32}, Tile{40, 8, 48, 16}}) {
       Candidates from_before, from_ordered;
       from_before.add(before, Frustum(rays, tile));
@@ -387,7 +445,7 @@ namespace {
 /// How many rays of the packets of a picture are not those through its pixels.
 template <class Origin>
 int wrong_rays(const Camera& camera, int width, int height) {
-  const PixelRays rays(camera, width, height);
+  const PixelRays rays(camera, PixelGrid(width, height), width, height);
   const Tile tile{0, 0, width, height};
   int wrong = 0;
   for (int y = 0; y < height; ++y)

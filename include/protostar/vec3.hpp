@@ -19,9 +19,6 @@ using Vec3 = glm::dvec3;
 /// A place, in scene units.
 using Point = Vec3;
 
-/// A place on a surface, along two axes of its own: where a texture is looked up.
-using Uv = glm::dvec2;
-
 /// Red, green and blue: linear light, or the share of light that a surface reflects. 0 is black; there is no
 /// upper limit.
 using Color = glm::vec3;

@@ -4,8 +4,8 @@
 
 #include "bench_error.hpp"
 #include "stress/corpora.hpp"
-#include "stress/naive.hpp"
 #include "stress/oracle.hpp"
+#include "stress/usual.hpp"
 #include "workload.hpp"
 
 using namespace protostar;
@@ -67,24 +67,24 @@ double rounded(double x) {
 Vec3 rounded(const Vec3& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
 
 template <class T>
-naive::Ray<T> in(const Ray& ray) {
-  return {naive::Vector<T>(ray.origin), naive::Vector<T>(ray.direction)};
+usual::Ray<T> in(const Ray& ray) {
+  return {usual::Vector<T>(ray.origin), usual::Vector<T>(ray.direction)};
 }
 template <class T>
-naive::Sphere<T> in(const Sphere& sphere) {
-  return {naive::Vector<T>(sphere.center), static_cast<T>(sphere.radius)};
+usual::Sphere<T> in(const Sphere& sphere) {
+  return {usual::Vector<T>(sphere.center), static_cast<T>(sphere.radius)};
 }
 
 // ---- Kernels: time
 
 /// The closest-hit loop of a kernel over a scene, for every ray: how many hit, so that nothing is left out.
 template <class T, auto kernel>
-int closest_hits(const std::vector<naive::Ray<T>>& rays, const std::vector<naive::Sphere<T>>& spheres) {
+int closest_hits(const std::vector<usual::Ray<T>>& rays, const std::vector<usual::Sphere<T>>& spheres) {
   int hits = 0;
-  for (const naive::Ray<T>& ray : rays) {
-    T nearest = naive::miss<T>;
-    const naive::Sphere<T>* seen = nullptr;
-    for (const naive::Sphere<T>& sphere : spheres)
+  for (const usual::Ray<T>& ray : rays) {
+    T nearest = usual::miss<T>;
+    const usual::Sphere<T>* seen = nullptr;
+    for (const usual::Sphere<T>& sphere : spheres)
       if (const T t = kernel(ray, sphere); t < nearest) {
         nearest = t;
         seen = &sphere;
@@ -99,10 +99,10 @@ int closest_hits(const std::vector<naive::Ray<T>>& rays, const std::vector<naive
 struct Loop {
   std::vector<Ray> rays;
   Scene<Sphere> scene;
-  std::vector<naive::Ray<double>> double_rays;
-  std::vector<naive::Sphere<double>> double_spheres;
-  std::vector<naive::Ray<float>> float_rays;
-  std::vector<naive::Sphere<float>> float_spheres;
+  std::vector<usual::Ray<double>> double_rays;
+  std::vector<usual::Sphere<double>> double_spheres;
+  std::vector<usual::Ray<float>> float_rays;
+  std::vector<usual::Sphere<float>> float_spheres;
 
   Loop(const bench::Workload& work, int width, int height) {
     for (const bench::FloatSphere& s : work.spheres) {
@@ -134,7 +134,7 @@ int closest_hits_of_library(const Loop& loop) {
 }
 
 /// The library's roots in the same loop; Scene::intersect also decides their order exactly.
-double certified(const naive::Ray<double>& ray, const naive::Sphere<double>& sphere) {
+double certified(const usual::Ray<double>& ray, const usual::Sphere<double>& sphere) {
   return sphere_roots(ray.origin, ray.direction, sphere.center, sphere.radius)
       .first_in(Interval{})
       .value_or(infinity);
@@ -160,10 +160,10 @@ Kernel double_kernel(const char* name) {
       [](const Loop& loop) { return closest_hits<double, kernel>(loop.double_rays, loop.double_spheres); }};
 }
 const std::vector<Kernel> kernels{
-    float_kernel<naive::quadratic<float>>("float, tutorial"),
-    float_kernel<naive::geometric>("geometric"),
-    float_kernel<naive::gems>("RT Gems 7"),
-    double_kernel<naive::quadratic<double>>("double"),
+    float_kernel<usual::quadratic<float>>("float, tutorial"),
+    float_kernel<usual::geometric>("geometric"),
+    float_kernel<usual::gems>("RT Gems 7"),
+    double_kernel<usual::quadratic<double>>("double"),
     double_kernel<certified>("certified roots"),
     Kernel{"Scene::intersect",
            [](const Ray& ray, const Sphere& sphere) { return sphere.intersect(ray).value_or(infinity); },

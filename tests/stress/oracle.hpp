@@ -9,14 +9,46 @@
 
 namespace exact {
 
+/// T is the type of number.
+template <class T>
 struct Vector {
-  Number x, y, z;
+  T x, y, z;
 
   explicit Vector(const protostar::Vec3& v) : x(v.x), y(v.y), z(v.z) {}
-  Vector(const Number& vx, const Number& vy, const Number& vz) : x(vx), y(vy), z(vz) {}
+  Vector(const T& vx, const T& vy, const T& vz) : x(vx), y(vy), z(vz) {}
 };
-inline Vector operator-(const Vector& a, const Vector& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Number dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+template <class T>
+Vector<T> operator-(const Vector<T>& a, const Vector<T>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T>
+T dot(const Vector<T>& a, const Vector<T>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// A t² − 2bt + c = 0; of a ray that leaves the sphere c is 0, and t = 0 is left out.
+template <class T>
+struct SphereEquation {
+  T A, b, c;
+
+  SphereEquation(const protostar::Ray& ray, const protostar::Sphere& sphere) {
+    const Vector<T> d(ray.direction), l = Vector<T>(sphere.center) - Vector<T>(ray.origin);
+    A = dot(d, d), b = dot(d, l), c = dot(l, l) - square(T(sphere.radius));
+  }
+  [[nodiscard]] T discriminant() const { return square(b) - A * c; }
+};
+
+/// slope · t = height, with slope = n·d and height = distance − n·o.
+template <class T>
+struct PlaneEquation {
+  T slope, height;
+
+  PlaneEquation(const protostar::Ray& ray, const protostar::Plane& plane) {
+    const Vector<T> n(plane.normal);
+    slope = dot(n, Vector<T>(ray.direction));
+    height = T(plane.distance) - dot(n, Vector<T>(ray.origin));
+  }
+};
 
 /// A crossing's parameter: (p + side · √D) / A with A > 0, side -1, 0 or 1; and that rounded to Quad, good to
 /// 2^-100.
@@ -41,32 +73,30 @@ inline int compare(const Root& a, const Root& b) {
 /// The crossings of a ray's line with a surface, near before far; a point of tangency twice.
 using Roots = std::vector<Root>;
 
-/// The sphere's equation is A t² − 2bt + c = 0; of a ray that leaves it c is 0, and t = 0 is left out.
 inline Roots roots(const protostar::Ray& ray, const protostar::Sphere& sphere, bool leaves) {
-  const Vector d(ray.direction), l = Vector(sphere.center) - Vector(ray.origin);
-  const Number A = dot(d, d), b = dot(d, l);
-  if (A.sign() == 0) return {};
-  const Quad a(A);
+  const SphereEquation<Number> e(ray, sphere);
+  if (e.A.sign() == 0) return {};
+  const Quad a(e.A);
   if (leaves) {
-    const Number p = Number(2) * b;
-    return {{p, {}, A, 0, Quad(p) / a}};
+    const Number p = Number(2) * e.b;
+    return {{p, {}, e.A, 0, Quad(p) / a}};
   }
-  const Number c = dot(l, l) - square(sphere.radius), D = square(b) - A * c;
+  const Number D = e.discriminant();
   if (D.sign() < 0) return {};
   const Quad root = D.sqrt();
-  const bool ahead = b.sign() >= 0;
-  const Quad q = ahead ? Quad(b) + root : Quad(b) - root;  // nothing cancels
-  const Quad one = q / a, other = q == 0 ? Quad(0) : Quad(c) / q;
-  return {{b, D, A, -1, ahead ? other : one}, {b, D, A, 1, ahead ? one : other}};
+  const bool ahead = e.b.sign() >= 0;
+  const Quad q = ahead ? Quad(e.b) + root : Quad(e.b) - root;  // nothing cancels
+  const Quad one = q / a, other = q == 0 ? Quad(0) : Quad(e.c) / q;
+  return {{e.b, D, e.A, -1, ahead ? other : one}, {e.b, D, e.A, 1, ahead ? one : other}};
 }
 
-/// The plane's is t = (distance − n·o) / n·d; a ray that leaves it does not come back.
+/// A ray that leaves a plane does not come back.
 inline Roots roots(const protostar::Ray& ray, const protostar::Plane& plane, bool leaves) {
-  const Vector n(plane.normal);
-  const Number slope = dot(n, Vector(ray.direction));
-  if (leaves || slope.sign() == 0) return {};
-  const Number height = Number(plane.distance) - dot(n, Vector(ray.origin));
-  const Number p = slope.sign() < 0 ? -height : height, A = slope.sign() < 0 ? -slope : slope;
+  if (leaves) return {};
+  const PlaneEquation<Number> e(ray, plane);
+  if (e.slope.sign() == 0) return {};
+  const bool falls = e.slope.sign() < 0;
+  const Number p = falls ? -e.height : e.height, A = falls ? -e.slope : e.slope;
   return {{p, {}, A, 0, Quad(p) / Quad(A)}};
 }
 

@@ -115,7 +115,7 @@ class Judge {
     return answer;
   }
 
-  [[nodiscard]] const std::vector<PointLight>& lights() const { return model_.scene.lights(); }
+  [[nodiscard]] const std::vector<Light>& lights() const { return model_.scene.lights(); }
 
  private:
   /// What a ray crosses with 0 < t < end, in its order; of a ray that leaves a sphere, if left is not -1.

@@ -153,7 +153,7 @@ class TileRenderer {
 
   void fill(const Tile& tile, const Candidates& candidates, RenderStatistics& taken) const {
     if constexpr (by_packets)
-      if (!rays_.camera().is_pinhole()) return fill_from<Vectors>(tile, candidates, taken);
+      if (!rays_.is_pinhole()) return fill_from<Vectors>(tile, candidates, taken);
     fill_from_point(tile, candidates, taken);
   }
 

@@ -43,8 +43,9 @@ class PixelRays {
   PixelRays(const Camera& camera, const PixelGrid& pixels, int width, int height)
       : camera_(camera),
         pixels_(pixels),
+        is_pinhole_(camera.is_pinhole()),
         hand_(hand_of(camera)),
-        viewpoint_(camera.is_pinhole() ? Viewpoint{.apex = camera.position} : viewpoint_of_film()) {
+        viewpoint_(is_pinhole_ ? Viewpoint{.apex = camera.position} : viewpoint_of_film()) {
     for (int i = 0; i < pixels.samples(); ++i) samples_.push_back(tables(pixels.sample(i), width, height));
   }
 
@@ -53,19 +54,14 @@ class PixelRays {
   template <class Origin = Point>
   [[nodiscard]] CameraRays<Origin> packet(const Tile& tile, int x, int y, int i = 0) const {
     const Tables& sample = samples_[static_cast<std::size_t>(i)];
-    const auto origin = [&]() -> Origin {
-      if constexpr (std::same_as<Origin, Point>)
-        return camera_.position;
-      else
-        return camera_.origin(sample.film_along.some(x), Vectors(sample.film_up[y]));
-    };
-    return {{.origin = origin(),
+    return {{.origin = origin<Origin>(sample, x, y),
              .direction = camera_.direction(sample.along.some(x), Vectors(sample.up[y])),
              .wanted = mask_of<double, double_lanes>(first_bits(tile.x1 - x))}};
   }
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
   [[nodiscard]] const PixelGrid& pixels() const { return pixels_; }
+  [[nodiscard]] bool is_pinhole() const { return is_pinhole_; }
   [[nodiscard]] const Viewpoint& viewpoint() const { return viewpoint_; }
 
   /// On which side of right and up the camera looks, or of the film vectors where its rays are parallel: 1,
@@ -78,12 +74,43 @@ class PixelRays {
   [[nodiscard]] double hand() const { return hand_; }
 
  private:
+  /// Vectors in rows of their components.
+  class Table {
+   public:
+    explicit Table(int size) : x_(index(size)), y_(index(size)), z_(index(size)) {}
+
+    void set(int i, const Vec3& v) { x_[index(i)] = v.x, y_[index(i)] = v.y, z_[index(i)] = v.z; }
+    [[nodiscard]] Vec3 operator[](int i) const { return {x_[index(i)], y_[index(i)], z_[index(i)]}; }
+    [[nodiscard]] Vectors some(int first) const {
+      return {Doubles::load(&x_[index(first)]), Doubles::load(&y_[index(first)]),
+              Doubles::load(&z_[index(first)])};
+    }
+
+   private:
+    static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+    std::vector<double> x_, y_, z_;
+  };
+
+  /// What the rays through one sample of all pixels have in common.
+  struct Tables {
+    Table along, up;            ///< u · right of each column and v · up of each row
+    Table film_along, film_up;  ///< u · film_right and v · film_up; empty for a pinhole
+  };
+
   static double hand_of(const Camera& camera) {
     const bool parallel = camera.is_orthographic();
     const Vec3 &right = parallel ? camera.film_right : camera.right,
                &up = parallel ? camera.film_up : camera.up;
     const double volume = dot(cross(normalize(right), normalize(up)), normalize(camera.forward));
     return std::abs(volume) > 0x1p-24 ? std::copysign(1, volume) : 0;
+  }
+
+  template <class Origin>
+  [[nodiscard]] Origin origin(const Tables& sample, int x, int y) const {
+    if constexpr (std::same_as<Origin, Point>)
+      return camera_.position;
+    else
+      return camera_.origin(sample.film_along.some(x), Vectors(sample.film_up[y]));
   }
 
   /// The viewpoint of a camera whose rays start on a film. With position P, film vectors F, G and directions
@@ -125,31 +152,8 @@ class PixelRays {
     return viewpoint;
   }
 
-  /// Vectors in rows of their components.
-  class Table {
-   public:
-    explicit Table(int size) : x_(index(size)), y_(index(size)), z_(index(size)) {}
-
-    void set(int i, const Vec3& v) { x_[index(i)] = v.x, y_[index(i)] = v.y, z_[index(i)] = v.z; }
-    [[nodiscard]] Vec3 operator[](int i) const { return {x_[index(i)], y_[index(i)], z_[index(i)]}; }
-    [[nodiscard]] Vectors some(int first) const {
-      return {Doubles::load(&x_[index(first)]), Doubles::load(&y_[index(first)]),
-              Doubles::load(&z_[index(first)])};
-    }
-
-   private:
-    static std::size_t index(int i) { return static_cast<std::size_t>(i); }
-    std::vector<double> x_, y_, z_;
-  };
-
-  /// What the rays through one sample of all pixels have in common.
-  struct Tables {
-    Table along, up;            ///< u · right of each column and v · up of each row
-    Table film_along, film_up;  ///< u · film_right and v · film_up; empty for a pinhole
-  };
-
   [[nodiscard]] Tables tables(const PixelSample& sample, int width, int height) const {
-    const bool is_film = !camera_.is_pinhole();
+    const bool is_film = !is_pinhole_;
     Tables tables{.along = Table(width + double_lanes),
                   .up = Table(height),
                   .film_along = Table(is_film ? width + double_lanes : 0),
@@ -169,6 +173,7 @@ class PixelRays {
 
   Camera camera_;
   PixelGrid pixels_;
+  bool is_pinhole_;
   double hand_;
   Viewpoint viewpoint_;
   std::vector<Tables> samples_;
@@ -179,28 +184,26 @@ class PixelRays {
 /// no cone. The planes fit a tile better, and the cone tells the sky from a sphere that fills the view below
 /// it. A normal that is not sure is 0: all points are inside.
 struct Frustum {
-  HalfSpace side[5];   ///< the last has what is behind on its other side
-  float normal[5][3];  ///< of the four sides, and the axis of the cone
-  float offset[4];     ///< normal · x of a side's points, measured from the apex
-  float cosine, sine;  ///< of the cone's half-angle; 0 and 1 if it is not sure, or above 60°
+  HalfSpace side[5];     ///< the last has what is behind on its other side
+  float normal[5][3];    ///< of the four sides, and the axis of the cone
+  float offset[4] = {};  ///< normal · x of a side's points, measured from the apex
+  float cosine, sine;    ///< of the cone's half-angle; 0 and 1 if it is not sure, or above 60°
 
   Frustum(const PixelRays& rays, const Tile& tile) {
     const Camera& camera = rays.camera();
-    const Viewpoint& viewpoint = rays.viewpoint();
     const auto& [position, right, up, forward, film_right, film_up] = camera;
+    const Point& apex = rays.viewpoint().apex;
     const double hand = rays.hand();
     const auto u = [&](int x) { return rays.pixels().u(x, 0); };
     const auto v = [&](int y) { return rays.pixels().v(y, 0); };
     // A side holds one edge of the tile: the directions forward + u · right + v · up with one of u and v
-    // fixed, from the apex; or, where these are all forward, the edge of the film from one of its corners on.
+    // fixed; or, where these are all forward, forward and the edge of the film.
     const bool parallel = camera.is_orthographic();
     const Vec3 &across = parallel ? film_right : right, &upwards = parallel ? film_up : up;
-    const auto edge = [&](int x, int y) { return parallel ? camera(u(x), v(y)).origin : viewpoint.apex; };
-    const Point first = edge(tile.x0, tile.y0), last = edge(tile.x1, tile.y1);
-    set(0, viewpoint, first, hand * cross(upwards, forward + u(tile.x0) * right));
-    set(1, viewpoint, last, hand * cross(forward + u(tile.x1) * right, upwards));
-    set(2, viewpoint, last, hand * cross(forward + v(tile.y1) * up, across));
-    set(3, viewpoint, first, hand * cross(across, forward + v(tile.y0) * up));
+    set(0, apex, hand * cross(upwards, forward + u(tile.x0) * right));
+    set(1, apex, hand * cross(forward + u(tile.x1) * right, upwards));
+    set(2, apex, hand * cross(forward + v(tile.y1) * up, across));
+    set(3, apex, hand * cross(across, forward + v(tile.y0) * up));
     // The directions at no more than an angle below 90° from an axis are convex: what holds the corners'
     // rays, holds all between them.
     const Vec3 middle =
@@ -210,26 +213,34 @@ struct Frustum {
       for (const int y : {tile.y0, tile.y1})
         least = std::min(least, dot(middle, camera.direction(u(x) * right, v(y) * up)));
     const bool sure = least > 0.5;
-    const Vec3 axis = least > 0.1 ? middle : Vec3{0};
-    for (int k = 0; k < 3; ++k) normal[4][k] = static_cast<float>(axis[k]);
+    set(4, apex, least > 0.1 ? middle : Vec3{0});
     cosine = sure ? static_cast<float>(least) : 0;
     sine = sure ? static_cast<float>(std::sqrt(1 - least * least)) : 1;
-    if (camera.is_pinhole())
-      side[4] = {position, axis};
-    else
-      side[4] = {viewpoint.film - viewpoint.drift * viewpoint.ahead, viewpoint.ahead};
+    if (!rays.is_pinhole())
+      start_on_film(rays, camera(u(tile.x0), v(tile.y0)).origin, camera(u(tile.x1), v(tile.y1)).origin);
   }
 
  private:
-  /// A plane through a point, and everything moved out by drift. In float, offsets stay far from overflow.
-  void set(int i, const Viewpoint& viewpoint, const Point& on, const Vec3& inwards) {
+  void set(int i, const Point& apex, const Vec3& inwards) {
     const double size = length(inwards);  // whose squares, within these bounds, neither overflow nor vanish
-    Vec3 n = 0x1p-500 < size && size < 0x1p500 ? inwards / size : Vec3{0};
-    double from_apex = dot(n, on - viewpoint.apex);
-    if (!(std::abs(from_apex) < 0x1p120)) n = Vec3{0}, from_apex = 0;
-    side[i] = {on - viewpoint.drift * n, n};
-    for (int k = 0; k < 3; ++k) normal[i][k] = static_cast<float>(n[k]);
-    offset[i] = static_cast<float>(from_apex);
+    side[i] = {apex, 0x1p-500 < size && size < 0x1p500 ? inwards / size : Vec3{0}};
+    for (int k = 0; k < 3; ++k) normal[i][k] = static_cast<float>(side[i].normal[k]);
+  }
+
+  /// What is otherwise where rays start on a film, of which the tile has the part between two corners. What
+  /// is behind is behind the film. Sides of parallel rays pass through a corner, each through one of two; no
+  /// candidate that float holds is as far out as 2^120. Every half-space is moved out by drift, by which
+  /// candidates are larger.
+  void start_on_film(const PixelRays& rays, const Point& upper_left, const Point& lower_right) {
+    const Viewpoint& viewpoint = rays.viewpoint();
+    side[4] = {viewpoint.film, viewpoint.ahead};
+    if (rays.camera().is_orthographic())
+      for (const int i : {0, 1, 2, 3}) {
+        side[i].on = i == 0 || i == 3 ? upper_left : lower_right;
+        const double from_apex = dot(side[i].normal, side[i].on - viewpoint.apex);
+        offset[i] = static_cast<float>(std::clamp(from_apex, -0x1p120, 0x1p120));
+      }
+    for (HalfSpace& half_space : side) half_space.on -= viewpoint.drift * half_space.normal;
   }
 };
 

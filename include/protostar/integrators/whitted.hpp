@@ -1,7 +1,10 @@
 // Light, shadows, mirrors and glass: Whitted's picture, by rays that follow rays.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <optional>
 
 #include "../numeric/power.hpp"
@@ -45,18 +48,19 @@ struct WhittedIntegrator {
     const bool enters = dot(outside, direction) <= 0;
     const Vec3 normal = enters ? outside : -outside;
 
-    Color result = from_lights(*hit, normal, reflected(-direction, normal), scene);
+    const Vec3 mirrored = reflected(direction, normal);
+    Color result = from_lights(*hit, normal, mirrored, scene);
     if (material.reflect > 0)
-      result += static_cast<float>(material.reflect) *
-                radiance(hit->leave(reflected(direction, normal)), scene, rays - 1);
+      result += static_cast<float>(material.reflect) * radiance(hit->leave(mirrored), scene, rays - 1);
     if (material.refract > 0)
       if (const auto d = refracted(direction, normal, enters ? 1 / material.ior : material.ior))
         result += static_cast<float>(material.refract) * radiance(hit->leave(*d), scene, rays - 1);
     return result;
   }
 
-  /// What comes from the lights: diffuse and, around the mirror image of the direction to the eye, specular.
-  [[nodiscard]] Color from_lights(const Intersection& hit, const Vec3& normal, const Vec3& eye_mirrored,
+  /// What comes from the lights. That the mirror image of the direction to the light is near the direction to
+  /// the eye is to say that the direction to the light is near mirrored, the mirror image of the other.
+  [[nodiscard]] Color from_lights(const Intersection& hit, const Vec3& normal, const Vec3& mirrored,
                                   const auto& scene) const {
     const Color color = hit.color(), specular = hit.material().specular;
     if (color == Color{0} && specular == Color{0}) return Color{0};  // no light can be seen here
@@ -66,20 +70,25 @@ struct WhittedIntegrator {
     for (const Light& light : scene.lights()) {
       const Vec3 to_light = light.towards(point);
       if (!(dot(normal, to_light) > 0)) continue;  // it is behind the surface
-      if (scene.occluded(hit.leave(to_light), light.way())) continue;
-      result += color * light.irradiance(point, normal);
+      Color sent = color * light.irradiance(point, normal);
       if (specular != Color{0})
-        result += specular * light.perpendicular_irradiance(point) *
-                  lobe(dot(eye_mirrored, to_light) / length(to_light), hit.material().shininess);
+        if (const float share = lobe(dot(mirrored, to_light) / length(to_light), hit.material().shininess);
+            share > 0)
+          sent += specular * light.perpendicular_irradiance(point) * share;
+      // What adds nothing needs no shadow ray.
+      if (sent != Color{0} && !scene.occluded(hit.leave(to_light), light.way())) result += sent;
     }
     return result;
   }
 
-  /// cos^shininess; 0 behind the surface that the lobe stands on.
+  /// cos^shininess; 0 where the cosine is not positive.
   [[nodiscard]] static float lobe(double cosine, double shininess) {
-    if (shininess == 0) return cosine > 0 ? 1 : 0;
-    if (!(cosine > 0x1p-500)) return 0;
-    return static_cast<float>(static_cast<double>(pow(DoubleDouble(cosine), DoubleDouble(shininess))));
+    // Below 2^-150 it is 0 as a float. It is at most e^(−shininess · (1 − cos)), since ln cos ≤ cos − 1.
+    if (!(cosine > 0) || shininess * (1 - cosine) > 150 * std::numbers::ln2) return 0;
+    if (shininess == 0) return 1;
+    constexpr double normal_least = std::numeric_limits<double>::min();  // pow takes no less
+    return static_cast<float>(static_cast<double>(
+        pow(DoubleDouble(std::clamp(cosine, normal_least, 1.0)), DoubleDouble(shininess))));
   }
 };
 

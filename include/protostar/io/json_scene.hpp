@@ -175,6 +175,10 @@ class JsonCursor {
     detail::refuse(*file_, pointer_, found() + " is not " + allowed);
   }
 
+  [[noreturn]] void refuse_beside(const std::string& other) const {
+    detail::refuse(*file_, pointer_, found() + " is not possible beside " + other);
+  }
+
   // ---- Objects and arrays.
 
   /// Demands an object without other keys than these.
@@ -380,8 +384,7 @@ inline Material material_at(const JsonCursor& at) {
 using Materials = std::map<std::string, Material>;
 
 inline Material material_of(const JsonCursor& object, const Materials& materials) {
-  if (object.has("color") && object.has("material-id"))
-    object.refuse("an object with either a material-id or a color");
+  if (object.has("material-id") && object.has("color")) object["color"].refuse_beside("a material-id");
   if (object.has("color")) return {.diffuse = object["color"].color()};
   const std::string allowed = "the name of one of the materials";
   const auto found = materials.find(object["material-id"].text(allowed + ", and there is no color"));
@@ -448,13 +451,13 @@ inline Camera camera_at(const JsonCursor& at) {
     const double height = at["ortho-scale"].number_above_0();
     return at.checked([&] { return Camera::orthographic(position, direction, upward, height); });
   }
-  if (at.has("field-of-view") == at.has("focal-length"))
-    at.refuse("a perspective camera with either a field-of-view or a focal-length");
+  if (at.has("field-of-view") && at.has("focal-length")) at["focal-length"].refuse_beside("a field-of-view");
   if (at.has("focal-length")) {
     const double focal_length = at["focal-length"].number_above_0();
     return at.checked([&] { return Camera::sensor(position, direction, upward, focal_length); });
   }
   const std::string degrees = "a number of degrees between 0 and 180, both excluded";
+  if (!at.has("field-of-view")) at["field-of-view"].refuse(degrees + ", and there is no focal-length");
   const double angle = at["field-of-view"].number(degrees);
   if (!(angle > 0 && angle < 180)) at["field-of-view"].refuse(degrees);
   return at.checked([&] { return Camera::perspective(position, direction, upward, angle); });

@@ -97,7 +97,7 @@ struct SineAndCosine {
       s * polynomial({-1 / 3.0, 1 / 5.0, -1 / 7.0, 1 / 9.0, -1 / 11.0, 1 / 13.0, -1 / 15.0}, s);
   DoubleDouble angle = arc_tangent_of_eighths(static_cast<int>(eighths)) + z * fast_two_sum(1, rest);
   if (is_steep) angle = DoubleDouble(pi.hi / 2, pi.lo / 2) - angle;
-  if (std::signbit(x.hi)) angle = pi - angle;
+  if (x.hi < 0) angle = pi - angle;
   return std::signbit(y.hi) ? -angle : angle;
 }
 

@@ -8,7 +8,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
-namespace naive {
+namespace usual {
 
 template <class T>
 using Vector = glm::vec<3, T>;
@@ -75,4 +75,4 @@ T quotient(const Ray<T>& ray, const Plane<T>& plane) {
   return t > 0 && t < miss<T> ? t : miss<T>;
 }
 
-}  // namespace naive
+}  // namespace usual

@@ -1,0 +1,139 @@
+// What is true of one ray and one surface, and as much of it in numbers as the library is judged by.
+#pragma once
+
+#include <cfloat>
+#include <optional>
+
+#include "ball.hpp"
+#include "oracle.hpp"
+
+namespace exact {
+
+static_assert(LDBL_MANT_DIG >= 64);
+
+/// A crossing's parameter. Its sign and that of t − 1 are certain; t is off by less than 2^-60 of itself or,
+/// as a Quad, 2^-100.
+template <class T>
+struct TrueRoot {
+  T t;
+  int beyond_one;  ///< the sign of t − 1
+};
+
+/// The crossings of a ray's line with a surface, near before far; a point of tangency twice.
+template <class T = long double>
+struct Truth {
+  int count = 0;
+  TrueRoot<T> root[2];
+
+  [[nodiscard]] const TrueRoot<T>* begin() const { return root; }
+  [[nodiscard]] const TrueRoot<T>* end() const { return root + count; }
+};
+
+/// The root (p + side · √D) / A with A > 0, of which t is a good approximation. Far enough from 1 that tells
+/// the sign of t − 1. Otherwise it is that of u + side · √D with u = p − A, and where the two pull apart, the
+/// larger square wins.
+inline std::optional<TrueRoot<long double>> true_root(const Ball& p, int side, const Ball& D, const Ball& A,
+                                                      long double t) {
+  if (t > 1 + 0x1p-59L) return TrueRoot<long double>{t, 1};
+  if (t < 1 - 0x1p-59L) return TrueRoot<long double>{t, -1};
+  const Ball u = p - A;
+  if (!u.is_known()) return std::nullopt;
+  if (side == 0 || D.sign() == 0) return TrueRoot<long double>{t, u.sign()};
+  if (u.sign() == 0 || u.sign() == side) return TrueRoot<long double>{t, side};
+  const Ball squares = square(u) - D;
+  if (!squares.is_known()) return std::nullopt;
+  return TrueRoot<long double>{t, u.sign() * squares.sign()};
+}
+
+/// The only root p/A, A > 0.
+inline std::optional<Truth<>> first_level(const Ball& p, const Ball& A) {
+  const auto root = true_root(p, 0, {}, A, static_cast<long double>(p) / static_cast<long double>(A));
+  return root ? std::optional(Truth<>{1, {*root, {}}}) : std::nullopt;
+}
+
+/// The truth, as far as 128 digits tell. The numbers that t is computed from are good to 2^-62 each, and
+/// every operation adds 2^-64. Of the error of D half remains in √D; q, where nothing cancels, is off by less
+/// than 2^-62 + 2^-63, and q/A and c/q by less than 2^-60.
+inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const protostar::Sphere& sphere,
+                                          bool leaves) {
+  const SphereEquation<Ball> e(ray, sphere);
+  if (!e.A.is_known() || !e.b.is_known()) return std::nullopt;
+  if (e.A.sign() == 0) return Truth<>{};
+  if (leaves) return first_level(Ball(2) * e.b, e.A);
+  const Ball D = e.discriminant();
+  if (!D.is_known()) return std::nullopt;
+  if (D.sign() < 0) return Truth<>{};
+  if (!e.c.is_known()) return std::nullopt;
+  const auto A = static_cast<long double>(e.A), b = static_cast<long double>(e.b),
+             c = static_cast<long double>(e.c), root = std::sqrt(static_cast<long double>(D));
+  const bool ahead = b >= 0;
+  const long double q = ahead ? b + root : b - root;
+  const long double one = q / A, other = q == 0 ? 0 : c / q;
+  const auto near = true_root(e.b, -1, D, e.A, ahead ? other : one),
+             far = true_root(e.b, 1, D, e.A, ahead ? one : other);
+  return near && far ? std::optional(Truth<>{2, {*near, *far}}) : std::nullopt;
+}
+
+inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const protostar::Plane& plane,
+                                          bool leaves) {
+  if (leaves) return Truth<>{};
+  const PlaneEquation<Ball> e(ray, plane);
+  if (!e.slope.is_known() || !e.height.is_known()) return std::nullopt;
+  if (e.slope.sign() == 0) return Truth<>{};
+  return e.slope.sign() < 0 ? first_level(-e.height, -e.slope) : first_level(e.height, e.slope);
+}
+
+/// The truth, from exact numbers.
+template <class T = long double, class S>
+Truth<T> second_level(const protostar::Ray& ray, const S& surface, bool leaves) {
+  Truth<T> truth;
+  for (const Root& root : roots(ray, surface, leaves))
+    truth.root[truth.count++] = {static_cast<T>(root.t), compare(root, root_at(1))};
+  return truth;
+}
+
+template <class S>
+Truth<> truth_of(const protostar::Ray& ray, const S& surface, bool leaves) {
+  const std::optional<Truth<>> truth = first_level(ray, surface, leaves);
+  return truth ? *truth : second_level(ray, surface, leaves);
+}
+
+/// Why the first level must not be trusted, if it is wrong.
+inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar::Sphere& sphere) {
+  const SphereEquation<Ball> e(ray, sphere);
+  const SphereEquation<Number> truth(ray, sphere);
+  if (!e.A.may_be(truth.A)) return "A";
+  if (!e.b.may_be(truth.b)) return "b";
+  if (!e.c.may_be(truth.c)) return "c";
+  return e.discriminant().may_be(truth.discriminant()) ? nullptr : "D";
+}
+inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar::Plane& plane) {
+  const PlaneEquation<Ball> e(ray, plane);
+  const PlaneEquation<Number> truth(ray, plane);
+  if (!e.slope.may_be(truth.slope)) return "the slope";
+  return e.height.may_be(truth.height) ? nullptr : "the height";
+}
+
+/// What a truth of the first level says that exact numbers do not, if anything. They have a t that is off by
+/// less than 2^-100, and lost 2^-64 when it became a long double.
+inline const char* difference(const Truth<>& truth, const Roots& exact) {
+  if (truth.count != static_cast<int>(exact.size())) return "the number of roots";
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    const auto [t, beyond_one] = truth.root[i];
+    const Quad exact_t = exact[i].t, off = Quad(t) - exact_t, size = exact_t < 0 ? -exact_t : exact_t;
+    if ((t > 0) != (exact_t > 0) || (t < 0) != (exact_t < 0)) return "the sign of a root";
+    if ((off < 0 ? -off : off) > Quad(0x1p-60) * size) return "a root to 2^-60";
+    if (beyond_one != compare(exact[i], root_at(1))) return "which side of 1 a root is on";
+  }
+  return nullptr;
+}
+
+/// What is wrong with the first level, if anything is.
+template <class S>
+const char* wrong_in_first_level(const protostar::Ray& ray, const S& surface, bool leaves) {
+  if (const char* wrong = wrong_coefficient(ray, surface)) return wrong;
+  const std::optional<Truth<>> truth = first_level(ray, surface, leaves);
+  return truth ? difference(*truth, roots(ray, surface, leaves)) : nullptr;
+}
+
+}  // namespace exact
