@@ -539,6 +539,13 @@ inline std::string bytes_of_scene(const std::filesystem::path& path) {
 
 /// The scene that a text describes; file is its name in what is wrong with it. Throws SceneError.
 [[nodiscard]] inline SceneFile scene_from_json(const std::string& text, const std::string& file) {
+  // The parser takes a zero byte for the end.
+  if (const std::size_t zero = text.find('\0'); zero != std::string::npos) {
+    const auto line = 1 + std::count(text.data(), text.data() + zero, '\n');
+    const std::size_t column = zero - std::string_view(text.data(), zero).rfind('\n');  // npos is −1
+    throw SceneError(file + ": parse error at line " + std::to_string(line) + ", column " +
+                     std::to_string(column) + ": a zero byte, which no text has");
+  }
   detail::JsonBuilder builder(file);
   nlohmann::json::sax_parse(text, &builder);
   const nlohmann::json value = builder.take();
