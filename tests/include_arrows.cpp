@@ -36,7 +36,9 @@ const std::vector<std::vector<std::string>> layers = {
     {"accel/render_tiles.hpp"},
     {"render.hpp", "encode.hpp", "output_file.hpp"},
     {"pfm.hpp", "ppm.hpp"},
-    {"protostar.hpp", "io/png.hpp"},  // neither the other, and nothing in the core any of them
+    {"io/scene_file.hpp"},
+    {"protostar.hpp", "io/json_scene.hpp",
+     "io/png.hpp"},  // neither the other, and nothing in the core any of them
 };
 
 /// What the core includes from outside: the standard library, and of GLM the smallest part that will do; and
