@@ -327,6 +327,9 @@ TEST_CASE("an expansion is the number that it stands for, and converts to within
   CHECK(Expansion(0).sign() == 0);
   CHECK((Expansion(1) - Expansion(1)).sign() == 0);
   CHECK((Expansion(1) + Expansion(0x1p-200) - Expansion(1)).sign() == 1);
+  Expansion lost(1);
+  lost.scale(-2000);
+  CHECK(lost.sign() == 0);
 }
 
 TEST_CASE("the pictures of glass and of shadows need nothing beyond double") {

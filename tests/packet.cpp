@@ -1,5 +1,6 @@
 #include <protostar/accel/packet.hpp>
 #include <protostar/light.hpp>
+#include <protostar/surfaces/parallelogram.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 
@@ -23,7 +24,8 @@ using simd::Vectors;
 
 namespace {
 
-static_assert(simd::SurfaceForPackets<Sphere> && simd::SurfaceForPackets<Plane>);
+static_assert(simd::SurfaceForPackets<Sphere> && simd::SurfaceForPackets<Plane> &&
+              simd::SurfaceForPackets<Parallelogram>);
 static_assert(!simd::SurfaceForPackets<Cylinder>);
 
 /// As many rays as a packet takes. All depart from the same geometry.
@@ -346,6 +348,60 @@ TEST_CASE("a packet meets a plane where each of its rays does, or is in doubt") 
   CHECK(compare(ordinary, any_plane, 4000).wrong == 0);
 }
 
+TEST_CASE("a packet meets a parallelogram where each of its rays does, or is in doubt") {
+  const auto any_board = [](Random& r) { return Parallelogram{r.point(2), r.point(3), r.point(3)}; };
+  const auto level = [](Random&) { return Parallelogram{{-1, -1, -1}, {2, 0, 0}, {0, 0, 2}}; };
+  const auto any_ray = [](Random& r) {
+    return Ray{{any_size(r), any_size(r), any_size(r)}, {any_size(r), any_size(r), any_size(r)}};
+  };
+  const Tally tally = compare([](Random& r) { return Ray{r.point(3), r.direction()}; }, any_board, 4000);
+  CHECK(tally.wrong == 0);
+  CHECK(tally.met > 0.003 * tally.asked);
+  CHECK(tally.in_doubt < 1e-3 * tally.asked);
+
+  const auto on_it = [](Random& r) { return Point{r.real(-1, 1), -1, r.real(-1, 1)}; };
+  for (const Rows& row : {Rows{"to a point of it",
+                               [&](Random& r) {
+                                 const Point from = r.point(3);
+                                 return Ray{from, on_it(r) - from};
+                               },
+                               0.1, 0.03},
+                          Rows{"to its outline",
+                               [&](Random& r) {
+                                 const Point from = r.point(3);
+                                 return Ray{from, Point{r.real(-1, 1), -1, 1} - from};
+                               },
+                               1, 0},
+                          Rows{"from it",
+                               [&](Random& r) {
+                                 return Ray{on_it(r), r.direction()};
+                               },
+                               1, 0},
+                          Rows{"along it",
+                               [](Random& r) {
+                                 return Ray{r.point(1), {r.real(-1, 1), 0, r.real(-1, 1)}};
+                               },
+                               1, 0},
+                          Rows{"departing",
+                               [&](Random& r) {
+                                 return Ray{on_it(r), r.direction(), Plane{{0, 2, 0}, -2}.departure()};
+                               },
+                               0, 0},
+                          Rows{"of any numbers", any_ray, 1, 0}}) {
+    const Tally answers = compare(row.ray, level, 1000);
+    CAPTURE(row.what, answers.asked, answers.met, answers.in_doubt);
+    CHECK(answers.wrong == 0);
+    CHECK(answers.in_doubt <= row.most_in_doubt * answers.asked);
+    CHECK(answers.met >= row.least_met * answers.asked);
+  }
+  const auto of_any_numbers = [](Random& r) {
+    return Parallelogram{{any_size(r), any_size(r), any_size(r)},
+                         {any_size(r), any_size(r), any_size(r)},
+                         {any_size(r), any_size(r), any_size(r)}};
+  };
+  CHECK(compare(any_ray, of_any_numbers, 2000).wrong == 0);
+}
+
 TEST_CASE("a surface that knows single rays only is asked about each of a packet") {
   const auto ordinary = [](Random& r) { return Ray{r.point(3), r.direction()}; };
   const Tally tally = compare(
@@ -385,6 +441,7 @@ TEST_CASE("what a packet's hits say is what the hit of each ray says") {
   for (int round = 0; round < 1000; ++round) {
     compare_hits(Sphere{.center = random.point(1), .radius = random.real(-2, 2)});
     compare_hits(Plane{.normal = random.point(1), .distance = random.real(-2, 2)});
+    compare_hits(Parallelogram{random.point(2), random.point(4), random.point(4)});
     compare_hits(Cylinder{.radius = random.real(0.5, 2)});
   }
   CHECK(hits > 500);

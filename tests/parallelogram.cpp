@@ -41,6 +41,7 @@ Vec3 exact_normal(const Parallelogram& s) { return cross(s.edge_u, s.edge_v); }
 TEST_CASE("a parallelogram is the points position + a·edge_u + b·edge_v with a and b from 0 to 1") {
   const Parallelogram square{.position = {1, 1, 3}, .edge_u = {2, 0, 0}, .edge_v = {0, 2, 0}};
   const Parallelogram oblique{.position = {0, 0, 2}, .edge_u = {4, 0, 0}, .edge_v = {2, 3, 2}};
+  const Parallelogram far_off{.position = {5, 5, 3}, .edge_u = {2, 0, 0}, .edge_v = {0, 2, 0}};
   const auto along_z = [](double x, double y) { return Ray{{x, y, 0}, {0, 0, 1}}; };
   struct {
     const char* what;
@@ -67,6 +68,10 @@ TEST_CASE("a parallelogram is the points position + a·edge_u + b·edge_v with a
       {"next to the edge along v", square, along_z(1 - ulp / 2, 2), {}, std::nullopt},
       {"next to the edge opposite to u", square, along_z(2, 3 + 2 * ulp), {}, std::nullopt},
       {"next to the edge opposite to v", square, along_z(3 + 2 * ulp, 2), {}, std::nullopt},
+      {"further away, on the edge opposite to u", far_off, along_z(6, 7), {}, 3},
+      {"further away, next to it", far_off, along_z(6, 7 + 4 * ulp), {}, std::nullopt},
+      {"further away, on the edge opposite to v", far_off, along_z(7, 6), {}, 3},
+      {"further away, next to it", far_off, along_z(7 + 4 * ulp, 6), {}, std::nullopt},
       {"position", square, along_z(1, 1), {}, 3},
       {"the vertex at the end of u", square, along_z(3, 1), {}, 3},
       {"the vertex at the end of v", square, along_z(1, 3), {}, 3},
@@ -300,13 +305,17 @@ TEST_CASE("the equation of a plane is rounded to nearest, by double-double as wi
   CHECK(wrong == 0);
 
   // Quotients next to the middle of two doubles, and in it.
-  const Expansion one(1.0), middle = one + Expansion(ulp / 2), hair(0x1p-200);
-  CHECK(detail::nearest_quotient(middle - hair, one) == 1);
-  CHECK(detail::nearest_quotient(middle, one) == 1);
-  CHECK(detail::nearest_quotient(middle + hair, one) == 1 + ulp);
-  CHECK(detail::nearest_quotient(-middle, one) == -1 - ulp);
-  CHECK(detail::nearest_quotient(-middle + hair, one) == -1);
-  CHECK(detail::nearest_quotient(middle - hair, -one) == -1);
+  const Expansion one(1.0), hair(0x1p-200);
+  for (const double q : {1.0, 1 + ulp, 1 + 2 * ulp}) {
+    const Expansion middle = Expansion(q) + Expansion(ulp / 2);
+    const double up = q + ulp, even = q == 1 + ulp ? up : q;
+    CHECK(detail::nearest_quotient(middle - hair, one) == q);
+    CHECK(detail::nearest_quotient(middle + hair, one) == up);
+    CHECK(detail::nearest_quotient(middle, one) == even);
+    CHECK(detail::nearest_quotient(-middle, one) == -even);
+    CHECK(detail::nearest_quotient(-middle - hair, one) == -up);
+    CHECK(detail::nearest_quotient(hair - middle, -one) == q);
+  }
   CHECK(detail::nearest_quotient(Expansion(), one) == 0);
 }
 

@@ -44,9 +44,8 @@ struct Camera {
   [[nodiscard]] static Camera perspective(const Point& position, const Vec3& direction, const Vec3& upward,
                                           double field_of_view) {
     if (!(field_of_view > 0 && field_of_view < 180))
-      throw std::invalid_argument(
-          "Camera: the field of view must be greater than 0 and less than 180 degrees; it is " +
-          text_of(field_of_view));
+      refuse("Camera: the field of view must be greater than 0 and less than 180 degrees; it is ",
+             field_of_view);
     const auto [right, up, forward] = axes(direction, upward);
     const double half = tangent_of_degrees(field_of_view / 2);
     return valid({.position = position, .right = half * right, .up = half * up, .forward = forward});
@@ -100,14 +99,12 @@ struct Camera {
   /// up is in it, and may be any direction but that to the target and its opposite.
   [[nodiscard]] static Camera look_at(const Point& position, const Point& target,
                                       const Vec3& upward = {0, 1, 0}, double field_of_view = 90) {
-    if (position == target)
-      throw std::invalid_argument("Camera: position and target must differ; both are " + text_of(position));
+    if (position == target) refuse("Camera: position and target must differ; both are ", position);
     const Vec3 forward = unit(target - position, "target - position"), above = unit(upward, "upward");
     const Vec3 right = cross(above, forward);
     // Of parallel unit vectors, each good to 2^-52, rounding may leave a product of 2^-50.
     if (!(length(right) > 0x1p-48))
-      throw std::invalid_argument("Camera: upward must not be parallel to target - position; it is " +
-                                  text_of(upward));
+      refuse("Camera: upward must not be parallel to target - position; it is ", upward);
     return perspective(position, forward, cross(forward, unit(right, "upward")), field_of_view);
   }
 
@@ -169,13 +166,15 @@ struct Camera {
   }
 
  private:
-  static std::string text_of(double x) {
+  [[noreturn]] static void refuse(std::string message, double found) {
     char text[32];
-    static_cast<void>(std::snprintf(text, sizeof text, "%.9g", x));
-    return text;
+    static_cast<void>(std::snprintf(text, sizeof text, "%.9g", found));
+    throw std::invalid_argument(message += text);
   }
-  static std::string text_of(const Vec3& v) {
-    return "(" + text_of(v.x) + ", " + text_of(v.y) + ", " + text_of(v.z) + ")";
+  [[noreturn]] static void refuse(std::string message, const Vec3& found) {
+    char text[96];
+    static_cast<void>(std::snprintf(text, sizeof text, "(%.9g, %.9g, %.9g)", found.x, found.y, found.z));
+    throw std::invalid_argument(message += text);
   }
 
   static Camera valid(const Camera& camera) {
@@ -185,15 +184,13 @@ struct Camera {
 
   static void require_length(const char* name, double value) {
     if (!(value > 0 && std::isfinite(value)))
-      throw std::invalid_argument("Camera: the " + std::string(name) +
-                                  " must be finite and greater than 0; it is " + text_of(value));
+      refuse(std::string("Camera: the ") + name + " must be finite and greater than 0; it is ", value);
   }
 
   /// The vector of unit length along v.
   static Vec3 unit(const Vec3& v, const char* name) {
     if (!is_finite(v) || v == Vec3{0})
-      throw std::invalid_argument("Camera: " + std::string(name) + " must be finite and not zero; it is " +
-                                  text_of(v));
+      refuse(std::string("Camera: ") + name + " must be finite and not zero; it is ", v);
     const Vec3 near_one = scaled(v, -exponent_of({v}));
     return near_one / length(near_one);
   }
@@ -202,9 +199,8 @@ struct Camera {
   static std::array<Vec3, 3> axes(const Vec3& direction, const Vec3& upward) {
     const Vec3 forward = unit(direction, "direction"), up = unit(upward, "upward");
     if (!(std::abs(dot(up, forward)) <= 1e-6))
-      throw std::invalid_argument(
-          "Camera: upward must be orthogonal to direction, their cosine at most 1e-6; it is " +
-          text_of(dot(up, forward)));
+      refuse("Camera: upward must be orthogonal to direction, their cosine at most 1e-6; it is ",
+             dot(up, forward));
     return {cross(up, forward), up, forward};
   }
 

@@ -119,7 +119,7 @@ class Intersection {
   /// at its origin; there is no offset.
   [[nodiscard]] Ray leave(const Vec3& direction) const { return {point(), direction, on_.departure()}; }
 
-  /// t to 1 ulp, for a surface that can refine it, as Sphere and Plane can; otherwise t as it is.
+  /// t to 1 ulp, for a surface that can refine it, as those of the library can; otherwise t as it is.
   [[nodiscard]] double refined() const {
     RefinedCrossing crossing = on_.refine(ray_, Precision::double_double);
     if (!(crossing.relative_error < Roots::relative_error)) crossing = on_.refine(ray_, Precision::exact);

@@ -32,9 +32,8 @@ struct Departure {
   [[nodiscard]] bool is_planar() const { return kind == Kind::plane || kind == Kind::rounded_plane; }
 
   /// Whether both are of one geometry. For planes that is exact where both equations are, and these may be
-  /// multiples of each other. Where one is rounded, planes that are equal are found to be, and two others
-  /// only if rounding leaves them the same numbers: at any point, they are no further apart than roundings of
-  /// its coordinates.
+  /// multiples of each other. Where one is rounded, equal planes are always found to be equal, and two others
+  /// only if their equations are rounded to the same numbers: to the digits that a point has, they are one.
   bool operator==(const Departure& other) const {
     if (kind == Kind::plane && other.kind == Kind::plane) return are_proportional(geometry, other.geometry);
     if (is_planar() && other.is_planar()) return rounded() == other.rounded();

@@ -1,5 +1,5 @@
-// Pictures of three scenes through every integrator: the same bytes, whoever compiled this, for which
-// processor and at which level, and for any number of threads.
+// Pictures of three scenes through every integrator, and by several cameras: the same bytes, whoever compiled
+// this, for which processor and at which level, and for any number of threads.
 //
 //   pictures FOLDER THREADS
 
@@ -52,10 +52,10 @@ Scene<Sphere> many() {
 }
 
 void save_pictures(const fs::path& folder, const std::string& name, const auto& scene,
-                   const RenderOptions& options) {
+                   const RenderOptions& options, const Camera& camera = {}) {
   const auto save = [&](const std::string& what, const auto& integrator) {
     Image image(160, 120);
-    render(image, Camera{}, scene, integrator, options);
+    render(image, camera, scene, integrator, options);
     save_pfm(image, folder / (name + "_" + what + ".pfm"));
     if (what != "shadow") return;
     save_ppm(image, folder / (name + "_8.ppm"));
@@ -96,7 +96,12 @@ int main(int argc, char** argv) {
   fs::create_directories(folder);
   save_pictures(folder, "three_spheres", three_spheres(), options);
   save_pictures(folder, "room", room(), options);
-  save_pictures(folder, "many", many(), options);
+  const auto spheres = many();
+  const Vec3 ahead{0, 0, 1}, up{0, 1, 0};
+  save_pictures(folder, "many", spheres, options);
+  save_pictures(folder, "many_looked_at", spheres, options, Camera::look_at({3, 2, 0}, {0, 0, 5}, up, 50));
+  save_pictures(folder, "many_sensor", spheres, options, Camera::sensor({0, 0, 4}, ahead, up, 0.7));
+  save_pictures(folder, "many_orthographic", spheres, options, Camera::orthographic(Point{0}, ahead, up, 7));
   save_hits(folder / "three_spheres.hits", three_spheres());
   save_hits(folder / "room.hits", room());
 }

@@ -1,6 +1,8 @@
 // Where a ray crosses a surface, and in which order: exactly, for the ray as it is given in doubles.
 #pragma once
 
+#include <array>
+#include <protostar/surfaces/parallelogram.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <vector>
@@ -20,6 +22,10 @@ struct Vector {
 template <class T>
 Vector<T> operator-(const Vector<T>& a, const Vector<T>& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T>
+Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class T>
 T dot(const Vector<T>& a, const Vector<T>& b) {
@@ -47,6 +53,30 @@ struct PlaneEquation {
     const Vector<T> n(plane.normal);
     slope = dot(n, Vector<T>(ray.direction));
     height = T(plane.distance) - dot(n, Vector<T>(ray.origin));
+  }
+};
+
+/// slope · t = height is where the line crosses the parallelogram's plane: with n = u × v and g = position −
+/// origin, slope = n·d and height = n·g. Seen from the origin it is at t d. That is to the left of an edge w
+/// through p where w × (t d − p) has the direction of n, so where its product with d has the slope's sign:
+///   d·(w × (t d − p)) = d·(p × w) = (d × p)·w.
+/// The parallelogram is to the left of its outline: along u from g, v from g + u, −u from g + v, −v from g.
+template <class T>
+struct ParallelogramEquation {
+  T slope, height;
+  T left[4];  ///< these products; 0 on the line through an edge
+
+  ParallelogramEquation(const protostar::Ray& ray, const protostar::Parallelogram& parallelogram) {
+    const Vector<T> u(parallelogram.edge_u), v(parallelogram.edge_v), n = cross(u, v);
+    const Vector<T> d(ray.direction), g = Vector<T>(parallelogram.position) - Vector<T>(ray.origin);
+    slope = dot(n, d), height = dot(n, g);
+    const Vector<T> m = cross(d, g);
+    left[0] = dot(m, u), left[1] = dot(m, v) + slope;  // (d × u)·v = n·d
+    left[2] = slope - left[0], left[3] = -dot(m, v);
+  }
+  /// Whether the crossing is in the parallelogram, if the slope is not 0.
+  [[nodiscard]] bool is_inside() const {
+    return std::all_of(left, left + 4, [&](const T& x) { return x.sign() * slope.sign() >= 0; });
   }
 };
 
@@ -90,14 +120,25 @@ inline Roots roots(const protostar::Ray& ray, const protostar::Sphere& sphere, b
   return {{e.b, D, e.A, -1, ahead ? other : one}, {e.b, D, e.A, 1, ahead ? one : other}};
 }
 
+/// The root of slope · t = height, with a slope that is not 0.
+inline Root only_root(const Number& slope, const Number& height) {
+  const bool falls = slope.sign() < 0;
+  const Number p = falls ? -height : height, A = falls ? -slope : slope;
+  return {p, {}, A, 0, Quad(p) / Quad(A)};
+}
+
 /// A ray that leaves a plane does not come back.
 inline Roots roots(const protostar::Ray& ray, const protostar::Plane& plane, bool leaves) {
   if (leaves) return {};
   const PlaneEquation<Number> e(ray, plane);
   if (e.slope.sign() == 0) return {};
-  const bool falls = e.slope.sign() < 0;
-  const Number p = falls ? -e.height : e.height, A = falls ? -e.slope : e.slope;
-  return {{p, {}, A, 0, Quad(p) / Quad(A)}};
+  return {only_root(e.slope, e.height)};
+}
+inline Roots roots(const protostar::Ray& ray, const protostar::Parallelogram& parallelogram, bool leaves) {
+  if (leaves) return {};
+  const ParallelogramEquation<Number> e(ray, parallelogram);
+  if (e.slope.sign() == 0 || !e.is_inside()) return {};
+  return {only_root(e.slope, e.height)};
 }
 
 /// A crossing with one surface of a scene, by its number.
@@ -132,6 +173,37 @@ inline bool coincide(const protostar::Plane& a, const protostar::Plane& b) {
     for (int j = 0; j < i; ++j)
       if ((p[i] * q[j] - p[j] * q[i]).sign() != 0) return false;  // not multiples of each other
   return true;
+}
+/// The plane that a parallelogram lies in, as surfaces in one plane recognize each other: the plane's
+/// equation, divided by the largest component of the normal, the first of equals, and rounded.
+inline std::array<double, 4> rounded_equation(const Vector<Number>& n, const Number& distance) {
+  const Number numbers[] = {n.x, n.y, n.z, distance};
+  int k = 0;
+  for (int i = 1; i < 3; ++i)
+    if ((square(numbers[i]) - square(numbers[k])).sign() > 0) k = i;
+  std::array<double, 4> rounded{};
+  for (std::size_t i = 0; i < 4; ++i) rounded[i] = static_cast<double>(Quad(numbers[i]) / Quad(numbers[k]));
+  return rounded;
+}
+inline std::array<double, 4> rounded_equation(const protostar::Plane& s) {
+  return rounded_equation(Vector<Number>(s.normal), s.distance);
+}
+inline std::array<double, 4> rounded_equation(const protostar::Parallelogram& s) {
+  const Vector<Number> n = cross(Vector<Number>(s.edge_u), Vector<Number>(s.edge_v));
+  return rounded_equation(n, dot(n, Vector<Number>(s.position)));
+}
+inline bool coincide(const protostar::Parallelogram& a, const protostar::Parallelogram& b) {
+  return rounded_equation(a) == rounded_equation(b);
+}
+/// Exactly, where the parallelogram is at a right angle to an axis.
+inline bool coincide(const protostar::Parallelogram& a, const protostar::Plane& b) {
+  for (int i = 0; i < 3; ++i)
+    if (a.edge_u[i] == 0 && a.edge_v[i] == 0) {
+      protostar::Plane plane{protostar::Vec3{0}, a.position[i]};
+      plane.normal[i] = 1;
+      return coincide(plane, b);
+    }
+  return rounded_equation(a) == rounded_equation(b);
 }
 
 }  // namespace exact

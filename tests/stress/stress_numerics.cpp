@@ -53,6 +53,10 @@ template <class T>
 usual::Plane<T> converted(const Plane& s) {
   return {converted<T>(s.normal), static_cast<T>(s.distance)};
 }
+template <class T>
+usual::Parallelogram<T> converted(const Parallelogram& s) {
+  return {converted<T>(s.position), converted<T>(s.edge_u), converted<T>(s.edge_v)};
+}
 template <class T, class S>
 using Converted = decltype(converted<T>(S()));
 
@@ -65,6 +69,9 @@ double rounded(double x) {
 Vec3 rounded(const Vec3& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
 Sphere rounded(const Sphere& s) { return {rounded(s.center), rounded(s.radius)}; }
 Plane rounded(const Plane& s) { return {rounded(s.normal), rounded(s.distance)}; }
+Parallelogram rounded(const Parallelogram& s) {
+  return {rounded(s.position), rounded(s.edge_u), rounded(s.edge_v)};
+}
 
 bool is_sound(const Ray& ray) {
   return is_finite(ray.origin) && is_finite(ray.direction) && ray.direction != Vec3{0};
@@ -72,6 +79,9 @@ bool is_sound(const Ray& ray) {
 bool is_sound(const Sphere& s) { return is_finite(s.center) && std::isfinite(s.radius) && s.radius != 0; }
 bool is_sound(const Plane& s) {
   return is_finite(s.normal) && std::isfinite(s.distance) && s.normal != Vec3{0};
+}
+bool is_sound(const Parallelogram& s) {
+  return is_finite(s.position) && is_finite(s.edge_u) && is_finite(s.edge_v);
 }
 
 /// The case with every number rounded to float, if it stays one.
@@ -152,6 +162,10 @@ const std::vector<Kernel<Sphere>> sphere_kernels{{"library", false, run_library<
 const std::vector<Kernel<Plane>> plane_kernels{{"library", false, run_library<Plane>},
                                                {"tutorial", true, in_float<usual::quotient<float>>},
                                                {"double", false, in_double<usual::quotient<double>>}};
+const std::vector<Kernel<Parallelogram>> parallelogram_kernels{
+    {"library", false, run_library<Parallelogram>},
+    {"tutorial", true, in_float<usual::determinants<float>>},
+    {"double", false, in_double<usual::determinants<double>>}};
 
 // ---- What is counted
 
@@ -269,8 +283,8 @@ bool is_within_bound(const Case<Sphere>& c, double t, double relative_error, T t
   const bool is_turned_no_more = length(cross) <= bound * length(normal) * length(n);
   return length(normal - n) <= bound && (is_turned_no_more || c.ray.departure == c.surface.departure());
 }
-template <class T>
-bool is_within_bound(const Case<Plane>&, double, double, T, double) {
+template <class S, class T>
+bool is_within_bound(const Case<S>&, double, double, T, double) {
   return true;
 }
 
@@ -296,8 +310,8 @@ const char* broken_promise(const Case<S>& c, const Truth<T>& truth, double part)
     if ((t > 0) != (true_t > 0) || (t < 0) != (true_t < 0)) return "the sign of a root";
     if (!is_good(t, true_t)) return "a root to 2^-30";
 
-    const Color white{1};
-    const Intersection hit(c.ray, {{t, i}, &c.surface, &functions_of<S>, &white});
+    const Material black;
+    const Intersection hit(c.ray, crossing_on(c.surface, {t, i}, black));
     const double refined = hit.refined();
     if (!(ulps(refined, true_t) <= part)) return "a refined root to 1 ulp";
     if (!is_within_bound(c, t, 0x1p-30, true_t, part)) return "a normal";
@@ -329,6 +343,9 @@ void print(const Sphere& s) {
 }
 void print(const Plane& s) {
   std::fprintf(stderr, "plane "), print(s.normal), std::fprintf(stderr, ", %a", s.distance);
+}
+void print(const Parallelogram& s) {
+  std::fprintf(stderr, "parallelogram "), print(s.position), print(s.edge_u), print(s.edge_v);
 }
 
 template <class S>
@@ -535,7 +552,8 @@ int stress(int argc, char** argv) {
   const std::string& only = options.text("--kernel");
   if (!only.empty() && !is_kernel(only)) throw std::invalid_argument("no such kernel: " + only);
   const bool judges_itself = !options.text("--judge").empty();
-  const std::uint64_t corpora_count = corpora::of_spheres.size() + corpora::of_planes.size();
+  const std::uint64_t corpora_count =
+      corpora::of_spheres.size() + corpora::of_planes.size() + corpora::of_parallelograms.size();
   const std::uint64_t tests = options.number(judges_itself ? "--judge" : "--tests", 2'000'000);
   Work work{.cases = (tests + corpora_count - 1) / corpora_count,
             .threads = static_cast<int>(options.number("--threads", 1)),
@@ -543,12 +561,16 @@ int stress(int argc, char** argv) {
 
   if (judges_itself) {
     std::printf("%-17s%10s%10s%10s\n", "corpus", "cases", "decided", "wrong");
-    return judge_the_judge(corpora::of_spheres, work) + judge_the_judge(corpora::of_planes, work) > 0 ? 1 : 0;
+    std::uint64_t wrong = judge_the_judge(corpora::of_spheres, work);
+    wrong += judge_the_judge(corpora::of_planes, work);
+    wrong += judge_the_judge(corpora::of_parallelograms, work);
+    return wrong > 0 ? 1 : 0;
   }
   Table table(options.text("--csv"));
   Totals library;
   run(corpora::of_spheres, sphere_kernels, only, work, table, library);
   run(corpora::of_planes, plane_kernels, only, work, table, library);
+  run(corpora::of_parallelograms, parallelogram_kernels, only, work, table, library);
   table.close();
   std::printf("library: wrong %" PRIu64 " of %" PRIu64 "; not decided in double %" PRIu64
               ", nor in double-double %" PRIu64 "\n",

@@ -24,13 +24,12 @@ namespace {
 
 // ---- Scenes
 
-/// A scene's surfaces, spheres first, and points at which something special happens.
+/// A scene's surfaces, spheres first, then planes, and points at which something special happens.
 struct Model {
   std::vector<Sphere> spheres;
   std::vector<Plane> planes;
+  std::vector<Parallelogram> boards;
   std::vector<Point> special;
-
-  [[nodiscard]] int count() const { return static_cast<int>(spheres.size() + planes.size()); }
 };
 
 struct Family {
@@ -102,6 +101,28 @@ Model overlapping(Random& random) {
   return model;
 }
 
+/// Boards that lie in one plane and overlap, the plane itself, and others that stand on it or cross it.
+Model boards(Random& random) {
+  Model model;
+  const Point corner = whole_vector(random, -3, 3);
+  const bool level = coin(random);
+  const Vec3 u = level ? Vec3{1, 0, 0} : whole_vector(random, -3, 3),
+             v = level ? Vec3{0, 0, 1} : whole_vector(random, -3, 3), n = cross(u, v);
+  if (n == Vec3{0}) return boards(random);
+  for (int i = whole(random, 1, 3); i > 0; --i) {
+    const double a = 0.5 * whole(random, -3, 3), b = 0.5 * whole(random, -3, 3), c = whole(random, -2, 2);
+    model.boards.push_back({corner + a * u + b * v, 2.0 * u + c * v, 0.5 * v});
+  }
+  if (coin(random)) model.planes.push_back({3.0 * n, dot(3.0 * n, corner)});
+  if (coin(random)) model.boards.push_back({corner, u, n});
+  if (coin(random)) model.boards.push_back({corner + 0.25 * v - n, whole_vector(random, -3, 3), n});
+  if (model.boards.back().edge_u == Vec3{0} || cross(model.boards.back().edge_u, n) == Vec3{0})
+    model.boards.back().edge_u = u;
+  if (coin(random)) model.spheres.push_back({corner + u, 1});
+  model.special = {corner, corner + u, corner + 0.5 * u + 0.25 * v};
+  return model;
+}
+
 /// The same, scaled and moved.
 Model transformed(const Model& model, double scale, const Vec3& offset) {
   Model result;
@@ -109,6 +130,8 @@ Model transformed(const Model& model, double scale, const Vec3& offset) {
     result.spheres.push_back({scale * s.center + offset, scale * s.radius});
   for (const Plane& p : model.planes)
     result.planes.push_back({p.normal, scale * p.distance + dot(p.normal, offset)});
+  for (const Parallelogram& p : model.boards)
+    result.boards.push_back({scale * p.position + offset, scale * p.edge_u, scale * p.edge_v});
   for (const Point& p : model.special) result.special.push_back(scale * p + offset);
   return result;
 }
@@ -124,13 +147,17 @@ Model transformed(const Model& model, Random& random) {
   return transformed(model, scale, scale * offset);
 }
 
-const std::vector<Family> families{
-    {"nested", nested}, {"tangent", tangent}, {"coincident", coincident}, {"overlapping", overlapping}};
+const std::vector<Family> families{{"nested", nested},
+                                   {"tangent", tangent},
+                                   {"coincident", coincident},
+                                   {"overlapping", overlapping},
+                                   {"boards", boards}};
 
 /// How large a scene is, for the places of eyes and lights.
 double extent(const Model& model) {
   double largest = 1e-9;
   for (const Sphere& s : model.spheres) largest = std::max(largest, std::abs(s.radius));
+  for (const Parallelogram& s : model.boards) largest = std::max(largest, length(s.edge_u));
   return largest;
 }
 
@@ -167,15 +194,19 @@ void each_surface(const Model& model, const Visit& visit) {
   int id = 0;
   for (const Sphere& s : model.spheres) visit(s, id++);
   for (const Plane& s : model.planes) visit(s, id++);
+  for (const Parallelogram& s : model.boards) visit(s, id++);
 }
 
-/// Whether two of the model's surfaces are the same points.
+/// Whether two of the model's surfaces are left together: the same points, or in one plane.
 bool coincide(const Model& model, int a, int b) {
-  const int spheres = static_cast<int>(model.spheres.size());
-  const auto at = [](const auto& list, int i) { return list[static_cast<std::size_t>(i)]; };
-  if ((a < spheres) != (b < spheres)) return false;
-  return a < spheres ? exact::coincide(at(model.spheres, a), at(model.spheres, b))
-                     : exact::coincide(at(model.planes, a - spheres), at(model.planes, b - spheres));
+  bool found = false;
+  each_surface(model, [&](const auto& s, int i) {
+    each_surface(model, [&](const auto& t, int k) {
+      if constexpr (requires { exact::coincide(s, t); })
+        if ((i == a && k == b) || (i == b && k == a)) found = exact::coincide(s, t);
+    });
+  });
+  return found;
 }
 
 /// The crossings with 0 < t < end, in their order; of a ray that leaves a surface, if left is not -1.
@@ -212,6 +243,8 @@ void report(const char* family, const char* what, const Model& model, const Ray&
   std::fprintf(stderr, "wrong in %s: %s\n", family, what);
   for (const Sphere& s : model.spheres) print("sphere", s.center), std::fprintf(stderr, " %a\n", s.radius);
   for (const Plane& s : model.planes) print("plane", s.normal), std::fprintf(stderr, " %a\n", s.distance);
+  for (const Parallelogram& s : model.boards)
+    print("board", s.position), print("", s.edge_u), print("", s.edge_v), std::fprintf(stderr, "\n");
   print("ray", ray.origin), print("", ray.direction), std::fprintf(stderr, " leaving %d\n  true:", left);
   for (const Hit& hit : expected)
     std::fprintf(stderr, " %d at %a", hit.surface, static_cast<double>(hit.root.t));
@@ -282,7 +315,7 @@ Tally run(const Family& family, std::uint64_t tests, std::uint64_t seed) {
       const auto scene = scene_of<Scene<AnySurface>>(model);
       for (int i = 0; i < rays_of_a_scene; ++i) judge(tally, family.name, model, scene, random);
     } else {
-      const auto scene = scene_of<Scene<Sphere, Plane>>(model);
+      const auto scene = scene_of<Scene<Sphere, Plane, Parallelogram>>(model);
       for (int i = 0; i < rays_of_a_scene; ++i) judge(tally, family.name, model, scene, random);
     }
   }

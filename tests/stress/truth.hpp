@@ -45,8 +45,10 @@ inline std::optional<TrueRoot<long double>> true_root(const Ball& p, int side, c
   return TrueRoot<long double>{t, u.sign() * squares.sign()};
 }
 
-/// The only root p/A, A > 0.
+/// The only root p/A, A ≠ 0.
 inline std::optional<Truth<>> first_level(const Ball& p, const Ball& A) {
+  if (!p.is_known() || !A.is_known()) return std::nullopt;
+  if (A.sign() < 0) return first_level(-p, -A);
   const auto root = true_root(p, 0, {}, A, static_cast<long double>(p) / static_cast<long double>(A));
   return root ? std::optional(Truth<>{1, {*root, {}}}) : std::nullopt;
 }
@@ -57,13 +59,11 @@ inline std::optional<Truth<>> first_level(const Ball& p, const Ball& A) {
 inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const protostar::Sphere& sphere,
                                           bool leaves) {
   const SphereEquation<Ball> e(ray, sphere);
-  if (!e.A.is_known() || !e.b.is_known()) return std::nullopt;
   if (e.A.sign() == 0) return Truth<>{};
   if (leaves) return first_level(Ball(2) * e.b, e.A);
   const Ball D = e.discriminant();
-  if (!D.is_known()) return std::nullopt;
+  if (!D.is_known()) return std::nullopt;  // it is, only if A, b and c are
   if (D.sign() < 0) return Truth<>{};
-  if (!e.c.is_known()) return std::nullopt;
   const auto A = static_cast<long double>(e.A), b = static_cast<long double>(e.b),
              c = static_cast<long double>(e.c), root = std::sqrt(static_cast<long double>(D));
   const bool ahead = b >= 0;
@@ -78,9 +78,21 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const proto
                                           bool leaves) {
   if (leaves) return Truth<>{};
   const PlaneEquation<Ball> e(ray, plane);
+  if (!e.slope.is_known()) return std::nullopt;
+  if (e.slope.sign() == 0) return Truth<>{};
+  return first_level(e.height, e.slope);
+}
+
+inline std::optional<Truth<>> first_level(const protostar::Ray& ray,
+                                          const protostar::Parallelogram& parallelogram, bool leaves) {
+  if (leaves) return Truth<>{};
+  const ParallelogramEquation<Ball> e(ray, parallelogram);
   if (!e.slope.is_known() || !e.height.is_known()) return std::nullopt;
   if (e.slope.sign() == 0) return Truth<>{};
-  return e.slope.sign() < 0 ? first_level(-e.height, -e.slope) : first_level(e.height, e.slope);
+  for (const Ball& x : e.left)
+    if (!x.is_known()) return std::nullopt;
+  if (!e.is_inside()) return Truth<>{};
+  return first_level(e.height, e.slope);
 }
 
 /// The truth, from exact numbers.
@@ -113,9 +125,18 @@ inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar:
   if (!e.slope.may_be(truth.slope)) return "the slope";
   return e.height.may_be(truth.height) ? nullptr : "the height";
 }
+inline const char* wrong_coefficient(const protostar::Ray& ray,
+                                     const protostar::Parallelogram& parallelogram) {
+  const ParallelogramEquation<Ball> e(ray, parallelogram);
+  const ParallelogramEquation<Number> truth(ray, parallelogram);
+  if (!e.slope.may_be(truth.slope)) return "the slope";
+  if (!e.height.may_be(truth.height)) return "the height";
+  for (int i = 0; i < 4; ++i)
+    if (!e.left[i].may_be(truth.left[i])) return "which side of an edge a point is on";
+  return nullptr;
+}
 
-/// What a truth of the first level says that exact numbers do not, if anything. They have a t that is off by
-/// less than 2^-100, and lost 2^-64 when it became a long double.
+/// What a truth of the first level says that exact numbers do not, if anything.
 inline const char* difference(const Truth<>& truth, const Roots& exact) {
   if (truth.count != static_cast<int>(exact.size())) return "the number of roots";
   for (std::size_t i = 0; i < exact.size(); ++i) {

@@ -29,6 +29,11 @@ struct Plane {
 };
 
 template <class T>
+struct Parallelogram {
+  Vector<T> position, edge_u, edge_v;
+};
+
+template <class T>
 inline constexpr T miss = std::numeric_limits<T>::infinity();
 
 template <class T>
@@ -73,6 +78,15 @@ template <class T>
 T quotient(const Ray<T>& ray, const Plane<T>& plane) {
   const T t = (plane.distance - dot(plane.normal, ray.origin)) / dot(plane.normal, ray.direction);
   return t > 0 && t < miss<T> ? t : miss<T>;
+}
+
+/// Möller and Trumbore's, for two triangles at once.
+template <class T>
+T determinants(const Ray<T>& ray, const Parallelogram<T>& s) {
+  const Vector<T> e = ray.origin - s.position, p = cross(ray.direction, s.edge_v), q = cross(e, s.edge_u);
+  const T one = 1 / dot(s.edge_u, p);
+  const T a = dot(e, p) * one, b = dot(ray.direction, q) * one, t = dot(s.edge_v, q) * one;
+  return 0 <= a && a <= 1 && 0 <= b && b <= 1 && t > 0 && t < miss<T> ? t : miss<T>;
 }
 
 }  // namespace usual

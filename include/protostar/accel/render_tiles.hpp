@@ -56,6 +56,7 @@ class TileRenderer {
     RenderStatistics taken;
     const Fallbacks before = fallbacks;
     Candidates in_tile, in_part, in_block;
+    Occluders occluders;
     const Frustum frustum(rays_, tile);
     if (is_large()) {
       Candidates found;
@@ -70,21 +71,21 @@ class TileRenderer {
       in_tile.add(candidates_, frustum);
     }
     const bool sees_nothing = can_be_left(in_tile);
-    if (sees_nothing) leave_empty(tile, taken);
+    if (sees_nothing) leave_empty(tile, occluders, taken);
     for (int i = 0; i < tile.count(part_side) && !sees_nothing; ++i) {
       const Tile part = tile.part(i, part_side);
       in_part.clear();
       in_part.add(in_tile, Frustum(rays_, part));
       if (can_be_left(in_part)) {
-        leave_empty(part, taken);
+        leave_empty(part, occluders, taken);
       } else if (in_part.size() <= few) {
-        fill(part, in_part, taken);
+        fill(part, in_part, occluders, taken);
       } else {
         for (int k = 0; k < part.count(block_side); ++k) {
           const Tile block = part.part(k, block_side);
           in_block.clear();
           in_block.add(in_part, Frustum(rays_, block));
-          fill(block, in_block, taken);
+          fill(block, in_block, occluders, taken);
         }
       }
     }
@@ -133,13 +134,13 @@ class TileRenderer {
     return by_packets && candidates.size() == 0 && unbounded_.empty();
   }
 
-  void leave_empty(const Tile& tile, RenderStatistics& taken) const {
+  void leave_empty(const Tile& tile, Occluders& occluders, RenderStatistics& taken) const {
     if constexpr (by_packets) {
       taken.pixels_skipped +=
           static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
       // Rays that meet nothing all bring the same: what one of them brings that has no candidates.
       const Candidates none;
-      const View view(scene_, none, unbounded_, taken);
+      const View view(scene_, none, unbounded_, occluders, taken);
       const Colors colors = radiance(rays_.packet(tile, tile.x0, tile.y0), view);
       const Color color = rays_.pixels().mean([&](int) {
         return Color{colors.r[0], colors.g[0], colors.b[0]};
@@ -151,26 +152,28 @@ class TileRenderer {
     }
   }
 
-  void fill(const Tile& tile, const Candidates& candidates, RenderStatistics& taken) const {
+  void fill(const Tile& tile, const Candidates& candidates, Occluders& occluders,
+            RenderStatistics& taken) const {
     if constexpr (by_packets)
-      if (!rays_.is_pinhole()) return fill_from<Vectors>(tile, candidates, taken);
-    fill_from_point(tile, candidates, taken);
+      if (!rays_.is_pinhole()) return fill_from<Vectors>(tile, candidates, occluders, taken);
+    fill_from_point(tile, candidates, occluders, taken);
   }
 
   /// Most pictures are a pinhole's: its packets are computed in one piece, and those of all others by the
   /// same functions as they come, which keeps the code small.
-  [[gnu::flatten]] void fill_from_point(const Tile& tile, const Candidates& candidates,
+  [[gnu::flatten]] void fill_from_point(const Tile& tile, const Candidates& candidates, Occluders& occluders,
                                         RenderStatistics& taken) const {
-    fill_from<Point>(tile, candidates, taken);
+    fill_from<Point>(tile, candidates, occluders, taken);
   }
 
   template <class Origin>
-  void fill_from(const Tile& tile, const Candidates& candidates, RenderStatistics& taken) const {
+  void fill_from(const Tile& tile, const Candidates& candidates, Occluders& occluders,
+                 RenderStatistics& taken) const {
     const PixelGrid& pixels = rays_.pixels();
     taken.camera_rays += static_cast<std::uint64_t>(tile.width()) *
                          static_cast<std::uint64_t>(tile.height()) *
                          static_cast<std::uint64_t>(pixels.samples());
-    View view(scene_, candidates, unbounded_, taken);
+    View view(scene_, candidates, unbounded_, occluders, taken);
     for (int y = tile.y0; y < tile.y1; ++y) {
       if constexpr (by_packets) {
         for (int x = tile.x0; x < tile.x1; x += double_lanes) {

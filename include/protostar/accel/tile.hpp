@@ -114,10 +114,10 @@ class PixelRays {
   }
 
   /// The viewpoint of a camera whose rays start on a film. With position P, film vectors F, G and directions
-  /// d = f + u r + v g, a ray starts at
-  ///   P + u F + v G = A + k d + e   with   A = P − k f,   e = u (F − k r) + v (G − k g),
+  /// d = f + u a + v b, a ray starts at
+  ///   P + u F + v G = A + k d + e   with   A = P − k f,   e = u (F − k a) + v (G − k b),
   /// for whatever k ≥ 0. Shifted by −e, it is a part of the ray from A along d, from k |d| on. The k for
-  /// which F − k r and G − k g are shortest together is the k of a sensor, and e is 0 then but for rounding;
+  /// which F − k a and G − k b are shortest together is the k of a sensor, and e is 0 then but for rounding;
   /// k = 0 does for what is no sensor. |e| and |d| are largest in the corners of the image.
   ///
   /// The corners of the film are at most R = |u F| + |v G| from P. Origins and A are rounded by less than

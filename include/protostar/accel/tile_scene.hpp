@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "accelerate.hpp"
+#include "occluders.hpp"
 #include "packet.hpp"
 #include "tile.hpp"
 
@@ -19,11 +20,12 @@ template <Surface... S>
 class TileScene {
  public:
   TileScene(const Accelerated<Scene<S...>>& everything, const Candidates& candidates,
-            const std::vector<int>& unbounded, RenderStatistics& statistics)
+            const std::vector<int>& unbounded, Occluders& occluders, RenderStatistics& statistics)
       : everything_(everything),
         scene_(everything.scene()),
         candidates_(candidates),
         unbounded_(unbounded),
+        occluders_(occluders),
         statistics_(statistics) {}
 
   [[nodiscard]] const std::vector<Light>& lights() const { return scene_.lights(); }
@@ -114,7 +116,7 @@ class TileScene {
   }
 
   /// Which other rays meet anything. What the last ones met is tried first; where there are many surfaces,
-  /// each ray goes on by itself.
+  /// those in a cone to the light, or each ray goes on by itself.
   template <class Origin>
   [[nodiscard]] Chosen occluded(const Rays<Origin>& rays, Interval range) const {
     Chosen found = false, left = rays.wanted;
@@ -123,9 +125,7 @@ class TileScene {
     const int end = count <= few ? count : 0;
     for (int place = last >= 0 ? -1 : 0; place < end && any(left); ++place)
       if (place != last) test(place < 0 ? last : place, rays, range, found, left);
-    if (count > few && any(left)) {
-      found = found || occluded_each_by_itself(rays, left, range);
-    }
+    if (count > few && any(left)) look_for_occluders(rays, range, found, left);
     return found;
   }
 
@@ -240,6 +240,34 @@ class TileScene {
     return first;
   }
 
+  [[gnu::noinline]] void look_for_occluders(const Rays<Vectors>& rays, Interval range, Chosen& found,
+                                            Chosen left) const {
+    const std::vector<int>* places = nullptr;
+    if (range.min == 0 && range.max == 1)
+      places = occluders_.between(rays, left, [&](const auto& half_spaces, const auto& visit_place) {
+        int first = 0;
+        (search<S>(half_spaces, first, visit_place), ...);
+        for (const int place : unbounded_) visit_place(place, SphereAround{Point{0}, infinity});
+      });
+    if (places == nullptr) {
+      found = found || occluded_each_by_itself(rays, left, range);
+      return;
+    }
+    for (const int place : *places) {
+      test(place, rays, range, found, left);
+      if (!any(left)) return;
+    }
+  }
+
+  /// Visits the places of what one type has in half-spaces; first is that of the type's first surface.
+  template <Surface T>
+  void search(const auto& half_spaces, int& first, const auto& visit_place) const {
+    everything_.template each_in<T>(half_spaces, [&](std::uint32_t i, const SphereAround& around) {
+      visit_place(first + static_cast<int>(i), around);
+    });
+    first += static_cast<int>(scene_.template surfaces<T>().size());
+  }
+
   [[nodiscard, gnu::noinline]] Chosen occluded_each_by_itself(const auto& rays, Chosen wanted,
                                                               Interval range) const {
     Chosen found = false;
@@ -294,6 +322,7 @@ class TileScene {
   const Scene<S...>& scene_;
   const Candidates& candidates_;
   const std::vector<int>& unbounded_;
+  Occluders& occluders_;
   RenderStatistics& statistics_;
   Ray pixel_;
   mutable int last_occluder_ = -1;

@@ -6,8 +6,10 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "../vec3.hpp"
@@ -40,11 +42,17 @@ using ExactVector = std::array<Expansion, 3>;
   return {component(1, 2), component(2, 0), component(0, 1)};
 }
 
+/// A vector that is neither so long nor so short that products of a few would leave the range of double; or
+/// else, one of about 1 in its direction.
+[[nodiscard]] inline Vec3 of_moderate_size(const Vec3& v) {
+  const double size = std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
+  return 0x1p-100 < size && size < 0x1p100 ? v : scaled(v, -exponent_of({v}));
+}
+
 /// The unit normal along u × v, whatever the sizes of both; NaN where they are parallel.
 [[nodiscard]] inline Vec3 unit_normal(const Vec3& u, const Vec3& v) {
-  const auto n = cross_product(scaled(u, -exponent_of({u})), scaled(v, -exponent_of({v})));
-  const Vec3 rounded{n[0].hi, n[1].hi, n[2].hi};
-  return normalize(scaled(rounded, -exponent_of({rounded})));
+  const auto n = cross_product(of_moderate_size(u), of_moderate_size(v));
+  return normalize(of_moderate_size({n[0].hi, n[1].hi, n[2].hi}));
 }
 
 /// The numbers of normal · x = distance, divided by the largest component of the normal, the first of equals,
@@ -53,20 +61,24 @@ using PlaneEquation = std::array<double, 4>;
 
 namespace detail {
 
-/// The number nearest to N/M, the smaller one of two that are equally near.
+/// N/M, rounded as a quotient of doubles is: to nearest, in the middle of two to the one whose last bit is 0.
 [[nodiscard, gnu::cold, gnu::noinline]] inline double nearest_quotient(const Expansion& N,
                                                                        const Expansion& M) {
+  if (N.sign() == 0) return 0;
   // Good to 2^-96, so that one of its neighbors may be nearer, and none beyond them.
   const double q = static_cast<double>(DoubleDouble(N) / DoubleDouble(M));
-  const double lower = std::nextafter(q, -infinity), upper = std::nextafter(q, infinity);
-  const auto side_of_middle = [&](double neighbor) {  // the sign of N/M − (q + neighbor)/2
-    return (Expansion(2) * N - (Expansion(q) + Expansion(neighbor)) * M).sign() * M.sign();
-  };
-  if (N.sign() != 0 && side_of_middle(upper) > 0) return upper;
-  return N.sign() != 0 && side_of_middle(lower) <= 0 ? lower : q;
+  const bool is_even = (std::bit_cast<std::uint64_t>(q) & 1) == 0;
+  for (const int side : {-1, 1}) {
+    const double neighbor = std::nextafter(q, side * infinity);
+    // Where N/M is, seen from the middle: on the neighbor's side, in it, or on the side of q.
+    const Expansion middle = (Expansion(q) + Expansion(neighbor)) * M;
+    const int beyond = side * M.sign() * (Expansion(2) * N - middle).sign();
+    if (beyond > 0 || (beyond == 0 && !is_even)) return neighbor;
+  }
+  return q;
 }
 
-/// The equation from numbers of about 1, without rounding before the last.
+/// The equation from numbers of moderate size, without rounding before the last.
 [[nodiscard, gnu::cold, gnu::noinline]] inline PlaneEquation exact_plane_through(const Point& position,
                                                                                  const Vec3& u,
                                                                                  const Vec3& v) {
@@ -131,7 +143,7 @@ namespace detail {
 [[nodiscard]] inline PlaneEquation plane_through(const Point& position, const Vec3& u, const Vec3& v) {
   const int lengths = exponent_of({position});
   const Point p = scaled(position, -lengths);
-  const Vec3 a = scaled(u, -exponent_of({u})), b = scaled(v, -exponent_of({v}));
+  const Vec3 a = of_moderate_size(u), b = of_moderate_size(v);
   PlaneEquation equation;
   if (const auto refined = detail::refined_plane_through(p, a, b))
     equation = *refined;

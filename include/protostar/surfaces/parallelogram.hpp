@@ -34,7 +34,7 @@ struct Parallelogram {
   /// of an edge its length.
   [[nodiscard]] Uv uv_at(const Point& point) const {
     // For the unit vectors u and v of the edges and w = α u + β v, with n = u × v: w × v = α n, u × w = β n.
-    const auto unit = [](const Vec3& edge) { return normalize(scaled(edge, -exponent_of({edge}))); };
+    const auto unit = [](const Vec3& edge) { return normalize(of_moderate_size(edge)); };
     const Vec3 u = unit(edge_u), v = unit(edge_v), w = point - position, n = cross(u, v);
     return {dot(cross(w, v), n) / dot(n, n), dot(cross(u, w), n) / dot(n, n)};
   }

@@ -1,0 +1,104 @@
+#include <protostar/accel/occluders.hpp>
+#include <protostar/protostar.hpp>
+
+#include "support/catch.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+using simd::Chosen, simd::ConeToLight, simd::Occluders, simd::Rays, simd::SphereAround, simd::Vectors;
+
+namespace {
+
+/// Rays from points near a place to a light; t is 1 there.
+Rays<Vectors> to_light(Random& random, const Point& light, const Point& place, double spread) {
+  Rays<Vectors> rays{.origin = Vectors(place), .direction = Vectors(Vec3{0})};
+  for (int lane = 0; lane < simd::double_lanes; ++lane) {
+    const Point from = place + random.point(spread);
+    const Vec3 way = light - from;
+    rays.origin.x.set(lane, from.x), rays.origin.y.set(lane, from.y), rays.origin.z.set(lane, from.z);
+    rays.direction.x.set(lane, way.x), rays.direction.y.set(lane, way.y), rays.direction.z.set(lane, way.z);
+  }
+  return rays;
+}
+
+bool is_inside(const std::array<simd::HalfSpace, 5>& half_spaces, const SphereAround& around) {
+  for (const auto& [on, normal] : half_spaces)
+    if (dot(normal, around.center - on) < -around.radius) return false;
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("a cone to a light has all that rays inside it meet") {
+  Random random(11);
+  int met = 0, left_out = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const double far = i % 3 == 0 ? 1e6 : 10;
+    const Point light = random.point(far), place = light + 10.0 * random.direction();
+    const Rays<Vectors> first = to_light(random, light, place, 0.2),
+                        others = to_light(random, light, place, 1.2);
+    const ConeToLight cone(first, true);
+    REQUIRE(cone.is_cone());
+    REQUIRE(cone.holds(first, true));
+    const auto half_spaces = cone.half_spaces();
+    // Spheres that touch a ray from outside as nearly as numbers allow, and others around it.
+    for (int k = 0; k < 20; ++k) {
+      const int lane = k % simd::double_lanes;
+      if (!cone.holds(others, simd::mask_of<double, simd::double_lanes>(simd::Bits{1} << lane))) continue;
+      const Ray ray = others[lane];
+      const double radius = std::pow(10, random.real(-3, 1));
+      const Vec3 aside = normalize(cross(ray.direction, random.direction()));
+      const double distance = radius * (k % 3 == 0 ? 1 - 1e-9 : random.real(0, 10));
+      const Sphere sphere{.center = ray.at(random.real(0, 1)) + distance * aside, .radius = radius};
+      const SphereAround around{sphere.center, radius};
+      const bool kept = cone.may_hold(around) && is_inside(half_spaces, around);
+      if (first_crossing(sphere, ray, Interval{0, 1})) {
+        ++met;
+        REQUIRE(kept);
+      }
+      if (!kept) ++left_out;
+    }
+  }
+  CHECK(met > 10000);
+  CHECK(left_out > 2000);
+}
+
+TEST_CASE("rays that do not end where a cone has its apex, or start beyond it, are not inside") {
+  Random random(12);
+  const Point light{1, 2, 3};
+  const Rays<Vectors> rays = to_light(random, light, {1, 2, 13}, 0.1);
+  const ConeToLight cone(rays, true);
+  CHECK(cone.holds(rays, true));
+  CHECK_FALSE(cone.holds(to_light(random, light + Vec3{1e-6, 0, 0}, {1, 2, 13}, 0.1), true));
+  CHECK_FALSE(cone.holds(to_light(random, light, {1, 2, 17}, 0.1), true));
+  CHECK_FALSE(cone.holds(to_light(random, light, {3, 2, 13}, 0.1), true));
+  CHECK_FALSE(cone.holds(to_light(random, light, {1, 2, -7}, 0.1), true));
+  CHECK_FALSE(ConeToLight().holds(rays, true));
+}
+
+TEST_CASE("there is no cone for rays from everywhere") {
+  Random random(13);
+  CHECK_FALSE(ConeToLight(to_light(random, {0, 0, 0}, {0, 0, 0}, 5), true).is_cone());
+}
+
+TEST_CASE(
+    "the occluders of neighboring rays are looked for once, and for rays with nothing in common seldom") {
+  Random random(14);
+  Occluders occluders;
+  int searches = 0;
+  const auto search = [&](const auto&, const auto& visit) {
+    ++searches;
+    visit(7, SphereAround{Point{0, 0, 5}, 1});
+    visit(8, SphereAround{Point{0, 50, 5}, 1});
+  };
+  for (int i = 0; i < 100; ++i) {
+    const auto* places = occluders.between(to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1), true, search);
+    if (i > 2) REQUIRE((places != nullptr && *places == std::vector<int>{7}));
+  }
+  CHECK(searches < 4);
+  searches = 0;
+  for (int i = 0; i < 1000; ++i)
+    static_cast<void>(
+        occluders.between(to_light(random, {0, 0, 0}, 10.0 * random.direction(), 0.1), true, search));
+  CHECK(searches < 50);
+}

@@ -1,0 +1,102 @@
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+
+#include <cmath>
+#include <vector>
+
+#include "stress/truth.hpp"
+#include "support/catch.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+using exact::Ball;
+using exact::Number;
+
+namespace {
+
+/// A number in both ways.
+struct Both {
+  Ball ball;
+  Number exact;
+};
+Both operator+(const Both& a, const Both& b) { return {a.ball + b.ball, a.exact + b.exact}; }
+Both operator-(const Both& a, const Both& b) { return {a.ball - b.ball, a.exact - b.exact}; }
+Both operator*(const Both& a, const Both& b) { return {a.ball * b.ball, a.exact * b.exact}; }
+Both both(double x) { return {x, x}; }
+
+/// A number of any of many sizes.
+Both any(Random& random) {
+  const double mantissa = random.real(-1, 1);
+  return both(std::ldexp(mantissa, static_cast<int>(random.bits() % 120) - 60));
+}
+
+/// What is left of a number that lost its last digits: off by up to as much as it may be.
+Both uncertain(Random& random) {
+  const Both large = both(std::ldexp(1, static_cast<int>(random.bits() % 110))), small = any(random);
+  return large + small * any(random) - large;
+}
+
+}  // namespace
+
+TEST_CASE("a number of 128 digits is off by no more than it says, or says that it is unknown") {
+  Random random(1);
+  int known = 0, unknown = 0, wrong = 0;
+  const auto look = [&](const Both& x) {
+    if (!x.ball.is_known()) {
+      ++unknown;
+      return;
+    }
+    ++known;
+    wrong += !x.ball.may_be(x.exact) || x.ball.sign() != x.exact.sign();
+    const exact::Quad truth(x.exact), off = static_cast<long double>(x.ball) - truth;
+    wrong += (off < 0 ? -off : off) > exact::Quad(0x1p-62) * (truth < 0 ? -truth : truth);
+  };
+  for (int i = 0; i < 20000; ++i) {
+    const Both a = any(random), b = any(random), c = any(random), d = any(random);
+    look(a);
+    look(a + b);
+    look(a * b - c * d);
+    const Both square = (a + b) * (a + b);
+    look(square - a * a - both(2) * a * b - b * b);  // 0
+    look((a * a + b * b) * (c * c + d * d) - (a * c + b * d) * (a * c + b * d));
+    const Both x = uncertain(random), y = uncertain(random);
+    look(x);
+    look(x * d);
+    look(x * y);
+    look(x * a + y * b);
+    look(x * x - y);
+  }
+  CHECK(wrong == 0);
+  CHECK(known > 100000);
+  CHECK(unknown > 5000);
+}
+
+TEST_CASE("a number of 128 digits of which none is left is unknown, and one that is 0 is 0") {
+  const Ball one = 1.0, tiny = 0x1p-200, small = 0x1p-100;
+  CHECK((one + small - one).is_known());
+  CHECK((one + small - one).may_be(0x1p-100));
+  CHECK_FALSE((one + small - one).may_be(0x1p-101));
+  CHECK_FALSE((one + tiny - one).is_known());
+  CHECK_FALSE((tiny * (one + tiny - one) + one - one).is_known());
+  CHECK((one - one).is_known());
+  CHECK((one - one).sign() == 0);
+  CHECK((Ball(0.0) * (one + tiny - one)).sign() == 0);
+  CHECK((-one).sign() == -1);
+  CHECK(Ball(0x1p-1074).may_be(0x1p-1074));
+  CHECK(Ball(-0x1.fffffffffffffp+1023).may_be(-0x1.fffffffffffffp+1023));
+}
+
+TEST_CASE("what 128 digits cannot tell, exact numbers tell") {
+  // The ray passes the sphere by 2^-200 of its radius, or meets it as deep.
+  const Sphere sphere{.center = {0, 0, 3}, .radius = 1};
+  for (const double off : {-0x1p-200, 0x1p-200}) {
+    const Ray ray{.origin = {1, off, 0}, .direction = {off, 0, 1}};
+    CHECK_FALSE(exact::first_level(ray, sphere, false));
+    CHECK(exact::truth_of(ray, sphere, false).count == (off < 0 ? 2 : 0));
+  }
+  // The origin is as near to the plane.
+  const Plane plane{.normal = {1, 1, 0}, .distance = 1};
+  const Ray ray{.origin = {1, 0x1p-200, 0}, .direction = {0, -1, 0}};
+  CHECK_FALSE(exact::first_level(ray, plane, false));
+  CHECK(exact::truth_of(ray, plane, false).root[0].t == 0x1p-200L);
+}
