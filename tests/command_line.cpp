@@ -7,10 +7,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -45,7 +48,9 @@ const std::vector<StageRow> all_stages{{"01_gradient", "gradient"}, {"02_sphere"
                                        {"03_scene", "binary"},      {"04_depth", "depth"},
                                        {"05_normal", "normal"},     {"06_color", "color"},
                                        {"07_diffuse", "diffuse"},   {"08_transparency", "transparency"},
-                                       {"09_shadow", "shadow"}};
+                                       {"09_shadow", "shadow"},     {"10_phong", "whitted"},
+                                       {"11_mirror", "whitted"},    {"12_glass", "whitted"},
+                                       {"13_whitted", "whitted"}};
 
 Outcome run_stage(const std::string& name, const std::string& arguments, const TemporaryFolder& folder,
                   std::function<void()> before = {}) {
@@ -134,7 +139,9 @@ TEST_CASE("the options --version and --help answer on stdout and draw nothing") 
                            "--transfer srgb|linear|gamma=G", "--plain", "--quiet", "--help", "--version"})
     CHECK_THAT(help.out, ContainsSubstring(text));
   CHECK_THAT(help.out, ContainsSubstring("Usage: " + row.name));
-  CHECK_THAT(help.out, ContainsSubstring(row.name == "01_gradient" ? "[100x100]" : "[640x480]"));
+  CHECK_THAT(help.out, ContainsSubstring(row.name == "01_gradient"     ? "[100x100]"
+                                         : row.integrator == "whitted" ? "[1024x768]"
+                                                                       : "[640x480]"));
   CHECK(folder.count() == 0);
 }
 
@@ -144,7 +151,8 @@ TEST_CASE("the ending of the file, in upper or lower case, chooses its format") 
   };
   const Row row =
       GENERATE(Row{"a.ppm", "P6\n"}, Row{"a.PPM", "P6\n"}, Row{".ppm", "P6\n"}, Row{"a.png", "\x89PNG"},
-               Row{"a.b.PnG", "\x89PNG"}, Row{"a.pfm", "PF\n"}, Row{"a.ppm.Pfm", "PF\n"});
+               Row{"a.b.PnG", "\x89PNG"}, Row{"a.pfm", "PF\n"}, Row{"a.ppm.Pfm", "PF\n"},
+               Row{"a.hdr", "#?RADIANCE\n"}, Row{"a.Hdr", "#?RADIANCE\n"});
   CAPTURE(row.file);
   const TemporaryFolder folder;
   const Outcome outcome = run_stage("06_color", "--size 4x3 -o " + row.file, folder);
@@ -163,6 +171,35 @@ TEST_CASE("a PFM holds the light itself, whatever the stage's transfer") {
     REQUIRE(file.size() == std::string("PF\n1 1\n-1.0\n").size() + 12);
     CHECK(file.starts_with("PF\n1 1\n-1.0\n"));
   }
+}
+
+TEST_CASE("a tone changes what has 8 or 16 bits, and no file of linear light") {
+  // 13_whitted has highlights above 1, of white light, which keep their hue.
+  const TemporaryFolder folder;
+  CHECK(run_stage("13_whitted", "--size 128x96 -o a.pfm", folder).status == 0);
+  CHECK(run_stage("13_whitted", "--size 128x96 -o a.hdr --transfer linear", folder).status == 0);
+  const std::string pfm = bytes_of(folder / "a.pfm");
+  const std::string header = "PF\n128 96\n-1.0\n";
+  REQUIRE(pfm.size() == header.size() + 128 * 96 * 12);
+  const std::string codes = picture("13_whitted", "--size 128x96");
+  const std::string codes_header = "P6\n128 96\n255\n";
+  REQUIRE(codes.size() == codes_header.size() + 128 * 96 * 3);
+  int above_1 = 0, wrong = 0;
+  for (std::size_t y = 0; y < 96; ++y)
+    for (std::size_t x = 0; x < 128; ++x) {
+      std::array<float, 3> light{};
+      std::memcpy(light.data(), pfm.data() + header.size() + ((95 - y) * 128 + x) * 12,
+                  12);  // from the bottom
+      const float largest = std::max({light[0], light[1], light[2], 1.0f});
+      if (largest > 1) ++above_1;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto code = static_cast<unsigned char>(codes[codes_header.size() + (y * 128 + x) * 3 + c]);
+        if (std::abs(static_cast<float>(code) - 255 * light[c] / largest) > 0.51f) ++wrong;
+      }
+    }
+  CHECK(above_1 > 100);
+  CHECK(wrong == 0);
+  CHECK(bytes_of(folder / "a.hdr").size() > 128 * 96);
 }
 
 TEST_CASE("light is encoded as asked, with 8 or 16 bits") {
@@ -235,7 +272,7 @@ TEST_CASE("what is wrong on the command line is named, with what would be right,
   const std::string size = "WIDTHxHEIGHT, whole numbers of at least 1 whose product is at most 2^28";
   const std::string threads = "a whole number of at least 0";
   const std::string transfer = "srgb, linear or gamma=G with a number G greater than 0";
-  const std::string endings = "a file that ends in .ppm, .png or .pfm, or a device or pipe that exists";
+  const std::string endings = "a file that ends in .ppm, .png, .pfm or .hdr, or a device or pipe that exists";
   const auto not_allowed = [](const std::string& option, const std::string& found,
                               const std::string& allowed) {
     return Row{option + " " + found, {option + ": '" + found + "' is not " + allowed}};
@@ -299,6 +336,9 @@ TEST_CASE("what is wrong on the command line is named, with what would be right,
       {"--quiet=7", {"quiet"}},
       {"--bits 16 -o a.png", {"--bits: '16' is not possible in .png; .ppm can have 16 bits"}},
       {"--bits 16 -o a.PFM", {"--bits: '16' is not possible in .pfm; .ppm can have 16 bits"}},
+      {"--bits 16 -o a.hdr", {"--bits: '16' is not possible in .hdr; .ppm can have 16 bits"}},
+      {"--plain -o a.hdr", {"--plain: '.hdr' is not a format with a plain form; .ppm is"}},
+      {"--transfer srgb -o a.hdr", {"--transfer: 'srgb' is not possible in .hdr, which holds linear light"}},
       {"--plain -o a.png", {"--plain: '.png' is not a format with a plain form; .ppm is"}},
       {"--plain -o a.pfm", {"--plain: '.pfm' is not a format with a plain form; .ppm is"}},
       {"--transfer srgb -o a.pfm", {"--transfer: 'srgb' is not possible in .pfm, which holds linear light"}},
@@ -370,7 +410,7 @@ TEST_CASE("a picture that cannot be written is not drawn first") {
 }
 
 TEST_CASE("a file that cannot be completed leaves the old one as it was and no other") {
-  const std::string name = GENERATE("out.ppm", "out.png", "out.pfm");
+  const std::string name = GENERATE("out.ppm", "out.png", "out.pfm", "out.hdr");
   CAPTURE(name);
   const TemporaryFolder folder;
   put_bytes(folder / name, "old");

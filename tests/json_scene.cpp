@@ -359,6 +359,15 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
       not_allowed("/materials/squares/diffuse/size", "0", above_0),
       not_allowed("/materials/squares/diffuse/checker", "[[1,0,0]]", "an array of two colors"),
       not_allowed("/materials/squares/diffuse/checker/1/2", "-1", factor),
+      {replacing("/materials/squares/diffuse", R"({"image": 3})"),
+       "/materials/squares/diffuse/image: 3 is not the path of a file"},
+      {replacing("/materials/squares/diffuse", R"({"image": "none.png", "size": [1, 0]})"),
+       "/materials/squares/diffuse/size/1: 0 is not a number greater than 0"},
+      {replacing("/materials/squares/diffuse", R"({"image": "none.png", "size": 1})"),
+       "/materials/squares/diffuse/size: 1 is not an array of two numbers"},
+      {replacing("/materials/squares/diffuse", R"({"image": "none.png"})"),
+       R"(/materials/squares/diffuse/image: "none.png" is not possible: cannot read 'none.png': )"
+       "No such file or directory"},
       unknown("/materials/red/a~1b~0c", "diffuse, specular, shininess, reflect, refract and ior"),
       {replacing("/settings", R"({"resolution-x": 16385, "resolution-y": 16384})"),
        R"(/settings: {"resolution-x":16385,"resolution-y":16384} is not a picture of at most 2^28 pixels)"},
@@ -451,6 +460,24 @@ TEST_CASE("a file that cannot be read is named with the reason") {
   CHECK(error_reading("") == expected("", ENOENT));
 }
 
+TEST_CASE("an image of a texture is looked for from the folder of the scene") {
+  const SceneFile file = read_scene(scenes / "image.json");
+  const Texture& painting = file.scene.materials<Parallelogram>()[0].texture;
+  REQUIRE(painting);
+  CHECK(painting(1.2, 0.1) != painting(1.2, 0.9));
+  const TemporaryFolder folder;
+  std::string text = everything;
+  text.replace(text.find("{\"checker\""),
+               std::string(R"({"checker": [[1, 0, 0], [0, 0, 1]], "size": 2})").size(),
+               R"({"image": "a.png"})");
+  put_bytes(folder / "a.json", text);
+  put_bytes(folder / "a.png", "no picture");
+  const std::string error = message_of<SceneError>([&] { static_cast<void>(read_scene(folder / "a.json")); });
+  CHECK_THAT(error,
+             ContainsSubstring("/materials/squares/diffuse/image: \"a.png\" is not possible: cannot read '" +
+                               (folder / "a.png").string() + "': "));
+}
+
 TEST_CASE("an error in a file begins with its path") {
   const TemporaryFolder folder;
   put_bytes(folder / "a.json", "{");
@@ -506,7 +533,8 @@ TEST_CASE("every key and word of a scene file has an example in a scene of the p
       "sphere",        "radius",       "plane",        "normal",    "distance",  "parallelogram",
       "edges",         "material-id",  "color",        "lights",    "intensity", "power",
       "angle",         "fade",         "ambient",      "materials", "diffuse",   "specular",
-      "shininess",     "reflect",      "refract",      "ior",       "checker",   "size"};
+      "shininess",     "reflect",      "refract",      "ior",       "image",     "checker",
+      "size"};
   const std::string docs = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "scene-format.md");
   for (const std::string& word : words) {
     CAPTURE(word);

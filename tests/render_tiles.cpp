@@ -6,6 +6,7 @@
 #include <protostar/integrators/normal.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/transparency.hpp>
+#include <protostar/integrators/whitted.hpp>
 #include <protostar/render.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/plane.hpp>
@@ -326,6 +327,47 @@ TEST_CASE("by tiles, surfaces whose bounds overflow, or nearly do, look as they 
   }
 }
 
+TEST_CASE("by tiles, textures, lights of every kind, a sky, mirrors and glass look as they do ray by ray") {
+  Random random(12);
+  Everything scene;
+  const auto texture = [&] { return Checker{random.color(), random.color(), random.real(0.05, 0.8)}; };
+  const auto material = [&](int i) {
+    Material made{.diffuse = random.color()};
+    if (i % 2 == 0) made.texture = texture();
+    if (i % 3 == 0) made.specular = random.color(), made.shininess = random.real(1, 100);
+    if (i % 4 == 1) made.reflect = random.real(0, 1);
+    if (i % 5 == 1) made.refract = random.real(0, 1), made.ior = random.real(0.5, 2);
+    return made;
+  };
+  for (int i = 0; i < 25; ++i) {
+    const Sphere sphere{Vec3{0, 0, 6} + random.point(3), random.real(0.1, 1)};
+    if (i % 5 == 4)
+      scene.add(AnySurface(sphere), material(i));
+    else
+      scene.add(sphere, material(i));
+  }
+  scene.add(Plane{.normal = {0.1, 1, 0}, .distance = -2}, material(6));
+  scene.add(AnySurface(Plane{.normal = {0, 0, 1}, .distance = 12}), material(0));
+  scene.add(PointLight{.position = {1, 4, -2}, .power = Color{300, 200, 100}});
+  scene.add(ConstantLight{.position = {-5, 2, 1}, .intensity = {0.1f, 0.2f, 0.3f}});
+  scene.add(DirectionalLight{.direction = {1, 2, -1}, .intensity = {0.2f, 0.1f, 0.1f}});
+  scene.add(SpotLight{
+      .position = {0, 4, 4}, .direction = {0, -1, 0.3}, .angle = 35, .power = Color{200}, .fade = 15});
+  scene.add(AmbientLight{{0.02f, 0.01f, 0.03f}});
+  for (const bool has_sky : {false, true}) {
+    if (has_sky) scene.set_sky({0.2f, 0.7f, 0.8f});
+    for (const Camera& camera : {Camera{}, Camera::orthographic(Point{0}, {0, 0, 1}, {0, 1, 0}, 8)}) {
+      check_pictures(scene, camera, 101, 67);
+      Image image(101, 67);
+      render(image, camera, scene, WhittedIntegrator{.depth = 5}, {.threads = 2});
+      const Image expected = ray_by_ray(camera, 101, 67, scene, WhittedIntegrator{.depth = 5});
+      CHECK(different_bytes(image, expected) == 0);
+      const Image one_ray = ray_by_ray(camera, 101, 67, scene, WhittedIntegrator{.depth = 1});
+      CHECK(different_bytes(image, one_ray) > 500);
+    }
+  }
+}
+
 TEST_CASE("by tiles, an empty scene is empty") {
   check_pictures(Everything{}, Camera{}, 33, 20);
   RenderStatistics taken;
@@ -412,8 +454,9 @@ struct Rings {
   using TakesPackets = Rings;
   Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray);
-    return hit ? shade(*hit, scene) : Color{0};
+    return hit ? shade(*hit, scene) : background(scene);
   }
+  Color background(const auto&) const { return {0, 0, 0.125f}; }
   template <class Hit>
   typename Hit::Light shade(const Hit& hit, const auto&) const {
     return hit.color() * to_float(1 / (1 + hit.t * hit.t));

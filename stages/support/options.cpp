@@ -121,7 +121,23 @@ Options::Format format_of(const std::filesystem::path& path) {
   if (name.ends_with(".ppm")) return Options::Format::ppm;
   if (name.ends_with(".png")) return Options::Format::png;
   if (name.ends_with(".pfm")) return Options::Format::pfm;
-  refuse("-o", path.string(), "a file that ends in .ppm, .png or .pfm, or a device or pipe that exists");
+  if (name.ends_with(".hdr")) return Options::Format::hdr;
+  refuse("-o", path.string(),
+         "a file that ends in .ppm, .png, .pfm or .hdr, or a device or pipe that exists");
+}
+
+std::string ending_of(Options::Format format) {
+  switch (format) {
+    case Options::Format::ppm:
+      return ".ppm";
+    case Options::Format::png:
+      return ".png";
+    case Options::Format::pfm:
+      return ".pfm";
+    case Options::Format::hdr:
+      return ".hdr";
+  }
+  throw std::logic_error("a format without an ending");
 }
 
 }  // namespace
@@ -139,7 +155,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
       of_scene ? "Draws the picture of a scene file." : "Draws the picture of one section of the tutorial.",
       program);
   app.set_version_flag("--version", std::string("protostar ") + PROTOSTAR_VERSION);
-  app.add_option("-o", output, "The picture's file: .ppm, .png, or .pfm for the linear light [out.ppm]")
+  app.add_option("-o", output,
+                 "The picture's file: .ppm, .png, or .pfm and .hdr for the linear light [out.ppm]")
       ->type_name("FILE");
   app.add_option("--size", size,
                  "Its size in pixels [" +
@@ -210,14 +227,13 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
         options.numbers[i].value = read_finite(options.numbers[i].name, numbers[i]);
 
     // What a format cannot do is refused, not left out.
-    const std::string ending = options.format == Options::Format::png ? ".png" : ".pfm";
+    const std::string ending = ending_of(options.format);
     if (options.format != Options::Format::ppm) {
       if (app.count("--plain")) refuse("--plain", ending, "a format with a plain form; .ppm is");
       if (options.bits != 8) refuse("--bits", bits, "possible in " + ending + "; .ppm can have 16 bits");
     }
-    if (options.format == Options::Format::pfm && app.count("--transfer") &&
-        !std::holds_alternative<Linear>(options.transfer))
-      refuse("--transfer", transfer, "possible in .pfm, which holds linear light");
+    if (options.is_linear() && app.count("--transfer") && !std::holds_alternative<Linear>(options.transfer))
+      refuse("--transfer", transfer, "possible in " + ending + ", which holds linear light");
     return options;
   } catch (const CLI::ParseError& message) {
     status = app.exit(message) == 0 ? 0 : 2;  // prints it

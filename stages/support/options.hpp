@@ -21,9 +21,9 @@ struct StageDefaults {
   std::string integrator = {};  ///< for the line that the stage prints
   int width = 640, height = 480;
   protostar::Transfer transfer = protostar::Gamma{2.2};
+  protostar::Tone tone = protostar::Tone::clip;  ///< not for files of linear light
   bool plain = false;
   std::vector<NumberOption> numbers = {};  ///< options of its own
-  protostar::Tone tone = protostar::Tone::clip;
   int samples = 0;
 
   /// Of a program that draws scene files: reads one, and says what it asks for.
@@ -32,7 +32,10 @@ struct StageDefaults {
 
 /// What the user asked for, checked as far as it can be without touching a file.
 struct Options {
-  enum class Format { ppm, png, pfm };
+  enum class Format { ppm, png, pfm, hdr };
+
+  /// Whether the file holds the light itself: nothing is encoded, nothing above 1 has to be cut.
+  [[nodiscard]] bool is_linear() const { return format == Format::pfm || format == Format::hdr; }
 
   std::filesystem::path output = "out.ppm";
   Format format = Format::ppm;

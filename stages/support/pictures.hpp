@@ -1,5 +1,5 @@
-// The pictures that stages draw of spheres, compiled once for all of them (support/pictures.cpp), so that a
-// stage's own source compiles in about a second.
+// The pictures that stages draw, compiled once for all of them (support/pictures.cpp, support/whitted.cpp),
+// so that a stage's own source compiles in about a second.
 #pragma once
 
 #include <protostar/protostar.hpp>
@@ -13,5 +13,6 @@ extern template class SceneTiles<DiffuseIntegrator, Sphere>;
 extern template class SceneTiles<NormalIntegrator, Sphere>;
 extern template class SceneTiles<ShadowIntegrator, Sphere>;
 extern template class SceneTiles<TransparencyIntegrator, Sphere>;
+extern template class SceneTiles<WhittedIntegrator, Sphere, Parallelogram>;
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <new>
 #include <protostar/encode.hpp>
+#include <protostar/io/hdr.hpp>
 #include <protostar/io/png.hpp>
 #include <protostar/pfm.hpp>
 #include <protostar/ppm.hpp>
@@ -72,7 +73,7 @@ void Stage::save(const Image& image) {
   progress_.clear();  // the calling thread need not be the one that does the last tile
   if (stop_.stop_requested()) return;
   const auto rendered = Clock::now();
-  if (options_.tone == Tone::clip || options_.format == Options::Format::pfm) {  // which holds light as it is
+  if (options_.tone == Tone::clip || options_.is_linear()) {
     write(image);
   } else {
     Image toned = image;
@@ -119,6 +120,8 @@ void Stage::write(const Image& image) const {
       return save_png(image, options_.output, options_.transfer, stop_);
     case Options::Format::pfm:
       return save_pfm(image, options_.output, stop_);
+    case Options::Format::hdr:
+      return save_hdr(image, options_.output, stop_);
   }
 }
 

@@ -26,8 +26,8 @@ class Stage {
   /// the render counts from here.
   protostar::RenderOptions render_options();
 
-  /// Saves the image in the format asked for and prints the line about it. Throws std::system_error if it
-  /// cannot.
+  /// Saves the image in the format asked for, with the stage's tone unless the file holds the light itself,
+  /// and prints the line about it. Throws std::system_error if it cannot.
   void save(const protostar::Image& image);
 
   /// Prints how many pixels of an image are wrong: more than one level of 255 off the exact image of the same

@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "../image.hpp"
+#include "image_texture.hpp"
 #include "scene_file.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -281,6 +282,11 @@ class JsonCursor {
     return value_->get<std::string>();
   }
 
+  /// A file's path; what it is relative to is the folder of the scene.
+  [[nodiscard]] std::filesystem::path path() const {
+    return std::filesystem::path(*file_).parent_path() / text("the path of a file");
+  }
+
   /// One of the first members of these pairs, and what belongs to it.
   template <class Pairs>
   [[nodiscard]] auto one_of(const Pairs& pairs) const {
@@ -296,7 +302,9 @@ class JsonCursor {
   auto checked(const auto& make) const {
     try {
       return make();
-    } catch (const std::invalid_argument& error) {
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
       detail::refuse(*file_, pointer_, found() + " is not possible: " + error.what());
     }
   }
@@ -357,7 +365,17 @@ inline const std::vector<
 
 // ---- Materials.
 
-inline Texture checker_at(const JsonCursor& at) {
+inline Texture texture_at(const JsonCursor& at) {
+  if (at.has("image")) {
+    at.with_keys({"image", "size"});
+    double size_u = 1, size_v = 1;
+    if (at.has("size")) {
+      const auto size = at["size"].elements(2, "an array of two numbers");
+      size_u = size[0].number_above_0(), size_v = size[1].number_above_0();
+    }
+    const std::filesystem::path path = at["image"].path();
+    return at["image"].checked([&] { return image_texture(path, size_u, size_v); });
+  }
   at.with_keys({"checker", "size"});
   const auto colors = at["checker"].elements(2, "an array of two colors");
   return Checker{
@@ -368,7 +386,7 @@ inline Material material_at(const JsonCursor& at) {
   at.with_keys({"diffuse", "specular", "shininess", "reflect", "refract", "ior"});
   Material material;
   if (at["diffuse"].is_object())
-    material.texture = checker_at(at["diffuse"]);
+    material.texture = texture_at(at["diffuse"]);
   else if (at.has("diffuse"))
     material.diffuse = at["diffuse"].color();
   if (at.has("specular")) material.specular = at["specular"].color();

@@ -1,7 +1,6 @@
 // Images as PNG files, through stb_image_write. Not part of the core: link protostar::png.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <new>
@@ -10,17 +9,9 @@
 #include <string>
 #include <vector>
 
-// As static functions of this translation unit, so that they meet no other copy of stb_image_write in a
-// program.
-#define STB_IMAGE_WRITE_STATIC
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#include <stb_image_write.h>
-#undef STB_IMAGE_WRITE_IMPLEMENTATION
-#undef STB_IMAGE_WRITE_STATIC
-
 #include "../encode.hpp"
 #include "../image.hpp"
-#include "../output_file.hpp"
+#include "stb_image_write.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -49,22 +40,10 @@ inline void save_png(const Image& image, const std::filesystem::path& path, cons
         codes.push_back(static_cast<std::uint8_t>(encode(channel)));
 
   std::vector<char> png;
-  const auto append = [](void* to, void* data, int size) {
-    const char* bytes = static_cast<const char*>(data);
-    static_cast<std::vector<char>*>(to)->insert(static_cast<std::vector<char>*>(to)->end(), bytes,
-                                                bytes + size);
-  };
-  if (!stbi_write_png_to_func(append, &png, image.width(), image.height(), 3, codes.data(),
+  if (!stbi_write_png_to_func(detail::append_bytes, &png, image.width(), image.height(), 3, codes.data(),
                               static_cast<int>(row_bytes)))
     throw std::bad_alloc();  // the only reason that it has
-
-  OutputFile file(path);
-  constexpr std::size_t block = 1 << 20;  // bytes written at a time
-  for (std::size_t begin = 0; begin < png.size(); begin += block) {
-    if (stop.stop_requested()) return;
-    file.write(png.data() + begin, std::min(block, png.size() - begin));
-  }
-  file.commit();
+  detail::save_bytes(png, path, stop);
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

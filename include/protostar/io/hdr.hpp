@@ -1,0 +1,57 @@
+// Images as Radiance HDR files (.hdr), through stb_image_write: linear light in 32 bits per pixel. Not part
+// of the core: link protostar::png.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <new>
+#include <stop_token>
+#include <vector>
+
+#include "../image.hpp"
+#include "stb_image_write.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+namespace detail {
+
+/// The color next to this one that the format holds: whole multiples, of at most 255, of 2^(e − 8), where 2^e
+/// is above the largest channel and at most twice as large, and e at most 127. stb_image_write drops what is
+/// left of a fraction; of this color, nothing.
+[[nodiscard]] inline Color nearest_rgbe(const Color& light) {
+  const auto held = [](float x) { return x > 0 ? std::min(x, 255 * 0x1p119f) : 0; };  // NaN is not above 0
+  const Color c{held(light.r), held(light.g), held(light.b)};
+  const float largest = std::max({c.r, c.g, c.b});
+  if (largest < 1e-32f) return Color{0};  // as stb_image_write has it
+  int e = 0;
+  std::frexp(largest, &e);
+  const auto rounded = [&](float x) { return std::ldexp(std::round(std::ldexp(x, 8 - e)), e - 8); };
+  if (rounded(largest) == std::ldexp(1.0f, e)) ++e;
+  return {rounded(c.r), rounded(c.g), rounded(c.b)};
+}
+
+}  // namespace detail
+
+/// Saves an image as Radiance HDR: linear light, of which a pixel keeps eight bits of its largest channel and
+/// as many places of the others. Each channel is rounded to the nearest; what is negative or NaN becomes 0,
+/// and what is above 255 · 2^119, about 1.7e38, becomes that.
+///
+/// The file is replaced as a whole or not at all (see OutputFile, also for its errors): it is made in memory
+/// first. If stop is asked for while it is written, save_hdr returns early and leaves the file as it was.
+inline void save_hdr(const Image& image, const std::filesystem::path& path,
+                     const std::stop_token& stop = {}) {
+  std::vector<float> light;
+  light.reserve(3 * static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height()));
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) {
+      const Color color = detail::nearest_rgbe(image(x, y));
+      light.insert(light.end(), {color.r, color.g, color.b});
+    }
+  std::vector<char> bytes;
+  if (!stbi_write_hdr_to_func(detail::append_bytes, &bytes, image.width(), image.height(), 3, light.data()))
+    throw std::bad_alloc();
+  detail::save_bytes(bytes, path, stop);
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,41 @@
+// stb_image_write, for the headers beside this one. Not part of the core: link protostar::png.
+#pragma once
+
+// As static functions of this translation unit, so that they meet no other copy of stb_image_write in a
+// program.
+#define STB_IMAGE_WRITE_STATIC
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#include <stb_image_write.h>
+#undef STB_IMAGE_WRITE_IMPLEMENTATION
+#undef STB_IMAGE_WRITE_STATIC
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <stop_token>
+#include <vector>
+
+#include "../output_file.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::detail {
+
+/// What stb_image_write hands a file's bytes to, with a vector<char> as context.
+inline void append_bytes(void* to, void* data, int size) {
+  const char* bytes = static_cast<const char*>(data);
+  auto& all = *static_cast<std::vector<char>*>(to);
+  all.insert(all.end(), bytes, bytes + size);
+}
+
+/// Replaces a file by these bytes, or leaves it as it was if stop is asked for before they are written.
+inline void save_bytes(const std::vector<char>& bytes, const std::filesystem::path& path,
+                       const std::stop_token& stop) {
+  OutputFile file(path);
+  constexpr std::size_t block = 1 << 20;  // bytes written at a time
+  for (std::size_t begin = 0; begin < bytes.size(); begin += block) {
+    if (stop.stop_requested()) return;
+    file.write(bytes.data() + begin, std::min(block, bytes.size() - begin));
+  }
+  file.commit();
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI::detail

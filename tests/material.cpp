@@ -1,0 +1,80 @@
+#include <cmath>
+#include <limits>
+#include <protostar/material.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "support/catch.hpp"
+#include "support/errors.hpp"
+
+using namespace protostar;
+
+namespace {
+constexpr double inf = std::numeric_limits<double>::infinity(),
+                 not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+std::string refusal(const Material& material) {
+  return message_of<std::invalid_argument>([&] { material.validate(); });
+}
+}  // namespace
+
+TEST_CASE("a checker has its first color where 0 < u, v < size, and changes with every square") {
+  const Color first{1, 0, 0}, second{0, 1, 0};
+  struct {
+    double size, u, v;
+    bool is_first;
+  } const rows[] = {
+      {1, 0.5, 0.5, true},
+      {1, 1.5, 0.5, false},
+      {1, 0.5, 1.5, false},
+      {1, 1.5, 1.5, true},
+      {1, -0.5, 0.5, false},
+      {1, 0.5, -0.5, false},
+      {1, -0.5, -0.5, true},
+      {1, -1.5, 0.5, true},
+      {1, -7.5, -4.5, false},
+      {2, 1.5, 1.5, true},
+      {2, 2.5, 1.5, false},
+      {0.25, 0.3, 0.1, false},
+      // A line between two squares belongs to the one on its greater side.
+      {1, 0, 0, true},
+      {1, 1, 0, false},
+      {1, 0, -1, false},
+      {1, -1, -1, true},
+      {1, -0.0, 0, true},
+      {1, -1e-300, 0.5, false},
+      {1, 1 - 0x1p-53, 0.5, true},
+      // Beyond what an integer holds.
+      {1, 0x1p52 + 1, 0.5, false},
+      {1, -0x1p52 - 1, 0.5, false},
+      {1, -0x1p52, 0.5, true},
+      {1, 0x1p80, 0.5, true},
+      {1, 1e300, 1e300, true},
+      {1e-300, 1e-299, 0, true},
+      {1e300, 1e299, -1e299, false},
+  };
+  for (const auto& row : rows) {
+    CAPTURE(row.size, row.u, row.v);
+    const Checker checker{first, second, row.size};
+    CHECK(checker(row.u, row.v) == (row.is_first ? first : second));
+    CHECK(checker(row.v, row.u) == checker(row.u, row.v));
+    CHECK(Texture(checker)(row.u, row.v) == checker(row.u, row.v));
+  }
+}
+
+TEST_CASE("a material that makes no sense is refused with the field's name") {
+  for (const double bad : {-1.0, inf, not_a_number}) {
+    CAPTURE(bad);
+    const Color light{0.5f, static_cast<float>(bad), 0};
+    CHECK(refusal({.diffuse = light}) == "Material: diffuse color must be finite and not negative");
+    CHECK(refusal({.specular = light}) == "Material: specular color must be finite and not negative");
+    CHECK(refusal({.shininess = bad}) == "Material: shininess must be finite and not negative");
+    CHECK(refusal({.reflect = bad}) == "Material: reflect must be finite and not negative");
+    CHECK(refusal({.refract = bad}) == "Material: refract must be finite and not negative");
+    CHECK(refusal({.ior = bad}) == "Material: ior must be finite and greater than 0");
+  }
+  CHECK(refusal({.ior = 0}) == "Material: ior must be finite and greater than 0");
+  CHECK(refusal({}).empty());
+  CHECK(refusal({.diffuse = Color{9}, .specular = Color{16}, .shininess = 0, .reflect = 2, .refract = 3})
+            .empty());
+}

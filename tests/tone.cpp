@@ -1,0 +1,69 @@
+#include <limits>
+#include <protostar/tone.hpp>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/pictures.hpp"
+#include "support/test_image.hpp"
+
+using namespace protostar;
+
+namespace {
+Image row_of(const std::vector<Color>& colors) {
+  Image image(static_cast<int>(colors.size()), 1);
+  for (int x = 0; x < image.width(); ++x) image(x, 0) = colors[static_cast<std::size_t>(x)];
+  return image;
+}
+
+void check_tone(Tone tone, const std::vector<Color>& before, const std::vector<Color>& after) {
+  Image image = row_of(before);
+  apply(tone, image);
+  const Image expected = row_of(after);
+  for (int x = 0; x < image.width(); ++x) {
+    CAPTURE(x);
+    CHECK(image(x, 0) == expected(x, 0));
+  }
+}
+}  // namespace
+
+TEST_CASE("clip leaves the light to the encoder") {
+  const std::vector<Color> light{{0, 0, 0}, {0.5f, 1, 4}, {16, 0, 0}};
+  check_tone(Tone::clip, light, light);
+}
+
+TEST_CASE("scale-pixel divides a pixel by its largest channel, where that is above 1") {
+  check_tone(Tone::scale_pixel, {{0, 0, 0}, {0.5f, 1, 0.25f}, {0.5f, 1, 4}, {16, 8, 0}, {2, 2, 2}},
+             {{0, 0, 0}, {0.5f, 1, 0.25f}, {0.125f, 0.25f, 1}, {1, 0.5f, 0}, {1, 1, 1}});
+}
+
+TEST_CASE("scale-image divides all pixels by the largest channel of any") {
+  check_tone(Tone::scale_image, {{0, 0, 0}, {0.5f, 1, 0.25f}, {0.5f, 1, 4}},
+             {{0, 0, 0}, {0.125f, 0.25f, 0.0625f}, {0.125f, 0.25f, 1}});
+  check_tone(Tone::scale_image, {{0, 0.25f, 0}, {0.125f, 0, 0}}, {{0, 1, 0}, {0.5f, 0, 0}});
+  check_tone(Tone::scale_image, {{0, 0, 0}, {0, 0, 0}}, {{0, 0, 0}, {0, 0, 0}});
+}
+
+TEST_CASE("a tone sees every pixel") {
+  for (const Tone tone : {Tone::scale_pixel, Tone::scale_image}) {
+    Image image(7, 5);
+    for (int y = 0; y < 5; ++y)
+      for (int x = 0; x < 7; ++x) image(x, y) = Color{static_cast<float>(x + 7 * y + 2)};
+    apply(tone, image);
+    const float most = 7 * 5 + 1;
+    CHECK(count_pixels(image, [&](int x, int y) {
+            return image(x, y) !=
+                   Color{tone == Tone::scale_pixel ? 1.0f : static_cast<float>(x + 7 * y + 2) / most};
+          }) == 0);
+  }
+}
+
+TEST_CASE("exposure is a factor on all light") {
+  Image image = random_image(7, 5, 3);
+  const Image before = image;
+  expose(image, 1);
+  CHECK(different_pixels(image, before) == 0);
+  expose(image, 2.5);
+  CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) != 2.5f * before(x, y); }) == 0);
+  expose(image, 0);
+  CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; }) == 0);
+}

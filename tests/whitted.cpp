@@ -1,0 +1,313 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/integrators/whitted.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+const Color sky{0.25f, 0.5f, 1};
+const Ray ahead{{0, 0, 0}, {0, 0, 1}};
+constexpr double degree = std::numbers::pi / 180;
+
+bool near(const Vec3& a, const Vec3& b) { return length(a - b) < 1e-15; }
+bool near(const Color& a, const Color& b) {
+  const Color difference = abs(a - b), size = abs(a) + abs(b);
+  return difference.r <= 1e-6f * size.r && difference.g <= 1e-6f * size.g && difference.b <= 1e-6f * size.b;
+}
+
+/// Walls across z, each of a material.
+Scene<Plane> walls(const std::vector<std::pair<double, Material>>& all) {
+  Scene<Plane> scene;
+  scene.set_sky(sky);
+  for (const auto& [z, material] : all) scene.add(Plane{.normal = {0, 0, -1}, .distance = -z}, material);
+  return scene;
+}
+
+/// Something that shines by itself, as ambient light makes it.
+Scene<Plane> shining(Scene<Plane> scene) {
+  scene.add(AmbientLight{Color{1}});
+  return scene;
+}
+
+Color seen(const auto& scene, int depth = 10, const Ray& ray = ahead) {
+  return WhittedIntegrator{.depth = depth}.radiance(ray, scene);
+}
+
+/// Counts the questions that a scene is asked.
+struct Counting {
+  const Scene<Plane>& scene;
+  mutable int rays = 0, shadow_rays = 0;
+
+  std::optional<Intersection> intersect(const Ray& ray, Interval range) const {
+    ++rays;
+    return scene.intersect(ray, range);
+  }
+  bool occluded(const Ray& ray, Interval range) const {
+    ++shadow_rays;
+    return scene.occluded(ray, range);
+  }
+  void crossings(const Ray&, Interval, auto&&) const {}
+  const std::vector<Light>& lights() const { return scene.lights(); }
+};
+static_assert(Traceable<Counting>);
+}  // namespace
+
+TEST_CASE("a mirror turns a direction around what is along its normal") {
+  const Vec3 up{0, 1, 0}, slant = normalize(Vec3{1, 1, 0});
+  CHECK(reflected({0.6, -0.8, 0}, up) == Vec3{0.6, 0.8, 0});
+  CHECK(reflected({0, -1, 0}, up) == Vec3{0, 1, 0});
+  CHECK(reflected({1, 0, 0}, up) == Vec3{1, 0, 0});
+  CHECK(near(reflected({-1, 0, 0}, slant), {0, 1, 0}));
+  Random random(4);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 d = random.direction(), n = random.direction(), r = reflected(d, n);
+    CHECK(std::abs(dot(r, n) + dot(d, n)) < 1e-15);
+    CHECK(length(cross(n, r - d)) < 1e-15);  // in the plane of both
+    CHECK(std::abs(length(r) - 1) < 1e-15);
+  }
+}
+
+TEST_CASE("refraction is Snell's: the sines of the angles are as the indices") {
+  struct {
+    double degrees, ratio;  // of the angle before the surface, and of the indices
+    double behind;          // the angle behind it; 90 and more: none
+  } const rows[] = {
+      {0, 1 / 1.5, 0},
+      {30, 1 / 1.5, 19.471220634490691},
+      {45, 1 / 1.5, 28.125505702055708},
+      {60, 1 / 1.33, 40.628130651},
+      {89.9, 1 / 1.5, 41.810236842},
+      {0, 1.5, 0},
+      {30, 1.5, 48.590377890729},
+      {41.8, 1.5, 88.850362277},
+      {41.82, 1.5, 90},  // sin 41.81° = 1/1.5
+      {60, 1.5, 90},
+      {89.9, 1.5, 90},
+      {45, 1, 45},
+      {89.9, 1, 89.9},
+  };
+  for (const auto& row : rows) {
+    CAPTURE(row.degrees, row.ratio);
+    const Vec3 normal{0, 1, 0};
+    const Vec3 d{std::sin(row.degrees * degree), -std::cos(row.degrees * degree), 0};
+    const auto behind = refracted(d, normal, row.ratio);
+    REQUIRE(behind.has_value() == (row.behind < 90));
+    if (!behind) continue;
+    CHECK(std::abs(std::atan2(behind->x, -behind->y) / degree - row.behind) < 1e-6);
+    CHECK(behind->z == 0);
+    CHECK(std::abs(length(*behind) - 1) < 1e-15);
+  }
+}
+
+TEST_CASE("a mirror adds its share of what it shows") {
+  const Material wall{.diffuse = {0.5f, 0.25f, 0}};
+  auto scene = shining(walls({{3, {.reflect = 0.5}}, {-2, wall}}));
+  CHECK(seen(scene) == 0.5f * wall.diffuse);
+  CHECK(seen(walls({{3, {.reflect = 0.5}}})) == 0.5f * sky);
+  CHECK(seen(walls({{3, {.reflect = 2}}})) == 2.0f * sky);  // no further weights
+  // What the mirror itself sends is added.
+  scene = shining(walls({{3, {.diffuse = {0, 0, 1}, .reflect = 0.5}}, {-2, wall}}));
+  CHECK(seen(scene) == Color{0, 0, 1} + 0.5f * wall.diffuse);
+}
+
+TEST_CASE("a mirror shows what is where the ray is reflected to") {
+  Scene<Plane, Sphere> scene;
+  scene.add(AmbientLight{Color{1}});
+  scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, Material{.reflect = 1});
+  scene.add(Sphere{.center = {4, 2, 0}, .radius = 0.25}, Color{1, 0, 0});
+  // (0, 2, 0) and the mirror image (4, −4, 0) of the center: the way to it meets the ground at (2, −1, 0).
+  CHECK(seen(scene, 10, {{0, 2, 0}, {4, -6, 0}}) == Color{1, 0, 0});
+  CHECK(seen(scene, 10, {{0, 2, 0}, {4, -5, 0}}) == Color{0});
+  CHECK(seen(scene, 10, {{0, 2, 0}, {0.004, -0.006, 0}}) == Color{1, 0, 0});
+}
+
+TEST_CASE("glass bends a ray where it enters and where it leaves") {
+  // A ball of glass: a ray at a height h enters at the angle a with sin a = h, goes on at b with
+  // sin b = h/1.5, and has turned by 2(a − b) in all.
+  const Material glass{.refract = 1};
+  for (const double h : {0.0, 0.25, 0.5, 0.9, -0.7}) {
+    CAPTURE(h);
+    const double a = std::asin(h), b = std::asin(h / 1.5), turned = 2 * (a - b);
+    // Where it leaves, seen from the center, and where to.
+    const Point out{0, std::sin(2 * b - a), std::cos(2 * b - a)};
+    const Vec3 onward{0, -std::sin(turned), std::cos(turned)};
+    Scene<Sphere> scene;
+    scene.add(AmbientLight{Color{1}});
+    scene.add(Sphere{}, glass);
+    scene.add(Sphere{.center = out + 20.0 * onward, .radius = 1e-6}, Color{1, 0.5f, 0});
+    const Ray ray{{0, h, -5}, {0, 0, 1}};
+    CHECK(seen(scene, 3, ray) == Color{1, 0.5f, 0});
+    CHECK(seen(scene, 2, ray) == Color{0});
+  }
+}
+
+TEST_CASE("inside and outside are told by the surface's own normal") {
+  // Water below the plane, and a lamp where Snell sends the ray.
+  const Material water{.refract = 1, .ior = 1.33};
+  const double a = 40 * degree, b = std::asin(std::sin(a) / 1.33);
+  const Vec3 above{std::sin(a), -std::cos(a), 0}, below{std::sin(b), -std::cos(b), 0};
+  for (const bool enters : {true, false})
+    for (const double sign : {1.0, -1.0}) {  // a normal that points down makes the upper side the inside
+      const Vec3 d = enters == (sign > 0) ? above : Vec3{below.x, below.y, 0};
+      const Vec3 onward = enters == (sign > 0) ? below : above;
+      const double flip = enters ? 1 : -1;  // the same from below
+      Scene<Plane, Sphere> scene;
+      scene.add(AmbientLight{Color{1}});
+      scene.add(Plane{.normal = {0, sign, 0}, .distance = 0}, water);
+      scene.add(Sphere{.center = {5 * onward.x, flip * 5 * onward.y, 0}, .radius = 1e-6}, Color{1});
+      CAPTURE(enters, sign);
+      const bool from_thin = enters == (sign > 0);
+      CHECK(from_thin == (d == above));
+      CHECK(seen(scene, 2, {{-3 * d.x, -3 * flip * d.y, 0}, {d.x, flip * d.y, 0}}) == Color{1});
+    }
+}
+
+TEST_CASE("total reflection adds nothing, and what is reflected is the mirror's") {
+  Scene<Sphere> scene;
+  scene.set_sky(sky);
+  scene.add(Sphere{}, Material{.refract = 1, .ior = 1.5});
+  // From within, at an angle whose sine is 0.8 > 1/1.5.
+  CHECK(seen(scene, 10, {{0.8, 0, 0}, {0, 0, 1}}) == Color{0});
+  CHECK(seen(scene, 10, {{0.6, 0, 0}, {0, 0, 1}}) == sky);
+  Scene<Sphere> mirroring;
+  mirroring.set_sky(sky);
+  mirroring.add(Sphere{}, Material{.reflect = 0.5, .refract = 1, .ior = 1.5});
+  // Along the wall at one angle all the time, so that only the path's end brings light.
+  CHECK(seen(mirroring, 3, {{0.8, 0, 0}, {0, 0, 1}}) == 0.125f * sky);
+}
+
+TEST_CASE("a path of so many rays is cut, and sees the sky") {
+  // Between two mirrors there is no end.
+  const auto scene = walls({{3, {.diffuse = Color{0}, .reflect = 0.5}}, {-2, {.reflect = 0.5}}});
+  CHECK(seen(scene, 0) == sky);
+  float share = 1;
+  for (int depth = 1; depth <= 20; ++depth) {
+    share /= 2;
+    CHECK(seen(scene, depth) == share * sky);
+    const Counting counting{scene};
+    CHECK(seen(counting, depth) == Color{0});  // it has no sky
+    CHECK(counting.rays == depth);
+  }
+}
+
+TEST_CASE("what adds nothing is not asked about") {
+  const Point light{0, 0, 1};
+  const auto asked = [&](const Material& material, const auto& lamp) {
+    auto scene = walls({{3, material}});
+    scene.add(lamp);
+    const Counting counting{scene};
+    static_cast<void>(seen(counting));
+    return std::pair(counting.rays, counting.shadow_rays);
+  };
+  const PointLight lamp{.position = light, .power = Color{1}};
+  CHECK(asked({.diffuse = Color{1}}, lamp) == std::pair(1, 1));
+  CHECK(asked({.specular = Color{1}}, lamp) == std::pair(1, 1));
+  CHECK(asked({}, lamp) == std::pair(1, 0));
+  CHECK(asked({.reflect = 1}, lamp) == std::pair(2, 0));
+  CHECK(asked({.refract = 1}, lamp) == std::pair(2, 0));
+  CHECK(asked({.diffuse = Color{1}}, PointLight{.position = {0, 0, 4}, .power = Color{1}}) ==
+        std::pair(1, 0));
+  CHECK(asked({.diffuse = Color{1}}, PointLight{.position = light}) == std::pair(1, 0));
+  CHECK(asked({.diffuse = Color{1, 0, 0}}, PointLight{.position = light, .power = {0, 1, 1}}) ==
+        std::pair(1, 0));
+  CHECK(asked({.diffuse = Color{1}},
+              SpotLight{.position = light, .direction = {0, 1, 0}, .power = Color{1}}) == std::pair(1, 0));
+  // Far from the middle of a narrow highlight.
+  CHECK(asked({.specular = Color{1}, .shininess = 1e5},
+              PointLight{.position = {2, 0, 1}, .power = Color{1}}) == std::pair(1, 0));
+}
+
+TEST_CASE("Phong's highlight: E⊥ times the cosine, to a power, between the eye and the reflected light") {
+  // The ray meets the wall at (0, 0, 3) head-on, so that the cosine is that of the light's angle.
+  struct {
+    double degrees, shininess;
+  } const rows[] = {{0, 50}, {10, 50}, {45, 1},   {45, 2},   {45, 0.5}, {60, 10}, {80, 3},
+                    {60, 0}, {5, 1e4}, {1, 1425}, {30, 150}, {89, 1},   {30, 700}};
+  for (const auto& row : rows) {
+    CAPTURE(row.degrees, row.shininess);
+    const double a = row.degrees * degree;
+    const Vec3 to_light{std::sin(a), 0, -std::cos(a)};
+    auto scene = walls({{3, {.specular = {1, 0.5f, 2}, .shininess = row.shininess}}});
+    scene.add(ConstantLight{.position = Point{0, 0, 3} + 2.0 * to_light, .intensity = Color{3, 3, 0.5f}});
+    const auto lobe = static_cast<float>(std::pow(std::cos(a), row.shininess));
+    CHECK(near(seen(scene), lobe * Color{3, 1.5f, 1}));
+  }
+
+  // At a slant: brightest where the light is in the mirror's direction.
+  const Ray slant{{-3, 0, 0}, {1, 0, 1}};  // meets the wall at (0, 0, 3)
+  const auto highlight = [&](const Vec3& to_light) {
+    auto scene = walls({{3, {.specular = Color{1}, .shininess = 2}}});
+    scene.add(DirectionalLight{.direction = to_light, .intensity = Color{1}});
+    return seen(scene, 1, slant);
+  };
+  CHECK(near(highlight({1, 0, -1}), Color{1}));
+  CHECK(near(highlight({0, 0, -1}), Color{0.5f}));
+  CHECK(near(highlight({1, std::sqrt(2.0), -1}), Color{0.5f}));
+  CHECK(near(highlight({1, 0, -1e-9}), Color{0.5f}));
+  CHECK(highlight({-1, 0, -1e-9}) == Color{0});  // more than a right angle away
+  CHECK(highlight({1, 0, 0.5}) == Color{0});     // behind the surface
+}
+
+TEST_CASE("a highlight falls off with a lamp's distance as its light does, without the cosine") {
+  auto scene = walls({{3, {.diffuse = Color{1}, .specular = Color{1}, .shininess = 0}}});
+  const Vec3 to_light{2, 0, -1};
+  scene.add(PointLight{.position = Point{0, 0, 3} + to_light, .power = Color{4 * std::numbers::pi_v<float>}});
+  const double e = 1 / dot(to_light, to_light), cosine = 1 / std::sqrt(dot(to_light, to_light));
+  CHECK(near(seen(scene), Color{static_cast<float>(e * cosine + e)}));
+}
+
+TEST_CASE("a light that is hidden adds nothing; ambient light is everywhere") {
+  const Material matte{.diffuse = {0.5f, 0.25f, 1}, .specular = Color{1}, .shininess = 0};
+  for (const double z : {2.0, 4.0, 20.0}) {  // of a ball; the light is at z = 1, the wall at z = 3
+    Scene<Plane, Sphere> scene;
+    scene.add(Plane{.normal = {0, 0, -1}, .distance = -3}, matte);
+    scene.add(Sphere{.center = {0, 0, z}, .radius = 0.25}, Color{1});
+    scene.add(ConstantLight{.position = {0, 0, 1}, .intensity = Color{1}});
+    CAPTURE(z);
+    const Ray ray{{-1.5, 0, 0}, {1.5, 0, 3}};  // beside the ball
+    const bool hidden = z == 2;
+    CHECK((seen(scene, 1, ray) == Color{0}) == hidden);
+    scene.add(AmbientLight{{2, 4, 0}});
+    CHECK((seen(scene, 1, ray) == Color{1, 1, 0}) == hidden);
+    CHECK(seen(scene, 1, {{0, 0, 2.9}, {0, 0, 0.1}}).r >= 1);
+  }
+}
+
+TEST_CASE("surfaces without a mirror or glass look as they do under ShadowIntegrator") {
+  Scene<Sphere, Plane> scene;
+  scene.add(Plane{.normal = {0, 1, 0}, .distance = -1},
+            Material{.texture = Checker{{1, 0.5f, 0}, {0, 0.25f, 0.5f}, 0.7}});
+  scene.add(Sphere{.center = {0, 0, 4}}, Color{0.5f, 1, 0.25f});
+  scene.add(Sphere{.center = {1, 1, 2}, .radius = 0.5}, Color{1, 1, 0.25f});
+  scene.add(PointLight{.position = {2, 4, 0}, .power = Color{100}});
+  scene.add(DirectionalLight{.direction = {-1, 1, -1}, .intensity = Color{0.5f}});
+  scene.add(SpotLight{
+      .position = {0, 3, 3}, .direction = {0, -1, 0}, .angle = 40, .power = Color{200}, .fade = 20});
+  scene.add(AmbientLight{Color{0.125f}});
+  scene.set_sky(sky);
+  Random random(8);
+  int differing = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Ray ray{{0, 0, -1}, normalize(Vec3{random.real(-1, 1), random.real(-1, 1), 1})};
+    if (!near(seen(scene, 1, ray), ShadowIntegrator{}.radiance(ray, scene))) ++differing;
+  }
+  CHECK(differing == 0);
+}
+
+TEST_CASE("a ray's length changes nothing") {
+  auto scene = shining(
+      walls({{3, {.specular = Color{1}, .shininess = 5, .reflect = 0.5}}, {-2, {.diffuse = {1, 0, 0}}}}));
+  scene.add(ConstantLight{.position = {1, 0, 0}, .intensity = Color{1}});
+  const Color expected = seen(scene, 5, {{0, 0, 0}, {0.25, 0, 1}});
+  for (const double length : {0x1p-100, 0.5, 8.0, 0x1p100})
+    CHECK(near(seen(scene, 5, {{0, 0, 0}, length * Vec3{0.25, 0, 1}}), expected));
+}
