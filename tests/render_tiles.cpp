@@ -477,7 +477,7 @@ struct Glow {
   template <class R>
   typename R::Light radiance(const R& ray, const auto& scene) const {
     Color glow{0};
-    for (const PointLight& light : scene.lights()) glow += light.power;
+    for (const Light& light : scene.lights()) glow += light.irradiance(Point{0}, Vec3{0, 0, 1});
     return select(scene.occluded(ray, Interval{}), Color{0}, glow);
   }
 };
@@ -540,7 +540,8 @@ TEST_CASE("by tiles, a function of a ray and any scene may ask for the scene's s
   const auto touched = [&](const Ray& ray, const auto& traced) {
     Color color{static_cast<float>(traced.size())};
     for (std::size_t i = 0; i < traced.template surfaces<Sphere>().size(); ++i)
-      if (traced.template surfaces<Sphere>()[i].intersect(ray)) color *= traced.template colors<Sphere>()[i];
+      if (traced.template surfaces<Sphere>()[i].intersect(ray))
+        color *= traced.template materials<Sphere>()[i].diffuse;
     return color;
   };
   Image by_tiles(90, 70), without(90, 70);

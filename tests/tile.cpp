@@ -267,7 +267,7 @@ TEST_CASE("a tile keeps every sphere that a ray at one of its corners touches fr
   for (int round = 0; round < 2000; ++round) {
     const double field = std::exp2(random.real(-20, 0));
     const Camera camera = turned_camera(random, random.point(2), field, field, 1);
-    const PixelRays rays(camera, 200, 150);
+    const PixelRays rays(camera, PixelGrid(200, 150), 200, 150);
     const Tile picture{0, 0, 200, 150};
     const int side = 1 << random.bits() % 7;
     const Tile tile =
@@ -288,7 +288,7 @@ TEST_CASE("a tile keeps every sphere that a ray at one of its corners touches fr
           spheres.push_back({.center = ray.at(t) + radius * away, .radius = radius});
         }
     Candidates in_tile;
-    in_tile.add(candidates_of(spheres, camera.position), Frustum(rays, tile));
+    in_tile.add(candidates_of(spheres, rays.viewpoint()), Frustum(rays, tile));
     all += static_cast<int>(spheres.size());
     dropped += static_cast<int>(spheres.size()) - in_tile.size();
   }
@@ -298,10 +298,10 @@ TEST_CASE("a tile keeps every sphere that a ray at one of its corners touches fr
 
 TEST_CASE("a tile drops a sphere that fills the view below it, and keeps it where the ground begins") {
   const Sphere ground{.center = {0, -1001, 3}, .radius = 1000};
-  const PixelRays rays(Camera{}, 640, 480);
+  const PixelRays rays(Camera{}, PixelGrid(640, 480), 640, 480);
   const auto is_kept = [&](const Tile& tile) {
     Candidates in_tile;
-    in_tile.add(candidates_of({ground}, Point{0}), Frustum(rays, tile));
+    in_tile.add(candidates_of({ground}, rays.viewpoint()), Frustum(rays, tile));
     return in_tile.size() == 1;
   };
   // The horizon is where the line of sight touches: about 2.6° below the middle, between rows 250 and 258.

@@ -135,12 +135,12 @@ inline Picture picture(const FourSpheres& scene, int width = 1024, int height = 
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const Vector whole = through_pixel(x, y, width, height).real();
-      const Vector light = scene.light_along({half * whole.x, half * whole.y, whole.z});
-      const Real largest = std::max({light.x, light.y, light.z, Real{1}});
+      const Vector seen = scene.light_along({half * whole.x, half * whole.y, whole.z});
+      const Real largest = std::max({seen.x, seen.y, seen.z, Real{1}});
       const auto code = [&](Real channel) {
         return static_cast<std::uint8_t>(std::lround(255 * channel / largest));
       };
-      result.pixels.push_back({code(light.x), code(light.y), code(light.z)});
+      result.pixels.push_back({code(seen.x), code(seen.y), code(seen.z)});
     }
   return result;
 }

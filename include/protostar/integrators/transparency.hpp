@@ -5,10 +5,10 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Light from behind, white if the scene has no sky, filtered by the color of every surface that the ray
-/// crosses, on its way in and on its way out. The ray is never restarted: one pass over the surfaces finds
-/// all crossings, so the work grows with their number and not with its square, and there is no limit to them.
-/// The product is taken in the order of the surfaces.
+/// Light from behind, the sky's or white, filtered by the color of every surface that the ray crosses, on its
+/// way in and on its way out. The ray is never restarted: one pass over the surfaces finds all crossings, so
+/// the work grows with their number and not with its square, and there is no limit to them. The product is
+/// taken in the order of the surfaces.
 struct TransparencyIntegrator {
   using TakesPackets = TransparencyIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
 

@@ -34,11 +34,12 @@ struct WhittedIntegrator {
   int depth = 10;  ///< the most rays in one path; 1 is the camera's alone. A path that is cut sees the sky
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
-    return radiance(ray, scene, depth);
+    return follow(ray, scene, depth);
   }
 
  private:
-  [[nodiscard]] Color radiance(const Ray& ray, const auto& scene, int rays) const {
+  /// What a ray brings, and so many rays at the most, this one among them.
+  [[nodiscard]] Color follow(const Ray& ray, const auto& scene, int rays) const {
     const auto hit = rays > 0 ? scene.intersect(ray, Interval{}) : std::nullopt;
     if (!hit) return sky_of(scene, Color{0});
 
@@ -51,10 +52,10 @@ struct WhittedIntegrator {
     const Vec3 mirrored = reflected(direction, normal);
     Color result = from_lights(*hit, normal, mirrored, scene);
     if (material.reflect > 0)
-      result += static_cast<float>(material.reflect) * radiance(hit->leave(mirrored), scene, rays - 1);
+      result += static_cast<float>(material.reflect) * follow(hit->leave(mirrored), scene, rays - 1);
     if (material.refract > 0)
       if (const auto d = refracted(direction, normal, enters ? 1 / material.ior : material.ior))
-        result += static_cast<float>(material.refract) * radiance(hit->leave(*d), scene, rays - 1);
+        result += static_cast<float>(material.refract) * follow(hit->leave(*d), scene, rays - 1);
     return result;
   }
 
