@@ -104,6 +104,10 @@ TEST_CASE("the three spheres from a file are the pictures of the stages, to the 
         picture(row.stage, "--size 160x120", "out.pfm"));
 }
 
+TEST_CASE("the whole picture of stage 13 is a scene file, too") {
+  CHECK(rendered("whitted", "") == picture("13_whitted", ""));
+}
+
 TEST_CASE("matte surfaces look to Whitted's integrator as they do to that of shadows") {
   CHECK(rendered("three_spheres", "--integrator whitted") ==
         rendered("three_spheres", "--integrator shadow"));
