@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <protostar/image.hpp>
+#include <protostar/io/scene_file.hpp>
 #include <protostar/version.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -68,6 +69,36 @@ int read_whole(const std::string& option, std::string_view text, bool (*is_allow
   return *value;
 }
 
+/// Makes of the picture a part of it.
+void read_crop(std::string_view text, Options& options) {
+  std::vector<int> numbers;
+  for (std::size_t begin = 0, end = 0; end != std::string_view::npos && numbers.size() <= 4;
+       begin = end + 1) {
+    end = text.find(',', begin);
+    numbers.push_back(number<int>(text.substr(begin, end - begin)).value_or(-1));
+  }
+  const auto is_part = [](int first, int size, int whole) {
+    return first >= 0 && size >= 1 && size <= whole && first <= whole - size;
+  };
+  if (numbers.size() != 4 || !is_part(numbers[0], numbers[2], options.width) ||
+      !is_part(numbers[1], numbers[3], options.height))
+    refuse("--crop", text,
+           "X,Y,W,H, whole numbers of a part of at least one pixel that lies inside the picture of " +
+               std::to_string(options.width) + "x" + std::to_string(options.height));
+  options.crop = {.x = numbers[0], .y = numbers[1], .width = options.width, .height = options.height};
+  options.width = numbers[2];
+  options.height = numbers[3];
+}
+
+std::string read_integrator(std::string_view text) {
+  std::string names;
+  for (const std::string_view name : protostar::integrator_names) {
+    if (name == text) return std::string(text);
+    names += (names.empty() ? "" : ", ") + std::string(name);
+  }
+  refuse("--integrator", text, "one of " + names);
+}
+
 double read_finite(const std::string& option, std::string_view text) {
   const auto value = number<double>(text);
   if (!value || !std::isfinite(*value)) refuse(option, text, "a finite number");
@@ -113,28 +144,43 @@ std::string ending_of(Options::Format format) {
 
 std::optional<Options> parse_options(int argc, const char* const* argv, const StageDefaults& defaults,
                                      const std::string& program, int& status) {
-  Options options{.width = defaults.width,
-                  .height = defaults.height,
-                  .transfer = defaults.transfer,
-                  .tone = defaults.tone,
-                  .plain = defaults.plain,
-                  .numbers = defaults.numbers};
+  Options options{.plain = defaults.plain, .numbers = defaults.numbers};
   std::vector<std::string> numbers(options.numbers.size());
   std::string output = options.output.string(), size, threads, bits, transfer;
-  const std::string default_size = std::to_string(defaults.width) + "x" + std::to_string(defaults.height);
+  std::string scene, integrator, samples, crop;
+  const bool of_scene = static_cast<bool>(defaults.read_scene);
+  const auto or_of_scene = [&](const std::string& text) { return of_scene ? "the scene's" : text; };
 
-  CLI::App app("Draws the picture of one section of the tutorial.", program);
+  CLI::App app(
+      of_scene ? "Draws the picture of a scene file." : "Draws the picture of one section of the tutorial.",
+      program);
   app.set_version_flag("--version", std::string("protostar ") + PROTOSTAR_VERSION);
   app.add_option("-o", output,
                  "The picture's file: .ppm, .png, or .pfm and .hdr for the linear light [out.ppm]")
       ->type_name("FILE");
-  app.add_option("--size", size, "Its size in pixels [" + default_size + "]")->type_name("WxH");
+  app.add_option("--size", size,
+                 "Its size in pixels [" +
+                     or_of_scene(std::to_string(defaults.width) + "x" + std::to_string(defaults.height)) +
+                     "]")
+      ->type_name("WxH");
   app.add_option("--threads", threads, "How many work on it; 0: all cores [0]")->type_name("N");
   app.add_option("--bits", bits, "Bits per channel of a .ppm: 8 or 16 [8]")->type_name("8|16");
   app.add_option("--transfer", transfer,
                  "How light becomes numbers: the sRGB curve, as it is, or its G-th root [" +
-                     name_of(defaults.transfer) + "]")
+                     or_of_scene(name_of(defaults.transfer)) + "]")
       ->type_name("srgb|linear|gamma=G");
+  if (of_scene) {
+    app.add_option("scene", scene, "The scene, a file as docs/scene-format.md has it")
+        ->required()
+        ->type_name("SCENE.json");
+    app.add_option("--integrator", integrator,
+                   "What light a ray brings, such as color or shadow [the scene's]")
+        ->type_name("I");
+    app.add_option("--samples", samples, "Rays through each pixel; 0: one through its center [the scene's]")
+        ->type_name("N");
+    app.add_option("--crop", crop, "Only W x H pixels of the picture, from column X and row Y on")
+        ->type_name("X,Y,W,H");
+  }
   for (std::size_t i = 0; i < numbers.size(); ++i)
     app.add_option(options.numbers[i].name, numbers[i], options.numbers[i].help)->type_name("X");
   app.add_flag("--plain", options.plain,
@@ -146,11 +192,29 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     return of->get_name() + ": " + error.what() + "\nRun with --help for what is allowed.\n";
   });
 
+  const auto given = [&app](const char* option) {
+    const CLI::Option* known = app.get_option_no_throw(option);
+    return known && known->count() > 0;
+  };
+
   try {
     app.parse(argc, argv);
+    const StageDefaults settings = of_scene ? defaults.read_scene(scene) : defaults;
+    options.integrator = settings.integrator;
+    options.width = settings.width;
+    options.height = settings.height;
+    options.transfer = settings.transfer;
+    options.tone = settings.tone;
+    options.samples = settings.samples;
     options.output = output;
     options.format = format_of(options.output);
     if (app.count("--size")) read_size(size, options);
+    if (given("--crop")) read_crop(crop, options);
+    if (given("--integrator")) options.integrator = read_integrator(integrator);
+    if (given("--samples"))
+      options.samples = read_whole(
+          "--samples", samples, [](int n) { return n >= 0 && n <= protostar::most_samples; },
+          "a whole number from 0 to " + std::to_string(protostar::most_samples));
     if (app.count("--threads"))
       options.threads = read_whole(
           "--threads", threads, [](int n) { return n >= 0; }, "a whole number of at least 0");

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <protostar/encode.hpp>
+#include <protostar/render_options.hpp>
 #include <protostar/tone.hpp>
 #include <string>
 #include <vector>
@@ -16,12 +18,16 @@ struct NumberOption {
 
 /// What a stage draws when it is not told otherwise.
 struct StageDefaults {
-  std::string integrator;  ///< for the line that the stage prints
+  std::string integrator = {};  ///< for the line that the stage prints
   int width = 640, height = 480;
   protostar::Transfer transfer = protostar::Gamma{2.2};
   protostar::Tone tone = protostar::Tone::clip;  ///< not for files of linear light
   bool plain = false;
   std::vector<NumberOption> numbers = {};  ///< options of its own
+  int samples = 0;
+
+  /// Of a program that draws scene files: reads one, and says what it asks for.
+  std::function<StageDefaults(const std::filesystem::path&)> read_scene = {};
 };
 
 /// What the user asked for, checked as far as it can be without touching a file.
@@ -36,8 +42,11 @@ struct Options {
   int width = 0, height = 0;
   int threads = 0;  ///< 0: all cores
   int bits = 8;
-  protostar::Transfer transfer;
+  protostar::Transfer transfer = {};
   protostar::Tone tone = protostar::Tone::clip;
+  std::string integrator = {};
+  int samples = 0;
+  protostar::Crop crop = {};  ///< the picture, if width and height are those of a part of it
   bool plain = false;
   bool quiet = false;
   std::vector<NumberOption> numbers;  ///< with the values that were given

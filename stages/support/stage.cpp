@@ -46,11 +46,8 @@ void flush(std::FILE* stream, const char* name) {
 
 }  // namespace
 
-Stage::Stage(const Options& options, std::string integrator, std::stop_token stop)
-    : options_(options),
-      integrator_(std::move(integrator)),
-      stop_(std::move(stop)),
-      progress_(options.quiet) {}
+Stage::Stage(const Options& options, std::stop_token stop)
+    : options_(options), stop_(std::move(stop)), progress_(options.quiet) {}
 
 Image Stage::image() const {
   // Making a file and not committing it changes nothing, but fails where saving would. Devices and pipes are
@@ -65,8 +62,11 @@ Image Stage::image() const {
 
 RenderOptions Stage::render_options() {
   start_ = Clock::now();
-  return {
-      .threads = options_.threads, .stop = stop_, .progress = [this](double done) { progress_.show(done); }};
+  return {.samples = options_.samples,
+          .crop = options_.crop,
+          .threads = options_.threads,
+          .stop = stop_,
+          .progress = [this](double done) { progress_.show(done); }};
 }
 
 void Stage::save(const Image& image) {
@@ -84,7 +84,7 @@ void Stage::save(const Image& image) {
   std::snprintf(times.data(), times.size(), ", rendered in %.2f ms, written in %.2f ms",
                 milliseconds(rendered - start_), milliseconds(Clock::now() - rendered));
   print(options_.output.string() + ": " + std::to_string(image.width()) + "x" +
-        std::to_string(image.height()) + ", " + integrator_ + times.data());
+        std::to_string(image.height()) + ", " + options_.integrator + times.data());
 }
 
 void Stage::compare(const Image& image, const Image& exact) const {
@@ -133,7 +133,7 @@ int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::f
     const auto options = parse_options(argc, argv, defaults, program, status);
     if (options) {
       const Interrupt interrupt;
-      Stage stage(*options, defaults.integrator, interrupt.token());
+      Stage stage(*options, interrupt.token());
       draw(stage);
       if (interrupt.signal() != 0) return 128 + interrupt.signal();
     }

@@ -14,13 +14,16 @@
 /// One run of a stage: what the user asked for.
 class Stage {
  public:
-  Stage(const Options& options, std::string integrator, std::stop_token stop);
+  Stage(const Options& options, std::stop_token stop);
 
   /// A black image of the size asked for. Throws std::system_error right away if it could not be saved later.
   protostar::Image image() const;
 
-  /// The threads asked for, a progress display, and an end on Ctrl-C. The time of the render counts from
-  /// here.
+  /// What light the rays bring, by the name of the integrator.
+  const std::string& integrator() const { return options_.integrator; }
+
+  /// The samples, the crop and the threads asked for, a progress display, and an end on Ctrl-C. The time of
+  /// the render counts from here.
   protostar::RenderOptions render_options();
 
   /// Saves the image in the format asked for, with the stage's tone unless the file holds the light itself,
@@ -42,7 +45,6 @@ class Stage {
   void write(const protostar::Image& image) const;
 
   Options options_;
-  std::string integrator_;
   std::stop_token stop_;
   Progress progress_;
   Clock::time_point start_ = Clock::now();

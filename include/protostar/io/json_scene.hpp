@@ -1,0 +1,582 @@
+// Scene files (docs/scene-format.md), through nlohmann_json. Not part of the core: link protostar::json.
+//
+// Everything is checked where it is read, by a JsonCursor, which knows the way to its value. To add a type of
+// surface, write a function that makes one, beside sphere_at, and a row in surface_types.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <memory>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "../image.hpp"
+#include "image_texture.hpp"
+#include "scene_file.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// What is wrong with a scene file: its name, the place in it, what was found and what is allowed.
+struct SceneError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+namespace detail {
+
+using nlohmann::json;
+
+/// Of a scene file. A million spheres take half of it.
+inline constexpr std::size_t most_bytes = std::size_t{1} << 28;
+
+/// The beginning of a text that may be of any length, whole characters of UTF-8.
+inline std::string beginning(const std::string& text, std::size_t most = 60) {
+  if (text.size() <= most) return text;
+  while ((static_cast<unsigned char>(text[most]) & 0xc0) == 0x80) --most;
+  return text.substr(0, most) + "...";
+}
+
+/// One more step of a JSON pointer (RFC 6901), with its control characters as JSON writes them.
+inline std::string step(const std::string& key) {
+  std::string text = "/";
+  for (const char c : key) text += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
+  const std::string quoted = json(beginning(text)).dump();
+  return quoted.substr(1, quoted.size() - 2);
+}
+inline std::string step(std::size_t index) { return "/" + std::to_string(index); }
+
+[[noreturn]] inline void refuse(const std::string& file, const std::string& pointer,
+                                const std::string& what) {
+  throw SceneError(file + ": " + (pointer.empty() ? "the whole" : pointer) + ": " + what);
+}
+
+/// "a, b and c".
+template <class Names>
+std::string list_of(const Names& names, const std::string& last = " and ") {
+  std::string text;
+  std::size_t left = std::size(names);
+  for (const auto& name : names) {
+    text += name;
+    --left;
+    text += left > 1 ? ", " : left == 1 ? last : "";
+  }
+  return text;
+}
+
+/// Takes what nlohmann's parser reads and builds the value of it. It refuses what the parser would let pass,
+/// a key that is there twice, and what would be built for nothing, a nesting that no scene has.
+class JsonBuilder {
+ public:
+  explicit JsonBuilder(std::string file) : file_(std::move(file)) {}
+
+  json take() { return std::move(root_); }
+
+  bool null() { return put(nullptr); }
+  bool boolean(bool value) { return put(value); }
+  bool number_integer(std::int64_t value) { return put(value); }
+  bool number_unsigned(std::uint64_t value) { return put(value); }
+  bool number_float(double value, const std::string&) { return put(value); }
+  bool string(std::string& value) { return put(std::move(value)); }
+  bool binary(std::vector<std::uint8_t>&) { return false; }  // JSON has none
+
+  bool start_object(std::size_t) { return open(json::object()); }
+  bool start_array(std::size_t) { return open(json::array()); }
+  bool end_object() { return close(); }
+  bool end_array() { return close(); }
+  bool key(std::string& name) {
+    open_.back().key = std::move(name);
+    if (open_.back().value->contains(open_.back().key))
+      refuse(file_, pointer(), "the key is there twice; once is allowed");
+    return true;
+  }
+
+  bool parse_error(std::size_t, const std::string& token, const nlohmann::detail::exception& error) const {
+    if (dynamic_cast<const json::out_of_range*>(&error))
+      refuse(file_, pointer(), beginning(token) + " is not a number that a double holds, up to 1.8e308");
+    std::string what = error.what();  // "[its name] parse error at line 1, column 2: ... last read: ..."
+    what = beginning(what.substr(what.find("] ") + 2), 240);
+    for (char& c : what)
+      if (c < ' ' || c > '~') c = '?';  // some bytes of the file, which may be anything
+    throw SceneError(file_ + ": " + what);
+  }
+
+ private:
+  static constexpr std::size_t most_open = 32;  ///< far more than the seven of a checker's channel
+
+  struct Open {
+    json* value;
+    std::string key;  ///< of an object: the last one
+  };
+
+  bool put(json value) {
+    place(std::move(value));
+    return true;
+  }
+
+  bool open(json value) {
+    if (open_.size() == most_open)
+      refuse(file_, pointer(),
+             "there are " + std::to_string(most_open + 1) +
+                 " arrays and objects inside each other; at most " + std::to_string(most_open) +
+                 " are allowed");
+    open_.push_back({.value = &place(std::move(value)), .key = ""});
+    return true;
+  }
+
+  bool close() {
+    open_.pop_back();
+    return true;
+  }
+
+  /// An array moves its values only when it grows, which it does not while one of them is open.
+  json& place(json value) {
+    if (open_.empty()) return root_ = std::move(value);
+    Open& in = open_.back();
+    if (in.value->is_object()) return (*in.value)[in.key] = std::move(value);
+    in.value->push_back(std::move(value));
+    return in.value->back();
+  }
+
+  /// The way to the value that comes next.
+  [[nodiscard]] std::string pointer() const {
+    std::string text;
+    for (const Open& in : open_) {
+      const bool innermost = &in == &open_.back();
+      text += in.value->is_object() ? step(in.key) : step(in.value->size() - (innermost ? 0 : 1));
+    }
+    return text;
+  }
+
+  std::string file_;
+  json root_;
+  std::vector<Open> open_;
+};
+
+/// A value in a scene file, or the lack of one, and the way to it. Whatever is read from it is checked; what
+/// is wrong throws SceneError.
+class JsonCursor {
+ public:
+  /// The whole file. Both have to live as long as the cursor.
+  JsonCursor(const json& value, const std::string& file) : file_(&file), value_(&value) {}
+
+  [[noreturn]] void refuse(const std::string& allowed) const {
+    detail::refuse(*file_, pointer_, found() + " is not " + allowed);
+  }
+
+  [[noreturn]] void refuse_beside(const std::string& other) const {
+    detail::refuse(*file_, pointer_, found() + " is not possible beside " + other);
+  }
+
+  // ---- Objects and arrays.
+
+  /// Demands an object without other keys than these.
+  const JsonCursor& with_keys(const std::vector<std::string>& allowed) const {
+    require(is_object(), "an object");
+    for (const auto& [key, value] : value_->items())
+      if (std::find(allowed.begin(), allowed.end(), key) == allowed.end())
+        detail::refuse(*file_, pointer_ + step(key), "is not a key here; allowed are " + list_of(allowed));
+    return *this;
+  }
+
+  [[nodiscard]] bool is_object() const { return value_ && value_->is_object(); }
+  [[nodiscard]] bool has(const std::string& key) const { return is_object() && value_->contains(key); }
+
+  /// What an object has under a key.
+  [[nodiscard]] JsonCursor operator[](const std::string& key) const {
+    require(is_object(), "an object");
+    return {*this, step(key), has(key) ? &*value_->find(key) : nullptr};
+  }
+
+  /// What an array has, each with a cursor of its own.
+  [[nodiscard]] std::vector<JsonCursor> elements() const {
+    require(value_ && value_->is_array(), "an array");
+    std::vector<JsonCursor> all;
+    all.reserve(value_->size());
+    for (const json& value : *value_) all.push_back({*this, step(all.size()), &value});
+    return all;
+  }
+
+  /// The same of an array of a known size.
+  [[nodiscard]] std::vector<JsonCursor> elements(std::size_t size, const std::string& allowed) const {
+    require(value_ && value_->is_array() && value_->size() == size, allowed);
+    return elements();
+  }
+
+  /// What an object has, by their keys.
+  [[nodiscard]] std::map<std::string, JsonCursor> members() const {
+    require(is_object(), "an object");
+    std::map<std::string, JsonCursor> all;
+    for (const auto& [key, value] : value_->items()) all.emplace(key, JsonCursor(*this, step(key), &value));
+    return all;
+  }
+
+  // ---- Numbers.
+
+  [[nodiscard]] double number(const std::string& allowed = "a number") const {
+    require(value_ && value_->is_number(), allowed);
+    return value_->get<double>();
+  }
+
+  [[nodiscard]] double number_above_0() const {
+    const std::string allowed = "a number greater than 0";
+    const double x = number(allowed);
+    require(x > 0, allowed);
+    return x;
+  }
+
+  [[nodiscard]] double number_between(double min, double max, const std::string& allowed) const {
+    const double x = number(allowed);
+    require(min <= x && x <= max, allowed);
+    return x;
+  }
+
+  /// A factor on light, which is computed in float.
+  [[nodiscard]] double factor() const {
+    return number_between(0, std::numeric_limits<float>::max(), "a number from 0 to 3.4e38");
+  }
+
+  [[nodiscard]] int whole_number(int min, int max) const {
+    const std::string allowed = "a whole number from " + std::to_string(min) + " to " + std::to_string(max);
+    const double x = number_between(min, max, allowed);
+    require(x == std::floor(x), allowed);
+    return static_cast<int>(x);
+  }
+
+  // ---- Threes of numbers.
+
+  [[nodiscard]] Vec3 vector() const {
+    const auto xyz = elements(3, "a vector, an array of three numbers");
+    return {xyz[0].number(), xyz[1].number(), xyz[2].number()};
+  }
+
+  /// A vector of unit length along the one in the file.
+  [[nodiscard]] Vec3 direction() const {
+    const Vec3 v = vector();
+    require(v != Vec3{0}, "a direction, a vector that is not 0");
+    const Vec3 near_one = scaled(v, -exponent_of({v}));  // whose squares neither overflow nor vanish
+    return near_one / length(near_one);
+  }
+
+  [[nodiscard]] Color color() const {
+    const auto rgb = elements(3, "a color, an array of three numbers from 0 to 3.4e38");
+    return Color(Vec3{rgb[0].factor(), rgb[1].factor(), rgb[2].factor()});
+  }
+
+  // ---- Words.
+
+  [[nodiscard]] std::string text(const std::string& allowed) const {
+    require(value_ && value_->is_string(), allowed);
+    return value_->get<std::string>();
+  }
+
+  /// A file's path; what it is relative to is the folder of the scene.
+  [[nodiscard]] std::filesystem::path path() const {
+    return std::filesystem::path(*file_).parent_path() / text("the path of a file");
+  }
+
+  /// One of the first members of these pairs, and what belongs to it.
+  template <class Pairs>
+  [[nodiscard]] auto one_of(const Pairs& pairs) const {
+    std::vector<std::string> names;
+    for (const auto& [name, meaning] : pairs) names.push_back('"' + std::string(name) + '"');
+    const std::string allowed = list_of(names, " or "), found = text(allowed);
+    for (const auto& [name, meaning] : pairs)
+      if (name == found) return meaning;
+    refuse(allowed);
+  }
+
+  /// Calls what makes a thing of the library, whose own objection becomes one to this value.
+  auto checked(const auto& make) const {
+    try {
+      return make();
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      detail::refuse(*file_, pointer_, found() + " is not possible: " + error.what());
+    }
+  }
+
+ private:
+  JsonCursor(const JsonCursor& parent, const std::string& last_step, const json* value)
+      : file_(parent.file_), pointer_(parent.pointer_ + last_step), value_(value) {}
+
+  void require(bool holds, const std::string& allowed) const {
+    if (!holds) refuse(allowed);
+  }
+
+  /// The value as JSON writes it, as far as it can be read at a glance.
+  [[nodiscard]] std::string found() const {
+    if (!value_) return "nothing";
+    if (value_->size() > 100) return "an array or object of " + std::to_string(value_->size()) + " values";
+    return beginning(value_->dump());
+  }
+
+  const std::string* file_;
+  std::string pointer_;
+  const json* value_;  ///< nothing where there is none
+};
+
+// ---- Surfaces.
+
+inline Sphere sphere_at(const JsonCursor& at) {
+  at.with_keys({"type", "position", "radius"});
+  return {.center = at["position"].vector(), .radius = at["radius"].number_above_0()};
+}
+
+inline Plane plane_at(const JsonCursor& at) {
+  at.with_keys({"type", "normal", "distance"});
+  return {.normal = at["normal"].direction(), .distance = at["distance"].number()};
+}
+
+inline Parallelogram parallelogram_at(const JsonCursor& at) {
+  at.with_keys({"type", "position", "edges"});
+  const auto edges = at["edges"].elements(2, "an array of two vectors");
+  const Parallelogram board{
+      .position = at["position"].vector(), .edge_u = edges[0].vector(), .edge_v = edges[1].vector()};
+  at["edges"].checked([&] { board.validate(); });
+  return board;
+}
+
+/// Adds the surface that a function makes.
+template <auto surface_at>
+void add_surface(const JsonCursor& at, const Material& material, SceneFile& file) {
+  const auto surface = surface_at(at);
+  at.checked([&] { file.scene.add(surface, material); });
+}
+
+inline const std::vector<
+    std::pair<std::string_view, void (*)(const JsonCursor&, const Material&, SceneFile&)>>
+    surface_types{{"sphere", add_surface<sphere_at>},
+                  {"plane", add_surface<plane_at>},
+                  {"parallelogram", add_surface<parallelogram_at>}};
+
+// ---- Materials.
+
+inline Texture texture_at(const JsonCursor& at) {
+  if (at.has("image")) {
+    at.with_keys({"image", "size"});
+    double size_u = 1, size_v = 1;
+    if (at.has("size")) {
+      const auto size = at["size"].elements(2, "an array of two numbers");
+      size_u = size[0].number_above_0(), size_v = size[1].number_above_0();
+    }
+    const std::filesystem::path path = at["image"].path();
+    return at["image"].checked([&] { return image_texture(path, size_u, size_v); });
+  }
+  at.with_keys({"checker", "size"});
+  const auto colors = at["checker"].elements(2, "an array of two colors");
+  return Checker{
+      .first = colors[0].color(), .second = colors[1].color(), .size = at["size"].number_above_0()};
+}
+
+inline Material material_at(const JsonCursor& at) {
+  at.with_keys({"diffuse", "specular", "shininess", "reflect", "refract", "ior"});
+  Material material;
+  if (at["diffuse"].is_object())
+    material.texture = texture_at(at["diffuse"]);
+  else if (at.has("diffuse"))
+    material.diffuse = at["diffuse"].color();
+  if (at.has("specular")) material.specular = at["specular"].color();
+  if (at.has("shininess"))
+    material.shininess =
+        at["shininess"].number_between(0, std::numeric_limits<double>::max(), "a number of at least 0");
+  if (at.has("reflect")) material.reflect = at["reflect"].factor();
+  if (at.has("refract")) material.refract = at["refract"].factor();
+  if (at.has("ior")) material.ior = at["ior"].number_above_0();
+  return material;
+}
+
+using Materials = std::map<std::string, Material>;
+
+inline Material material_of(const JsonCursor& object, const Materials& materials) {
+  if (object.has("material-id") && object.has("color")) object["color"].refuse_beside("a material-id");
+  if (object.has("color")) return {.diffuse = object["color"].color()};
+  const std::string allowed = "the name of one of the materials";
+  const auto found = materials.find(object["material-id"].text(allowed + ", and there is no color"));
+  if (found != materials.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [name, material] : materials)
+    if (names.size() < 10) names.push_back(json(beginning(name)).dump());
+  if (names.size() < materials.size()) names.push_back("more");
+  object["material-id"].refuse(allowed +
+                               (names.empty() ? ", of which there are none" : ": " + list_of(names)));
+}
+
+// ---- Lights. The keys say which kind it is.
+
+inline void add_light(const JsonCursor& at, SceneFile& file) {
+  if (at.has("ambient")) {
+    at.with_keys({"ambient"});
+    file.scene.add(AmbientLight{.intensity = at["ambient"].color()});
+  } else if (at.has("angle") || at.has("fade") || (at.has("position") && at.has("direction"))) {
+    at.with_keys({"position", "direction", "angle", "fade", "power"});
+    SpotLight light{.position = at["position"].vector(), .direction = at["direction"].direction()};
+    const std::string degrees = "a number of degrees above 0 and at most 180";
+    light.angle = at["angle"].number_between(std::numeric_limits<double>::denorm_min(), 180, degrees);
+    if (at.has("fade"))
+      light.fade = at["fade"].number_between(0, light.angle, "a number of degrees from 0 to the angle");
+    light.power = at["power"].color();
+    at.checked([&] { file.scene.add(light); });
+  } else if (at.has("direction")) {
+    at.with_keys({"direction", "intensity"});
+    const Vec3 direction = at["direction"].direction();
+    file.scene.add(DirectionalLight{.direction = direction, .intensity = at["intensity"].color()});
+  } else if (at.has("power")) {
+    at.with_keys({"position", "power"});
+    file.scene.add(PointLight{.position = at["position"].vector(), .power = at["power"].color()});
+  } else {
+    at.with_keys({"position", "direction", "intensity", "power", "angle", "fade", "ambient"});
+    if (!at.has("position") && !at.has("intensity"))
+      at.refuse(
+          "a light: position and intensity, position and power, direction and intensity, position, "
+          "direction, angle "
+          "and power, or ambient");
+    file.scene.add(ConstantLight{.position = at["position"].vector(), .intensity = at["intensity"].color()});
+  }
+}
+
+// ---- The rest.
+
+inline Camera camera_at(const JsonCursor& at) {
+  enum class Projection { perspective, orthographic };
+  const auto projection = at["projection"].one_of(
+      std::array{std::pair{std::string_view("perspective"), Projection::perspective},
+                 std::pair{std::string_view("orthographic"), Projection::orthographic}});
+  if (projection == Projection::orthographic)
+    at.with_keys({"projection", "position", "direction", "upward", "ortho-scale"});
+  else
+    at.with_keys({"projection", "position", "direction", "upward", "field-of-view", "focal-length"});
+
+  const Vec3 position = at["position"].vector(), direction = at["direction"].direction();
+  const Vec3 upward = at["upward"].direction();
+  if (!(std::abs(dot(direction, upward)) <= 1e-6))
+    at["upward"].refuse("orthogonal to direction: the cosine between them is at most 1e-6");
+
+  if (projection == Projection::orthographic) {
+    const double height = at["ortho-scale"].number_above_0();
+    return at.checked([&] { return Camera::orthographic(position, direction, upward, height); });
+  }
+  if (at.has("field-of-view") && at.has("focal-length")) at["focal-length"].refuse_beside("a field-of-view");
+  if (at.has("focal-length")) {
+    const double focal_length = at["focal-length"].number_above_0();
+    return at.checked([&] { return Camera::sensor(position, direction, upward, focal_length); });
+  }
+  const std::string degrees = "a number of degrees between 0 and 180, both excluded";
+  if (!at.has("field-of-view")) at["field-of-view"].refuse(degrees + ", and there is no focal-length");
+  const double angle = at["field-of-view"].number(degrees);
+  if (!(angle > 0 && angle < 180)) at["field-of-view"].refuse(degrees);
+  return at.checked([&] { return Camera::perspective(position, direction, upward, angle); });
+}
+
+inline Transfer transfer_at(const JsonCursor& at) {
+  if (at.is_object()) return Gamma{at.with_keys({"gamma"})["gamma"].number_above_0()};
+  return at.one_of(std::array{std::pair{std::string_view("srgb"), Transfer(Srgb{})},
+                              std::pair{std::string_view("linear"), Transfer(Linear{})}});
+}
+
+inline Tone tone_at(const JsonCursor& at) {
+  return at.one_of(std::array{std::pair{std::string_view("clip"), Tone::clip},
+                              std::pair{std::string_view("scale-pixel"), Tone::scale_pixel},
+                              std::pair{std::string_view("scale-image"), Tone::scale_image}});
+}
+
+inline void read_settings(const JsonCursor& at, SceneFile& file) {
+  at.with_keys(
+      {"resolution-x", "resolution-y", "samples", "depth", "integrator", "transfer", "tone", "exposure"});
+  const int most = static_cast<int>(Image::max_pixels);
+  file.width = at["resolution-x"].whole_number(1, most);
+  file.height = at["resolution-y"].whole_number(1, most);
+  if (std::int64_t{file.width} * file.height > Image::max_pixels)
+    at.refuse("a picture of at most 2^28 pixels");
+  if (at.has("samples")) file.samples = at["samples"].whole_number(0, most_samples);
+  if (at.has("depth")) file.depth = at["depth"].whole_number(1, most_depth);
+  if (at.has("integrator")) {
+    std::vector<std::pair<std::string_view, std::string_view>> names;
+    for (const std::string_view name : integrator_names) names.push_back({name, name});
+    file.integrator = at["integrator"].one_of(names);
+  }
+  if (at.has("transfer")) file.transfer = transfer_at(at["transfer"]);
+  if (at.has("tone")) file.tone = tone_at(at["tone"]);
+  if (at.has("exposure")) file.exposure = at["exposure"].factor();
+}
+
+inline SceneFile scene_at(const JsonCursor& at) {
+  at.with_keys({"settings", "world", "camera", "objects", "lights", "materials"});
+  SceneFile file;
+  read_settings(at["settings"], file);
+  if (at.has("world") && at["world"].with_keys({"sky"}).has("sky"))
+    file.scene.set_sky(at["world"]["sky"].color());
+  file.camera = camera_at(at["camera"]);
+
+  Materials materials;
+  if (at.has("materials"))
+    for (const auto& [name, material] : at["materials"].members())
+      materials.emplace(name, material_at(material));
+  for (const JsonCursor& object : at["objects"].elements()) {
+    object.with_keys({"surface", "material-id", "color"});
+    const JsonCursor surface = object["surface"];
+    surface["type"].one_of(surface_types)(surface, material_of(object, materials), file);
+  }
+  if (at.has("lights"))
+    for (const JsonCursor& light : at["lights"].elements()) add_light(light, file);
+  return file;
+}
+
+/// All bytes of a file. Throws std::system_error if they cannot be read.
+inline std::string bytes_of_scene(const std::filesystem::path& path) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+  const auto fail = [&] {
+    throw std::system_error(errno, std::generic_category(), "cannot read '" + path.string() + "'");
+  };
+  if (!file) fail();
+  std::string text;
+  std::vector<char> block(1 << 16);
+  while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
+    text.append(block.data(), count);
+    if (text.size() > most_bytes)  // such as /dev/zero
+      throw SceneError(path.string() + ": the file is longer than the 2^28 bytes that are allowed");
+  }
+  if (std::ferror(file.get())) fail();
+  return text;
+}
+
+}  // namespace detail
+
+/// The scene that a text describes; file is its name in what is wrong with it. Throws SceneError.
+[[nodiscard]] inline SceneFile scene_from_json(const std::string& text, const std::string& file) {
+  // The parser takes a zero byte for the end.
+  if (const std::size_t zero = text.find('\0'); zero != std::string::npos) {
+    const auto line = 1 + std::count(text.data(), text.data() + zero, '\n');
+    const std::size_t column = zero - std::string_view(text.data(), zero).rfind('\n');  // npos is −1
+    throw SceneError(file + ": parse error at line " + std::to_string(line) + ", column " +
+                     std::to_string(column) + ": a zero byte, which no text has");
+  }
+  detail::JsonBuilder builder(file);
+  nlohmann::json::sax_parse(text, &builder);
+  const nlohmann::json value = builder.take();
+  return detail::scene_at(detail::JsonCursor(value, file));
+}
+
+/// Reads a scene file. Throws std::system_error if it cannot be read, and SceneError for what is wrong in it.
+[[nodiscard]] inline SceneFile read_scene(const std::filesystem::path& path) {
+  try {
+    return scene_from_json(detail::bytes_of_scene(path), path.string());
+  } catch (const std::bad_alloc&) {
+    throw SceneError(path.string() + ": not enough memory for this scene");
+  }
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

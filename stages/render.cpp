@@ -1,0 +1,25 @@
+// Draws a scene file, docs/scene-format.md.
+#include "support/scene_pictures.hpp"
+#include "support/stage.hpp"
+
+using namespace protostar;
+
+int main(int argc, char** argv) {
+  SceneFile file;
+  const auto read = [&file](const std::filesystem::path& path) {
+    file = read_scene_file(path);
+    return StageDefaults{.integrator = file.integrator,
+                         .width = file.width,
+                         .height = file.height,
+                         .transfer = file.transfer,
+                         .tone = file.tone,
+                         .samples = file.samples};
+  };
+
+  return run_stage(argc, argv, {.read_scene = read}, [&file](Stage& stage) {
+    Image image = stage.image();
+    draw(image, file, stage.integrator(), stage.render_options());
+    expose(image, file.exposure);
+    stage.save(image);
+  });
+}

@@ -1,0 +1,48 @@
+#include <map>
+#include <protostar/integrators/color.hpp>
+#include <protostar/integrators/depth.hpp>
+#include <protostar/integrators/diffuse.hpp>
+#include <protostar/integrators/normal.hpp>
+#include <protostar/integrators/shadow.hpp>
+#include <variant>
+
+#include "scene_pictures.hpp"
+
+using namespace protostar;
+
+namespace {
+
+/// One integrator for all that shade the first hit. What finds it is most of the code, and so it is compiled
+/// once.
+struct FirstHitIntegrator {
+  using TakesPackets = FirstHitIntegrator;
+
+  std::variant<ColorIntegrator, DepthIntegrator, DiffuseIntegrator, NormalIntegrator, ShadowIntegrator>
+      shading;
+
+  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray, Interval{});
+    return hit ? shade(*hit, scene) : background(scene);
+  }
+
+  [[nodiscard]] Color background(const auto& scene) const {
+    return std::visit([&](const auto& integrator) { return integrator.background(scene); }, shading);
+  }
+
+  template <class Hit>
+  [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
+    return std::visit([&](const auto& integrator) { return integrator.shade(hit, scene); }, shading);
+  }
+};
+
+}  // namespace
+
+void draw_first_hits(Image& image, const SceneFile& file, const std::string& integrator,
+                     const RenderOptions& options) {
+  static const std::map<std::string, FirstHitIntegrator> integrators{{"color", {ColorIntegrator{}}},
+                                                                     {"depth", {DepthIntegrator{}}},
+                                                                     {"diffuse", {DiffuseIntegrator{}}},
+                                                                     {"normal", {NormalIntegrator{}}},
+                                                                     {"shadow", {ShadowIntegrator{}}}};
+  render(image, file.camera, file.scene, integrators.at(integrator), options);
+}

@@ -1,0 +1,586 @@
+// Scene files: what they mean, and how each mistake in one is named.
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <protostar/io/json_scene.hpp>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "scenes/three_spheres.hpp"
+#include "support/catch.hpp"
+#include "support/errors.hpp"
+#include "support/files.hpp"
+
+namespace fs = std::filesystem;
+using namespace protostar;
+using nlohmann::json;
+
+namespace {
+
+const fs::path scenes = fs::path(PROTOSTAR_SOURCE_DIR) / "scenes";
+
+/// As little as a scene can be, with one of each thing that has to be in it.
+const std::string smallest = R"({
+  "settings": {"resolution-x": 8, "resolution-y": 6},
+  "camera": {"projection": "perspective", "position": [0, 0, 0], "direction": [0, 0, 1], "upward": [0, 1, 0],
+             "field-of-view": 90},
+  "objects": [{"surface": {"type": "sphere", "position": [0, 0, 3], "radius": 1}, "color": [1, 0.5, 0]}]
+})";
+
+/// A scene with one of everything, for mistakes to be made in.
+const std::string everything = R"({
+  "settings": {"resolution-x": 8, "resolution-y": 6, "samples": 4, "depth": 3, "integrator": "shadow",
+               "transfer": {"gamma": 2.2}, "tone": "scale-pixel", "exposure": 0.5},
+  "world": {"sky": [0.1, 0.2, 0.3]},
+  "camera": {"projection": "perspective", "position": [1, 2, 3], "direction": [0, 0, 2], "upward": [0, 3, 0],
+             "field-of-view": 60},
+  "objects": [
+    {"surface": {"type": "sphere", "position": [0, 0, 3], "radius": 1}, "material-id": "red"},
+    {"surface": {"type": "plane", "normal": [0, 2, 0], "distance": -1}, "material-id": "squares"},
+    {"surface": {"type": "parallelogram", "position": [1, 1, 1], "edges": [[2, 0, 0], [0, 0, 3]]},
+     "color": [1, 0.5, 0]}
+  ],
+  "lights": [
+    {"position": [0, 3, 0], "intensity": [1, 2, 3]},
+    {"position": [0, 3, 0], "power": [4, 5, 6]},
+    {"direction": [0, 2, 0], "intensity": [7, 8, 9]},
+    {"position": [0, 3, 0], "direction": [0, -2, 0], "angle": 30, "fade": 10, "power": [1, 1, 1]},
+    {"ambient": [0.1, 0.1, 0.2]}
+  ],
+  "materials": {
+    "red": {"diffuse": [0.8, 0.1, 0.1], "specular": [0.5, 0.6, 0.7], "shininess": 20, "reflect": 0.25,
+            "refract": 0.5, "ior": 1.33},
+    "squares": {"diffuse": {"checker": [[1, 0, 0], [0, 0, 1]], "size": 2}},
+    "black": {}
+  }
+})";
+
+SceneFile read(const std::string& text) { return scene_from_json(text, "scene.json"); }
+
+std::string error_of(const std::string& text) {
+  return message_of<SceneError>([&] { static_cast<void>(read(text)); });
+}
+
+/// The scene with everything, after a JSON Patch (RFC 6902).
+std::string patched(const std::string& patch) {
+  return json::parse(everything).patch(json::parse("[" + patch + "]")).dump();
+}
+
+std::string replacing(const std::string& pointer, const std::string& value) {
+  return patched(R"({"op": "replace", "path": ")" + pointer + R"(", "value": )" + value + "}");
+}
+
+std::string without(const std::string& pointer) {
+  return patched(R"({"op": "remove", "path": ")" + pointer + R"("})");
+}
+
+std::string with(const std::string& pointer, const std::string& value) {
+  return patched(R"({"op": "add", "path": ")" + pointer + R"(", "value": )" + value + "}");
+}
+
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+/// Whether two cameras have the same rays.
+bool same_camera(const Camera& a, const Camera& b) {
+  return a.position == b.position && a.right == b.right && a.up == b.up && a.forward == b.forward &&
+         a.film_right == b.film_right && a.film_up == b.film_up;
+}
+
+}  // namespace
+
+TEST_CASE("a scene file needs a resolution, a camera and objects; all else has a default") {
+  const SceneFile file = read(smallest);
+  CHECK(file.width == 8);
+  CHECK(file.height == 6);
+  CHECK(file.samples == 0);
+  CHECK(file.depth == 10);
+  CHECK(file.integrator == "whitted");
+  CHECK(std::holds_alternative<Srgb>(file.transfer));
+  CHECK(file.tone == Tone::clip);
+  CHECK(file.exposure == 1);
+  CHECK(!file.scene.sky());
+  CHECK(file.scene.ambient() == Color{0});
+  CHECK(file.scene.lights().empty());
+  CHECK(same_camera(file.camera, Camera{}));
+  REQUIRE(file.scene.size() == 1);
+  CHECK(file.scene.materials<Sphere>()[0].diffuse == Color{1, 0.5f, 0});
+
+  const SceneFile plain = read(replacing("/objects/0/material-id", R"("black")"));
+  const Material& material = plain.scene.materials<Sphere>()[0];
+  CHECK(material.diffuse == Color{0});
+  CHECK(!material.texture);
+  CHECK(material.specular == Color{0});
+  CHECK(material.shininess == 50);
+  CHECK(material.reflect == 0);
+  CHECK(material.refract == 0);
+  CHECK(material.ior == 1.5);
+}
+
+TEST_CASE("a scene file says everything that a scene is") {
+  const SceneFile file = read(everything);
+  CHECK(file.samples == 4);
+  CHECK(file.depth == 3);
+  CHECK(file.integrator == "shadow");
+  REQUIRE(std::holds_alternative<Gamma>(file.transfer));
+  CHECK(std::get<Gamma>(file.transfer).exponent == 2.2);
+  CHECK(file.tone == Tone::scale_pixel);
+  CHECK(file.exposure == 0.5);
+  CHECK(file.scene.sky() == Color{0.1f, 0.2f, 0.3f});
+  CHECK(same_camera(file.camera, Camera::perspective({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 60)));
+
+  const auto& spheres = file.scene.surfaces<Sphere>();
+  REQUIRE(spheres.size() == 1);
+  CHECK(spheres[0].center == Point{0, 0, 3});
+  CHECK(spheres[0].radius == 1);
+  const Material& red = file.scene.materials<Sphere>()[0];
+  CHECK(red.diffuse == Color{0.8f, 0.1f, 0.1f});
+  CHECK(red.specular == Color{0.5f, 0.6f, 0.7f});
+  CHECK(red.shininess == 20);
+  CHECK(red.reflect == 0.25);
+  CHECK(red.refract == 0.5);
+  CHECK(red.ior == 1.33);
+
+  const auto& planes = file.scene.surfaces<Plane>();
+  REQUIRE(planes.size() == 1);
+  CHECK(planes[0].normal == Vec3{0, 1, 0});  // normalized first: the distance is one along the unit normal
+  CHECK(planes[0].distance == -1);
+  const Texture& squares = file.scene.materials<Plane>()[0].texture;
+  REQUIRE(squares);
+  CHECK(squares(1, 1) == Color{1, 0, 0});
+  CHECK(squares(3, 1) == Color{0, 0, 1});
+
+  const auto& boards = file.scene.surfaces<Parallelogram>();
+  REQUIRE(boards.size() == 1);
+  CHECK(boards[0].position == Point{1, 1, 1});
+  CHECK(boards[0].edge_u == Vec3{2, 0, 0});
+  CHECK(boards[0].edge_v == Vec3{0, 0, 3});
+  CHECK(file.scene.materials<Parallelogram>()[0].diffuse == Color{1, 0.5f, 0});
+
+  const Point below{0, 2, 0}, aside{0.1, 2, 0};
+  const Vec3 up{0, 1, 0};
+  const auto& lights = file.scene.lights();
+  REQUIRE(lights.size() == 4);
+  CHECK(lights[0].irradiance(below, up) == Color{1, 2, 3});
+  CHECK(lights[1].irradiance(aside, up) == Light(PointLight{{0, 3, 0}, {4, 5, 6}}).irradiance(aside, up));
+  CHECK(lights[2].irradiance(below, up) == Color{7, 8, 9});
+  const SpotLight spot{
+      .position = {0, 3, 0}, .direction = {0, -1, 0}, .angle = 30, .power = Color{1}, .fade = 10};
+  const Point in_fade{0.5, 2, 0};  // 26.6° off the axis
+  CHECK(lights[3].irradiance(in_fade, up) == Light(spot).irradiance(in_fade, up));
+  CHECK(file.scene.ambient() == Color{0.1f, 0.1f, 0.2f});
+}
+
+TEST_CASE("a scene file knows three cameras") {
+  const std::string sensor = R"({"projection": "perspective", "position": [1, 2, 3], "direction": [0, 0, 1],
+      "upward": [0, 1, 0], "focal-length": 3})";
+  CHECK(same_camera(read(replacing("/camera", sensor)).camera,
+                    Camera::sensor({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 3)));
+  const std::string orthographic = R"({"projection": "orthographic", "position": [1, 2, 3],
+      "direction": [0, 0, 1], "upward": [0, 1, 0], "ortho-scale": 4})";
+  CHECK(same_camera(read(replacing("/camera", orthographic)).camera,
+                    Camera::orthographic({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 4)));
+}
+
+TEST_CASE("names in a scene file may be any text, and numbers may be written in any way") {
+  CHECK(read(replacing("/settings/resolution-x", "8.0")).width == 8);
+  CHECK(read(replacing("/settings/resolution-x", "0.8e1")).width == 8);
+  CHECK(read(replacing("/settings/transfer", R"("srgb")")).transfer.index() == Transfer(Srgb{}).index());
+  CHECK(read(replacing("/settings/transfer", R"("linear")")).transfer.index() == Transfer(Linear{}).index());
+  CHECK(read(replacing("/settings/tone", R"("scale-image")")).tone == Tone::scale_image);
+  CHECK(read(replacing("/settings/tone", R"("clip")")).tone == Tone::clip);
+  for (const std::string_view name : integrator_names)
+    CHECK(read(replacing("/settings/integrator", json(name).dump())).integrator == name);
+  CHECK(read(replacing("/objects", "[]")).scene.size() == 0);
+  CHECK(read(with("/materials/~1~0 \xc3\xa4\\n", "{}")).scene.size() == 3);
+  CHECK(read("\xef\xbb\xbf" + smallest).width == 8);  // a byte order mark
+}
+
+TEST_CASE("a mistake in a scene file is named with its place, what was found and what is allowed") {
+  struct Row {
+    std::string text, error;
+  };
+  const std::string vector = "a vector, an array of three numbers", number = "a number",
+                    above_0 = "a number greater than 0",
+                    color = "a color, an array of three numbers from 0 to 3.4e38",
+                    factor = "a number from 0 to 3.4e38", direction = "a direction, a vector that is not 0",
+                    side = "a whole number from 1 to 268435456", samples = "a whole number from 0 to 65536",
+                    depth = "a whole number from 1 to 1000",
+                    spot_angle = "a number of degrees above 0 and at most 180",
+                    view_angle = "a number of degrees between 0 and 180, both excluded",
+                    shininess = "a number of at least 0", tone = R"("clip", "scale-pixel" or "scale-image")",
+                    types = R"("sphere", "plane" or "parallelogram")",
+                    light =
+                        "a light: position and intensity, position and power, direction and intensity, "
+                        "position, direction, angle and power, or ambient";
+  // The value at a pointer replaced by another, which is not what is allowed.
+  const auto not_allowed = [](const std::string& pointer, const std::string& value,
+                              const std::string& allowed) {
+    return Row{replacing(pointer, value), pointer + ": " + value + " is not " + allowed};
+  };
+  const auto missing = [](const std::string& pointer, const std::string& allowed) {
+    return Row{without(pointer), pointer + ": nothing is not " + allowed};
+  };
+  const auto unknown = [](const std::string& pointer, const std::string& allowed) {
+    return Row{with(pointer, "1"), pointer + ": is not a key here; allowed are " + allowed};
+  };
+  const std::string settings_keys =
+      "resolution-x, resolution-y, samples, depth, integrator, transfer, tone and exposure";
+  const std::string ids = R"("black", "red" and "squares")";
+  const std::vector<Row> rows{
+      {"[]", "the whole: [] is not an object"},
+      {"3", "the whole: 3 is not an object"},
+      unknown("/Settings", "settings, world, camera, objects, lights and materials"),
+      missing("/settings", "an object"),
+      not_allowed("/settings", "[]", "an object"),
+      unknown("/settings/resolution", settings_keys),
+      missing("/settings/resolution-x", side),
+      missing("/settings/resolution-y", side),
+      not_allowed("/settings/resolution-x", "0", side),
+      not_allowed("/settings/resolution-x", "-8", side),
+      not_allowed("/settings/resolution-x", "8.5", side),
+      not_allowed("/settings/resolution-x", "\"8\"", side),
+      not_allowed("/settings/resolution-y", "268435457", side),
+      not_allowed("/settings/resolution-y", "18446744073709551615", side),
+      not_allowed("/settings/samples", "-1", samples),
+      not_allowed("/settings/samples", "65537", samples),
+      not_allowed("/settings/samples", "true", samples),
+      not_allowed("/settings/depth", "0", depth),
+      not_allowed("/settings/depth", "1001", depth),
+      not_allowed("/settings/depth", "1.5", depth),
+      not_allowed(
+          "/settings/integrator", "\"path\"",
+          R"("binary", "depth", "normal", "color", "diffuse", "transparency", "shadow" or "whitted")"),
+      not_allowed(
+          "/settings/integrator", "null",
+          R"("binary", "depth", "normal", "color", "diffuse", "transparency", "shadow" or "whitted")"),
+      not_allowed("/settings/transfer", "\"sRGB\"", R"("srgb" or "linear")"),
+      not_allowed("/settings/transfer", "2.2", R"("srgb" or "linear")"),
+      not_allowed("/settings/transfer/gamma", "0", above_0),
+      not_allowed("/settings/transfer/gamma", "-1", above_0),
+      unknown("/settings/transfer/exponent", "gamma"),
+      not_allowed("/settings/tone", "\"none\"", tone),
+      not_allowed("/settings/exposure", "-0.5", factor),
+      not_allowed("/settings/exposure", "1e+39", factor),
+      not_allowed("/world", "[]", "an object"),
+      unknown("/world/ground", "sky"),
+      not_allowed("/world/sky", "[0,1]", color),
+      not_allowed("/world/sky", "0.5", color),
+      not_allowed("/world/sky/2", "-0.1", factor),
+      not_allowed("/world/sky/0", "1e+39", factor),
+      missing("/camera", "an object"),
+      unknown("/camera/fov", "projection, position, direction, upward, field-of-view and focal-length"),
+      unknown("/camera/ortho-scale",
+              "projection, position, direction, upward, field-of-view and focal-length"),
+      missing("/camera/projection", R"("perspective" or "orthographic")"),
+      not_allowed("/camera/projection", "\"fisheye\"", R"("perspective" or "orthographic")"),
+      missing("/camera/position", vector),
+      missing("/camera/direction", vector),
+      missing("/camera/upward", vector),
+      not_allowed("/camera/position", "[0,0]", vector),
+      not_allowed("/camera/position", "[0,0,0,0]", vector),
+      not_allowed("/camera/position/1", "\"0\"", number),
+      not_allowed("/camera/direction", "[0,0,0]", direction),
+      not_allowed("/camera/upward", "[0,0,0]", direction),
+      not_allowed("/camera/upward", "[0,1,0.001]",
+                  "orthogonal to direction: the cosine between them is at most 1e-6"),
+      not_allowed("/camera/field-of-view", "0", view_angle),
+      not_allowed("/camera/field-of-view", "180", view_angle),
+      not_allowed("/camera/field-of-view", "[90]", view_angle),
+      missing("/objects", "an array"),
+      not_allowed("/objects", "{}", "an array"),
+      not_allowed("/objects/0", "1", "an object"),
+      unknown("/objects/0/material", "surface, material-id and color"),
+      missing("/objects/0/surface", "an object"),
+      missing("/objects/0/surface/type", types),
+      not_allowed("/objects/0/surface/type", "\"cube\"", types),
+      unknown("/objects/0/surface/center", "type, position and radius"),
+      missing("/objects/0/surface/position", vector),
+      missing("/objects/0/surface/radius", above_0),
+      not_allowed("/objects/0/surface/radius", "0", above_0),
+      not_allowed("/objects/0/surface/radius", "-1", above_0),
+      not_allowed("/objects/0/surface/radius", "\"1\"", above_0),
+      not_allowed("/objects/1/surface/normal", "[0,0,0]", direction),
+      missing("/objects/1/surface/distance", number),
+      unknown("/objects/1/surface/radius", "type, normal and distance"),
+      missing("/objects/2/surface/edges", "an array of two vectors"),
+      not_allowed("/objects/2/surface/edges", "[[1,0,0]]", "an array of two vectors"),
+      not_allowed("/objects/2/surface/edges/1", "[1,0]", vector),
+      {replacing("/objects/2/surface/edges", "[[1,2,3],[2,4,6]]"),
+       "/objects/2/surface/edges: [[1,2,3],[2,4,6]] is not possible: Parallelogram: edge_u and edge_v must "
+       "not be 0 or parallel"},
+      {replacing("/objects/2/surface/edges", "[[1,2,3],[0,0,0]]"),
+       "/objects/2/surface/edges: [[1,2,3],[0,0,0]] is not possible: Parallelogram: edge_u and edge_v must "
+       "not be 0 or parallel"},
+      not_allowed("/objects/2/color", "[1,1]", color),
+      not_allowed("/objects/0/material-id", "\"blue\"", "the name of one of the materials: " + ids),
+      missing("/objects/0/material-id", "the name of one of the materials, and there is no color"),
+      not_allowed("/objects/0/material-id", "3", "the name of one of the materials, and there is no color"),
+      {with("/objects/0/color", "[1,1,1]"), "/objects/0/color: [1,1,1] is not possible beside a material-id"},
+      {without("/materials"),
+       R"(/objects/0/material-id: "red" is not the name of one of the materials, of which there are none)"},
+      not_allowed("/lights", "{}", "an array"),
+      not_allowed("/lights/0", "[]", "an object"),
+      not_allowed("/lights/0", "{}", light),
+      missing("/lights/0/intensity", color),
+      missing("/lights/0/position", vector),
+      unknown("/lights/0/color", "position, direction, intensity, power, angle, fade and ambient"),
+      unknown("/lights/1/intensity", "position and power"),
+      not_allowed("/lights/1/power/0", "-1", factor),
+      not_allowed("/lights/2/direction", "[0,0,0]", direction),
+      unknown("/lights/2/power", "direction and intensity"),
+      unknown("/lights/3/intensity", "position, direction, angle, fade and power"),
+      missing("/lights/3/angle", spot_angle),
+      not_allowed("/lights/3/angle", "0", spot_angle),
+      not_allowed("/lights/3/angle", "181", spot_angle),
+      not_allowed("/lights/3/fade", "31", "a number of degrees from 0 to the angle"),
+      not_allowed("/lights/3/fade", "-1", "a number of degrees from 0 to the angle"),
+      unknown("/lights/4/position", "ambient"),
+      not_allowed("/lights/4/ambient", "0.5", color),
+      not_allowed("/materials", "[]", "an object"),
+      not_allowed("/materials/red", "[1,0,0]", "an object"),
+      unknown("/materials/red/color", "diffuse, specular, shininess, reflect, refract and ior"),
+      not_allowed("/materials/black", "null", "an object"),  // though nothing is made of it
+      not_allowed("/materials/red/diffuse", "\"red\"", color),
+      not_allowed("/materials/red/specular", "0.5", color),
+      not_allowed("/materials/red/shininess", "-1", shininess),
+      not_allowed("/materials/red/reflect", "-0.1", factor),
+      not_allowed("/materials/red/refract", "[1]", factor),
+      not_allowed("/materials/red/ior", "0", above_0),
+      unknown("/materials/squares/diffuse/colors", "checker and size"),
+      missing("/materials/squares/diffuse/size", above_0),
+      not_allowed("/materials/squares/diffuse/size", "0", above_0),
+      not_allowed("/materials/squares/diffuse/checker", "[[1,0,0]]", "an array of two colors"),
+      not_allowed("/materials/squares/diffuse/checker/1/2", "-1", factor),
+      {replacing("/materials/squares/diffuse", R"({"image": 3})"),
+       "/materials/squares/diffuse/image: 3 is not the path of a file"},
+      {replacing("/materials/squares/diffuse", R"({"image": "none.png", "size": [1, 0]})"),
+       "/materials/squares/diffuse/size/1: 0 is not a number greater than 0"},
+      {replacing("/materials/squares/diffuse", R"({"image": "none.png", "size": 1})"),
+       "/materials/squares/diffuse/size: 1 is not an array of two numbers"},
+      {replacing("/materials/squares/diffuse", R"({"image": "none.png"})"),
+       R"(/materials/squares/diffuse/image: "none.png" is not possible: cannot read 'none.png': )"
+       "No such file or directory"},
+      unknown("/materials/red/a~1b~0c", "diffuse, specular, shininess, reflect, refract and ior"),
+      {replacing("/settings", R"({"resolution-x": 16385, "resolution-y": 16384})"),
+       R"(/settings: {"resolution-x":16385,"resolution-y":16384} is not a picture of at most 2^28 pixels)"},
+      {with("/camera/focal-length", "1"), "/camera/focal-length: 1 is not possible beside a field-of-view"},
+      missing("/camera/field-of-view", view_angle + ", and there is no focal-length"),
+  };
+  for (const Row& row : rows) {
+    CAPTURE(row.text, row.error);
+    CHECK(error_of(row.text) == "scene.json: " + row.error);
+  }
+}
+
+TEST_CASE("what no double holds is named with its place") {
+  for (const std::string& number : std::vector<std::string>{"1e999", "-1e999", "1E400", repeated("9", 400)}) {
+    const std::string found = number.size() > 60 ? number.substr(0, 60) + "..." : number;
+    std::string text = smallest;
+    text.replace(text.find("\"radius\": 1") + 10, 1, number);
+    CHECK(error_of(text) == "scene.json: /objects/0/surface/radius: " + found +
+                                " is not a number that a double holds, up to 1.8e308");
+  }
+  CHECK_THAT(error_of(R"({"a": [[1, 2], 1e999]})"), ContainsSubstring("scene.json: /a/1: 1e999 is not "));
+}
+
+TEST_CASE("a key that is there twice is an error at any depth") {
+  CHECK(error_of(R"({"settings": 1, "settings": 2})") ==
+        "scene.json: /settings: the key is there twice; once is allowed");
+  CHECK(error_of(R"({"a": [0, {"b": 1, "c": {}, "b": 1}]})") ==
+        "scene.json: /a/1/b: the key is there twice; once is allowed");
+  CHECK(error_of(R"({"a": {"b": 1}, "c": {"b": 1}})").find("twice") == std::string::npos);
+}
+
+TEST_CASE("what is not JSON is named with its line and column") {
+  struct Row {
+    std::string text, place;
+  };
+  const Row row =
+      GENERATE(Row{"", "line 1, column 1"}, Row{"{", "line 1, column 2"},
+               Row{"{\n  \"a\": 1,\n}", "line 3, column 1"}, Row{"{\"a\": nul}", "line 1, column 10"},
+               Row{"[1, 2", "line 1, column 6"}, Row{"{} {}", "line 1, column 4"},
+               Row{"// no\n{}", "line 1, column 1"}, Row{"{\"a\": NaN}", "line 1, column 7"},
+               Row{"{\"a\": 01}", "line 1, column 8"}, Row{"{'a': 1}", "line 1, column 2"},
+               Row{"{\"a\": \"\xff\"}", "line 1, column 8"}, Row{"\xff\xfe{", "line 1, column 1"},
+               Row{std::string("{}\0", 3), "line 1, column 3"}, Row{"{\n\"\xc3\"}", "line 2, column 3"});
+  CAPTURE(row.text);
+  const std::string error = error_of(row.text);
+  CHECK(error.substr(0, error.find(": ", 30)) == "scene.json: parse error at " + row.place);
+  CHECK(std::all_of(error.begin(), error.end(), [](char c) { return c >= ' ' && c <= '~'; }));
+}
+
+TEST_CASE("files of any kind and size end in an error of a line") {
+  const auto check = [](const std::string& text) {
+    const std::string error = error_of(text);
+    CHECK(error.starts_with("scene.json: "));
+    CHECK(error.size() < 600);
+  };
+  check(repeated("[", 200'000));
+  check(repeated("{\"a\":", 200'000));
+  check(repeated("[", 200'000) + repeated("]", 200'000));
+  check(std::string(1 << 20, 'a'));
+  check(std::string(1 << 20, '\0'));
+  check(std::string(1 << 20, '\xff'));
+  check("\"" + std::string(1 << 20, 'a'));
+  check("{\"" + std::string(1 << 20, 'a') + "\": 1}");
+  check("{\"settings\": \"" + std::string(1 << 20, 'a') + "\"}");
+  check("{\"settings\": [" + repeated("0,", 100'000) + "0]}");
+  check(std::string(1 << 20, '1'));
+  for (std::size_t size = 0; size + 1 < everything.size(); size += 7) check(everything.substr(0, size));
+}
+
+TEST_CASE("the nesting of a scene is far below the one that is allowed") {
+  CHECK(error_of(repeated("[", 33) + repeated("]", 33)) ==
+        "scene.json: " + repeated("/0", 32) +
+            ": there are 33 arrays and objects inside each other; at most 32 are allowed");
+  CHECK_THAT(error_of(repeated("[", 32) + repeated("]", 32)), ContainsSubstring("is not an object"));
+}
+
+TEST_CASE("a file that cannot be read is named with the reason") {
+  const TemporaryFolder folder;
+  const auto error_reading = [](const fs::path& path) {
+    return message_of<std::system_error>([&] { static_cast<void>(read_scene(path)); });
+  };
+  const auto expected = [](const fs::path& path, int reason) {
+    return "cannot read '" + path.string() + "': " + std::generic_category().message(reason);
+  };
+  CHECK(error_reading(folder / "none.json") == expected(folder / "none.json", ENOENT));
+  CHECK(error_reading(folder / "") == expected(folder / "", EISDIR));
+  put_bytes(folder / "a.json", smallest);
+  CHECK(error_reading(folder / "a.json/b.json") == expected(folder / "a.json/b.json", ENOTDIR));
+  CHECK(read_scene(folder / "a.json").width == 8);
+  CHECK(error_reading("") == expected("", ENOENT));
+}
+
+TEST_CASE("an image of a texture is looked for from the folder of the scene") {
+  const SceneFile file = read_scene(scenes / "image.json");
+  const Texture& painting = file.scene.materials<Parallelogram>()[0].texture;
+  REQUIRE(painting);
+  CHECK(painting(1.2, 0.1) != painting(1.2, 0.9));
+  const TemporaryFolder folder;
+  std::string text = everything;
+  text.replace(text.find("{\"checker\""),
+               std::string(R"({"checker": [[1, 0, 0], [0, 0, 1]], "size": 2})").size(),
+               R"({"image": "a.png"})");
+  put_bytes(folder / "a.json", text);
+  put_bytes(folder / "a.png", "no picture");
+  const std::string error = message_of<SceneError>([&] { static_cast<void>(read_scene(folder / "a.json")); });
+  CHECK_THAT(error,
+             ContainsSubstring("/materials/squares/diffuse/image: \"a.png\" is not possible: cannot read '" +
+                               (folder / "a.png").string() + "': "));
+}
+
+TEST_CASE("an error in a file begins with its path") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "a.json", "{");
+  const std::string path = (folder / "a.json").string();
+  CHECK(message_of<SceneError>([&] {
+          static_cast<void>(read_scene(path));
+        }).starts_with(path + ": parse error"));
+  put_bytes(folder / "a.json", "[]");
+  CHECK(message_of<SceneError>([&] { static_cast<void>(read_scene(path)); }) ==
+        path + ": the whole: [] is not an object");
+}
+
+TEST_CASE("all scenes of the project can be read") {
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator(scenes)) {
+    if (entry.path().extension() != ".json") continue;
+    INFO(entry.path());
+    CHECK(read_scene(entry.path()).scene.size() > 0);
+    ++count;
+  }
+  CHECK(count >= 15);
+}
+
+TEST_CASE("the three spheres are the same as a file and as a header") {
+  const SceneFile file = read_scene(scenes / "three_spheres.json");
+  const auto expected = three_spheres();
+  CHECK(same_camera(file.camera, Camera{}));
+  CHECK(!file.scene.sky());
+  CHECK(file.scene.size() == expected.size());
+  REQUIRE(file.scene.surfaces<Sphere>().size() == expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    CHECK(file.scene.surfaces<Sphere>()[i].center == expected.surfaces<Sphere>()[i].center);
+    CHECK(file.scene.surfaces<Sphere>()[i].radius == expected.surfaces<Sphere>()[i].radius);
+    CHECK(file.scene.materials<Sphere>()[i].diffuse == expected.materials<Sphere>()[i].diffuse);
+  }
+  REQUIRE(file.scene.lights().size() == 1);
+  const Point point{0.3, 0.2, 2};
+  const Vec3 up{0, 1, 0};
+  CHECK(file.scene.lights()[0].towards(point) == expected.lights()[0].towards(point));
+  CHECK(file.scene.lights()[0].irradiance(point, up) == expected.lights()[0].irradiance(point, up));
+}
+
+TEST_CASE("every key and word of a scene file has an example in a scene of the project") {
+  std::string all;
+  for (const auto& entry : fs::directory_iterator(scenes))
+    if (entry.path().extension() == ".json") all += bytes_of(entry.path());
+  std::vector<std::string> words{
+      "settings",      "resolution-x", "resolution-y", "samples",   "depth",     "integrator",
+      "transfer",      "tone",         "exposure",     "srgb",      "linear",    "gamma",
+      "clip",          "scale-pixel",  "scale-image",  "world",     "sky",       "camera",
+      "projection",    "perspective",  "orthographic", "position",  "direction", "upward",
+      "field-of-view", "focal-length", "ortho-scale",  "objects",   "surface",   "type",
+      "sphere",        "radius",       "plane",        "normal",    "distance",  "parallelogram",
+      "edges",         "material-id",  "color",        "lights",    "intensity", "power",
+      "angle",         "fade",         "ambient",      "materials", "diffuse",   "specular",
+      "shininess",     "reflect",      "refract",      "ior",       "image",     "checker",
+      "size"};
+  const std::string docs = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "scene-format.md");
+  for (const std::string& word : words) {
+    CAPTURE(word);
+    CHECK_THAT(all, ContainsSubstring('"' + word + '"'));
+    CHECK_THAT(docs, ContainsSubstring(word));
+  }
+}
+
+TEST_CASE("the examples in the documentation of scene files can be read") {
+  std::ifstream page(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "scene-format.md");
+  std::vector<std::string> examples;
+  bool inside = false;
+  for (std::string line; std::getline(page, line);) {
+    if (line == "```json") examples.emplace_back();
+    if (inside && line != "```") examples.back() += line + "\n";
+    inside = line == "```json" || (inside && line != "```");
+  }
+  REQUIRE(!examples.empty());
+  for (const std::string& example : examples) {
+    INFO(example);
+    CHECK(error_of(example) == "");
+  }
+}
+
+TEST_CASE("a scene of Luminosity is read unchanged") {
+  // Its keys and their forms, as in the scene that comes with it; the numbers are ours.
+  const SceneFile file = read(R"({
+	"settings": {"resolution-x": 192, "resolution-y": 108, "samples": 0, "depth": 10},
+	"world": {"sky": [1, 1, 1]},
+	"camera": {"projection": "perspective", "position": [0, 2, -12], "direction": [0, 0, 1],
+		"upward": [0, 1, 0], "focal-length": 2.5},
+	"objects": [
+		{"surface": {"type": "sphere", "position": [0, 2.5, 0], "radius": 1}, "material-id": "ball"},
+		{"surface": {"type": "plane", "normal": [1, 0, -1], "distance": -3}, "material-id": "wall"}],
+	"lights": [{"position": [4, 7, -6], "intensity": [0.9, 0.9, 0.8]}],
+	"materials": {"ball": {"diffuse": [0.8, 0.7, 0], "reflect": 0.2},
+		"wall": {"diffuse": [0.5, 0.5, 0.5], "reflect": 0.4}}
+})");
+  CHECK(file.integrator == "whitted");
+  CHECK(std::holds_alternative<Srgb>(file.transfer));
+  CHECK(same_camera(file.camera, Camera::sensor({0, 2, -12}, {0, 0, 1}, {0, 1, 0}, 2.5)));
+  // The distance is along the unit normal.
+  CHECK(file.scene.surfaces<Plane>()[0].distance == -3);
+  CHECK(length(file.scene.surfaces<Plane>()[0].normal - Vec3{1, 0, -1} / std::sqrt(2.0)) < 1e-15);
+  // A light of an intensity is as bright at any distance.
+  const Vec3 up{0, 1, 0};
+  CHECK(file.scene.lights()[0].irradiance(Point{4, 0, -6}, up) == Color{0.9f, 0.9f, 0.8f});
+  CHECK(file.scene.lights()[0].irradiance(Point{4, -100, -6}, up) == Color{0.9f, 0.9f, 0.8f});
+}

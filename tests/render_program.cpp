@@ -1,0 +1,360 @@
+// The program `render` as a user runs it: a scene file's picture, its own options, and what is refused.
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <protostar/encode.hpp>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "compare_images/picture.hpp"
+#include "compare_images/read_image.hpp"
+#include "support/catch.hpp"
+#include "support/files.hpp"
+#include "support/process.hpp"
+
+namespace fs = std::filesystem;
+using namespace protostar;
+
+namespace {
+
+const fs::path scenes = fs::path(PROTOSTAR_SOURCE_DIR) / "scenes";
+
+std::string scene(const std::string& name) { return (scenes / (name + ".json")).string(); }
+
+Outcome run_program(const std::string& name, const std::string& arguments, const TemporaryFolder& folder) {
+  return run(stage(name, words(arguments), folder / ""));
+}
+
+/// The file that a program writes, without a word about it.
+std::string picture(const std::string& name, const std::string& arguments,
+                    const std::string& file = "out.ppm") {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_program(name, arguments + " --quiet -o " + file, folder);
+  CAPTURE(arguments);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out + outcome.err == "");
+  return bytes_of(folder / file);
+}
+
+std::string rendered(const std::string& name, const std::string& options,
+                     const std::string& file = "out.ppm") {
+  return picture("render", scene(name) + " " + options, file);
+}
+
+/// A binary PPM of 8 bits, or a PFM, as rows from the top of bytes.
+struct Rows {
+  int width = 0, height = 0;
+  std::vector<std::string> rows;
+};
+
+Rows rows_of(const std::string& file) {
+  Rows picture;
+  std::size_t begin = 0;
+  std::vector<std::string> header;
+  for (int i = 0; i < 3; ++i) {
+    const std::size_t end = file.find('\n', begin);
+    header.push_back(file.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  const bool is_pfm = header[0] == "PF";
+  picture.width = std::stoi(header[1]);
+  picture.height = std::stoi(header[1].substr(header[1].find(' ')));
+  const std::size_t size = static_cast<std::size_t>(picture.width) * (is_pfm ? 12 : 3);
+  for (int y = 0; y < picture.height; ++y) {
+    const int row = is_pfm ? picture.height - 1 - y : y;
+    picture.rows.push_back(file.substr(begin + static_cast<std::size_t>(row) * size, size));
+  }
+  CHECK(file.size() == begin + static_cast<std::size_t>(picture.height) * size);
+  return picture;
+}
+
+/// The channels of a PFM, in the order of the file.
+std::vector<float> light_of(const std::string& file) {
+  std::vector<float> light;
+  for (const std::string& row : rows_of(file).rows)
+    for (std::size_t i = 0; i < row.size(); i += sizeof(float)) {
+      float channel = 0;
+      std::memcpy(&channel, row.data() + i, sizeof channel);
+      light.push_back(channel);
+    }
+  return light;
+}
+
+/// A file of the three spheres, in which a text takes the place of another.
+std::string changed(const std::string& from, const std::string& to) {
+  std::string text = bytes_of(scene("three_spheres"));
+  REQUIRE(text.find(from) != std::string::npos);
+  return text.replace(text.find(from), from.size(), to);
+}
+
+}  // namespace
+
+TEST_CASE("the three spheres from a file are the pictures of the stages, to the last byte") {
+  struct Row {
+    std::string integrator, stage;
+  };
+  const Row row = GENERATE(Row{"binary", "03_scene"}, Row{"depth", "04_depth"}, Row{"normal", "05_normal"},
+                           Row{"color", "06_color"}, Row{"diffuse", "07_diffuse"},
+                           Row{"transparency", "08_transparency"}, Row{"shadow", "09_shadow"});
+  CAPTURE(row.integrator);
+  CHECK(rendered("three_spheres", "--size 320x240 --integrator " + row.integrator) ==
+        picture(row.stage, "--size 320x240"));
+  CHECK(rendered("three_spheres", "--size 160x120 --integrator " + row.integrator, "out.pfm") ==
+        picture(row.stage, "--size 160x120", "out.pfm"));
+}
+
+TEST_CASE("the whole picture of stage 13 is a scene file, too") {
+  CHECK(rendered("whitted", "") == picture("13_whitted", ""));
+}
+
+TEST_CASE("matte surfaces look to Whitted's integrator as they do to that of shadows") {
+  CHECK(rendered("three_spheres", "--integrator whitted") ==
+        rendered("three_spheres", "--integrator shadow"));
+}
+
+TEST_CASE("the file says the size, the integrator and the transfer; options come before it") {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_program("render", scene("three_spheres"), folder);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.err == "");
+  CHECK(outcome.out.starts_with("out.ppm: 640x480, shadow, rendered in "));
+  CHECK(bytes_of(folder / "out.ppm") == picture("09_shadow", ""));
+
+  const Outcome other = run_program(
+      "render", "--size 64x48 --integrator color --transfer linear -o a.ppm " + scene("three_spheres"),
+      folder);
+  CHECK(other.out.starts_with("a.ppm: 64x48, color, rendered in "));
+  CHECK(bytes_of(folder / "a.ppm") == picture("06_color", "--size 64x48 --transfer linear"));
+}
+
+// After a change that is meant: build/stages/render scenes/NAME.json -o tests/golden/scenes/NAME.png
+TEST_CASE("every scene is the picture that the gallery shows, and is shown there") {
+  const std::string gallery = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "gallery.md");
+  for (const auto& entry : fs::directory_iterator(scenes)) {
+    if (entry.path().extension() != ".json") continue;
+    const std::string name = entry.path().stem().string();
+    CAPTURE(name);
+    CHECK_THAT(gallery, ContainsSubstring("../scenes/" + name + ".json"));
+    if (name == "three_spheres" || name == "whitted") continue;  // stages draw them, too
+    const Picture golden = read_image(
+        (fs::path(PROTOSTAR_SOURCE_DIR) / "tests" / "golden" / "scenes" / (name + ".png")).string());
+    const TemporaryFolder folder;
+    CHECK(run_program("render", scene(name) + " -o a.png", folder).status == 0);
+    const Picture drawn = read_image((folder / "a.png").string());
+    REQUIRE(same_size(golden, drawn));
+    CHECK(difference(golden, drawn).pixels == 0);
+  }
+}
+
+TEST_CASE("every scene of the project is drawn in any size") {
+  for (const auto& entry : fs::directory_iterator(scenes)) {
+    if (entry.path().extension() != ".json") continue;
+    const Rows drawn = rows_of(rendered(entry.path().stem().string(), "--size 40x30 --samples 0"));
+    INFO(entry.path());
+    bool varies = false;
+    for (const std::string& row : drawn.rows) varies = varies || row != drawn.rows[0];
+    CHECK(varies);
+  }
+}
+
+TEST_CASE("a crop has the bytes of that part of the picture") {
+  const std::string name = GENERATE("whitted", "mirror_walls", "orthographic", "three_spheres");
+  const std::string samples = GENERATE("0", "3"), file = GENERATE("a.ppm", "a.pfm");
+  CAPTURE(name, samples, file);
+  const std::string options = "--size 150x90 --samples " + samples;
+  const Rows whole = rows_of(rendered(name, options, file));
+  const std::size_t pixel = whole.rows[0].size() / 150;
+  struct Crop {
+    int x, y, width, height;
+  };
+  for (const Crop& crop :
+       {Crop{0, 0, 150, 90}, Crop{61, 33, 71, 50}, Crop{149, 89, 1, 1}, Crop{0, 40, 150, 1}}) {
+    const Rows part =
+        rows_of(rendered(name,
+                         options + " --crop " + std::to_string(crop.x) + "," + std::to_string(crop.y) + "," +
+                             std::to_string(crop.width) + "," + std::to_string(crop.height),
+                         file));
+    REQUIRE(part.width == crop.width);
+    REQUIRE(part.height == crop.height);
+    for (int y = 0; y < crop.height; ++y)
+      CHECK(part.rows[static_cast<std::size_t>(y)] ==
+            whole.rows[static_cast<std::size_t>(crop.y + y)].substr(
+                static_cast<std::size_t>(crop.x) * pixel, static_cast<std::size_t>(crop.width) * pixel));
+  }
+}
+
+TEST_CASE("a picture of another shape shows more or less at its sides, and the same height") {
+  const Rows wide = rows_of(rendered("three_spheres", "--size 400x100")),
+             narrow = rows_of(rendered("three_spheres", "--size 100x100"));
+  for (std::size_t y = 0; y < 100; ++y) CHECK(wide.rows[y].substr(150 * 3, 100 * 3) == narrow.rows[y]);
+}
+
+TEST_CASE("exposure is a factor on the light, also of a PFM; tone changes only what is encoded") {
+  const std::string size = "--size 64x48";
+  const std::vector<float> light = light_of(rendered("clip", size, "a.pfm"));
+  CHECK(light_of(rendered("scale_pixel", size, "a.pfm")) == light);
+  CHECK(light_of(rendered("scale_image", size, "a.pfm")) == light);
+  const std::vector<float> exposed = light_of(rendered("exposure", size, "a.pfm"));
+  REQUIRE(exposed.size() == light.size());
+  for (std::size_t i = 0; i < light.size(); ++i) CHECK(exposed[i] == light[i] * 0.2f);
+
+  // Of the linear light, what each file holds.
+  const auto codes = [&](const std::string& name) {
+    std::string all;
+    for (const std::string& row : rows_of(rendered(name, size)).rows) all += row;
+    return all;
+  };
+  const std::string clip = codes("clip"), pixel = codes("scale_pixel"), image = codes("scale_image");
+  float largest = 0;
+  for (const float channel : light) largest = std::max(largest, channel);
+  REQUIRE(largest > 1);
+  const Encoder encode(Srgb{}, 255);
+  const auto code = [](const std::string& all, std::size_t i) {
+    return static_cast<int>(static_cast<unsigned char>(all[i]));
+  };
+  int scaled = 0;
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    const std::size_t first = i / 3 * 3;
+    const float most = std::max({light[first], light[first + 1], light[first + 2], 1.0f});
+    CHECK(code(clip, i) == encode(light[i]));
+    CHECK(code(pixel, i) == encode(light[i] / most));
+    CHECK(code(image, i) == encode(light[i] / largest));
+    scaled += most > 1;
+  }
+  CHECK(scaled > 0);
+}
+
+TEST_CASE("samples are as many as asked for, and one is the center") {
+  const std::string center = rendered("three_spheres", "--size 64x48");
+  CHECK(rendered("three_spheres", "--size 64x48 --samples 0") == center);
+  CHECK(rendered("three_spheres", "--size 64x48 --samples 1") == center);
+  CHECK(rendered("three_spheres", "--size 64x48 --samples 5") != center);
+  CHECK(rendered("samples", "--size 64x48 --samples 64") == rendered("samples", "--size 64x48"));
+}
+
+TEST_CASE("the picture of a scene does not depend on the number of threads") {
+  const std::string expected = rendered("whitted", "--size 130x98 --threads 1");
+  CHECK(rendered("whitted", "--size 130x98 --threads 7") == expected);
+}
+
+TEST_CASE("what is wrong in render's options is named, with what would be right, and nothing is drawn") {
+  struct Row {
+    std::string arguments, error;
+  };
+  const std::string crop =
+                        "X,Y,W,H, whole numbers of a part of at least one pixel that lies inside the picture "
+                        "of 640x480",
+                    samples = "a whole number from 0 to 65536",
+                    integrators =
+                        "one of binary, depth, normal, color, diffuse, transparency, shadow, whitted";
+  const auto not_allowed = [](const std::string& option, const std::string& found,
+                              const std::string& allowed) {
+    return Row{option + " " + found, option + ": '" + found + "' is not " + allowed};
+  };
+  const std::vector<Row> rows{not_allowed("--crop", "0,0,641,480", crop),
+                              not_allowed("--crop", "0,0,640,481", crop),
+                              not_allowed("--crop", "640,0,1,1", crop),
+                              not_allowed("--crop", "0,480,1,1", crop),
+                              not_allowed("--crop", "0,0,0,1", crop),
+                              not_allowed("--crop", "0,0,1,0", crop),
+                              not_allowed("--crop", "0,-1,1,1", crop),
+                              not_allowed("--crop", "2147483647,0,2147483647,1", crop),
+                              not_allowed("--crop", "1,1,1", crop),
+                              not_allowed("--crop", "1,1,1,1,1", crop),
+                              not_allowed("--crop", "1,1,1,1,", crop),
+                              not_allowed("--crop", "1;1;1;1", crop),
+                              not_allowed("--crop", "1,1,1,1.5", crop),
+                              not_allowed("--crop", "a", crop),
+                              not_allowed("--samples", "-1", samples),
+                              not_allowed("--samples", "1.5", samples),
+                              not_allowed("--samples", "65537", samples),
+                              not_allowed("--samples", "x", samples),
+                              not_allowed("--integrator", "path", integrators),
+                              not_allowed("--integrator", "Shadow", integrators),
+                              {"--size 0x0", "--size: '0x0' is not WIDTHxHEIGHT"},
+                              {"stray", "stray"}};
+  const TemporaryFolder folder;
+  for (const Row& row : rows) {
+    CAPTURE(row.arguments);
+    const Outcome outcome = run_program("render", scene("three_spheres") + " " + row.arguments, folder);
+    CHECK(outcome.status == 2);
+    CHECK(outcome.out == "");
+    CHECK(outcome.err.starts_with("render: "));
+    CHECK_THAT(outcome.err, ContainsSubstring(row.error));
+  }
+  const Outcome no_scene = run_program("render", "--size 8x8", folder);
+  CHECK(no_scene.status == 2);
+  CHECK_THAT(no_scene.err, ContainsSubstring("scene is required"));
+  CHECK(folder.count() == 0);
+}
+
+TEST_CASE("the stages do not take the options of scene files") {
+  const TemporaryFolder folder;
+  for (const char* arguments : {"--samples 4", "--crop 0,0,1,1", "--integrator color"})
+    CHECK(run_program("09_shadow", arguments, folder).status == 2);
+}
+
+TEST_CASE("render --help names its own options") {
+  const TemporaryFolder folder;
+  const Outcome help = run_program("render", "--help", folder);
+  CHECK(help.status == 0);
+  for (const char* text : {"SCENE.json", "--integrator I", "--samples N", "--crop X,Y,W,H", "[the scene's]"})
+    CHECK_THAT(help.out, ContainsSubstring(text));
+}
+
+TEST_CASE("a scene that is not one ends render with the status 1 and a line that says why") {
+  const TemporaryFolder folder;
+  const auto check = [&](const std::string& text, const std::string& error) {
+    CAPTURE(error);
+    put_bytes(folder / "scene.json", text);
+    const Outcome outcome = run_program("render", "scene.json", folder);
+    CHECK(outcome.status == 1);
+    CHECK(outcome.out == "");
+    CHECK(outcome.err.starts_with("render: scene.json: " + error));
+    CHECK(outcome.err.find('\n') == outcome.err.size() - 1);
+    CHECK(folder.count() == 1);
+  };
+  check(changed("\"radius\": 1}", "\"radius\": -1}"),
+        "/objects/0/surface/radius: -1 is not a number greater than 0\n");
+  check(changed("\"radius\": 1}", "\"radius\": 1e999}"), "/objects/0/surface/radius: 1e999 is not a number");
+  check(changed("\"lights\"", "\"lamps\""), "/lamps: is not a key here");
+  check(changed("]\n}", "]\n"), "parse error at line ");
+  check("", "parse error at line 1, column 1");
+  check("\xff\xfe\xfd", "parse error at line 1, column 1");
+  std::string brackets(200'000, '[');
+  check(brackets, "/0/0/0");
+  check(brackets + std::string(200'000, ']'), "/0/0/0");
+  std::string garbage(std::size_t{64} << 20, 'x');
+  check(garbage, "parse error at line 1, column 1");
+  std::uint32_t random = 1;
+  for (char& c : garbage) c = static_cast<char>((random = random * 1664525 + 1013904223) >> 24);
+  check(garbage, "parse error at line 1, column ");
+  std::fill(garbage.begin(), garbage.end(), ' ');
+  check(garbage, "parse error at line 1, column ");
+}
+
+TEST_CASE("a scene that cannot be read ends render with the status 1, its path and the reason") {
+  struct Row {
+    std::string path;
+    int reason;
+  };
+  const Row row = GENERATE(Row{"none.json", ENOENT}, Row{".", EISDIR}, Row{"file/a.json", ENOTDIR});
+  const TemporaryFolder folder;
+  put_bytes(folder / "file", "");
+  const Outcome outcome = run_program("render", row.path, folder);
+  CHECK(outcome.status == 1);
+  CHECK(outcome.out == "");
+  CHECK(outcome.err ==
+        "render: cannot read '" + row.path + "': " + std::generic_category().message(row.reason) + "\n");
+  CHECK(folder.count() == 1);
+}
+
+TEST_CASE("a scene without an end is not read for ever") {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_program("render", "/dev/zero", folder);
+  CHECK(outcome.status == 1);
+  CHECK(outcome.err == "render: /dev/zero: the file is longer than the 2^28 bytes that are allowed\n");
+}
