@@ -526,7 +526,7 @@ TEST_CASE("by tiles, a user's integrator draws what it draws ray by ray") {
 TEST_CASE("where a tile sees nothing, its pixels are what a packet integrator makes of the scene's lights") {
   Scene<Sphere> scene;
   scene.add(Sphere{.center = {0, 0, 9}, .radius = 1}, Color{1});
-  scene.add(PointLight{.position = {0, 5, 0}, .power = Color{1, 2, 3}});
+  scene.add(ConstantLight{.position = {0, 0, 5}, .intensity = Color{1, 2, 3}});
   RenderStatistics taken;
   Image image(90, 70);
   render(image, Camera{}, scene, Glow{}, {.statistics = &taken});
