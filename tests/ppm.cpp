@@ -8,6 +8,7 @@
 #include "support/catch.hpp"
 #include "support/errors.hpp"
 #include "support/files.hpp"
+#include "support/random.hpp"
 #include "support/test_image.hpp"
 
 using namespace protostar;
@@ -142,6 +143,22 @@ TEST_CASE("options that make no sense are refused and leave an old file as it wa
              ContainsSubstring("Gamma: exponent"));
   CHECK(bytes_of(folder / "a.ppm") == "old");
   CHECK(folder.count() == 1);
+}
+
+TEST_CASE("rows that equal the one above are written as all others are") {
+  const TemporaryFolder folder;
+  Image image(7, 9);
+  Random random(5);
+  for (int y = 0; y < 9; ++y)
+    for (int x = 0; x < 7; ++x)
+      image(x, y) = y % 3 != 0 ? image(x, y - 1) : y == 6 ? Color{0.5f} : random.color();
+  image(6, 8).b += 0.25f;  // and one that nearly does
+  for (const bool plain : {false, true})
+    for (const int bits : {8, 16}) {
+      save_ppm(image, folder / "a.ppm", Srgb{}, {.bits = bits, .plain = plain});
+      save_ppm(image, folder / "b.ppm", Srgb{}, {.bits = bits, .plain = plain, .repeat_rows = false});
+      CHECK(bytes_of(folder / "a.ppm") == bytes_of(folder / "b.ppm"));
+    }
 }
 
 TEST_CASE("a PPM that is stopped leaves the old file as it was") {

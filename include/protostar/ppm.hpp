@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <stdexcept>
 #include <stop_token>
@@ -20,6 +21,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 struct PpmOptions {
   int bits = 8;               ///< 8 or 16 per channel: a maximum value of 255 or 65535
   bool plain = false;         ///< decimal numbers (P3), laid out as the tutorial does, instead of bytes (P6)
+  bool repeat_rows = true;    ///< a row that equals the one above is written again, and not encoded
   std::stop_token stop = {};  ///< asked for, save_ppm returns early and leaves the file as it was
 };
 
@@ -72,11 +74,21 @@ inline void save_ppm(const Image& image, const std::filesystem::path& path, cons
   constexpr int block = 4096;  // pixels written at a time, also of a row of any width
   std::array<char, block * 19 + 1>
       buffer;  // three numbers of five digits and four tabs a pixel, and a line's end
+  const std::size_t row_bytes = static_cast<std::size_t>(image.width()) * sizeof(Color);
+  const auto is_like_the_row_above = [&](int y) {
+    return y > 0 && std::memcmp(&image(0, y), &image(0, y - 1), row_bytes) == 0;
+  };
+  char* end = buffer.data();
   for (int y = 0; y < image.height(); ++y) {
+    if (options.repeat_rows && image.width() <= block && is_like_the_row_above(y)) {
+      if (options.stop.stop_requested()) return;
+      file.write(buffer.data(), static_cast<std::size_t>(end - buffer.data()));  // where it is still
+      continue;
+    }
     for (int x0 = 0; x0 < image.width(); x0 += block) {
       if (options.stop.stop_requested()) return;
       const int x1 = image.width() - x0 < block ? image.width() : x0 + block;
-      char* end = buffer.data();
+      end = buffer.data();
       for (int x = x0; x < x1; ++x) {
         const Color& pixel = image(x, y);
         for (const float channel : {pixel.r, pixel.g, pixel.b}) {
