@@ -150,9 +150,12 @@ class TileRenderer {
   }
 
   void fill(const Tile& tile, const Candidates& candidates, RenderStatistics& taken) const {
-    if constexpr (by_packets)
-      if (!rays_.camera().is_pinhole()) return fill_from<Vectors>(tile, candidates, taken);
-    fill_from_point(tile, candidates, taken);
+    if constexpr (!by_packets)  // one ray after the other, whatever its origin
+      fill_from<Point>(tile, candidates, taken);
+    else if (rays_.camera().is_pinhole())
+      fill_from_point(tile, candidates, taken);
+    else
+      fill_from<Vectors>(tile, candidates, taken);
   }
 
   /// Most pictures are a pinhole's: its packets are computed in one piece, and those of all others by the
