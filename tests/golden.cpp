@@ -72,7 +72,7 @@ int pixels_beyond_a_level(const Picture& a, const Picture& b) {
 struct Golden {
   std::string name, stage, options;
   Picture (*reference)();
-  int undecided = 0;  ///< how many pixels are more than a level from the reference, since it is not exact
+  int undecided = 0;  ///< how many pixels may be more than a level from the reference, which is not exact
 };
 
 template <reference::Vector (*light_along)(reference::Whole)>
@@ -147,7 +147,7 @@ TEST_CASE("no pixel of a golden is more than one level from exact arithmetic") {
     const Difference found = difference(stored, exact);
     INFO(picture.name << ": " << found.pixels << " pixels differ from the reference, by at most "
                       << found.largest << " levels");
-    CHECK(pixels_beyond_a_level(stored, exact) == picture.undecided);
+    CHECK(pixels_beyond_a_level(stored, exact) <= picture.undecided);
     CHECK(found.pixels < 10 + picture.undecided);
   }
 }

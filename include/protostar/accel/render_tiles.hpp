@@ -154,9 +154,12 @@ class TileRenderer {
 
   void fill(const Tile& tile, const Candidates& candidates, Occluders& occluders,
             RenderStatistics& taken) const {
-    if constexpr (by_packets)
-      if (!rays_.is_pinhole()) return fill_from<Vectors>(tile, candidates, occluders, taken);
-    fill_from_point(tile, candidates, occluders, taken);
+    if constexpr (!by_packets)  // one ray after the other, whatever its origin
+      fill_from<Point>(tile, candidates, occluders, taken);
+    else if (rays_.is_pinhole())
+      fill_from_point(tile, candidates, occluders, taken);
+    else
+      fill_from<Vectors>(tile, candidates, occluders, taken);
   }
 
   /// Most pictures are a pinhole's: its packets are computed in one piece, and those of all others by the
