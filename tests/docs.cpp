@@ -35,7 +35,8 @@ std::vector<fs::path> documents() {
 std::vector<std::string> stages() {
   std::vector<std::string> found;
   for (const auto& entry : fs::directory_iterator(root / "stages"))
-    if (entry.path().extension() == ".cpp") found.push_back(entry.path().stem().string());
+    if (entry.path().extension() == ".cpp" && entry.path().stem() != "render")  // which draws any scene
+      found.push_back(entry.path().stem().string());
   std::sort(found.begin(), found.end());
   return found;
 }

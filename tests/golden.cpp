@@ -156,6 +156,7 @@ TEST_CASE("every stage has a golden, and the goldens are PNG files in three chan
   for (const auto& entry : std::filesystem::directory_iterator(source_dir + "/stages")) {
     if (!entry.is_regular_file() || entry.path().extension() != ".cpp") continue;
     const std::string stage = entry.path().stem().string();
+    if (stage == "render") continue;  // its pictures are those of scenes/ (render_program.cpp)
     INFO(stage);
     CHECK(std::count_if(std::begin(goldens), std::end(goldens),
                         [&](const Golden& picture) { return picture.name == stage; }) == 1);
