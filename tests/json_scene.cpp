@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "fuzz/read_any_bytes.hpp"
 #include "scenes/three_spheres.hpp"
 #include "support/catch.hpp"
 #include "support/errors.hpp"
@@ -583,4 +584,15 @@ TEST_CASE("a scene of Luminosity is read unchanged") {
   const Vec3 up{0, 1, 0};
   CHECK(file.scene.lights()[0].irradiance(Point{4, 0, -6}, up) == Color{0.9f, 0.9f, 0.8f});
   CHECK(file.scene.lights()[0].irradiance(Point{4, -100, -6}, up) == Color{0.9f, 0.9f, 0.8f});
+}
+
+TEST_CASE("the corpus of the fuzzer, like every scene, is read or refused in words") {
+  int files = 0;
+  for (const fs::path& folder : {fs::path(PROTOSTAR_SOURCE_DIR) / "tests/fuzz/corpus", scenes})
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      INFO(entry.path());
+      CHECK_NOTHROW(read_any_bytes(bytes_of(entry.path())));
+      ++files;
+    }
+  CHECK(files > 30);
 }
