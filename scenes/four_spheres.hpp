@@ -8,6 +8,7 @@
 #include <protostar/camera.hpp>
 #include <protostar/scene.hpp>
 #include <protostar/surfaces/parallelogram.hpp>
+#include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 
 inline const protostar::Material ivory{
@@ -31,10 +32,11 @@ inline const protostar::Parallelogram checker_board{
 inline const protostar::Material checkers{
     .texture = protostar::Checker{.first = {0.6f, 0.4f, 0.2f}, .second = protostar::Color{0.6f}, .size = 2}};
 
-/// Builds the scene, with what the spheres are made of.
-inline protostar::Scene<protostar::Sphere, protostar::Parallelogram> four_spheres(
+/// Builds the scene, with what the spheres are made of. It names the types that scene files know, so that
+/// their pictures are compiled once.
+inline protostar::Scene<protostar::Sphere, protostar::Plane, protostar::Parallelogram> four_spheres(
     const std::array<protostar::Material, 4>& materials) {
-  protostar::Scene<protostar::Sphere, protostar::Parallelogram> scene;
+  protostar::Scene<protostar::Sphere, protostar::Plane, protostar::Parallelogram> scene;
   for (std::size_t i = 0; i < materials.size(); ++i) scene.add(the_four_spheres[i], materials[i]);
   for (const protostar::Point& position :
        {protostar::Point{-20, 20, -20}, protostar::Point{30, 50, 25}, protostar::Point{30, 20, -30}})

@@ -1,5 +1,6 @@
 #include <protostar/integrators/whitted.hpp>
 
+#include "pictures.hpp"
 #include "scene_pictures.hpp"
 
 using namespace protostar;

@@ -13,6 +13,6 @@ extern template class SceneTiles<DiffuseIntegrator, Sphere>;
 extern template class SceneTiles<NormalIntegrator, Sphere>;
 extern template class SceneTiles<ShadowIntegrator, Sphere>;
 extern template class SceneTiles<TransparencyIntegrator, Sphere>;
-extern template class SceneTiles<WhittedIntegrator, Sphere, Parallelogram>;
+extern template class SceneTiles<WhittedIntegrator, Sphere, Plane, Parallelogram>;
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -4,6 +4,6 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-template class SceneTiles<WhittedIntegrator, Sphere, Parallelogram>;
+template class SceneTiles<WhittedIntegrator, Sphere, Plane, Parallelogram>;
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd
