@@ -147,6 +147,16 @@ TEST_CASE("decoding inverts the curves") {
   CHECK(decode(Gamma{2}, 0.5) == 0.25);
 }
 
+TEST_CASE("a gamma near the end of double leaves but the brightest light and none") {
+  for (const double exponent : {1e300, 1e307, 3e307, 1e308, std::numeric_limits<double>::max()})
+    for (const int max_code : {255, 65535}) {
+      const Encoder encode(Gamma{exponent}, max_code);
+      CHECK(encode(0.0f) == 0);
+      CHECK(encode(1.0f) == max_code);
+      CHECK(encode(std::numeric_limits<float>::denorm_min()) == max_code);  // a root of so high an order is 1
+    }
+}
+
 TEST_CASE("an exponent that is not finite and greater than 0 is refused") {
   constexpr double huge = std::numeric_limits<double>::infinity();
   for (const double bad : {0.0, -0.0, -1.0, huge, -huge, std::numeric_limits<double>::quiet_NaN()})

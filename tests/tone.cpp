@@ -44,6 +44,16 @@ TEST_CASE("scale-image divides all pixels by the largest channel of any") {
   check_tone(Tone::scale_image, {{0, 0, 0}, {0, 0, 0}}, {{0, 0, 0}, {0, 0, 0}});
 }
 
+TEST_CASE("light beyond the largest float is scaled as that is") {
+  const float infinite = std::numeric_limits<float>::infinity(), most = std::numeric_limits<float>::max();
+  for (const Tone tone : {Tone::scale_pixel, Tone::scale_image}) {
+    Image image(1, 1);
+    image(0, 0) = {infinite, 0.5f * most, 0};
+    apply(tone, image);
+    CHECK(image(0, 0) == Color{1, 0.5f, 0});
+  }
+}
+
 TEST_CASE("a tone sees every pixel") {
   for (const Tone tone : {Tone::scale_pixel, Tone::scale_image}) {
     Image image(7, 5);

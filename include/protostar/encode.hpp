@@ -138,7 +138,8 @@ class Encoder {
   /// for any code.
   static float smallest_float_from(const DecodedLight& light) {
     const DoubleDouble about(light);
-    if (about.hi <= 0x1p-150) return std::numeric_limits<float>::denorm_min();
+    // NaN comes of an exponent near the end of double, and stands for a power that is 0 many times over.
+    if (!(about.hi > 0x1p-150)) return std::numeric_limits<float>::denorm_min();
     const float nearest = static_cast<float>(about.hi);
     if (nearest == 1) return nearest;
     const double excess = (about.hi - static_cast<double>(nearest)) + about.lo;

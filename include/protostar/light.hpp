@@ -39,7 +39,8 @@ struct SpotLight {
   Vec3 direction{0, 0, 1};  ///< the cone's axis, away from the light, of any length but 0
   double angle = 30;        ///< from the axis to the edge, in degrees, above 0 and at most 180
   Color power{0};           ///< Φ, as if it shone in all directions; not negative
-  double fade = 0;  ///< over the last so many degrees before the edge the light falls to 0, by a smoothstep
+  double fade = 0;  ///< over the last so many degrees before the edge the light falls to 0, by a smoothstep,
+                    ///< which at the axis may have begun
 };
 
 /// Light from everywhere: it is added to the irradiance of every point, and nothing hides it.
@@ -72,7 +73,7 @@ class Light {
     check(is_light(light.power), "power must be finite and not negative");
     check_direction(light.direction);
     check(0 < light.angle && light.angle <= 180, "angle must be above 0 and at most 180 degrees");
-    check(0 <= light.fade && light.fade <= light.angle, "fade must be from 0 to angle");
+    check(light.fade >= 0 && std::isfinite(light.fade), "fade must be finite and not negative");
     is_spot_ = true;
     axis_ = unit(light.direction);
     angle_ = light.angle;

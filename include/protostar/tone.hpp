@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "image.hpp"
 
@@ -24,17 +25,24 @@ inline void expose(Image& image, double exposure) {
 /// Changes an image as a tone says.
 inline void apply(Tone tone, Image& image) {
   if (tone == Tone::clip) return;
-  const auto largest_of = [](const Color& c) { return std::max({c.r, c.g, c.b}); };
+  const auto finite = [](const Color& c) {  // of light beyond the largest float something is left, too
+    const float most = std::numeric_limits<float>::max();
+    return Color{std::min(c.r, most), std::min(c.g, most), std::min(c.b, most)};
+  };
+  const auto largest_of = [&](const Color& c) {
+    const Color cut = finite(c);
+    return std::max({cut.r, cut.g, cut.b});
+  };
   float largest = 0;
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x) {
       const float channel = largest_of(image(x, y));
       largest = std::max(largest, channel);
-      if (tone == Tone::scale_pixel && channel > 1) image(x, y) /= channel;
+      if (tone == Tone::scale_pixel && channel > 1) image(x, y) = finite(image(x, y)) / channel;
     }
   if (tone != Tone::scale_image || !(largest > 0)) return;
   for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x) image(x, y) /= largest;
+    for (int x = 0; x < image.width(); ++x) image(x, y) = finite(image(x, y)) / largest;
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

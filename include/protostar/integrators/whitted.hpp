@@ -40,7 +40,7 @@ struct WhittedIntegrator {
  private:
   /// What a ray brings, and so many rays at the most, this one among them.
   [[nodiscard]] Color follow(const Ray& ray, const auto& scene, int rays) const {
-    const auto hit = rays > 0 ? scene.intersect(ray, Interval{}) : std::nullopt;
+    const auto hit = rays > 0 ? first_hit(ray, scene) : std::nullopt;
     if (!hit) return sky_of(scene, Color{0});
 
     const Material& material = hit->material();
@@ -59,10 +59,17 @@ struct WhittedIntegrator {
     return result;
   }
 
+  // What a path needs only for a moment is kept in functions of its own, and not on the stack for each ray.
+
+  [[nodiscard, gnu::noinline]] static std::optional<Intersection> first_hit(const Ray& ray,
+                                                                            const auto& scene) {
+    return scene.intersect(ray, Interval{});
+  }
+
   /// What comes from the lights. That the mirror image of the direction to the light is near the direction to
   /// the eye is to say that the direction to the light is near mirrored, the mirror image of the other.
-  [[nodiscard]] Color from_lights(const Intersection& hit, const Vec3& normal, const Vec3& mirrored,
-                                  const auto& scene) const {
+  [[nodiscard, gnu::noinline]] Color from_lights(const Intersection& hit, const Vec3& normal,
+                                                 const Vec3& mirrored, const auto& scene) const {
     const Color color = hit.color(), specular = hit.material().specular;
     if (color == Color{0} && specular == Color{0}) return Color{0};  // no light can be seen here
 

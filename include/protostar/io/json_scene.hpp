@@ -427,7 +427,8 @@ inline void add_light(const JsonCursor& at, SceneFile& file) {
     const std::string degrees = "a number of degrees above 0 and at most 180";
     light.angle = at["angle"].number_between(std::numeric_limits<double>::denorm_min(), 180, degrees);
     if (at.has("fade"))
-      light.fade = at["fade"].number_between(0, light.angle, "a number of degrees from 0 to the angle");
+      light.fade = at["fade"].number_between(0, std::numeric_limits<double>::max(),
+                                             "a number of degrees of at least 0");
     light.power = at["power"].color();
     at.checked([&] { file.scene.add(light); });
   } else if (at.has("direction")) {
