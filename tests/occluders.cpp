@@ -59,7 +59,7 @@ TEST_CASE("a cone to a light has all that rays inside it meet") {
       if (!kept) ++left_out;
     }
   }
-  CHECK(met > 10000);
+  CHECK(met > 4000);
   CHECK(left_out > 2000);
 }
 
