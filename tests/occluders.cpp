@@ -102,3 +102,18 @@ TEST_CASE(
         occluders.between(to_light(random, {0, 0, 0}, 10.0 * random.direction(), 0.1), true, search));
   CHECK(searches < 50);
 }
+
+TEST_CASE("rays that do not end together, or start where they end, go by themselves") {
+  Random random(15);
+  Occluders occluders;
+  const auto search = [](const auto&, const auto&) {};
+  for (int i = 0; i < 200; ++i) {
+    Rays<Vectors> rays = to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1);
+    const Vec3 aside = random.direction();
+    rays.direction.x.set(simd::double_lanes - 1, aside.x),
+        rays.direction.y.set(simd::double_lanes - 1, aside.y);
+    if (simd::double_lanes > 1) CHECK(occluders.between(rays, true, search) == nullptr);
+    rays.direction = Vectors(Vec3{0});
+    CHECK(occluders.between(rays, true, search) == nullptr);
+  }
+}

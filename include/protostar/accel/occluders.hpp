@@ -28,8 +28,8 @@ class ConeToLight {
   ConeToLight() = default;  ///< holds nothing
 
   /// A cone for some rays in 0 < t < 1 that end together, wide enough for more like them: about five times
-  /// their angle and half a degree, and a quarter longer. Where that is above 30°, or they do not end
-  /// together, it holds nothing.
+  /// their angle and half a degree, and a quarter longer. Where that is above 30° it holds nothing, and rays
+  /// that do not end together are not all held.
   ConeToLight(const Rays<Vectors>& rays, Chosen which) {
     const int first = std::countr_zero(bits(which));
     apex_ = rays.origin[first] + rays.direction[first];
@@ -123,7 +123,7 @@ class Occluders {
       list.cone = ConeToLight(rays, which);
       list.served = 0;
       list.places.clear();
-      if (!list.cone.is_cone()) return nullptr;
+      if (!list.cone.holds(rays, which)) return nullptr;  // they need not end together
       search(list.cone.half_spaces(), [&](int place, const SphereAround& around) {
         if (list.cone.may_hold(around)) list.places.push_back(place);
       });
