@@ -482,6 +482,21 @@ struct Glow {
   }
 };
 
+/// One that takes packets and casts rays that do not end together, as those to a light do.
+struct Bristles {
+  using TakesPackets = Bristles;
+  Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray, Interval{});
+    return hit ? shade(*hit, scene) : background(scene);
+  }
+  Color background(const auto&) const { return Color{0.5f}; }
+  template <class Hit>
+  typename Hit::Light shade(const Hit& hit, const auto& scene) const {
+    const auto bristle = 4.0 * hit.facing_normal();
+    return select(scene.occluded(hit.leave(bristle), Interval{0, 1}), Color{0}, Color{1});
+  }
+};
+
 }  // namespace
 
 TEST_CASE("by tiles, a user's integrator draws what it draws ray by ray") {
@@ -503,6 +518,11 @@ TEST_CASE("by tiles, a user's integrator draws what it draws ray by ray") {
   check(scene, Rings{});
   check(scene, Facets{});
   check(scene, Glow{});
+  Scene<Sphere> crowd;  // of which occluders are looked for in a tree
+  Random random(20);
+  for (int i = 0; i < 300; ++i)
+    crowd.add(Sphere{Vec3{0, 0, 6} + random.point(3), random.real(0.05, 0.3)}, Color{1});
+  check(crowd, Bristles{});
 
   const auto lambda = [](const Ray& ray, const auto& traced) { return Mirrors{}.radiance(ray, traced); };
   const auto typed = [](const Ray& ray, const Scene<Sphere>& traced) {

@@ -37,6 +37,11 @@ struct Camera {
   Vec3 film_right{0};
   Vec3 film_up{0};
 
+  /// How far from orthogonal direction and upward may be that a camera is made of: the cosine between them.
+  /// It is the allowance of scene files, for directions that were written down in decimals; it shears the
+  /// picture by less than a pixel in 10^6.
+  static constexpr double most_cosine = 1e-6;
+
   /// A pinhole at position, and a film that it sees under a vertical angle of field_of_view, in degrees,
   /// between 0 and 180. Of this and all below: direction and upward may have any length but 0 and have to be
   /// orthogonal, their cosine at most 10^-6; what is to the right is upward × direction.
@@ -198,7 +203,7 @@ struct Camera {
   /// Right, up and forward, each of unit length.
   static std::array<Vec3, 3> axes(const Vec3& direction, const Vec3& upward) {
     const Vec3 forward = unit(direction, "direction"), up = unit(upward, "upward");
-    if (!(std::abs(dot(up, forward)) <= 1e-6))
+    if (!(std::abs(dot(up, forward)) <= most_cosine))
       refuse("Camera: upward must be orthogonal to direction, their cosine at most 1e-6; it is ",
              dot(up, forward));
     return {cross(up, forward), up, forward};

@@ -29,8 +29,8 @@ auto tile_filler(Image& image, const Camera& camera, const S& scene, const I& in
 }
 
 /// Fills an image with what a camera sees, one ray through each pixel's center unless the options say
-/// otherwise; radiance says what a ray
-/// brings, and is called from several threads at once. The picture is the same for any number of threads.
+/// otherwise; radiance says what a ray brings, and is called from several threads at once. The picture is the
+/// same for any number of threads.
 ///
 /// Throws std::invalid_argument for an invalid camera, a negative number of threads or samples and a crop
 /// that does not hold the image, and whatever radiance throws.

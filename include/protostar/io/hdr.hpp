@@ -23,7 +23,8 @@ namespace detail {
   const auto held = [](float x) { return x > 0 ? std::min(x, 255 * 0x1p119f) : 0; };  // NaN is not above 0
   const Color c{held(light.r), held(light.g), held(light.b)};
   const float largest = std::max({c.r, c.g, c.b});
-  if (largest < 1e-32f) return Color{0};  // as stb_image_write has it
+  // stb_image_write writes 0 for less, of which the format could hold some: its least exponent is 2^-128.
+  if (largest < 1e-32f) return Color{0};
   int e = 0;
   std::frexp(largest, &e);
   const auto rounded = [&](float x) { return std::ldexp(std::round(std::ldexp(x, 8 - e)), e - 8); };

@@ -463,7 +463,7 @@ inline Camera camera_at(const JsonCursor& at) {
 
   const Vec3 position = at["position"].vector(), direction = at["direction"].direction();
   const Vec3 upward = at["upward"].direction();
-  if (!(std::abs(dot(direction, upward)) <= 1e-6))
+  if (!(std::abs(dot(direction, upward)) <= Camera::most_cosine))
     at["upward"].refuse("orthogonal to direction: the cosine between them is at most 1e-6");
 
   if (projection == Projection::orthographic) {

@@ -1,7 +1,10 @@
 // Roots as they are, without rounding, and their exact order.
 #pragma once
 
+#include <cmath>
+
 #include "expansion.hpp"
+#include "roots.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -35,6 +38,17 @@ namespace detail {
 }
 
 }  // namespace detail
+
+/// The only root of a linear equation, b/A · 2^exponent, in double-double; none where A is 0.
+[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_linear_root(const ExactRoot& exact) {
+  RefinedRoots roots;
+  roots.relative_error = 0x1p-97;  // two conversions and a quotient, of a few u² each
+  if (exact.A.sign() == 0) return roots;
+  const DoubleDouble t = DoubleDouble(exact.b) / DoubleDouble(exact.A);
+  roots.count = 1;
+  roots.t[0] = {std::ldexp(t.hi, exact.exponent), std::ldexp(t.lo, exact.exponent)};
+  return roots;
+}
 
 /// The sign of r − s, exactly, unless a term falls below 2^-1074.
 [[nodiscard, gnu::cold, gnu::noinline]] inline int order(const ExactRoot& r, ExactRoot s) {

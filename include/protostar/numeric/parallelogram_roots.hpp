@@ -74,14 +74,9 @@ struct ExactParallelogramEquation {
                                                                                         const Vec3& edge_u,
                                                                                         const Vec3& edge_v) {
   ++fallbacks.exact;
-  const detail::ExactParallelogramEquation exact(origin, direction, position, edge_u, edge_v);
-  RefinedRoots roots;
-  roots.relative_error = 0x1p-97;  // two conversions and a quotient, of a few u² each
-  if (!exact.is_inside) return roots;
-  const DoubleDouble t = DoubleDouble(exact.height) / DoubleDouble(exact.slope);
-  roots.count = 1;
-  roots.t[0] = {std::ldexp(t.hi, exact.exponent), std::ldexp(t.lo, exact.exponent)};
-  return roots;
+  const detail::ExactParallelogramEquation e(origin, direction, position, edge_u, edge_v);
+  if (!e.is_inside) return {};
+  return refined_linear_root({.A = e.slope, .b = e.height, .D = {}, .exponent = e.exponent});
 }
 
 namespace detail {

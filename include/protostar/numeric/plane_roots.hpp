@@ -44,14 +44,7 @@ namespace protostar::inline PROTOSTAR_ABI {
                                                                                 const Vec3& normal,
                                                                                 double distance) {
   ++fallbacks.exact;
-  const ExactRoot exact = exact_plane_root(origin, direction, normal, distance);
-  RefinedRoots roots;
-  roots.relative_error = 0x1p-97;  // two conversions and a quotient, of a few u² each
-  if (exact.A.sign() == 0) return roots;
-  const DoubleDouble t = DoubleDouble(exact.b) / DoubleDouble(exact.A);
-  roots.count = 1;
-  roots.t[0] = {std::ldexp(t.hi, exact.exponent), std::ldexp(t.lo, exact.exponent)};
-  return roots;
+  return refined_linear_root(exact_plane_root(origin, direction, normal, distance));
 }
 
 namespace detail {

@@ -1,0 +1,107 @@
+#include <algorithm>
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/integrators/whitted.hpp>
+#include <protostar/pixels.hpp>
+#include <protostar/render.hpp>
+#include <set>
+#include <vector>
+
+#include "scenes/three_spheres.hpp"
+#include "support/catch.hpp"
+#include "support/errors.hpp"
+
+using namespace protostar;
+
+namespace {
+
+Image drawn(int width, int height, const auto& integrator, const RenderOptions& options) {
+  Image image(width, height);
+  render(image, Camera{}, three_spheres(), integrator, options);
+  return image;
+}
+
+int different(const Image& part, const Image& whole, int x0, int y0) {
+  int count = 0;
+  for (int y = 0; y < part.height(); ++y)
+    for (int x = 0; x < part.width(); ++x) count += part(x, y) != whole(x0 + x, y0 + y);
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("one sample, or none, is the center of the pixel") {
+  for (const int n : {0, 1}) {
+    const auto samples = pixel_samples(n);
+    REQUIRE(samples.size() == 1);
+    CHECK(samples[0].x == 0.5);
+    CHECK(samples[0].y == 0.5);
+  }
+}
+
+TEST_CASE("of n samples each of n columns and each of n rows has one, in its middle") {
+  for (int n = 2; n < 70; ++n) {
+    const auto samples = pixel_samples(n);
+    REQUIRE(samples.size() == static_cast<std::size_t>(n));
+    std::set<double> rows;
+    for (int i = 0; i < n; ++i) {
+      CHECK(samples[static_cast<std::size_t>(i)].x == (i + 0.5) / n);
+      rows.insert(samples[static_cast<std::size_t>(i)].y);
+    }
+    std::set<double> middles;
+    for (int i = 0; i < n; ++i) middles.insert((i + 0.5) / n);
+    CHECK(rows == middles);
+  }
+}
+
+TEST_CASE("four samples are those of Hammersley") {
+  const auto samples = pixel_samples(4);
+  const double rows[] = {0.125, 0.625, 0.375, 0.875};
+  for (std::size_t i = 0; i < 4; ++i) CHECK(samples[i].y == rows[i]);
+}
+
+TEST_CASE("a pixel is the mean of its samples, by tiles as ray by ray") {
+  const auto scene = three_spheres();
+  const Image by_tiles = drawn(48, 36, ShadowIntegrator{}, {.samples = 5});
+  CHECK(different(drawn(48, 36, ShadowIntegrator{}, {.samples = 5, .tiles = false}), by_tiles, 0, 0) == 0);
+  CHECK(different(drawn(48, 36, ShadowIntegrator{}, {}), by_tiles, 0, 0) > 100);
+  const auto samples = pixel_samples(5);
+  for (int y = 0; y < 36; ++y)
+    for (int x = 0; x < 48; ++x) {
+      Color sum{0};
+      for (const auto& [dx, dy] : samples)
+        sum += ShadowIntegrator{}.radiance(Camera{}(Camera::u_at(x + dx, 48, 36), Camera::v_at(y + dy, 36)),
+                                           scene);
+      const Color difference = abs(by_tiles(x, y) - sum / 5.0f);
+      REQUIRE(std::max({difference.r, difference.g, difference.b}) <
+              1e-5f);  // six roundings, of sums below 10
+    }
+}
+
+TEST_CASE("an image that is a part of a picture has its pixels") {
+  for (const int samples : {0, 3})
+    for (const bool tiles : {false, true}) {
+      const Image whole = drawn(101, 67, ShadowIntegrator{}, {.samples = samples, .tiles = tiles});
+      const RenderOptions options{
+          .samples = samples, .crop = {.x = 37, .y = 20, .width = 101, .height = 67}, .tiles = tiles};
+      CHECK(different(drawn(30, 41, ShadowIntegrator{}, options), whole, 37, 20) == 0);
+      CHECK(different(drawn(30, 41, WhittedIntegrator{}, options),
+                      drawn(101, 67, WhittedIntegrator{}, {.samples = samples}), 37, 20) == 0);
+    }
+}
+
+TEST_CASE("a crop has to hold the image, and samples are not fewer than none") {
+  Image image(8, 6);
+  const auto refused = [&](const RenderOptions& options) {
+    CHECK_THROWS_AS(render(image, Camera{}, three_spheres(), ShadowIntegrator{}, options),
+                    std::invalid_argument);
+    CHECK_THROWS_AS(render(
+                        image, Camera{}, [](const Ray&) { return Color{1}; }, options),
+                    std::invalid_argument);
+  };
+  refused({.samples = -1});
+  refused({.crop = {.x = 1, .y = 0, .width = 8, .height = 6}});
+  refused({.crop = {.x = 0, .y = 1, .width = 8, .height = 6}});
+  refused({.crop = {.x = -1, .y = 0, .width = 20, .height = 20}});
+  refused({.crop = {.x = 2147483647, .y = 0, .width = 20, .height = 20}});
+  refused({.crop = {.x = 0, .y = 0, .width = 8, .height = 0}});
+}
