@@ -93,6 +93,9 @@ class Intersection {
   /// Where it is.
   [[nodiscard]] Point point() const { return ray_.at(t); }
 
+  /// The direction of the ray.
+  [[nodiscard]] const Vec3& direction() const { return ray_.direction; }
+
   /// The surface's unit normal, on the side that the surface calls its outside (§2.3.1).
   [[nodiscard]] Vec3 normal() const { return on_.functions->normal_at(on_.surface, point()); }
 

@@ -30,6 +30,19 @@ concept Traceable = requires(const T& scene, const Ray& ray, Interval range) {
   scene.crossings(ray, range, [](const Intersection&) {});
 };
 
+/// What a ray brings that is followed to what it meets first: shade(hit), or background where it meets
+/// nothing. A scene may know how to do that for several rays at once.
+template <class R>
+[[nodiscard]] typename R::Light follow(const R& ray, const auto& scene, const Color& background,
+                                       const auto& shade) {
+  if constexpr (requires { scene.follow(ray, background, shade); }) {
+    return scene.follow(ray, background, shade);
+  } else {
+    const auto hit = scene.intersect(ray, Interval{});
+    return hit ? shade(*hit) : background;
+  }
+}
+
 /// The irradiance that is everywhere in a scene: none in one that knows of none.
 [[nodiscard]] Color ambient_of(const auto& scene) {
   if constexpr (requires { scene.ambient(); })

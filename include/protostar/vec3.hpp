@@ -50,6 +50,9 @@ template <class T>
 /// Whether any answer is yes: here, the only one.
 [[nodiscard]] constexpr bool any(bool answer) { return answer; }
 
+/// Whether a color is black, and adds nothing.
+[[nodiscard]] inline bool is_black(const Color& c) { return c == Color{0}; }
+
 /// f of each number: here, of the only one.
 [[nodiscard]] double of_each(double x, const auto& f) { return f(x); }
 

@@ -42,6 +42,8 @@ struct Vectors {
   friend Vectors cross(const Vectors& a, const Vectors& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
   }
+  friend Doubles length(const Vectors& a) { return sqrt(dot(a, a)); }
+  friend Vectors normalize(const Vectors& a) { return a * (1 / length(a)); }
   friend Vectors abs(const Vectors& a) { return {abs(a.x), abs(a.y), abs(a.z)}; }
   friend Vectors select(Chosen which, const Vectors& a, const Vectors& b) {
     return {select(which, a.x, b.x), select(which, a.y, b.y), select(which, a.z, b.z)};
@@ -61,14 +63,17 @@ struct Colors {
   explicit Colors(float gray) : Colors(Floats(gray)) {}
   explicit Colors(const Vectors& v) : r(to_float(v.x)), g(to_float(v.y)), b(to_float(v.z)) {}
 
+  friend Colors operator+(const Colors& p, const Colors& q) { return {p.r + q.r, p.g + q.g, p.b + q.b}; }
   friend Colors operator*(const Colors& p, const Colors& q) { return {p.r * q.r, p.g * q.g, p.b * q.b}; }
   friend Colors operator*(const Colors& p, Floats share) { return {p.r * share, p.g * share, p.b * share}; }
+  friend Colors operator*(float share, const Colors& p) { return p * Floats(share); }
   Colors& operator*=(const Colors& other) { return *this = *this * other; }
-  Colors& operator+=(const Colors& other) {
-    r += other.r, g += other.g, b += other.b;
-    return *this;
+  Colors& operator+=(const Colors& other) { return *this = *this + other; }
+  friend Chosen is_black(const Colors& c) {
+    return mask_for<double>(c.r == 0.0f && c.g == 0.0f && c.b == 0.0f);
   }
-  friend Colors select(Chosen which, const Colors& p, const Colors& q) {
+  template <class M>
+  friend Colors select(Mask<M, double_lanes> which, const Colors& p, const Colors& q) {
     return {select(which, p.r, q.r), select(which, p.g, q.g), select(which, p.b, q.b)};
   }
 };
@@ -77,6 +82,7 @@ inline Colors operator*(const Color& color, Floats share) { return Colors(color)
 inline Colors select(Chosen which, const Color& a, const Color& b) {
   return select(which, Colors(a), Colors(b));
 }
+inline Doubles select(Chosen which, double a, double b) { return select(which, Doubles(a), Doubles(b)); }
 
 /// The rays of a packet. Origin is Point for rays that start together, as those of a pinhole do, and Vectors
 /// for others. All depart from the same geometry.
@@ -196,6 +202,9 @@ class Intersections {
       : t(at), rays_(rays), which_(which), surface_(surface), material_(material) {}
 
   [[nodiscard]] Vectors point() const { return rays_.at(t); }
+
+  /// The directions of the rays.
+  [[nodiscard]] const Vectors& direction() const { return rays_.direction; }
 
   [[nodiscard]] Vectors normal() const {
     if constexpr (SurfaceForPackets<S>) {

@@ -209,27 +209,10 @@ class TileRenderer {
 
   [[nodiscard]] Colors radiance(const auto& rays, const View& view) const {
     if constexpr (ShadingIntegrator<I, View>)
-      return shade(rays, view.closest(rays), view);
+      return view.follow(rays, integrator_.background(view),
+                         [&](const auto& hits) { return integrator_.shade(hits, view); });
     else
       return integrator_.radiance(rays, view);
-  }
-
-  /// What a packet brings that meets these: one surface after the other, so that its own numbers are the same
-  /// for all its rays and nothing has to be gathered.
-  [[nodiscard]] Colors shade(const auto& rays, const typename View::Closest& closest,
-                             const View& view) const {
-    Colors result(integrator_.background(view));
-    Chosen left = closest.met && rays.wanted;
-    for (Bits some = bits(left); some != 0; some = bits(left)) {
-      const auto place = closest.place[std::countr_zero(some)];
-      const Chosen here = left && mask_for<double>(closest.place == Indices(place));
-      view.visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
-        const Intersections hits(rays, closest.t, here, surface, material);
-        result = select(here, Colors(integrator_.shade(hits, view)), result);
-      });
-      left = left && !here;
-    }
-    return result;
   }
 
   void write(const Tile& tile, int x, int y, const Colors& colors) const {

@@ -55,7 +55,8 @@ class TileScene {
       ++statistics_.other_rays;
       return everything_.intersect(ray, range);
     }
-    const auto [place, crossing] = closest_by_itself(ray);
+    const auto [place, crossing] =
+        closest_by_itself(ray, [&](const auto& visit_place) { each_candidate(visit_place); });
     return place < 0 ? std::nullopt : std::optional(Intersection(ray, crossing));
   }
 
@@ -71,38 +72,36 @@ class TileScene {
 
   // ---- For the rays of a packet.
 
-  /// What each ray meets first.
-  struct Closest {
-    Doubles t = infinity;
-    Indices place = -1;  ///< of the surface in the scene's order
-    Chosen met = false;
-  };
+  /// What rays of the camera bring: shade(hits) for those that meet one surface first, one surface after the
+  /// other, so that its own numbers are the same for all of them and nothing has to be gathered; background
+  /// for those that meet nothing.
   template <class Origin>
-  [[nodiscard]] Closest closest(const CameraRays<Origin>& rays) const {
+  [[nodiscard]] Colors follow(const CameraRays<Origin>& rays, const Color& background,
+                              const auto& shade) const {
     Closest closest;
-    Chosen in_doubt = false;
-    const auto consider = [&](int place) {
-      count_tests(rays.wanted);
-      visit(place, [&](const auto& surface, const Material&) {
-        const FirstCrossings first = first_crossings(surface, rays, rays.wanted, Interval{});
-        // The order is sure where the errors of both t, 2^-30 of each, do not overlap.
-        const Chosen sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
-        const Chosen later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
-        in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
-        if (!any(sooner)) return;
-        closest.t = select(sooner, first.t, closest.t);
-        closest.place = select(sooner, Indices(place), closest.place);
-        closest.met = closest.met || sooner;
-      });
-    };
-    for (const int place : unbounded_) consider(place);
+    for (const int place : unbounded_) consider(place, rays, closest);
     for (int i = 0; i < candidates_.size(); ++i) {
       // Where no ray has any way left to a candidate, it has none to those that follow.
       if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
-      consider(candidates_.place(i));
+      consider(candidates_.place(i), rays, closest);
     }
-    if (any(in_doubt)) decide(rays, in_doubt, closest);
-    return closest;
+    if (any(closest.in_doubt))
+      decide(rays, closest, [&](const auto& visit_place) { each_candidate(visit_place); });
+    return shade_each(rays, closest, background, shade);
+  }
+
+  /// What other rays bring: where there are many surfaces, each is followed by itself.
+  template <class Origin>
+  [[nodiscard]] Colors follow(const Rays<Origin>& rays, const Color& background, const auto& shade) const {
+    statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.wanted)));
+    if (scene_.size() > few) return follow_each_by_itself(rays, background, shade);
+    Closest closest;
+    const auto each_place = [&](const auto& visit_place) {
+      for (int place = 0; place < static_cast<int>(scene_.size()); ++place) visit_place(place);
+    };
+    each_place([&](int place) { consider(place, rays, closest); });
+    if (any(closest.in_doubt)) decide(rays, closest, each_place);
+    return shade_each(rays, closest, background, shade);
   }
 
   /// Which rays of the camera meet anything.
@@ -121,11 +120,11 @@ class TileScene {
   [[nodiscard]] Chosen occluded(const Rays<Origin>& rays, Interval range) const {
     Chosen found = false, left = rays.wanted;
     statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
-    const int last = last_occluder_, count = static_cast<int>(scene_.size());
-    const int end = count <= few ? count : 0;
+    const bool is_small = scene_.size() <= few;
+    const int last = last_occluder_, end = is_small ? static_cast<int>(scene_.size()) : 0;
     for (int place = last >= 0 ? -1 : 0; place < end && any(left); ++place)
       if (place != last) test(place < 0 ? last : place, rays, range, found, left);
-    if (count > few && any(left)) look_for_occluders(rays, range, found, left);
+    if (!is_small && any(left)) look_for_occluders(rays, range, found, left);
     return found;
   }
 
@@ -165,7 +164,15 @@ class TileScene {
 
  private:
   /// So many surfaces are sooner tried in turn than looked for.
-  static constexpr int few = 16;
+  static constexpr std::size_t few = 16;
+
+  /// What each ray meets first.
+  struct Closest {
+    Doubles t = infinity;
+    Indices place = -1;  ///< of the surface in the scene's order
+    Chosen met = false;
+    Chosen in_doubt = false;
+  };
 
   struct SomeCross {
     Chosen which;
@@ -191,12 +198,63 @@ class TileScene {
     return false;
   }
 
+  /// Finds out which rays meet a surface sooner than what was considered before.
+  void consider(int place, const auto& rays, Closest& closest) const {
+    count_tests(rays.wanted);
+    visit(place, [&](const auto& surface, const Material&) {
+      const FirstCrossings first = first_crossings(surface, rays, rays.wanted, Interval{});
+      // The order is sure where the errors of both t, 2^-30 of each, do not overlap.
+      const Chosen sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
+      const Chosen later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
+      closest.in_doubt = closest.in_doubt || first.in_doubt || (first.met && !sooner && !later);
+      if (!any(sooner)) return;
+      closest.t = select(sooner, first.t, closest.t);
+      closest.place = select(sooner, Indices(place), closest.place);
+      closest.met = closest.met || sooner;
+    });
+  }
+
+  [[nodiscard]] Colors shade_each(const auto& rays, const Closest& closest, const Color& background,
+                                  const auto& shade) const {
+    Colors result(background);
+    Chosen left = closest.met && rays.wanted;
+    for (Bits some = bits(left); some != 0; some = bits(left)) {
+      const auto place = closest.place[std::countr_zero(some)];
+      const Chosen here = left && mask_for<double>(closest.place == Indices(place));
+      visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
+        const Intersections hits(rays, closest.t, here, surface, material);
+        result = select(here, Colors(shade(hits)), result);
+      });
+      left = left && !here;
+    }
+    return result;
+  }
+
+  [[nodiscard, gnu::noinline]] Colors follow_each_by_itself(const auto& rays, const Color& background,
+                                                            const auto& shade) const {
+    Colors result(background);
+    for (Bits alone = bits(rays.wanted); alone != 0; alone &= alone - 1) {
+      const int lane = std::countr_zero(alone);
+      if (const auto hit = everything_.intersect(rays[lane], Interval{})) {
+        const Color color = shade(*hit);
+        result.r.set(lane, color.r), result.g.set(lane, color.g), result.b.set(lane, color.b);
+      }
+    }
+    return result;
+  }
+
+  /// Calls visit(place) for all that rays of the camera may meet.
+  void each_candidate(const auto& visit_place) const {
+    for (const int place : unbounded_) visit_place(place);
+    for (int i = 0; i < candidates_.size(); ++i) visit_place(candidates_.place(i));
+  }
+
   /// Asks about the rays in doubt, each by itself.
-  [[gnu::noinline, gnu::cold]] void decide(const auto& rays, Chosen in_doubt, Closest& closest) const {
-    for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
+  [[gnu::noinline, gnu::cold]] void decide(const auto& rays, Closest& closest, const auto& each_place) const {
+    for (Bits alone = bits(closest.in_doubt); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       ++statistics_.in_doubt;
-      const auto [place, crossing] = closest_by_itself(rays[lane]);
+      const auto [place, crossing] = closest_by_itself(rays[lane], each_place);
       closest.t = select(one(lane), Doubles(crossing.crossing.t), closest.t);
       closest.place = select(one(lane), Indices(place), closest.place);
       closest.met = (closest.met && !one(lane)) || (one(lane) && Chosen(place >= 0));
@@ -216,14 +274,15 @@ class TileScene {
     return crossed;
   }
 
-  /// What one ray of the camera meets first, and the place of that; −1 if nothing.
+  /// What one ray meets first of some surfaces, and the place of that; −1 if nothing.
   struct PlacedCrossing {
     int place = -1;
     SurfaceCrossing crossing;
   };
-  [[nodiscard, gnu::noinline]] PlacedCrossing closest_by_itself(const Ray& ray) const {
+  [[nodiscard, gnu::noinline]] PlacedCrossing closest_by_itself(const Ray& ray,
+                                                                const auto& each_place) const {
     PlacedCrossing first;
-    const auto consider = [&](int place) {
+    each_place([&](int place) {
       visit(place, [&](const auto& surface, const Material& material) {
         const auto crossing = first_crossing(surface, ray, Interval{});
         if (!crossing) return;
@@ -234,9 +293,7 @@ class TileScene {
           return;
         first = {place, candidate};
       });
-    };
-    for (const int place : unbounded_) consider(place);
-    for (int i = 0; i < candidates_.size(); ++i) consider(candidates_.place(i));
+    });
     return first;
   }
 

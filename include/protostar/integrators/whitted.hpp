@@ -13,90 +13,139 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// d, seen in a mirror with this unit normal.
-[[nodiscard]] inline Vec3 reflected(const Vec3& d, const Vec3& normal) {
+template <class V>
+[[nodiscard]] V reflected(const V& d, const V& normal) {
   return d - 2 * dot(normal, d) * normal;
 }
 
+/// Where light goes that passes a surface.
+template <class V, class Answer>
+struct Refraction {
+  Answer passes;  ///< if not, all light is reflected
+  V direction;
+};
+
 /// The unit direction d after it has passed a surface whose unit normal faces it (n·d ≤ 0), by Snell's law:
 /// the sine of its angle to the normal is ratio times as large as before, ratio being the index of refraction
-/// before the surface over that behind it. Nothing if there is no such angle: all light is reflected.
-[[nodiscard]] inline std::optional<Vec3> refracted(const Vec3& d, const Vec3& normal, double ratio) {
-  const double cosine = -dot(normal, d);
-  const double square = 1 - ratio * ratio * (1 - cosine * cosine);  // of the cosine behind the surface
-  if (!(square >= 0)) return std::nullopt;
-  return ratio * d + (ratio * cosine - std::sqrt(square)) * normal;
+/// before the surface over that behind it. Light passes if there is such an angle.
+template <class V, class Number>
+[[nodiscard]] auto refracted(const V& d, const V& normal, const Number& ratio) {
+  using std::sqrt;
+  const auto cosine = -dot(normal, d);
+  const auto square = 1 - ratio * ratio * (1 - cosine * cosine);  // of the cosine behind the surface
+  const auto passes = square >= 0.0;
+  return Refraction<V, std::remove_const_t<decltype(passes)>>{
+      passes, ratio * d + (ratio * cosine - sqrt(square)) * normal};
 }
 
 /// The light of Material's equation: what the lights that a point can see bring to it, and what the mirror
 /// direction and the refracted direction see, by rays of their own (Whitted 1980, "An Improved Illumination
 /// Model for Shaded Display"). The sky, or black, where there is nothing.
 struct WhittedIntegrator {
+  using TakesPackets = WhittedIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
+
   int depth = 10;  ///< the most rays in one path; 1 is the camera's alone. A path that is cut sees the sky
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
-    return follow(ray, scene, depth);
+    return seen_along(ray, scene, depth);
+  }
+
+  [[nodiscard]] Color background(const auto& scene) const { return sky_of(scene, Color{0}); }
+
+  template <class Hit>
+  [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
+    if (depth < 1) return typename Hit::Light(background(scene));
+    return shade(hit, scene, depth);
   }
 
  private:
   /// What a ray brings, and so many rays at the most, this one among them.
-  [[nodiscard]] Color follow(const Ray& ray, const auto& scene, int rays) const {
-    const auto hit = rays > 0 ? first_hit(ray, scene) : std::nullopt;
-    if (!hit) return sky_of(scene, Color{0});
+  template <class R>
+  [[nodiscard, gnu::noinline]] typename R::Light seen_along(const R& ray, const auto& scene, int rays) const {
+    if (rays < 1) return typename R::Light(background(scene));
+    return follow(ray, scene, background(scene), [&](const auto& hit) { return shade(hit, scene, rays); });
+  }
 
-    const Material& material = hit->material();
-    const Vec3 direction = normalize(ray.direction);
-    const Vec3 outside = hit->normal();
-    const bool enters = dot(outside, direction) <= 0;
-    const Vec3 normal = enters ? outside : -outside;
+  template <class Hit>
+  [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene, int rays) const {
+    const Material& material = hit.material();
+    const auto direction = normalize(hit.direction());
+    const auto outside = hit.normal();
+    const auto enters = dot(outside, direction) <= 0.0;
+    const auto normal = select(enters, outside, -outside);
 
-    const Vec3 mirrored = reflected(direction, normal);
-    Color result = from_lights(*hit, normal, mirrored, scene);
+    const auto mirrored = reflected(direction, normal);
+    auto result = from_lights(hit, normal, mirrored, scene);
     if (material.reflect > 0)
-      result += static_cast<float>(material.reflect) * follow(hit->leave(mirrored), scene, rays - 1);
-    if (material.refract > 0)
-      if (const auto d = refracted(direction, normal, enters ? 1 / material.ior : material.ior))
-        result += static_cast<float>(material.refract) * follow(hit->leave(*d), scene, rays - 1);
-    return result;
-  }
-
-  // What a path needs only for a moment is kept in functions of its own, and not on the stack for each ray.
-
-  [[nodiscard, gnu::noinline]] static std::optional<Intersection> first_hit(const Ray& ray,
-                                                                            const auto& scene) {
-    return scene.intersect(ray, Interval{});
-  }
-
-  /// What comes from the lights. That the mirror image of the direction to the light is near the direction to
-  /// the eye is to say that the direction to the light is near mirrored, the mirror image of the other.
-  [[nodiscard, gnu::noinline]] Color from_lights(const Intersection& hit, const Vec3& normal,
-                                                 const Vec3& mirrored, const auto& scene) const {
-    const Color color = hit.color(), specular = hit.material().specular;
-    if (color == Color{0} && specular == Color{0}) return Color{0};  // no light can be seen here
-
-    const Point point = hit.point();
-    Color result = color * ambient_of(scene);
-    for (const Light& light : scene.lights()) {
-      const Vec3 to_light = light.towards(point);
-      if (!(dot(normal, to_light) > 0)) continue;  // it is behind the surface
-      Color sent = color * light.irradiance(point, normal);
-      if (specular != Color{0})
-        if (const float share = lobe(dot(mirrored, to_light) / length(to_light), hit.material().shininess);
-            share > 0)
-          sent += specular * light.perpendicular_irradiance(point) * share;
-      // What adds nothing needs no shadow ray.
-      if (sent != Color{0} && !scene.occluded(hit.leave(to_light), light.way())) result += sent;
+      result += to_float(material.reflect) * seen_along(hit.leave(mirrored), scene, rays - 1);
+    if (material.refract > 0) {
+      const auto [passes, onward] =
+          refracted(direction, normal, select(enters, 1 / material.ior, material.ior));
+      if (any(passes))
+        result = select(passes,
+                        result + to_float(material.refract) *
+                                     seen_along(only(passes, hit.leave(onward)), scene, rays - 1),
+                        result);
     }
     return result;
   }
 
-  /// cos^shininess; 0 where the cosine is not positive.
-  [[nodiscard]] static float lobe(double cosine, double shininess) {
+  /// What comes from the lights. That the mirror image of the direction to the light is near the direction to
+  /// the eye is to say that the direction to the light is near mirrored, the mirror image of the other.
+  template <class Hit>
+  [[nodiscard]] typename Hit::Light from_lights(const Hit& hit, const auto& normal, const auto& mirrored,
+                                                const auto& scene) const {
+    using Light = typename Hit::Light;
+    const Light color(hit.color());
+    const Color specular = hit.material().specular;
+    Light result = color * Light(ambient_of(scene));
+    const auto lit = !is_black(color) || !is_black(specular);
+    if (!any(lit)) return result;  // no light can be seen here
+
+    const auto point = hit.point();
+    for (const auto& light : scene.lights()) {
+      const auto to_light = light.towards(point);
+      const auto in_front = lit && dot(normal, to_light) > 0.0;
+      if (!any(in_front)) continue;  // a light behind the surface needs no shadow ray
+      Light sent = color * light.irradiance(point, normal);
+      if (!is_black(specular)) {
+        const auto share = lobe(dot(mirrored, to_light) / length(to_light), hit.material().shininess);
+        const auto shines = share > 0.0f;
+        if (any(shines))
+          sent = select(shines, sent + specular * light.perpendicular_irradiance(point) * share, sent);
+      }
+      // What adds nothing needs no shadow ray.
+      const auto counts = in_front && !is_black(sent);
+      if (!any(counts)) continue;
+      const auto visible = counts && !scene.occluded(only(counts, hit.leave(to_light)), light.way());
+      result = select(visible, result + sent, result);
+    }
+    return result;
+  }
+
+  /// cos^shininess, rounded to float; 0 where the cosine is not positive.
+  template <class Number>
+  [[nodiscard]] static auto lobe(const Number& cosine, double shininess) {
+    using std::min;
+    const auto ahead = cosine > 0.0;
+    const Number x = select(ahead, min(cosine, 1.0), Number(0.0));
+    if (const int n = static_cast<int>(std::min(shininess, 0x1p16)); n == shininess) {
+      // Where a float is surely the nearest, double is enough. The error is below n u, with n + 3 for what is
+      // rounded here.
+      const Number power = whole_power(x, n), error = (n + 3) * 0x1p-53 * power;
+      const auto least = to_float(power - error), most = to_float(power + error);
+      if (!any(least < most)) return select(ahead, most, to_float(Number(0.0)));
+    }
+    return to_float(of_each(x, [&](double one) { return exact_lobe(one, shininess); }));
+  }
+
+  /// The same of one cosine of at most 1.
+  [[nodiscard, gnu::noinline, gnu::cold]] static float exact_lobe(double cosine, double shininess) {
     // Below 2^-150 it is 0 as a float. It is at most e^(−shininess · (1 − cos)), since ln cos ≤ cos − 1.
     if (!(cosine > 0) || shininess * (1 - cosine) > 150 * std::numbers::ln2) return 0;
-    if (shininess == 0) return 1;
     constexpr double normal_least = std::numeric_limits<double>::min();  // pow takes no less
-    return static_cast<float>(static_cast<double>(
-        pow(DoubleDouble(std::clamp(cosine, normal_least, 1.0)), DoubleDouble(shininess))));
+    return static_cast<float>(
+        static_cast<double>(pow(DoubleDouble(std::max(cosine, normal_least)), DoubleDouble(shininess))));
   }
 };
 

@@ -116,6 +116,19 @@ template <std::size_t N>
 /// and the result is one.
 [[nodiscard]] inline DoubleDouble pow(DoubleDouble x, DoubleDouble y) { return exp2(y * log2(x)); }
 
+/// x^n for 0 ≤ x ≤ 1, or several such numbers, by squaring. Written as n factors x it has n − 1 products,
+/// each with an error of u, so that its relative error is below n u for n < 2^20. What underflows is below
+/// 2^-1000, as x^n is.
+template <class T>
+[[nodiscard]] T whole_power(T x, int n) {
+  T power = 1.0;
+  for (; n > 1; n /= 2) {
+    if (n % 2 != 0) power = power * x;
+    x = x * x;
+  }
+  return n == 1 ? power * x : power;
+}
+
 namespace detail {
 
 /// log2 x for a double x > 0, to within 2^(1 − 53·(terms − 1)), digit by digit: of a number in [1, 2),

@@ -1,0 +1,22 @@
+// Spheres and a checker board with Phong's highlights, mirrors and glass, as the article behind stage
+// 13_whitted computes them: values in a list, float, an offset, a ray for each share of light.
+//
+// It is written from the article's text and shares no code with the library.
+#pragma once
+
+#include "tutorial.hpp"
+
+namespace tutorial {
+
+/// The four spheres before their board, and three lights of the same brightness at any distance.
+struct SpheresAndBoard {
+  /// Whether a share of 0 needs no ray. The article casts both rays from wherever anything is met.
+  bool skips_what_weighs_nothing = false;
+
+  void render(Image& image) const;
+
+ private:
+  vec3 radiance(const Ray& ray, int depth) const;
+};
+
+}  // namespace tutorial
