@@ -22,7 +22,7 @@ struct Checker {
   [[nodiscard]] Color operator()(double u, double v) const {
     // Whole numbers as double: their parity needs no integer to hold them.
     const double sum = std::floor(u / size) + std::floor(v / size);
-    return std::fmod(sum, 2) == 0 ? first : second;
+    return sum - 2 * std::floor(sum / 2) == 0 ? first : second;
   }
 };
 

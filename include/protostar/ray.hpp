@@ -35,9 +35,10 @@ struct Departure {
   /// multiples of each other. Where one is rounded, equal planes are always found to be equal, and two others
   /// only if their equations are rounded to the same numbers: to the digits that a point has, they are one.
   bool operator==(const Departure& other) const {
+    if (kind == other.kind && object == other.object && geometry == other.geometry) return true;
     if (kind == Kind::plane && other.kind == Kind::plane) return are_proportional(geometry, other.geometry);
     if (is_planar() && other.is_planar()) return rounded() == other.rounded();
-    return kind == other.kind && object == other.object && geometry == other.geometry;
+    return false;
   }
 
  private:

@@ -56,6 +56,9 @@ template <class T>
 /// f of each number: here, of the only one.
 [[nodiscard]] double of_each(double x, const auto& f) { return f(x); }
 
+/// A place on a surface.
+[[nodiscard]] inline Uv uv_of(double u, double v) { return {u, v}; }
+
 /// The nearest float.
 [[nodiscard]] constexpr float to_float(double x) { return static_cast<float>(x); }
 

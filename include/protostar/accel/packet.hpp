@@ -53,6 +53,12 @@ struct Vectors {
 /// t · d with one direction for all lanes.
 inline Vectors operator*(Doubles t, const Vec3& d) { return t * Vectors(d); }
 
+/// A place on a surface in each lane.
+struct Uvs {
+  Doubles x, y;
+};
+[[nodiscard]] inline Uvs uv_of(Doubles u, Doubles v) { return {u, v}; }
+
 /// A color in each lane.
 struct Colors {
   Floats r, g, b;
@@ -228,6 +234,23 @@ class Intersections {
 
   [[nodiscard]] const Material& material() const { return material_; }
 
+  [[nodiscard]] Uvs uv() const {
+    const Vectors points = point();
+    if constexpr (requires {
+                    { surface_.uv_at(points) } -> std::same_as<Uvs>;
+                  }) {
+      return surface_.uv_at(points);
+    } else {
+      Uvs places{0.0, 0.0};
+      for (Bits left = bits(which_); left != 0; left &= left - 1) {
+        const int lane = std::countr_zero(left);
+        const Uv place = uv_at(surface_, points[lane]);
+        places.x.set(lane, place.x), places.y.set(lane, place.y);
+      }
+      return places;
+    }
+  }
+
   [[nodiscard]] Colors color() const { return material_.texture ? texture() : Colors(material_.diffuse); }
 
   [[nodiscard]] Rays<Vectors> leave(const Vectors& direction) const {
@@ -236,12 +259,11 @@ class Intersections {
 
  private:
   [[nodiscard, gnu::noinline, gnu::cold]] Colors texture() const {
-    const Vectors points = point();
+    const Uvs places = uv();
     Colors colors(Color{0});
     for (Bits left = bits(which_); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
-      const Uv place = uv_at(surface_, points[lane]);
-      const Color color = material_.texture(place.x, place.y);
+      const Color color = material_.texture(places.x[lane], places.y[lane]);
       colors.r.set(lane, color.r), colors.g.set(lane, color.g), colors.b.set(lane, color.b);
     }
     return colors;

@@ -163,8 +163,16 @@ struct RoundedParallelogramEquation {
     const auto& origin, const auto& direction, const Point& position, const Vec3& edge_u, const Vec3& edge_v,
     const auto& wanted) {
   using M = std::remove_cvref_t<decltype(wanted)>;
+  using T = std::remove_cvref_t<decltype(direction.x)>;
+  if (!any(wanted))
+    return RootsOfEach<T, M>{.near_over = 0.0,
+                             .near_under = 1.0,
+                             .far_over = 0.0,
+                             .far_under = 1.0,
+                             .meets = wanted,
+                             .in_doubt = wanted,
+                             .count = 1};
   const auto e = detail::rounded_parallelogram_equation(origin, direction, position, edge_u, edge_v);
-  using T = std::remove_cvref_t<decltype(e.slope)>;
   const T height = e.height;
   return RootsOfEach<T, M>{.near_over = height,
                            .near_under = e.slope,

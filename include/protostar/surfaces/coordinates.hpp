@@ -18,13 +18,14 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// The components of p along two directions that span the plane of a unit normal: e1, the direction of a × n,
 /// where a is the coordinate axis on which n is smallest in magnitude, the first of equals, and e2 = n × e1.
-[[nodiscard]] inline Uv plane_uv(const Vec3& normal, const Vec3& p) {
+template <class P>
+[[nodiscard]] auto plane_uv(const Vec3& normal, const P& p) {
   const Vec3 size = abs(normal);
   const Vec3 axis = size.x <= size.y && size.x <= size.z ? Vec3{1, 0, 0}
                     : size.y <= size.z                   ? Vec3{0, 1, 0}
                                                          : Vec3{0, 0, 1};
   const Vec3 e1 = normalize(cross(axis, normal));
-  return {dot(e1, p), dot(cross(normal, e1), p)};
+  return uv_of(dot(e1, p), dot(cross(normal, e1), p));
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -32,11 +32,13 @@ struct Parallelogram {
 
   /// Where a point of the plane is along edge_u and edge_v, in scene units: 0 at position, and at the far end
   /// of an edge its length.
-  [[nodiscard]] Uv uv_at(const Point& point) const {
+  template <class P = Point>
+  [[nodiscard]] auto uv_at(const P& point) const {
     // For the unit vectors u and v of the edges and w = α u + β v, with n = u × v: w × v = α n, u × w = β n.
     const auto unit = [](const Vec3& edge) { return normalize(of_moderate_size(edge)); };
-    const Vec3 u = unit(edge_u), v = unit(edge_v), w = point - position, n = cross(u, v);
-    return {dot(cross(w, v), n) / dot(n, n), dot(cross(u, w), n) / dot(n, n)};
+    const Vec3 u = unit(edge_u), v = unit(edge_v), n = cross(u, v);
+    const P w = point - position;
+    return uv_of(dot(cross(w, v), n) / dot(n, n), dot(cross(u, w), n) / dot(n, n));
   }
 
   /// The crossing of the ray's line; of a ray that departs from the parallelogram's plane, none.

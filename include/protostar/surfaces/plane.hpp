@@ -35,7 +35,10 @@ struct Plane {
   /// In scene units from the plane's point nearest the coordinate origin: u along e1, the direction of a × n,
   /// where n is the unit normal and a the coordinate axis on which it is smallest in magnitude, the first of
   /// equals; v along e2 = n × e1.
-  [[nodiscard]] Uv uv_at(const Point& point) const { return plane_uv(normal_at(point), point); }
+  template <class P = Point>
+  [[nodiscard]] auto uv_at(const P& point) const {
+    return plane_uv(normal_at(point), point);
+  }
 
   /// The crossing of the ray's line; of a ray that departs from the plane, none.
   [[nodiscard]] Roots roots(const Ray& ray) const {
