@@ -36,12 +36,15 @@ struct Departure {
   /// only if their equations are rounded to the same numbers: to the digits that a point has, they are one.
   bool operator==(const Departure& other) const {
     if (kind == other.kind && object == other.object && geometry == other.geometry) return true;
-    if (kind == Kind::plane && other.kind == Kind::plane) return are_proportional(geometry, other.geometry);
-    if (is_planar() && other.is_planar()) return rounded() == other.rounded();
-    return false;
+    return is_planar() && other.is_planar() && is_one_plane_with(other);
   }
 
  private:
+  [[nodiscard, gnu::noinline]] bool is_one_plane_with(const Departure& other) const {
+    if (kind == Kind::plane && other.kind == Kind::plane) return are_proportional(geometry, other.geometry);
+    return rounded() == other.rounded();
+  }
+
   /// Whether all a_i b_k = a_k b_i, with k the place of the largest component of the normal a. The products
   /// are exact; powers of two keep them in the range of double.
   static bool are_proportional(const std::array<double, 4>& a, const std::array<double, 4>& b) {
@@ -84,6 +87,9 @@ struct Ray {
   Departure departure{};  ///< what the ray leaves; nothing for a ray that starts in free space
 
   [[nodiscard]] Point at(double t) const { return origin + t * direction; }
+
+  /// The ray from the same place in another direction.
+  [[nodiscard]] Ray turned(const Vec3& towards) const { return {origin, towards, departure}; }
 
   /// The ray, where it is asked for: of a packet of rays, the word takes those that are.
   friend const Ray& only(bool, const Ray& ray) { return ray; }

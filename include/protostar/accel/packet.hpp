@@ -102,6 +102,7 @@ struct Rays {
   Departure departure{};
 
   [[nodiscard]] Vectors at(Doubles t) const { return origin + t * direction; }
+  [[nodiscard]] Rays turned(const Vectors& towards) const { return {origin, towards, wanted, departure}; }
 
   /// One of them.
   [[nodiscard]] Ray operator[](int lane) const {

@@ -55,69 +55,80 @@ struct WhittedIntegrator {
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
     if (depth < 1) return typename Hit::Light(background(scene));
-    return shade(hit, scene, depth);
+    return sent_back(hit, scene, depth);
   }
 
  private:
   /// What a ray brings, and so many rays at the most, this one among them.
   template <class R>
-  [[nodiscard, gnu::noinline]] typename R::Light seen_along(const R& ray, const auto& scene, int rays) const {
+  [[nodiscard]] typename R::Light seen_along(const R& ray, const auto& scene, int rays) const {
     if (rays < 1) return typename R::Light(background(scene));
-    return follow(ray, scene, background(scene), [&](const auto& hit) { return shade(hit, scene, rays); });
+    return follow(ray, scene, background(scene),
+                  [&](const auto& hit) { return sent_back(hit, scene, rays); });
   }
 
+  /// What a ray brings from what it meets.
   template <class Hit>
-  [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene, int rays) const {
-    const Material& material = hit.material();
-    const auto direction = normalize(hit.direction());
-    const auto outside = hit.normal();
+  [[nodiscard]] typename Hit::Light sent_back(const Hit& hit, const auto& scene, int rays) const {
+    return sent_back(hit.leave(normalize(hit.direction())), hit.normal(), hit.color(), hit.material(), scene,
+                     rays);
+  }
+
+  /// The same, of the ray as it would go on from there, with a unit direction. No type of surface is left in
+  /// it, so that it is compiled once for all of them.
+  template <class R>
+  [[nodiscard, gnu::noinline]] typename R::Light sent_back(const R& onward, const auto& outside,
+                                                           const typename R::Light& color,
+                                                           const Material& material, const auto& scene,
+                                                           int rays) const {
+    const auto& direction = onward.direction;
     const auto enters = dot(outside, direction) <= 0.0;
     const auto normal = select(enters, outside, -outside);
 
-    const auto mirrored = reflected(direction, normal);
-    auto result = from_lights(hit, normal, mirrored, scene);
-    if (material.reflect > 0)
-      result += to_float(material.reflect) * seen_along(hit.leave(mirrored), scene, rays - 1);
+    const R mirrored = onward.turned(reflected(direction, normal));
+    auto result = from_lights(mirrored, normal, color, material, scene);
+    if (material.reflect > 0) result += to_float(material.reflect) * seen_along(mirrored, scene, rays - 1);
     if (material.refract > 0) {
-      const auto [passes, onward] =
-          refracted(direction, normal, select(enters, 1 / material.ior, material.ior));
+      const auto ratio = select(enters, 1 / material.ior, material.ior);
+      const auto [passes, bent] = refracted(direction, normal, ratio);
       if (any(passes))
         result = select(passes,
                         result + to_float(material.refract) *
-                                     seen_along(only(passes, hit.leave(onward)), scene, rays - 1),
+                                     seen_along(only(passes, onward.turned(bent)), scene, rays - 1),
                         result);
     }
     return result;
   }
 
   /// What comes from the lights. That the mirror image of the direction to the light is near the direction to
-  /// the eye is to say that the direction to the light is near mirrored, the mirror image of the other.
-  template <class Hit>
-  [[nodiscard]] typename Hit::Light from_lights(const Hit& hit, const auto& normal, const auto& mirrored,
-                                                const auto& scene) const {
-    using Light = typename Hit::Light;
-    const Light color(hit.color());
-    const Color specular = hit.material().specular;
-    Light result = color * Light(ambient_of(scene));
-    const auto lit = !is_black(color) || !is_black(specular);
+  /// the eye is to say that the direction to the light is near that of the mirrored ray, the mirror image of
+  /// the other.
+  template <class R>
+  [[nodiscard, gnu::noinline]] static typename R::Light from_lights(const R& mirrored, const auto& normal,
+                                                                    const typename R::Light& color,
+                                                                    const Material& material,
+                                                                    const auto& scene) {
+    typename R::Light result = color * ambient_of(scene);
+    const auto lit = !is_black(color) || !is_black(material.specular);
     if (!any(lit)) return result;  // no light can be seen here
 
-    const auto point = hit.point();
     for (const auto& light : scene.lights()) {
-      const auto to_light = light.towards(point);
+      const auto to_light = light.towards(mirrored.origin);
       const auto in_front = lit && dot(normal, to_light) > 0.0;
       if (!any(in_front)) continue;  // a light behind the surface needs no shadow ray
-      Light sent = color * light.irradiance(point, normal);
-      if (!is_black(specular)) {
-        const auto share = lobe(dot(mirrored, to_light) / length(to_light), hit.material().shininess);
+      auto sent = color * light.irradiance(mirrored.origin, normal);
+      if (!is_black(material.specular)) {
+        const auto share = lobe(dot(mirrored.direction, to_light) / length(to_light), material.shininess);
         const auto shines = share > 0.0f;
         if (any(shines))
-          sent = select(shines, sent + specular * light.perpendicular_irradiance(point) * share, sent);
+          sent = select(shines,
+                        sent + material.specular * light.perpendicular_irradiance(mirrored.origin) * share,
+                        sent);
       }
       // What adds nothing needs no shadow ray.
       const auto counts = in_front && !is_black(sent);
       if (!any(counts)) continue;
-      const auto visible = counts && !scene.occluded(only(counts, hit.leave(to_light)), light.way());
+      const auto visible = counts && !scene.occluded(only(counts, mirrored.turned(to_light)), light.way());
       result = select(visible, result + sent, result);
     }
     return result;
