@@ -30,6 +30,16 @@ concept Traceable = requires(const T& scene, const Ray& ray, Interval range) {
   scene.crossings(ray, range, [](const Intersection&) {});
 };
 
+namespace detail {
+
+/// Where a ray meets something first. What it takes to find out is not on the stack while the ray's light is
+/// followed further.
+[[nodiscard, gnu::noinline]] std::optional<Intersection> first_hit(const Ray& ray, const auto& scene) {
+  return scene.intersect(ray, Interval{});
+}
+
+}  // namespace detail
+
 /// What a ray brings that is followed to what it meets first: shade(hit), or background where it meets
 /// nothing. A scene may know how to do that for several rays at once.
 template <class R>
@@ -38,9 +48,19 @@ template <class R>
   if constexpr (requires { scene.follow(ray, background, shade); }) {
     return scene.follow(ray, background, shade);
   } else {
-    const auto hit = scene.intersect(ray, Interval{});
+    const auto hit = detail::first_hit(ray, scene);
     return hit ? shade(*hit) : background;
   }
+}
+
+/// The same, of several rays one by one.
+template <class R>
+[[nodiscard]] typename R::Light follow_each(const R& ray, const auto& scene, const Color& background,
+                                            const auto& shade) {
+  if constexpr (requires { scene.follow_each(ray, background, shade); })
+    return scene.follow_each(ray, background, shade);
+  else
+    return follow(ray, scene, background, shade);
 }
 
 /// The irradiance that is everywhere in a scene: none in one that knows of none.

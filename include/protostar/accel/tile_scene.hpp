@@ -93,8 +93,8 @@ class TileScene {
   /// What other rays bring: where there are many surfaces, each is followed by itself.
   template <class Origin>
   [[nodiscard]] Colors follow(const Rays<Origin>& rays, const Color& background, const auto& shade) const {
+    if (scene_.size() > few) return follow_each(rays, background, shade);
     statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.wanted)));
-    if (scene_.size() > few) return follow_each_by_itself(rays, background, shade);
     Closest closest;
     const auto each_place = [&](const auto& visit_place) {
       for (int place = 0; place < static_cast<int>(scene_.size()); ++place) visit_place(place);
@@ -102,6 +102,22 @@ class TileScene {
     each_place([&](int place) { consider(place, rays, closest); });
     if (any(closest.in_doubt)) decide(rays, closest, each_place);
     return shade_each(rays, closest, background, shade);
+  }
+
+  /// The same, each by itself.
+  template <class Origin>
+  [[nodiscard, gnu::noinline]] Colors follow_each(const Rays<Origin>& rays, const Color& background,
+                                                  const auto& shade) const {
+    Colors result(background);
+    for (Bits alone = bits(rays.wanted); alone != 0; alone &= alone - 1) {
+      const int lane = std::countr_zero(alone);
+      ++statistics_.other_rays;
+      if (const auto hit = everything_.intersect(rays[lane], Interval{})) {
+        const Color color = shade(*hit);
+        result.r.set(lane, color.r), result.g.set(lane, color.g), result.b.set(lane, color.b);
+      }
+    }
+    return result;
   }
 
   /// Which rays of the camera meet anything.
@@ -226,19 +242,6 @@ class TileScene {
         result = select(here, Colors(shade(hits)), result);
       });
       left = left && !here;
-    }
-    return result;
-  }
-
-  [[nodiscard, gnu::noinline]] Colors follow_each_by_itself(const auto& rays, const Color& background,
-                                                            const auto& shade) const {
-    Colors result(background);
-    for (Bits alone = bits(rays.wanted); alone != 0; alone &= alone - 1) {
-      const int lane = std::countr_zero(alone);
-      if (const auto hit = everything_.intersect(rays[lane], Interval{})) {
-        const Color color = shade(*hit);
-        result.r.set(lane, color.r), result.g.set(lane, color.g), result.b.set(lane, color.b);
-      }
     }
     return result;
   }
