@@ -12,7 +12,9 @@
 #include <memory>
 #include <protostar/protostar.hpp>
 
+#include "scenes/four_spheres.hpp"
 #include "scenes/three_spheres.hpp"
+#include "spheres_and_board.hpp"
 #include "stages/naive.hpp"
 #include "support.hpp"
 #include "support/files.hpp"
@@ -73,6 +75,25 @@ void renders(Table& table, const bench::Options& options, Pictures& pictures) {
   stage("07_diffuse", tutorial::DiffuseIntegrator{}, DiffuseIntegrator{});
   stage("08_transparency", tutorial::TransparencyIntegrator{}, TransparencyIntegrator{});
   stage("09_shadow", tutorial::ShadowIntegrator{}, ShadowIntegrator{});
+}
+
+/// Stage 13 as its article has it, and as the article would have it if a mirror or a glass that weighs
+/// nothing took no ray.
+void whitted(Table& table, const bench::Options& options) {
+  Pictures pictures(options.quick ? 128 : 1024, options.quick ? 96 : 768);
+  auto scene = four_spheres({ivory, glass, red_rubber, mirror});
+  scene.add(checker_board, checkers);
+  const auto stage = [&](const char* name, const tutorial::SpheresAndBoard& theirs) {
+    compare(
+        table, options, name, "ns/pixel", pictures.pixels(), [&] { theirs.render(pictures.theirs); },
+        [&] {
+          render(pictures.ours, camera_of_four_spheres(), scene, WhittedIntegrator{.depth = 5},
+                 {.threads = options.threads});
+        });
+    check(name, pictures);
+  };
+  stage("13_whitted", {});
+  stage("13_whitted, needed rays", {.skips_what_weighs_nothing = true});
 }
 
 /// The stages 08_naive and 09_naive, which keep the tutorial's float and offset but not its virtual
@@ -188,6 +209,7 @@ void stages(const bench::Options& options) {
   Pictures pictures(options.quick ? 64 : 640, options.quick ? 48 : 480);
   Table table(options, {"work", "unit", "tutorial", "protostar", "times faster"});
   renders(table, options, pictures);
+  whitted(table, options);
   files(table, options, pictures);
   processes(table, options);
 
