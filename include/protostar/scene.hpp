@@ -40,22 +40,22 @@ namespace detail {
 
 }  // namespace detail
 
-/// What a ray brings that is followed to what it meets first: shade(hit), or background where it meets
+/// What a ray brings that is followed to what it meets first: shade(hit), or background() where it meets
 /// nothing. A scene may know how to do that for several rays at once.
 template <class R>
-[[nodiscard]] typename R::Light follow(const R& ray, const auto& scene, const Color& background,
+[[nodiscard]] typename R::Light follow(const R& ray, const auto& scene, const auto& background,
                                        const auto& shade) {
   if constexpr (requires { scene.follow(ray, background, shade); }) {
     return scene.follow(ray, background, shade);
   } else {
     const auto hit = detail::first_hit(ray, scene);
-    return hit ? shade(*hit) : background;
+    return hit ? shade(*hit) : background();
   }
 }
 
 /// The same, of several rays one by one.
 template <class R>
-[[nodiscard]] typename R::Light follow_each(const R& ray, const auto& scene, const Color& background,
+[[nodiscard]] typename R::Light follow_each(const R& ray, const auto& scene, const auto& background,
                                             const auto& shade) {
   if constexpr (requires { scene.follow_each(ray, background, shade); })
     return scene.follow_each(ray, background, shade);

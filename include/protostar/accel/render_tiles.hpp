@@ -209,8 +209,9 @@ class TileRenderer {
 
   [[nodiscard]] Colors radiance(const auto& rays, const View& view) const {
     if constexpr (ShadingIntegrator<I, View>)
-      return view.follow(rays, integrator_.background(view),
-                         [&](const auto& hits) { return integrator_.shade(hits, view); });
+      return view.follow(
+          rays, [&] { return integrator_.background(view); },
+          [&](const auto& hits) { return integrator_.shade(hits, view); });
     else
       return integrator_.radiance(rays, view);
   }

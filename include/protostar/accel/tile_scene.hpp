@@ -72,43 +72,28 @@ class TileScene {
 
   // ---- For the rays of a packet.
 
-  /// What rays of the camera bring: shade(hits) for those that meet one surface first, one surface after the
-  /// other, so that its own numbers are the same for all of them and nothing has to be gathered; background
-  /// for those that meet nothing.
+  /// What rays bring: shade(hits) for those that meet one surface first, one surface after the other, so that
+  /// its own numbers are the same for all of them and nothing has to be gathered; background() for those that
+  /// meet nothing.
   template <class Origin>
-  [[nodiscard]] Colors follow(const CameraRays<Origin>& rays, const Color& background,
+  [[nodiscard]] Colors follow(const CameraRays<Origin>& rays, const auto& background,
                               const auto& shade) const {
-    Closest closest;
-    for (const int place : unbounded_) consider(place, rays, closest);
-    for (int i = 0; i < candidates_.size(); ++i) {
-      // Where no ray has any way left to a candidate, it has none to those that follow.
-      if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
-      consider(candidates_.place(i), rays, closest);
-    }
-    if (any(closest.in_doubt))
-      decide(rays, closest, [&](const auto& visit_place) { each_candidate(visit_place); });
-    return shade_each(rays, closest, background, shade);
+    return shade_each(rays, closest(rays), background, shade);
   }
 
-  /// What other rays bring: where there are many surfaces, each is followed by itself.
+  /// Of other rays, each is followed by itself where there are many surfaces.
   template <class Origin>
-  [[nodiscard]] Colors follow(const Rays<Origin>& rays, const Color& background, const auto& shade) const {
+  [[nodiscard]] Colors follow(const Rays<Origin>& rays, const auto& background, const auto& shade) const {
     if (scene_.size() > few) return follow_each(rays, background, shade);
     statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.wanted)));
-    Closest closest;
-    const auto each_place = [&](const auto& visit_place) {
-      for (int place = 0; place < static_cast<int>(scene_.size()); ++place) visit_place(place);
-    };
-    each_place([&](int place) { consider(place, rays, closest); });
-    if (any(closest.in_doubt)) decide(rays, closest, each_place);
-    return shade_each(rays, closest, background, shade);
+    return shade_each(rays, closest(rays), background, shade);
   }
 
   /// The same, each by itself.
   template <class Origin>
-  [[nodiscard, gnu::noinline]] Colors follow_each(const Rays<Origin>& rays, const Color& background,
+  [[nodiscard, gnu::noinline]] Colors follow_each(const Rays<Origin>& rays, const auto& background,
                                                   const auto& shade) const {
-    Colors result(background);
+    Colors result(background());
     for (Bits alone = bits(rays.wanted); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       ++statistics_.other_rays;
@@ -187,7 +172,6 @@ class TileScene {
     Doubles t = infinity;
     Indices place = -1;  ///< of the surface in the scene's order
     Chosen met = false;
-    Chosen in_doubt = false;
   };
 
   struct SomeCross {
@@ -214,15 +198,42 @@ class TileScene {
     return false;
   }
 
-  /// Finds out which rays meet a surface sooner than what was considered before.
-  void consider(int place, const auto& rays, Closest& closest) const {
+  /// Of the candidates, for rays of the camera; of all surfaces, for others.
+  template <class Origin>
+  [[nodiscard]] Closest closest(const CameraRays<Origin>& rays) const {
+    Closest closest;
+    Chosen in_doubt = false;
+    for (const int place : unbounded_) consider(place, rays, closest, in_doubt);
+    for (int i = 0; i < candidates_.size(); ++i) {
+      // Where no ray has any way left to a candidate, it has none to those that follow.
+      if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
+      consider(candidates_.place(i), rays, closest, in_doubt);
+    }
+    if (any(in_doubt))
+      return decided(rays, in_doubt, closest, [&](const auto& visit_place) { each_candidate(visit_place); });
+    return closest;
+  }
+  template <class Origin>
+  [[nodiscard]] Closest closest(const Rays<Origin>& rays) const {
+    Closest closest;
+    Chosen in_doubt = false;
+    const auto each_place = [&](const auto& visit_place) {
+      for (int place = 0; place < static_cast<int>(scene_.size()); ++place) visit_place(place);
+    };
+    each_place([&](int place) { consider(place, rays, closest, in_doubt); });
+    if (any(in_doubt)) return decided(rays, in_doubt, closest, each_place);
+    return closest;
+  }
+
+  /// Finds out which rays meet a surface sooner than what was considered before, and which may.
+  void consider(int place, const auto& rays, Closest& closest, Chosen& in_doubt) const {
     count_tests(rays.wanted);
     visit(place, [&](const auto& surface, const Material&) {
       const FirstCrossings first = first_crossings(surface, rays, rays.wanted, Interval{});
       // The order is sure where the errors of both t, 2^-30 of each, do not overlap.
       const Chosen sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
       const Chosen later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
-      closest.in_doubt = closest.in_doubt || first.in_doubt || (first.met && !sooner && !later);
+      in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
       if (!any(sooner)) return;
       closest.t = select(sooner, first.t, closest.t);
       closest.place = select(sooner, Indices(place), closest.place);
@@ -230,9 +241,9 @@ class TileScene {
     });
   }
 
-  [[nodiscard]] Colors shade_each(const auto& rays, const Closest& closest, const Color& background,
+  [[nodiscard]] Colors shade_each(const auto& rays, const Closest& closest, const auto& background,
                                   const auto& shade) const {
-    Colors result(background);
+    Colors result(background());
     Chosen left = closest.met && rays.wanted;
     for (Bits some = bits(left); some != 0; some = bits(left)) {
       const auto place = closest.place[std::countr_zero(some)];
@@ -252,9 +263,11 @@ class TileScene {
     for (int i = 0; i < candidates_.size(); ++i) visit_place(candidates_.place(i));
   }
 
-  /// Asks about the rays in doubt, each by itself.
-  [[gnu::noinline, gnu::cold]] void decide(const auto& rays, Closest& closest, const auto& each_place) const {
-    for (Bits alone = bits(closest.in_doubt); alone != 0; alone &= alone - 1) {
+  /// What is met first once the rays in doubt have been asked about, each by itself. It is handed over by
+  /// value, so that what double decides can stay in registers.
+  [[nodiscard, gnu::noinline, gnu::cold]] Closest decided(const auto& rays, Chosen in_doubt, Closest closest,
+                                                          const auto& each_place) const {
+    for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       ++statistics_.in_doubt;
       const auto [place, crossing] = closest_by_itself(rays[lane], each_place);
@@ -262,6 +275,7 @@ class TileScene {
       closest.place = select(one(lane), Indices(place), closest.place);
       closest.met = (closest.met && !one(lane)) || (one(lane) && Chosen(place >= 0));
     }
+    return closest;
   }
 
   /// Those of the rays in doubt that do cross a surface inside the range.

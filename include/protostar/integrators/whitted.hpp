@@ -63,11 +63,12 @@ struct WhittedIntegrator {
   template <class R>
   [[nodiscard]] typename R::Light seen_along(const R& ray, const auto& scene, int rays) const {
     if (rays < 1) return typename R::Light(background(scene));
+    const auto sky = [&] { return background(scene); };
     const auto shade_hit = [&](const auto& hit) { return sent_back(hit, scene, rays); };
     // Several rays at once take several times the stack, so that only the first of a path go together.
     constexpr int together = 32;
-    if (depth - rays < together) return follow(ray, scene, background(scene), shade_hit);
-    return follow_each(ray, scene, background(scene), shade_hit);
+    if (depth - rays < together) return follow(ray, scene, sky, shade_hit);
+    return follow_each(ray, scene, sky, shade_hit);
   }
 
   /// What a ray brings from what it meets.
