@@ -5,15 +5,19 @@
 #include <cstring>
 #include <filesystem>
 #include <protostar/encode.hpp>
+#include <set>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <vector>
 
 #include "compare_images/picture.hpp"
 #include "compare_images/read_image.hpp"
+#include "reference/spheres_on_ground.hpp"
 #include "support/catch.hpp"
 #include "support/files.hpp"
 #include "support/process.hpp"
+#include "support/random.hpp"
 
 namespace fs = std::filesystem;
 using namespace protostar;
@@ -90,7 +94,96 @@ std::string changed(const std::string& from, const std::string& to) {
   return text.replace(text.find(from), from.size(), to);
 }
 
+/// 300 spheres, of radii from 0.002 to 2 in equal ratios, in front of the camera of the tutorial: near if
+/// they are small, so that most are as large as some pixels. All numbers are whole in parts of 2^-16.
+reference::SpheresOnGround random_spheres() {
+  const std::int64_t parts = 1 << 16;
+  const auto whole = [&](double x) { return std::llround(x * static_cast<double>(parts)); };
+  Random random(5);
+  const auto color = [&] {
+    const auto share = [&] { return 0.25L + static_cast<long double>(random.bits() % 192) / 256; };
+    const long double red = share(), green = share();
+    return reference::Vector{red, green, share()};
+  };
+  reference::SpheresOnGround scene;
+  for (int i = 0; i < 300; ++i) {
+    const double radius = 0.002 * std::pow(1000, i / 299.0);
+    const double z = std::min(radius / random.real(0.01, 0.1), 8.0);
+    const double x = z * random.real(-1.3, 1.3), y = z * random.real(-0.9, 0.9);
+    scene.spheres.push_back({.center_parts = {whole(x), whole(y), whole(z)},
+                             .radius_parts = whole(radius),
+                             .color = color(),
+                             .parts = parts});
+  }
+  // Slanted such that no ray through a pixel's center runs along it, as those of even sides are odd, odd,
+  // even.
+  scene.ground = {.normal = {1, 16, -2}, .distance = -1.5, .color = color()};
+  scene.light = {3, 5, -1};
+  scene.power = {700, 600, 500};
+  scene.sky = {0.25, 0.5, 0.75};
+  return scene;
+}
+
+/// The scene as a file.
+std::string json_of(const reference::SpheresOnGround& scene, double exposure, int width, int height) {
+  std::ostringstream text;
+  text.precision(17);
+  const auto vector = [](const reference::Vector& v) {
+    std::ostringstream three;
+    three.precision(17);
+    three << '[' << v.x << ", " << v.y << ", " << v.z << ']';
+    return three.str();
+  };
+  text << R"({"settings": {"resolution-x": )" << width << R"(, "resolution-y": )" << height
+       << R"(, "exposure": )" << exposure << R"(}, "world": {"sky": )" << vector(scene.sky)
+       << R"(}, "camera": {"projection": "perspective", "position": [0, 0, 0], "direction": [0, 0, 1],
+       "upward": [0, 1, 0], "field-of-view": 90}, "objects": [)";
+  for (const reference::Sphere& sphere : scene.spheres)
+    text << R"({"surface": {"type": "sphere", "position": )" << vector(sphere.center()) << R"(, "radius": )"
+         << sphere.radius() << R"(}, "color": )" << vector(sphere.color) << "},\n";
+  text << R"({"surface": {"type": "plane", "normal": )" << vector(scene.ground.normal.real())
+       << R"(, "distance": )" << scene.ground.distance << R"(}, "color": )" << vector(scene.ground.color)
+       << R"(}], "lights": [{"position": )" << vector(scene.light) << R"(, "power": )" << vector(scene.power)
+       << "}]}";
+  return text.str();
+}
+
 }  // namespace
+
+TEST_CASE("300 random spheres over a plane are the pictures of a long double computation, within a level") {
+  const int width = 160, height = 120;
+  const reference::SpheresOnGround scene = random_spheres();
+  std::vector<reference::SpheresOnGround::Seen> seen;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      seen.push_back(scene.along(reference::through_pixel(x, y, width, height)));
+  const TemporaryFolder folder;
+  for (const auto& [integrator, light] : reference::lights_along) {
+    CAPTURE(integrator);
+    const double exposure = integrator == "depth" ? 0.125 : 1;
+    put_bytes(folder / "scene.json", json_of(scene, exposure, width, height));
+    CHECK(run_program("render", "scene.json -o a.png --integrator " + integrator, folder).status == 0);
+    const Picture drawn = read_image((folder / "a.png").string());
+    Picture expected{width, height, {}};
+    for (const auto& pixel : seen) {
+      const reference::Vector exposed = exposure * (pixel.*light);
+      expected.pixels.push_back({reference::encode_srgb(exposed.x), reference::encode_srgb(exposed.y),
+                                 reference::encode_srgb(exposed.z)});
+    }
+    REQUIRE(same_size(drawn, expected));
+    CHECK(difference(drawn, expected).largest <= 1);
+  }
+
+  // What is compared is as rich as it is meant to be.
+  std::set<const reference::Sphere*> visible;
+  int in_shadow = 0;
+  for (const auto& pixel : seen) {
+    visible.insert(pixel.sphere);
+    in_shadow += pixel.shadow.x != pixel.diffuse.x;
+  }
+  CHECK(visible.size() > 200);
+  CHECK(in_shadow > 1000);
+}
 
 TEST_CASE("the three spheres from a file are the pictures of the stages, to the last byte") {
   struct Row {
