@@ -115,8 +115,7 @@ reference::SpheresOnGround random_spheres() {
                              .color = color(),
                              .parts = parts});
   }
-  // Slanted such that no ray through a pixel's center runs along it, as those of even sides are odd, odd,
-  // even.
+  // Slanted, so that no ray of a picture with even sides runs along it: those are odd, odd, even.
   scene.ground = {.normal = {1, 16, -2}, .distance = -1.5, .color = color()};
   scene.light = {3, 5, -1};
   scene.power = {700, 600, 500};
@@ -254,7 +253,8 @@ TEST_CASE("every scene of the project is drawn in any size") {
 }
 
 TEST_CASE("a crop has the bytes of that part of the picture") {
-  const std::string name = GENERATE("whitted", "mirror_walls", "orthographic", "three_spheres");
+  const std::string name =
+      GENERATE("whitted", "mirror_walls", "orthographic", "three_spheres", "scale_image");
   const std::string samples = GENERATE("0", "3"), file = GENERATE("a.ppm", "a.pfm");
   CAPTURE(name, samples, file);
   const std::string options = "--size 150x90 --samples " + samples;
@@ -339,23 +339,22 @@ TEST_CASE("what is wrong in render's options is named, with what would be right,
     std::string arguments, error;
   };
   const std::string crop =
-                        "X,Y,W,H, whole numbers of a part of at least one pixel that lies inside the picture "
-                        "of 640x480",
-                    samples = "a whole number from 0 to 65536",
+                        "X,Y,W,H, whole numbers of a part of at least one pixel that lies inside the picture",
+                    crop_of_size = crop + " of 640x480", samples = "a whole number from 0 to 65536",
                     integrators =
                         "one of binary, depth, normal, color, diffuse, transparency, shadow, whitted";
   const auto not_allowed = [](const std::string& option, const std::string& found,
                               const std::string& allowed) {
     return Row{option + " " + found, option + ": '" + found + "' is not " + allowed};
   };
-  const std::vector<Row> rows{not_allowed("--crop", "0,0,641,480", crop),
-                              not_allowed("--crop", "0,0,640,481", crop),
-                              not_allowed("--crop", "640,0,1,1", crop),
-                              not_allowed("--crop", "0,480,1,1", crop),
+  const std::vector<Row> rows{not_allowed("--crop", "0,0,641,480", crop_of_size),
+                              not_allowed("--crop", "0,0,640,481", crop_of_size),
+                              not_allowed("--crop", "640,0,1,1", crop_of_size),
+                              not_allowed("--crop", "0,480,1,1", crop_of_size),
                               not_allowed("--crop", "0,0,0,1", crop),
                               not_allowed("--crop", "0,0,1,0", crop),
                               not_allowed("--crop", "0,-1,1,1", crop),
-                              not_allowed("--crop", "2147483647,0,2147483647,1", crop),
+                              not_allowed("--crop", "2147483647,0,2147483647,1", crop_of_size),
                               not_allowed("--crop", "1,1,1", crop),
                               not_allowed("--crop", "1,1,1,1,1", crop),
                               not_allowed("--crop", "1,1,1,1,", crop),
@@ -383,6 +382,32 @@ TEST_CASE("what is wrong in render's options is named, with what would be right,
   CHECK(no_scene.status == 2);
   CHECK_THAT(no_scene.err, ContainsSubstring("scene is required"));
   CHECK(folder.count() == 0);
+}
+
+TEST_CASE(
+    "what is wrong in render's options is named before the scene is read, but for a crop that is too large") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "wrong.json", "{");
+  const auto outcome_of = [&](const std::string& path, const std::string& options) {
+    CAPTURE(path, options);
+    const Outcome outcome = run_program("render", path + " " + options, folder);
+    CHECK(outcome.out == "");
+    CHECK(folder.count() == 1);
+    return outcome;
+  };
+  for (const char* path : {"none.json", "wrong.json"}) {
+    for (const char* options :
+         {"--bad-option", "--tone clip", "stray", "--integrator path", "--crop 1,1,1", "--crop 0,0,0,1",
+          "--size 8x8 --crop 0,0,9,1", "--samples -1", "--size 0x0", "--threads -1", "--transfer x",
+          "--bits 9", "-o a.txt", "-o a.png --bits 16", "-o a.png --plain", "-o a.pfm --transfer srgb"}) {
+      const Outcome outcome = outcome_of(path, options);
+      CHECK(outcome.status == 2);
+      CHECK(outcome.err.find(".json") == std::string::npos);
+    }
+    const Outcome large = outcome_of(path, "--crop 0,0,9,1");
+    CHECK(large.status == 1);
+    CHECK_THAT(large.err, ContainsSubstring(path));
+  }
 }
 
 TEST_CASE("the stages do not take the options of scene files") {
