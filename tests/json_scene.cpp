@@ -215,7 +215,7 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
                     side = "a whole number from 1 to 268435456", samples = "a whole number from 0 to 65536",
                     depth = "a whole number from 1 to 1000",
                     spot_angle = "a number of degrees above 0 and at most 180",
-                    view_angle = "a number of degrees between 0 and 180, both excluded",
+                    view_angle = "a number of degrees from 1e-100 to below 180",
                     shininess = "a number of at least 0", tone = R"("clip", "scale-pixel" or "scale-image")",
                     types = R"("sphere", "plane" or "parallelogram")",
                     light =
@@ -295,6 +295,7 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
       not_allowed("/camera/field-of-view", "0", view_angle),
       not_allowed("/camera/field-of-view", "180", view_angle),
       not_allowed("/camera/field-of-view", "[90]", view_angle),
+      not_allowed("/camera/field-of-view", "1e-130", view_angle),
       missing("/objects", "an array"),
       not_allowed("/objects", "{}", "an array"),
       not_allowed("/objects/0", "1", "an object"),
@@ -361,6 +362,8 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
       not_allowed("/materials/squares/diffuse/checker/1/2", "-1", factor),
       {replacing("/materials/squares/diffuse", R"({"image": 3})"),
        "/materials/squares/diffuse/image: 3 is not the path of a file"},
+      {replacing("/materials/squares/diffuse", R"({"image": "none.png\u0000.png"})"),
+       R"(/materials/squares/diffuse/image: "none.png\u0000.png" is not the path of a file)"},
       {replacing("/materials/squares/diffuse", R"({"image": "none.png", "size": [1, 0]})"),
        "/materials/squares/diffuse/size/1: 0 is not a number greater than 0"},
       {replacing("/materials/squares/diffuse", R"({"image": "none.png", "size": 1})"),
@@ -378,6 +381,41 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
     CAPTURE(row.text, row.error);
     CHECK(error_of(row.text) == "scene.json: " + row.error);
   }
+}
+
+TEST_CASE("lengths that a camera cannot be made of are named with their place") {
+  const auto with_camera = [](const std::string& projection, const std::string& key,
+                              const std::string& length) {
+    return replacing("/camera", R"({"position": [0, 0, 0], "direction": [0, 0, 1], "upward": [0, 1, 0], )"
+                                R"("projection": ")" +
+                                    projection + R"(", ")" + key + "\": " + length + "}");
+  };
+  for (const auto& [projection, key] :
+       {std::pair{"perspective", "focal-length"}, std::pair{"orthographic", "ortho-scale"}}) {
+    for (const std::string length : {"0", "-1", "1e-130", "1e+130", "\"1\""})
+      CHECK(error_of(with_camera(projection, key, length)) == std::string("scene.json: /camera/") + key +
+                                                                  ": " + length +
+                                                                  " is not a number from 1e-100 to 1e100");
+    for (const char* length : {"1e-100", "1e100"})
+      CHECK(error_of(with_camera(projection, key, length)) == "");
+  }
+  for (const char* angle : {"1e-100", "179.99999999999997"})
+    CHECK(error_of(with_camera("perspective", "field-of-view", angle)) == "");
+}
+
+TEST_CASE("factors on light that are 0 as float are 0") {
+  const SceneFile file = read(patched(R"({"op": "replace", "path": "/materials/red/reflect", "value": 1e-60},
+      {"op": "replace", "path": "/materials/red/refract", "value": 1e-60},
+      {"op": "replace", "path": "/settings/exposure", "value": 1e-60})"));
+  CHECK(file.scene.materials<Sphere>()[0].reflect == 0);
+  CHECK(file.scene.materials<Sphere>()[0].refract == 0);
+  CHECK(file.exposure == 0);
+}
+
+TEST_CASE("ambient light is held where the light of others is") {
+  const SceneFile file =
+      read(replacing("/lights", R"([{"ambient": [3e38, 1, 0]}, {"ambient": [3e38, 1, 0]}])"));
+  CHECK(file.scene.ambient() == Color{2 * most_irradiance, 2, 0});
 }
 
 TEST_CASE("what no double holds is named with its place") {

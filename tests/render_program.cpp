@@ -1,5 +1,5 @@
 // The program `render` as a user runs it: a scene file's picture, its own options, and what is refused.
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -319,6 +319,44 @@ TEST_CASE("exposure is a factor on the light, also of a PFM; tone changes only w
     scaled += most > 1;
   }
   CHECK(scaled > 0);
+}
+
+TEST_CASE("light beyond float leaves every pixel a number, and black what sends none on") {
+  // Two surfaces that send on red light alone, or next to none of what a mirror sees, in light of every kind.
+  const std::string scene = R"({"settings": {"resolution-x": 33, "resolution-y": 25, "exposure": EXPOSURE},
+      "world": {"sky": [3e38, 3e38, 3e38]},
+      "camera": {"projection": "perspective", "position": [0, 0, 0], "direction": [0, 0, 1],
+                 "upward": [0, 1, 0], "field-of-view": 90},
+      "objects": [{"surface": {"type": "sphere", "position": [0, 0, 3], "radius": 1}, "material-id": "red"},
+                  {"surface": {"type": "sphere", "position": [0, 0, 3], "radius": 0.5}, "material-id": "red"},
+                  {"surface": {"type": "plane", "normal": [0, 1, 0], "distance": -1}, "material-id": "red"}],
+      "lights": [LIGHT, LIGHT, LIGHT],
+      "materials": {"red": {"diffuse": [3e38, 0, 0], "specular": [3e38, 0, 0], "shininess": 1,
+                            "reflect": 1e-60, "refract": 1e-60}}})";
+  const std::string light = GENERATE(as<std::string>(), R"({"ambient": [3e38, 3e38, 3e38]})",
+                                     R"({"position": [0, 3, 0], "power": [3e38, 3e38, 3e38]})",
+                                     R"({"position": [0, 0, 1.9999999999], "power": [3e38, 3e38, 3e38]})",
+                                     R"({"position": [0, 3, 0], "intensity": [3e38, 3e38, 3e38]})",
+                                     R"({"direction": [0, 1, -1], "intensity": [3e38, 3e38, 3e38]})");
+  const std::string exposure = GENERATE("1", "0", "1e-60");
+  std::string text = scene;
+  const auto replace_all = [&](const std::string& from, const std::string& to) {
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from))
+      text.replace(at, from.size(), to);
+  };
+  replace_all("LIGHT", light);
+  replace_all("EXPOSURE", exposure);
+  const TemporaryFolder folder;
+  put_bytes(folder / "scene.json", text);
+  for (const std::string integrator : {"color", "diffuse", "transparency", "shadow", "whitted"}) {
+    CAPTURE(light, exposure, integrator);
+    CHECK(run_program("render", "scene.json -o a.pfm --integrator " + integrator, folder).status == 0);
+    const std::vector<float> pixels = light_of(bytes_of(folder / "a.pfm"));
+    const std::size_t on_sphere = 3 * (12 * 33 + 16);  // before which a light may be
+    CHECK(std::none_of(pixels.begin(), pixels.end(), [](float x) { return std::isnan(x); }));
+    CHECK(pixels[on_sphere + 1] == 0);
+    CHECK((pixels[on_sphere] > 0) == (exposure == "1"));
+  }
 }
 
 TEST_CASE("samples are as many as asked for, and one is the center") {
