@@ -665,6 +665,18 @@ TEST_CASE("the examples in the documentation of scene files can be read") {
   }
 }
 
+TEST_CASE("the errors and the limits in the documentation of scene files are the reader's") {
+  const std::string docs = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "scene-format.md");
+  const std::string sphere =
+      R"({"surface": {"type": "sphere", "position": [0, 0, 0], "radius": -1}, "color": [1, 1, 1]})";
+  for (const std::string& text : {with("/objects/3", sphere), std::string("{\n  \"a\": 1,\n}")})
+    CHECK_THAT(docs, ContainsSubstring("\nrender: " + error_of(text) + "\n"));
+  CHECK_THAT(docs, ContainsSubstring("from 1 to " + std::to_string(most_depth)));
+  CHECK_THAT(docs, ContainsSubstring("from 0 to " + std::to_string(most_samples)));
+  CHECK_THAT(docs, ContainsSubstring("`depth` at most " + std::to_string(most_depth)));
+  CHECK_THAT(docs, ContainsSubstring("`samples` at most " + std::to_string(most_samples)));
+}
+
 TEST_CASE("a scene of Luminosity is read unchanged") {
   // Its keys and their forms, as in the scene that comes with it; the numbers are ours.
   const SceneFile file = read(R"({
