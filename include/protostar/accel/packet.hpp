@@ -25,6 +25,7 @@ using Chosen = Mask<double, double_lanes>;  ///< some rays of a packet
 struct Vectors {
   Doubles x, y, z;
 
+  Vectors() = default;
   Vectors(Doubles first, Doubles second, Doubles third) : x(first), y(second), z(third) {}
   Vectors(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -177,25 +178,50 @@ class TileRenderer {
                          static_cast<std::uint64_t>(tile.height()) *
                          static_cast<std::uint64_t>(pixels.samples());
     View view(scene_, candidates, unbounded_, occluders, taken);
-    for (int y = tile.y0; y < tile.y1; ++y) {
-      if constexpr (by_packets) {
-        for (int x = tile.x0; x < tile.x1; x += double_lanes) {
-          if (pixels.samples() > 1) {
-            write(tile, x, y, mean_radiance<Origin>(tile, x, y, view));
-          } else {
-            const CameraRays<Origin> rays = rays_.template packet<Origin>(tile, x, y);
-            write(tile, x, y, radiance(rays, view));
-          }
-        }
-      } else {
-        for (int x = tile.x0; x < tile.x1; ++x) {
+    if constexpr (!by_packets) {
+      for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x)
           image_(x, y) = pixels.mean([&](int i) {
             const Ray ray = pixels.ray(rays_.camera(), x, y, i);
             view.set_pixel(ray);
             return protostar::detail::radiance_of(integrator_, ray, view);
           });
-        }
-      }
+    } else if (pixels.samples() > 1) {
+      each_packet(tile, [&](std::size_t, int x, int y) {
+        write(tile, x, y, mean_radiance<Origin>(tile, x, y, view));
+      });
+    } else {
+      fill_in_steps<Origin>(tile, view);
+    }
+  }
+
+  /// Calls visit(i, x, y) for the packets of a tile, the i-th of which begins at pixel (x, y).
+  static void each_packet(const Tile& tile, const auto& visit) {
+    std::size_t i = 0;
+    for (int y = tile.y0; y < tile.y1; ++y)
+      for (int x = tile.x0; x < tile.x1; x += double_lanes) visit(i++, x, y);
+  }
+
+  /// Takes all packets of a tile through one step after the other: directions, what is met first, colors.
+  /// Each step waits for a square root and a quotient, and so many packets wait at once.
+  template <class Origin>
+  void fill_in_steps(const Tile& tile, const View& view) const {
+    constexpr std::size_t most_packets = part_side * ((part_side + double_lanes - 1) / double_lanes);
+    std::array<Vectors, most_packets> directions;
+    each_packet(tile, [&](std::size_t i, int x, int y) { directions[i] = rays_.directions(x, y); });
+    const auto rays = [&](std::size_t i, int x, int y) {
+      return rays_.template packet<Origin>(tile, x, y, directions[i]);
+    };
+    if constexpr (ShadingIntegrator<I, View>) {
+      std::array<typename View::Closest, most_packets> closest;
+      each_packet(tile, [&](std::size_t i, int x, int y) { closest[i] = view.closest(rays(i, x, y)); });
+      each_packet(tile, [&](std::size_t i, int x, int y) {
+        write(tile, x, y, shaded(rays(i, x, y), closest[i], view));
+      });
+    } else {
+      each_packet(tile, [&](std::size_t i, int x, int y) {
+        write(tile, x, y, integrator_.radiance(rays(i, x, y), view));
+      });
     }
   }
 
@@ -209,11 +235,16 @@ class TileRenderer {
 
   [[nodiscard]] Colors radiance(const auto& rays, const View& view) const {
     if constexpr (ShadingIntegrator<I, View>)
-      return view.follow(
-          rays, [&] { return integrator_.background(view); },
-          [&](const auto& hits) { return integrator_.shade(hits, view); });
+      return shaded(rays, view.closest(rays), view);
     else
       return integrator_.radiance(rays, view);
+  }
+
+  [[nodiscard]] Colors shaded(const auto& rays, const typename View::Closest& closest,
+                              const View& view) const {
+    return view.shade(
+        rays, closest, [&] { return integrator_.background(view); },
+        [&](const auto& hits) { return integrator_.shade(hits, view); });
   }
 
   void write(const Tile& tile, int x, int y, const Colors& colors) const {

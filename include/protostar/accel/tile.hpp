@@ -49,14 +49,24 @@ class PixelRays {
     for (int i = 0; i < pixels.samples(); ++i) samples_.push_back(tables(pixels.sample(i), width, height));
   }
 
-  /// The rays through the i-th samples of the pixels from (x, y) on to the right, of which those in the tile
-  /// are wanted. Those of a pinhole have one origin, and those of any other camera have Vectors.
+  /// The directions of the rays through the i-th samples of the pixels from (x, y) on to the right.
+  [[nodiscard]] Vectors directions(int x, int y, int i = 0) const {
+    const Tables& sample = samples_[static_cast<std::size_t>(i)];
+    return camera_.direction(sample.along.some(x), Vectors(sample.up[y]));
+  }
+
+  /// These rays, of which those in the tile are wanted. Those of a pinhole have one origin, and those of any
+  /// other camera have Vectors.
+  template <class Origin = Point>
+  [[nodiscard]] CameraRays<Origin> packet(const Tile& tile, int x, int y, const Vectors& directions,
+                                          int i = 0) const {
+    return {{.origin = origin<Origin>(samples_[static_cast<std::size_t>(i)], x, y),
+             .direction = directions,
+             .wanted = mask_of<double, double_lanes>(first_bits(tile.x1 - x))}};
+  }
   template <class Origin = Point>
   [[nodiscard]] CameraRays<Origin> packet(const Tile& tile, int x, int y, int i = 0) const {
-    const Tables& sample = samples_[static_cast<std::size_t>(i)];
-    return {{.origin = origin<Origin>(sample, x, y),
-             .direction = camera_.direction(sample.along.some(x), Vectors(sample.up[y])),
-             .wanted = mask_of<double, double_lanes>(first_bits(tile.x1 - x))}};
+    return packet<Origin>(tile, x, y, directions(x, y, i), i);
   }
 
   [[nodiscard]] const Camera& camera() const { return camera_; }

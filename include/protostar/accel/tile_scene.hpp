@@ -72,13 +72,60 @@ class TileScene {
 
   // ---- For the rays of a packet.
 
-  /// What rays bring: shade(hits) for those that meet one surface first, one surface after the other, so that
-  /// its own numbers are the same for all of them and nothing has to be gathered; background() for those that
-  /// meet nothing.
+  /// What each ray meets first.
+  struct Closest {
+    Doubles t;      ///< infinity where it meets nothing
+    Indices place;  ///< of the surface in the scene's order; −1 where it meets nothing
+  };
+
+  /// Of the candidates, for rays of the camera; of all surfaces, for others.
+  template <class Origin>
+  [[nodiscard]] Closest closest(const CameraRays<Origin>& rays) const {
+    Closest closest{.t = infinity, .place = -1};
+    Chosen in_doubt = false;
+    for (const int place : unbounded_) consider(place, rays, closest, in_doubt);
+    for (int i = 0; i < candidates_.size(); ++i) {
+      // Where no ray has any way left to a candidate, it has none to those that follow.
+      if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
+      consider(candidates_.place(i), rays, closest, in_doubt);
+    }
+    if (any(in_doubt))
+      return decided(rays, in_doubt, closest, [&](const auto& visit_place) { each_candidate(visit_place); });
+    return closest;
+  }
+  template <class Origin>
+  [[nodiscard]] Closest closest(const Rays<Origin>& rays) const {
+    Closest closest{.t = infinity, .place = -1};
+    Chosen in_doubt = false;
+    const auto each_place = [&](const auto& visit_place) {
+      for (int place = 0; place < static_cast<int>(scene_.size()); ++place) visit_place(place);
+    };
+    each_place([&](int place) { consider(place, rays, closest, in_doubt); });
+    if (any(in_doubt)) return decided(rays, in_doubt, closest, each_place);
+    return closest;
+  }
+
+  /// What rays bring: shade_hits(hits) for those that meet one surface first, one surface after the other, so
+  /// that its own numbers are the same for all of them and nothing has to be gathered; background() for those
+  /// that meet nothing.
+  [[nodiscard]] Colors shade(const auto& rays, const Closest& closest, const auto& background,
+                             const auto& shade_hits) const {
+    const std::int64_t place = closest.place[0];
+    if (bits(mask_for<double>(closest.place == Indices(place))) != first_bits(double_lanes))
+      return shade_each(rays, closest, background, shade_hits);
+    Colors result(background());
+    if (place >= 0)
+      visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
+        result = Colors(shade_hits(Intersections(rays, closest.t, rays.wanted, surface, material)));
+      });
+    return result;
+  }
+
+  /// The same in one.
   template <class Origin>
   [[nodiscard]] Colors follow(const CameraRays<Origin>& rays, const auto& background,
-                              const auto& shade) const {
-    return shade_each(rays, closest(rays), background, shade);
+                              const auto& shade_hits) const {
+    return shade(rays, closest(rays), background, shade_hits);
   }
 
   /// Of other rays, each is followed by itself where there are many surfaces.
@@ -86,7 +133,7 @@ class TileScene {
   [[nodiscard]] Colors follow(const Rays<Origin>& rays, const auto& background, const auto& shade) const {
     if (scene_.size() > few) return follow_each(rays, background, shade);
     statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.wanted)));
-    return shade_each(rays, closest(rays), background, shade);
+    return this->shade(rays, closest(rays), background, shade);
   }
 
   /// The same, each by itself.
@@ -167,13 +214,6 @@ class TileScene {
   /// So many surfaces are sooner tried in turn than looked for.
   static constexpr std::size_t few = 16;
 
-  /// What each ray meets first.
-  struct Closest {
-    Doubles t = infinity;
-    Indices place = -1;  ///< of the surface in the scene's order
-    Chosen met = false;
-  };
-
   struct SomeCross {
     Chosen which;
     Colors surface_color;
@@ -198,33 +238,6 @@ class TileScene {
     return false;
   }
 
-  /// Of the candidates, for rays of the camera; of all surfaces, for others.
-  template <class Origin>
-  [[nodiscard]] Closest closest(const CameraRays<Origin>& rays) const {
-    Closest closest;
-    Chosen in_doubt = false;
-    for (const int place : unbounded_) consider(place, rays, closest, in_doubt);
-    for (int i = 0; i < candidates_.size(); ++i) {
-      // Where no ray has any way left to a candidate, it has none to those that follow.
-      if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
-      consider(candidates_.place(i), rays, closest, in_doubt);
-    }
-    if (any(in_doubt))
-      return decided(rays, in_doubt, closest, [&](const auto& visit_place) { each_candidate(visit_place); });
-    return closest;
-  }
-  template <class Origin>
-  [[nodiscard]] Closest closest(const Rays<Origin>& rays) const {
-    Closest closest;
-    Chosen in_doubt = false;
-    const auto each_place = [&](const auto& visit_place) {
-      for (int place = 0; place < static_cast<int>(scene_.size()); ++place) visit_place(place);
-    };
-    each_place([&](int place) { consider(place, rays, closest, in_doubt); });
-    if (any(in_doubt)) return decided(rays, in_doubt, closest, each_place);
-    return closest;
-  }
-
   /// Finds out which rays meet a surface sooner than what was considered before, and which may.
   void consider(int place, const auto& rays, Closest& closest, Chosen& in_doubt) const {
     count_tests(rays.wanted);
@@ -237,20 +250,20 @@ class TileScene {
       if (!any(sooner)) return;
       closest.t = select(sooner, first.t, closest.t);
       closest.place = select(sooner, Indices(place), closest.place);
-      closest.met = closest.met || sooner;
     });
   }
 
-  [[nodiscard]] Colors shade_each(const auto& rays, const Closest& closest, const auto& background,
-                                  const auto& shade) const {
+  /// Where the rays meet different surfaces, or some of them nothing.
+  [[nodiscard, gnu::noinline]] Colors shade_each(const auto& rays, const Closest& closest,
+                                                 const auto& background, const auto& shade_hits) const {
     Colors result(background());
-    Chosen left = closest.met && rays.wanted;
+    Chosen left = rays.wanted && closest.t < infinity;
     for (Bits some = bits(left); some != 0; some = bits(left)) {
-      const auto place = closest.place[std::countr_zero(some)];
+      const std::int64_t place = closest.place[std::countr_zero(some)];
       const Chosen here = left && mask_for<double>(closest.place == Indices(place));
       visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
         const Intersections hits(rays, closest.t, here, surface, material);
-        result = select(here, Colors(shade(hits)), result);
+        result = select(here, Colors(shade_hits(hits)), result);
       });
       left = left && !here;
     }
@@ -271,9 +284,8 @@ class TileScene {
       const int lane = std::countr_zero(alone);
       ++statistics_.in_doubt;
       const auto [place, crossing] = closest_by_itself(rays[lane], each_place);
-      closest.t = select(one(lane), Doubles(crossing.crossing.t), closest.t);
+      closest.t = select(one(lane), Doubles(place < 0 ? infinity : crossing.crossing.t), closest.t);
       closest.place = select(one(lane), Indices(place), closest.place);
-      closest.met = (closest.met && !one(lane)) || (one(lane) && Chosen(place >= 0));
     }
     return closest;
   }
