@@ -425,7 +425,8 @@ TEST_CASE("what a packet's hits say is what the hit of each ray says") {
     const simd::Intersections some(rays, first.t, first.met, surface, material);
     const Vectors normals = some.normal(), facing = some.facing_normal(), points = some.point();
     const simd::Colors lights = light.irradiance(points, facing), colors = some.color();
-    const Rays<Vectors> left = some.leave(light.towards(points));
+    const simd::Uvs places = some.uv();
+    const Rays<Vectors> left = some.leave(light.towards(points)), turned = left.turned(normals);
     for (int i = 0; i < double_lanes; ++i) {
       if (!has(first.met && !first.in_doubt, i)) continue;
       ++hits;
@@ -434,11 +435,15 @@ TEST_CASE("what a packet's hits say is what the hit of each ray says") {
       const Color lit = light.irradiance(one.point(), one.facing_normal());
       const Ray leaving = one.leave(light.towards(one.point()));
       wrong += !same_bits(one.point(), points[i]) || !same_bits(one.normal(), normals[i]) ||
-               !same_bits(one.facing_normal(), facing[i]) ||
+               !same_bits(one.facing_normal(), facing[i]) || one.uv() != Uv{places.x[i], places.y[i]} ||
+               one.direction() != some.direction()[i] ||
                one.color() != Color{colors.r[i], colors.g[i], colors.b[i]} ||
                lit != Color{lights.r[i], lights.g[i], lights.b[i]} || !has(left.wanted, i) ||
                !same_bits(leaving.origin, left[i].origin) ||
-               !same_bits(leaving.direction, left[i].direction) || leaving.departure != left[i].departure;
+               !same_bits(leaving.direction, left[i].direction) || leaving.departure != left[i].departure ||
+               !has(turned.wanted, i) || !same_bits(leaving.origin, turned[i].origin) ||
+               !same_bits(leaving.turned(one.normal()).direction, turned[i].direction) ||
+               leaving.departure != turned[i].departure;
     }
   };
   for (int round = 0; round < 1000; ++round) {

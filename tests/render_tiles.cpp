@@ -368,6 +368,106 @@ TEST_CASE("by tiles, textures, lights of every kind, a sky, mirrors and glass lo
   }
 }
 
+namespace {
+
+/// So few surfaces that rays which follow rays stay together; neighbors are of different materials.
+Everything mirrors_and_glass() {
+  const Material chrome{.specular = Color{1}, .shininess = 1425, .reflect = 0.8},
+      glass{.specular = Color{0.9f}, .shininess = 125, .reflect = 0.1, .refract = 0.8},
+      air{.reflect = 0.2, .refract = 0.7, .ior = 1 / 1.5},
+      rubber{.diffuse = {0.4f, 0.1f, 0.1f}, .specular = Color{0.3f}, .shininess = 12.5},
+      tiles{.texture = Checker{{0.6f, 0.4f, 0.2f}, Color{0.6f}, 0.7}, .reflect = 0.25},
+      water{.diffuse = {0, 0.1f, 0.2f}, .reflect = 0.3, .refract = 0.9, .ior = 1.33};
+  Everything scene;
+  scene.add(Sphere{.center = {-1, 0, 5}}, chrome);
+  scene.add(Sphere{.center = {1, 0.2, 4}}, glass);
+  scene.add(Sphere{.center = {1, 0.2, 4}, .radius = -0.5}, glass);  // its inside is hollow
+  scene.add(Sphere{.center = {0.2, -0.4, 3}, .radius = 0.4}, air);
+  scene.add(Sphere{.center = {0, 1.5, 6}, .radius = 0.8}, rubber);
+  scene.add(Sphere{.center = {-1, -1.5, 4}, .radius = 0.6}, tiles);
+  scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, water);
+  scene.add(Plane{.normal = {0, 2, 0.1}, .distance = -6}, tiles);
+  scene.add(AnySurface(Sphere{.center = {2.5, 0.5, 6}}), chrome);
+  scene.add(AnySurface(Plane{.normal = {0, 0, 1}, .distance = 12}), tiles);
+  scene.add(AnySurface(Cylinder{.radius = 9}), chrome);
+  scene.set_sky({0.2f, 0.7f, 0.8f});
+  scene.add(PointLight{.position = {1, 4, -2}, .power = Color{300, 200, 100}});
+  scene.add(DirectionalLight{.direction = {1, 2, -1}, .intensity = {0.2f, 0.1f, 0.1f}});
+  scene.add(SpotLight{.position = {0, 4, 4}, .direction = {0, -1, 0}, .angle = 35, .power = Color{200}});
+  scene.add(AmbientLight{{0.02f, 0.01f, 0.03f}});
+  return scene;
+}
+
+/// Two mirrors that face each other, and two spheres between them.
+Everything hall_of_mirrors() {
+  Everything scene;
+  const Material mirror{.diffuse = Color{0x1p-8f}, .reflect = 0.95};
+  scene.add(Plane{.normal = {0, 0, 1}, .distance = 3}, mirror);
+  scene.add(Plane{.normal = {0, 0, 1}, .distance = -2}, mirror);
+  scene.add(Sphere{.center = {0.8, 0, 2}, .radius = 0.5}, mirror);
+  scene.add(Sphere{.center = {-0.8, 0.2, 1}, .radius = 0.4}, Color{1, 0.5f, 0});
+  scene.add(AmbientLight{Color{1}});
+  scene.set_sky({0.2f, 0.7f, 0.8f});
+  return scene;
+}
+
+/// How many pixels Whitted's integrator draws by tiles as it does not draw them ray by ray.
+int wrong_pixels(const Everything& scene, const Camera& camera, int width, int height, int depth) {
+  const WhittedIntegrator whitted{.depth = depth};
+  Image image(width, height);
+  render(image, camera, scene, whitted, {.threads = 2});
+  return different_bytes(image, ray_by_ray(camera, width, height, scene, whitted));
+}
+
+}  // namespace
+
+TEST_CASE("by tiles, mirrors and glass look as they do ray by ray, to any depth") {
+  const auto scene = mirrors_and_glass();
+  for (const Camera& camera : {Camera{}, Camera{.position = {0, -2, 0}},  // under water
+                               Camera{.position = scene.surfaces<Sphere>()[1].center},
+                               Camera::orthographic(Point{0}, {0, 0, 1}, {0, 1, 0}, 5)})
+    for (const int depth : {0, 1, 2, 3, 5}) {
+      CAPTURE(camera.position.y, camera.film_right.x, depth);
+      CHECK(wrong_pixels(scene, camera, 93, 70, depth) == 0);
+    }
+  Image by_tiles(61, 43), plain(61, 43), sky(61, 43);
+  const auto draw = [&](Image& image, int depth, const RenderOptions& options) {
+    render(image, Camera{}, scene, WhittedIntegrator{.depth = depth}, options);
+  };
+  draw(by_tiles, 4, {.samples = 3});
+  draw(plain, 4, {.samples = 3, .tiles = false});
+  CHECK(different_bytes(by_tiles, plain) == 0);
+  RenderStatistics one_ray, five_rays;
+  draw(by_tiles, 1, {.statistics = &one_ray});
+  draw(plain, 5, {.statistics = &five_rays});
+  CHECK(different_bytes(by_tiles, plain) > 1000);
+  // Rays that follow rays are tested by packets, too.
+  CHECK(five_rays.surface_tests > 5 * one_ray.surface_tests);
+  draw(sky, 0, {});
+  CHECK(count_pixels(sky, [&](int x, int y) { return sky(x, y) != *scene.sky(); }) == 0);
+}
+
+TEST_CASE("by tiles, what is reflected totally is decided for each ray") {
+  Everything water;
+  water.add(Plane{}, Material{.refract = 1, .ior = 1.33});
+  water.set_sky({0.2f, 0.7f, 0.8f});
+  const Camera under_water{.position = {0, -1, 0}, .up = {0, -0.5, 1}, .forward = {0, 1, 0.5}};
+  CHECK(wrong_pixels(water, under_water, 90, 70, 5) == 0);
+  Image image(90, 70);
+  render(image, under_water, water, WhittedIntegrator{});
+  CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) == Color{0}; }) > 1000);
+  CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) == *water.sky(); }) > 1000);
+}
+
+TEST_CASE("by tiles, long paths look as they do ray by ray, and fit on the stack") {
+  const auto hall = hall_of_mirrors();
+  for (const int depth : {31, 32, 33, 34, 60}) {
+    CAPTURE(depth);
+    CHECK(wrong_pixels(hall, Camera{}, 61, 43, depth) == 0);
+  }
+  CHECK(wrong_pixels(hall, Camera{}, 9, 7, 1000) == 0);  // as long as a scene file may ask for
+}
+
 TEST_CASE("by tiles, an empty scene is empty") {
   check_pictures(Everything{}, Camera{}, 33, 20);
   RenderStatistics taken;
