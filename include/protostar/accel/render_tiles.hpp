@@ -8,6 +8,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <type_traits>
@@ -54,10 +56,9 @@ class TileRenderer {
 
   /// Fills a tile.
   void operator()(const Tile& tile) const {
-    RenderStatistics taken;
     const Fallbacks before = fallbacks;
-    Candidates in_tile, in_part, in_block;
-    Occluders occluders;
+    Work work;
+    Candidates in_tile;
     const Frustum frustum(rays_, tile);
     if (is_large()) {
       Candidates found;
@@ -71,30 +72,15 @@ class TileRenderer {
     } else {
       in_tile.add(candidates_, frustum);
     }
-    const bool sees_nothing = can_be_left(in_tile);
-    if (sees_nothing) leave_empty(tile, occluders, taken);
-    for (int i = 0; i < tile.count(part_side) && !sees_nothing; ++i) {
-      const Tile part = tile.part(i, part_side);
-      in_part.clear();
-      in_part.add(in_tile, Frustum(rays_, part));
-      if (can_be_left(in_part)) {
-        leave_empty(part, occluders, taken);
-      } else if (in_part.size() <= few) {
-        fill(part, in_part, occluders, taken);
-      } else {
-        for (int k = 0; k < part.count(block_side); ++k) {
-          const Tile block = part.part(k, block_side);
-          in_block.clear();
-          in_block.add(in_part, Frustum(rays_, block));
-          fill(block, in_block, occluders, taken);
-        }
-      }
-    }
+    if (can_be_left(in_tile))
+      leave_empty(tile, work);
+    else
+      fill_parts(tile, in_tile, 0, work);
     if (statistics_) {
-      taken.double_double = fallbacks.double_double - before.double_double;
-      taken.exact = fallbacks.exact - before.exact;
+      work.taken.double_double = fallbacks.double_double - before.double_double;
+      work.taken.exact = fallbacks.exact - before.exact;
       const std::lock_guard lock(adding_);
-      *statistics_ += taken;
+      *statistics_ += work.taken;
     }
   }
 
@@ -103,8 +89,20 @@ class TileRenderer {
 
   static constexpr bool by_packets = PacketIntegrator<I>;
   static constexpr bool nearest_first = ShadingIntegrator<I, View> || !by_packets;
-  static constexpr int part_side = 16, block_side = 8;  ///< of what tiles are made of, in pixels
-  static constexpr int few = 3;  ///< candidates that are sooner tried than looked at again
+
+  /// A tile is filled in parts of this size, and these in parts of the next while they have more candidates
+  /// than are sooner tried than looked at again.
+  struct Division {
+    int width, height, most;
+  };
+  static constexpr Division divisions[] = {{16, 16, 3}, {8, 8, 16}, {8, 1, std::numeric_limits<int>::max()}};
+
+  /// What a tile's parts use one after the other.
+  struct Work {
+    Candidates lists[std::size(divisions)];
+    Occluders occluders;
+    RenderStatistics taken;
+  };
 
   /// Whether there are so many surfaces that a tile's are looked for in the tree, and not among all.
   [[nodiscard]] bool is_large() const { return scene_.scene().size() > 2048; }
@@ -124,7 +122,9 @@ class TileRenderer {
   /// Adds what the tree has for a frustum; first is the place of the type's first surface.
   template <Surface T>
   void add_found(const Frustum& frustum, int& first, Candidates& found) const {
+    const T* const surfaces = scene_.scene().template surfaces<T>().data();
     scene_.template each_in<T>(frustum.side, [&](std::uint32_t i, const SphereAround& around) {
+      prefetch(surfaces + i);
       found.add(first + static_cast<int>(i), rays_.viewpoint(), around);
     });
     first += static_cast<int>(scene_.scene().template surfaces<T>().size());
@@ -135,13 +135,30 @@ class TileRenderer {
     return by_packets && candidates.size() == 0 && unbounded_.empty();
   }
 
-  void leave_empty(const Tile& tile, Occluders& occluders, RenderStatistics& taken) const {
+  void fill_parts(const Tile& tile, const Candidates& candidates, std::size_t division, Work& work) const {
+    const auto [width, height, most] = divisions[division];
+    Candidates& in_part = work.lists[division];
+    for (int y = tile.y0; y < tile.y1; y += height)
+      for (int x = tile.x0; x < tile.x1; x += width) {
+        const Tile part{x, y, std::min(x + width, tile.x1), std::min(y + height, tile.y1)};
+        in_part.clear();
+        in_part.add(candidates, Frustum(rays_, part));
+        if (can_be_left(in_part))
+          leave_empty(part, work);
+        else if (in_part.size() <= most)
+          fill(part, in_part, work);
+        else
+          fill_parts(part, in_part, division + 1, work);
+      }
+  }
+
+  void leave_empty(const Tile& tile, Work& work) const {
     if constexpr (by_packets) {
-      taken.pixels_skipped +=
+      work.taken.pixels_skipped +=
           static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
       // Rays that meet nothing all bring the same: what one of them brings that has no candidates.
       const Candidates none;
-      const View view(scene_, none, unbounded_, occluders, taken);
+      const View view(scene_, none, unbounded_, work.occluders, work.taken);
       const Colors colors = radiance(rays_.packet(tile, tile.x0, tile.y0), view);
       const Color color = rays_.pixels().mean([&](int) {
         return Color{colors.r[0], colors.g[0], colors.b[0]};
@@ -153,31 +170,28 @@ class TileRenderer {
     }
   }
 
-  void fill(const Tile& tile, const Candidates& candidates, Occluders& occluders,
-            RenderStatistics& taken) const {
+  void fill(const Tile& tile, const Candidates& candidates, Work& work) const {
     if constexpr (!by_packets)  // one ray after the other, whatever its origin
-      fill_from<Point>(tile, candidates, occluders, taken);
+      fill_from<Point>(tile, candidates, work);
     else if (rays_.is_pinhole())
-      fill_from_point(tile, candidates, occluders, taken);
+      fill_from_point(tile, candidates, work);
     else
-      fill_from<Vectors>(tile, candidates, occluders, taken);
+      fill_from<Vectors>(tile, candidates, work);
   }
 
   /// Most pictures are a pinhole's: its packets are computed in one piece, and those of all others by the
   /// same functions as they come, which keeps the code small.
-  [[gnu::flatten]] void fill_from_point(const Tile& tile, const Candidates& candidates, Occluders& occluders,
-                                        RenderStatistics& taken) const {
-    fill_from<Point>(tile, candidates, occluders, taken);
+  [[gnu::flatten]] void fill_from_point(const Tile& tile, const Candidates& candidates, Work& work) const {
+    fill_from<Point>(tile, candidates, work);
   }
 
   template <class Origin>
-  void fill_from(const Tile& tile, const Candidates& candidates, Occluders& occluders,
-                 RenderStatistics& taken) const {
+  void fill_from(const Tile& tile, const Candidates& candidates, Work& work) const {
     const PixelGrid& pixels = rays_.pixels();
-    taken.camera_rays += static_cast<std::uint64_t>(tile.width()) *
-                         static_cast<std::uint64_t>(tile.height()) *
-                         static_cast<std::uint64_t>(pixels.samples());
-    View view(scene_, candidates, unbounded_, occluders, taken);
+    work.taken.camera_rays += static_cast<std::uint64_t>(tile.width()) *
+                              static_cast<std::uint64_t>(tile.height()) *
+                              static_cast<std::uint64_t>(pixels.samples());
+    View view(scene_, candidates, unbounded_, work.occluders, work.taken);
     if constexpr (!by_packets) {
       for (int y = tile.y0; y < tile.y1; ++y)
         for (int x = tile.x0; x < tile.x1; ++x)
@@ -206,7 +220,8 @@ class TileRenderer {
   /// Each step waits for a square root and a quotient, and so many packets wait at once.
   template <class Origin>
   void fill_in_steps(const Tile& tile, const View& view) const {
-    constexpr std::size_t most_packets = part_side * ((part_side + double_lanes - 1) / double_lanes);
+    constexpr std::size_t most_packets = 16 * ((16 + double_lanes - 1) / double_lanes);
+    static_assert(divisions[0].width == 16 && divisions[0].height == 16);
     std::array<Vectors, most_packets> directions;
     each_packet(tile, [&](std::size_t i, int x, int y) { directions[i] = rays_.directions(x, y); });
     const auto rays = [&](std::size_t i, int x, int y) {
