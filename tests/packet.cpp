@@ -427,6 +427,7 @@ TEST_CASE("what a packet's hits say is what the hit of each ray says") {
     const simd::Colors lights = light.irradiance(points, facing), colors = some.color();
     const simd::Uvs places = some.uv();
     const Rays<Vectors> left = some.leave(light.towards(points)), turned = left.turned(normals);
+    wrong += bits(turned.wanted) != bits(left.wanted);
     for (int i = 0; i < double_lanes; ++i) {
       if (!has(first.met && !first.in_doubt, i)) continue;
       ++hits;
