@@ -365,7 +365,7 @@ TEST_CASE("a packet meets a parallelogram where each of its rays does, or is in 
                                  const Point from = r.point(3);
                                  return Ray{from, on_it(r) - from};
                                },
-                               0.15, 0.03},
+                               0.16, 0.03},
                           Rows{"to its outline",
                                [&](Random& r) {
                                  const Point from = r.point(3);
