@@ -454,9 +454,41 @@ TEST_CASE("by tiles, what is reflected totally is decided for each ray") {
   const Camera under_water{.position = {0, -1, 0}, .up = {0, -0.5, 1}, .forward = {0, 1, 0.5}};
   CHECK(wrong_pixels(water, under_water, 90, 70, 5) == 0);
   Image image(90, 70);
-  render(image, under_water, water, WhittedIntegrator{});
+  RenderStatistics taken;
+  render(image, under_water, water, WhittedIntegrator{}, {.statistics = &taken});
   CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) == Color{0}; }) > 1000);
-  CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) == *water.sky(); }) > 1000);
+  const int bright = count_pixels(image, [&](int x, int y) { return image(x, y) == *water.sky(); });
+  CHECK(bright > 1000);
+  CHECK(taken.other_rays == static_cast<std::uint64_t>(bright));  // no others are followed
+}
+
+TEST_CASE("by tiles, what a mirror shows is decided where double leaves it in doubt") {
+  const Material mirror{.diffuse = Color{0.1f}, .reflect = 0.5};
+  Everything scene;
+  // The ball is so small that the rays that leave it start next to the ground.
+  scene.add(Sphere{.center = {0, -1001, 3}, .radius = 1000}, mirror);
+  scene.add(Sphere{.center = {0, -0.9985, 3}, .radius = 0.0015}, mirror);
+  scene.add(PointLight{.position = {1, 4, 1}, .power = Color{300}});
+  const Camera near_it{.position = {0, -0.997, 2.995}};
+  RenderStatistics taken;
+  Image image(120, 90);
+  render(image, near_it, scene, WhittedIntegrator{.depth = 5}, {.statistics = &taken});
+  CHECK(wrong_pixels(scene, near_it, 120, 90, 5) == 0);
+  CHECK(taken.in_doubt > 100);
+
+  // The later of two balls is larger, by less than what double is sure of. Of a third, in the same place as
+  // that, nothing is seen.
+  Everything balls;
+  balls.add(Plane{.normal = {0, 0, 1}, .distance = 3}, Material{.reflect = 1});
+  balls.add(Sphere{.center = {0, 0, -4}, .radius = 1}, Color{1, 0, 0});
+  balls.add(Sphere{.center = {0, 0, -4}, .radius = 1 + 0x1p-36}, Color{0, 1, 0});
+  balls.add(AnySurface(Sphere{.center = {0, 0, -4}, .radius = 1 + 0x1p-36}), Color{0, 0, 1});
+  balls.add(AmbientLight{Color{1}});
+  CHECK(wrong_pixels(balls, Camera{}, 90, 70, 2) == 0);
+  Image mirrored(90, 70);
+  render(mirrored, Camera{}, balls, WhittedIntegrator{});
+  CHECK(count_pixels(mirrored, [&](int x, int y) { return mirrored(x, y) == Color{0, 1, 0}; }) > 20);
+  CHECK(count_pixels(mirrored, [&](int x, int y) { return mirrored(x, y).r + mirrored(x, y).b > 0; }) == 0);
 }
 
 TEST_CASE("by tiles, long paths look as they do ray by ray, and fit on the stack") {

@@ -55,7 +55,7 @@ struct WhittedIntegrator {
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
     if (depth < 1) return typename Hit::Light(background(scene));
-    return sent_back(hit, scene, depth);
+    return from_hit(hit, scene, depth);
   }
 
  private:
@@ -64,8 +64,8 @@ struct WhittedIntegrator {
   [[nodiscard]] typename R::Light seen_along(const R& ray, const auto& scene, int rays) const {
     if (rays < 1) return typename R::Light(background(scene));
     const auto sky = [&] { return background(scene); };
-    const auto shade_hit = [&](const auto& hit) { return sent_back(hit, scene, rays); };
-    // Several rays at once take several times the stack, so that only the first of a path go together.
+    const auto shade_hit = [&](const auto& hit) { return from_hit(hit, scene, rays); };
+    // Rays that go together take several times the stack of one, so that only the first of a path do.
     constexpr int together = 32;
     if (depth - rays < together) return follow(ray, scene, sky, shade_hit);
     return follow_each(ray, scene, sky, shade_hit);
@@ -73,7 +73,7 @@ struct WhittedIntegrator {
 
   /// What a ray brings from what it meets.
   template <class Hit>
-  [[nodiscard]] typename Hit::Light sent_back(const Hit& hit, const auto& scene, int rays) const {
+  [[nodiscard]] typename Hit::Light from_hit(const Hit& hit, const auto& scene, int rays) const {
     return sent_back(hit.leave(normalize(hit.direction())), hit.normal(), hit.color(), hit.material(), scene,
                      rays);
   }
@@ -95,11 +95,10 @@ struct WhittedIntegrator {
     if (material.refract > 0) {
       const auto ratio = select(enters, 1 / material.ior, material.ior);
       const auto [passes, bent] = refracted(direction, normal, ratio);
-      if (any(passes))
-        result = select(passes,
-                        result + to_float(material.refract) *
-                                     seen_along(only(passes, onward.turned(bent)), scene, rays - 1),
-                        result);
+      if (any(passes)) {
+        const auto seen = seen_along(only(passes, onward.turned(bent)), scene, rays - 1);
+        result = select(passes, result + to_float(material.refract) * seen, result);
+      }
     }
     return result;
   }
@@ -123,11 +122,10 @@ struct WhittedIntegrator {
       auto sent = color * light.irradiance(mirrored.origin, normal);
       if (!is_black(material.specular)) {
         const auto share = lobe(dot(mirrored.direction, to_light) / length(to_light), material.shininess);
-        const auto shines = share > 0.0f;
-        if (any(shines))
-          sent = select(shines,
-                        sent + material.specular * light.perpendicular_irradiance(mirrored.origin) * share,
-                        sent);
+        if (const auto shines = share > 0.0f; any(shines)) {
+          const auto highlight = material.specular * light.perpendicular_irradiance(mirrored.origin) * share;
+          sent = select(shines, sent + highlight, sent);
+        }
       }
       // What adds nothing needs no shadow ray.
       const auto counts = in_front && !is_black(sent);
