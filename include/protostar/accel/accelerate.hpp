@@ -86,6 +86,13 @@ bool each_along(const Bvh& bvh, const Ray& ray, const Interval& range, const aut
       [&](Leaf leaf, Reach& left) { return visit_leaf(line, leaf, left); }, soon);
 }
 
+[[nodiscard]] inline std::vector<BoxHalfSpace> in_box_space(std::span<const HalfSpace> half_spaces,
+                                                            const Bvh& bvh) {
+  std::vector<BoxHalfSpace> seen;
+  for (const HalfSpace& half_space : half_spaces) seen.emplace_back(half_space, bvh.space());
+  return seen;
+}
+
 /// Those with bounds: in the leaves of a tree, each in one of its own.
 template <SurfaceWithBounds T>
 class Finder<T> {
@@ -119,7 +126,7 @@ class Finder<T> {
   }
 
   void each_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {
-    bvh_.each_leaf_in(half_spaces, [&](Leaf leaf) {
+    bvh_.each_leaf_in(in_box_space(half_spaces, bvh_), [&](Leaf leaf) {
       const std::uint32_t i = bvh_.order()[leaf.first];
       visit(i, sphere_around((*surfaces_)[i]));
     });
@@ -193,9 +200,13 @@ class Finder<Sphere> {
   }
 
   void each_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {
-    bvh_.each_leaf_in(half_spaces, [&](Leaf leaf) {
-      for (std::uint32_t i = 0; i < leaf.count; ++i)
-        visit(bvh_.order()[leaf.first + i], leaves_.around(leaf, i, bvh_.space()));
+    const auto sides = in_box_space(half_spaces, bvh_);
+    bvh_.each_leaf_in(sides, [&](Leaf leaf) {
+      for (std::uint32_t i = 0; i < leaf.count; i += float_lanes)
+        for (Bits within = leaves_.within(leaf, i, sides); within != 0; within &= within - 1) {
+          const std::uint32_t k = i + static_cast<std::uint32_t>(std::countr_zero(within));
+          visit(bvh_.order()[leaf.first + k], leaves_.around(leaf, k, bvh_.space()));
+        }
     });
   }
 

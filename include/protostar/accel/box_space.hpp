@@ -129,10 +129,10 @@ struct BoxRay {
 ///
 /// So a box that the line meets has near ≤ far. There is no infinity and no NaN in it.
 struct Slabs {
-  Float4 near_origin, far_origin, inverse, far_inverse;
-  int nearer[3];  ///< which end of a box looks nearer on each axis: 0 is min, 1 max
+  Float4 near_origin = 0.0f, far_origin = 0.0f, inverse = 0.0f, far_inverse = 0.0f;
+  int nearer[3] = {};  ///< which end of a box looks nearer on each axis: 0 is min, 1 max
 
-  Slabs() = default;
+  Slabs() = default;  ///< for no ray
   explicit Slabs(const BoxRay& ray) {
     const Float4 margin =
         Float4(0x1p-22f) * abs(ray.origin) + Float4(0x1p-38f + 0x1p-38f * ray.distance + ray.widening);
@@ -142,6 +142,35 @@ struct Slabs {
     inverse = copysign(Float4(1) / max(abs(ray.direction), Float4(0x1p-60f)), ray.direction);
     far_inverse = inverse * Float4(1 + 0x1p-20f);
     for (int axis = 0; axis < 3; ++axis) nearer[axis] = std::signbit(ray.direction[axis]) ? 1 : 0;
+  }
+};
+
+/// The points x with normal · (x − on) ≥ 0; the normal has length 1 or, for all points, 0.
+struct HalfSpace {
+  Point on;
+  Vec3 normal;
+};
+
+/// A half-space in box space: the points x with normal · x ≥ from, and all whose product float could take for
+/// such.
+///
+/// What is compared are points at most 1 from the origin in each component, and spheres there. In float, with
+/// u = 2^-24, n is off by u, a center by u, and the products and sums by 3u of |n_x| + |n_y| + |n_z| ≤ √3; a
+/// radius of at most 1, and adding it, by 3u: 12u in all. The plane's distance is off by u of itself, and by
+/// less than 2^-50 |on|. 2^-20 = 16u of each covers both.
+struct BoxHalfSpace {
+  float normal[3];
+  float from;
+
+  BoxHalfSpace() = default;
+  BoxHalfSpace(const HalfSpace& half_space, const BoxSpace& space) {
+    const Point p = space(half_space.on);
+    const Vec3& n = half_space.normal;
+    const double distance = dot(n, p);
+    const double margin =
+        0x1p-20 * (1 + std::abs(distance)) + 0x1p-48 * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
+    for (int axis = 0; axis < 3; ++axis) normal[axis] = static_cast<float>(n[axis]);
+    from = static_cast<float>(distance - margin);
   }
 };
 

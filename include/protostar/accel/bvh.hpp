@@ -15,12 +15,6 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// The points x with normal · (x − on) ≥ 0; the normal has length 1 or, for all points, 0.
-struct HalfSpace {
-  Point on;
-  Vec3 normal;
-};
-
 /// In which order leaves are visited.
 enum class Order { near_first, any };
 
@@ -78,8 +72,7 @@ class Bvh {
   template <Order order, class Soon = Ignore>
   bool each_leaf_along(const BoxRay& ray, Reach reach, const auto& visit, const Soon& soon = {}) const {
     if (tree_.order.empty()) return false;
-    Slabs slabs;
-    if (!tree_.root.is_leaf()) slabs = Slabs(ray);
+    const Slabs slabs = tree_.root.is_leaf() ? Slabs() : Slabs(ray);
     struct Entry {
       Child child;
       float near;
@@ -132,7 +125,7 @@ class Bvh {
   }
 
   /// Calls visit(leaf) for every leaf whose box may reach into all of some half-spaces.
-  void each_leaf_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {
+  void each_leaf_in(std::span<const BoxHalfSpace> half_spaces, const auto& visit) const {
     if (tree_.order.empty()) return;
     Child stack[most_levels * node_width];
     int top = 0;
@@ -152,27 +145,16 @@ class Bvh {
  private:
   using Floats = Lanes<float, node_width>;
 
-  /// The children whose boxes may reach into all half-spaces.
-  ///
-  /// Of a box, the corner farthest along the normal n counts, at most 1 from the origin in each component. In
-  /// float, with u = 2^-24, n is off by u and the products and sums by 3u of |n_x| + |n_y| + |n_z| ≤ √3: 7u
-  /// in all. The plane's distance is off by u of itself, and by less than 2^-50 |on|. 2^-20 = 16u of each
-  /// covers both.
-  [[nodiscard]] Bits children_in(const Node& node, std::span<const HalfSpace> half_spaces) const {
-    Mask<float, node_width> outside = false;
-    for (const auto& [on, n] : half_spaces) {
-      const Point p = space_(on);
-      const double distance = dot(n, p);
-      const double margin =
-          0x1p-20 * (1 + std::abs(distance)) + 0x1p-48 * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
+  /// The children whose boxes may reach into all half-spaces: the corner farthest along the normal counts.
+  static Bits children_in(const Node& node, std::span<const BoxHalfSpace> half_spaces) {
+    auto within = Floats::load(node.end[0][0]) <= Floats::load(node.end[1][0]);  // those that are used
+    for (const auto& [normal, from] : half_spaces) {
       Floats reach = 0.0f;
       for (int axis = 0; axis < 3; ++axis)
-        reach += Floats::load(node.end[n[axis] > 0][axis]) * Floats(static_cast<float>(n[axis]));
-      outside = outside || reach < Floats(static_cast<float>(distance - margin));
+        reach += Floats::load(node.end[normal[axis] > 0][axis]) * Floats(normal[axis]);
+      within = within && !(reach < Floats(from));
     }
-    Bits used = 0;
-    for (int k = 0; k < node_width && node.has(k); ++k) used |= Bits{1} << k;
-    return bits(!outside) & used;
+    return bits(within);
   }
 
   /// The children whose boxes the ray may meet, and from where on.

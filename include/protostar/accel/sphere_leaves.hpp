@@ -26,6 +26,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "bvh.hpp"
@@ -76,10 +77,11 @@ class SphereLeaves {
     if (passed.close == 0) return {.maybe = 0, .surely = 0, .near = {}, .far = {}};
     const auto& [close, b, pp, r, e, R, q] = passed;
     const Floats s = sqrt(q), near = b - s - e;
-    return {.maybe = close & bits(near <= Floats(reach.until) && b + s + e >= Floats(reach.from)),
-            .surely = bits(near > Floats(reach.from * (1 + 0x1p-18f)) && R < Floats(4) * s && Floats(64) * e < R),
-            .near = near,
-            .far = near + Floats(32) * e};
+    return {
+        .maybe = close & bits(near <= Floats(reach.until) && b + s + e >= Floats(reach.from)),
+        .surely = bits(near > Floats(reach.from * (1 + 0x1p-18f)) && R < Floats(4) * s && Floats(64) * e < R),
+        .near = near,
+        .far = near + Floats(32) * e};
   }
 
   /// Whether these spheres are crossed within a reach. Nothing is sure of one that begins elsewhere than at
@@ -96,6 +98,18 @@ class SphereLeaves {
     const auto ends_before = beyond > Floats(0) && beyond * beyond > q;
     return {.maybe = close & bits(!starts_outside || (approaches && !ends_before)),
             .surely = (close & bits(surely)) != 0};
+  }
+
+  /// Which of these spheres may reach into all of some half-spaces.
+  [[nodiscard]] Bits within(Leaf leaf, std::uint32_t i, std::span<const BoxHalfSpace> half_spaces) const {
+    const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
+    const Floats x = Floats::load(row), y = Floats::load(row + leaf.count),
+                 z = Floats::load(row + 2 * leaf.count), r = Floats::load(row + 3 * leaf.count);
+    Mask<float, float_lanes> within = true;
+    for (const auto& [normal, from] : half_spaces)
+      within =
+          within && x * Floats(normal[0]) + y * Floats(normal[1]) + z * Floats(normal[2]) + r >= Floats(from);
+    return bits(within) & all_below(leaf.count - i);
   }
 
   /// A sphere that surely contains the i-th of a leaf. A float is off by a part 2^-24 or by 2^-150, and the
