@@ -145,9 +145,11 @@ class Finder<Sphere> {
       : bvh_(
             spheres.size(), [&](std::size_t i) { return spheres[i].bounds(); }, node_width, options),
         leaves_(
-            bvh_, [&](std::size_t i) -> auto& { return spheres[i]; }) {}
+            bvh_, [&](std::size_t i) -> auto& { return spheres[i]; }),
+        few_(spheres) {}
 
   bool each_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
+    if (few_.has_all()) return each_of_few(ray, range, visit);
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes)
         if (any_of(leaves_.crossed(leaf, i, line, left).maybe, leaf.first + i, visit)) return true;
@@ -157,6 +159,7 @@ class Finder<Sphere> {
   }
 
   bool any_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
+    if (few_.has_all()) return each_of_few(ray, range, visit);
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
         const auto [maybe, surely] = leaves_.crossed(leaf, i, line, left);
@@ -170,12 +173,16 @@ class Finder<Sphere> {
   /// A sphere that is surely entered, before any other that is known, is not visited before the end: mostly
   /// something nearer is found until then, or there is nothing else.
   void each_first(const Ray& ray, const Interval& range, const auto& visit) const {
-    std::uint32_t waiting = 0;
-    float waiting_near = infinite;
     const auto visit_one = [&](std::uint32_t i) {
       visit(i);
       return false;
     };
+    if (few_.has_all()) {
+      each_of_few(ray, range, visit_one);
+      return;
+    }
+    std::uint32_t waiting = 0;
+    float waiting_near = infinite;
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
         const auto entered = leaves_.entered(leaf, i, line, left);
@@ -217,6 +224,12 @@ class Finder<Sphere> {
     return [this](Leaf leaf) { leaves_.fetch(leaf); };
   }
 
+  bool each_of_few(const Ray& ray, const Interval& range, const auto& visit) const {
+    for (Bits met = few_.met(ray, range); met != 0; met &= met - 1)
+      if (visit(static_cast<std::uint32_t>(std::countr_zero(met)))) return true;
+    return false;
+  }
+
   /// Whether visit says so of any of some spheres in a leaf.
   bool any_of(Bits spheres, std::uint32_t first, const auto& visit) const {
     for (; spheres != 0; spheres &= spheres - 1)
@@ -226,6 +239,7 @@ class Finder<Sphere> {
 
   Bvh bvh_;
   SphereLeaves leaves_;
+  FewSpheres few_;
 };
 
 }  // namespace simd
@@ -298,8 +312,11 @@ class Accelerated<Scene<S...>> {
   template <class T>
   [[nodiscard]] bool occluded_by(const Ray& ray, const Interval& range) const {
     const auto& surfaces = scene_->template surfaces<T>();
-    return finder<T>().any_crossed(
-        ray, range, [&](std::uint32_t i) { return first_crossing(surfaces[i], ray, range).has_value(); });
+    return finder<T>().any_crossed(ray, range, [&](std::uint32_t i) {
+      if constexpr (requires { surfaces[i].is_surely_behind(ray); })
+        if (range.min >= 0 && surfaces[i].is_surely_behind(ray)) return false;
+      return first_crossing(surfaces[i], ray, range).has_value();
+    });
   }
 
   template <class T>

@@ -24,11 +24,13 @@
 // half chord is at least √((R − 2e − |p|)(R − 2e + |p|)) > √(q − 4eR) ≥ √q − 4eR/√q > √q − 16e.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
 
+#include "../surfaces/sphere.hpp"
 #include "bvh.hpp"
 #include "sphere_around.hpp"
 
@@ -152,6 +154,55 @@ class SphereLeaves {
 
   /// Of each leaf, from 4 · first on: all x, all y, all z of the centers, and the radii.
   std::vector<float> rows_;
+};
+
+/// So few spheres that they are sooner tried in double than looked for in float: side by side, as many at
+/// once as a vector holds.
+class FewSpheres {
+ public:
+  static constexpr std::size_t most = 8;
+
+  explicit FewSpheres(const std::vector<Sphere>& spheres) : count_(spheres.size()) {
+    for (std::size_t i = 0; i < std::min(count_, most); ++i) {
+      const auto& [center, radius] = spheres[i];
+      x_[i] = center.x, y_[i] = center.y, z_[i] = center.z, r_[i] = std::abs(radius);
+    }
+  }
+
+  /// Whether these are all spheres that there are.
+  [[nodiscard]] bool has_all() const { return count_ <= most; }
+
+  /// Those that a ray does not surely miss, as sphere_roots and is_surely_behind decide it. One that the ray
+  /// departs from is crossed as its departure says, and not its digits.
+  [[nodiscard]] Bits met(const Ray& ray, const Interval& range) const {
+    Bits met = 0;
+    for (std::size_t i = 0; i < count_; i += double_lanes) {
+      const auto load = [&](const double* numbers) { return Doubles::load(numbers + i); };
+      const Doubles x = load(x_), y = load(y_), z = load(z_), r = load(r_);
+      const Doubles lx = x - Doubles(ray.origin.x), ly = y - Doubles(ray.origin.y),
+                    lz = z - Doubles(ray.origin.z);
+      const double A = dot(ray.direction, ray.direction);
+      const Doubles b = ray.direction.x * lx + ray.direction.y * ly + ray.direction.z * lz;
+      const Doubles ll = lx * lx + ly * ly + lz * lz, rr = r * r, c = ll - rr, w = ll + rr;
+      const protostar::detail::RoundedSphereEquation<Doubles, Doubles> e{
+          .A = A, .b = b, .c = c, .w = w, .D = b * b - A * c, .E = protostar::detail::error_of_D(A, w)};
+      auto missed = e.surely_misses();
+      if (range.min >= 0) missed = missed || e.surely_recedes();
+      if (ray.departure.kind == Departure::Kind::sphere) {
+        const auto& [cx, cy, cz, radius] = ray.departure.geometry;
+        missed =
+            missed && !(x == Doubles(cx) && y == Doubles(cy) && z == Doubles(cz) && r == Doubles(radius));
+      }
+      met |= bits(!missed) << i;
+    }
+    return met & first_bits(static_cast<int>(count_));
+  }
+
+ private:
+  using Doubles = Lanes<double, double_lanes>;
+
+  std::size_t count_ = 0;
+  alignas(64) double x_[most] = {}, y_[most] = {}, z_[most] = {}, r_[most] = {};
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

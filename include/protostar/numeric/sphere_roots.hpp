@@ -205,6 +205,12 @@ struct RoundedSphereEquation {
 
   [[nodiscard, gnu::always_inline]] auto surely_misses() const { return in_range(A) && D < -E; }
 
+  /// Whether the line surely starts outside the sphere and leads away from its center, so that it has no root
+  /// above 0: the errors of b and c are as below. Neither is a product that underflow could reach.
+  [[nodiscard, gnu::always_inline]] auto surely_recedes() const {
+    return in_range(A) && c > 0x1p-50 * w && w > 0x1p-900 && b < 0.0 && b * b > 0x1p-100 * (A * w);
+  }
+
   /// Whether the line surely meets the sphere and b and c surely have the signs that they show: the error of
   /// c is at most 7u w, and that of b at most 4u √(A w), while c > 0 and D > 4E make |b| larger than 2^-23
   /// √(A w). Where c < 0, the sign of b does not matter.
@@ -214,6 +220,12 @@ struct RoundedSphereEquation {
   }
 };
 
+/// A bound on the error of D: it is below 21u A w, underflow apart; if A c overflows, A w and with it the
+/// error do so too.
+[[nodiscard, gnu::always_inline]] inline auto error_of_D(const auto& A, const auto& w) {
+  return 0x1p-48 * (A * w) + underflow;
+}
+
 [[nodiscard, gnu::always_inline]] inline auto rounded_sphere_equation(const auto& origin,
                                                                       const auto& direction,
                                                                       const Point& center, double radius) {
@@ -222,9 +234,8 @@ struct RoundedSphereEquation {
   const auto ll = dot(l, l);
   const double rr = radius * radius;
   const auto c = ll - rr, w = ll + rr;
-  // The error of D is below 21u A w, underflow apart; if A c overflows, A w and with it the error do so too.
   return RoundedSphereEquation<std::remove_const_t<decltype(A)>, std::remove_const_t<decltype(c)>>{
-      .A = A, .b = b, .c = c, .w = w, .D = b * b - A * c, .E = 0x1p-48 * (A * w) + underflow};
+      .A = A, .b = b, .c = c, .w = w, .D = b * b - A * c, .E = error_of_D(A, w)};
 }
 
 /// The roots of such an equation without cancellation: of b ± √D, q is the one that does not cancel. One root
@@ -297,6 +308,12 @@ template <class T, class C>
   if (const auto [q, certain] = detail::certified_quotient(equation); certain)
     return roots_from(equation.A, equation.c, q);
   return detail::sphere_roots_in_doubt(origin, direction, center, radius);
+}
+
+/// Whether a line surely has no root above 0, by signs alone.
+[[nodiscard]] inline bool sphere_surely_behind(const Point& origin, const Vec3& direction,
+                                               const Point& center, double radius) {
+  return detail::rounded_sphere_equation(origin, direction, center, radius).surely_recedes();
 }
 
 /// The roots of several lines at once, in the order near, far, of those that are wanted: the same numbers as
@@ -403,6 +420,13 @@ struct RoundedLeavingEquation {
   const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
   if (certain) return Roots{2 * b / A};
   return detail::rounded_roots(origin, direction, center, radius, refined_sphere_root_leaving);
+}
+
+/// Whether a line that starts on the sphere surely has no root above 0.
+[[nodiscard]] inline bool left_sphere_surely_behind(const Point& origin, const Vec3& direction,
+                                                    const Point& center, double radius) {
+  const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
+  return certain && b < 0;
 }
 
 /// The same of several lines at once; see sphere_roots_of_each.
