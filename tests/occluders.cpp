@@ -31,7 +31,7 @@ bool is_inside(const std::array<simd::HalfSpace, 5>& half_spaces, const SphereAr
 
 TEST_CASE("a cone to a light has all that rays inside it meet") {
   Random random(11);
-  int met = 0, left_out = 0;
+  int met = 0, left_out = 0, left_out_within = 0;
   for (int i = 0; i < 3000; ++i) {
     const double far = i % 3 == 0 ? 1e6 : 10;
     const Point light = random.point(far), place = light + 10.0 * random.direction();
@@ -44,23 +44,37 @@ TEST_CASE("a cone to a light has all that rays inside it meet") {
     // Spheres that touch a ray from outside as nearly as numbers allow, and others around it.
     for (int k = 0; k < 20; ++k) {
       const int lane = k % simd::double_lanes;
-      if (!cone.holds(others, simd::mask_of<double, simd::double_lanes>(simd::Bits{1} << lane))) continue;
+      const Chosen alone = simd::mask_of<double, simd::double_lanes>(simd::Bits{1} << lane);
+      if (!cone.holds(others, alone)) continue;
       const Ray ray = others[lane];
       const double radius = std::pow(10, random.real(-3, 1));
       const Vec3 aside = normalize(cross(ray.direction, random.direction()));
       const double distance = radius * (k % 3 == 0 ? 1 - 1e-9 : random.real(0, 10));
       const Sphere sphere{.center = ray.at(random.real(0, 1)) + distance * aside, .radius = radius};
       const SphereAround around{sphere.center, radius};
-      const bool kept = cone.may_hold(around) && is_inside(half_spaces, around);
+      const bool kept = cone.may_hold(cone.seen(around)) && is_inside(half_spaces, around);
+      simd::InCone in_cone;
+      in_cone.add(7, cone.seen(around));
+      const auto is_within = [&](const ConeToLight& narrow) {
+        int visits = 0;
+        in_cone.each_within(narrow, [&](int found) { visits += found == 7 ? 1 : 100; });
+        REQUIRE(visits <= 1);
+        return visits == 1;
+      };
+      const bool kept_within = is_within(cone.around(others, alone));
       if (first_crossing(sphere, ray, Interval{0, 1})) {
         ++met;
         REQUIRE(kept);
+        REQUIRE(kept_within);
+        REQUIRE(is_within(cone));
       }
       if (!kept) ++left_out;
+      if (!kept_within) ++left_out_within;
     }
   }
   CHECK(met > 4000);
   CHECK(left_out > 2000);
+  CHECK(left_out_within > left_out + 10000);  // what the cone of one ray has is less
 }
 
 TEST_CASE("rays that do not end where a cone has its apex, or start beyond it, are not inside") {
@@ -76,13 +90,45 @@ TEST_CASE("rays that do not end where a cone has its apex, or start beyond it, a
   CHECK_FALSE(ConeToLight().holds(rays, true));
 }
 
+TEST_CASE("what is around the light, or of no size that float holds, is in every direction of a cone") {
+  Random random(16);
+  const Point light{1, 2, 3};
+  const Rays<Vectors> rays = to_light(random, light, {1, 2, 13}, 0.1);
+  const ConeToLight cone(rays, true);
+  simd::InCone in_cone;
+  in_cone.add(0, cone.seen({Point{0}, infinity}));
+  in_cone.add(1, cone.seen({light + Vec3{0, 0, -2}, 2.5}));
+  in_cone.add(2, cone.seen({Point{1e200, 0, 0}, 1e199}));
+  in_cone.add(3, cone.seen({light + Vec3{1e-100, 0, 0}, 1e-120}));
+  in_cone.add(4, cone.seen({light + Vec3{0, 0, -2}, 1.5}));
+  std::vector<int> places;
+  in_cone.each_within(cone.around(rays, true), [&](int place) { places.push_back(place); });
+  CHECK(places == std::vector<int>{0, 1, 2, 3});
+}
+
+TEST_CASE("a list of occluders may be of any length") {
+  Random random(17);
+  const Rays<Vectors> rays = to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1);
+  const ConeToLight cone(rays, true);
+  for (int count = 0; count < 70; ++count) {
+    simd::InCone in_cone;
+    for (int i = 0; i < count; ++i) in_cone.add(i, cone.seen({Point{i % 3 == 0 ? 4.0 : 0.0, 0, 5}, 0.5}));
+    std::vector<int> places, expected;
+    in_cone.each_within(cone.around(rays, true), [&](int place) { places.push_back(place); });
+    for (int i = 0; i < count; ++i)
+      if (i % 3 != 0) expected.push_back(i);
+    CHECK(places == expected);
+  }
+}
+
 TEST_CASE("there is no cone for rays from everywhere") {
   Random random(13);
   CHECK_FALSE(ConeToLight(to_light(random, {0, 0, 0}, {0, 0, 0}, 5), true).is_cone());
 }
 
 TEST_CASE(
-    "the occluders of neighboring rays are looked for once, and for rays with nothing in common seldom") {
+    "the occluders of neighboring rays are looked for once, and for rays with nothing in common seldom where "
+    "that takes long") {
   Random random(14);
   Occluders occluders;
   int searches = 0;
@@ -96,11 +142,21 @@ TEST_CASE(
     if (i > 2) REQUIRE((places != nullptr && *places == std::vector<int>{7}));
   }
   CHECK(searches < 4);
-  searches = 0;
-  for (int i = 0; i < 1000; ++i)
-    static_cast<void>(
-        occluders.between(to_light(random, {0, 0, 0}, 10.0 * random.direction(), 0.1), true, search));
-  CHECK(searches < 50);
+
+  const auto search_of_many = [&](const auto&, const auto& visit) {
+    ++searches;
+    for (int i = 0; i < 1000; ++i) visit(i, SphereAround{Point{0, 50, 5}, 1});
+  };
+  const auto searches_for_others = [&](const auto& search_for) {
+    Occluders others;
+    searches = 0;
+    for (int i = 0; i < 1000; ++i)
+      static_cast<void>(
+          others.between(to_light(random, {0, 0, 0}, 10.0 * random.direction(), 0.1), true, search_for));
+    return searches;
+  };
+  CHECK(searches_for_others(search) > 100);  // it looks at next to nothing
+  CHECK(searches_for_others(search_of_many) < 50);
 }
 
 TEST_CASE("rays that do not end together, or start where they end, go by themselves") {

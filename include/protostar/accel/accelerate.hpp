@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <tuple>
@@ -39,12 +40,22 @@ class Finder {
       : count_(static_cast<std::uint32_t>(surfaces.size())) {}
 
   /// Calls visit(i) for each surface that a ray may cross inside the range, in any order, until one of them
-  /// returns true; returns whether one did. A visit may shorten the range.
-  template <Order>
-  bool each_candidate(const Ray&, const Interval&, const auto& visit) const {
+  /// returns true; returns whether one did.
+  bool each_crossed(const Ray&, const Interval&, const auto& visit) const {
     for (std::uint32_t i = 0; i < count_; ++i)
       if (visit(i)) return true;
     return false;
+  }
+
+  /// Whether a ray crosses any inside the range; visit(i) says it of one where nothing less does.
+  bool any_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
+    return each_crossed(ray, range, visit);
+  }
+
+  /// Calls visit(i) for that which a ray crosses first inside the range, and for others. A visit may shorten
+  /// the range.
+  void each_first(const Ray&, const Interval&, const auto& visit) const {
+    for (std::uint32_t i = 0; i < count_; ++i) visit(i);
   }
 
   /// Calls visit(i, SphereAround) for each surface that has bounds and may reach into all of some
@@ -55,75 +66,180 @@ class Finder {
   std::uint32_t count_;
 };
 
-/// Those with bounds: in the leaves of a tree.
+/// Calls visit(i) for all things that are in no leaf of a tree, and visit_leaf(BoxRay, leaf, reach) for every
+/// leaf that a ray may meet inside the range, until one of them returns true; returns whether one did. Where
+/// boxes do not help, it visits all things instead.
+template <Order order, class Soon = Ignore>
+bool each_along(const Bvh& bvh, const Ray& ray, const Interval& range, const auto& visit,
+                const auto& visit_leaf, const Soon& soon = {}) {
+  const auto any_of = [&](std::span<const std::uint32_t> things) {
+    for (const std::uint32_t i : things)
+      if (visit(i)) return true;
+    return false;
+  };
+  if (any_of(bvh.unbounded())) return true;
+  const BoxRay line(ray, bvh.space(), widening(ray));
+  // Behind the origin the ends of a box are not widened (Slabs).
+  if (!line.usable || range.min < 0) return any_of(bvh.order());
+  return bvh.each_leaf_along<order>(
+      line, {line.at_least(range.min), line.at_most(range.max)},
+      [&](Leaf leaf, Reach& left) { return visit_leaf(line, leaf, left); }, soon);
+}
+
+[[nodiscard]] inline std::vector<BoxHalfSpace> in_box_space(std::span<const HalfSpace> half_spaces,
+                                                            const Bvh& bvh) {
+  std::vector<BoxHalfSpace> seen;
+  for (const HalfSpace& half_space : half_spaces) seen.emplace_back(half_space, bvh.space());
+  return seen;
+}
+
+/// Those with bounds: in the leaves of a tree, each in one of its own.
 template <SurfaceWithBounds T>
 class Finder<T> {
  public:
   Finder(const std::vector<T>& surfaces, const RenderOptions& options)
       : surfaces_(&surfaces),
         bvh_(
-            surfaces.size(), [&](std::size_t i) { return surfaces[i].bounds(); }, leaf_size, options) {
-    if constexpr (is_sphere)
-      spheres_ = SphereLeaves(
-          bvh_, [&](std::size_t i) -> auto& { return surfaces[i]; });
+            surfaces.size(), [&](std::size_t i) { return surfaces[i].bounds(); }, 1, options) {}
+
+  bool each_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
+    return each_along<Order::any>(bvh_, ray, range, visit, [&](const BoxRay&, Leaf leaf, Reach&) {
+      return visit(bvh_.order()[leaf.first]);
+    });
   }
 
-  template <Order order>
-  bool each_candidate(const Ray& ray, const Interval& range, const auto& visit) const {
-    for (const std::uint32_t i : bvh_.unbounded())
-      if (visit(i)) return true;
-    const BoxRay line(ray, bvh_.space(), widening(ray));
-    // Behind the origin the ends of a box are not widened (BoxRay).
-    if (!line.usable || range.min < 0) {
-      for (const std::uint32_t i : bvh_.order())
-        if (visit(i)) return true;
-      return false;
-    }
-    const Reach reach{line.at_least(range.min), line.at_most(range.max)};
-    const auto visit_leaf = [&](Leaf leaf, Reach& left) {
-      if constexpr (is_sphere) {
-        for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
-          const auto met = spheres_.met(leaf, i, line, left);
-          for (Bits spheres = met.spheres; spheres != 0; spheres &= spheres - 1) {
-            const int k = std::countr_zero(spheres);
-            if (met.near[k] > left.until) continue;
-            if (visit(bvh_.order()[leaf.first + i + static_cast<std::uint32_t>(k)])) return true;
-            left.until = line.at_most(range.max);
-          }
-        }
-      } else {
-        for (std::uint32_t i = 0; i < leaf.count; ++i)
-          if (visit(bvh_.order()[leaf.first + i])) return true;
-        left.until = line.at_most(range.max);
-      }
+  bool any_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
+    return each_crossed(ray, range, visit);
+  }
+
+  void each_first(const Ray& ray, const Interval& range, const auto& visit) const {
+    const auto visit_one = [&](std::uint32_t i) {
+      visit(i);
       return false;
     };
-    const auto soon = [&](Leaf leaf) {
-      if constexpr (is_sphere) spheres_.fetch(leaf);
-    };
-    return bvh_.each_leaf_along<order>(line, reach, visit_leaf, soon);
+    each_along<Order::near_first>(bvh_, ray, range, visit_one,
+                                  [&](const BoxRay& line, Leaf leaf, Reach& left) {
+                                    visit(bvh_.order()[leaf.first]);
+                                    left.until = line.at_most(range.max);
+                                    return false;
+                                  });
   }
 
   void each_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {
-    bvh_.each_leaf_in(half_spaces, [&](Leaf leaf) {
-      for (std::uint32_t i = 0; i < leaf.count; ++i) {
-        const std::uint32_t surface = bvh_.order()[leaf.first + i];
-        if constexpr (is_sphere)
-          visit(surface, spheres_.around(leaf, i, bvh_.space()));
-        else
-          visit(surface, sphere_around((*surfaces_)[surface]));
-      }
+    bvh_.each_leaf_in(in_box_space(half_spaces, bvh_), [&](Leaf leaf) {
+      const std::uint32_t i = bvh_.order()[leaf.first];
+      visit(i, sphere_around((*surfaces_)[i]));
     });
   }
 
  private:
-  static constexpr bool is_sphere = std::same_as<T, Sphere>;
-  static constexpr int leaf_size = is_sphere ? node_width : 1;
-  struct Nothing {};
-
   const std::vector<T>* surfaces_;
   Bvh bvh_;
-  std::conditional_t<is_sphere, SphereLeaves, Nothing> spheres_;
+};
+
+/// Spheres: as many in a leaf as are tested at once, in float.
+template <>
+class Finder<Sphere> {
+ public:
+  Finder(const std::vector<Sphere>& spheres, const RenderOptions& options)
+      : bvh_(
+            spheres.size(), [&](std::size_t i) { return spheres[i].bounds(); }, node_width, options),
+        leaves_(
+            bvh_, [&](std::size_t i) -> auto& { return spheres[i]; }),
+        few_(spheres) {}
+
+  bool each_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
+    if (few_.has_all()) return each_of_few(ray, range, visit);
+    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
+      for (std::uint32_t i = 0; i < leaf.count; i += float_lanes)
+        if (any_of(leaves_.crossed(leaf, i, line, left).maybe, leaf.first + i, visit)) return true;
+      return false;
+    };
+    return each_along<Order::any>(bvh_, ray, range, visit, visit_leaf, soon());
+  }
+
+  bool any_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
+    if (few_.has_all()) return each_of_few(ray, range, visit);
+    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
+      for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
+        const auto [maybe, surely] = leaves_.crossed(leaf, i, line, left);
+        if (surely || any_of(maybe, leaf.first + i, visit)) return true;
+      }
+      return false;
+    };
+    return each_along<Order::any>(bvh_, ray, range, visit, visit_leaf, soon());
+  }
+
+  /// A sphere that is surely entered, before any other that is known, is not visited before the end: mostly
+  /// something nearer is found until then, or there is nothing else.
+  void each_first(const Ray& ray, const Interval& range, const auto& visit) const {
+    const auto visit_one = [&](std::uint32_t i) {
+      visit(i);
+      return false;
+    };
+    if (few_.has_all()) {
+      each_of_few(ray, range, visit_one);
+      return;
+    }
+    std::uint32_t waiting = 0;
+    float waiting_near = infinite;
+    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
+      for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
+        const auto entered = leaves_.entered(leaf, i, line, left);
+        for (Bits spheres = entered.maybe; spheres != 0; spheres &= spheres - 1) {
+          const int k = std::countr_zero(spheres);
+          if (entered.near[k] > left.until) continue;
+          const std::uint32_t place = leaf.first + i + static_cast<std::uint32_t>(k);
+          if ((entered.surely >> k & 1) != 0 && entered.far[k] < waiting_near) {
+            waiting = place;
+            waiting_near = entered.near[k];
+            left.until = std::min(left.until, entered.far[k]);
+          } else {
+            visit(bvh_.order()[place]);
+            left.until = std::min(left.until, line.at_most(range.max));
+          }
+        }
+      }
+      return false;
+    };
+    each_along<Order::near_first>(bvh_, ray, range, visit_one, visit_leaf, soon());
+    if (waiting_near < infinite) visit(bvh_.order()[waiting]);
+  }
+
+  void each_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {
+    const auto sides = in_box_space(half_spaces, bvh_);
+    bvh_.each_leaf_in(sides, [&](Leaf leaf) {
+      for (std::uint32_t i = 0; i < leaf.count; i += float_lanes)
+        for (Bits within = leaves_.within(leaf, i, sides); within != 0; within &= within - 1) {
+          const std::uint32_t k = i + static_cast<std::uint32_t>(std::countr_zero(within));
+          visit(bvh_.order()[leaf.first + k], leaves_.around(leaf, k, bvh_.space()));
+        }
+    });
+  }
+
+ private:
+  static constexpr float infinite = std::numeric_limits<float>::infinity();
+
+  [[nodiscard]] auto soon() const {
+    return [this](Leaf leaf) { leaves_.fetch(leaf); };
+  }
+
+  bool each_of_few(const Ray& ray, const Interval& range, const auto& visit) const {
+    for (Bits met = few_.met(ray, range); met != 0; met &= met - 1)
+      if (visit(static_cast<std::uint32_t>(std::countr_zero(met)))) return true;
+    return false;
+  }
+
+  /// Whether visit says so of any of some spheres in a leaf.
+  bool any_of(Bits spheres, std::uint32_t first, const auto& visit) const {
+    for (; spheres != 0; spheres &= spheres - 1)
+      if (visit(bvh_.order()[first + static_cast<std::uint32_t>(std::countr_zero(spheres))])) return true;
+    return false;
+  }
+
+  Bvh bvh_;
+  SphereLeaves leaves_;
+  FewSpheres few_;
 };
 
 }  // namespace simd
@@ -178,33 +294,35 @@ class Accelerated<Scene<S...>> {
     const auto& surfaces = scene_->template surfaces<T>();
     const auto& materials = scene_->template materials<T>();
     std::uint32_t first_index = 0;  // all of other types come before
-    finder<T>().template each_candidate<simd::Order::near_first>(ray, range, [&](std::uint32_t i) {
+    finder<T>().each_first(ray, range, [&](std::uint32_t i) {
       const auto crossing = first_crossing(surfaces[i], ray, range);
-      if (!crossing) return false;
+      if (!crossing) return;
       const SurfaceCrossing candidate = crossing_on(surfaces[i], *crossing, materials[i]);
       // Of crossings at equal t the earlier surface's is the first.
       if (first.surface != nullptr &&
           (i < first_index ? precedes(ray, first, candidate) : !precedes(ray, candidate, first)))
-        return false;
+        return;
       first = candidate;
       first_index = i;
       // What might be before it, given its error, stays in.
       range.max = std::min(range.max, crossing->t + 4 * Roots::relative_error * std::abs(crossing->t));
-      return false;
     });
   }
 
   template <class T>
   [[nodiscard]] bool occluded_by(const Ray& ray, const Interval& range) const {
     const auto& surfaces = scene_->template surfaces<T>();
-    return finder<T>().template each_candidate<simd::Order::any>(
-        ray, range, [&](std::uint32_t i) { return first_crossing(surfaces[i], ray, range).has_value(); });
+    return finder<T>().any_crossed(ray, range, [&](std::uint32_t i) {
+      if constexpr (requires { surfaces[i].is_surely_behind(ray); })
+        if (range.min >= 0 && surfaces[i].is_surely_behind(ray)) return false;
+      return first_crossing(surfaces[i], ray, range).has_value();
+    });
   }
 
   template <class T>
   void cross(const Ray& ray, const Interval& range, auto&& visit) const {
     std::vector<std::uint32_t> candidates;
-    finder<T>().template each_candidate<simd::Order::any>(ray, range, [&](std::uint32_t i) {
+    finder<T>().each_crossed(ray, range, [&](std::uint32_t i) {
       candidates.push_back(i);
       return false;
     });

@@ -19,6 +19,12 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// Four floats, of which boxes and points use three.
 using Float4 = Lanes<float, 4>;
 
+[[nodiscard]] inline Float4 float4(const Vec3& v) {
+  Float4 lanes = 0.0f;
+  for (int i = 0; i < 3; ++i) lanes.set(i, static_cast<float>(v[i]));
+  return lanes;
+}
+
 /// A box in box space.
 struct Box {
   Float4 min, max;
@@ -72,61 +78,99 @@ struct BoxSpace {
 };
 
 /// A ray in box space: its points are origin + s·direction, with a direction of length 1 and s = t · length.
-///
-/// The line meets a box where, on every axis i, min_i ≤ o_i + s d_i ≤ max_i, that is from s = (min_i −
-/// o_i)/d_i to (max_i − o_i)/d_i, or the other way round for d_i < 0. In float, with u = 2^-24:
-///
-/// - o_i is moved out by a margin of 2^-23 |o_i| + 2^-40 (1 + |o|), of which the rounding to float takes at
-///   most half. near_origin has it on the side from which the box looks nearer, far_origin on the other.
-/// - 1/d_i is rounded once, the difference and the product once each, and each leaves the sign: s is good to
-///   a part 3u. far_inverse has 8u more than inverse, more than both ends can be off.
-/// - |d_i| < 2^-60 is taken as 2^-60. Where the line is in a box, s < |o| + 2, so that it moves by less than
-///   2^-59 (|o| + 2) on that axis: the margin covers that, as it does all that underflows.
-///
-/// So a box that the line meets has near ≤ far. There is no infinity and no NaN in it.
 struct BoxRay {
-  float origin[3], direction[3];
-  float near_origin[3], far_origin[3], inverse[3], far_inverse[3];
-  bool backwards[3];  ///< whether d_i < 0
-  float margin;       ///< 2^-20 |o|₁ + 2^-60, and what all things are widened by
-  double length;      ///< of the ray's direction in box space
+  Float4 origin, direction;  ///< rounded to float
+  float distance;            ///< |o|₁ of the origin o, and 2^-40
+  float widening;            ///< by which all things are widened
+  double length;             ///< of the ray's direction in box space
 
   /// Whether float can hold the ray. One that starts 2^60 times as far away as things are large, or whose
   /// direction is as short or as long as that, or not finite, meets every box.
   bool usable;
 
   /// All things are widened by a length of the world.
-  BoxRay(const Ray& ray, const BoxSpace& space, double widening) {
+  BoxRay(const Ray& ray, const BoxSpace& space, double widen) {
     const Point o = space(ray.origin);
     const Vec3 d = ray.direction * space.scale;
-    const double A = dot(d, d), distance = std::abs(o.x) + std::abs(o.y) + std::abs(o.z);
-    const double wide = widening * space.scale;
-    usable = 0x1p-800 < A && A < 0x1p800 && distance + wide < 0x1p60;
+    const double A = dot(d, d), far = std::abs(o.x) + std::abs(o.y) + std::abs(o.z);
+    const double wide = 2 * widen * space.scale;
+    usable = 0x1p-800 < A && A < 0x1p800 && far + wide < 0x1p60;
     if (!usable) return;
     length = std::sqrt(A);
-    margin = static_cast<float>(0x1p-20 * distance + 0x1p-60 + 2 * wide);
     const double step = 1 / length;
-    for (int i = 0; i < 3; ++i) {
-      const double unit = d[i] * step, size = std::abs(unit) < 0x1p-60 ? 0x1p-60 : std::abs(unit);
-      const double shift =
-          std::copysign(0x1p-23 * std::abs(o[i]) + 0x1p-40 * (1 + distance) + 2 * wide, unit);
-      const double slope = std::copysign(1 / size, unit);
-      origin[i] = static_cast<float>(o[i]);
-      direction[i] = static_cast<float>(unit);
-      near_origin[i] = static_cast<float>(o[i] + shift);
-      far_origin[i] = static_cast<float>(o[i] - shift);
-      inverse[i] = static_cast<float>(slope);
-      far_inverse[i] = static_cast<float>(slope * (1 + 0x1p-21));
-      backwards[i] = std::signbit(unit);
-    }
+    origin = float4(o);
+    direction = float4(d * step);
+    distance = static_cast<float>(far + 0x1p-40);
+    widening = static_cast<float>(wide);
   }
 
-  /// Distances in box space that are surely not above t, and not below. The factor covers three roundings.
+  /// Distances in box space that are surely not above t, and not below: by 2^-20 of it, which is for three
+  /// roundings here and for those of the distances that they are compared with (Slabs).
   [[nodiscard]] float at_least(double t) const {
-    return static_cast<float>(t * length * (t > 0 ? 1 - 0x1p-22 : 1 + 0x1p-22));
+    return static_cast<float>(t * length * (t > 0 ? 1 - 0x1p-20 : 1 + 0x1p-20));
   }
   [[nodiscard]] float at_most(double t) const {
-    return static_cast<float>(t * length * (t > 0 ? 1 + 0x1p-22 : 1 - 0x1p-22));
+    return static_cast<float>(t * length * (t > 0 ? 1 + 0x1p-20 : 1 - 0x1p-20));
+  }
+};
+
+/// A ray as boxes see it.
+///
+/// The line meets a box where, on every axis i, min_i ≤ o_i + s d_i ≤ max_i, that is from s = (min_i −
+/// o_i)/d_i to (max_i − o_i)/d_i, or the other way round for d_i < 0. In float, with u = 2^-24:
+///
+/// - o_i is moved out by a margin of 2^-22 |o_i| + 2^-38 (1 + |o|), of which the rounding of o_i and of the
+///   sum take at most half. near_origin has it on the side from which the box looks nearer, far_origin on
+///   the other.
+/// - d_i and 1/d_i are rounded, the difference and the product once each, and each leaves the sign: s is good
+///   to a part 4u. far_inverse has 16u more than inverse, more than both ends can be off.
+/// - |d_i| < 2^-60 is taken as 2^-60. Where the line is in a box, s < |o| + 2, so that it moves by less than
+///   2^-59 (|o| + 2) on that axis: the margin covers that, as it does all that underflows.
+///
+/// So a box that the line meets has near ≤ far. There is no infinity and no NaN in it.
+struct Slabs {
+  Float4 near_origin = 0.0f, far_origin = 0.0f, inverse = 0.0f, far_inverse = 0.0f;
+  int nearer[3] = {};  ///< which end of a box looks nearer on each axis: 0 is min, 1 max
+
+  Slabs() = default;  ///< for no ray
+  explicit Slabs(const BoxRay& ray) {
+    const Float4 margin =
+        Float4(0x1p-22f) * abs(ray.origin) + Float4(0x1p-38f + 0x1p-38f * ray.distance + ray.widening);
+    const Float4 shift = copysign(margin, ray.direction);
+    near_origin = ray.origin + shift;
+    far_origin = ray.origin - shift;
+    inverse = copysign(Float4(1) / max(abs(ray.direction), Float4(0x1p-60f)), ray.direction);
+    far_inverse = inverse * Float4(1 + 0x1p-20f);
+    for (int axis = 0; axis < 3; ++axis) nearer[axis] = std::signbit(ray.direction[axis]) ? 1 : 0;
+  }
+};
+
+/// The points x with normal · (x − on) ≥ 0; the normal has length 1 or, for all points, 0.
+struct HalfSpace {
+  Point on;
+  Vec3 normal;
+};
+
+/// A half-space in box space: the points x with normal · x ≥ from, and all whose product float could take for
+/// such.
+///
+/// What is compared are points at most 1 from the origin in each component, and spheres there. In float, with
+/// u = 2^-24, n is off by u, a center by u, and the products and sums by 3u of |n_x| + |n_y| + |n_z| ≤ √3; a
+/// radius of at most 1, and adding it, by 3u: 12u in all. The plane's distance is off by u of itself, and by
+/// less than 2^-50 |on|. 2^-20 = 16u of each covers both.
+struct BoxHalfSpace {
+  float normal[3];
+  float from;
+
+  BoxHalfSpace() = default;
+  BoxHalfSpace(const HalfSpace& half_space, const BoxSpace& space) {
+    const Point p = space(half_space.on);
+    const Vec3& n = half_space.normal;
+    const double distance = dot(n, p);
+    const double margin =
+        0x1p-20 * (1 + std::abs(distance)) + 0x1p-48 * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
+    for (int axis = 0; axis < 3; ++axis) normal[axis] = static_cast<float>(n[axis]);
+    from = static_cast<float>(distance - margin);
   }
 };
 

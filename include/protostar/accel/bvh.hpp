@@ -7,18 +7,13 @@
 #include <limits>
 #include <span>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "box_space.hpp"
 #include "bvh_build.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
-
-/// The points x with normal · (x − on) ≥ 0; the normal has length 1 or, for all points, 0.
-struct HalfSpace {
-  Point on;
-  Vec3 normal;
-};
 
 /// In which order leaves are visited.
 enum class Order { near_first, any };
@@ -77,6 +72,7 @@ class Bvh {
   template <Order order, class Soon = Ignore>
   bool each_leaf_along(const BoxRay& ray, Reach reach, const auto& visit, const Soon& soon = {}) const {
     if (tree_.order.empty()) return false;
+    const Slabs slabs = tree_.root.is_leaf() ? Slabs() : Slabs(ray);
     struct Entry {
       Child child;
       float near;
@@ -84,37 +80,52 @@ class Bvh {
     Entry stack[most_levels * node_width];
     int top = 0;
     Child next = tree_.root;
-    for (;;) {
-      if (next.is_leaf()) {
-        if (visit(next.leaf(), reach)) return true;
-      } else {
-        const Node& node = tree_.nodes[next.node()];
-        alignas(64) float near[node_width];
-        const int below = top;
-        for (Bits met = met_children(node, ray, reach, near); met != 0; met &= met - 1) {
-          const int k = std::countr_zero(met);
-          const Entry entry{node.child[k], near[k]};
-          if (entry.child.is_leaf())
-            soon(entry.child.leaf());
-          else
-            prefetch(&tree_.nodes[entry.child.node()]);
-          int place = top++;
-          if constexpr (order == Order::near_first)
-            for (; place > below && stack[place - 1].near < entry.near; --place)
-              stack[place] = stack[place - 1];
-          stack[place] = entry;
-        }
-      }
+    const auto take_next = [&] {
       do {
         if (top == 0) return false;
         --top;
       } while (stack[top].near > reach.until);
       next = stack[top].child;
+      return true;
+    };
+    for (;;) {
+      while (!next.is_leaf()) {
+        const Node& node = tree_.nodes[next.node()];
+        alignas(64) float near[node_width];
+        Bits met = met_children(node, slabs, reach, near);
+        if (met == 0) {
+          if (!take_next()) return false;
+          continue;
+        }
+        const auto take_one = [&] {
+          const int k = std::countr_zero(met);
+          met &= met - 1;
+          return Entry{node.child[k], near[k]};
+        };
+        Entry nearest = take_one();
+        const int below = top;
+        while (met != 0) {
+          Entry other = take_one();
+          if (order == Order::near_first && other.near < nearest.near) std::swap(other, nearest);
+          if (other.child.is_leaf())
+            soon(other.child.leaf());
+          else
+            prefetch(&tree_.nodes[other.child.node()]);
+          int place = top++;
+          if constexpr (order == Order::near_first)
+            for (; place > below && stack[place - 1].near < other.near; --place)
+              stack[place] = stack[place - 1];
+          stack[place] = other;
+        }
+        next = nearest.child;
+      }
+      if (visit(next.leaf(), reach)) return true;
+      if (!take_next()) return false;
     }
   }
 
   /// Calls visit(leaf) for every leaf whose box may reach into all of some half-spaces.
-  void each_leaf_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {
+  void each_leaf_in(std::span<const BoxHalfSpace> half_spaces, const auto& visit) const {
     if (tree_.order.empty()) return;
     Child stack[most_levels * node_width];
     int top = 0;
@@ -134,38 +145,26 @@ class Bvh {
  private:
   using Floats = Lanes<float, node_width>;
 
-  /// The children whose boxes may reach into all half-spaces.
-  ///
-  /// Of a box, the corner farthest along the normal n counts, at most 1 from the origin in each component. In
-  /// float, with u = 2^-24, n is off by u and the products and sums by 3u of |n_x| + |n_y| + |n_z| ≤ √3: 7u
-  /// in all. The plane's distance is off by u of itself, and by less than 2^-50 |on|. 2^-20 = 16u of each
-  /// covers both.
-  [[nodiscard]] Bits children_in(const Node& node, std::span<const HalfSpace> half_spaces) const {
-    Mask<float, node_width> outside = false;
-    for (const auto& [on, n] : half_spaces) {
-      const Point p = space_(on);
-      const double distance = dot(n, p);
-      const double margin =
-          0x1p-20 * (1 + std::abs(distance)) + 0x1p-48 * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
+  /// The children whose boxes may reach into all half-spaces: the corner farthest along the normal counts.
+  static Bits children_in(const Node& node, std::span<const BoxHalfSpace> half_spaces) {
+    auto within = Floats::load(node.end[0][0]) <= Floats::load(node.end[1][0]);  // those that are used
+    for (const auto& [normal, from] : half_spaces) {
       Floats reach = 0.0f;
       for (int axis = 0; axis < 3; ++axis)
-        reach +=
-            Floats::load(n[axis] > 0 ? node.max[axis] : node.min[axis]) * Floats(static_cast<float>(n[axis]));
-      outside = outside || reach < Floats(static_cast<float>(distance - margin));
+        reach += Floats::load(node.end[normal[axis] > 0][axis]) * Floats(normal[axis]);
+      within = within && !(reach < Floats(from));
     }
-    Bits used = 0;
-    for (int k = 0; k < node_width && node.has(k); ++k) used |= Bits{1} << k;
-    return bits(!outside) & used;
+    return bits(within);
   }
 
   /// The children whose boxes the ray may meet, and from where on.
-  static Bits met_children(const Node& node, const BoxRay& ray, Reach reach, float* near_ends) {
+  static Bits met_children(const Node& node, const Slabs& slabs, Reach reach, float* near_ends) {
     Floats near = reach.from, far = reach.until;
     for (int axis = 0; axis < 3; ++axis) {
-      const float* const nearer = ray.backwards[axis] ? node.max[axis] : node.min[axis];
-      const float* const farther = ray.backwards[axis] ? node.min[axis] : node.max[axis];
-      near = max((Floats::load(nearer) - Floats(ray.near_origin[axis])) * Floats(ray.inverse[axis]), near);
-      far = min((Floats::load(farther) - Floats(ray.far_origin[axis])) * Floats(ray.far_inverse[axis]), far);
+      const int nearer = slabs.nearer[axis];
+      const Floats from = Floats::load(node.end[nearer][axis]), to = Floats::load(node.end[1 - nearer][axis]);
+      near = max((from - Floats(slabs.near_origin[axis])) * Floats(slabs.inverse[axis]), near);
+      far = min((to - Floats(slabs.far_origin[axis])) * Floats(slabs.far_inverse[axis]), far);
     }
     near.store(near_ends);
     return bits(near <= far);

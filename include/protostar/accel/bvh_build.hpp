@@ -52,10 +52,10 @@ class Child {
 /// The boxes of up to node_width children, axis by axis. A box that is not used contains nothing, and no ray
 /// meets it.
 struct alignas(64) Node {
-  float min[3][node_width], max[3][node_width];
+  float end[2][3][node_width];  ///< 0 is min, 1 max
   Child child[node_width];
 
-  [[nodiscard]] bool has(int k) const { return min[0][k] <= max[0][k]; }
+  [[nodiscard]] bool has(int k) const { return end[0][0][k] <= end[1][0][k]; }
 };
 
 /// A tree over boxes; the things in it are numbered in the order of the leaves.
@@ -180,8 +180,8 @@ class TreeBuilder {
 
   static void put(Node& node, int k, const Box& box) {
     for (int axis = 0; axis < 3; ++axis) {
-      node.min[axis][k] = box.min[axis];
-      node.max[axis][k] = box.max[axis];
+      node.end[0][axis][k] = box.min[axis];
+      node.end[1][axis][k] = box.max[axis];
     }
   }
 

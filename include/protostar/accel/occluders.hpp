@@ -2,13 +2,14 @@
 //
 // The shadow rays of neighboring pixels lead to a light through almost the same space. A cone with its apex
 // at the light holds those of a packet and of others near it, and what reaches into the cone is looked for
-// once.
+// once. Of that each packet gets what reaches into a cone of its own.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "bvh.hpp"
@@ -33,23 +34,12 @@ class ConeToLight {
   ConeToLight(const Rays<Vectors>& rays, Chosen which) {
     const int first = std::countr_zero(bits(which));
     apex_ = rays.origin[first] + rays.direction[first];
-    double farthest = 0;
-    for (Bits left = bits(which); left != 0; left &= left - 1) {
-      const Vec3 w = rays.origin[std::countr_zero(left)] - apex_;
-      farthest = std::max(farthest, length(w));
-      axis_ += w / length(w);
-    }
-    axis_ = axis_ / length(axis_);
-    double least = 1;
-    for (Bits left = bits(which); left != 0; left &= left - 1) {
-      const Vec3 w = rays.origin[std::countr_zero(left)] - apex_;
-      least = std::min(least, dot(axis_, w) / length(w));
-    }
-    sine_ = 5 * std::sqrt(1 - least * least) + 0x1p-7;
-    if (!(sine_ < 0.5) || !(farthest < 0x1p400) || !(length(apex_) < 0x1p400)) return;
+    set(rays, which);
+    drift_ = 0x1p-44 * (glm::length(apex_) + 1.25 * length_);
+    sine_ = 5 * sine_ + 0x1p-7;
     cosine_ = std::sqrt(1 - sine_ * sine_);
-    drift_ = 0x1p-44 * (length(apex_) + 1.25 * farthest);
-    length_ = 1.25 * farthest;
+    length_ *= 1.25;
+    if (!(sine_ < 0.5 && 0x1p-90 < length_ && length_ < 0x1p90 && glm::length(apex_) < 0x1p400)) close();
   }
 
   /// Whether rays, in 0 < t < 1, lie inside.
@@ -61,13 +51,11 @@ class ConeToLight {
     return !any(which && !inside);
   }
 
-  /// Whether rays end where these do.
-  [[nodiscard]] bool is_to_light_of(const Rays<Vectors>& rays, int lane) const {
-    return length(rays.origin[lane] + rays.direction[lane] - apex_) < 0.25 * drift_;
-  }
-
   /// Whether the cone holds anything.
   [[nodiscard]] bool is_cone() const { return length_ > 0; }
+
+  /// Makes it hold nothing.
+  void close() { length_ = 0; }
 
   /// Half-spaces that contain the cone: a normal e that is orthogonal to the axis a, turned towards a by the
   /// half-angle φ, e cos φ + a sin φ, is orthogonal to the cone's side; and the plane at the cone's end.
@@ -85,74 +73,196 @@ class ConeToLight {
             moved_out(apex_ + length_ * axis_, -axis_)};
   }
 
-  /// Whether a sphere may reach into the cone, as Candidates::add derives it; here in double, where 2^-40 of
-  /// all lengths is more than what rounds.
-  [[nodiscard]] bool may_hold(const SphereAround& around) const {
+  /// A sphere as the apex sees it: where its center is, its radius and what drifts beside rays, and how long
+  /// a line from the apex to where it touches the sphere is. What surrounds the apex, or is of a size that
+  /// float does not hold well, is in every direction, at no distance.
+  struct Seen {
+    Vec3 center{0};
+    double distance = 0, radius = 0, horizon = -infinity;
+  };
+  [[nodiscard]] Seen seen(const SphereAround& around) const {
     const Vec3 l = around.center - apex_;
-    const double distance = length(l), error = 0x1p-40 * (distance + around.radius);
-    const double radius = around.radius + drift_ + error;
-    if (!(distance > radius)) return true;
-    if (distance > length_ + radius) return false;
-    const double horizon = std::sqrt((distance - radius) * (distance + radius));
-    return !(dot(axis_, l) < cosine_ * horizon - sine_ * radius - error);
+    const double distance = glm::length(l);
+    const double radius = around.radius + drift_ + 0x1p-40 * (distance + around.radius);
+    if (!(distance > radius && 0x1p-100 < distance && distance < 0x1p100)) return {};
+    return {l, distance, radius, std::sqrt((distance - radius) * (distance + radius))};
   }
 
+  /// Whether a sphere may reach into the cone, as Candidates::add derives it; here in double, where 2^-40 of
+  /// all lengths is more than what rounds.
+  [[nodiscard]] bool may_hold(const Seen& sphere) const {
+    const auto& [l, distance, radius, horizon] = sphere;
+    return !(distance - radius > length_) &&
+           !(dot(axis_, l) < cosine_ * horizon - sine_ * radius - 0x1p-40 * distance);
+  }
+
+  /// The part of the cone around some rays that it holds: with the same apex, and as narrow as they are.
+  [[nodiscard]] ConeToLight around(const Rays<Vectors>& rays, Chosen which) const {
+    ConeToLight narrow = *this;
+    narrow.set(rays, which);
+    return narrow;
+  }
+
+  [[nodiscard]] const Vec3& axis() const { return axis_; }
+  [[nodiscard]] double cosine() const { return cosine_; }
+  [[nodiscard]] double sine() const { return sine_; }
+  [[nodiscard]] double length() const { return length_; }
+
  private:
+  /// Makes it as narrow and as long as some rays to the apex are. The axis is between the first and the last.
+  void set(const Rays<Vectors>& rays, Chosen which) {
+    const Vectors w = rays.origin - Vectors(apex_);
+    const Doubles distance = sqrt(dot(w, w));
+    const int first = std::countr_zero(bits(which)), last = static_cast<int>(std::bit_width(bits(which))) - 1;
+    axis_ = normalize(w[first] / distance[first] + w[last] / distance[last]);
+    const Doubles away = select(which, -dot(w, Vectors(axis_)) / distance, Doubles(-1));
+    cosine_ = std::max(0.0, -largest(away) - 0x1p-40);
+    sine_ = std::sqrt(1 - cosine_ * cosine_);
+    length_ = largest(select(which, distance, Doubles(0))) * (1 + 0x1p-40);
+  }
+
   Point apex_{0};
   Vec3 axis_{0};
   double cosine_ = 1, sine_ = 0;  ///< of the half-angle
   double drift_ = 0, length_ = 0;
 };
 
-/// The lists of occluders of a tile, one for each light.
+/// What reaches into a cone, in float, so that much of it is looked at at once.
+///
+/// A sphere reaches into a cone with a half-angle φ and the apex at 0 if a·l ≥ h cos φ − r sin φ, and its
+/// nearest point |l| − r is not beyond the cone's end. In float, with u = 2^-24, each term has an error of at
+/// most 5u |l|, and the difference 2u |l|, if h and r are at most |l|. For cos φ ≥ ½ it is enough to keep
+/// 2^-18 |l| = 64u |l| less of h, and as much less of |l| − r.
+class InCone {
+ public:
+  void clear() {
+    places_.clear();
+    rows_.clear();
+  }
+  [[nodiscard]] std::size_t size() const { return places_.size(); }
+
+  /// Adds what stands at a place of the scene's order.
+  void add(int place, const ConeToLight::Seen& sphere) {
+    constexpr std::size_t n = float_lanes;
+    const std::size_t i = places_.size(), at = i / n * rows * n + i % n;
+    if (i % n == 0) rows_.resize(rows_.size() + rows * n, nowhere);
+    places_.push_back(place);
+    const double less = 0x1p-18 * sphere.distance;
+    const double row[rows] = {sphere.center.x, sphere.center.y,       sphere.center.z,
+                              sphere.radius,   sphere.horizon - less, sphere.distance - sphere.radius - less};
+    for (std::size_t k = 0; k < rows; ++k) rows_[at + k * n] = static_cast<float>(row[k]);
+  }
+
+  /// Calls visit(place) for all that may reach into a cone with this apex.
+  void each_within(const ConeToLight& cone, const auto& visit) const {
+    const auto in_float = [](double x) { return Row(static_cast<float>(x)); };
+    const Row x = in_float(cone.axis().x), y = in_float(cone.axis().y), z = in_float(cone.axis().z);
+    const Row cosine = in_float(cone.cosine()), sine = in_float(cone.sine());
+    const Row end = in_float(cone.length() * (1 + 0x1p-22));
+    for (std::size_t i = 0; i < places_.size(); i += float_lanes) {
+      const auto row = [&](std::size_t k) { return Row::load(&rows_[rows * i + k * float_lanes]); };
+      const Row along = x * row(0) + y * row(1) + z * row(2);
+      Bits within = bits(along >= cosine * row(4) - sine * row(3) && row(5) <= end);
+      for (; within != 0; within &= within - 1)
+        visit(places_[i + static_cast<std::size_t>(std::countr_zero(within))]);
+    }
+  }
+
+ private:
+  using Row = Lanes<float, float_lanes>;
+  static constexpr std::size_t rows = 6;
+
+  /// In places that are left over: a distance beyond the end of all cones.
+  static constexpr float nowhere = std::numeric_limits<float>::infinity();
+
+  std::vector<int> places_;
+  std::vector<float> rows_;  ///< of as many as a vector holds, one number of each after the other
+};
+
+/// The lists of occluders of a tile, a few for each light.
 class Occluders {
  public:
   /// What rays in 0 < t < 1 may meet, as places in the scene's order; nothing if each is sooner looked at by
   /// itself. search(half_spaces, visit) calls visit(place, SphereAround) for all that may be in half-spaces.
   [[nodiscard]] const std::vector<int>* between(const Rays<Vectors>& rays, Chosen which, const auto& search) {
-    List& list = list_for(rays, std::countr_zero(bits(which)));
-    if (!list.cone.holds(rays, which)) {
-      if (list.waits > 0) {
-        --list.waits;
+    ToLight& to_light = lists_for(rays, std::countr_zero(bits(which)));
+    List* list = to_light.list_of(rays, which);
+    if (list == nullptr) {
+      if (to_light.waits > 0) {
+        --to_light.waits;
         return nullptr;
       }
-      // A list that served few packets, or is long, did not pay; each in a row is followed by a longer pause.
-      list.pause =
-          list.served < enough || list.places.size() > most ? std::min(2 * list.pause + 8, 1 << 10) : 0;
-      list.waits = list.pause;
-      list.cone = ConeToLight(rays, which);
-      list.served = 0;
-      list.places.clear();
-      if (!list.cone.holds(rays, which)) return nullptr;  // they need not end together
-      search(list.cone.half_spaces(), [&](int place, const SphereAround& around) {
-        if (list.cone.may_hold(around)) list.places.push_back(place);
+      list = &to_light.lists[to_light.next++ % lists_each];
+      list->cone = ConeToLight(rays, which);
+      list->in_cone.clear();
+      int looked_at = 0;
+      if (!list->cone.holds(rays, which)) return nullptr;  // they need not end together
+      search(list->cone.half_spaces(), [&](int place, const SphereAround& around) {
+        ++looked_at;
+        if (list->in_cone.size() > most) return;
+        const auto seen = list->cone.seen(around);
+        if (list->cone.may_hold(seen)) list->in_cone.add(place, seen);
       });
+      // If the last list served few packets for what is looked at, searching does not pay; each time in a row
+      // is followed by a longer pause.
+      to_light.pause = looked_at > worth * to_light.served ? std::min(4 * to_light.pause + 8, 1 << 12) : 0;
+      to_light.waits = to_light.pause;
+      to_light.served = 0;
+      if (list->in_cone.size() > most) {
+        list->cone.close();
+        return nullptr;
+      }
     }
-    ++list.served;
-    return list.places.size() <= most ? &list.places : nullptr;
+    ++to_light.served;
+    places_.clear();
+    list->in_cone.each_within(list->cone.around(rays, which), [&](int place) { places_.push_back(place); });
+    return &places_;
   }
 
  private:
-  /// So many surfaces are tried one after the other; more are sooner looked for by each ray.
-  static constexpr std::size_t most = 64;
-  static constexpr std::size_t most_lights = 16;
-  static constexpr int enough = 4;
+  /// A list that is longer costs more than it saves.
+  static constexpr std::size_t most = 256;
+  static constexpr std::size_t most_lights = 16, lists_each = 4;
+
+  /// To look at so many surfaces takes about as long as the rays of a packet take by themselves.
+  static constexpr int worth = 16;
 
   struct List {
     ConeToLight cone;
-    std::vector<int> places;
-    int served = enough, waits = 0, pause = 0;
+    InCone in_cone;
   };
 
-  List& list_for(const Rays<Vectors>& rays, int lane) {
-    for (List& list : lists_)
-      if (list.cone.is_to_light_of(rays, lane)) return list;
-    if (lists_.size() < most_lights) return lists_.emplace_back();
+  /// The rays of neighboring pixels may come from several surfaces that are far apart.
+  struct ToLight {
+    Point light;
+    double near;  ///< a ray that ends within this distance of the light is one to it
+    std::array<List, lists_each> lists;
+    std::size_t next = 0;
+    int served = lists_each, waits = 0, pause = 0;
+
+    List* list_of(const Rays<Vectors>& rays, Chosen which) {
+      for (List& list : lists)
+        if (list.cone.is_cone() && list.cone.holds(rays, which)) return &list;
+      return nullptr;
+    }
+  };
+
+  ToLight& lists_for(const Rays<Vectors>& rays, int lane) {
+    const Point end = rays.origin[lane] + rays.direction[lane];
+    for (ToLight& to_light : lights_)
+      if (glm::length(end - to_light.light) < to_light.near) return to_light;
+    const double near = 0x1p-46 * (glm::length(end) + glm::length(rays.direction[lane]));
+    if (lights_.size() < most_lights) {
+      lights_.push_back({.light = end, .near = near, .lists = {}});
+      return lights_.back();
+    }
     next_ = (next_ + 1) % most_lights;
-    return lists_[next_] = List{};
+    lights_[next_] = {.light = end, .near = near, .lists = {}};
+    return lights_[next_];
   }
 
-  std::vector<List> lists_;
+  std::vector<ToLight> lights_;
+  std::vector<int> places_;  ///< those for the last packet
   std::size_t next_ = 0;
 };
 

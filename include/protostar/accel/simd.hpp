@@ -55,6 +55,12 @@ struct VectorOf {
 template <class T, int N>
 using Vector = typename VectorOf<T, N>::type;
 
+/// The same at an address that suits a T, where Ts may be.
+template <class T, int N>
+struct VectorAt {
+  typedef T type __attribute__((vector_size(sizeof(T) * N), aligned(alignof(T)), may_alias));
+};
+
 #else
 
 /// What the vectors of g++ and clang do, in standard C++.
@@ -199,9 +205,13 @@ struct Lanes {
 
   /// The N numbers from an address on.
   static Lanes load(const T* from) {
+#if defined(PROTOSTAR_VECTORS)
+    return {*reinterpret_cast<const typename detail::VectorAt<T, N>::type*>(from)};
+#else
     Lanes lanes;
     std::memcpy(&lanes.v, from, sizeof(lanes.v));
     return lanes;
+#endif
   }
   void store(T* to) const { std::memcpy(to, &v, sizeof(v)); }
 
@@ -353,16 +363,24 @@ template <class T, int N>
   return copysign(a, Lanes<T, N>(T{0}));
 }
 
-/// The smaller, as std::min chooses it: a if one of them is NaN.
+/// The smaller, as std::min chooses it: a if one of them is NaN. So written it is one instruction.
 template <class T, int N>
 [[nodiscard]] Lanes<T, N> min(Lanes<T, N> a, std::type_identity_t<Lanes<T, N>> b) {
+#if defined(PROTOSTAR_VECTORS)
+  return {b.v < a.v ? b.v : a.v};
+#else
   return select(b < a, b, a);
+#endif
 }
 
 /// The larger, as std::max chooses it: a if one of them is NaN.
 template <class T, int N>
 [[nodiscard]] Lanes<T, N> max(Lanes<T, N> a, std::type_identity_t<Lanes<T, N>> b) {
+#if defined(PROTOSTAR_VECTORS)
+  return {a.v < b.v ? b.v : a.v};
+#else
   return select(a < b, b, a);
+#endif
 }
 
 /// The largest number of all lanes.

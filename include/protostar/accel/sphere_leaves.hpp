@@ -1,4 +1,4 @@
-// The spheres of a tree's leaves in float, and which of them a ray surely misses.
+// The spheres of a tree's leaves in float: which of them a ray surely misses, and which it surely meets.
 //
 // In box space let l = center − origin and d the direction, of length 1. The line passes the center at the
 // distance b = d·l from the origin, and at p = l − b d from the center. It meets the sphere where |p| ≤ r,
@@ -8,15 +8,29 @@
 //   b   the same, u |l| for that of d, 3u |l| for products and sums: u (2|o| + 6|l|)
 //   p   the errors of l and b, u |l| for d, the product and the difference: u (4|o| + 11|l|)
 //
-// A line that meets the sphere has |l| ≤ |b| + r. So with e = 16u (|o| + |b| + r) and R = r + e, the 5u left
-// being for squares, sums and the rounding of r, it has p² ≤ R²; it meets the sphere nowhere before b − √(R²
-// − p²) − e or after b + √(R² − p²) + e.
+// With |l| ≤ |b| + |p| that is together less than e = 32u (|o| + |b| + r) for a line that meets the sphere or
+// passes it at less than twice its radius: e_b + e_p ≤ u (6|o| + 17|l|). What is left of e, more than 14u of
+// each, is for the rounding of r, of squares and of sums. Let R = r + e and q = R² − p², as float has them.
+//
+// A line that meets the sphere has q ≥ 0; it meets the sphere nowhere before b − √q − e or after b + √q + e.
+//
+// A ray that starts inside the sphere, or on it, has b² ≤ q, since b² + p² is off by less than 2r (e_b + e_p)
+// and R² is larger than r² by 2r e. So one with b² > q starts outside; it meets the sphere only if b > 0, and
+// up to a distance s < b only if (b − s)² ≤ q, since the point there is no nearer to the center than R.
+// Where p² < (r − e)², e < b < s − e and b² > q it meets the sphere for sure before s: it starts outside, and
+// its point nearest to the center is inside.
+//
+// Where R < 4√q and 64e < R it meets it no later than at b − √q + 17e: with r − e ≥ R − 2e and |p| + e, its
+// half chord is at least √((R − 2e − |p|)(R − 2e + |p|)) > √(q − 4eR) ≥ √q − 4eR/√q > √q − 16e.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <vector>
 
+#include "../surfaces/sphere.hpp"
 #include "bvh.hpp"
 #include "sphere_around.hpp"
 
@@ -26,10 +40,14 @@ class SphereLeaves {
  public:
   using Floats = Lanes<float, float_lanes>;
 
-  /// The spheres that may be met, by their place from a leaf's first on, and no nearer than where.
-  struct Met {
-    Bits spheres;
-    Floats near;
+  /// Spheres by their place from a leaf's first on.
+  struct Entered {
+    Bits maybe, surely;  ///< met at all; and entered between near and far
+    Floats near, far;    ///< what is met is met no nearer than near
+  };
+  struct Crossed {
+    Bits maybe;   ///< those that may be crossed
+    bool surely;  ///< whether one of them is
   };
 
   SphereLeaves() = default;
@@ -54,22 +72,46 @@ class SphereLeaves {
     prefetch(row + 16);
   }
 
-  /// Of the spheres from the i-th of a leaf on, as many as a vector holds.
-  [[nodiscard]] Met met(Leaf leaf, std::uint32_t i, const BoxRay& ray, Reach reach) const {
+  /// Where the spheres from the i-th of a leaf on, as many as a vector holds, are met first within a reach.
+  /// Its ends are good to 2^-19 of them.
+  [[nodiscard]] Entered entered(Leaf leaf, std::uint32_t i, const BoxRay& ray, Reach reach) const {
+    const Passed passed(*this, leaf, i, ray);
+    if (passed.close == 0) return {.maybe = 0, .surely = 0, .near = {}, .far = {}};
+    const auto& [close, b, pp, r, e, R, q] = passed;
+    const Floats s = sqrt(q), near = b - s - e;
+    return {
+        .maybe = close & bits(near <= Floats(reach.until) && b + s + e >= Floats(reach.from)),
+        .surely = bits(near > Floats(reach.from * (1 + 0x1p-18f)) && R < Floats(4) * s && Floats(64) * e < R),
+        .near = near,
+        .far = near + Floats(32) * e};
+  }
+
+  /// Whether these spheres are crossed within a reach. Nothing is sure of one that begins elsewhere than at
+  /// the origin.
+  [[nodiscard]] Crossed crossed(Leaf leaf, std::uint32_t i, const BoxRay& ray, Reach reach) const {
+    const Passed passed(*this, leaf, i, ray);
+    if (passed.close == 0) return {.maybe = 0, .surely = false};
+    const auto& [close, b, pp, r, e, R, q] = passed;
+    const auto starts_outside = b * b > q, approaches = b > Floats(0);
+    const float until = reach.from == 0 ? reach.until * (1 - 0x1p-18f) : -1;
+    const Floats inner = r - e, beyond = b - Floats(reach.until);
+    const auto surely =
+        starts_outside && b > e && b + e < Floats(until) && inner > Floats(0) && pp < inner * inner;
+    const auto ends_before = beyond > Floats(0) && beyond * beyond > q;
+    return {.maybe = close & bits(!starts_outside || (approaches && !ends_before)),
+            .surely = (close & bits(surely)) != 0};
+  }
+
+  /// Which of these spheres may reach into all of some half-spaces.
+  [[nodiscard]] Bits within(Leaf leaf, std::uint32_t i, std::span<const BoxHalfSpace> half_spaces) const {
     const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
-    const Floats dx = ray.direction[0], dy = ray.direction[1], dz = ray.direction[2];
-    const Floats lx = Floats::load(row) - Floats(ray.origin[0]);
-    const Floats ly = Floats::load(row + leaf.count) - Floats(ray.origin[1]);
-    const Floats lz = Floats::load(row + 2 * leaf.count) - Floats(ray.origin[2]);
-    const Floats r = Floats::load(row + 3 * leaf.count);
-    const Floats b = dx * lx + dy * ly + dz * lz;
-    const Floats px = lx - b * dx, py = ly - b * dy, pz = lz - b * dz;
-    const Floats e = Floats(0x1p-20f) * (abs(b) + r) + Floats(ray.margin);
-    const Floats R = r + e, q = R * R - (px * px + py * py + pz * pz);
-    Bits spheres = bits(q >= Floats(0)) & all_below(leaf.count - i);
-    if (spheres == 0) return {0, {}};
-    const Floats s = sqrt(q), near = b - s - e, far = b + s + e;
-    return {spheres & bits(near <= Floats(reach.until) && far >= Floats(reach.from)), near};
+    const Floats x = Floats::load(row), y = Floats::load(row + leaf.count),
+                 z = Floats::load(row + 2 * leaf.count), r = Floats::load(row + 3 * leaf.count);
+    Mask<float, float_lanes> within = true;
+    for (const auto& [normal, from] : half_spaces)
+      within =
+          within && x * Floats(normal[0]) + y * Floats(normal[1]) + z * Floats(normal[2]) + r >= Floats(from);
+    return bits(within) & all_below(leaf.count - i);
   }
 
   /// A sphere that surely contains the i-th of a leaf. A float is off by a part 2^-24 or by 2^-150, and the
@@ -85,11 +127,88 @@ class SphereLeaves {
   }
 
  private:
+  /// How a line passes spheres; those that it may meet are close.
+  struct Passed {
+    Bits close;
+    Floats b, pp, r, e, R, q;
+
+    Passed(const SphereLeaves& leaves, Leaf leaf, std::uint32_t i, const BoxRay& ray) {
+      const float* const row = &leaves.rows_[4 * std::size_t{leaf.first} + i];
+      const Floats dx = ray.direction[0], dy = ray.direction[1], dz = ray.direction[2];
+      const Floats lx = Floats::load(row) - Floats(ray.origin[0]);
+      const Floats ly = Floats::load(row + leaf.count) - Floats(ray.origin[1]);
+      const Floats lz = Floats::load(row + 2 * leaf.count) - Floats(ray.origin[2]);
+      r = Floats::load(row + 3 * leaf.count);
+      b = dx * lx + dy * ly + dz * lz;
+      const Floats px = lx - b * dx, py = ly - b * dy, pz = lz - b * dz;
+      pp = px * px + py * py + pz * pz;
+      e = Floats(0x1p-19f) * (abs(b) + r) + Floats(0x1p-19f * ray.distance + ray.widening);
+      R = r + e;
+      q = R * R - pp;
+      close = bits(q >= Floats(0)) & all_below(leaf.count - i);
+    }
+  };
+
   /// The lanes below the n-th.
   static Bits all_below(std::uint32_t n) { return n < 32 ? (Bits{1} << n) - 1 : ~Bits{0}; }
 
   /// Of each leaf, from 4 · first on: all x, all y, all z of the centers, and the radii.
   std::vector<float> rows_;
+};
+
+/// So few spheres that they are sooner tried in double than looked for in float: side by side, as many at
+/// once as a vector holds.
+class FewSpheres {
+ public:
+  static constexpr std::size_t most = 8;
+
+  explicit FewSpheres(const std::vector<Sphere>& spheres) : count_(spheres.size()) {
+    for (std::size_t i = 0; i < std::min(count_, most); ++i) {
+      const auto& [center, radius] = spheres[i];
+      x_[i] = center.x, y_[i] = center.y, z_[i] = center.z, r_[i] = std::abs(radius);
+    }
+  }
+
+  /// Whether these are all spheres that there are.
+  [[nodiscard]] bool has_all() const { return count_ <= most; }
+
+  /// Those that a ray does not surely miss, as sphere_roots and is_surely_behind decide it. One that the ray
+  /// departs from is crossed as its departure says, and not its digits.
+  [[nodiscard]] Bits met(const Ray& ray, const Interval& range) const {
+    Bits met = 0;
+    const SphereLine line(ray.origin, ray.direction);
+    const double A = line.A;
+    for (std::size_t i = 0; i < count_; i += double_lanes) {
+      const auto load = [&](const double* numbers) { return Doubles::load(numbers + i); };
+      const Doubles x = load(x_), y = load(y_), z = load(z_), r = load(r_);
+      const Doubles lx = x - Doubles(ray.origin.x), ly = y - Doubles(ray.origin.y),
+                    lz = z - Doubles(ray.origin.z);
+      const Doubles b = ray.direction.x * lx + ray.direction.y * ly + ray.direction.z * lz;
+      const Doubles ll = lx * lx + ly * ly + lz * lz, rr = r * r, c = ll - rr, w = ll + rr;
+      const protostar::detail::RoundedSphereEquation<Doubles, Doubles> e{
+          .A = A,
+          .b = b,
+          .c = c,
+          .w = w,
+          .D = b * b - A * c,
+          .E = protostar::detail::error_of_D(line.scale, w)};
+      auto missed = e.surely_misses();
+      if (range.min >= 0) missed = missed || e.surely_recedes();
+      if (ray.departure.kind == Departure::Kind::sphere) {
+        const auto& [cx, cy, cz, radius] = ray.departure.geometry;
+        missed =
+            missed && !(x == Doubles(cx) && y == Doubles(cy) && z == Doubles(cz) && r == Doubles(radius));
+      }
+      met |= bits(!missed) << i;
+    }
+    return met & first_bits(static_cast<int>(count_));
+  }
+
+ private:
+  using Doubles = Lanes<double, double_lanes>;
+
+  std::size_t count_ = 0;
+  alignas(64) double x_[most] = {}, y_[most] = {}, z_[most] = {}, r_[most] = {};
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -226,6 +226,12 @@ struct RoundedSphereEquation {
 
   [[nodiscard, gnu::always_inline]] auto surely_misses() const { return D < -E; }
 
+  /// Whether the line surely starts outside the sphere and leads away from its center, so that it has no root
+  /// above 0: the errors of b and c are as below. Neither is a product that underflow could reach.
+  [[nodiscard, gnu::always_inline]] auto surely_recedes() const {
+    return in_range(A) && c > 0x1p-50 * w && w > 0x1p-900 && b < 0.0 && b * b > 0x1p-100 * (A * w);
+  }
+
   /// Whether the line surely meets the sphere and b and c surely have the signs that they show: the error of
   /// c is at most 7u w, and that of b at most 4u √(A w), while c > 0 and D > 4E make |b| larger than 2^-23
   /// √(A w). Where c < 0, the sign of b does not matter.
@@ -234,6 +240,12 @@ struct RoundedSphereEquation {
     return D > 4 * E && abs(c) > 0x1p-18 * w;
   }
 };
+
+/// A bound on the error of D, which is below 21u A w < 2^-48 A w, underflow apart. The product is 2^20 A w,
+/// so that this is infinite before b², A c or a part of them overflows.
+[[nodiscard, gnu::always_inline]] inline auto error_of_D(const auto& scale, const auto& w) {
+  return 0x1p-68 * (scale * w) + underflow;
+}
 
 template <class O, class V>
 [[nodiscard, gnu::always_inline]] inline auto rounded_sphere_equation(const SphereLine<O, V>& line,
@@ -244,15 +256,8 @@ template <class O, class V>
   const auto ll = dot(l, l);
   const double rr = radius * radius;
   const auto c = ll - rr, w = ll + rr;
-  // The error of D is below 21u A w < 2^-48 A w, underflow apart. The product is 2^20 A w, so that it is
-  // infinite before b², A c or a part of them overflows.
   return RoundedSphereEquation<T, std::remove_const_t<decltype(c)>>{
-      .A = line.A,
-      .b = b,
-      .c = c,
-      .w = w,
-      .D = b * b - line.A * c,
-      .E = 0x1p-68 * (line.scale * w) + underflow};
+      .A = line.A, .b = b, .c = c, .w = w, .D = b * b - line.A * c, .E = error_of_D(line.scale, w)};
 }
 
 /// The roots of such an equation without cancellation: of b ± √D, q is the one that does not cancel. One root
@@ -345,6 +350,12 @@ template <class T, class C>
     }
   }
   return {.known = FirstRoot::Known::nothing};
+}
+
+/// Whether a line surely has no root above 0, by signs alone.
+[[nodiscard]] inline bool sphere_surely_behind(const Point& origin, const Vec3& direction,
+                                               const Point& center, double radius) {
+  return detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius).surely_recedes();
 }
 
 /// The roots of several lines at once, in the order near, far, of those that are wanted: the same numbers as
@@ -451,6 +462,13 @@ struct RoundedLeavingEquation {
   const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
   if (certain) return Roots{2 * b / A};
   return detail::rounded_roots(origin, direction, center, radius, refined_sphere_root_leaving);
+}
+
+/// Whether a line that starts on the sphere surely has no root above 0.
+[[nodiscard]] inline bool left_sphere_surely_behind(const Point& origin, const Vec3& direction,
+                                                    const Point& center, double radius) {
+  const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
+  return certain && b < 0;
 }
 
 /// The same of several lines at once; see sphere_roots_of_each.

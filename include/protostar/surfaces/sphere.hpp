@@ -55,6 +55,12 @@ struct Sphere {
     return first_sphere_root(line, center, radius);
   }
 
+  /// Whether a ray surely crosses the sphere nowhere in t > 0. That takes signs, and no root.
+  [[nodiscard]] bool is_surely_behind(const Ray& ray) const {
+    if (is_left_by(ray)) return left_sphere_surely_behind(ray.origin, ray.direction, center, radius);
+    return sphere_surely_behind(ray.origin, ray.direction, center, radius);
+  }
+
   /// The same of several rays at once, of those that are wanted.
   [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
     if (is_left_by(rays))
