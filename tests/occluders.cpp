@@ -11,7 +11,7 @@ namespace {
 
 /// Rays from points near a place to a light; t is 1 there.
 Rays<Vectors> to_light(Random& random, const Point& light, const Point& place, double spread) {
-  Rays<Vectors> rays{.origin = Vectors(place), .direction = Vectors(Vec3{0})};
+  Rays<Vectors> rays(Vectors(place), Vectors(Vec3{0}));
   for (int lane = 0; lane < simd::double_lanes; ++lane) {
     const Point from = place + random.point(spread);
     const Vec3 way = light - from;

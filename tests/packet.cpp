@@ -47,18 +47,12 @@ Rays<Vectors> packet_of(const Bundle& bundle, Chosen wanted) {
     const Point& o = bundle[static_cast<std::size_t>(i)].origin;
     origins.x.set(i, o.x), origins.y.set(i, o.y), origins.z.set(i, o.z);
   }
-  return {.origin = origins,
-          .direction = directions_of(bundle),
-          .wanted = wanted,
-          .departure = bundle[0].departure};
+  return {origins, directions_of(bundle), wanted, bundle[0].departure};
 }
 
 /// The packet of rays that start together, as the first one does.
 Rays<Point> packet_from_one_point(const Bundle& bundle, Chosen wanted) {
-  return {.origin = bundle[0].origin,
-          .direction = directions_of(bundle),
-          .wanted = wanted,
-          .departure = bundle[0].departure};
+  return {bundle[0].origin, directions_of(bundle), wanted, bundle[0].departure};
 }
 
 bool same_bits(double a, double b) {
@@ -461,7 +455,7 @@ TEST_CASE("of a packet's rays, those are asked for that are wanted and chosen") 
   const auto mask = [](Bits lanes) { return simd::mask_of<double, double_lanes>(lanes); };
   const Bits all = simd::first_bits(double_lanes);
   for (Bits lanes = 0; lanes <= all; ++lanes) {
-    Rays<Point> rays{.origin = Point{0}, .direction = Vec3{0, 0, 1}, .wanted = mask(lanes)};
+    Rays<Point> rays(Point{0}, Vec3{0, 0, 1}, mask(lanes));
     const Rays<Point> chosen = only(mask(all & 5), std::move(rays));
     CHECK(bits(chosen.wanted) == (lanes & 5));
   }

@@ -89,7 +89,7 @@ class Light {
   [[nodiscard]] V towards(const V& point) const {
     return place_ - w_ * point;
   }
-  [[nodiscard]] Interval way() const { return {.min = 0, .max = 1 / w_}; }
+  [[nodiscard]] Interval way() const { return {.min = 0, .max = w_ == 0 ? infinity : 1}; }
 
   /// The irradiance that the light, unhindered, brings to a point with this unit normal:
   ///   E = E⊥ · cos θ   with   cos θ = n·l/|l|,   l = towards(point);

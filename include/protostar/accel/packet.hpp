@@ -100,7 +100,11 @@ struct Rays {
   Origin origin;
   Vectors direction;
   Chosen wanted = true;  ///< the lanes that are asked for; what is found out about the others does not matter
-  Departure departure{};
+  Departure departure;
+
+  /// A constructor, since g++ clears an aggregate as a whole before it fills it.
+  Rays(const Origin& from, const Vectors& along, Chosen asked_for = true, const Departure& left = {})
+      : origin(from), direction(along.x, along.y, along.z), wanted(asked_for), departure(left) {}
 
   [[nodiscard]] Vectors at(Doubles t) const { return origin + t * direction; }
   [[nodiscard]] Rays turned(const Vectors& towards) const { return {origin, towards, wanted, departure}; }
@@ -123,7 +127,9 @@ struct Rays {
 /// The rays of a camera through some pixels. They have a type of their own, since they meet nothing but what
 /// has been listed for their tile (accel/tile_scene.hpp).
 template <class Origin>
-struct CameraRays : Rays<Origin> {};
+struct CameraRays : Rays<Origin> {
+  using Rays<Origin>::Rays;
+};
 
 /// Where each ray of a packet crosses a surface first inside a range.
 struct FirstCrossings {
@@ -188,10 +194,8 @@ template <Surface S>
 [[nodiscard]] CrossedByEach<Chosen> crossed_by_each(const S& surface, const auto& rays, Chosen wanted,
                                                     Interval range) {
   if constexpr (requires { surface.crossed_by_segments(rays, wanted); }) {
-    if (!surface.is_left_by(rays)) {
-      if (range.min == 0 && range.max == infinity) return surface.crossed_by_each(rays, wanted);
-      if (range.min == 0 && range.max == 1) return surface.crossed_by_segments(rays, wanted);
-    }
+    if (range.min == 0 && range.max == infinity) return surface.crossed_by_each(rays, wanted);
+    if (range.min == 0 && range.max == 1) return surface.crossed_by_segments(rays, wanted);
   }
   const FirstCrossings first = first_crossings(surface, rays, wanted, range);
   return {.crossed = first.met, .in_doubt = first.in_doubt};

@@ -113,11 +113,11 @@ class TileScene {
     const std::int64_t place = closest.place[0];
     if (bits(mask_for<double>(closest.place == Indices(place))) != first_bits(double_lanes))
       return shade_each(rays, closest, background, shade_hits);
-    Colors result(background());
-    if (place >= 0)
-      visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
-        result = Colors(shade_hits(Intersections(rays, closest.t, rays.wanted, surface, material)));
-      });
+    if (place < 0) return Colors(background());
+    Colors result(Color{0});
+    visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
+      result = Colors(shade_hits(Intersections(rays, closest.t, rays.wanted, surface, material)));
+    });
     return result;
   }
 

@@ -489,4 +489,23 @@ struct RoundedLeavingEquation {
                            .count = 1};
 }
 
+/// Which of several lines that start on the sphere surely cross it somewhere in t > 0, or in 0 < t < 1: the
+/// root 2b/A has the sign of b, and is below 1 where 2b < A. Both are good to 2^-31 of themselves.
+[[nodiscard, gnu::always_inline]] inline auto left_sphere_crossed_by_each(const auto& origin,
+                                                                          const auto& direction,
+                                                                          const Point& center, double radius,
+                                                                          const auto& wanted) {
+  using M = std::remove_cvref_t<decltype(wanted)>;
+  const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
+  return CrossedByEach<M>{.crossed = wanted && certain && b > 0.0, .in_doubt = wanted && !certain};
+}
+[[nodiscard, gnu::always_inline]] inline auto left_sphere_crossed_by_segments(
+    const auto& origin, const auto& direction, const Point& center, double radius, const auto& wanted) {
+  using M = std::remove_cvref_t<decltype(wanted)>;
+  const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
+  const auto before_end = 2 * b<(1 - 0x1p-29) * A, behind_end = 2 * b>(1 + 0x1p-29) * A;
+  const M sure = wanted && certain && (b < 0.0 || before_end || behind_end);
+  return CrossedByEach<M>{.crossed = sure && b > 0.0 && before_end, .in_doubt = wanted && !sure};
+}
+
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -68,11 +68,15 @@ struct Sphere {
     return sphere_roots_of_each(rays.origin, rays.direction, center, radius, wanted);
   }
 
-  /// Which of several rays, none of which departs from the sphere, cross it in t > 0, or in 0 < t < 1.
+  /// Which of several rays cross it in t > 0, or in 0 < t < 1.
   [[nodiscard]] auto crossed_by_each(const auto& rays, const auto& wanted) const {
+    if (is_left_by(rays))
+      return left_sphere_crossed_by_each(rays.origin, rays.direction, center, radius, wanted);
     return sphere_crossed_by_each(rays.origin, rays.direction, center, radius, wanted);
   }
   [[nodiscard]] auto crossed_by_segments(const auto& rays, const auto& wanted) const {
+    if (is_left_by(rays))
+      return left_sphere_crossed_by_segments(rays.origin, rays.direction, center, radius, wanted);
     return sphere_crossed_by_segments(rays.origin, rays.direction, center, radius, wanted);
   }
 
