@@ -171,3 +171,11 @@ TEST_CASE("an encoder is for codes from 0 to at most 65535") {
   CHECK(Encoder(Linear{}, 1)(0.5f) == 1);
   CHECK(Encoder(Linear{}, 1)(0.49f) == 0);
 }
+
+TEST_CASE("a color is encoded channel by channel", "[encode]") {
+  const Encoder encode(Gamma{2.2}, 255);
+  const auto codes = encode(Color{0.1f, 0.5f, 2});
+  CHECK(codes[0] == encode(0.1f));
+  CHECK(codes[1] == encode(0.5f));
+  CHECK(codes[2] == 255);
+}

@@ -158,6 +158,10 @@ TEST_CASE("transparency: there is no limit to the number of crossings") {
   CHECK(std::abs(light.r / std::pow(0.995, 200) - 1) < 1e-4);
   CHECK(light.g == 1);
   CHECK(std::isinf(light.b));  // 2^200 is beyond float
+
+  scene.add(Sphere{.center = {0, 0, 200}, .radius = 0.5}, Color{1, 1, 0});  // and then black
+  const Color black = TransparencyIntegrator{}.radiance({{0, 0, 0}, {0, 0, 1}}, scene);
+  CHECK(black == Color{light.r, light.g, 0});
 }
 
 TEST_CASE("without surfaces or lights every picture is defined") {

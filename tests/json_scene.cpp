@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <numbers>
 #include <protostar/io/json_scene.hpp>
+#include <set>
+#include <sstream>
 #include <string>
 #include <variant>
 #include <vector>
@@ -215,7 +218,7 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
                     side = "a whole number from 1 to 268435456", samples = "a whole number from 0 to 65536",
                     depth = "a whole number from 1 to 1000",
                     spot_angle = "a number of degrees above 0 and at most 180",
-                    view_angle = "a number of degrees between 0 and 180, both excluded",
+                    view_angle = "a number of degrees from 1e-100 to below 180",
                     shininess = "a number of at least 0", tone = R"("clip", "scale-pixel" or "scale-image")",
                     types = R"("sphere", "plane" or "parallelogram")",
                     light =
@@ -295,6 +298,7 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
       not_allowed("/camera/field-of-view", "0", view_angle),
       not_allowed("/camera/field-of-view", "180", view_angle),
       not_allowed("/camera/field-of-view", "[90]", view_angle),
+      not_allowed("/camera/field-of-view", "1e-130", view_angle),
       missing("/objects", "an array"),
       not_allowed("/objects", "{}", "an array"),
       not_allowed("/objects/0", "1", "an object"),
@@ -361,6 +365,8 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
       not_allowed("/materials/squares/diffuse/checker/1/2", "-1", factor),
       {replacing("/materials/squares/diffuse", R"({"image": 3})"),
        "/materials/squares/diffuse/image: 3 is not the path of a file"},
+      {replacing("/materials/squares/diffuse", R"({"image": "none.png\u0000.png"})"),
+       R"(/materials/squares/diffuse/image: "none.png\u0000.png" is not the path of a file)"},
       {replacing("/materials/squares/diffuse", R"({"image": "none.png", "size": [1, 0]})"),
        "/materials/squares/diffuse/size/1: 0 is not a number greater than 0"},
       {replacing("/materials/squares/diffuse", R"({"image": "none.png", "size": 1})"),
@@ -378,6 +384,41 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
     CAPTURE(row.text, row.error);
     CHECK(error_of(row.text) == "scene.json: " + row.error);
   }
+}
+
+TEST_CASE("lengths that a camera cannot be made of are named with their place") {
+  const auto with_camera = [](const std::string& projection, const std::string& key,
+                              const std::string& length) {
+    return replacing("/camera", R"({"position": [0, 0, 0], "direction": [0, 0, 1], "upward": [0, 1, 0], )"
+                                R"("projection": ")" +
+                                    projection + R"(", ")" + key + "\": " + length + "}");
+  };
+  for (const auto& [projection, key] :
+       {std::pair{"perspective", "focal-length"}, std::pair{"orthographic", "ortho-scale"}}) {
+    for (const std::string length : {"0", "-1", "1e-130", "1e+130", "\"1\""})
+      CHECK(error_of(with_camera(projection, key, length)) == std::string("scene.json: /camera/") + key +
+                                                                  ": " + length +
+                                                                  " is not a number from 1e-100 to 1e100");
+    for (const char* length : {"1e-100", "1e100"})
+      CHECK(error_of(with_camera(projection, key, length)) == "");
+  }
+  for (const char* angle : {"1e-100", "179.99999999999997"})
+    CHECK(error_of(with_camera("perspective", "field-of-view", angle)) == "");
+}
+
+TEST_CASE("factors on light that are 0 as float are 0") {
+  const SceneFile file = read(patched(R"({"op": "replace", "path": "/materials/red/reflect", "value": 1e-60},
+      {"op": "replace", "path": "/materials/red/refract", "value": 1e-60},
+      {"op": "replace", "path": "/settings/exposure", "value": 1e-60})"));
+  CHECK(file.scene.materials<Sphere>()[0].reflect == 0);
+  CHECK(file.scene.materials<Sphere>()[0].refract == 0);
+  CHECK(file.exposure == 0);
+}
+
+TEST_CASE("ambient light is held where the light of others is") {
+  const SceneFile file =
+      read(replacing("/lights", R"([{"ambient": [3e38, 1, 0]}, {"ambient": [3e38, 1, 0]}])"));
+  CHECK(file.scene.ambient() == Color{2 * most_irradiance, 2, 0});
 }
 
 TEST_CASE("what no double holds is named with its place") {
@@ -520,27 +561,92 @@ TEST_CASE("the three spheres are the same as a file and as a header") {
   CHECK(file.scene.lights()[0].irradiance(point, up) == expected.lights()[0].irradiance(point, up));
 }
 
-TEST_CASE("every key and word of a scene file has an example in a scene of the project") {
-  std::string all;
-  for (const auto& entry : fs::directory_iterator(scenes))
-    if (entry.path().extension() == ".json") all += bytes_of(entry.path());
-  std::vector<std::string> words{
-      "settings",      "resolution-x", "resolution-y", "samples",   "depth",     "integrator",
-      "transfer",      "tone",         "exposure",     "srgb",      "linear",    "gamma",
-      "clip",          "scale-pixel",  "scale-image",  "world",     "sky",       "camera",
-      "projection",    "perspective",  "orthographic", "position",  "direction", "upward",
-      "field-of-view", "focal-length", "ortho-scale",  "objects",   "surface",   "type",
-      "sphere",        "radius",       "plane",        "normal",    "distance",  "parallelogram",
-      "edges",         "material-id",  "color",        "lights",    "intensity", "power",
-      "angle",         "fade",         "ambient",      "materials", "diffuse",   "specular",
-      "shininess",     "reflect",      "refract",      "ior",       "image",     "checker",
-      "size"};
-  const std::string docs = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "scene-format.md");
-  for (const std::string& word : words) {
-    CAPTURE(word);
-    CHECK_THAT(all, ContainsSubstring('"' + word + '"'));
-    CHECK_THAT(docs, ContainsSubstring(word));
+namespace {
+
+/// Keys, or words, by the kind of place where they stand.
+using Vocabulary = std::map<std::string, std::set<std::string>>;
+
+/// The kind of place that a JSON pointer leads to: * for the number or the name of one of many.
+std::string kind_of(const std::string& pointer) {
+  std::string kind;
+  std::istringstream steps(pointer);
+  steps.get();  // the first slash
+  for (std::string step; std::getline(steps, step, '/');)
+    kind += '/' + (kind == "/materials" || (step[0] >= '0' && step[0] <= '9') ? "*" : step);
+  return kind;
+}
+
+/// What an error says is allowed, "a, b and c" or "a, b or c".
+std::set<std::string> list_in(const std::string& error) {
+  std::set<std::string> names;
+  std::string name;
+  std::istringstream words(error);
+  while (words >> name) {
+    std::erase_if(name, [](char c) { return c == ',' || c == '"'; });
+    if (name != "and" && name != "or") names.insert(name);
   }
+  return names;
+}
+
+/// Adds to allowed what a file may have in the places that it has, which the reader says when it is given
+/// something else, and to used what it has there.
+void look_at(const fs::path& path, const std::string& text, Vocabulary& allowed, Vocabulary& used) {
+  const json scene = json::parse(text), flat = scene.flatten();
+  const auto list_after = [&](const json& wrong, const std::string& before) {
+    const std::string error =
+        message_of<SceneError>([&] { static_cast<void>(scene_from_json(wrong.dump(), path.string())); });
+    CAPTURE(error);
+    const std::size_t begin = error.find(before);
+    REQUIRE(begin != std::string::npos);
+    return list_in(error.substr(begin + before.size()));
+  };
+
+  std::set<std::string> objects;
+  for (const auto& [pointer, value] : flat.items()) {
+    for (json::json_pointer in(pointer); !in.empty();) {
+      in = in.parent_pointer();
+      if (scene[in].is_object()) objects.insert(in.to_string());
+    }
+    const bool is_name = pointer.ends_with("/material-id") || pointer.ends_with("/image");
+    if (!value.is_string() || is_name) continue;
+    json wrong = scene;
+    wrong[json::json_pointer(pointer)] = "?";
+    allowed[kind_of(pointer)].merge(list_after(wrong, "\"?\" is not "));
+    used[kind_of(pointer)].insert(value);
+  }
+  objects.erase("/materials");  // whose keys are names
+  for (const std::string& pointer : objects) {
+    json wrong = scene;
+    wrong[json::json_pointer(pointer)]["?"] = 0;
+    std::set<std::string> keys = list_after(wrong, "/?: is not a key here; allowed are ");
+    // A sphere and a plane are kinds of places, as are all that may have the same keys. Not so the lights:
+    // what one may have depends on what it has.
+    std::string kind = kind_of(pointer);
+    if (kind != "/lights/*")
+      for (const std::string& key : keys) kind += ' ' + key;
+    allowed[kind].merge(keys);
+    for (const auto& [key, value] : scene[json::json_pointer(pointer)].items()) used[kind].insert(key);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("every key and word of a scene file has an example in a scene of the project, and is documented") {
+  Vocabulary allowed, used, elsewhere;
+  look_at("scene.json", everything, allowed, elsewhere);
+  for (const auto& entry : fs::directory_iterator(scenes))
+    if (entry.path().extension() == ".json") look_at(entry.path(), bytes_of(entry.path()), allowed, used);
+  const std::string docs = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "scene-format.md");
+  int count = 0;
+  for (const auto& [kind, words] : allowed)
+    for (const std::string& word : words) {
+      CAPTURE(kind, word);
+      CHECK(used[kind].contains(word));
+      CHECK((docs.find('`' + word + '`') != std::string::npos ||
+             docs.find('"' + word + '"') != std::string::npos));
+      ++count;
+    }
+  CHECK(count > 60);
 }
 
 TEST_CASE("the examples in the documentation of scene files can be read") {
@@ -557,6 +663,18 @@ TEST_CASE("the examples in the documentation of scene files can be read") {
     INFO(example);
     CHECK(error_of(example) == "");
   }
+}
+
+TEST_CASE("the errors and the limits in the documentation of scene files are the reader's") {
+  const std::string docs = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "scene-format.md");
+  const std::string sphere =
+      R"({"surface": {"type": "sphere", "position": [0, 0, 0], "radius": -1}, "color": [1, 1, 1]})";
+  for (const std::string& text : {with("/objects/3", sphere), std::string("{\n  \"a\": 1,\n}")})
+    CHECK_THAT(docs, ContainsSubstring("\nrender: " + error_of(text) + "\n"));
+  CHECK_THAT(docs, ContainsSubstring("from 1 to " + std::to_string(most_depth)));
+  CHECK_THAT(docs, ContainsSubstring("from 0 to " + std::to_string(most_samples)));
+  CHECK_THAT(docs, ContainsSubstring("`depth` at most " + std::to_string(most_depth)));
+  CHECK_THAT(docs, ContainsSubstring("`samples` at most " + std::to_string(most_samples)));
 }
 
 TEST_CASE("a scene of Luminosity is read unchanged") {

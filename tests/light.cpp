@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -140,9 +141,22 @@ TEST_CASE("a light behind a surface, in its plane or at the point itself brings 
   }
 }
 
-TEST_CASE("very near a light its brightness is held at the largest float") {
-  const Light light = PointLight{.position = {0, 1e-200, 0}, .power = Color{1, 0, 0}};
-  CHECK(light.irradiance(origin, up) == Color{std::numeric_limits<float>::max(), 0, 0});
+TEST_CASE("very near a light its brightness is held at what can be added up") {
+  const float most = std::numeric_limits<float>::max();
+  for (const Color power : {Color{1, 0, 0.5f}, Color{most, 0, 0.5f * most}, Color{1e-30f, 0, 0.5e-30f}}) {
+    const Light light = PointLight{.position = {0, 1e-100, 0}, .power = power};
+    const Color brought = light.irradiance(origin, up);
+    CHECK(near(double{brought.r}, double{std::min(power.r * 0x1p20f, 1.0f) * most_irradiance}));
+    CHECK(brought.g == 0);
+    CHECK(near(2 * double{brought.b}, double{brought.r}));
+    CHECK(light.perpendicular_irradiance(origin) == brought);
+  }
+  // Also that of a light which brings too much by itself, and of one without a color.
+  CHECK(near(lit(DirectionalLight{.intensity = Color{most}}), double{most_irradiance}));
+  CHECK(lit(PointLight{.position = {0, 1e-100, 0}}) == 0);
+  float sum = 0;
+  for (int i = 0; i < 1 << 20; ++i) sum += most_irradiance;
+  CHECK(std::isfinite(sum));
 }
 
 TEST_CASE("a sphere around a point light receives its power") {

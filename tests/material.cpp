@@ -78,3 +78,15 @@ TEST_CASE("a material that makes no sense is refused with the field's name") {
   CHECK(refusal({.diffuse = Color{9}, .specular = Color{16}, .shininess = 0, .reflect = 2, .refract = 3})
             .empty());
 }
+
+TEST_CASE("a checker that makes no sense is refused as a part of its material") {
+  for (const double bad : {0.0, -1.0, inf, not_a_number})
+    CHECK(refusal({.texture = Checker{.size = bad}}) == "Checker: size must be finite and greater than 0");
+  for (const double bad : {-1.0, inf, not_a_number}) {
+    const Color light{0.5f, static_cast<float>(bad), 0};
+    const std::string error = "Checker: first and second color must be finite and not negative";
+    CHECK(refusal({.texture = Checker{.first = light}}) == error);
+    CHECK(refusal({.texture = Checker{.second = light}}) == error);
+  }
+  CHECK(refusal({.texture = Checker{.first = Color{9}, .size = 1e-300}}).empty());
+}

@@ -1,19 +1,23 @@
 // The program `render` as a user runs it: a scene file's picture, its own options, and what is refused.
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <protostar/encode.hpp>
+#include <set>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <vector>
 
 #include "compare_images/picture.hpp"
 #include "compare_images/read_image.hpp"
+#include "reference/spheres_on_ground.hpp"
 #include "support/catch.hpp"
 #include "support/files.hpp"
 #include "support/process.hpp"
+#include "support/random.hpp"
 
 namespace fs = std::filesystem;
 using namespace protostar;
@@ -90,7 +94,95 @@ std::string changed(const std::string& from, const std::string& to) {
   return text.replace(text.find(from), from.size(), to);
 }
 
+/// 300 spheres, of radii from 0.002 to 2 in equal ratios, in front of the camera of the tutorial: near if
+/// they are small, so that most are as large as some pixels. All numbers are whole in parts of 2^-16.
+reference::SpheresOnGround random_spheres() {
+  const std::int64_t parts = 1 << 16;
+  const auto whole = [&](double x) { return std::llround(x * static_cast<double>(parts)); };
+  Random random(5);
+  const auto color = [&] {
+    const auto share = [&] { return 0.25L + static_cast<long double>(random.bits() % 192) / 256; };
+    const long double red = share(), green = share();
+    return reference::Vector{red, green, share()};
+  };
+  reference::SpheresOnGround scene;
+  for (int i = 0; i < 300; ++i) {
+    const double radius = 0.002 * std::pow(1000, i / 299.0);
+    const double z = std::min(radius / random.real(0.01, 0.1), 8.0);
+    const double x = z * random.real(-1.3, 1.3), y = z * random.real(-0.9, 0.9);
+    scene.spheres.push_back({.center_parts = {whole(x), whole(y), whole(z)},
+                             .radius_parts = whole(radius),
+                             .color = color(),
+                             .parts = parts});
+  }
+  // Slanted, so that no ray of a picture with even sides runs along it: those are odd, odd, even.
+  scene.ground = {.normal = {1, 16, -2}, .distance = -1.5, .color = color()};
+  scene.light = {3, 5, -1};
+  scene.power = {700, 600, 500};
+  scene.sky = {0.25, 0.5, 0.75};
+  return scene;
+}
+
+/// The scene as a file.
+std::string json_of(const reference::SpheresOnGround& scene, double exposure, int width, int height) {
+  std::ostringstream text;
+  text.precision(17);
+  const auto vector = [](const reference::Vector& v) {
+    std::ostringstream three;
+    three.precision(17);
+    three << '[' << v.x << ", " << v.y << ", " << v.z << ']';
+    return three.str();
+  };
+  text << R"({"settings": {"resolution-x": )" << width << R"(, "resolution-y": )" << height
+       << R"(, "exposure": )" << exposure << R"(}, "world": {"sky": )" << vector(scene.sky)
+       << R"(}, "camera": {"projection": "perspective", "position": [0, 0, 0], "direction": [0, 0, 1],
+       "upward": [0, 1, 0], "field-of-view": 90}, "objects": [)";
+  for (const reference::Sphere& sphere : scene.spheres)
+    text << R"({"surface": {"type": "sphere", "position": )" << vector(sphere.center()) << R"(, "radius": )"
+         << sphere.radius() << R"(}, "color": )" << vector(sphere.color) << "},\n";
+  text << R"({"surface": {"type": "plane", "normal": )" << vector(scene.ground.normal.real())
+       << R"(, "distance": )" << scene.ground.distance << R"(}, "color": )" << vector(scene.ground.color)
+       << R"(}], "lights": [{"position": )" << vector(scene.light) << R"(, "power": )" << vector(scene.power)
+       << "}]}";
+  return text.str();
+}
+
 }  // namespace
+
+TEST_CASE("300 random spheres over a plane are the pictures of a long double computation, within a level") {
+  const int width = 160, height = 120;
+  const reference::SpheresOnGround scene = random_spheres();
+  std::vector<reference::SpheresOnGround::Seen> seen;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      seen.push_back(scene.along(reference::through_pixel(x, y, width, height)));
+  const TemporaryFolder folder;
+  for (const auto& [integrator, light] : reference::lights_along) {
+    CAPTURE(integrator);
+    const double exposure = integrator == "depth" ? 0.125 : 1;
+    put_bytes(folder / "scene.json", json_of(scene, exposure, width, height));
+    CHECK(run_program("render", "scene.json -o a.png --integrator " + integrator, folder).status == 0);
+    const Picture drawn = read_image((folder / "a.png").string());
+    Picture expected{width, height, {}};
+    for (const auto& pixel : seen) {
+      const reference::Vector exposed = exposure * (pixel.*light);
+      expected.pixels.push_back({reference::encode_srgb(exposed.x), reference::encode_srgb(exposed.y),
+                                 reference::encode_srgb(exposed.z)});
+    }
+    REQUIRE(same_size(drawn, expected));
+    CHECK(difference(drawn, expected).largest <= 1);
+  }
+
+  // What is compared is as rich as it is meant to be.
+  std::set<const reference::Sphere*> visible;
+  int in_shadow = 0;
+  for (const auto& pixel : seen) {
+    visible.insert(pixel.sphere);
+    in_shadow += pixel.shadow.x != pixel.diffuse.x;
+  }
+  CHECK(visible.size() > 200);
+  CHECK(in_shadow > 1000);
+}
 
 TEST_CASE("the three spheres from a file are the pictures of the stages, to the last byte") {
   struct Row {
@@ -161,7 +253,8 @@ TEST_CASE("every scene of the project is drawn in any size") {
 }
 
 TEST_CASE("a crop has the bytes of that part of the picture") {
-  const std::string name = GENERATE("whitted", "mirror_walls", "orthographic", "three_spheres");
+  const std::string name =
+      GENERATE("whitted", "mirror_walls", "orthographic", "three_spheres", "scale_image");
   const std::string samples = GENERATE("0", "3"), file = GENERATE("a.ppm", "a.pfm");
   CAPTURE(name, samples, file);
   const std::string options = "--size 150x90 --samples " + samples;
@@ -228,6 +321,44 @@ TEST_CASE("exposure is a factor on the light, also of a PFM; tone changes only w
   CHECK(scaled > 0);
 }
 
+TEST_CASE("light beyond float leaves every pixel a number, and black what sends none on") {
+  // Two surfaces that send on red light alone, or next to none of what a mirror sees, in light of every kind.
+  const std::string scene = R"({"settings": {"resolution-x": 33, "resolution-y": 25, "exposure": EXPOSURE},
+      "world": {"sky": [3e38, 3e38, 3e38]},
+      "camera": {"projection": "perspective", "position": [0, 0, 0], "direction": [0, 0, 1],
+                 "upward": [0, 1, 0], "field-of-view": 90},
+      "objects": [{"surface": {"type": "sphere", "position": [0, 0, 3], "radius": 1}, "material-id": "red"},
+                  {"surface": {"type": "sphere", "position": [0, 0, 3], "radius": 0.5}, "material-id": "red"},
+                  {"surface": {"type": "plane", "normal": [0, 1, 0], "distance": -1}, "material-id": "red"}],
+      "lights": [LIGHT, LIGHT, LIGHT],
+      "materials": {"red": {"diffuse": [3e38, 0, 0], "specular": [3e38, 0, 0], "shininess": 1,
+                            "reflect": 1e-60, "refract": 1e-60}}})";
+  const std::string light = GENERATE(as<std::string>(), R"({"ambient": [3e38, 3e38, 3e38]})",
+                                     R"({"position": [0, 3, 0], "power": [3e38, 3e38, 3e38]})",
+                                     R"({"position": [0, 0, 1.9999999999], "power": [3e38, 3e38, 3e38]})",
+                                     R"({"position": [0, 3, 0], "intensity": [3e38, 3e38, 3e38]})",
+                                     R"({"direction": [0, 1, -1], "intensity": [3e38, 3e38, 3e38]})");
+  const std::string exposure = GENERATE("1", "0", "1e-60");
+  std::string text = scene;
+  const auto replace_all = [&](const std::string& from, const std::string& to) {
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from))
+      text.replace(at, from.size(), to);
+  };
+  replace_all("LIGHT", light);
+  replace_all("EXPOSURE", exposure);
+  const TemporaryFolder folder;
+  put_bytes(folder / "scene.json", text);
+  for (const std::string integrator : {"color", "diffuse", "transparency", "shadow", "whitted"}) {
+    CAPTURE(light, exposure, integrator);
+    CHECK(run_program("render", "scene.json -o a.pfm --integrator " + integrator, folder).status == 0);
+    const std::vector<float> pixels = light_of(bytes_of(folder / "a.pfm"));
+    const std::size_t on_sphere = 3 * (12 * 33 + 16);  // before which a light may be
+    CHECK(std::none_of(pixels.begin(), pixels.end(), [](float x) { return std::isnan(x); }));
+    CHECK(pixels[on_sphere + 1] == 0);
+    CHECK((pixels[on_sphere] > 0) == (exposure == "1"));
+  }
+}
+
 TEST_CASE("samples are as many as asked for, and one is the center") {
   const std::string center = rendered("three_spheres", "--size 64x48");
   CHECK(rendered("three_spheres", "--size 64x48 --samples 0") == center);
@@ -246,23 +377,22 @@ TEST_CASE("what is wrong in render's options is named, with what would be right,
     std::string arguments, error;
   };
   const std::string crop =
-                        "X,Y,W,H, whole numbers of a part of at least one pixel that lies inside the picture "
-                        "of 640x480",
-                    samples = "a whole number from 0 to 65536",
+                        "X,Y,W,H, whole numbers of a part of at least one pixel that lies inside the picture",
+                    crop_of_size = crop + " of 640x480", samples = "a whole number from 0 to 65536",
                     integrators =
                         "one of binary, depth, normal, color, diffuse, transparency, shadow, whitted";
   const auto not_allowed = [](const std::string& option, const std::string& found,
                               const std::string& allowed) {
     return Row{option + " " + found, option + ": '" + found + "' is not " + allowed};
   };
-  const std::vector<Row> rows{not_allowed("--crop", "0,0,641,480", crop),
-                              not_allowed("--crop", "0,0,640,481", crop),
-                              not_allowed("--crop", "640,0,1,1", crop),
-                              not_allowed("--crop", "0,480,1,1", crop),
+  const std::vector<Row> rows{not_allowed("--crop", "0,0,641,480", crop_of_size),
+                              not_allowed("--crop", "0,0,640,481", crop_of_size),
+                              not_allowed("--crop", "640,0,1,1", crop_of_size),
+                              not_allowed("--crop", "0,480,1,1", crop_of_size),
                               not_allowed("--crop", "0,0,0,1", crop),
                               not_allowed("--crop", "0,0,1,0", crop),
                               not_allowed("--crop", "0,-1,1,1", crop),
-                              not_allowed("--crop", "2147483647,0,2147483647,1", crop),
+                              not_allowed("--crop", "2147483647,0,2147483647,1", crop_of_size),
                               not_allowed("--crop", "1,1,1", crop),
                               not_allowed("--crop", "1,1,1,1,1", crop),
                               not_allowed("--crop", "1,1,1,1,", crop),
@@ -290,6 +420,32 @@ TEST_CASE("what is wrong in render's options is named, with what would be right,
   CHECK(no_scene.status == 2);
   CHECK_THAT(no_scene.err, ContainsSubstring("scene is required"));
   CHECK(folder.count() == 0);
+}
+
+TEST_CASE(
+    "what is wrong in render's options is named before the scene is read, but for a crop that is too large") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "wrong.json", "{");
+  const auto outcome_of = [&](const std::string& path, const std::string& options) {
+    CAPTURE(path, options);
+    const Outcome outcome = run_program("render", path + " " + options, folder);
+    CHECK(outcome.out == "");
+    CHECK(folder.count() == 1);
+    return outcome;
+  };
+  for (const char* path : {"none.json", "wrong.json"}) {
+    for (const char* options :
+         {"--bad-option", "--tone clip", "stray", "--integrator path", "--crop 1,1,1", "--crop 0,0,0,1",
+          "--size 8x8 --crop 0,0,9,1", "--samples -1", "--size 0x0", "--threads -1", "--transfer x",
+          "--bits 9", "-o a.txt", "-o a.png --bits 16", "-o a.png --plain", "-o a.pfm --transfer srgb"}) {
+      const Outcome outcome = outcome_of(path, options);
+      CHECK(outcome.status == 2);
+      CHECK(outcome.err.find(".json") == std::string::npos);
+    }
+    const Outcome large = outcome_of(path, "--crop 0,0,9,1");
+    CHECK(large.status == 1);
+    CHECK_THAT(large.err, ContainsSubstring(path));
+  }
 }
 
 TEST_CASE("the stages do not take the options of scene files") {

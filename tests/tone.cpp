@@ -75,6 +75,9 @@ TEST_CASE("exposure is a factor on all light") {
   CHECK(different_pixels(image, before) == 0);
   expose(image, 2.5);
   CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) != 2.5f * before(x, y); }) == 0);
+  image(0, 0) = Color{std::numeric_limits<float>::infinity()};
+  expose(image, 1e-60);  // as float, 0
+  CHECK(image(0, 0) == Color{0});
   expose(image, 0);
   CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; }) == 0);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "numeric/power.hpp"
+#include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -101,6 +103,11 @@ class Encoder {
     const Bin& bin = bins_[bin_of(x)];
     if (bin.inside > 1) return searched(bin, x);
     return static_cast<std::uint16_t>(bin.below + (bin.first <= x));
+  }
+
+  /// The codes of red, green and blue.
+  [[nodiscard]] std::array<std::uint16_t, 3> operator()(const Color& light) const {
+    return {(*this)(light.r), (*this)(light.g), (*this)(light.b)};
   }
 
   [[nodiscard]] std::uint16_t max_code() const { return static_cast<std::uint16_t>(thresholds_.size()); }

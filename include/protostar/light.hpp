@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -48,6 +47,10 @@ struct AmbientLight {
   Color intensity{0};  ///< in watts per square unit; not negative
 };
 
+/// No light brings more to a point, in any channel: two million of them add up to less than the largest
+/// float, 2^128. So their sum is a number, and black stays black in any light, where 0 · ∞ would be none.
+inline constexpr float most_irradiance = 0x1p107f;
+
 /// A light of any kind that comes from one place: what an integrator asks about the light on a point.
 class Light {
  public:
@@ -91,7 +94,7 @@ class Light {
   /// The irradiance that the light, unhindered, brings to a point with this unit normal:
   ///   E = E⊥ · cos θ   with   cos θ = n·l/|l|,   l = towards(point);
   /// 0 where the light is behind the surface, and where it lies in it. Very near a light it grows beyond all
-  /// bounds; the factor of the light's color is held at the largest float.
+  /// bounds, and is held at most_irradiance.
   template <class V = Vec3>
   [[nodiscard]] auto irradiance(const V& point, const V& normal) const {
     const V l = towards(point);
@@ -110,7 +113,12 @@ class Light {
   enum class Falloff { none, square };
 
   Light(const char* type, const Vec3& place, const Color& color, Falloff falloff)
-      : type_(type), place_(place), color_(color), falloff_(falloff) {}
+      : type_(type),
+        place_(place),
+        color_(color),
+        // A dark color takes a factor of up to 2^127, which still is a float.
+        most_(most_irradiance / std::max({color.r, color.g, color.b, 0x1p-20f})),
+        falloff_(falloff) {}
 
   void check(bool holds, const char* rule) const {
     if (!holds) throw std::invalid_argument(std::string(type_) + ": " + rule);
@@ -132,8 +140,7 @@ class Light {
     const Number r2 = dot(l, l);
     const Number weight =
         falloff_ == Falloff::square ? Number(4 * std::numbers::pi * r2 * sqrt(r2)) : Number(sqrt(r2));
-    const double largest = std::numeric_limits<float>::max();
-    const Number factor = select(height > 0.0, min(height / weight, largest), Number(0.0));
+    const Number factor = select(height > 0.0, min(height / weight, most_), Number(0.0));
     return color_ * to_float(is_spot_ ? factor * share(l) : factor);
   }
 
@@ -154,6 +161,7 @@ class Light {
   Vec3 place_;    ///< the position, or the unit direction of a light infinitely far away:
   double w_ = 1;  ///< homogeneous coordinates, 1 of a position and 0 of a direction
   Color color_;
+  double most_;  ///< the largest factor of the color
   Falloff falloff_;
   bool is_spot_ = false;
   Vec3 axis_{0};

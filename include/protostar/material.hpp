@@ -41,12 +41,18 @@ struct Material {
   double refract = 0;
   double ior = 1.5;  ///< the index of refraction inside, where the normal points out; outside it is 1
 
-  /// Throws std::invalid_argument if a number is negative or not finite, or if ior is 0.
+  /// Throws std::invalid_argument if a number is negative or not finite, or if ior is 0; so for the colors
+  /// and the size of a Checker, which is greater than 0. What other textures do is their own affair.
   void validate() const {
     const auto check = [](bool holds, const char* rule) {
       if (!holds) throw std::invalid_argument(rule);
     };
     const auto is_share = [](double x) { return x >= 0 && std::isfinite(x); };
+    if (const auto* checker = texture.target<Checker>()) {
+      check(is_light(checker->first) && is_light(checker->second),
+            "Checker: first and second color must be finite and not negative");
+      check(is_share(checker->size) && checker->size > 0, "Checker: size must be finite and greater than 0");
+    }
     check(is_light(diffuse), "Material: diffuse color must be finite and not negative");
     check(is_light(specular), "Material: specular color must be finite and not negative");
     check(is_share(shininess), "Material: shininess must be finite and not negative");

@@ -90,9 +90,7 @@ inline void save_ppm(const Image& image, const std::filesystem::path& path, cons
       const int x1 = image.width() - x0 < block ? image.width() : x0 + block;
       end = buffer.data();
       for (int x = x0; x < x1; ++x) {
-        const Color& pixel = image(x, y);
-        for (const float channel : {pixel.r, pixel.g, pixel.b}) {
-          const std::uint16_t code = encode(channel);
+        for (const std::uint16_t code : encode(image(x, y))) {
           if (options.plain) {
             end = decimals.put(end, code);
           } else {

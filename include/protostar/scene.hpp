@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "closest_hit.hpp"
 #include "light.hpp"
 #include "material.hpp"
 #include "surface.hpp"
@@ -103,21 +104,17 @@ class Scene {
 
   /// The first crossing inside the range. The order is exact for surfaces that can refine their roots.
   [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
-    SurfaceCrossing first;
-    bool found = false;
-    each_surface([&](const auto& surface, const Material& material) {
-      const auto crossing = first_crossing(surface, ray, range);
-      if (!crossing) return;
-      const SurfaceCrossing candidate = crossing_on(surface, *crossing, material);
-      if (found && !precedes(ray, candidate, first)) return;
-      first = candidate;
-      found = true;
-      // Each hit shortens the range, so the last hit is the nearest. What might be before it, given its
-      // error, stays in.
-      range.max = std::min(range.max, crossing->t + 4 * Roots::relative_error * std::abs(crossing->t));
-    });
-    if (!found) return std::nullopt;
+    const SurfaceCrossing first = closest_hit(ray, range);
+    if (first.surface == nullptr) return std::nullopt;
     return Intersection(ray, first);
+  }
+
+  /// The same without its ray; the surface is null where there is none.
+  [[nodiscard]] SurfaceCrossing closest_hit(const Ray& ray, Interval range = {}) const {
+    SurfaceCrossing first;
+    ClosestHit search(ray, range, first);
+    (search.look_at_all(surfaces<S>(), materials<S>()), ...);
+    return first;
   }
 
   /// Whether there is any crossing inside the range. The first one found ends the search.

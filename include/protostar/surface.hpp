@@ -40,6 +40,15 @@ concept SurfaceWithRoots = Surface<S> && requires(const S& surface, const Ray& r
   { surface.roots(ray) } -> std::same_as<Roots>;
 };
 
+/// A surface with roots that mostly knows the first in t > 0 sooner than all of them. What is the same for
+/// all surfaces of its type is worked out for a ray once, as its Line.
+template <class S>
+concept SurfaceWithFirstRoot = SurfaceWithRoots<S> &&
+    requires(const S& surface, const typename S::Line& line) {
+  requires std::constructible_from<typename S::Line, const Ray&>;
+  { surface.first_root(line) } -> std::same_as<FirstRoot>;
+};
+
 /// A surface that can work out its roots further: the order of its crossings and others' is then exact.
 template <class S>
 concept SurfaceWithRefinedRoots = SurfaceWithRoots<S> &&
@@ -213,9 +222,16 @@ template <Surface S>
   if constexpr (CompositeSurface<S>) {
     return surface.first_crossing(ray, range);
   } else if constexpr (SurfaceWithRoots<S>) {
+    if constexpr (SurfaceWithFirstRoot<S>)
+      if (range.min == 0)
+        if (const FirstRoot first = surface.first_root(typename S::Line(ray));
+            first.known != FirstRoot::Known::nothing) {
+          const Crossing crossing{first.t, first.root};
+          return lies_inside(surface, ray, crossing, range) ? std::optional(crossing) : std::nullopt;
+        }
     const Roots roots = surface.roots(ray);
-    if (roots.count() > 0 && lies_inside(surface, ray, {roots[0], 0}, range)) return Crossing{roots[0], 0};
-    if (roots.count() > 1 && lies_inside(surface, ray, {roots[1], 1}, range)) return Crossing{roots[1], 1};
+    for (int i = 0; i < roots.count(); ++i)
+      if (const Crossing crossing{roots[i], i}; lies_inside(surface, ray, crossing, range)) return crossing;
     return std::nullopt;
   } else {
     const auto t = surface.intersect(ray, range);

@@ -18,8 +18,10 @@ enum class Tone {
 /// Multiplies all light by a factor, which has to be finite and not negative.
 inline void expose(Image& image, double exposure) {
   if (exposure == 1) return;
+  const auto factor = static_cast<float>(exposure);
   for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x) image(x, y) *= static_cast<float>(exposure);
+    for (int x = 0; x < image.width(); ++x)
+      image(x, y) = factor > 0 ? factor * image(x, y) : Color{0};  // 0 · ∞ is no number
 }
 
 /// Changes an image as a tone says.

@@ -33,15 +33,18 @@ std::optional<T> number(std::string_view text) {
   throw CLI::ValidationError(option, "'" + std::string(found) + "' is not " + allowed);
 }
 
-void read_size(std::string_view text, Options& options) {
+struct Size {
+  int width = 0, height = 0;
+};
+
+Size read_size(std::string_view text) {
   const std::size_t x = text.find('x');
   const auto width = number<int>(text.substr(0, x));
   const auto height = x == std::string_view::npos ? std::nullopt : number<int>(text.substr(x + 1));
   if (!width || !height || *width < 1 || *height < 1 ||
       std::int64_t{*width} * *height > protostar::Image::max_pixels)
     refuse("--size", text, "WIDTHxHEIGHT, whole numbers of at least 1 whose product is at most 2^28");
-  options.width = *width;
-  options.height = *height;
+  return {*width, *height};
 }
 
 Transfer read_transfer(std::string_view text) {
@@ -69,25 +72,40 @@ int read_whole(const std::string& option, std::string_view text, bool (*is_allow
   return *value;
 }
 
-/// Makes of the picture a part of it.
-void read_crop(std::string_view text, Options& options) {
+/// A part of a picture: its column and row, and its size.
+struct Part {
+  int x = 0, y = 0;
+  Size size;
+};
+
+[[noreturn]] void refuse_crop(std::string_view text, const std::string& of_size) {
+  refuse("--crop", text,
+         "X,Y,W,H, whole numbers of a part of at least one pixel that lies inside the picture" + of_size);
+}
+
+Part read_crop(std::string_view text) {
   std::vector<int> numbers;
   for (std::size_t begin = 0, end = 0; end != std::string_view::npos && numbers.size() <= 4;
        begin = end + 1) {
     end = text.find(',', begin);
     numbers.push_back(number<int>(text.substr(begin, end - begin)).value_or(-1));
   }
-  const auto is_part = [](int first, int size, int whole) {
-    return first >= 0 && size >= 1 && size <= whole && first <= whole - size;
+  if (numbers.size() != 4 || numbers[0] < 0 || numbers[1] < 0 || numbers[2] < 1 || numbers[3] < 1)
+    refuse_crop(text, "");
+  return {.x = numbers[0], .y = numbers[1], .size = {.width = numbers[2], .height = numbers[3]}};
+}
+
+/// Makes of the picture a part of it.
+void crop_to(const Part& part, std::string_view text, Options& options) {
+  const auto is_inside = [](int first, int size, int whole) {
+    return size <= whole && first <= whole - size;
   };
-  if (numbers.size() != 4 || !is_part(numbers[0], numbers[2], options.width) ||
-      !is_part(numbers[1], numbers[3], options.height))
-    refuse("--crop", text,
-           "X,Y,W,H, whole numbers of a part of at least one pixel that lies inside the picture of " +
-               std::to_string(options.width) + "x" + std::to_string(options.height));
-  options.crop = {.x = numbers[0], .y = numbers[1], .width = options.width, .height = options.height};
-  options.width = numbers[2];
-  options.height = numbers[3];
+  if (!is_inside(part.x, part.size.width, options.width) ||
+      !is_inside(part.y, part.size.height, options.height))
+    refuse_crop(text, " of " + std::to_string(options.width) + "x" + std::to_string(options.height));
+  options.crop = {.x = part.x, .y = part.y, .width = options.width, .height = options.height};
+  options.width = part.size.width;
+  options.height = part.size.height;
 }
 
 std::string read_integrator(std::string_view text) {
@@ -199,20 +217,18 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
 
   try {
     app.parse(argc, argv);
-    const StageDefaults settings = of_scene ? defaults.read_scene(scene) : defaults;
-    options.integrator = settings.integrator;
-    options.width = settings.width;
-    options.height = settings.height;
-    options.transfer = settings.transfer;
-    options.tone = settings.tone;
-    options.samples = settings.samples;
     options.output = output;
     options.format = format_of(options.output);
-    if (app.count("--size")) read_size(size, options);
-    if (given("--crop")) read_crop(crop, options);
-    if (given("--integrator")) options.integrator = read_integrator(integrator);
+    std::optional<Size> own_size;
+    std::optional<Part> part;
+    std::optional<Transfer> own_transfer;
+    std::optional<std::string> own_integrator;
+    std::optional<int> own_samples;
+    if (app.count("--size")) own_size = read_size(size);
+    if (given("--crop")) part = read_crop(crop);
+    if (given("--integrator")) own_integrator = read_integrator(integrator);
     if (given("--samples"))
-      options.samples = read_whole(
+      own_samples = read_whole(
           "--samples", samples, [](int n) { return n >= 0 && n <= protostar::most_samples; },
           "a whole number from 0 to " + std::to_string(protostar::most_samples));
     if (app.count("--threads"))
@@ -221,7 +237,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     if (app.count("--bits"))
       options.bits = read_whole(
           "--bits", bits, [](int n) { return n == 8 || n == 16; }, "8 or 16");
-    if (app.count("--transfer")) options.transfer = read_transfer(transfer);
+    if (app.count("--transfer")) own_transfer = read_transfer(transfer);
     for (std::size_t i = 0; i < numbers.size(); ++i)
       if (app.count(options.numbers[i].name))
         options.numbers[i].value = read_finite(options.numbers[i].name, numbers[i]);
@@ -232,8 +248,23 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
       if (app.count("--plain")) refuse("--plain", ending, "a format with a plain form; .ppm is");
       if (options.bits != 8) refuse("--bits", bits, "possible in " + ending + "; .ppm can have 16 bits");
     }
-    if (options.is_linear() && app.count("--transfer") && !std::holds_alternative<Linear>(options.transfer))
+    if (options.is_linear() && own_transfer && !std::holds_alternative<Linear>(*own_transfer))
       refuse("--transfer", transfer, "possible in " + ending + ", which holds linear light");
+
+    // A scene is read when nothing else is wrong. Only it may know the size of the picture, and so whether
+    // the crop lies inside.
+    const auto crop_to_part = [&](const Size& whole) {
+      options.width = whole.width;
+      options.height = whole.height;
+      if (part) crop_to(*part, crop, options);
+    };
+    if (own_size) crop_to_part(*own_size);
+    const StageDefaults settings = of_scene ? defaults.read_scene(scene) : defaults;
+    if (!own_size) crop_to_part({settings.width, settings.height});
+    options.integrator = own_integrator.value_or(settings.integrator);
+    options.samples = own_samples.value_or(settings.samples);
+    options.transfer = own_transfer.value_or(settings.transfer);
+    options.tone = settings.tone;
     return options;
   } catch (const CLI::ParseError& message) {
     status = app.exit(message) == 0 ? 0 : 2;  // prints it

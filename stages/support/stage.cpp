@@ -39,6 +39,13 @@ bool is_stdout(const std::filesystem::path& path) {
          file.st_dev == standard.st_dev && file.st_ino == standard.st_ino;
 }
 
+Image part_of(const Image& whole, const Crop& crop, int width, int height) {
+  Image part(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) part(x, y) = whole(crop.x + x, crop.y + y);
+  return part;
+}
+
 void flush(std::FILE* stream, const char* name) {
   if (std::fflush(stream) != 0 || std::ferror(stream) != 0)
     throw std::system_error(errno, std::generic_category(), std::string("cannot write ") + name);
@@ -57,13 +64,14 @@ Image Stage::image() const {
   if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status) ||
       std::filesystem::is_directory(status))
     OutputFile{options_.output};
+  if (draws_more()) return Image(options_.crop.width, options_.crop.height);
   return Image(options_.width, options_.height);
 }
 
 RenderOptions Stage::render_options() {
   start_ = Clock::now();
   return {.samples = options_.samples,
-          .crop = options_.crop,
+          .crop = draws_more() ? Crop{} : options_.crop,
           .threads = options_.threads,
           .stop = stop_,
           .progress = [this](double done) { progress_.show(done); }};
@@ -78,13 +86,14 @@ void Stage::save(const Image& image) {
   } else {
     Image toned = image;
     apply(options_.tone, toned);
+    if (draws_more()) toned = part_of(toned, options_.crop, options_.width, options_.height);
     write(toned);
   }
   std::array<char, 128> times;
   std::snprintf(times.data(), times.size(), ", rendered in %.2f ms, written in %.2f ms",
                 milliseconds(rendered - start_), milliseconds(Clock::now() - rendered));
-  print(options_.output.string() + ": " + std::to_string(image.width()) + "x" +
-        std::to_string(image.height()) + ", " + options_.integrator + times.data());
+  print(options_.output.string() + ": " + std::to_string(options_.width) + "x" +
+        std::to_string(options_.height) + ", " + options_.integrator + times.data());
 }
 
 void Stage::compare(const Image& image, const Image& exact) const {
@@ -109,6 +118,10 @@ double Stage::number(const std::string& option) const {
 void Stage::print(const std::string& line) const {
   if (stop_.stop_requested() || options_.quiet) return;
   std::fprintf(is_stdout(options_.output) ? stderr : stdout, "%s\n", line.c_str());
+}
+
+bool Stage::draws_more() const {
+  return options_.crop.width > 0 && options_.tone == Tone::scale_image && !options_.is_linear();
 }
 
 void Stage::write(const Image& image) const {

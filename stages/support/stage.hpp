@@ -16,7 +16,8 @@ class Stage {
  public:
   Stage(const Options& options, std::stop_token stop);
 
-  /// A black image of the size asked for. Throws std::system_error right away if it could not be saved later.
+  /// A black image to be drawn: the picture, or the part of it that was asked for. Throws std::system_error
+  /// right away if it could not be saved later.
   protostar::Image image() const;
 
   /// What light the rays bring, by the name of the integrator.
@@ -26,8 +27,9 @@ class Stage {
   /// the render counts from here.
   protostar::RenderOptions render_options();
 
-  /// Saves the image in the format asked for, with the stage's tone unless the file holds the light itself,
-  /// and prints the line about it. Throws std::system_error if it cannot.
+  /// Saves the image, or the part of it that was asked for, in the format asked for, with the stage's tone
+  /// unless the file holds the light itself, and prints the line about it. Throws std::system_error if it
+  /// cannot.
   void save(const protostar::Image& image);
 
   /// Prints how many pixels of an image are wrong: more than one level of 255 off the exact image of the same
@@ -39,6 +41,10 @@ class Stage {
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  /// Whether all of the picture is drawn though a part of it is asked for, as its largest channel says how
+  /// light the part is.
+  bool draws_more() const;
 
   /// Prints a line, unless the user wants none.
   void print(const std::string& line) const;

@@ -2,7 +2,7 @@
 // with the library.
 //
 // What decides a pixel, hit or miss, in front or behind, lit or in shadow, is decided exactly or not at all:
-//   - Rays from the camera are whole numbers and the spheres are whole in halves of a unit, so that their
+//   - Rays from the camera are whole numbers and the spheres are whole in parts of a unit, so that their
 //     discriminants are whole. Nothing is rounded before the sign is known, and a point of tangency is D = 0.
 //   - The rest is long double, of 64 bits or more: a rounding is at most u = 2^-64 = 5.4e-20 of the value. A
 //     comparison of numbers that differ by less than 1e-13 throws Undecided; their errors are shown below to
@@ -42,7 +42,8 @@ inline Vector operator*(Real s, Vector a) { return {s * a.x, s * a.y, s * a.z}; 
 inline Real dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline Real length(Vector a) { return std::sqrt(dot(a, a)); }
 
-/// A vector of whole numbers. The products below stay under 2^63 for pictures of up to 2^15 pixels a side.
+/// A vector of whole numbers. The products below stay under 2^63 for the tutorial's spheres in pictures of up
+/// to 2^15 pixels a side, and of up to 640 for spheres whose centers have fewer than 2^20 parts.
 struct Whole {
   std::int64_t x = 0, y = 0, z = 0;
 
@@ -60,14 +61,15 @@ inline Whole through_pixel(int x, int y, int width, int height) {
   return {2 * x + 1 - width, height - 1 - 2 * y, height};
 }
 
-/// A sphere in halves of the scene's unit, in which the tutorial's three are whole.
+/// A sphere in parts of the scene's unit, in which it is whole; the tutorial's three are in halves.
 struct Sphere {
-  Whole twice_center;
-  std::int64_t twice_radius = 0;
+  Whole center_parts;
+  std::int64_t radius_parts = 0;
   Vector color;
+  std::int64_t parts = 2;  ///< of a unit
 
-  [[nodiscard]] Vector center() const { return 0.5L * twice_center.real(); }
-  [[nodiscard]] Real radius() const { return 0.5L * static_cast<Real>(twice_radius); }
+  [[nodiscard]] Vector center() const { return 1 / static_cast<Real>(parts) * center_parts.real(); }
+  [[nodiscard]] Real radius() const { return static_cast<Real>(radius_parts) / static_cast<Real>(parts); }
 };
 
 /// Where a ray enters a sphere and where it leaves it, as multiples of its direction; equal in a tangent.
@@ -77,33 +79,34 @@ struct Crossings {
 
 /// The crossings of a ray from the origin, which is outside of the sphere: both lie ahead, or both behind.
 ///   |t d − C|² = R²   is   A t² − 2 b t + c = 0   with   A = d·d,  b = d·C,  c = C·C − R²,
-/// of which 2b and 4c, and so 4D = (2b)² − A · 4c, are whole. The far root is (b + √D)/A; the near one is
-/// c/(b + √D), since their product is c/A, and is spared the cancellation of b − √D. Either has an error of
-/// at most 4u.
+/// of which n b and n² c, for n parts, and so n² D = (n b)² − A · n² c, are whole. The far root is (b +
+/// √D)/A; the near one is c/(b + √D), since their product is c/A, and is spared the cancellation of b − √D.
+/// Either has an error of at most 4u.
 inline std::optional<Crossings> crossings(Whole d, const Sphere& sphere) {
-  const std::int64_t R2 = sphere.twice_radius * sphere.twice_radius;
-  const std::int64_t A = dot(d, d), b2 = dot(d, sphere.twice_center);
-  const std::int64_t c4 = dot(sphere.twice_center, sphere.twice_center) - R2;
-  if (c4 <= 0) throw std::logic_error("reference: the camera has to be outside of every sphere");
-  const std::int64_t D4 = b2 * b2 - A * c4;
-  if (D4 < 0 || b2 <= 0) return std::nullopt;
-  const Real sum = static_cast<Real>(b2) + std::sqrt(static_cast<Real>(D4));  // 2 (b + √D)
-  return Crossings{.near = static_cast<Real>(c4) / (2 * sum), .far = sum / static_cast<Real>(2 * A)};
+  const std::int64_t R2 = sphere.radius_parts * sphere.radius_parts;
+  const std::int64_t A = dot(d, d), b = dot(d, sphere.center_parts);
+  const std::int64_t c = dot(sphere.center_parts, sphere.center_parts) - R2;
+  if (c <= 0) throw std::logic_error("reference: the camera has to be outside of every sphere");
+  const std::int64_t D = b * b - A * c;
+  if (D < 0 || b <= 0) return std::nullopt;
+  const Real sum = static_cast<Real>(b) + std::sqrt(static_cast<Real>(D));  // n (b + √D)
+  const Real n = static_cast<Real>(sphere.parts);
+  return Crossings{.near = static_cast<Real>(c) / (n * sum), .far = sum / (n * static_cast<Real>(A))};
 }
 
 /// Whether a sphere that contains neither of two points is in between: the point of their line that is
 /// nearest to the center lies inside the sphere, and between the two.
 ///
-/// The error: a point that is seen is known to 5u of itself, its difference d to the light, 2 units away or
-/// more, to 14u, and h, the vector from the line to the center, to 100u |l|. That is an error of 200u |l| |h|
-/// in h². Where |h| is near R it is 1e4 u, or 5.4e-16, for R = 1, since |l| < 50, and 2e8 u, or 1.1e-17 R²,
-/// for R = 1000.
+/// The error: a point p that is seen is known to 5u of its distance from the camera, its difference d to the
+/// light, of at least a sixth of that length, to 30u, and h, the vector from the line to the center, to
+/// 200u (|p| + |l|). That is an error of 400u (|p| + |l|) |h| in h², or 2.2e-17 of that.
 inline bool is_between(const Sphere& sphere, Vector from, Vector to) {
   const Vector d = to - from, l = sphere.center() - from;
   const Real nearest = dot(d, l) / dot(d, d);
   const Vector h = l - nearest * d;
   const Real h2 = dot(h, h), R2 = sphere.radius() * sphere.radius();
-  return is_less(h2, R2, h2 + R2) && is_less(0, nearest, 1) && is_less(nearest, 1, 1);
+  const Real scale = (length(from) + length(l)) * length(h) + R2;
+  return is_less(h2, R2, scale) && is_less(0, nearest, 1) && is_less(nearest, 1, 1);
 }
 
 /// Whether a sphere stands between a point of its own and another. The root t = 0 is the point itself and

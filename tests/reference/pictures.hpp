@@ -20,9 +20,9 @@ namespace reference {
 // The tutorial's scene. Colors and the light's power are floats in the library, so they are these floats
 // here.
 inline const std::vector<Sphere> three_spheres{
-    {.twice_center = {0, 0, 6}, .twice_radius = 2, .color = {1, 0.3f, 0}},
-    {.twice_center = {-3, 0, 10}, .twice_radius = 2, .color = {0.2f, 0.7f, 0.1f}},
-    {.twice_center = {0, -2002, 6}, .twice_radius = 2000, .color = {0.2f, 0.4f, 0.8f}}};
+    {.center_parts = {0, 0, 6}, .radius_parts = 2, .color = {1, 0.3f, 0}},
+    {.center_parts = {-3, 0, 10}, .radius_parts = 2, .color = {0.2f, 0.7f, 0.1f}},
+    {.center_parts = {0, -2002, 6}, .radius_parts = 2000, .color = {0.2f, 0.4f, 0.8f}}};
 inline const std::vector<Sphere> one_sphere{three_spheres.front()};
 inline const Vector light{0, 3, 0};
 inline const Real pi = std::numbers::pi_v<Real>;

@@ -176,16 +176,21 @@ class FewSpheres {
   /// departs from is crossed as its departure says, and not its digits.
   [[nodiscard]] Bits met(const Ray& ray, const Interval& range) const {
     Bits met = 0;
+    const SphereLine line(ray.origin, ray.direction);
     for (std::size_t i = 0; i < count_; i += double_lanes) {
       const auto load = [&](const double* numbers) { return Doubles::load(numbers + i); };
       const Doubles x = load(x_), y = load(y_), z = load(z_), r = load(r_);
       const Doubles lx = x - Doubles(ray.origin.x), ly = y - Doubles(ray.origin.y),
                     lz = z - Doubles(ray.origin.z);
-      const double A = dot(ray.direction, ray.direction);
       const Doubles b = ray.direction.x * lx + ray.direction.y * ly + ray.direction.z * lz;
       const Doubles ll = lx * lx + ly * ly + lz * lz, rr = r * r, c = ll - rr, w = ll + rr;
       const protostar::detail::RoundedSphereEquation<Doubles, Doubles> e{
-          .A = A, .b = b, .c = c, .w = w, .D = b * b - A * c, .E = protostar::detail::error_of_D(A, w)};
+          .A = line.A,
+          .b = b,
+          .c = c,
+          .w = w,
+          .D = b * b - line.A * c,
+          .E = protostar::detail::error_of_D(line.scale, w)};
       auto missed = e.surely_misses();
       if (range.min >= 0) missed = missed || e.surely_recedes();
       if (ray.departure.kind == Departure::Kind::sphere) {

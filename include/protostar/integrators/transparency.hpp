@@ -16,7 +16,9 @@ struct TransparencyIntegrator {
   [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {
     typename R::Light light(sky_of(scene, Color{1}));
     scene.crossings(ray, Interval{}, [&](const auto& crossing) { light *= crossing.color(); });
-    return light;
+    // What is beyond float and then meets black, 0 · ∞, is black, too.
+    const auto number = [](auto x) { return select(x > 0.0f, x, decltype(x)(0)); };
+    return {number(light.r), number(light.g), number(light.b)};
   }
 };
 

@@ -243,9 +243,15 @@ class JsonCursor {
     return x;
   }
 
-  /// A factor on light, which is computed in float.
+  /// A factor on light, which is computed in float: what is 0 there is 0 from the beginning.
   [[nodiscard]] double factor() const {
-    return number_between(0, std::numeric_limits<float>::max(), "a number from 0 to 3.4e38");
+    return double{static_cast<float>(
+        number_between(0, std::numeric_limits<float>::max(), "a number from 0 to 3.4e38"))};
+  }
+
+  /// A length that a camera is made of, far inside of what Camera::validate allows.
+  [[nodiscard]] double camera_length() const {
+    return number_between(1e-100, 1e100, "a number from 1e-100 to 1e100");
   }
 
   [[nodiscard]] int whole_number(int min, int max) const {
@@ -284,7 +290,9 @@ class JsonCursor {
 
   /// A file's path; what it is relative to is the folder of the scene.
   [[nodiscard]] std::filesystem::path path() const {
-    return std::filesystem::path(*file_).parent_path() / text("the path of a file");
+    const std::string allowed = "the path of a file", name = text(allowed);
+    require(name.find('\0') == std::string::npos, allowed);  // which a system would take for its end
+    return std::filesystem::path(*file_).parent_path() / name;
   }
 
   /// One of the first members of these pairs, and what belongs to it.
@@ -420,7 +428,9 @@ inline Material material_of(const JsonCursor& object, const Materials& materials
 inline void add_light(const JsonCursor& at, SceneFile& file) {
   if (at.has("ambient")) {
     at.with_keys({"ambient"});
-    file.scene.add(AmbientLight{.intensity = at["ambient"].color()});
+    const Color light = at["ambient"].color();  // held as that of other lights is
+    file.scene.add(AmbientLight{{std::min(light.r, most_irradiance), std::min(light.g, most_irradiance),
+                                 std::min(light.b, most_irradiance)}});
   } else if (at.has("angle") || at.has("fade") || (at.has("position") && at.has("direction"))) {
     at.with_keys({"position", "direction", "angle", "fade", "power"});
     SpotLight light{.position = at["position"].vector(), .direction = at["direction"].direction()};
@@ -467,18 +477,17 @@ inline Camera camera_at(const JsonCursor& at) {
     at["upward"].refuse("orthogonal to direction: the cosine between them is at most 1e-6");
 
   if (projection == Projection::orthographic) {
-    const double height = at["ortho-scale"].number_above_0();
+    const double height = at["ortho-scale"].camera_length();
     return at.checked([&] { return Camera::orthographic(position, direction, upward, height); });
   }
   if (at.has("field-of-view") && at.has("focal-length")) at["focal-length"].refuse_beside("a field-of-view");
   if (at.has("focal-length")) {
-    const double focal_length = at["focal-length"].number_above_0();
+    const double focal_length = at["focal-length"].camera_length();
     return at.checked([&] { return Camera::sensor(position, direction, upward, focal_length); });
   }
-  const std::string degrees = "a number of degrees between 0 and 180, both excluded";
+  const std::string degrees = "a number of degrees from 1e-100 to below 180";  // half its tangent is a length
   if (!at.has("field-of-view")) at["field-of-view"].refuse(degrees + ", and there is no focal-length");
-  const double angle = at["field-of-view"].number(degrees);
-  if (!(angle > 0 && angle < 180)) at["field-of-view"].refuse(degrees);
+  const double angle = at["field-of-view"].number_between(1e-100, std::nextafter(180, 0), degrees);
   return at.checked([&] { return Camera::perspective(position, direction, upward, angle); });
 }
 

@@ -36,8 +36,7 @@ inline void save_png(const Image& image, const std::filesystem::path& path, cons
   codes.reserve(static_cast<std::size_t>(row_bytes * image.height()));
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x)
-      for (const float channel : {image(x, y).r, image(x, y).g, image(x, y).b})
-        codes.push_back(static_cast<std::uint8_t>(encode(channel)));
+      for (const std::uint16_t code : encode(image(x, y))) codes.push_back(static_cast<std::uint8_t>(code));
 
   std::vector<char> png;
   if (!stbi_write_png_to_func(detail::append_bytes, &png, image.width(), image.height(), 3, codes.data(),

@@ -39,6 +39,15 @@ class Roots {
   int count_ = 0;
 };
 
+/// The first of a line's roots in t > 0, without the others.
+struct FirstRoot {
+  enum class Known : std::uint8_t { none, root, nothing };
+
+  Known known = Known::none;  ///< that there is none, the root, or nothing: then only all roots tell
+  double t = infinity;        ///< as in Roots
+  int root = 0;               ///< its place among all roots
+};
+
 /// The roots of A t² − 2 b t + c = 0, given q = b ± √(b² − A c) without cancellation: one is q/A, and the
 /// other c/q, since their product is c/A.
 [[nodiscard]] inline Roots roots_from(double A, double c, double q) {

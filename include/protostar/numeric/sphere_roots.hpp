@@ -195,6 +195,27 @@ template <class T>
 /// Errors below this belong to discriminants whose products are all far from overflow.
 inline constexpr double overflow = 0x1p900;
 
+}  // namespace detail
+
+/// A line, or several, and what their equations with all spheres have in common.
+template <class O, class V>
+struct SphereLine {
+  using T = std::remove_cvref_t<decltype(V::x)>;
+
+  const O& origin;
+  const V& direction;
+  T A;
+  T scale;  ///< of errors: 2^20 A; infinite where A is not in range, so that nothing is sure there
+
+  [[gnu::always_inline]] SphereLine(const O& from, const V& along)
+      : origin(from),
+        direction(along),
+        A(dot(along, along)),
+        scale(select(detail::in_range(A), 0x1p20 * A, T(infinity))) {}
+};
+
+namespace detail {
+
 /// The equation in double. T is the number type: double, or the doubles of several lines at once, which are
 /// rounded alike. Where the lines share their origin, c and w are one number: C is double then.
 template <class T, class C>
@@ -203,7 +224,7 @@ struct RoundedSphereEquation {
   C c, w;  ///< w = |l|² + r²
   T D, E;  ///< D = b² − A c has an error of at most E
 
-  [[nodiscard, gnu::always_inline]] auto surely_misses() const { return in_range(A) && D < -E; }
+  [[nodiscard, gnu::always_inline]] auto surely_misses() const { return D < -E; }
 
   /// Whether the line surely starts outside the sphere and leads away from its center, so that it has no root
   /// above 0: the errors of b and c are as below. Neither is a product that underflow could reach.
@@ -216,26 +237,27 @@ struct RoundedSphereEquation {
   /// √(A w). Where c < 0, the sign of b does not matter.
   [[nodiscard, gnu::always_inline]] auto surely_meets() const {
     using std::abs;
-    return in_range(A) && D > 4 * E && E < overflow && abs(c) > 0x1p-18 * w;
+    return D > 4 * E && abs(c) > 0x1p-18 * w;
   }
 };
 
-/// A bound on the error of D: it is below 21u A w, underflow apart; if A c overflows, A w and with it the
-/// error do so too.
-[[nodiscard, gnu::always_inline]] inline auto error_of_D(const auto& A, const auto& w) {
-  return 0x1p-48 * (A * w) + underflow;
+/// A bound on the error of D: it is below 21u A w < 2^-48 A w, underflow apart. The product is 2^20 A w, so
+/// that it is infinite before b², A c or a part of them overflows.
+[[nodiscard, gnu::always_inline]] inline auto error_of_D(const auto& scale, const auto& w) {
+  return 0x1p-68 * (scale * w) + underflow;
 }
 
-[[nodiscard, gnu::always_inline]] inline auto rounded_sphere_equation(const auto& origin,
-                                                                      const auto& direction,
+template <class O, class V>
+[[nodiscard, gnu::always_inline]] inline auto rounded_sphere_equation(const SphereLine<O, V>& line,
                                                                       const Point& center, double radius) {
-  const auto l = center - origin;
-  const auto A = dot(direction, direction), b = dot(direction, l);
+  using T = typename SphereLine<O, V>::T;
+  const auto l = center - line.origin;
+  const T b = dot(line.direction, l);
   const auto ll = dot(l, l);
   const double rr = radius * radius;
   const auto c = ll - rr, w = ll + rr;
-  return RoundedSphereEquation<std::remove_const_t<decltype(A)>, std::remove_const_t<decltype(c)>>{
-      .A = A, .b = b, .c = c, .w = w, .D = b * b - A * c, .E = error_of_D(A, w)};
+  return RoundedSphereEquation<T, std::remove_const_t<decltype(c)>>{
+      .A = line.A, .b = b, .c = c, .w = w, .D = b * b - line.A * c, .E = error_of_D(line.scale, w)};
 }
 
 /// The roots of such an equation without cancellation: of b ± √D, q is the one that does not cancel. One root
@@ -264,8 +286,8 @@ template <class T, class C>
 /// and √D do not need a large c. Above 2^-900, w is no product that underflow could reach.
 [[nodiscard, gnu::noinline, gnu::cold]] inline std::optional<Roots> roots_next_to_sphere(
     const Point& origin, const Vec3& direction, const Point& center, double radius) {
-  const auto e = rounded_sphere_equation(origin, direction, center, radius);
-  if (!(in_range(e.A) && e.D > 4 * e.E && e.E < overflow && e.w > 0x1p-900)) return std::nullopt;
+  const auto e = rounded_sphere_equation(SphereLine(origin, direction), center, radius);
+  if (!(e.D > 4 * e.E && e.w > 0x1p-900)) return std::nullopt;
   const double root = std::sqrt(e.D), q = e.b + std::copysign(root, e.b);
   if (!(root * std::abs(q) > 0x1p31 * e.E)) return std::nullopt;
   DoubleDouble c = -two_product(radius, radius);
@@ -290,9 +312,12 @@ template <class T, class C>
     const double r = std::abs(radius), size = std::sqrt(ll) + r;
     const double D = A * rr - dot(moment, moment);
     const double E = 0x1p-49 * A * size * (r + 0x1p-45 * size) + underflow;
-    if (D < -E && E < overflow) return {};
-    const RoundedSphereEquation<double, double> e{.A = A, .b = b, .c = ll - rr, .w = ll + rr, .D = D, .E = E};
-    if (const auto [q, certain] = certified_quotient(e); certain) return roots_from(e.A, e.c, q);
+    if (E < overflow) {
+      if (D < -E) return {};
+      const RoundedSphereEquation<double, double> e{
+          .A = A, .b = b, .c = ll - rr, .w = ll + rr, .D = D, .E = E};
+      if (const auto [q, certain] = certified_quotient(e); certain) return roots_from(e.A, e.c, q);
+    }
   }
   if (const auto roots = roots_next_to_sphere(origin, direction, center, radius)) return *roots;
   return rounded_roots(origin, direction, center, radius, refined_sphere_roots);
@@ -303,7 +328,7 @@ template <class T, class C>
 /// The roots, certified.
 [[nodiscard, gnu::always_inline]] inline Roots sphere_roots(const Point& origin, const Vec3& direction,
                                                             const Point& center, double radius) {
-  const auto equation = detail::rounded_sphere_equation(origin, direction, center, radius);
+  const auto equation = detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius);
   if (equation.surely_misses()) return {};
   if (const auto [q, certain] = detail::certified_quotient(equation); certain)
     return roots_from(equation.A, equation.c, q);
@@ -313,7 +338,24 @@ template <class T, class C>
 /// Whether a line surely has no root above 0, by signs alone.
 [[nodiscard]] inline bool sphere_surely_behind(const Point& origin, const Vec3& direction,
                                                const Point& center, double radius) {
-  return detail::rounded_sphere_equation(origin, direction, center, radius).surely_recedes();
+  return detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius).surely_recedes();
+}
+
+/// The first of the roots in t > 0, if double tells which that is. Signs do, so that a sphere behind the
+/// origin costs no square root, and another one division.
+[[nodiscard, gnu::always_inline]] inline FirstRoot first_sphere_root(const SphereLine<Point, Vec3>& line,
+                                                                     const Point& center, double radius) {
+  const auto e = detail::rounded_sphere_equation(line, center, radius);
+  if (e.surely_misses()) return {};
+  const bool starts_outside = e.c > 0;
+  if (e.surely_meets()) {
+    if (starts_outside && e.b < 0) return {};
+    if (const auto [q, certain] = detail::certified_quotient(e); certain) {
+      if (starts_outside) return {.known = FirstRoot::Known::root, .t = e.c / q, .root = 0};
+      return {.known = FirstRoot::Known::root, .t = q < 0 ? e.c / q : q / e.A, .root = 1};
+    }
+  }
+  return {.known = FirstRoot::Known::nothing};
 }
 
 /// The roots of several lines at once, in the order near, far, of those that are wanted: the same numbers as
@@ -322,7 +364,7 @@ template <class T, class C>
 [[nodiscard, gnu::always_inline]] inline auto sphere_roots_of_each(const auto& origin, const auto& direction,
                                                                    const Point& center, double radius,
                                                                    const auto& wanted) {
-  const auto equation = detail::rounded_sphere_equation(origin, direction, center, radius);
+  const auto equation = detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius);
   using T = std::remove_const_t<decltype(equation.A)>;
   using M = std::remove_cvref_t<decltype(wanted)>;
   const M open = wanted && !equation.surely_misses();
@@ -354,7 +396,7 @@ template <class T, class C>
                                                                      const auto& direction,
                                                                      const Point& center, double radius,
                                                                      const auto& wanted) {
-  const auto equation = detail::rounded_sphere_equation(origin, direction, center, radius);
+  const auto equation = detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius);
   using M = std::remove_cvref_t<decltype(wanted)>;
   const M open = wanted && !equation.surely_misses();
   const M sure = open && equation.surely_meets();
@@ -373,7 +415,7 @@ template <class T, class C>
                                                                          const auto& direction,
                                                                          const Point& center, double radius,
                                                                          const auto& wanted) {
-  const auto e = detail::rounded_sphere_equation(origin, direction, center, radius);
+  const auto e = detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius);
   using M = std::remove_cvref_t<decltype(wanted)>;
   const M open = wanted && !e.surely_misses();
   if (!any(open)) return CrossedByEach<M>{.crossed = open, .in_doubt = open};

@@ -49,6 +49,18 @@ struct Sphere {
     return sphere_surely_behind(ray.origin, ray.direction, center, radius);
   }
 
+  /// What is the same for all spheres.
+  struct Line : SphereLine<Point, Vec3> {
+    const Ray& ray;
+    explicit Line(const Ray& along) : SphereLine(along.origin, along.direction), ray(along) {}
+  };
+
+  /// The first root in t > 0, if double tells.
+  [[nodiscard, gnu::always_inline]] FirstRoot first_root(const Line& line) const {
+    if (is_left_by(line.ray)) return {.known = FirstRoot::Known::nothing};
+    return first_sphere_root(line, center, radius);
+  }
+
   /// The same of several rays at once, of those that are wanted.
   [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
     if (is_left_by(rays))

@@ -1,0 +1,110 @@
+#include <cmath>
+#include <protostar/closest_hit.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+
+/// A ray, and spheres of which many nearly share a crossing with it: nested, touching one another, equal, or
+/// off by the last digits.
+struct Case {
+  Ray ray;
+  Interval range;
+  std::vector<Sphere> spheres;
+};
+
+Case next_case(Random& random) {
+  Case c;
+  c.ray = {random.point(2), random.point(1)};
+  if (random.real(0, 1) < 0.3) c.range.max = random.real(0, 4);
+  for (int i = 0; i < 8; ++i) {
+    const Sphere last = c.spheres.empty() ? Sphere{{0, 0, 0}, 1} : c.spheres.back();
+    const double kind = random.real(0, 1);
+    Sphere next{random.point(2), random.real(0.1, 2)};
+    if (kind < 0.2) next = last;
+    if (kind < 0.4) next.radius = std::nextafter(last.radius, random.real(0, 4)), next.center = last.center;
+    if (kind < 0.6) next.center = last.center + (last.radius - next.radius) * normalize(c.ray.direction);
+    if (kind > 0.9) next.radius = -next.radius;
+    c.spheres.push_back(next);
+  }
+  if (random.real(0, 1) < 0.3) {  // it leaves one of them
+    const Sphere& left = c.spheres[2];
+    c.ray.origin = left.center + std::abs(left.radius) * normalize(random.point(1));
+    c.ray.departure = left.departure();
+  }
+  if (random.real(0, 1) < 0.3)  // the range ends next to a crossing, or at it
+    if (const Roots roots = c.spheres[3].roots(c.ray); roots.count() > 0)
+      c.range.max = std::nextafter(roots[0], random.real(0, 2 * roots[0]));
+  return c;
+}
+
+/// From all roots of all spheres.
+SurfaceCrossing closest_of_all(const Case& c, const Material& material) {
+  SurfaceCrossing first;
+  for (const Sphere& sphere : c.spheres) {
+    const Roots roots = sphere.roots(c.ray);
+    for (int i = 0; i < roots.count(); ++i) {
+      if (!lies_inside(sphere, c.ray, {roots[i], i}, c.range)) continue;
+      const SurfaceCrossing crossing = crossing_on(sphere, {roots[i], i}, material);
+      if (first.surface == nullptr || precedes(c.ray, crossing, first)) first = crossing;
+    }
+  }
+  return first;
+}
+
+}  // namespace
+
+TEST_CASE("the closest hit is the first of all roots inside the range", "[closest_hit]") {
+  Random random(7);
+  int hits = 0, last = 0, limited = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const Case c = next_case(random);
+    const std::vector<Material> materials(c.spheres.size());
+    const SurfaceCrossing expected = closest_of_all(c, materials[0]);
+    SurfaceCrossing first;
+    ClosestHit search(c.ray, c.range, first);
+    search.look_at_all(c.spheres, materials);
+    REQUIRE(first.surface == expected.surface);
+    if (first.surface == nullptr) continue;
+    REQUIRE(first.crossing.t == expected.crossing.t);
+    REQUIRE(first.crossing.root == expected.crossing.root);
+    const auto place = static_cast<const Sphere*>(first.surface) - c.spheres.data();
+    REQUIRE(first.material == &materials[static_cast<std::size_t>(place)]);
+    ++hits;
+    if (place > 0) ++last;
+    if (c.range.max < infinity) ++limited;
+  }
+  CHECK(hits > 5000);
+  CHECK(last > 2000);
+  CHECK(limited > 500);
+}
+
+TEST_CASE("what is looked at later is the closest hit only if it comes before", "[closest_hit]") {
+  const Ray ray{{0, 0, 0}, {0, 0, 1}};
+  const Material material;
+  const std::vector spheres{Sphere{{0, 0, 3}, 1}};
+  const std::vector materials{material};
+  const Plane touching{{0, 0, 1}, 2}, before{{0, 0, 1}, std::nextafter(2, 0)};
+  SurfaceCrossing first;
+  ClosestHit search(ray, Interval{}, first);
+  search.look_at_all(spheres, materials);
+  search.look_at(touching, material);
+  CHECK(first.surface == spheres.data());
+  search.look_at(before, material);
+  CHECK(first.surface == &before);
+}
+
+TEST_CASE("a ray that leaves a sphere starts on it, however far its origin is rounded", "[closest_hit]") {
+  const std::vector spheres{Sphere{{1e17, 0, 0}, 1}};
+  const std::vector<Material> materials(1);
+  const Ray along{.origin = {1e17, 0, 0}, .direction = {0, 0, 1}, .departure = spheres[0].departure()};
+  SurfaceCrossing first;
+  ClosestHit(along, Interval{}, first).look_at_all(spheres, materials);
+  CHECK(first.surface == nullptr);
+}
