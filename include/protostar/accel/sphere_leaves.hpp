@@ -8,9 +8,9 @@
 //   b   the same, u |l| for that of d, 3u |l| for products and sums: u (2|o| + 6|l|)
 //   p   the errors of l and b, u |l| for d, the product and the difference: u (4|o| + 11|l|)
 //
-// With |l| ≤ |b| + |p| that is together less than e = 32u (|o| + |b| + r) for a line that meets the sphere or
-// passes it at less than twice its radius: e_b + e_p ≤ u (6|o| + 17|l|). What is left of e, more than 14u of
-// each, is for the rounding of r, of squares and of sums. Let R = r + e and q = R² − p², as float has them.
+// A line that meets the sphere, or of which float says so, has |l| ≤ |b| + r, but for what these are off. So
+// the errors of b and p are together at most u (6|o| + 17|b| + 17r), and e = 32u (|o| + |b| + r) leaves 15u
+// of each for the rounding of r, of squares and of sums. Let R = r + e and q = R² − p², as float has them.
 //
 // A line that meets the sphere has q ≥ 0; it meets the sphere nowhere before b − √q − e or after b + √q + e.
 //
@@ -22,6 +22,7 @@
 //
 // Where R < 4√q and 64e < R it meets it no later than at b − √q + 17e: with r − e ≥ R − 2e and |p| + e, its
 // half chord is at least √((R − 2e − |p|)(R − 2e + |p|)) > √(q − 4eR) ≥ √q − 4eR/√q > √q − 16e.
+// What is used is 31e, which is more than all distances to boxes are off (Slabs).
 #pragma once
 
 #include <algorithm>
