@@ -201,11 +201,12 @@ TEST_CASE("of crossings at equal t the earlier surface's is the first, wherever 
 }
 
 TEST_CASE("a ray whose origin is not where its departure says gets the plain scene's answers") {
+  const int count = GENERATE(3, 8, 9, 100);
   Random random(9);
   Scene<Sphere> scene;
   std::vector<Sphere> spheres;
-  for (int i = 0; i < 100; ++i) {
-    spheres.push_back({random.point(1), random.real(0.05, 0.2)});
+  for (int i = 0; i < count; ++i) {
+    spheres.push_back({random.point(1), random.real(0.05, 0.2) * (i % 2 ? 1 : -1)});
     scene.add(spheres.back(), number(i));
   }
   const auto fast = accelerate(scene);
@@ -221,10 +222,40 @@ TEST_CASE("a ray whose origin is not where its departure says gets the plain sce
   }
 }
 
+TEST_CASE("rays that start next to a sphere, or end there, get the plain scene's answers") {
+  const int count = GENERATE(1, 4, 200);
+  Random random(19);
+  Scene<Sphere> scene;
+  std::vector<Sphere> spheres;
+  for (int i = 0; i < count; ++i) {
+    spheres.push_back({random.point(1), i == 0 ? 1000.0 : random.real(0.05, 0.2)});
+    scene.add(spheres.back(), number(i));
+  }
+  const auto fast = accelerate(scene);
+  int wrong = 0, occluded = 0, free = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const Sphere& sphere = spheres[random.bits() % spheres.size()];
+    const double off = std::exp2(random.real(-52, -8)) * (i % 2 ? 1 : -1);
+    const Vec3 normal = random.direction();
+    const Point point = sphere.center + (1 + off) * sphere.radius * normal;
+    const Point other = i % 3 ? point + sphere.radius * random.direction() : random.point(1);
+    const Vec3 way = i % 5 ? other - point : sphere.radius * cross(normal, random.direction());
+    for (const Ray& ray : {Ray{point, way}, Ray{point + way, -way}})
+      for (const Interval range : {Interval{0, 1}, Interval{}, Interval{0.5, 2}, Interval{1e-300, 1}}) {
+        wrong += answers(fast, ray, range) != answers(scene, ray, range);
+        ++(scene.occluded(ray, range) ? occluded : free);
+      }
+  }
+  CHECK(wrong == 0);
+  CHECK(occluded > 1000);
+  CHECK(free > 1000);
+}
+
 TEST_CASE("rays that float cannot hold get the plain scene's answers") {
+  const int count = GENERATE(5, 50);
   Random random(13);
   Scene<Sphere, Cube> scene;
-  for (int i = 0; i < 50; ++i) scene.add(Sphere{random.point(1), 0.3}, number(i));
+  for (int i = 0; i < count; ++i) scene.add(Sphere{random.point(1), 0.3}, number(i));
   for (int i = 0; i < 50; ++i) scene.add(Cube{random.point(1), 0.1}, number(50 + i));
   const auto fast = accelerate(scene);
   const double nan = std::nan("");

@@ -220,9 +220,11 @@ class Finder<Sphere> {
  private:
   static constexpr float infinite = std::numeric_limits<float>::infinity();
 
-  [[nodiscard]] auto soon() const {
-    return [this](Leaf leaf) { leaves_.fetch(leaf); };
-  }
+  struct Fetch {
+    const SphereLeaves& leaves;
+    void operator()(Leaf leaf) const { leaves.fetch(leaf); }
+  };
+  [[nodiscard]] Fetch soon() const { return {leaves_}; }
 
   bool each_of_few(const Ray& ray, const Interval& range, const auto& visit) const {
     for (Bits met = few_.met(ray, range); met != 0; met &= met - 1)

@@ -28,15 +28,15 @@ class ConeToLight {
  public:
   ConeToLight() = default;  ///< holds nothing
 
-  /// A cone for some rays in 0 < t < 1 that end together, wide enough for more like them: about five times
-  /// their angle and half a degree, and a quarter longer. Where that is above 30° it holds nothing, and rays
-  /// that do not end together are not all held.
-  ConeToLight(const Rays<Vectors>& rays, Chosen which) {
+  /// A cone for some rays in 0 < t < 1 that end together, wide enough for more like them: about so many times
+  /// their angle and a tenth of a degree, and a quarter longer. Where that is above 30° it holds nothing, and
+  /// rays that do not end together are not all held.
+  ConeToLight(const Rays<Vectors>& rays, Chosen which, double wide = 4) {
     const int first = std::countr_zero(bits(which));
     apex_ = rays.origin[first] + rays.direction[first];
     set(rays, which);
     drift_ = 0x1p-44 * (glm::length(apex_) + 1.25 * length_);
-    sine_ = 5 * sine_ + 0x1p-7;
+    sine_ = wide * (sine_ + 0x1p-9);
     cosine_ = std::sqrt(1 - sine_ * sine_);
     length_ *= 1.25;
     if (!(sine_ < 0.5 && 0x1p-90 < length_ && length_ < 0x1p90 && glm::length(apex_) < 0x1p400)) close();
@@ -193,9 +193,9 @@ class Occluders {
         return nullptr;
       }
       list = &to_light.lists[to_light.next++ % lists_each];
-      list->cone = ConeToLight(rays, which);
+      list->cone = ConeToLight(rays, which, to_light.wide);
       list->in_cone.clear();
-      int looked_at = 0;
+      int looked_at = least;
       if (!list->cone.holds(rays, which)) return nullptr;  // they need not end together
       search(list->cone.half_spaces(), [&](int place, const SphereAround& around) {
         ++looked_at;
@@ -203,7 +203,11 @@ class Occluders {
         const auto seen = list->cone.seen(around);
         if (list->cone.may_hold(seen)) list->in_cone.add(place, seen);
       });
-      // If the last list served few packets for what is looked at, searching does not pay; each time in a row
+      if (list->in_cone.size() > 2 * handy)
+        to_light.wide = std::max(1.5, 0.5 * to_light.wide);
+      else if (list->in_cone.size() < handy)
+        to_light.wide = std::min(8.0, 1.25 * to_light.wide);
+      // If the last list served few rays for what is looked at, searching does not pay; each time in a row
       // is followed by a longer pause.
       to_light.pause = looked_at > worth * to_light.served ? std::min(4 * to_light.pause + 8, 1 << 12) : 0;
       to_light.waits = to_light.pause;
@@ -213,7 +217,7 @@ class Occluders {
         return nullptr;
       }
     }
-    ++to_light.served;
+    to_light.served += std::popcount(bits(which));
     places_.clear();
     list->in_cone.each_within(list->cone.around(rays, which), [&](int place) { places_.push_back(place); });
     return &places_;
@@ -222,10 +226,15 @@ class Occluders {
  private:
   /// A list that is longer costs more than it saves.
   static constexpr std::size_t most = 256;
+
+  /// Cones become wider where lists are shorter than this, and narrower where they are twice as long.
+  static constexpr std::size_t handy = 32;
+
   static constexpr std::size_t most_lights = 16, lists_each = 4;
 
-  /// To look at so many surfaces takes about as long as the rays of a packet take by themselves.
-  static constexpr int worth = 16;
+  /// To look at so many surfaces takes about as long as a ray takes by itself, and a search takes as long as
+  /// to look at this many more.
+  static constexpr int worth = 4, least = 32;
 
   struct List {
     ConeToLight cone;
@@ -238,7 +247,8 @@ class Occluders {
     double near;  ///< a ray that ends within this distance of the light is one to it
     std::array<List, lists_each> lists;
     std::size_t next = 0;
-    int served = lists_each, waits = 0, pause = 0;
+    double wide = 4;  ///< how much wider than the rays of a packet a cone is made
+    int served = 256, waits = 0, pause = 0;
 
     List* list_of(const Rays<Vectors>& rays, Chosen which) {
       for (List& list : lists)

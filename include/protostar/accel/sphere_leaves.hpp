@@ -8,9 +8,9 @@
 //   b   the same, u |l| for that of d, 3u |l| for products and sums: u (2|o| + 6|l|)
 //   p   the errors of l and b, u |l| for d, the product and the difference: u (4|o| + 11|l|)
 //
-// With |l| ≤ |b| + |p| that is together less than e = 32u (|o| + |b| + r) for a line that meets the sphere or
-// passes it at less than twice its radius: e_b + e_p ≤ u (6|o| + 17|l|). What is left of e, more than 14u of
-// each, is for the rounding of r, of squares and of sums. Let R = r + e and q = R² − p², as float has them.
+// A line that meets the sphere, or of which float says so, has |l| ≤ |b| + r, but for what these are off. So
+// the errors of b and p are together at most u (6|o| + 17|b| + 17r), and e = 32u (|o| + |b| + r) leaves 15u
+// of each for the rounding of r, of squares and of sums. Let R = r + e and q = R² − p², as float has them.
 //
 // A line that meets the sphere has q ≥ 0; it meets the sphere nowhere before b − √q − e or after b + √q + e.
 //
@@ -22,6 +22,7 @@
 //
 // Where R < 4√q and 64e < R it meets it no later than at b − √q + 17e: with r − e ≥ R − 2e and |p| + e, its
 // half chord is at least √((R − 2e − |p|)(R − 2e + |p|)) > √(q − 4eR) ≥ √q − 4eR/√q > √q − 16e.
+// What is used is 31e, which is more than all distances to boxes are off (Slabs).
 #pragma once
 
 #include <algorithm>
@@ -177,7 +178,6 @@ class FewSpheres {
   [[nodiscard]] Bits met(const Ray& ray, const Interval& range) const {
     Bits met = 0;
     const SphereLine line(ray.origin, ray.direction);
-    const double A = line.A;
     for (std::size_t i = 0; i < count_; i += double_lanes) {
       const auto load = [&](const double* numbers) { return Doubles::load(numbers + i); };
       const Doubles x = load(x_), y = load(y_), z = load(z_), r = load(r_);
@@ -186,11 +186,11 @@ class FewSpheres {
       const Doubles b = ray.direction.x * lx + ray.direction.y * ly + ray.direction.z * lz;
       const Doubles ll = lx * lx + ly * ly + lz * lz, rr = r * r, c = ll - rr, w = ll + rr;
       const protostar::detail::RoundedSphereEquation<Doubles, Doubles> e{
-          .A = A,
+          .A = line.A,
           .b = b,
           .c = c,
           .w = w,
-          .D = b * b - A * c,
+          .D = b * b - line.A * c,
           .E = protostar::detail::error_of_D(line.scale, w)};
       auto missed = e.surely_misses();
       if (range.min >= 0) missed = missed || e.surely_recedes();

@@ -241,8 +241,8 @@ struct RoundedSphereEquation {
   }
 };
 
-/// A bound on the error of D, which is below 21u A w < 2^-48 A w, underflow apart. The product is 2^20 A w,
-/// so that this is infinite before b², A c or a part of them overflows.
+/// A bound on the error of D: it is below 21u A w < 2^-48 A w, underflow apart. The product is 2^20 A w, so
+/// that it is infinite before b², A c or a part of them overflows.
 [[nodiscard, gnu::always_inline]] inline auto error_of_D(const auto& scale, const auto& w) {
   return 0x1p-68 * (scale * w) + underflow;
 }
@@ -335,6 +335,12 @@ template <class T, class C>
   return detail::sphere_roots_in_doubt(origin, direction, center, radius);
 }
 
+/// Whether a line surely has no root above 0, by signs alone.
+[[nodiscard]] inline bool sphere_surely_behind(const Point& origin, const Vec3& direction,
+                                               const Point& center, double radius) {
+  return detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius).surely_recedes();
+}
+
 /// The first of the roots in t > 0, if double tells which that is. Signs do, so that a sphere behind the
 /// origin costs no square root, and another one division.
 [[nodiscard, gnu::always_inline]] inline FirstRoot first_sphere_root(const SphereLine<Point, Vec3>& line,
@@ -350,12 +356,6 @@ template <class T, class C>
     }
   }
   return {.known = FirstRoot::Known::nothing};
-}
-
-/// Whether a line surely has no root above 0, by signs alone.
-[[nodiscard]] inline bool sphere_surely_behind(const Point& origin, const Vec3& direction,
-                                               const Point& center, double radius) {
-  return detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius).surely_recedes();
 }
 
 /// The roots of several lines at once, in the order near, far, of those that are wanted: the same numbers as

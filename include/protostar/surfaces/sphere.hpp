@@ -43,6 +43,12 @@ struct Sphere {
     return sphere_roots(ray.origin, ray.direction, center, radius);
   }
 
+  /// Whether a ray surely crosses the sphere nowhere in t > 0. That takes signs, and no root.
+  [[nodiscard]] bool is_surely_behind(const Ray& ray) const {
+    if (is_left_by(ray)) return left_sphere_surely_behind(ray.origin, ray.direction, center, radius);
+    return sphere_surely_behind(ray.origin, ray.direction, center, radius);
+  }
+
   /// What is the same for all spheres.
   struct Line : SphereLine<Point, Vec3> {
     const Ray& ray;
@@ -53,12 +59,6 @@ struct Sphere {
   [[nodiscard, gnu::always_inline]] FirstRoot first_root(const Line& line) const {
     if (is_left_by(line.ray)) return {.known = FirstRoot::Known::nothing};
     return first_sphere_root(line, center, radius);
-  }
-
-  /// Whether a ray surely crosses the sphere nowhere in t > 0. That takes signs, and no root.
-  [[nodiscard]] bool is_surely_behind(const Ray& ray) const {
-    if (is_left_by(ray)) return left_sphere_surely_behind(ray.origin, ray.direction, center, radius);
-    return sphere_surely_behind(ray.origin, ray.direction, center, radius);
   }
 
   /// The same of several rays at once, of those that are wanted.
