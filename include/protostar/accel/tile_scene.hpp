@@ -83,11 +83,16 @@ class TileScene {
   [[nodiscard]] Closest closest(const CameraRays<Origin>& rays) const {
     Closest closest{.t = infinity, .place = -1};
     Chosen in_doubt = false;
-    for (const int place : unbounded_) consider(place, rays, closest, in_doubt);
+    const auto look_at = [&](int place) {
+      count_tests(rays.wanted);
+      visit(place,
+            [&](const auto& surface, const Material&) { consider(surface, place, rays, closest, in_doubt); });
+    };
+    for (const int place : unbounded_) look_at(place);
     for (int i = 0; i < candidates_.size(); ++i) {
       // Where no ray has any way left to a candidate, it has none to those that follow.
       if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
-      consider(candidates_.place(i), rays, closest, in_doubt);
+      look_at(candidates_.place(i));
     }
     if (any(in_doubt))
       return decided(rays, in_doubt, closest, [&](const auto& visit_place) { each_candidate(visit_place); });
@@ -97,11 +102,18 @@ class TileScene {
   [[nodiscard]] Closest closest(const Rays<Origin>& rays) const {
     Closest closest{.t = infinity, .place = -1};
     Chosen in_doubt = false;
-    const auto each_place = [&](const auto& visit_place) {
-      for (int place = 0; place < static_cast<int>(scene_.size()); ++place) visit_place(place);
+    int count = 0;
+    const auto look_at_all = [&](const auto& surfaces_of_type) {
+      for (const auto& surface : surfaces_of_type) {
+        count_tests(rays.wanted);
+        consider(surface, count++, rays, closest, in_doubt);
+      }
     };
-    each_place([&](int place) { consider(place, rays, closest, in_doubt); });
-    if (any(in_doubt)) return decided(rays, in_doubt, closest, each_place);
+    (look_at_all(surfaces<S>()), ...);
+    if (any(in_doubt))
+      return decided(rays, in_doubt, closest, [&](const auto& visit_place) {
+        for (int place = 0; place < count; ++place) visit_place(place);
+      });
     return closest;
   }
 
@@ -110,8 +122,8 @@ class TileScene {
   /// that meet nothing.
   [[nodiscard]] Colors shade(const auto& rays, const Closest& closest, const auto& background,
                              const auto& shade_hits) const {
-    const std::int64_t place = closest.place[0];
-    if (bits(mask_for<double>(closest.place == Indices(place))) != first_bits(double_lanes))
+    const std::int64_t place = closest.place[std::countr_zero(bits(rays.wanted))];  // at least one is wanted
+    if (any(rays.wanted && !mask_for<double>(closest.place == Indices(place))))
       return shade_each(rays, closest, background, shade_hits);
     if (place < 0) return Colors(background());
     Colors result(Color{0});
@@ -239,18 +251,15 @@ class TileScene {
   }
 
   /// Finds out which rays meet a surface sooner than what was considered before, and which may.
-  void consider(int place, const auto& rays, Closest& closest, Chosen& in_doubt) const {
-    count_tests(rays.wanted);
-    visit(place, [&](const auto& surface, const Material&) {
-      const FirstCrossings first = first_crossings(surface, rays, rays.wanted, Interval{});
-      // The order is sure where the errors of both t, 2^-30 of each, do not overlap.
-      const Chosen sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
-      const Chosen later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
-      in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
-      if (!any(sooner)) return;
-      closest.t = select(sooner, first.t, closest.t);
-      closest.place = select(sooner, Indices(place), closest.place);
-    });
+  void consider(const auto& surface, int place, const auto& rays, Closest& closest, Chosen& in_doubt) const {
+    const FirstCrossings first = first_crossings(surface, rays, rays.wanted, Interval{});
+    // The order is sure where the errors of both t, 2^-30 of each, do not overlap.
+    const Chosen sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
+    const Chosen later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
+    in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
+    if (!any(sooner)) return;
+    closest.t = select(sooner, first.t, closest.t);
+    closest.place = select(sooner, Indices(place), closest.place);
   }
 
   /// Where the rays meet different surfaces, or some of them nothing.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
+#include <type_traits>
 
 #include "../numeric/power.hpp"
 #include "../scene.hpp"

@@ -110,7 +110,7 @@ struct Sphere {
 
   /// Whether a ray, or the rays of a packet, depart from it.
   [[nodiscard]] bool is_left_by(const auto& ray) const {
-    return ray.departure.kind == Departure::Kind::sphere && ray.departure == departure();
+    return ray.departure.kind == Departure::Kind::sphere && ray.departure.geometry == departure().geometry;
   }
 };
 
