@@ -122,7 +122,8 @@ class TileScene {
   /// that meet nothing.
   [[nodiscard]] Colors shade(const auto& rays, const Closest& closest, const auto& background,
                              const auto& shade_hits) const {
-    const std::int64_t place = closest.place[std::countr_zero(bits(rays.wanted))];  // at least one is wanted
+    // At least one is wanted; the remainder says so to the compiler.
+    const std::int64_t place = closest.place[std::countr_zero(bits(rays.wanted)) % double_lanes];
     if (any(rays.wanted && !mask_for<double>(closest.place == Indices(place))))
       return shade_each(rays, closest, background, shade_hits);
     if (place < 0) return Colors(background());
