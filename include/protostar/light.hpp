@@ -109,6 +109,18 @@ class Light {
     return received(l, sqrt(dot(l, l)));
   }
 
+  /// The same, given l = towards(point) and the light's height n·l over the surface: the light's color times
+  /// height/|l| · g, with g = 1/(4π |l|²) for a power and 1 for an irradiance.
+  template <class V, class Number>
+  [[nodiscard]] auto received(const V& l, const Number& height) const {
+    using std::min, std::sqrt;
+    const Number r2 = dot(l, l);
+    const Number weight =
+        falloff_ == Falloff::square ? Number(4 * std::numbers::pi * r2 * sqrt(r2)) : Number(sqrt(r2));
+    const Number factor = select(height > 0.0, min(height / weight, most_), Number(0.0));
+    return color_ * to_float(is_spot_ ? factor * share(l) : factor);
+  }
+
  private:
   enum class Falloff { none, square };
 
@@ -130,18 +142,6 @@ class Light {
   static Vec3 unit(const Vec3& v) {
     const Vec3 size = abs(v);  // squares of what is divided by the largest neither overflow nor vanish
     return normalize(v / std::max({size.x, size.y, size.z}));
-  }
-
-  /// The color times height/|l| · g, with the height n·l of the light over the surface, and g = 1/(4π |l|²)
-  /// for a power and 1 for an irradiance.
-  template <class V, class Number>
-  [[nodiscard]] auto received(const V& l, const Number& height) const {
-    using std::min, std::sqrt;
-    const Number r2 = dot(l, l);
-    const Number weight =
-        falloff_ == Falloff::square ? Number(4 * std::numbers::pi * r2 * sqrt(r2)) : Number(sqrt(r2));
-    const Number factor = select(height > 0.0, min(height / weight, most_), Number(0.0));
-    return color_ * to_float(is_spot_ ? factor * share(l) : factor);
   }
 
   /// The share of a spotlight's power that goes in the direction of −l.

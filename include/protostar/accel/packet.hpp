@@ -194,8 +194,8 @@ template <Surface S>
 [[nodiscard]] CrossedByEach<Chosen> crossed_by_each(const S& surface, const auto& rays, Chosen wanted,
                                                     Interval range) {
   if constexpr (requires { surface.crossed_by_segments(rays, wanted); }) {
-    if (range.min == 0 && range.max == infinity) return surface.crossed_by_each(rays, wanted);
     if (range.min == 0 && range.max == 1) return surface.crossed_by_segments(rays, wanted);
+    if (range.min == 0 && range.max == infinity) return surface.crossed_by_each(rays, wanted);
   }
   const FirstCrossings first = first_crossings(surface, rays, wanted, range);
   return {.crossed = first.met, .in_doubt = first.in_doubt};

@@ -122,8 +122,7 @@ class TileScene {
   /// that meet nothing.
   [[nodiscard]] Colors shade(const auto& rays, const Closest& closest, const auto& background,
                              const auto& shade_hits) const {
-    // At least one is wanted; the remainder says so to the compiler.
-    const std::int64_t place = closest.place[std::countr_zero(bits(rays.wanted)) % double_lanes];
+    const std::int64_t place = closest.place[wanted_lane(rays)];
     if (any(rays.wanted && !mask_for<double>(closest.place == Indices(place))))
       return shade_each(rays, closest, background, shade_hits);
     if (place < 0) return Colors(background());
@@ -232,6 +231,16 @@ class TileScene {
     Colors surface_color;
     [[nodiscard]] Colors color() const { return select(which, surface_color, Color{1}); }
   };
+
+  /// One of the rays that are wanted. Packets of the camera begin with one.
+  template <class Origin>
+  static int wanted_lane(const CameraRays<Origin>&) {
+    return 0;
+  }
+  template <class Origin>
+  static int wanted_lane(const Rays<Origin>& rays) {
+    return std::countr_zero(bits(rays.wanted)) % double_lanes;  // which tells g++ that there is one
+  }
 
   static Chosen one(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
 

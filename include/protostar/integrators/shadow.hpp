@@ -24,12 +24,13 @@ struct ShadowIntegrator {
     typename Hit::Light irradiance(ambient_of(scene));
     for (const Light& light : scene.lights()) {
       const auto to_light = light.towards(point);
-      const auto in_front = dot(normal, to_light) > 0.0;
+      const auto height = dot(normal, to_light);
+      const auto in_front = height > 0.0;
       if (!any(in_front)) continue;  // a light behind the surface needs no shadow ray
       // The shadow ray is not normalized: it is at a near light for t = 1, so occluders lie in (0, 1).
       const auto visible = in_front && !scene.occluded(only(in_front, hit.leave(to_light)), light.way());
       if (!any(visible)) continue;
-      irradiance += select(visible, light.irradiance(point, normal), typename Hit::Light(0));
+      irradiance += select(visible, light.received(to_light, height), typename Hit::Light(0));
     }
     return hit.color() * irradiance;
   }
