@@ -739,6 +739,12 @@ TEST_CASE("statistics count the work that is needed, and no other") {
   const int seen = count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; });
   CHECK(lit.other_rays == static_cast<std::uint64_t>(seen));
 
+  // They go together, and those of an integrator that asks ray by ray do not.
+  CHECK(lit.rays_alone == 0);
+  const RenderStatistics mirrors = taken_by(three_spheres(), Mirrors{});
+  CHECK(mirrors.other_rays > 320 * 240);
+  CHECK(mirrors.rays_alone == mirrors.other_rays);
+
   // What is done is added to what there is.
   RenderStatistics twice = lit;
   render(image, Camera{}, scene, ShadowIntegrator{}, {.statistics = &twice});
