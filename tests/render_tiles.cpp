@@ -739,12 +739,63 @@ TEST_CASE("statistics count the work that is needed, and no other") {
   const int seen = count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; });
   CHECK(lit.other_rays == static_cast<std::uint64_t>(seen));
 
+  // They go together, and those of an integrator that asks ray by ray do not.
+  CHECK(lit.rays_alone == 0);
+  const RenderStatistics mirrors = taken_by(three_spheres(), Mirrors{});
+  CHECK(mirrors.other_rays > 320 * 240);
+  CHECK(mirrors.rays_alone == mirrors.other_rays);
+
   // What is done is added to what there is.
   RenderStatistics twice = lit;
   render(image, Camera{}, scene, ShadowIntegrator{}, {.statistics = &twice});
   CHECK(twice.other_rays == 2 * lit.other_rays);
   CHECK(twice.surface_tests == 2 * lit.surface_tests);
   CHECK(twice.pixels_skipped == 2 * lit.pixels_skipped);
+}
+
+TEST_CASE("what tiles skip may be turned off: the picture is the same, and takes more") {
+  Everything few, many;
+  // The ground first, so that what casts a shadow on it is tried first only if it did so before.
+  for (std::size_t i = the_three_spheres.size(); i-- > 0;)
+    few.add(the_three_spheres[i].sphere, the_three_spheres[i].color);
+  few.add(light_of_the_three_spheres);
+  Random random(21);
+  for (int i = 0; i < 200; ++i)
+    many.add(Sphere{Vec3{0, 0, 6} + random.point(3), random.real(0.1, 0.4)}, random.color());
+  many.add(PointLight{.position = {3, 6, 0}, .power = Color{300}});
+
+  const auto check = [](const Everything& scene, const auto& integrator, bool casts_shadows) {
+    const bool has_lists = casts_shadows && scene.size() > 16;
+    Image expected(200, 150), image(200, 150);
+    RenderStatistics all;
+    render(expected, Camera{}, scene, integrator, {.statistics = &all});
+    const auto with = [&](const Skips& skips) {
+      RenderStatistics taken;
+      render(image, Camera{}, scene, integrator, {.skips = skips, .statistics = &taken});
+      CHECK(different_bytes(image, expected) == 0);
+      CHECK(taken.other_rays == all.other_rays);
+      CHECK(taken.camera_rays == (skips.empty_tiles ? all.camera_rays : 200 * 150));
+      CHECK(taken.pixels_skipped + taken.camera_rays == 200 * 150);
+      return taken;
+    };
+    CHECK(all.pixels_skipped > 10000);
+    CHECK((all.other_rays > 4000) == casts_shadows);
+    CHECK(with({.empty_tiles = false}).surface_tests == all.surface_tests);
+    CHECK(with({.farther_surfaces = false}).surface_tests > all.surface_tests);
+    // Lists of occluders are made as they are used, so that with them it may be fewer tests or more.
+    const RenderStatistics in_turn = with({.last_occluder = false});
+    if (!has_lists) CHECK((in_turn.surface_tests > all.surface_tests + 500) == casts_shadows);
+    const RenderStatistics each = with({.occluder_lists = false});
+    CHECK((each.rays_alone > all.rays_alone) == has_lists);
+    CHECK(each.rays_alone == (has_lists ? all.other_rays : 0));
+    const RenderStatistics nothing_skipped = with({false, false, false, false});
+    CHECK(nothing_skipped.surface_tests > all.surface_tests);
+    CHECK(nothing_skipped.rays_alone == each.rays_alone);
+  };
+  for (const Everything* const scene : {&few, &many}) {
+    check(*scene, ColorIntegrator{}, false);
+    check(*scene, ShadowIntegrator{}, true);
+  }
 }
 
 TEST_CASE("a packet is in doubt about few of its rays") {

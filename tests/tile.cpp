@@ -437,6 +437,10 @@ TEST_CASE("candidates in the order of their distance are the same ones, and none
       from_ordered.order_by_place();
       CHECK(places_of(from_ordered) == places_of(from_before));
     }
+
+    ordered.bring_near();
+    for (int i = 0; i < ordered.size(); ++i) wrong += ordered.nearest(i) != 0;
+    CHECK(wrong == 0);
   }
 }
 

@@ -17,6 +17,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 struct RenderStatistics {
   std::uint64_t camera_rays = 0;    ///< through the centers of pixels whose tile sees anything
   std::uint64_t other_rays = 0;     ///< that integrators cast: shadow rays
+  std::uint64_t rays_alone = 0;     ///< those of them that went by themselves, not with a packet
   std::uint64_t surface_tests = 0;  ///< of rays with surfaces, in double
   std::uint64_t in_doubt = 0;  ///< tests that double could not decide for a packet, so that a ray went alone
   std::uint64_t double_double = 0;   ///< roots worked out in double-double
@@ -25,6 +26,7 @@ struct RenderStatistics {
 
   RenderStatistics& operator+=(const RenderStatistics& other) {
     camera_rays += other.camera_rays, other_rays += other.other_rays;
+    rays_alone += other.rays_alone;
     surface_tests += other.surface_tests, in_doubt += other.in_doubt;
     double_double += other.double_double, exact += other.exact;
     pixels_skipped += other.pixels_skipped;
@@ -39,6 +41,15 @@ struct Crop {
   int width = 0, height = 0;
 };
 
+/// What is not done by tiles, each to be turned off so that what it saves can be measured: a picture has the
+/// same bytes with any of them off.
+struct Skips {
+  bool empty_tiles = true;       ///< rays through pixels of tiles, or parts of them, that see nothing
+  bool farther_surfaces = true;  ///< tests of camera rays with what is surely behind all that they met
+  bool last_occluder = true;     ///< tests with other surfaces, where that which shadowed last does so again
+  bool occluder_lists = true;    ///< walks of shadow rays through the tree, where a list serves their packet
+};
+
 /// How render works. An exception that progress throws ends the render and reaches its caller; after a stop,
 /// progress does not come to 1.
 struct RenderOptions {
@@ -47,6 +58,7 @@ struct RenderOptions {
   int threads = 0;  ///< how many work, the caller among them; 0: one for each core
   std::stop_token stop = {};  ///< asked for, render returns early; other pixels stay as they were
   bool tiles = true;  ///< scenes are rendered by tiles and packets; without, ray by ray: the same picture
+  Skips skips = {};   ///< what tiles do not do; by tiles only
   RenderStatistics* statistics = nullptr;  ///< if given, what the picture took is added here; by tiles only
   std::function<void(double done)> progress = {};  ///< called in the caller's thread with a share from 0 to 1
 };

@@ -48,10 +48,11 @@ class TileRenderer {
         scene_(scene),
         integrator_(integrator),
         rays_(camera, PixelGrid(image.width(), image.height(), options), image.width(), image.height()),
+        skips_(options.skips),
         statistics_(options.statistics) {
     int place = 0;
     (add_group<S>(place), ...);
-    if constexpr (nearest_first) candidates_.order_by_distance();
+    if constexpr (nearest_first) put_nearest_first(candidates_);
   }
 
   /// Fills a tile.
@@ -65,7 +66,7 @@ class TileRenderer {
       int first = 0;
       (add_found<S>(frustum, first, found), ...);
       if constexpr (nearest_first)
-        found.order_by_distance();
+        put_nearest_first(found);
       else
         found.order_by_place();
       in_tile.add(found, frustum);
@@ -130,9 +131,14 @@ class TileRenderer {
     first += static_cast<int>(scene_.scene().template surfaces<T>().size());
   }
 
+  void put_nearest_first(Candidates& candidates) const {
+    candidates.order_by_distance();
+    if (!skips_.farther_surfaces) candidates.bring_near();
+  }
+
   /// Whether a tile with these candidates sees nothing, so that one packet can stand for all of its rays.
   [[nodiscard]] bool can_be_left(const Candidates& candidates) const {
-    return by_packets && candidates.size() == 0 && unbounded_.empty();
+    return by_packets && skips_.empty_tiles && candidates.size() == 0 && unbounded_.empty();
   }
 
   void fill_parts(const Tile& tile, const Candidates& candidates, std::size_t division, Work& work) const {
@@ -158,7 +164,7 @@ class TileRenderer {
           static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
       // Rays that meet nothing all bring the same: what one of them brings that has no candidates.
       const Candidates none;
-      const View view(scene_, none, unbounded_, work.occluders, work.taken);
+      const View view(scene_, none, unbounded_, skips_, work.occluders, work.taken);
       const Colors colors = radiance(rays_.packet(tile, tile.x0, tile.y0), view);
       const Color color = rays_.pixels().mean([&](int) {
         return Color{colors.r[0], colors.g[0], colors.b[0]};
@@ -191,7 +197,7 @@ class TileRenderer {
     work.taken.camera_rays += static_cast<std::uint64_t>(tile.width()) *
                               static_cast<std::uint64_t>(tile.height()) *
                               static_cast<std::uint64_t>(pixels.samples());
-    View view(scene_, candidates, unbounded_, work.occluders, work.taken);
+    View view(scene_, candidates, unbounded_, skips_, work.occluders, work.taken);
     if constexpr (!by_packets) {
       for (int y = tile.y0; y < tile.y1; ++y)
         for (int x = tile.x0; x < tile.x1; ++x)
@@ -271,6 +277,7 @@ class TileRenderer {
   const Accelerated<Scene<S...>>& scene_;
   const I& integrator_;
   PixelRays rays_;
+  Skips skips_;
   RenderStatistics* statistics_;
   mutable std::mutex adding_;
   Candidates candidates_;  ///< in the scene's order, or near to far for what looks at the first only

@@ -360,6 +360,9 @@ class Candidates {
       nearest_[index(i)] = std::min(nearest_[index(i)], nearest_[index(i + 1)]);
   }
 
+  /// Takes all for as near as can be, so that none is too far to be looked at.
+  void bring_near() { std::fill(nearest_.begin(), nearest_.end(), 0.0f); }
+
   /// Puts them in the scene's order.
   void order_by_place() {
     std::vector<std::size_t> order(index(size_));

@@ -20,11 +20,13 @@ template <Surface... S>
 class TileScene {
  public:
   TileScene(const Accelerated<Scene<S...>>& everything, const Candidates& candidates,
-            const std::vector<int>& unbounded, Occluders& occluders, RenderStatistics& statistics)
+            const std::vector<int>& unbounded, const Skips& skips, Occluders& occluders,
+            RenderStatistics& statistics)
       : everything_(everything),
         scene_(everything.scene()),
         candidates_(candidates),
         unbounded_(unbounded),
+        skips_(skips),
         occluders_(occluders),
         statistics_(statistics) {}
 
@@ -52,7 +54,7 @@ class TileScene {
     const bool is_pixel = ray.origin == pixel_.origin && ray.direction == pixel_.direction &&
                           ray.departure.kind == Departure::Kind::none;
     if (!is_pixel || range.min != 0 || range.max != infinity) {
-      ++statistics_.other_rays;
+      count_alone();
       return everything_.intersect(ray, range);
     }
     const auto [place, crossing] =
@@ -61,12 +63,12 @@ class TileScene {
   }
 
   [[nodiscard]] bool occluded(const Ray& ray, Interval range = {}) const {
-    ++statistics_.other_rays;
+    count_alone();
     return everything_.occluded(ray, range);
   }
 
   void crossings(const Ray& ray, Interval range, auto&& visit) const {
-    ++statistics_.other_rays;
+    count_alone();
     everything_.crossings(ray, range, visit);
   }
 
@@ -155,7 +157,7 @@ class TileScene {
     Colors result(background());
     for (Bits alone = bits(rays.wanted); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
-      ++statistics_.other_rays;
+      count_alone();
       if (const auto hit = everything_.intersect(rays[lane], Interval{})) {
         const Color color = shade(*hit);
         result.r.set(lane, color.r), result.g.set(lane, color.g), result.b.set(lane, color.b);
@@ -181,7 +183,8 @@ class TileScene {
     Chosen found = false, left = rays.wanted;
     statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
     const bool is_small = scene_.size() <= few;
-    const int last = last_occluder_, end = is_small ? static_cast<int>(scene_.size()) : 0;
+    const int last = skips_.last_occluder ? last_occluder_ : -1,
+              end = is_small ? static_cast<int>(scene_.size()) : 0;
     for (int place = last >= 0 ? -1 : 0; place < end && any(left); ++place)
       if (place != last) test(place < 0 ? last : place, rays, range, found, left);
     if (!is_small && any(left)) look_for_occluders(rays, range, found, left);
@@ -243,6 +246,8 @@ class TileScene {
   }
 
   static Chosen one(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
+
+  void count_alone() const { ++statistics_.other_rays, ++statistics_.rays_alone; }
 
   void count_tests(Chosen which) const {
     statistics_.surface_tests += static_cast<std::uint64_t>(std::popcount(bits(which)));
@@ -348,7 +353,7 @@ class TileScene {
   [[gnu::noinline]] void look_for_occluders(const Rays<Vectors>& rays, Interval range, Chosen& found,
                                             Chosen left) const {
     const std::vector<int>* places = nullptr;
-    if (range.min == 0 && range.max == 1)
+    if (skips_.occluder_lists && range.min == 0 && range.max == 1)
       places = occluders_.between(rays, left, [&](const auto& half_spaces, const auto& visit_place) {
         int first = 0;
         (search<S>(half_spaces, first, visit_place), ...);
@@ -378,6 +383,7 @@ class TileScene {
     Chosen found = false;
     for (Bits alone = bits(wanted); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
+      ++statistics_.rays_alone;
       if (everything_.occluded(rays[lane], range)) found = found || one(lane);
     }
     return found;
@@ -427,6 +433,7 @@ class TileScene {
   const Scene<S...>& scene_;
   const Candidates& candidates_;
   const std::vector<int>& unbounded_;
+  const Skips& skips_;
   Occluders& occluders_;
   RenderStatistics& statistics_;
   Ray pixel_;
