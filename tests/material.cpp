@@ -69,10 +69,12 @@ TEST_CASE("a material that makes no sense is refused with the field's name") {
     CHECK(refusal({.diffuse = light}) == "Material: diffuse color must be finite and not negative");
     CHECK(refusal({.specular = light}) == "Material: specular color must be finite and not negative");
     CHECK(refusal({.shininess = bad}) == "Material: shininess must be finite and not negative");
-    CHECK(refusal({.reflect = bad}) == "Material: reflect must be finite and not negative");
-    CHECK(refusal({.refract = bad}) == "Material: refract must be finite and not negative");
+    CHECK(refusal({.reflect = bad}) == "Material: reflect must be finite as a float and not negative");
+    CHECK(refusal({.refract = bad}) == "Material: refract must be finite as a float and not negative");
     CHECK(refusal({.ior = bad}) == "Material: ior must be finite and greater than 0");
   }
+  CHECK(refusal({.reflect = 1e39}) == "Material: reflect must be finite as a float and not negative");
+  CHECK(refusal({.refract = 1e39}) == "Material: refract must be finite as a float and not negative");
   CHECK(refusal({.ior = 0}) == "Material: ior must be finite and greater than 0");
   CHECK(refusal({}).empty());
   CHECK(refusal({.diffuse = Color{9}, .specular = Color{16}, .shininess = 0, .reflect = 2, .refract = 3})

@@ -180,3 +180,14 @@ TEST_CASE("rays that do not end together, or start where they end, go by themsel
     CHECK(occluders.between(rays, true, search) == nullptr);
   }
 }
+
+TEST_CASE("rays that do not end together leave no list to others") {
+  if (simd::double_lanes < 2) return;
+  Occluders occluders;
+  const auto search = [](const auto&, const auto& visit) { visit(7, SphereAround{{0, 0, 5}, 1}); };
+  Rays<Vectors> rays(Vectors(Point{0, 0, 10}), Vectors(Vec3{0, 0, -10}));
+  rays.direction.x.set(simd::double_lanes - 1, 1);
+  CHECK(occluders.between(rays, true, search) == nullptr);
+  const auto* const places = occluders.between(rays, simd::mask_of<double, simd::double_lanes>(1), search);
+  CHECK((places == nullptr || *places == std::vector<int>{7}));
+}

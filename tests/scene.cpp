@@ -361,3 +361,10 @@ TEST_CASE("a visitor of crossings may take them by reference") {
   scene.crossings(Ray{}, {}, [&](auto& crossing) { visits += crossing.t > 0; });
   CHECK(visits == 2);
 }
+
+TEST_CASE("ambient light is held, however much there is") {
+  Scene<Sphere> scene;
+  scene.add(AmbientLight{Color{3e38f, 1, 0}});
+  scene.add(AmbientLight{Color{3e38f, 1, 0}});
+  CHECK(scene.ambient() == Color{most_irradiance, 2, 0});
+}

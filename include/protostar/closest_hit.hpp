@@ -11,8 +11,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A search for the first of a ray's crossings inside a range. The order is exact for surfaces that can
-/// refine their roots; of crossings at equal t, that of the surface that was looked at before is the first.
+/// A search for the first of a ray's crossings inside a range. It borrows the ray. The order is exact for
+/// surfaces that can refine their roots; of crossings at equal t, that of the surface that was looked at
+/// before is the first.
 class ClosestHit {
  public:
   /// `first` becomes the first crossing of what is looked at; its surface is null until there is one.
@@ -43,8 +44,7 @@ class ClosestHit {
   /// stays in.
   void take(const SurfaceCrossing& candidate) {
     first_ = candidate;
-    const double t = candidate.crossing.t;
-    range_.max = std::min(range_.max, t + 4 * error * std::abs(t));
+    range_.max = std::min(range_.max, latest(candidate.crossing.t));
   }
 
   /// Where double tells the order, a surface is a few comparisons. What is below `sooner` is surely before
@@ -56,7 +56,7 @@ class ClosestHit {
     double sooner = (1 - 8 * error) * range_.max, later = (1 + 2 * error) * range_.max;
     for (const T& surface : std::span(surfaces)) {
       const FirstRoot root = surface.first_root(line);
-      if (root.known == FirstRoot::Known::none) continue;
+      if (root.known == FirstRoot::Known::no_root) continue;
       const bool is_known = root.known == FirstRoot::Known::root;
       if (is_known && root.t >= later) continue;
       const Material& material = materials[static_cast<std::size_t>(&surface - surfaces.data())];

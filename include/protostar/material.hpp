@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 
 #include "vec3.hpp"
@@ -48,6 +49,7 @@ struct Material {
       if (!holds) throw std::invalid_argument(rule);
     };
     const auto is_share = [](double x) { return x >= 0 && std::isfinite(x); };
+    const auto is_factor = [](double x) { return x >= 0 && x <= std::numeric_limits<float>::max(); };
     if (const auto* checker = texture.target<Checker>()) {
       check(is_light(checker->first) && is_light(checker->second),
             "Checker: first and second color must be finite and not negative");
@@ -56,8 +58,8 @@ struct Material {
     check(is_light(diffuse), "Material: diffuse color must be finite and not negative");
     check(is_light(specular), "Material: specular color must be finite and not negative");
     check(is_share(shininess), "Material: shininess must be finite and not negative");
-    check(is_share(reflect), "Material: reflect must be finite and not negative");
-    check(is_share(refract), "Material: refract must be finite and not negative");
+    check(is_factor(reflect), "Material: reflect must be finite as a float and not negative");
+    check(is_factor(refract), "Material: refract must be finite as a float and not negative");
     check(is_share(ior) && ior > 0, "Material: ior must be finite and greater than 0");
   }
 };

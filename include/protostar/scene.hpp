@@ -120,12 +120,13 @@ class Scene {
   /// Adds a light: a PointLight, or any that Light takes. One that is not valid throws std::invalid_argument.
   void add(const Light& light) { lights_.push_back(light); }
 
-  /// Adds to the irradiance of all points. Throws std::invalid_argument if the light is negative or not
-  /// finite.
+  /// Adds to the irradiance of all points, which is held at most_irradiance. Throws std::invalid_argument if
+  /// the light is negative or not finite.
   void add(const AmbientLight& light) {
     if (!is_light(light.intensity))
       throw std::invalid_argument("AmbientLight: intensity must be finite and not negative");
-    ambient_ += light.intensity;
+    for (int i = 0; i < 3; ++i)
+      ambient_[i] = std::min(ambient_[i] + std::min(light.intensity[i], most_irradiance), most_irradiance);
   }
 
   /// Gives the scene a sky: what a ray brings that meets nothing. Throws std::invalid_argument if it is

@@ -225,7 +225,7 @@ template <Surface S>
     if constexpr (SurfaceWithFirstRoot<S>)
       if (range.min == 0)
         if (const FirstRoot first = surface.first_root(typename S::Line(ray));
-            first.known != FirstRoot::Known::nothing) {
+            first.known != FirstRoot::Known::undecided) {
           const Crossing crossing{first.t, first.root};
           return lies_inside(surface, ray, crossing, range) ? std::optional(crossing) : std::nullopt;
         }

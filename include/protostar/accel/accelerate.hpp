@@ -307,7 +307,7 @@ class Accelerated<Scene<S...>> {
       first = candidate;
       first_index = i;
       // What might be before it, given its error, stays in.
-      range.max = std::min(range.max, crossing->t + 4 * Roots::relative_error * std::abs(crossing->t));
+      range.max = std::min(range.max, latest(crossing->t));
     });
   }
 

@@ -196,7 +196,10 @@ class Occluders {
       list->cone = ConeToLight(rays, which, to_light.wide);
       list->in_cone.clear();
       int looked_at = least;
-      if (!list->cone.holds(rays, which)) return nullptr;  // they need not end together
+      if (!list->cone.holds(rays, which)) {  // they need not end together
+        list->cone.close();
+        return nullptr;
+      }
       search(list->cone.half_spaces(), [&](int place, const SphereAround& around) {
         ++looked_at;
         if (list->in_cone.size() > most) return;

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <type_traits>
@@ -92,11 +91,11 @@ class TileRenderer {
   static constexpr bool nearest_first = ShadingIntegrator<I, View> || !by_packets;
 
   /// A tile is filled in parts of this size, and these in parts of the next while they have more candidates
-  /// than are sooner tried than looked at again.
+  /// than are sooner tried than looked at again; the last parts are filled anyway.
   struct Division {
     int width, height, most;
   };
-  static constexpr Division divisions[] = {{16, 16, 3}, {8, 8, 16}, {8, 1, std::numeric_limits<int>::max()}};
+  static constexpr Division divisions[] = {{16, 16, 3}, {8, 8, 16}, {8, 1, 0}};
 
   /// What a tile's parts use one after the other.
   struct Work {
@@ -151,7 +150,7 @@ class TileRenderer {
         in_part.add(candidates, Frustum(rays_, part));
         if (can_be_left(in_part))
           leave_empty(part, work);
-        else if (in_part.size() <= most)
+        else if (in_part.size() <= most || division + 1 == std::size(divisions))
           fill(part, in_part, work);
         else
           fill_parts(part, in_part, division + 1, work);

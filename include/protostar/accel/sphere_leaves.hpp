@@ -110,9 +110,9 @@ class SphereLeaves {
                  z = Floats::load(row + 2 * leaf.count), r = Floats::load(row + 3 * leaf.count);
     Mask<float, float_lanes> within = true;
     for (const auto& [normal, from] : half_spaces)
-      within =
-          within && x * Floats(normal[0]) + y * Floats(normal[1]) + z * Floats(normal[2]) + r >= Floats(from);
-    return bits(within) & all_below(leaf.count - i);
+      within = within && !(x * Floats(normal[0]) + y * Floats(normal[1]) + z * Floats(normal[2]) + r <
+                           Floats(from));  // NaN is not outside
+    return bits(within) & first_bits(static_cast<int>(leaf.count - i));
   }
 
   /// A sphere that surely contains the i-th of a leaf. A float is off by a part 2^-24 or by 2^-150, and the
@@ -146,12 +146,9 @@ class SphereLeaves {
       e = Floats(0x1p-19f) * (abs(b) + r) + Floats(0x1p-19f * ray.distance + ray.widening);
       R = r + e;
       q = R * R - pp;
-      close = bits(q >= Floats(0)) & all_below(leaf.count - i);
+      close = bits(q >= Floats(0)) & first_bits(static_cast<int>(leaf.count - i));
     }
   };
-
-  /// The lanes below the n-th.
-  static Bits all_below(std::uint32_t n) { return n < 32 ? (Bits{1} << n) - 1 : ~Bits{0}; }
 
   /// Of each leaf, from 4 · first on: all x, all y, all z of the centers, and the radii.
   std::vector<float> rows_;

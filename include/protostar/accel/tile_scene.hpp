@@ -144,22 +144,23 @@ class TileScene {
 
   /// Of other rays, each is followed by itself where there are many surfaces.
   template <class Origin>
-  [[nodiscard]] Colors follow(const Rays<Origin>& rays, const auto& background, const auto& shade) const {
-    if (scene_.size() > few) return follow_each(rays, background, shade);
+  [[nodiscard]] Colors follow(const Rays<Origin>& rays, const auto& background,
+                              const auto& shade_hits) const {
+    if (scene_.size() > few) return follow_each(rays, background, shade_hits);
     statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.wanted)));
-    return this->shade(rays, closest(rays), background, shade);
+    return shade(rays, closest(rays), background, shade_hits);
   }
 
   /// The same, each by itself.
   template <class Origin>
   [[nodiscard, gnu::noinline]] Colors follow_each(const Rays<Origin>& rays, const auto& background,
-                                                  const auto& shade) const {
+                                                  const auto& shade_hits) const {
     Colors result(background());
     for (Bits alone = bits(rays.wanted); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       count_alone();
       if (const auto hit = everything_.intersect(rays[lane], Interval{})) {
-        const Color color = shade(*hit);
+        const Color color = shade_hits(*hit);
         result.r.set(lane, color.r), result.g.set(lane, color.g), result.b.set(lane, color.b);
       }
     }

@@ -91,13 +91,15 @@ struct WhittedIntegrator {
 
     const R mirrored = onward.turned(reflected(direction, normal));
     auto result = from_lights(mirrored, normal, color, material, scene);
-    if (material.reflect > 0) result += to_float(material.reflect) * seen_along(mirrored, scene, rays - 1);
-    if (material.refract > 0) {
+    // Shares as floats: what is 0 as one brings nothing, whatever is in the mirror.
+    const float reflect = to_float(material.reflect), refract = to_float(material.refract);
+    if (reflect > 0) result += reflect * seen_along(mirrored, scene, rays - 1);
+    if (refract > 0) {
       const auto ratio = select(enters, 1 / material.ior, material.ior);
       const auto [passes, bent] = refracted(direction, normal, ratio);
       if (any(passes)) {
         const auto seen = seen_along(only(passes, onward.turned(bent)), scene, rays - 1);
-        result = select(passes, result + to_float(material.refract) * seen, result);
+        result = select(passes, result + refract * seen, result);
       }
     }
     return result;

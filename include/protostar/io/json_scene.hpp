@@ -428,9 +428,7 @@ inline Material material_of(const JsonCursor& object, const Materials& materials
 inline void add_light(const JsonCursor& at, SceneFile& file) {
   if (at.has("ambient")) {
     at.with_keys({"ambient"});
-    const Color light = at["ambient"].color();  // held as that of other lights is
-    file.scene.add(AmbientLight{{std::min(light.r, most_irradiance), std::min(light.g, most_irradiance),
-                                 std::min(light.b, most_irradiance)}});
+    file.scene.add(AmbientLight{at["ambient"].color()});
   } else if (at.has("angle") || at.has("fade") || (at.has("position") && at.has("direction"))) {
     at.with_keys({"position", "direction", "angle", "fade", "power"});
     SpotLight light{.position = at["position"].vector(), .direction = at["direction"].direction()};

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "../interval.hpp"
@@ -41,11 +42,11 @@ class Roots {
 
 /// The first of a line's roots in t > 0, without the others.
 struct FirstRoot {
-  enum class Known : std::uint8_t { none, root, nothing };
+  enum class Known : std::uint8_t { no_root, root, undecided };
 
-  Known known = Known::none;  ///< that there is none, the root, or nothing: then only all roots tell
-  double t = infinity;        ///< as in Roots
-  int root = 0;               ///< its place among all roots
+  Known known = Known::no_root;  ///< where it is undecided, only all roots tell
+  double t = infinity;           ///< as in Roots
+  int root = 0;                  ///< its place among all roots
 };
 
 /// The roots of A t² − 2 b t + c = 0, given q = b ± √(b² − A c) without cancellation: one is q/A, and the
@@ -82,6 +83,12 @@ template <class M>
 struct CrossedByEach {
   M crossed, in_doubt;
 };
+
+/// A t that no root lies behind which may come before one that is given as t: each is off by 2^-30 of itself,
+/// or where that vanishes by less than the smallest double.
+[[nodiscard]] inline double latest(double t) {
+  return t + (4 * Roots::relative_error * std::abs(t) + std::numeric_limits<double>::denorm_min());
+}
 
 /// How a root is worked out when double does not decide: in double-double, or from exact coefficients.
 enum class Precision : std::uint8_t { double_double, exact };

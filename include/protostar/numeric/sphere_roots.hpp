@@ -227,7 +227,7 @@ struct RoundedSphereEquation {
   [[nodiscard, gnu::always_inline]] auto surely_misses() const { return D < -E; }
 
   /// Whether the line surely starts outside the sphere and leads away from its center, so that it has no root
-  /// above 0: the errors of b and c are as below. Neither is a product that underflow could reach.
+  /// above 0: the errors of b and c are as in surely_meets. Neither is a product that underflow could reach.
   [[nodiscard, gnu::always_inline]] auto surely_recedes() const {
     return in_range(A) && c > 0x1p-50 * w && w > 0x1p-900 && b < 0.0 && b * b > 0x1p-100 * (A * w);
   }
@@ -355,7 +355,7 @@ template <class T, class C>
       return {.known = FirstRoot::Known::root, .t = q < 0 ? e.c / q : q / e.A, .root = 1};
     }
   }
-  return {.known = FirstRoot::Known::nothing};
+  return {.known = FirstRoot::Known::undecided};
 }
 
 /// The roots of several lines at once, in the order near, far, of those that are wanted: the same numbers as

@@ -57,7 +57,7 @@ struct Sphere {
 
   /// The first root in t > 0, if double tells.
   [[nodiscard, gnu::always_inline]] FirstRoot first_root(const Line& line) const {
-    if (is_left_by(line.ray)) return {.known = FirstRoot::Known::nothing};
+    if (is_left_by(line.ray)) return {.known = FirstRoot::Known::undecided};
     return first_sphere_root(line, center, radius);
   }
 
