@@ -60,10 +60,12 @@ class ClosestHit {
       const bool is_known = root.known == FirstRoot::Known::root;
       if (is_known && root.t >= later) continue;
       const Material& material = materials[static_cast<std::size_t>(&surface - surfaces.data())];
-      if (is_known && root.t < sooner)
-        take(crossing_on(surface, {root.t, root.root}, material));
-      else
+      if (is_known && root.t < sooner) {
+        first_ = crossing_on(surface, {root.t, root.root}, material);
+        range_.max = (1 + 4 * error) * root.t;  // less than it was
+      } else {
         look_closer_at(surface, material);
+      }
       sooner = (1 - 8 * error) * range_.max, later = (1 + 2 * error) * range_.max;
     }
   }
