@@ -92,6 +92,7 @@ class Panel {
     for (const Measure& measure : front) svg_ << time_.at(measure.time) << ',' << height_of(measure) << ' ';
     svg_ << "\"/>\n";
     bool above = true;  // labels in turns above and below, since neighbors would overlap
+    int at_zero = 0;    // there they are stacked
     for (const Point& point : plot_.points) {
       const double x = time_.at(point.measure.time), y = height_of(point.measure);
       const bool near_the_edge = x > right_ - 90;
@@ -100,9 +101,7 @@ class Panel {
            << "\" r=\"4\"/>";
       if (!point.label.empty())
         text(x + (near_the_edge ? -8 : 8),
-             above                     ? y - 6
-             : point.measure.error > 0 ? y + 14
-                                       : y - 20,
+             point.measure.error > 0 ? (above ? y - 6 : y + 14) : y - 6 - 14 * at_zero++,
              near_the_edge ? "end" : "start", point.label);
       above = !above;
       svg_ << '\n';
