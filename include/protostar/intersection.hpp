@@ -12,10 +12,11 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// One crossing of a ray with a surface: the ray's parameter, and which of the surface's crossings with the
-/// ray's line it is, counted from 0.
+/// ray's line it is, counted from 0. On a surface that is made of parts, it is one of the part's crossings.
 struct Crossing {
   double t = 0;
   int root = 0;
+  int part = 0;  ///< which of a surface's parts is crossed, as the surface counts them
 };
 
 /// A crossing's parameter to more than a double, with the relative error that it may still have.
@@ -27,9 +28,9 @@ struct RefinedCrossing {
 /// What can be asked of a surface whose type has been forgotten; the first argument is the surface.
 /// surface.hpp has one such table for each type.
 struct SurfaceFunctions {
-  Vec3 (*normal_at)(const void* surface, const Point& point);
-  Uv (*uv_at)(const void* surface, const Point& point);
-  Departure (*departure)(const void* surface);
+  Vec3 (*normal_at)(const void* surface, const Point& point, int part);
+  Uv (*uv_at)(const void* surface, const Point& point, int part);
+  Departure (*departure)(const void* surface, int part);
   RefinedCrossing (*refine)(const void* surface, const Ray& ray, const Crossing& crossing,
                             Precision precision);
   ExactRoot (*exact_root)(const void* surface, const Ray& ray, const Crossing& crossing);
@@ -42,7 +43,11 @@ struct SurfaceCrossing {
   const SurfaceFunctions* functions = nullptr;
   const Material* material = nullptr;
 
-  [[nodiscard]] Departure departure() const { return functions->departure(surface); }
+  [[nodiscard]] Vec3 normal_at(const Point& point) const {
+    return functions->normal_at(surface, point, crossing.part);
+  }
+  [[nodiscard]] Uv uv_at(const Point& point) const { return functions->uv_at(surface, point, crossing.part); }
+  [[nodiscard]] Departure departure() const { return functions->departure(surface, crossing.part); }
   [[nodiscard]] RefinedCrossing refine(const Ray& ray, Precision precision) const {
     return functions->refine(surface, ray, crossing, precision);
   }
@@ -97,7 +102,7 @@ class Intersection {
   [[nodiscard]] const Vec3& direction() const { return ray_.direction; }
 
   /// The surface's unit normal, on the side that the surface calls its outside (§2.3.1).
-  [[nodiscard]] Vec3 normal() const { return on_.functions->normal_at(on_.surface, point()); }
+  [[nodiscard]] Vec3 normal() const { return on_.normal_at(point()); }
 
   /// The unit normal on the side that the ray comes from: surfaces are two-sided (§2.3.2).
   [[nodiscard]] Vec3 facing_normal() const {
@@ -109,7 +114,7 @@ class Intersection {
   [[nodiscard]] const Material& material() const { return *on_.material; }
 
   /// Where it is on the surface, in the surface's own coordinates; 0 and 0 on one that has none.
-  [[nodiscard]] Uv uv() const { return on_.functions->uv_at(on_.surface, point()); }
+  [[nodiscard]] Uv uv() const { return on_.uv_at(point()); }
 
   /// The surface's color here: the diffuse color of its material, or what that has for a texture.
   [[nodiscard]] Color color() const {

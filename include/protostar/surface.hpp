@@ -25,11 +25,25 @@ namespace protostar::inline PROTOSTAR_ABI {
 ///
 /// the smallest t of a crossing inside an open interval, and the unit normal at a point of the surface. Both
 /// are called from several threads at once. `static_assert(Surface<Mine>)` checks a type of your own.
+///
+/// A surface that is made of parts, as a mesh is of triangles, takes the part as well wherever it is asked
+/// about a point or a departure: normal_at(point, part). Its crossings say which it is.
 template <class S>
 concept Surface = std::copy_constructible<S> &&
     requires(const S& surface, const Ray& ray, Interval range, Point point) {
   { surface.intersect(ray, range) } -> std::same_as<std::optional<double>>;
-  { surface.normal_at(point) } -> std::convertible_to<Vec3>;
+  requires requires {
+    { surface.normal_at(point) } -> std::convertible_to<Vec3>;
+  } || requires {
+    { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
+  };
+};
+
+/// A surface that is made of parts.
+template <class S>
+concept SurfaceWithParts = Surface<S> && requires(const S& surface, Point point) {
+  { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
+  { surface.departure(0) } -> std::same_as<Departure>;
 };
 
 /// A surface that offers its roots, all crossings with the ray's line, as certain as Roots says. A point of
@@ -60,9 +74,9 @@ concept SurfaceWithRefinedRoots = SurfaceWithRoots<S> &&
 /// A surface that says what a ray leaving it departs from, and that, given a ray with that departure, leaves
 /// out the root t = 0.
 template <class S>
-concept SurfaceWithDeparture = Surface<S> && requires(const S& surface) {
+concept SurfaceWithDeparture = SurfaceWithParts<S> ||(Surface<S>&& requires(const S& surface) {
   { surface.departure() } -> std::same_as<Departure>;
-};
+});
 
 /// A surface that knows how far its t can be from the true one at the origin of a ray that leaves it, in t.
 /// Such a ray starts beyond that.
@@ -96,9 +110,13 @@ concept SurfaceWithBounds = Surface<S> && requires(const S& surface) {
 
 /// A surface that has coordinates of its own, for textures.
 template <class S>
-concept SurfaceWithUv = Surface<S> && requires(const S& surface, const Point& point) {
-  { surface.uv_at(point) } -> std::same_as<Uv>;
-};
+concept SurfaceWithUv = (Surface<S> &&
+                         requires(const S& surface, const Point& point) {
+                           { surface.uv_at(point) } -> std::same_as<Uv>;
+                         }) ||
+                        (SurfaceWithParts<S> && requires(const S& surface, const Point& point) {
+                          { surface.uv_at(point, 0) } -> std::same_as<Uv>;
+                        });
 
 /// Whether a surface has coordinates. One that holds others may say it of each.
 template <Surface S>
@@ -109,19 +127,42 @@ template <Surface S>
     return SurfaceWithUv<S>;
 }
 
-/// The coordinates of a point of a surface; 0 and 0 if it has none.
+/// Whether crossings of a surface are on parts of it. One that holds others may say it of each.
 template <Surface S>
-[[nodiscard]] Uv uv_at(const S& surface, const Point& point) {
-  if constexpr (SurfaceWithUv<S>)
+[[nodiscard]] bool has_parts(const S& surface) {
+  if constexpr (requires { surface.has_parts(); })
+    return surface.has_parts();
+  else
+    return SurfaceWithParts<S>;
+}
+
+/// The unit normal at a point of a surface, or of a part of it.
+template <Surface S>
+[[nodiscard]] Vec3 normal_at(const S& surface, const Point& point, int part) {
+  if constexpr (SurfaceWithParts<S>)
+    return surface.normal_at(point, part);
+  else
+    return surface.normal_at(point);
+}
+
+/// The coordinates of a point of a surface, or of a part of it; 0 and 0 if it has none.
+template <Surface S>
+[[nodiscard]] Uv uv_at(const S& surface, const Point& point, int part) {
+  if constexpr (SurfaceWithUv<S> && SurfaceWithParts<S>)
+    return surface.uv_at(point, part);
+  else if constexpr (SurfaceWithUv<S>)
     return surface.uv_at(point);
   else
     return Uv{0};
 }
 
-/// What a ray that leaves this surface departs from: what the surface says, or else the object itself.
+/// What a ray that leaves this surface, or a part of it, departs from: what the surface says, or else the
+/// object itself.
 template <Surface S>
-[[nodiscard]] Departure departure_of(const S& surface) {
-  if constexpr (SurfaceWithDeparture<S>)
+[[nodiscard]] Departure departure_of(const S& surface, int part = 0) {
+  if constexpr (SurfaceWithParts<S>)
+    return surface.departure(part);
+  else if constexpr (SurfaceWithDeparture<S>)
     return surface.departure();
   else
     return {.kind = Departure::Kind::object, .object = &surface};
@@ -263,9 +304,13 @@ void each_crossing(const S& surface, const Ray& ray, Interval range, auto&& visi
 /// The table of a surface type.
 template <Surface S>
 inline constexpr SurfaceFunctions functions_of{
-    .normal_at = [](const void* s, const Point& p) -> Vec3 { return static_cast<const S*>(s)->normal_at(p); },
-    .uv_at = [](const void* s, const Point& p) -> Uv { return uv_at(*static_cast<const S*>(s), p); },
-    .departure = [](const void* s) { return departure_of(*static_cast<const S*>(s)); },
+    .normal_at = [](const void* s, const Point& p, int part) -> Vec3 {
+      return normal_at(*static_cast<const S*>(s), p, part);
+    },
+    .uv_at = [](const void* s, const Point& p, int part) -> Uv {
+      return uv_at(*static_cast<const S*>(s), p, part);
+    },
+    .departure = [](const void* s, int part) { return departure_of(*static_cast<const S*>(s), part); },
     .refine = [](const void* s, const Ray& ray, const Crossing& crossing,
                  Precision precision) { return refine(*static_cast<const S*>(s), ray, crossing, precision); },
     .exact_root =

@@ -74,6 +74,7 @@ struct Colors {
   friend Colors operator*(const Colors& p, const Colors& q) { return {p.r * q.r, p.g * q.g, p.b * q.b}; }
   friend Colors operator*(const Colors& p, Floats share) { return {p.r * share, p.g * share, p.b * share}; }
   friend Colors operator*(float share, const Colors& p) { return p * Floats(share); }
+  void set(int lane, const Color& c) { r.set(lane, c.r), g.set(lane, c.g), b.set(lane, c.b); }
   Colors& operator*=(const Colors& other) { return *this = *this * other; }
   Colors& operator+=(const Colors& other) { return *this = *this + other; }
   friend Chosen is_black(const Colors& c) {
@@ -201,7 +202,8 @@ template <Surface S>
   return {.crossed = first.met, .in_doubt = first.in_doubt};
 }
 
-/// The crossings of some rays of a packet with one surface: Intersection, with a lane for each ray.
+/// The crossings of some rays of a packet with one surface, which has no parts: Intersection, with a lane for
+/// each ray.
 template <Surface S, class Origin>
 class Intersections {
  public:
@@ -226,7 +228,7 @@ class Intersections {
       Vectors normals(Vec3{0});
       for (Bits left = bits(which_); left != 0; left &= left - 1) {
         const int lane = std::countr_zero(left);
-        const Vec3 n = surface_.normal_at(points[lane]);
+        const Vec3 n = protostar::normal_at(surface_, points[lane], 0);
         normals.x.set(lane, n.x), normals.y.set(lane, n.y), normals.z.set(lane, n.z);
       }
       return normals;
@@ -250,7 +252,7 @@ class Intersections {
       Uvs places{0.0, 0.0};
       for (Bits left = bits(which_); left != 0; left &= left - 1) {
         const int lane = std::countr_zero(left);
-        const Uv place = uv_at(surface_, points[lane]);
+        const Uv place = uv_at(surface_, points[lane], 0);
         places.x.set(lane, place.x), places.y.set(lane, place.y);
       }
       return places;
@@ -269,8 +271,7 @@ class Intersections {
     Colors colors(Color{0});
     for (Bits left = bits(which_); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
-      const Color color = material_.texture(places.x[lane], places.y[lane]);
-      colors.r.set(lane, color.r), colors.g.set(lane, color.g), colors.b.set(lane, color.b);
+      colors.set(lane, material_.texture(places.x[lane], places.y[lane]));
     }
     return colors;
   }

@@ -130,7 +130,7 @@ class TileScene {
     if (place < 0) return Colors(background());
     Colors result(Color{0});
     visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
-      result = Colors(shade_hits(Intersections(rays, closest.t, rays.wanted, surface, material)));
+      result = shade_on(surface, material, rays, closest.t, rays.wanted, shade_hits);
     });
     return result;
   }
@@ -160,8 +160,7 @@ class TileScene {
       const int lane = std::countr_zero(alone);
       count_alone();
       if (const auto hit = everything_.intersect(rays[lane], Interval{})) {
-        const Color color = shade_hits(*hit);
-        result.r.set(lane, color.r), result.g.set(lane, color.g), result.b.set(lane, color.b);
+        result.set(lane, shade_hits(*hit));
       }
     }
     return result;
@@ -200,7 +199,12 @@ class TileScene {
     const auto cross = [&](int place) {
       count_tests(rays.wanted);
       visit(place, [&](const auto& surface, const Material& material) {
-        if (material.texture)
+        if (material.texture && has_parts(surface))
+          each_crossing_by_itself(surface, rays, rays.wanted, range, [&](int lane, const Crossing& crossing) {
+            const Intersection hit(rays[lane], crossing_on(surface, crossing, material));
+            visit_crossing(SomeCross{one(lane), hit.color()});
+          });
+        else if (material.texture)
           each_crossing_of(surface, rays, range, [&](Chosen which, Doubles t) {
             const Intersections crossings(rays, t, which, surface, material);
             if (any(which)) visit_crossing(SomeCross{which, crossings.color()});
@@ -278,6 +282,29 @@ class TileScene {
     closest.place = select(sooner, Indices(place), closest.place);
   }
 
+  /// What rays bring that meet one surface. Where that has parts, each may have met another.
+  template <Surface T>
+  [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const auto& rays, Doubles t,
+                                Chosen which, const auto& shade_hits) const {
+    if constexpr (SurfaceWithParts<T>)
+      if (has_parts(surface)) return shade_by_itself(surface, material, rays, which, shade_hits);
+    return Colors(shade_hits(Intersections(rays, t, which, surface, material)));
+  }
+  template <Surface T>
+  [[nodiscard, gnu::noinline]] Colors shade_by_itself(const T& surface, const Material& material,
+                                                      const auto& rays, Chosen which,
+                                                      const auto& shade_hits) const {
+    Colors result(Color{0});
+    for (Bits left = bits(which); left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
+      const Ray ray = rays[lane];
+      const auto crossing = first_crossing(surface, ray, Interval{});
+      if (crossing)
+        result.set(lane, shade_hits(Intersection(ray, crossing_on(surface, *crossing, material))));
+    }
+    return result;
+  }
+
   /// Where the rays meet different surfaces, or some of them nothing.
   [[nodiscard, gnu::noinline]] Colors shade_each(const auto& rays, const Closest& closest,
                                                  const auto& background, const auto& shade_hits) const {
@@ -287,8 +314,7 @@ class TileScene {
       const std::int64_t place = closest.place[std::countr_zero(some)];
       const Chosen here = left && mask_for<double>(closest.place == Indices(place));
       visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
-        const Intersections hits(rays, closest.t, here, surface, material);
-        result = select(here, Colors(shade_hits(hits)), result);
+        result = select(here, shade_on(surface, material, rays, closest.t, here, shade_hits), result);
       });
       left = left && !here;
     }
@@ -417,7 +443,9 @@ class TileScene {
       if (roots.count > 1) tell(sure && far.surely, roots.far());
       statistics_.in_doubt += static_cast<std::uint64_t>(std::popcount(bits(alone)));
     }
-    if (any(alone)) each_crossing_by_itself(surface, rays, alone, range, tell);
+    if (any(alone))
+      each_crossing_by_itself(surface, rays, alone, range,
+                              [&](int lane, const Crossing& crossing) { tell(one(lane), crossing.t); });
   }
 
   [[gnu::noinline, gnu::cold]] void each_crossing_by_itself(const auto& surface, const auto& rays,
@@ -425,8 +453,7 @@ class TileScene {
                                                             const auto& tell) const {
     for (Bits left = bits(alone); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
-      each_crossing(surface, rays[lane], range,
-                    [&](const Crossing& crossing) { tell(one(lane), crossing.t); });
+      each_crossing(surface, rays[lane], range, [&](const Crossing& crossing) { tell(lane, crossing); });
     }
   }
 

@@ -9,6 +9,7 @@
 #include "../camera.hpp"
 #include "../encode.hpp"
 #include "../scene.hpp"
+#include "../surfaces/any_surface.hpp"
 #include "../surfaces/parallelogram.hpp"
 #include "../surfaces/plane.hpp"
 #include "../surfaces/sphere.hpp"
@@ -26,7 +27,7 @@ inline constexpr int most_samples = 1 << 16, most_depth = 1000;
 
 /// A scene, and the settings of its picture; they begin with what a file need not say.
 struct SceneFile {
-  Scene<Sphere, Plane, Parallelogram> scene;
+  Scene<Sphere, Plane, Parallelogram, AnySurface> scene;
   Camera camera;
   int width = 640, height = 480;       ///< in pixels
   int samples = 0;                     ///< in a pixel; 0: its center

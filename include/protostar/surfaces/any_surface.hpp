@@ -28,10 +28,13 @@ class AnySurface {
     const auto crossing = first_crossing(ray, range);
     return crossing ? std::optional(crossing->t) : std::nullopt;
   }
-  [[nodiscard]] Vec3 normal_at(const Point& point) const { return held_->normal_at(point); }
+  [[nodiscard]] bool has_parts() const { return held_->has_parts(); }
+  [[nodiscard]] Vec3 normal_at(const Point& point, int part = 0) const {
+    return held_->normal_at(point, part);
+  }
   [[nodiscard]] bool has_uv() const { return held_->has_uv(); }
-  [[nodiscard]] Uv uv_at(const Point& point) const { return held_->uv_at(point); }
-  [[nodiscard]] Departure departure() const { return held_->departure(); }
+  [[nodiscard]] Uv uv_at(const Point& point, int part = 0) const { return held_->uv_at(point, part); }
+  [[nodiscard]] Departure departure(int part = 0) const { return held_->departure(part); }
   [[nodiscard]] Bounds bounds() const { return held_->bounds(); }
   void validate() const { held_->validate(); }
 
@@ -67,10 +70,11 @@ class AnySurface {
     virtual void each_crossing(const Ray&, Interval, const Visitor&) const = 0;
     virtual RefinedCrossing refine(const Ray&, const Crossing&, Precision) const = 0;
     virtual ExactRoot exact_root(const Ray&, const Crossing&) const = 0;
-    virtual Vec3 normal_at(const Point&) const = 0;
+    virtual bool has_parts() const = 0;
+    virtual Vec3 normal_at(const Point&, int part) const = 0;
     virtual bool has_uv() const = 0;
-    virtual Uv uv_at(const Point&) const = 0;
-    virtual Departure departure() const = 0;
+    virtual Uv uv_at(const Point&, int part) const = 0;
+    virtual Departure departure(int part) const = 0;
     virtual Bounds bounds() const = 0;
     virtual void validate() const = 0;
   };
@@ -91,10 +95,13 @@ class AnySurface {
     ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const override {
       return protostar::exact_root(surface, ray, crossing);
     }
-    Vec3 normal_at(const Point& point) const override { return surface.normal_at(point); }
+    bool has_parts() const override { return protostar::has_parts(surface); }
+    Vec3 normal_at(const Point& point, int part) const override {
+      return protostar::normal_at(surface, point, part);
+    }
     bool has_uv() const override { return protostar::has_uv(surface); }
-    Uv uv_at(const Point& point) const override { return protostar::uv_at(surface, point); }
-    Departure departure() const override { return departure_of(surface); }
+    Uv uv_at(const Point& point, int part) const override { return protostar::uv_at(surface, point, part); }
+    Departure departure(int part) const override { return departure_of(surface, part); }
     Bounds bounds() const override {
       if constexpr (SurfaceWithBounds<S>)
         return surface.bounds();
@@ -111,6 +118,6 @@ class AnySurface {
   std::unique_ptr<Holder> held_;
 };
 
-static_assert(CompositeSurface<AnySurface>);
+static_assert(CompositeSurface<AnySurface> && SurfaceWithParts<AnySurface>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI
