@@ -44,6 +44,12 @@ const std::vector<std::vector<std::string>> layers = {
     {"protostar.hpp", "io/hdr.hpp", "io/json_scene.hpp", "io/png.hpp"},
 };
 
+/// The surfaces that a program names by their headers where it has them, with what only they need.
+const std::set<std::string> on_demand = {
+    "numeric/box_roots.hpp", "numeric/disk_roots.hpp", "numeric/quadric_roots.hpp",
+    "surfaces/box.hpp",      "surfaces/disk.hpp",      "surfaces/quadric.hpp",
+};
+
 /// What the core includes from outside: the standard library, and of GLM the smallest part that will do; and
 /// in one header the processor's instructions.
 const std::set<std::string> glm_headers = {"glm/vec2.hpp", "glm/vec3.hpp", "glm/geometric.hpp"};
@@ -157,7 +163,7 @@ TEST_CASE("every header in the table of layers exists") {
     }
 }
 
-TEST_CASE("protostar.hpp is the whole core, and nothing else") {
+TEST_CASE("protostar.hpp is the whole core but for surfaces on demand, and nothing else") {
   Headers headers = headers_of_the_library();
   std::set<std::string> reached;
   std::vector<std::string> next = {"protostar.hpp"};
@@ -169,7 +175,7 @@ TEST_CASE("protostar.hpp is the whole core, and nothing else") {
   }
   for (const auto& [header, text] : headers) {
     INFO(header);
-    CHECK(reached.contains(header) == in_core(header));
+    CHECK(reached.contains(header) == (in_core(header) && !on_demand.contains(header)));
   }
 }
 
@@ -183,7 +189,7 @@ TEST_CASE("an include that points the wrong way is found") {
                Row{"render.hpp", R"(#include "integrators/shadow.hpp")"},    // any will do
                Row{"ppm.hpp", R"(#include "protostar.hpp")"},                // everything
                Row{"ppm.hpp", R"(#include "io/png.hpp")"},                   // not the core
-               Row{"surfaces/box.hpp", R"(#include "../surface.hpp")"},      // has no place
+               Row{"surfaces/torus.hpp", R"(#include "../surface.hpp")"},    // has no place
                Row{"scene.hpp", R"(#include "../../stages/stage.hpp")"},     // not the library
                Row{"scene.hpp", R"(#include "light.h")"},                    // does not exist
                Row{"protostar.hpp", R"(#include "accel/bvh.hpp")"},          // render.hpp's business
