@@ -505,7 +505,7 @@ class Table {
           << "corpus,kernel,tests,hits,false hits,false misses,wrong roots,broken promises,t p50 ulp,t p99.9 "
              "ulp,t max ulp,normal p99.9,normal max,ns per test\n";
     }
-    std::printf("%-17s%-10s%10s%10s%9s%9s%9s%8s%10s%10s%10s%10s%10s%7s\n", "corpus", "kernel", "tests",
+    std::printf("%-17s%-10s%10s%10s%9s%9s%9s%8s%10s%10s%10s%10s%10s%8s\n", "corpus", "kernel", "tests",
                 "hits", "f. hits", "f. miss", "w. root", "broken", "t p50", "t p99.9", "t max", "n p99.9",
                 "n max", "ns");
   }
@@ -515,7 +515,7 @@ class Table {
     const auto& t = x.t_error;
     const auto& n = x.normal_error;
     std::printf("%-17s%-10s%10" PRIu64 "%10" PRIu64 "%9" PRIu64 "%9" PRIu64 "%9" PRIu64 "%8" PRIu64
-                "%10.2g%10.2g%10.2g%10.2g%10.2g%7.1f\n",
+                "%10.2g%10.2g%10.2g%10.2g%10.2g%8.1f\n",
                 corpus, kernel, x.tests, x.hits, x.false_hits, x.false_misses, x.wrong_roots, x.broken,
                 t.at(0.5), t.at(0.999), t.largest(), n.at(0.999), n.largest(), ns);
     std::fflush(stdout);
