@@ -24,10 +24,11 @@ const std::vector<std::vector<std::string>> layers = {
     {"ray.hpp", "numeric/expansion.hpp", "numeric/roots.hpp", "numeric/scale.hpp"},
     {"numeric/exact_root.hpp", "numeric/plane_through.hpp", "numeric/power.hpp", "accel/box_space.hpp"},
     {"intersection.hpp", "numeric/parallelogram_roots.hpp", "numeric/plane_roots.hpp",
-     "numeric/sphere_roots.hpp", "numeric/trigonometry.hpp", "accel/bvh_build.hpp"},
+     "numeric/sphere_roots.hpp", "numeric/triangle_roots.hpp", "numeric/trigonometry.hpp",
+     "accel/bvh_build.hpp"},
     {"light.hpp", "surface.hpp", "accel/bvh.hpp", "surfaces/coordinates.hpp"},
     {"closest_hit.hpp", "surfaces/any_surface.hpp", "surfaces/parallelogram.hpp", "surfaces/plane.hpp",
-     "surfaces/sphere.hpp"},
+     "surfaces/sphere.hpp", "surfaces/triangle.hpp"},
     {"scene.hpp", "accel/sphere_around.hpp"},
     {"camera.hpp", "image.hpp", "accel/packet.hpp", "accel/sphere_leaves.hpp", "integrators/binary.hpp",
      "integrators/color.hpp", "integrators/depth.hpp", "integrators/diffuse.hpp", "integrators/normal.hpp",
@@ -41,6 +42,13 @@ const std::vector<std::vector<std::string>> layers = {
     {"io/image_texture.hpp"},
     // None of these includes another, and nothing in the core any of io/.
     {"protostar.hpp", "io/hdr.hpp", "io/json_scene.hpp", "io/png.hpp"},
+};
+
+/// Surfaces that a scene includes by themselves, and what nothing else needs: protostar.hpp leaves them out,
+/// so that a scene without them compiles none of them.
+const std::set<std::string> by_themselves = {
+    "numeric/triangle_roots.hpp",
+    "surfaces/triangle.hpp",
 };
 
 /// What the core includes from outside: the standard library, and of GLM the smallest part that will do; and
@@ -156,7 +164,7 @@ TEST_CASE("every header in the table of layers exists") {
     }
 }
 
-TEST_CASE("protostar.hpp is the whole core, and nothing else") {
+TEST_CASE("protostar.hpp is the whole core but for the surfaces that are included by themselves") {
   Headers headers = headers_of_the_library();
   std::set<std::string> reached;
   std::vector<std::string> next = {"protostar.hpp"};
@@ -168,7 +176,7 @@ TEST_CASE("protostar.hpp is the whole core, and nothing else") {
   }
   for (const auto& [header, text] : headers) {
     INFO(header);
-    CHECK(reached.contains(header) == in_core(header));
+    CHECK(reached.contains(header) == (in_core(header) && !by_themselves.contains(header)));
   }
 }
 
