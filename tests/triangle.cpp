@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "stress/oracle.hpp"
 #include "support/catch.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
@@ -61,6 +62,21 @@ bool is_crossed(const Triangle& s, const Ray& ray) {
                     c = in_units(s.c) - o;
   const Whole ab = determinant(d, a, b), bc = determinant(d, b, c), ca = determinant(d, c, a);
   return (ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0);
+}
+
+/// The same of any numbers, by the sign of the side or else of its gradient.
+int exact_side_of(const Ray& ray, const Point& p, const Point& q) {
+  using V = exact::Vector<exact::Number>;
+  const V o(ray.origin), d(ray.direction), from(p), to(q);
+  const int side = exact::dot(d, exact::cross(from - o, to - o)).sign();
+  if (side != 0) return side;
+  const V gradient = exact::cross(from - to, d);
+  const int x = gradient.x.sign(), y = gradient.y.sign();
+  return x != 0 ? x : y != 0 ? y : gradient.z.sign();
+}
+bool is_exactly_crossed(const Triangle& s, const Ray& ray) {
+  const int side = exact_side_of(ray, s.a, s.b);
+  return side != 0 && exact_side_of(ray, s.b, s.c) == side && exact_side_of(ray, s.c, s.a) == side;
 }
 
 Vec3 exact_normal(const Triangle& s) { return cross(s.b - s.a, s.c - s.a); }
@@ -176,12 +192,40 @@ TEST_CASE("each ray to an edge of two triangles hits exactly one of them") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a hit is as near to the triangle's plane as t says") {
+TEST_CASE("whether a ray passes next to an edge or a vertex is exact") {
+  Random random(39);
+  int hits = 0, wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Vec3 far = i % 3 == 0 ? random.point(1e4) : Vec3{0};
+    const Triangle s{far + random.point(1), far + random.point(1), far + random.point(1)};
+    const double along = i % 2 == 0 ? random.real(0, 1) : std::exp2(random.real(-50, 0));
+    Point target = s.a + along * (s.b - s.a);
+    for (int axis = 0; axis < 3; ++axis) target[axis] += 0x1p-53 * random.real(-4, 4);
+    const Point origin = far + random.point(3);
+    const Ray ray{origin, target - origin};
+    const bool expected = is_exactly_crossed(s, ray);
+    hits += expected;
+    wrong += s.intersect(ray, everywhere).has_value() != expected;
+  }
+  CHECK(hits > 7000);
+  CHECK(hits < 13000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE(
+    "a hit is as near to the triangle's plane as t says, however flat the ray, and however near its origin") {
   Random random(34);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
     const Triangle s{random.point(2), random.point(2), random.point(2)};
-    const Ray ray{random.point(5), random.direction()};
+    Ray ray{random.point(5), random.direction()};
+    const Point middle = (s.a + s.b + s.c) / 3.0;
+    const double off = std::exp2(random.real(-50, 0));
+    if (i % 3 == 0) {  // flat, next to the plane
+      ray.origin = middle + 3.0 * (s.b - s.a) + off * random.point(1);
+      ray.direction = middle + off * random.point(1) - ray.origin;
+    }
+    if (i % 3 == 1) ray.origin = middle + off * random.point(0.1);  // steep, from next to it
     const auto t = s.intersect(ray, everywhere);
     if (!t) continue;
     ++hits;
@@ -313,6 +357,17 @@ TEST_CASE("triangles of one plane have equal departures, and so have the plane a
   CHECK(tilted > 2000);
   CHECK(inexact > 1000);
   CHECK(wrong == 0);
+
+  // The equation is that of the exact plane, however thin the triangle and wherever it is.
+  int off = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Point p = random.point(1), q = random.point(1);
+    const Point r =
+        i % 3 == 0 ? 0.5 * (p + q) + std::exp2(random.real(-50, -20)) * random.point(1) : random.point(1);
+    const ExactVector n = exact_cross(exact_difference(q, p), exact_difference(r, p));
+    off += plane_through_points(p, q, r) != detail::exact_plane_equation(n, p);
+  }
+  CHECK(off == 0);
 
   const Triangle s{{0, 0, 7}, {0, 3.5, 0}, {7, 0, 0}};  // x + 2y + z = 7
   CHECK(s.departure() == Plane{{1, 2, 1}, 7}.departure());
