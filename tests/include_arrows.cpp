@@ -38,7 +38,7 @@ const std::vector<std::vector<std::string>> layers = {
     {"accel/tile_scene.hpp"},
     {"accel/render_tiles.hpp"},
     {"render.hpp", "encode.hpp", "output_file.hpp"},
-    {"pfm.hpp", "ppm.hpp", "io/scene_file.hpp", "io/stb_image_write.hpp"},
+    {"pfm.hpp", "ppm.hpp", "io/obj.hpp", "io/scene_file.hpp", "io/stb_image_write.hpp"},
     {"io/image_texture.hpp"},
     // None of these includes another, and nothing in the core any of io/.
     {"protostar.hpp", "io/hdr.hpp", "io/json_scene.hpp", "io/png.hpp"},

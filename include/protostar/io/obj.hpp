@@ -67,19 +67,20 @@ class LinesOfText : public std::streambuf {
  protected:
   int_type underflow() override {
     if (rest_.empty()) return traits_type::eof();
-    // A line ends as tinyobjloader takes it to: with \n, \r or \r\n.
-    std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
+    // A line ends with \n, \r or \r\n. tinyobjloader looks behind an \r, where the next line would be made.
+    const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
     line_ = rest_.substr(0, end);
-    end += rest_.substr(end).starts_with("\r\n") ? 2 : end < rest_.size() ? 1 : 0;
-    char* const begin = const_cast<char*>(rest_.data());  // which a stream for reading leaves as it is
-    setg(begin, begin, begin + end);
     rest_.remove_prefix(end);
+    if (!rest_.empty()) rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : 1);
+    ended_line_.assign(line_).push_back('\n');
+    setg(ended_line_.data(), ended_line_.data(), ended_line_.data() + ended_line_.size());
     ++number_;
-    return traits_type::to_int_type(*begin);
+    return traits_type::to_int_type(ended_line_[0]);
   }
 
  private:
   std::string_view rest_, line_;
+  std::string ended_line_;
   std::size_t number_ = 0;
 };
 
