@@ -607,7 +607,8 @@ void look_at(const fs::path& path, const std::string& text, Vocabulary& allowed,
       in = in.parent_pointer();
       if (scene[in].is_object()) objects.insert(in.to_string());
     }
-    const bool is_name = pointer.ends_with("/material-id") || pointer.ends_with("/image");
+    const bool is_name =
+        pointer.ends_with("/material-id") || pointer.ends_with("/image") || pointer.ends_with("/file");
     if (!value.is_string() || is_name) continue;
     json wrong = scene;
     wrong[json::json_pointer(pointer)] = "?";
