@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "../accel/bvh.hpp"
+#include "../accel/triangle_leaves.hpp"
 #include "../surface.hpp"
 #include "triangle.hpp"
 
@@ -116,11 +118,12 @@ class Mesh {
       return false;
     };
     const auto visit_leaf = [&](const simd::BoxRay& line, simd::Leaf leaf, simd::Reach& left) {
-      each_in(leaf, visit);
+      each_met(line, leaf, visit);
       left.until = line.at_most(range.max);
       return false;
     };
-    simd::each_along<simd::Order::near_first>(contents_->bvh, ray, range, visit, visit_leaf);
+    simd::each_along<simd::Order::near_first>(contents_->bvh, ray, range, visit, visit_leaf,
+                                              contents_->leaves.soon());
     return first;
   }
 
@@ -131,11 +134,12 @@ class Mesh {
       if (const auto crossing = crossing_with(i, ray, range)) crossings.push_back(*crossing);
       return false;
     };
-    const auto collect_leaf = [&](const simd::BoxRay&, simd::Leaf leaf, simd::Reach&) {
-      each_in(leaf, collect);
+    const auto collect_leaf = [&](const simd::BoxRay& line, simd::Leaf leaf, simd::Reach&) {
+      each_met(line, leaf, collect);
       return false;
     };
-    simd::each_along<simd::Order::any>(contents_->bvh, ray, range, collect, collect_leaf);
+    simd::each_along<simd::Order::any>(contents_->bvh, ray, range, collect, collect_leaf,
+                                       contents_->leaves.soon());
     std::sort(crossings.begin(), crossings.end(),
               [&](const Crossing& a, const Crossing& b) { return comes_before(ray, a, b); });
     for (const Crossing& crossing : crossings) visit(crossing);
@@ -154,20 +158,20 @@ class Mesh {
   struct Contents {
     MeshData data;
     simd::Bvh bvh;
+    simd::TriangleLeaves leaves;
     Bounds bounds{Point{infinity}, Point{-infinity}};
 
     Contents(MeshData given, const RenderOptions& options)
         : data(validated(std::move(given))),
           bvh(
-              data.triangles.size(), [&](std::size_t i) { return data.triangle(i).bounds(); }, leaf_size,
-              options) {
+              data.triangles.size(), [&](std::size_t i) { return data.triangle(i).bounds(); },
+              simd::node_width, options),
+          leaves(bvh, [&](std::size_t i) { return data.triangle(i); }) {
       for (const auto& triangle : data.triangles)
         for (const std::uint32_t i : triangle)
           bounds = {min(bounds.min, data.vertices[i]), max(bounds.max, data.vertices[i])};
     }
   };
-
-  static constexpr int leaf_size = 4;
 
   static MeshData validated(MeshData data) {
     data.validate();
@@ -183,9 +187,12 @@ class Mesh {
     return (1 - uv.x - uv.y) * of_vertices[a] + uv.x * of_vertices[b] + uv.y * of_vertices[c];
   }
 
-  /// Calls visit(i) for the triangles of a leaf.
-  void each_in(simd::Leaf leaf, const auto& visit) const {
-    for (const std::uint32_t i : contents_->bvh.order().subspan(leaf.first, leaf.count)) visit(i);
+  /// Calls visit(i) for the triangles of a leaf that a line does not surely miss.
+  void each_met(const simd::BoxRay& line, simd::Leaf leaf, const auto& visit) const {
+    const auto order = contents_->bvh.order();
+    for (std::uint32_t i = 0; i < leaf.count; i += simd::float_lanes)
+      for (simd::Bits met = contents_->leaves.met(leaf, i, line); met != 0; met &= met - 1)
+        visit(order[leaf.first + i + static_cast<std::uint32_t>(std::countr_zero(met))]);
   }
 
   [[nodiscard]] std::optional<Crossing> crossing_with(std::uint32_t i, const Ray& ray,
