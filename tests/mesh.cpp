@@ -80,6 +80,7 @@ TEST_CASE(
         wrong += !std::equal(found.begin(), found.end(), expected.begin(), expected.end(), are_equal);
         const auto first = mesh.first_crossing(ray, range);
         wrong += first ? expected.empty() || !are_equal(*first, expected[0]) : !expected.empty();
+        wrong += mesh.is_met(ray, range) == expected.empty();
         crossings += expected.size();
         if (!first) break;
         ray = {ray.at(first->t), place(2), mesh.departure(first->part)};

@@ -59,7 +59,7 @@ class Contest {
     row("primary, single", camera_rays, &Embree::closest, true, first);
     row("incoherent", incoherent, &Embree::closest, false, first);
     row("occlusion", segments, &Embree::any, false, [&](const FloatRay& ray) {
-      return mesh_.first_crossing(in_double(ray), {0, 1}) ? Index{0} : bench::nothing;
+      return mesh_.is_met(in_double(ray), {0, 1}) ? Index{0} : bench::nothing;
     });
   }
 

@@ -281,7 +281,7 @@ class Accelerated<Scene<S...>> {
     return finder<T>().any_crossed(ray, range, [&](std::uint32_t i) {
       if constexpr (requires { surfaces[i].is_surely_behind(ray); })
         if (range.min >= 0 && surfaces[i].is_surely_behind(ray)) return false;
-      return first_crossing(surfaces[i], ray, range).has_value();
+      return is_met(surfaces[i], ray, range);
     });
   }
 

@@ -118,13 +118,23 @@ class Mesh {
       return false;
     };
     const auto visit_leaf = [&](const simd::BoxRay& line, simd::Leaf leaf, simd::Reach& left) {
-      each_met(line, leaf, visit);
+      any_met(line, leaf, visit);
       left.until = line.at_most(range.max);
       return false;
     };
     simd::each_along<simd::Order::near_first>(contents_->bvh, ray, range, visit, visit_leaf,
                                               contents_->leaves.soon());
     return first;
+  }
+
+  /// Whether there is any crossing inside the range.
+  [[nodiscard]] bool is_met(const Ray& ray, Interval range) const {
+    const auto meets = [&](std::uint32_t i) { return crossing_with(i, ray, range).has_value(); };
+    const auto meets_leaf = [&](const simd::BoxRay& line, simd::Leaf leaf, simd::Reach&) {
+      return any_met(line, leaf, meets);
+    };
+    return simd::each_along<simd::Order::any>(contents_->bvh, ray, range, meets, meets_leaf,
+                                              contents_->leaves.soon());
   }
 
   /// Calls visit(const Crossing&) for every crossing inside the range, near to far.
@@ -135,8 +145,7 @@ class Mesh {
       return false;
     };
     const auto collect_leaf = [&](const simd::BoxRay& line, simd::Leaf leaf, simd::Reach&) {
-      each_met(line, leaf, collect);
-      return false;
+      return any_met(line, leaf, collect);
     };
     simd::each_along<simd::Order::any>(contents_->bvh, ray, range, collect, collect_leaf,
                                        contents_->leaves.soon());
@@ -187,12 +196,14 @@ class Mesh {
     return (1 - uv.x - uv.y) * of_vertices[a] + uv.x * of_vertices[b] + uv.y * of_vertices[c];
   }
 
-  /// Calls visit(i) for the triangles of a leaf that a line does not surely miss.
-  void each_met(const simd::BoxRay& line, simd::Leaf leaf, const auto& visit) const {
+  /// Calls visit(i) for the triangles of a leaf that a line does not surely miss, until one of them returns
+  /// true; returns whether one did.
+  bool any_met(const simd::BoxRay& line, simd::Leaf leaf, const auto& visit) const {
     const auto order = contents_->bvh.order();
     for (std::uint32_t i = 0; i < leaf.count; i += simd::float_lanes)
       for (simd::Bits met = contents_->leaves.met(leaf, i, line); met != 0; met &= met - 1)
-        visit(order[leaf.first + i + static_cast<std::uint32_t>(std::countr_zero(met))]);
+        if (visit(order[leaf.first + i + static_cast<std::uint32_t>(std::countr_zero(met))])) return true;
+    return false;
   }
 
   [[nodiscard]] std::optional<Crossing> crossing_with(std::uint32_t i, const Ray& ray,
