@@ -109,46 +109,31 @@ class Mesh {
   /// earlier one's is the first.
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
     std::optional<Crossing> first;
-    const auto visit = [&](std::uint32_t i) {
-      const auto crossing = crossing_with(i, ray, range);
+    each_candidate<simd::Order::near_first>(ray, range, [&](const Triangle& triangle, std::uint32_t i) {
+      const auto crossing = crossing_with(triangle, i, ray, range);
       if (!crossing || (first && !comes_before(ray, *crossing, *first))) return false;
       first = crossing;
       // What might be before it, given its error, stays in.
       range.max = std::min(range.max, latest(crossing->t));
       return false;
-    };
-    const auto visit_leaf = [&](const simd::BoxRay& line, simd::Leaf leaf, simd::Reach& left) {
-      any_met(line, leaf, visit);
-      left.until = line.at_most(range.max);
-      return false;
-    };
-    simd::each_along<simd::Order::near_first>(contents_->bvh, ray, range, visit, visit_leaf,
-                                              contents_->leaves.soon());
+    });
     return first;
   }
 
   /// Whether there is any crossing inside the range.
   [[nodiscard]] bool is_met(const Ray& ray, Interval range) const {
-    const auto meets = [&](std::uint32_t i) { return crossing_with(i, ray, range).has_value(); };
-    const auto meets_leaf = [&](const simd::BoxRay& line, simd::Leaf leaf, simd::Reach&) {
-      return any_met(line, leaf, meets);
-    };
-    return simd::each_along<simd::Order::any>(contents_->bvh, ray, range, meets, meets_leaf,
-                                              contents_->leaves.soon());
+    return each_candidate<simd::Order::any>(ray, range, [&](const Triangle& triangle, std::uint32_t) {
+      return protostar::first_crossing(triangle, ray, range).has_value();
+    });
   }
 
   /// Calls visit(const Crossing&) for every crossing inside the range, near to far.
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
     std::vector<Crossing> crossings;
-    const auto collect = [&](std::uint32_t i) {
-      if (const auto crossing = crossing_with(i, ray, range)) crossings.push_back(*crossing);
+    each_candidate<simd::Order::any>(ray, range, [&](const Triangle& triangle, std::uint32_t i) {
+      if (const auto crossing = crossing_with(triangle, i, ray, range)) crossings.push_back(*crossing);
       return false;
-    };
-    const auto collect_leaf = [&](const simd::BoxRay& line, simd::Leaf leaf, simd::Reach&) {
-      return any_met(line, leaf, collect);
-    };
-    simd::each_along<simd::Order::any>(contents_->bvh, ray, range, collect, collect_leaf,
-                                       contents_->leaves.soon());
+    });
     std::sort(crossings.begin(), crossings.end(),
               [&](const Crossing& a, const Crossing& b) { return comes_before(ray, a, b); });
     for (const Crossing& crossing : crossings) visit(crossing);
@@ -168,6 +153,7 @@ class Mesh {
     MeshData data;
     simd::Bvh bvh;
     simd::TriangleLeaves leaves;
+    std::vector<Triangle> in_leaves;  ///< by their places in the leaves, so that a leaf's are side by side
     Bounds bounds{Point{infinity}, Point{-infinity}};
 
     Contents(MeshData given, const RenderOptions& options)
@@ -176,9 +162,12 @@ class Mesh {
               data.triangles.size(), [&](std::size_t i) { return data.triangle(i).bounds(); },
               simd::node_width, options),
           leaves(bvh, [&](std::size_t i) { return data.triangle(i); }) {
-      for (const auto& triangle : data.triangles)
-        for (const std::uint32_t i : triangle)
-          bounds = {min(bounds.min, data.vertices[i]), max(bounds.max, data.vertices[i])};
+      in_leaves.reserve(data.triangles.size());
+      for (const std::uint32_t i : bvh.order()) {
+        in_leaves.push_back(data.triangle(i));
+        const Bounds of_one = in_leaves.back().bounds();
+        bounds = {min(bounds.min, of_one.min), max(bounds.max, of_one.max)};
+      }
     }
   };
 
@@ -196,19 +185,27 @@ class Mesh {
     return (1 - uv.x - uv.y) * of_vertices[a] + uv.x * of_vertices[b] + uv.y * of_vertices[c];
   }
 
-  /// Calls visit(i) for the triangles of a leaf that a line does not surely miss, until one of them returns
-  /// true; returns whether one did.
-  bool any_met(const simd::BoxRay& line, simd::Leaf leaf, const auto& visit) const {
-    const auto order = contents_->bvh.order();
-    for (std::uint32_t i = 0; i < leaf.count; i += simd::float_lanes)
-      for (simd::Bits met = contents_->leaves.met(leaf, i, line); met != 0; met &= met - 1)
-        if (visit(order[leaf.first + i + static_cast<std::uint32_t>(std::countr_zero(met))])) return true;
-    return false;
+  /// Calls visit(triangle, its number) for all that a ray may cross inside the range, until one returns true;
+  /// returns whether one did. A visit may shorten the range.
+  template <simd::Order order>
+  bool each_candidate(const Ray& ray, const Interval& range, const auto& visit) const {
+    const Contents& mesh = *contents_;
+    const auto visit_one = [&](std::uint32_t i) { return visit(mesh.data.triangle(i), i); };
+    const auto visit_leaf = [&](const simd::BoxRay& line, simd::Leaf leaf, simd::Reach& left) {
+      for (std::uint32_t i = 0; i < leaf.count; i += simd::float_lanes)
+        for (simd::Bits met = mesh.leaves.met(leaf, i, line); met != 0; met &= met - 1) {
+          const std::uint32_t place = leaf.first + i + static_cast<std::uint32_t>(std::countr_zero(met));
+          if (visit(mesh.in_leaves[place], mesh.bvh.order()[place])) return true;
+        }
+      left.until = line.at_most(range.max);
+      return false;
+    };
+    return simd::each_along<order>(mesh.bvh, ray, range, visit_one, visit_leaf, mesh.leaves.soon());
   }
 
-  [[nodiscard]] std::optional<Crossing> crossing_with(std::uint32_t i, const Ray& ray,
-                                                      const Interval& range) const {
-    auto crossing = protostar::first_crossing(data().triangle(i), ray, range);
+  [[nodiscard]] static std::optional<Crossing> crossing_with(const Triangle& triangle, std::uint32_t i,
+                                                             const Ray& ray, const Interval& range) {
+    auto crossing = protostar::first_crossing(triangle, ray, range);
     if (crossing) crossing->part = static_cast<int>(i);
     return crossing;
   }
