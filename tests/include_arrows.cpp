@@ -27,8 +27,8 @@ const std::vector<std::vector<std::string>> layers = {
      "numeric/sphere_roots.hpp", "numeric/triangle_roots.hpp", "numeric/trigonometry.hpp",
      "accel/bvh_build.hpp"},
     {"light.hpp", "surface.hpp", "accel/bvh.hpp", "surfaces/coordinates.hpp"},
-    {"closest_hit.hpp", "surfaces/any_surface.hpp", "surfaces/parallelogram.hpp", "surfaces/plane.hpp",
-     "surfaces/sphere.hpp", "surfaces/triangle.hpp"},
+    {"closest_hit.hpp", "accel/triangle_leaves.hpp", "surfaces/any_surface.hpp", "surfaces/parallelogram.hpp",
+     "surfaces/plane.hpp", "surfaces/sphere.hpp", "surfaces/triangle.hpp"},
     {"scene.hpp", "surfaces/mesh.hpp", "accel/sphere_around.hpp"},
     {"camera.hpp", "image.hpp", "accel/packet.hpp", "integrators/binary.hpp", "integrators/color.hpp",
      "integrators/depth.hpp", "integrators/diffuse.hpp", "integrators/normal.hpp", "integrators/shadow.hpp",
@@ -47,6 +47,7 @@ const std::vector<std::vector<std::string>> layers = {
 /// Surfaces that a scene includes by themselves, and what nothing else needs: protostar.hpp leaves them out,
 /// so that a scene without them compiles none of them.
 const std::set<std::string> by_themselves = {
+    "accel/triangle_leaves.hpp",
     "numeric/triangle_roots.hpp",
     "surfaces/mesh.hpp",
     "surfaces/triangle.hpp",

@@ -70,7 +70,7 @@ TEST_CASE(
     for (int i = 0; i < 400; ++i) {
       const double unit = i % 2 == 0 ? 0.5 : 1e-9;  // many of the first kind meet edges and vertices
       const auto place = [&](double size) { return unit * glm::floor(random.point(size) / unit); };
-      const Point origin = place(3), target = place(1);
+      const Point origin = (i % 4 == 0 ? 1000.0 : 1.0) * place(3), target = place(1);
       Ray ray{origin, target - origin};
       Interval range = i % 3 == 0 ? everywhere : i % 3 == 1 ? Interval{} : Interval{0.25, 1.5};
       for (int leave = 0; leave < 2; ++leave) {

@@ -75,7 +75,7 @@ class TriangleLeaves {
     const Floats ab = -(ux * mx + uy * my + uz * mz), ca = vx * mx + vy * my + vz * mz, bc = slope - ab - ca;
     const Floats error = load(9) * Floats(0x1p-19f * (1 + ray.distance)) + Floats(0x1p-120f);
     const Floats most = max(max(ab, ca), bc), least = min(min(ab, ca), bc);
-    return ~bits(most > error && least < -error) & first_bits(static_cast<int>(leaf.count - i));
+    return bits(!(most > error && least < -error)) & first_bits(static_cast<int>(leaf.count - i));
   }
 
  private:
