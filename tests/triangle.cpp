@@ -365,7 +365,7 @@ TEST_CASE("triangles of one plane have equal departures, and so have the plane a
     const Point r =
         i % 3 == 0 ? 0.5 * (p + q) + std::exp2(random.real(-50, -20)) * random.point(1) : random.point(1);
     const ExactVector n = exact_cross(exact_difference(q, p), exact_difference(r, p));
-    off += plane_through_points(p, q, r) != detail::exact_plane_equation(n, p);
+    off += plane_through_points(p, q, r) != detail::exact_plane_at(p, n);
   }
   CHECK(off == 0);
 

@@ -53,7 +53,8 @@ struct MeshData {
                            ", and there are " + std::to_string(vertices.size()));
     check(normals.empty() || normals.size() == vertices.size(),
           "there must be as many normals as vertices, or none");
-    check(std::all_of(normals.begin(), normals.end(), is_finite), "normals must be finite");
+    check(std::all_of(normals.begin(), normals.end(), [](const Vec3& normal) { return is_finite(normal); }),
+          "normals must be finite");
     check(uvs.empty() || uvs.size() == vertices.size(), "there must be as many uvs as vertices, or none");
     check(std::all_of(uvs.begin(), uvs.end(),
                       [](const Uv& uv) {
