@@ -13,6 +13,7 @@
 
 #include "compare_images/picture.hpp"
 #include "compare_images/read_image.hpp"
+#include "reference/mesh.hpp"
 #include "reference/pictures.hpp"
 #include "reference/whitted.hpp"
 #include "support/catch.hpp"
@@ -117,6 +118,10 @@ const Golden goldens[] = {
        return picture({{ivory, glass, rubber, mirror}, true});
      },
      20},  // which look exactly at the lines x = ±4 between squares: rounding decides whose they are
+#if __has_include(<tiny_obj_loader.h>)  // else there is no such stage
+    {"17_mesh", "17_mesh", "",
+     [] { return reference::Knot(source_dir + "/scenes/knot.obj").picture(640, 480); }},
+#endif
 };
 
 std::string command(const Golden& picture) {
