@@ -215,7 +215,7 @@ class Mesh {
     const auto on_mesh = [&](const Crossing& crossing) {
       return SurfaceCrossing{.crossing = crossing, .surface = this, .functions = &functions_of<Mesh>};
     };
-    return a.part < b.part ? !precedes(ray, on_mesh(b), on_mesh(a)) : precedes(ray, on_mesh(a), on_mesh(b));
+    return precedes(ray, on_mesh(a), a.part, on_mesh(b), b.part);
   }
 
   std::shared_ptr<const Contents> contents_;
