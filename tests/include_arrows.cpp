@@ -25,10 +25,10 @@ const std::vector<std::vector<std::string>> layers = {
     {"numeric/exact_root.hpp", "numeric/plane_through.hpp", "numeric/power.hpp", "accel/box_space.hpp"},
     {"intersection.hpp", "numeric/parallelogram_roots.hpp", "numeric/plane_roots.hpp",
      "numeric/sphere_roots.hpp", "numeric/trigonometry.hpp", "accel/bvh_build.hpp"},
-    {"light.hpp", "surface.hpp", "accel/bvh.hpp", "surfaces/coordinates.hpp"},
+    {"light.hpp", "numeric/affine.hpp", "surface.hpp", "accel/bvh.hpp", "surfaces/coordinates.hpp"},
     {"closest_hit.hpp", "surfaces/any_surface.hpp", "surfaces/parallelogram.hpp", "surfaces/plane.hpp",
      "surfaces/sphere.hpp"},
-    {"scene.hpp", "accel/sphere_around.hpp"},
+    {"scene.hpp", "surfaces/instance.hpp", "accel/sphere_around.hpp"},
     {"camera.hpp", "image.hpp", "accel/packet.hpp", "accel/sphere_leaves.hpp", "integrators/binary.hpp",
      "integrators/color.hpp", "integrators/depth.hpp", "integrators/diffuse.hpp", "integrators/normal.hpp",
      "integrators/shadow.hpp", "integrators/transparency.hpp", "integrators/whitted.hpp"},
@@ -156,6 +156,10 @@ TEST_CASE("every header in the table of layers exists") {
     }
 }
 
+/// Surfaces that a program includes by itself, so that one that names none of them compiles none; and what
+/// only they need.
+const std::set<std::string> included_by_name = {"numeric/affine.hpp", "surfaces/instance.hpp"};
+
 TEST_CASE("protostar.hpp is the whole core, and nothing else") {
   Headers headers = headers_of_the_library();
   std::set<std::string> reached;
@@ -168,7 +172,7 @@ TEST_CASE("protostar.hpp is the whole core, and nothing else") {
   }
   for (const auto& [header, text] : headers) {
     INFO(header);
-    CHECK(reached.contains(header) == in_core(header));
+    CHECK(reached.contains(header) == (in_core(header) && !included_by_name.contains(header)));
   }
 }
 
