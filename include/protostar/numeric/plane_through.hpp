@@ -42,13 +42,6 @@ using ExactVector = std::array<Expansion, 3>;
   return {component(1, 2), component(2, 0), component(0, 1)};
 }
 
-/// A vector that is neither so long nor so short that products of a few would leave the range of double; or
-/// else, one of about 1 in its direction.
-[[nodiscard]] inline Vec3 of_moderate_size(const Vec3& v) {
-  const double size = std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
-  return 0x1p-100 < size && size < 0x1p100 ? v : scaled(v, -exponent_of({v}));
-}
-
 /// The unit normal along u × v, whatever the sizes of both; NaN where they are parallel.
 [[nodiscard]] inline Vec3 unit_normal(const Vec3& u, const Vec3& v) {
   const auto n = cross_product(of_moderate_size(u), of_moderate_size(v));
@@ -78,11 +71,9 @@ namespace detail {
   return q;
 }
 
-/// The equation from numbers of moderate size, without rounding before the last.
-[[nodiscard, gnu::cold, gnu::noinline]] inline PlaneEquation exact_plane_through(const Point& position,
-                                                                                 const Vec3& u,
-                                                                                 const Vec3& v) {
-  const ExactVector n = exact_cross(exact_vector(u), exact_vector(v));
+/// The equation from a position and a normal of moderate size, without rounding before the last.
+[[nodiscard, gnu::cold, gnu::noinline]] inline PlaneEquation exact_plane_at(const Point& position,
+                                                                            const ExactVector& n) {
   const auto size = [&](std::size_t i) { return n[i].sign() < 0 ? -n[i] : n[i]; };
   std::size_t k = 0;
   for (std::size_t i = 1; i < 3; ++i)
@@ -91,22 +82,21 @@ namespace detail {
   return {nearest_quotient(n[0], n[k]), nearest_quotient(n[1], n[k]), nearest_quotient(n[2], n[k]),
           nearest_quotient(exact_dot(n, exact_vector(position)), n[k])};
 }
+[[nodiscard, gnu::cold, gnu::noinline]] inline PlaneEquation exact_plane_through(const Point& position,
+                                                                                 const Vec3& u,
+                                                                                 const Vec3& v) {
+  return exact_plane_at(position, exact_cross(exact_vector(u), exact_vector(v)));
+}
 
-/// The same from double-double, unless it does not tell which component is the largest or how a quotient is
-/// rounded.
+/// The same from double-double, where k is the place of the normal's largest component, unless that does not
+/// tell how a quotient is rounded.
 ///
 /// In units of u²: the normal has 3 of itself, and a quotient 3 + 3 + 10; the distance 3 + 7 + 3 + 3 of the
 /// sizes of its terms, and its quotient 3 + 10 more. All are below 2^-100 = 64u².
-[[nodiscard]] inline std::optional<PlaneEquation> refined_plane_through(const Point& position, const Vec3& u,
-                                                                        const Vec3& v) {
+[[nodiscard]] inline std::optional<PlaneEquation> refined_plane_at(const Point& position,
+                                                                   const std::array<DoubleDouble, 3>& n,
+                                                                   std::size_t k) {
   constexpr double error = 0x1p-100;
-  const auto n = cross_product(u, v);
-  std::size_t k = 0;
-  for (std::size_t i = 1; i < 3; ++i) {
-    const int sign = order(abs(n[i]), error, abs(n[k]), error);
-    if (sign == 0) return std::nullopt;
-    if (sign > 0) k = i;
-  }
   PlaneEquation equation;
   const auto is_rounded = [&](std::size_t i, DoubleDouble q, double uncertain) {
     equation[i] = q.hi;
@@ -124,6 +114,19 @@ namespace detail {
   return equation;
 }
 
+/// The same of a plane along two directions, unless it is not clear which component is the largest, either.
+[[nodiscard]] inline std::optional<PlaneEquation> refined_plane_through(const Point& position, const Vec3& u,
+                                                                        const Vec3& v) {
+  const auto n = cross_product(u, v);
+  std::size_t k = 0;
+  for (std::size_t i = 1; i < 3; ++i) {
+    const int sign = order(abs(n[i]), 0x1p-100, abs(n[k]), 0x1p-100);
+    if (sign == 0) return std::nullopt;
+    if (sign > 0) k = i;
+  }
+  return refined_plane_at(position, n, k);
+}
+
 }  // namespace detail
 
 /// Whether an equation, which may have been rounded, is surely not that of the plane through a point along u
@@ -139,6 +142,22 @@ namespace detail {
   return is_off(position, equation[3]) || is_off(u, 0) || is_off(v, 0);
 }
 
+/// The same of the plane through a point at a right angle to a normal, which is not parallel to that of the
+/// equation where a component of their vector product is not 0.
+[[nodiscard]] inline bool surely_differs(const PlaneEquation& equation, const Point& position,
+                                         const Vec3& normal) {
+  const Vec3 n{equation[0], equation[1], equation[2]};
+  const auto is_off = [](double difference, double sizes) {
+    return std::abs(difference) > 0x1p-50 * sizes + 0x1p-900;
+  };
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    const double a = n[i] * normal[j], b = n[j] * normal[i];
+    if (is_off(a - b, std::abs(a) + std::abs(b))) return true;
+  }
+  return is_off(dot(n, position) - equation[3], dot(abs(n), abs(position)) + std::abs(equation[3]));
+}
+
 /// The equation of the plane through a point along u and v, which are not parallel.
 [[nodiscard]] inline PlaneEquation plane_through(const Point& position, const Vec3& u, const Vec3& v) {
   const int lengths = exponent_of({position});
@@ -149,6 +168,21 @@ namespace detail {
     equation = *refined;
   else
     equation = detail::exact_plane_through(p, a, b);
+  equation[3] = std::ldexp(equation[3], lengths);
+  return equation;
+}
+
+/// The equation of the plane through a point at a right angle to a normal, which is not 0.
+[[nodiscard]] inline PlaneEquation plane_at(const Point& position, const Vec3& normal) {
+  const int lengths = exponent_of({position});
+  const Point p = scaled(position, -lengths);
+  const Vec3 n = of_moderate_size(normal), size = abs(n);
+  const std::size_t k = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  PlaneEquation equation;
+  if (const auto refined = detail::refined_plane_at(p, {n.x, n.y, n.z}, k))
+    equation = *refined;
+  else
+    equation = detail::exact_plane_at(p, exact_vector(n));
   equation[3] = std::ldexp(equation[3], lengths);
   return equation;
 }

@@ -25,4 +25,11 @@ namespace protostar::inline PROTOSTAR_ABI {
   return {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
 }
 
+/// A vector that is neither so long nor so short that products of a few would leave the range of double; or
+/// else, one of about 1 in its direction.
+[[nodiscard]] inline Vec3 of_moderate_size(const Vec3& v) {
+  const double size = std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
+  return 0x1p-100 < size && size < 0x1p100 ? v : scaled(v, -exponent_of({v}));
+}
+
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,161 @@
+// Where a line crosses a disk: exactly whether, and t as certain as Roots says.
+//
+// With w = position − origin, a point origin + t·d of the line is in the disk's plane for t = n·w / n·d. From
+// the disk's center it is there at
+//   t·d − w = ((n·w) d − (n·d) w) / n·d = v / n·d   with   v = n × (d × w),
+// and in the disk where |v| ≤ radius · |n·d|. Double decides nearly always; where its error bound does not
+// allow that, everything is evaluated without rounding. docs/numerics.md derives the bounds.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include "../vec3.hpp"
+#include "exact_root.hpp"
+#include "plane_through.hpp"
+#include "roots.hpp"
+#include "scale.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+namespace detail {
+
+/// A line and a disk of finite numbers, without rounding.
+struct ExactDiskEquation {
+  Expansion height, slope;  ///< slope = |n·d|, and height/slope is t but for a power of two
+  int exponent;             ///< of that
+  bool is_inside = false;   ///< whether the line crosses the plane in the disk
+
+  [[gnu::cold, gnu::noinline]] ExactDiskEquation(const Point& origin, const Vec3& direction,
+                                                 const Point& position, const Vec3& normal, double radius) {
+    // Powers of two, as for the sphere.
+    const int normals = exponent_of({normal}), directions = exponent_of({direction}),
+              lengths = exponent_of({origin, position, {radius, 0, 0}});
+    const ExactVector n = exact_vector(scaled(normal, -normals)),
+                      d = exact_vector(scaled(direction, -directions)),
+                      p = exact_vector(scaled(position, -lengths)),
+                      o = exact_vector(scaled(origin, -lengths)), w = {p[0] - o[0], p[1] - o[1], p[2] - o[2]};
+    height = exact_dot(n, w);
+    slope = exact_dot(n, d);
+    exponent = lengths - directions;
+    if (slope.sign() < 0) height = -height, slope = -slope;
+    if (slope.sign() == 0) return;
+    const ExactVector v = exact_cross(n, exact_cross(d, w));
+    const Expansion reach = slope * Expansion(std::ldexp(radius, -lengths));
+    is_inside = (reach * reach - exact_dot(v, v)).sign() >= 0;
+  }
+
+  [[nodiscard]] ExactRoot root() const { return {.A = slope, .b = height, .D = {}, .exponent = exponent}; }
+};
+
+}  // namespace detail
+
+/// Where the line crosses the disk's plane, without rounding: A > 0, or A = 0 where it is parallel.
+[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_disk_root(const Point& origin,
+                                                                         const Vec3& direction,
+                                                                         const Point& position,
+                                                                         const Vec3& normal, double radius) {
+  return detail::ExactDiskEquation(origin, direction, position, normal, radius).root();
+}
+
+/// The root in double-double; none where the line does not cross the disk.
+[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_disk_roots(
+    const Point& origin, const Vec3& direction, const Point& position, const Vec3& normal, double radius) {
+  ++fallbacks.exact;
+  const detail::ExactDiskEquation e(origin, direction, position, normal, radius);
+  return e.is_inside ? refined_linear_root(e.root()) : RefinedRoots{};
+}
+
+namespace detail {
+
+/// The root where double does not decide. Numbers that are not finite cross nothing.
+[[nodiscard, gnu::noinline, gnu::cold]] inline Roots disk_roots_in_doubt(const Point& origin,
+                                                                         const Vec3& direction,
+                                                                         const Point& position,
+                                                                         const Vec3& normal, double radius) {
+  if (!is_finite(origin) || !is_finite(direction) || !is_finite(position) || !is_finite(normal) ||
+      !std::isfinite(radius))
+    return {};
+  const RefinedRoots refined = refined_disk_roots(origin, direction, position, normal, radius);
+  return refined.count == 0 ? Roots{} : Roots{static_cast<double>(refined.t[0])};
+}
+
+/// Both parts of t in double, and what is certain: that the line misses the disk, or that it crosses it and t
+/// is good enough.
+template <class T, class M>
+struct RoundedDiskEquation {
+  T height, slope;
+  M misses, meets;
+};
+
+/// With u = 2^-53, and N, W, D the sums of the sizes of the components of n, w and d:
+///
+/// - height and slope have errors of at most 4u and 3u of the sums of the sizes of their terms. Above 2^-19
+///   of these sums, t is good to 2^-30.
+/// - |v| has an error of at most 7.5u N D W, and radius · |slope| one of 4u N D radius. Compared with each
+///   other, they are good to 7.5u N D (W + radius); E is 8u of it. A line that is found outside misses
+///   whatever the sign of the slope is.
+///
+/// In the range given, what underflows adds nothing to speak of, and nothing overflows.
+[[nodiscard, gnu::always_inline]] inline auto rounded_disk_equation(const auto& origin, const auto& direction,
+                                                                    const Point& position, const Vec3& normal,
+                                                                    double radius) {
+  using std::abs, std::sqrt;
+  const auto sum_of_sizes = [](const auto& v) { return abs(v.x) + abs(v.y) + abs(v.z); };
+  const auto w = position - origin;
+  const double N = sum_of_sizes(normal);
+  const auto W = sum_of_sizes(w);
+  const auto D = sum_of_sizes(direction);
+  const auto in_range = 0x1p-100 < N && N < 0x1p100 && 0x1p-100 < D && D < 0x1p100 && W < 0x1p100 &&
+                        0x1p-200 < radius && radius < 0x1p100;
+
+  const auto height = dot(normal, w);
+  const auto slope = dot(normal, direction);
+  const auto heights = dot(abs(normal), abs(w));
+  const auto slopes = dot(abs(normal), abs(direction));
+  const auto certain = abs(height) > 0x1p-19 * heights && abs(slope) > 0x1p-19 * slopes &&
+                       heights > 0x1p-800 && slopes > 0x1p-800;
+
+  const auto m = cross(direction, w);
+  const std::remove_const_t<decltype(m)> v{normal.y * m.z - normal.z * m.y, normal.z * m.x - normal.x * m.z,
+                                           normal.x * m.y - normal.y * m.x};
+  const auto from_center = sqrt(dot(v, v));
+  const auto reach = radius * abs(slope);
+  const auto E = 0x1p-50 * N * D * (W + radius);
+  const auto misses = in_range && from_center > reach + E,
+             meets = in_range && from_center < reach - E && certain;
+  return RoundedDiskEquation<std::remove_const_t<decltype(slope)>, std::remove_const_t<decltype(misses)>>{
+      height, slope, misses, meets};
+}
+
+}  // namespace detail
+
+/// The root, certified.
+[[nodiscard, gnu::always_inline]] inline Roots disk_roots(const Point& origin, const Vec3& direction,
+                                                          const Point& position, const Vec3& normal,
+                                                          double radius) {
+  const auto e = detail::rounded_disk_equation(origin, direction, position, normal, radius);
+  if (e.misses) return {};
+  if (e.meets) return Roots{e.height / e.slope};
+  return detail::disk_roots_in_doubt(origin, direction, position, normal, radius);
+}
+
+/// The roots of several lines at once; see sphere_roots_of_each.
+[[nodiscard, gnu::always_inline]] inline auto disk_roots_of_each(const auto& origin, const auto& direction,
+                                                                 const Point& position, const Vec3& normal,
+                                                                 double radius, const auto& wanted) {
+  using M = std::remove_cvref_t<decltype(wanted)>;
+  const auto e = detail::rounded_disk_equation(origin, direction, position, normal, radius);
+  using T = std::remove_cvref_t<decltype(e.slope)>;
+  const T height = e.height;
+  return RootsOfEach<T, M>{.near_over = height,
+                           .near_under = e.slope,
+                           .far_over = height,
+                           .far_under = e.slope,
+                           .meets = wanted && e.meets,
+                           .in_doubt = wanted && !e.misses && !e.meets,
+                           .count = 1};
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,105 @@
+// The points of a plane that are no farther than radius from position.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "../numeric/disk_roots.hpp"
+#include "../numeric/plane_through.hpp"
+#include "../surface.hpp"
+#include "coordinates.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// A disk around position, at a right angle to a normal of any length but 0. Its outline belongs to it.
+/// Whether a ray hits it is exact for numbers whose sizes in one test differ by less than 2^100; what lies
+/// further below the largest may be lost.
+struct Disk {
+  Point position{0};
+  Vec3 normal{0, 0, 1};
+  double radius = 1;
+
+  /// Where a ray crosses the disk, if that is inside the range. A ray parallel to its plane never does, one
+  /// that lies in it included, and neither does one that departs from its plane.
+  [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
+    const auto crossing = first_crossing(*this, ray, range);
+    return crossing ? std::optional(crossing->t) : std::nullopt;
+  }
+
+  /// The unit normal, the same at every point.
+  template <class P = Point>
+  [[nodiscard]] Vec3 normal_at(const P&) const {
+    return normalize(of_moderate_size(normal));
+  }
+
+  /// In scene units from position: u along e1, the direction of a × n, where n is the unit normal and a the
+  /// coordinate axis on which it is smallest in magnitude, the first of equals; v along e2 = n × e1.
+  template <class P = Point>
+  [[nodiscard]] auto uv_at(const P& point) const {
+    const P from_center = point - position;
+    return plane_uv(normal_at(point), from_center);
+  }
+
+  /// The crossing of the ray's line; of a ray that departs from the disk's plane, none.
+  [[nodiscard]] Roots roots(const Ray& ray) const {
+    if (is_left_by(ray)) return {};
+    return disk_roots(ray.origin, ray.direction, position, normal, radius);
+  }
+
+  /// The same of several rays at once, of those that are wanted.
+  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
+    return disk_roots_of_each(rays.origin, rays.direction, position, normal, radius,
+                              wanted && !is_left_by(rays));
+  }
+
+  [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision) const {
+    return refined_disk_roots(ray.origin, ray.direction, position, normal, radius);
+  }
+
+  [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {
+    return exact_disk_root(ray.origin, ray.direction, position, normal, radius);
+  }
+
+  /// On an axis i, the disk reaches √(n_j² + n_k²) · radius from its center, for the unit normal n. That is
+  /// good to 2^-50 of itself, and to 2^-500 where the squares underflow.
+  [[nodiscard]] Bounds bounds() const {
+    const Vec3 n = normal_at(position);
+    const auto reach = [&](double j, double k) {
+      return radius * ((1 + 0x1p-50) * std::sqrt(j * j + k * k) + 0x1p-500);
+    };
+    const Vec3 half{reach(n.y, n.z), reach(n.z, n.x), reach(n.x, n.y)};
+    return outward({position - half, position + half});
+  }
+
+  /// What lies in one plane is left together. Where the plane is at a right angle to an axis that is exact;
+  /// of others, equal planes always have equal departures.
+  [[nodiscard]] Departure departure() const {
+    for (int i = 0; i < 3; ++i)
+      if (normal[(i + 1) % 3] == 0 && normal[(i + 2) % 3] == 0) {
+        Departure departure{.kind = Departure::Kind::plane};
+        departure.geometry[static_cast<std::size_t>(i)] = 1, departure.geometry[3] = position[i];
+        return departure;
+      }
+    return {.kind = Departure::Kind::rounded_plane, .geometry = plane_at(position, normal)};
+  }
+
+  /// Throws std::invalid_argument if the normal is 0, the radius is not above 0 or a number is not finite.
+  void validate() const {
+    if (!is_finite(position)) throw std::invalid_argument("Disk: position must be finite");
+    if (!is_finite(normal) || normal == Vec3{0})
+      throw std::invalid_argument("Disk: normal must be finite and not zero");
+    if (!(radius > 0 && std::isfinite(radius)))
+      throw std::invalid_argument("Disk: radius must be finite and greater than 0");
+  }
+
+ private:
+  [[nodiscard]] bool is_left_by(const auto& ray) const {
+    return ray.departure.is_planar() && !surely_differs(ray.departure.geometry, position, normal) &&
+           ray.departure == departure();
+  }
+};
+
+static_assert(SurfaceWithRefinedRoots<Disk> && SurfaceWithDeparture<Disk> && SurfaceWithBounds<Disk>);
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,313 @@
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/disk.hpp>
+#include <protostar/surfaces/parallelogram.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <stdexcept>
+
+#include "support/catch.hpp"
+#include "support/drawn_alike.hpp"
+#include "support/errors.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+
+constexpr double inf = std::numeric_limits<double>::infinity(),
+                 not_a_number = std::numeric_limits<double>::quiet_NaN(),
+                 ulp = std::numeric_limits<double>::epsilon();
+const Interval everywhere{-inf, inf};
+
+std::int64_t whole(Random& random, std::int64_t size) {
+  return static_cast<std::int64_t>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
+}
+Vec3 whole_vector(Random& random, std::int64_t size) {
+  const auto x = whole(random, size), y = whole(random, size), z = whole(random, size);
+  return {x, y, z};
+}
+
+}  // namespace
+
+TEST_CASE("a disk is the points of a plane that are no farther than radius from its position") {
+  const Disk disk{.position = {1, 1, 3}, .normal = {0, 0, 2}, .radius = 5};
+  const Disk oblique{.position = {0, 0, 3}, .normal = {0, 3, -4}, .radius = 5};  // its ends: ±(0, 4, 3), ±x
+  const auto along_z = [](double x, double y) { return Ray{{x, y, 0}, {0, 0, 1}}; };
+  struct {
+    const char* what;
+    Disk disk;
+    Ray ray;
+    Interval range;
+    std::optional<double> expected;
+  } const rows[] = {
+      {"through the middle", disk, along_z(1, 1), {}, 3},
+      {"t in halves", disk, {{2, 2, 0}, {0, 0, 0.5}}, {}, 6},
+      {"from behind", disk, {{2, 2, 5}, {0, 0, -1}}, {}, 2},
+      {"away from it", disk, {{2, 2, 5}, {0, 0, 1}}, {}, std::nullopt},
+      {"away from it, in a range that reaches back", disk, {{2, 2, 5}, {0, 0, 1}}, everywhere, -2},
+      {"at the end of the range", disk, along_z(2, 2), {0, 3}, std::nullopt},
+      {"beside it", disk, along_z(7, 2), {}, std::nullopt},
+      {"in the corner of its box", disk, along_z(5, 5), {}, std::nullopt},
+      {"its outline along x", disk, along_z(6, 1), {}, 3},
+      {"its outline along y", disk, along_z(1, -4), {}, 3},
+      {"its outline between them", disk, along_z(4, 5), {}, 3},
+      {"next to it", disk, along_z(4 + 4 * ulp, 5), {}, std::nullopt},
+      {"next to it, inside", disk, along_z(4 - 2 * ulp, 5), {}, 3},
+      {"parallel", disk, {{2, 2, 0}, {1, 1, 0}}, everywhere, std::nullopt},
+      {"in its plane", disk, {{0, 2, 3}, {1, 0, 0}}, everywhere, std::nullopt},
+      {"all but parallel", {{1, 1, 0}, {0, 0, 2}, 5}, {{0, 1, -0x1p-60}, {1, 0, 0x1p-60}}, {}, 1},
+      {"starting on it", disk, {{2, 2, 3}, {0, 0, 1}}, everywhere, 0},
+      {"starting on its outline", disk, {{4, 5, 3}, {0, 0, 1}}, everywhere, 0},
+      {"starting in its plane, outside", disk, {{5, 5, 3}, {0, 0, 1}}, everywhere, std::nullopt},
+      {"oblique", oblique, along_z(0, 2), {}, 4.5},
+      {"oblique, its outline", oblique, along_z(0, 4), {}, 6},
+      {"oblique, its outline along x", oblique, along_z(-5, 0), {}, 3},
+      {"oblique, its outline between them", oblique, {{4, 0, 0}, {0, 2.4, 4.8}}, {}, 1},
+      {"oblique, next to it", oblique, along_z(0, 4 + 4 * ulp), {}, std::nullopt},
+      {"turned around", {{1, 1, 3}, {0, 0, -1}, 5}, along_z(4, 5), {}, 3},
+      {"no normal", {{1, 1, 3}, {0, 0, 0}, 5}, along_z(1, 1), everywhere, std::nullopt},
+  };
+  for (const auto& row : rows) {
+    INFO(row.what);
+    CHECK(row.disk.intersect(row.ray, row.range) == row.expected);
+  }
+}
+
+TEST_CASE("whether a ray hits a disk of whole numbers, its outline included, is exact") {
+  // All products are whole numbers that double holds.
+  Random random(41);
+  fallbacks = {};
+  int hits = 0, outline = 0, wrong = 0;
+  for (int i = 0; i < 50000; ++i) {
+    const Disk disk{whole_vector(random, 3), whole_vector(random, 3),
+                    static_cast<double>(1 + random.bits() % 5)};
+    const Ray ray{whole_vector(random, 3), whole_vector(random, 3)};
+    // In slope times the length: the crossing is at slope · origin + height · direction.
+    const double slope = dot(disk.normal, ray.direction),
+                 height = dot(disk.normal, disk.position - ray.origin);
+    const Vec3 from_center = slope * (ray.origin - disk.position) + height * ray.direction;
+    const double beyond = dot(from_center, from_center) - disk.radius * disk.radius * slope * slope;
+    const bool expected = slope != 0 && beyond <= 0;
+    const auto t = disk.intersect(ray, everywhere);
+    hits += expected;
+    outline += expected && beyond == 0;
+    wrong += t.has_value() != expected;
+    if (t && expected) wrong += *t != height / slope;
+  }
+  CHECK(hits > 10000);
+  CHECK(outline > 250);
+  CHECK(fallbacks.exact > 250);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a ray that passes a disk's outline, or meets it, by less than double tells is decided exactly") {
+  // Points (3k, 4k) of a circle with the radius 5k, from all sides; moving one by as little as 2^-50 k, in or
+  // out, is told apart.
+  Random random(42);
+  int wrong = 0, in_doubt = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const double k = static_cast<double>(1 + random.bits() % 9), off = static_cast<double>(whole(random, 1));
+    const Disk disk{.position = whole_vector(random, 99), .normal = {0, 0, 3}, .radius = 5 * k};
+    const Point target = disk.position + Vec3{3 * k + off * 0x1p-44, -4 * k, 0};
+    const Point above = Vec3{whole(random, 99), whole(random, 99), 1 + random.bits() % 9};
+    fallbacks = {};
+    const auto t = disk.intersect({target + above, -above});
+    in_doubt += fallbacks.exact > 0;
+    wrong += t.has_value() != (off <= 0);
+    wrong += t && *t != 1;
+  }
+  CHECK(wrong == 0);
+  CHECK(in_doubt > 2500);
+}
+
+TEST_CASE("a hit lies on the disk") {
+  Random random(43);
+  int hits = 0, wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Disk disk{random.point(3), std::exp(random.real(-9, 9)) * random.direction(), random.real(1, 3)};
+    const Ray ray{random.point(5), std::exp(random.real(-3, 3)) * random.direction()};
+    const auto t = disk.intersect(ray);
+    if (!t) continue;
+    ++hits;
+    const Vec3 from_center = ray.at(*t) - disk.position, n = disk.normal_at(ray.at(*t));
+    wrong +=
+        !(std::abs(length(n) - 1) < 4 * ulp && length(cross(n, disk.normal)) < 4 * ulp * length(disk.normal));
+    const double allowed = 0x1p-30 * length(ray.direction) * *t + 64 * ulp;
+    wrong += !(std::abs(dot(n, from_center)) < allowed && length(from_center) < disk.radius + allowed);
+  }
+  CHECK(hits > 500);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("huge and tiny disks are met like others, and what is not finite is not met") {
+  for (const double size : {0x1p-900, 0x1p-400, 0x1p-30, 1.0, 0x1p30, 0x1p400, 0x1p900})
+    for (const double tilt : {0x1p-900, 1.0, 0x1p900}) {
+      CAPTURE(size, tilt);
+      const Disk disk{size * Point{1, 1, 3}, tilt * Vec3{0, 3, 4}, 5 * size};
+      for (const double length : {0x1p-60, 1.0, 0x1p60}) {
+        CHECK(disk.intersect({Point{0}, length * Vec3{1, 1, 3}}) == size / length);
+        CHECK(disk.intersect({Point{0}, length * Vec3{6, 1, 3}}) == size / length);  // its outline
+        CHECK_FALSE(disk.intersect({Point{0}, length * Vec3{6 + 4 * ulp, 1, 3}}));
+      }
+    }
+  const Disk sound{.position = {0, 0, 3}};
+  const Ray ray;
+  REQUIRE(sound.intersect(ray));
+  CHECK_FALSE(sound.intersect({{0, 0, 0}, {0, 0, 0}}, everywhere));
+  for (const double bad : {inf, -inf, not_a_number}) {
+    Disk radius = sound;
+    radius.radius = bad;
+    CHECK_FALSE(radius.intersect(ray, everywhere));
+    for (int axis = 0; axis < 3; ++axis) {
+      CAPTURE(bad, axis);
+      Ray origin = ray, direction = ray;
+      origin.origin[axis] = bad, direction.direction[axis] = bad;
+      CHECK_FALSE(sound.intersect(origin, everywhere));
+      CHECK_FALSE(sound.intersect(direction, everywhere));
+      Disk position = sound, normal = sound;
+      position.position[axis] = bad, normal.normal[axis] = bad;
+      CHECK_FALSE(position.intersect(ray, everywhere));
+      CHECK_FALSE(normal.intersect(ray, everywhere));
+    }
+  }
+}
+
+TEST_CASE("u and v of a disk are a plane's, from its position") {
+  Random random(44);
+  int wrong = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Disk disk{random.point(3), random.direction(), 2};
+    const Point p = disk.position + random.point(1);
+    const Uv from_origin = Plane{disk.normal, 0}.uv_at(p - disk.position);
+    wrong += !(length(Vec3(disk.uv_at(p) - from_origin, 0)) < 8 * ulp);
+  }
+  CHECK(wrong == 0);
+  const Disk floor{.position = {1, 2, 3}, .normal = {0, 7, 0}};
+  CHECK(floor.uv_at({2, 2, 5}) == Plane{{0, 1, 0}, 0}.uv_at({1, 0, 2}));
+  CHECK(floor.uv_at(floor.position) == Uv{0, 0});
+}
+
+TEST_CASE("the bounds of a disk hold its outline, and are tight") {
+  Random random(45);
+  int outside = 0, loose = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Disk disk{random.point(1e3), i % 5 == 0 ? whole_vector(random, 1) : random.direction(),
+                    random.real(0, 9)};
+    if (disk.normal == Vec3{0}) continue;
+    const auto [min, max] = disk.bounds();
+    const Vec3 n = disk.normal_at({});
+    for (int axis = 0; axis < 3; ++axis) {
+      // The point of the outline that lies farthest along the axis.
+      Vec3 along{0};
+      along[axis] = 1;
+      const double reach = disk.radius * length(cross(cross(n, along), n));
+      const double rounding = 8 * ulp * (1e3 + reach);
+      outside += !(max[axis] - disk.position[axis] >= reach - rounding &&
+                   disk.position[axis] - min[axis] >= reach - rounding);
+      loose += !(max[axis] - disk.position[axis] <= reach + rounding &&
+                 disk.position[axis] - min[axis] <= reach + rounding);
+    }
+  }
+  CHECK(outside == 0);
+  CHECK(loose == 0);
+  const Disk turned{.normal = {1e-200, 0, 1}};
+  CHECK(turned.bounds().max.z >= 1e-200);
+}
+
+TEST_CASE("disks of one plane have equal departures, and so have the plane and a parallelogram in it") {
+  Random random(46);
+  int wrong = 0, tilted = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 u = whole_vector(random, 9), v = whole_vector(random, 9), n = cross(u, v);
+    if (n == Vec3{0}) continue;
+    const Point p = whole_vector(random, 99);
+    const double k = static_cast<double>(whole(random, 3)), l = static_cast<double>(whole(random, 3));
+    const Disk one{p, 3.0 * n, 2}, other{p + k * u + l * v, -n, 1};
+    const Plane plane{n, dot(n, p)};
+    const Parallelogram board{p, u, v};
+    tilted += one.departure().kind == Departure::Kind::rounded_plane;
+    for (const Departure& departure : {other.departure(), plane.departure(), board.departure()}) {
+      wrong += one.departure() != departure;
+      wrong += one.intersect({p, random.direction(), departure}, everywhere).has_value();
+    }
+    wrong += plane.intersect({p, random.direction(), one.departure()}, everywhere).has_value();
+    wrong += board.intersect({p, random.direction(), one.departure()}, everywhere).has_value();
+    const Disk apart{p + 0.25 * n, n, 2};
+    wrong += apart.departure() == one.departure();
+    wrong += !apart.intersect({p, n, one.departure()});
+  }
+  CHECK(tilted > 2000);
+  CHECK(wrong == 0);
+
+  const Disk level{.position = {3, 0.1, 4}, .normal = {0, 0.3, 0}};
+  CHECK(level.departure() == Plane{{0, 1, 0}, 0.1}.departure());
+  CHECK(level.departure() != Plane{{0, 1, 0}, 0.1 + ulp / 8}.departure());
+  for (const double off : {-4 * ulp, 4 * ulp}) {
+    const Disk tilted_one{.position = {1, 0, 2}, .normal = {1, 2, 3}};
+    Disk moved = tilted_one, turned = tilted_one;
+    moved.position.z += off, turned.normal.y += off;
+    CHECK(moved.departure() != tilted_one.departure());
+    CHECK(turned.departure() != tilted_one.departure());
+    CHECK(moved.intersect({Point{1, 0, 2} - Vec3{1, 2, 3}, {1, 2, 3}, tilted_one.departure()}));
+  }
+}
+
+TEST_CASE("a disk is never met again by a ray that leaves it") {
+  Random random(47);
+  int hits = 0, wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Disk disk{random.point(2), random.direction(), 3};
+    const Ray ray{random.point(5), random.direction()};
+    const auto t = disk.intersect(ray);
+    if (!t) continue;
+    ++hits;
+    wrong += disk.intersect({ray.at(*t), random.direction(), disk.departure()}, everywhere).has_value();
+  }
+  CHECK(hits > 1000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("disks in a picture are the same plain, with a tree and by tiles, and show no acne on a floor") {
+  Random random(48);
+  const Camera camera{.position = {0, 1.5, -4}};
+  const Point light{3, 6, -3};
+  Scene<Disk, AnySurface> scene;
+  const Material tiled{.texture = Checker{.size = 0.25}, .reflect = 0.25};
+  scene.add(AnySurface(Plane{{0, 1, 0}, -1}), tiled);
+  for (int i = 0; i < 12; ++i) {
+    const Point center{random.real(-4, 3), random.real(-1, 2), random.real(-1, 7)};
+    const Disk disk{center, random.direction(), random.real(0.2, 1)};
+    if (i % 3 == 0) scene.add(disk, tiled);
+    if (i % 3 == 1) scene.add(AnySurface(disk), Color{0.5f});
+    if (i % 3 == 2) scene.add(Disk{{center.x, -1, center.z}, {0, 2, 0}, disk.radius}, Color{0.5f});
+  }
+  scene.add(PointLight{.position = light, .power = Color{1000}});
+  CHECK(pixels_drawn_otherwise(scene, camera) == 0);
+
+  int lit = 0, acne = 0;
+  for (int i = 0; i < 64 * 48; ++i) {
+    const auto hit = scene.intersect(camera.through_pixel(i % 64, i / 64, 64, 48));
+    if (!hit) continue;
+    ++lit;
+    const Ray to_light = hit->leave(light - hit->point());
+    if (const auto shadow = scene.intersect(to_light, {0, 1})) acne += shadow->t < 1e-9;
+  }
+  CHECK(lit > 1000);
+  CHECK(acne == 0);
+}
+
+TEST_CASE("a disk that makes no sense is refused with the field's name") {
+  const auto says = [](const Disk& disk) {
+    return message_of<std::invalid_argument>([&] { disk.validate(); });
+  };
+  for (const Vec3& bad : {Vec3{0, not_a_number, 0}, Vec3{0, inf, 0}, Vec3{-inf, 1, 0}}) {
+    CHECK_THAT(says({.position = bad}), ContainsSubstring("Disk: position"));
+    CHECK_THAT(says({.normal = bad}), ContainsSubstring("Disk: normal"));
+  }
+  CHECK_THAT(says({.normal = Vec3{0}}), ContainsSubstring("Disk: normal"));
+  for (const double bad : {0.0, -1.0, inf, not_a_number})
+    CHECK_THAT(says({.radius = bad}), ContainsSubstring("Disk: radius"));
+  CHECK_NOTHROW(Disk{}.validate());
+}
