@@ -29,7 +29,7 @@ const std::vector<std::vector<std::string>> layers = {
     {"light.hpp", "numeric/affine.hpp", "surface.hpp", "accel/bvh.hpp", "surfaces/coordinates.hpp"},
     {"closest_hit.hpp", "surfaces/any_surface.hpp", "surfaces/box.hpp", "surfaces/disk.hpp",
      "surfaces/parallelogram.hpp", "surfaces/plane.hpp", "surfaces/quadric.hpp", "surfaces/sphere.hpp"},
-    {"scene.hpp", "surfaces/instance.hpp", "accel/sphere_around.hpp"},
+    {"scene.hpp", "surfaces/csg.hpp", "surfaces/instance.hpp", "accel/sphere_around.hpp"},
     {"camera.hpp", "image.hpp", "accel/packet.hpp", "accel/sphere_leaves.hpp", "integrators/binary.hpp",
      "integrators/color.hpp", "integrators/depth.hpp", "integrators/diffuse.hpp", "integrators/normal.hpp",
      "integrators/shadow.hpp", "integrators/transparency.hpp", "integrators/whitted.hpp"},
@@ -46,8 +46,9 @@ const std::vector<std::vector<std::string>> layers = {
 
 /// The surfaces that a program names by their headers where it has them, with what only they need.
 const std::set<std::string> on_demand = {
-    "numeric/affine.hpp",        "surfaces/instance.hpp", "numeric/box_roots.hpp", "numeric/disk_roots.hpp",
-    "numeric/quadric_roots.hpp", "surfaces/box.hpp",      "surfaces/disk.hpp",     "surfaces/quadric.hpp",
+    "numeric/affine.hpp",    "surfaces/csg.hpp",       "surfaces/instance.hpp",
+    "numeric/box_roots.hpp", "numeric/disk_roots.hpp", "numeric/quadric_roots.hpp",
+    "surfaces/box.hpp",      "surfaces/disk.hpp",      "surfaces/quadric.hpp",
 };
 
 /// What the core includes from outside: the standard library, and of GLM the smallest part that will do; and
