@@ -284,7 +284,7 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
       not_allowed("/settings/exposure", "-0.5", factor),
       not_allowed("/settings/exposure", "1e+39", factor),
       not_allowed("/world", "[]", "an object"),
-      unknown("/world/ground", "sky"),
+      unknown("/world/ground", "sky and environment"),
       not_allowed("/world/sky", "[0,1]", color),
       not_allowed("/world/sky", "0.5", color),
       not_allowed("/world/sky/2", "-0.1", factor),
@@ -632,6 +632,31 @@ TEST_CASE("an image of a texture is looked for from the folder of the scene") {
                                (folder / "a.png").string() + "': "));
 }
 
+TEST_CASE("an environment is looked for from the folder of the scene, and stands in the place of the sky") {
+  const TemporaryFolder folder;
+  const auto written = [&](const std::string& world) {
+    put_bytes(folder / "a.json", replacing("/world", world));
+    return folder / "a.json";
+  };
+  // A Radiance file of two pixels, of which a number 128 with the exponent 2^129−128−8 is 1.
+  put_bytes(folder / "a.hdr", std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n") +
+                                  "\x80\x40\x20\x81" + "\x20\x40\x80\x82");
+  const SceneFile file = read_scene(written(R"({"environment": "a.hdr"})"));
+  CHECK(!file.scene.sky());
+  CHECK(sky_of(Ray{Point{0}, {-1, 0, 0}}, file.scene, Color{0}) == Color{1, 0.5f, 0.25f});
+  CHECK(sky_of(Ray{Point{0}, {1, 0, 0}}, file.scene, Color{0}) == Color{0.5f, 1, 2});
+
+  const auto error_in = [&](const std::string& world) {
+    return message_of<SceneError>([&] { static_cast<void>(read_scene(written(world))); });
+  };
+  CHECK_THAT(error_in(R"({"environment": "b.hdr"})"),
+             ContainsSubstring("/world/environment: \"b.hdr\" is not possible: cannot read '" +
+                               (folder / "b.hdr").string() + "': "));
+  CHECK_THAT(error_in(R"({"environment": 3})"), ContainsSubstring(": 3 is not the path of a file"));
+  CHECK_THAT(error_in(R"({"environment": "a.hdr", "sky": [1, 1, 1]})"),
+             ContainsSubstring("/world/sky: [1,1,1] is not possible beside an environment"));
+}
+
 TEST_CASE("an error in a file begins with its path") {
   const TemporaryFolder folder;
   put_bytes(folder / "a.json", "{");
@@ -724,7 +749,8 @@ void look_at(const fs::path& path, const std::string& text, Vocabulary& allowed,
       in = in.parent_pointer();
       if (scene[in].is_object()) objects.insert(in.to_string());
     }
-    const bool is_name = pointer.ends_with("/material-id") || pointer.ends_with("/image");
+    const bool is_name =
+        pointer.ends_with("/material-id") || pointer.ends_with("/image") || pointer.ends_with("/environment");
     if (!value.is_string() || is_name) continue;
     json wrong = scene;
     wrong[json::json_pointer(pointer)] = "?";

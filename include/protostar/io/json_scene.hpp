@@ -625,12 +625,21 @@ inline void read_settings(const JsonCursor& at, SceneFile& file) {
   if (at.has("exposure")) file.exposure = at["exposure"].factor();
 }
 
+inline void read_world(const JsonCursor& at, SceneFile& file) {
+  at.with_keys({"sky", "environment"});
+  if (at.has("sky") && at.has("environment")) at["sky"].refuse_beside("an environment");
+  if (at.has("sky")) file.scene.set_sky(at["sky"].color());
+  if (at.has("environment")) {
+    const std::filesystem::path path = at["environment"].path();
+    file.scene.set_environment(at["environment"].checked([&] { return image_texture(path); }));
+  }
+}
+
 inline SceneFile scene_at(const JsonCursor& at) {
   at.with_keys({"settings", "world", "camera", "objects", "lights", "materials"});
   SceneFile file;
   read_settings(at["settings"], file);
-  if (at.has("world") && at["world"].with_keys({"sky"}).has("sky"))
-    file.scene.set_sky(at["world"]["sky"].color());
+  if (at.has("world")) read_world(at["world"], file);
   file.camera = camera_at(at["camera"]);
 
   Materials materials;
