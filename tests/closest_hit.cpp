@@ -87,17 +87,16 @@ TEST_CASE("the closest hit is the first of all roots inside the range", "[closes
 
 TEST_CASE("what is looked at later is the closest hit only if it comes before", "[closest_hit]") {
   const Ray ray{{0, 0, 0}, {0, 0, 1}};
-  const Material material;
+  const std::vector<Material> materials(1);
   const std::vector spheres{Sphere{{0, 0, 3}, 1}};
-  const std::vector materials{material};
-  const Plane touching{{0, 0, 1}, 2}, before{{0, 0, 1}, std::nextafter(2, 0)};
+  const std::vector touching{Plane{{0, 0, 1}, 2}}, before{Plane{{0, 0, 1}, std::nextafter(2, 0)}};
   SurfaceCrossing first;
   ClosestHit search(ray, Interval{}, first);
   search.look_at_all(spheres, materials);
-  search.look_at(touching, material);
+  search.look_at_all(touching, materials);
   CHECK(first.surface == spheres.data());
-  search.look_at(before, material);
-  CHECK(first.surface == &before);
+  search.look_at_all(before, materials);
+  CHECK(first.surface == before.data());
 }
 
 TEST_CASE("a ray that leaves a sphere starts on it, however far its origin is rounded", "[closest_hit]") {

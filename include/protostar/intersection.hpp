@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "material.hpp"
 #include "numeric/exact_root.hpp"
@@ -81,6 +82,13 @@ namespace detail {
   const double larger = std::max(std::abs(a.crossing.t), std::abs(b.crossing.t));
   if (std::abs(gap) > 4 * Roots::relative_error * larger) return gap > 0;
   return detail::precedes_refined(ray, a, b);
+}
+
+/// The same for surfaces that have places in an order: of crossings at equal t, that of the earlier surface
+/// is the first.
+[[nodiscard]] inline bool precedes(const Ray& ray, const SurfaceCrossing& a, std::int64_t place_a,
+                                   const SurfaceCrossing& b, std::int64_t place_b) {
+  return place_a < place_b ? !precedes(ray, b, a) : precedes(ray, a, b);
 }
 
 /// A crossing of a ray with a surface. It holds t and works out the rest when it is asked, so that an

@@ -301,10 +301,7 @@ class Accelerated<Scene<S...>> {
       const auto crossing = first_crossing(surfaces[i], ray, range);
       if (!crossing) return;
       const SurfaceCrossing candidate = crossing_on(surfaces[i], *crossing, materials[i]);
-      // Of crossings at equal t the earlier surface's is the first.
-      if (first.surface != nullptr &&
-          (i < first_index ? precedes(ray, first, candidate) : !precedes(ray, candidate, first)))
-        return;
+      if (first.surface != nullptr && !precedes(ray, candidate, i, first, first_index)) return;
       first = candidate;
       first_index = i;
       // What might be before it, given its error, stays in.

@@ -33,6 +33,7 @@
 
 #include "../surfaces/sphere.hpp"
 #include "bvh.hpp"
+#include "packet.hpp"
 #include "sphere_around.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
@@ -177,24 +178,14 @@ class FewSpheres {
     const SphereLine line(ray.origin, ray.direction);
     for (std::size_t i = 0; i < count_; i += double_lanes) {
       const auto load = [&](const double* numbers) { return Doubles::load(numbers + i); };
-      const Doubles x = load(x_), y = load(y_), z = load(z_), r = load(r_);
-      const Doubles lx = x - Doubles(ray.origin.x), ly = y - Doubles(ray.origin.y),
-                    lz = z - Doubles(ray.origin.z);
-      const Doubles b = ray.direction.x * lx + ray.direction.y * ly + ray.direction.z * lz;
-      const Doubles ll = lx * lx + ly * ly + lz * lz, rr = r * r, c = ll - rr, w = ll + rr;
-      const protostar::detail::RoundedSphereEquation<Doubles, Doubles> e{
-          .A = line.A,
-          .b = b,
-          .c = c,
-          .w = w,
-          .D = b * b - line.A * c,
-          .E = protostar::detail::error_of_D(line.scale, w)};
+      const Vectors center{load(x_), load(y_), load(z_)};
+      const Doubles r = load(r_);
+      const auto e = protostar::detail::rounded_sphere_equation(line, center, r);
       auto missed = e.surely_misses();
       if (range.min >= 0) missed = missed || e.surely_recedes();
       if (ray.departure.kind == Departure::Kind::sphere) {
-        const auto& [cx, cy, cz, radius] = ray.departure.geometry;
-        missed =
-            missed && !(x == Doubles(cx) && y == Doubles(cy) && z == Doubles(cz) && r == Doubles(radius));
+        const auto& [x, y, z, radius] = ray.departure.geometry;
+        missed = missed && !(center.x == x && center.y == y && center.z == z && r == radius);
       }
       met |= bits(!missed) << i;
     }
@@ -202,8 +193,6 @@ class FewSpheres {
   }
 
  private:
-  using Doubles = Lanes<double, double_lanes>;
-
   std::size_t count_ = 0;
   alignas(64) double x_[most] = {}, y_[most] = {}, z_[most] = {}, r_[most] = {};
 };

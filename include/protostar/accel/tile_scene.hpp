@@ -368,11 +368,8 @@ class TileScene {
         const auto crossing = first_crossing(surface, ray, Interval{});
         if (!crossing) return;
         const SurfaceCrossing candidate = crossing_on(surface, *crossing, material);
-        // Of crossings at equal t the earlier surface's is the first.
-        if (first.place >= 0 && (place < first.place ? precedes(ray, first.crossing, candidate)
-                                                     : !precedes(ray, candidate, first.crossing)))
-          return;
-        first = {place, candidate};
+        if (first.place < 0 || precedes(ray, candidate, place, first.crossing, first.place))
+          first = {place, candidate};
       });
     });
     return first;

@@ -216,8 +216,9 @@ struct SphereLine {
 
 namespace detail {
 
-/// The equation in double. T is the number type: double, or the doubles of several lines at once, which are
-/// rounded alike. Where the lines share their origin, c and w are one number: C is double then.
+/// The equation in double. T is the number type: double, or the doubles of several lines or of several
+/// spheres at once, which are rounded alike. Where lines share their origin, c and w are one number: C is
+/// double then.
 template <class T, class C>
 struct RoundedSphereEquation {
   T A, b;
@@ -249,13 +250,12 @@ struct RoundedSphereEquation {
 
 template <class O, class V>
 [[nodiscard, gnu::always_inline]] inline auto rounded_sphere_equation(const SphereLine<O, V>& line,
-                                                                      const Point& center, double radius) {
-  using T = typename SphereLine<O, V>::T;
+                                                                      const auto& center,
+                                                                      const auto& radius) {
   const auto l = center - line.origin;
-  const T b = dot(line.direction, l);
-  const auto ll = dot(l, l);
-  const double rr = radius * radius;
+  const auto b = dot(line.direction, l), ll = dot(l, l), rr = radius * radius;
   const auto c = ll - rr, w = ll + rr;
+  using T = std::remove_const_t<decltype(b)>;
   return RoundedSphereEquation<T, std::remove_const_t<decltype(c)>>{
       .A = line.A, .b = b, .c = c, .w = w, .D = b * b - line.A * c, .E = error_of_D(line.scale, w)};
 }
@@ -268,15 +268,16 @@ struct CertifiedQuotient {
   M certain;  ///< whether q/A and c/q are as good as Roots says
 };
 
-/// The error of c is below 2^-32 |c| where the line surely meets, and that of √D at most E/(1.86 √D), since
-/// the true D is at least ¾ of this one: below 2^-31.8 |q| here. |c| > 2^-18 w also makes q larger than 2^-10
-/// √(A w), so that the error of b, 4u √(A w), is of no account.
+/// For D > 4E the error of c is below 2^-32 |c|, and that of √D at most E/(1.86 √D), since the true D is at
+/// least ¾ of this one: below 2^-31.8 |q| here. |c| > 2^-18 w also makes q larger than 2^-10 √(A w), so that
+/// the error of b, 4u √(A w), is of no account. And D is that large: √D > 2^31 E/|q|, where |q| ≤ 2 √(A w)
+/// and E ≥ 2^-48 A w, hence D > 2^12 E. (With another E, as Lagrange's form has, D > 4E is to be asked for.)
 template <class T, class C>
 [[nodiscard, gnu::always_inline]] inline auto certified_quotient(const RoundedSphereEquation<T, C>& e) {
   using std::abs, std::copysign, std::sqrt;
   const T root = sqrt(e.D);
   const T q = e.b + copysign(root, e.b);
-  const auto certain = e.surely_meets() && root * abs(q) > 0x1p31 * e.E;
+  const auto certain = root * abs(q) > 0x1p31 * e.E && abs(e.c) > 0x1p-18 * e.w;
   return CertifiedQuotient<T, std::remove_const_t<decltype(certain)>>{q, certain};
 }
 
@@ -316,7 +317,8 @@ template <class T, class C>
       if (D < -E) return {};
       const RoundedSphereEquation<double, double> e{
           .A = A, .b = b, .c = ll - rr, .w = ll + rr, .D = D, .E = E};
-      if (const auto [q, certain] = certified_quotient(e); certain) return roots_from(e.A, e.c, q);
+      if (D > 4 * E)
+        if (const auto [q, certain] = certified_quotient(e); certain) return roots_from(e.A, e.c, q);
     }
   }
   if (const auto roots = roots_next_to_sphere(origin, direction, center, radius)) return *roots;
@@ -347,13 +349,14 @@ template <class T, class C>
                                                                      const Point& center, double radius) {
   const auto e = detail::rounded_sphere_equation(line, center, radius);
   if (e.surely_misses()) return {};
-  const bool starts_outside = e.c > 0;
-  if (e.surely_meets()) {
-    if (starts_outside && e.b < 0) return {};
-    if (const auto [q, certain] = detail::certified_quotient(e); certain) {
-      if (starts_outside) return {.known = FirstRoot::Known::root, .t = e.c / q, .root = 0};
+  const double least = 0x1p-18 * e.w;
+  if (e.c > least) {
+    if (e.b < 0) return {.known = e.D > 4 * e.E ? FirstRoot::Known::no_root : FirstRoot::Known::undecided};
+    const double root = std::sqrt(e.D), q = e.b + root;
+    if (root * q > 0x1p31 * e.E) return {.known = FirstRoot::Known::root, .t = e.c / q, .root = 0};
+  } else if (e.c < -least) {
+    if (const auto [q, certain] = detail::certified_quotient(e); certain)
       return {.known = FirstRoot::Known::root, .t = q < 0 ? e.c / q : q / e.A, .root = 1};
-    }
   }
   return {.known = FirstRoot::Known::undecided};
 }
@@ -503,7 +506,9 @@ struct RoundedLeavingEquation {
     const auto& origin, const auto& direction, const Point& center, double radius, const auto& wanted) {
   using M = std::remove_cvref_t<decltype(wanted)>;
   const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
-  const auto before_end = 2 * b<(1 - 0x1p-29) * A, behind_end = 2 * b>(1 + 0x1p-29) * A;
+  const auto over = 2 * b;
+  const auto before_end = over < (1 - 0x1p-29) * A;
+  const auto behind_end = over > (1 + 0x1p-29) * A;
   const M sure = wanted && certain && (b < 0.0 || before_end || behind_end);
   return CrossedByEach<M>{.crossed = sure && b > 0.0 && before_end, .in_doubt = wanted && !sure};
 }

@@ -52,12 +52,16 @@ struct Sphere {
   /// What is the same for all spheres.
   struct Line : SphereLine<Point, Vec3> {
     const Ray& ray;
-    explicit Line(const Ray& along) : SphereLine(along.origin, along.direction), ray(along) {}
+    bool leaves_a_sphere;
+    explicit Line(const Ray& along)
+        : SphereLine(along.origin, along.direction),
+          ray(along),
+          leaves_a_sphere(along.departure.kind == Departure::Kind::sphere) {}
   };
 
   /// The first root in t > 0, if double tells.
   [[nodiscard, gnu::always_inline]] FirstRoot first_root(const Line& line) const {
-    if (is_left_by(line.ray)) return {.known = FirstRoot::Known::undecided};
+    if (line.leaves_a_sphere && is_left_by(line.ray)) return {.known = FirstRoot::Known::undecided};
     return first_sphere_root(line, center, radius);
   }
 
