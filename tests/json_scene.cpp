@@ -192,6 +192,29 @@ TEST_CASE("a scene file says everything that a scene is") {
   CHECK(file.scene.ambient() == Color{0.1f, 0.1f, 0.2f});
 }
 
+TEST_CASE("boxes, disks and quadrics are read as they are written") {
+  const auto only = [](const std::string& surface) {
+    const SceneFile file =
+        read(replacing("/objects", R"([{"color": [1, 1, 1], "surface": )" + surface + "}]"));
+    REQUIRE(file.scene.surfaces<AnySurface>().size() == 1);
+    return file.scene.surfaces<AnySurface>()[0];
+  };
+  const AnySurface box = only(R"({"type": "box", "min": [-1, 0, 2], "max": [1, 3, 5]})");
+  CHECK(box.bounds().min == Point{-1, 0, 2});
+  CHECK(box.bounds().max == Point{1, 3, 5});
+  const AnySurface disk =
+      only(R"({"type": "disk", "position": [1, 2, 5], "normal": [0, 0, -7], "radius": 2})");
+  CHECK(disk.intersect({{3, 2, 0}, {0, 0, 1}}) == 5);
+  CHECK_FALSE(disk.intersect({{3.01, 2, 0}, {0, 0, 1}}));
+  CHECK(disk.normal_at({1, 2, 5}) == Vec3{0, 0, -1});
+  // x² + 2y² + 3z² + 2 (4xy + 5zx + 6yz) + 2 (7x + 8y + 9z) − 10
+  const AnySurface quadric =
+      only(R"({"type": "quadric", "matrix": [[1, 4, 5, 7], [4, 2, 6, 8], [5, 6, 3, 9], [7, 8, 9, -10]]})");
+  const Quadric same{{.squares = {1, 2, 3}, .products = {6, 5, 4}, .linear = {7, 8, 9}, .constant = -10}};
+  for (const Ray& ray : {Ray{{0, 0, 0}, {1, 2, -3}}, Ray{{1, 0, 2}, {-1, 1, 1}}, Ray{{0, -3, 1}, {2, 5, 1}}})
+    CHECK(quadric.intersect(ray) == same.intersect(ray));
+}
+
 TEST_CASE("a scene file knows three cameras") {
   const std::string sensor = R"({"projection": "perspective", "position": [1, 2, 3], "direction": [0, 0, 1],
       "upward": [0, 1, 0], "focal-length": 3})";
@@ -221,19 +244,19 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
   struct Row {
     std::string text, error;
   };
-  const std::string vector = "a vector, an array of three numbers", number = "a number",
-                    above_0 = "a number greater than 0",
-                    color = "a color, an array of three numbers from 0 to 3.4e38",
-                    factor = "a number from 0 to 3.4e38", direction = "a direction, a vector that is not 0",
-                    side = "a whole number from 1 to 268435456", samples = "a whole number from 0 to 65536",
-                    depth = "a whole number from 1 to 1000",
-                    spot_angle = "a number of degrees above 0 and at most 180",
-                    view_angle = "a number of degrees from 1e-100 to below 180",
-                    shininess = "a number of at least 0", tone = R"("clip", "scale-pixel" or "scale-image")",
-                    types = R"("sphere", "plane", "parallelogram", "csg" or "instance")",
-                    light =
-                        "a light: position and intensity, position and power, direction and intensity, "
-                        "position, direction, angle and power, or ambient";
+  const std::string
+      vector = "a vector, an array of three numbers",
+      number = "a number", above_0 = "a number greater than 0",
+      color = "a color, an array of three numbers from 0 to 3.4e38", factor = "a number from 0 to 3.4e38",
+      direction = "a direction, a vector that is not 0", side = "a whole number from 1 to 268435456",
+      samples = "a whole number from 0 to 65536", depth = "a whole number from 1 to 1000",
+      spot_angle = "a number of degrees above 0 and at most 180",
+      view_angle = "a number of degrees from 1e-100 to below 180", shininess = "a number of at least 0",
+      tone = R"("clip", "scale-pixel" or "scale-image")",
+      types = R"("sphere", "plane", "parallelogram", "box", "disk", "quadric", "csg" or "instance")",
+      light =
+          "a light: position and intensity, position and power, direction and intensity, "
+          "position, direction, angle and power, or ambient";
   // The value at a pointer replaced by another, which is not what is allowed.
   const auto not_allowed = [](const std::string& pointer, const std::string& value,
                               const std::string& allowed) {
@@ -244,6 +267,10 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
   };
   const auto unknown = [](const std::string& pointer, const std::string& allowed) {
     return Row{with(pointer, "1"), pointer + ": is not a key here; allowed are " + allowed};
+  };
+  // Another surface.
+  const auto surface_row = [](const std::string& surface, const std::string& error) {
+    return Row{replacing("/objects/2/surface", surface), "/objects/2/surface" + error};
   };
   const std::string settings_keys =
       "resolution-x, resolution-y, samples, depth, integrator, transfer, tone and exposure";
@@ -334,6 +361,23 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
       {replacing("/objects/2/surface/edges", "[[1,2,3],[0,0,0]]"),
        "/objects/2/surface/edges: [[1,2,3],[0,0,0]] is not possible: Parallelogram: edge_u and edge_v must "
        "not be 0 or parallel"},
+      surface_row(R"({"type": "box", "min": [0,0,0]})", "/max: nothing is not " + vector),
+      surface_row(R"({"type": "box", "min": [0,0,0], "max": [1,-1,1]})",
+                  "/max: [1,-1,1] is not possible: Box: min must not be above max on any axis"),
+      surface_row(R"({"type": "disk", "position": [0,0,0], "normal": [0,0,0], "radius": 1})",
+                  "/normal: [0,0,0] is not possible: Disk: normal must be finite and not zero"),
+      surface_row(R"({"type": "disk", "position": [0,0,0], "normal": [0,0,1], "radius": 0})",
+                  "/radius: 0 is not " + above_0),
+      surface_row(R"({"type": "quadric", "matrix": [[1,0,0,0]]})",
+                  "/matrix: [[1,0,0,0]] is not a symmetric matrix, an array of four rows of four numbers"),
+      surface_row(R"({"type": "quadric", "matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0]]})",
+                  "/matrix/3: [0,0,0] is not a row of four numbers"),
+      surface_row(R"({"type": "quadric", "matrix": [[1,2,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]})",
+                  "/matrix/1/0: 0 is not the number on the other side of the diagonal, 2.0"),
+      surface_row(
+          R"({"type": "quadric", "matrix": [[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]]})",
+          "/matrix: [[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]] is not possible: Quadric: the form must not be "
+          "constant"),
       not_allowed("/objects/2/color", "[1,1]", color),
       not_allowed("/objects/0/material-id", "\"blue\"", "the name of one of the materials: " + ids),
       missing("/objects/0/material-id", "the name of one of the materials, and there is no color"),

@@ -26,8 +26,11 @@
 #include <vector>
 
 #include "../image.hpp"
+#include "../surfaces/box.hpp"
 #include "../surfaces/csg.hpp"
+#include "../surfaces/disk.hpp"
 #include "../surfaces/instance.hpp"
+#include "../surfaces/quadric.hpp"
 #include "image_texture.hpp"
 #include "scene_file.hpp"
 
@@ -389,6 +392,43 @@ inline Parallelogram parallelogram_at(const JsonCursor& at) {
   return board;
 }
 
+inline Box box_at(const JsonCursor& at) {
+  at.with_keys({"type", "min", "max"});
+  const Box box{.min = at["min"].vector(), .max = at["max"].vector()};
+  at["max"].checked([&] { box.validate(); });
+  return box;
+}
+
+inline Disk disk_at(const JsonCursor& at) {
+  at.with_keys({"type", "position", "normal", "radius"});
+  const Disk disk{.position = at["position"].vector(),
+                  .normal = at["normal"].vector(),
+                  .radius = at["radius"].number_above_0()};
+  at["normal"].checked([&] { disk.validate(); });
+  return disk;
+}
+
+inline Quadric quadric_at(const JsonCursor& at) {
+  at.with_keys({"type", "matrix"});
+  const std::string allowed = "a symmetric matrix, an array of four rows of four numbers";
+  const auto rows = at["matrix"].elements(4, allowed);
+  double m[4][4] = {};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto row = rows[i].elements(4, "a row of four numbers");
+    for (std::size_t j = 0; j < 4; ++j) {
+      m[i][j] = row[j].number();
+      if (j < i && m[i][j] != m[j][i])
+        row[j].refuse("the number on the other side of the diagonal, " + json(m[j][i]).dump());
+    }
+  }
+  const Quadric quadric{{.squares = {m[0][0], m[1][1], m[2][2]},
+                         .products = {m[1][2], m[2][0], m[0][1]},
+                         .linear = {m[0][3], m[1][3], m[2][3]},
+                         .constant = m[3][3]}};
+  at["matrix"].checked([&] { quadric.validate(); });
+  return quadric;
+}
+
 AnySurface surface_at(const JsonCursor& at);
 
 /// What is made of solids, or one of them.
@@ -468,6 +508,9 @@ inline const std::vector<std::pair<std::string_view, SurfaceReader>> surface_typ
     {"sphere", read_by<sphere_at>},
     {"plane", read_by<plane_at>},
     {"parallelogram", read_by<parallelogram_at>},
+    {"box", read_by<box_at>},
+    {"disk", read_by<disk_at>},
+    {"quadric", read_by<quadric_at>},
     {"csg", read_by<csg_at>},
     {"instance", read_by<instance_at>},
 };

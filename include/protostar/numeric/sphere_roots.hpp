@@ -74,24 +74,6 @@ struct SphereEquation {
   [[nodiscard, gnu::cold]] T discriminant() const { return b * b - A * c; }
 };
 
-/// The roots of a line of finite numbers with direction ≠ 0, from coefficients in double-double.
-[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_from(const ScaledSphere& s,
-                                                                         DoubleDouble A, DoubleDouble b,
-                                                                         DoubleDouble c, DoubleDouble D,
-                                                                         double relative_error) {
-  RefinedRoots roots;
-  roots.relative_error = relative_error;
-  if (D.sign() < 0) return roots;
-  const DoubleDouble q = b.sign() < 0 ? b - sqrt(D) : b + sqrt(D);
-  // One root is q/A, and the other c/q, since their product is c/A. Where q is 0, so are D, b and c.
-  const DoubleDouble t1 = q.sign() == 0 ? DoubleDouble() : c / q, t2 = q / A;
-  const bool in_order = (t2 - t1).sign() >= 0;
-  roots.count = 2;
-  roots.t[0] = s.scaled_back(in_order ? t1 : t2);
-  roots.t[1] = s.scaled_back(in_order ? t2 : t1);
-  return roots;
-}
-
 }  // namespace detail
 
 /// The roots of a line of finite numbers with direction ≠ 0, in double-double: good to 2^-58 or undecided, or
@@ -103,8 +85,8 @@ struct SphereEquation {
     ++fallbacks.exact;
     const detail::SphereEquation<Expansion> e(s);
     // The coefficients and D are good to 2^-103 each, and so a sum, a root and a quotient of them to 2^-97.
-    return detail::refined_from(s, DoubleDouble(e.A), DoubleDouble(e.b), DoubleDouble(e.c),
-                                DoubleDouble(e.discriminant()), 0x1p-97);
+    return refined_quadratic_roots(DoubleDouble(e.A), DoubleDouble(e.b), DoubleDouble(e.c),
+                                   DoubleDouble(e.discriminant()), s.exponent, 0x1p-97);
   }
   ++fallbacks.double_double;
   const detail::SphereEquation<DoubleDouble> e(s);
@@ -118,7 +100,7 @@ struct SphereEquation {
   const bool misses = D.hi < -0x1p-98 * Aw;
   const bool meets = D.hi > 0x1p-98 * Aw && root * q > 0x1p-39 * Aw && std::abs(e.c.hi) > 0x1p-40 * w;
   if (!misses && !meets) return {};
-  return detail::refined_from(s, e.A, e.b, e.c, D, 0x1p-58);
+  return refined_quadratic_roots(e.A, e.b, e.c, D, s.exponent, 0x1p-58);
 }
 
 /// The root 2b/A of a line that starts on the sphere, likewise.

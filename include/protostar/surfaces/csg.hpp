@@ -239,7 +239,7 @@ class Csg {
 
   [[nodiscard]] Hits hits_along(const Ray& ray) const {
     Hits hits;
-    const Ray back{ray.origin, -ray.direction};
+    const Ray back = ray.turned(-ray.direction);
     for (int i = 0; i < count(); ++i) {
       const AnySurface& solid = leaf(i).solid;
       const std::size_t before = hits.all.size();

@@ -1,0 +1,79 @@
+// The points where a polynomial of the second degree in x, y and z is 0: ellipsoids, cones, cylinders, ....
+#pragma once
+
+#include <cmath>
+#include <stdexcept>
+
+#include "../numeric/quadric_roots.hpp"
+#include "../surface.hpp"
+#include "coordinates.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// A quadric: the points where its form (QuadricForm, in numeric/quadric_roots.hpp) is 0. Inside it the form
+/// is negative. The default is the unit sphere.
+///
+/// Whether a ray meets it is exact for numbers whose sizes in one test differ by less than 2^100; what lies
+/// further below the largest may be lost.
+struct Quadric {
+  QuadricForm form;
+
+  /// Where a ray crosses the quadric first inside the range. Touching is a hit, at which the ray crosses it
+  /// twice; a ray that lies in the quadric does not cross it. A quadric that the ray departs from may be met
+  /// once more.
+  [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
+    const auto crossing = first_crossing(*this, ray, range);
+    return crossing ? std::optional(crossing->t) : std::nullopt;
+  }
+
+  /// The unit normal at a point of the quadric, along the gradient of the form, and so outwards. Where the
+  /// gradient is 0, as at the apex of a cone, there is none: (0, 0, 1) stands for it.
+  [[nodiscard]] Vec3 normal_at(const Point& point) const {
+    const Vec3 gradient = form.times(point) + form.linear;
+    return gradient == Vec3{0} ? Vec3{0, 0, 1} : normalize(of_moderate_size(gradient));
+  }
+
+  /// The normal as longitude and latitude: where the quadric is a sphere, u and v are a Sphere's.
+  [[nodiscard]] Uv uv_at(const Point& point) const { return direction_uv(normal_at(point)); }
+
+  /// All crossings of the ray's line; of a ray that departs from the quadric, the one that it does not come
+  /// from.
+  [[nodiscard]] Roots roots(const Ray& ray) const {
+    if (is_left_by(ray)) return quadric_root_leaving(ray.origin, ray.direction, form);
+    return quadric_roots(ray.origin, ray.direction, form);
+  }
+
+  [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision) const {
+    if (is_left_by(ray)) return refined_quadric_root_leaving(ray.origin, ray.direction, form);
+    return refined_quadric_roots(ray.origin, ray.direction, form);
+  }
+
+  [[nodiscard]] ExactRoot exact_root(const Ray& ray, int root) const {
+    if (is_left_by(ray)) return exact_quadric_root_leaving(ray.origin, ray.direction, form);
+    return exact_quadric_root(ray.origin, ray.direction, form, root);
+  }
+
+  /// Whether a ray is inside in the end, for t → ∞.
+  [[nodiscard]] bool ends_inside(const Ray& ray) const {
+    return quadric_ends_negative(ray.origin, ray.direction, form, is_left_by(ray));
+  }
+
+  /// This quadric, recognized by its address.
+  [[nodiscard]] Departure departure() const { return {.kind = Departure::Kind::object, .object = this}; }
+
+  /// Throws std::invalid_argument if a number is not finite, or the form is constant.
+  void validate() const {
+    if (!is_finite(form)) throw std::invalid_argument("Quadric: the numbers of the form must be finite");
+    if (form.squares == Vec3{0} && form.products == Vec3{0} && form.linear == Vec3{0})
+      throw std::invalid_argument("Quadric: the form must not be constant");
+  }
+
+ private:
+  [[nodiscard]] bool is_left_by(const Ray& ray) const {
+    return ray.departure.kind == Departure::Kind::object && ray.departure.object == this;
+  }
+};
+
+static_assert(SurfaceWithRefinedRoots<Quadric> && SurfaceWithDeparture<Quadric>);
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,400 @@
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/quadric.hpp>
+#include <protostar/surfaces/sphere.hpp>
+#include <stdexcept>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/drawn_alike.hpp"
+#include "support/errors.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+
+constexpr double inf = std::numeric_limits<double>::infinity(),
+                 not_a_number = std::numeric_limits<double>::quiet_NaN(),
+                 ulp = std::numeric_limits<double>::epsilon();
+const Interval everywhere{-inf, inf};
+
+std::int64_t whole(Random& random, std::int64_t size) {
+  return static_cast<std::int64_t>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
+}
+Vec3 whole_vector(Random& random, std::int64_t size) {
+  const auto x = whole(random, size), y = whole(random, size), z = whole(random, size);
+  return {x, y, z};
+}
+Quadric whole_quadric(Random& random, std::int64_t size) {
+  const Vec3 squares = whole_vector(random, size), products = whole_vector(random, size),
+             linear = whole_vector(random, size);
+  return {{squares, products, linear, static_cast<double>(whole(random, size))}};
+}
+
+__extension__ using Int128 = __int128;
+
+/// The sixteen products of a form of whole numbers, term by term.
+Int128 value(const QuadricForm& form, const Vec3& p, double p3, const Vec3& q, double q3) {
+  const double matrix[4][4] = {{form.squares.x, form.products.z, form.products.y, form.linear.x},
+                               {form.products.z, form.squares.y, form.products.x, form.linear.y},
+                               {form.products.y, form.products.x, form.squares.z, form.linear.z},
+                               {form.linear.x, form.linear.y, form.linear.z, form.constant}};
+  const double left[4] = {p.x, p.y, p.z, p3}, right[4] = {q.x, q.y, q.z, q3};
+  Int128 sum = 0;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      sum += static_cast<Int128>(left[i]) * static_cast<Int128>(matrix[i][j]) * static_cast<Int128>(right[j]);
+  return sum;
+}
+
+/// A t² − 2bt + c of a line in whole numbers, A not negative.
+struct Equation {
+  Int128 A, b, c, D;
+
+  Equation(const Ray& ray, const QuadricForm& form)
+      : A(value(form, ray.direction, 0, ray.direction, 0)),
+        b(-value(form, ray.direction, 0, ray.origin, 1)),
+        c(value(form, ray.origin, 1, ray.origin, 1)),
+        D(b * b - A * c) {
+    if (A < 0) A = -A, b = -b, c = -c;
+  }
+  [[nodiscard]] int count() const { return A == 0 ? b != 0 : D < 0 ? 0 : 2; }
+  [[nodiscard]] long double root(int i) const {
+    const auto number = [](Int128 x) { return static_cast<long double>(x); };
+    if (A == 0) return number(c) / number(2 * b);
+    const long double root = std::sqrt(number(D)), q = number(b) + (b < 0 ? -root : root);
+    const long double one = q == 0 ? 0 : number(c) / q, other = q / number(A);
+    return i == 0 ? std::min(one, other) : std::max(one, other);
+  }
+  /// How many roots are below 1: f(1) and its slope there say it.
+  [[nodiscard]] int count_below_1() const {
+    const Int128 at_1 = A - 2 * b + c;
+    if (A == 0) return b != 0 && (b > 0 ? at_1 < 0 : at_1 > 0);
+    if (D < 0) return 0;
+    if (at_1 < 0) return 1;
+    if (at_1 > 0) return b > A ? 0 : 2;
+    return c < A ? 1 : 0;  // the other root is c/A
+  }
+};
+
+std::vector<double> crossings(const Quadric& quadric, const Ray& ray, Interval range = everywhere) {
+  std::vector<double> all;
+  each_crossing(quadric, ray, range, [&](const Crossing& crossing) { all.push_back(crossing.t); });
+  return all;
+}
+
+/// How many answers about a quadric and a ray of whole numbers are wrong.
+int wrong_answers(const Quadric& quadric, const Ray& ray) {
+  const Equation e(ray, quadric.form);
+  const auto found = crossings(quadric, ray);
+  int wrong = static_cast<int>(found.size()) != e.count();
+  wrong += static_cast<int>(crossings(quadric, ray, {-inf, 1}).size()) != e.count_below_1();
+  if (wrong == 0)
+    for (int i = 0; i < e.count(); ++i) {
+      const long double t = found[static_cast<std::size_t>(i)], truth = e.root(i);
+      wrong += !(std::abs(t - truth) <= 0x1p-30L * std::abs(truth));
+    }
+  return wrong;
+}
+
+const Quadric cylinder{{.squares = {1, 0, 1}}};                                        // x² + z² = 1
+const Quadric cone{{.squares = {1, -1, 1}, .constant = 0}};                            // x² + z² = y²
+const Quadric bowl{{.squares = {1, 0, 1}, .linear = {0, -0.5, 0}, .constant = 0}};     // y = x² + z²
+const Quadric saddle{{.squares = {1, -1, 0}, .linear = {0, 0, -0.5}, .constant = 0}};  // z = x² − y²
+const Quadric hyperboloid{{.squares = {1, -1, 1}}};                                    // x² + z² = 1 + y²
+const Quadric planes{{.squares = {0, 0, 1}, .constant = -4}};                          // z = ±2
+const Quadric plane{{.squares = {0, 0, 0}, .linear = {0, 0, 1}, .constant = -6}};      // z = 3
+const Quadric ellipsoid{{.squares = {4, 1, 1}, .linear = {0, 0, -3}, .constant = 9 - 4}};  // around (0, 0, 3)
+
+}  // namespace
+
+TEST_CASE("a quadric is met where its form is 0") {
+  struct {
+    const char* what;
+    Quadric quadric;
+    Ray ray;
+    std::vector<double> expected;
+  } const rows[] = {
+      {"the unit sphere", {}, {{0, 0, -3}, {0, 0, 1}}, {2, 4}},
+      {"touched", {}, {{1, 0, -3}, {0, 0, 1}}, {3, 3}},
+      {"missed", {}, {{1 + ulp, 0, -3}, {0, 0, 1}}, {}},
+      {"its negative is the same", {{Vec3{-1}, {}, {}, 1}}, {{0, 0, -3}, {0, 0, 1}}, {2, 4}},
+      {"an ellipsoid along its short axis", ellipsoid, {{-3, 0, 3}, {1, 0, 0}}, {2, 4}},
+      {"an ellipsoid along a long one", ellipsoid, {{0, 0, 0}, {0, 0, 1}}, {1, 5}},
+      {"from inside", ellipsoid, {{0, 0, 3}, {0, 0.5, 0}}, {-4, 4}},
+      {"a cylinder across", cylinder, {{-3, 7, 0}, {1, 1, 0}}, {2, 4}},
+      {"a cylinder along", cylinder, {{0.5, 0, 0}, {0, 1, 0}}, {}},
+      {"a cylinder along, in it", cylinder, {{1, 0, 0}, {0, 1, 0}}, {}},
+      {"a cone across both halves", cone, {{2, -9, 0}, {0, 1, 0}}, {7, 11}},
+      {"a cone across one", cone, {{-9, 2, 0}, {1, 0, 0}}, {7, 11}},
+      {"a cone at its apex", cone, {{0, 0, -3}, {0, 0, 1}}, {3, 3}},
+      {"a cone along a side", cone, {{1, 0, 0}, {1, 1, 0}}, {-0.5}},
+      {"a cone in a side", cone, {{1, 1, 0}, {1, 1, 0}}, {}},
+      {"a bowl along its axis", bowl, {{1, -3, 2}, {0, 2, 0}}, {4}},
+      {"a bowl across", bowl, {{-3, 4, 0}, {1, 0, 0}}, {1, 5}},
+      {"a saddle along its axis", saddle, {{2, 1, 0}, {0, 0, 1}}, {3}},
+      {"a saddle along one of its lines", saddle, {{1, 0, 0}, {1, 1, 0}}, {-0.5}},
+      {"a saddle in one of its lines", saddle, {{1, 1, 0}, {1, 1, 0}}, {}},
+      {"a hyperboloid across", hyperboloid, {{-3, 0, 0}, {1, 0, 0}}, {2, 4}},
+      {"a hyperboloid in one of its lines", hyperboloid, {{1, 0, 0}, {0, 1, 1}}, {}},
+      {"two planes", planes, {{0, 0, 0}, {1, 1, 1}}, {-2, 2}},
+      {"two planes, along", planes, {{0, 0, 0}, {1, 1, 0}}, {}},
+      {"one plane", plane, {{0, 0, 0}, {1, 1, 1}}, {3}},
+      {"one plane, along", plane, {{0, 0, 0}, {1, 1, 0}}, {}},
+      {"one plane, in it", plane, {{0, 0, 3}, {1, 1, 0}}, {}},
+      {"nothing", {{Vec3{0}, Vec3{0}, Vec3{0}, 1}}, {{0, 0, 0}, {0, 0, 1}}, {}},
+  };
+  for (const auto& row : rows) {
+    INFO(row.what);
+    CHECK(crossings(row.quadric, row.ray) == row.expected);
+  }
+}
+
+TEST_CASE("whether a ray of whole numbers meets a quadric of whole numbers, and before t = 1, is exact") {
+  Random random(51);
+  int touching = 0, linear = 0, wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Quadric quadric = whole_quadric(random, 2);
+    const Ray ray{whole_vector(random, 2), whole_vector(random, 2)};
+    if (ray.direction == Vec3{0}) continue;
+    const Equation e(ray, quadric.form);
+    touching += e.A != 0 && e.D == 0;
+    linear += e.A == 0;
+    wrong += wrong_answers(quadric, ray);
+  }
+  CHECK(touching > 200);
+  CHECK(linear > 500);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a ray that passes a quadric, or meets it, by less than double tells is decided exactly") {
+  Random random(52);
+  int hits = 0, misses = 0, wrong = 0, in_doubt = 0;
+  for (int i = 0; i < 20000 && hits + misses < 3000; ++i) {
+    Quadric quadric = whole_quadric(random, 2);
+    const Ray ray{whole_vector(random, 1 << 24), whole_vector(random, 2)};
+    // The constant that comes nearest to D = 0, or next to that.
+    Equation e(ray, quadric.form);
+    if (e.A == 0 || ray.direction == Vec3{0}) continue;
+    const Int128 sign = value(quadric.form, ray.direction, 0, ray.direction, 0) < 0 ? -1 : 1;
+    quadric.form.constant += static_cast<double>(sign * (e.b * e.b / e.A - e.c) + whole(random, 1));
+    if (std::abs(quadric.form.constant) > 0x1p53) continue;
+    ++(Equation(ray, quadric.form).D < 0 ? misses : hits);
+    fallbacks = {};
+    wrong += wrong_answers(quadric, ray);
+    in_doubt += fallbacks.exact > 0;
+  }
+  CHECK(hits > 1000);
+  CHECK(misses > 500);
+  CHECK(in_doubt > 2000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a quadric that is a sphere is met where the sphere is, with its normal, u and v") {
+  Random random(53);
+  int hits = 0, wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Point center = whole_vector(random, i % 2 ? 9 : 999);
+    const double radius = static_cast<double>(1 + random.bits() % 9);
+    const Sphere sphere{center, radius};
+    const Quadric quadric{{.linear = -center, .constant = dot(center, center) - radius * radius}};
+    const Ray ray{center + random.point(15), std::exp(random.real(-2, 2)) * random.direction()};
+    const auto expected = sphere.intersect(ray), found = quadric.intersect(ray);
+    wrong += expected.has_value() != found.has_value();
+    if (!expected || !found) continue;
+    ++hits;
+    wrong += !(std::abs(*expected - *found) <= 0x1p-29 * *expected);
+    const Point p = ray.at(*expected);
+    wrong += !(length(quadric.normal_at(p) - sphere.normal_at(p)) < 1e-12);
+    wrong += !(length(Vec3(quadric.uv_at(p) - sphere.uv_at(p), 0)) < 1e-9);
+  }
+  CHECK(hits > 1000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a hit lies on the quadric, and the normal there is a unit vector that leads outwards") {
+  Random random(54);
+  int hits = 0, wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Quadric quadric{{random.point(1), random.point(1), random.point(1), random.real(-1, 1)}};
+    const Ray ray{random.point(3), std::exp(random.real(-3, 3)) * random.direction()};
+    const auto t = quadric.intersect(ray);
+    if (!t || *t * length(ray.direction) > 20) continue;
+    ++hits;
+    const auto f = [&](const Point& p) {
+      return dot(p, quadric.form.times(p)) + 2 * dot(quadric.form.linear, p) + quadric.form.constant;
+    };
+    const Point p = ray.at(*t);
+    const Vec3 n = quadric.normal_at(p), gradient = 2.0 * (quadric.form.times(p) + quadric.form.linear);
+    const double size = 3 * dot(p, p) + 4 * length(p) + 1;
+    wrong += !(std::abs(f(p)) <= 0x1p-30 * length(gradient) * *t * length(ray.direction) + 64 * ulp * size);
+    wrong += !(std::abs(length(n) - 1) < 4 * ulp);
+    const double off = 1e-4 * length(gradient);
+    if (off > 1e-5) wrong += !(f(p + off * n) > 0 && f(p - off * n) < 0);
+  }
+  CHECK(hits > 5000);
+  CHECK(wrong == 0);
+  CHECK(cone.normal_at(Point{0}) == Vec3{0, 0, 1});
+  CHECK(length(cone.normal_at({3, 3, 0}) - normalize(Vec3{1, -1, 0})) < 1e-15);
+  const Quadric tiny{{Vec3{1e-300}, {}, {}, -1e-300}}, huge{{Vec3{1e300}, {}, {}, -1e300}};
+  CHECK(length(tiny.normal_at({0, 0.6, 0.8}) - Vec3{0, 0.6, 0.8}) < 1e-15);
+  CHECK(length(huge.normal_at({0, 0.6, 0.8}) - Vec3{0, 0.6, 0.8}) < 1e-15);
+}
+
+TEST_CASE("of a quadric that a ray leaves, the other root is left, exactly") {
+  Random random(55);
+  int again = 0, wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Quadric quadric = whole_quadric(random, 3);
+    Ray ray{whole_vector(random, 4), whole_vector(random, 4)};
+    if (ray.direction == Vec3{0}) continue;
+    // The origin is on the quadric, but for one unit that has been rounded away.
+    quadric.form.constant -= static_cast<double>(value(quadric.form, ray.origin, 1, ray.origin, 1));
+    const Equation e(ray, quadric.form);
+    if (i % 2) quadric.form.constant = std::nextafter(quadric.form.constant, 0);
+    ray.departure = quadric.departure();
+    const auto found = crossings(quadric, ray);
+    wrong += found.size() != (e.A == 0 ? 0 : 1);
+    if (e.A == 0 || found.size() != 1) continue;
+    wrong += found[0] != static_cast<double>(2 * e.b) / static_cast<double>(e.A);
+    again += found[0] > 0;
+    wrong += crossings(quadric, ray, {0, 1}).size() != (0 < e.b && 2 * e.b < e.A);
+    // What is at the same place and not the same is met.
+    const Quadric other = quadric;
+    wrong += crossings(other, {ray.origin, ray.direction}).size() != crossings(other, ray).size();
+  }
+  CHECK(again > 5000);
+  CHECK(wrong == 0);
+
+  int hits = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Quadric round{
+        {{random.real(0.5, 2), 1, random.real(0.5, 2)}, random.point(0.25), random.point(1), -4}};
+    const Ray ray{random.point(5), random.direction()};
+    const auto t = round.intersect(ray);
+    if (!t) continue;
+    ++hits;
+    const Ray left{ray.at(*t), random.direction(), round.departure()};
+    const bool is_inwards = dot(left.direction, round.normal_at(left.origin)) < 0;
+    wrong += crossings(round, left, {}).size() != is_inwards;
+  }
+  CHECK(hits > 1000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("whether a ray ends inside a quadric is exact, and fits its crossings") {
+  Random random(56);
+  int inside = 0, along = 0, wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Quadric quadric = whole_quadric(random, 2);
+    const Ray ray{whole_vector(random, 2), whole_vector(random, 2)};
+    if (ray.direction == Vec3{0}) continue;
+    const Int128 A = value(quadric.form, ray.direction, 0, ray.direction, 0),
+                 b = -value(quadric.form, ray.direction, 0, ray.origin, 1),
+                 c = value(quadric.form, ray.origin, 1, ray.origin, 1);
+    const bool expected = A != 0 ? A < 0 : b != 0 ? b > 0 : c < 0;
+    wrong += quadric.ends_inside(ray) != expected;
+    inside += expected;
+    along += A == 0 && b == 0;
+    // Each crossing ahead takes the ray from one side to the other.
+    if (c != 0) wrong += (crossings(quadric, ray, {}).size() % 2 != 0) != ((c < 0) != expected);
+    Ray left = ray;
+    left.departure = quadric.departure();
+    wrong += quadric.ends_inside(left) != (A != 0 ? A < 0 : b > 0);
+  }
+  CHECK(inside > 5000);
+  CHECK(along > 100);
+  CHECK(wrong == 0);
+  CHECK_FALSE(Quadric{}.ends_inside({{0, 0, 0}, {0, 0, 1}}));
+  CHECK(Quadric{{Vec3{-1}, {}, {}, 1}}.ends_inside({{0, 0, 0}, {0, 0, 1}}));
+  CHECK(cone.ends_inside({{9, 0, 0}, {1, 1 + ulp, 0}}));
+  CHECK_FALSE(cone.ends_inside({{0, 9, 0}, {1, 1 - ulp, 0}}));
+  CHECK(cylinder.ends_inside({{0.5, 0, 0}, {0, 1, 0}}));
+  CHECK_FALSE(cylinder.ends_inside({{1, 0, 0}, {0, 1, 0}}));
+  CHECK_FALSE(cylinder.ends_inside({{0.5, 0, 0}, {1e-300, 1, 0}}));
+  CHECK_FALSE(cylinder.ends_inside({{0.5, 0, 0}, {0, 0, 0}}));
+  CHECK_FALSE(cylinder.ends_inside({{0.5, 0, 0}, {0, not_a_number, 0}}));
+}
+
+TEST_CASE("huge and tiny quadrics are met like others, and what is not finite is not met") {
+  for (const double size : {0x1p-400, 0x1p-200, 0x1p-30, 1.0, 0x1p30, 0x1p200, 0x1p400})
+    for (const double factor : {0x1p-200, 1.0, 0x1p200})
+      for (const double far : {0x1p-60, 1.0, 0x1p60}) {
+        CAPTURE(size, factor, far);
+        const Quadric sphere{{Vec3{factor}, {}, {}, -factor * size * size}};
+        CHECK(crossings(sphere, {{size, 0, -3 * size}, {0, 0, far}}) ==
+              std::vector<double>{3 * size / far, 3 * size / far});
+        CHECK(crossings(sphere, {{0, 0, -3 * size}, {0, 0, far}}) ==
+              std::vector<double>{2 * size / far, 4 * size / far});
+        CHECK(crossings(sphere, {{size * (1 + ulp), 0, -3 * size}, {0, 0, far}}).empty());
+        const Quadric floor{{Vec3{0}, {}, {0, factor, 0}, -2 * factor * size}};
+        CHECK(crossings(floor, {{0, 3 * size, 0}, {0, far, far}}) == std::vector<double>{-2 * size / far});
+      }
+  const Quadric sound = ellipsoid;
+  const Ray ray;
+  REQUIRE(sound.intersect(ray));
+  CHECK(crossings(sound, {{0, 0, 0}, {0, 0, 0}}).empty());
+  for (const double bad : {inf, -inf, not_a_number}) {
+    Quadric constant = sound;
+    constant.form.constant = bad;
+    CHECK(crossings(constant, ray).empty());
+    for (int axis = 0; axis < 3; ++axis) {
+      CAPTURE(bad, axis);
+      Ray origin = ray, direction = ray;
+      origin.origin[axis] = bad, direction.direction[axis] = bad;
+      CHECK(crossings(sound, origin).empty());
+      CHECK(crossings(sound, direction).empty());
+      Quadric squares = sound, products = sound, linear = sound;
+      squares.form.squares[axis] = bad, products.form.products[axis] = bad, linear.form.linear[axis] = bad;
+      CHECK(crossings(squares, ray).empty());
+      CHECK(crossings(products, ray).empty());
+      CHECK(crossings(linear, ray).empty());
+    }
+  }
+}
+
+TEST_CASE("quadrics in a picture are the same plain, with a tree and by tiles, and show no acne") {
+  const Camera camera{.position = {0, 1, -6}};
+  const Point light{3, 6, -6};
+  Scene<Quadric, AnySurface> scene;
+  const Material squares{.texture = Checker{.size = 0.25}, .reflect = 0.25},
+      glass{.diffuse = Color{0.25f}, .refract = 0.75, .ior = 1.5};
+  scene.add(AnySurface(Plane{{0, 1, 0}, -1}), squares);
+  scene.add(Quadric{{.squares = {4, 1, 4}, .linear = {8, 0, 0}, .constant = 15}}, squares);  // standing on it
+  scene.add(Quadric{{.squares = {8, -1, 8}, .linear = {0, 0, -16}, .constant = 32}}, Color{0.5f});  // a cone
+  scene.add(AnySurface(Quadric{{.linear = {-2, 0, 1}, .constant = 4}}), glass);
+  scene.add(AnySurface(Quadric{{.squares = {1, 0, 1}, .linear = {-4, 0, -3}, .constant = 24.9}}), squares);
+  scene.add(PointLight{.position = light, .power = Color{3000}});
+  CHECK(pixels_drawn_otherwise(scene, camera) == 0);
+
+  int lit = 0, acne = 0;
+  for (int i = 0; i < 64 * 48; ++i) {
+    const auto hit = scene.intersect(camera.through_pixel(i % 64, i / 64, 64, 48));
+    if (!hit) continue;
+    ++lit;
+    const Ray to_light = hit->leave(light - hit->point());
+    if (!(dot(hit->facing_normal(), to_light.direction) > 0)) continue;
+    if (const auto shadow = scene.intersect(to_light, {0, 1})) acne += shadow->t < 1e-9;
+  }
+  CHECK(lit > 1000);
+  CHECK(acne == 0);
+}
+
+TEST_CASE("a quadric that makes no sense is refused") {
+  const auto says = [](const Quadric& quadric) {
+    return message_of<std::invalid_argument>([&] { quadric.validate(); });
+  };
+  for (const double bad : {inf, -inf, not_a_number}) {
+    CHECK_THAT(says({{.constant = bad}}), ContainsSubstring("Quadric: the numbers of the form"));
+    CHECK_THAT(says({{.squares = {1, bad, 1}}}), ContainsSubstring("Quadric: the numbers of the form"));
+    CHECK_THAT(says({{.products = {1, bad, 1}}}), ContainsSubstring("Quadric: the numbers of the form"));
+    CHECK_THAT(says({{.linear = {1, bad, 1}}}), ContainsSubstring("Quadric: the numbers of the form"));
+  }
+  CHECK_THAT(says({{.squares = Vec3{0}}}), ContainsSubstring("Quadric: the form must not be constant"));
+  CHECK_NOTHROW(plane.validate());
+  CHECK_NOTHROW(Quadric{}.validate());
+}
