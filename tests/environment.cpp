@@ -1,5 +1,6 @@
 // What rays bring that meet nothing, where that depends on their direction.
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <protostar/accel/accelerate.hpp>
 #include <protostar/integrators/binary.hpp>
@@ -10,12 +11,14 @@
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/transparency.hpp>
 #include <protostar/integrators/whitted.hpp>
+#include <protostar/io/hdr.hpp>
 #include <protostar/io/image_texture.hpp>
 #include <protostar/render.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <stdexcept>
 
+#include "scenes/dusk.hpp"
 #include "support/catch.hpp"
 #include "support/errors.hpp"
 #include "support/pictures.hpp"
@@ -77,6 +80,15 @@ TEST_CASE("a picture as an environment has its left edge at u = 0, and its last 
   CHECK(seen(ColorIntegrator{}, scene, {0.1, -0.5, -1}) == Color{3, 1, 1});
   CHECK(seen(ColorIntegrator{}, scene, {0, 1, 0}) == Color{2, 0, 1});
   CHECK(seen(ColorIntegrator{}, scene, {0, -1, 0}) == Color{2, 1, 1});
+}
+
+TEST_CASE("the evening sky is the same as a file and as a header") {
+  const Image file = load_image(std::filesystem::path(PROTOSTAR_SOURCE_DIR) / "scenes" / "dusk.hdr");
+  CHECK(count_pixels(file, [&](int x, int y) {
+          const Color light = dusk((x + 0.5) / file.width(), (y + 0.5) / file.height());
+          return file(x, y) != detail::nearest_rgbe(light);
+        }) == 0);
+  CHECK(file.width() == 1024);
 }
 
 TEST_CASE("integrators of light see the environment, before the sky; others keep to black") {

@@ -13,6 +13,7 @@
 
 #include "compare_images/picture.hpp"
 #include "compare_images/read_image.hpp"
+#include "reference/carved_solids.hpp"
 #include "reference/pictures.hpp"
 #include "reference/whitted.hpp"
 #include "support/catch.hpp"
@@ -117,6 +118,12 @@ const Golden goldens[] = {
        return picture({{ivory, glass, rubber, mirror}, true});
      },
      20},  // which look exactly at the lines x = ±4 between squares: rounding decides whose they are
+    {"15_csg", "15_csg", "", of_scene<reference::carved_solids_along>},
+    {"16_environment", "16_environment", "",
+     [] {
+       using namespace reference;
+       return picture({{ivory, glass, rubber, mirror}, false, true});
+     }},
 };
 
 std::string command(const Golden& picture) {
