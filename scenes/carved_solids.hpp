@@ -9,15 +9,13 @@
 #include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/sphere.hpp>
 
-/// A cylinder of infinite length around an axis: x² + y² + z² less the square along the axis, less r².
-inline protostar::Quadric cylinder(const protostar::Vec3& axis, double radius) {
-  return {{.squares = protostar::Vec3{1} - axis, .constant = -radius * radius}};
-}
-
 inline protostar::Csg rounded_cube_with_holes() {
   using namespace protostar;
-  return difference_of({intersection_of({Box{}, Sphere{.radius = 1.375}}), cylinder({1, 0, 0}, 0.625),
-                        cylinder({0, 1, 0}, 0.625), cylinder({0, 0, 1}, 0.625)});
+  const double square = 0.625 * 0.625;  // of the cylinders' radius: y² + z² − r² = 0, and so on
+  return difference_of({intersection_of({Box{}, Sphere{.radius = 1.375}}),
+                        Quadric{{.squares = {0, 1, 1}, .constant = -square}},
+                        Quadric{{.squares = {1, 0, 1}, .constant = -square}},
+                        Box{{-0.5, -0.5, -1}, {0.5, 0.5, 1}}});
 }
 
 inline protostar::Csg bowl() {

@@ -124,10 +124,10 @@ struct Carved {
 
 inline std::vector<Carved> carved_solids() {
   const auto ball = [](Real z, Real radius) { return Primitive{{0, 0, z}, {1, 1, 1}, radius}; };
-  const auto box = [](Vector low, Vector high) { return Primitive{.low = low, .high = high}; };
+  const auto box = [](Vector low, Vector high) { return Primitive{{}, {}, 0, low, high}; };
   const Vector x{1, 0, 0}, y{0, 1, 0}, bowl{2, 0, 1};
   return {{{box({-1, -1, -1}, {1, 1, 1}), ball(0, 1.375L)},
-           {{{}, {0, 1, 1}, 0.625L}, {{}, {1, 0, 1}, 0.625L}, {{}, {1, 1, 0}, 0.625L}},
+           {{{}, {0, 1, 1}, 0.625L}, {{}, {1, 0, 1}, 0.625L}, box({-0.5L, -0.5L, -1}, {0.5L, 0.5L, 1})},
            {1, 0.3f, 0},
            [=](Vector v) { return turned(turned(v, y, 35), x, -25); },
            [=](Vector v) { return turned(turned(v, x, 25), y, -35); },

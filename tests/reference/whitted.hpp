@@ -56,10 +56,10 @@ struct FourSpheres {
   static Real radius(int i) { return balls[static_cast<std::size_t>(i)][3]; }
 
   static Vector dusk_along(Vector d) {
-    const Real pi = std::acos(Real{-1});
-    const auto light = dusk(static_cast<double>(0.5L + std::atan2(d.x, d.z) / (2 * pi)),
-                            static_cast<double>(std::acos(std::clamp<Real>(d.y, -1, 1)) / pi));
-    return {light.r, light.g, light.b};
+    const Real half_turn = std::acos(Real{-1});
+    const auto seen = dusk(static_cast<double>(0.5L + std::atan2(d.x, d.z) / (2 * half_turn)),
+                           static_cast<double>(std::acos(std::clamp<Real>(d.y, -1, 1)) / half_turn));
+    return {seen.r, seen.g, seen.b};
   }
 
   struct Met {

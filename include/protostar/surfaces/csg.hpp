@@ -45,14 +45,16 @@ class Csg {
   /// An operation on trees. Throws std::invalid_argument if there are none, if the new tree is too deep, or
   /// if it has more parts than an int counts.
   Csg(Operation operation, std::vector<Csg> operands) : Csg(taken_first(operands)) {
-    std::vector<int> roots{root()};
+    std::size_t whole = nodes_.size();  // the place of the operation, behind all operands
+    for (std::size_t i = 1; i < operands.size(); ++i) whole += operands[i].nodes_.size();
+    const int first_operand = root(), count_of_operands = static_cast<int>(operands.size());
+    nodes_.back().parent = static_cast<int>(whole);
     for (std::size_t i = 1; i < operands.size(); ++i) {
       append(std::move(operands[i]), operation);
-      roots.push_back(root());
+      nodes_.back().parent = static_cast<int>(whole);
     }
     nodes_.push_back(
-        {.operation = operation, .first_operand = roots[0], .operands = static_cast<int>(roots.size())});
-    for (const int operand : roots) nodes_[static_cast<std::size_t>(operand)].parent = root();
+        {.operation = operation, .first_operand = first_operand, .operands = count_of_operands});
     if (++depth_ > most_depth)
       throw std::invalid_argument("Csg: operations may be " + std::to_string(most_depth) +
                                   " deep inside each other, and these are deeper");
