@@ -202,7 +202,7 @@ class Table {
       const std::size_t width = widths_.at(i);
       const std::string space(width > cells[i].size() ? width - cells[i].size() : 0, ' ');
       line += i == 0 ? cells[i] + space : "  " + space + cells[i];
-      values += (i == 0 ? "" : ",") + cells[i];
+      values += (i == 0 ? "" : ",") + (cells[i].find(',') == cells[i].npos ? cells[i] : '"' + cells[i] + '"');
     }
     std::printf("%s\n", line.substr(0, line.find_last_not_of(' ') + 1).c_str());
     std::fflush(stdout);

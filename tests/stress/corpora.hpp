@@ -2,8 +2,11 @@
 #pragma once
 
 #include <protostar/camera.hpp>
+#include <protostar/surfaces/box.hpp>
+#include <protostar/surfaces/disk.hpp>
 #include <protostar/surfaces/parallelogram.hpp>
 #include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <utility>
 #include <vector>
@@ -26,11 +29,14 @@ struct Corpus {
 // so that a statement draws no more than one random number, unless braces set the order.
 namespace corpora {
 
-using protostar::Parallelogram, protostar::Plane, protostar::Point, protostar::Ray, protostar::Sphere,
-    protostar::Vec3;
+using protostar::Box, protostar::Disk, protostar::Parallelogram, protostar::Plane, protostar::Point,
+    protostar::Quadric, protostar::QuadricForm, protostar::Ray, protostar::Sphere, protostar::Vec3;
 using SphereCase = Case<Sphere>;
 using PlaneCase = Case<Plane>;
 using ParallelogramCase = Case<Parallelogram>;
+using DiskCase = Case<Disk>;
+using BoxCase = Case<Box>;
+using QuadricCase = Case<Quadric>;
 
 inline int whole(Random& random, int min, int max) {
   return min + static_cast<int>(random.bits() % static_cast<std::uint64_t>(max - min + 1));
@@ -304,6 +310,226 @@ inline ParallelogramCase parallelograms_exponents(Random& random) {
           {unit * c.surface.position, unit * c.surface.edge_u, unit * c.surface.edge_v}};
 }
 
+// ---- Disks
+
+/// Of any size, at any angle, and a ray to a point in the plane, in it or beside it.
+inline DiskCase disks(Random& random) {
+  const double radius = size(random, -10, 10), tilt = size(random, -10, 10), far = size(random, -10, 10);
+  const Point position = random.point(far), origin = random.point(far);
+  const Disk disk{position, tilt * random.direction(), radius};
+  const double off = radius * random.real(0, 1.5), length = size(random, -10, 10);
+  return {{origin, length * (disk.position + off * across(random, disk.normal) - origin)}, disk};
+}
+
+/// Rays to the outline and next to it.
+inline DiskCase disks_outline(Random& random) {
+  DiskCase c = disks(random);
+  const double off = coin(random) ? 0 : tiny(random, 20, 60);
+  c.ray.direction =
+      c.surface.position + c.surface.radius * (1 + off) * across(random, c.surface.normal) - c.ray.origin;
+  return c;
+}
+
+/// Rays that start next to the plane, or run all but along it.
+inline DiskCase disks_grazing(Random& random) {
+  DiskCase c = disks(random);
+  const double off = tiny(random, 1, 60), from_center = c.surface.radius * random.real(0, 1.5);
+  const Point beside = c.surface.position + from_center * across(random, c.surface.normal);
+  if (coin(random)) {
+    c.ray.origin = beside + off * c.surface.normal;
+  } else {
+    c.ray.direction = across(random, c.surface.normal) + off * c.surface.normal;
+    c.ray.origin = beside - size(random, -3, 3) * c.ray.direction;
+  }
+  return c;
+}
+
+/// Small whole numbers: rays to the points (3k, 4k) of an outline, along the plane and in it; but for a
+/// nudge.
+inline DiskCase disks_whole(Random& random) {
+  const int k = whole(random, 1, 9), times = whole(random, 0, 2);
+  DiskCase c{{whole_vector(random, -9, 9), whole_vector(random, -9, 9)},
+             {whole_vector(random, -9, 9), turned({0, 0, whole(random, 1, 3)}, times), 5.0 * k}};
+  if (coin(random)) c.ray.direction = c.surface.position + turned({3 * k, 4 * k, 0}, times) - c.ray.origin;
+  nudge(random, c.ray.origin), nudge(random, c.ray.direction), nudge(random, c.surface.normal);
+  return c;
+}
+
+inline DiskCase disks_exponents(Random& random) {
+  const DiskCase c = coin(random)   ? disks_outline(random)
+                     : coin(random) ? disks_grazing(random)
+                                    : disks_whole(random);
+  const int lengths = whole(random, -900, 900), lengthened = whole(random, -900, 900),
+            normals = whole(random, -900, 900);
+  if (std::abs(lengths - lengthened) > 900) return disks_exponents(random);
+  const double unit = std::ldexp(1, lengths);
+  return {{unit * c.ray.origin, std::ldexp(1, lengthened) * c.ray.direction},
+          {unit * c.surface.position, std::ldexp(1, normals) * c.surface.normal, unit * c.surface.radius}};
+}
+
+// ---- Boxes
+
+inline Box box_around(const Point& a, const Point& b) { return {glm::min(a, b), glm::max(a, b)}; }
+
+/// A point between the two ends, or at one of them.
+inline double between(Random& random, double a, double b, bool at_an_end) {
+  const double share = random.real(0, 1);
+  return !at_an_end ? a + share * (b - a) : coin(random) ? a : b;
+}
+
+/// Of any size and shape, and a ray to a point in it or beside it.
+inline BoxCase boxes(Random& random) {
+  const double far = size(random, -10, 10), wide = size(random, -10, 10), high = size(random, -10, 10);
+  const Point corner = random.point(far), origin = random.point(far);
+  const Box box = box_around(corner, corner + Vec3{wide, high, wide} * random.point(1));
+  const Vec3 share{random.real(-0.5, 1.5), random.real(-0.5, 1.5), random.real(-0.5, 1.5)};
+  const double length = size(random, -10, 10);
+  return {{origin, length * (box.min + share * (box.max - box.min) - origin)}, box};
+}
+
+/// Rays to points of edges and vertices, and next to them.
+inline BoxCase boxes_edges(Random& random) {
+  BoxCase c = boxes(random);
+  const int along = whole(random, 0, 3);
+  for (int axis = 0; axis < 3; ++axis)
+    c.ray.direction[axis] =
+        between(random, c.surface.min[axis], c.surface.max[axis], axis != along) - c.ray.origin[axis];
+  nudge(random, c.ray.direction), nudge(random, c.ray.origin);
+  return c;
+}
+
+/// Small whole numbers: rays along faces and through edges and vertices, flat boxes; but for a nudge.
+inline BoxCase boxes_whole(Random& random) {
+  const Point a = whole_vector(random, -2, 2), b = whole_vector(random, -2, 2);
+  BoxCase c{{whole_vector(random, -3, 3), whole_vector(random, -2, 2)}, box_around(a, b)};
+  nudge(random, c.ray.origin), nudge(random, c.ray.direction);
+  return c;
+}
+
+/// Thin ones, far away.
+inline BoxCase boxes_thin(Random& random) {
+  BoxCase c = boxes(random);
+  const int axis = whole(random, 0, 2);
+  const double far = size(random, 0, 40), thickness = tiny(random, 1, 60);
+  c.surface.min[axis] += far;
+  c.surface.max[axis] = c.surface.min[axis] * (1 + std::abs(thickness));
+  if (c.surface.max[axis] < c.surface.min[axis]) c.surface.max[axis] = c.surface.min[axis];
+  const Vec3 share{random.real(-0.1, 1.1), random.real(-0.1, 1.1), random.real(-0.1, 1.1)};
+  c.ray.direction = c.surface.min + share * (c.surface.max - c.surface.min) - c.ray.origin;
+  return c;
+}
+
+/// Rays that leave the plane of a face, from the face or from beside it, in any direction and along it.
+inline BoxCase boxes_leaving(Random& random) {
+  BoxCase c = boxes(random);
+  const int face = whole(random, 0, 5);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double share = random.real(-0.2, 1.2);
+    c.ray.origin[axis] = c.surface.min[axis] + share * (c.surface.max[axis] - c.surface.min[axis]);
+  }
+  c.ray.direction = random.direction();
+  c.ray.origin[face / 2] = face % 2 == 0 ? c.surface.min[face / 2] : c.surface.max[face / 2];
+  nudge(random, c.ray.origin);
+  if (whole(random, 0, 9) == 0) c.ray.direction[face / 2] = 0;
+  c.ray.departure = c.surface.departure(face);
+  return c;
+}
+
+inline BoxCase boxes_exponents(Random& random) {
+  const BoxCase c = coin(random) ? boxes_edges(random) : coin(random) ? boxes(random) : boxes_whole(random);
+  const int lengths = whole(random, -900, 900), lengthened = whole(random, -900, 900);
+  if (std::abs(lengths - lengthened) > 900) return boxes_exponents(random);
+  const double unit = std::ldexp(1, lengths);
+  return {{unit * c.ray.origin, std::ldexp(1, lengthened) * c.ray.direction},
+          {unit * c.surface.min, unit * c.surface.max}};
+}
+
+// ---- Quadrics
+
+inline QuadricForm any_form(Random& random) {
+  const Vec3 squares = random.point(1), products = random.point(1), linear = random.point(1);
+  return {squares, products, linear, random.real(-1, 1)};
+}
+
+/// Of any kind and any size.
+inline QuadricCase quadrics(Random& random) {
+  const double unit = size(random, -10, 10), far = unit * size(random, -3, 3), factor = size(random, -10, 10);
+  QuadricForm form = any_form(random);
+  form.squares *= factor, form.products *= factor;
+  form.linear *= unit * factor, form.constant *= unit * unit * factor;
+  const Point origin = random.point(far);
+  return {{origin, size(random, -10, 10) * random.direction()}, {form}};
+}
+
+/// Ellipsoids and hyperboloids around a point that is far from the coordinate origin, so that nearly all
+/// digits cancel.
+inline QuadricCase quadrics_far(Random& random) {
+  const double far = size(random, 0, 20);
+  const Point center = random.point(far);
+  QuadricForm form{.squares = {1, random.real(-2, 2), random.real(0.5, 2)}};
+  form.linear = -form.squares * center;
+  form.constant = dot(form.squares * center, center) - 1;
+  const double ahead = size(random, -3, 10);
+  return {passing(random, center, random.real(0, 1.2), ahead), {form}};
+}
+
+/// Rays that touch, but for a small part: the constant makes it so.
+inline QuadricCase quadrics_tangent(Random& random) {
+  QuadricCase c = quadrics(random);
+  QuadricForm& form = c.surface.form;
+  const Vec3 Md = form.times(c.ray.direction), g = form.times(c.ray.origin) + form.linear;
+  const double A = dot(c.ray.direction, Md), b = dot(c.ray.direction, g);
+  const double touches = b * b / A - dot(c.ray.origin, g) - dot(form.linear, c.ray.origin);
+  form.constant = touches * (1 + tiny(random, 10, 60));
+  return c;
+}
+
+/// Directions in which the form is all but linear.
+inline QuadricCase quadrics_linear(Random& random) {
+  QuadricCase c = quadrics(random);
+  QuadricForm& form = c.surface.form;
+  const Vec3& d = c.ray.direction;
+  const double A = dot(d, form.times(d)), z = form.squares.z - A / (d.z * d.z);
+  form.squares.z = coin(random) ? z : z * (1 + tiny(random, 10, 60));
+  return c;
+}
+
+/// Small whole numbers: touching, linear, in the quadric; but for a nudge.
+inline QuadricCase quadrics_whole(Random& random) {
+  const Vec3 squares = whole_vector(random, -2, 2), products = whole_vector(random, -1, 1),
+             linear = whole_vector(random, -2, 2);
+  QuadricCase c{{whole_vector(random, -3, 3), whole_vector(random, -2, 2)},
+                {{squares, products, linear, static_cast<double>(whole(random, -4, 4))}}};
+  nudge(random, c.ray.origin), nudge(random, c.surface.form.squares);
+  return c;
+}
+
+/// Rays that leave the quadric, in any direction and along it.
+inline QuadricCase quadrics_leaving(Random& random) {
+  QuadricCase c = coin(random) ? quadrics(random) : quadrics_whole(random);
+  QuadricForm& form = c.surface.form;
+  const Vec3 Mo = form.times(c.ray.origin);
+  form.constant = -dot(c.ray.origin, Mo) - 2 * dot(form.linear, c.ray.origin);
+  if (coin(random))
+    c.ray.direction = across(random, Mo + form.linear) + tiny(random, 1, 60) * random.direction();
+  c.ray.departure = c.surface.departure();
+  return c;
+}
+
+inline QuadricCase quadrics_exponents(Random& random) {
+  QuadricCase c = coin(random)   ? quadrics_tangent(random)
+                  : coin(random) ? quadrics_whole(random)
+                                 : quadrics_linear(random);
+  const int lengths = whole(random, -300, 300), lengthened = whole(random, -600, 600),
+            factors = whole(random, -300, 300);
+  QuadricForm& form = c.surface.form;
+  const double unit = std::ldexp(1, lengths), factor = std::ldexp(1, factors);
+  form.squares *= factor, form.products *= factor;
+  form.linear *= factor * unit, form.constant *= factor * unit * unit;
+  c.ray.origin *= unit, c.ray.direction *= std::ldexp(1, lengthened);
+  return c;
+}
+
 inline const std::vector<Corpus<Sphere>> of_spheres{
     {"tutorial", tutorial},     {"scales", scales},     {"grazing", grazing},       {"origins", origins},
     {"far", far_away},          {"tangents", tangents}, {"directions", directions}, {"ends", ends},
@@ -318,5 +544,23 @@ inline const std::vector<Corpus<Parallelogram>> of_parallelograms{
     {"parallelograms", parallelograms},     {"p. outline", parallelograms_outline},
     {"p. grazing", parallelograms_grazing}, {"p. whole", parallelograms_whole},
     {"p. thin", parallelograms_thin},       {"p. exponents", parallelograms_exponents}};
+
+inline const std::vector<Corpus<Disk>> of_disks{{"disks", disks},
+                                                {"disks outline", disks_outline},
+                                                {"disks grazing", disks_grazing},
+                                                {"disks whole", disks_whole},
+                                                {"disks exponents", disks_exponents}};
+
+inline const std::vector<Corpus<Box>> of_boxes{
+    {"boxes", boxes},           {"boxes edges", boxes_edges},     {"boxes whole", boxes_whole},
+    {"boxes thin", boxes_thin}, {"boxes leaving", boxes_leaving}, {"boxes exponents", boxes_exponents}};
+
+inline const std::vector<Corpus<Quadric>> of_quadrics{{"quadrics", quadrics},
+                                                      {"q. far", quadrics_far},
+                                                      {"q. tangent", quadrics_tangent},
+                                                      {"q. linear", quadrics_linear},
+                                                      {"q. whole", quadrics_whole},
+                                                      {"q. leaving", quadrics_leaving},
+                                                      {"q. exponents", quadrics_exponents}};
 
 }  // namespace corpora

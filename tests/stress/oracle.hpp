@@ -2,8 +2,12 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <protostar/surfaces/box.hpp>
+#include <protostar/surfaces/disk.hpp>
 #include <protostar/surfaces/parallelogram.hpp>
 #include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <vector>
 
@@ -80,6 +84,97 @@ struct ParallelogramEquation {
   }
 };
 
+/// slope · t = height is where the line crosses the disk's plane; times the slope, it is (origin − position)
+/// · slope + d · height from the center there. beyond is the square of that, less that of radius · slope.
+template <class T>
+struct DiskEquation {
+  T slope, height, beyond;
+
+  DiskEquation(const protostar::Ray& ray, const protostar::Disk& disk) {
+    const Vector<T> n(disk.normal), d(ray.direction), g = Vector<T>(disk.position) - Vector<T>(ray.origin);
+    slope = dot(n, d), height = dot(n, g);
+    beyond = square(d.x * height - g.x * slope) + square(d.y * height - g.y * slope) +
+             square(d.z * height - g.z * slope) - square(T(disk.radius) * slope);
+  }
+};
+
+/// A t² − 2bt + c = 0 by the sixteen products of the form's matrix; of a ray that leaves the quadric c is 0,
+/// and t = 0 is left out.
+template <class T>
+struct QuadricEquation {
+  T A, b, c;
+
+  QuadricEquation(const protostar::Ray& ray, const protostar::QuadricForm& form) {
+    const T q[4][4] = {{form.squares.x, form.products.z, form.products.y, form.linear.x},
+                       {form.products.z, form.squares.y, form.products.x, form.linear.y},
+                       {form.products.y, form.products.x, form.squares.z, form.linear.z},
+                       {form.linear.x, form.linear.y, form.linear.z, form.constant}};
+    const T d[4] = {ray.direction.x, ray.direction.y, ray.direction.z, 0.0};
+    const T o[4] = {ray.origin.x, ray.origin.y, ray.origin.z, 1.0};
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j) {
+        A = A + d[i] * q[i][j] * d[j];
+        b = b - d[i] * q[i][j] * o[j];
+        c = c + o[i] * q[i][j] * o[j];
+      }
+  }
+  [[nodiscard]] T discriminant() const { return square(b) - A * c; }
+};
+
+/// slope · t = height is where the line crosses the plane of a box's face.
+template <class T>
+struct FaceEquation {
+  T slope, height;
+
+  FaceEquation(const protostar::Ray& ray, const protostar::Box& box, int face)
+      : slope(ray.direction[face / 2]),
+        height(T(face % 2 ? box.max[face / 2] : box.min[face / 2]) - T(ray.origin[face / 2])) {}
+
+  /// Whether that is a point of the box, if 128 digits tell.
+  [[nodiscard]] std::optional<bool> is_in_box(const protostar::Ray& ray, const protostar::Box& box) const {
+    for (int i = 0; i < 3; ++i) {
+      const T place = T(ray.origin[i]) * slope + T(ray.direction[i]) * height;
+      for (const T& inwards : {place - T(box.min[i]) * slope, T(box.max[i]) * slope - place}) {
+        if constexpr (requires { inwards.is_known(); })
+          if (!inwards.is_known()) return std::nullopt;
+        if (inwards.sign() * slope.sign() < 0) return false;
+      }
+    }
+    return true;
+  }
+};
+
+/// The face of a box that a ray leaves.
+inline int face_left(const protostar::Ray& ray, const protostar::Box& box) {
+  for (int face = 0; face < 6; ++face)
+    if (ray.departure.geometry == box.departure(face).geometry) return face;
+  throw std::logic_error("exact: the ray leaves no face");
+}
+
+/// The faces through which a line enters and leaves a box, if 128 digits tell: those that it crosses in one
+/// direction, in a point of the box; of some, the first. A ray that leaves a face has that one behind it if
+/// it leads through the box, and meets nothing otherwise.
+template <class T>
+std::optional<std::vector<int>> faces_crossed(const protostar::Ray& ray, const protostar::Box& box,
+                                              bool leaves) {
+  std::vector<int> crossed;
+  const int left = leaves ? face_left(ray, box) : -1;
+  const auto is_entered = [&](int face) { return (ray.direction[face / 2] > 0) == (face % 2 == 0); };
+  if (leaves && (ray.direction[left / 2] == 0 || !is_entered(left) || box.min[left / 2] == box.max[left / 2]))
+    return crossed;
+  for (const bool enters : {true, false}) {
+    int first = -1;
+    for (int face = 0; face < 6; ++face) {
+      if (ray.direction[face / 2] == 0 || is_entered(face) != enters) continue;
+      const std::optional<bool> is_in = FaceEquation<T>(ray, box, face).is_in_box(ray, box);
+      if (!is_in) return std::nullopt;
+      if (*is_in && (first < 0 || face == left)) first = face;
+    }
+    if (first >= 0 && first != left) crossed.push_back(first);
+  }
+  return crossed;
+}
+
 /// A crossing's parameter: (p + side · √D) / A with A > 0, side -1, 0 or 1; and that rounded to Quad, good to
 /// 2^-100.
 struct Root {
@@ -103,21 +198,24 @@ inline int compare(const Root& a, const Root& b) {
 /// The crossings of a ray's line with a surface, near before far; a point of tangency twice.
 using Roots = std::vector<Root>;
 
+/// Those of A t² − 2bt + c = 0 with A > 0.
+inline Roots both_roots(const Number& A, const Number& b, const Number& c, const Number& D) {
+  if (D.sign() < 0) return {};
+  const Quad root = D.sqrt();
+  const bool ahead = b.sign() >= 0;
+  const Quad q = ahead ? Quad(b) + root : Quad(b) - root;  // nothing cancels
+  const Quad one = q / Quad(A), other = q == 0 ? Quad(0) : Quad(c) / q;
+  return {{b, D, A, -1, ahead ? other : one}, {b, D, A, 1, ahead ? one : other}};
+}
+
 inline Roots roots(const protostar::Ray& ray, const protostar::Sphere& sphere, bool leaves) {
   const SphereEquation<Number> e(ray, sphere);
   if (e.A.sign() == 0) return {};
-  const Quad a(e.A);
   if (leaves) {
     const Number p = Number(2) * e.b;
-    return {{p, {}, e.A, 0, Quad(p) / a}};
+    return {{p, {}, e.A, 0, Quad(p) / Quad(e.A)}};
   }
-  const Number D = e.discriminant();
-  if (D.sign() < 0) return {};
-  const Quad root = D.sqrt();
-  const bool ahead = e.b.sign() >= 0;
-  const Quad q = ahead ? Quad(e.b) + root : Quad(e.b) - root;  // nothing cancels
-  const Quad one = q / a, other = q == 0 ? Quad(0) : Quad(e.c) / q;
-  return {{e.b, D, e.A, -1, ahead ? other : one}, {e.b, D, e.A, 1, ahead ? one : other}};
+  return both_roots(e.A, e.b, e.c, e.discriminant());
 }
 
 /// The root of slope · t = height, with a slope that is not 0.
@@ -139,6 +237,29 @@ inline Roots roots(const protostar::Ray& ray, const protostar::Parallelogram& pa
   const ParallelogramEquation<Number> e(ray, parallelogram);
   if (e.slope.sign() == 0 || !e.is_inside()) return {};
   return {only_root(e.slope, e.height)};
+}
+
+inline Roots roots(const protostar::Ray& ray, const protostar::Disk& disk, bool leaves) {
+  if (leaves) return {};
+  const DiskEquation<Number> e(ray, disk);
+  if (e.slope.sign() == 0 || e.beyond.sign() > 0) return {};
+  return {only_root(e.slope, e.height)};
+}
+inline Roots roots(const protostar::Ray& ray, const protostar::Box& box, bool leaves) {
+  Roots all;
+  const std::vector<int> faces = faces_crossed<Number>(ray, box, leaves).value();
+  for (const int face : faces) {
+    const FaceEquation<Number> e(ray, box, face);
+    all.push_back(only_root(e.slope, e.height));
+  }
+  return all;
+}
+inline Roots roots(const protostar::Ray& ray, const protostar::Quadric& quadric, bool leaves) {
+  QuadricEquation<Number> e(ray, quadric.form);
+  if (leaves) return e.A.sign() == 0 ? Roots{} : Roots{only_root(e.A, Number(2) * e.b)};
+  if (e.A.sign() == 0) return e.b.sign() == 0 ? Roots{} : Roots{only_root(Number(2) * e.b, e.c)};
+  if (e.A.sign() < 0) e.A = -e.A, e.b = -e.b, e.c = -e.c;
+  return both_roots(e.A, e.b, e.c, e.discriminant());
 }
 
 /// A crossing with one surface of a scene, by its number.

@@ -53,14 +53,10 @@ inline std::optional<Truth<>> first_level(const Ball& p, const Ball& A) {
   return root ? std::optional(Truth<>{1, {*root, {}}}) : std::nullopt;
 }
 
-/// The truth, as far as 128 digits tell. The numbers that t is computed from are good to 2^-62 each, and
-/// every operation adds 2^-64. Of the error of D half remains in √D; q, where nothing cancels, is off by less
-/// than 2^-62 + 2^-63, and q/A and c/q by less than 2^-60.
-inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const protostar::Sphere& sphere,
-                                          bool leaves) {
-  const SphereEquation<Ball> e(ray, sphere);
-  if (e.A.sign() == 0) return Truth<>{};
-  if (leaves) return first_level(Ball(2) * e.b, e.A);
+/// The two roots of an equation with A > 0, as far as 128 digits tell. The numbers that t is computed from
+/// are good to 2^-62 each, and every operation adds 2^-64. Of the error of D half remains in √D; q, where
+/// nothing cancels, is off by less than 2^-62 + 2^-63, and q/A and c/q by less than 2^-60.
+inline std::optional<Truth<>> both_roots(const auto& e) {
   const Ball D = e.discriminant();
   if (!D.is_known()) return std::nullopt;  // it is, only if A, b and c are
   if (D.sign() < 0) return Truth<>{};
@@ -72,6 +68,15 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const proto
   const auto near = true_root(e.b, -1, D, e.A, ahead ? other : one),
              far = true_root(e.b, 1, D, e.A, ahead ? one : other);
   return near && far ? std::optional(Truth<>{2, {*near, *far}}) : std::nullopt;
+}
+
+/// The truth, as far as 128 digits tell.
+inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const protostar::Sphere& sphere,
+                                          bool leaves) {
+  const SphereEquation<Ball> e(ray, sphere);
+  if (e.A.sign() == 0) return Truth<>{};
+  if (leaves) return first_level(Ball(2) * e.b, e.A);
+  return both_roots(e);
 }
 
 inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const protostar::Plane& plane,
@@ -93,6 +98,40 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray,
     if (!x.is_known()) return std::nullopt;
   if (!e.is_inside()) return Truth<>{};
   return first_level(e.height, e.slope);
+}
+
+inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const protostar::Disk& disk,
+                                          bool leaves) {
+  if (leaves) return Truth<>{};
+  const DiskEquation<Ball> e(ray, disk);
+  if (!e.slope.is_known()) return std::nullopt;
+  if (e.slope.sign() == 0) return Truth<>{};
+  if (!e.beyond.is_known()) return std::nullopt;
+  if (e.beyond.sign() > 0) return Truth<>{};
+  return first_level(e.height, e.slope);
+}
+
+inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const protostar::Box& box, bool leaves) {
+  const std::optional<std::vector<int>> faces = faces_crossed<Ball>(ray, box, leaves);
+  if (!faces) return std::nullopt;
+  Truth<> truth;
+  for (const int face : *faces) {
+    const FaceEquation<Ball> e(ray, box, face);
+    const std::optional<Truth<>> one = first_level(e.height, e.slope);
+    if (!one) return std::nullopt;
+    truth.root[truth.count++] = one->root[0];
+  }
+  return truth;
+}
+
+inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const protostar::Quadric& quadric,
+                                          bool leaves) {
+  QuadricEquation<Ball> e(ray, quadric.form);
+  if (!e.A.is_known() || !e.b.is_known()) return std::nullopt;
+  if (leaves) return e.A.sign() == 0 ? Truth<>{} : first_level(Ball(2) * e.b, e.A);
+  if (e.A.sign() == 0) return e.b.sign() == 0 ? Truth<>{} : first_level(e.c, Ball(2) * e.b);
+  if (e.A.sign() < 0) e.A = -e.A, e.b = -e.b, e.c = -e.c;
+  return both_roots(e);
 }
 
 /// The truth, from exact numbers.
@@ -118,6 +157,31 @@ inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar:
   if (!e.b.may_be(truth.b)) return "b";
   if (!e.c.may_be(truth.c)) return "c";
   return e.discriminant().may_be(truth.discriminant()) ? nullptr : "D";
+}
+inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar::Quadric& quadric) {
+  const QuadricEquation<Ball> e(ray, quadric.form);
+  const QuadricEquation<Number> truth(ray, quadric.form);
+  if (!e.A.may_be(truth.A)) return "A";
+  if (!e.b.may_be(truth.b)) return "b";
+  if (!e.c.may_be(truth.c)) return "c";
+  return e.discriminant().may_be(truth.discriminant()) ? nullptr : "D";
+}
+inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar::Disk& disk) {
+  const DiskEquation<Ball> e(ray, disk);
+  const DiskEquation<Number> truth(ray, disk);
+  if (!e.slope.may_be(truth.slope)) return "the slope";
+  if (!e.height.may_be(truth.height)) return "the height";
+  return e.beyond.may_be(truth.beyond) ? nullptr : "the distance from the center";
+}
+inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar::Box& box) {
+  for (int face = 0; face < 6; ++face) {
+    const FaceEquation<Ball> e(ray, box, face);
+    const FaceEquation<Number> truth(ray, box, face);
+    if (!e.height.may_be(truth.height)) return "the height";
+    const std::optional<bool> is_in = e.is_in_box(ray, box);
+    if (is_in && is_in != truth.is_in_box(ray, box)) return "whether a face is crossed in the box";
+  }
+  return nullptr;
 }
 inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar::Plane& plane) {
   const PlaneEquation<Ball> e(ray, plane);

@@ -34,6 +34,21 @@ struct Parallelogram {
 };
 
 template <class T>
+struct Disk {
+  Vector<T> position, normal;
+  T radius;
+};
+template <class T>
+struct Box {
+  Vector<T> min, max;
+};
+template <class T>
+struct Quadric {
+  Vector<T> squares, products, linear;
+  T constant;
+};
+
+template <class T>
 inline constexpr T miss = std::numeric_limits<T>::infinity();
 
 template <class T>
@@ -78,6 +93,44 @@ template <class T>
 T quotient(const Ray<T>& ray, const Plane<T>& plane) {
   const T t = (plane.distance - dot(plane.normal, ray.origin)) / dot(plane.normal, ray.direction);
   return t > 0 && t < miss<T> ? t : miss<T>;
+}
+
+template <class T>
+T in_circle(const Ray<T>& ray, const Disk<T>& disk) {
+  const T t = dot(disk.normal, disk.position - ray.origin) / dot(disk.normal, ray.direction);
+  if (!(t > 0 && t < miss<T>)) return miss<T>;
+  const Vector<T> from_center = ray.origin + t * ray.direction - disk.position;
+  return dot(from_center, from_center) <= disk.radius * disk.radius ? t : miss<T>;
+}
+
+/// Kay and Kajiya's slabs.
+template <class T>
+T slabs(const Ray<T>& ray, const Box<T>& box) {
+  T near = -miss<T>, far = miss<T>;
+  for (int i = 0; i < 3; ++i) {
+    const T inverse = 1 / ray.direction[i];
+    const T a = (box.min[i] - ray.origin[i]) * inverse, b = (box.max[i] - ray.origin[i]) * inverse;
+    near = std::fmax(near, std::fmin(a, b)), far = std::fmin(far, std::fmax(a, b));
+  }
+  return near <= far ? first_ahead(near, far) : miss<T>;
+}
+
+/// The school's formula.
+template <class T>
+T school(const Ray<T>& ray, const Quadric<T>& q) {
+  const auto times = [&](const Vector<T>& v) {
+    return Vector<T>{q.squares.x * v.x + q.products.z * v.y + q.products.y * v.z,
+                     q.products.z * v.x + q.squares.y * v.y + q.products.x * v.z,
+                     q.products.y * v.x + q.products.x * v.y + q.squares.z * v.z};
+  };
+  const Vector<T> g = times(ray.origin) + q.linear;
+  const T A = dot(ray.direction, times(ray.direction)), b = -dot(ray.direction, g);
+  const T c = dot(ray.origin, g) + dot(q.linear, ray.origin) + q.constant;
+  if (A == 0) return first_ahead(c / (2 * b), miss<T>);
+  const T D = b * b - A * c;
+  if (!(D >= 0)) return miss<T>;
+  const T one = (b - std::sqrt(D)) / A, other = (b + std::sqrt(D)) / A;
+  return A > 0 ? first_ahead(one, other) : first_ahead(other, one);
 }
 
 /// Möller and Trumbore's, for two triangles at once.

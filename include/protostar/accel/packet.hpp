@@ -170,12 +170,29 @@ struct Inside {
           .maybe = range.min < t + margin && t - margin < range.max};
 }
 
+/// first_crossing for each by itself of the rays of a packet that are wanted.
+template <Surface S>
+[[nodiscard, gnu::noinline]] FirstCrossings first_crossings_by_itself(const S& surface, const auto& rays,
+                                                                      Chosen wanted, Interval range) {
+  FirstCrossings first{.t = infinity, .met = false, .in_doubt = false};
+  for (Bits left = bits(wanted); left != 0; left &= left - 1) {
+    const int lane = std::countr_zero(left);
+    if (const auto crossing = first_crossing(surface, rays[lane], range)) {
+      first.t.set(lane, crossing->t);
+      first.met = first.met || mask_of<double, double_lanes>(Bits{1} << lane);
+    }
+  }
+  return first;
+}
+
 /// first_crossing for the rays of a packet that are wanted.
 template <Surface S>
 [[nodiscard]] FirstCrossings first_crossings(const S& surface, const auto& rays, Chosen wanted,
                                              Interval range) {
-  FirstCrossings first{.t = infinity, .met = false, .in_doubt = false};
-  if constexpr (SurfaceForPackets<S>) {
+  if constexpr (!SurfaceForPackets<S>) {
+    return first_crossings_by_itself(surface, rays, wanted, range);
+  } else {
+    FirstCrossings first{.t = infinity, .met = false, .in_doubt = false};
     const RootsOfEach<Doubles, Chosen> roots = surface.roots_of_each(rays, wanted);
     first.in_doubt = roots.in_doubt;
     if (!any(roots.meets)) return first;
@@ -189,16 +206,8 @@ template <Surface S>
     first.t = select(near.surely, first.t, far_t);
     first.met = first.met || (others && !near.maybe && far.surely);
     first.in_doubt = first.in_doubt || (others && (near.maybe || (far.maybe && !far.surely)));
-  } else {
-    for (Bits left = bits(wanted); left != 0; left &= left - 1) {
-      const int lane = std::countr_zero(left);
-      if (const auto crossing = first_crossing(surface, rays[lane], range)) {
-        first.t.set(lane, crossing->t);
-        first.met = first.met || mask_of<double, double_lanes>(Bits{1} << lane);
-      }
-    }
+    return first;
   }
-  return first;
 }
 
 /// Which rays of a packet, of those that are wanted, cross a surface inside a range.
@@ -232,18 +241,10 @@ class Intersections {
   [[nodiscard]] const Vectors& direction() const { return rays_.direction; }
 
   [[nodiscard]] Vectors normal() const {
-    if constexpr (SurfaceForPackets<S>) {
+    if constexpr (SurfaceForPackets<S>)
       return surface_.normal_at(point());
-    } else {
-      const Vectors points = point();
-      Vectors normals(Vec3{0});
-      for (Bits left = bits(which_); left != 0; left &= left - 1) {
-        const int lane = std::countr_zero(left);
-        const Vec3 n = protostar::normal_at(surface_, points[lane], 0);
-        normals.x.set(lane, n.x), normals.y.set(lane, n.y), normals.z.set(lane, n.z);
-      }
-      return normals;
-    }
+    else
+      return normals_by_itself();
   }
 
   [[nodiscard]] Vectors facing_normal() const {
@@ -277,6 +278,17 @@ class Intersections {
   }
 
  private:
+  [[nodiscard, gnu::noinline]] Vectors normals_by_itself() const {
+    const Vectors points = point();
+    Vectors normals(Vec3{0});
+    for (Bits left = bits(which_); left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
+      const Vec3 n = protostar::normal_at(surface_, points[lane], 0);
+      normals.x.set(lane, n.x), normals.y.set(lane, n.y), normals.z.set(lane, n.z);
+    }
+    return normals;
+  }
+
   [[nodiscard, gnu::noinline, gnu::cold]] Colors texture() const {
     const Uvs places = uv();
     Colors colors(Color{0});

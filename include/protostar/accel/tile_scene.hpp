@@ -86,16 +86,13 @@ class TileScene {
   [[nodiscard]] Closest closest(const CameraRays<Origin>& rays) const {
     Closest closest{.t = infinity, .place = -1};
     Chosen in_doubt = false;
-    const auto look_at = [&](int place) {
+    for (int i = -unbounded(); i < candidates_.size(); ++i) {
+      // Where no ray has any way left to a candidate, it has none to those that follow.
+      if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
+      const int place = place_of(i);
       count_tests(rays.wanted);
       visit(place,
             [&](const auto& surface, const Material&) { consider(surface, place, rays, closest, in_doubt); });
-    };
-    for (const int place : unbounded_) look_at(place);
-    for (int i = 0; i < candidates_.size(); ++i) {
-      // Where no ray has any way left to a candidate, it has none to those that follow.
-      if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
-      look_at(candidates_.place(i));
     }
     if (any(in_doubt))
       return decided(rays, in_doubt, closest, [&](const auto& visit_place) { each_candidate(visit_place); });
@@ -171,9 +168,8 @@ class TileScene {
   template <class Origin>
   [[nodiscard]] Chosen occluded(const CameraRays<Origin>& rays, Interval range) const {
     Chosen found = false, left = rays.wanted;
-    const auto try_one = [&](int place) { test(place, rays, range, found, left); };
-    for (std::size_t i = 0; i < unbounded_.size() && any(left); ++i) try_one(unbounded_[i]);
-    for (int i = 0; i < candidates_.size() && any(left); ++i) try_one(candidates_.place(i));
+    for (int i = -unbounded(); i < candidates_.size() && any(left); ++i)
+      test(place_of(i), rays, range, found, left);
     return found;
   }
 
@@ -197,32 +193,17 @@ class TileScene {
   /// not cross it.
   template <class Origin>
   void crossings(const CameraRays<Origin>& rays, Interval range, auto&& visit_crossing) const {
-    const auto cross = [&](int place) {
-      count_tests(rays.wanted);
-      visit(place, [&](const auto& surface, const Material& material) {
-        if (material.texture && has_parts(surface))
-          each_crossing_by_itself(surface, rays, rays.wanted, range, [&](int lane, const Crossing& crossing) {
-            const Intersection hit(rays[lane], crossing_on(surface, crossing, material));
-            visit_crossing(SomeCross{one(lane), hit.color()});
-          });
-        else if (material.texture)
-          each_crossing_of(surface, rays, range, [&](Chosen which, Doubles t) {
-            const Intersections crossings(rays, t, which, surface, material);
-            if (any(which)) visit_crossing(SomeCross{which, crossings.color()});
-          });
-        else
-          each_crossing_of(surface, rays, range, [&](Chosen which, Doubles) {
-            if (any(which)) visit_crossing(SomeCross{which, material.diffuse});
-          });
-      });
-    };
     // Both lists are in the scene's order, and so is what is visited.
-    std::size_t k = 0;
-    for (int i = 0; i < candidates_.size(); ++i) {
-      for (; k < unbounded_.size() && unbounded_[k] < candidates_.place(i); ++k) cross(unbounded_[k]);
-      cross(candidates_.place(i));
+    for (int k = -unbounded(), i = 0; k < 0 || i < candidates_.size();) {
+      const bool is_candidate = k == 0 || (i < candidates_.size() && place_of(i) < place_of(k));
+      count_tests(rays.wanted);
+      visit(place_of(is_candidate ? i++ : k++), [&](const auto& surface, const Material& material) {
+        if (material.texture) return each_textured_crossing(surface, material, rays, range, visit_crossing);
+        each_crossing_of(surface, rays, range, [&](Chosen which, Doubles) {
+          if (any(which)) visit_crossing(SomeCross{which, material.diffuse});
+        });
+      });
     }
-    for (; k < unbounded_.size(); ++k) cross(unbounded_[k]);
   }
 
   /// Calls visit(surface, material) for the surface at a place of the scene's order.
@@ -250,6 +231,12 @@ class TileScene {
   static int wanted_lane(const Rays<Origin>& rays) {
     return std::countr_zero(bits(rays.wanted)) % double_lanes;  // which tells g++ that there is one
   }
+
+  /// What rays of the camera may meet: the i-th candidate, or for i < 0 the surfaces without bounds.
+  [[nodiscard]] int place_of(int i) const {
+    return i >= 0 ? candidates_.place(i) : unbounded_[static_cast<std::size_t>(i + unbounded())];
+  }
+  [[nodiscard]] int unbounded() const { return static_cast<int>(unbounded_.size()); }
 
   static Chosen one(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
 
@@ -324,8 +311,7 @@ class TileScene {
 
   /// Calls visit(place) for all that rays of the camera may meet.
   void each_candidate(const auto& visit_place) const {
-    for (const int place : unbounded_) visit_place(place);
-    for (int i = 0; i < candidates_.size(); ++i) visit_place(candidates_.place(i));
+    for (int i = -unbounded(); i < candidates_.size(); ++i) visit_place(place_of(i));
   }
 
   /// What is met first once the rays in doubt have been asked about, each by itself. It is handed over by
@@ -444,6 +430,22 @@ class TileScene {
     if (any(alone))
       each_crossing_by_itself(surface, rays, alone, range,
                               [&](int lane, const Crossing& crossing) { tell(one(lane), crossing.t); });
+  }
+
+  /// The crossings with a surface that has another color at each place.
+  template <Surface T>
+  [[gnu::noinline]] void each_textured_crossing(const T& surface, const Material& material, const auto& rays,
+                                                Interval range, const auto& visit_crossing) const {
+    if (has_parts(surface))
+      each_crossing_by_itself(surface, rays, rays.wanted, range, [&](int lane, const Crossing& crossing) {
+        const Intersection hit(rays[lane], crossing_on(surface, crossing, material));
+        visit_crossing(SomeCross{one(lane), hit.color()});
+      });
+    else
+      each_crossing_of(surface, rays, range, [&](Chosen which, Doubles t) {
+        const Intersections crossings(rays, t, which, surface, material);
+        if (any(which)) visit_crossing(SomeCross{which, crossings.color()});
+      });
   }
 
   [[gnu::noinline, gnu::cold]] void each_crossing_by_itself(const auto& surface, const auto& rays,

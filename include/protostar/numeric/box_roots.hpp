@@ -8,7 +8,6 @@
 #pragma once
 
 #include <cmath>
-#include <cstddef>
 #include <limits>
 
 #include "../vec3.hpp"
@@ -119,9 +118,9 @@ namespace detail {
   return {.roots = {t(entry), t(exit)}, .face = {{entry}, {exit}}};
 }
 
-/// The last of some quotients or, of their negatives, the first, and whether it surely is that. A quotient of
-/// a difference has an error of at most 2u of itself (u = 2^-53), and of two that are compared 2^-50 = 8u of
-/// each are more than that and the rounding of the comparison.
+/// The last of some quotients, and whether it surely is the last. A quotient of a difference has an error of
+/// at most 2u of itself (u = 2^-53). Of two that are compared, 2^-50 = 8u of each are more than that and the
+/// rounding of the comparison.
 struct LastQuotient {
   double t = -std::numeric_limits<double>::max();
   int face = -1;
@@ -145,7 +144,7 @@ struct LastQuotient {
   using detail::LastQuotient;
   // Where quotients of such numbers and 0 neither overflow nor vanish. NaN is not in range.
   const auto in_range = [](double x) { return x == 0 || (0x1p-500 < std::abs(x) && std::abs(x) < 0x1p500); };
-  LastQuotient entry, exit;  // of the exits, the negatives
+  LastQuotient entry, exit;  // of the exits' negatives: their last is the first exit's
   bool is_sure = true;
   for (int axis = 0; axis < 3; ++axis) {
     const double below = min[axis] - origin[axis], above = max[axis] - origin[axis], d = direction[axis];

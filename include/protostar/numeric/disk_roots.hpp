@@ -7,7 +7,6 @@
 // allow that, everything is evaluated without rounding. docs/numerics.md derives the bounds.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <type_traits>
 

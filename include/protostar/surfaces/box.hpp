@@ -1,7 +1,6 @@
 // The points from min to max, a solid with faces at right angles to the axes.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <stdexcept>
 

@@ -1,8 +1,8 @@
 // The points of a plane that are no farther than radius from position.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <stdexcept>
 
 #include "../numeric/disk_roots.hpp"

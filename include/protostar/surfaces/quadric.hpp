@@ -1,4 +1,5 @@
-// The points where a polynomial of the second degree in x, y and z is 0: ellipsoids, cones, cylinders, ....
+// The points where a polynomial of the second degree in x, y and z is 0: ellipsoids, cones, cylinders and
+// more.
 #pragma once
 
 #include <cmath>
@@ -26,8 +27,9 @@ struct Quadric {
     return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
-  /// The unit normal at a point of the quadric, along the gradient of the form, and so outwards. Where the
-  /// gradient is 0, as at the apex of a cone, there is none: (0, 0, 1) stands for it.
+  /// The unit normal at a point of the quadric, along the gradient of the form, and so outwards. The terms of
+  /// the gradient cancel where the quadric is far from the coordinate origin, and digits are lost. Where the
+  /// gradient is 0, as at the apex of a cone, there is no normal: (0, 0, 1) stands for it.
   [[nodiscard]] Vec3 normal_at(const Point& point) const {
     const Vec3 gradient = form.times(point) + form.linear;
     return gradient == Vec3{0} ? Vec3{0, 0, 1} : normalize(of_moderate_size(gradient));
