@@ -1,6 +1,9 @@
 #include <protostar/accel/accelerate.hpp>
 #include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/box.hpp>
+#include <protostar/surfaces/disk.hpp>
 #include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/sphere.hpp>
 
 #include <bit>
@@ -182,6 +185,14 @@ TEST_CASE("surfaces of several types, with and without bounds, are met as in the
     scene.add(Sphere{random.point(1), random.real(0.1, 0.4)}, number(5 * i));
     scene.add(Cube{random.point(1), random.real(0.05, 0.3)}, number(5 * i + 1));
     scene.add(AnySurface(Sphere{random.point(1), random.real(0.1, 0.4)}), number(5 * i + 2));
+    const Point corner = random.point(1);
+    scene.add(AnySurface(Box{corner, corner + abs(random.point(0.5))}), number(300 + 3 * i));
+    scene.add(AnySurface(Disk{random.point(1), random.direction(), random.real(0.1, 0.4)}),
+              number(301 + 3 * i));
+    const double size = random.real(4, 40);
+    if (i < 2)
+      scene.add(AnySurface(Quadric{{size * random.direction(), {}, random.point(1), -1}}),
+                number(302 + 3 * i));
     if (i < 2) scene.add(Plane{random.direction(), random.real(-1, 1)}, number(5 * i + 3));
     if (i < 2) scene.add(AnySurface(Plane{random.direction(), random.real(-1, 1)}), number(5 * i + 4));
     if (i < 2) scene.add(Cylinder{random.real(0.2, 0.5)}, number(5 * i + 4));

@@ -38,6 +38,15 @@ TEST_CASE("a quadratic has two roots, one twice, or none") {
   CHECK(list(quadratic_roots(1, 1, 1, std::numeric_limits<double>::quiet_NaN())).empty());
 }
 
+TEST_CASE("what may be as near as a hit is inside the range that the hit leaves, at any scale") {
+  const double denorm = std::numeric_limits<double>::denorm_min();
+  for (const double t : {denorm, 3 * denorm, 1e-310, std::numeric_limits<double>::min(), 1e-30, 1.0, 1e300}) {
+    CHECK(latest(t) > t);
+    CHECK(latest(t) >= (1 + 2 * Roots::relative_error) * t);
+    CHECK(latest(-t) > -t);
+  }
+}
+
 TEST_CASE("neither root of a quadratic loses digits, however unlike in size the two are") {
   Random random(1);
   double worst = 0;

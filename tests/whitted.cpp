@@ -119,6 +119,17 @@ TEST_CASE("a mirror adds its share of what it shows") {
   CHECK(seen(scene) == Color{0, 0, 1} + 0.5f * wall.diffuse);
 }
 
+TEST_CASE("a share too small for a float is none, however bright the mirror image") {
+  const float most = std::numeric_limits<float>::max();
+  for (const Material& faint : {Material{.diffuse = Color{0.5f}, .reflect = 1e-60},
+                                Material{.diffuse = Color{0.5f}, .refract = 1e-60, .ior = 1}}) {
+    // Twice the largest float is more than there is.
+    Scene<Plane> scene = walls({{2, faint}, {-1, {.diffuse = Color{most}}}, {3, {.diffuse = Color{most}}}});
+    scene.add(AmbientLight{Color{2}});
+    CHECK(seen(scene) == Color{1});
+  }
+}
+
 TEST_CASE("a mirror shows what is where the ray is reflected to") {
   Scene<Plane, Sphere> scene;
   scene.add(AmbientLight{Color{1}});

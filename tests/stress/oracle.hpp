@@ -144,11 +144,20 @@ struct FaceEquation {
   }
 };
 
-/// The face of a box that a ray leaves.
+/// Whether a ray leaves the plane where the coordinate on one axis is this.
+inline bool leaves_plane(const protostar::Ray& ray, int axis, double place) {
+  const auto& g = ray.departure.geometry;
+  const auto along = [&](int i) { return g[static_cast<std::size_t>(i)]; };
+  return ray.departure.kind == protostar::Departure::Kind::plane && along(axis) != 0 &&
+         along((axis + 1) % 3) == 0 && along((axis + 2) % 3) == 0 &&
+         (Number(along(axis)) * Number(place) - Number(g[3])).sign() == 0;
+}
+
+/// The face of a box in whose plane a ray starts by what it departs from, −1 if it is none.
 inline int face_left(const protostar::Ray& ray, const protostar::Box& box) {
   for (int face = 0; face < 6; ++face)
-    if (ray.departure.geometry == box.departure(face).geometry) return face;
-  throw std::logic_error("exact: the ray leaves no face");
+    if (leaves_plane(ray, face / 2, face % 2 ? box.max[face / 2] : box.min[face / 2])) return face;
+  return -1;
 }
 
 /// The faces through which a line enters and leaves a box, if 128 digits tell: those that it crosses in one
@@ -313,6 +322,10 @@ inline std::array<double, 4> rounded_equation(const protostar::Parallelogram& s)
   const Vector<Number> n = cross(Vector<Number>(s.edge_u), Vector<Number>(s.edge_v));
   return rounded_equation(n, dot(n, Vector<Number>(s.position)));
 }
+inline std::array<double, 4> rounded_equation(const protostar::Disk& s) {
+  const Vector<Number> n(s.normal);
+  return rounded_equation(n, dot(n, Vector<Number>(s.position)));
+}
 inline bool coincide(const protostar::Parallelogram& a, const protostar::Parallelogram& b) {
   return rounded_equation(a) == rounded_equation(b);
 }
@@ -326,5 +339,48 @@ inline bool coincide(const protostar::Parallelogram& a, const protostar::Plane& 
     }
   return rounded_equation(a) == rounded_equation(b);
 }
+
+inline bool coincide(const protostar::Disk& a, const protostar::Disk& b) {
+  return rounded_equation(a) == rounded_equation(b);
+}
+inline bool coincide(const protostar::Disk& a, const protostar::Parallelogram& b) {
+  return rounded_equation(a) == rounded_equation(b);
+}
+inline bool coincide(const protostar::Disk& a, const protostar::Plane& b) {
+  for (int i = 0; i < 3; ++i)
+    if (a.normal[(i + 1) % 3] == 0 && a.normal[(i + 2) % 3] == 0) {
+      protostar::Plane plane{protostar::Vec3{0}, a.position[i]};
+      plane.normal[i] = 1;
+      return coincide(plane, b);
+    }
+  return rounded_equation(a) == rounded_equation(b);
+}
+
+/// Whether a ray that leaves something else leaves this as well, in one plane at a right angle to an axis.
+inline bool is_left_with(const protostar::Ray& ray, const protostar::Box& box) {
+  return face_left(ray, box) >= 0;
+}
+inline bool is_left_with(const protostar::Ray& ray, const protostar::Disk& disk) {
+  for (int i = 0; i < 3; ++i)
+    if (disk.normal[(i + 1) % 3] == 0 && disk.normal[(i + 2) % 3] == 0)
+      return leaves_plane(ray, i, disk.position[i]);
+  return false;
+}
+inline bool is_left_with(const protostar::Ray& ray, const protostar::Plane& plane) {
+  for (int i = 0; i < 3; ++i)
+    if (plane.normal[(i + 1) % 3] == 0 && plane.normal[(i + 2) % 3] == 0 && plane.normal[i] != 0) {
+      const auto& g = ray.departure.geometry;
+      return ray.departure.kind == protostar::Departure::Kind::plane &&
+             coincide(plane, protostar::Plane{{g[0], g[1], g[2]}, g[3]});
+    }
+  return false;
+}
+inline bool is_left_with(const protostar::Ray& ray, const protostar::Parallelogram& board) {
+  for (int i = 0; i < 3; ++i)
+    if (board.edge_u[i] == 0 && board.edge_v[i] == 0) return leaves_plane(ray, i, board.position[i]);
+  return false;
+}
+inline bool is_left_with(const protostar::Ray&, const protostar::Sphere&) { return false; }
+inline bool is_left_with(const protostar::Ray&, const protostar::Quadric&) { return false; }
 
 }  // namespace exact

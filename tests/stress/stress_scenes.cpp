@@ -29,6 +29,9 @@ struct Model {
   std::vector<Sphere> spheres;
   std::vector<Plane> planes;
   std::vector<Parallelogram> boards;
+  std::vector<Disk> disks;
+  std::vector<Box> boxes;
+  std::vector<Quadric> quadrics;
   std::vector<Point> special;
 };
 
@@ -123,6 +126,37 @@ Model boards(Random& random) {
   return model;
 }
 
+/// Boxes of small whole numbers that stand on a floor, side by side and on each other, disks that lie on what
+/// is there, and quadrics that touch it.
+Model solids(Random& random) {
+  Model model;
+  const int axis = whole(random, 0, 2);
+  const double floor = whole(random, -2, 2);
+  for (int i = whole(random, 1, 3); i > 0; --i) {
+    Point corner = whole_vector(random, -3, 3);
+    corner[axis] = coin(random) ? floor : floor + 1;
+    const Vec3 size_of_it{whole(random, 1, 3), whole(random, 1, 3), whole(random, 1, 3)};
+    model.boxes.push_back({corner, corner + size_of_it});
+    model.special.push_back(corner), model.special.push_back(corner + size_of_it);
+  }
+  Vec3 up{0};
+  up[axis] = coin(random) ? 1 : -2;
+  const auto& top = model.boxes.back();
+  if (coin(random)) model.planes.push_back({up, up[axis] * floor});
+  if (coin(random)) model.disks.push_back({top.max, up, static_cast<double>(whole(random, 1, 2))});
+  if (coin(random)) model.disks.push_back({top.min, whole_vector(random, -2, 2) + Vec3{0.5}, 1});
+  if (coin(random)) model.spheres.push_back({top.max + up / up[axis], 1});
+  if (coin(random)) {
+    // An ellipsoid, a cylinder or a hyperboloid with its middle above a vertex, one unit above the floor.
+    const Point middle = top.max + up / up[axis];
+    Vec3 squares{4};
+    squares[axis] = whole(random, 0, 2) * 4 - 4;
+    model.quadrics.push_back(
+        {{.squares = squares, .linear = -squares * middle, .constant = dot(squares * middle, middle) - 4}});
+  }
+  return model;
+}
+
 /// The same, scaled and moved.
 Model transformed(const Model& model, double scale, const Vec3& offset) {
   Model result;
@@ -132,6 +166,14 @@ Model transformed(const Model& model, double scale, const Vec3& offset) {
     result.planes.push_back({p.normal, scale * p.distance + dot(p.normal, offset)});
   for (const Parallelogram& p : model.boards)
     result.boards.push_back({scale * p.position + offset, scale * p.edge_u, scale * p.edge_v});
+  for (const Disk& s : model.disks)
+    result.disks.push_back({scale * s.position + offset, s.normal, scale * s.radius});
+  for (const Box& s : model.boxes) result.boxes.push_back({scale * s.min + offset, scale * s.max + offset});
+  for (const Quadric& s : model.quadrics)
+    result.quadrics.push_back({{.squares = s.form.squares,
+                                .products = s.form.products,
+                                .linear = scale * s.form.linear,
+                                .constant = scale * scale * s.form.constant}});
   for (const Point& p : model.special) result.special.push_back(scale * p + offset);
   return result;
 }
@@ -141,23 +183,23 @@ Model transformed(const Model& model, double scale, const Vec3& offset) {
 Model transformed(const Model& model, Random& random) {
   const int choice = whole(random, 0, 2);
   if (choice == 0) return model;
+  if (!model.quadrics.empty()) return transformed(model, std::ldexp(1, whole(random, -13, 20)), Vec3{0});
   const double scale = choice == 1 ? std::ldexp(1, whole(random, -13, 20)) : size(random, -13, 20);
   const int reach = whole(random, 0, 10000);
   const Vec3 offset = choice == 1 ? whole_vector(random, -reach, reach) : random.point(reach);
   return transformed(model, scale, scale * offset);
 }
 
-const std::vector<Family> families{{"nested", nested},
-                                   {"tangent", tangent},
-                                   {"coincident", coincident},
-                                   {"overlapping", overlapping},
-                                   {"boards", boards}};
+const std::vector<Family> families{{"nested", nested},         {"tangent", tangent},
+                                   {"coincident", coincident}, {"overlapping", overlapping},
+                                   {"boards", boards},         {"solids", solids}};
 
 /// How large a scene is, for the places of eyes and lights.
 double extent(const Model& model) {
   double largest = 1e-9;
   for (const Sphere& s : model.spheres) largest = std::max(largest, std::abs(s.radius));
   for (const Parallelogram& s : model.boards) largest = std::max(largest, length(s.edge_u));
+  for (const Box& s : model.boxes) largest = std::max(largest, length(s.max - s.min));
   return largest;
 }
 
@@ -195,6 +237,9 @@ void each_surface(const Model& model, const Visit& visit) {
   for (const Sphere& s : model.spheres) visit(s, id++);
   for (const Plane& s : model.planes) visit(s, id++);
   for (const Parallelogram& s : model.boards) visit(s, id++);
+  for (const Disk& s : model.disks) visit(s, id++);
+  for (const Box& s : model.boxes) visit(s, id++);
+  for (const Quadric& s : model.quadrics) visit(s, id++);
 }
 
 /// Whether two of the model's surfaces are left together: the same points, or in one plane.
@@ -213,7 +258,10 @@ bool coincide(const Model& model, int a, int b) {
 std::vector<Hit> crossings(const Model& model, const Ray& ray, int left, double end) {
   std::vector<Hit> hits;
   each_surface(model, [&](const auto& surface, int id) {
-    add_hits(hits, ray, surface, id, left >= 0 && coincide(model, id, left), end);
+    const bool is_itself = std::same_as<std::remove_cvref_t<decltype(surface)>, Quadric> && id == left;
+    const bool leaves =
+        left >= 0 && (is_itself || coincide(model, id, left) || exact::is_left_with(ray, surface));
+    add_hits(hits, ray, surface, id, leaves, end);
   });
   sort(hits);
   return hits;
@@ -245,6 +293,12 @@ void report(const char* family, const char* what, const Model& model, const Ray&
   for (const Plane& s : model.planes) print("plane", s.normal), std::fprintf(stderr, " %a\n", s.distance);
   for (const Parallelogram& s : model.boards)
     print("board", s.position), print("", s.edge_u), print("", s.edge_v), std::fprintf(stderr, "\n");
+  for (const Disk& s : model.disks)
+    print("disk", s.position), print("", s.normal), std::fprintf(stderr, " %a\n", s.radius);
+  for (const Box& s : model.boxes) print("box", s.min), print("", s.max), std::fprintf(stderr, "\n");
+  for (const Quadric& s : model.quadrics)
+    print("quadric", s.form.squares), print("", s.form.products), print("", s.form.linear),
+        std::fprintf(stderr, " %a\n", s.form.constant);
   print("ray", ray.origin), print("", ray.direction), std::fprintf(stderr, " leaving %d\n  true:", left);
   for (const Hit& hit : expected)
     std::fprintf(stderr, " %d at %a", hit.surface, static_cast<double>(hit.root.t));
@@ -315,7 +369,7 @@ Tally run(const Family& family, std::uint64_t tests, std::uint64_t seed) {
       const auto scene = scene_of<Scene<AnySurface>>(model);
       for (int i = 0; i < rays_of_a_scene; ++i) judge(tally, family.name, model, scene, random);
     } else {
-      const auto scene = scene_of<Scene<Sphere, Plane, Parallelogram>>(model);
+      const auto scene = scene_of<Scene<Sphere, Plane, Parallelogram, Disk, Box, Quadric>>(model);
       for (int i = 0; i < rays_of_a_scene; ++i) judge(tally, family.name, model, scene, random);
     }
   }

@@ -235,7 +235,9 @@ template <class O, class V>
                                                                       const auto& center,
                                                                       const auto& radius) {
   const auto l = center - line.origin;
-  const auto b = dot(line.direction, l), ll = dot(l, l), rr = radius * radius;
+  const auto b = dot(line.direction, l);
+  const auto ll = dot(l, l);
+  const auto rr = radius * radius;
   const auto c = ll - rr, w = ll + rr;
   using T = std::remove_const_t<decltype(b)>;
   return RoundedSphereEquation<T, std::remove_const_t<decltype(c)>>{
