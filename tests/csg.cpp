@@ -10,6 +10,7 @@
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/instance.hpp>
 #include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <stdexcept>
 #include <string>
@@ -283,6 +284,9 @@ TEST_CASE(
     for (const double t : row.expected)
       if (t > 5.5) ahead.push_back(t - 5.5);
     CHECK(crossings(row.tree, along_x(0.5)) == ahead);
+    Ts around;
+    for (const double t : row.expected) around.push_back(t - 5.5);
+    CHECK(crossings(row.tree, along_x(0.5), everywhere) == around);
     CHECK(row.tree.ends_inside(ray) == (std::string(row.what).starts_with("a half-space without")));
   }
 }
@@ -348,8 +352,9 @@ TEST_CASE("a ray that leaves a tree of whole numbers meets what exact arithmetic
 }
 
 TEST_CASE("a tree is left outwards into the open and inwards into its inside") {
-  const Csg tree = difference_of({union_of({Sphere{{0, 0, 0}, 2}, Box{{-1, -3, -1}, {1, 3, 1}}}),
-                                  Sphere{{0.5, 0, 0}, 1.2}, Sphere{{-2, 0, 0}, 1}});
+  const Csg tree =
+      difference_of({union_of({Sphere{{0, 0, 0}, 2}, Box{{-1, -3, -1}, {1, 3, 1}}}), Sphere{{0.5, 0, 0}, 1.2},
+                     Sphere{{-2, 0, 0}, 1}, Quadric{{.squares = {0, 1, 1}, .constant = -0.25}}});
   Random random(83);
   int in = 0, out = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -377,6 +382,30 @@ TEST_CASE(
   const Csg both = union_of({slab(0, 1), ball(2)});
   CHECK(crossings(both, {{1, 0, 0}, {1, 0, 0}, ball(2).departure()}, everywhere) ==
         std::vector<double>{-1, 2});
+}
+
+TEST_CASE("a solid without an end is one like others, in front and behind") {
+  const Quadric along_x_axis{{.squares = {0, 1, 1}, .constant = -0.25}};  // a cylinder of radius 1/2
+  const Csg pierced = difference_of({slab(-1, 1), along_x_axis});
+  CHECK(crossings(pierced, {{0, -3, 0}, {0, 1, 0}}) == std::vector<double>{2, 2.5, 3.5, 4});
+  CHECK(crossings(pierced, along_x(-3)).empty());
+  CHECK(crossings(pierced, along_x(-3, 0.75)) == std::vector<double>{2, 4});
+  CHECK(crossings(intersection_of({slab(-1, 1), along_x_axis}), along_x(-3)) == std::vector<double>{2, 4});
+  const Csg half = intersection_of({along_x_axis, HalfSpace{{{1, 0, 0}, 0}}});
+  CHECK(half.ends_inside({{0, 0, 0}, {-1, 0, 0}}));
+  CHECK_FALSE(half.ends_inside({{0, 0, 0}, {1, 0, 0}}));
+  CHECK(crossings(half, along_x(-3)) == std::vector<double>{3});
+  CHECK(crossings(half, along_x(3), everywhere) == std::vector<double>{-3});
+  // From its wall, to the other side, into the slab, and along it.
+  std::optional<Crossing> wall;
+  pierced.each_crossing({{0, -3, 0}, {0, 1, 0}}, {}, [&](const Crossing& c) {
+    if (c.t == 2.5) wall = c;
+  });
+  REQUIRE(wall);
+  const Departure departure = pierced.departure(wall->part);
+  CHECK(crossings(pierced, {{0, -0.5, 0}, {0, 1, 0}, departure}) == std::vector<double>{1, 1.5});
+  CHECK(crossings(pierced, {{0, -0.5, 0}, {0, -1, 0}, departure}) == std::vector<double>{0.5});
+  CHECK(crossings(pierced, {{0, -0.5, 0}, {1, 0.5, 0}, departure}).empty());
 }
 
 TEST_CASE("the normal of a tree leads out of it, also where a solid is taken away") {

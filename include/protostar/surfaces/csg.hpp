@@ -53,8 +53,7 @@ class Csg {
       append(std::move(operands[i]), operation);
       nodes_.back().parent = static_cast<int>(whole);
     }
-    nodes_.push_back(
-        {.operation = operation, .first_operand = first_operand, .operands = count_of_operands});
+    nodes_.push_back({.operation = operation, .first_operand = first_operand, .operands = count_of_operands});
     if (++depth_ > most_depth)
       throw std::invalid_argument("Csg: operations may be " + std::to_string(most_depth) +
                                   " deep inside each other, and these are deeper");

@@ -121,6 +121,7 @@ struct Sphere {
   }
 };
 
-static_assert(SurfaceWithRefinedRoots<Sphere> && SurfaceWithDeparture<Sphere> && SurfaceWithBounds<Sphere> && Solid<Sphere>);
+static_assert(SurfaceWithRefinedRoots<Sphere> && SurfaceWithDeparture<Sphere> && SurfaceWithBounds<Sphere> &&
+              Solid<Sphere>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI
