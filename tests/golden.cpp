@@ -14,6 +14,7 @@
 #include "compare_images/picture.hpp"
 #include "compare_images/read_image.hpp"
 #include "reference/carved_solids.hpp"
+#include "reference/mesh.hpp"
 #include "reference/pictures.hpp"
 #include "reference/whitted.hpp"
 #include "support/catch.hpp"
@@ -124,6 +125,10 @@ const Golden goldens[] = {
        using namespace reference;
        return picture({{ivory, glass, rubber, mirror}, false, true});
      }},
+#if __has_include(<tiny_obj_loader.h>)  // else there is no such stage
+    {"17_mesh", "17_mesh", "",
+     [] { return reference::Knot(source_dir + "/scenes/knot.obj").picture(640, 480); }},
+#endif
 };
 
 std::string command(const Golden& picture) {

@@ -253,7 +253,8 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
       spot_angle = "a number of degrees above 0 and at most 180",
       view_angle = "a number of degrees from 1e-100 to below 180", shininess = "a number of at least 0",
       tone = R"("clip", "scale-pixel" or "scale-image")",
-      types = R"("sphere", "plane", "parallelogram", "box", "disk", "quadric", "csg" or "instance")",
+      types =
+          R"("sphere", "plane", "parallelogram", "triangle", "mesh", "box", "disk", "quadric", "csg" or "instance")",
       light =
           "a light: position and intensity, position and power, direction and intensity, "
           "position, direction, angle and power, or ambient";
@@ -793,8 +794,8 @@ void look_at(const fs::path& path, const std::string& text, Vocabulary& allowed,
       in = in.parent_pointer();
       if (scene[in].is_object()) objects.insert(in.to_string());
     }
-    const bool is_name =
-        pointer.ends_with("/material-id") || pointer.ends_with("/image") || pointer.ends_with("/environment");
+    const bool is_name = pointer.ends_with("/material-id") || pointer.ends_with("/image") ||
+                         pointer.ends_with("/file") || pointer.ends_with("/environment");
     if (!value.is_string() || is_name) continue;
     json wrong = scene;
     wrong[json::json_pointer(pointer)] = "?";
@@ -889,6 +890,51 @@ TEST_CASE("a scene of Luminosity is read unchanged") {
   CHECK(file.scene.lights()[0].irradiance(Point{4, 0, -6}, up) == Color{0.9f, 0.9f, 0.8f});
   CHECK(file.scene.lights()[0].irradiance(Point{4, -100, -6}, up) == Color{0.9f, 0.9f, 0.8f});
 }
+
+TEST_CASE("triangles of a scene file are two-sided, and have points") {
+  const auto surface = [](const std::string& points) {
+    return replacing("/objects/2/surface", R"({"type": "triangle", "points": )" + points + "}");
+  };
+  const SceneFile file = read(surface("[[0, 0, 1], [2, 0, 1], [0, 2, 1]]"));
+  CHECK(file.scene.surfaces<AnySurface>().at(0).intersect({{0.5, 0.5, 0}, {0, 0, 1}}) == 1);
+  for (const auto& [points, error] : std::vector<std::pair<std::string, std::string>>{
+           {"[[0,0,1],[2,0,1]]", "[[0,0,1],[2,0,1]] is not an array of three points"},
+           {"[[0,0,1],[1,1,1],[2,2,1]]", "is not possible: Triangle: a, b and c must not be on one line"}})
+    CHECK_THAT(error_of(surface(points)),
+               ContainsSubstring("/objects/2/surface/points: ") && ContainsSubstring(error));
+}
+
+#if defined(PROTOSTAR_READS_MESHES)
+TEST_CASE("a mesh is looked for from the folder of the scene, and is scaled, then moved") {
+  const TemporaryFolder folder;
+  const auto scene = [&](const std::string& more) {
+    put_bytes(folder / "a.json",
+              replacing("/objects/2/surface", R"({"type": "mesh", "file": "a.obj")" + more + "}"));
+    return folder / "a.json";
+  };
+  put_bytes(folder / "a.obj", "v 0 0 1\nv 2 0 1\nv 0 2 1\nf 1 2 3\n");
+  const auto bounds = [&](const std::string& more) {
+    return read_scene(scene(more)).scene.surfaces<AnySurface>().at(0).bounds();
+  };
+  CHECK(bounds("").max == Point{2, 2, 1});
+  CHECK(bounds(R"(, "scale": 0.5, "position": [10, 0, -1])").min == Point{10, 0, -0.5});
+  const auto error = [&](const std::string& more) {
+    return message_of<SceneError>([&] { (void)read_scene(scene(more)); });
+  };
+  CHECK_THAT(error(R"(, "scale": 0)"),
+             ContainsSubstring("/objects/2/surface/scale: 0 is not a number greater than 0"));
+  CHECK_THAT(error(R"(, "scale": 1e308)"),
+             ContainsSubstring("is not possible: Mesh: vertex 1 must be finite"));
+  CHECK_THAT(error(R"(, "smooth": true)"), ContainsSubstring("allowed are type, file, position and scale"));
+  put_bytes(folder / "a.obj", "v 0 0 1\nf 1 2 3\n");
+  CHECK_THAT(error(""), ContainsSubstring(R"(/objects/2/surface/file: "a.obj" is not possible: )" +
+                                          (folder / "a.obj").string() +
+                                          ": line 2: vertex 2 is not one of the 1 so far"));
+  fs::remove(folder / "a.obj");
+  CHECK_THAT(error(""),
+             ContainsSubstring("/objects/2/surface/file: \"a.obj\" is not possible: cannot read '"));
+}
+#endif
 
 TEST_CASE("the corpus of the fuzzer, like every scene, is read or refused in words") {
   int files = 0;

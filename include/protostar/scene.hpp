@@ -234,7 +234,7 @@ class Scene {
 
     [[nodiscard]] bool occluded(const Ray& ray, Interval range) const {
       for (const T& surface : surfaces)
-        if (first_crossing(surface, ray, range)) return true;
+        if (is_met(surface, ray, range)) return true;
       return false;
     }
   };

@@ -317,6 +317,16 @@ template <Surface S>
   }
 }
 
+/// Whether a ray meets a surface inside a range. One that is made of many may know that sooner than which it
+/// meets first, and offers is_met(ray, range).
+template <Surface S>
+[[nodiscard]] bool is_met(const S& surface, const Ray& ray, Interval range) {
+  if constexpr (requires { surface.is_met(ray, range); })
+    return surface.is_met(ray, range);
+  else
+    return first_crossing(surface, ray, range).has_value();
+}
+
 /// Calls visit(const Crossing&) for every crossing inside a range, near to far. A surface that offers its
 /// roots has a point of tangency twice; of another, a straight ray never restarts but goes on after its last
 /// hit.

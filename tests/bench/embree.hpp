@@ -1,4 +1,4 @@
-// Embree, behind the few functions that bench_spheres needs; version 3 or 4.
+// Embree, behind the few functions that bench_spheres and bench_meshes need; version 3 or 4.
 #pragma once
 
 #if defined(BENCH_EMBREE) && BENCH_EMBREE == 4
@@ -11,6 +11,8 @@
 #include <xmmintrin.h>
 #endif
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -45,23 +47,23 @@ class Embree {
   static constexpr bool is_there = true;
   static constexpr bool has_streams = BENCH_EMBREE == 3;  // version 4 has none
 
-  Embree(const std::vector<FloatSphere>& spheres, int threads)
-      : device_(rtcNewDevice(("threads=" + std::to_string(threads)).c_str())) {
-    if (!device_) throw std::runtime_error("Embree cannot make a device");
-    const auto add = [](void* bytes, ssize_t more, bool) {
-      *static_cast<std::atomic<std::ptrdiff_t>*>(bytes) += more;
-      return true;
-    };
-    rtcSetDeviceMemoryMonitorFunction(device_, add, &bytes_);
-    const FlushDenormals flush;
+  Embree(const std::vector<FloatSphere>& spheres, int threads) : Embree(threads) {
     const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, spheres.data(), 0,
                                sizeof(FloatSphere), spheres.size());
-    rtcCommitGeometry(geometry);
-    scene_ = rtcNewScene(device_);
-    rtcAttachGeometry(scene_, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene_);
+    build(geometry, RTC_SCENE_FLAG_NONE);
+  }
+  /// Triangles, by the numbers of their vertices; robust, that is without gaps between them.
+  Embree(const std::vector<protostar::Point>& vertices,
+         const std::vector<std::array<std::uint32_t, 3>>& triangles, int threads)
+      : Embree(threads) {
+    const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* const places = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), vertices.size()));
+    std::copy(vertices.begin(), vertices.end(), places);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, triangles.data(), 0,
+                               sizeof triangles[0], triangles.size());
+    build(geometry, RTC_SCENE_FLAG_ROBUST);
   }
   Embree(const Embree&) = delete;
   Embree& operator=(const Embree&) = delete;
@@ -147,6 +149,25 @@ class Embree {
 
  private:
   static constexpr std::size_t stream_length = 256;
+
+  explicit Embree(int threads) : device_(rtcNewDevice(("threads=" + std::to_string(threads)).c_str())) {
+    if (!device_) throw std::runtime_error("Embree cannot make a device");
+    const auto add = [](void* bytes, ssize_t more, bool) {
+      *static_cast<std::atomic<std::ptrdiff_t>*>(bytes) += more;
+      return true;
+    };
+    rtcSetDeviceMemoryMonitorFunction(device_, add, &bytes_);
+    scene_ = rtcNewScene(device_);
+  }
+
+  void build(RTCGeometry geometry, RTCSceneFlags flags) {
+    const FlushDenormals flush;
+    rtcCommitGeometry(geometry);
+    rtcSetSceneFlags(scene_, flags);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene_);
+  }
 
   /// As Embree's manual recommends; the library needs denormal numbers, so it ends with Embree's part.
   class FlushDenormals {
@@ -249,6 +270,7 @@ class Embree {
 struct Embree {
   static constexpr bool is_there = false, has_streams = false;
   Embree(const std::vector<FloatSphere>&, int) {}
+  Embree(const std::vector<protostar::Point>&, const std::vector<std::array<std::uint32_t, 3>>&, int) {}
   [[nodiscard]] std::ptrdiff_t bytes() const { return 0; }
   void closest(Mode, bool, const std::vector<FloatRay>&, std::size_t, std::size_t,
                std::vector<Index>&) const {}

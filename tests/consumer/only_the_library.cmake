@@ -1,7 +1,7 @@
 # A project that includes protostar gets its interface targets, and nothing of how protostar itself is built.
 get_target_property(folder protostar::protostar SOURCE_DIR)
 get_property(targets DIRECTORY ${folder} PROPERTY BUILDSYSTEM_TARGETS)
-list(REMOVE_ITEM targets protostar protostar_json protostar_png)
+list(REMOVE_ITEM targets protostar protostar_json protostar_obj protostar_png)
 if(targets)
   message(FATAL_ERROR "protostar adds more than its library to the project: ${targets}")
 endif()

@@ -19,19 +19,6 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace simd {
 
-/// The things that a ray departing from a sphere meets are widened by this length.
-///
-/// Such a ray starts on the sphere by definition, whatever its digits say, and where these put it outside, so
-/// they do the other root, 2b/A: the point there is as far from the center as the origin is. The bound on the
-/// rounding is 4u of the distance and of the difference.
-[[nodiscard]] inline double widening(const Ray& ray) {
-  if (ray.departure.kind != Departure::Kind::sphere) return 0;
-  const auto& [x, y, z, r] = ray.departure.geometry;
-  const Vec3 l = Point{x, y, z} - ray.origin;
-  const double distance = std::sqrt(dot(l, l));
-  return std::max(0.0, distance - r + 0x1p-50 * (distance + r));
-}
-
 /// Where to look for what a ray may meet among surfaces of one type. Those without bounds: everywhere.
 template <Surface T>
 class Finder {
@@ -65,26 +52,6 @@ class Finder {
  private:
   std::uint32_t count_;
 };
-
-/// Calls visit(i) for all things that are in no leaf of a tree, and visit_leaf(BoxRay, leaf, reach) for every
-/// leaf that a ray may meet inside the range, until one of them returns true; returns whether one did. Where
-/// boxes do not help, it visits all things instead.
-template <Order order, class Soon = Ignore>
-bool each_along(const Bvh& bvh, const Ray& ray, const Interval& range, const auto& visit,
-                const auto& visit_leaf, const Soon& soon = {}) {
-  const auto any_of = [&](std::span<const std::uint32_t> things) {
-    for (const std::uint32_t i : things)
-      if (visit(i)) return true;
-    return false;
-  };
-  if (any_of(bvh.unbounded())) return true;
-  const BoxRay line(ray, bvh.space(), widening(ray));
-  // Behind the origin the ends of a box are not widened (Slabs).
-  if (!line.usable || range.min < 0) return any_of(bvh.order());
-  return bvh.each_leaf_along<order>(
-      line, {line.at_least(range.min), line.at_most(range.max)},
-      [&](Leaf leaf, Reach& left) { return visit_leaf(line, leaf, left); }, soon);
-}
 
 [[nodiscard]] inline std::vector<BoxHalfSpace> in_box_space(std::span<const HalfSpace> half_spaces,
                                                             const Bvh& bvh) {
@@ -315,7 +282,7 @@ class Accelerated<Scene<S...>> {
     return finder<T>().any_crossed(ray, range, [&](std::uint32_t i) {
       if constexpr (requires { surfaces[i].is_surely_behind(ray); })
         if (range.min >= 0 && surfaces[i].is_surely_behind(ray)) return false;
-      return first_crossing(surfaces[i], ray, range).has_value();
+      return is_met(surfaces[i], ray, range);
     });
   }
 

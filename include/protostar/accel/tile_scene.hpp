@@ -336,7 +336,7 @@ class TileScene {
     for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       ++statistics_.in_doubt;
-      if (first_crossing(surface, rays[lane], range)) crossed = crossed || one(lane);
+      if (is_met(surface, rays[lane], range)) crossed = crossed || one(lane);
     }
     return crossed;
   }

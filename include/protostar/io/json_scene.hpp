@@ -31,8 +31,15 @@
 #include "../surfaces/disk.hpp"
 #include "../surfaces/instance.hpp"
 #include "../surfaces/quadric.hpp"
+#include "../surfaces/triangle.hpp"
 #include "image_texture.hpp"
 #include "scene_file.hpp"
+
+// Meshes can be read where tinyobjloader is found.
+#if __has_include(<tiny_obj_loader.h>)
+#include "obj.hpp"
+#define PROTOSTAR_READS_MESHES 1
+#endif
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -392,6 +399,35 @@ inline Parallelogram parallelogram_at(const JsonCursor& at) {
   return board;
 }
 
+inline Triangle triangle_at(const JsonCursor& at) {
+  at.with_keys({"type", "points"});
+  const auto points = at["points"].elements(3, "an array of three points");
+  const Triangle triangle{.a = points[0].vector(), .b = points[1].vector(), .c = points[2].vector()};
+  at["points"].checked([&] { triangle.validate(); });
+  return triangle;
+}
+
+#if defined(PROTOSTAR_READS_MESHES)
+inline Mesh mesh_at(const JsonCursor& at) {
+  at.with_keys({"type", "file", "position", "scale"});
+  const std::filesystem::path path = at["file"].path();
+  const Vec3 position = at.has("position") ? at["position"].vector() : Vec3{0};
+  const double scale = at.has("scale") ? at["scale"].number_above_0() : 1;
+  return at["file"].checked([&] {
+    MeshData data = load_obj(path);
+    for (Point& vertex : data.vertices) vertex = position + scale * vertex;
+    return Mesh(std::move(data));
+  });
+}
+#else
+inline Sphere mesh_at(const JsonCursor& at) {
+  return at["file"].checked([]() -> Sphere {
+    throw std::runtime_error(
+        "this program was built without tinyobjloader, which reads meshes (Debian: libtinyobjloader-dev)");
+  });
+}
+#endif
+
 inline Box box_at(const JsonCursor& at) {
   at.with_keys({"type", "min", "max"});
   const Box box{.min = at["min"].vector(), .max = at["max"].vector()};
@@ -508,6 +544,8 @@ inline const std::vector<std::pair<std::string_view, SurfaceReader>> surface_typ
     {"sphere", read_by<sphere_at>},
     {"plane", read_by<plane_at>},
     {"parallelogram", read_by<parallelogram_at>},
+    {"triangle", read_by<triangle_at>},
+    {"mesh", read_by<mesh_at>},
     {"box", read_by<box_at>},
     {"disk", read_by<disk_at>},
     {"quadric", read_by<quadric_at>},

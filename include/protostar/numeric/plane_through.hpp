@@ -26,6 +26,10 @@ using ExactVector = std::array<Expansion, 3>;
 [[nodiscard, gnu::cold, gnu::noinline]] inline ExactVector exact_vector(const Vec3& v) {
   return {v.x, v.y, v.z};
 }
+[[nodiscard, gnu::cold, gnu::noinline]] inline ExactVector exact_difference(const Vec3& a, const Vec3& b) {
+  const ExactVector x = exact_vector(a), y = exact_vector(b);
+  return {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
+}
 [[nodiscard, gnu::cold, gnu::noinline]] inline Expansion exact_dot(const ExactVector& a,
                                                                    const ExactVector& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -35,9 +39,17 @@ using ExactVector = std::array<Expansion, 3>;
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
+/// A vector of twice the precision.
+using RefinedVector = std::array<DoubleDouble, 3>;
+
+/// b − a, exactly.
+[[nodiscard]] inline RefinedVector refined_difference(const Vec3& b, const Vec3& a) {
+  return {two_sum(b.x, -a.x), two_sum(b.y, -a.y), two_sum(b.z, -a.z)};
+}
+
 /// u × v, each component to 2^-104 of itself: the products are exact, and their difference is rounded by
 /// 3u² + 13u³. So a component is 0 only where it is.
-[[nodiscard]] inline std::array<DoubleDouble, 3> cross_product(const Vec3& u, const Vec3& v) {
+[[nodiscard]] inline RefinedVector cross_product(const Vec3& u, const Vec3& v) {
   const auto component = [&](int j, int k) { return two_product(u[j], v[k]) - two_product(u[k], v[j]); };
   return {component(1, 2), component(2, 0), component(0, 1)};
 }
@@ -88,15 +100,17 @@ namespace detail {
   return exact_plane_at(position, exact_cross(exact_vector(u), exact_vector(v)));
 }
 
-/// The same from double-double, where k is the place of the normal's largest component, unless that does not
-/// tell how a quotient is rounded.
+/// The same from double-double, where k is the place of the normal's largest component, unless it does not
+/// tell how a quotient is rounded. The error is one that no number here exceeds: that of a component of the
+/// normal in units of itself, that of a quotient, and that of the distance in units of the sizes of its
+/// terms.
 ///
-/// In units of u²: the normal has 3 of itself, and a quotient 3 + 3 + 10; the distance 3 + 7 + 3 + 3 of the
-/// sizes of its terms, and its quotient 3 + 10 more. All are below 2^-100 = 64u².
+/// In units of u², a normal with 3 of itself makes a quotient 3 + 3 + 10; the distance 3 + 7 + 3 + 3 of the
+/// sizes of its terms, and its quotient 3 + 10 more. All are below 2^-100 = 64u². With an error that is large
+/// against that, a quotient has twice as much, and the distance as much.
 [[nodiscard]] inline std::optional<PlaneEquation> refined_plane_at(const Point& position,
-                                                                   const std::array<DoubleDouble, 3>& n,
-                                                                   std::size_t k) {
-  constexpr double error = 0x1p-100;
+                                                                   const RefinedVector& n, std::size_t k,
+                                                                   double error) {
   PlaneEquation equation;
   const auto is_rounded = [&](std::size_t i, DoubleDouble q, double uncertain) {
     equation[i] = q.hi;
@@ -114,24 +128,46 @@ namespace detail {
   return equation;
 }
 
-/// The same of a plane along two directions, unless it is not clear which component is the largest, either.
-[[nodiscard]] inline std::optional<PlaneEquation> refined_plane_through(const Point& position, const Vec3& u,
-                                                                        const Vec3& v) {
-  const auto n = cross_product(u, v);
+/// The same of any normal that is not 0, unless it is not clear which component is the largest, either.
+[[nodiscard]] inline std::optional<PlaneEquation> refined_plane_at(const Point& position,
+                                                                   const RefinedVector& n, double error) {
   std::size_t k = 0;
   for (std::size_t i = 1; i < 3; ++i) {
-    const int sign = order(abs(n[i]), 0x1p-100, abs(n[k]), 0x1p-100);
+    const int sign = order(abs(n[i]), error, abs(n[k]), error);
     if (sign == 0) return std::nullopt;
     if (sign > 0) k = i;
   }
-  return refined_plane_at(position, n, k);
+  return refined_plane_at(position, n, k, error);
+}
+
+/// The same of a plane along two directions.
+[[nodiscard]] inline std::optional<PlaneEquation> refined_plane_through(const Point& position, const Vec3& u,
+                                                                        const Vec3& v) {
+  return refined_plane_at(position, cross_product(u, v), 0x1p-100);
+}
+
+/// u × v of vectors that are of twice the precision, each component to 2^-82 of itself, and 0 only where it
+/// is; nothing where more than 20 binary digits cancel in one. The products are good to 5u², and their
+/// difference to 3u²: 8u² = 2^-103 of the sizes of both.
+[[nodiscard]] inline std::optional<RefinedVector> refined_cross_product(const RefinedVector& u,
+                                                                        const RefinedVector& v) {
+  RefinedVector n;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+    const DoubleDouble one = u[j] * v[k], other = u[k] * v[j];
+    n[i] = one - other;
+    const double terms = std::abs(one.hi) + std::abs(other.hi);
+    if (terms != 0 && !(std::abs(n[i].hi) > 0x1p-20 * terms)) return std::nullopt;
+  }
+  return n;
 }
 
 }  // namespace detail
 
 /// Whether an equation, which may have been rounded, is surely not that of the plane through a point along u
-/// and v. Its numbers are good to u = 2^-53 of themselves, the scalar product to 3u of the sizes of its terms
-/// and the difference to u, together less than 2^-50 of them; 2^-900 covers what underflows.
+/// and v. Its numbers are good to u = 2^-53 of themselves and so are u and v, which may be rounded
+/// differences, the scalar product to 3u of the sizes of its terms and the difference to u, together less
+/// than 2^-50 of them; 2^-900 covers what underflows.
 [[nodiscard]] inline bool surely_differs(const PlaneEquation& equation, const Point& position, const Vec3& u,
                                          const Vec3& v) {
   const Vec3 normal{equation[0], equation[1], equation[2]};
@@ -179,12 +215,53 @@ namespace detail {
   const Vec3 n = of_moderate_size(normal), size = abs(n);
   const std::size_t k = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   PlaneEquation equation;
-  if (const auto refined = detail::refined_plane_at(p, {n.x, n.y, n.z}, k))
+  if (const auto refined = detail::refined_plane_at(p, {n.x, n.y, n.z}, k, 0x1p-100))
     equation = *refined;
   else
     equation = detail::exact_plane_at(p, exact_vector(n));
   equation[3] = std::ldexp(equation[3], lengths);
   return equation;
+}
+
+/// Three points, times a power of two that brings the largest of their numbers to about 1.
+struct ScaledPoints {
+  int exponent;  ///< of the power of two that they were divided by
+  Point a, b, c;
+
+  ScaledPoints(const Point& p, const Point& q, const Point& r)
+      : exponent(exponent_of({p, q, r})),
+        a(scaled(p, -exponent)),
+        b(scaled(q, -exponent)),
+        c(scaled(r, -exponent)) {}
+
+  [[nodiscard, gnu::cold, gnu::noinline]] ExactVector exact_normal() const {
+    return exact_cross(exact_difference(b, a), exact_difference(c, a));
+  }
+};
+
+/// The unit normal along (b − a) × (c − a), however far the points are from the origin; NaN where they are on
+/// one line. More than 20 binary digits that cancel are rare, and then nothing is rounded before the last.
+[[nodiscard]] inline Vec3 unit_normal_through(const Point& a, const Point& b, const Point& c) {
+  const ScaledPoints points(a, b, c);
+  if (const auto n = detail::refined_cross_product(refined_difference(points.b, points.a),
+                                                   refined_difference(points.c, points.a)))
+    return normalize(of_moderate_size({(*n)[0].hi, (*n)[1].hi, (*n)[2].hi}));
+  const ExactVector n = points.exact_normal();
+  const auto nearest = [](const Expansion& x) { return static_cast<double>(DoubleDouble(x)); };
+  return normalize(of_moderate_size({nearest(n[0]), nearest(n[1]), nearest(n[2])}));
+}
+
+/// The equation of the plane through three points that are not on one line. With the normal good to 2^-82, a
+/// quotient and the distance are to 2^-80.
+[[nodiscard]] inline PlaneEquation plane_through_points(const Point& a, const Point& b, const Point& c) {
+  const ScaledPoints points(a, b, c);
+  std::optional<PlaneEquation> equation;
+  if (const auto n = detail::refined_cross_product(refined_difference(points.b, points.a),
+                                                   refined_difference(points.c, points.a)))
+    equation = detail::refined_plane_at(points.a, *n, 0x1p-80);
+  if (!equation) equation = detail::exact_plane_at(points.a, points.exact_normal());
+  (*equation)[3] = std::ldexp((*equation)[3], points.exponent);
+  return *equation;
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,275 @@
+// Meshes from Wavefront OBJ files, through tinyobjloader. Not part of the core: link protostar::obj.
+#pragma once
+
+#if defined(TINY_OBJ_LOADER_H_)
+#error "include protostar/io/obj.hpp before tiny_obj_loader.h: it needs a copy of its own, in double"
+#endif
+
+// What tiny_obj_loader.h includes, so that it does not do so inside a namespace.
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cctype>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <istream>
+#include <limits>
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <sstream>
+#include <stdexcept>
+#include <streambuf>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "../surfaces/mesh.hpp"
+
+// In a namespace of this translation unit, so that it meets no other copy of tinyobjloader in a program.
+#define TINYOBJLOADER_IMPLEMENTATION
+#define TINYOBJLOADER_USE_DOUBLE
+namespace protostar::inline PROTOSTAR_ABI::detail {
+namespace {
+#include <tiny_obj_loader.h>
+}  // namespace
+}  // namespace protostar::inline PROTOSTAR_ABI::detail
+#undef TINYOBJLOADER_IMPLEMENTATION
+#undef TINYOBJLOADER_USE_DOUBLE
+#undef TINY_OBJ_LOADER_H_
+#undef IS_DIGIT
+#undef IS_NEW_LINE
+#undef IS_SPACE
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+namespace detail {
+
+/// A text as a stream that hands on a line at a time, so that it is known which one is being read.
+class LinesOfText : public std::streambuf {
+ public:
+  explicit LinesOfText(std::string_view text) : rest_(text) {}
+
+  [[nodiscard]] std::size_t number() const { return number_; }
+  [[nodiscard]] std::string_view line() const { return line_; }
+
+ protected:
+  int_type underflow() override {
+    if (rest_.empty()) return traits_type::eof();
+    // A line ends with \n, \r or \r\n. tinyobjloader looks behind an \r, where the next line would be made.
+    const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
+    line_ = rest_.substr(0, end);
+    rest_.remove_prefix(end);
+    if (!rest_.empty()) rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : 1);
+    ended_line_.assign(line_).push_back('\n');
+    setg(ended_line_.data(), ended_line_.data(), ended_line_.data() + ended_line_.size());
+    ++number_;
+    return traits_type::to_int_type(ended_line_[0]);
+  }
+
+ private:
+  std::string_view rest_, line_;
+  std::string ended_line_;
+  std::size_t number_ = 0;
+};
+
+/// Takes what tinyobjloader finds in a file, and refuses what that lets pass.
+///
+/// It takes what is no number for 0, and other numbers for some that are near; so these are read again, from
+/// the line that is at hand. A corner of a face has a place, and may have a texture place and a normal; each
+/// combination that there is becomes a vertex.
+class ObjBuilder {
+ public:
+  ObjBuilder(std::string_view text, std::string file) : lines_(text), file_(std::move(file)) {}
+
+  [[nodiscard]] MeshData build() {
+    std::istream stream(&lines_);
+    tinyobj::callback_t callbacks;
+    callbacks.vertex_cb = [](void* self, double, double, double, double) { of(self).add_place(); };
+    callbacks.normal_cb = [](void* self, double, double, double) { of(self).add_normal(); };
+    callbacks.texcoord_cb = [](void* self, double, double, double) { of(self).add_uv(); };
+    callbacks.index_cb = [](void* self, tinyobj::index_t* corners, int count) {
+      of(self).add_face({corners, static_cast<std::size_t>(count)});
+    };
+    tinyobj::LoadObjWithCallback(stream, callbacks, this);
+    if (data_.triangles.empty()) throw std::runtime_error(file_ + ": there is no face");
+    return take();
+  }
+
+ private:
+  static constexpr int none = -1;
+
+  /// A vertex: a place with what else corners have there, and the next vertex in the same place.
+  struct Vertex {
+    int place, uv, normal, next;
+  };
+
+  static ObjBuilder& of(void* self) { return *static_cast<ObjBuilder*>(self); }
+
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw std::runtime_error(file_ + ": line " + std::to_string(lines_.number()) + ": " + what);
+  }
+
+  /// The numbers of the line behind its first word, `least` of them or more; others are left out.
+  template <std::size_t N>
+  [[nodiscard]] std::array<double, N> numbers(std::size_t least) const {
+    const std::string_view line = lines_.line();
+    std::array<double, N> numbers{};
+    std::size_t at = line.find_first_of(" \t", line.find_first_not_of(" \t")), found = 0;
+    for (; found < N; ++found) {
+      at = std::min(line.find_first_not_of(" \t", at), line.size());
+      if (at < line.size() && line[at] == '+') ++at;
+      const char* const end = line.data() + line.size();
+      const auto [behind, error] = std::from_chars(line.data() + at, end, numbers[found]);
+      if (error != std::errc() || !std::isfinite(numbers[found])) break;
+      if (behind != end && *behind != ' ' && *behind != '\t') break;
+      at = static_cast<std::size_t>(behind - line.data());
+    }
+    const bool is_whole = line.find_first_not_of(" \t", at) == std::string_view::npos;
+    if (found < least || (found < N && !is_whole))
+      refuse("expected " + std::to_string(least) + (least < N ? " or more" : "") +
+             " finite numbers that a double holds");
+    return numbers;
+  }
+
+  void add_place() {
+    const auto [x, y, z] = numbers<3>(3);
+    places_.push_back({x, y, z});
+    first_at_.push_back(none);
+    if (places_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max() - 1))
+      refuse("there are more than 2^31 - 2 vertices");
+  }
+
+  void add_normal() {
+    const auto [x, y, z] = numbers<3>(3);
+    normals_.push_back({x, y, z});
+  }
+
+  /// In the file, v = 0 is the lower edge of a picture.
+  void add_uv() {
+    const auto [u, v] = numbers<2>(1);
+    uvs_.push_back({u, 1 - v});
+  }
+
+  /// A polygon, cut into triangles by its diagonals from the first corner.
+  void add_face(std::span<const tinyobj::index_t> corners) {
+    check_face(lines_.line());
+    if (corners.size() < 3)
+      refuse("a face has 3 corners or more, and this has " + std::to_string(corners.size()));
+    const std::uint32_t first = vertex(corners[0]);
+    std::uint32_t last = vertex(corners[1]);
+    for (const tinyobj::index_t& corner : corners.subspan(2)) {
+      const std::uint32_t next = vertex(corner);
+      data_.triangles.push_back({first, last, next});
+      last = next;
+    }
+  }
+
+  /// tinyobjloader takes anything for a number, and counts on that it is no longer than an int.
+  void check_face(std::string_view line) const {
+    std::size_t digits = 0;
+    for (const char c : line.substr(line.find('f') + 1)) {
+      const bool is_digit = '0' <= c && c <= '9';
+      digits = is_digit ? digits + 1 : 0;
+      if ((!is_digit && std::strchr("-/ \t", c) == nullptr) || digits > 9)
+        refuse("expected a face, as f 1 2 3 or f 1/1/1 2/2/2 3/3/3, of indices of up to 9 digits");
+    }
+  }
+
+  /// The number from 0 of what the file counts from 1, or if that is negative back from the last.
+  [[nodiscard]] int index(int given, std::size_t count, const char* what) const {
+    const std::int64_t all = static_cast<std::int64_t>(count), i = given < 0 ? all + given : given - 1;
+    if (given == 0 || i < 0 || i >= all)
+      refuse(std::string(what) + " " + std::to_string(given) + " is not one of the " + std::to_string(count) +
+             " so far");
+    return static_cast<int>(i);
+  }
+
+  /// tinyobjloader gives 0 for what a corner does not have.
+  [[nodiscard]] std::uint32_t vertex(const tinyobj::index_t& corner) {
+    const int place = index(corner.vertex_index, places_.size(), "vertex");
+    const int uv =
+        corner.texcoord_index == 0 ? none : index(corner.texcoord_index, uvs_.size(), "texture vertex");
+    const int normal =
+        corner.normal_index == 0 ? none : index(corner.normal_index, normals_.size(), "normal");
+    int& first = first_at_[static_cast<std::size_t>(place)];
+    for (int i = first; i != none; i = vertices_[static_cast<std::size_t>(i)].next) {
+      const Vertex& v = vertices_[static_cast<std::size_t>(i)];
+      if (v.uv == uv && v.normal == normal) return static_cast<std::uint32_t>(i);
+    }
+    vertices_.push_back({place, uv, normal, first});
+    first = static_cast<int>(vertices_.size()) - 1;
+    return static_cast<std::uint32_t>(first);
+  }
+
+  /// Texture places and normals only if all vertices have them.
+  [[nodiscard]] MeshData take() {
+    const auto all_have = [&](int Vertex::*what) {
+      return std::all_of(vertices_.begin(), vertices_.end(),
+                         [&](const Vertex& v) { return v.*what != none; });
+    };
+    const auto of_vertices = [&](const auto& all, int Vertex::*what, auto& chosen) {
+      chosen.reserve(vertices_.size());
+      for (const Vertex& v : vertices_) chosen.push_back(all[static_cast<std::size_t>(v.*what)]);
+    };
+    of_vertices(places_, &Vertex::place, data_.vertices);
+    if (all_have(&Vertex::uv)) of_vertices(uvs_, &Vertex::uv, data_.uvs);
+    if (all_have(&Vertex::normal)) of_vertices(normals_, &Vertex::normal, data_.normals);
+    return std::move(data_);
+  }
+
+  LinesOfText lines_;
+  std::string file_;
+  std::vector<Point> places_;
+  std::vector<Vec3> normals_;
+  std::vector<Uv> uvs_;
+  std::vector<int> first_at_;  ///< of each place: the vertex there that was found last
+  std::vector<Vertex> vertices_;
+  MeshData data_;
+};
+
+}  // namespace detail
+
+/// The mesh that the text of an OBJ file describes; file is its name in what is wrong with it. Polygons are
+/// cut into triangles by their diagonals from the first corner. Normals and texture places are taken if all
+/// corners of all faces have them; groups, materials, lines and points are left out. Throws
+/// std::runtime_error, with the line, where a number is missing or not finite, an index is out of range, or a
+/// face is none, and if there is no face.
+[[nodiscard]] inline MeshData mesh_from_obj(std::string_view text, const std::string& file) {
+  // At a zero byte, tinyobjloader takes the line for ended.
+  if (text.find('\0') != std::string_view::npos)
+    throw std::runtime_error(file + ": there is a zero byte, which no text has");
+  return detail::ObjBuilder(text, file).build();
+}
+
+/// The mesh in an OBJ file. Throws std::system_error if it cannot be read, and std::runtime_error for what is
+/// wrong in it; both name the path.
+[[nodiscard]] inline MeshData load_obj(const std::filesystem::path& path) {
+  const auto fail = [&] {
+    throw std::system_error(errno, std::generic_category(), "cannot read '" + path.string() + "'");
+  };
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.string().c_str(), "rb"),
+                                                             std::fclose);
+  if (!file) fail();
+  std::string text;
+  std::vector<char> block(1 << 20);
+  while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
+    text.append(block.data(), count);
+    if (text.find('\0', text.size() - count) != std::string::npos) break;  // such as /dev/zero
+  }
+  if (std::ferror(file.get())) fail();
+  return mesh_from_obj(text, path.string());
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

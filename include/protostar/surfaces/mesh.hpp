@@ -1,0 +1,227 @@
+// A surface of many triangles that share their vertices, found by way of a tree of boxes of its own.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../accel/bvh.hpp"
+#include "../accel/triangle_leaves.hpp"
+#include "../surface.hpp"
+#include "triangle.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// What a mesh is made of.
+struct MeshData {
+  std::vector<Point> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< by the numbers of their vertices
+
+  /// Of each vertex, or none: then each triangle has its own. They may have any length.
+  std::vector<Vec3> normals = {};
+  /// Places on textures, of each vertex, or none: then each triangle has its barycentric coordinates.
+  std::vector<Uv> uvs = {};
+
+  [[nodiscard]] Triangle triangle(std::size_t i) const {
+    const auto& [a, b, c] = triangles[i];
+    return {vertices[a], vertices[b], vertices[c]};
+  }
+
+  /// Throws std::invalid_argument if there is no triangle or too many, if one names a vertex that there is
+  /// not, if a number is not finite, or if there are other than as many normals or uvs as vertices. Triangles
+  /// without area are allowed; no ray meets them.
+  void validate() const {
+    const auto check = [](bool holds, const auto& rule) {
+      if (!holds) throw std::invalid_argument("Mesh: " + std::string(rule));
+    };
+    check(!triangles.empty(), "there is no triangle");
+    check(triangles.size() <= simd::largest_tree, "there are more than 2^27 triangles");
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      if (!is_finite(vertices[i])) check(false, "vertex " + std::to_string(i) + " must be finite");
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+      for (const std::uint32_t vertex : triangles[i])
+        if (vertex >= vertices.size())
+          check(false, "triangle " + std::to_string(i) + " names vertex " + std::to_string(vertex) +
+                           ", and there are " + std::to_string(vertices.size()));
+    check(normals.empty() || normals.size() == vertices.size(),
+          "there must be as many normals as vertices, or none");
+    check(std::all_of(normals.begin(), normals.end(), [](const Vec3& normal) { return is_finite(normal); }),
+          "normals must be finite");
+    check(uvs.empty() || uvs.size() == vertices.size(), "there must be as many uvs as vertices, or none");
+    check(std::all_of(uvs.begin(), uvs.end(),
+                      [](const Uv& uv) {
+                        return is_finite({uv.x, uv.y, 0});
+                      }),
+          "uvs must be finite");
+  }
+};
+
+/// A mesh, whose copies share what it is made of. Its parts are its triangles, in the order in which they are
+/// given.
+///
+/// What holds of triangles that share an edge or a vertex (Triangle) holds of all: a ray that is aimed at an
+/// edge of a closed mesh, or at a vertex, slips through nowhere and crosses nothing twice. What counts are
+/// the numbers of the vertices, so that two vertices in one place are as good as one.
+class Mesh {
+ public:
+  /// Builds the tree. Throws what MeshData::validate throws.
+  explicit Mesh(MeshData data, const RenderOptions& options = {})
+      : contents_(std::make_shared<const Contents>(std::move(data), options)) {}
+
+  [[nodiscard]] const MeshData& data() const { return contents_->data; }
+
+  /// Where a ray crosses the mesh first inside the range.
+  [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
+    const auto crossing = first_crossing(ray, range);
+    return crossing ? std::optional(crossing->t) : std::nullopt;
+  }
+
+  /// The unit normal at a point of a triangle: that between those of its vertices, or where there are none or
+  /// they cancel, the triangle's own.
+  [[nodiscard]] Vec3 normal_at(const Point& point, int part) const {
+    const Triangle triangle = this->triangle(part);
+    if (!data().normals.empty()) {
+      const Vec3 normal = normalize(of_moderate_size(between(data().normals, triangle.uv_at(point), part)));
+      if (is_finite(normal)) return normal;
+    }
+    return triangle.normal_at(point);
+  }
+
+  /// The place between those of the vertices; or if they have none, barycentric coordinates.
+  [[nodiscard]] Uv uv_at(const Point& point, int part) const {
+    const Uv uv = triangle(part).uv_at(point);
+    return data().uvs.empty() ? uv : between(data().uvs, uv, part);
+  }
+
+  /// That of a triangle: what lies in its plane is left together.
+  [[nodiscard]] Departure departure(int part) const { return triangle(part).departure(); }
+
+  [[nodiscard]] Bounds bounds() const { return contents_->bounds; }
+
+  /// The first crossing inside the range, in exact order. Of triangles that are crossed at equal t, the
+  /// earlier one's is the first.
+  [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
+    std::optional<Crossing> first;
+    each_candidate<simd::Order::near_first>(ray, range, [&](const Triangle& triangle, std::uint32_t i) {
+      const auto crossing = crossing_with(triangle, i, ray, range);
+      if (!crossing || (first && !comes_before(ray, *crossing, *first))) return false;
+      first = crossing;
+      // What might be before it, given its error, stays in.
+      range.max = std::min(range.max, latest(crossing->t));
+      return false;
+    });
+    return first;
+  }
+
+  /// Whether there is any crossing inside the range.
+  [[nodiscard]] bool is_met(const Ray& ray, Interval range) const {
+    return each_candidate<simd::Order::any>(ray, range, [&](const Triangle& triangle, std::uint32_t) {
+      return protostar::first_crossing(triangle, ray, range).has_value();
+    });
+  }
+
+  /// Calls visit(const Crossing&) for every crossing inside the range, near to far.
+  void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
+    std::vector<Crossing> crossings;
+    each_candidate<simd::Order::any>(ray, range, [&](const Triangle& triangle, std::uint32_t i) {
+      if (const auto crossing = crossing_with(triangle, i, ray, range)) crossings.push_back(*crossing);
+      return false;
+    });
+    std::sort(crossings.begin(), crossings.end(),
+              [&](const Crossing& a, const Crossing& b) { return comes_before(ray, a, b); });
+    for (const Crossing& crossing : crossings) visit(crossing);
+  }
+
+  [[nodiscard]] RefinedCrossing refine(const Ray& ray, const Crossing& crossing, Precision precision) const {
+    return protostar::refine(triangle(crossing.part), ray, crossing, precision);
+  }
+
+  [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
+    return triangle(crossing.part).exact_root(ray, crossing.root);
+  }
+
+ private:
+  /// What copies share.
+  struct Contents {
+    MeshData data;
+    simd::Bvh bvh;
+    simd::TriangleLeaves leaves;
+    std::vector<Triangle> in_leaves;  ///< by their places in the leaves, so that a leaf's are side by side
+    Bounds bounds{Point{infinity}, Point{-infinity}};
+
+    Contents(MeshData given, const RenderOptions& options)
+        : data(validated(std::move(given))),
+          bvh(
+              data.triangles.size(), [&](std::size_t i) { return data.triangle(i).bounds(); },
+              simd::node_width, options),
+          leaves(bvh, [&](std::size_t i) { return data.triangle(i); }) {
+      in_leaves.reserve(data.triangles.size());
+      for (const std::uint32_t i : bvh.order()) {
+        in_leaves.push_back(data.triangle(i));
+        const Bounds of_one = in_leaves.back().bounds();
+        bounds = {min(bounds.min, of_one.min), max(bounds.max, of_one.max)};
+      }
+    }
+  };
+
+  static MeshData validated(MeshData data) {
+    data.validate();
+    return data;
+  }
+
+  [[nodiscard]] Triangle triangle(int part) const { return data().triangle(static_cast<std::size_t>(part)); }
+
+  /// Of what the vertices of a triangle have, that at its place u and v.
+  template <class T>
+  [[nodiscard]] T between(const std::vector<T>& of_vertices, const Uv& uv, int part) const {
+    const auto& [a, b, c] = data().triangles[static_cast<std::size_t>(part)];
+    return (1 - uv.x - uv.y) * of_vertices[a] + uv.x * of_vertices[b] + uv.y * of_vertices[c];
+  }
+
+  /// Calls visit(triangle, its number) for all that a ray may cross inside the range, until one returns true;
+  /// returns whether one did. A visit may shorten the range.
+  template <simd::Order order>
+  bool each_candidate(const Ray& ray, const Interval& range, const auto& visit) const {
+    const Contents& mesh = *contents_;
+    const auto visit_one = [&](std::uint32_t i) { return visit(mesh.data.triangle(i), i); };
+    const auto visit_leaf = [&](const simd::BoxRay& line, simd::Leaf leaf, simd::Reach& left) {
+      for (std::uint32_t i = 0; i < leaf.count; i += simd::float_lanes)
+        for (simd::Bits met = mesh.leaves.met(leaf, i, line); met != 0; met &= met - 1) {
+          const std::uint32_t place = leaf.first + i + static_cast<std::uint32_t>(std::countr_zero(met));
+          if (visit(mesh.in_leaves[place], mesh.bvh.order()[place])) return true;
+        }
+      left.until = line.at_most(range.max);
+      return false;
+    };
+    return simd::each_along<order>(mesh.bvh, ray, range, visit_one, visit_leaf, mesh.leaves.soon());
+  }
+
+  [[nodiscard]] static std::optional<Crossing> crossing_with(const Triangle& triangle, std::uint32_t i,
+                                                             const Ray& ray, const Interval& range) {
+    auto crossing = protostar::first_crossing(triangle, ray, range);
+    if (crossing) crossing->part = static_cast<int>(i);
+    return crossing;
+  }
+
+  [[nodiscard]] bool comes_before(const Ray& ray, const Crossing& a, const Crossing& b) const {
+    const auto on_mesh = [&](const Crossing& crossing) {
+      return SurfaceCrossing{.crossing = crossing, .surface = this, .functions = &functions_of<Mesh>};
+    };
+    return precedes(ray, on_mesh(a), a.part, on_mesh(b), b.part);
+  }
+
+  std::shared_ptr<const Contents> contents_;
+};
+
+static_assert(CompositeSurface<Mesh> && SurfaceWithParts<Mesh> && SurfaceWithBounds<Mesh> &&
+              SurfaceWithUv<Mesh>);
+
+}  // namespace protostar::inline PROTOSTAR_ABI

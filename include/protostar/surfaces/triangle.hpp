@@ -1,0 +1,98 @@
+// The set of points of the triangle between three points.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "../numeric/plane_through.hpp"
+#include "../numeric/triangle_roots.hpp"
+#include "../surface.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// A triangle; its points are not on one line. Whether a ray hits it is exact for numbers whose sizes in one
+/// test differ by less than 2^100; what lies further below the largest may be lost.
+///
+/// A part of its outline belongs to it. A ray that passes exactly through an edge or a vertex is taken for
+/// one that starts an immeasurably small bit aside, the same for all triangles. So of two triangles on either
+/// side of an edge it hits exactly one, and of those around a vertex of a closed mesh, as many as a ray next
+/// to it.
+struct Triangle {
+  Point a{0}, b{1, 0, 0}, c{0, 1, 0};
+
+  /// Where a ray crosses the triangle, if that is inside the range. A ray parallel to its plane never does,
+  /// one that lies in it included, and neither does one that departs from its plane.
+  [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
+    const auto crossing = first_crossing(*this, ray, range);
+    return crossing ? std::optional(crossing->t) : std::nullopt;
+  }
+
+  /// The unit normal along (b − a) × (c − a), the same at every point.
+  template <class P = Point>
+  [[nodiscard]] Vec3 normal_at(const P&) const {
+    return unit_normal_through(a, b, c);
+  }
+
+  /// Barycentric coordinates: the point is a + u (b − a) + v (c − a).
+  template <class P = Point>
+  [[nodiscard]] auto uv_at(const P& point) const {
+    // For w = u e + v f with the edges e and f, and n = e × f: w × f = u n, e × w = v n. The lengths go up to
+    // the fourth power, so that a power of two brings the edges to about 1 first.
+    const double unit = std::ldexp(1, std::clamp(-exponent_of({b - a, c - a}), -1000, 1000));
+    const Vec3 e = unit * (b - a), f = unit * (c - a), n = cross(e, f);
+    const P w = unit * (point - a);
+    return uv_of(dot(cross(w, f), n) / dot(n, n), dot(cross(e, w), n) / dot(n, n));
+  }
+
+  /// The crossing of the ray's line; of a ray that departs from the triangle's plane, none.
+  [[nodiscard]] Roots roots(const Ray& ray) const {
+    if (is_left_by(ray)) return {};
+    return triangle_roots(ray.origin, ray.direction, a, b, c);
+  }
+
+  /// The same of several rays at once, of those that are wanted.
+  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
+    return triangle_roots_of_each(rays.origin, rays.direction, a, b, c, wanted && !is_left_by(rays));
+  }
+
+  [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision) const {
+    return refined_triangle_roots(ray.origin, ray.direction, a, b, c);
+  }
+
+  [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {
+    return exact_triangle_root(ray.origin, ray.direction, a, b, c);
+  }
+
+  [[nodiscard]] Bounds bounds() const { return {min(a, min(b, c)), max(a, max(b, c))}; }
+
+  /// What lies in one plane is left together. Where the plane is at a right angle to an axis that is exact;
+  /// of others, equal planes always have equal departures.
+  [[nodiscard]] Departure departure() const {
+    for (int i = 0; i < 3; ++i)
+      if (a[i] == b[i] && a[i] == c[i]) {
+        Departure departure{.kind = Departure::Kind::plane};
+        departure.geometry[static_cast<std::size_t>(i)] = 1, departure.geometry[3] = a[i];
+        return departure;
+      }
+    return {.kind = Departure::Kind::rounded_plane, .geometry = plane_through_points(a, b, c)};
+  }
+
+  /// Throws std::invalid_argument if the points are on one line, or a number is not finite.
+  void validate() const {
+    if (!is_finite(a) || !is_finite(b) || !is_finite(c))
+      throw std::invalid_argument("Triangle: a, b and c must be finite");
+    if (!is_finite(normal_at(a))) throw std::invalid_argument("Triangle: a, b and c must not be on one line");
+  }
+
+ private:
+  [[nodiscard]] bool is_left_by(const auto& ray) const {
+    return ray.departure.is_planar() && !surely_differs(ray.departure.geometry, a, b - a, c - a) &&
+           ray.departure == departure();
+  }
+};
+
+static_assert(SurfaceWithRefinedRoots<Triangle> && SurfaceWithDeparture<Triangle> &&
+              SurfaceWithBounds<Triangle>);
+
+}  // namespace protostar::inline PROTOSTAR_ABI

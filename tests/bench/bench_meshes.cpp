@@ -1,0 +1,143 @@
+// Meshes of many triangles, against Embree's robust ones: camera rays, rays of every direction, occlusion;
+// building.
+//
+//   bench_meshes [--threads N] [--runs N] [--csv FILE] [--quick]
+//
+// Rates are millions of rays a second. Both get the same rays and vertices, which are made of floats. Embree
+// is judged by the best of its three modes. Its answers are in float, so a few differ from ours, which are
+// exact.
+#include <algorithm>
+#include <cmath>
+#include <protostar/camera.hpp>
+#include <protostar/surfaces/mesh.hpp>
+#include <stdexcept>
+
+#include "embree.hpp"
+#include "support.hpp"
+#include "support/meshes.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+using bench::Embree, bench::FloatRay, bench::Index, bench::Mode, bench::number, bench::Table, bench::Times,
+    bench::Work;
+
+namespace {
+
+/// A torus of about that many triangles, with vertices that are floats.
+MeshData torus(std::size_t count) {
+  const auto across = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(count) / 10));
+  MeshData mesh = meshes::torus(5 * across, across);
+  for (Point& p : mesh.vertices) p = Point(glm::vec3(p));
+  return mesh;
+}
+
+Ray in_double(const FloatRay& ray) { return {Point(ray.origin), Vec3(ray.direction)}; }
+
+class Contest {
+ public:
+  Contest(Table& table, const bench::Options& options, const MeshData& data)
+      : table_(table),
+        options_(options),
+        mesh_(data, {.threads = options.threads}),
+        embree_(data.vertices, data.triangles, options.threads),
+        side_(options.quick ? 32 : 512) {}
+
+  void run() {
+    std::vector<FloatRay> camera_rays, incoherent, segments;
+    for (int y = 0; y < side_; ++y)
+      for (int x = 0; x < side_; ++x) camera_rays.push_back(of(camera().through_pixel(x, y, side_, side_)));
+    Random random(1);
+    for (std::size_t i = 0; i < camera_rays.size(); ++i) {
+      const Point origin = random.point(1.5), target = random.point(1.5);
+      incoherent.push_back(of({origin, random.direction()}));
+      segments.push_back(of({origin, target - origin}));
+      segments.back().max = 1;
+    }
+    const auto first = [&](const FloatRay& ray) {
+      const auto crossing = mesh_.first_crossing(in_double(ray), {});
+      return crossing ? static_cast<Index>(crossing->part) : bench::nothing;
+    };
+    row("primary, single", camera_rays, &Embree::closest, true, first);
+    row("incoherent", incoherent, &Embree::closest, false, first);
+    row("occlusion", segments, &Embree::any, false, [&](const FloatRay& ray) {
+      return mesh_.is_met(in_double(ray), {0, 1}) ? Index{0} : bench::nothing;
+    });
+  }
+
+ private:
+  using Query = void (Embree::*)(Mode, bool, const std::vector<FloatRay>&, std::size_t, std::size_t,
+                                 std::vector<Index>&) const;
+
+  static Camera camera() { return Camera::perspective({0, -2, 1.5}, {0, 0.8, -0.6}, {0, 0.6, 0.8}, 60); }
+
+  static FloatRay of(const Ray& ray) {
+    return {.origin = glm::vec3(ray.origin), .direction = glm::vec3(ray.direction)};
+  }
+
+  void row(const std::string& name, const std::vector<FloatRay>& rays, Query query, bool coherent,
+           const auto& answer) {
+    std::vector<Index> embrees(rays.size()), ours(rays.size());
+    std::vector<Work> works;
+    for (const Mode mode : {Mode::single, Mode::packet, Mode::stream})
+      works.push_back([&, mode] {
+        if (mode == Mode::stream && !Embree::has_streams) return;
+        bench::in_parts(rays.size(), options_.threads, [&](std::size_t begin, std::size_t end) {
+          (embree_.*query)(mode, coherent, rays, begin, end, embrees);
+        });
+      });
+    works.push_back([&] {
+      bench::in_parts(rays.size(), options_.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) ours[i] = answer(rays[i]);
+      });
+    });
+    const Times times(options_, works);
+    const auto rate = [&](std::size_t i) {
+      return number(1e-6 * static_cast<double>(rays.size()) / times.seconds(i));
+    };
+    std::size_t best = 0, differ = 0, hits = 0;
+    for (std::size_t i = 1; i < (Embree::has_streams ? 3 : 2); ++i)
+      if (times.seconds(i) < times.seconds(best)) best = i;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      differ += embrees[i] != ours[i];
+      hits += ours[i] != bench::nothing;
+    }
+    const bool both = Embree::is_there;
+    if (both && differ > rays.size() / 1000)  // more than rounding explains: they do not do the same work
+      throw std::runtime_error(name + ": " + std::to_string(differ) + " answers differ from Embree's");
+    table_.row({std::to_string(mesh_.data().triangles.size()) + " " + name, std::to_string(rays.size()),
+                both ? rate(0) : "-", both ? rate(1) : "-", Embree::has_streams ? rate(2) : "-", rate(3),
+                both ? number(times.ratio(best, 3)) : "-", std::to_string(hits),
+                both ? std::to_string(differ) : "-"});
+  }
+
+  Table& table_;
+  const bench::Options& options_;
+  Mesh mesh_;
+  Embree embree_;
+  int side_;
+};
+
+void build(Table& table, const bench::Options& options, const MeshData& data) {
+  const Times times(options, {[&] { bench::keep(Embree(data.vertices, data.triangles, options.threads)); },
+                              [&] { bench::keep(Mesh(data, {.threads = options.threads})); }});
+  const bool both = Embree::is_there;
+  table.row({std::to_string(data.triangles.size()), both ? number(1e3 * times.seconds(0)) : "-",
+             number(1e3 * times.seconds(1)), both ? number(times.ratio(0, 1)) : "-"});
+}
+
+void meshes_of_triangles(const bench::Options& options) {
+  if (!Embree::is_there) std::printf("Embree is not installed, so there is nothing to compare with\n");
+  const std::vector<std::size_t> counts =
+      options.quick ? std::vector<std::size_t>{1000} : std::vector<std::size_t>{100000, 1000000};
+  {
+    Table table(options, {"triangles and rays", "rays", "Embree single", "packet", "stream", "protostar",
+                          "times faster", "hits", "differ"});
+    for (const std::size_t count : counts) Contest(table, options, torus(count)).run();
+  }
+  Table table(options, {"triangles to build", "Embree ms", "protostar ms", "times faster"});
+  for (const std::size_t count : counts) build(table, options, torus(count));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return bench::run(argc, argv, meshes_of_triangles); }

@@ -1,0 +1,270 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <protostar/accel/accelerate.hpp>
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/render.hpp>
+#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/mesh.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <stdexcept>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/errors.hpp"
+#include "support/meshes.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+
+const Interval everywhere{-infinity, infinity};
+
+MeshData one_triangle() { return {.vertices = {{0, 0, 3}, {2, 0, 3}, {0, 2, 3}}, .triangles = {{0, 1, 2}}}; }
+
+/// The crossings of all triangles, each by itself, in exact order.
+std::vector<Crossing> crossings_of_triangles(const MeshData& data, const Ray& ray, Interval range) {
+  std::vector<Crossing> all;
+  for (std::size_t i = 0; i < data.triangles.size(); ++i)
+    if (auto crossing = first_crossing(data.triangle(i), ray, range)) {
+      crossing->part = static_cast<int>(i);
+      all.push_back(*crossing);
+    }
+  const auto root = [&](const Crossing& crossing) {
+    return data.triangle(static_cast<std::size_t>(crossing.part)).exact_root(ray, 0);
+  };
+  std::stable_sort(all.begin(), all.end(),
+                   [&](const Crossing& a, const Crossing& b) { return order(root(a), root(b)) < 0; });
+  return all;
+}
+
+bool are_equal(const Crossing& a, const Crossing& b) {
+  return a.t == b.t && a.root == b.root && a.part == b.part;
+}
+
+/// Triangles anywhere, some of them twice, some without area.
+MeshData soup(Random& random, int count) {
+  MeshData data;
+  for (int i = 0; i < count; ++i) {
+    const Point at = random.point(1);
+    for (int k = 0; k < 3; ++k) data.vertices.push_back(at + random.point(0.3));
+    const auto first = static_cast<std::uint32_t>(3 * i);
+    data.triangles.push_back({first, first + 1, first + 2});
+    if (i % 5 == 0) data.triangles.push_back({first + 1, first, first + 2});
+    if (i % 7 == 0) data.triangles.push_back({first + 1, first, first + 1});
+  }
+  return data;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a mesh is crossed where its triangles are, in exact order, the earlier of two at one place first") {
+  Random random(41);
+  std::size_t crossings = 0;
+  int wrong = 0;
+  for (const MeshData& data :
+       {soup(random, 60), meshes::box(2), meshes::icosphere(1), meshes::torus(9, 7), one_triangle()}) {
+    const Mesh mesh(data, {.threads = 1});
+    for (int i = 0; i < 400; ++i) {
+      const double unit = i % 2 == 0 ? 0.5 : 1e-9;  // many of the first kind meet edges and vertices
+      const auto place = [&](double size) { return unit * glm::floor(random.point(size) / unit); };
+      const Point origin = (i % 4 == 0 ? 1000.0 : 1.0) * place(3), target = place(1);
+      Ray ray{origin, target - origin};
+      Interval range = i % 3 == 0 ? everywhere : i % 3 == 1 ? Interval{} : Interval{0.25, 1.5};
+      for (int leave = 0; leave < 2; ++leave) {
+        const auto expected = crossings_of_triangles(data, ray, range);
+        std::vector<Crossing> found;
+        mesh.each_crossing(ray, range, [&](const Crossing& crossing) { found.push_back(crossing); });
+        wrong += !std::equal(found.begin(), found.end(), expected.begin(), expected.end(), are_equal);
+        const auto first = mesh.first_crossing(ray, range);
+        wrong += first ? expected.empty() || !are_equal(*first, expected[0]) : !expected.empty();
+        wrong += mesh.is_met(ray, range) == expected.empty();
+        crossings += expected.size();
+        if (!first) break;
+        ray = {ray.at(first->t), place(2), mesh.departure(first->part)};
+        range = {};
+      }
+    }
+  }
+  CHECK(crossings > 2000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a ray that leaves a convex mesh outwards never meets it again, and inwards once") {
+  Random random(42);
+  int hits = 0, wrong = 0;
+  for (const MeshData& data : {meshes::box(2), meshes::icosphere(2)})
+    for (const double scale : {1e-3, 1.0, 1e6}) {
+      const Mesh mesh(meshes::moved(data, scale, scale * Vec3{100, 20, -30}), {.threads = 1});
+      Scene<Mesh> scene;
+      scene.add(mesh, Color{1});
+      for (int i = 0; i < 500; ++i) {
+        const Point origin = scale * (Vec3{100, 20, -30} + 8.0 * random.direction());
+        const Point target = scale * (Vec3{100, 20, -30} + random.point(1));
+        const auto hit = scene.intersect({origin, target - origin});
+        if (!hit) continue;
+        ++hits;
+        const Vec3 d = random.direction();
+        const auto again = scene.intersect(hit->leave(d));
+        // Next to an edge, the point that a hit is rounded to may be outside another triangle.
+        const double slope = dot(d, hit->normal());
+        if (std::abs(slope) < 1e-6) continue;
+        wrong += again.has_value() != (slope < 0);
+      }
+    }
+  CHECK(hits > 1500);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("the normals of vertices are interpolated, and a triangle without them has its own") {
+  MeshData data = one_triangle();
+  const Point middle{0.5, 1, 3};  // u = 1/4, v = 1/2
+  CHECK(Mesh(data).normal_at(middle, 0) == Vec3{0, 0, 1});
+  data.normals = {{0, 0, 2}, {4, 0, 0}, {0, -2, 0}};
+  CHECK(length(Mesh(data).normal_at(middle, 0) - normalize(Vec3{1, -1, 0.5})) < 1e-15);
+  CHECK(length(Mesh(data).normal_at(data.vertices[1], 0) - Vec3{1, 0, 0}) < 1e-15);
+  for (Vec3& normal : data.normals) normal *= 1e300;
+  CHECK(length(Mesh(data).normal_at(middle, 0) - normalize(Vec3{1, -1, 0.5})) < 1e-15);
+  data.normals = {{0, 0, 0}, {0, 0, -1}, {0, 0, 0.5}};  // they cancel
+  CHECK(Mesh(data).normal_at(middle, 0) == Vec3{0, 0, 1});
+}
+
+TEST_CASE("the texture places of vertices are interpolated, and are barycentric without them") {
+  MeshData data = one_triangle();
+  const Point middle{0.5, 1, 3};
+  CHECK(Mesh(data).uv_at(middle, 0) == Uv{0.25, 0.5});
+  data.uvs = {{1, 1}, {5, 1}, {1, 3}};
+  CHECK(Mesh(data).uv_at(middle, 0) == Uv{2, 2});
+}
+
+TEST_CASE("the bounds of a mesh hold its triangles, and not what no triangle names") {
+  MeshData data = one_triangle();
+  data.vertices.push_back({9, 9, 9});
+  const Bounds bounds = Mesh(data).bounds();
+  CHECK(bounds.min == Point{0, 0, 3});
+  CHECK(bounds.max == Point{2, 2, 3});
+}
+
+TEST_CASE("triangles of one plane are left together, also by a ray from a plane that they lie in") {
+  const Mesh box(meshes::box(3), {.threads = 1});
+  const Plane side{.normal = {0, 2, 0}, .distance = 6};
+  for (const Departure& departure :
+       {side.departure(), Triangle{{0, 3, 0}, {0, 3, 1}, {1, 3, 0}}.departure()}) {
+    const Ray down{{0.3, 3 + 1e-15, 0.4}, {0.1, -1, 0.2}, departure};
+    const auto t = box.intersect(down);
+    REQUIRE(t);
+    CHECK(*t > 5.9);
+  }
+}
+
+TEST_CASE("copies of a mesh share what it is made of") {
+  const Mesh mesh(meshes::icosphere(1));
+  const Mesh copy = mesh;
+  CHECK(&copy.data() == &mesh.data());
+}
+
+TEST_CASE("meshes of all sizes are met, and numbers that are not finite meet nothing") {
+  for (const double size : {0x1p-500, 0x1p-30, 1.0, 0x1p30, 0x1p500}) {
+    CAPTURE(size);
+    const Mesh mesh(meshes::moved(meshes::box(2), size, Vec3{0}));
+    CHECK(mesh.intersect({{0, 0, -5 * size}, {0, 0, size}}) == 3);
+    CHECK_FALSE(mesh.intersect({{0, 0, -5 * size}, {0, 0, -size}}));
+    CHECK(mesh.intersect({{0, 0, -5 * size}, {0, 0, -size}}, everywhere) == -7);
+  }
+  const Mesh mesh(meshes::box(2));
+  for (const double bad : {infinity, -infinity, std::numeric_limits<double>::quiet_NaN()})
+    for (int axis = 0; axis < 3; ++axis) {
+      Ray ray{{0, 0, -5}, {0, 0, 1}};
+      ray.origin[axis] = bad;
+      CHECK_FALSE(mesh.intersect(ray, everywhere));
+      ray = {{0, 0, -5}, {0, 0, 1}};
+      ray.direction[axis] = bad;
+      CHECK_FALSE(mesh.intersect(ray, everywhere));
+    }
+}
+
+TEST_CASE(
+    "a picture of meshes is the same by tiles and ray by ray, and so is what surfaces of any type are met "
+    "by") {
+  Random random(43);
+  MeshData ball = meshes::moved(meshes::icosphere(2), 0.9, {-0.8, 0, 4});
+  for (const Point& p : ball.vertices) ball.normals.push_back(p - Vec3{-0.8, 0, 4});
+  const Mesh smooth(ball), ring(meshes::moved(meshes::torus(12, 7), 0.7, {0.9, 0, 4.2})),
+      confetti(meshes::moved(soup(random, 20), 0.5, {0, 1, 3}));
+  Material checkered;
+  checkered.texture = Checker{.first = Color{1}, .second = Color{0.1f}, .size = 0.5};
+  const auto add_all = [&](auto& scene) {
+    scene.add(smooth, Color{0.8f, 0.3f, 0.1f});
+    scene.add(ring, checkered);
+    scene.add(confetti, Color{0.2f, 0.7f, 0.3f});
+    scene.add(PointLight{.position = {1, 4, 1}, .power = Color{400}});
+  };
+  Scene<Mesh> scene;
+  Scene<AnySurface> any;
+  add_all(scene), add_all(any);
+  const Camera camera;
+  Image tiles(80, 60), plain(80, 60);
+  render(tiles, camera, scene, ShadowIntegrator{});
+  render(plain, camera, scene, ShadowIntegrator{}, {.tiles = false});
+  int different = 0, lit = 0;
+  for (int y = 0; y < plain.height(); ++y)
+    for (int x = 0; x < plain.width(); ++x) {
+      different += tiles(x, y) != plain(x, y);
+      lit += plain(x, y) != Color{0};
+    }
+  CHECK(different == 0);
+  CHECK(lit > 150);
+
+  const auto fast = accelerate(scene);
+  int hits = 0, wrong = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Point target = Point{0, 0, 4} + random.point(1);
+    const Ray ray{random.point(1), target};
+    const auto a = scene.intersect(ray), b = any.intersect(ray), c = fast.intersect(ray);
+    wrong += a.has_value() != b.has_value() || a.has_value() != c.has_value();
+    if (!a || !b || !c) continue;
+    ++hits;
+    for (const auto& other : {b, c})
+      wrong += other->t != a->t || other->normal() != a->normal() || other->uv() != a->uv();
+    const Vec3 to_light = Point{1, 4, 1} - a->point();
+    const bool dark = scene.occluded(a->leave(to_light), {0, 1});
+    wrong += any.occluded(b->leave(to_light), {0, 1}) != dark;
+    wrong += fast.occluded(c->leave(to_light), {0, 1}) != dark;
+  }
+  CHECK(hits > 500);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a mesh that makes no sense is refused, and says why") {
+  const auto says = [](const MeshData& data) {
+    return message_of<std::invalid_argument>([&] { Mesh mesh(data); });
+  };
+  CHECK_THAT(says({}), ContainsSubstring("Mesh: there is no triangle"));
+  MeshData data = one_triangle();
+  data.triangles.push_back({0, 3, 1});
+  CHECK_THAT(says(data), ContainsSubstring("triangle 1 names vertex 3, and there are 3"));
+  data.triangles[1] = {0, 1, 0xffffffff};
+  CHECK_THAT(says(data), ContainsSubstring("triangle 1 names vertex 4294967295"));
+  for (const double bad : {infinity, std::numeric_limits<double>::quiet_NaN()}) {
+    data = one_triangle();
+    data.vertices[1].y = bad;
+    CHECK_THAT(says(data), ContainsSubstring("vertex 1 must be finite"));
+    data = one_triangle();
+    data.normals = {{0, 0, 1}, {0, bad, 1}, {0, 0, 1}};
+    CHECK_THAT(says(data), ContainsSubstring("normals must be finite"));
+    data = one_triangle();
+    data.uvs = {{0, 0}, {0, 0}, {0, bad}};
+    CHECK_THAT(says(data), ContainsSubstring("uvs must be finite"));
+  }
+  data = one_triangle();
+  data.normals = {{0, 0, 1}};
+  CHECK_THAT(says(data), ContainsSubstring("as many normals as vertices"));
+  data = one_triangle();
+  data.uvs = {{0, 0}};
+  CHECK_THAT(says(data), ContainsSubstring("as many uvs as vertices"));
+  data = one_triangle();
+  data.triangles.push_back({1, 1, 1});  // no area
+  CHECK_NOTHROW(Mesh(data));
+}

@@ -1,0 +1,156 @@
+#include <cmath>
+#include <filesystem>
+#include <protostar/io/obj.hpp>
+#include <string>
+#include <vector>
+
+#include "fuzz/read_any_obj.hpp"
+#include "support/catch.hpp"
+#include "support/errors.hpp"
+#include "support/files.hpp"
+
+namespace fs = std::filesystem;
+using namespace protostar;
+
+namespace {
+
+using Triangles = std::vector<std::array<std::uint32_t, 3>>;
+
+MeshData read(const std::string& text) { return mesh_from_obj(text, "a.obj"); }
+
+std::string error_in(const std::string& text) {
+  return message_of<std::runtime_error>([&] { (void)read(text); });
+}
+
+const std::string corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+}  // namespace
+
+TEST_CASE("the vertices and faces of an OBJ file are read, whatever the lines end with") {
+  for (const std::string end : {"\n", "\r\n", "\r", " \t\n", "\n\n# a comment\n"}) {
+    CAPTURE(end);
+    std::string text;
+    for (const char* line : {"v 0 0.1 -2e-3", "  v\t+1 .5  3", "v 1 1 1 0.5 0.5 0.5", "f 1 2 3"})
+      text += line + end;
+    const MeshData data = read(text);
+    CHECK(data.vertices == std::vector<Point>{{0, 0.1, -2e-3}, {1, 0.5, 3}, {1, 1, 1}});
+    CHECK(data.triangles == Triangles{{0, 1, 2}});
+    CHECK(data.normals.empty());
+    CHECK(data.uvs.empty());
+  }
+  CHECK(read(corners + "f 1 2 3").triangles.size() == 1);  // without a line's end
+}
+
+TEST_CASE("numbers of an OBJ file are the nearest doubles") {
+  const MeshData data = read(
+      "v 0.3 123456789.123456789 2.2250738585072011e-308\nv 0.1234567890123456789 5e-324 1\nv 1 1 1\nf 1 2 "
+      "3");
+  CHECK(data.vertices[0] == Point{0.3, 123456789.123456789, 2.2250738585072011e-308});
+  CHECK(data.vertices[1] == Point{0.1234567890123456789, 5e-324, 1});
+}
+
+TEST_CASE("polygons are cut into triangles by their diagonals from the first corner") {
+  CHECK(read(corners + "f 1 2 3 4").triangles == Triangles{{0, 1, 2}, {0, 2, 3}});
+  CHECK(read(corners + "v 0 0.5 0\nf 2 3 4 5 1").triangles == Triangles{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}});
+}
+
+TEST_CASE("negative indices count back from the last vertex so far") {
+  const MeshData data = read(corners + "f -4 -3 -2\nv 5 5 5\nf -1 1 2");
+  CHECK(data.triangles == Triangles{{0, 1, 2}, {3, 0, 1}});
+  CHECK(data.vertices[3] == Point{5, 5, 5});
+}
+
+TEST_CASE("corners in one place with other normals or texture places are other vertices") {
+  const MeshData data = read(corners +
+                             "vn 0 0 1\nvn 0 1 0\nvt 0.25 0.25\nvt 0.5\n"
+                             "f 1/1/1 2/1/1 3/1/1\nf 1/1/1 3/1/2 4/2/1\n");
+  CHECK(data.triangles == Triangles{{0, 1, 2}, {0, 3, 4}});
+  CHECK(data.vertices == std::vector<Point>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 0}, {0, 1, 0}});
+  CHECK(data.normals == std::vector<Vec3>{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 1, 0}, {0, 0, 1}});
+  // The lower edge of a picture is at v = 0 there, and at v = 1 here.
+  CHECK(data.uvs == std::vector<Uv>{{0.25, 0.75}, {0.25, 0.75}, {0.25, 0.75}, {0.25, 0.75}, {0.5, 1}});
+
+  const MeshData some = read(corners + "vn 0 0 1\nf 1//1 2//1 3//1\nf 1 3 4");
+  CHECK(some.normals.empty());
+  CHECK(some.triangles.size() == 2);
+}
+
+TEST_CASE("what is wrong in an OBJ file is said with its line") {
+  struct Row {
+    std::string text, error;
+  };
+  const std::string numbers = "expected 3 finite numbers", face = "expected a face";
+  const std::vector<Row> rows{
+      {"", "a.obj: there is no face"},
+      {"# nothing\n", "a.obj: there is no face"},
+      {corners, "a.obj: there is no face"},
+      {"\n\nv 1 2\n", "a.obj: line 3: " + numbers},
+      {"v 1 2 nan\n", "a.obj: line 1: " + numbers},
+      {"v 1 2 NaN\n", numbers},
+      {"v inf 2 3\n", numbers},
+      {"v 1 -infinity 3\n", numbers},
+      {"v 1 2e999 3\n", numbers},
+      {"v 1 2 3x\n", numbers},
+      {"v 1,2,3\n", numbers},
+      {"v one 2 3\n", numbers},
+      {"v\t\n", numbers},
+      {"vn 0 0\n", numbers},
+      {"vn 0 0 nan\n", numbers},
+      {"vt u\n", "expected 1 or more finite numbers"},
+      {"vt 0 v\n", "expected 1 or more finite numbers"},
+      {corners + "f 1 2\n", "a.obj: line 5: a face has 3 corners or more, and this has 2"},
+      {corners + "f 1 2 5\n", "a.obj: line 5: vertex 5 is not one of the 4 so far"},
+      {corners + "f 0 1 2\n", "vertex 0 is not one of the 4 so far"},
+      {corners + "f 1 2 -5\n", "vertex -5 is not one of the 4 so far"},
+      {"f 1 2 3\n" + corners, "a.obj: line 1: vertex 1 is not one of the 0 so far"},
+      {corners + "f 1/1 2/1 3/1\n", "texture vertex 1 is not one of the 0 so far"},
+      {corners + "vn 0 0 1\nf 1//1 2//2 3//1\n", "a.obj: line 6: normal 2 is not one of the 1 so far"},
+      {corners + "f 1 2 x\n", face},
+      {corners + "f 1 2 3x\n", face},
+      {corners + "f 1 2 3.5\n", face},
+      {corners + "f 1 2 3 # the first\n", face},
+      {corners + "f 1 2 4294967299\n", face},
+      {corners + "f 1 2 \\\n3\n", face},
+      {corners + std::string("f 1 2 3\0 4", 10), "a.obj: there is a zero byte"},
+  };
+  for (const auto& [text, error] : rows) {
+    CAPTURE(text);
+    CHECK_THAT(error_in(text), ContainsSubstring(error));
+  }
+}
+
+TEST_CASE("an OBJ file that cannot be read is an error with its path") {
+  const TemporaryFolder folder;
+  const auto says = [&](const fs::path& path) {
+    return message_of<std::runtime_error>([&] { (void)load_obj(path); });  // of which system_error is one
+  };
+  CHECK_THAT(says(folder / "none.obj"), ContainsSubstring("cannot read '" + (folder / "none.obj").string()));
+  CHECK_THAT(says(folder / ""), ContainsSubstring("cannot read '"));
+  CHECK_THAT(says("/dev/zero"), ContainsSubstring("/dev/zero: there is a zero byte"));
+  put_bytes(folder / "bad.obj", "v 1 2");
+  CHECK_THAT(says(folder / "bad.obj"), ContainsSubstring((folder / "bad.obj").string() + ": line 1: "));
+  put_bytes(folder / "good.obj", corners + "f 1 2 3 4");
+  CHECK(load_obj(folder / "good.obj").triangles.size() == 2);
+}
+
+TEST_CASE("the mesh of the scenes is closed") {
+  const Mesh mesh(load_obj(fs::path(PROTOSTAR_SOURCE_DIR) / "scenes/knot.obj"));
+  CHECK(mesh.data().triangles.size() == 1600);
+  CHECK(mesh.data().vertices.size() == 800);
+  CHECK(mesh.data().normals.size() == 800);
+  int crossings = 0;
+  const auto count = [&](const Crossing&) { ++crossings; };
+  for (int i = -20; i <= 20; ++i) mesh.each_crossing({{0.2 * i, -9, 0.01 * i}, {0, 1, 0}}, {}, count);
+  CHECK(crossings > 40);
+  CHECK(crossings % 2 == 0);
+}
+
+TEST_CASE("the corpus of the fuzzer, like every mesh, is read or refused in words") {
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(fs::path(PROTOSTAR_SOURCE_DIR) / "tests/fuzz/corpus_obj")) {
+    INFO(entry.path());
+    CHECK_NOTHROW(read_any_obj(bytes_of(entry.path())));
+    ++files;
+  }
+  CHECK(files >= 10);
+}
