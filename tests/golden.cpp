@@ -13,6 +13,7 @@
 
 #include "compare_images/picture.hpp"
 #include "compare_images/read_image.hpp"
+#include "reference/carved_solids.hpp"
 #include "reference/mesh.hpp"
 #include "reference/pictures.hpp"
 #include "reference/whitted.hpp"
@@ -118,6 +119,12 @@ const Golden goldens[] = {
        return picture({{ivory, glass, rubber, mirror}, true});
      },
      20},  // which look exactly at the lines x = ±4 between squares: rounding decides whose they are
+    {"15_csg", "15_csg", "", of_scene<reference::carved_solids_along>},
+    {"16_environment", "16_environment", "",
+     [] {
+       using namespace reference;
+       return picture({{ivory, glass, rubber, mirror}, false, true});
+     }},
 #if __has_include(<tiny_obj_loader.h>)  // else there is no such stage
     {"17_mesh", "17_mesh", "",
      [] { return reference::Knot(source_dir + "/scenes/knot.obj").picture(640, 480); }},

@@ -26,11 +26,12 @@ const std::vector<std::vector<std::string>> layers = {
     {"intersection.hpp", "numeric/box_roots.hpp", "numeric/disk_roots.hpp", "numeric/parallelogram_roots.hpp",
      "numeric/plane_roots.hpp", "numeric/quadric_roots.hpp", "numeric/sphere_roots.hpp",
      "numeric/triangle_roots.hpp", "numeric/trigonometry.hpp", "accel/bvh_build.hpp"},
-    {"light.hpp", "surface.hpp", "accel/bvh.hpp", "surfaces/coordinates.hpp"},
+    {"light.hpp", "numeric/affine.hpp", "surface.hpp", "accel/bvh.hpp", "surfaces/coordinates.hpp"},
     {"closest_hit.hpp", "accel/triangle_leaves.hpp", "surfaces/any_surface.hpp", "surfaces/box.hpp",
      "surfaces/disk.hpp", "surfaces/parallelogram.hpp", "surfaces/plane.hpp", "surfaces/quadric.hpp",
      "surfaces/sphere.hpp", "surfaces/triangle.hpp"},
-    {"scene.hpp", "surfaces/mesh.hpp", "accel/sphere_around.hpp"},
+    {"scene.hpp", "surfaces/csg.hpp", "surfaces/instance.hpp", "surfaces/mesh.hpp",
+     "accel/sphere_around.hpp"},
     {"camera.hpp", "image.hpp", "accel/packet.hpp", "integrators/binary.hpp", "integrators/color.hpp",
      "integrators/depth.hpp", "integrators/diffuse.hpp", "integrators/normal.hpp", "integrators/shadow.hpp",
      "integrators/transparency.hpp", "integrators/whitted.hpp"},
@@ -47,6 +48,7 @@ const std::vector<std::vector<std::string>> layers = {
 
 /// The surfaces that a program names by their headers where it has them, with what only they need.
 const std::set<std::string> on_demand = {
+    "numeric/affine.hpp",        "surfaces/csg.hpp",           "surfaces/instance.hpp",
     "accel/triangle_leaves.hpp", "numeric/triangle_roots.hpp", "surfaces/mesh.hpp",
     "surfaces/triangle.hpp",     "numeric/box_roots.hpp",      "numeric/disk_roots.hpp",
     "numeric/quadric_roots.hpp", "surfaces/box.hpp",           "surfaces/disk.hpp",

@@ -2,6 +2,7 @@
 #include <protostar/scene.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
+#include <vector>
 
 #include "support/catch.hpp"
 
@@ -66,4 +67,17 @@ TEST_CASE("the ray that leaves an intersection starts there and knows what it de
   REQUIRE(ground);
   CHECK(ground->color() == Color{0, 1, 0});
   CHECK(ground->t == 1);
+}
+
+TEST_CASE("of crossings at the ray's origin none is before another") {
+  Scene<Sphere, Plane> scene;
+  scene.add(Sphere{.center = {-2, 1, -2}, .radius = 3}, Color{1});
+  scene.add(Plane{.normal = {0, 2, 1}, .distance = 0}, Color{1});
+  std::vector<Intersection> at_origin;
+  scene.crossings({Point{0}, {1, 0, 1}}, {-infinity, infinity}, [&](const Intersection& crossing) {
+    if (crossing.t == 0) at_origin.push_back(crossing);
+  });
+  REQUIRE(at_origin.size() == 2);
+  for (const Intersection& a : at_origin)
+    for (const Intersection& b : at_origin) CHECK_FALSE(a < b);
 }

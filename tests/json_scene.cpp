@@ -92,6 +92,16 @@ std::string repeated(const std::string& text, int times) {
   return all;
 }
 
+/// The smallest scene with another surface.
+const std::string ball = R"({"position":[0,0,3],"radius":1,"type":"sphere"})";
+std::string with_surface(const std::string& surface) {
+  const std::string sphere = R"({"type": "sphere", "position": [0, 0, 3], "radius": 1})";
+  return std::string(smallest).replace(smallest.find(sphere), sphere.size(), surface);
+}
+AnySurface only_surface(const std::string& surface) {
+  return read(with_surface(surface)).scene.surfaces<AnySurface>().at(0);
+}
+
 /// Whether two cameras have the same rays.
 bool same_camera(const Camera& a, const Camera& b) {
   return a.position == b.position && a.right == b.right && a.up == b.up && a.forward == b.forward &&
@@ -243,7 +253,8 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
       spot_angle = "a number of degrees above 0 and at most 180",
       view_angle = "a number of degrees from 1e-100 to below 180", shininess = "a number of at least 0",
       tone = R"("clip", "scale-pixel" or "scale-image")",
-      types = R"("sphere", "plane", "parallelogram", "triangle", "mesh", "box", "disk" or "quadric")",
+      types =
+          R"("sphere", "plane", "parallelogram", "triangle", "mesh", "box", "disk", "quadric", "csg" or "instance")",
       light =
           "a light: position and intensity, position and power, direction and intensity, "
           "position, direction, angle and power, or ambient";
@@ -301,7 +312,7 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
       not_allowed("/settings/exposure", "-0.5", factor),
       not_allowed("/settings/exposure", "1e+39", factor),
       not_allowed("/world", "[]", "an object"),
-      unknown("/world/ground", "sky"),
+      unknown("/world/ground", "sky and environment"),
       not_allowed("/world/sky", "[0,1]", color),
       not_allowed("/world/sky", "0.5", color),
       not_allowed("/world/sky/2", "-0.1", factor),
@@ -522,11 +533,114 @@ TEST_CASE("files of any kind and size end in an error of a line") {
   for (std::size_t size = 0; size + 1 < everything.size(); size += 7) check(everything.substr(0, size));
 }
 
-TEST_CASE("the nesting of a scene is far below the one that is allowed") {
-  CHECK(error_of(repeated("[", 33) + repeated("]", 33)) ==
-        "scene.json: " + repeated("/0", 32) +
-            ": there are 33 arrays and objects inside each other; at most 32 are allowed");
-  CHECK_THAT(error_of(repeated("[", 32) + repeated("]", 32)), ContainsSubstring("is not an object"));
+TEST_CASE("a scene may be nested as deep as operations on solids may be, and no deeper") {
+  CHECK(error_of(repeated("[", 2049) + repeated("]", 2049)) ==
+        "scene.json: " + repeated("/0", 60) + "..." + repeated("/0", 60) +
+            ": there are 2049 arrays and objects inside each other; at most 2048 are allowed");
+  CHECK_THAT(error_of(repeated("[", 2048) + repeated("]", 2048)), ContainsSubstring("is not an object"));
+
+  const auto of_depth = [](int depth) {
+    return repeated(R"({"type": "csg", "operation": "union", "surfaces": [)", depth) + ball +
+           repeated("]}", depth);
+  };
+  CHECK(only_surface(of_depth(1000)).intersect(Ray{}) == 2);
+  const std::string error = error_of(with_surface(of_depth(1001)));
+  CHECK_THAT(error, ContainsSubstring("scene.json: /objects/0/surface/surfaces: ") &&
+                        ContainsSubstring("1000 deep inside each other"));
+  CHECK(error.size() < 300);
+  const std::string cube = repeated(R"({"type": "csg", "operation": "union", "surfaces": [)", 1000) +
+                           R"({"type": "cube"})" + repeated("]}", 1000);
+  CHECK_THAT(error_of(with_surface(cube)),
+             ContainsSubstring("/0/surfaces/0/type: \"cube\" is not \"sphere\""));
+  CHECK(error_of(with_surface(cube)).size() < 500);
+
+  const std::string instances =
+      repeated(R"({"type": "instance", "translate": [0, 0, 1], "surface": )", 2000) + ball +
+      repeated("}", 2000);
+  CHECK(only_surface(instances).intersect(Ray{}) == 2002);
+}
+
+TEST_CASE("solids in a scene file are made of solids") {
+  const auto crossings = [](const std::string& operation, const std::string& others) {
+    std::vector<double> all;
+    const AnySurface surface = only_surface(R"({"type": "csg", "operation": ")" + operation +
+                                            R"(", "surfaces": [)" + ball + others + "]}");
+    surface.each_crossing(Ray{}, {}, [&](const Crossing& crossing) { all.push_back(crossing.t); });
+    return all;
+  };
+  const std::string other = R"(, {"type": "sphere", "position": [0, 0, 4], "radius": 1})";
+  const std::string moved = R"(, {"type": "instance", "translate": [0, 0, 1], "surface": )" + ball + "}";
+  for (const std::string& second : {other, moved}) {
+    CHECK(crossings("union", second) == std::vector<double>{2, 5});
+    CHECK(crossings("intersection", second) == std::vector<double>{3, 4});
+    CHECK(crossings("difference", second) == std::vector<double>{2, 3});
+  }
+  CHECK(crossings("union", "") == std::vector<double>{2, 4});
+}
+
+TEST_CASE("a surface in a scene file may be scaled, then turned, then moved, or mapped by a matrix") {
+  const auto of = [](const std::string& placement) {
+    return only_surface(R"({"type": "instance", "surface": )" + ball + placement + "}");
+  };
+  CHECK(of("").intersect(Ray{}) == 2);
+  CHECK(of(R"(, "scale": 2)").intersect(Ray{}) == 4);
+  CHECK(of(R"(, "scale": [1, 1, -2])").intersect(Ray{{0, 0, 0}, {0, 0, -1}}) == 4);
+  CHECK(of(R"(, "translate": [0, 0, 1])").intersect(Ray{}) == 3);
+  CHECK(of(R"(, "rotate": {"axis": [0, 2, 0], "angle": 90})").intersect(Ray{{0, 0, 0}, {1, 0, 0}}) == 2);
+  CHECK(of(R"(, "translate": [1, 0, 0], "rotate": {"axis": [0, 1, 0], "angle": 90}, "scale": [1, 1, 2])")
+            .intersect(Ray{{0, 0, 0}, {1, 0, 0}}) == 5);
+  CHECK(
+      of(R"(, "matrix": [[0, 0, 2, 1], [0, 1, 0, 0], [1, 0, 0, 0]])").intersect(Ray{{0, 0, 0}, {1, 0, 0}}) ==
+      5);
+}
+
+TEST_CASE("a mistake in a surface that holds others is named with its place") {
+  const auto says = [](const std::string& surface, const std::string& error) {
+    CHECK(error_of(with_surface(surface)) == "scene.json: /objects/0/surface" + error);
+  };
+  const auto csg = [](const std::string& operation, const std::string& surfaces) {
+    return R"({"type":"csg","operation":)" + operation + R"(,"surfaces":)" + surfaces + "}";
+  };
+  says(csg("\"xor\"", "[" + ball + "]"),
+       R"(/operation: "xor" is not "union", "intersection" or "difference")");
+  says(csg("\"union\"", ball), "/surfaces: " + ball + " is not an array");
+  says(csg("\"union\"", "[]"), "/surfaces: [] is not possible: Csg: an operation needs a solid");
+  says(csg("\"union\"", "[1]"), "/surfaces/0: 1 is not an object");
+  says(csg("\"union\"", "[" + ball + R"(,{"type":"plane","normal":[0,1,0],"distance":0}])"),
+       R"(/surfaces/1/type: "plane" is not the type of a closed solid)");
+  says(csg("\"union\"", R"([{"type":"instance","surface":{"type":"plane","normal":[0,1,0],"distance":0}}])"),
+       R"(/surfaces/0/type: "instance" is not the type of a closed solid)");
+  says(csg("\"union\"", R"([{"type":"sphere","position":[0,0,0],"radius":0}])"),
+       "/surfaces/0/radius: 0 is not a number greater than 0");
+  says(R"({"type":"csg","surfaces":[]})",
+       R"(/operation: nothing is not "union", "intersection" or "difference")");
+  says(R"({"type":"csg","operands":[]})",
+       "/operands: is not a key here; allowed are type, operation and surfaces");
+
+  const auto instance = [](const std::string& placement) {
+    return R"({"type":"instance","surface":)" + ball + "," + placement + "}";
+  };
+  const std::string no_way_back =
+      " is not possible: it takes space to a plane or less, or beyond the range of double";
+  says(R"({"type":"instance"})", "/surface: nothing is not an object");
+  says(instance(R"("shear":1)"),
+       "/shear: is not a key here; allowed are type, surface, scale, rotate and translate");
+  says(instance(R"("matrix":[],"scale":1)"),
+       "/scale: is not a key here; allowed are type, surface and matrix");
+  says(instance(R"("matrix":[])"), "/matrix: [] is not an array of three rows");
+  says(instance(R"("matrix":[[1,0,0,0],[0,1,0],[0,0,1,0]])"),
+       "/matrix/1: [0,1,0] is not a row, an array of four numbers");
+  says(instance(R"("matrix":[[1,0,0,5],[0,1,0,5],[1,1,0,5]])"),
+       "/matrix: [[1,0,0,5],[0,1,0,5],[1,1,0,5]]" + no_way_back);
+  says(instance(R"("scale":0)"), "/scale: 0" + no_way_back);
+  says(instance(R"("scale":[1,1,1e-320])"), "/scale: [1,1,1e-320]" + no_way_back);
+  says(instance(R"("scale":"2")"), R"(/scale: "2" is not a number or a vector)");
+  says(instance(R"("scale":[1,2])"), "/scale: [1,2] is not a vector, an array of three numbers");
+  says(instance(R"("rotate":{"axis":[0,0,0],"angle":1})"),
+       "/rotate/axis: [0,0,0] is not a direction, a vector that is not 0");
+  says(instance(R"("rotate":{"axis":[0,0,1]})"), "/rotate/angle: nothing is not a number of degrees");
+  says(instance(R"("rotate":{"degrees":1})"),
+       "/rotate/degrees: is not a key here; allowed are axis and angle");
 }
 
 TEST_CASE("a file that cannot be read is named with the reason") {
@@ -561,6 +675,31 @@ TEST_CASE("an image of a texture is looked for from the folder of the scene") {
   CHECK_THAT(error,
              ContainsSubstring("/materials/squares/diffuse/image: \"a.png\" is not possible: cannot read '" +
                                (folder / "a.png").string() + "': "));
+}
+
+TEST_CASE("an environment is looked for from the folder of the scene, and stands in the place of the sky") {
+  const TemporaryFolder folder;
+  const auto written = [&](const std::string& world) {
+    put_bytes(folder / "a.json", replacing("/world", world));
+    return folder / "a.json";
+  };
+  // A Radiance file of two pixels, of which a number 128 with the exponent 2^129−128−8 is 1.
+  put_bytes(folder / "a.hdr", std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n") +
+                                  "\x80\x40\x20\x81" + "\x20\x40\x80\x82");
+  const SceneFile file = read_scene(written(R"({"environment": "a.hdr"})"));
+  CHECK(!file.scene.sky());
+  CHECK(sky_of(Ray{Point{0}, {-1, 0, 0}}, file.scene, Color{0}) == Color{1, 0.5f, 0.25f});
+  CHECK(sky_of(Ray{Point{0}, {1, 0, 0}}, file.scene, Color{0}) == Color{0.5f, 1, 2});
+
+  const auto error_in = [&](const std::string& world) {
+    return message_of<SceneError>([&] { static_cast<void>(read_scene(written(world))); });
+  };
+  CHECK_THAT(error_in(R"({"environment": "b.hdr"})"),
+             ContainsSubstring("/world/environment: \"b.hdr\" is not possible: cannot read '" +
+                               (folder / "b.hdr").string() + "': "));
+  CHECK_THAT(error_in(R"({"environment": 3})"), ContainsSubstring(": 3 is not the path of a file"));
+  CHECK_THAT(error_in(R"({"environment": "a.hdr", "sky": [1, 1, 1]})"),
+             ContainsSubstring("/world/sky: [1,1,1] is not possible beside an environment"));
 }
 
 TEST_CASE("an error in a file begins with its path") {
@@ -610,13 +749,17 @@ namespace {
 /// Keys, or words, by the kind of place where they stand.
 using Vocabulary = std::map<std::string, std::set<std::string>>;
 
-/// The kind of place that a JSON pointer leads to: * for the number or the name of one of many.
+/// The kind of place that a JSON pointer leads to: * for the number or the name of one of many. Surfaces that
+/// others hold are where these are.
 std::string kind_of(const std::string& pointer) {
   std::string kind;
   std::istringstream steps(pointer);
   steps.get();  // the first slash
   for (std::string step; std::getline(steps, step, '/');)
-    kind += '/' + (kind == "/materials" || (step[0] >= '0' && step[0] <= '9') ? "*" : step);
+    if (step == "surfaces")
+      std::getline(steps, step, '/');
+    else if (step != "surface" || !kind.ends_with("/surface"))
+      kind += '/' + (kind == "/materials" || (step[0] >= '0' && step[0] <= '9') ? "*" : step);
   return kind;
 }
 
@@ -651,8 +794,8 @@ void look_at(const fs::path& path, const std::string& text, Vocabulary& allowed,
       in = in.parent_pointer();
       if (scene[in].is_object()) objects.insert(in.to_string());
     }
-    const bool is_name =
-        pointer.ends_with("/material-id") || pointer.ends_with("/image") || pointer.ends_with("/file");
+    const bool is_name = pointer.ends_with("/material-id") || pointer.ends_with("/image") ||
+                         pointer.ends_with("/file") || pointer.ends_with("/environment");
     if (!value.is_string() || is_name) continue;
     json wrong = scene;
     wrong[json::json_pointer(pointer)] = "?";

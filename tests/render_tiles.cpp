@@ -586,9 +586,9 @@ struct Rings {
   using TakesPackets = Rings;
   Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray);
-    return hit ? shade(*hit, scene) : background(scene);
+    return hit ? shade(*hit, scene) : background(ray, scene);
   }
-  Color background(const auto&) const { return {0, 0, 0.125f}; }
+  Color background(const auto&, const auto&) const { return {0, 0, 0.125f}; }
   template <class Hit>
   typename Hit::Light shade(const Hit& hit, const auto&) const {
     return hit.color() * to_float(1 / (1 + hit.t * hit.t));
@@ -619,9 +619,9 @@ struct Bristles {
   using TakesPackets = Bristles;
   Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
-    return hit ? shade(*hit, scene) : background(scene);
+    return hit ? shade(*hit, scene) : background(ray, scene);
   }
-  Color background(const auto&) const { return Color{0.5f}; }
+  Color background(const auto&, const auto&) const { return Color{0.5f}; }
   template <class Hit>
   typename Hit::Light shade(const Hit& hit, const auto& scene) const {
     const auto bristle = 4.0 * hit.facing_normal();

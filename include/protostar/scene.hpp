@@ -14,7 +14,9 @@
 #include "closest_hit.hpp"
 #include "light.hpp"
 #include "material.hpp"
+#include "numeric/scale.hpp"
 #include "surface.hpp"
+#include "surfaces/coordinates.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -22,8 +24,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 ///   intersect(ray, range)         what is met first?
 ///   occluded(ray, range)          is anything in the way?
 ///   crossings(ray, range, visit)  what is crossed at all?
-/// Integrators of light also ask it for lights(), ambient() and sky(), as Scene has them; of those, the last
-/// two may be missing.
+/// Integrators of light also ask it for lights(), ambient() and sky(), as Scene has them, and for its
+/// environment(); of those, all but the first may be missing.
 template <class T>
 concept Traceable = requires(const T& scene, const Ray& ray, Interval range) {
   { scene.intersect(ray, range) } -> std::same_as<std::optional<Intersection>>;
@@ -72,8 +74,20 @@ template <class R>
     return Color{0};
 }
 
+/// What a ray brings from an environment. Straight down v is 1, where a texture that repeats begins anew: it
+/// is asked for what comes just before.
+[[nodiscard, gnu::noinline]] inline Color light_from(const Texture& environment, const Ray& ray) {
+  const Vec3 direction = normalize(scaled(ray.direction, -exponent_of({ray.direction})));
+  const Uv place = direction_uv(direction);
+  return environment(place.x, std::min(place.y, 1 - 0x1p-53));
+}
+
 /// What a ray brings that meets nothing, or what it brings without a sky.
-[[nodiscard]] Color sky_of(const auto& scene, const Color& without) {
+template <class R>
+[[nodiscard]] typename R::Light sky_of(const R& ray, const auto& scene, const Color& without) {
+  if constexpr (requires { scene.environment(); })
+    if (scene.environment()) [[unlikely]]
+      return light_from(scene.environment(), ray);
   if constexpr (requires { scene.sky(); })
     return scene.sky().value_or(without);
   else
@@ -136,6 +150,16 @@ class Scene {
     sky_ = sky;
   }
 
+  /// Gives the scene an environment: what a ray brings that meets nothing, by u and v of its direction as
+  /// direction_uv has them, v below 1. It comes before the sky. Throws std::invalid_argument for an empty
+  /// function.
+  void set_environment(Texture environment) {
+    if (!environment)
+      throw std::invalid_argument(
+          "Scene::set_environment: environment must be a function that can be called");
+    environment_ = std::move(environment);
+  }
+
   /// The first crossing inside the range. The order is exact for surfaces that can refine their roots.
   [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
     const SurfaceCrossing first = closest_hit(ray, range);
@@ -174,6 +198,9 @@ class Scene {
 
   /// What a ray brings that meets nothing; without one, each integrator has its own.
   [[nodiscard]] const std::optional<Color>& sky() const { return sky_; }
+
+  /// The same by its direction; empty without one.
+  [[nodiscard]] const Texture& environment() const { return environment_; }
 
   /// How many surfaces there are.
   [[nodiscard]] std::size_t size() const { return (std::size_t{0} + ... + surfaces<S>().size()); }
@@ -240,6 +267,7 @@ class Scene {
   std::vector<Light> lights_;
   Color ambient_{0};
   std::optional<Color> sky_;
+  Texture environment_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -118,6 +118,16 @@ concept SurfaceWithUv = (Surface<S> &&
                           { surface.uv_at(point, 0) } -> std::same_as<Uv>;
                         });
 
+/// The boundary of a closed solid: each crossing of a line leads into it or out of it, and where the line
+/// touches it there are two. It says whether the far end of a ray, t → ∞, is inside; of what has bounds, none
+/// is. One with parts says how many they are.
+template <class S>
+concept Solid = Surface<S> && requires(const S& surface, const Ray& ray) {
+  { surface.ends_inside(ray) } -> std::same_as<bool>;
+} &&(!SurfaceWithParts<S> || requires(const S& surface) {
+  { surface.part_count() } -> std::same_as<int>;
+});
+
 /// Whether a surface has coordinates. One that holds others may say it of each.
 template <Surface S>
 [[nodiscard]] bool has_uv(const S& surface) {
@@ -134,6 +144,33 @@ template <Surface S>
     return surface.has_parts();
   else
     return SurfaceWithParts<S>;
+}
+
+/// Whether a surface is the boundary of a solid. One that holds others may say it of each.
+template <Surface S>
+[[nodiscard]] bool is_solid(const S& surface) {
+  if constexpr (requires { surface.is_solid(); })
+    return surface.is_solid();
+  else
+    return Solid<S>;
+}
+
+/// Whether the far end of a ray is inside a surface, if that is a solid.
+template <Surface S>
+[[nodiscard]] bool ends_inside(const S& surface, const Ray& ray) {
+  if constexpr (Solid<S>)
+    return surface.ends_inside(ray);
+  else
+    return false;
+}
+
+/// How many parts a solid has: one without parts is one.
+template <Surface S>
+[[nodiscard]] int part_count(const S& surface) {
+  if constexpr (requires { surface.part_count(); })
+    return surface.part_count();
+  else
+    return 1;
 }
 
 /// The unit normal at a point of a surface, or of a part of it.

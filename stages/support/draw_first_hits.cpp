@@ -22,11 +22,14 @@ struct FirstHitIntegrator {
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
-    return hit ? shade(*hit, scene) : background(scene);
+    return hit ? shade(*hit, scene) : background(ray, scene);
   }
 
-  [[nodiscard]] Color background(const auto& scene) const {
-    return std::visit([&](const auto& integrator) { return integrator.background(scene); }, shading);
+  template <class R>
+  [[nodiscard]] typename R::Light background(const R& ray, const auto& scene) const {
+    return std::visit([&](const auto& integrator) ->
+                      typename R::Light { return integrator.background(ray, scene); },
+                      shading);
   }
 
   template <class Hit>

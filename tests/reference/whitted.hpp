@@ -1,5 +1,5 @@
-// The pictures of stages 10 to 13, once more from the formulas, in long double and sharing nothing with the
-// library.
+// The pictures of stages 10 to 13, and 16, once more from the formulas, in long double and sharing nothing
+// with the library.
 //
 // Rays that are reflected and refracted start where no number is whole, so nothing here is decided exactly. A
 // rounding is at most 2^-64, and grows by about the ratio of a distance to a radius at every bounce: of a
@@ -16,6 +16,7 @@
 
 #include "../compare_images/picture.hpp"
 #include "geometry.hpp"
+#include "scenes/dusk.hpp"
 
 namespace reference {
 
@@ -36,6 +37,7 @@ inline const Stuff mirror{{}, {16, 16, 16}, 1425, 0.8L, 0};
 struct FourSpheres {
   std::array<Stuff, 4> stuff;
   bool has_floor = false;
+  bool has_dusk = false;  ///< all around, in the place of a sky of one color
   int most_rays = 5;
 
   [[nodiscard]] Vector light_along(Vector direction) const {
@@ -52,6 +54,13 @@ struct FourSpheres {
     return {ball[0], ball[1], ball[2]};
   }
   static Real radius(int i) { return balls[static_cast<std::size_t>(i)][3]; }
+
+  static Vector dusk_along(Vector d) {
+    const Real half_turn = std::acos(Real{-1});
+    const auto seen = dusk(static_cast<double>(0.5L + std::atan2(d.x, d.z) / (2 * half_turn)),
+                           static_cast<double>(std::acos(std::clamp<Real>(d.y, -1, 1)) / half_turn));
+    return {seen.r, seen.g, seen.b};
+  }
 
   struct Met {
     int what = -1;
@@ -99,7 +108,7 @@ struct FourSpheres {
   /// over the lights, each 1, that are seen, where l leads to the light, r is l mirrored, v leads to the eye.
   [[nodiscard]] Vector light_along(Vector from, Vector d, int left, int rays) const {
     const Met met = rays > 0 ? first(from, d, left) : Met{};
-    if (met.what < 0) return {0.2f, 0.7f, 0.8f};
+    if (met.what < 0) return has_dusk ? dusk_along(d) : Vector{0.2f, 0.7f, 0.8f};
     const Vector p = from + met.t * d;
     const Stuff is = stuff_at(met.what, p);
     Vector n = met.what == floor ? Vector{0, 1, 0} : 1 / radius(met.what) * (p - center(met.what));

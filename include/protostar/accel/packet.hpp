@@ -132,6 +132,17 @@ struct CameraRays : Rays<Origin> {
   using Rays<Origin>::Rays;
 };
 
+/// What rays bring from an environment, one by one.
+template <class Origin>
+[[nodiscard, gnu::noinline]] Colors light_from(const Texture& environment, const Rays<Origin>& rays) {
+  Colors colors(Color{0});
+  for (Bits left = bits(rays.wanted); left != 0; left &= left - 1) {
+    const int lane = std::countr_zero(left);
+    colors.set(lane, light_from(environment, rays[lane]));
+  }
+  return colors;
+}
+
 /// Where each ray of a packet crosses a surface first inside a range.
 struct FirstCrossings {
   Doubles t;

@@ -25,15 +25,16 @@ namespace protostar::inline PROTOSTAR_ABI {
 namespace simd {
 
 /// An integrator whose functions take packets as well as single rays, and says so of itself: what derives
-/// from it may have changed a function. All rays that meet nothing bring the same.
+/// from it may have changed a function. All rays that meet nothing bring the same, but for an environment.
 template <class I>
 concept PacketIntegrator = std::same_as<typename I::TakesPackets, I>;
 
 /// One that looks at what a ray meets first, and has a background where it meets nothing.
 template <class I, class S>
-concept ShadingIntegrator = requires(const I& integrator, const Intersection& hit, const S& scene) {
+concept ShadingIntegrator = requires(const I& integrator, const Ray& ray, const Intersection& hit,
+                                     const S& scene) {
   { integrator.shade(hit, scene) } -> std::convertible_to<Color>;
-  { integrator.background(scene) } -> std::convertible_to<Color>;
+  { integrator.background(ray, scene) } -> std::convertible_to<Color>;
 };
 
 /// What is the same for all tiles of a picture.
@@ -135,9 +136,11 @@ class TileRenderer {
     if (!skips_.farther_surfaces) candidates.bring_near();
   }
 
-  /// Whether a tile with these candidates sees nothing, so that one packet can stand for all of its rays.
+  /// Whether a tile with these candidates sees nothing, and that everywhere alike, so that one packet can
+  /// stand for all of its rays.
   [[nodiscard]] bool can_be_left(const Candidates& candidates) const {
-    return by_packets && skips_.empty_tiles && candidates.size() == 0 && unbounded_.empty();
+    return by_packets && skips_.empty_tiles && candidates.size() == 0 && unbounded_.empty() &&
+           !scene_.scene().environment();
   }
 
   void fill_parts(const Tile& tile, const Candidates& candidates, std::size_t division, Work& work) const {
@@ -263,7 +266,7 @@ class TileRenderer {
   [[nodiscard]] Colors shaded(const auto& rays, const typename View::Closest& closest,
                               const View& view) const {
     return view.shade(
-        rays, closest, [&] { return integrator_.background(view); },
+        rays, closest, [&] { return integrator_.background(rays, view); },
         [&](const auto& hits) { return integrator_.shade(hits, view); });
   }
 

@@ -33,6 +33,7 @@ class TileScene {
   [[nodiscard]] const std::vector<Light>& lights() const { return scene_.lights(); }
   [[nodiscard]] const Color& ambient() const { return scene_.ambient(); }
   [[nodiscard]] const std::optional<Color>& sky() const { return scene_.sky(); }
+  [[nodiscard]] const Texture& environment() const { return scene_.environment(); }
 
   // What a Scene tells beyond what is Traceable.
   [[nodiscard]] std::size_t size() const { return scene_.size(); }

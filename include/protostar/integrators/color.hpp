@@ -11,10 +11,13 @@ struct ColorIntegrator {
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
-    return hit ? shade(*hit, scene) : background(scene);
+    return hit ? shade(*hit, scene) : background(ray, scene);
   }
 
-  [[nodiscard]] Color background(const auto& scene) const { return sky_of(scene, Color{0}); }
+  template <class R>
+  [[nodiscard]] typename R::Light background(const R& ray, const auto& scene) const {
+    return sky_of(ray, scene, Color{0});
+  }
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto&) const {

@@ -12,10 +12,10 @@ struct NormalIntegrator {
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
-    return hit ? shade(*hit, scene) : background(scene);
+    return hit ? shade(*hit, scene) : background(ray, scene);
   }
 
-  [[nodiscard]] Color background(const auto&) const { return Color{0}; }
+  [[nodiscard]] Color background(const auto&, const auto&) const { return Color{0}; }
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto&) const {

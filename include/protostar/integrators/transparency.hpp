@@ -14,7 +14,7 @@ struct TransparencyIntegrator {
 
   template <class R = Ray>
   [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {
-    typename R::Light light(sky_of(scene, Color{1}));
+    typename R::Light light = sky_of(ray, scene, Color{1});
     scene.crossings(ray, Interval{}, [&](const auto& crossing) { light *= crossing.color(); });
     // What is beyond float and then meets black, 0 · ∞, is black, too.
     const auto number = [](auto x) { return select(x > 0.0f, x, decltype(x)(0)); };

@@ -50,11 +50,14 @@ struct WhittedIntegrator {
     return seen_along(ray, scene, depth);
   }
 
-  [[nodiscard]] Color background(const auto& scene) const { return sky_of(scene, Color{0}); }
+  template <class R>
+  [[nodiscard]] typename R::Light background(const R& ray, const auto& scene) const {
+    return sky_of(ray, scene, Color{0});
+  }
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
-    if (depth < 1) return typename Hit::Light(background(scene));
+    if (depth < 1) return background(hit.leave(hit.direction()), scene);
     return from_hit(hit, scene, depth);
   }
 
@@ -62,8 +65,8 @@ struct WhittedIntegrator {
   /// What a ray brings, and so many rays at the most, this one among them.
   template <class R>
   [[nodiscard]] typename R::Light seen_along(const R& ray, const auto& scene, int rays) const {
-    if (rays < 1) return typename R::Light(background(scene));
-    const auto sky = [&] { return background(scene); };
+    if (rays < 1) return background(ray, scene);
+    const auto sky = [&] { return background(ray, scene); };
     const auto shade_hit = [&](const auto& hit) { return from_hit(hit, scene, rays); };
     // Rays that go together take several times the stack of one, so that only the first of a path do.
     constexpr int together = 32;

@@ -1,7 +1,8 @@
 // Scene files (docs/scene-format.md), through nlohmann_json. Not part of the core: link protostar::json.
 //
 // Everything is checked where it is read, by a JsonCursor, which knows the way to its value. To add a type of
-// surface, write a function that makes one, beside sphere_at, and a row in surface_types.
+// surface, write a function that makes one, beside sphere_at, and a row in surface_types; one that SceneFile
+// does not name is held as AnySurface.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +27,9 @@
 
 #include "../image.hpp"
 #include "../surfaces/box.hpp"
+#include "../surfaces/csg.hpp"
 #include "../surfaces/disk.hpp"
+#include "../surfaces/instance.hpp"
 #include "../surfaces/quadric.hpp"
 #include "../surfaces/triangle.hpp"
 #include "image_texture.hpp"
@@ -68,9 +71,17 @@ inline std::string step(const std::string& key) {
 }
 inline std::string step(std::size_t index) { return "/" + std::to_string(index); }
 
+/// A JSON pointer as a line can show it: of a very long one, the first and the last steps.
+inline std::string abridged(const std::string& pointer) {
+  constexpr std::size_t most = 300, end = 120;
+  if (pointer.size() <= most) return pointer;
+  const std::size_t from = pointer.find('/', pointer.size() - end);
+  return beginning(pointer, end) + pointer.substr(from < pointer.size() ? from : pointer.size());
+}
+
 [[noreturn]] inline void refuse(const std::string& file, const std::string& pointer,
                                 const std::string& what) {
-  throw SceneError(file + ": " + (pointer.empty() ? "the whole" : pointer) + ": " + what);
+  throw SceneError(file + ": " + (pointer.empty() ? "the whole" : abridged(pointer)) + ": " + what);
 }
 
 /// "a, b and c".
@@ -124,7 +135,8 @@ class JsonBuilder {
   }
 
  private:
-  static constexpr std::size_t most_open = 32;  ///< far more than the seven of a checker's channel
+  /// Operations on solids may be a thousand deep, each of them an object and an array; and then some.
+  static constexpr std::size_t most_open = 2 * std::size_t{Csg::most_depth} + 48;
 
   struct Open {
     json* value;
@@ -183,11 +195,11 @@ class JsonCursor {
   JsonCursor(const json& value, const std::string& file) : file_(&file), value_(&value) {}
 
   [[noreturn]] void refuse(const std::string& allowed) const {
-    detail::refuse(*file_, pointer_, found() + " is not " + allowed);
+    detail::refuse(*file_, pointer(), found() + " is not " + allowed);
   }
 
   [[noreturn]] void refuse_beside(const std::string& other) const {
-    detail::refuse(*file_, pointer_, found() + " is not possible beside " + other);
+    detail::refuse(*file_, pointer(), found() + " is not possible beside " + other);
   }
 
   // ---- Objects and arrays.
@@ -197,11 +209,12 @@ class JsonCursor {
     require(is_object(), "an object");
     for (const auto& [key, value] : value_->items())
       if (std::find(allowed.begin(), allowed.end(), key) == allowed.end())
-        detail::refuse(*file_, pointer_ + step(key), "is not a key here; allowed are " + list_of(allowed));
+        detail::refuse(*file_, pointer() + step(key), "is not a key here; allowed are " + list_of(allowed));
     return *this;
   }
 
   [[nodiscard]] bool is_object() const { return value_ && value_->is_object(); }
+  [[nodiscard]] bool is_array() const { return value_ && value_->is_array(); }
   [[nodiscard]] bool has(const std::string& key) const { return is_object() && value_->contains(key); }
 
   /// What an object has under a key.
@@ -293,6 +306,10 @@ class JsonCursor {
 
   // ---- Words.
 
+  [[nodiscard]] bool is(std::string_view word) const {
+    return value_ && value_->is_string() && value_->get_ref<const std::string&>() == word;
+  }
+
   [[nodiscard]] std::string text(const std::string& allowed) const {
     require(value_ && value_->is_string(), allowed);
     return value_->get<std::string>();
@@ -323,13 +340,27 @@ class JsonCursor {
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& error) {
-      detail::refuse(*file_, pointer_, found() + " is not possible: " + error.what());
+      detail::refuse(*file_, pointer(), found() + " is not possible: " + error.what());
     }
   }
 
  private:
+  /// The way to a value, which values inside of it share.
+  struct Way {
+    std::shared_ptr<const Way> to_parent;
+    std::string last_step;
+  };
+
   JsonCursor(const JsonCursor& parent, const std::string& last_step, const json* value)
-      : file_(parent.file_), pointer_(parent.pointer_ + last_step), value_(value) {}
+      : file_(parent.file_), way_(std::make_shared<const Way>(Way{parent.way_, last_step})), value_(value) {}
+
+  [[nodiscard]] std::string pointer() const {
+    std::vector<const Way*> steps;
+    for (const Way* way = way_.get(); way; way = way->to_parent.get()) steps.push_back(way);
+    std::string text;
+    for (auto way = steps.rbegin(); way != steps.rend(); ++way) text += (*way)->last_step;
+    return text;
+  }
 
   void require(bool holds, const std::string& allowed) const {
     if (!holds) refuse(allowed);
@@ -343,8 +374,8 @@ class JsonCursor {
   }
 
   const std::string* file_;
-  std::string pointer_;
-  const json* value_;  ///< nothing where there is none
+  std::shared_ptr<const Way> way_;  ///< none to the whole
+  const json* value_;               ///< nothing where there is none
 };
 
 // ---- Surfaces.
@@ -434,23 +465,96 @@ inline Quadric quadric_at(const JsonCursor& at) {
   return quadric;
 }
 
-/// Adds the surface that a function makes.
-template <auto surface_at>
-void add_surface(const JsonCursor& at, const Material& material, SceneFile& file) {
-  const auto surface = surface_at(at);
-  at.checked([&] { file.scene.add(surface, material); });
+AnySurface surface_at(const JsonCursor& at);
+
+/// What is made of solids, or one of them.
+inline Csg solid_at(const JsonCursor& at);
+
+inline Csg csg_at(const JsonCursor& at) {
+  at.with_keys({"type", "operation", "surfaces"});
+  using Operation = Csg::Operation;
+  const auto operation =
+      at["operation"].one_of(std::array{std::pair{std::string_view("union"), Operation::either},
+                                        std::pair{std::string_view("intersection"), Operation::all},
+                                        std::pair{std::string_view("difference"), Operation::first_alone}});
+  std::vector<Csg> solids;
+  for (const JsonCursor& operand : at["surfaces"].elements()) solids.push_back(solid_at(operand));
+  return at["surfaces"].checked([&] { return Csg(operation, std::move(solids)); });
 }
 
-inline const std::vector<
-    std::pair<std::string_view, void (*)(const JsonCursor&, const Material&, SceneFile&)>>
-    surface_types{{"sphere", add_surface<sphere_at>},
-                  {"plane", add_surface<plane_at>},
-                  {"parallelogram", add_surface<parallelogram_at>},
-                  {"triangle", add_surface<triangle_at>},
-                  {"mesh", add_surface<mesh_at>},
-                  {"box", add_surface<box_at>},
-                  {"disk", add_surface<disk_at>},
-                  {"quadric", add_surface<quadric_at>}};
+inline Csg solid_at(const JsonCursor& at) {
+  if (at.has("type") && at["type"].is("csg")) return csg_at(at);
+  AnySurface surface = surface_at(at);
+  if (!is_solid(surface)) at["type"].refuse("the type of a closed solid");
+  return surface;
+}
+
+/// Three rows of four numbers: the linear part, and behind it the translation.
+inline Affine matrix_at(const JsonCursor& at) {
+  const auto rows = at.elements(3, "an array of three rows");
+  Affine map;
+  for (int i = 0; i < 3; ++i) {
+    const auto row = rows[static_cast<std::size_t>(i)].elements(4, "a row, an array of four numbers");
+    map.x[i] = row[0].number(), map.y[i] = row[1].number(), map.z[i] = row[2].number();
+    map.translation[i] = row[3].number();
+  }
+  return map;
+}
+
+inline Affine placement_at(const JsonCursor& at) {
+  if (at.has("matrix")) return matrix_at(at.with_keys({"type", "surface", "matrix"})["matrix"]);
+  at.with_keys({"type", "surface", "scale", "rotate", "translate"});
+  Affine map;
+  if (at.has("scale")) {
+    const JsonCursor scale = at["scale"];
+    map = map.scaled_by(scale.is_array() ? scale.vector() : Vec3(scale.number("a number or a vector")));
+  }
+  if (at.has("rotate")) {
+    const JsonCursor rotate = at["rotate"].with_keys({"axis", "angle"});
+    map = map.rotated_about(rotate["axis"].direction(), rotate["angle"].number("a number of degrees"));
+  }
+  if (at.has("translate")) map = map.moved_by(at["translate"].vector());
+  return map;
+}
+
+inline Instance<> instance_at(const JsonCursor& at) {
+  const Affine placement = placement_at(at);
+  at[at.has("matrix") ? "matrix" : "scale"].checked([&] {
+    if (!AffineInverse(placement).exists())
+      throw std::invalid_argument("it takes space to a plane or less, or beyond the range of double");
+  });
+  return {surface_at(at["surface"]), placement};
+}
+
+/// How surfaces of a type are read: into a scene, or to be held by another.
+struct SurfaceReader {
+  void (*add)(const JsonCursor&, const Material&, SceneFile&);
+  AnySurface (*make)(const JsonCursor&);
+};
+template <auto some_surface_at>
+inline constexpr SurfaceReader read_by{
+    .add =
+        [](const JsonCursor& at, const Material& material, SceneFile& file) {
+          const auto surface = some_surface_at(at);
+          at.checked([&] { file.scene.add(surface, material); });
+        },
+    .make = [](const JsonCursor& at) -> AnySurface { return some_surface_at(at); }};
+
+inline const std::vector<std::pair<std::string_view, SurfaceReader>> surface_types{
+    {"sphere", read_by<sphere_at>},
+    {"plane", read_by<plane_at>},
+    {"parallelogram", read_by<parallelogram_at>},
+    {"triangle", read_by<triangle_at>},
+    {"mesh", read_by<mesh_at>},
+    {"box", read_by<box_at>},
+    {"disk", read_by<disk_at>},
+    {"quadric", read_by<quadric_at>},
+    {"csg", read_by<csg_at>},
+    {"instance", read_by<instance_at>},
+};
+
+/// A surface of any type, for one that holds it.
+inline AnySurface surface_at(const JsonCursor& at) { return at["type"].one_of(surface_types).make(at); }
 
 // ---- Materials.
 
@@ -602,12 +706,21 @@ inline void read_settings(const JsonCursor& at, SceneFile& file) {
   if (at.has("exposure")) file.exposure = at["exposure"].factor();
 }
 
+inline void read_world(const JsonCursor& at, SceneFile& file) {
+  at.with_keys({"sky", "environment"});
+  if (at.has("sky") && at.has("environment")) at["sky"].refuse_beside("an environment");
+  if (at.has("sky")) file.scene.set_sky(at["sky"].color());
+  if (at.has("environment")) {
+    const std::filesystem::path path = at["environment"].path();
+    file.scene.set_environment(at["environment"].checked([&] { return image_texture(path); }));
+  }
+}
+
 inline SceneFile scene_at(const JsonCursor& at) {
   at.with_keys({"settings", "world", "camera", "objects", "lights", "materials"});
   SceneFile file;
   read_settings(at["settings"], file);
-  if (at.has("world") && at["world"].with_keys({"sky"}).has("sky"))
-    file.scene.set_sky(at["world"]["sky"].color());
+  if (at.has("world")) read_world(at["world"], file);
   file.camera = camera_at(at["camera"]);
 
   Materials materials;
@@ -617,7 +730,7 @@ inline SceneFile scene_at(const JsonCursor& at) {
   for (const JsonCursor& object : at["objects"].elements()) {
     object.with_keys({"surface", "material-id", "color"});
     const JsonCursor surface = object["surface"];
-    surface["type"].one_of(surface_types)(surface, material_of(object, materials), file);
+    surface["type"].one_of(surface_types).add(surface, material_of(object, materials), file);
   }
   if (at.has("lights"))
     for (const JsonCursor& light : at["lights"].elements()) add_light(light, file);

@@ -52,7 +52,9 @@ namespace detail {
 
 /// The sign of r − s, exactly, unless a term falls below 2^-1074.
 [[nodiscard, gnu::cold, gnu::noinline]] inline int order(const ExactRoot& r, ExactRoot s) {
-  const int exponent = s.exponent - r.exponent;
+  // A root of 0 has no size, and its exponent may be any.
+  const bool is_zero = r.b.sign() == 0 && r.D.sign() == 0;
+  const int exponent = is_zero ? 0 : s.exponent - r.exponent;
   s.b.scale(exponent), s.D.scale(2 * exponent);
   // Roots along one ray mostly have the same A = d·d. Times A > 0, then, the difference is
   if (r.A == s.A) return detail::sign_of_sum(r.b - s.b, r.sign, r.D, -s.sign, s.D);

@@ -35,6 +35,9 @@ class AnySurface {
   [[nodiscard]] bool has_uv() const { return held_->has_uv(); }
   [[nodiscard]] Uv uv_at(const Point& point, int part = 0) const { return held_->uv_at(point, part); }
   [[nodiscard]] Departure departure(int part = 0) const { return held_->departure(part); }
+  [[nodiscard]] bool is_solid() const { return held_->is_solid(); }
+  [[nodiscard]] bool ends_inside(const Ray& ray) const { return held_->ends_inside(ray); }
+  [[nodiscard]] int part_count() const { return held_->part_count(); }
   [[nodiscard]] Bounds bounds() const { return held_->bounds(); }
   void validate() const { held_->validate(); }
 
@@ -77,6 +80,9 @@ class AnySurface {
     virtual bool has_uv() const = 0;
     virtual Uv uv_at(const Point&, int part) const = 0;
     virtual Departure departure(int part) const = 0;
+    virtual bool is_solid() const = 0;
+    virtual bool ends_inside(const Ray&) const = 0;
+    virtual int part_count() const = 0;
     virtual Bounds bounds() const = 0;
     virtual void validate() const = 0;
   };
@@ -107,6 +113,9 @@ class AnySurface {
     bool has_uv() const override { return protostar::has_uv(surface); }
     Uv uv_at(const Point& point, int part) const override { return protostar::uv_at(surface, point, part); }
     Departure departure(int part) const override { return departure_of(surface, part); }
+    bool is_solid() const override { return protostar::is_solid(surface); }
+    bool ends_inside(const Ray& ray) const override { return protostar::ends_inside(surface, ray); }
+    int part_count() const override { return protostar::part_count(surface); }
     Bounds bounds() const override {
       if constexpr (SurfaceWithBounds<S>)
         return surface.bounds();
@@ -123,6 +132,6 @@ class AnySurface {
   std::unique_ptr<Holder> held_;
 };
 
-static_assert(CompositeSurface<AnySurface> && SurfaceWithParts<AnySurface>);
+static_assert(CompositeSurface<AnySurface> && SurfaceWithParts<AnySurface> && Solid<AnySurface>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

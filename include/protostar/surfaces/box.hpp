@@ -63,6 +63,11 @@ struct Box {
     return {point[u] - min[u], point[v] - min[v]};
   }
 
+  [[nodiscard]] int part_count() const { return 6; }
+
+  /// What is inside has an end on every ray.
+  [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
+
   [[nodiscard]] Bounds bounds() const { return {min, max}; }
 
   /// The plane of a face: what lies in it, or has a face in it, is left together with it.
@@ -106,6 +111,6 @@ struct Box {
   }
 };
 
-static_assert(CompositeSurface<Box> && SurfaceWithParts<Box> && SurfaceWithBounds<Box>);
+static_assert(CompositeSurface<Box> && SurfaceWithParts<Box> && SurfaceWithBounds<Box> && Solid<Box>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

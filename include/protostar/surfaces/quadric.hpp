@@ -76,6 +76,6 @@ struct Quadric {
   }
 };
 
-static_assert(SurfaceWithRefinedRoots<Quadric> && SurfaceWithDeparture<Quadric>);
+static_assert(SurfaceWithRefinedRoots<Quadric> && SurfaceWithDeparture<Quadric> && Solid<Quadric>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

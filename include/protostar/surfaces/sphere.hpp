@@ -95,6 +95,9 @@ struct Sphere {
     return exact_sphere_root(ray.origin, ray.direction, center, radius, root);
   }
 
+  /// What is inside has an end on every ray.
+  [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
+
   [[nodiscard]] Bounds bounds() const {
     const Vec3 r(std::abs(radius));
     return outward({center - r, center + r});
@@ -118,6 +121,7 @@ struct Sphere {
   }
 };
 
-static_assert(SurfaceWithRefinedRoots<Sphere> && SurfaceWithDeparture<Sphere> && SurfaceWithBounds<Sphere>);
+static_assert(SurfaceWithRefinedRoots<Sphere> && SurfaceWithDeparture<Sphere> && SurfaceWithBounds<Sphere> &&
+              Solid<Sphere>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

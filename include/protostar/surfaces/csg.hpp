@@ -1,0 +1,325 @@
+// Solids made of solids: what is inside one or another, inside all, or inside the first and no other.
+//
+// Constructive solid geometry needs no surface of its own. Along a ray, each solid is a few intervals,
+// between the crossings that lead in and out. All crossings of all solids are put in order, exactly; at each,
+// one solid's inside turns over, and the whole is crossed where its own inside does with it.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../surface.hpp"
+#include "any_surface.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// A tree of operations on solids, as a value. Made by union_of, intersection_of and difference_of; any Solid
+/// is a tree by itself.
+///
+/// Whether a line is inside is decided by the order of crossings, which is exact for solids that can refine
+/// their roots. Crossings at equal t are taken together: where solids touch, and where their faces coincide,
+/// nothing is crossed unless the whole begins or ends there. What is left of a solid that another touches
+/// from inside has no thickness, and is not there.
+class Csg {
+ public:
+  enum class Operation : std::uint8_t { none, either, all, first_alone };
+
+  /// From the whole to the furthest solid.
+  static constexpr int most_depth = 1000;
+
+  /// Throws std::invalid_argument if it is no solid, as far as the type has not told already.
+  template <class S>
+  requires(!std::same_as<S, Csg> && Solid<S>) Csg(S solid) : most_parts_(protostar::part_count(solid)) {
+    if (!protostar::is_solid(solid)) throw std::invalid_argument("Csg: an operand must be a closed solid");
+    leaves_.push_back({.solid = std::move(solid), .node = 0});
+    nodes_.push_back({});
+    bounds_ = leaves_[0].solid.bounds();
+  }
+
+  /// An operation on trees. Throws std::invalid_argument if there are none, if the new tree is too deep, or
+  /// if it has more parts than an int counts.
+  Csg(Operation operation, std::vector<Csg> operands) : Csg(taken_first(operands)) {
+    std::size_t whole = nodes_.size();  // the place of the operation, behind all operands
+    for (std::size_t i = 1; i < operands.size(); ++i) whole += operands[i].nodes_.size();
+    const int first_operand = root(), count_of_operands = static_cast<int>(operands.size());
+    nodes_.back().parent = static_cast<int>(whole);
+    for (std::size_t i = 1; i < operands.size(); ++i) {
+      append(std::move(operands[i]), operation);
+      nodes_.back().parent = static_cast<int>(whole);
+    }
+    nodes_.push_back({.operation = operation, .first_operand = first_operand, .operands = count_of_operands});
+    if (++depth_ > most_depth)
+      throw std::invalid_argument("Csg: operations may be " + std::to_string(most_depth) +
+                                  " deep inside each other, and these are deeper");
+    if (most_parts_ > std::numeric_limits<int>::max() / count())
+      throw std::invalid_argument("Csg: the solids have more than 2^31 parts");
+  }
+
+  [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
+    const auto crossing = first_crossing(ray, range);
+    return crossing ? std::optional(crossing->t) : std::nullopt;
+  }
+
+  /// The unit normal out of the whole: where a solid is taken away, into that.
+  [[nodiscard]] Vec3 normal_at(const Point& point, int part) const {
+    const Leaf& leaf = leaf_of(part);
+    const Vec3 normal = leaf.solid.normal_at(point, inner_part(part));
+    return leaf.is_taken_away ? -normal : normal;
+  }
+  [[nodiscard]] bool has_uv() const {
+    return std::all_of(leaves_.begin(), leaves_.end(), [](const Leaf& leaf) { return leaf.solid.has_uv(); });
+  }
+  [[nodiscard]] Uv uv_at(const Point& point, int part) const {
+    return leaf_of(part).solid.uv_at(point, inner_part(part));
+  }
+  [[nodiscard]] Departure departure(int part) const {
+    return leaf_of(part).solid.departure(inner_part(part));
+  }
+
+  [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
+    std::optional<Crossing> first;
+    walk(ray, [&](const Crossing& crossing) {
+      if (lies_inside(*this, ray, crossing, range)) first = crossing;
+      return first.has_value();
+    });
+    return first;
+  }
+  void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
+    walk(ray, [&](const Crossing& crossing) {
+      if (lies_inside(*this, ray, crossing, range)) visit(crossing);
+      return false;
+    });
+  }
+  [[nodiscard]] RefinedCrossing refine(const Ray& ray, const Crossing& crossing, Precision precision) const {
+    return leaf_of(crossing.part).solid.refine(ray, inner(crossing), precision);
+  }
+  [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
+    return leaf_of(crossing.part).solid.exact_root(ray, inner(crossing));
+  }
+
+  [[nodiscard]] bool ends_inside(const Ray& ray) const {
+    Insides insides(*this);
+    for (int i = 0; i < count(); ++i)
+      if (leaf(i).solid.ends_inside(ray)) insides.turn_over(i);
+    return insides.whole();
+  }
+  [[nodiscard]] int part_count() const { return count() * most_parts_; }
+  [[nodiscard]] Bounds bounds() const { return bounds_; }
+
+  /// Throws std::invalid_argument if a solid is not valid.
+  void validate() const {
+    for (const Leaf& leaf : leaves_) leaf.solid.validate();
+  }
+
+ private:
+  /// A solid of the tree.
+  struct Leaf {
+    AnySurface solid;
+    int node;                    ///< its place among the nodes
+    bool is_taken_away = false;  ///< an odd number of times
+  };
+
+  /// A leaf or an operation. Operands come before their operation, and the whole is the last.
+  struct Node {
+    Operation operation = Operation::none;  ///< of a leaf
+    int parent = -1;
+    int first_operand = -1, operands = 0;
+  };
+
+  /// A crossing of a leaf.
+  struct Hit {
+    Crossing crossing;
+    int leaf;
+  };
+
+  /// Which nodes a point of a line is inside of.
+  class Insides {
+   public:
+    /// Outside of all leaves, and so of all nodes.
+    explicit Insides(const Csg& tree) : tree_(tree), at_(tree.nodes_.size()) {}
+
+    [[nodiscard]] bool whole() const { return at_.back().is_inside; }
+
+    /// Goes in or out of a leaf; whether that changes the whole. It ends at the first operation that does not
+    /// change.
+    bool turn_over(int leaf) {
+      auto i = static_cast<std::size_t>(tree_.leaf(leaf).node);
+      for (;;) {
+        at_[i].is_inside = !at_[i].is_inside;
+        if (tree_.nodes_[i].parent < 0) return true;
+        const bool goes_in = at_[i].is_inside;
+        i = static_cast<std::size_t>(tree_.nodes_[i].parent);
+        at_[i].operands_inside += goes_in ? 1 : -1;
+        if (is_inside(i) == at_[i].is_inside) return false;
+      }
+    }
+
+   private:
+    struct At {
+      bool is_inside = false;
+      int operands_inside = 0;
+    };
+
+    [[nodiscard]] bool is_inside(std::size_t i) const {
+      const Node& node = tree_.nodes_[i];
+      const int count = at_[i].operands_inside;
+      switch (node.operation) {
+        case Operation::either:
+          return count > 0;
+        case Operation::all:
+          return count == node.operands;
+        default:
+          return count == 1 && at_[static_cast<std::size_t>(node.first_operand)].is_inside;
+      }
+    }
+
+    const Csg& tree_;
+    std::vector<At> at_;
+  };
+
+  /// The crossings of a line with all leaves, and what is not to be seen from them.
+  struct Hits {
+    std::vector<Hit> all;
+    std::vector<int> begun;     ///< the leaves that the line comes from the inside of
+    std::vector<int> departed;  ///< the leaves that the ray departs from
+  };
+
+  [[nodiscard]] int count() const { return static_cast<int>(leaves_.size()); }
+  [[nodiscard]] int root() const { return static_cast<int>(nodes_.size()) - 1; }
+  [[nodiscard]] const Leaf& leaf(int i) const { return leaves_[static_cast<std::size_t>(i)]; }
+
+  // A part is one of a leaf: part = the leaf's own · the number of leaves + the leaf.
+  [[nodiscard]] const Leaf& leaf_of(int part) const { return leaf(part % count()); }
+  [[nodiscard]] int inner_part(int part) const { return part / count(); }
+  [[nodiscard]] Crossing inner(Crossing crossing) const {
+    crossing.part = inner_part(crossing.part);
+    return crossing;
+  }
+
+  static Csg taken_first(std::vector<Csg>& operands) {
+    if (operands.empty()) throw std::invalid_argument("Csg: an operation needs a solid");
+    return std::move(operands[0]);
+  }
+
+  void append(Csg&& other, Operation operation) {
+    const int shift = static_cast<int>(nodes_.size());
+    for (Leaf& leaf : other.leaves_) {
+      leaf.node += shift;
+      if (operation == Operation::first_alone) leaf.is_taken_away = !leaf.is_taken_away;
+      leaves_.push_back(std::move(leaf));
+    }
+    for (Node& node : other.nodes_) {
+      if (node.parent >= 0) node.parent += shift;
+      if (node.first_operand >= 0) node.first_operand += shift;
+      nodes_.push_back(node);
+    }
+    depth_ = std::max(depth_, other.depth_);
+    most_parts_ = std::max(most_parts_, other.most_parts_);
+    const auto [low, high] = other.bounds_;
+    if (operation == Operation::either) bounds_ = {min(bounds_.min, low), max(bounds_.max, high)};
+    if (operation == Operation::all) {
+      // Of solids far from each other nothing is left, and any box will do.
+      bounds_.min = max(bounds_.min, low);
+      bounds_.max = max(bounds_.min, min(bounds_.max, high));
+    }
+  }
+
+  /// The crossing as one of its leaf, with the type forgotten.
+  [[nodiscard]] SurfaceCrossing on_leaf(const Hit& hit) const {
+    return {.crossing = hit.crossing,
+            .surface = &leaf(hit.leaf).solid,
+            .functions = &functions_of<AnySurface>,
+            .material = nullptr};
+  }
+
+  [[nodiscard]] Hits hits_along(const Ray& ray) const {
+    Hits hits;
+    const Ray back = ray.turned(-ray.direction);
+    for (int i = 0; i < count(); ++i) {
+      const AnySurface& solid = leaf(i).solid;
+      const std::size_t before = hits.all.size();
+      solid.each_crossing(ray, {-infinity, infinity}, [&](const Crossing& crossing) {
+        hits.all.push_back({crossing, i});
+      });
+      const bool begins = solid.ends_inside(back), ends = solid.ends_inside(ray);
+      if (begins) hits.begun.push_back(i);
+      // Each crossing turns the inside over. If one is missing, the ray departs from it: it was at t = 0.
+      if ((hits.all.size() - before) % 2 != (begins != ends ? 1 : 0)) hits.departed.push_back(i);
+    }
+    std::stable_sort(hits.all.begin(), hits.all.end(),
+                     [&](const Hit& a, const Hit& b) { return precedes(ray, on_leaf(a), on_leaf(b)); });
+    return hits;
+  }
+
+  /// Calls visit(const Crossing&) for all crossings of the ray's line with the whole, near to far, until it
+  /// returns true. That of a ray that departs from the whole is left out.
+  void walk(const Ray& ray, const auto& visit) const {
+    const Hits hits = hits_along(ray);
+    if (hits.all.empty()) return;
+    Insides insides(*this);
+    for (const int i : hits.begun) insides.turn_over(i);
+    bool is_before_origin = true;
+    for (auto hit = hits.all.begin(); hit != hits.all.end();) {
+      const bool starts_here = is_before_origin && hit->crossing.t >= 0;
+      const bool is_departure = starts_here && hit->crossing.t == 0 && !hits.departed.empty();
+      if (starts_here) {
+        for (const int i : hits.departed) insides.turn_over(i);
+        is_before_origin = false;
+      }
+      const auto end = std::find_if(hit + 1, hits.all.end(), [&](const Hit& next) {
+        return precedes(ray, on_leaf(*hit), on_leaf(next));
+      });
+      const bool was_inside = insides.whole();
+      const Hit* turning = turn_over_together(insides, hit, end);
+      if (insides.whole() != was_inside && !is_departure) {
+        Crossing crossing = turning->crossing;
+        crossing.part = crossing.part * count() + turning->leaf;
+        if (visit(crossing)) return;
+      }
+      hit = end;
+    }
+  }
+
+  /// Turns over all leaves that are crossed at one t, an odd number of times each; the last hit with which
+  /// the whole has changed.
+  static const Hit* turn_over_together(Insides& insides, auto hit, auto end) {
+    const Hit* turning = nullptr;
+    while (hit != end) {
+      const auto next = std::find_if(hit, end, [&](const Hit& other) { return other.leaf != hit->leaf; });
+      if ((next - hit) % 2 != 0 && insides.turn_over(hit->leaf)) turning = &*hit;
+      hit = next;
+    }
+    return turning;
+  }
+
+  std::vector<Leaf> leaves_;
+  std::vector<Node> nodes_;
+  Bounds bounds_;
+  int depth_ = 0;
+  int most_parts_;  ///< that a leaf has
+};
+
+/// What is inside any of some solids.
+[[nodiscard]] inline Csg union_of(std::vector<Csg> solids) {
+  return {Csg::Operation::either, std::move(solids)};
+}
+
+/// What is inside all of them.
+[[nodiscard]] inline Csg intersection_of(std::vector<Csg> solids) {
+  return {Csg::Operation::all, std::move(solids)};
+}
+
+/// What is inside the first and none of the others.
+[[nodiscard]] inline Csg difference_of(std::vector<Csg> solids) {
+  return {Csg::Operation::first_alone, std::move(solids)};
+}
+
+static_assert(CompositeSurface<Csg> && SurfaceWithParts<Csg> && SurfaceWithBounds<Csg> && Solid<Csg>);
+
+}  // namespace protostar::inline PROTOSTAR_ABI

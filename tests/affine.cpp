@@ -1,0 +1,123 @@
+#include <protostar/numeric/affine.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "support/catch.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+
+/// A whole number in [-size, size].
+double whole(Random& random, int size) {
+  return static_cast<double>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
+}
+Vec3 whole_vector(Random& random, int size) {
+  const double x = whole(random, size), y = whole(random, size), z = whole(random, size);
+  return {x, y, z};
+}
+
+}  // namespace
+
+TEST_CASE("an affine map says where the axes and the coordinate origin go") {
+  const Affine map{{0, 2, 0}, {-3, 0, 0}, {1, 0, 1}, {10, 20, 30}};
+  CHECK(map.point({0, 0, 0}) == Point{10, 20, 30});
+  CHECK(map.point({1, 0, 0}) == Point{10, 22, 30});
+  CHECK(map.point({1, 2, 3}) == Point{7, 22, 33});
+  CHECK(map.vector({1, 2, 3}) == Vec3{-3, 2, 3});
+  CHECK(Affine{}.point({1, 2, 3}) == Point{1, 2, 3});
+}
+
+TEST_CASE("one map follows the other in the order in which they are written") {
+  CHECK(Affine{}.scaled_by({2, 3, 4}).moved_by({1, 1, 1}).point({1, 1, 1}) == Point{3, 4, 5});
+  CHECK(Affine{}.moved_by({1, 1, 1}).scaled_by({2, 3, 4}).point({1, 1, 1}) == Point{4, 6, 8});
+  CHECK(Affine{}.scaled_by({2, 1, 1}).rotated_about({0, 0, 5}, 90).point({1, 0, 0}) == Point{0, 2, 0});
+  CHECK(Affine{}.moved_by({1, 0, 0}).rotated_about({0, 0, 1}, 90).point({1, 0, 0}) == Point{0, 2, 0});
+}
+
+TEST_CASE("a rotation by 90 degrees takes x to y, y to z and z to x, each about the third axis") {
+  CHECK(Affine{}.rotated_about({0, 0, 1}, 90).vector({1, 0, 0}) == Vec3{0, 1, 0});
+  CHECK(Affine{}.rotated_about({1, 0, 0}, 90).vector({0, 1, 0}) == Vec3{0, 0, 1});
+  CHECK(Affine{}.rotated_about({0, 1e-200, 0}, 90).vector({0, 0, 1}) == Vec3{1, 0, 0});
+  CHECK(Affine{}.rotated_about({0, 0, 1e200}, -180).vector({1, 2, 3}) == Vec3{-1, -2, 3});
+  Random random(61);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 axis = random.direction();
+    const Affine turn = Affine{}.rotated_about(2.0 * axis, random.real(-400, 400));
+    CHECK(length(turn.vector(axis) - axis) < 1e-15);
+    CHECK(std::abs(dot(turn.x, turn.y)) + std::abs(dot(turn.z, turn.y)) < 2e-15);
+    CHECK(length(cross(turn.x, turn.y) - turn.z) < 2e-15);
+  }
+}
+
+TEST_CASE("the inverse of whole numbers is their cofactors over the determinant, each rounded once") {
+  Random random(62);
+  int singular = 0, wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const int sizes[] = {static_cast<int>(random.bits() % 800) - 400,
+                         static_cast<int>(random.bits() % 800) - 400,
+                         static_cast<int>(random.bits() % 800) - 400};
+    const Vec3 x = whole_vector(random, 3), y = whole_vector(random, 3), z = whole_vector(random, 3);
+    const Affine map{scaled(x, sizes[0]), scaled(y, sizes[1]), scaled(z, sizes[2])};
+    const AffineInverse inverse(map);
+    const double determinant = dot(x, cross(y, z));
+    singular += determinant == 0;
+    wrong += inverse.exists() != (determinant != 0);
+    if (determinant == 0) continue;
+    const Vec3 rows[] = {cross(y, z), cross(z, x), cross(x, y)};
+    for (int k = 0; k < 3; ++k) {
+      Vec3 unit{0};
+      unit[k] = 1;
+      for (int r = 0; r < 3; ++r)
+        wrong += inverse.vector(unit)[r] != std::ldexp(rows[r][k] / determinant, -sizes[r]);
+    }
+  }
+  CHECK(singular > 300);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a map that takes space to a plane has no way back, however little is missing") {
+  const double almost = 1 - 0x1p-53;
+  CHECK(AffineInverse(Affine{{1, 1, 0}, {1, almost, 0}, {0, 0, 1}}).exists());
+  CHECK_FALSE(AffineInverse(Affine{{1, 1, 0}, {almost, almost, 0}, {0, 0, 1}}).exists());
+  CHECK_FALSE(AffineInverse(Affine{}.scaled_by({1, 0, 1})).exists());
+  CHECK(AffineInverse(Affine{}.scaled_by({0x1p1000, 0x1p-1000, 1})).exists());
+  CHECK_FALSE(AffineInverse(Affine{}.scaled_by({1, 0x1p-1070, 1})).exists());  // by way of infinity
+  for (const double bad : {infinity, std::nan("")}) {
+    CHECK_FALSE(AffineInverse(Affine{}.scaled_by({1, bad, 1})).exists());
+    CHECK_FALSE(AffineInverse(Affine{}.moved_by({bad, 0, 0})).exists());
+  }
+}
+
+TEST_CASE("points and vectors come back to where they came from") {
+  Random random(63);
+  double worst = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Affine map = Affine{}
+                           .scaled_by({random.real(0.5, 2), random.real(-2, -0.5), random.real(0.5, 2)})
+                           .rotated_about(random.direction(), random.real(0, 360))
+                           .moved_by(random.point(5));
+    const Point p = random.point(5);
+    const AffineInverse inverse(map);
+    worst =
+        std::max({worst, length(inverse.point(map.point(p)) - p), length(inverse.vector(map.vector(p)) - p)});
+  }
+  CHECK(worst < 5e-14);
+}
+
+TEST_CASE("a mapped normal is orthogonal to what was orthogonal to it") {
+  Random random(64);
+  double worst = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Affine map{random.direction(), 3.0 * random.direction(), random.direction()};
+    if (std::abs(dot(map.x, cross(map.y, map.z))) < 0.1) continue;
+    const Vec3 normal = random.direction(), along = normalize(cross(normal, random.direction()));
+    const Vec3 mapped = AffineInverse(map).mapped_normal(normal);
+    worst = std::max(worst, std::abs(dot(normalize(mapped), map.vector(along))));
+    CHECK(dot(mapped, map.vector(normal)) > 0);
+  }
+  CHECK(worst < 1e-13);
+}

@@ -1,0 +1,160 @@
+// What rays bring that meet nothing, where that depends on their direction.
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <protostar/accel/accelerate.hpp>
+#include <protostar/integrators/binary.hpp>
+#include <protostar/integrators/color.hpp>
+#include <protostar/integrators/depth.hpp>
+#include <protostar/integrators/diffuse.hpp>
+#include <protostar/integrators/normal.hpp>
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/integrators/transparency.hpp>
+#include <protostar/integrators/whitted.hpp>
+#include <protostar/io/hdr.hpp>
+#include <protostar/io/image_texture.hpp>
+#include <protostar/render.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+#include <stdexcept>
+
+#include "scenes/dusk.hpp"
+#include "support/catch.hpp"
+#include "support/errors.hpp"
+#include "support/pictures.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+
+/// The place that it is asked for, as red and green.
+Color place(double u, double v) { return {static_cast<float>(u), static_cast<float>(v), 1}; }
+
+/// Something that is nowhere the same.
+Color waves(double u, double v) {
+  return Color{Vec3{2 + std::cos(40 * u), 2 + std::cos(50 * v), 2 + std::sin(30 * u * v)} / 3.0};
+}
+
+Color seen(const auto& integrator, const auto& scene, const Vec3& direction) {
+  return integrator.radiance(Ray{{0, 0, 0}, direction}, scene);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "what meets nothing brings the environment of its direction, u around the y axis and v from the top") {
+  Scene<Sphere> scene;
+  scene.set_environment(place);
+  struct {
+    Vec3 direction;
+    Color expected;
+  } const rows[] = {
+      {{0, 0, 1}, {0.5f, 0.5f, 1}},
+      {{1, 0, 0}, {0.75f, 0.5f, 1}},
+      {{-1, 0, 0}, {0.25f, 0.5f, 1}},
+      {{0, 1, 0}, {0.5f, 0, 1}},
+      {{0, -1, 0}, {0.5f, 1, 1}},
+      {{0, 1, 1}, {0.5f, 0.25f, 1}},
+      {{1, 0, 1}, {0.625f, 0.5f, 1}},
+      {{0, 0, 1e-300}, {0.5f, 0.5f, 1}},
+      {{1e300, 0, 1e300}, {0.625f, 0.5f, 1}},
+  };
+  for (const auto& row : rows) {
+    CAPTURE(row.direction.x, row.direction.y, row.direction.z);
+    CHECK(seen(ColorIntegrator{}, scene, row.direction) == row.expected);
+  }
+  CHECK(std::abs(seen(ColorIntegrator{}, scene, {1e-9, 0, -1}).r - 1) < 1e-6f);
+  CHECK(std::abs(seen(ColorIntegrator{}, scene, {-1e-9, 0, -1}).r) < 1e-6f);
+}
+
+TEST_CASE("a picture as an environment has its left edge at u = 0, and its last row straight down") {
+  Image picture(4, 2);
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 4; ++x) picture(x, y) = Color{Vec3(x, y, 1)};
+  Scene<Sphere> scene;
+  scene.set_environment(ImageTexture{std::make_shared<const Image>(picture)});
+  CHECK(seen(ColorIntegrator{}, scene, {-0.1, 0.5, -1}) == Color{0, 0, 1});
+  CHECK(seen(ColorIntegrator{}, scene, {-1, 0.5, 0.1}) == Color{1, 0, 1});
+  CHECK(seen(ColorIntegrator{}, scene, {1, -0.5, 0.1}) == Color{2, 1, 1});
+  CHECK(seen(ColorIntegrator{}, scene, {0.1, -0.5, -1}) == Color{3, 1, 1});
+  CHECK(seen(ColorIntegrator{}, scene, {0, 1, 0}) == Color{2, 0, 1});
+  CHECK(seen(ColorIntegrator{}, scene, {0, -1, 0}) == Color{2, 1, 1});
+}
+
+TEST_CASE("the evening sky is the same as a file and as a header") {
+  const Image file = load_image(std::filesystem::path(PROTOSTAR_SOURCE_DIR) / "scenes" / "dusk.hdr");
+  CHECK(count_pixels(file, [&](int x, int y) {
+          const Color light = dusk((x + 0.5) / file.width(), (y + 0.5) / file.height());
+          return file(x, y) != detail::nearest_rgbe(light);
+        }) == 0);
+  CHECK(file.width() == 1024);
+}
+
+TEST_CASE("integrators of light see the environment, before the sky; others keep to black") {
+  Scene<Sphere> scene;
+  scene.add(Sphere{.center = {0, 0, -3}}, Color{0.5f});
+  scene.set_sky({9, 9, 9});
+  scene.set_environment(waves);
+  const Vec3 direction{0.3, 0.2, 1};
+  const Uv uv = direction_uv(normalize(direction));
+  const Color expected = waves(uv.x, uv.y);
+  CHECK(seen(ColorIntegrator{}, scene, direction) == expected);
+  CHECK(seen(DiffuseIntegrator{}, scene, direction) == expected);
+  CHECK(seen(ShadowIntegrator{}, scene, direction) == expected);
+  CHECK(seen(WhittedIntegrator{}, scene, direction) == expected);
+  CHECK(seen(TransparencyIntegrator{}, scene, direction) == expected);
+  CHECK(seen(BinaryIntegrator{}, scene, direction) == Color{0});
+  CHECK(seen(DepthIntegrator{}, scene, direction) == Color{0});
+  CHECK(seen(NormalIntegrator{}, scene, direction) == Color{0});
+  CHECK(seen(ColorIntegrator{}, accelerate(scene), direction) == expected);
+  const Color behind = waves(direction_uv({0, 0, -1}).x, 0.5);
+  CHECK(seen(TransparencyIntegrator{}, scene, {0, 0, -1}) == behind * Color{0.5f} * Color{0.5f});
+}
+
+TEST_CASE(
+    "a mirror shows the environment of the mirrored direction, and a path that is cut that of its own") {
+  Scene<Plane> scene;
+  scene.add(Plane{.normal = {0, 0, 1}, .distance = 2}, Material{.reflect = 1});
+  scene.set_environment(place);
+  const Color mirrored = seen(WhittedIntegrator{}, scene, {1, 0, 1});
+  CHECK(std::abs(mirrored.r - 0.875f) < 1e-6f);
+  CHECK(seen(WhittedIntegrator{.depth = 1}, scene, {1, 0, 1}) == mirrored);
+  CHECK(seen(WhittedIntegrator{.depth = 0}, scene, {1, 0, 1}) == Color{0.625f, 0.5f, 1});
+}
+
+TEST_CASE("pictures with an environment are the same plain, accelerated and by tiles") {
+  Random random(91);
+  const int count = GENERATE(0, 3, 40);  // of 40, rays are followed one by one
+  const int samples = GENERATE(0, 3);
+  CAPTURE(count, samples);
+  Scene<Sphere> scene;
+  for (int i = 0; i < count; ++i)
+    scene.add(Sphere{Vec3{0, 0, 4} + random.point(2), 0.5},
+              Material{.diffuse = random.color(), .reflect = 0.4, .refract = i % 2 == 0 ? 0.5 : 0});
+  scene.add(PointLight{.position = {3, 5, 0}, .power = Color{200}});
+  scene.set_environment(waves);
+  const RenderOptions options{.samples = samples}, plainly{.samples = samples, .tiles = false};
+  const auto check = [&](const auto& integrator, const auto& camera) {
+    Image by_tiles(90, 66), plain(90, 66), accelerated(90, 66);
+    render(by_tiles, camera, scene, integrator, options);
+    render(plain, camera, scene, integrator, plainly);
+    const auto fast = accelerate(scene);
+    render(
+        accelerated, camera, [&](const Ray& ray) { return integrator.radiance(ray, fast); }, plainly);
+    CHECK(different_pixels(by_tiles, plain) == 0);
+    CHECK(different_pixels(accelerated, plain) == 0);
+    CHECK(count_pixels(plain, [&](int x, int y) { return plain(x, y) != plain(0, 0); }) > 5000);
+  };
+  check(WhittedIntegrator{.depth = 4}, Camera{});
+  check(WhittedIntegrator{.depth = 0}, Camera{});
+  check(TransparencyIntegrator{}, Camera{});
+  check(WhittedIntegrator{.depth = 4}, Camera::sensor({0, 0, 0}, {0, 0, 1}, {0, 1, 0}, 0.5));
+}
+
+TEST_CASE("an environment that cannot be called is refused") {
+  Scene<Sphere> scene;
+  CHECK_THAT(message_of<std::invalid_argument>([&] { scene.set_environment({}); }),
+             ContainsSubstring("Scene::set_environment"));
+  CHECK_FALSE(scene.environment());
+}

@@ -1,0 +1,335 @@
+#include <protostar/surfaces/instance.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <protostar/accel/accelerate.hpp>
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/render.hpp>
+#include <protostar/surfaces/parallelogram.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+#include <stdexcept>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/errors.hpp"
+#include "support/pictures.hpp"
+#include "support/random.hpp"
+#include "support/two_plates.hpp"
+
+using namespace protostar;
+
+namespace {
+
+const Interval everywhere{-infinity, infinity};
+const Ray along_z{{0, 0, 0}, {0, 0, 1}};
+
+/// A map that stretches by 1/2 to 2, turns and moves.
+Affine any_placement(Random& random, double far) {
+  return Affine{}
+      .scaled_by({random.real(0.5, 2), random.real(0.5, 2), random.real(-2, -0.5)})
+      .rotated_about(random.direction(), random.real(0, 360))
+      .moved_by(random.point(far));
+}
+
+}  // namespace
+
+TEST_CASE("an instance is crossed where its surface is, carried along by the map") {
+  const auto stretched = Affine{}.scaled_by({1, 1, 2}).moved_by({0, 0, 5});
+  struct {
+    const char* what;
+    Affine placement;
+    Ray ray;
+    Interval range;
+    std::optional<double> expected;
+  } const rows[] = {
+      {"where it was", {}, {{0, 0, -3}, {0, 0, 1}}, {}, 2},
+      {"moved", Affine{}.moved_by({0, 0, 5}), along_z, {}, 4},
+      {"stretched", stretched, along_z, {}, 3},
+      {"stretched, seen from inside", stretched, {{0, 0, 5}, {0, 0, 1}}, {}, 2},
+      {"a direction that is longer", stretched, {{0, 0, 0}, {0, 0, 8}}, {}, 0.375},
+      {"beyond the range", stretched, along_z, {0, 3}, std::nullopt},
+      {"its far side", stretched, along_z, {3, infinity}, 7},
+      {"behind", stretched, {{0, 0, 9}, {0, 0, 1}}, {}, std::nullopt},
+      {"behind, in a range that reaches back", stretched, {{0, 0, 9}, {0, 0, 1}}, everywhere, -6},
+      {"grazing", stretched, {{1, 0, 0}, {0, 0, 1}}, {}, 5},
+      {"next to it", stretched, {{1 + 0x1p-52, 0, 0}, {0, 0, 1}}, {}, std::nullopt},
+      {"a mirror image", Affine{}.scaled_by({1, 1, -2}).moved_by({0, 0, 5}), along_z, {}, 3},
+      {"turned",
+       Affine{}.scaled_by({1, 4, 1}).rotated_about({1, 0, 0}, 90).moved_by({0, 0, 5}),
+       along_z,
+       {},
+       1},
+      {"sheared", {{1, 0, 0}, {0, 1, 0}, {1, 0, 1}, {0, 0, 5}}, {{1, 0, 0}, {0, 0, 1}}, {}, 5},
+      {"tiny", Affine{}.scaled_by(Vec3{0x1p-400}).moved_by({0, 0, 1}), along_z, {}, 1},
+      {"huge", Affine{}.scaled_by(Vec3{0x1p400}), along_z, {}, 0x1p400},
+  };
+  for (const auto& row : rows) {
+    INFO(row.what);
+    const Instance instance(Sphere{}, row.placement);
+    CHECK_NOTHROW(instance.validate());
+    CHECK(instance.intersect(row.ray, row.range) == row.expected);
+  }
+}
+
+TEST_CASE("what is not finite is not met, by a ray or by an instance") {
+  const Instance sound(Sphere{}, Affine{}.moved_by({0, 0, 5}));
+  for (const double bad : {infinity, -infinity, std::nan("")})
+    for (int axis = 0; axis < 3; ++axis) {
+      Ray origin = along_z, direction = along_z;
+      origin.origin[axis] = bad, direction.direction[axis] = bad;
+      CHECK_FALSE(sound.intersect(origin, everywhere));
+      CHECK_FALSE(sound.intersect(direction, everywhere));
+      Affine placement;
+      placement.y[axis] = bad;
+      CHECK_FALSE(Instance(Sphere{}, placement).intersect(along_z, everywhere));
+    }
+  CHECK_FALSE(sound.intersect({{0, 0, 5}, {0, 0, 0}}, everywhere));
+}
+
+TEST_CASE("whether a ray hits an ellipsoid is exact where the map is of powers of two") {
+  // All numbers are whole in quarters, so that the carried ray is not rounded and plain signs decide.
+  Random random(71);
+  const auto whole = [&](int size) {
+    return static_cast<std::int64_t>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
+  };
+  int hits = 0, touching = 0, wrong = 0;
+  for (int i = 0; i < 80000; ++i) {
+    Vec3 scales, moved, origin, direction;
+    std::int64_t A = 0, b = 0, c = -16;  // in quarters of the sphere's space
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int64_t scale = 1 << (random.bits() % 3), o = whole(4), d = whole(3), m = whole(3);
+      const auto to_double = [](std::int64_t x) { return static_cast<double>(x); };
+      scales[axis] = to_double(scale), moved[axis] = to_double(m);
+      origin[axis] = to_double(o), direction[axis] = to_double(d);
+      const std::int64_t carried = (o - m) * 4 / scale, along = d * 4 / scale;
+      A += along * along, b -= along * carried, c += carried * carried;
+    }
+    const Instance instance(Sphere{}, Affine{}.scaled_by(scales).moved_by(moved));
+    int crossings = 0;
+    instance.each_crossing({origin, direction}, everywhere, [&](const Crossing&) { ++crossings; });
+    const std::int64_t D = b * b - A * c;
+    const bool expected = A > 0 && D >= 0;
+    hits += expected;
+    touching += expected && D == 0;
+    wrong += crossings != (expected ? 2 : 0);
+  }
+  CHECK(hits > 10000);
+  CHECK(touching > 500);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a hit lies on the image of the surface, within the rounding of the carried ray") {
+  Random random(72);
+  int hits = 0;
+  double worst = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Affine placement = any_placement(random, 3);
+    const Instance instance(Sphere{}, placement);
+    const Point origin = random.point(6), target = placement.point(0.9 * random.direction());
+    const Ray ray{origin, target - origin};
+    const auto t = instance.intersect(ray);
+    REQUIRE(t);
+    ++hits;
+    // The numbers here are below 20, the stretch below 4, and 2^-30 of t is what Roots promises; mostly it is
+    // rounding.
+    worst = std::max(worst, std::abs(length(AffineInverse(placement).point(ray.at(*t))) - 1));
+  }
+  CHECK(worst < 1e-11);
+}
+
+TEST_CASE("the normal of an instance is a unit vector out of its inside, in a mirror image as well") {
+  Random random(73);
+  double worst = 0;
+  int inward = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Affine placement = any_placement(random, 3);
+    const Instance instance(Sphere{}, placement);
+    const Vec3 n = random.direction(), along = normalize(cross(n, random.direction()));
+    const Vec3 normal = instance.normal_at(placement.point(n));
+    worst = std::max({worst, std::abs(length(normal) - 1), std::abs(dot(normal, placement.vector(along)))});
+    inward += dot(normal, placement.vector(n)) <= 0;
+  }
+  CHECK(worst < 1e-13);
+  CHECK(inward == 0);
+  CHECK(Instance(Sphere{.radius = -1}, {}).normal_at({0, 0, 1}) == Vec3{0, 0, -1});
+  for (const double size : {0x1p-400, 0x1p400})
+    CHECK(Instance(Sphere{}, Affine{}.scaled_by({size, 1, 1})).normal_at({0, 0, 1}) == Vec3{0, 0, 1});
+}
+
+TEST_CASE("an instance is left as its surface is: outwards never met again, inwards once") {
+  Random random(74);
+  int out = 0, in = 0, wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Affine placement = any_placement(random, 10);
+    const Instance<> instance(Sphere{}, placement);
+    const Point origin = random.point(20);
+    const Ray ray{origin, placement.point(0.99 * random.direction()) - origin};
+    const auto t = instance.intersect(ray);
+    REQUIRE(t);
+    const Point point = ray.at(*t);
+    Vec3 direction = random.direction();
+    if (i % 2 == 0) direction = cross(direction, instance.normal_at(point)) + 1e-9 * direction;  // grazing
+    const double slope = dot(direction, instance.normal_at(point));
+    const Ray left{point, direction, instance.departure()};
+    int ahead = 0, all = 0;
+    instance.each_crossing(left, {}, [&](const Crossing&) { ++ahead; });
+    instance.each_crossing(left, everywhere, [&](const Crossing&) { ++all; });
+    wrong += all != 1;
+    if (std::abs(slope) < 1e-12) continue;
+    out += slope > 0, in += slope < 0;
+    wrong += ahead != (slope < 0);
+  }
+  CHECK(out > 5000);
+  CHECK(in > 5000);
+  CHECK(wrong == 0);
+
+  const Instance<> one(Sphere{}, {}), other(Sphere{}, {});
+  CHECK(other.intersect({{0, 0, 1}, {0, 0, -1}, one.departure()}) == 2);
+  CHECK(one.departure() != other.departure());
+}
+
+TEST_CASE("an instance of an instance, and of any surface, hands on parts, coordinates and departures") {
+  const Instance<> plates(Instance(TwoPlates{}, Affine{}.scaled_by({2, 2, 2})), Affine{}.moved_by({0, 0, 4}));
+  CHECK(plates.has_parts());
+  CHECK(plates.has_uv());
+  CHECK_FALSE(Instance(Plane{}, {}).has_parts());
+  std::vector<std::pair<double, int>> crossed;
+  plates.each_crossing(along_z, {}, [&](const Crossing& c) { crossed.push_back({c.t, c.part}); });
+  CHECK(crossed == std::vector<std::pair<double, int>>{{4, 0}, {6, 1}});
+  CHECK(plates.normal_at({0, 0, 4}, 0) == Vec3{0, 0, -1});
+  CHECK(plates.normal_at({0, 0, 6}, 1) == Vec3{0, 0, 1});
+  CHECK(plates.uv_at({1, 0, 6}, 1) == Uv{10.5, 0});
+
+  const Vec3 up{0, 0, 1};
+  CHECK(plates.intersect({{0, 0, 4}, up, plates.departure(0)}, everywhere) == 2);
+  CHECK(plates.intersect({{0, 0, 4}, up, plates.departure(1)}, everywhere) == 0);
+  CHECK(plates.intersect({{0, 0, 6}, -up, plates.departure(1)}, everywhere) == 2);
+
+  // By way of a scene: what leaves the lower plate meets the upper.
+  Scene<AnySurface> scene;
+  scene.add(plates, Color{1});
+  const auto hit = scene.intersect(along_z);
+  REQUIRE(hit);
+  CHECK(hit->t == 4);
+  const auto next = scene.intersect(hit->leave(up));
+  REQUIRE(next);
+  CHECK(next->t == 2);
+  CHECK(next->normal() == up);
+  CHECK_FALSE(scene.intersect(next->leave(up)));
+}
+
+TEST_CASE("the order of crossings with instances is that of the carried rays, exactly") {
+  // Two spheres that touch at (0, 0, 1), one of them as an instance.
+  Scene<Sphere, Instance<Sphere>> scene;
+  scene.add(Sphere{.center = {0, 0, 5}, .radius = 4}, Color{0.25f});
+  scene.add(Instance(Sphere{}, Affine{}.scaled_by({1, 1, 4}).moved_by({0, 0, 5})), Color{0.5f});
+  const auto middle = scene.intersect(along_z);
+  CHECK(middle->t == 1);
+  CHECK(middle->color().r == 0.25f);  // at equal t the first surface
+  const double off = 0x1p-20;         // where the sphere has not fallen back as far
+  CHECK(scene.intersect({{off, 0, 0}, {0, 0, 1}})->color().r == 0.25f);
+  CHECK(scene.intersect({{off, 0, 9}, {0, 0, -1}}, everywhere)->color().r == 0.25f);
+}
+
+TEST_CASE("every crossing that an instance reports lies in its bounds, from however far it is seen") {
+  Random random(75);
+  int hits = 0, outside = 0, loose = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Affine placement = any_placement(random, 100);
+    const Instance instance(Sphere{}, placement);
+    const Bounds box = instance.bounds();
+    // From so far away all digits of the ray's numbers are needed for the way.
+    const double far = std::exp2(random.real(0, 60));
+    const Point origin = far * random.direction();
+    const Ray ray{origin, placement.point(1.1 * random.direction()) - origin};
+    instance.each_crossing(ray, everywhere, [&](const Crossing& crossing) {
+      ++hits;
+      for (int axis = 0; axis < 3; ++axis) {
+        const Expansion x =
+            Expansion(ray.origin[axis]) + Expansion(crossing.t) * Expansion(ray.direction[axis]);
+        outside += (x - Expansion(box.min[axis])).sign() < 0 || (Expansion(box.max[axis]) - x).sign() < 0;
+      }
+    });
+    for (int axis = 0; axis < 3; ++axis) {
+      // An ellipsoid reaches as far as the length of the map's row.
+      const double reach = length(Vec3{placement.x[axis], placement.y[axis], placement.z[axis]});
+      outside += !(box.min[axis] < placement.translation[axis] - reach);
+      outside += !(box.max[axis] > placement.translation[axis] + reach);
+      loose += !(box.max[axis] - box.min[axis] < 4 * reach);  // at most √3 times, and a little
+    }
+  }
+  CHECK(hits > 10000);
+  CHECK(outside == 0);
+  CHECK(loose == 0);
+  CHECK(Instance(Plane{}, {}).bounds().max.x == infinity);
+  CHECK(Instance<>(Plane{}, {}).bounds().min.y == -infinity);
+}
+
+TEST_CASE("a crossing that rounding has put outside of the bounds does not count, and the next one does") {
+  struct Line {  // that claims to be where it is not
+    std::optional<double> intersect(const Ray& ray, Interval range) const {
+      for (const double t : {1.0, 5.0})
+        if (range.contains(t - ray.origin.z)) return t - ray.origin.z;
+      return std::nullopt;
+    }
+    Vec3 normal_at(Point) const { return {0, 0, 1}; }
+    Bounds bounds() const { return {{-1, -1, 4}, {1, 1, 6}}; }
+  };
+  const Instance instance(Line{}, {});
+  CHECK(instance.intersect(along_z) == 5);
+  int count = 0;
+  instance.each_crossing(along_z, {}, [&](const Crossing&) { ++count; });
+  CHECK(count == 1);
+}
+
+TEST_CASE("pictures of instances are the same plain, accelerated and by tiles") {
+  Random random(76);
+  Scene<AnySurface> scene;
+  scene.add(Sphere{.center = {0, -101, 4}, .radius = 100}, Color{0.6f});
+  for (int i = 0; i < 12; ++i) {
+    const auto place = [&](double size) {
+      return Affine{}
+          .scaled_by(size * Vec3{random.real(0.5, 1), random.real(0.5, 1), random.real(0.5, 1)})
+          .rotated_about(random.direction(), random.real(0, 360))
+          .moved_by(Vec3{0, 0, 5} + random.point(2.5));
+    };
+    scene.add(Instance(Sphere{}, place(0.5)), random.color());
+    scene.add(Instance<>(TwoPlates{}, place(0.6)),
+              Material{.texture = Checker{.first = random.color(), .second = random.color(), .size = 0.3}});
+    scene.add(Instance<>(Parallelogram{}, place(0.7)), random.color());
+  }
+  scene.add(Instance<>(Plane{}, Affine{}.rotated_about({1, 0, 0}, 80).moved_by({0, 0, 9})), Color{0.5f});
+  scene.add(PointLight{.position = {3, 5, 0}, .power = Color{800}});
+  const Camera camera;
+  Image by_tiles(96, 64), plain(96, 64), accelerated(96, 64);
+  render(by_tiles, camera, scene, ShadowIntegrator{});
+  render(plain, camera, scene, ShadowIntegrator{}, {.tiles = false});
+  const auto fast = accelerate(scene);
+  render(accelerated, camera, [&](const Ray& ray) { return ShadowIntegrator{}.radiance(ray, fast); });
+  CHECK(count_pixels(plain, [&](int x, int y) { return plain(x, y) != Color{0}; }) > 3000);
+  CHECK(different_pixels(by_tiles, plain) == 0);
+  CHECK(different_pixels(accelerated, plain) == 0);
+}
+
+TEST_CASE("an instance that makes no sense is refused") {
+  const auto says = [](const auto& instance) {
+    return message_of<std::invalid_argument>([&] { instance.validate(); });
+  };
+  CHECK_THAT(says(Instance(Sphere{}, Affine{}.scaled_by({1, 0, 1}))),
+             ContainsSubstring("to a plane or less"));
+  CHECK_THAT(says(Instance(Sphere{}, Affine{}.moved_by({0, infinity, 0}))), ContainsSubstring("Instance"));
+  CHECK_THAT(says(Instance(Sphere{.radius = 0}, {})), ContainsSubstring("Sphere: radius"));
+  CHECK_THAT(says(Instance<>(Sphere{.radius = 0}, {})), ContainsSubstring("Sphere: radius"));
+  CHECK_NOTHROW(Instance<>(Sphere{}, Affine{}.scaled_by({-1, 2, 1e-9})).validate());
+}
+
+TEST_CASE("an instance of a solid is a solid") {
+  CHECK(is_solid(Instance(Sphere{}, {})));
+  CHECK(is_solid(Instance<>(Sphere{}, {})));
+  CHECK_FALSE(is_solid(Instance(Plane{}, {})));
+  CHECK_FALSE(is_solid(Instance<>(Parallelogram{}, {})));
+  CHECK_FALSE(ends_inside(Instance(Sphere{}, {}), along_z));
+}
