@@ -16,6 +16,7 @@
 #include "reference/carved_solids.hpp"
 #include "reference/mesh.hpp"
 #include "reference/pictures.hpp"
+#include "reference/primitives.hpp"
 #include "reference/whitted.hpp"
 #include "support/catch.hpp"
 #include "support/files.hpp"
@@ -119,6 +120,7 @@ const Golden goldens[] = {
        return picture({{ivory, glass, rubber, mirror}, true});
      },
      20},  // which look exactly at the lines x = ±4 between squares: rounding decides whose they are
+    {"14_primitives", "14_primitives", "", of_scene<reference::primitives_along>},
     {"15_csg", "15_csg", "", of_scene<reference::carved_solids_along>},
     {"16_environment", "16_environment", "",
      [] {

@@ -40,6 +40,9 @@ inline Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y, a.z 
 inline Vector operator*(Vector a, Vector b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 inline Vector operator*(Real s, Vector a) { return {s * a.x, s * a.y, s * a.z}; }
 inline Real dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vector cross(Vector a, Vector b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 inline Real length(Vector a) { return std::sqrt(dot(a, a)); }
 
 /// A vector of whole numbers. The products below stay under 2^63 for the tutorial's spheres in pictures of up

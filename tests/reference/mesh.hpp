@@ -22,10 +22,6 @@
 
 namespace reference {
 
-inline Vector cross(Vector a, Vector b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
 /// A knot above a floor, y = −1.75, in the light of one lamp and a little from everywhere.
 class Knot {
  public:
