@@ -129,7 +129,7 @@ class ObjBuilder {
     std::size_t at = line.find_first_of(" \t", line.find_first_not_of(" \t")), found = 0;
     for (; found < N; ++found) {
       at = std::min(line.find_first_not_of(" \t", at), line.size());
-      if (at < line.size() && line[at] == '+') ++at;
+      if (line.substr(at).starts_with('+') && !line.substr(at).starts_with("+-")) ++at;
       const char* const end = line.data() + line.size();
       const auto [behind, error] = std::from_chars(line.data() + at, end, numbers[found]);
       if (error != std::errc() || !std::isfinite(numbers[found])) break;
@@ -176,15 +176,40 @@ class ObjBuilder {
     }
   }
 
-  /// tinyobjloader takes anything for a number, and counts on that it is no longer than an int.
+  /// tinyobjloader takes anything for a number, reads one across a blank, and counts on that it is no longer
+  /// than an int.
   void check_face(std::string_view line) const {
-    std::size_t digits = 0;
-    for (const char c : line.substr(line.find('f') + 1)) {
-      const bool is_digit = '0' <= c && c <= '9';
-      digits = is_digit ? digits + 1 : 0;
-      if ((!is_digit && std::strchr("-/ \t", c) == nullptr) || digits > 9)
-        refuse("expected a face, as f 1 2 3 or f 1/1/1 2/2/2 3/3/3, of indices of up to 9 digits");
+    line.remove_prefix(line.find('f') + 1);
+    while (true) {
+      line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+      if (line.empty()) return;
+      const std::string_view word = line.substr(0, line.find_first_of(" \t"));
+      if (!is_corner(word))
+        refuse("expected a face, with corners as 1, 1/2, 1//3 or 1/2/3, of indices of up to 9 digits");
+      line.remove_prefix(word.size());
     }
+  }
+
+  static bool is_corner(std::string_view word) {
+    const auto take = [&](char c) {
+      const bool is_there = word.starts_with(c);
+      if (is_there) word.remove_prefix(1);
+      return is_there;
+    };
+    const auto take_index = [&] {
+      take('-');
+      const std::size_t digits = std::min(word.find_first_not_of("0123456789"), word.size());
+      word.remove_prefix(digits);
+      return 1 <= digits && digits <= 9;
+    };
+    if (!take_index()) return false;
+    if (word.empty()) return true;
+    if (!take('/')) return false;
+    if (!word.starts_with('/')) {
+      if (!take_index()) return false;
+      if (word.empty()) return true;
+    }
+    return take('/') && take_index() && word.empty();
   }
 
   /// The number from 0 of what the file counts from 1, or if that is negative back from the last.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -13,12 +12,44 @@
 #include <utility>
 #include <vector>
 
-#include "../accel/bvh.hpp"
-#include "../accel/triangle_leaves.hpp"
+#include "../render_options.hpp"
 #include "../surface.hpp"
 #include "triangle.hpp"
 
+#if __has_include("../accel/triangle_tree.hpp")
+#include "../accel/triangle_tree.hpp"
+#endif
+
 namespace protostar::inline PROTOSTAR_ABI {
+
+namespace detail {
+
+#if __has_include("../accel/triangle_tree.hpp")
+using simd::TriangleTree;
+#else
+/// Without accel/, all triangles are tried in turn.
+class TriangleTree {
+ public:
+  static constexpr std::size_t most = std::size_t{1} << 27;
+
+  TriangleTree(std::size_t count, const auto&, const RenderOptions&)
+      : count_(static_cast<std::uint32_t>(count)) {}
+
+  bool each_crossed(const Ray&, const Interval&, const auto& triangle, const auto& visit) const {
+    for (std::uint32_t i = 0; i < count_; ++i)
+      if (visit(triangle(i), i)) return true;
+    return false;
+  }
+  bool each_first(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit) const {
+    return each_crossed(ray, range, triangle, visit);
+  }
+
+ private:
+  std::uint32_t count_;
+};
+#endif
+
+}  // namespace detail
 
 /// What a mesh is made of.
 struct MeshData {
@@ -35,6 +66,11 @@ struct MeshData {
     return {vertices[a], vertices[b], vertices[c]};
   }
 
+  /// The same as a function.
+  [[nodiscard]] auto triangle_of() const {
+    return [this](std::size_t i) { return triangle(i); };
+  }
+
   /// Throws std::invalid_argument if there is no triangle or too many, if one names a vertex that there is
   /// not, if a number is not finite, or if there are other than as many normals or uvs as vertices. Triangles
   /// without area are allowed; no ray meets them.
@@ -43,7 +79,7 @@ struct MeshData {
       if (!holds) throw std::invalid_argument("Mesh: " + std::string(rule));
     };
     check(!triangles.empty(), "there is no triangle");
-    check(triangles.size() <= simd::largest_tree, "there are more than 2^27 triangles");
+    check(triangles.size() <= detail::TriangleTree::most, "there are more than 2^27 triangles");
     for (std::size_t i = 0; i < vertices.size(); ++i)
       if (!is_finite(vertices[i])) check(false, "vertex " + std::to_string(i) + " must be finite");
     for (std::size_t i = 0; i < triangles.size(); ++i)
@@ -110,31 +146,34 @@ class Mesh {
   /// earlier one's is the first.
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
     std::optional<Crossing> first;
-    each_candidate<simd::Order::near_first>(ray, range, [&](const Triangle& triangle, std::uint32_t i) {
+    const auto visit = [&](const Triangle& triangle, std::uint32_t i) {
       const auto crossing = crossing_with(triangle, i, ray, range);
       if (!crossing || (first && !comes_before(ray, *crossing, *first))) return false;
       first = crossing;
       // What might be before it, given its error, stays in.
       range.max = std::min(range.max, latest(crossing->t));
       return false;
-    });
+    };
+    contents_->tree.each_first(ray, range, data().triangle_of(), visit);
     return first;
   }
 
   /// Whether there is any crossing inside the range.
   [[nodiscard]] bool is_met(const Ray& ray, Interval range) const {
-    return each_candidate<simd::Order::any>(ray, range, [&](const Triangle& triangle, std::uint32_t) {
-      return protostar::first_crossing(triangle, ray, range).has_value();
-    });
+    return contents_->tree.each_crossed(ray, range, data().triangle_of(),
+                                        [&](const Triangle& triangle, std::uint32_t) {
+                                          return protostar::first_crossing(triangle, ray, range).has_value();
+                                        });
   }
 
   /// Calls visit(const Crossing&) for every crossing inside the range, near to far.
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
     std::vector<Crossing> crossings;
-    each_candidate<simd::Order::any>(ray, range, [&](const Triangle& triangle, std::uint32_t i) {
+    const auto find = [&](const Triangle& triangle, std::uint32_t i) {
       if (const auto crossing = crossing_with(triangle, i, ray, range)) crossings.push_back(*crossing);
       return false;
-    });
+    };
+    contents_->tree.each_crossed(ray, range, data().triangle_of(), find);
     std::sort(crossings.begin(), crossings.end(),
               [&](const Crossing& a, const Crossing& b) { return comes_before(ray, a, b); });
     for (const Crossing& crossing : crossings) visit(crossing);
@@ -152,21 +191,13 @@ class Mesh {
   /// What copies share.
   struct Contents {
     MeshData data;
-    simd::Bvh bvh;
-    simd::TriangleLeaves leaves;
-    std::vector<Triangle> in_leaves;  ///< by their places in the leaves, so that a leaf's are side by side
+    detail::TriangleTree tree;
     Bounds bounds{Point{infinity}, Point{-infinity}};
 
     Contents(MeshData given, const RenderOptions& options)
-        : data(validated(std::move(given))),
-          bvh(
-              data.triangles.size(), [&](std::size_t i) { return data.triangle(i).bounds(); },
-              simd::node_width, options),
-          leaves(bvh, [&](std::size_t i) { return data.triangle(i); }) {
-      in_leaves.reserve(data.triangles.size());
-      for (const std::uint32_t i : bvh.order()) {
-        in_leaves.push_back(data.triangle(i));
-        const Bounds of_one = in_leaves.back().bounds();
+        : data(validated(std::move(given))), tree(data.triangles.size(), data.triangle_of(), options) {
+      for (std::size_t i = 0; i < data.triangles.size(); ++i) {
+        const Bounds of_one = data.triangle(i).bounds();
         bounds = {min(bounds.min, of_one.min), max(bounds.max, of_one.max)};
       }
     }
@@ -184,24 +215,6 @@ class Mesh {
   [[nodiscard]] T between(const std::vector<T>& of_vertices, const Uv& uv, int part) const {
     const auto& [a, b, c] = data().triangles[static_cast<std::size_t>(part)];
     return (1 - uv.x - uv.y) * of_vertices[a] + uv.x * of_vertices[b] + uv.y * of_vertices[c];
-  }
-
-  /// Calls visit(triangle, its number) for all that a ray may cross inside the range, until one returns true;
-  /// returns whether one did. A visit may shorten the range.
-  template <simd::Order order>
-  bool each_candidate(const Ray& ray, const Interval& range, const auto& visit) const {
-    const Contents& mesh = *contents_;
-    const auto visit_one = [&](std::uint32_t i) { return visit(mesh.data.triangle(i), i); };
-    const auto visit_leaf = [&](const simd::BoxRay& line, simd::Leaf leaf, simd::Reach& left) {
-      for (std::uint32_t i = 0; i < leaf.count; i += simd::float_lanes)
-        for (simd::Bits met = mesh.leaves.met(leaf, i, line); met != 0; met &= met - 1) {
-          const std::uint32_t place = leaf.first + i + static_cast<std::uint32_t>(std::countr_zero(met));
-          if (visit(mesh.in_leaves[place], mesh.bvh.order()[place])) return true;
-        }
-      left.until = line.at_most(range.max);
-      return false;
-    };
-    return simd::each_along<order>(mesh.bvh, ray, range, visit_one, visit_leaf, mesh.leaves.soon());
   }
 
   [[nodiscard]] static std::optional<Crossing> crossing_with(const Triangle& triangle, std::uint32_t i,
