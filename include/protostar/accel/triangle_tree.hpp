@@ -1,9 +1,11 @@
 // Triangles in a tree of boxes, and in its leaves looked for in float first.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "../surfaces/triangle.hpp"
@@ -12,7 +14,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// A tree over triangles that others hold.
+/// A tree over triangles that others hold. What the functions take as `triangle` is what the constructor got.
 class TriangleTree {
  public:
   static constexpr std::size_t most = largest_tree;  ///< triangles
@@ -27,27 +29,84 @@ class TriangleTree {
   }
 
   /// Calls visit(triangle, i) for all that a ray may cross inside the range, in any order, until one returns
-  /// true; returns whether one did. triangle(i) is the same as before.
+  /// true; returns whether one did.
   bool each_crossed(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit) const {
-    return each_along_ray<Order::any>(ray, range, triangle, visit);
+    return walk<Order::any>(ray, range, triangle, visit,
+                            [&](const Crossed& crossed, std::uint32_t first, Reach&) {
+                              return any_of(crossed.maybe, first, visit);
+                            });
   }
 
-  /// The same, near ones mostly before far ones. A visit may shorten the range.
-  bool each_first(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit) const {
-    return each_along_ray<Order::near_first>(ray, range, triangle, visit);
+  /// Whether a ray crosses any inside the range; visit(triangle, i) says it of one where float does not. A
+  /// triangle in the plane that a ray departs from is not crossed, of which float knows nothing.
+  bool any_crossed(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit) const {
+    const bool trusting = !ray.departure.is_planar();
+    return walk<Order::any>(
+        ray, range, triangle, visit, [&](const Crossed& crossed, std::uint32_t first, Reach& left) {
+          return (trusting && crossed.any_surely_before(left.until)) || any_of(crossed.maybe, first, visit);
+        });
+  }
+
+  /// Calls visit(triangle, i) for that which a ray crosses first inside the range, and for others. A visit
+  /// returns whether the triangle is crossed there, and may shorten the range.
+  ///
+  /// A triangle that is surely crossed, before any other that is known, is not visited before the end: mostly
+  /// something nearer is found until then, or there is nothing else. If the ray departs from its plane it is
+  /// not crossed after all. Only then the search begins anew, and takes nothing for sure.
+  void each_first(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit) const {
+    if (!look_for_first<true>(ray, range, triangle, visit) && ray.departure.is_planar())
+      look_for_first<false>(ray, range, triangle, visit);
   }
 
  private:
-  template <Order order>
-  bool each_along_ray(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit) const {
-    const auto visit_one = [&](std::uint32_t i) { return visit(triangle(i), i); };
-    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
-      for (std::uint32_t i = 0; i < leaf.count; i += float_lanes)
-        for (Bits met = leaves_.met(leaf, i, line); met != 0; met &= met - 1) {
-          const std::uint32_t place = leaf.first + i + static_cast<std::uint32_t>(std::countr_zero(met));
-          if (visit(in_leaves_[place], bvh_.order()[place])) return true;
+  using Crossed = TriangleLeaves::Crossed;
+
+  /// Returns whether what waited to the end, if anything did, is crossed.
+  template <bool trusting>
+  bool look_for_first(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit) const {
+    constexpr float infinite = std::numeric_limits<float>::infinity();
+    std::uint32_t waiting = 0;
+    float waiting_near = infinite;
+    const auto visit_some = [&](const Crossed& crossed, std::uint32_t first, Reach& left) {
+      for (Bits some = crossed.maybe; some != 0; some &= some - 1) {
+        const int k = std::countr_zero(some);
+        if (crossed.near[k] > left.until) continue;
+        const std::uint32_t place = first + static_cast<std::uint32_t>(k);
+        if (trusting && (crossed.surely >> k & 1) != 0 && crossed.far[k] < waiting_near) {
+          waiting = place;
+          waiting_near = crossed.near[k];
+          left.until = std::min(left.until, crossed.far[k]);
+        } else {
+          visit(in_leaves_[place], bvh_.order()[place]);
         }
-      left.until = line.at_most(range.max);
+      }
+      return false;
+    };
+    walk<Order::near_first>(ray, range, triangle, visit, visit_some);
+    return waiting_near == infinite || visit(in_leaves_[waiting], bvh_.order()[waiting]);
+  }
+
+  bool any_of(Bits some, std::uint32_t first, const auto& visit) const {
+    for (; some != 0; some &= some - 1) {
+      const std::uint32_t place = first + static_cast<std::uint32_t>(std::countr_zero(some));
+      if (visit(in_leaves_[place], bvh_.order()[place])) return true;
+    }
+    return false;
+  }
+
+  /// Calls visit_some(crossed, first, reach) where a ray may cross triangles in the places from the first on,
+  /// or visit(triangle, i) for each where float does not help. Unless near ones come first, it ends when one
+  /// of them returns true, and returns whether one did.
+  template <Order order>
+  bool walk(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit,
+            const auto& visit_some) const {
+    const auto visit_one = [&](std::uint32_t i) { return visit(triangle(i), i) && order == Order::any; };
+    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
+      for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
+        const Crossed crossed = leaves_.crossed(leaf, i, line, left);
+        if (crossed.maybe != 0 && visit_some(crossed, leaf.first + i, left)) return true;
+      }
+      if constexpr (order == Order::near_first) left.until = std::min(left.until, line.at_most(range.max));
       return false;
     };
     return each_along<order>(bvh_, ray, range, visit_one, visit_leaf, leaves_.soon());

@@ -40,8 +40,11 @@ class TriangleTree {
       if (visit(triangle(i), i)) return true;
     return false;
   }
-  bool each_first(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit) const {
+  bool any_crossed(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit) const {
     return each_crossed(ray, range, triangle, visit);
+  }
+  void each_first(const Ray&, const Interval&, const auto& triangle, const auto& visit) const {
+    for (std::uint32_t i = 0; i < count_; ++i) visit(triangle(i), i);
   }
 
  private:
@@ -148,11 +151,12 @@ class Mesh {
     std::optional<Crossing> first;
     const auto visit = [&](const Triangle& triangle, std::uint32_t i) {
       const auto crossing = crossing_with(triangle, i, ray, range);
-      if (!crossing || (first && !comes_before(ray, *crossing, *first))) return false;
+      if (!crossing) return false;
+      if (first && !comes_before(ray, *crossing, *first)) return true;
       first = crossing;
       // What might be before it, given its error, stays in.
       range.max = std::min(range.max, latest(crossing->t));
-      return false;
+      return true;
     };
     contents_->tree.each_first(ray, range, data().triangle_of(), visit);
     return first;
@@ -160,10 +164,10 @@ class Mesh {
 
   /// Whether there is any crossing inside the range.
   [[nodiscard]] bool is_met(const Ray& ray, Interval range) const {
-    return contents_->tree.each_crossed(ray, range, data().triangle_of(),
-                                        [&](const Triangle& triangle, std::uint32_t) {
-                                          return protostar::first_crossing(triangle, ray, range).has_value();
-                                        });
+    return contents_->tree.any_crossed(ray, range, data().triangle_of(),
+                                       [&](const Triangle& triangle, std::uint32_t) {
+                                         return protostar::first_crossing(triangle, ray, range).has_value();
+                                       });
   }
 
   /// Calls visit(const Crossing&) for every crossing inside the range, near to far.
