@@ -3,12 +3,15 @@
 //
 //   bench_meshes [--threads N] [--runs N] [--csv FILE] [--quick]
 //
-// Rates are millions of rays a second. Both get the same rays and vertices, which are made of floats. Embree
-// is judged by the best of its three modes. Its answers are in float, so a few differ from ours, which are
-// exact.
+// Rates are millions of rays a second. Both get the same rays and vertices, which are made of floats; only
+// "render" makes its own rays, in double, and tells what is met from what is missed. Embree is judged by the
+// best of its three modes. Its answers are in float, so a few differ from ours, which are exact.
 #include <algorithm>
 #include <cmath>
 #include <protostar/camera.hpp>
+#include <protostar/image.hpp>
+#include <protostar/integrators/color.hpp>
+#include <protostar/render.hpp>
 #include <protostar/surfaces/mesh.hpp>
 #include <stdexcept>
 
@@ -18,8 +21,8 @@
 #include "support/random.hpp"
 
 using namespace protostar;
-using bench::Embree, bench::FloatRay, bench::Index, bench::Mode, bench::number, bench::Table, bench::Times,
-    bench::Work;
+using bench::Embree, bench::FloatRay, bench::Index, bench::Mode, bench::number, bench::pixels_by_tile,
+    bench::Table, bench::Times, bench::Work;
 
 namespace {
 
@@ -40,12 +43,15 @@ class Contest {
         options_(options),
         mesh_(data, {.threads = options.threads}),
         embree_(data.vertices, data.triangles, options.threads),
-        side_(options.quick ? 32 : 512) {}
+        image_(options.quick ? 64 : 1024, options.quick ? 64 : 1024) {
+    scene_.add(mesh_, Color{1});
+  }
 
   void run() {
     std::vector<FloatRay> camera_rays, incoherent, segments;
-    for (int y = 0; y < side_; ++y)
-      for (int x = 0; x < side_; ++x) camera_rays.push_back(of(camera().through_pixel(x, y, side_, side_)));
+    const auto pixels = pixels_by_tile(image_.width());
+    for (const auto& [x, y] : pixels)
+      camera_rays.push_back(of(camera().through_pixel(x, y, image_.width(), image_.height())));
     Random random(1);
     for (std::size_t i = 0; i < camera_rays.size(); ++i) {
       const Point origin = random.point(1.5), target = random.point(1.5);
@@ -53,13 +59,20 @@ class Contest {
       segments.push_back(of({origin, target - origin}));
       segments.back().max = 1;
     }
+    row(
+        "primary, render", camera_rays, &Embree::closest, true,
+        [&] { render(image_, camera(), scene_, ColorIntegrator{}, {.threads = options_.threads}); },
+        [&](std::size_t i) {
+          return image_(pixels[i].first, pixels[i].second) == Color{0} ? bench::nothing : Index{0};
+        },
+        true);
     const auto first = [&](const FloatRay& ray) {
       const auto crossing = mesh_.first_crossing(in_double(ray), {});
       return crossing ? static_cast<Index>(crossing->part) : bench::nothing;
     };
-    row("primary, single", camera_rays, &Embree::closest, true, first);
-    row("incoherent", incoherent, &Embree::closest, false, first);
-    row("occlusion", segments, &Embree::any, false, [&](const FloatRay& ray) {
+    row_of_single("primary, single", camera_rays, &Embree::closest, true, first);
+    row_of_single("incoherent", incoherent, &Embree::closest, false, first);
+    row_of_single("occlusion", segments, &Embree::any, false, [&](const FloatRay& ray) {
       return mesh_.is_met(in_double(ray), {0, 1}) ? Index{0} : bench::nothing;
     });
   }
@@ -74,9 +87,22 @@ class Contest {
     return {.origin = glm::vec3(ray.origin), .direction = glm::vec3(ray.direction)};
   }
 
+  /// A row of rays that go one by one.
+  void row_of_single(const std::string& name, const std::vector<FloatRay>& rays, Query query, bool coherent,
+                     const auto& answer) {
+    std::vector<Index> ours(rays.size());
+    const auto trace = [&] {
+      bench::in_parts(rays.size(), options_.threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) ours[i] = answer(rays[i]);
+      });
+    };
+    row(name, rays, query, coherent, trace, [&](std::size_t i) { return ours[i]; });
+  }
+
+  /// A row of any work; `answer(i)` is what it has for the i-th ray.
   void row(const std::string& name, const std::vector<FloatRay>& rays, Query query, bool coherent,
-           const auto& answer) {
-    std::vector<Index> embrees(rays.size()), ours(rays.size());
+           const Work& ours, const auto& answer, bool only_whether = false) {
+    std::vector<Index> embrees(rays.size());
     std::vector<Work> works;
     for (const Mode mode : {Mode::single, Mode::packet, Mode::stream})
       works.push_back([&, mode] {
@@ -85,11 +111,7 @@ class Contest {
           (embree_.*query)(mode, coherent, rays, begin, end, embrees);
         });
       });
-    works.push_back([&] {
-      bench::in_parts(rays.size(), options_.threads, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) ours[i] = answer(rays[i]);
-      });
-    });
+    works.push_back(ours);
     const Times times(options_, works);
     const auto rate = [&](std::size_t i) {
       return number(1e-6 * static_cast<double>(rays.size()) / times.seconds(i));
@@ -98,8 +120,9 @@ class Contest {
     for (std::size_t i = 1; i < (Embree::has_streams ? 3 : 2); ++i)
       if (times.seconds(i) < times.seconds(best)) best = i;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      differ += embrees[i] != ours[i];
-      hits += ours[i] != bench::nothing;
+      const bool met = answer(i) != bench::nothing;
+      differ += only_whether ? (embrees[i] != bench::nothing) != met : embrees[i] != answer(i);
+      hits += met;
     }
     const bool both = Embree::is_there;
     if (both && differ > rays.size() / 1000)  // more than rounding explains: they do not do the same work
@@ -114,7 +137,8 @@ class Contest {
   const bench::Options& options_;
   Mesh mesh_;
   Embree embree_;
-  int side_;
+  Scene<Mesh> scene_;
+  Image image_;
 };
 
 void build(Table& table, const bench::Options& options, const MeshData& data) {

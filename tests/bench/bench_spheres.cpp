@@ -18,8 +18,8 @@
 #include "support.hpp"
 
 using namespace protostar;
-using bench::Embree, bench::FloatRay, bench::Index, bench::Mode, bench::number, bench::Table, bench::Times,
-    bench::Work;
+using bench::Embree, bench::FloatRay, bench::Index, bench::Mode, bench::number, bench::pixels_by_tile,
+    bench::Table, bench::Times, bench::Work;
 
 namespace {
 
@@ -28,18 +28,6 @@ constexpr double too_long = 10;  // seconds a run, beyond which a work is left o
 struct Answers {
   std::vector<Index> embree, ours;
 };
-
-/// The pixels of a square image in tiles of 16 × 16 made of tiles of 4 × 4: neighbors in the picture are
-/// neighbors in the list.
-std::vector<std::pair<int, int>> pixels_by_tile(int side) {
-  std::vector<std::pair<int, int>> pixels;
-  for (int i = 0; i < side * side; ++i) {
-    const int tile = i / 256, small = i / 16 % 16, inside = i % 16, tiles = side / 16;
-    pixels.emplace_back(tile % tiles * 16 + small % 4 * 4 + inside % 4,
-                        tile / tiles * 16 + small / 4 * 4 + inside / 4);
-  }
-  return pixels;
-}
 
 Ray in_double(const FloatRay& ray) { return {Point(ray.origin), Vec3(ray.direction)}; }
 

@@ -20,6 +20,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "workload.hpp"
@@ -31,6 +32,18 @@ struct FloatRay {
   glm::vec3 origin, direction;
   float max = std::numeric_limits<float>::infinity();
 };
+
+/// The pixels of a square image in tiles of 16 × 16 made of tiles of 4 × 4: neighbors in the picture are
+/// neighbors in the list.
+inline std::vector<std::pair<int, int>> pixels_by_tile(int side) {
+  std::vector<std::pair<int, int>> pixels;
+  for (int i = 0; i < side * side; ++i) {
+    const int tile = i / 256, small = i / 16 % 16, inside = i % 16, tiles = side / 16;
+    pixels.emplace_back(tile % tiles * 16 + small % 4 * 4 + inside % 4,
+                        tile / tiles * 16 + small / 4 * 4 + inside / 4);
+  }
+  return pixels;
+}
 
 /// What a ray meets: the index of a sphere, or nothing.
 using Index = std::uint32_t;

@@ -125,6 +125,52 @@ class Bvh {
     }
   }
 
+  /// Calls visit(leaf) for every leaf whose box may reach into all of some half-spaces, near ones mostly
+  /// before far ones along a direction, unless is_hidden(box) says that it, or what is around it, is of no
+  /// interest by then. Before that, soon(leaf) is called for leaves that are likely to be visited.
+  void each_leaf_ahead(std::span<const BoxHalfSpace> half_spaces, const Vec3& direction,
+                       const auto& is_hidden, const auto& visit, const auto& soon) const {
+    if (tree_.order.empty()) return;
+    if (tree_.root.is_leaf()) return visit(tree_.root.leaf());
+    const Float4 along = float4(direction);
+    struct Entry {
+      const Node* parent;
+      int k;
+      float near;
+    };
+    Entry stack[most_levels * node_width];
+    int top = 0;
+    const auto open = [&](const Node& node) {
+      Floats nearness = 0.0f;
+      for (int axis = 0; axis < 3; ++axis)
+        nearness += Floats::load(node.end[along[axis] < 0][axis]) * Floats(along[axis]);
+      const int below = top;
+      for (Bits within = children_in(node, half_spaces); within != 0; within &= within - 1) {
+        const int k = std::countr_zero(within);
+        if (node.child[k].is_leaf())
+          soon(node.child[k].leaf());
+        else
+          prefetch(&tree_.nodes[node.child[k].node()]);
+        const Entry entry{&node, k, nearness[k]};
+        int place = top++;
+        for (; place > below && stack[place - 1].near < entry.near; --place) stack[place] = stack[place - 1];
+        stack[place] = entry;
+      }
+    };
+    open(tree_.nodes[tree_.root.node()]);
+    while (top > 0) {
+      const auto [node, k, near] = stack[--top];
+      const auto corner = [&](int end) {
+        return Point(node->end[end][0][k], node->end[end][1][k], node->end[end][2][k]);
+      };
+      if (is_hidden(Bounds{corner(0), corner(1)})) continue;
+      if (node->child[k].is_leaf())
+        visit(node->child[k].leaf());
+      else
+        open(tree_.nodes[node->child[k].node()]);
+    }
+  }
+
   /// Calls visit(leaf) for every leaf whose box may reach into all of some half-spaces.
   void each_leaf_in(std::span<const BoxHalfSpace> half_spaces, const auto& visit) const {
     if (tree_.order.empty()) return;

@@ -222,9 +222,35 @@ template <Surface S>
   return {.crossed = first.met, .in_doubt = first.in_doubt};
 }
 
-/// The crossings of some rays of a packet with one surface, which has no parts: Intersection, with a lane for
-/// each ray.
-template <Surface S, class Origin>
+/// Rays that leave parts of a surface, each its own, and so have no departure in common.
+struct RaysFromParts : Rays<Vectors> {
+  SurfaceCrossing left;  ///< the surface
+  Indices parts;
+
+  RaysFromParts(const Rays<Vectors>& rays, const SurfaceCrossing& surface, Indices parts_left)
+      : Rays(rays), left(surface), parts(parts_left) {}
+
+  [[nodiscard]] RaysFromParts turned(const Vectors& towards) const {
+    return {Rays::turned(towards), left, parts};
+  }
+  [[nodiscard]] Ray operator[](int lane) const {
+    return {origin[lane], direction[lane],
+            left.functions->departure(left.surface, static_cast<int>(parts[lane]))};
+  }
+  friend RaysFromParts&& only(Chosen chosen, RaysFromParts&& rays) {
+    rays.wanted = rays.wanted && chosen;
+    return std::move(rays);
+  }
+};
+
+/// The parts of a surface without parts.
+struct NoParts {
+  int operator[](int) const { return 0; }
+};
+
+/// The crossings of some rays of a packet with one surface, or each with its own part of it: Intersection,
+/// with a lane for each ray.
+template <Surface S, class Origin, class Parts = NoParts>
 class Intersections {
  public:
   using Light = Colors;
@@ -232,8 +258,8 @@ class Intersections {
   Doubles t;
 
   Intersections(const Rays<Origin>& rays, Doubles at, Chosen which, const S& surface,
-                const Material& material)
-      : t(at), rays_(rays), which_(which), surface_(surface), material_(material) {}
+                const Material& material, const Parts& parts = {})
+      : t(at), rays_(rays), which_(which), surface_(surface), material_(material), parts_(parts) {}
 
   [[nodiscard]] Vectors point() const { return rays_.at(t); }
 
@@ -264,7 +290,7 @@ class Intersections {
       Uvs places{0.0, 0.0};
       for (Bits left = bits(which_); left != 0; left &= left - 1) {
         const int lane = std::countr_zero(left);
-        const Uv place = uv_at(surface_, points[lane], 0);
+        const Uv place = uv_at(surface_, points[lane], parts_[lane]);
         places.x.set(lane, place.x), places.y.set(lane, place.y);
       }
       return places;
@@ -273,17 +299,27 @@ class Intersections {
 
   [[nodiscard]] Colors color() const { return material_.texture ? texture() : Colors(material_.diffuse); }
 
-  [[nodiscard]] Rays<Vectors> leave(const Vectors& direction) const {
-    return {point(), direction, which_, departure_of(surface_)};
+  [[nodiscard]] auto leave(const Vectors& direction) const {
+    if constexpr (std::same_as<Parts, NoParts>)
+      return Rays<Vectors>{point(), direction, which_, departure_of(surface_)};
+    else
+      return RaysFromParts({point(), direction, which_}, crossing_on(surface_, {}, material_), parts());
   }
 
  private:
+  [[nodiscard]] Indices parts() const {
+    Indices numbers = 0;
+    for (Bits left = bits(which_); left != 0; left &= left - 1)
+      numbers.set(std::countr_zero(left), parts_[std::countr_zero(left)]);
+    return numbers;
+  }
+
   [[nodiscard, gnu::noinline]] Vectors normals_by_itself() const {
     const Vectors points = point();
     Vectors normals(Vec3{0});
     for (Bits left = bits(which_); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
-      const Vec3 n = protostar::normal_at(surface_, points[lane], 0);
+      const Vec3 n = protostar::normal_at(surface_, points[lane], parts_[lane]);
       normals.x.set(lane, n.x), normals.y.set(lane, n.y), normals.z.set(lane, n.z);
     }
     return normals;
@@ -303,6 +339,7 @@ class Intersections {
   Chosen which_;
   const S& surface_;
   const Material& material_;
+  [[no_unique_address]] Parts parts_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -73,6 +73,7 @@ class TileRenderer {
     } else {
       in_tile.add(candidates_, frustum);
     }
+    if constexpr (by_packets && View::draws) draw(in_tile, frustum, tile, work);
     if (can_be_left(in_tile))
       leave_empty(tile, work);
     else
@@ -102,6 +103,7 @@ class TileRenderer {
   struct Work {
     Candidates lists[std::size(divisions)];
     Occluders occluders;
+    typename View::Drawn drawn;
     RenderStatistics taken;
   };
 
@@ -129,6 +131,24 @@ class TileRenderer {
       found.add(first + static_cast<int>(i), rays_.viewpoint(), around);
     });
     first += static_cast<int>(scene_.scene().template surfaces<T>().size());
+  }
+
+  /// Draws the candidates that are drawn as a whole.
+  void draw(const Candidates& candidates, const Frustum& frustum, const Tile& tile, Work& work) const {
+    const auto visit = [&]<class T>(const DrawnOf<T>&, const T& surface, int place) {
+      if constexpr (SurfaceForTiles<T>)
+        if (auto* const drawn = std::get<DrawnOf<T>>(work.drawn).add(place))
+          surface.draw(*drawn, rays_, frustum, tile);
+    };
+    for (int i = 0; i < candidates.size(); ++i) {
+      auto at = static_cast<std::size_t>(candidates.place(i));
+      const auto visit_group = [&]<class T>(const DrawnOf<T>& group) {
+        const auto& surfaces = scene_.scene().template surfaces<T>();
+        if (at < surfaces.size()) return visit(group, surfaces[at], candidates.place(i)), true;
+        return at -= surfaces.size(), false;
+      };
+      static_cast<void>((visit_group(DrawnOf<S>{}) || ...));
+    }
   }
 
   void put_nearest_first(Candidates& candidates) const {
@@ -166,7 +186,7 @@ class TileRenderer {
           static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
       // Rays that meet nothing all bring the same: what one of them brings that has no candidates.
       const Candidates none;
-      const View view(scene_, none, unbounded_, skips_, work.occluders, work.taken);
+      const View view(scene_, none, unbounded_, skips_, work.occluders, work.drawn, work.taken);
       const Colors colors = radiance(rays_.packet(tile, tile.x0, tile.y0), view);
       const Color color = rays_.pixels().mean([&](int) {
         return Color{colors.r[0], colors.g[0], colors.b[0]};
@@ -199,7 +219,7 @@ class TileRenderer {
     work.taken.camera_rays += static_cast<std::uint64_t>(tile.width()) *
                               static_cast<std::uint64_t>(tile.height()) *
                               static_cast<std::uint64_t>(pixels.samples());
-    View view(scene_, candidates, unbounded_, skips_, work.occluders, work.taken);
+    View view(scene_, candidates, unbounded_, skips_, work.occluders, work.drawn, work.taken);
     if constexpr (!by_packets) {
       for (int y = tile.y0; y < tile.y1; ++y)
         for (int x = tile.x0; x < tile.x1; ++x)
@@ -210,6 +230,7 @@ class TileRenderer {
           });
     } else if (pixels.samples() > 1) {
       each_packet(tile, [&](std::size_t, int x, int y) {
+        view.set_first_pixel(x, y);
         write(tile, x, y, mean_radiance<Origin>(tile, x, y, view));
       });
     } else {
@@ -237,12 +258,16 @@ class TileRenderer {
     };
     if constexpr (ShadingIntegrator<I, View>) {
       std::array<typename View::Closest, most_packets> closest;
-      each_packet(tile, [&](std::size_t i, int x, int y) { closest[i] = view.closest(rays(i, x, y)); });
+      each_packet(tile, [&](std::size_t i, int x, int y) {
+        view.set_first_pixel(x, y);
+        closest[i] = view.closest(rays(i, x, y));
+      });
       each_packet(tile, [&](std::size_t i, int x, int y) {
         write(tile, x, y, shaded(rays(i, x, y), closest[i], view));
       });
     } else {
       each_packet(tile, [&](std::size_t i, int x, int y) {
+        view.set_first_pixel(x, y);
         write(tile, x, y, integrator_.radiance(rays(i, x, y), view));
       });
     }

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 #include "../platform.hpp"
 
@@ -202,6 +203,12 @@ struct Lanes {
 
   /// The same number in every lane.
   Lanes(T number) : v(detail::everywhere<T, N>(number)) {}
+
+  /// The numbers f(0), f(1), ...
+  static Lanes of_each(const auto& f) {
+    return [&]<int... i>(std::integer_sequence<int, i...>) { return Lanes(detail::Vector<T, N>{f(i)...}); }
+    (std::make_integer_sequence<int, N>());
+  }
 
   /// The N numbers from an address on.
   static Lanes load(const T* from) {

@@ -3,6 +3,8 @@
 
 #include <bit>
 #include <optional>
+#include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "accelerate.hpp"
@@ -12,6 +14,58 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
+/// A surface that is drawn into a tile as a whole, since it has many parts. It has a type Drawn, and
+/// draw(drawn, rays, frustum, tile) fills one. If is_drawn() then, seen(rays, x, y) are the first crossings
+/// of a packet from pixel (x, y) on, crossing 0 of a part each, and part(which) says of which.
+template <class S>
+concept SurfaceForTiles = SurfaceWithParts<S> &&
+    requires(const S& surface, typename S::Drawn& drawn, const PixelRays& rays, const Frustum& frustum,
+             const Tile& tile, const CameraRays<Point>& packet) {
+  surface.draw(drawn, rays, frustum, tile);
+  { drawn.is_drawn() } -> std::same_as<bool>;
+  { drawn.seen(packet, 0, 0).first } -> std::same_as<FirstCrossings&&>;
+  { drawn.seen(packet, 0, 0).which } -> std::same_as<Indices&&>;
+  { drawn.part(std::int64_t{0}) } -> std::same_as<int>;
+};
+
+/// The surfaces of one type that are drawn into a tile, if any type is.
+template <class S>
+struct DrawnOf {};
+template <SurfaceForTiles S>
+struct DrawnOf<S> {
+  /// More surfaces in one tile are looked at ray by ray.
+  static constexpr std::size_t most = 16;
+
+  struct Entry {
+    int place;
+    typename S::Drawn drawn;
+  };
+  std::vector<Entry> entries;
+  std::size_t count = 0;  ///< of entries that are of this tile
+
+  /// One for the surface at a place; null if there are enough.
+  typename S::Drawn* add(int place) {
+    if (count == most) return nullptr;
+    if (count == entries.size()) entries.push_back({});
+    entries[count].place = place;
+    return &entries[count++].drawn;
+  }
+  [[nodiscard]] const typename S::Drawn* at(int place) const {
+    for (std::size_t i = 0; i < count; ++i)
+      if (entries[i].place == place) return entries[i].drawn.is_drawn() ? &entries[i].drawn : nullptr;
+    return nullptr;
+  }
+};
+
+/// The parts of a surface that is drawn.
+template <class Drawn>
+struct PartsSeen {
+  const Drawn& drawn;
+  Indices which;
+
+  int operator[](int lane) const { return drawn.part(which[lane]); }
+};
+
 /// A scene as one tile of a camera sees it. The camera's rays, as packets of CameraRays or as the pixel's
 /// one ray, can meet only the candidates; all others ask the whole scene. It is Traceable, and so is it for
 /// packets: a surface is asked about all rays of a packet at once, and about one by itself where that leaves
@@ -19,8 +73,11 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 template <Surface... S>
 class TileScene {
  public:
+  using Drawn = std::tuple<DrawnOf<S>...>;
+  static constexpr bool draws = (SurfaceForTiles<S> || ...);  ///< whether any surface is drawn as a whole
+
   TileScene(const Accelerated<Scene<S...>>& everything, const Candidates& candidates,
-            const std::vector<int>& unbounded, const Skips& skips, Occluders& occluders,
+            const std::vector<int>& unbounded, const Skips& skips, Occluders& occluders, const Drawn& drawn,
             RenderStatistics& statistics)
       : everything_(everything),
         scene_(everything.scene()),
@@ -28,6 +85,7 @@ class TileScene {
         unbounded_(unbounded),
         skips_(skips),
         occluders_(occluders),
+        drawn_(drawn),
         statistics_(statistics) {}
 
   [[nodiscard]] const std::vector<Light>& lights() const { return scene_.lights(); }
@@ -75,10 +133,21 @@ class TileScene {
 
   // ---- For the rays of a packet.
 
+  /// The pixel at which the camera's packets begin from now on.
+  void set_first_pixel(int x, int y) const {
+    if constexpr (draws) first_x_ = x, first_y_ = y;
+  }
+
   /// What each ray meets first.
+  struct Nothing {
+    Nothing(int) {}
+  };
   struct Closest {
     Doubles t;      ///< infinity where it meets nothing
     Indices place;  ///< of the surface in the scene's order; −1 where it meets nothing
+
+    /// Of a surface that is drawn, which part that is; −1 where it was not looked up in the drawing.
+    [[no_unique_address]] std::conditional_t<draws, Indices, Nothing> which = -1;
   };
 
   /// Of the candidates, for rays of the camera; of all surfaces, for others.
@@ -128,7 +197,7 @@ class TileScene {
     if (place < 0) return Colors(background());
     Colors result(Color{0});
     visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
-      result = shade_on(surface, material, rays, closest.t, rays.wanted, shade_hits);
+      result = shade_on(surface, material, rays, closest, rays.wanted, shade_hits);
     });
     return result;
   }
@@ -149,9 +218,14 @@ class TileScene {
     return shade(rays, closest(rays), background, shade_hits);
   }
 
+  /// Rays that leave different parts go on by themselves.
+  [[nodiscard]] Colors follow(const RaysFromParts& rays, const auto& background,
+                              const auto& shade_hits) const {
+    return follow_each(rays, background, shade_hits);
+  }
+
   /// The same, each by itself.
-  template <class Origin>
-  [[nodiscard, gnu::noinline]] Colors follow_each(const Rays<Origin>& rays, const auto& background,
+  [[nodiscard, gnu::noinline]] Colors follow_each(const auto& rays, const auto& background,
                                                   const auto& shade_hits) const {
     Colors result(background());
     for (Bits alone = bits(rays.wanted); alone != 0; alone &= alone - 1) {
@@ -186,6 +260,11 @@ class TileScene {
       if (place != last) test(place < 0 ? last : place, rays, range, found, left);
     if (!is_small && any(left)) look_for_occluders(rays, range, found, left);
     return found;
+  }
+
+  [[nodiscard]] Chosen occluded(const RaysFromParts& rays, Interval range) const {
+    statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.wanted)));
+    return occluded_each_by_itself(rays, rays.wanted, range);
   }
 
   /// Calls visit for all crossings of rays of the camera, as Scene::crossings does. What it visits has a
@@ -260,7 +339,7 @@ class TileScene {
 
   /// Finds out which rays meet a surface sooner than what was considered before, and which may.
   void consider(const auto& surface, int place, const auto& rays, Closest& closest, Chosen& in_doubt) const {
-    const FirstCrossings first = first_crossings(surface, rays, rays.wanted, Interval{});
+    const auto [first, which] = first_seen(surface, place, rays);
     // The order is sure where the errors of both t, 2^-30 of each, do not overlap.
     const Chosen sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
     const Chosen later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
@@ -268,15 +347,46 @@ class TileScene {
     if (!any(sooner)) return;
     closest.t = select(sooner, first.t, closest.t);
     closest.place = select(sooner, Indices(place), closest.place);
+    if constexpr (draws) closest.which = select(sooner, which, closest.which);
+  }
+
+  template <SurfaceForTiles T>
+  [[nodiscard]] const typename T::Drawn* drawn_at(int place) const {
+    return std::get<DrawnOf<T>>(drawn_).at(place);
+  }
+
+  /// Where rays cross a surface first.
+  struct FirstSeen {
+    FirstCrossings first;
+    decltype(Closest::which) which = -1;
+  };
+  template <Surface T, class Origin>
+  [[nodiscard]] FirstSeen first_seen(const T& surface, int place, const CameraRays<Origin>& rays) const {
+    if constexpr (SurfaceForTiles<T> && std::same_as<Origin, Point>)
+      if (const auto* const drawn = drawn_at<T>(place)) {
+        const auto seen = drawn->seen(rays, first_x_, first_y_);
+        return {seen.first, seen.which};
+      }
+    return {first_crossings(surface, rays, rays.wanted, Interval{})};
+  }
+  template <Surface T, class Origin>
+  [[nodiscard]] FirstSeen first_seen(const T& surface, int, const Rays<Origin>& rays) const {
+    return {first_crossings(surface, rays, rays.wanted, Interval{})};
   }
 
   /// What rays bring that meet one surface. Where that has parts, each may have met another.
   template <Surface T>
-  [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const auto& rays, Doubles t,
-                                Chosen which, const auto& shade_hits) const {
+  [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const auto& rays,
+                                const Closest& closest, Chosen which, const auto& shade_hits) const {
+    if constexpr (SurfaceForTiles<T>)
+      if (!any(which && mask_for<double>(closest.which == Indices(-1)))) {
+        const auto& drawn = *drawn_at<T>(static_cast<int>(closest.place[std::countr_zero(bits(which))]));
+        return Colors(shade_hits(Intersections(rays, closest.t, which, surface, material,
+                                               PartsSeen<typename T::Drawn>{drawn, closest.which})));
+      }
     if constexpr (SurfaceWithParts<T>)
       if (has_parts(surface)) return shade_by_itself(surface, material, rays, which, shade_hits);
-    return Colors(shade_hits(Intersections(rays, t, which, surface, material)));
+    return Colors(shade_hits(Intersections(rays, closest.t, which, surface, material)));
   }
   template <Surface T>
   [[nodiscard, gnu::noinline]] Colors shade_by_itself(const T& surface, const Material& material,
@@ -302,7 +412,7 @@ class TileScene {
       const std::int64_t place = closest.place[std::countr_zero(some)];
       const Chosen here = left && mask_for<double>(closest.place == Indices(place));
       visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
-        result = select(here, shade_on(surface, material, rays, closest.t, here, shade_hits), result);
+        result = select(here, shade_on(surface, material, rays, closest, here, shade_hits), result);
       });
       left = left && !here;
     }
@@ -324,6 +434,7 @@ class TileScene {
       const auto [place, crossing] = closest_by_itself(rays[lane], each_place);
       closest.t = select(one(lane), Doubles(place < 0 ? infinity : crossing.crossing.t), closest.t);
       closest.place = select(one(lane), Indices(place), closest.place);
+      if constexpr (draws) closest.which = select(one(lane), Indices(-1), closest.which);
     }
     return closest;
   }
@@ -404,7 +515,7 @@ class TileScene {
   void test(int place, const auto& rays, Interval range, Chosen& found, Chosen& left) const {
     count_tests(left);
     visit(place, [&](const auto& surface, const Material&) {
-      const CrossedByEach<Chosen> tested = crossed_by_each(surface, rays, left, range);
+      const CrossedByEach<Chosen> tested = crossed(surface, place, rays, left, range);
       Chosen crossed = tested.crossed;
       if (any(tested.in_doubt)) crossed = crossed || decide(surface, rays, tested.in_doubt, range);
       if (!any(crossed)) return;
@@ -412,6 +523,18 @@ class TileScene {
       found = found || crossed;
       left = left && !crossed;
     });
+  }
+
+  /// Which rays of those that are left cross a surface inside the range.
+  template <Surface T>
+  [[nodiscard]] CrossedByEach<Chosen> crossed(const T& surface, [[maybe_unused]] int place, const auto& rays,
+                                              Chosen left, Interval range) const {
+    if constexpr (SurfaceForTiles<T>)
+      if (range.min == 0 && range.max == infinity) {
+        const FirstCrossings first = first_seen(surface, place, rays).first;
+        return {.crossed = first.met && left, .in_doubt = first.in_doubt && left};
+      }
+    return crossed_by_each(surface, rays, left, range);
   }
 
   /// Calls tell(Chosen, t) for the crossings with one surface, near before far, with the rays that have one.
@@ -463,9 +586,11 @@ class TileScene {
   const std::vector<int>& unbounded_;
   const Skips& skips_;
   Occluders& occluders_;
+  const Drawn& drawn_;
   RenderStatistics& statistics_;
   Ray pixel_;
   mutable int last_occluder_ = -1;
+  mutable int first_x_ = 0, first_y_ = 0;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

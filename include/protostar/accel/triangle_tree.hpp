@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "../surfaces/triangle.hpp"
@@ -57,6 +58,26 @@ class TriangleTree {
     if (!look_for_first<true>(ray, range, triangle, visit) && ray.departure.is_planar())
       look_for_first<false>(ray, range, triangle, visit);
   }
+
+  [[nodiscard]] const BoxSpace& space() const { return bvh_.space(); }
+
+  /// Bvh::each_leaf_ahead.
+  void each_leaf_ahead(std::span<const HalfSpace> half_spaces, const Vec3& direction, const auto& is_hidden,
+                       const auto& visit) const {
+    std::vector<BoxHalfSpace> seen;
+    for (const HalfSpace& half_space : half_spaces) seen.emplace_back(half_space, space());
+    bvh_.each_leaf_ahead(seen, direction, is_hidden, visit, [&](Leaf leaf) {
+      const Triangle* const first = &in_leaves_[leaf.first];
+      for (const Triangle* triangle = first; triangle != first + leaf.count; ++triangle) prefetch(triangle);
+    });
+  }
+
+  /// The triangle that stands at a place of a leaf, and its number.
+  [[nodiscard]] const Triangle& in_leaf(std::size_t place) const { return in_leaves_[place]; }
+  [[nodiscard]] std::uint32_t number(std::size_t place) const { return bvh_.order()[place]; }
+
+  /// Whether all triangles stand in leaves.
+  [[nodiscard]] bool has_all() const { return bvh_.unbounded().empty(); }
 
  private:
   using Crossed = TriangleLeaves::Crossed;

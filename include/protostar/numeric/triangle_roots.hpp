@@ -64,21 +64,22 @@ struct RoundedTriangleEquation {
 ///
 /// In the range given, what underflows adds nothing to speak of, and nothing overflows.
 [[nodiscard, gnu::always_inline]] inline auto rounded_triangle_equation(const auto& origin,
-                                                                        const auto& direction, const Point& a,
-                                                                        const Point& b, const Point& c) {
+                                                                        const auto& direction, const auto& a,
+                                                                        const auto& b, const auto& c) {
   using std::abs;
   const auto sum_of_sizes = [](const auto& v) { return abs(v.x) + abs(v.y) + abs(v.z); };
-  const Vec3 u = b - a, v = c - a;
+  const auto u = b - a, v = c - a;
   const auto w = a - origin;
   const auto m = cross(w, direction);
-  const double U = sum_of_sizes(u), V = sum_of_sizes(v);
+  const auto U = sum_of_sizes(u), V = sum_of_sizes(v);
   const auto W = sum_of_sizes(w);
   const auto D = sum_of_sizes(direction);
   const auto in_range = 0x1p-200 < U && U < 0x1p200 && 0x1p-200 < V && V < 0x1p200 && W < 0x1p200 &&
                         0x1p-200 < D && D < 0x1p200;
 
-  const Vec3 n = cross(u, v), p = abs(u), q = abs(v);
-  const Vec3 terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};  // of n
+  const auto n = cross(u, v), p = abs(u), q = abs(v);
+  const std::remove_const_t<decltype(n)> terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z,
+                                               p.x * q.y + p.y * q.x};  // of n
   const auto height = dot(n, w);
   const auto slope = dot(n, direction);
   const auto heights = dot(terms, abs(w));

@@ -16,15 +16,16 @@
 #include "../surface.hpp"
 #include "triangle.hpp"
 
-#if __has_include("../accel/triangle_tree.hpp")
-#include "../accel/triangle_tree.hpp"
+#if __has_include("../accel/triangles_in_tile.hpp")
+#include "../accel/triangles_in_tile.hpp"
+#define PROTOSTAR_MESH_TREE 1
 #endif
 
 namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-#if __has_include("../accel/triangle_tree.hpp")
+#if defined(PROTOSTAR_MESH_TREE)
 using simd::TriangleTree;
 #else
 /// Without accel/, all triangles are tried in turn.
@@ -182,6 +183,14 @@ class Mesh {
               [&](const Crossing& a, const Crossing& b) { return comes_before(ray, a, b); });
     for (const Crossing& crossing : crossings) visit(crossing);
   }
+
+#if defined(PROTOSTAR_MESH_TREE)
+  /// What a tile of a picture sees of it, found for all pixels at once (SurfaceForTiles).
+  using Drawn = simd::TrianglesInTile;
+  void draw(Drawn& drawn, const simd::PixelRays& rays, const simd::Frustum& frustum, const Tile& tile) const {
+    drawn.draw(contents_->tree, rays, frustum, tile);
+  }
+#endif
 
   [[nodiscard]] RefinedCrossing refine(const Ray& ray, const Crossing& crossing, Precision precision) const {
     return protostar::refine(triangle(crossing.part), ray, crossing, precision);
