@@ -61,7 +61,7 @@ struct DrawnOf<S> {
 template <class Drawn>
 struct PartsSeen {
   const Drawn& drawn;
-  Indices which;
+  const Indices& which;
 
   int operator[](int lane) const { return drawn.part(which[lane]); }
 };
@@ -338,40 +338,39 @@ class TileScene {
   }
 
   /// Finds out which rays meet a surface sooner than what was considered before, and which may.
-  void consider(const auto& surface, int place, const auto& rays, Closest& closest, Chosen& in_doubt) const {
-    const auto [first, which] = first_seen(surface, place, rays);
+  template <Surface T>
+  void consider(const T& surface, int place, const auto& rays, Closest& closest, Chosen& in_doubt) const {
+    if constexpr (SurfaceForTiles<T> && are_of_pinhole<decltype(rays)>)
+      if (const auto* const drawn = drawn_at<T>(place)) {
+        const auto seen = drawn->seen(rays, first_x_, first_y_);
+        const Chosen sooner = take(seen.first, place, closest, in_doubt);
+        closest.which = select(sooner, seen.which, closest.which);
+        return;
+      }
+    const FirstCrossings first = first_crossings(surface, rays, rays.wanted, Interval{});
+    [[maybe_unused]] const Chosen sooner = take(first, place, closest, in_doubt);
+    if constexpr (draws) closest.which = select(sooner, Indices(-1), closest.which);
+  }
+
+  /// Takes what is surely met sooner; returns by which rays that is.
+  Chosen take(const FirstCrossings& first, int place, Closest& closest, Chosen& in_doubt) const {
     // The order is sure where the errors of both t, 2^-30 of each, do not overlap.
     const Chosen sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
     const Chosen later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
     in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
-    if (!any(sooner)) return;
+    if (!any(sooner)) return sooner;
     closest.t = select(sooner, first.t, closest.t);
     closest.place = select(sooner, Indices(place), closest.place);
-    if constexpr (draws) closest.which = select(sooner, which, closest.which);
+    return sooner;
   }
 
+  template <class R>
+  static constexpr bool are_of_pinhole = std::same_as<std::remove_cvref_t<R>, CameraRays<Point>>;
+
+  /// What is drawn of the surface at a place, if it is.
   template <SurfaceForTiles T>
   [[nodiscard]] const typename T::Drawn* drawn_at(int place) const {
     return std::get<DrawnOf<T>>(drawn_).at(place);
-  }
-
-  /// Where rays cross a surface first.
-  struct FirstSeen {
-    FirstCrossings first;
-    decltype(Closest::which) which = -1;
-  };
-  template <Surface T, class Origin>
-  [[nodiscard]] FirstSeen first_seen(const T& surface, int place, const CameraRays<Origin>& rays) const {
-    if constexpr (SurfaceForTiles<T> && std::same_as<Origin, Point>)
-      if (const auto* const drawn = drawn_at<T>(place)) {
-        const auto seen = drawn->seen(rays, first_x_, first_y_);
-        return {seen.first, seen.which};
-      }
-    return {first_crossings(surface, rays, rays.wanted, Interval{})};
-  }
-  template <Surface T, class Origin>
-  [[nodiscard]] FirstSeen first_seen(const T& surface, int, const Rays<Origin>& rays) const {
-    return {first_crossings(surface, rays, rays.wanted, Interval{})};
   }
 
   /// What rays bring that meet one surface. Where that has parts, each may have met another.
@@ -529,10 +528,10 @@ class TileScene {
   template <Surface T>
   [[nodiscard]] CrossedByEach<Chosen> crossed(const T& surface, [[maybe_unused]] int place, const auto& rays,
                                               Chosen left, Interval range) const {
-    if constexpr (SurfaceForTiles<T>)
-      if (range.min == 0 && range.max == infinity) {
-        const FirstCrossings first = first_seen(surface, place, rays).first;
-        return {.crossed = first.met && left, .in_doubt = first.in_doubt && left};
+    if constexpr (SurfaceForTiles<T> && are_of_pinhole<decltype(rays)>)
+      if (const auto* const drawn = drawn_at<T>(place); drawn && range.min == 0 && range.max == infinity) {
+        const auto seen = drawn->seen(rays, first_x_, first_y_);
+        return {.crossed = seen.first.met && left, .in_doubt = seen.first.in_doubt && left};
       }
     return crossed_by_each(surface, rays, left, range);
   }

@@ -77,28 +77,34 @@ struct Screen {
 /// What the pixels of a tile see first of the triangles of a tree.
 class TrianglesInTile {
  public:
-  /// Draws a tile of at most 64 × 64 pixels. If that is not possible, nothing is seen.
+  /// Draws a tile of at most 64 × 64 pixels. If that is not possible, nothing is drawn.
   void draw(const TriangleTree& tree, const PixelRays& rays, const Frustum& frustum, const Tile& tile) {
     tree_ = &tree;
     tile_ = tile;
     const Screen screen(rays, tile, tree.space());
-    usable_ = screen.usable && rays.pixels().samples() == 1 && tree.has_all();
+    usable_ = screen.usable && rays.pixels().samples() == 1 && tree.has_all() && tile.width() <= side &&
+              tile.height() <= side;
     if (!usable_) return;
-    stride_ = static_cast<std::size_t>(tile.width() + float_lanes);
-    const std::size_t pixels = stride_ * static_cast<std::size_t>(tile.height());
-    far_.assign(pixels, 0), near_.assign(pixels, 0), other_.assign(pixels, 0), place_.resize(pixels);
-    const auto is_hidden = [&](const Bounds& box) { return this->is_hidden(screen, box); };
-    tree.each_leaf_ahead(frustum.side, screen.ahead, is_hidden, [&](Leaf leaf) {
-      for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
-        const std::uint32_t first = leaf.first + i;
-        const int count = std::min(double_lanes, static_cast<int>(leaf.count - i));
-        const Shapes shapes(screen, corners([&](int k) -> auto& {
-                              return tree.in_leaf(first + static_cast<std::uint32_t>(std::min(k, count - 1)));
-                            }),
-                            tile);
-        for (int k = 0; k < count; ++k) draw_one(shapes, k, static_cast<std::int32_t>(first) + k);
-      }
-    });
+    far_.fill(0), near_.fill(0), other_.fill(0);
+    // Leaves may have few triangles; as many as a vector holds are drawn at once.
+    std::array<std::uint32_t, double_lanes> waiting;
+    std::size_t count = 0;
+    const auto draw_waiting = [&] {
+      for (std::size_t k = count; k < waiting.size(); ++k) waiting[k] = waiting[0];
+      const Shapes shapes(screen, corners([&](std::size_t k) -> auto& { return tree.in_leaf(waiting[k]); }),
+                          tile);
+      for (std::size_t k = 0; k < count; ++k) draw_one(shapes, k, static_cast<std::int32_t>(waiting[k]));
+      count = 0;
+    };
+    tree.each_leaf_ahead(
+        frustum.side, screen.ahead, [&](const Bounds& box) { return is_hidden(screen, box); },
+        [&](Leaf leaf) {
+          for (std::uint32_t place = leaf.first; place < leaf.first + leaf.count; ++place) {
+            waiting[count++] = place;
+            if (count == waiting.size()) draw_waiting();
+          }
+        });
+    if (count > 0) draw_waiting();
   }
 
   /// What the rays of a packet, from a pixel on to the right, see first; and which, for part().
@@ -117,18 +123,20 @@ class TrianglesInTile {
     if (!any(one)) return seen;
     // Where there is none it is any other.
     const Bits found = bits(one);
-    const int any_lane = std::countr_zero(found);
-    const auto place = [&](int lane) {
-      return place_[at + static_cast<std::size_t>((found >> lane & 1) != 0 ? lane : any_lane)];
+    const auto any_lane = static_cast<std::size_t>(std::countr_zero(found));
+    const auto place = [&](std::size_t lane) {
+      return place_[at + ((found >> lane & 1) != 0 ? lane : any_lane)];
     };
-    const auto [a, b, c] =
-        corners([&](int lane) -> auto& { return tree_->in_leaf(static_cast<std::size_t>(place(lane))); });
+    const auto [a, b, c] = corners([&](std::size_t lane) -> auto& {
+      return tree_->in_leaf(static_cast<std::size_t>(place(lane)));
+    });
     const auto e = protostar::detail::rounded_triangle_equation(rays.origin, rays.direction, a, b, c);
     const Doubles t = e.height / e.slope;
     seen.first.met = one && e.crosses && e.certain && t > 0.0 && t < infinity;
     seen.first.in_doubt = seen.first.in_doubt || (one && !seen.first.met);
     seen.first.t = select(seen.first.met, t, Doubles(infinity));
-    seen.which = Indices::of_each([&](int lane) { return static_cast<std::int64_t>(place(lane)); });
+    seen.which =
+        Indices::of_each([&](int lane) { return std::int64_t{place(static_cast<std::size_t>(lane))}; });
     return seen;
   }
 
@@ -144,7 +152,7 @@ class TrianglesInTile {
   /// The corners of as many triangles as a packet has lanes.
   static std::array<Vectors, 3> corners(const auto& triangle) {
     std::array<const Triangle*, double_lanes> at;
-    for (int lane = 0; lane < double_lanes; ++lane) at[static_cast<std::size_t>(lane)] = &triangle(lane);
+    for (std::size_t lane = 0; lane < at.size(); ++lane) at[lane] = &triangle(lane);
     const auto vectors = [&](Point Triangle::*corner) {
       const auto numbers = [&](int axis) {
         return Doubles::of_each(
@@ -175,16 +183,18 @@ class TrianglesInTile {
     }
   };
 
-  /// A corner of each of some triangles.
+  /// Some points on the screen, given where they are in box space, from the eye.
   struct Corner {
     Doubles x, y, z, size, reach;  ///< X, Y, Z, |p| and L
+    Chosen is_in_front;            ///< for sure
 
-    Corner(const Screen& screen, const Vectors& p) {
-      const Vectors w = screen.scale * (p - Vectors(screen.eye));
-      x = dot(w, Vectors(screen.across)), y = dot(w, Vectors(screen.down)), z = dot(w, Vectors(screen.ahead));
-      size = abs(w.x) + abs(w.y) + abs(w.z);
-      reach = abs(x) + abs(y) + screen.reach * abs(z);
-    }
+    Corner(const Screen& screen, const Vectors& p)
+        : x(dot(p, Vectors(screen.across))),
+          y(dot(p, Vectors(screen.down))),
+          z(dot(p, Vectors(screen.ahead))),
+          size(abs(p.x) + abs(p.y) + abs(p.z)),
+          reach(abs(x) + abs(y) + screen.reach * abs(z)),
+          is_in_front(z > 0x1p12 * screen.uncertainty * size) {}
   };
 
   /// Some triangles, as pixels are tried against them.
@@ -194,7 +204,10 @@ class TrianglesInTile {
     std::array<int, double_lanes> x0, x1, y0, y1;        ///< the pixels of the tile from, and to before
 
     Shapes(const Screen& screen, const std::array<Vectors, 3>& corners, const Tile& tile) {
-      const Corner a(screen, corners[0]), b(screen, corners[1]), c(screen, corners[2]);
+      const auto corner = [&](const Vectors& p) {
+        return Corner(screen, Doubles(screen.scale) * (p - Vectors(screen.eye)));
+      };
+      const Corner a = corner(corners[0]), b = corner(corners[1]), c = corner(corners[2]);
       const double gamma = screen.uncertainty, T = screen.reach;
       Doubles off = 0.0;
       int edge = 0;
@@ -210,33 +223,34 @@ class TrianglesInTile {
       const Doubles e =
           12 * gamma / T *
           (a.size * b.reach * c.reach + a.reach * b.size * c.reach + a.reach * b.reach * c.size);
-      const Linear k = (1 / det) * (ab + bc + ca);
-      const Doubles K = k.most(T), uncertain = 2 * (off + K * e) / abs(det) + 0x1p-20 * K;
+      const Linear nearness_at = (1 / det) * (ab + bc + ca);
+      const Doubles K = nearness_at.most(T), uncertain = 2 * (off + K * e) / abs(det) + 0x1p-20 * K;
       const Chosen known = e < 0.5 * abs(det) && uncertain < 0x1p60 && K < 0x1p60 && K > 0x1p-60;
-      nearness = Linear{select(known, k.x, 0.0), select(known, k.y, 0.0), select(known, k.one, 0.0)};
+      nearness = Linear{select(known, nearness_at.x, 0.0), select(known, nearness_at.y, 0.0),
+                        select(known, nearness_at.one, 0.0)};
       to_float(select(known, uncertain, Doubles(infinity))).store(error.data());
 
-      const Chosen in_front =
-          a.z > 0x1p12 * gamma * a.size && b.z > 0x1p12 * gamma * b.size && c.z > 0x1p12 * gamma * c.size;
-      const Doubles from = 1 / max(a.z, max(b.z, c.z)), to = 1 / min(a.z, min(b.z, c.z));
-      const auto float_of = [](Doubles x) { return to_float(min(x, 0x1p100)); };
-      float_of(select(in_front, (1 - 0x1p-11) * from, Doubles(0.0))).store(least.data());
-      to_float(select(in_front && to < 0x1p100, (1 + 0x1p-11) * to, Doubles(infinity))).store(most.data());
+      const Chosen in_front = a.is_in_front && b.is_in_front && c.is_in_front;
+      const Doubles za = 1 / a.z, zb = 1 / b.z, zc = 1 / c.z;
+      const Doubles farthest = min(za, min(zb, zc)), nearest = max(za, max(zb, zc));
+      to_float(select(in_front, min((1 - 0x1p-11) * farthest, 0x1p100), 0.0)).store(least.data());
+      to_float(select(in_front && nearest < 0x1p100, (1 + 0x1p-11) * nearest, infinity)).store(most.data());
 
-      const auto pixels = [&](Doubles u, Doubles v, Doubles w, double start, int count, auto& first,
-                              auto& last) {
+      // Pixels whose middles are from low to high.
+      const auto pixels = [&](Doubles u, Doubles v, Doubles w, double start, int size, auto& first,
+                              auto& end) {
+        const double count = size;
         const Doubles low = min(u, min(v, w)) - start - 0x1p-10, high = max(u, max(v, w)) - start + 0x1p-10;
-        const Doubles begin = select(in_front, max(Doubles(0.0), min(low, static_cast<double>(count))), 0.0);
-        const Doubles end =
-            select(in_front, max(Doubles(0.0), min(high + 1, static_cast<double>(count))), Doubles(count));
-        for (int i = 0; i < double_lanes; ++i) {
-          const auto at = static_cast<std::size_t>(i);
-          first[at] = static_cast<int>(begin[i]);
-          first[at] += first[at] < begin[i];
-          last[at] = static_cast<int>(end[i]);
+        const auto in_tile = [&](Doubles x) { return max(min(x, count), 0.0); };
+        std::array<double, double_lanes> from, to;
+        select(in_front, in_tile(low), 0.0).store(from.data());
+        select(in_front, in_tile(high + 1), count).store(to.data());
+        for (std::size_t k = 0; k < from.size(); ++k) {
+          const int whole = static_cast<int>(from[k]);
+          first[k] = whole + (whole < from[k] ? 1 : 0);
+          end[k] = static_cast<int>(to[k]);
         }
       };
-      const Doubles za = 1 / a.z, zb = 1 / b.z, zc = 1 / c.z;
       pixels(a.x * za, b.x * zb, c.x * zc, screen.left, tile.width(), x0, x1);
       pixels(a.y * za, b.y * zb, c.y * zc, screen.top, tile.height(), y0, y1);
       left = static_cast<float>(screen.left), top = static_cast<float>(screen.top);
@@ -245,35 +259,36 @@ class TrianglesInTile {
     float left, top;
   };
 
-  [[nodiscard]] std::size_t index(int x, int y) const {
-    return stride_ * static_cast<std::size_t>(y) + static_cast<std::size_t>(x);
-  }
+  [[nodiscard]] static std::size_t index(int x, int y) { return static_cast<std::size_t>(side * y + x); }
 
   /// Whether no pixel can see anything in a box of box space, given what they see already.
   [[nodiscard]] bool is_hidden(const Screen& screen, const Bounds& box) const {
     const Point from = box.min - screen.eye_in_box_space, to = box.max - screen.eye_in_box_space;
-    double nearest = infinity, left = infinity, right = -infinity, top = infinity, bottom = -infinity;
-    for (int i = 0; i < 8; ++i) {
-      const Vec3 p{i & 1 ? to.x : from.x, i & 2 ? to.y : from.y, i & 4 ? to.z : from.z};
-      const double z = dot(p, screen.ahead);
-      if (!(z > 0x1p12 * screen.uncertainty * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z)))) return false;
-      const double x = dot(p, screen.across) / z, y = dot(p, screen.down) / z;
-      nearest = std::min(nearest, z);
-      left = std::min(left, x), right = std::max(right, x);
-      top = std::min(top, y), bottom = std::max(bottom, y);
+    Doubles nearest = infinity, left = infinity, right = -infinity, top = infinity, bottom = -infinity;
+    for (int first = 0; first < 8; first += double_lanes) {
+      const auto numbers = [&](int axis) {
+        return Doubles::of_each([&](int lane) { return (first + lane) >> axis & 1 ? to[axis] : from[axis]; });
+      };
+      const Vectors corner{numbers(0), numbers(1), numbers(2)};
+      const Corner p(screen, corner);
+      if (any(!p.is_in_front)) return false;
+      const Doubles x = p.x / p.z, y = p.y / p.z;
+      nearest = min(nearest, p.z);
+      left = min(left, x), right = max(right, x);
+      top = min(top, y), bottom = max(bottom, y);
     }
     const auto first = [](double place, double start) {
-      return static_cast<int>(std::ceil(std::clamp(place - start - 0x1p-10, 0.0, 64.0)));
+      return static_cast<int>(std::ceil(std::clamp<double>(place - start - 0x1p-10, 0, side)));
     };
     const auto end = [](double place, double start, int count) {
       return static_cast<int>(std::clamp(place - start + 0x1p-10 + 1, 0.0, static_cast<double>(count)));
     };
-    const double most = (1 + 0x1p-11) / nearest;
+    const double most = (1 + 0x1p-11) / -largest(-nearest);
     if (!(most < 0x1p100)) return false;
     const Row limit = static_cast<float>((1 + 0x1p-20) * most);
-    const int x0 = first(left, screen.left), x1 = end(right, screen.left, tile_.width());
-    const int y1 = end(bottom, screen.top, tile_.height());
-    for (int y = first(top, screen.top); y < y1; ++y)
+    const int x0 = first(-largest(-left), screen.left), x1 = end(largest(right), screen.left, tile_.width());
+    const int y1 = end(largest(bottom), screen.top, tile_.height());
+    for (int y = first(-largest(-top), screen.top); y < y1; ++y)
       for (int x = x0; x < x1; x += float_lanes)
         if ((bits(Row::load(&far_[index(x, y)]) <= limit) & first_bits(x1 - x)) != 0) return false;
     return true;
@@ -281,44 +296,45 @@ class TrianglesInTile {
 
   /// Of each pixel, what may be seen of the triangles so far: one that surely is in front of all but those
   /// that may be as near as `other`.
-  void draw_one(const Shapes& shapes, int which, std::int32_t place) {
-    const auto k = static_cast<std::size_t>(which);
-    if (shapes.x0[k] >= shapes.x1[k]) return;
+  void draw_one(const Shapes& shapes, std::size_t i, std::int32_t place) {
     constexpr float e = 0x1p-20f;
-    const Row error = shapes.error[k], least = shapes.least[k], most = shapes.most[k];
-    for (int y = shapes.y0[k]; y < shapes.y1[k]; ++y) {
+    const Row error = shapes.error[i], least = shapes.least[i], most = shapes.most[i];
+    // Vectors begin at multiples of their size: what was just stored can be loaded at once.
+    const int x0 = shapes.x0[i] / float_lanes * float_lanes, x1 = shapes.x1[i];
+    for (int y = shapes.y0[i]; y < shapes.y1[i]; ++y) {
       const float down = shapes.top + static_cast<float>(y);
-      for (int x = shapes.x0[k]; x < shapes.x1[k]; x += float_lanes) {
+      for (int x = x0; x < x1; x += float_lanes) {
         const Row across = iota<float, float_lanes>() + Row(shapes.left + static_cast<float>(x));
         const auto at_pixels = [&](const LinearInFloat& f) {
-          return Row(f.x[k]) * across + Row(f.y[k] * down + f.one[k]);
+          return Row(f.x[i]) * across + Row(f.y[i] * down + f.one[i]);
         };
         const Row ab = at_pixels(shapes.side[0]), bc = at_pixels(shapes.side[1]),
                   ca = at_pixels(shapes.side[2]), nearness = at_pixels(shapes.nearness);
         const Row largest = max(max(ab, bc), ca), smallest = min(min(ab, bc), ca);
         const Row near = min(nearness + error, most), far = max(nearness - error, least);
-        const std::size_t i = index(x, y);
-        const Row known = Row::load(&far_[i]);
+        const std::size_t at = index(x, y);
+        const Row known = Row::load(&far_[at]), before = Row::load(&near_[at]);
         const auto seen = !(largest > Row(e) && smallest < Row(-e)) && near >= known && near > Row(0.0f);
-        if (!any(seen)) continue;
         const auto surely = seen && (smallest > Row(e) || largest < Row(-e)) && far > known;
-        const Row before = Row::load(&near_[i]);
-        max(Row::load(&other_[i]), select(surely, before, select(seen, near, 0.0f))).store(&other_[i]);
-        select(surely, far, known).store(&far_[i]);
-        select(surely, near, before).store(&near_[i]);
+        max(Row::load(&other_[at]), select(surely, before, select(seen, near, 0.0f))).store(&other_[at]);
+        select(surely, far, known).store(&far_[at]);
+        select(surely, near, before).store(&near_[at]);
         using Places = Lanes<std::int32_t, float_lanes>;
-        select(surely, Places(place), Places::load(&place_[i])).store(&place_[i]);
+        select(surely, Places(place), Places::load(&place_[at])).store(&place_[at]);
       }
     }
   }
 
+  static constexpr int side = 64;
+  template <class T>
+  using OfPixels = std::array<T, side * side>;
+
   const TriangleTree* tree_ = nullptr;
   Tile tile_{};
   bool usable_ = false;
-  std::size_t stride_ = 0;
-  std::vector<float> far_, near_;  ///< between which k of the nearest is; 0 where there is none
-  std::vector<float> other_;       ///< the largest k that any other may have
-  std::vector<std::int32_t> place_;
+  alignas(64) OfPixels<float> far_, near_;  ///< between which k of the nearest is; 0 where there is none
+  alignas(64) OfPixels<float> other_;       ///< the largest k that any other may have
+  alignas(64) OfPixels<std::int32_t> place_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd
