@@ -137,8 +137,9 @@ class TileRenderer {
   void draw(const Candidates& candidates, const Frustum& frustum, const Tile& tile, Work& work) const {
     const auto visit = [&]<class T>(const DrawnOf<T>&, const T& surface, int place) {
       if constexpr (SurfaceForTiles<T>)
-        if (auto* const drawn = std::get<DrawnOf<T>>(work.drawn).add(place))
-          surface.draw(*drawn, rays_, frustum, tile);
+        for (int i = 0; i < rays_.pixels().samples(); ++i)
+          if (auto* const drawn = std::get<DrawnOf<T>>(work.drawn).add(place, i))
+            surface.draw(*drawn, rays_, i, frustum, tile);
     };
     for (int i = 0; i < candidates.size(); ++i) {
       auto at = static_cast<std::size_t>(candidates.place(i));
@@ -230,7 +231,6 @@ class TileRenderer {
           });
     } else if (pixels.samples() > 1) {
       each_packet(tile, [&](std::size_t, int x, int y) {
-        view.set_first_pixel(x, y);
         write(tile, x, y, mean_radiance<Origin>(tile, x, y, view));
       });
     } else {
@@ -276,6 +276,7 @@ class TileRenderer {
   template <class Origin>
   [[nodiscard, gnu::noinline]] Colors mean_radiance(const Tile& tile, int x, int y, const View& view) const {
     return rays_.pixels().mean([&](int i) {
+      view.set_first_pixel(x, y, i);
       const CameraRays<Origin> rays = rays_.template packet<Origin>(tile, x, y, i);
       return radiance(rays, view);
     });

@@ -15,13 +15,14 @@
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
 /// A surface that is drawn into a tile as a whole, since it has many parts. It has a type Drawn, and
-/// draw(drawn, rays, frustum, tile) fills one. If is_drawn() then, seen(rays, x, y) are the first crossings
-/// of a packet from pixel (x, y) on, crossing 0 of a part each, and part(which) says of which.
+/// draw(drawn, rays, sample, frustum, tile) fills one, for one ray of each pixel. If is_drawn() then,
+/// seen(rays, x, y) are the first crossings of a packet from pixel (x, y) on, crossing 0 of a part each, and
+/// part(which) says of which.
 template <class S>
 concept SurfaceForTiles = SurfaceWithParts<S> &&
     requires(const S& surface, typename S::Drawn& drawn, const PixelRays& rays, const Frustum& frustum,
              const Tile& tile, const CameraRays<Point>& packet) {
-  surface.draw(drawn, rays, frustum, tile);
+  surface.draw(drawn, rays, 0, frustum, tile);
   { drawn.is_drawn() } -> std::same_as<bool>;
   { drawn.seen(packet, 0, 0).first } -> std::same_as<FirstCrossings&&>;
   { drawn.seen(packet, 0, 0).which } -> std::same_as<Indices&&>;
@@ -33,26 +34,27 @@ template <class S>
 struct DrawnOf {};
 template <SurfaceForTiles S>
 struct DrawnOf<S> {
-  /// More surfaces in one tile are looked at ray by ray.
-  static constexpr std::size_t most = 16;
+  /// Beyond this, surfaces of one tile are looked at ray by ray.
+  static constexpr std::size_t most = 32;
 
   struct Entry {
-    int place;
+    int place, sample;
     typename S::Drawn drawn;
   };
   std::vector<Entry> entries;
   std::size_t count = 0;  ///< of entries that are of this tile
 
-  /// One for the surface at a place; null if there are enough.
-  typename S::Drawn* add(int place) {
+  /// One for the surface at a place and the i-th samples of pixels; null if there are enough.
+  typename S::Drawn* add(int place, int sample) {
     if (count == most) return nullptr;
-    if (count == entries.size()) entries.push_back({});
-    entries[count].place = place;
+    if (count == entries.size()) entries.emplace_back();
+    entries[count].place = place, entries[count].sample = sample;
     return &entries[count++].drawn;
   }
-  [[nodiscard]] const typename S::Drawn* at(int place) const {
+  [[nodiscard]] const typename S::Drawn* at(int place, int sample) const {
     for (std::size_t i = 0; i < count; ++i)
-      if (entries[i].place == place) return entries[i].drawn.is_drawn() ? &entries[i].drawn : nullptr;
+      if (entries[i].place == place && entries[i].sample == sample)
+        return entries[i].drawn.is_drawn() ? &entries[i].drawn : nullptr;
     return nullptr;
   }
 };
@@ -133,9 +135,9 @@ class TileScene {
 
   // ---- For the rays of a packet.
 
-  /// The pixel at which the camera's packets begin from now on.
-  void set_first_pixel(int x, int y) const {
-    if constexpr (draws) first_x_ = x, first_y_ = y;
+  /// The pixel at which the camera's packet begins from now on, and which sample of pixels it is.
+  void set_first_pixel(int x, int y, int sample = 0) const {
+    if constexpr (draws) first_x_ = x, first_y_ = y, sample_ = sample;
   }
 
   /// What each ray meets first.
@@ -225,7 +227,9 @@ class TileScene {
   }
 
   /// The same, each by itself.
-  [[nodiscard, gnu::noinline]] Colors follow_each(const auto& rays, const auto& background,
+  template <class R>
+  requires requires(R rays) { rays.wanted; }
+  [[nodiscard, gnu::noinline]] Colors follow_each(const R& rays, const auto& background,
                                                   const auto& shade_hits) const {
     Colors result(background());
     for (Bits alone = bits(rays.wanted); alone != 0; alone &= alone - 1) {
@@ -370,7 +374,7 @@ class TileScene {
   /// What is drawn of the surface at a place, if it is.
   template <SurfaceForTiles T>
   [[nodiscard]] const typename T::Drawn* drawn_at(int place) const {
-    return std::get<DrawnOf<T>>(drawn_).at(place);
+    return std::get<DrawnOf<T>>(drawn_).at(place, sample_);
   }
 
   /// What rays bring that meet one surface. Where that has parts, each may have met another.
@@ -589,7 +593,7 @@ class TileScene {
   RenderStatistics& statistics_;
   Ray pixel_;
   mutable int last_occluder_ = -1;
-  mutable int first_x_ = 0, first_y_ = 0;
+  mutable int first_x_ = 0, first_y_ = 0, sample_ = 0;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -50,9 +50,9 @@ struct Screen {
   double scale = 1;           ///< of box space
   Vec3 across, down, ahead;   ///< the dual basis
   double reach, uncertainty;  ///< T and γ
-  double left, top;           ///< x and y of the middle of the tile's first pixel
+  double left, top;           ///< x and y of the sample in the tile's first pixel
 
-  Screen(const PixelRays& rays, const Tile& tile, const BoxSpace& space)
+  Screen(const PixelRays& rays, int sample, const Tile& tile, const BoxSpace& space)
       : eye(rays.camera().position), eye_in_box_space(space(eye)), scale(space.scale) {
     const auto& [x0, y0, x1, y1] = tile;
     const PixelGrid& pixels = rays.pixels();
@@ -70,20 +70,21 @@ struct Screen {
     across = cross(e2, e3) / volume, down = cross(e3, e1) / volume, ahead = cross(e1, e2) / volume;
     reach = std::max(half_width, half_height);
     uncertainty = 0x1p-42 * (length(across) + length(down) + reach * length(ahead));
-    left = pixels.sample(0).x - half_width, top = pixels.sample(0).y - half_height;
+    left = pixels.sample(sample).x - half_width, top = pixels.sample(sample).y - half_height;
   }
 };
 
 /// What the pixels of a tile see first of the triangles of a tree.
 class TrianglesInTile {
  public:
-  /// Draws a tile of at most 64 × 64 pixels. If that is not possible, nothing is drawn.
-  void draw(const TriangleTree& tree, const PixelRays& rays, const Frustum& frustum, const Tile& tile) {
+  /// Draws a tile of at most 64 × 64 pixels, as the rays through a sample of each see it. If that is not
+  /// possible, nothing is drawn.
+  void draw(const TriangleTree& tree, const PixelRays& rays, int sample, const Frustum& frustum,
+            const Tile& tile) {
     tree_ = &tree;
     tile_ = tile;
-    const Screen screen(rays, tile, tree.space());
-    usable_ = screen.usable && rays.pixels().samples() == 1 && tree.has_all() && tile.width() <= side &&
-              tile.height() <= side;
+    const Screen screen(rays, sample, tile, tree.space());
+    usable_ = screen.usable && tree.has_all() && tile.width() <= side && tile.height() <= side;
     if (!usable_) return;
     far_.fill(0), near_.fill(0), other_.fill(0);
     // Leaves may have few triangles; as many as a vector holds are drawn at once.

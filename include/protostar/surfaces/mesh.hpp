@@ -187,8 +187,9 @@ class Mesh {
 #if defined(PROTOSTAR_MESH_TREE)
   /// What a tile of a picture sees of it, found for all pixels at once (SurfaceForTiles).
   using Drawn = simd::TrianglesInTile;
-  void draw(Drawn& drawn, const simd::PixelRays& rays, const simd::Frustum& frustum, const Tile& tile) const {
-    drawn.draw(contents_->tree, rays, frustum, tile);
+  void draw(Drawn& drawn, const simd::PixelRays& rays, int sample, const simd::Frustum& frustum,
+            const Tile& tile) const {
+    drawn.draw(contents_->tree, rays, sample, frustum, tile);
   }
 #endif
 

@@ -1,0 +1,200 @@
+// Pictures of meshes by tiles, which draw them as a whole, are those drawn ray by ray.
+#include <cmath>
+#include <cstring>
+#include <protostar/integrators/binary.hpp>
+#include <protostar/integrators/color.hpp>
+#include <protostar/integrators/normal.hpp>
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/integrators/transparency.hpp>
+#include <protostar/render.hpp>
+#include <protostar/surfaces/mesh.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+#include <string>
+#include <utility>
+
+#include "support/catch.hpp"
+#include "support/meshes.hpp"
+#include "support/pictures.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+
+using Everything = Scene<Sphere, Mesh, Plane>;
+
+int different_bytes(const Image& a, const Image& b) {
+  return count_pixels(a, [&](int x, int y) { return std::memcmp(&a(x, y), &b(x, y), sizeof(Color)) != 0; });
+}
+
+/// How many pixels differ between the plain scene, ray by ray, and tiles.
+int drawn_otherwise(const Everything& scene, const Camera& camera, const auto& integrator,
+                    RenderOptions options = {}, int width = 75, int height = 70) {
+  Image plain(width, height), tiles(width, height);
+  options.tiles = false;
+  render(
+      plain, camera, [&](const Ray& ray) { return integrator.radiance(ray, scene); }, options);
+  options.tiles = true;
+  render(tiles, camera, scene, integrator, options);
+  return different_bytes(plain, tiles);
+}
+
+Mesh mesh_of(const MeshData& data) { return Mesh(data, {.threads = 1}); }
+
+/// Round meshes, smooth and flat, colored and textured, a mirror and glass, and what else there is.
+Everything many_things() {
+  Everything scene;
+  MeshData ball = meshes::moved(meshes::icosphere(3), 0.9, {-0.8, 0, 4});
+  for (const Point& p : ball.vertices) ball.normals.push_back(p - Vec3{-0.8, 0, 4});
+  for (const Point& p : ball.vertices) ball.uvs.push_back({p.x, p.y * p.z});
+  Material checkered;
+  checkered.texture = Checker{.first = Color{1}, .second = Color{0.1f}, .size = 0.25};
+  scene.add(mesh_of(ball), checkered);
+  scene.add(mesh_of(meshes::moved(meshes::torus(30, 12), 0.7, {0.9, 0, 4.2})), Color{0.2f, 0.7f, 0.3f});
+  Material glass{.diffuse = Color{0.1f}, .reflect = 0.4, .refract = 0.5, .ior = 1.5};
+  scene.add(mesh_of(meshes::moved(meshes::icosphere(2), 0.5, {0.2, -0.7, 2.9})), glass);
+  // Once more in the same place, and so on equal t; and a sphere that lies in between.
+  scene.add(mesh_of(meshes::moved(meshes::torus(30, 12), 0.7, {0.9, 0, 4.2})), Color{1, 0, 0});
+  scene.add(Sphere{.center = {0.9, 0, 4.2}, .radius = 0.6}, Color{0.3f, 0.3f, 0.9f});
+  scene.add(Plane{.normal = {0, 1, 0}, .distance = -1.2}, Material{.diffuse = Color{0.5f}, .reflect = 0.3});
+  scene.add(PointLight{.position = {1, 4, 1}, .power = Color{400}});
+  return scene;
+}
+
+/// Triangles of all sizes anywhere around a place, some of them twice, and some again a little aside.
+MeshData soup(Random& random, int count, double size) {
+  MeshData data;
+  for (int i = 0; i < count; ++i) {
+    const Point at = random.point(1);
+    const double reach = size * std::exp2(random.real(-3, 0));
+    for (int k = 0; k < 3; ++k) data.vertices.push_back(at + reach * random.point(1));
+    const auto first = static_cast<std::uint32_t>(data.vertices.size() - 3);
+    data.triangles.push_back({first, first + 1, first + 2});
+    if (i % 9 == 0) data.triangles.push_back({first + 1, first, first + 2});
+    if (i % 11 == 0) data.triangles.push_back({first + 1, first, first + 1});
+    if (i % 3 != 0) continue;
+    for (std::uint32_t k = 0; k < 3; ++k)
+      data.vertices.push_back(data.vertices[first + k] + reach * std::exp2(-20 - i % 10) * random.point(1));
+    data.triangles.push_back({first + 3, first + 5, first + 4});
+  }
+  return data;
+}
+
+}  // namespace
+
+TEST_CASE("by tiles, meshes among other surfaces look as they do ray by ray") {
+  const Everything scene = many_things();
+  const Camera camera{.position = {0, 0.2, 0}};
+  CHECK(drawn_otherwise(scene, camera, BinaryIntegrator{}) == 0);
+  CHECK(drawn_otherwise(scene, camera, NormalIntegrator{}) == 0);
+  CHECK(drawn_otherwise(scene, camera, ColorIntegrator{}) == 0);
+  CHECK(drawn_otherwise(scene, camera, ShadowIntegrator{}) == 0);
+  CHECK(drawn_otherwise(scene, camera, TransparencyIntegrator{}) == 0);
+}
+
+TEST_CASE("by tiles, meshes look as they do ray by ray to any camera, in parts and to several rays a pixel") {
+  const Everything scene = many_things();
+  const Vec3 ahead{0, 0, 1}, up{0, 1, 0};
+  for (const Camera& camera :
+       {Camera::sensor(Point{0}, ahead, up, 0.5), Camera::viewport(Point{0}, ahead, up, 2, 2, 3.5),
+        Camera::orthographic(Point{0}, ahead, up, 3), Camera{.position = {-0.8, 0, 4}},  // inside the ball
+        Camera{.right = {1, 0.5, 0}, .up = {0.2, -1, 0}, .forward = {0.3, 0, 1.2}},
+        Camera{.right = {1, 0, 0}, .up = {0, 1, 0}, .forward = {0.9999, 0, 0.01}}}) {
+    CHECK(drawn_otherwise(scene, camera, NormalIntegrator{}) == 0);
+    CHECK(drawn_otherwise(scene, camera, ColorIntegrator{}, {.samples = 3}) == 0);
+  }
+  const RenderOptions part{.crop = {.x = 211, .y = 163, .width = 500, .height = 400}};
+  CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}, part) == 0);
+  for (const int samples : {2, 4, 9})
+    CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}, {.samples = samples}) == 0);
+}
+
+TEST_CASE("by tiles, rays that are aimed at edges and vertices of a mesh meet what they meet ray by ray") {
+  // A pixel's middle is at multiples of 1/32, and so are the vertices that are 1, 2 or 4 away.
+  const Camera camera{.position = {0.03125, 0.03125, -4}};
+  for (const double scale : {0.25, 1.0}) {
+    Everything scene;
+    scene.add(mesh_of(meshes::moved(meshes::box(4), scale, {0, 0, 0})), Color{1});
+    for (const double z : {-3.0, -2.0}) {
+      MeshData grid;
+      for (std::uint32_t y = 0; y < 33; ++y)
+        for (std::uint32_t x = 0; x < 33; ++x) {
+          grid.vertices.push_back({(x - 16.0) / 16, (y - 16.0) / 16, z});
+          const std::uint32_t i = 33 * y + x;
+          if (x == 32 || y == 32 || (x + y) % 3 == 0) continue;
+          grid.triangles.push_back({i, i + 1, i + 34});
+          grid.triangles.push_back({i, i + 34, i + 33});
+        }
+      scene.add(mesh_of(grid), Color{static_cast<float>(-z), 1, 1});
+    }
+    Camera straight = camera;
+    straight.position = {0, 0, -4};
+    for (const Camera& one : {camera, straight}) {
+      CHECK(drawn_otherwise(scene, one, NormalIntegrator{}, {}, 64, 64) == 0);
+      CHECK(drawn_otherwise(scene, one, ColorIntegrator{}, {}, 65, 65) == 0);
+    }
+  }
+}
+
+TEST_CASE("by tiles, triangles of any size around a camera look as they do ray by ray") {
+  Random random(51);
+  int drawn = 0;
+  std::uint64_t in_doubt = 0;
+  for (int round = 0; round < 40; ++round) {
+    const double size = std::exp2(random.real(-9, 1)), scale = std::exp2(random.real(-30, 30));
+    const Vec3 offset = round % 3 == 0 ? scale * 1e4 * random.point(1) : Vec3{0};
+    const Mesh mesh = mesh_of(meshes::moved(soup(random, round % 3 == 1 ? 2000 : 200, size), scale, offset));
+    Everything scene;
+    scene.add(mesh, Color{1});
+    if (round % 4 == 0) scene.add(mesh, Color{2});
+    Camera camera = Camera::look_at(offset + scale * random.point(round % 2 == 0 ? 3 : 0.5),
+                                    offset + scale * random.point(0.2), random.direction(),
+                                    round % 5 == 0 ? 2 : random.real(20, 110));
+    if (round % 7 == 0) camera.forward *= 1e-3, camera.right *= 1e-3, camera.up *= 1e-3;
+    Image plain(97, 66), tiles(97, 66);
+    RenderStatistics taken;
+    render(tiles, camera, scene, NormalIntegrator{}, {.threads = 1, .statistics = &taken});
+    render(plain, camera, scene, NormalIntegrator{}, {.tiles = false});
+    CAPTURE(round);
+    CHECK(different_bytes(plain, tiles) == 0);
+    if (round % 4 != 0) in_doubt += taken.in_doubt;
+    drawn += count_pixels(plain, [&](int x, int y) { return plain(x, y) != Color{0}; });
+  }
+  CHECK(drawn > 40000);
+  CHECK(in_doubt < 20000);
+}
+
+TEST_CASE("by tiles, meshes of sizes that float does not hold look as they do ray by ray") {
+  for (const double size : {0x1p-300, 0x1p-100, 0x1p100, 0x1p300}) {
+    CAPTURE(size);
+    Everything scene;
+    scene.add(mesh_of(meshes::moved(meshes::icosphere(2), size, {0, 0, 3 * size})), Color{1});
+    CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}) == 0);
+    scene.add(mesh_of(meshes::icosphere(1)), Color{1});
+    CHECK(drawn_otherwise(scene, Camera{.position = {0, 0, -3}}, NormalIntegrator{}) == 0);
+  }
+}
+
+TEST_CASE("by tiles, more meshes than a tile draws, and many, look as they do ray by ray") {
+  Random random(52);
+  const MeshData ball = meshes::icosphere(0);
+  for (const int count : {30, 2100}) {
+    Everything scene;
+    for (int i = 0; i < count; ++i)
+      scene.add(mesh_of(meshes::moved(ball, 0.1, Vec3{0, 0, 3} + random.point(1))), random.color());
+    CHECK(drawn_otherwise(scene, Camera{}, ColorIntegrator{}) == 0);
+  }
+}
+
+TEST_CASE("a tile that draws a mesh leaves few rays in doubt") {
+  Everything scene;
+  MeshData ring = meshes::torus(300, 60);
+  scene.add(mesh_of(ring), Color{1});
+  const Camera camera = Camera::look_at({0, -2, 1.5}, {0, 0, 0}, {0, 0, 1}, 60);
+  Image image(320, 240);
+  RenderStatistics taken;
+  render(image, camera, scene, NormalIntegrator{}, {.statistics = &taken});
+  CHECK(taken.surface_tests < 320 * 240 + 1);
+  CHECK(taken.in_doubt < 320 * 240 / 100);
+}
