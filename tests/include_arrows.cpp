@@ -32,13 +32,13 @@ const std::vector<std::vector<std::string>> layers = {
      "surfaces/sphere.hpp", "surfaces/triangle.hpp"},
     {"scene.hpp", "surfaces/csg.hpp", "surfaces/instance.hpp", "accel/sphere_around.hpp",
      "accel/triangle_tree.hpp"},
-    {"surfaces/mesh.hpp", "camera.hpp", "image.hpp", "accel/packet.hpp", "integrators/binary.hpp",
-     "integrators/color.hpp", "integrators/depth.hpp", "integrators/diffuse.hpp", "integrators/normal.hpp",
-     "integrators/shadow.hpp", "integrators/transparency.hpp", "integrators/whitted.hpp"},
+    {"camera.hpp", "image.hpp", "accel/packet.hpp", "integrators/binary.hpp", "integrators/color.hpp",
+     "integrators/depth.hpp", "integrators/diffuse.hpp", "integrators/normal.hpp", "integrators/shadow.hpp",
+     "integrators/transparency.hpp", "integrators/whitted.hpp"},
     {"pixels.hpp", "accel/sphere_leaves.hpp"},
     {"integrator.hpp", "tone.hpp", "accel/accelerate.hpp", "accel/occluders.hpp", "accel/tile.hpp"},
-    {"accel/tile_scene.hpp"},
-    {"accel/render_tiles.hpp"},
+    {"accel/tile_scene.hpp", "accel/triangles_in_tile.hpp"},
+    {"accel/render_tiles.hpp", "surfaces/mesh.hpp"},
     {"render.hpp", "encode.hpp", "output_file.hpp"},
     {"pfm.hpp", "ppm.hpp", "io/obj.hpp", "io/scene_file.hpp", "io/stb_image_write.hpp"},
     {"io/image_texture.hpp"},
@@ -48,11 +48,11 @@ const std::vector<std::vector<std::string>> layers = {
 
 /// The surfaces that a program names by their headers where it has them, with what only they need.
 const std::set<std::string> on_demand = {
-    "numeric/affine.hpp",        "surfaces/csg.hpp",          "surfaces/instance.hpp",
-    "accel/triangle_leaves.hpp", "accel/triangle_tree.hpp",   "numeric/triangle_roots.hpp",
-    "surfaces/mesh.hpp",         "surfaces/triangle.hpp",     "numeric/box_roots.hpp",
-    "numeric/disk_roots.hpp",    "numeric/quadric_roots.hpp", "surfaces/box.hpp",
-    "surfaces/disk.hpp",         "surfaces/quadric.hpp",
+    "numeric/affine.hpp",         "surfaces/csg.hpp",        "surfaces/instance.hpp",
+    "accel/triangle_leaves.hpp",  "accel/triangle_tree.hpp", "accel/triangles_in_tile.hpp",
+    "numeric/triangle_roots.hpp", "surfaces/mesh.hpp",       "surfaces/triangle.hpp",
+    "numeric/box_roots.hpp",      "numeric/disk_roots.hpp",  "numeric/quadric_roots.hpp",
+    "surfaces/box.hpp",           "surfaces/disk.hpp",       "surfaces/quadric.hpp",
 };
 
 /// What the core includes from outside: the standard library, and of GLM the smallest part that will do; and

@@ -159,15 +159,16 @@ class Bvh {
     };
     open(tree_.nodes[tree_.root.node()]);
     while (top > 0) {
-      const auto [node, k, near] = stack[--top];
+      const Node& node = *stack[--top].parent;
+      const int k = stack[top].k;
       const auto corner = [&](int end) {
-        return Point(node->end[end][0][k], node->end[end][1][k], node->end[end][2][k]);
+        return Point(node.end[end][0][k], node.end[end][1][k], node.end[end][2][k]);
       };
       if (is_hidden(Bounds{corner(0), corner(1)})) continue;
-      if (node->child[k].is_leaf())
-        visit(node->child[k].leaf());
+      if (node.child[k].is_leaf())
+        visit(node.child[k].leaf());
       else
-        open(tree_.nodes[node->child[k].node()]);
+        open(tree_.nodes[node.child[k].node()]);
     }
   }
 
