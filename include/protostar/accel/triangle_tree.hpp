@@ -95,6 +95,7 @@ class TriangleTree {
         const std::uint32_t place = first + static_cast<std::uint32_t>(k);
         if (trusting && (crossed.surely >> k & 1) != 0 && crossed.far[k] < waiting_near) {
           waiting = place;
+          prefetch(&in_leaves_[place]), prefetch(&bvh_.order()[place]);
           waiting_near = crossed.near[k];
           left.until = std::min(left.until, crossed.far[k]);
         } else {
