@@ -254,7 +254,7 @@ TEST_CASE("what float says for sure of the triangles of a leaf is so, and it say
     }
     const simd::Bvh bvh(triangles.size(), [&](std::size_t i) { return triangles[i].bounds(); },
                         simd::node_width, {.threads = 1});
-    const simd::TriangleLeaves leaves(bvh, [&](std::size_t i) { return triangles[i]; });
+    const simd::TriangleLeaves leaves(bvh, [&](std::size_t place) { return triangles[bvh.order()[place]]; });
     for (int i = 0; i < 100; ++i) {
       const Triangle& aim = triangles[random.bits() % 8];
       const double u = random.real(-0.1, 1), v = random.real(-0.1, 1.1 - u);

@@ -58,12 +58,12 @@ class TriangleLeaves {
     }
   };
 
-  /// Of triangles with points a, b and c.
-  TriangleLeaves(const Bvh& bvh, const auto& triangle_of)
+  /// Of triangles with points a, b and c, by their places in the leaves.
+  TriangleLeaves(const Bvh& bvh, const auto& triangle_at)
       : rows_(rows * bvh.order().size() + static_cast<std::size_t>(float_lanes)) {
     bvh.each_leaf([&](Leaf leaf) {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
-        const auto& triangle = triangle_of(bvh.order()[leaf.first + i]);
+        const auto& triangle = triangle_at(leaf.first + i);
         // The edges are rounded once more than a is, which is nothing to float.
         const Point a = bvh.space()(triangle.a);
         const Vec3 u = (triangle.b - triangle.a) * bvh.space().scale,

@@ -24,10 +24,9 @@ class TriangleTree {
   TriangleTree(std::size_t count, const auto& triangle, const RenderOptions& options)
       : bvh_(
             count, [&](std::size_t i) { return triangle(i).bounds(); }, node_width, options),
-        leaves_(bvh_, triangle) {
-    in_leaves_.reserve(count);
-    for (const std::uint32_t i : bvh_.order()) in_leaves_.push_back(triangle(i));
-  }
+        in_leaves_(in_order(triangle)),
+        leaves_(
+            bvh_, [&](std::size_t place) -> auto& { return in_leaves_[place]; }) {}
 
   /// Calls visit(triangle, i) for all that a ray may cross inside the range, in any order, until one returns
   /// true; returns whether one did.
@@ -134,9 +133,16 @@ class TriangleTree {
     return each_along<order>(bvh_, ray, range, visit_one, visit_leaf, leaves_.soon());
   }
 
+  [[nodiscard]] std::vector<Triangle> in_order(const auto& triangle) const {
+    std::vector<Triangle> triangles;
+    triangles.reserve(bvh_.order().size());
+    for (const std::uint32_t i : bvh_.order()) triangles.push_back(triangle(i));
+    return triangles;
+  }
+
   Bvh bvh_;
-  TriangleLeaves leaves_;
   std::vector<Triangle> in_leaves_;  ///< by their places in the leaves, so that a leaf's are side by side
+  TriangleLeaves leaves_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd
