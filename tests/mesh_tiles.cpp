@@ -2,13 +2,11 @@
 #include <cmath>
 #include <cstring>
 #include <protostar/integrators/binary.hpp>
-#include <protostar/integrators/color.hpp>
 #include <protostar/integrators/normal.hpp>
-#include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/transparency.hpp>
+#include <protostar/integrators/whitted.hpp>
 #include <protostar/render.hpp>
 #include <protostar/surfaces/mesh.hpp>
-#include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <string>
 #include <utility>
@@ -22,7 +20,8 @@ using namespace protostar;
 
 namespace {
 
-using Everything = Scene<Sphere, Mesh, Plane>;
+/// For all tests, since every integrator is compiled anew for each type of scene.
+using Everything = Scene<Sphere, Mesh>;
 
 int different_bytes(const Image& a, const Image& b) {
   return count_pixels(a, [&](int x, int y) { return std::memcmp(&a(x, y), &b(x, y), sizeof(Color)) != 0; });
@@ -57,7 +56,6 @@ Everything many_things() {
   // Once more in the same place, and so on equal t; and a sphere that lies in between.
   scene.add(mesh_of(meshes::moved(meshes::torus(30, 12), 0.7, {0.9, 0, 4.2})), Color{1, 0, 0});
   scene.add(Sphere{.center = {0.9, 0, 4.2}, .radius = 0.6}, Color{0.3f, 0.3f, 0.9f});
-  scene.add(Plane{.normal = {0, 1, 0}, .distance = -1.2}, Material{.diffuse = Color{0.5f}, .reflect = 0.3});
   scene.add(PointLight{.position = {1, 4, 1}, .power = Color{400}});
   return scene;
 }
@@ -88,9 +86,8 @@ TEST_CASE("by tiles, meshes among other surfaces look as they do ray by ray") {
   const Camera camera{.position = {0, 0.2, 0}};
   CHECK(drawn_otherwise(scene, camera, BinaryIntegrator{}) == 0);
   CHECK(drawn_otherwise(scene, camera, NormalIntegrator{}) == 0);
-  CHECK(drawn_otherwise(scene, camera, ColorIntegrator{}) == 0);
-  CHECK(drawn_otherwise(scene, camera, ShadowIntegrator{}) == 0);
   CHECK(drawn_otherwise(scene, camera, TransparencyIntegrator{}) == 0);
+  CHECK(drawn_otherwise(scene, camera, WhittedIntegrator{.depth = 5}) == 0);
 }
 
 TEST_CASE("by tiles, meshes look as they do ray by ray to any camera, in parts and to several rays a pixel") {
@@ -102,7 +99,7 @@ TEST_CASE("by tiles, meshes look as they do ray by ray to any camera, in parts a
         Camera{.right = {1, 0.5, 0}, .up = {0.2, -1, 0}, .forward = {0.3, 0, 1.2}},
         Camera{.right = {1, 0, 0}, .up = {0, 1, 0}, .forward = {0.9999, 0, 0.01}}}) {
     CHECK(drawn_otherwise(scene, camera, NormalIntegrator{}) == 0);
-    CHECK(drawn_otherwise(scene, camera, ColorIntegrator{}, {.samples = 3}) == 0);
+    CHECK(drawn_otherwise(scene, camera, NormalIntegrator{}, {.samples = 3}) == 0);
   }
   const RenderOptions part{.crop = {.x = 211, .y = 163, .width = 500, .height = 400}};
   CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}, part) == 0);
@@ -132,7 +129,7 @@ TEST_CASE("by tiles, rays that are aimed at edges and vertices of a mesh meet wh
     straight.position = {0, 0, -4};
     for (const Camera& one : {camera, straight}) {
       CHECK(drawn_otherwise(scene, one, NormalIntegrator{}, {}, 64, 64) == 0);
-      CHECK(drawn_otherwise(scene, one, ColorIntegrator{}, {}, 65, 65) == 0);
+      CHECK(drawn_otherwise(scene, one, NormalIntegrator{}, {}, 65, 65) == 0);
     }
   }
 }
@@ -141,7 +138,7 @@ TEST_CASE("by tiles, triangles of any size around a camera look as they do ray b
   Random random(51);
   int drawn = 0;
   std::uint64_t in_doubt = 0;
-  for (int round = 0; round < 40; ++round) {
+  for (int round = 0; round < 30; ++round) {
     const double size = std::exp2(random.real(-9, 1)), scale = std::exp2(random.real(-30, 30));
     const Vec3 offset = round % 3 == 0 ? scale * 1e4 * random.point(1) : Vec3{0};
     const Mesh mesh = mesh_of(meshes::moved(soup(random, round % 3 == 1 ? 2000 : 200, size), scale, offset));
@@ -161,7 +158,7 @@ TEST_CASE("by tiles, triangles of any size around a camera look as they do ray b
     if (round % 4 != 0) in_doubt += taken.in_doubt;
     drawn += count_pixels(plain, [&](int x, int y) { return plain(x, y) != Color{0}; });
   }
-  CHECK(drawn > 40000);
+  CHECK(drawn > 30000);
   CHECK(in_doubt < 20000);
 }
 
@@ -169,10 +166,10 @@ TEST_CASE("by tiles, meshes of sizes that float does not hold look as they do ra
   for (const double size : {0x1p-300, 0x1p-100, 0x1p100, 0x1p300}) {
     CAPTURE(size);
     Everything scene;
-    scene.add(mesh_of(meshes::moved(meshes::icosphere(2), size, {0, 0, 3 * size})), Color{1});
-    CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}) == 0);
+    scene.add(mesh_of(meshes::moved(meshes::icosphere(1), size, {0, 0, 3 * size})), Color{1});
+    CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}, {}, 20, 15) == 0);
     scene.add(mesh_of(meshes::icosphere(1)), Color{1});
-    CHECK(drawn_otherwise(scene, Camera{.position = {0, 0, -3}}, NormalIntegrator{}) == 0);
+    CHECK(drawn_otherwise(scene, Camera{.position = {0, 0, -3}}, NormalIntegrator{}, {}, 20, 15) == 0);
   }
 }
 
@@ -183,7 +180,7 @@ TEST_CASE("by tiles, more meshes than a tile draws, and many, look as they do ra
     Everything scene;
     for (int i = 0; i < count; ++i)
       scene.add(mesh_of(meshes::moved(ball, 0.1, Vec3{0, 0, 3} + random.point(1))), random.color());
-    CHECK(drawn_otherwise(scene, Camera{}, ColorIntegrator{}) == 0);
+    CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}, {}, 30, 20) == 0);
   }
 }
 
