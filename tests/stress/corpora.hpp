@@ -542,8 +542,8 @@ inline Affine any_map(Random& random) {
   const double far = size(random, -10, 20), unit = size(random, -10, 10), angle = random.real(0, 360);
   const Vec3 stretches{size(random, -4, 4), size(random, -4, 4), -size(random, -4, 4)},
       move = random.point(far), axis = random.direction();
-  Affine map{.x = {1, random.real(-0.5, 0.5), 0}};
-  return map.scaled_by(unit * stretches).rotated_about(axis, angle).moved_by(move);
+  const Affine sheared{.x = {1, random.real(-0.5, 0.5), 0}};
+  return sheared.scaled_by(unit * stretches).rotated_about(axis, angle).moved_by(move);
 }
 
 inline Ray carried(const Ray& ray, const Affine& map) {
@@ -591,16 +591,22 @@ inline Affine whole_map(Random& random) {
   return {axes[0], axes[1], axes[2], whole_vector(random, -99, 99)};
 }
 
-/// Whole numbers that make the line touch exactly, but for a nudge that leaves all that is carried exact.
+/// Whole numbers that make the line touch exactly, but for a nudge that leaves all that is carried exact;
+/// times powers of two, some so large or small that squares or products leave the range of double.
 inline PlacedSphereCase instances_whole(Random& random) {
   const int k = whole(random, 1, 50), times = whole(random, 0, 2);
   const Vec3 d = turned({-4, 3, whole(random, -9, 9)}, times), radius = turned({3 * k, 4 * k, 0}, times);
   const Point center = whole_vector(random, -99, 99);
   const double ahead = whole(random, -9, 99);
   Point origin = center + radius - ahead * d;
-  if (whole(random, 0, 2) == 0) origin[whole(random, 0, 2)] += tiny(random, 20, 30);
+  if (whole(random, 0, 2) == 0) origin[whole(random, 0, 2)] += tiny(random, 10, 20);
   const Affine map = whole_map(random);
-  return {carried({origin, d}, map), Placed(Sphere{center, 5.0 * k}, map, true)};
+  const int most = coin(random) ? 300 : 0;
+  const double unit = std::ldexp(1, whole(random, -most, most));
+  const Ray there = carried({origin, d}, map);
+  return {{unit * there.origin, std::ldexp(1, whole(random, -most, most)) * there.direction},
+          Placed(Sphere{center, 5.0 * k},
+                 Affine{unit * map.x, unit * map.y, unit * map.z, unit * map.translation}, true)};
 }
 
 inline PlacedPlaneCase instances_of_planes_whole(Random& random) {
@@ -621,16 +627,6 @@ inline PlacedSphereCase instances_leaving(Random& random) {
   PlacedSphereCase c{carried({center + radius, d}, map), Placed(Sphere{center, 5.0 * k}, map, true)};
   c.ray.departure = c.surface.departure();
   return c;
-}
-
-inline PlacedSphereCase instances_exponents(Random& random) {
-  const PlacedSphereCase c = instances_whole(random);
-  const int lengthened = whole(random, -300, 300);
-  const double unit = std::ldexp(1, whole(random, -300, 300));
-  const Affine& map = c.surface.placement;
-  return {
-      {unit * c.ray.origin, std::ldexp(1, lengthened) * c.ray.direction},
-      Placed(c.surface.own, Affine{unit * map.x, unit * map.y, unit * map.z, unit * map.translation}, true)};
 }
 
 // ---- Solids made of solids
@@ -660,10 +656,11 @@ inline QuadricForm half_space(const Vec3& normal, double distance) {
 inline SolidTree::Solid any_solid(Random& random) {
   const Point center = random.point(1), other = random.point(1);
   const double radius = random.real(0.5, 1.5);
-  switch (whole(random, 0, 3)) {
+  switch (whole(random, 0, 7)) {
     case 0:
-      return box_around(center, other);
     case 1:
+      return box_around(center, other);
+    case 2:
       return Quadric{half_space(random.direction(), random.real(-1, 1))};
     default:
       return Sphere{center, radius};
@@ -680,10 +677,12 @@ inline MadeCase solids(Random& random) {
 /// Small whole numbers, so that solids touch and have faces in common.
 inline SolidTree::Solid whole_solid(Random& random) {
   const Point center = whole_vector(random, -2, 2), other = whole_vector(random, -2, 2);
-  switch (whole(random, 0, 3)) {
+  switch (whole(random, 0, 7)) {
     case 0:
-      return Sphere{center, static_cast<double>(whole(random, 1, 3))};
     case 1:
+    case 2:
+      return Sphere{center, static_cast<double>(whole(random, 1, 3))};
+    case 3:
       return Quadric{
           half_space(turned({2, 0, 2 * whole(random, 0, 1)}, whole(random, 0, 2)), 2 * whole(random, -2, 2))};
     default:
@@ -691,24 +690,21 @@ inline SolidTree::Solid whole_solid(Random& random) {
   }
 }
 
+/// Now and then, the ray leaves the plane of a box's face, from the face or from beside it.
 inline MadeCase solids_whole(Random& random) {
   const int count = whole(random, 2, 4);
   SolidTree tree = tree_of(random, whole_solid, count);
   const Point origin = whole_vector(random, -4, 4), target = whole_vector(random, -2, 2);
-  return {{origin, target - origin}, Made(std::move(tree))};
-}
-
-/// Rays that leave the plane of a box's face, from the face or from beside it.
-inline MadeCase solids_leaving(Random& random) {
-  MadeCase c = solids_whole(random);
-  c.surface.tree.each_solid([&](const SolidTree::Solid& solid) {
-    const Box* const box = std::get_if<Box>(&solid);
-    if (!box || c.ray.departure.kind != protostar::Departure::Kind::none) return;
-    const int face = whole(random, 0, 5);
-    c.ray.origin[face / 2] = face % 2 == 0 ? box->min[face / 2] : box->max[face / 2];
-    c.ray.departure = box->departure(face);
-  });
-  return c.ray.departure.kind == protostar::Departure::Kind::none ? solids_leaving(random) : c;
+  Ray ray{origin, target - origin};
+  if (coin(random))
+    tree.each_solid([&](const SolidTree::Solid& solid) {
+      const Box* const box = std::get_if<Box>(&solid);
+      if (!box || ray.departure.kind != protostar::Departure::Kind::none) return;
+      const int face = whole(random, 0, 5);
+      ray.origin[face / 2] = face % 2 == 0 ? box->min[face / 2] : box->max[face / 2];
+      ray.departure = box->departure(face);
+    });
+  return {ray, Made(std::move(tree))};
 }
 
 inline const std::vector<Corpus<Sphere>> of_spheres{
@@ -744,15 +740,12 @@ inline const std::vector<Corpus<Quadric>> of_quadrics{{"quadrics", quadrics},
                                                       {"q. leaving", quadrics_leaving},
                                                       {"q. exponents", quadrics_exponents}};
 
-inline const std::vector<Corpus<Placed<Sphere>>> of_placed_spheres{{"instances", instances},
-                                                                   {"i. whole", instances_whole},
-                                                                   {"i. leaving", instances_leaving},
-                                                                   {"i. exponents", instances_exponents}};
+inline const std::vector<Corpus<Placed<Sphere>>> of_placed_spheres{
+    {"instances", instances}, {"i. whole", instances_whole}, {"i. leaving", instances_leaving}};
 
 inline const std::vector<Corpus<Placed<Plane>>> of_placed_planes{
     {"i. planes", instances_of_planes}, {"i. planes whole", instances_of_planes_whole}};
 
-inline const std::vector<Corpus<Made>> of_trees{
-    {"csg", solids}, {"csg whole", solids_whole}, {"csg leaving", solids_leaving}};
+inline const std::vector<Corpus<Made>> of_trees{{"csg", solids}, {"csg whole", solids_whole}};
 
 }  // namespace corpora

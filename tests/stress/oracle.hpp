@@ -193,17 +193,18 @@ struct CarriedRay {
   Vector<T> origin, direction;
 
   CarriedRay(const protostar::Ray& ray, const protostar::Affine& map)
-      : CarriedRay(ray, map, Vector<T>(map.x), Vector<T>(map.y), Vector<T>(map.z)) {}
+      : CarriedRay(ray, map, cross(Vector<T>(map.y), Vector<T>(map.z)),
+                   cross(Vector<T>(map.z), Vector<T>(map.x)), cross(Vector<T>(map.x), Vector<T>(map.y))) {}
 
  private:
-  CarriedRay(const protostar::Ray& ray, const protostar::Affine& map, const Vector<T>& x, const Vector<T>& y,
-             const Vector<T>& z)
-      : determinant(dot(x, cross(y, z))),
-        origin(back(Vector<T>(ray.origin) - Vector<T>(map.translation), x, y, z)),
-        direction(back(Vector<T>(ray.direction), x, y, z)) {}
+  CarriedRay(const protostar::Ray& ray, const protostar::Affine& map, const Vector<T>& yz,
+             const Vector<T>& zx, const Vector<T>& xy)
+      : determinant(dot(Vector<T>(map.x), yz)),
+        origin(back(Vector<T>(ray.origin) - Vector<T>(map.translation), yz, zx, xy)),
+        direction(back(Vector<T>(ray.direction), yz, zx, xy)) {}
 
-  static Vector<T> back(const Vector<T>& v, const Vector<T>& x, const Vector<T>& y, const Vector<T>& z) {
-    return {dot(cross(y, z), v), dot(cross(z, x), v), dot(cross(x, y), v)};
+  static Vector<T> back(const Vector<T>& v, const Vector<T>& yz, const Vector<T>& zx, const Vector<T>& xy) {
+    return {dot(yz, v), dot(zx, v), dot(xy, v)};
   }
 };
 

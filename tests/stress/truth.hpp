@@ -252,13 +252,8 @@ inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar:
 inline const char* wrong_coefficient(const protostar::Ray& ray, const Placed<protostar::Plane>& placed) {
   return wrong_in_linear(PlacedPlaneEquation<Ball>(ray, placed), PlacedPlaneEquation<Number>(ray, placed));
 }
-inline const char* wrong_coefficient(const protostar::Ray& ray, const Made& made) {
-  const char* wrong = nullptr;
-  made.tree.each_solid([&](const SolidTree::Solid& held) {
-    if (!wrong) wrong = std::visit([&](const auto& solid) { return wrong_coefficient(ray, solid); }, held);
-  });
-  return wrong;
-}
+/// A tree has no equation but those of its solids.
+inline const char* wrong_coefficient(const protostar::Ray&, const Made&) { return nullptr; }
 inline const char* wrong_coefficient(const protostar::Ray& ray,
                                      const protostar::Parallelogram& parallelogram) {
   const ParallelogramEquation<Ball> e(ray, parallelogram);
