@@ -212,11 +212,18 @@ class Mesh {
   /// Calls visit(const Crossing&) for every crossing inside the range, near to far.
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
     std::vector<Crossing> crossings;
-    const auto find = [&](const Triangle& triangle, std::uint32_t i) {
-      if (const auto crossing = crossing_with(triangle, i, ray, range)) crossings.push_back(*crossing);
-      return false;
+    // The tree knows rays and no lines: what is behind the origin lies ahead of a ray that is turned around.
+    const auto find_along = [&](const Ray& half, double length, bool is_behind) {
+      const auto find = [&](const Triangle& triangle, std::uint32_t i) {
+        const auto crossing = crossing_with(triangle, i, ray, range);
+        if (crossing && (crossing->t < 0) == is_behind) crossings.push_back(*crossing);
+        return false;
+      };
+      contents_->tree.each_crossed(half, {std::max(is_behind ? -range.max : range.min, 0.0), length},
+                                   data().triangle_of(), find);
     };
-    contents_->tree.each_crossed(ray, range, data().triangle_of(), find);
+    if (range.max > 0) find_along(ray, range.max, false);
+    if (range.min < 0) find_along(ray.turned(-ray.direction), -range.min, true);
     std::sort(crossings.begin(), crossings.end(),
               [&](const Crossing& a, const Crossing& b) { return comes_before(ray, a, b); });
     for (const Crossing& crossing : crossings) visit(crossing);
