@@ -129,7 +129,13 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const proto
                                           bool leaves) {
   QuadricEquation<Ball> e(ray, quadric.form);
   if (!e.A.is_known() || !e.b.is_known()) return std::nullopt;
-  if (leaves) return e.A.sign() == 0 ? Truth<>{} : first_level(Ball(2) * e.b, e.A);
+  if (leaves && e.A.sign() == 0) return Truth<>{};
+  if (leaves) {
+    // In the middle of the chord the form is c − b²/A, and in the center no more than that (meets_again).
+    const Ball rest = Ball(2048) * e.c * e.A - square(e.b);
+    if (e.A.sign() > 0 && !(rest.is_known() && rest.sign() <= 0)) return std::nullopt;
+    return first_level(Ball(2) * e.b, e.A);
+  }
   if (e.A.sign() == 0) return e.b.sign() == 0 ? Truth<>{} : first_level(e.c, Ball(2) * e.b);
   if (e.A.sign() < 0) e.A = -e.A, e.b = -e.b, e.c = -e.c;
   return both_roots(e);
