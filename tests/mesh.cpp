@@ -237,42 +237,6 @@ TEST_CASE(
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a mesh is a solid if of each edge as many triangles have it in one direction as in the other") {
-  for (const MeshData& closed : {meshes::box(2), meshes::icosphere(1), meshes::torus(9, 7)}) {
-    CHECK(closed.is_closed());
-    MeshData apart = closed;  // each triangle with vertices of its own
-    apart.vertices.clear();
-    for (auto& triangle : apart.triangles)
-      for (std::uint32_t& vertex : triangle) {
-        apart.vertices.push_back(closed.vertices[vertex]);
-        vertex = static_cast<std::uint32_t>(apart.vertices.size()) - 1;
-      }
-    CHECK(apart.is_closed());
-    CHECK(is_solid(Mesh(apart)));
-    MeshData turned = closed;
-    std::swap(turned.triangles[3][0], turned.triangles[3][1]);
-    CHECK_FALSE(turned.is_closed());
-    MeshData open = closed;
-    open.triangles.pop_back();
-    CHECK_FALSE(open.is_closed());
-    open.triangles.push_back({0, 1, 0});  // without area, it closes nothing
-    CHECK_FALSE(open.is_closed());
-    MeshData moved = closed;
-    const std::uint32_t corner = moved.triangles[0][0];
-    moved.vertices.push_back(moved.vertices[corner] * (1 + 1e-15));
-    moved.triangles[0][0] = static_cast<std::uint32_t>(moved.vertices.size()) - 1;
-    CHECK_FALSE(moved.is_closed());
-  }
-  CHECK_FALSE(is_solid(Mesh(one_triangle())));
-  MeshData both_sides = one_triangle();
-  both_sides.triangles.push_back({1, 0, 2});
-  CHECK(both_sides.is_closed());
-  MeshData zeros = both_sides;  // −0 is at 0
-  zeros.vertices.push_back({-0.0, -0.0, 3});
-  zeros.triangles[1] = {1, 3, 2};
-  CHECK(zeros.is_closed());
-}
-
 TEST_CASE("a mesh that makes no sense is refused, and says why") {
   const auto says = [](const MeshData& data) {
     return message_of<std::invalid_argument>([&] { Mesh mesh(data); });

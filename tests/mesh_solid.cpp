@@ -1,5 +1,6 @@
-// Meshes among the solids of a tree.
+// Meshes as solids, and among those of a tree.
 #include <array>
+#include <cstdint>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/render.hpp>
 #include <protostar/surfaces/box.hpp>
@@ -8,6 +9,7 @@
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "support/catch.hpp"
@@ -29,6 +31,43 @@ std::vector<double> crossings(const Csg& tree, const Ray& ray, Interval range = 
 }
 
 }  // namespace
+
+TEST_CASE("a mesh is a solid if of each edge as many triangles have it in one direction as in the other") {
+  for (const MeshData& closed : {meshes::box(2), meshes::icosphere(1), meshes::torus(9, 7)}) {
+    CHECK(closed.is_closed());
+    MeshData apart = closed;  // each triangle with vertices of its own
+    apart.vertices.clear();
+    for (auto& triangle : apart.triangles)
+      for (std::uint32_t& vertex : triangle) {
+        apart.vertices.push_back(closed.vertices[vertex]);
+        vertex = static_cast<std::uint32_t>(apart.vertices.size()) - 1;
+      }
+    CHECK(apart.is_closed());
+    CHECK(is_solid(Mesh(apart)));
+    MeshData turned = closed;
+    std::swap(turned.triangles[3][0], turned.triangles[3][1]);
+    CHECK_FALSE(turned.is_closed());
+    MeshData open = closed;
+    open.triangles.pop_back();
+    CHECK_FALSE(open.is_closed());
+    open.triangles.push_back({0, 1, 0});  // without area, it closes nothing
+    CHECK_FALSE(open.is_closed());
+    MeshData moved = closed;
+    const std::uint32_t corner = moved.triangles[0][0];
+    moved.vertices.push_back(moved.vertices[corner] * (1 + 1e-15));
+    moved.triangles[0][0] = static_cast<std::uint32_t>(moved.vertices.size()) - 1;
+    CHECK_FALSE(moved.is_closed());
+  }
+  const MeshData triangle{.vertices = {{0, 0, 3}, {2, 0, 3}, {0, 2, 3}}, .triangles = {{0, 1, 2}}};
+  CHECK_FALSE(is_solid(Mesh(triangle)));
+  MeshData both_sides = triangle;
+  both_sides.triangles.push_back({1, 0, 2});
+  CHECK(both_sides.is_closed());
+  MeshData zeros = both_sides;  // −0 is at 0
+  zeros.vertices.push_back({-0.0, -0.0, 3});
+  zeros.triangles[1] = {1, 3, 2};
+  CHECK(zeros.is_closed());
+}
 
 TEST_CASE("a closed mesh is a solid like others") {
   const MeshData cube = meshes::box(1);  // as the box from −1 to 1
