@@ -1,6 +1,7 @@
 // A quadric, a sphere, a box, a disk, a triangle and a parallelogram on a plane of squares.
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/render.hpp>
+#include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/disk.hpp>
 #include <protostar/surfaces/parallelogram.hpp>
@@ -9,6 +10,7 @@
 #include <protostar/surfaces/sphere.hpp>
 #include <protostar/surfaces/triangle.hpp>
 
+#include "support/any_surfaces.hpp"
 #include "support/stage.hpp"
 
 using namespace protostar;
@@ -17,7 +19,7 @@ int main(int argc, char** argv) {
   return run_stage(argc, argv, {.integrator = "shadow"}, [](Stage& stage) {
     const Camera camera = Camera::perspective({0, 4, -6}, {0, -3, 4}, {0, 4, 3}, 60);
 
-    Scene<Plane, Quadric, Sphere, Box, Disk, Triangle, Parallelogram> scene;
+    Scene<Plane, AnySurface> scene;  // a list of planes, and one of all others
     scene.add(Plane{}, Material{.texture = Checker{.first = Color{0.6f}, .second = Color{0.25f}}});
     // 2x² + y + 2z² − 2 = 0: a hill of height 2, and of radius 1 on the board
     scene.add(Quadric{{.squares = {2, 0, 2}, .linear = {0, 0.5, 0}, .constant = -2}},

@@ -1,8 +1,10 @@
 // Solids made of solids, each turned and put in its place: a cube with holes, a bowl and a lens.
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/render.hpp>
+#include <protostar/surfaces/any_surface.hpp>
 
 #include "scenes/carved_solids.hpp"
+#include "support/any_surfaces.hpp"
 #include "support/stage.hpp"
 
 using namespace protostar;
@@ -14,7 +16,7 @@ int main(int argc, char** argv) {
       return Affine{}.rotated_about(axis, degrees);
     };
 
-    Scene<Plane, Instance<Csg>> scene;
+    Scene<Plane, AnySurface> scene;
     scene.add(Plane{.normal = {0, 1, 0}, .distance = -1.5}, Color{0.6f});
     scene.add(Instance(rounded_cube_with_holes(),
                        turned({0, 1, 0}, 35).rotated_about({1, 0, 0}, -25).moved_by({0, 0, 5})),

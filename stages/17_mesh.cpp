@@ -5,6 +5,7 @@
 #include <protostar/surfaces/mesh.hpp>
 #include <protostar/surfaces/plane.hpp>
 
+#include "support/mesh_pictures.hpp"
 #include "support/stage.hpp"
 
 using namespace protostar;

@@ -44,14 +44,16 @@ struct StageRow {
   std::string name, integrator;
 };
 
-const std::vector<StageRow> all_stages{{"01_gradient", "gradient"}, {"02_sphere", "sphere"},
-                                       {"03_scene", "binary"},      {"04_depth", "depth"},
-                                       {"05_normal", "normal"},     {"06_color", "color"},
-                                       {"07_diffuse", "diffuse"},   {"08_transparency", "transparency"},
-                                       {"09_shadow", "shadow"},     {"10_phong", "whitted"},
-                                       {"11_mirror", "whitted"},    {"12_glass", "whitted"},
-                                       {"13_whitted", "whitted"},   {"14_primitives", "shadow"},
-                                       {"15_csg", "shadow"},        {"16_environment", "whitted"}};
+const std::vector<StageRow> all_stages {
+  {"01_gradient", "gradient"}, {"02_sphere", "sphere"}, {"03_scene", "binary"}, {"04_depth", "depth"},
+      {"05_normal", "normal"}, {"06_color", "color"}, {"07_diffuse", "diffuse"},
+      {"08_transparency", "transparency"}, {"09_shadow", "shadow"}, {"10_phong", "whitted"},
+      {"11_mirror", "whitted"}, {"12_glass", "whitted"}, {"13_whitted", "whitted"},
+      {"14_primitives", "shadow"}, {"15_csg", "shadow"}, {"16_environment", "whitted"},
+#if __has_include(<tiny_obj_loader.h>)  // else there is no such stage
+      {"17_mesh", "shadow"},
+#endif
+};
 
 Outcome run_stage(const std::string& name, const std::string& arguments, const TemporaryFolder& folder,
                   std::function<void()> before = {}) {

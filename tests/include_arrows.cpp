@@ -26,7 +26,8 @@ const std::vector<std::vector<std::string>> layers = {
     {"intersection.hpp", "numeric/box_roots.hpp", "numeric/disk_roots.hpp", "numeric/parallelogram_roots.hpp",
      "numeric/plane_roots.hpp", "numeric/quadric_roots.hpp", "numeric/sphere_roots.hpp",
      "numeric/triangle_roots.hpp", "numeric/trigonometry.hpp", "accel/bvh_build.hpp"},
-    {"light.hpp", "numeric/affine.hpp", "surface.hpp", "accel/bvh.hpp", "surfaces/coordinates.hpp"},
+    {"light.hpp", "numeric/affine.hpp", "numeric/quadric_bounds.hpp", "surface.hpp", "accel/bvh.hpp",
+     "surfaces/coordinates.hpp"},
     {"closest_hit.hpp", "accel/triangle_leaves.hpp", "surfaces/any_surface.hpp", "surfaces/box.hpp",
      "surfaces/disk.hpp", "surfaces/parallelogram.hpp", "surfaces/plane.hpp", "surfaces/quadric.hpp",
      "surfaces/sphere.hpp", "surfaces/triangle.hpp"},
@@ -48,11 +49,12 @@ const std::vector<std::vector<std::string>> layers = {
 
 /// The surfaces that a program names by their headers where it has them, with what only they need.
 const std::set<std::string> on_demand = {
-    "numeric/affine.hpp",         "surfaces/csg.hpp",        "surfaces/instance.hpp",
-    "accel/triangle_leaves.hpp",  "accel/triangle_tree.hpp", "accel/triangles_in_tile.hpp",
-    "numeric/triangle_roots.hpp", "surfaces/mesh.hpp",       "surfaces/triangle.hpp",
-    "numeric/box_roots.hpp",      "numeric/disk_roots.hpp",  "numeric/quadric_roots.hpp",
-    "surfaces/box.hpp",           "surfaces/disk.hpp",       "surfaces/quadric.hpp",
+    "numeric/affine.hpp",         "surfaces/csg.hpp",           "surfaces/instance.hpp",
+    "accel/triangle_leaves.hpp",  "accel/triangle_tree.hpp",    "accel/triangles_in_tile.hpp",
+    "numeric/triangle_roots.hpp", "surfaces/mesh.hpp",          "surfaces/triangle.hpp",
+    "numeric/box_roots.hpp",      "numeric/disk_roots.hpp",     "numeric/quadric_roots.hpp",
+    "surfaces/box.hpp",           "numeric/quadric_bounds.hpp", "surfaces/disk.hpp",
+    "surfaces/quadric.hpp",
 };
 
 /// What the core includes from outside: the standard library, and of GLM the smallest part that will do; and

@@ -934,6 +934,31 @@ TEST_CASE("a mesh is looked for from the folder of the scene, and is scaled, the
   CHECK_THAT(error(""),
              ContainsSubstring("/objects/2/surface/file: \"a.obj\" is not possible: cannot read '"));
 }
+
+TEST_CASE("a mesh in a scene file may be cut with other solids if it is closed") {
+  const TemporaryFolder folder;
+  const auto read_cut = [&](const std::string& first) {
+    put_bytes(folder / "a.json", with_surface(R"({"type": "csg", "operation": "difference", "surfaces": [)" +
+                                              first + ", " + ball + "]}"));
+    return read_scene(folder / "a.json");
+  };
+  const std::string mesh = R"({"type": "mesh", "file": "a.obj", "scale": 2})";
+  const std::string open = "v -5 -5 1\nv 5 -5 1\nv 0 5 1\nv 0 0 4 # the top\nf 1 3 2\nf 1 2 4\nf 2 3 4\n";
+  put_bytes(folder / "a.obj", open + "f 3 1 4\n");
+  std::vector<double> crossings;
+  read_cut(mesh).scene.surfaces<AnySurface>().at(0).each_crossing(
+      Ray{}, {}, [&](const Crossing& crossing) { crossings.push_back(crossing.t); });
+  CHECK(crossings == std::vector<double>{4, 8});  // from 2 to 4 the ball is taken away
+  put_bytes(folder / "a.obj", open);
+  const auto error = [&](const std::string& first) {
+    return message_of<SceneError>([&] { (void)read_cut(first); });
+  };
+  CHECK_THAT(error(mesh),
+             ContainsSubstring("/objects/0/surface/surfaces/0/file: \"a.obj\" is not the file of a closed "
+                               "mesh, whose triangles share each edge"));
+  CHECK_THAT(error(R"({"type": "instance", "surface": )" + mesh + "}"),
+             ContainsSubstring("/surfaces/0/type: \"instance\" is not the type of a closed solid"));
+}
 #endif
 
 TEST_CASE("the corpus of the fuzzer, like every scene, is read or refused in words") {

@@ -41,6 +41,18 @@ TEST_CASE("the vertices and faces of an OBJ file are read, whatever the lines en
   CHECK(read(corners + "f 1 2 3").triangles.size() == 1);  // without a line's end
 }
 
+TEST_CASE("a line of an OBJ file may end with a comment, or go on in the next") {
+  const Triangles one{{0, 1, 2}};
+  CHECK(read(corners + "f 1 2 3 # the first").triangles == one);
+  CHECK(read(corners + "f 1 2 3#4").triangles == one);
+  CHECK(read(corners + "f 1 2 \\\n3\n").triangles == one);
+  CHECK(read(corners + "f 1\\\r\n2\\\r\n3").triangles == one);  // what is joined has a blank between
+  CHECK(read(corners + "f 1 2 3\\").triangles == one);          // and then there is no next
+  CHECK(read(corners + "# no \\\nf 1 2 3").triangles == one);   // a comment does not go on
+  const MeshData data = read("v 0 \\\n 1 2 # x\nv 1 2 3 0.5#\nv \\\n\\\n\\\n1 1 1\nf 1 2 3");
+  CHECK(data.vertices == std::vector<Point>{{0, 1, 2}, {1, 2, 3}, {1, 1, 1}});
+}
+
 TEST_CASE("numbers of an OBJ file are the nearest doubles") {
   const MeshData data = read(
       "v 0.3 123456789.123456789 2.2250738585072011e-308\nv 0.1234567890123456789 5e-324 1\nv 1 1 1\nf 1 2 "
@@ -109,7 +121,6 @@ TEST_CASE("what is wrong in an OBJ file is said with its line") {
       {corners + "f 1 2 x\n", face},
       {corners + "f 1 2 3x\n", face},
       {corners + "f 1 2 3.5\n", face},
-      {corners + "f 1 2 3 # the first\n", face},
       {corners + "f 1-2 2 3\n", face},
       {corners + "f 1 2 3-\n", face},
       {corners + "f 1 2 -\n", face},
@@ -118,7 +129,15 @@ TEST_CASE("what is wrong in an OBJ file is said with its line") {
       {corners + "f /1 2 3\n", face},
       {corners + "vt 0 0\nvn 0 0 1\nf 1/1/1/1 2 3\n", face},
       {corners + "f 1 2 4294967299\n", face},
-      {corners + "f 1 2 \\\n3\n", face},
+      {"v", "a.obj: line 1: " + numbers},
+      {corners + "f\n", "a.obj: line 5: a face has 3 corners or more, and this has 0"},
+      {corners + " f \t\n", "a.obj: line 5: a face has 3 corners or more, and this has 0"},
+      {corners + "f # 1 2 3\n", "a.obj: line 5: a face has 3 corners or more, and this has 0"},
+      {corners + "f 1 2#3\n", "a.obj: line 5: a face has 3 corners or more, and this has 2"},
+      {corners + "f 1 2 \\ \n3\n", face},
+      {corners + "f 1 2 # \\\n3\n", "a.obj: line 5: a face has 3 corners or more, and this has 2"},
+      {corners + "f 1 \\\n2 \\\n5\nf x\n", "a.obj: line 5: vertex 5 is not one of the 4 so far"},
+      {corners + "f 1 \\\n2 \\\n3\nf x\n", "a.obj: line 8: " + face},
       {corners + std::string("f 1 2 3\0 4", 10), "a.obj: there is a zero byte"},
   };
   for (const auto& [text, error] : rows) {

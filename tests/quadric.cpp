@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "stress/exact.hpp"
 #include "support/catch.hpp"
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"
@@ -355,6 +356,177 @@ TEST_CASE("huge and tiny quadrics are met like others, and what is not finite is
       CHECK(crossings(linear, ray).empty());
     }
   }
+}
+
+namespace {
+
+/// An ellipsoid with such half axes, turned anyhow: with the columns r of a rotation, M is the sum of r rᵀ
+/// over the squares of the half axes.
+Quadric turned_ellipsoid(Random& random, const Point& center, const Vec3& half_axes) {
+  const Vec3 r0 = random.direction(), r1 = normalize(cross(r0, random.direction()));
+  const Vec3 axes[] = {r0, r1, cross(r0, r1)};
+  QuadricForm form{.squares = Vec3{0}, .constant = -1};
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 a = axes[i] / half_axes[i];
+    form.squares += a * a;
+    form.products += Vec3{a.y * a.z, a.z * a.x, a.x * a.y};
+  }
+  form.linear = -form.times(center);
+  form.constant = -dot(center, form.linear) - 1;
+  return {form};
+}
+
+/// How far the box reaches on an axis from the center, in both directions, over how far the ellipsoid does,
+/// by the minors of its matrix; 0 for a box that ends on the wrong side of the center.
+struct Excess {
+  double below, above;
+
+  Excess(const QuadricForm& form, const Bounds& bounds, int axis) {
+    using exact::Number;
+    const Number m[3][3] = {{form.squares.x, form.products.z, form.products.y},
+                            {form.products.z, form.squares.y, form.products.x},
+                            {form.products.y, form.products.x, form.squares.z}};
+    const Number l[3] = {form.linear.x, form.linear.y, form.linear.z};
+    const auto minor = [&](int i, int k) {
+      const int a = (i + 1) % 3, b = (i + 2) % 3, c = (k + 1) % 3, d = (k + 2) % 3;
+      return m[a][c] * m[b][d] - m[a][d] * m[b][c];
+    };
+    const Number determinant = m[0][0] * minor(0, 0) + m[0][1] * minor(0, 1) + m[0][2] * minor(0, 2);
+    Number Nl[3], H = -(determinant * form.constant);
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) Nl[i] = Nl[i] + minor(i, k) * l[k];
+      H = H + l[i] * Nl[i];
+    }
+    const exact::Quad reach = (H * minor(axis, axis)).sqrt();
+    below = static_cast<double>(exact::Quad(-(determinant * bounds.min[axis] + Nl[axis])) / reach);
+    above = static_cast<double>(exact::Quad(determinant * bounds.max[axis] + Nl[axis]) / reach);
+  }
+};
+
+/// How many ends of a box a point lies beyond, exactly.
+int ends_passed(const Bounds& bounds, const Ray& ray, double t) {
+  int count = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const exact::Number x = exact::Number(ray.origin[axis]) + exact::Number(t) * ray.direction[axis];
+    count += (x - bounds.min[axis]).sign() < 0;
+    count += (exact::Number(bounds.max[axis]) - x).sign() < 0;
+  }
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("the bounds of an ellipsoid are around it, and hardly larger") {
+  const auto unit = Quadric{}.bounds();
+  for (int axis = 0; axis < 3; ++axis) {
+    CHECK((-1.002 < unit.min[axis] && unit.min[axis] < -1));
+    CHECK((1 < unit.max[axis] && unit.max[axis] < 1.002));
+  }
+  Random random(57);
+  double least = 2, most = 0;
+  int crossed = 0, wrong = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const double size = std::exp2(random.real(-20, 20)),
+                 far = i % 2 ? 0 : size * std::exp2(random.real(0, 16));
+    const Vec3 half_axes{size, size * std::exp2(random.real(-6, 0)), size * std::exp2(random.real(-6, 0))};
+    const Point center = random.point(far);
+    const Quadric quadric = turned_ellipsoid(random, center, half_axes);
+    const Bounds bounds = quadric.bounds();
+    for (int axis = 0; axis < 3; ++axis) {
+      const Excess excess(quadric.form, bounds, axis);
+      least = std::min({least, excess.below, excess.above});
+      most = std::max({most, excess.below, excess.above});
+    }
+    const Ray ray{center + 4 * size * random.direction(), random.direction()};
+    const Ray aimed{ray.origin, center + random.point(0.5 * size) - ray.origin};
+    each_crossing(quadric, aimed, everywhere, [&](const Crossing& crossing) {
+      ++crossed;
+      wrong += ends_passed(bounds, aimed, crossing.t) > 0;
+    });
+  }
+  CHECK(least > 1 + 0x1p-11);
+  CHECK(most < 1 + 0x1p-9);
+  CHECK(crossed > 1000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("what is no ellipsoid has no bounds, and neither has one that is inside outside") {
+  const auto is_everywhere = [](const Quadric& quadric) {
+    const Bounds bounds = quadric.bounds();
+    return bounds.min == Point{-inf} && bounds.max == Point{inf};
+  };
+  for (const Quadric& quadric : {cylinder, cone, bowl, saddle, hyperboloid, planes, plane})
+    CHECK(is_everywhere(quadric));
+  CHECK(is_everywhere({{Vec3{-1}, {}, {}, 1}}));
+  CHECK(is_everywhere({{.squares = {1, 1, 0}, .linear = {1, 2, 3}}}));
+  CHECK(is_everywhere({{.squares = Vec3{2}, .products = {2, 0, 0}}}));  // y = −z is a way out
+  CHECK(is_everywhere({{.squares = Vec3{2}, .products = {2 + ulp, 0, 0}}}));
+  CHECK_FALSE(is_everywhere({{.squares = Vec3{2}, .products = {2 - 2 * ulp, 0, 0}}}));
+  CHECK(is_everywhere({{.squares = Vec3{1}, .products = {-1, -1, -1}}}));
+  CHECK(is_everywhere({{.squares = Vec3{4}, .products = {-2, -2, -2}}}));  // the determinant is 0
+  CHECK_FALSE(is_everywhere({{.squares = {1, 1, 0x1p-90}}}));
+  CHECK(is_everywhere({{.squares = {1, 1, 0x1p-200}}}));  // farther below than is looked
+  for (const double bad : {inf, -inf, not_a_number}) {
+    CHECK(is_everywhere({{.squares = {1, bad, 1}}}));
+    CHECK(is_everywhere({{.constant = bad}}));
+  }
+  // A point, and nothing.
+  CHECK(length(Quadric{{.linear = {-3, 0, 0}, .constant = 9}}.bounds().min - Vec3{3, 0, 0}) < 1e-14);
+  CHECK(length(Quadric{{.constant = 1}}.bounds().max) < 1e-14);
+  for (const double size : {0x1p-400, 0x1p-200, 1.0, 0x1p200, 0x1p400})
+    for (const double factor : {0x1p-200, 1.0, 0x1p200}) {
+      const Bounds bounds = Quadric{{Vec3{factor}, {}, {}, -factor * size * size}}.bounds();
+      CHECK(bounds.max.y > size);
+      CHECK(bounds.max.y < 1.002 * size);
+      CHECK(bounds.min.z == -bounds.max.z);
+    }
+}
+
+TEST_CASE("what a ray that leaves an ellipsoid meets of it is in its bounds, wherever the ray begins") {
+  Random random(58);
+  int again = 0, none = 0, wrong = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Point center = random.point(3);
+    const Quadric quadric = turned_ellipsoid(random, center, {1, random.real(0.1, 1), random.real(0.1, 1)});
+    const Ray ray{center + 4.0 * random.direction(), random.direction()};
+    const Ray aimed{ray.origin, center + random.point(0.3) - ray.origin};
+    const auto t = quadric.intersect(aimed);
+    if (!t) continue;
+    const Point hit = aimed.at(*t);
+    const Vec3 n = quadric.normal_at(hit);
+    // Next to where it is left, or well off; and in any direction inwards, or hardly so.
+    const double off = i % 2 == 0 ? 0 : std::exp2(random.real(-40, 2));
+    Vec3 d =
+        i % 3 == 0 ? random.direction() : cross(n, random.direction()) - std::exp2(random.real(-40, 0)) * n;
+    if (dot(d, n) > 0) d = -d;
+    const Ray left{hit + off * n, d, quadric.departure()};
+    const auto found = crossings(quadric, left);
+    wrong += found.size() > 1 || (off == 0 && found.size() != 1);
+    none += found.empty(), again += !found.empty();
+    for (const double other : found) wrong += ends_passed(quadric.bounds(), left, other) > 0;
+  }
+  CHECK(again > 4000);
+  CHECK(none > 500);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("ellipsoids among others are found by their bounds as they are without") {
+  Random random(59);
+  Scene<Quadric, AnySurface> scene;
+  const Material glass{.diffuse = Color{0.25f}, .refract = 0.75, .ior = 1.5};
+  for (int i = 0; i < 60; ++i) {
+    const Point center = Point{0, 0, 4} + random.point(2.5);
+    const Vec3 half_axes{random.real(0.1, 0.6), random.real(0.02, 0.6), random.real(0.1, 0.6)};
+    const Quadric quadric = turned_ellipsoid(random, center, half_axes);
+    const Material material = i % 4 == 0 ? glass : Material{.diffuse = random.color(), .reflect = 0.25};
+    if (i % 3 == 0)
+      scene.add(AnySurface(quadric), material);
+    else
+      scene.add(quadric, material);
+  }
+  scene.add(hyperboloid, Color{0.5f});
+  scene.add(PointLight{.position = {3, 6, -6}, .power = Color{3000}});
+  CHECK(pixels_drawn_otherwise(scene, Camera{.position = {0, 0, -1}}) == 0);
 }
 
 TEST_CASE("quadrics in a picture are the same plain, with a tree and by tiles, and show no acne") {

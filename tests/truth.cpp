@@ -108,3 +108,50 @@ TEST_CASE("what 128 digits cannot tell, exact numbers tell") {
       CHECK(exact::truth_of(to_edge, parallelogram, false).count == (off < 0 ? 1 : 0));
     }
 }
+
+namespace {
+
+/// The true roots of a ray, which both levels have to agree on where the first knows them.
+std::vector<double> true_roots(const Ray& ray, const auto& surface, bool leaves = false) {
+  CHECK(exact::wrong_in_first_level(ray, surface, leaves) == nullptr);
+  std::vector<double> roots;
+  for (const auto& root : exact::second_level(ray, surface, leaves))
+    roots.push_back(static_cast<double>(root.t));
+  return roots;
+}
+
+}  // namespace
+
+TEST_CASE("the truth of an instance is that of the surface's image") {
+  using Roots = std::vector<double>;
+  const Affine stretched = Affine{}.scaled_by({1, 1, 2}).moved_by({0, 0, 5});
+  const Ray along_z{{0, 0, 0}, {0, 0, 1}};
+  CHECK(true_roots(along_z, Placed(Sphere{}, stretched)) == Roots{3, 7});
+  CHECK(true_roots({{1, 0, 0}, {0, 0, 1}}, Placed(Sphere{}, stretched)) == Roots{5, 5});
+  CHECK(true_roots({{1 + 0x1p-52, 0, 0}, {0, 0, 1}}, Placed(Sphere{}, stretched)).empty());
+  CHECK(true_roots({{0, 0, 3}, {0, 0, 2}}, Placed(Sphere{}, stretched), true) == Roots{2});
+  CHECK(true_roots(along_z, Placed(Plane{{0, 0, 1}, 1}, stretched)) == Roots{7});
+  const Affine sheared{{1, 0, 0}, {0, 1, 0}, {1, 0, -1}, {0, 0, 5}};
+  CHECK(true_roots({{1, 0, 0}, {0, 0, 1}}, Placed(Plane{{1, 0, 0}, 0}, sheared)) == Roots{4});
+}
+
+TEST_CASE("the truth of a tree is where its inside ends, and faces in common are none") {
+  using Roots = std::vector<double>;
+  using Operation = Csg::Operation;
+  const auto with = [](Operation operation, const SolidTree::Solid& a, const SolidTree::Solid& b) {
+    return Made({.operation = operation, .operands = {{.solid = a}, {.solid = b}}});
+  };
+  const Box left{{0, -1, -1}, {2, 1, 1}}, right{{2, -1, -1}, {3, 1, 1}}, part{{1, -1, -1}, {2, 1, 1}};
+  const Quadric below{{.squares = Vec3{0}, .linear = {0.5, 0, 0}, .constant = -1}};  // x < 1
+  const Ray along_x{{-1, 0, 0}, {1, 0, 0}};
+  CHECK(true_roots(along_x, with(Operation::either, left, right)) == Roots{1, 4});
+  CHECK(true_roots(along_x, with(Operation::all, left, right)).empty());
+  CHECK(true_roots(along_x, with(Operation::first_alone, left, part)) == Roots{1, 2});
+  CHECK(true_roots(along_x, with(Operation::first_alone, left, left)).empty());
+  CHECK(true_roots(along_x, with(Operation::first_alone, left, Sphere{{2, 0, 0}, 1})) == Roots{1, 2});
+  CHECK(true_roots(along_x, with(Operation::all, left, below)) == Roots{1, 2});
+  CHECK(true_roots(along_x, with(Operation::either, left, below)) == Roots{3});
+  CHECK(true_roots({{0, 0, 0}, {-1, 0, 0}}, with(Operation::either, left, below)) == Roots{-2});
+  const Ray leaving{{0, 0, 0}, {1, 0, 0}, left.departure(0)};
+  CHECK(true_roots(leaving, with(Operation::first_alone, left, part), true) == Roots{1});
+}

@@ -1,5 +1,6 @@
 #include <protostar/io/json_scene.hpp>
 
+#include "any_surfaces.hpp"
 #include "scene_pictures.hpp"
 
 using namespace protostar;

@@ -2,14 +2,14 @@
 
 #include "pictures.hpp"
 
-namespace protostar::inline PROTOSTAR_ABI::simd {
+namespace protostar::inline PROTOSTAR_ABI {
 
-template class SceneTiles<BinaryIntegrator, Sphere>;
-template class SceneTiles<ColorIntegrator, Sphere>;
-template class SceneTiles<DepthIntegrator, Sphere>;
-template class SceneTiles<DiffuseIntegrator, Sphere>;
-template class SceneTiles<NormalIntegrator, Sphere>;
-template class SceneTiles<ShadowIntegrator, Sphere>;
-template class SceneTiles<TransparencyIntegrator, Sphere>;
+template class simd::SceneTiles<BinaryIntegrator, Sphere>;
+template class simd::SceneTiles<ColorIntegrator, Sphere>;
+template class simd::SceneTiles<DepthIntegrator, Sphere>;
+template class simd::SceneTiles<DiffuseIntegrator, Sphere>;
+template class simd::SceneTiles<NormalIntegrator, Sphere>;
+template class simd::SceneTiles<ShadowIntegrator, Sphere>;
+template class simd::SceneTiles<TransparencyIntegrator, Sphere>;
 
-}  // namespace protostar::inline PROTOSTAR_ABI::simd
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -4,15 +4,15 @@
 
 #include <protostar/protostar.hpp>
 
-namespace protostar::inline PROTOSTAR_ABI::simd {
+namespace protostar::inline PROTOSTAR_ABI {
 
-extern template class SceneTiles<BinaryIntegrator, Sphere>;
-extern template class SceneTiles<ColorIntegrator, Sphere>;
-extern template class SceneTiles<DepthIntegrator, Sphere>;
-extern template class SceneTiles<DiffuseIntegrator, Sphere>;
-extern template class SceneTiles<NormalIntegrator, Sphere>;
-extern template class SceneTiles<ShadowIntegrator, Sphere>;
-extern template class SceneTiles<TransparencyIntegrator, Sphere>;
-extern template class SceneTiles<WhittedIntegrator, Sphere, Plane, Parallelogram>;
+extern template class simd::SceneTiles<BinaryIntegrator, Sphere>;
+extern template class simd::SceneTiles<ColorIntegrator, Sphere>;
+extern template class simd::SceneTiles<DepthIntegrator, Sphere>;
+extern template class simd::SceneTiles<DiffuseIntegrator, Sphere>;
+extern template class simd::SceneTiles<NormalIntegrator, Sphere>;
+extern template class simd::SceneTiles<ShadowIntegrator, Sphere>;
+extern template class simd::SceneTiles<TransparencyIntegrator, Sphere>;
+extern template class simd::SceneTiles<WhittedIntegrator, Sphere, Plane, Parallelogram>;
 
-}  // namespace protostar::inline PROTOSTAR_ABI::simd
+}  // namespace protostar::inline PROTOSTAR_ABI

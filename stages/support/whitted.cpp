@@ -2,8 +2,8 @@
 
 #include "pictures.hpp"
 
-namespace protostar::inline PROTOSTAR_ABI::simd {
+namespace protostar::inline PROTOSTAR_ABI {
 
-template class SceneTiles<WhittedIntegrator, Sphere, Plane, Parallelogram>;
+template class simd::SceneTiles<WhittedIntegrator, Sphere, Plane, Parallelogram>;
 
-}  // namespace protostar::inline PROTOSTAR_ABI::simd
+}  // namespace protostar::inline PROTOSTAR_ABI

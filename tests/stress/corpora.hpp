@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "made_of.hpp"
 #include "support/random.hpp"
 
 template <class S>
@@ -29,14 +30,18 @@ struct Corpus {
 // so that a statement draws no more than one random number, unless braces set the order.
 namespace corpora {
 
-using protostar::Box, protostar::Disk, protostar::Parallelogram, protostar::Plane, protostar::Point,
-    protostar::Quadric, protostar::QuadricForm, protostar::Ray, protostar::Sphere, protostar::Vec3;
+using protostar::Affine, protostar::Box, protostar::Csg, protostar::Disk, protostar::Parallelogram,
+    protostar::Plane, protostar::Point, protostar::Quadric, protostar::QuadricForm, protostar::Ray,
+    protostar::Sphere, protostar::Vec3;
 using SphereCase = Case<Sphere>;
 using PlaneCase = Case<Plane>;
 using ParallelogramCase = Case<Parallelogram>;
 using DiskCase = Case<Disk>;
 using BoxCase = Case<Box>;
 using QuadricCase = Case<Quadric>;
+using PlacedSphereCase = Case<Placed<Sphere>>;
+using PlacedPlaneCase = Case<Placed<Plane>>;
+using MadeCase = Case<Made>;
 
 inline int whole(Random& random, int min, int max) {
   return min + static_cast<int>(random.bits() % static_cast<std::uint64_t>(max - min + 1));
@@ -530,6 +535,178 @@ inline QuadricCase quadrics_exponents(Random& random) {
   return c;
 }
 
+// ---- Instances
+
+/// A map that stretches each axis by 2^-4 to 2^4, turns, shears by up to 1/2, and moves far.
+inline Affine any_map(Random& random) {
+  const double far = size(random, -10, 20), unit = size(random, -10, 10), angle = random.real(0, 360);
+  const Vec3 stretches{size(random, -4, 4), size(random, -4, 4), -size(random, -4, 4)},
+      move = random.point(far), axis = random.direction();
+  const Affine sheared{.x = {1, random.real(-0.5, 0.5), 0}};
+  return sheared.scaled_by(unit * stretches).rotated_about(axis, angle).moved_by(move);
+}
+
+inline Ray carried(const Ray& ray, const Affine& map) {
+  return {map.point(ray.origin), map.vector(ray.direction)};
+}
+
+/// Rays that are clear of the outline, and of the surface at their origins, by far more than the rounding of
+/// what is carried.
+inline PlacedSphereCase instances(Random& random) {
+  const double r = size(random, -10, 10);
+  const Sphere own{random.point(10 * r), r};
+  const double impact = r * (coin(random) ? random.real(0, 0.9) : random.real(1.1, 2));
+  const double outside = r * size(random, 1, 10), inside = r * random.real(-0.2, 0.2),
+               ahead = coin(random)   ? outside
+                       : coin(random) ? -outside
+                                      : inside;
+  const Ray ray = passing(random, own.center, impact, ahead);
+  const Affine map = any_map(random);
+  const double length = size(random, -10, 10);
+  const Ray there = carried(ray, map);
+  return {{there.origin, length * there.direction}, Placed(own, map)};
+}
+
+/// The same, at a slope of at least 1/8.
+inline PlacedPlaneCase instances_of_planes(Random& random) {
+  const Vec3 n = random.direction(), d = random.direction();
+  const Point target = random.point(10);
+  const double ahead = coin(random) ? size(random, 1, 10) : -size(random, 1, 10);
+  if (std::abs(dot(n, d)) < 0.125) return instances_of_planes(random);
+  const Affine map = any_map(random);
+  const double length = size(random, -10, 10), factor = size(random, -10, 10);
+  const Ray there = carried({target - ahead * d, d}, map);
+  return {{there.origin, length * there.direction}, Placed(Plane{factor * n, factor * dot(n, target)}, map)};
+}
+
+/// A map of small whole numbers, and its inverse too: a few times, one axis goes to itself and a multiple of
+/// another; then, powers of two along the axes.
+inline Affine whole_map(Random& random) {
+  Vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int i = 0; i < 3; ++i) {
+    const int from = whole(random, 0, 2), to = (from + whole(random, 1, 2)) % 3;
+    axes[to] += static_cast<double>(whole(random, -2, 2)) * axes[from];
+  }
+  for (Vec3& axis : axes) axis *= std::ldexp(1, whole(random, -3, 3));
+  return {axes[0], axes[1], axes[2], whole_vector(random, -99, 99)};
+}
+
+/// Whole numbers that make the line touch exactly, but for a nudge that leaves all that is carried exact;
+/// times powers of two, some so large or small that squares or products leave the range of double.
+inline PlacedSphereCase instances_whole(Random& random) {
+  const int k = whole(random, 1, 50), times = whole(random, 0, 2);
+  const Vec3 d = turned({-4, 3, whole(random, -9, 9)}, times), radius = turned({3 * k, 4 * k, 0}, times);
+  const Point center = whole_vector(random, -99, 99);
+  const double ahead = whole(random, -9, 99);
+  Point origin = center + radius - ahead * d;
+  if (whole(random, 0, 2) == 0) origin[whole(random, 0, 2)] += tiny(random, 10, 20);
+  const Affine map = whole_map(random);
+  const int most = coin(random) ? 300 : 0;
+  const double unit = std::ldexp(1, whole(random, -most, most));
+  const Ray there = carried({origin, d}, map);
+  return {{unit * there.origin, std::ldexp(1, whole(random, -most, most)) * there.direction},
+          Placed(Sphere{center, 5.0 * k},
+                 Affine{unit * map.x, unit * map.y, unit * map.z, unit * map.translation}, true)};
+}
+
+inline PlacedPlaneCase instances_of_planes_whole(Random& random) {
+  const Point origin = whole_vector(random, -2, 2);
+  const Vec3 direction = whole_vector(random, -2, 2), normal = whole_vector(random, -2, 2);
+  const Plane own{normal, static_cast<double>(whole(random, -2, 2))};
+  const Affine map = whole_map(random);
+  return {carried({origin, direction}, map), Placed(own, map, true)};
+}
+
+/// Rays that leave a whole point of the image of a sphere, in any whole direction and along it.
+inline PlacedSphereCase instances_leaving(Random& random) {
+  const int k = whole(random, 1, 50), times = whole(random, 0, 2);
+  const Point center = whole_vector(random, -99, 99);
+  const Vec3 radius = turned({3 * k, 4 * k, 0}, times);
+  const Vec3 d = coin(random) ? turned({-4, 3, whole(random, -9, 9)}, times) : whole_vector(random, -9, 9);
+  const Affine map = whole_map(random);
+  PlacedSphereCase c{carried({center + radius, d}, map), Placed(Sphere{center, 5.0 * k}, map, true)};
+  c.ray.departure = c.surface.departure();
+  return c;
+}
+
+// ---- Solids made of solids
+
+/// An operation on two to four solids, or on one and another operation.
+template <class NextSolid>
+SolidTree tree_of(Random& random, const NextSolid& next, int count) {
+  using Operation = Csg::Operation;
+  static constexpr Operation operations[] = {Operation::either, Operation::all, Operation::first_alone};
+  SolidTree tree{.operation = operations[whole(random, 0, 2)]};
+  const auto add_one = [&] { tree.operands.push_back({.solid = next(random)}); };
+  if (count == 2 || coin(random)) {
+    for (int i = 0; i < count; ++i) add_one();
+    return tree;
+  }
+  const bool is_first = coin(random);
+  if (is_first) add_one();
+  tree.operands.push_back(tree_of(random, next, count - 1));
+  if (!is_first) add_one();
+  return tree;
+}
+
+inline QuadricForm half_space(const Vec3& normal, double distance) {
+  return {.squares = Vec3{0}, .linear = 0.5 * normal, .constant = -distance};
+}
+
+inline SolidTree::Solid any_solid(Random& random) {
+  const Point center = random.point(1), other = random.point(1);
+  const double radius = random.real(0.5, 1.5);
+  switch (whole(random, 0, 7)) {
+    case 0:
+    case 1:
+      return box_around(center, other);
+    case 2:
+      return Quadric{half_space(random.direction(), random.real(-1, 1))};
+    default:
+      return Sphere{center, radius};
+  }
+}
+
+inline MadeCase solids(Random& random) {
+  const int count = whole(random, 2, 4);
+  SolidTree tree = tree_of(random, any_solid, count);
+  const Point origin = random.point(4), target = random.point(1);
+  return {{origin, size(random, -3, 3) * (target - origin)}, Made(std::move(tree))};
+}
+
+/// Small whole numbers, so that solids touch and have faces in common.
+inline SolidTree::Solid whole_solid(Random& random) {
+  const Point center = whole_vector(random, -2, 2), other = whole_vector(random, -2, 2);
+  switch (whole(random, 0, 7)) {
+    case 0:
+    case 1:
+    case 2:
+      return Sphere{center, static_cast<double>(whole(random, 1, 3))};
+    case 3:
+      return Quadric{
+          half_space(turned({2, 0, 2 * whole(random, 0, 1)}, whole(random, 0, 2)), 2 * whole(random, -2, 2))};
+    default:
+      return box_around(center, other);
+  }
+}
+
+/// Now and then, the ray leaves the plane of a box's face, from the face or from beside it.
+inline MadeCase solids_whole(Random& random) {
+  const int count = whole(random, 2, 4);
+  SolidTree tree = tree_of(random, whole_solid, count);
+  const Point origin = whole_vector(random, -4, 4), target = whole_vector(random, -2, 2);
+  Ray ray{origin, target - origin};
+  if (coin(random))
+    tree.each_solid([&](const SolidTree::Solid& solid) {
+      const Box* const box = std::get_if<Box>(&solid);
+      if (!box || ray.departure.kind != protostar::Departure::Kind::none) return;
+      const int face = whole(random, 0, 5);
+      ray.origin[face / 2] = face % 2 == 0 ? box->min[face / 2] : box->max[face / 2];
+      ray.departure = box->departure(face);
+    });
+  return {ray, Made(std::move(tree))};
+}
+
 inline const std::vector<Corpus<Sphere>> of_spheres{
     {"tutorial", tutorial},     {"scales", scales},     {"grazing", grazing},       {"origins", origins},
     {"far", far_away},          {"tangents", tangents}, {"directions", directions}, {"ends", ends},
@@ -562,5 +739,13 @@ inline const std::vector<Corpus<Quadric>> of_quadrics{{"quadrics", quadrics},
                                                       {"q. whole", quadrics_whole},
                                                       {"q. leaving", quadrics_leaving},
                                                       {"q. exponents", quadrics_exponents}};
+
+inline const std::vector<Corpus<Placed<Sphere>>> of_placed_spheres{
+    {"instances", instances}, {"i. whole", instances_whole}, {"i. leaving", instances_leaving}};
+
+inline const std::vector<Corpus<Placed<Plane>>> of_placed_planes{
+    {"i. planes", instances_of_planes}, {"i. planes whole", instances_of_planes_whole}};
+
+inline const std::vector<Corpus<Made>> of_trees{{"csg", solids}, {"csg whole", solids_whole}};
 
 }  // namespace corpora

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "exact.hpp"
+#include "made_of.hpp"
 
 namespace exact {
 
@@ -184,6 +185,112 @@ std::optional<std::vector<int>> faces_crossed(const protostar::Ray& ray, const p
   return crossed;
 }
 
+/// The ray that meets a surface where the given one meets its image, with both its parts times the map's
+/// determinant: the inverse of a matrix has the cross products of its columns for rows, over that.
+template <class T>
+struct CarriedRay {
+  T determinant;
+  Vector<T> origin, direction;
+
+  CarriedRay(const protostar::Ray& ray, const protostar::Affine& map)
+      : CarriedRay(ray, map, cross(Vector<T>(map.y), Vector<T>(map.z)),
+                   cross(Vector<T>(map.z), Vector<T>(map.x)), cross(Vector<T>(map.x), Vector<T>(map.y))) {}
+
+ private:
+  CarriedRay(const protostar::Ray& ray, const protostar::Affine& map, const Vector<T>& yz,
+             const Vector<T>& zx, const Vector<T>& xy)
+      : determinant(dot(Vector<T>(map.x), yz)),
+        origin(back(Vector<T>(ray.origin) - Vector<T>(map.translation), yz, zx, xy)),
+        direction(back(Vector<T>(ray.direction), yz, zx, xy)) {}
+
+  static Vector<T> back(const Vector<T>& v, const Vector<T>& yz, const Vector<T>& zx, const Vector<T>& xy) {
+    return {dot(yz, v), dot(zx, v), dot(xy, v)};
+  }
+};
+
+/// The equation of a sphere, or of a plane, and the carried ray, times the determinant or its square.
+template <class T>
+struct PlacedSphereEquation {
+  T A, b, c;
+
+  PlacedSphereEquation(const protostar::Ray& ray, const Placed<protostar::Sphere>& placed) {
+    const CarriedRay<T> carried(ray, placed.placement);
+    const Vector<T> center(placed.own.center), &d = carried.direction;
+    const T& k = carried.determinant;
+    const Vector<T> l = Vector<T>(k * center.x, k * center.y, k * center.z) - carried.origin;
+    A = dot(d, d), b = dot(d, l), c = dot(l, l) - square(k * T(placed.own.radius));
+  }
+  [[nodiscard]] T discriminant() const { return square(b) - A * c; }
+};
+template <class T>
+struct PlacedPlaneEquation {
+  T slope, height;
+
+  PlacedPlaneEquation(const protostar::Ray& ray, const Placed<protostar::Plane>& placed) {
+    const CarriedRay<T> carried(ray, placed.placement);
+    const Vector<T> n(placed.own.normal);
+    slope = dot(n, carried.direction);
+    height = carried.determinant * T(placed.own.distance) - dot(n, carried.origin);
+  }
+};
+
+/// Where all solids of a tree are crossed, in places of equal t from near to far: how often each solid is, in
+/// each place; and which of them a ray is inside of in the end.
+struct SolidsAlong {
+  std::vector<std::vector<int>> times;
+  std::vector<bool> ends_inside;
+
+  /// Whether a line is inside of a tree behind a place; −1 is before all.
+  [[nodiscard]] bool is_inside(const SolidTree& tree, int place) const {
+    std::size_t next = 0;
+    return is_inside(tree, place, next);
+  }
+
+ private:
+  /// The same, where next is the number of the tree's first solid, and then of the first behind it.
+  [[nodiscard]] bool is_inside(const SolidTree& tree, int place, std::size_t& next) const {
+    using Operation = protostar::Csg::Operation;
+    if (tree.operation == Operation::none) return is_inside_solid(next++, place);
+    int count = 0;
+    bool is_in_first = false;
+    for (std::size_t i = 0; i < tree.operands.size(); ++i) {
+      const bool is_in = is_inside(tree.operands[i], place, next);
+      count += is_in;
+      if (i == 0) is_in_first = is_in;
+    }
+    if (tree.operation == Operation::either) return count > 0;
+    if (tree.operation == Operation::all) return count == static_cast<int>(tree.operands.size());
+    return is_in_first && count == 1;
+  }
+  [[nodiscard]] bool is_inside_solid(std::size_t solid, int place) const {
+    int ahead = 0;
+    for (std::size_t i = static_cast<std::size_t>(place + 1); i < times.size(); ++i) ahead += times[i][solid];
+    return ends_inside[solid] != (ahead % 2 != 0);
+  }
+};
+
+/// Whether a ray is inside of a solid in the end, if 128 digits tell: the sign of A, or that of −b, or c.
+template <class T>
+std::optional<bool> ends_inside(const protostar::Ray&, const auto&) {
+  return false;
+}
+template <class T>
+std::optional<bool> ends_inside(const protostar::Ray& ray, const protostar::Quadric& quadric) {
+  const QuadricEquation<T> e(ray, quadric.form);
+  for (const T& x : {e.A, -e.b, e.c}) {
+    if constexpr (requires { x.is_known(); })
+      if (!x.is_known()) return std::nullopt;
+    if (x.sign() != 0) return x.sign() < 0;
+  }
+  return false;
+}
+
+/// Whether a ray leaves a solid of a tree. Rays of corpora leave faces of boxes.
+inline bool leaves_solid(const protostar::Ray&, const auto&) { return false; }
+inline bool leaves_solid(const protostar::Ray& ray, const protostar::Box& box) {
+  return ray.departure.kind != protostar::Departure::Kind::none && face_left(ray, box) >= 0;
+}
+
 /// A crossing's parameter: (p + side · √D) / A with A > 0, side -1, 0 or 1; and that rounded to Quad, good to
 /// 2^-100.
 struct Root {
@@ -263,12 +370,88 @@ inline Roots roots(const protostar::Ray& ray, const protostar::Box& box, bool le
   }
   return all;
 }
+/// Whether a ray that leaves a quadric meets it again in the quadric's bounds: one that is no ellipsoid with
+/// its inside within has none; in those of others its form, which at both places is the c of the origin, is
+/// at most 2^-10 of what it is below 0 in the center.
+inline bool meets_again(const protostar::QuadricForm& form, const Number& c) {
+  const Number m[3][3] = {{form.squares.x, form.products.z, form.products.y},
+                          {form.products.z, form.squares.y, form.products.x},
+                          {form.products.y, form.products.x, form.squares.z}};
+  const Number l[3] = {form.linear.x, form.linear.y, form.linear.z};
+  const auto cofactor = [&](int i, int k) {
+    const int a = (i + 1) % 3, b = (i + 2) % 3, p = (k + 1) % 3, q = (k + 2) % 3;
+    return m[a][p] * m[b][q] - m[a][q] * m[b][p];
+  };
+  Number determinant, depth;
+  for (int i = 0; i < 3; ++i) determinant = determinant + m[0][i] * cofactor(0, i);
+  if (m[0][0].sign() <= 0 || cofactor(2, 2).sign() <= 0 || determinant.sign() <= 0) return true;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) depth = depth + l[i] * cofactor(i, k) * l[k];
+  depth = depth - Number(form.constant) * determinant;
+  return (Number(1024) * c * determinant - depth).sign() <= 0;
+}
+
 inline Roots roots(const protostar::Ray& ray, const protostar::Quadric& quadric, bool leaves) {
   QuadricEquation<Number> e(ray, quadric.form);
-  if (leaves) return e.A.sign() == 0 ? Roots{} : Roots{only_root(e.A, Number(2) * e.b)};
+  if (leaves && (e.A.sign() == 0 || !meets_again(quadric.form, e.c))) return {};
+  if (leaves) return {only_root(e.A, Number(2) * e.b)};
   if (e.A.sign() == 0) return e.b.sign() == 0 ? Roots{} : Roots{only_root(Number(2) * e.b, e.c)};
   if (e.A.sign() < 0) e.A = -e.A, e.b = -e.b, e.c = -e.c;
   return both_roots(e.A, e.b, e.c, e.discriminant());
+}
+
+inline Roots roots(const protostar::Ray& ray, const Placed<protostar::Sphere>& placed, bool leaves) {
+  const PlacedSphereEquation<Number> e(ray, placed);
+  if (e.A.sign() == 0) return {};
+  if (leaves) return {only_root(e.A, Number(2) * e.b)};
+  return both_roots(e.A, e.b, e.c, e.discriminant());
+}
+inline Roots roots(const protostar::Ray& ray, const Placed<protostar::Plane>& placed, bool leaves) {
+  if (leaves) return {};
+  const PlacedPlaneEquation<Number> e(ray, placed);
+  if (e.slope.sign() == 0) return {};
+  return {only_root(e.slope, e.height)};
+}
+
+/// Those at which the inside of a tree turns over. A solid that is left has lost one at t = 0 if it has not
+/// an even number with both ends outside; what is left there is not met.
+inline Roots roots(const protostar::Ray& ray, const Made& made, bool) {
+  struct OfSolid {
+    Root root;
+    std::size_t solid;
+  };
+  std::vector<OfSolid> all;
+  SolidsAlong along;
+  bool is_any_left = false;
+  made.tree.each_solid([&](const SolidTree::Solid& held) {
+    std::visit(
+        [&](const auto& solid) {
+          const bool leaves = leaves_solid(ray, solid);
+          const std::size_t number = along.ends_inside.size();
+          Roots crossed = roots(ray, solid, leaves);
+          if (leaves && crossed.size() % 2 != 0) crossed.push_back(root_at(0)), is_any_left = true;
+          for (const Root& root : crossed) all.push_back({root, number});
+          along.ends_inside.push_back(ends_inside<Number>(ray, solid).value());
+        },
+        held);
+  });
+  std::stable_sort(all.begin(), all.end(),
+                   [](const OfSolid& a, const OfSolid& b) { return compare(a.root, b.root) < 0; });
+  Roots places;
+  for (const OfSolid& one : all) {
+    if (places.empty() || compare(places.back(), one.root) != 0) {
+      places.push_back(one.root);
+      along.times.emplace_back(along.ends_inside.size());
+    }
+    ++along.times.back()[one.solid];
+  }
+  Roots crossings;
+  for (int i = 0; i < static_cast<int>(places.size()); ++i) {
+    const Root& root = places[static_cast<std::size_t>(i)];
+    if (is_any_left && compare(root, root_at(0)) == 0) continue;
+    if (along.is_inside(made.tree, i - 1) != along.is_inside(made.tree, i)) crossings.push_back(root);
+  }
+  return crossings;
 }
 
 /// A crossing with one surface of a scene, by its number.

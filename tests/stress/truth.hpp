@@ -19,11 +19,12 @@ struct TrueRoot {
   int beyond_one;  ///< the sign of t − 1
 };
 
-/// The crossings of a ray's line with a surface, near before far; a point of tangency twice.
+/// The crossings of a ray's line with a surface, near before far; a point of tangency twice. A tree of up to
+/// four solids has the most.
 template <class T = long double>
 struct Truth {
   int count = 0;
-  TrueRoot<T> root[2];
+  TrueRoot<T> root[8];
 
   [[nodiscard]] const TrueRoot<T>* begin() const { return root; }
   [[nodiscard]] const TrueRoot<T>* end() const { return root + count; }
@@ -128,10 +129,72 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const proto
                                           bool leaves) {
   QuadricEquation<Ball> e(ray, quadric.form);
   if (!e.A.is_known() || !e.b.is_known()) return std::nullopt;
-  if (leaves) return e.A.sign() == 0 ? Truth<>{} : first_level(Ball(2) * e.b, e.A);
+  if (leaves && e.A.sign() == 0) return Truth<>{};
+  if (leaves) {
+    // In the middle of the chord the form is c − b²/A, and in the center no more than that (meets_again).
+    const Ball rest = Ball(2048) * e.c * e.A - square(e.b);
+    if (e.A.sign() > 0 && !(rest.is_known() && rest.sign() <= 0)) return std::nullopt;
+    return first_level(Ball(2) * e.b, e.A);
+  }
   if (e.A.sign() == 0) return e.b.sign() == 0 ? Truth<>{} : first_level(e.c, Ball(2) * e.b);
   if (e.A.sign() < 0) e.A = -e.A, e.b = -e.b, e.c = -e.c;
   return both_roots(e);
+}
+
+inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const Placed<protostar::Sphere>& placed,
+                                          bool leaves) {
+  const PlacedSphereEquation<Ball> e(ray, placed);
+  if (!e.A.is_known()) return std::nullopt;
+  if (e.A.sign() == 0) return Truth<>{};
+  if (leaves) return first_level(Ball(2) * e.b, e.A);
+  return both_roots(e);
+}
+
+inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const Placed<protostar::Plane>& placed,
+                                          bool leaves) {
+  if (leaves) return Truth<>{};
+  const PlacedPlaneEquation<Ball> e(ray, placed);
+  if (!e.slope.is_known()) return std::nullopt;
+  if (e.slope.sign() == 0) return Truth<>{};
+  return first_level(e.height, e.slope);
+}
+
+/// Of a tree, if the crossings of all its solids are known, and are far enough from each other that their
+/// order is; nothing of a ray that leaves.
+inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const Made& made, bool leaves) {
+  if (leaves) return std::nullopt;
+  struct OfSolid {
+    TrueRoot<long double> root;
+    std::size_t solid;
+  };
+  std::vector<OfSolid> all;
+  SolidsAlong along;
+  bool is_known = true;
+  made.tree.each_solid([&](const SolidTree::Solid& held) {
+    std::visit(
+        [&](const auto& solid) {
+          const std::optional<Truth<>> truth = first_level(ray, solid, false);
+          const std::optional<bool> ends = ends_inside<Ball>(ray, solid);
+          is_known = is_known && truth && ends;
+          if (!is_known) return;
+          for (const auto& root : *truth) all.push_back({root, along.ends_inside.size()});
+          along.ends_inside.push_back(*ends);
+        },
+        held);
+  });
+  if (!is_known) return std::nullopt;
+  std::sort(all.begin(), all.end(), [](const OfSolid& a, const OfSolid& b) { return a.root.t < b.root.t; });
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const long double t = all[i].root.t, gap = i == 0 ? 1 : t - all[i - 1].root.t;
+    if (i > 0 && !(gap > 0x1p-50L * std::max(std::abs(t), std::abs(all[i - 1].root.t)))) return std::nullopt;
+    along.times.emplace_back(along.ends_inside.size());
+    along.times.back()[all[i].solid] = 1;
+  }
+  Truth<> crossings;
+  for (int i = 0; i < static_cast<int>(all.size()); ++i)
+    if (along.is_inside(made.tree, i - 1) != along.is_inside(made.tree, i))
+      crossings.root[crossings.count++] = all[static_cast<std::size_t>(i)].root;
+  return crossings;
 }
 
 /// The truth, from exact numbers.
@@ -149,22 +212,28 @@ Truth<> truth_of(const protostar::Ray& ray, const S& surface, bool leaves) {
   return truth ? *truth : second_level(ray, surface, leaves);
 }
 
-/// Why the first level must not be trusted, if it is wrong.
-inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar::Sphere& sphere) {
-  const SphereEquation<Ball> e(ray, sphere);
-  const SphereEquation<Number> truth(ray, sphere);
+/// Why the first level must not be trusted, if it is wrong: what is wrong in its equation.
+inline const char* wrong_in_quadratic(const auto& e, const auto& truth) {
   if (!e.A.may_be(truth.A)) return "A";
   if (!e.b.may_be(truth.b)) return "b";
   if (!e.c.may_be(truth.c)) return "c";
   return e.discriminant().may_be(truth.discriminant()) ? nullptr : "D";
 }
+inline const char* wrong_in_linear(const auto& e, const auto& truth) {
+  if (!e.slope.may_be(truth.slope)) return "the slope";
+  return e.height.may_be(truth.height) ? nullptr : "the height";
+}
+
+inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar::Sphere& sphere) {
+  return wrong_in_quadratic(SphereEquation<Ball>(ray, sphere), SphereEquation<Number>(ray, sphere));
+}
+inline const char* wrong_coefficient(const protostar::Ray& ray, const Placed<protostar::Sphere>& placed) {
+  return wrong_in_quadratic(PlacedSphereEquation<Ball>(ray, placed),
+                            PlacedSphereEquation<Number>(ray, placed));
+}
 inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar::Quadric& quadric) {
-  const QuadricEquation<Ball> e(ray, quadric.form);
-  const QuadricEquation<Number> truth(ray, quadric.form);
-  if (!e.A.may_be(truth.A)) return "A";
-  if (!e.b.may_be(truth.b)) return "b";
-  if (!e.c.may_be(truth.c)) return "c";
-  return e.discriminant().may_be(truth.discriminant()) ? nullptr : "D";
+  return wrong_in_quadratic(QuadricEquation<Ball>(ray, quadric.form),
+                            QuadricEquation<Number>(ray, quadric.form));
 }
 inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar::Disk& disk) {
   const DiskEquation<Ball> e(ray, disk);
@@ -184,11 +253,13 @@ inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar:
   return nullptr;
 }
 inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar::Plane& plane) {
-  const PlaneEquation<Ball> e(ray, plane);
-  const PlaneEquation<Number> truth(ray, plane);
-  if (!e.slope.may_be(truth.slope)) return "the slope";
-  return e.height.may_be(truth.height) ? nullptr : "the height";
+  return wrong_in_linear(PlaneEquation<Ball>(ray, plane), PlaneEquation<Number>(ray, plane));
 }
+inline const char* wrong_coefficient(const protostar::Ray& ray, const Placed<protostar::Plane>& placed) {
+  return wrong_in_linear(PlacedPlaneEquation<Ball>(ray, placed), PlacedPlaneEquation<Number>(ray, placed));
+}
+/// A tree has no equation but those of its solids.
+inline const char* wrong_coefficient(const protostar::Ray&, const Made&) { return nullptr; }
 inline const char* wrong_coefficient(const protostar::Ray& ray,
                                      const protostar::Parallelogram& parallelogram) {
   const ParallelogramEquation<Ball> e(ray, parallelogram);

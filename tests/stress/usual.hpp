@@ -48,6 +48,13 @@ struct Quadric {
   T constant;
 };
 
+/// A surface, and the way back from where a map takes it: its inverse's rows, and how far it moves.
+template <class S, class T>
+struct Placed {
+  S own;
+  Vector<T> rows[3], translation;
+};
+
 template <class T>
 inline constexpr T miss = std::numeric_limits<T>::infinity();
 
@@ -140,6 +147,17 @@ T determinants(const Ray<T>& ray, const Parallelogram<T>& s) {
   const T one = 1 / dot(s.edge_u, p);
   const T a = dot(e, p) * one, b = dot(ray.direction, q) * one, t = dot(s.edge_v, q) * one;
   return 0 <= a && a <= 1 && 0 <= b && b <= 1 && t > 0 && t < miss<T> ? t : miss<T>;
+}
+
+/// Any of these on a placed surface: by a ray that is carried back, its direction made a unit.
+template <auto kernel, class S, class T>
+T carried(const Ray<T>& ray, const Placed<S, T>& placed) {
+  const auto back = [&](const Vector<T>& v) {
+    return Vector<T>{dot(placed.rows[0], v), dot(placed.rows[1], v), dot(placed.rows[2], v)};
+  };
+  const Vector<T> d = back(ray.direction);
+  const T size = std::sqrt(dot(d, d));
+  return kernel({back(ray.origin - placed.translation), d / size}, placed.own) / size;
 }
 
 }  // namespace usual

@@ -192,6 +192,11 @@ template <Surface S>
   if constexpr (!SurfaceForPackets<S>) {
     return first_crossings_by_itself(surface, rays, wanted, range);
   } else {
+    if constexpr (requires { surface.first_root_of_each(rays, wanted); })
+      if (range.min == 0 && range.max == infinity && rays.departure.kind == Departure::Kind::none) {
+        const FirstRootOfEach<Doubles, Chosen> root = surface.first_root_of_each(rays, wanted);
+        return {.t = root.t, .met = root.is_there, .in_doubt = root.in_doubt};
+      }
     FirstCrossings first{.t = infinity, .met = false, .in_doubt = false};
     const RootsOfEach<Doubles, Chosen> roots = surface.roots_of_each(rays, wanted);
     first.in_doubt = roots.in_doubt;

@@ -485,8 +485,13 @@ inline Csg csg_at(const JsonCursor& at) {
 inline Csg solid_at(const JsonCursor& at) {
   if (at.has("type") && at["type"].is("csg")) return csg_at(at);
   AnySurface surface = surface_at(at);
-  if (!is_solid(surface)) at["type"].refuse("the type of a closed solid");
-  return surface;
+  try {
+    return Csg(std::move(surface));  // which looks at all edges of a mesh, so that it is not asked before
+  } catch (const std::invalid_argument&) {
+    if (at["type"].is("mesh"))
+      at["file"].refuse("the file of a closed mesh, whose triangles share each edge, in opposite directions");
+    at["type"].refuse("the type of a closed solid");
+  }
 }
 
 /// Three rows of four numbers: the linear part, and behind it the translation.

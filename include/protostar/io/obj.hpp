@@ -56,32 +56,54 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// A text as a stream that hands on a line at a time, so that it is known which one is being read.
+/// A text as a stream that hands on a line at a time, without its comment, so that it is known which one is
+/// being read. One that ends with a backslash goes on in the next.
 class LinesOfText : public std::streambuf {
  public:
   explicit LinesOfText(std::string_view text) : rest_(text) {}
 
+  /// Of the line, from 1; of one that goes on in others, of the first.
   [[nodiscard]] std::size_t number() const { return number_; }
-  [[nodiscard]] std::string_view line() const { return line_; }
+  [[nodiscard]] std::string_view line() const { return std::string_view(handed_on_).substr(0, length_); }
 
  protected:
   int_type underflow() override {
     if (rest_.empty()) return traits_type::eof();
-    // A line ends with \n, \r or \r\n. tinyobjloader looks behind an \r, where the next line would be made.
-    const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
-    line_ = rest_.substr(0, end);
-    rest_.remove_prefix(end);
-    if (!rest_.empty()) rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : 1);
-    ended_line_.assign(line_).push_back('\n');
-    setg(ended_line_.data(), ended_line_.data(), ended_line_.data() + ended_line_.size());
-    ++number_;
-    return traits_type::to_int_type(ended_line_[0]);
+    number_ = next_number_;
+    handed_on_.clear();
+    for (bool goes_on = true; goes_on && !rest_.empty();) {
+      const std::string_view line = taken_line(), content = line.substr(0, line.find('#'));
+      goes_on = content.ends_with('\\');
+      handed_on_.append(content.substr(0, content.size() - (goes_on ? 1 : 0)));
+      if (goes_on) handed_on_.push_back(' ');
+    }
+    length_ = handed_on_.size();
+    // Of a word alone tinyobjloader sees nothing, nor of a face without corners.
+    handed_on_ += is_face_alone() ? " 0\n" : " \n";
+    setg(handed_on_.data(), handed_on_.data(), handed_on_.data() + handed_on_.size());
+    return traits_type::to_int_type(handed_on_[0]);
   }
 
  private:
-  std::string_view rest_, line_;
-  std::string ended_line_;
-  std::size_t number_ = 0;
+  /// A line ends with \n, \r or \r\n. tinyobjloader looks behind an \r, where the next line would be made.
+  std::string_view taken_line() {
+    const std::string_view line = rest_.substr(0, rest_.find_first_of("\r\n"));
+    rest_.remove_prefix(line.size());
+    if (!rest_.empty()) rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : 1);
+    ++next_number_;
+    return line;
+  }
+
+  [[nodiscard]] bool is_face_alone() const {
+    const std::size_t word = line().find_first_not_of(" \t");
+    return word != std::string_view::npos && line()[word] == 'f' &&
+           line().find_first_not_of(" \t", word + 1) == std::string_view::npos;
+  }
+
+  std::string_view rest_;
+  std::string handed_on_;
+  std::size_t length_ = 0;  ///< of the line in what is handed on
+  std::size_t number_ = 0, next_number_ = 1;
 };
 
 /// Takes what tinyobjloader finds in a file, and refuses what that lets pass.
@@ -164,9 +186,8 @@ class ObjBuilder {
 
   /// A polygon, cut into triangles by its diagonals from the first corner.
   void add_face(std::span<const tinyobj::index_t> corners) {
-    check_face(lines_.line());
-    if (corners.size() < 3)
-      refuse("a face has 3 corners or more, and this has " + std::to_string(corners.size()));
+    const std::size_t count = checked_corners(lines_.line());
+    if (count < 3) refuse("a face has 3 corners or more, and this has " + std::to_string(count));
     const std::uint32_t first = vertex(corners[0]);
     std::uint32_t last = vertex(corners[1]);
     for (const tinyobj::index_t& corner : corners.subspan(2)) {
@@ -176,13 +197,13 @@ class ObjBuilder {
     }
   }
 
-  /// tinyobjloader takes anything for a number, reads one across a blank, and counts on that it is no longer
-  /// than an int.
-  void check_face(std::string_view line) const {
+  /// How many corners a face has. tinyobjloader takes anything for a number, reads one across a blank, and
+  /// counts on that it is no longer than an int.
+  [[nodiscard]] std::size_t checked_corners(std::string_view line) const {
     line.remove_prefix(line.find('f') + 1);
-    while (true) {
+    for (std::size_t count = 0;; ++count) {
       line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
-      if (line.empty()) return;
+      if (line.empty()) return count;
       const std::string_view word = line.substr(0, line.find_first_of(" \t"));
       if (!is_corner(word))
         refuse("expected a face, with corners as 1, 1/2, 1//3 or 1/2/3, of indices of up to 9 digits");

@@ -49,6 +49,13 @@ struct FirstRoot {
   int root = 0;                  ///< its place among all roots
 };
 
+/// The same of several lines at once.
+template <class T, class M>
+struct FirstRootOfEach {
+  T t;
+  M is_there, in_doubt;  ///< where it is neither, there is no root in t > 0
+};
+
 /// The roots of A t² − 2 b t + c = 0, given q = b ± √(b² − A c) without cancellation: one is q/A, and the
 /// other c/q, since their product is c/A.
 [[nodiscard]] inline Roots roots_from(double A, double c, double q) {

@@ -345,6 +345,37 @@ template <class T, class C>
   return {.known = FirstRoot::Known::undecided};
 }
 
+/// The same of several lines at once, of those that are wanted. Where they start at one point outside the
+/// sphere, as those of a camera mostly do, the first root is c/q for all of them.
+[[nodiscard, gnu::always_inline]] inline auto first_sphere_root_of_each(const auto& origin,
+                                                                        const auto& direction,
+                                                                        const Point& center, double radius,
+                                                                        const auto& wanted) {
+  using std::sqrt;
+  const auto e = detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius);
+  using T = std::remove_const_t<decltype(e.b)>;
+  using M = std::remove_cvref_t<decltype(wanted)>;
+  FirstRootOfEach<T, M> first{.t = infinity, .is_there = false, .in_doubt = false};
+  const M open = wanted && !e.surely_misses();
+  if (!any(open)) return first;
+  const auto find = [&](const T& t, const M& certain, const M& recedes) {
+    first.t = t;
+    first.is_there = open && certain && !recedes && t > 0.0 && t < infinity;
+    first.in_doubt = open && !certain && !(recedes && e.D > 4 * e.E);
+  };
+  const auto is_outside = e.c > 0x1p-18 * e.w;
+  if constexpr (std::is_same_v<decltype(is_outside), const bool>)
+    if (is_outside) {
+      const T root = sqrt(e.D), q = e.b + root;
+      find(e.c / q, root * q > 0x1p31 * e.E && e.b >= 0.0, e.b < 0.0);
+      return first;
+    }
+  const auto [q, certain] = detail::certified_quotient(e);
+  const M is_far = M(!is_outside) && q >= 0.0;
+  find(select(is_far, q, T(e.c)) / select(is_far, e.A, q), certain, is_outside && q < 0.0);
+  return first;
+}
+
 /// The roots of several lines at once, in the order near, far, of those that are wanted: the same numbers as
 /// those of sphere_roots, where double decides. Directions are vectors of lanes; the origin is one point, or
 /// one in each lane.

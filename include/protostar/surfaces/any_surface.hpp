@@ -12,11 +12,13 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Holds a copy of a surface and answers for it, through virtual calls. It offers all that the surface
 /// offers: roots and departure stay as exact as they are. Copying it copies the surface; a moved-from one may
 /// only be assigned to.
+///
+/// All of a surface's functions are compiled where one is made of it. A program that does so in several units
+/// may compile them once: `extern template AnySurface::AnySurface(Box)`.
 class AnySurface {
  public:
   template <class S>
-  requires(!std::same_as<S, AnySurface> && Surface<S>) AnySurface(S surface)
-      : held_(std::make_unique<Held<S>>(std::move(surface))) {}
+  requires(!std::same_as<S, AnySurface> && Surface<S>) AnySurface(S surface);
 
   AnySurface(const AnySurface& other) : held_(other.held_->copy()) {}
   AnySurface(AnySurface&&) noexcept = default;
@@ -131,6 +133,10 @@ class AnySurface {
 
   std::unique_ptr<Holder> held_;
 };
+
+template <class S>
+requires(!std::same_as<S, AnySurface> && Surface<S>) AnySurface::AnySurface(S surface)
+    : held_(std::make_unique<Held<S>>(std::move(surface))) {}
 
 static_assert(CompositeSurface<AnySurface> && SurfaceWithParts<AnySurface> && Solid<AnySurface>);
 

@@ -35,7 +35,7 @@ class Csg {
 
   /// Throws std::invalid_argument if it is no solid, as far as the type has not told already.
   template <class S>
-  requires(!std::same_as<S, Csg> && Solid<S>) Csg(S solid) : most_parts_(protostar::part_count(solid)) {
+  requires(!std::same_as<S, Csg> && Solid<S>) Csg(S solid) : parts_(protostar::part_count(solid)) {
     if (!protostar::is_solid(solid)) throw std::invalid_argument("Csg: an operand must be a closed solid");
     leaves_.push_back({.solid = std::move(solid), .node = 0});
     nodes_.push_back({});
@@ -57,8 +57,6 @@ class Csg {
     if (++depth_ > most_depth)
       throw std::invalid_argument("Csg: operations may be " + std::to_string(most_depth) +
                                   " deep inside each other, and these are deeper");
-    if (most_parts_ > std::numeric_limits<int>::max() / count())
-      throw std::invalid_argument("Csg: the solids have more than 2^31 parts");
   }
 
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
@@ -109,7 +107,7 @@ class Csg {
       if (leaf(i).solid.ends_inside(ray)) insides.turn_over(i);
     return insides.whole();
   }
-  [[nodiscard]] int part_count() const { return count() * most_parts_; }
+  [[nodiscard]] int part_count() const { return parts_; }
   [[nodiscard]] Bounds bounds() const { return bounds_; }
 
   /// Throws std::invalid_argument if a solid is not valid.
@@ -122,6 +120,7 @@ class Csg {
   struct Leaf {
     AnySurface solid;
     int node;                    ///< its place among the nodes
+    int first_part = 0;          ///< behind the parts of all leaves before it
     bool is_taken_away = false;  ///< an odd number of times
   };
 
@@ -194,9 +193,12 @@ class Csg {
   [[nodiscard]] int root() const { return static_cast<int>(nodes_.size()) - 1; }
   [[nodiscard]] const Leaf& leaf(int i) const { return leaves_[static_cast<std::size_t>(i)]; }
 
-  // A part is one of a leaf: part = the leaf's own · the number of leaves + the leaf.
-  [[nodiscard]] const Leaf& leaf_of(int part) const { return leaf(part % count()); }
-  [[nodiscard]] int inner_part(int part) const { return part / count(); }
+  /// The leaf that has a part: the last that begins at it or before.
+  [[nodiscard]] const Leaf& leaf_of(int part) const {
+    return std::upper_bound(leaves_.begin(), leaves_.end(), part,
+                            [](int p, const Leaf& leaf) { return p < leaf.first_part; })[-1];
+  }
+  [[nodiscard]] int inner_part(int part) const { return part - leaf_of(part).first_part; }
   [[nodiscard]] Crossing inner(Crossing crossing) const {
     crossing.part = inner_part(crossing.part);
     return crossing;
@@ -209,8 +211,11 @@ class Csg {
 
   void append(Csg&& other, Operation operation) {
     const int shift = static_cast<int>(nodes_.size());
+    if (other.parts_ > std::numeric_limits<int>::max() - parts_)
+      throw std::invalid_argument("Csg: the solids have more than 2^31 parts");
     for (Leaf& leaf : other.leaves_) {
       leaf.node += shift;
+      leaf.first_part += parts_;
       if (operation == Operation::first_alone) leaf.is_taken_away = !leaf.is_taken_away;
       leaves_.push_back(std::move(leaf));
     }
@@ -220,7 +225,7 @@ class Csg {
       nodes_.push_back(node);
     }
     depth_ = std::max(depth_, other.depth_);
-    most_parts_ = std::max(most_parts_, other.most_parts_);
+    parts_ += other.parts_;
     const auto [low, high] = other.bounds_;
     if (operation == Operation::either) bounds_ = {min(bounds_.min, low), max(bounds_.max, high)};
     if (operation == Operation::all) {
@@ -279,7 +284,7 @@ class Csg {
       const Hit* turning = turn_over_together(insides, hit, end);
       if (insides.whole() != was_inside && !is_departure) {
         Crossing crossing = turning->crossing;
-        crossing.part = crossing.part * count() + turning->leaf;
+        crossing.part += leaf(turning->leaf).first_part;
         if (visit(crossing)) return;
       }
       hit = end;
@@ -302,7 +307,7 @@ class Csg {
   std::vector<Node> nodes_;
   Bounds bounds_;
   int depth_ = 0;
-  int most_parts_;  ///< that a leaf has
+  int parts_;
 };
 
 /// What is inside any of some solids.

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -75,6 +76,23 @@ struct MeshData {
     return [this](std::size_t i) { return triangle(i); };
   }
 
+  /// Whether the triangles bound a solid: of each edge, as many have it in one direction as in the other.
+  /// Vertices in one place are one.
+  [[nodiscard]] bool is_closed() const {
+    const std::vector<std::uint32_t> number = numbers_of_places();
+    using Edge = std::array<std::uint32_t, 2>;
+    std::vector<Edge> up, down;  // from the lower number to the higher, and back
+    for (const auto& triangle : triangles)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t from = number[triangle[i]], to = number[triangle[(i + 1) % 3]];
+        if (from < to) up.push_back({from, to});
+        if (to < from) down.push_back({to, from});
+      }
+    std::sort(up.begin(), up.end());
+    std::sort(down.begin(), down.end());
+    return up == down;
+  }
+
   /// Throws std::invalid_argument if there is no triangle or too many, if one names a vertex that there is
   /// not, if a number is not finite, or if there are other than as many normals or uvs as vertices. Triangles
   /// without area are allowed; no ray meets them.
@@ -102,6 +120,23 @@ struct MeshData {
                       }),
           "uvs must be finite");
   }
+
+ private:
+  /// Of each vertex a number, the same for those in one place.
+  [[nodiscard]] std::vector<std::uint32_t> numbers_of_places() const {
+    const auto place = [&](std::uint32_t i) {
+      return std::array{vertices[i].x, vertices[i].y, vertices[i].z};
+    };
+    std::vector<std::uint32_t> in_order(vertices.size()), numbers(vertices.size());
+    std::iota(in_order.begin(), in_order.end(), 0u);
+    std::sort(in_order.begin(), in_order.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return place(a) < place(b); });
+    for (std::size_t i = 0; i < in_order.size(); ++i) {
+      const bool is_new = i == 0 || place(in_order[i - 1]) != place(in_order[i]);
+      numbers[in_order[i]] = is_new ? in_order[i] : numbers[in_order[i - 1]];
+    }
+    return numbers;
+  }
 };
 
 /// A mesh, whose copies share what it is made of. Its parts are its triangles, in the order in which they are
@@ -117,6 +152,15 @@ class Mesh {
       : contents_(std::make_shared<const Contents>(std::move(data), options)) {}
 
   [[nodiscard]] const MeshData& data() const { return contents_->data; }
+
+  /// Whether it bounds a solid (MeshData::is_closed), which takes a look at all edges. Inside is what a line
+  /// is in between its first crossing and its second, its third and its fourth, and so on. Normals lead out of
+  /// it if the triangles turn counterclockwise as seen from there.
+  [[nodiscard]] bool is_solid() const { return data().is_closed(); }
+  [[nodiscard]] int part_count() const { return static_cast<int>(data().triangles.size()); }
+
+  /// What is inside has an end on every ray.
+  [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
 
   /// Where a ray crosses the mesh first inside the range.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
@@ -174,11 +218,18 @@ class Mesh {
   /// Calls visit(const Crossing&) for every crossing inside the range, near to far.
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
     std::vector<Crossing> crossings;
-    const auto find = [&](const Triangle& triangle, std::uint32_t i) {
-      if (const auto crossing = crossing_with(triangle, i, ray, range)) crossings.push_back(*crossing);
-      return false;
+    // The tree knows rays and no lines: what is behind the origin lies ahead of a ray that is turned around.
+    const auto find_along = [&](const Ray& half, double length, bool is_behind) {
+      const auto find = [&](const Triangle& triangle, std::uint32_t i) {
+        const auto crossing = crossing_with(triangle, i, ray, range);
+        if (crossing && (crossing->t < 0) == is_behind) crossings.push_back(*crossing);
+        return false;
+      };
+      contents_->tree.each_crossed(half, {std::max(is_behind ? -range.max : range.min, 0.0), length},
+                                   data().triangle_of(), find);
     };
-    contents_->tree.each_crossed(ray, range, data().triangle_of(), find);
+    if (range.max > 0) find_along(ray, range.max, false);
+    if (range.min < 0) find_along(ray.turned(-ray.direction), -range.min, true);
     std::sort(crossings.begin(), crossings.end(),
               [&](const Crossing& a, const Crossing& b) { return comes_before(ray, a, b); });
     for (const Crossing& crossing : crossings) visit(crossing);
@@ -249,6 +300,6 @@ class Mesh {
 };
 
 static_assert(CompositeSurface<Mesh> && SurfaceWithParts<Mesh> && SurfaceWithBounds<Mesh> &&
-              SurfaceWithUv<Mesh>);
+              SurfaceWithUv<Mesh> && Solid<Mesh>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "../numeric/quadric_bounds.hpp"
 #include "../numeric/quadric_roots.hpp"
 #include "../surface.hpp"
 #include "coordinates.hpp"
@@ -39,10 +40,13 @@ struct Quadric {
   [[nodiscard]] Uv uv_at(const Point& point) const { return direction_uv(normal_at(point)); }
 
   /// All crossings of the ray's line; of a ray that departs from the quadric, the one that it does not come
-  /// from.
+  /// from. That does not count outside of the bounds, where it is only if the origin is about as far off the
+  /// quadric.
   [[nodiscard]] Roots roots(const Ray& ray) const {
-    if (is_left_by(ray)) return quadric_root_leaving(ray.origin, ray.direction, form);
-    return quadric_roots(ray.origin, ray.direction, form);
+    if (!is_left_by(ray)) return quadric_roots(ray.origin, ray.direction, form);
+    const Roots root = quadric_root_leaving(ray.origin, ray.direction, form);
+    const bool counts = root.count() > 0 && is_in_quadric_bounds(ray.origin, ray.direction, form);
+    return counts ? root : Roots{};
   }
 
   [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision) const {
@@ -60,6 +64,9 @@ struct Quadric {
     return quadric_ends_negative(ray.origin, ray.direction, form, is_left_by(ray));
   }
 
+  /// Those of an ellipsoid that is inside of itself, and about a thousandth more; others' are infinite.
+  [[nodiscard]] Bounds bounds() const { return quadric_bounds(form); }
+
   /// This quadric, recognized by its address.
   [[nodiscard]] Departure departure() const { return {.kind = Departure::Kind::object, .object = this}; }
 
@@ -76,6 +83,7 @@ struct Quadric {
   }
 };
 
-static_assert(SurfaceWithRefinedRoots<Quadric> && SurfaceWithDeparture<Quadric> && Solid<Quadric>);
+static_assert(SurfaceWithRefinedRoots<Quadric> && SurfaceWithDeparture<Quadric> &&
+              SurfaceWithBounds<Quadric> && Solid<Quadric>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

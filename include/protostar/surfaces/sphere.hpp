@@ -72,6 +72,11 @@ struct Sphere {
     return sphere_roots_of_each(rays.origin, rays.direction, center, radius, wanted);
   }
 
+  /// The first root in t > 0 of each of several rays that depart from nothing.
+  [[nodiscard]] auto first_root_of_each(const auto& rays, const auto& wanted) const {
+    return first_sphere_root_of_each(rays.origin, rays.direction, center, radius, wanted);
+  }
+
   /// Which of several rays cross it in t > 0, or in 0 < t < 1.
   [[nodiscard]] auto crossed_by_each(const auto& rays, const auto& wanted) const {
     if (is_left_by(rays))

@@ -1,0 +1,128 @@
+// The box around a quadric that is an ellipsoid.
+//
+// A quadric p·Mp + 2 l·p + k = 0 is one where M is positive definite; inside, the form is negative. Around
+// its center c = −M⁻¹ l the form is y·My − h, with h = −f(c) = l·M⁻¹ l − k, and the points where that is 0
+// reach to c ± √(h (M⁻¹)ᵢᵢ) along the axis i. With the adjugate matrix N = det M · M⁻¹, whose numbers are
+// sums of products, and H = l·N l − k det M:
+//
+//   cᵢ = −(N l)ᵢ / det M,   h = H / det M,   and the reach is √(H Nᵢᵢ) / det M.
+//
+// Numerators and denominators are evaluated without rounding.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "../bounds.hpp"
+#include "quadric_roots.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+namespace detail {
+
+/// The numbers above, in units of length of 2^exponent.
+struct ExactEllipsoid {
+  bool exists = false;  ///< whether M surely is positive definite
+  int exponent = 0;
+  ExactVector squares, products, linear;
+  Expansion constant, determinant, H;
+  ExactVector Nl, N_diagonal;
+
+  [[gnu::cold, gnu::noinline]] explicit ExactEllipsoid(const QuadricForm& form) {
+    if (!is_finite(form) || (form.squares == Vec3{0} && form.products == Vec3{0})) return;
+    // As in ExactQuadricEquation, without an origin: no number is larger than 2. Where none is below 2^-100,
+    // all are multiples of 2^-153, and products of six of them, the most there are, are exact.
+    const int quadratic = exponent_of({form.squares, form.products});
+    exponent = std::max((exponent_of({{form.constant, 0, 0}}) - quadratic) / 2,
+                        exponent_of({form.linear}) - quadratic);
+    const auto taken = [&](const Vec3& given, int by, ExactVector& numbers) {
+      const Vec3 v = scaled(given, -by);
+      numbers = exact_vector(v);
+      const auto is_exact = [&](int i) { return given[i] == 0 || std::abs(v[i]) >= 0x1p-100; };
+      return is_exact(0) && is_exact(1) && is_exact(2);
+    };
+    ExactVector k;
+    if (!taken(form.squares, quadratic, squares) || !taken(form.products, quadratic, products) ||
+        !taken(form.linear, quadratic + exponent, linear) ||
+        !taken({form.constant, 0, 0}, quadratic + 2 * exponent, k))
+      return;
+    constant = k[0];
+
+    const ExactVector &s = squares, &p = products, &l = linear;
+    N_diagonal = {s[1] * s[2] - p[0] * p[0], s[2] * s[0] - p[1] * p[1], s[0] * s[1] - p[2] * p[2]};
+    const ExactVector beside{p[1] * p[2] - p[0] * s[0], p[2] * p[0] - p[1] * s[1], p[0] * p[1] - p[2] * s[2]};
+    determinant = s[0] * N_diagonal[0] + p[2] * beside[2] + p[1] * beside[1];
+    exists = s[0].sign() > 0 && N_diagonal[2].sign() > 0 && determinant.sign() > 0;  // Sylvester's criterion
+    Nl = {N_diagonal[0] * l[0] + beside[2] * l[1] + beside[1] * l[2],
+          beside[2] * l[0] + N_diagonal[1] * l[1] + beside[0] * l[2],
+          beside[1] * l[0] + beside[0] * l[1] + N_diagonal[2] * l[2]};
+    H = exact_dot(l, Nl) - constant * determinant;
+  }
+
+  /// The form at a point, in these units.
+  [[nodiscard, gnu::cold]] Expansion level_at(const ExactVector& o) const {
+    const ExactVector &s = squares, &p = products;
+    const ExactVector Mo{s[0] * o[0] + p[2] * o[1] + p[1] * o[2], p[2] * o[0] + s[1] * o[1] + p[0] * o[2],
+                         p[1] * o[0] + p[0] * o[1] + s[2] * o[2]};
+    const Expansion lo = exact_dot(linear, o);
+    return exact_dot(o, Mo) + lo + lo + constant;
+  }
+};
+
+}  // namespace detail
+
+/// The box around the points where the form of a quadric is at most 2^-10 h, if M surely is positive
+/// definite; of others it is infinite. These points reach √(1 + 2^-10) times as far from the center as the
+/// ellipsoid.
+[[nodiscard, gnu::cold, gnu::noinline]] inline Bounds quadric_bounds(const QuadricForm& form) {
+  const detail::ExactEllipsoid e(form);
+  Bounds bounds{Point{-infinity}, Point{infinity}};
+  if (!e.exists) return bounds;
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<std::size_t>(i);
+    // To the nearest, and in double-double: 2^-10 of the reach is far more than both that root and the
+    // roundings of the reach need. The center is off by u of itself, and each end by u of both: 4u are more.
+    const double center = -detail::nearest_quotient(e.Nl[axis], e.determinant);
+    const DoubleDouble square(e.H.sign() > 0 ? e.H * e.N_diagonal[axis] : Expansion());
+    const double reach = static_cast<double>(sqrt(square) / DoubleDouble(e.determinant)) * (1 + 0x1p-10);
+    const double margin = 0x1p-51 * (std::abs(center) + reach);
+    bounds.min[i] = std::nextafter(std::ldexp(center - reach - margin, e.exponent), -infinity);
+    bounds.max[i] = std::nextafter(std::ldexp(center + reach + margin, e.exponent), infinity);
+  }
+  return bounds;
+}
+
+namespace detail {
+
+/// Whether the form is at most 2^-10 h at a finite point, without rounding, or the quadric has no bounds.
+[[nodiscard, gnu::cold, gnu::noinline]] inline bool is_in_quadric_bounds_in_doubt(const Point& point,
+                                                                                  const QuadricForm& form) {
+  const ExactEllipsoid e(form);
+  if (!e.exists) return true;
+  ++fallbacks.exact;
+  // Nothing reaches as far as 2^400: no number of N is larger than 2, nor H than 20, nor det M below 2^-459.
+  if (exponent_of({point}) - e.exponent > 400) return false;
+  const ExactVector o = exact_vector(scaled(point, -e.exponent));
+  return (e.level_at(o) * e.determinant - Expansion(0x1p-10) * e.H).sign() <= 0;
+}
+
+}  // namespace detail
+
+/// Whether what a line meets again that starts on the quadric, by what it departs from, is in the quadric's
+/// bounds. The digits of the origin may be off the quadric; the form at the other end of the chord is what it
+/// is at the origin, c. In the middle of the chord it is c − b²/A, and nowhere below −h. So c ≤ 2^-11 b²/A is
+/// enough: then h ≥ (1 − 2^-11) b²/A. Of the error of c, 9u, 2^-49 is twice as much, as for that of b²/A
+/// there is 2^-11.
+[[nodiscard]] inline bool is_in_quadric_bounds(const Point& origin, const Vec3& direction,
+                                               const QuadricForm& form) {
+  const detail::RoundedQuadricEquation e(origin, direction, form);
+  if (e.in_range && e.is_A_certain()) {
+    if (e.A < 0) return true;
+    const bool is_b_certain = std::abs(e.b) > 0x1p-18 * e.b_size && e.b_size > 0x1p-400;
+    const double c = e.c + 0x1p-49 * e.c_size;
+    if (is_b_certain && e.c_size > 0x1p-400 && c * e.A <= 0x1p-11 * e.b * e.b) return true;
+  }
+  return detail::is_in_quadric_bounds_in_doubt(origin, form);
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

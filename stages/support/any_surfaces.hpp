@@ -1,0 +1,32 @@
+// Surfaces of any type, compiled once for all stages that have them (support/any_surfaces.cpp), and so are
+// pictures of them on a plane.
+#pragma once
+
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/render.hpp>
+#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/box.hpp>
+#include <protostar/surfaces/csg.hpp>
+#include <protostar/surfaces/disk.hpp>
+#include <protostar/surfaces/instance.hpp>
+#include <protostar/surfaces/parallelogram.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/quadric.hpp>
+#include <protostar/surfaces/sphere.hpp>
+#include <protostar/surfaces/triangle.hpp>
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+extern template AnySurface::AnySurface(Box);
+extern template AnySurface::AnySurface(Csg);
+extern template AnySurface::AnySurface(Disk);
+extern template AnySurface::AnySurface(Instance<Csg>);
+extern template AnySurface::AnySurface(Parallelogram);
+extern template AnySurface::AnySurface(Plane);
+extern template AnySurface::AnySurface(Quadric);
+extern template AnySurface::AnySurface(Sphere);
+extern template AnySurface::AnySurface(Triangle);
+
+extern template class simd::SceneTiles<ShadowIntegrator, Plane, AnySurface>;
+
+}  // namespace protostar::inline PROTOSTAR_ABI

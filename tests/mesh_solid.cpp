@@ -1,0 +1,131 @@
+// Meshes as solids, and among those of a tree.
+#include <array>
+#include <cstdint>
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/render.hpp>
+#include <protostar/surfaces/box.hpp>
+#include <protostar/surfaces/csg.hpp>
+#include <protostar/surfaces/mesh.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/errors.hpp"
+#include "support/meshes.hpp"
+#include "support/pictures.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+
+const Interval everywhere{-infinity, infinity};
+
+std::vector<double> crossings(const Csg& tree, const Ray& ray, Interval range = {}) {
+  std::vector<double> all;
+  tree.each_crossing(ray, range, [&](const Crossing& crossing) { all.push_back(crossing.t); });
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("a mesh is a solid if of each edge as many triangles have it in one direction as in the other") {
+  for (const MeshData& closed : {meshes::box(2), meshes::icosphere(1), meshes::torus(9, 7)}) {
+    CHECK(closed.is_closed());
+    MeshData apart = closed;  // each triangle with vertices of its own
+    apart.vertices.clear();
+    for (auto& triangle : apart.triangles)
+      for (std::uint32_t& vertex : triangle) {
+        apart.vertices.push_back(closed.vertices[vertex]);
+        vertex = static_cast<std::uint32_t>(apart.vertices.size()) - 1;
+      }
+    CHECK(apart.is_closed());
+    CHECK(is_solid(Mesh(apart)));
+    MeshData turned = closed;
+    std::swap(turned.triangles[3][0], turned.triangles[3][1]);
+    CHECK_FALSE(turned.is_closed());
+    MeshData open = closed;
+    open.triangles.pop_back();
+    CHECK_FALSE(open.is_closed());
+    open.triangles.push_back({0, 1, 0});  // without area, it closes nothing
+    CHECK_FALSE(open.is_closed());
+    MeshData moved = closed;
+    const std::uint32_t corner = moved.triangles[0][0];
+    moved.vertices.push_back(moved.vertices[corner] * (1 + 1e-15));
+    moved.triangles[0][0] = static_cast<std::uint32_t>(moved.vertices.size()) - 1;
+    CHECK_FALSE(moved.is_closed());
+  }
+  const MeshData triangle{.vertices = {{0, 0, 3}, {2, 0, 3}, {0, 2, 3}}, .triangles = {{0, 1, 2}}};
+  CHECK_FALSE(is_solid(Mesh(triangle)));
+  MeshData both_sides = triangle;
+  both_sides.triangles.push_back({1, 0, 2});
+  CHECK(both_sides.is_closed());
+  MeshData zeros = both_sides;  // −0 is at 0
+  zeros.vertices.push_back({-0.0, -0.0, 3});
+  zeros.triangles[1] = {1, 3, 2};
+  CHECK(zeros.is_closed());
+}
+
+TEST_CASE("a closed mesh is a solid like others") {
+  const MeshData cube = meshes::box(1);  // as the box from −1 to 1
+  const Mesh mesh(cube);
+  CHECK(is_solid(mesh));
+  CHECK(mesh.part_count() == 48);
+  const Box box{Point{-1}, Point{1}};
+  Random random(86);
+  int crossed = 0, wrong = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Sphere cut{random.point(1), random.real(0.3, 1.2)};
+    const auto with = [&](const Csg& solid) {
+      return std::array{union_of({solid, cut}), intersection_of({solid, cut}), difference_of({solid, cut}),
+                        difference_of({cut, solid})};
+    };
+    const auto of_mesh = with(mesh), of_box = with(box);
+    const Point origin = random.point(3);
+    const Ray line{origin, random.point(1) - origin};
+    for (std::size_t k = 0; k < of_box.size(); ++k) {
+      const auto expected = crossings(of_box[k], line, everywhere);
+      wrong += crossings(of_mesh[k], line, everywhere) != expected;
+      crossed += !expected.empty();
+      // And behind the first of them, along any other line.
+      const auto first = of_box[k].first_crossing(line, {});
+      const auto same = of_mesh[k].first_crossing(line, {});
+      if (!first || !same) continue;
+      const Vec3 on = random.direction();
+      const Point p = line.at(first->t);
+      wrong += of_mesh[k].normal_at(p, same->part) != of_box[k].normal_at(p, first->part);
+      wrong += crossings(of_mesh[k], {p, on, of_mesh[k].departure(same->part)}) !=
+               crossings(of_box[k], {p, on, of_box[k].departure(first->part)});
+    }
+  }
+  CHECK(crossed > 3000);
+  CHECK(wrong == 0);
+
+  MeshData open = cube;
+  open.triangles.pop_back();
+  CHECK_FALSE(is_solid(Mesh(open)));
+  CHECK_THAT(message_of<std::invalid_argument>([&] { (void)Csg(Mesh(open)); }),
+             ContainsSubstring("closed solid"));
+}
+
+TEST_CASE("a cube is cut to the same picture as a mesh and as a box") {
+  const auto picture = [](const Csg& cube, bool by_tiles) {
+    Scene<Csg, Plane> scene;
+    scene.add(difference_of({cube, Sphere{{0.5, 0.5, -1}, 0.9}, Sphere{{-1, 0, 0}, 0.5}}),
+              Color{0.9f, 0.5f, 0.1f});
+    scene.add(intersection_of({cube, Sphere{{0.9, 0.3, -0.7}, 0.4}}), Color{0.1f, 0.5f, 0.9f});
+    scene.add(Plane{{0, 1, 0}, -1}, Color{0.4f});
+    scene.add(PointLight{.position = {3, 4, -5}, .power = Color{900}});
+    Image image(96, 64);
+    render(image, Camera{.position = {0.3, 0.7, -3}}, scene, ShadowIntegrator{}, {.tiles = by_tiles});
+    return image;
+  };
+  const Mesh mesh(meshes::box(1));
+  const Image expected = picture(Box{Point{-1}, Point{1}}, false);
+  CHECK(count_pixels(expected, [&](int x, int y) { return expected(x, y).b > expected(x, y).r; }) > 50);
+  CHECK(different_pixels(picture(mesh, false), expected) == 0);
+  CHECK(different_pixels(picture(mesh, true), expected) == 0);
+}
