@@ -328,7 +328,7 @@ class TrianglesInTile {
 
   static constexpr int side = 64;
   template <class T>
-  using OfPixels = std::array<T, side * side>;
+  using OfPixels = std::array<T, side * side + float_lanes>;  // room for what a vector reads behind the last
 
   const TriangleTree* tree_ = nullptr;
   Tile tile_{};
