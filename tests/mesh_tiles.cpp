@@ -9,6 +9,7 @@
 #include <protostar/surfaces/mesh.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "support/catch.hpp"
@@ -182,6 +183,21 @@ TEST_CASE("by tiles, more meshes than a tile draws, and many, look as they do ra
       scene.add(mesh_of(meshes::moved(ball, 0.1, Vec3{0, 0, 3} + random.point(1))), random.color());
     CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}, {}, 30, 20) == 0);
   }
+}
+
+TEST_CASE("a tile with many more triangles than pixels is left to its rays, and looks the same") {
+  Everything scene;
+  scene.add(mesh_of(meshes::moved(meshes::icosphere(5), 1, {0, 0, 3})), Color{1});
+  for (const int size : {8, 24, 100})
+    CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}, {.samples = 2}, size, size) == 0);
+  RenderStatistics taken;
+  Image image(8, 8);
+  render(image, Camera{}, scene, NormalIntegrator{}, {.statistics = &taken});
+  CHECK(taken.surface_tests <= 8 * 8);
+}
+
+TEST_CASE("rays that leave parts of a mesh are no rays with a departure in common") {
+  STATIC_REQUIRE_FALSE(std::is_convertible_v<simd::RaysFromParts, simd::Rays<simd::Vectors>>);
 }
 
 TEST_CASE("a tile that draws a mesh leaves few rays in doubt") {

@@ -41,6 +41,12 @@ TEST_CASE("the vertices and faces of an OBJ file are read, whatever the lines en
   CHECK(read(corners + "f 1 2 3").triangles.size() == 1);  // without a line's end
 }
 
+TEST_CASE("a byte order mark is no part of an OBJ file's first line") {
+  CHECK(read("\xEF\xBB\xBF" + corners + "f 1 2 3").vertices == read(corners + "f 1 2 3").vertices);
+  CHECK_THROWS(read(corners + "f 1 2 \xEF\xBB\xBF"
+                              "3"));
+}
+
 TEST_CASE("a line of an OBJ file may end with a comment, or go on in the next") {
   const Triangles one{{0, 1, 2}};
   CHECK(read(corners + "f 1 2 3 # the first").triangles == one);

@@ -36,6 +36,8 @@ MeshData torus(std::size_t count) {
 
 Ray in_double(const FloatRay& ray) { return {Point(ray.origin), Vec3(ray.direction)}; }
 
+Camera camera() { return Camera::perspective({0, -2, 1.5}, {0, 0.8, -0.6}, {0, 0.6, 0.8}, 60); }
+
 class Contest {
  public:
   Contest(Table& table, const bench::Options& options, const MeshData& data)
@@ -80,8 +82,6 @@ class Contest {
  private:
   using Query = void (Embree::*)(Mode, bool, const std::vector<FloatRay>&, std::size_t, std::size_t,
                                  std::vector<Index>&) const;
-
-  static Camera camera() { return Camera::perspective({0, -2, 1.5}, {0, 0.8, -0.6}, {0, 0.6, 0.8}, 60); }
 
   static FloatRay of(const Ray& ray) {
     return {.origin = glm::vec3(ray.origin), .direction = glm::vec3(ray.direction)};
@@ -149,6 +149,26 @@ void build(Table& table, const bench::Options& options, const MeshData& data) {
              number(1e3 * times.seconds(1)), both ? number(times.ratio(0, 1)) : "-"});
 }
 
+/// Pictures of one mesh in all sizes: where it has many more triangles than pixels, tiles are not drawn.
+void pictures(Table& table, const bench::Options& options, const MeshData& data) {
+  Scene<Mesh> scene;
+  scene.add(Mesh(data, {.threads = options.threads}), Color{1});
+  const auto accelerated = accelerate(scene);
+  for (int side = 16; side <= (options.quick ? 64 : 1024); side *= 2) {
+    Image image(side, side);
+    const auto draw = [&](bool tiles) {
+      return [&image, &accelerated, &options, tiles] {
+        render(image, camera(), accelerated, ColorIntegrator{}, {.threads = options.threads, .tiles = tiles});
+      };
+    };
+    const Times times(options, {draw(false), draw(true)});
+    const auto nanoseconds = [&](std::size_t i) { return number(1e9 * times.seconds(i) / (side * side)); };
+    table.row(
+        {std::to_string(data.triangles.size()) + ", " + std::to_string(side) + "x" + std::to_string(side),
+         nanoseconds(0), nanoseconds(1), number(times.ratio(0, 1))});
+  }
+}
+
 void meshes_of_triangles(const bench::Options& options) {
   if (!Embree::is_there) std::printf("Embree is not installed, so there is nothing to compare with\n");
   const std::vector<std::size_t> counts =
@@ -157,6 +177,11 @@ void meshes_of_triangles(const bench::Options& options) {
     Table table(options, {"triangles and rays", "rays", "Embree single", "packet", "stream", "protostar",
                           "times faster", "hits", "differ"});
     for (const std::size_t count : counts) Contest(table, options, torus(count)).run();
+  }
+  {
+    Table table(options,
+                {"triangles and picture", "ray by ray ns/pixel", "by tiles ns/pixel", "times faster"});
+    for (const std::size_t count : counts) pictures(table, options, torus(count));
   }
   Table table(options, {"triangles to build", "Embree ms", "protostar ms", "times faster"});
   for (const std::size_t count : counts) build(table, options, torus(count));

@@ -1,5 +1,5 @@
-// Pictures of three scenes through every integrator, and by several cameras: the same bytes, whoever compiled
-// this, for which processor and at which level, and for any number of threads.
+// Pictures of three scenes through every integrator, by several cameras, and of a mesh: the same bytes,
+// whoever compiled this, for which processor and at which level, and for any number of threads.
 //
 //   pictures FOLDER THREADS
 
@@ -7,11 +7,13 @@
 #include <filesystem>
 #include <fstream>
 #include <protostar/protostar.hpp>
+#include <protostar/surfaces/mesh.hpp>
 #include <scenes/three_spheres.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "support/meshes.hpp"
 #include "support/random.hpp"
 
 using namespace protostar;
@@ -48,6 +50,17 @@ Scene<Sphere> many() {
     scene.add(sphere, color);
   }
   scene.add(PointLight{.position = {1, 4, 1}, .power = Color{300, 290, 250}});
+  return scene;
+}
+
+/// A mesh that looks smooth, and a sphere that it goes through.
+Scene<Mesh, Sphere> smooth() {
+  MeshData ball = meshes::icosphere(4);
+  ball.normals = ball.vertices;
+  for (Point& vertex : ball.vertices) vertex += Vec3{0.3, 0.1, 3};
+  Scene<Mesh, Sphere> scene;
+  scene.add(Mesh(std::move(ball)), Color{0.9f, 0.5f, 0.1f});
+  scene.add(Sphere{.center = {1, 0, 3}, .radius = 0.75}, Color{0.2f, 0.7f, 0.1f});
   return scene;
 }
 
@@ -96,6 +109,9 @@ int main(int argc, char** argv) {
   fs::create_directories(folder);
   save_pictures(folder, "three_spheres", three_spheres(), options);
   save_pictures(folder, "room", room(), options);
+  Image of_mesh(160, 120);
+  render(of_mesh, Camera{}, smooth(), NormalIntegrator{}, options);
+  save_pfm(of_mesh, folder / "smooth_normal.pfm");
   const auto spheres = many();
   const Vec3 ahead{0, 0, 1}, up{0, 1, 0};
   save_pictures(folder, "many", spheres, options);

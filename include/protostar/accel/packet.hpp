@@ -133,8 +133,9 @@ struct CameraRays : Rays<Origin> {
 };
 
 /// What rays bring from an environment, one by one.
-template <class Origin>
-[[nodiscard, gnu::noinline]] Colors light_from(const Texture& environment, const Rays<Origin>& rays) {
+template <class R>
+requires std::same_as<typename R::Light, Colors>
+[[nodiscard, gnu::noinline]] Colors light_from(const Texture& environment, const R& rays) {
   Colors colors(Color{0});
   for (Bits left = bits(rays.wanted); left != 0; left &= left - 1) {
     const int lane = std::countr_zero(left);
@@ -227,16 +228,18 @@ template <Surface S>
   return {.crossed = first.met, .in_doubt = first.in_doubt};
 }
 
-/// Rays that leave parts of a surface, each its own, and so have no departure in common.
-struct RaysFromParts : Rays<Vectors> {
+/// Rays that leave parts of a surface, each its own, and so have no departure in common. They are no Rays,
+/// which would have none.
+struct RaysFromParts {
+  using Light = Colors;
+
+  Vectors origin, direction;
+  Chosen wanted;
   SurfaceCrossing left;  ///< the surface
   Indices parts;
 
-  RaysFromParts(const Rays<Vectors>& rays, const SurfaceCrossing& surface, Indices parts_left)
-      : Rays(rays), left(surface), parts(parts_left) {}
-
   [[nodiscard]] RaysFromParts turned(const Vectors& towards) const {
-    return {Rays::turned(towards), left, parts};
+    return {origin, towards, wanted, left, parts};
   }
   [[nodiscard]] Ray operator[](int lane) const {
     return {origin[lane], direction[lane],
@@ -308,7 +311,7 @@ class Intersections {
     if constexpr (std::same_as<Parts, NoParts>)
       return Rays<Vectors>{point(), direction, which_, departure_of(surface_)};
     else
-      return RaysFromParts({point(), direction, which_}, crossing_on(surface_, {}, material_), parts());
+      return RaysFromParts{point(), direction, which_, crossing_on(surface_, {}, material_), parts()};
   }
 
  private:

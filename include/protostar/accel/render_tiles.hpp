@@ -73,7 +73,8 @@ class TileRenderer {
     } else {
       in_tile.add(candidates_, frustum);
     }
-    if constexpr (by_packets && View::draws) draw(in_tile, frustum, tile, work);
+    if constexpr (by_packets && View::draws)
+      if (rays_.is_pinhole()) draw(in_tile, frustum, tile, work);
     if (can_be_left(in_tile))
       leave_empty(tile, work);
     else

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <bit>
+#include <memory>
 #include <optional>
 #include <tuple>
 #include <type_traits>
@@ -41,20 +42,21 @@ struct DrawnOf<S> {
     int place, sample;
     typename S::Drawn drawn;
   };
-  std::vector<Entry> entries;
+  std::vector<std::unique_ptr<Entry>> entries;
   std::size_t count = 0;  ///< of entries that are of this tile
 
   /// One for the surface at a place and the i-th samples of pixels; null if there are enough.
   typename S::Drawn* add(int place, int sample) {
     if (count == most) return nullptr;
-    if (count == entries.size()) entries.emplace_back();
-    entries[count].place = place, entries[count].sample = sample;
-    return &entries[count++].drawn;
+    if (count == entries.size()) entries.push_back(std::make_unique_for_overwrite<Entry>());
+    Entry& entry = *entries[count++];
+    entry.place = place, entry.sample = sample;
+    return &entry.drawn;
   }
   [[nodiscard]] const typename S::Drawn* at(int place, int sample) const {
     for (std::size_t i = 0; i < count; ++i)
-      if (entries[i].place == place && entries[i].sample == sample)
-        return entries[i].drawn.is_drawn() ? &entries[i].drawn : nullptr;
+      if (const Entry& entry = *entries[i]; entry.place == place && entry.sample == sample)
+        return entry.drawn.is_drawn() ? &entry.drawn : nullptr;
     return nullptr;
   }
 };

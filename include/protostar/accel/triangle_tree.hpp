@@ -75,7 +75,10 @@ class TriangleTree {
   [[nodiscard]] const Triangle& in_leaf(std::size_t place) const { return in_leaves_[place]; }
   [[nodiscard]] std::uint32_t number(std::size_t place) const { return bvh_.order()[place]; }
 
-  /// Whether all triangles stand in leaves.
+  /// How many triangles stand in leaves.
+  [[nodiscard]] std::size_t size() const { return in_leaves_.size(); }
+
+  /// Whether all triangles do.
   [[nodiscard]] bool has_all() const { return bvh_.unbounded().empty(); }
 
  private:

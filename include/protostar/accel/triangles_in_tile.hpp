@@ -35,6 +35,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "packet.hpp"
@@ -51,6 +52,7 @@ struct Screen {
   Vec3 across, down, ahead;   ///< the dual basis
   double reach, uncertainty;  ///< T and γ
   double left, top;           ///< x and y of the sample in the tile's first pixel
+  double pixels_of_all;       ///< about as many take all triangles, or a ball of radius √3 in box space
 
   Screen(const PixelRays& rays, int sample, const Tile& tile, const BoxSpace& space)
       : eye(rays.camera().position), eye_in_box_space(space(eye)), scale(space.scale) {
@@ -64,12 +66,17 @@ struct Screen {
                     camera.forward;
     const double sizes = length(e1) * length(e2) * length(e3), volume = dot(cross(e1, e2), e3);
     const auto is_moderate = [](double x) { return 0x1p-100 < x && x < 0x1p100; };
-    usable = rays.is_pinhole() && is_moderate(length(e1)) && is_moderate(length(e2)) &&
-             is_moderate(length(e3)) && std::abs(volume) > 0x1p-4 * sizes &&
+    // What e3 is made of is not much larger, so that its rounding is that of its length.
+    const double parts = length(pixels.u(x0, half_width) * camera.right) +
+                         length(pixels.v(y0, half_height) * camera.up) + length(camera.forward);
+    usable = rays.is_pinhole() && parts < 0x1p5 * length(e3) && is_moderate(length(e1)) &&
+             is_moderate(length(e2)) && is_moderate(length(e3)) && std::abs(volume) > 0x1p-4 * sizes &&
              length(eye_in_box_space) < 0x1p40;
     across = cross(e2, e3) / volume, down = cross(e3, e1) / volume, ahead = cross(e1, e2) / volume;
     reach = std::max(half_width, half_height);
     uncertainty = 0x1p-42 * (length(across) + length(down) + reach * length(ahead));
+    pixels_of_all = std::numbers::pi * 3 / dot(eye_in_box_space, eye_in_box_space) * dot(e3, e3) /
+                    (length(e1) * length(e2));
     left = pixels.sample(sample).x - half_width, top = pixels.sample(sample).y - half_height;
   }
 };
@@ -78,15 +85,17 @@ struct Screen {
 class TrianglesInTile {
  public:
   /// Draws a tile of at most 64 × 64 pixels, as the rays through a sample of each see it. If that is not
-  /// possible, nothing is drawn.
+  /// possible, or triangles are so small that rays are sooner followed, nothing is drawn: that is known
+  /// before for all of them, or while it is tried, for those of this tile.
   void draw(const TriangleTree& tree, const PixelRays& rays, int sample, const Frustum& frustum,
             const Tile& tile) {
     tree_ = &tree;
     tile_ = tile;
     const Screen screen(rays, sample, tile, tree.space());
-    usable_ = screen.usable && tree.has_all() && tile.width() <= side && tile.height() <= side;
+    usable_ = screen.usable && tree.has_all() && tile.width() <= side && tile.height() <= side &&
+              static_cast<double>(tree.size()) <= most_a_pixel * screen.pixels_of_all;
     if (!usable_) return;
-    far_.fill(0), near_.fill(0), other_.fill(0);
+    far_.fill(0), near_.fill(0), other_.fill(0), place_.fill(0);
     // Leaves may have few triangles; as many as a vector holds are drawn at once.
     std::array<std::uint32_t, double_lanes> waiting;
     std::size_t count = 0;
@@ -97,15 +106,18 @@ class TrianglesInTile {
       for (std::size_t k = 0; k < count; ++k) draw_one(shapes, k, static_cast<std::int32_t>(waiting[k]));
       count = 0;
     };
+    int left = most_tried_a_pixel * tile.width() * tile.height();  // boxes and triangles
     tree.each_leaf_ahead(
-        frustum.side, screen.ahead, [&](const Bounds& box) { return is_hidden(screen, box); },
+        frustum.side, screen.ahead, [&](const Bounds& box) { return --left < 0 || is_hidden(screen, box); },
         [&](Leaf leaf) {
+          left -= static_cast<int>(leaf.count);
           for (std::uint32_t place = leaf.first; place < leaf.first + leaf.count; ++place) {
             waiting[count++] = place;
             if (count == waiting.size()) draw_waiting();
           }
         });
     if (count > 0) draw_waiting();
+    usable_ = left >= 0;
   }
 
   /// What the rays of a packet, from a pixel on to the right, see first; and which, for part().
@@ -147,6 +159,10 @@ class TrianglesInTile {
   }
 
  private:
+  /// With so many triangles a pixel, or so many boxes and triangles that are tried, they are about as soon
+  /// drawn as rays are followed (the pictures of tests/bench/bench_meshes.cpp).
+  static constexpr int most_a_pixel = 8, most_tried_a_pixel = 32;
+
   using Row = Lanes<float, float_lanes>;
   static constexpr float infinite = std::numeric_limits<float>::infinity();
 
@@ -186,15 +202,15 @@ class TrianglesInTile {
 
   /// Some points on the screen, given where they are in box space, from the eye.
   struct Corner {
-    Doubles x, y, z, size, reach;  ///< X, Y, Z, |p| and L
-    Chosen is_in_front;            ///< for sure
+    Doubles x, y, z, size, extent;  ///< X, Y, Z, |p| and L
+    Chosen is_in_front;             ///< for sure
 
     Corner(const Screen& screen, const Vectors& p)
         : x(dot(p, Vectors(screen.across))),
           y(dot(p, Vectors(screen.down))),
           z(dot(p, Vectors(screen.ahead))),
           size(abs(p.x) + abs(p.y) + abs(p.z)),
-          reach(abs(x) + abs(y) + screen.reach * abs(z)),
+          extent(abs(x) + abs(y) + screen.reach * abs(z)),
           is_in_front(z > 0x1p12 * screen.uncertainty * size) {}
   };
 
@@ -214,7 +230,7 @@ class TrianglesInTile {
       int edge = 0;
       const auto line = [&](const Corner& p, const Corner& q) {
         const Linear s{p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
-        const Doubles w = 8 * gamma * (p.size * q.reach + q.size * p.reach), M = s.most(T);
+        const Doubles w = 8 * gamma * (p.size * q.extent + q.size * p.extent), M = s.most(T);
         off = off + w;
         side[edge++] = select(w <= 0x1p-22 * M && M > 0x1p-900, 1 / M, Doubles(0.0)) * s;
         return s;
@@ -223,7 +239,7 @@ class TrianglesInTile {
       const Doubles det = bc.x * a.x + bc.y * a.y + bc.one * a.z;
       const Doubles e =
           12 * gamma / T *
-          (a.size * b.reach * c.reach + a.reach * b.size * c.reach + a.reach * b.reach * c.size);
+          (a.size * b.extent * c.extent + a.extent * b.size * c.extent + a.extent * b.extent * c.size);
       const Linear nearness_at = (1 / det) * (ab + bc + ca);
       const Doubles K = nearness_at.most(T), uncertain = 2 * (off + K * e) / abs(det) + 0x1p-20 * K;
       const Chosen known = e < 0.5 * abs(det) && uncertain < 0x1p60 && K < 0x1p60 && K > 0x1p-60;

@@ -60,7 +60,10 @@ namespace detail {
 /// being read. One that ends with a backslash goes on in the next.
 class LinesOfText : public std::streambuf {
  public:
-  explicit LinesOfText(std::string_view text) : rest_(text) {}
+  /// The mark with which some editors begin a text in UTF-8 is no part of its first line.
+  explicit LinesOfText(std::string_view text) : rest_(text) {
+    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
+  }
 
   /// Of the line, from 1; of one that goes on in others, of the first.
   [[nodiscard]] std::size_t number() const { return number_; }

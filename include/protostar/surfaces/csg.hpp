@@ -212,7 +212,7 @@ class Csg {
   void append(Csg&& other, Operation operation) {
     const int shift = static_cast<int>(nodes_.size());
     if (other.parts_ > std::numeric_limits<int>::max() - parts_)
-      throw std::invalid_argument("Csg: the solids have more than 2^31 parts");
+      throw std::invalid_argument("Csg: the solids have more than 2^31 - 1 parts");
     for (Leaf& leaf : other.leaves_) {
       leaf.node += shift;
       leaf.first_part += parts_;
