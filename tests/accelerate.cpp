@@ -318,6 +318,13 @@ TEST_CASE("behind a ray's origin, small and far spheres are met as in the plain 
   CHECK(hits > 10000);
 }
 
+TEST_CASE("the tree of many surfaces is built by as many threads as the options say") {
+  Scene<Sphere> scene;
+  for (int i = 0; i < 10000; ++i) scene.add(Sphere{.center = Point(i), .radius = 1}, Color{1});
+  CHECK_NOTHROW(accelerate(scene, {.samples = -1, .threads = 2}));  // which it has no use for
+  CHECK_THROWS_AS(accelerate(scene, {.threads = -1}), std::invalid_argument);
+}
+
 TEST_CASE("an empty scene, accelerated, is a miss and dark") {
   const Scene<Sphere, Plane> scene;
   const auto fast = accelerate(scene);

@@ -77,7 +77,7 @@ class TreeBuilder {
               const RenderOptions& options)
       : boxes_(std::move(boxes)),
         leaf_size_(static_cast<std::uint32_t>(leaf_size)),
-        options_{options.threads} {
+        options_{.threads = options.threads} {
     tree_.order = std::move(order);
   }
 
