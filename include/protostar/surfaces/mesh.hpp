@@ -154,8 +154,8 @@ class Mesh {
   [[nodiscard]] const MeshData& data() const { return contents_->data; }
 
   /// Whether it bounds a solid (MeshData::is_closed), which takes a look at all edges. Inside is what a line
-  /// is in between its first crossing and its second, its third and its fourth, and so on. Normals lead out of
-  /// it if the triangles turn counterclockwise as seen from there.
+  /// is in between its first crossing and its second, its third and its fourth, and so on. Normals lead out
+  /// of it if the triangles turn counterclockwise as seen from there.
   [[nodiscard]] bool is_solid() const { return data().is_closed(); }
   [[nodiscard]] int part_count() const { return static_cast<int>(data().triangles.size()); }
 
