@@ -50,7 +50,8 @@ TEST_CASE("a signal ends a render at once, with its status, and leaves no file")
   const int signal = GENERATE(SIGINT, SIGTERM, SIGHUP);
   CAPTURE(signal);
   const TemporaryFolder folder;
-  Process process(stage("09_shadow", words("--size 4000x4000 --threads 1 --plain"), folder / ""));
+  // A picture that takes seconds, on any machine.
+  Process process(stage("15_csg", words("--size 4000x4000 --threads 1"), folder / ""));
   process.wait_for_thread();
   std::this_thread::sleep_for(200ms);
   check_ends_at_once(process, signal);

@@ -23,7 +23,8 @@ namespace detail {
   const auto held = [](float x) { return x > 0 ? std::min(x, 255 * 0x1p119f) : 0; };  // NaN is not above 0
   const Color c{held(light.r), held(light.g), held(light.b)};
   const float largest = std::max({c.r, c.g, c.b});
-  // stb_image_write writes 0 for less, of which the format could hold some: its least exponent is 2^-128.
+  // The limit is that of stb_image_write, which writes 0 for less. The format could hold some of it: its
+  // least exponent is 2^-128.
   if (largest < 1e-32f) return Color{0};
   int e = 0;
   std::frexp(largest, &e);
