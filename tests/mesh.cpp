@@ -238,6 +238,20 @@ TEST_CASE(
   CHECK(wrong == 0);
 }
 
+TEST_CASE("the tree of a mesh is the same for any number of threads") {
+  const MeshData data = meshes::torus(150, 50);
+  const auto tree = [&](int threads) {
+    return simd::TriangleTree(data.triangles.size(), data.triangle_of(), {.threads = threads});
+  };
+  const auto one = tree(1), several = tree(3);
+  int differ = 0;
+  for (std::size_t place = 0; place < one.size(); ++place)
+    differ += one.number(place) != several.number(place);
+  CHECK(one.size() == data.triangles.size());
+  CHECK(several.size() == one.size());
+  CHECK(differ == 0);
+}
+
 TEST_CASE("what float says for sure of the triangles of a leaf is so, and it says it of most") {
   Random random(44);
   int crossed = 0, surely = 0, narrow = 0, wrong = 0;
@@ -254,7 +268,8 @@ TEST_CASE("what float says for sure of the triangles of a leaf is so, and it say
     }
     const simd::Bvh bvh(triangles.size(), [&](std::size_t i) { return triangles[i].bounds(); },
                         simd::node_width, {.threads = 1});
-    const simd::TriangleLeaves leaves(bvh, [&](std::size_t place) { return triangles[bvh.order()[place]]; });
+    const simd::TriangleLeaves leaves(bvh, [&](std::size_t place) { return triangles[bvh.order()[place]]; },
+                                      {.threads = 1});
     for (int i = 0; i < 100; ++i) {
       const Triangle& aim = triangles[random.bits() % 8];
       const double u = random.real(-0.1, 1), v = random.real(-0.1, 1.1 - u);

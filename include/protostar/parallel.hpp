@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <exception>
 #include <functional>
 #include <mutex>
@@ -63,6 +64,29 @@ inline void for_each_in_parallel(int count, const RenderOptions& options,
   if (failure) std::rethrow_exception(failure);
   if (told < done) tell();  // a helper was the last
 }
+
+/// The threads that work on so many small things: for a few thousand it takes longer to start another than to
+/// do them.
+[[nodiscard]] inline RenderOptions threads_for(std::size_t things, const RenderOptions& options) {
+  return {.threads = things < 8192 ? 1 : options.threads};
+}
+
+/// A row of things in parts, which do not depend on the number of threads that share them.
+struct Parts {
+  std::size_t first, last;
+
+  static constexpr std::size_t size = 8192;  ///< of a part; the last one may be smaller
+
+  [[nodiscard]] int count() const { return static_cast<int>((last - first + size - 1) / size); }
+
+  /// Calls work(part, first, last) for each part.
+  void each(const RenderOptions& options, const auto& work) const {
+    for_each_in_parallel(count(), threads_for(last - first, options), [&](int part) {
+      const std::size_t from = first + static_cast<std::size_t>(part) * size;
+      work(static_cast<std::size_t>(part), from, std::min(from + size, last));
+    });
+  }
+};
 
 }  // namespace detail
 

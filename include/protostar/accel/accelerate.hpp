@@ -112,7 +112,7 @@ class Finder<Sphere> {
       : bvh_(
             spheres.size(), [&](std::size_t i) { return spheres[i].bounds(); }, node_width, options),
         leaves_(
-            bvh_, [&](std::size_t i) -> auto& { return spheres[i]; }),
+            bvh_, [&](std::size_t i) -> auto& { return spheres[i]; }, options),
         few_(spheres) {}
 
   bool each_crossed(const Ray& ray, const Interval& range, const auto& visit) const {

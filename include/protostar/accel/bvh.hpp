@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -32,25 +33,43 @@ class Bvh {
   /// but in unbounded(). The tree does not depend on the number of threads.
   Bvh(std::size_t count, const auto& bounds_of, int leaf_size, const RenderOptions& options) {
     if (count > largest_tree) throw std::length_error("accelerate: more than 2^27 surfaces of one type");
-    Bounds everything{Point{infinity}, Point{-infinity}};
-    for (std::size_t i = 0; i < count; ++i)
-      if (const Bounds bounds = bounds_of(i); is_finite(bounds.min) && is_finite(bounds.max))
-        everything = {glm::min(everything.min, bounds.min), glm::max(everything.max, bounds.max)};
-    std::vector<Box> boxes;
-    std::vector<std::uint32_t> order;
-    boxes.reserve(count);
-    order.reserve(count);
-    space_ = BoxSpace(everything);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Bounds bounds = bounds_of(i);
-      if (is_finite(bounds.min) && is_finite(bounds.max)) {
-        boxes.push_back(space_(bounds));
-        order.push_back(static_cast<std::uint32_t>(i));
-      } else {
-        unbounded_.push_back(static_cast<std::uint32_t>(i));
-      }
+    const protostar::detail::Parts parts{0, count};
+    struct Part {
+      Bounds bounds{Point{infinity}, Point{-infinity}};
+      std::size_t count = 0;  ///< of those with finite bounds
+    };
+    std::vector<Part> of_parts(static_cast<std::size_t>(parts.count()));
+    parts.each(options, [&](std::size_t k, std::size_t first, std::size_t last) {
+      Part part;
+      for (std::size_t i = first; i < last; ++i)
+        if (const Bounds bounds = bounds_of(i); is_finite(bounds.min) && is_finite(bounds.max)) {
+          part.bounds = {glm::min(part.bounds.min, bounds.min), glm::max(part.bounds.max, bounds.max)};
+          ++part.count;
+        }
+      of_parts[k] = part;
+    });
+    Part all;
+    for (Part& part : of_parts) {
+      all.bounds = {glm::min(all.bounds.min, part.bounds.min), glm::max(all.bounds.max, part.bounds.max)};
+      all.count += std::exchange(part.count, all.count);  // from now on of those before the part
     }
-    if (!boxes.empty()) tree_ = TreeBuilder(std::move(boxes), std::move(order), leaf_size, options).build();
+    if (all.count < count)
+      for (std::size_t i = 0; i < count; ++i)
+        if (const Bounds bounds = bounds_of(i); !is_finite(bounds.min) || !is_finite(bounds.max))
+          unbounded_.push_back(static_cast<std::uint32_t>(i));
+    if (all.count == 0) return;
+    space_ = BoxSpace(all.bounds);
+    auto boxes = std::make_unique_for_overwrite<Box[]>(all.count);
+    std::vector<std::uint32_t> order(all.count);
+    parts.each(options, [&](std::size_t k, std::size_t first, std::size_t last) {
+      std::size_t place = of_parts[k].count;
+      for (std::size_t i = first; i < last; ++i)
+        if (const Bounds bounds = bounds_of(i); is_finite(bounds.min) && is_finite(bounds.max)) {
+          boxes[place] = space_(bounds);
+          order[place++] = static_cast<std::uint32_t>(i);
+        }
+    });
+    tree_ = TreeBuilder(std::move(boxes), std::move(order), leaf_size, options).build();
   }
 
   /// Which thing stands at each place.
@@ -58,13 +77,17 @@ class Bvh {
   [[nodiscard]] std::span<const std::uint32_t> unbounded() const { return unbounded_; }
   [[nodiscard]] const BoxSpace& space() const { return space_; }
 
-  /// Calls visit(leaf) for every leaf.
-  void each_leaf(const auto& visit) const {
+  /// Calls visit(leaf) for every leaf, as many at a time as there are threads.
+  void each_leaf(const auto& visit, const RenderOptions& options = {.threads = 1}) const {
     if (tree_.order.empty()) return;
     if (tree_.root.is_leaf()) visit(tree_.root.leaf());
-    for (const Node& node : tree_.nodes)
-      for (int k = 0; k < node_width && node.has(k); ++k)
-        if (node.child[k].is_leaf()) visit(node.child[k].leaf());
+    protostar::detail::for_each_in_parallel(static_cast<int>(tree_.nodes.size()),
+                                            protostar::detail::threads_for(tree_.order.size(), options),
+                                            [&](int i) {
+                                              const Node& node = tree_.nodes[static_cast<std::size_t>(i)];
+                                              for (int k = 0; k < node_width && node.has(k); ++k)
+                                                if (node.child[k].is_leaf()) visit(node.child[k].leaf());
+                                            });
   }
 
   /// Calls visit(leaf, reach) for every leaf whose box the ray may meet within a reach, until one of them

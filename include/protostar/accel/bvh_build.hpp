@@ -5,13 +5,17 @@
 // and the best of the cuts between 16 slices on each of the three axes is taken (the surface area heuristic,
 // binned). A node has as many children as a vector has lanes; it is cut until it has them.
 //
-// The nodes of a level do not depend on each other, and are made in parallel; their places follow from their
-// order. So the tree is the same for any number of threads.
+// Ranges of many things are cut before nodes are made of them: the first by all threads together, each
+// cutting a part of it, and then as many ranges at a time as there are threads. The nodes of a level do not
+// depend on each other, and are made in parallel; their places follow from their order. So the tree is the
+// same for any number of threads.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -72,8 +76,8 @@ inline constexpr int most_levels = levels_by_cost + (node_width < 8 ? 14 : 10);
 
 class TreeBuilder {
  public:
-  /// Of the boxes of things, in the order in which they are numbered.
-  TreeBuilder(std::vector<Box> boxes, std::vector<std::uint32_t> order, int leaf_size,
+  /// Of the boxes of things, and which things these are.
+  TreeBuilder(std::unique_ptr<Box[]> boxes, std::vector<std::uint32_t> order, int leaf_size,
               const RenderOptions& options)
       : boxes_(std::move(boxes)),
         leaf_size_(static_cast<std::uint32_t>(leaf_size)),
@@ -82,23 +86,32 @@ class TreeBuilder {
   }
 
   [[nodiscard]] Tree build() {
-    std::vector<Range> level{range_of(0, static_cast<std::uint32_t>(boxes_.size()))};
-    if (level[0].count() <= leaf_size_) {
-      tree_.root = Child::leaf({0, level[0].count()});
+    const auto count = static_cast<std::uint32_t>(tree_.order.size());
+    if (count <= leaf_size_) {
+      tree_.root = Child::leaf({0, count});
       return std::move(tree_);
     }
     tree_.root = Child::node(0);
+    std::vector<Range> level{cut_beforehand(all_of(count))};
     for (int depth = 0; !level.empty(); ++depth) level = nodes_of(level, depth);
     return std::move(tree_);
   }
 
  private:
+  using Parts = protostar::detail::Parts;
+  static inline const RenderOptions alone{.threads = 1};
+  struct Halves;
+
   /// Things that stand next to each other, with the box around them and the one around their middles.
   struct Range {
     Box box, middles;
     std::uint32_t first, last;
+    const Halves* halves = nullptr;  ///< what it is cut into, if that is known
 
     [[nodiscard]] std::uint32_t count() const { return last - first; }
+  };
+  struct Halves {
+    Range left, right;
   };
 
   [[nodiscard]] static Range empty_range(std::uint32_t first, std::uint32_t last) {
@@ -113,6 +126,45 @@ class TreeBuilder {
     return range;
   }
 
+  [[nodiscard]] Range all_of(std::uint32_t count) const {
+    const Parts parts{0, count};
+    std::vector<Range> of_parts(static_cast<std::size_t>(parts.count()));
+    parts.each(options_, [&](std::size_t part, std::size_t first, std::size_t last) {
+      of_parts[part] = range_of(static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last));
+    });
+    Range all = empty_range(0, count);
+    for (const Range& part : of_parts) {
+      all.box.add(part.box);
+      all.middles.add(part.middles);
+    }
+    return all;
+  }
+
+  /// A range that is cut, as are its halves, as long as they have many things. The first by all threads
+  /// together; of the others each by one.
+  [[nodiscard]] Range cut_beforehand(Range all) {
+    constexpr std::uint32_t many = 4096, for_all_threads = 1u << 16;
+    constexpr int most_rounds = 16;  // where a cut leaves nearly all on one side they could go on for long
+    std::vector<Range*> ranges;
+    if (all.count() > many) ranges.push_back(&all);
+    for (int round = 0; round < most_rounds && !ranges.empty(); ++round) {
+      const std::size_t first = cuts_.size();
+      for (Range* range : ranges) range->halves = &cuts_.emplace_back();
+      const auto is_for_all = [&](std::size_t i) { return ranges[i]->count() > for_all_threads; };
+      for (std::size_t i = 0; i < ranges.size(); ++i)
+        if (is_for_all(i)) cuts_[first + i] = cut_by_cost(*ranges[i], options_);
+      protostar::detail::for_each_in_parallel(static_cast<int>(ranges.size()), options_, [&](int k) {
+        const auto i = static_cast<std::size_t>(k);
+        if (!is_for_all(i)) cuts_[first + i] = cut_by_cost(*ranges[i], alone);
+      });
+      ranges.clear();
+      for (std::size_t i = first; i < cuts_.size(); ++i)
+        for (Range* range : {&cuts_[i].left, &cuts_[i].right})
+          if (range->count() > many) ranges.push_back(range);
+    }
+    return all;
+  }
+
   /// Makes a node of each range, and returns the ranges of their children that are nodes too.
   [[nodiscard]] std::vector<Range> nodes_of(const std::vector<Range>& level, int depth) {
     const std::size_t first = tree_.nodes.size();
@@ -121,9 +173,8 @@ class TreeBuilder {
     std::vector<int> counts(level.size());
     std::uint32_t things = 0;
     for (const Range& range : level) things += range.count();
-    const RenderOptions alone{.threads = 1};
     protostar::detail::for_each_in_parallel(
-        static_cast<int>(level.size()), things < 8192 ? alone : options_, [&](int i) {
+        static_cast<int>(level.size()), protostar::detail::threads_for(things, options_), [&](int i) {
           const auto at = static_cast<std::size_t>(i);
           counts[at] = make_node(tree_.nodes[first + at], level[at], depth, &inner[at * node_width]);
         });
@@ -157,9 +208,11 @@ class TreeBuilder {
         continue;
       }
       if (!largest) break;
-      const auto [left, right] = depth < levels_by_cost ? cut_by_cost(*largest) : halves(*largest);
-      *largest = left;
-      parts[count++] = right;
+      const Halves cut = depth >= levels_by_cost ? halves(*largest)
+                         : largest->halves       ? *largest->halves
+                                                 : cut_by_cost(*largest, alone);
+      *largest = cut.left;
+      parts[count++] = cut.right;
     }
 
     int nodes = 0;
@@ -186,16 +239,36 @@ class TreeBuilder {
   }
 
   struct Slice {
-    Box box = Box::nothing();
-    std::uint32_t count = 0;
+    Box box;
+    std::uint32_t count;
+
+    static Slice nothing() { return {Box::nothing(), 0}; }
+    void add(const Slice& other) {
+      box.add(other.box);
+      count += other.count;
+    }
   };
   static constexpr int most_slices = 16;
+  struct Slices {
+    int count;  ///< on each axis
+    Slice on[3][most_slices];
+
+    Slices() = default;
+    explicit Slices(int slices) : count(slices) {
+      for (auto& slice : on) std::fill(slice, slice + count, Slice::nothing());
+    }
+    void add(const Slices& other) {
+      for (int axis = 0; axis < 3; ++axis)
+        for (int k = 0; k < count; ++k) on[axis][k].add(other.on[axis][k]);
+    }
+  };
 
   /// Where middles are farther apart than 2^-100, their place among the slices is a finite number.
   struct Slicing {
+    int count;
     Float4 start, step;
 
-    Slicing(const Box& middles, int slices) : start(middles.min) {
+    Slicing(const Box& middles, int slices) : count(slices), start(middles.min) {
       const Float4 size = middles.max - middles.min;
       // A little less than the number of slices, so that the last middle too is in the last one.
       const Float4 most = static_cast<float>(slices) * (1 - 0x1p-20f);
@@ -204,34 +277,45 @@ class TreeBuilder {
     [[nodiscard]] Float4 place(const Box& box) const { return (box.middle() - start) * step; }
   };
 
-  [[nodiscard]] std::pair<Range, Range> cut_by_cost(const Range& range) {
+  [[nodiscard]] Slices sliced(const Slicing& slicing, std::size_t first, std::size_t last) const {
+    Slices slices(slicing.count);
+    for (std::size_t i = first; i < last; ++i) {
+      const Float4 place = slicing.place(boxes_[i]);
+      for (int axis = 0; axis < 3; ++axis) slices.on[axis][static_cast<int>(place[axis])].add({boxes_[i], 1});
+    }
+    return slices;
+  }
+  [[nodiscard]] Slices sliced(const Slicing& slicing, const Parts& parts,
+                              const RenderOptions& threads) const {
+    if (parts.count() == 1) return sliced(slicing, parts.first, parts.last);
+    std::vector<Slices> of_parts(static_cast<std::size_t>(parts.count()));
+    parts.each(threads, [&](std::size_t part, std::size_t first, std::size_t last) {
+      of_parts[part] = sliced(slicing, first, last);
+    });
+    for (std::size_t part = 1; part < of_parts.size(); ++part) of_parts[0].add(of_parts[part]);
+    return of_parts[0];
+  }
+
+  [[nodiscard]] Halves cut_by_cost(const Range& range, const RenderOptions& threads) {
     const int slices = range.count() < 16 ? 4 : range.count() < 64 ? 8 : most_slices;
     const Slicing slicing(range.middles, slices);
-    Slice slice[3][most_slices];
-    for (std::uint32_t i = range.first; i < range.last; ++i) {
-      const Float4 place = slicing.place(boxes_[i]);
-      for (int axis = 0; axis < 3; ++axis) {
-        Slice& at = slice[axis][static_cast<int>(place[axis])];
-        at.box.add(boxes_[i]);
-        ++at.count;
-      }
-    }
+    const Parts parts{range.first, range.last};
+    const Slices sums = sliced(slicing, parts, threads);
+    const auto& slice = sums.on;
 
     float lowest = std::numeric_limits<float>::infinity();
     int best_axis = -1, best_cut = 0;
     for (int axis = 0; axis < 3; ++axis) {
       if (slicing.step[axis] == 0) continue;
       float right_cost[most_slices];
-      Slice part;
+      Slice part = Slice::nothing();
       for (int cut = slices - 1; cut > 0; --cut) {
-        part.box.add(slice[axis][cut].box);
-        part.count += slice[axis][cut].count;
+        part.add(slice[axis][cut]);
         right_cost[cut] = part.count == 0 ? 0 : part.box.area() * static_cast<float>(part.count);
       }
-      part = {};
+      part = Slice::nothing();
       for (int cut = 1; cut < slices; ++cut) {
-        part.box.add(slice[axis][cut - 1].box);
-        part.count += slice[axis][cut - 1].count;
+        part.add(slice[axis][cut - 1]);
         const float cost = part.box.area() * static_cast<float>(part.count) + right_cost[cut];
         if (cost < lowest) lowest = cost, best_axis = axis, best_cut = cut;
       }
@@ -240,31 +324,84 @@ class TreeBuilder {
 
     Range left = empty_range(range.first, range.last), right = left;
     for (int k = 0; k < slices; ++k) (k < best_cut ? left : right).box.add(slice[best_axis][k].box);
-    // What stands between `middle` and i belongs to the right, so that swapping does no harm to it: there is
-    // no branch that could be mispredicted.
-    Box middles[2] = {Box::nothing(), Box::nothing()};
-    std::uint32_t middle = range.first;
-    for (std::uint32_t i = range.first; i < range.last; ++i) {
-      const bool is_right = static_cast<int>(slicing.place(boxes_[i])[best_axis]) >= best_cut;
-      middles[is_right].add(boxes_[i].middle());
-      std::swap(boxes_[i], boxes_[middle]);
-      std::swap(tree_.order[i], tree_.order[middle]);
-      middle += !is_right;
-    }
-    left.middles = middles[0];
-    right.middles = middles[1];
-    left.last = right.first = middle;
+    const Divided things = divided(parts, threads, [&](const Box& box) {
+      return static_cast<int>(slicing.place(box)[best_axis]) >= best_cut;
+    });
+    left.middles = things.middles[0];
+    right.middles = things.middles[1];
+    left.last = right.first = things.middle;
     return {left, right};
   }
 
-  [[nodiscard]] std::pair<Range, Range> halves(const Range& range) const {
+  /// Things of which those to the left of a cut stand before the middle; and the boxes around the middles of
+  /// either side's.
+  struct Divided {
+    std::uint32_t first, middle, last;
+    Box middles[2];
+  };
+
+  [[nodiscard]] Divided divided(std::uint32_t first, std::uint32_t last, const auto& is_right) {
+    // What stands between `middle` and i belongs to the right, so that swapping does no harm to it: there is
+    // no branch that could be mispredicted.
+    Box left = Box::nothing(), right = Box::nothing();
+    std::uint32_t middle = first;
+    for (std::uint32_t i = first; i < last; ++i) {
+      const bool is_one_right = is_right(boxes_[i]);
+      const Float4 place = boxes_[i].middle();
+      const Mask<float, 4> to_right = is_one_right, to_left = !is_one_right;
+      left.add(Box{select(to_left, place, left.min), select(to_left, place, left.max)});
+      right.add(Box{select(to_right, place, right.min), select(to_right, place, right.max)});
+      swap(i, middle);
+      middle += !is_one_right;
+    }
+    return {first, middle, last, {left, right}};
+  }
+
+  [[nodiscard]] Divided divided(const Parts& parts, const RenderOptions& threads, const auto& is_right) {
+    const auto of_one = [&](std::size_t first, std::size_t last) {
+      return divided(static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last), is_right);
+    };
+    if (parts.count() == 1) return of_one(parts.first, parts.last);
+    std::vector<Divided> of_parts(static_cast<std::size_t>(parts.count()));
+    parts.each(threads, [&](std::size_t part, std::size_t first, std::size_t last) {
+      of_parts[part] = of_one(first, last);
+    });
+    Divided all = of_parts[0];
+    all.last = of_parts.back().last;
+    for (std::size_t part = 1; part < of_parts.size(); ++part) {
+      all.middle += of_parts[part].middle - of_parts[part].first;
+      for (int side = 0; side < 2; ++side) all.middles[side].add(of_parts[part].middles[side]);
+    }
+    bring_together(of_parts, all.middle);
+    return all;
+  }
+
+  /// What stands before the middle of all parts and belongs to the right changes places with what belongs to
+  /// the left.
+  void bring_together(const std::vector<Divided>& parts, std::uint32_t middle) {
+    auto other = parts.begin();
+    std::uint32_t left = middle;
+    for (const Divided& part : parts)
+      for (std::uint32_t right = part.middle; right < std::min(part.last, middle); ++right, ++left) {
+        while (left >= other->middle) ++other, left = std::max(other->first, middle);
+        swap(left, right);
+      }
+  }
+
+  void swap(std::uint32_t i, std::uint32_t j) {
+    std::swap(boxes_[i], boxes_[j]);
+    std::swap(tree_.order[i], tree_.order[j]);
+  }
+
+  [[nodiscard]] Halves halves(const Range& range) const {
     const std::uint32_t middle = range.first + range.count() / 2;
     return {range_of(range.first, middle), range_of(middle, range.last)};
   }
 
-  std::vector<Box> boxes_;
+  std::unique_ptr<Box[]> boxes_;
   std::uint32_t leaf_size_;
   RenderOptions options_;
+  std::deque<Halves> cuts_;  ///< known before nodes are made
   Tree tree_;
 };
 

@@ -53,9 +53,9 @@ class SphereLeaves {
   };
 
   SphereLeaves() = default;
-  SphereLeaves(const Bvh& bvh, const auto& sphere_of)
+  SphereLeaves(const Bvh& bvh, const auto& sphere_of, const RenderOptions& options)
       : rows_(4 * bvh.order().size() + static_cast<std::size_t>(float_lanes)) {
-    bvh.each_leaf([&](Leaf leaf) {
+    const auto fill = [&](Leaf leaf) {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         const auto& sphere = sphere_of(bvh.order()[leaf.first + i]);
         const Point center = bvh.space()(sphere.center);
@@ -65,7 +65,8 @@ class SphereLeaves {
         row[2 * leaf.count] = static_cast<float>(center.z);
         row[3 * leaf.count] = static_cast<float>(std::abs(sphere.radius) * bvh.space().scale);
       }
-    });
+    };
+    bvh.each_leaf(fill, options);
   }
 
   void fetch(Leaf leaf) const {

@@ -36,7 +36,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <vector>
+#include <memory>
 
 #include "../vec3.hpp"
 #include "bvh.hpp"
@@ -59,9 +59,9 @@ class TriangleLeaves {
   };
 
   /// Of triangles with points a, b and c, by their places in the leaves.
-  TriangleLeaves(const Bvh& bvh, const auto& triangle_at)
-      : rows_(rows * bvh.order().size() + static_cast<std::size_t>(float_lanes)) {
-    bvh.each_leaf([&](Leaf leaf) {
+  TriangleLeaves(const Bvh& bvh, const auto& triangle_at, const RenderOptions& options)
+      : rows_(std::make_unique_for_overwrite<float[]>(rows * bvh.order().size() + float_lanes)) {
+    const auto fill = [&](Leaf leaf) {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         const auto& triangle = triangle_at(leaf.first + i);
         // The edges are rounded once more than a is, which is nothing to float.
@@ -74,7 +74,8 @@ class TriangleLeaves {
         for (const Vec3& w : {a, unit * u, unit * v, unit * n})
           for (int axis = 0; axis < 3; ++axis, row += leaf.count) *row = static_cast<float>(w[axis]);
       }
-    });
+    };
+    bvh.each_leaf(fill, options);
   }
 
   /// What fetches the numbers of a leaf that is likely to be visited soon.
@@ -120,7 +121,7 @@ class TriangleLeaves {
 
   /// Of each leaf, from rows · first on: all a.x, all a.y, ... of a, u, v and n.
   static constexpr std::size_t rows = 12;
-  std::vector<float> rows_;
+  std::unique_ptr<float[]> rows_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

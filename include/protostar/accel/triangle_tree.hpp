@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -20,13 +21,27 @@ class TriangleTree {
  public:
   static constexpr std::size_t most = largest_tree;  ///< triangles
 
+  /// Those of a triangle. Unlike a Triangle they have no values of their own, which to write for all of many
+  /// takes long.
+  struct Corners {
+    Point a, b, c;
+
+    operator Triangle() const { return {a, b, c}; }
+  };
+
   /// Of `count` triangles; triangle(i) is one of them.
   TriangleTree(std::size_t count, const auto& triangle, const RenderOptions& options)
       : bvh_(
             count, [&](std::size_t i) { return triangle(i).bounds(); }, node_width, options),
-        in_leaves_(in_order(triangle)),
+        in_leaves_(std::make_unique_for_overwrite<Corners[]>(bvh_.order().size())),
         leaves_(
-            bvh_, [&](std::size_t place) -> auto& { return in_leaves_[place]; }) {}
+            bvh_,
+            [&](std::size_t place) {
+              const Triangle one = triangle(number(place));
+              in_leaves_[place] = {one.a, one.b, one.c};
+              return one;
+            },
+            options) {}
 
   /// Calls visit(triangle, i) for all that a ray may cross inside the range, in any order, until one returns
   /// true; returns whether one did.
@@ -66,17 +81,17 @@ class TriangleTree {
     std::vector<BoxHalfSpace> seen;
     for (const HalfSpace& half_space : half_spaces) seen.emplace_back(half_space, space());
     bvh_.each_leaf_ahead(seen, direction, is_hidden, visit, [&](Leaf leaf) {
-      const Triangle* const first = &in_leaves_[leaf.first];
-      for (const Triangle* triangle = first; triangle != first + leaf.count; ++triangle) prefetch(triangle);
+      const Corners* const first = &in_leaves_[leaf.first];
+      for (const Corners* triangle = first; triangle != first + leaf.count; ++triangle) prefetch(triangle);
     });
   }
 
   /// The triangle that stands at a place of a leaf, and its number.
-  [[nodiscard]] const Triangle& in_leaf(std::size_t place) const { return in_leaves_[place]; }
+  [[nodiscard]] const Corners& in_leaf(std::size_t place) const { return in_leaves_[place]; }
   [[nodiscard]] std::uint32_t number(std::size_t place) const { return bvh_.order()[place]; }
 
   /// How many triangles stand in leaves.
-  [[nodiscard]] std::size_t size() const { return in_leaves_.size(); }
+  [[nodiscard]] std::size_t size() const { return bvh_.order().size(); }
 
   /// Whether all triangles do.
   [[nodiscard]] bool has_all() const { return bvh_.unbounded().empty(); }
@@ -101,19 +116,19 @@ class TriangleTree {
           waiting_near = crossed.near[k];
           left.until = std::min(left.until, crossed.far[k]);
         } else {
-          visit(in_leaves_[place], bvh_.order()[place]);
+          visit(Triangle(in_leaf(place)), bvh_.order()[place]);
         }
       }
       return false;
     };
     walk<Order::near_first>(ray, range, triangle, visit, visit_some);
-    return waiting_near == infinite || visit(in_leaves_[waiting], bvh_.order()[waiting]);
+    return waiting_near == infinite || visit(Triangle(in_leaf(waiting)), bvh_.order()[waiting]);
   }
 
   bool any_of(Bits some, std::uint32_t first, const auto& visit) const {
     for (; some != 0; some &= some - 1) {
       const std::uint32_t place = first + static_cast<std::uint32_t>(std::countr_zero(some));
-      if (visit(in_leaves_[place], bvh_.order()[place])) return true;
+      if (visit(Triangle(in_leaf(place)), bvh_.order()[place])) return true;
     }
     return false;
   }
@@ -136,15 +151,9 @@ class TriangleTree {
     return each_along<order>(bvh_, ray, range, visit_one, visit_leaf, leaves_.soon());
   }
 
-  [[nodiscard]] std::vector<Triangle> in_order(const auto& triangle) const {
-    std::vector<Triangle> triangles;
-    triangles.reserve(bvh_.order().size());
-    for (const std::uint32_t i : bvh_.order()) triangles.push_back(triangle(i));
-    return triangles;
-  }
-
   Bvh bvh_;
-  std::vector<Triangle> in_leaves_;  ///< by their places in the leaves, so that a leaf's are side by side
+  std::unique_ptr<Corners[]>
+      in_leaves_;  ///< by their places in the leaves, so that a leaf's are side by side
   TriangleLeaves leaves_;
 };
 

@@ -168,16 +168,17 @@ class TrianglesInTile {
 
   /// The corners of as many triangles as a packet has lanes.
   static std::array<Vectors, 3> corners(const auto& triangle) {
-    std::array<const Triangle*, double_lanes> at;
+    using Corners = TriangleTree::Corners;
+    std::array<const Corners*, double_lanes> at;
     for (std::size_t lane = 0; lane < at.size(); ++lane) at[lane] = &triangle(lane);
-    const auto vectors = [&](Point Triangle::*corner) {
+    const auto vectors = [&](Point Corners::*corner) {
       const auto numbers = [&](int axis) {
         return Doubles::of_each(
             [&](int lane) { return (at[static_cast<std::size_t>(lane)]->*corner)[axis]; });
       };
       return Vectors{numbers(0), numbers(1), numbers(2)};
     };
-    return {vectors(&Triangle::a), vectors(&Triangle::b), vectors(&Triangle::c)};
+    return {vectors(&Corners::a), vectors(&Corners::b), vectors(&Corners::c)};
   }
 
   /// A linear function of x and y.
