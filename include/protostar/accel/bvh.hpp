@@ -134,7 +134,7 @@ class Bvh {
           if (other.child.is_leaf())
             soon(other.child.leaf());
           else
-            prefetch(&tree_.nodes[other.child.node()]);
+            fetch(tree_.nodes[other.child.node()]);
           int place = top++;
           if constexpr (order == Order::near_first)
             for (; place > below && stack[place - 1].near < other.near; --place)
@@ -173,7 +173,7 @@ class Bvh {
         if (node.child[k].is_leaf())
           soon(node.child[k].leaf());
         else
-          prefetch(&tree_.nodes[node.child[k].node()]);
+          fetch(tree_.nodes[node.child[k].node()]);
         const Entry entry{&node, k, nearness[k]};
         int place = top++;
         for (; place > below && stack[place - 1].near < entry.near; --place) stack[place] = stack[place - 1];
@@ -215,6 +215,13 @@ class Bvh {
 
  private:
   using Floats = Lanes<float, node_width>;
+
+  /// Fetches a node that is likely to be visited soon.
+  static void fetch(const Node& node) {
+    for (const auto& ends : node.end)
+      for (const auto& of_axis : ends) prefetch(of_axis);
+    prefetch(node.child);
+  }
 
   /// The children whose boxes may reach into all half-spaces: the corner farthest along the normal counts.
   static Bits children_in(const Node& node, std::span<const BoxHalfSpace> half_spaces) {

@@ -408,6 +408,15 @@ template <int N>
 #endif
 }
 
+template <int N>
+[[nodiscard]] Lanes<double, N> to_double(Lanes<float, N> a) {
+#if defined(PROTOSTAR_VECTORS)
+  return __builtin_convertvector(a.v, detail::Vector<double, N>);
+#else
+  return a.v.template each<double>([&](int i) { return static_cast<double>(a.v[i]); });
+#endif
+}
+
 /// Says that what is at an address will be read soon.
 inline void prefetch([[maybe_unused]] const void* address) {
 #if defined(__GNUC__)

@@ -1,127 +1,166 @@
-// The triangles of a tree's leaves in float: which of them a ray surely misses, which it surely crosses, and
-// where.
+// The triangles of a tree's leaves, tried in double, as many at once as a vector holds: which of them a ray
+// surely misses, which it surely crosses, and where (numeric/triangle_roots.hpp).
 //
-// In box space, where no coordinate is larger than 1, let o be the origin and d the direction, of length 1.
-// With the edges u = b − a and v = c − a, n = u × v, w = a − o and m = w × d, the line passes the edges on
-// the sides (numeric/triangle_roots.hpp)
-//
-//   side(a, b) = −u·m,   side(c, a) = v·m,   side(b, c) = n·d − side(a, b) − side(c, a)
-//
-// It misses the triangle where one of them is positive and another negative, and crosses it where all have
-// one sign, at t = n·w / n·d. u, v and n may be divided by one number, which is U + V + U V here, U and V
-// being the sums of the sizes of the components of u and v; N is that of n, after the division. In float,
-// with h = 2^-24, O the sum of sizes of o, and r = 1 + O, which no component of w exceeds:
-//
-//   w         each component: rounding a, o and the difference: 2h r
-//   m         those of w, h r for that of d, and the products, times |d_i| + |d_j| ≤ √2; the difference:
-//             (4√2 + √2) h r < 8h r
-//   u·m, v·m  those of m, and 2√2 h r for those of u or v and the products; two sums: 13h r U and 13h r V
-//   n·d       n, d, the product and two sums: 5h N, and N ≤ 2 U V
-//   n·w       n, w, the product and two sums: 6h r N
-//
-// So side(b, c) has at most 13h r (U + V) + 10h U V, and 2h of all its parts, √2 r (U + V) + 2 U V, for its
-// own two roundings: less than 16h r (U + V + U V), which is 16h r after the division. The bound used is 32h
-// r = 2^-19 r, which leaves as much for its own roundings, and is far above whatever underflows.
-//
-// Where S = |n·d| is more than 2^-19 N, which has an error e ≤ 8h N ≤ S/4, and H = n·w one of at most 8h r N,
-//
-//   |H/S − t| ≤ (8h r N + e |t|) / S   with   |t| ≤ 4/3 (|H| + 8h r N) / S
-//
-// so that t is off by at most 12h (r + |H/S|) N / S. The quotient, which is a product with 1/S, is rounded by
-// 2h of itself, where N / S ≥ 1 − 8h as d has length 1. The bound used is 2^-20 (r + |H/S|) N / S, 16h, and
-// the rest is for its own roundings. For N > 2^-100 what underflows adds nothing to speak of.
+// A ray meets few leaves, and nearly all that it takes is to fetch one from far away. So a leaf has all that
+// is asked of its triangles in one place, and numbers that float holds, as those of files mostly are, are
+// kept in float, which is half as much. What is computed from them is the same.
 #pragma once
 
-#include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
-#include <limits>
+#include <cstdint>
+#include <cstring>
 #include <memory>
 
-#include "../vec3.hpp"
+#include "../surfaces/triangle.hpp"
 #include "bvh.hpp"
+#include "packet.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
 class TriangleLeaves {
+  /// f(the numbers), whichever they are.
+  decltype(auto) with_rows(const auto& f) const {
+    const float* const floats = floats_.get();
+    const double* const doubles = doubles_.get();
+    return floats ? f(floats) : f(doubles);
+  }
+
+  static Doubles of_each(const auto& number) {
+    if constexpr (std::same_as<decltype(number(0)), double>)
+      return Doubles::of_each(number);
+    else
+      return to_double(Floats::of_each(number));
+  }
+
  public:
-  using Floats = Lanes<float, float_lanes>;
-
-  /// Triangles by their place from a leaf's first on.
-  struct Crossed {
-    Bits maybe, surely;  ///< crossed within a reach at all; and between near and far
-    Floats near, far;    ///< what is crossed is crossed no nearer than near
-
-    /// Whether one is surely crossed before the reach's end, which is 2^-20 too far at most.
-    [[nodiscard]] bool any_surely_before(float until) const {
-      return (surely & bits(far < Floats(until * (1 - 0x1p-18f)))) != 0;
-    }
+  /// Where a triangle's numbers are: a.x, a.y, a.z, b.x, ..., and which triangle it is, each as far from the
+  /// one before as its leaf has triangles.
+  struct Place {
+    std::uint32_t first, step;
   };
 
-  /// Of triangles with points a, b and c, by their places in the leaves.
-  TriangleLeaves(const Bvh& bvh, const auto& triangle_at, const RenderOptions& options)
-      : rows_(std::make_unique_for_overwrite<float[]>(rows * bvh.order().size() + float_lanes)) {
-    const auto fill = [&](Leaf leaf) {
-      for (std::uint32_t i = 0; i < leaf.count; ++i) {
-        const auto& triangle = triangle_at(leaf.first + i);
-        // The edges are rounded once more than a is, which is nothing to float.
-        const Point a = bvh.space()(triangle.a);
-        const Vec3 u = (triangle.b - triangle.a) * bvh.space().scale,
-                   v = (triangle.c - triangle.a) * bvh.space().scale, n = cross(u, v);
-        const auto size = [](const Vec3& w) { return std::abs(w.x) + std::abs(w.y) + std::abs(w.z); };
-        const double all = size(u) + size(v) + size(u) * size(v), unit = all > 0x1p-1000 ? 1 / all : 0;
-        float* row = &rows_[rows * std::size_t{leaf.first} + i];
-        for (const Vec3& w : {a, unit * u, unit * v, unit * n})
-          for (int axis = 0; axis < 3; ++axis, row += leaf.count) *row = static_cast<float>(w[axis]);
-      }
-    };
-    bvh.each_leaf(fill, options);
+  /// Of triangles in the order of their leaves.
+  TriangleLeaves(const Bvh& bvh, const auto& triangle, const RenderOptions& options) {
+    if (!fill(floats_, bvh, triangle, options)) {
+      floats_.reset();
+      fill(doubles_, bvh, triangle, options);
+    }
   }
 
-  /// What fetches the numbers of a leaf that is likely to be visited soon.
-  [[nodiscard]] auto soon() const {
-    return [this](Leaf leaf) {
-      const float* const row = &rows_[rows * std::size_t{leaf.first}];
-      for (std::size_t i = 0; i < rows * leaf.count; i += 16) prefetch(row + i);
-    };
+  [[nodiscard]] static Place place(Leaf leaf, std::uint32_t i) { return {rows * leaf.first + i, leaf.count}; }
+
+  [[nodiscard]] Triangle triangle(Place place) const {
+    return with_rows([&](const auto* all) {
+      const auto corner = [&](std::size_t k) {
+        const auto* const row = all + place.first + k * place.step;
+        return Point{row[0], row[place.step], row[2 * std::size_t{place.step}]};
+      };
+      return Triangle{corner(0), corner(3), corner(6)};
+    });
   }
 
-  /// Where a ray crosses the triangles from the i-th of a leaf on, as many as a vector holds, within a reach.
-  [[nodiscard]] Crossed crossed(Leaf leaf, std::uint32_t i, const BoxRay& ray, Reach reach) const {
-    const float* const row = &rows_[rows * std::size_t{leaf.first} + i];
-    const auto load = [&](std::size_t k) { return Floats::load(row + k * leaf.count); };
-    const Floats dx = ray.direction[0], dy = ray.direction[1], dz = ray.direction[2];
-    const Floats wx = load(0) - Floats(ray.origin[0]), wy = load(1) - Floats(ray.origin[1]),
-                 wz = load(2) - Floats(ray.origin[2]);
-    const Floats ux = load(3), uy = load(4), uz = load(5), vx = load(6), vy = load(7), vz = load(8);
-    const Floats nx = load(9), ny = load(10), nz = load(11);
-    const Floats mx = wy * dz - wz * dy, my = wz * dx - wx * dz, mz = wx * dy - wy * dx;
-    const Floats slope = nx * dx + ny * dy + nz * dz;
-    const Floats ab = -(ux * mx + uy * my + uz * mz), ca = vx * mx + vy * my + vz * mz, bc = slope - ab - ca;
-    const float r = 1 + ray.distance;
-    const Floats error = 0x1p-19f * r, most = max(max(ab, ca), bc), least = min(min(ab, ca), bc);
-    const Bits passed =
-        bits(!(most > error && least < -error)) & first_bits(static_cast<int>(leaf.count - i));
-    if (passed == 0) return {.maybe = 0, .surely = 0, .near = {}, .far = {}};
+  /// Which triangle it is.
+  [[nodiscard]] std::uint32_t number(Place place) const {
+    return with_rows([&](const auto* all) {
+      std::uint32_t number;
+      std::memcpy(&number, all + place.first + std::size_t{place.step} * (rows - 1), sizeof number);
+      return number;
+    });
+  }
 
-    const Floats size = abs(nx) + abs(ny) + abs(nz), height = nx * wx + ny * wy + nz * wz;
-    const auto is_known = Floats(0x1p19f) * abs(slope) > size && size > Floats(0x1p-100f);
-    const Floats inverse = Floats(1) / slope, t = height * inverse;
-    const Floats margin = Floats(0x1p-20f) * size * abs(inverse) * (Floats(r) + abs(t));
-    const Floats near = select(is_known, t - margin, -infinite), far = select(is_known, t + margin, infinite);
-    return {.maybe = passed & bits(near <= Floats(reach.until) && far >= Floats(reach.from)),
-            .surely =
-                passed & bits(near > Floats(reach.from * (1 + 0x1p-18f)) && (least > error || most < -error)),
-            .near = near,
-            .far = far};
+  /// The corners of several triangles.
+  using Places = std::array<Place, double_lanes>;
+  [[nodiscard]] std::array<Vectors, 3> corners(const Places& places) const {
+    return with_rows([&](const auto* all) -> std::array<Vectors, 3> {
+      const auto numbers = [&](std::size_t k) {
+        return of_each([&](int lane) {
+          const auto& [first, step] = places[static_cast<std::size_t>(lane)];
+          return all[first + k * step];
+        });
+      };
+      const auto corner = [&](std::size_t k) { return Vectors{numbers(k), numbers(k + 1), numbers(k + 2)}; };
+      return {corner(0), corner(3), corner(6)};
+    });
+  }
+
+  /// Fetches the numbers of a leaf that is likely to be visited soon.
+  void fetch(Leaf leaf) const {
+    with_rows([&](const auto* all) {
+      constexpr std::size_t line = 64 / sizeof *all;
+      const auto* const row = all + place(leaf, 0).first;
+      for (std::size_t i = 0; i < rows * leaf.count; i += line) prefetch(row + i);
+    });
+  }
+
+  /// Triangles by their place from a leaf's first on.
+  struct Tried {
+    Bits crossed;   ///< inside the range, for sure, at t
+    Bits in_doubt;  ///< maybe
+    Doubles t;
+  };
+
+  /// The triangles from the i-th of a leaf on, as many as a vector holds. Nothing is sure of one if the ray
+  /// departs from a plane, which may be its own.
+  [[nodiscard, gnu::always_inline]] Tried tried(Leaf leaf, std::uint32_t i, const Ray& ray,
+                                                const Interval& range) const {
+    std::array<Vectors, 3> corners;
+    with_rows([&](const auto* all) {
+      const auto* const row = all + place(leaf, i).first;
+      const auto numbers = [&](std::size_t k) { return load(row + k * leaf.count); };
+      for (std::size_t k = 0; k < 3; ++k)
+        corners[k] = {numbers(3 * k), numbers(3 * k + 1), numbers(3 * k + 2)};
+    });
+    const auto& [a, b, c] = corners;
+    const auto e =
+        protostar::detail::rounded_triangle_equation(Vectors(ray.origin), Vectors(ray.direction), a, b, c);
+    const Bits passed = bits(!e.misses) & first_bits(static_cast<int>(leaf.count - i));
+    if (passed == 0) return {.crossed = 0, .in_doubt = 0, .t = {}};
+    // As in lies_inside.
+    const Doubles t = e.height / e.slope, margin = 2 * Roots::relative_error * abs(t);
+    const auto known = e.crosses && e.certain && margin < Doubles(infinity);
+    const auto inside = known && t - margin > Doubles(range.min) && t + margin < Doubles(range.max);
+    const auto outside = known && !(t + margin > Doubles(range.min) && t - margin < Doubles(range.max));
+    const Bits crossed = ray.departure.is_planar() ? 0 : passed & bits(inside);
+    return {.crossed = crossed, .in_doubt = passed & ~crossed & bits(!outside), .t = t};
   }
 
  private:
-  static constexpr float infinite = std::numeric_limits<float>::infinity();
+  static constexpr std::uint32_t rows = 10;
 
-  /// Of each leaf, from rows · first on: all a.x, all a.y, ... of a, u, v and n.
-  static constexpr std::size_t rows = 12;
-  std::unique_ptr<float[]> rows_;
+  static Doubles load(const double* from) { return Doubles::load(from); }
+  static Doubles load(const float* from) { return to_double(Floats::load(from)); }
+
+  /// Returns whether a T holds all numbers; if not, some are not there.
+  template <class T>
+  static bool fill(std::unique_ptr<T[]>& all, const Bvh& bvh, const auto& triangle,
+                   const RenderOptions& options) {
+    all = std::make_unique_for_overwrite<T[]>(rows * bvh.order().size() + double_lanes);
+    std::atomic<bool> holds = true;
+    const auto fill_leaf = [&](Leaf leaf) {
+      for (std::uint32_t i = 0; i < leaf.count && holds.load(std::memory_order_relaxed); ++i) {
+        const std::uint32_t number = bvh.order()[leaf.first + i];
+        const Triangle one = triangle(number);
+        T* row = &all[place(leaf, i).first];
+        for (const Point& corner : {one.a, one.b, one.c})
+          for (int axis = 0; axis < 3; ++axis, row += leaf.count) {
+            *row = static_cast<T>(corner[axis]);
+            if (*row != corner[axis]) holds = false;
+          }
+        std::memcpy(row, &number, sizeof number);
+      }
+    };
+    bvh.each_leaf(fill_leaf, options);
+    return holds;
+  }
+
+  /// Of each leaf, from rows · first on: all a.x, all a.y, ..., all c.z, and the triangles'
+  /// numbers, bit by bit; in one of these.
+  std::unique_ptr<float[]> floats_;
+  std::unique_ptr<double[]> doubles_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

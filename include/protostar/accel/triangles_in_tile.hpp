@@ -95,15 +95,18 @@ class TrianglesInTile {
     usable_ = screen.usable && tree.has_all() && tile.width() <= side && tile.height() <= side &&
               static_cast<double>(tree.size()) <= most_a_pixel * screen.pixels_of_all;
     if (!usable_) return;
-    far_.fill(0), near_.fill(0), other_.fill(0), place_.fill(0);
+    far_.fill(0), near_.fill(0), other_.fill(0), nearest_.fill(0), drawn_.clear();
     // Leaves may have few triangles; as many as a vector holds are drawn at once.
-    std::array<std::uint32_t, double_lanes> waiting;
+    TriangleLeaves::Places waiting;
     std::size_t count = 0;
     const auto draw_waiting = [&] {
       for (std::size_t k = count; k < waiting.size(); ++k) waiting[k] = waiting[0];
-      const Shapes shapes(screen, corners([&](std::size_t k) -> auto& { return tree.in_leaf(waiting[k]); }),
-                          tile);
-      for (std::size_t k = 0; k < count; ++k) draw_one(shapes, k, static_cast<std::int32_t>(waiting[k]));
+      const auto corners = tree.leaves().corners(waiting);
+      const Shapes shapes(screen, corners, tile);
+      const Planes planes(screen.eye, corners);
+      for (std::size_t k = 0; k < count; ++k)
+        if (draw_one(shapes, k, static_cast<std::int32_t>(drawn_.size())))
+          drawn_.push_back(planes.plane(k, waiting[k]));
       count = 0;
     };
     int left = most_tried_a_pixel * tile.width() * tile.height();  // boxes and triangles
@@ -111,8 +114,8 @@ class TrianglesInTile {
         frustum.side, screen.ahead, [&](const Bounds& box) { return --left < 0 || is_hidden(screen, box); },
         [&](Leaf leaf) {
           left -= static_cast<int>(leaf.count);
-          for (std::uint32_t place = leaf.first; place < leaf.first + leaf.count; ++place) {
-            waiting[count++] = place;
+          for (std::uint32_t i = 0; i < leaf.count; ++i) {
+            waiting[count++] = TriangleLeaves::place(leaf, i);
             if (count == waiting.size()) draw_waiting();
           }
         });
@@ -137,25 +140,31 @@ class TrianglesInTile {
     // Where there is none it is any other.
     const Bits found = bits(one);
     const auto any_lane = static_cast<std::size_t>(std::countr_zero(found));
-    const auto place = [&](std::size_t lane) {
-      return place_[at + ((found >> lane & 1) != 0 ? lane : any_lane)];
+    std::array<const Plane*, double_lanes> planes;
+    for (std::size_t lane = 0; lane < planes.size(); ++lane)
+      planes[lane] =
+          &drawn_[static_cast<std::size_t>(nearest_[at + ((found >> lane & 1) != 0 ? lane : any_lane)])];
+    const auto numbers = [&](double Plane::*number) {
+      return Doubles::of_each([&](int lane) { return planes[static_cast<std::size_t>(lane)]->*number; });
     };
-    const auto [a, b, c] = corners([&](std::size_t lane) -> auto& {
-      return tree_->in_leaf(static_cast<std::size_t>(place(lane)));
-    });
-    const auto e = protostar::detail::rounded_triangle_equation(rays.origin, rays.direction, a, b, c);
-    const Doubles t = e.height / e.slope;
-    seen.first.met = one && e.crosses && e.certain && t > 0.0 && t < infinity;
+    const auto& d = rays.direction;
+    const Doubles slope = dot(Vectors{numbers(&Plane::x), numbers(&Plane::y), numbers(&Plane::z)}, d);
+    const Doubles t = numbers(&Plane::height) / slope, D = abs(d.x) + abs(d.y) + abs(d.z);
+    seen.first.met = one && abs(slope) > numbers(&Plane::least) * D && D > 0x1p-200 && D < 0x1p200 &&
+                     t > 0.0 && t < infinity;
     seen.first.in_doubt = seen.first.in_doubt || (one && !seen.first.met);
     seen.first.t = select(seen.first.met, t, Doubles(infinity));
-    seen.which =
-        Indices::of_each([&](int lane) { return std::int64_t{place(static_cast<std::size_t>(lane))}; });
+    seen.which = Indices::of_each([&](int lane) {
+      const auto& [first, step] = planes[static_cast<std::size_t>(lane)]->place;
+      return std::int64_t{first} << 32 | step;
+    });
     return seen;
   }
 
   /// The number of a triangle that is seen.
   [[nodiscard]] int part(std::int64_t which) const {
-    return static_cast<int>(tree_->number(static_cast<std::size_t>(which)));
+    const Place place{static_cast<std::uint32_t>(which >> 32), static_cast<std::uint32_t>(which)};
+    return static_cast<int>(tree_->leaves().number(place));
   }
 
  private:
@@ -166,20 +175,37 @@ class TrianglesInTile {
   using Row = Lanes<float, float_lanes>;
   static constexpr float infinite = std::numeric_limits<float>::infinity();
 
-  /// The corners of as many triangles as a packet has lanes.
-  static std::array<Vectors, 3> corners(const auto& triangle) {
-    using Corners = TriangleTree::Corners;
-    std::array<const Corners*, double_lanes> at;
-    for (std::size_t lane = 0; lane < at.size(); ++lane) at[lane] = &triangle(lane);
-    const auto vectors = [&](Point Corners::*corner) {
-      const auto numbers = [&](int axis) {
-        return Doubles::of_each(
-            [&](int lane) { return (at[static_cast<std::size_t>(lane)]->*corner)[axis]; });
-      };
-      return Vectors{numbers(0), numbers(1), numbers(2)};
-    };
-    return {vectors(&Corners::a), vectors(&Corners::b), vectors(&Corners::c)};
-  }
+  using Place = TriangleLeaves::Place;
+
+  /// What t of a ray from the eye to a triangle is worked out from, in the way and with the bounds of
+  /// rounded_triangle_equation: t = height / n·d is certain where |n·d| is more than `least` times the sum of
+  /// the sizes of d.
+  struct Plane {
+    double x, y, z, height, least;
+    Place place;
+  };
+  struct Planes {
+    std::array<double, double_lanes> x, y, z, height, least;
+
+    Planes(const Point& eye, const std::array<Vectors, 3>& corners) {
+      const auto& [a, b, c] = corners;
+      const auto sum_of_sizes = [](const Vectors& v) { return abs(v.x) + abs(v.y) + abs(v.z); };
+      const Vectors u = b - a, v = c - a, w = a - Vectors(eye), n = cross(u, v), p = abs(u), q = abs(v),
+                    terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
+      const Doubles U = sum_of_sizes(u), V = sum_of_sizes(v), W = sum_of_sizes(w), height_of = dot(n, w),
+                    heights = dot(terms, abs(w));
+      const Chosen known = U > 0x1p-200 && U < 0x1p200 && V > 0x1p-200 && V < 0x1p200 && W < 0x1p200 &&
+                           abs(height_of) > 0x1p-18 * heights && heights > 0x1p-800;
+      // Of the sum of the sizes of the terms of n·d, which is at most this times that of d, 2^-18.
+      const Doubles least_of = max(0x1p-17 * max(terms.x, max(terms.y, terms.z)), 0x1p-500);
+      n.x.store(x.data()), n.y.store(y.data()), n.z.store(z.data()), height_of.store(height.data());
+      select(known, least_of, Doubles(infinity)).store(least.data());
+    }
+
+    [[nodiscard]] Plane plane(std::size_t k, Place place) const {
+      return {x[k], y[k], z[k], height[k], least[k], place};
+    }
+  };
 
   /// A linear function of x and y.
   struct Linear {
@@ -314,10 +340,11 @@ class TrianglesInTile {
 
   /// Of each pixel, what may be seen of the triangles so far: one that surely is in front of all but those
   /// that may be as near as `other`.
-  void draw_one(const Shapes& shapes, std::size_t i, std::int32_t place) {
+  bool draw_one(const Shapes& shapes, std::size_t i, std::int32_t which) {
     constexpr float e = 0x1p-20f;
     const Row error = shapes.error[i], least = shapes.least[i], most = shapes.most[i];
     // Vectors begin at multiples of their size: what was just stored can be loaded at once.
+    Bits has = 0;
     const int x0 = shapes.x0[i] / float_lanes * float_lanes, x1 = shapes.x1[i];
     for (int y = shapes.y0[i]; y < shapes.y1[i]; ++y) {
       const float down = shapes.top + static_cast<float>(y);
@@ -334,13 +361,15 @@ class TrianglesInTile {
         const Row known = Row::load(&far_[at]), before = Row::load(&near_[at]);
         const auto seen = !(largest > Row(e) && smallest < Row(-e)) && near >= known && near > Row(0.0f);
         const auto surely = seen && (smallest > Row(e) || largest < Row(-e)) && far > known;
+        has |= bits(surely);
         max(Row::load(&other_[at]), select(surely, before, select(seen, near, 0.0f))).store(&other_[at]);
         select(surely, far, known).store(&far_[at]);
         select(surely, near, before).store(&near_[at]);
-        using Places = Lanes<std::int32_t, float_lanes>;
-        select(surely, Places(place), Places::load(&place_[at])).store(&place_[at]);
+        using Whole = Lanes<std::int32_t, float_lanes>;
+        select(surely, Whole(which), Whole::load(&nearest_[at])).store(&nearest_[at]);
       }
     }
+    return has != 0;
   }
 
   static constexpr int side = 64;
@@ -352,7 +381,8 @@ class TrianglesInTile {
   bool usable_ = false;
   alignas(64) OfPixels<float> far_, near_;  ///< between which k of the nearest is; 0 where there is none
   alignas(64) OfPixels<float> other_;       ///< the largest k that any other may have
-  alignas(64) OfPixels<std::int32_t> place_;
+  alignas(64) OfPixels<std::int32_t> nearest_;
+  std::vector<Plane> drawn_;  ///< what nearest_ counts
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -45,7 +45,7 @@ class TriangleTree {
   bool any_crossed(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit) const {
     return each_crossed(ray, range, triangle, visit);
   }
-  void each_first(const Ray&, const Interval&, const auto& triangle, const auto& visit) const {
+  void each_first(const Ray&, const Interval&, const auto& triangle, const auto& visit, const auto&) const {
     for (std::uint32_t i = 0; i < count_; ++i) visit(triangle(i), i);
   }
 
@@ -194,16 +194,19 @@ class Mesh {
   /// earlier one's is the first.
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
     std::optional<Crossing> first;
-    const auto visit = [&](const Triangle& triangle, std::uint32_t i) {
-      const auto crossing = crossing_with(triangle, i, ray, range);
-      if (!crossing) return false;
-      if (first && !comes_before(ray, *crossing, *first)) return true;
+    const auto take = [&](const Crossing& crossing) {
+      if (first && !comes_before(ray, crossing, *first)) return;
       first = crossing;
       // What might be before it, given its error, stays in.
-      range.max = std::min(range.max, latest(crossing->t));
-      return true;
+      range.max = std::min(range.max, latest(crossing.t));
     };
-    contents_->tree.each_first(ray, range, data().triangle_of(), visit);
+    const auto visit = [&](const Triangle& triangle, std::uint32_t i) {
+      if (const auto crossing = crossing_with(triangle, i, ray, range)) take(*crossing);
+      return false;
+    };
+    contents_->tree.each_first(ray, range, data().triangle_of(), visit, [&](double t, std::uint32_t i) {
+      take({.t = t, .part = static_cast<int>(i)});
+    });
     return first;
   }
 
