@@ -408,11 +408,28 @@ template <int N>
 #endif
 }
 
+template <int N>
+[[nodiscard]] Lanes<double, N> to_double(Lanes<float, N> a) {
+#if defined(PROTOSTAR_VECTORS)
+  return __builtin_convertvector(a.v, detail::Vector<double, N>);
+#else
+  return a.v.template each<double>([&](int i) { return static_cast<double>(a.v[i]); });
+#endif
+}
+
 /// Says that what is at an address will be read soon.
 inline void prefetch([[maybe_unused]] const void* address) {
 #if defined(__GNUC__)
   __builtin_prefetch(address);
 #endif
+}
+
+/// The same of an object, in all its lines of the cache.
+template <class T>
+void prefetch_whole(const T& object) {
+  const auto* const bytes = reinterpret_cast<const char*>(&object);
+  for (std::size_t i = 0; i < sizeof(T); i += 64) prefetch(bytes + i);
+  prefetch(bytes + sizeof(T) - 1);
 }
 
 /// Appends the numbers of the lanes in a set, in order, to those at an address; whatever stood in the N
@@ -422,6 +439,13 @@ int store_chosen(T* to, Bits lanes, Lanes<T, N> a) {
 #if defined(PROTOSTAR_VECTORS) && defined(__AVX512F__)
   if constexpr (sizeof(a.v) == 64 && sizeof(T) == 4) {
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(static_cast<__mmask16>(lanes), (__m512i)a.v));
+    return std::popcount(lanes);
+  }
+#endif
+#if defined(PROTOSTAR_VECTORS) && defined(__AVX512VL__)
+  if constexpr (sizeof(a.v) == 32 && sizeof(T) == 4) {
+    _mm256_storeu_si256((__m256i*)to,
+                        _mm256_maskz_compress_epi32(static_cast<__mmask8>(lanes), (__m256i)a.v));
     return std::popcount(lanes);
   }
 #endif

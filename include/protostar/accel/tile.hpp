@@ -18,7 +18,7 @@
 #include "bvh.hpp"
 #include "packet.hpp"
 #include "simd.hpp"
-#include "sphere_around.hpp"
+#include "sphere_leaves.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -254,13 +254,23 @@ struct Frustum {
   }
 };
 
+/// The unit directions of a pinhole's packet in float, each number rounded once.
+struct FloatDirections {
+  Floats x, y, z;
+
+  FloatDirections() = default;
+  explicit FloatDirections(const Vectors& d) : x(to_float(d.x)), y(to_float(d.y)), z(to_float(d.z)) {}
+};
+
 /// Surfaces that a camera may see, as float spheres, their centers measured from its apex: rows of numbers,
 /// so that several are tested at once.
 class Candidates {
  public:
+  using Places = Lanes<std::uint32_t, double_lanes>;  ///< of surfaces in the scene's order
+
   [[nodiscard]] int size() const { return size_; }
   /// The place of the surface in the scene's order.
-  [[nodiscard]] int place(int i) const { return place_[index(i)]; }
+  [[nodiscard]] int place(int i) const { return static_cast<int>(place_[index(i)]); }
 
   /// A ray of the camera, of unit direction, surely meets the surface for no t below this; once they are
   /// ordered, nor any that follows.
@@ -287,25 +297,28 @@ class Candidates {
   ///
   /// The sphere is met for no t below |l| − r, measured from the apex, of which a ray lacks at most the first
   /// start. Nor is it where t is less than the distance of the sphere from the film.
+  void add(const Places& places, Bits some, const Viewpoint& viewpoint, const SpheresAround& around) {
+    const Vectors l = around.center - Vectors(viewpoint.apex);
+    const Doubles radius = around.radius + viewpoint.drift;
+    const Doubles distance = length(l),
+                  depth = dot(Vectors(viewpoint.ahead), around.center - Vectors(viewpoint.film));
+    const Doubles error = 0x1p-20 * (distance + radius) + 0x1p-140;
+    some &= bits(!(depth < -(radius + error)));
+    make_room(size_ + double_lanes);
+    const Chosen fits = distance + radius + abs(depth) < 0x1p120;
+    const auto store = [&](auto& row, const Doubles& numbers, double otherwise) {
+      store_chosen(row.data() + size_, some, to_float(select(fits, numbers, Doubles(otherwise))));
+    };
+    store(x_, l.x, 0), store(y_, l.y, 0), store(z_, l.z, 0);
+    store(reach_, radius + error, infinity);
+    const Doubles square = distance * distance - radius * radius;
+    const Doubles sure_square = square - 0x1p-49 * (distance * distance + radius * radius);
+    store(horizon_, select(sure_square > 0.0, sqrt(sure_square) - 4 * error, Doubles(-infinity)), -infinity);
+    store(nearest_, max(distance - viewpoint.start, depth) - radius - error, 0);
+    size_ += store_chosen(place_.data() + size_, some, places);
+  }
   void add(int place, const Viewpoint& viewpoint, const SphereAround& around) {
-    const Vec3 l = around.center - viewpoint.apex;
-    const double radius = around.radius + viewpoint.drift;
-    const double distance = length(l), depth = dot(viewpoint.ahead, around.center - viewpoint.film);
-    const double error = 0x1p-20 * (distance + radius) + 0x1p-140;
-    if (depth < -(radius + error)) return;
-    make_room(size_ + 1);
-    const std::size_t i = index(size_++);
-    const bool fits = distance + radius + std::abs(depth) < 0x1p120;
-    x_[i] = fits ? static_cast<float>(l.x) : 0;
-    y_[i] = fits ? static_cast<float>(l.y) : 0;
-    z_[i] = fits ? static_cast<float>(l.z) : 0;
-    reach_[i] = fits ? static_cast<float>(radius + error) : std::numeric_limits<float>::infinity();
-    const double square = distance * distance - radius * radius;
-    const double uncertain = 0x1p-49 * (distance * distance + radius * radius);
-    horizon_[i] = fits && square > uncertain ? static_cast<float>(std::sqrt(square - uncertain) - 4 * error)
-                                             : -std::numeric_limits<float>::infinity();
-    nearest_[i] = fits ? static_cast<float>(std::max(distance - viewpoint.start, depth) - radius - error) : 0;
-    place_[i] = place;
+    add(Places(static_cast<std::uint32_t>(place)), Bits{1}, viewpoint, SpheresAround(around));
   }
 
   /// Adds those of others that a tile may see, in their order.
@@ -334,8 +347,26 @@ class Candidates {
       store_chosen(to(reach_), seen, reach);
       store_chosen(to(horizon_), seen, horizon);
       store_chosen(to(nearest_), seen, Wide::load(at(others.nearest_)));
-      size_ += store_chosen(to(place_), seen, Lanes<std::int32_t, float_lanes>::load(at(others.place_)));
+      size_ += store_chosen(to(place_), seen, Lanes<std::uint32_t, float_lanes>::load(at(others.place_)));
     }
+  }
+
+  /// Which rays of a pinhole may meet the i-th, and at no more than a t each.
+  ///
+  /// b = d·l, where a ray is nearest to the center, is good to 5u|l|, from d, l, three products and two sums;
+  /// so p = l − b d, the way from the center to there, is to 9u|l|, and |p|² to 3u of itself more. A ray that
+  /// meets the sphere has |p| ≤ r there and meets it first at b − r or later. The 16u (|l| + r) that reach
+  /// has more than r cover all of that, and 2^-120 what of the squares underflows. Past t, 2^-22 of it are
+  /// more than the rounding to float; where that underflows, the 2^-140 of reach are.
+  [[nodiscard]] Mask<float, double_lanes> may_be_met(int i, const FloatDirections& d,
+                                                     const Doubles& until) const {
+    const std::size_t at = index(i);
+    const Floats x = x_[at], y = y_[at], z = z_[at];
+    const float reach = reach_[at];
+    const Floats b = d.x * x + d.y * y + d.z * z;
+    const Floats px = x - b * d.x, py = y - b * d.y, pz = z - b * d.z;
+    return px * px + py * py + pz * pz <= Floats(reach * reach + 0x1p-120f) && b >= Floats(-reach) &&
+           b - Floats(reach) <= to_float(until) * Floats(1 + 0x1p-22f);
   }
 
   void clear() { size_ = 0; }
@@ -398,7 +429,7 @@ class Candidates {
 
   int size_ = 0;
   std::vector<float> x_, y_, z_, reach_, horizon_, nearest_;
-  std::vector<std::int32_t> place_;
+  std::vector<std::uint32_t> place_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd
