@@ -52,6 +52,11 @@ class Finder {
   /// and may reach into all of some half-spaces is in one of the lanes that the bits tell.
   void some_in(std::span<const HalfSpace>, const auto&) const {}
 
+  /// Calls visit(i) for each surface without bounds, in order.
+  void each_unbounded(const auto& visit) const {
+    for (std::uint32_t i = 0; i < count_; ++i) visit(i);
+  }
+
  private:
   std::uint32_t count_;
 };
@@ -100,6 +105,10 @@ class Finder<T> {
       const std::uint32_t i = bvh_.order()[leaf.first];
       visit(Numbers(i), Bits{1}, SpheresAround(sphere_around((*surfaces_)[i])));
     });
+  }
+
+  void each_unbounded(const auto& visit) const {
+    for (const std::uint32_t i : bvh_.unbounded()) visit(i);
   }
 
  private:
@@ -190,6 +199,10 @@ class Finder<Sphere> {
     bvh_.each_leaf_in(sides, visit_leaf, soon());
   }
 
+  void each_unbounded(const auto& visit) const {
+    for (const std::uint32_t i : bvh_.unbounded()) visit(i);
+  }
+
  private:
   static constexpr float infinite = std::numeric_limits<float>::infinity();
 
@@ -271,6 +284,12 @@ class Accelerated<Scene<S...>> {
   template <class T>
   void some_in(std::span<const simd::HalfSpace> half_spaces, const auto& visit) const {
     finder<T>().some_in(half_spaces, visit);
+  }
+
+  /// Calls visit(i) for each surface of one type that has no bounds, in order.
+  template <class T>
+  void each_unbounded(const auto& visit) const {
+    finder<T>().each_unbounded(visit);
   }
 
  private:

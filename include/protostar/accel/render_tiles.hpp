@@ -115,13 +115,14 @@ class TileRenderer {
   /// Adds what may be a candidate of any tile, and what has no bounds.
   template <Surface T>
   void add_group(int& place) {
-    for (const T& surface : scene_.scene().template surfaces<T>()) {
-      if (!has_bounds(surface))
-        unbounded_.push_back(place);
-      else if (!is_large())
-        candidates_.add(place, rays_.viewpoint(), sphere_around(surface));
-      ++place;
-    }
+    const auto& surfaces = scene_.scene().template surfaces<T>();
+    scene_.template each_unbounded<T>(
+        [&](std::uint32_t i) { unbounded_.push_back(place + static_cast<int>(i)); });
+    if (!is_large())
+      for (std::size_t i = 0; i < surfaces.size(); ++i)
+        if (has_bounds(surfaces[i]))
+          candidates_.add(place + static_cast<int>(i), rays_.viewpoint(), sphere_around(surfaces[i]));
+    place += static_cast<int>(surfaces.size());
   }
 
   /// Adds what the tree has for a frustum; first is the place of the type's first surface.
