@@ -194,10 +194,9 @@ class TileRenderer {
       const Color color = rays_.pixels().mean([&](int) {
         return Color{colors.r[0], colors.g[0], colors.b[0]};
       });
-      for (int y = tile.y0; y < tile.y1; ++y) {
-        Color* const row = &image_(tile.x0, y);
-        std::fill(row, row + tile.width(), color);
-      }
+      const auto row = [&](int y) { return &image_(tile.x0, y); };
+      std::fill_n(row(tile.y0), tile.width(), color);
+      for (int y = tile.y0 + 1; y < tile.y1; ++y) std::copy_n(row(tile.y0), tile.width(), row(y));
     }
   }
 
@@ -313,8 +312,10 @@ class TileRenderer {
   }
 
   void write(const Tile& tile, int x, int y, const Colors& colors) const {
-    const int count = std::min(double_lanes, tile.x1 - x);
-    for (int i = 0; i < count; ++i) image_(x + i, y) = {colors.r[i], colors.g[i], colors.b[i]};
+    static_assert(sizeof(Color) == 3 * sizeof(float));
+    Color* const pixels = &image_(x, y);
+    if (x + double_lanes <= tile.x1) return store_in_turn(pixels, colors.r, colors.g, colors.b);
+    for (int i = 0; x + i < tile.x1; ++i) pixels[i] = {colors.r[i], colors.g[i], colors.b[i]};
   }
 
   Image& image_;

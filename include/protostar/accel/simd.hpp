@@ -432,6 +432,35 @@ void prefetch_whole(const T& object) {
   prefetch(bytes + sizeof(T) - 1);
 }
 
+/// Stores the numbers of three vectors in turn: a[0], b[0], c[0], a[1], …
+template <int N>
+void store_in_turn(void* to, Lanes<float, N> a, Lanes<float, N> b, Lanes<float, N> c) {
+#if defined(PROTOSTAR_VECTORS) && defined(__has_builtin)
+#if __has_builtin(__builtin_shufflevector)
+  if constexpr (N >= 4) {
+    // The k-th number to store is the (k / 3)-th of the (k % 3)-th vector.
+    const auto store = [&]<int from, int... i>(std::integral_constant<int, from>,
+                                               std::integer_sequence<int, i...>) {
+      const auto of_two =
+          __builtin_shufflevector(a.v, b.v, ((from + i) / 3 + ((from + i) % 3 == 1 ? N : 0))...);
+      const auto of_all =
+          __builtin_shufflevector(of_two, c.v, ((from + i) % 3 == 2 ? N + (from + i) / 3 : i)...);
+      std::memcpy(static_cast<float*>(to) + from, &of_all, sizeof(of_all));
+    };
+    constexpr std::make_integer_sequence<int, N> lanes;
+    store(std::integral_constant<int, 0>(), lanes);
+    store(std::integral_constant<int, N>(), lanes);
+    store(std::integral_constant<int, 2 * N>(), lanes);
+    return;
+  }
+#endif
+#endif
+  for (int i = 0; i < N; ++i) {
+    const float numbers[] = {a[i], b[i], c[i]};
+    std::memcpy(static_cast<float*>(to) + 3 * i, numbers, sizeof(numbers));
+  }
+}
+
 /// Appends the numbers of the lanes in a set, in order, to those at an address; whatever stood in the N
 /// places from there on may change. Returns how many they are.
 template <class T, int N>

@@ -47,6 +47,8 @@ class PixelRays {
         hand_(hand_of(camera)),
         viewpoint_(is_pinhole_ ? Viewpoint{.apex = camera.position} : viewpoint_of_film()) {
     for (int i = 0; i < pixels.samples(); ++i) samples_.push_back(tables(pixels.sample(i), width, height));
+    for (int x = 0; x <= width; x += edge_step) right_of_.push_back(computed_right_of(x));
+    for (int y = 0; y <= height; y += edge_step) below_.push_back(computed_below(y));
   }
 
   /// The directions of the rays through the i-th samples of the pixels from (x, y) on to the right.
@@ -69,6 +71,16 @@ class PixelRays {
     return packet<Origin>(tile, x, y, directions(x, y, i), i);
   }
 
+  /// The planes that hold the rays between pixels, those before column x and those above row y: unit normals
+  /// to the right and downwards. They pass through the camera's apex; those of parallel rays have none. One
+  /// that is not sure is 0.
+  [[nodiscard]] Vec3 right_of(int x) const {
+    return x % edge_step == 0 ? right_of_[static_cast<std::size_t>(x / edge_step)] : computed_right_of(x);
+  }
+  [[nodiscard]] Vec3 below(int y) const {
+    return y % edge_step == 0 ? below_[static_cast<std::size_t>(y / edge_step)] : computed_below(y);
+  }
+
   [[nodiscard]] const Camera& camera() const { return camera_; }
   [[nodiscard]] const PixelGrid& pixels() const { return pixels_; }
   [[nodiscard]] bool is_pinhole() const { return is_pinhole_; }
@@ -84,6 +96,23 @@ class PixelRays {
   [[nodiscard]] double hand() const { return hand_; }
 
  private:
+  static constexpr int edge_step = 8;  ///< tiles mostly begin and end at multiples of this
+
+  /// Edges of tiles hold the directions forward + u · right + v · up with one of u and v fixed; or, where
+  /// these are all forward, forward and the edge of the film.
+  [[nodiscard]] Vec3 computed_right_of(int x) const {
+    const Vec3& upwards = camera_.is_orthographic() ? camera_.film_up : camera_.up;
+    return unit(hand_ * cross(upwards, camera_.forward + pixels_.u(x, 0) * camera_.right));
+  }
+  [[nodiscard]] Vec3 computed_below(int y) const {
+    const Vec3& across = camera_.is_orthographic() ? camera_.film_right : camera_.right;
+    return unit(hand_ * cross(across, camera_.forward + pixels_.v(y, 0) * camera_.up));
+  }
+  static Vec3 unit(const Vec3& v) {
+    const double size = length(v);  // whose squares, within these bounds, neither overflow nor vanish
+    return 0x1p-500 < size && size < 0x1p500 ? v / size : Vec3{0};
+  }
+
   /// Vectors in rows of their components.
   class Table {
    public:
@@ -187,6 +216,7 @@ class PixelRays {
   double hand_;
   Viewpoint viewpoint_;
   std::vector<Tables> samples_;
+  std::vector<Vec3> right_of_, below_;  ///< of each edge_step-th column and row
 };
 
 /// What holds the rays of a tile: four planes, one for each side, as unit normals to the inside, and a cone
@@ -201,39 +231,35 @@ struct Frustum {
 
   Frustum(const PixelRays& rays, const Tile& tile) {
     const Camera& camera = rays.camera();
-    const auto& [position, right, up, forward, film_right, film_up] = camera;
     const Point& apex = rays.viewpoint().apex;
-    const double hand = rays.hand();
-    const auto u = [&](int x) { return rays.pixels().u(x, 0); };
-    const auto v = [&](int y) { return rays.pixels().v(y, 0); };
-    // A side holds one edge of the tile: the directions forward + u · right + v · up with one of u and v
-    // fixed; or, where these are all forward, forward and the edge of the film.
-    const bool parallel = camera.is_orthographic();
-    const Vec3 &across = parallel ? film_right : right, &upwards = parallel ? film_up : up;
-    set(0, apex, hand * cross(upwards, forward + u(tile.x0) * right));
-    set(1, apex, hand * cross(forward + u(tile.x1) * right, upwards));
-    set(2, apex, hand * cross(forward + v(tile.y1) * up, across));
-    set(3, apex, hand * cross(across, forward + v(tile.y0) * up));
+    set(0, apex, rays.right_of(tile.x0));
+    set(1, apex, -rays.right_of(tile.x1));
+    set(2, apex, -rays.below(tile.y1));
+    set(3, apex, rays.below(tile.y0));
     // The directions at no more than an angle below 90° from an axis are convex: what holds the corners'
     // rays, holds all between them.
+    const double us[] = {rays.pixels().u(tile.x0, 0), rays.pixels().u(tile.x1, 0)},
+                 vs[] = {rays.pixels().v(tile.y0, 0), rays.pixels().v(tile.y1, 0)};
     const Vec3 middle =
-        camera.direction(0.5 * (u(tile.x0) + u(tile.x1)) * right, 0.5 * (v(tile.y0) + v(tile.y1)) * up);
-    double least = hand != 0 && !parallel ? 1 : 0;
-    for (const int x : {tile.x0, tile.x1})
-      for (const int y : {tile.y0, tile.y1})
-        least = std::min(least, dot(middle, camera.direction(u(x) * right, v(y) * up)));
+        camera.direction(0.5 * (us[0] + us[1]) * camera.right, 0.5 * (vs[0] + vs[1]) * camera.up);
+    double least_square = rays.hand() != 0 && !camera.is_orthographic() ? 1 : 0;  // of a cosine
+    for (const double u : us)
+      for (const double v : vs) {
+        const Vec3 corner = camera.forward + u * camera.right + v * camera.up;
+        const double along = std::max(0.0, dot(middle, corner));
+        least_square = std::min(least_square, along * along / dot(corner, corner));
+      }
+    const double least = std::sqrt(least_square);
     const bool sure = least > 0.5;
     set(4, apex, least > 0.1 ? middle : Vec3{0});
     cosine = sure ? static_cast<float>(least) : 0;
     sine = sure ? static_cast<float>(std::sqrt(1 - least * least)) : 1;
-    if (!rays.is_pinhole())
-      start_on_film(rays, camera(u(tile.x0), v(tile.y0)).origin, camera(u(tile.x1), v(tile.y1)).origin);
+    if (!rays.is_pinhole()) start_on_film(rays, camera(us[0], vs[0]).origin, camera(us[1], vs[1]).origin);
   }
 
  private:
   void set(int i, const Point& apex, const Vec3& inwards) {
-    const double size = length(inwards);  // whose squares, within these bounds, neither overflow nor vanish
-    side[i] = {apex, 0x1p-500 < size && size < 0x1p500 ? inwards / size : Vec3{0}};
+    side[i] = {apex, inwards};
     for (int k = 0; k < 3; ++k) normal[i][k] = static_cast<float>(side[i].normal[k]);
   }
 
