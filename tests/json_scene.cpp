@@ -609,7 +609,7 @@ TEST_CASE("a mistake in a surface that holds others is named with its place") {
   says(csg("\"union\"", "[" + ball + R"(,{"type":"plane","normal":[0,1,0],"distance":0}])"),
        R"(/surfaces/1/type: "plane" is not the type of a closed solid)");
   says(csg("\"union\"", R"([{"type":"instance","surface":{"type":"plane","normal":[0,1,0],"distance":0}}])"),
-       R"(/surfaces/0/type: "instance" is not the type of a closed solid)");
+       R"(/surfaces/0/surface/type: "plane" is not the type of a closed solid)");
   says(csg("\"union\"", R"([{"type":"sphere","position":[0,0,0],"radius":0}])"),
        "/surfaces/0/radius: 0 is not a number greater than 0");
   says(R"({"type":"csg","surfaces":[]})",
@@ -957,7 +957,7 @@ TEST_CASE("a mesh in a scene file may be cut with other solids if it is closed")
              ContainsSubstring("/objects/0/surface/surfaces/0/file: \"a.obj\" is not the file of a closed "
                                "mesh, whose triangles share each edge"));
   CHECK_THAT(error(R"({"type": "instance", "surface": )" + mesh + "}"),
-             ContainsSubstring("/surfaces/0/type: \"instance\" is not the type of a closed solid"));
+             ContainsSubstring("/surfaces/0/surface/file: \"a.obj\" is not the file of a closed mesh"));
 }
 #endif
 

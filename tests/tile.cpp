@@ -78,8 +78,13 @@ Sphere beside(const Ray& ray, double t, double radius, Random& random) {
 }
 
 struct Counts {
-  int met = 0, kept = 0, all = 0, dropped_though_met = 0, nearer_than_nearest = 0;
+  int met = 0, kept = 0, all = 0, dropped_though_met = 0, nearer_than_nearest = 0, ruled_out = 0;
 };
+
+/// Whether the first ray of a packet may meet a candidate up to t, as float tells it.
+bool may_be_met(const Candidates& candidates, int i, const simd::Vectors& directions, double t) {
+  return (bits(candidates.may_be_met(i, simd::FloatDirections(directions), simd::Doubles(t))) & 1) != 0;
+}
 
 /// Looks whether a tile keeps the spheres that the rays of its pixels meet, and its parts and their blocks
 /// likewise.
@@ -126,6 +131,9 @@ void look(const Camera& camera, int width, int height, const std::function<Spher
       ++counts.dropped_though_met;
     else if (!(in_block.nearest(static_cast<int>(found - places.begin())) <= *t))
       ++counts.nearer_than_nearest;
+    else if (rays.is_pinhole() &&
+             !may_be_met(in_block, static_cast<int>(found - places.begin()), rays.directions(x, y), *t))
+      ++counts.ruled_out;
   }
 }
 
@@ -229,6 +237,29 @@ TEST_CASE("a tile keeps every sphere that the ray through one of its pixels meet
   CHECK(counts.met > 3000);
   CHECK(counts.dropped_though_met == 0);
   CHECK(counts.nearer_than_nearest == 0);
+  CHECK(counts.ruled_out == 0);
+}
+
+TEST_CASE("a packet's ray rules out what it passes, what is behind it, and what is farther than it may go") {
+  const PixelRays rays(Camera{}, PixelGrid(1, 1), 1, 1);  // whose ray leads along z
+  struct Row {
+    Sphere sphere;
+    double until;
+    bool may_be_met;
+  };
+  const auto row = GENERATE(values<Row>({
+      {{.center = {0, 0, 5}, .radius = 1}, infinity, true},
+      {{.center = {1.0001, 0, 5}, .radius = 1}, infinity, false},
+      {{.center = {0, -0.9999, 5}, .radius = 1}, infinity, true},
+      {{.center = {0, 0, 5}, .radius = 1}, 4.0001, true},
+      {{.center = {0, 0, 5}, .radius = 1}, 3.9999, false},
+      {{.center = {0, 0, -5}, .radius = 1}, infinity, false},
+      {{.center = {0, 0, -5}, .radius = 6}, infinity, true},
+      {{.center = {0, 0x1p99, 0}, .radius = 0x1p98}, infinity, true},  // whose squares overflow
+  }));
+  CAPTURE(row.sphere.center, row.sphere.radius, row.until);
+  const Candidates candidates = candidates_of({row.sphere}, rays.viewpoint());
+  CHECK(may_be_met(candidates, 0, rays.directions(0, 0), row.until) == row.may_be_met);
 }
 
 // The rays of the two columns beside the middle are almost opposite to each other then, and the plane between

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cerrno>
+#include <cstddef>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -35,6 +37,7 @@ class OutputFile {
     if (fs::exists(status)) {
       if (!fs::is_regular_file(status) || is_standard_stream()) {
         open(target_, "ab");
+        use_buffer();
         return;
       }
       open(target_, "r+b");  // who may not write to the old file may not replace it either
@@ -43,6 +46,7 @@ class OutputFile {
       if (error) fail(error.value());
     }
     open_temporary();
+    use_buffer();
     if (fs::exists(status))
       fs::permissions(temporary_, status.permissions(), error);  // as far as the system has any
   }
@@ -83,6 +87,10 @@ class OutputFile {
     if (!file_) fail(errno);
   }
 
+  /// Writes as much at a time as is soon written: parts of 64 KiB take less than half the time of 4 KiB, which
+  /// C's own buffer mostly has.
+  void use_buffer() { std::setvbuf(file_, buffer_.get(), _IOFBF, buffer_size); }
+
   /// A file that did not exist before, beside the target.
   void open_temporary() {
     for (int attempt = 0; !file_; ++attempt) {
@@ -105,6 +113,8 @@ class OutputFile {
   std::string name_;
   std::filesystem::path target_;
   std::filesystem::path temporary_;  // empty: there is none
+  static constexpr std::size_t buffer_size = 65536;
+  std::unique_ptr<char[]> buffer_ = std::make_unique_for_overwrite<char[]>(buffer_size);
   std::FILE* file_ = nullptr;
 };
 

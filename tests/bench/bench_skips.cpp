@@ -24,10 +24,11 @@ struct Way {
 const Way ways[] = {
     {"all skips"},
     {"no empty_tiles", {.empty_tiles = false}},
+    {"no passed_surfaces", {.passed_surfaces = false}},
     {"no farther_surfaces", {.farther_surfaces = false}},
     {"no last_occluder", {.last_occluder = false}},
     {"no occluder_lists", {.occluder_lists = false}},
-    {"no skips", {false, false, false, false}},
+    {"no skips", {false, false, false, false, false}},
     {"tiles = false", {}, false},
 };
 
@@ -66,6 +67,7 @@ void skips(const bench::Options& options) {
   const int width = options.quick ? 64 : 640, side = options.quick ? 48 : 512;
   pictures(table, options, "3 ", 3, width, width / 4 * 3);
   pictures(table, options, "1000 ", 1000, side, side);
+  pictures(table, options, "100000 ", 100'000, side, side);
 }
 
 }  // namespace

@@ -19,6 +19,9 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace simd {
 
+/// The numbers of surfaces among those of their type, a lane for each.
+using Numbers = Lanes<std::uint32_t, double_lanes>;
+
 /// Where to look for what a ray may meet among surfaces of one type. Those without bounds: everywhere.
 template <Surface T>
 class Finder {
@@ -45,9 +48,14 @@ class Finder {
     for (std::uint32_t i = 0; i < count_; ++i) visit(i);
   }
 
-  /// Calls visit(i, SphereAround) for each surface that has bounds and may reach into all of some
-  /// half-spaces.
-  void each_in(std::span<const HalfSpace>, const auto&) const {}
+  /// Calls visit(Numbers, Bits, SpheresAround) for some lanes at a time, so that each surface that has bounds
+  /// and may reach into all of some half-spaces is in one of the lanes that the bits tell.
+  void some_in(std::span<const HalfSpace>, const auto&) const {}
+
+  /// Calls visit(i) for each surface without bounds, in order.
+  void each_unbounded(const auto& visit) const {
+    for (std::uint32_t i = 0; i < count_; ++i) visit(i);
+  }
 
  private:
   std::uint32_t count_;
@@ -92,11 +100,15 @@ class Finder<T> {
                                   });
   }
 
-  void each_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {
+  void some_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {
     bvh_.each_leaf_in(in_box_space(half_spaces, bvh_), [&](Leaf leaf) {
       const std::uint32_t i = bvh_.order()[leaf.first];
-      visit(i, sphere_around((*surfaces_)[i]));
+      visit(Numbers(i), Bits{1}, SpheresAround(sphere_around((*surfaces_)[i])));
     });
+  }
+
+  void each_unbounded(const auto& visit) const {
+    for (const std::uint32_t i : bvh_.unbounded()) visit(i);
   }
 
  private:
@@ -173,15 +185,22 @@ class Finder<Sphere> {
     if (waiting_near < infinite) visit(bvh_.order()[waiting]);
   }
 
-  void each_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {
+  void some_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {
     const auto sides = in_box_space(half_spaces, bvh_);
-    bvh_.each_leaf_in(sides, [&](Leaf leaf) {
-      for (std::uint32_t i = 0; i < leaf.count; i += float_lanes)
-        for (Bits within = leaves_.within(leaf, i, sides); within != 0; within &= within - 1) {
-          const std::uint32_t k = i + static_cast<std::uint32_t>(std::countr_zero(within));
-          visit(bvh_.order()[leaf.first + k], leaves_.around(leaf, k, bvh_.space()));
-        }
-    });
+    const auto visit_leaf = [&](Leaf leaf) {
+      Bits within = 0;
+      for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
+        if (i % float_lanes == 0) within = leaves_.within(leaf, i, sides);
+        if (const Bits some = within & first_bits(double_lanes); some != 0)
+          visit(numbers(leaf.first + i), some, leaves_.around(leaf, i, bvh_.space()));
+        within >>= double_lanes;
+      }
+    };
+    bvh_.each_leaf_in(sides, visit_leaf, soon());
+  }
+
+  void each_unbounded(const auto& visit) const {
+    for (const std::uint32_t i : bvh_.unbounded()) visit(i);
   }
 
  private:
@@ -192,6 +211,14 @@ class Finder<Sphere> {
     void operator()(Leaf leaf) const { leaves.fetch(leaf); }
   };
   [[nodiscard]] Fetch soon() const { return {leaves_}; }
+
+  /// Those in the tree's order from a place on.
+  [[nodiscard]] Numbers numbers(std::size_t from) const {
+    const auto& order = bvh_.order();
+    if (from + double_lanes <= order.size()) return Numbers::load(&order[from]);
+    return Numbers::of_each(
+        [&](int lane) { return order[std::min(from + static_cast<std::size_t>(lane), order.size() - 1)]; });
+  }
 
   bool each_of_few(const Ray& ray, const Interval& range, const auto& visit) const {
     for (Bits met = few_.met(ray, range); met != 0; met &= met - 1)
@@ -251,11 +278,18 @@ class Accelerated<Scene<S...>> {
 
   [[nodiscard]] const Scene<S...>& scene() const { return *scene_; }
 
-  /// Calls visit(i, SphereAround) for each surface of one type that has bounds and may reach into all of some
-  /// half-spaces, in any order.
+  /// Calls visit(Numbers, Bits, SpheresAround) for some surfaces of one type at a time, so that each that has
+  /// bounds and may reach into all of some half-spaces is in one of the lanes that the bits tell; in any
+  /// order.
   template <class T>
-  void each_in(std::span<const simd::HalfSpace> half_spaces, const auto& visit) const {
-    finder<T>().each_in(half_spaces, visit);
+  void some_in(std::span<const simd::HalfSpace> half_spaces, const auto& visit) const {
+    finder<T>().some_in(half_spaces, visit);
+  }
+
+  /// Calls visit(i) for each surface of one type that has no bounds, in order.
+  template <class T>
+  void each_unbounded(const auto& visit) const {
+    finder<T>().each_unbounded(visit);
   }
 
  private:

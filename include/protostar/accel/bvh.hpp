@@ -195,8 +195,11 @@ class Bvh {
     }
   }
 
-  /// Calls visit(leaf) for every leaf whose box may reach into all of some half-spaces.
-  void each_leaf_in(std::span<const BoxHalfSpace> half_spaces, const auto& visit) const {
+  /// Calls visit(leaf) for every leaf whose box may reach into all of some half-spaces. Before that,
+  /// soon(leaf) is called for it.
+  template <class Soon = Ignore>
+  void each_leaf_in(std::span<const BoxHalfSpace> half_spaces, const auto& visit,
+                    const Soon& soon = {}) const {
     if (tree_.order.empty()) return;
     Child stack[most_levels * node_width];
     int top = 0;
@@ -208,8 +211,14 @@ class Bvh {
         continue;
       }
       const Node& node = tree_.nodes[next.node()];
-      for (Bits within = children_in(node, half_spaces); within != 0; within &= within - 1)
-        stack[top++] = node.child[std::countr_zero(within)];
+      for (Bits within = children_in(node, half_spaces); within != 0; within &= within - 1) {
+        const Child child = node.child[std::countr_zero(within)];
+        if (child.is_leaf())
+          soon(child.leaf());
+        else
+          prefetch(&tree_.nodes[child.node()]);
+        stack[top++] = child;
+      }
     }
   }
 

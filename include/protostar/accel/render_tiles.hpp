@@ -94,15 +94,16 @@ class TileRenderer {
   static constexpr bool nearest_first = ShadingIntegrator<I, View> || !by_packets;
 
   /// A tile is filled in parts of this size, and these in parts of the next while they have more candidates
-  /// than are sooner tried than looked at again; the last parts are filled anyway.
+  /// than are sooner tried than looked at again. In the last parts each row of such many has a list of its
+  /// own.
   struct Division {
     int width, height, most;
   };
-  static constexpr Division divisions[] = {{16, 16, 3}, {8, 8, 16}, {8, 1, 0}};
+  static constexpr Division divisions[] = {{16, 16, 3}, {8, 8, 16}};
 
   /// What a tile's parts use one after the other.
   struct Work {
-    Candidates lists[std::size(divisions)];
+    Candidates lists[std::size(divisions)], of_row;
     Occluders occluders;
     typename View::Drawn drawn;
     RenderStatistics taken;
@@ -114,23 +115,23 @@ class TileRenderer {
   /// Adds what may be a candidate of any tile, and what has no bounds.
   template <Surface T>
   void add_group(int& place) {
-    for (const T& surface : scene_.scene().template surfaces<T>()) {
-      if (!has_bounds(surface))
-        unbounded_.push_back(place);
-      else if (!is_large())
-        candidates_.add(place, rays_.viewpoint(), sphere_around(surface));
-      ++place;
-    }
+    const auto& surfaces = scene_.scene().template surfaces<T>();
+    scene_.template each_unbounded<T>(
+        [&](std::uint32_t i) { unbounded_.push_back(place + static_cast<int>(i)); });
+    if (!is_large())
+      for (std::size_t i = 0; i < surfaces.size(); ++i)
+        if (has_bounds(surfaces[i]))
+          candidates_.add(place + static_cast<int>(i), rays_.viewpoint(), sphere_around(surfaces[i]));
+    place += static_cast<int>(surfaces.size());
   }
 
   /// Adds what the tree has for a frustum; first is the place of the type's first surface.
   template <Surface T>
   void add_found(const Frustum& frustum, int& first, Candidates& found) const {
-    const T* const surfaces = scene_.scene().template surfaces<T>().data();
-    scene_.template each_in<T>(frustum.side, [&](std::uint32_t i, const SphereAround& around) {
-      prefetch(surfaces + i);
-      found.add(first + static_cast<int>(i), rays_.viewpoint(), around);
-    });
+    scene_.template some_in<T>(
+        frustum.side, [&](const Numbers& numbers, Bits some, const SpheresAround& around) {
+          found.add(numbers + Numbers(static_cast<std::uint32_t>(first)), some, rays_.viewpoint(), around);
+        });
     first += static_cast<int>(scene_.scene().template surfaces<T>().size());
   }
 
@@ -193,10 +194,9 @@ class TileRenderer {
       const Color color = rays_.pixels().mean([&](int) {
         return Color{colors.r[0], colors.g[0], colors.b[0]};
       });
-      for (int y = tile.y0; y < tile.y1; ++y) {
-        Color* const row = &image_(tile.x0, y);
-        std::fill(row, row + tile.width(), color);
-      }
+      const auto row = [&](int y) { return &image_(tile.x0, y); };
+      std::fill_n(row(tile.y0), tile.width(), color);
+      for (int y = tile.y0 + 1; y < tile.y1; ++y) std::copy_n(row(tile.y0), tile.width(), row(y));
     }
   }
 
@@ -221,21 +221,32 @@ class TileRenderer {
     work.taken.camera_rays += static_cast<std::uint64_t>(tile.width()) *
                               static_cast<std::uint64_t>(tile.height()) *
                               static_cast<std::uint64_t>(pixels.samples());
-    View view(scene_, candidates, unbounded_, skips_, work.occluders, work.drawn, work.taken);
+    const bool by_rows = candidates.size() > divisions[std::size(divisions) - 1].most;
+    View view(scene_, by_rows ? work.of_row : candidates, unbounded_, skips_, work.occluders, work.drawn,
+              work.taken);
+    if (is_large()) view.fetch(candidates);
+    const auto begin_packet = [&](int x, int y) {
+      if (!by_rows || x != tile.x0) return;
+      work.of_row.clear();
+      work.of_row.add(candidates, Frustum(rays_, {tile.x0, y, tile.x1, y + 1}));
+    };
     if constexpr (!by_packets) {
       for (int y = tile.y0; y < tile.y1; ++y)
-        for (int x = tile.x0; x < tile.x1; ++x)
+        for (int x = tile.x0; x < tile.x1; ++x) {
+          begin_packet(x, y);
           image_(x, y) = pixels.mean([&](int i) {
             const Ray ray = pixels.ray(rays_.camera(), x, y, i);
             view.set_pixel(ray);
             return protostar::detail::radiance_of(integrator_, ray, view);
           });
+        }
     } else if (pixels.samples() > 1) {
       each_packet(tile, [&](std::size_t, int x, int y) {
+        begin_packet(x, y);
         write(tile, x, y, mean_radiance<Origin>(tile, x, y, view));
       });
     } else {
-      fill_in_steps<Origin>(tile, view);
+      fill_in_steps<Origin>(tile, view, begin_packet);
     }
   }
 
@@ -249,7 +260,7 @@ class TileRenderer {
   /// Takes all packets of a tile through one step after the other: directions, what is met first, colors.
   /// Each step waits for a square root and a quotient, and so many packets wait at once.
   template <class Origin>
-  void fill_in_steps(const Tile& tile, const View& view) const {
+  void fill_in_steps(const Tile& tile, const View& view, const auto& begin_packet) const {
     constexpr std::size_t most_packets = 16 * ((16 + double_lanes - 1) / double_lanes);
     static_assert(divisions[0].width == 16 && divisions[0].height == 16);
     std::array<Vectors, most_packets> directions;
@@ -260,14 +271,17 @@ class TileRenderer {
     if constexpr (ShadingIntegrator<I, View>) {
       std::array<typename View::Closest, most_packets> closest;
       each_packet(tile, [&](std::size_t i, int x, int y) {
+        begin_packet(x, y);
         view.set_first_pixel(x, y);
         closest[i] = view.closest(rays(i, x, y));
+        if (is_large()) view.fetch(closest[i]);
       });
       each_packet(tile, [&](std::size_t i, int x, int y) {
         write(tile, x, y, shaded(rays(i, x, y), closest[i], view));
       });
     } else {
       each_packet(tile, [&](std::size_t i, int x, int y) {
+        begin_packet(x, y);
         view.set_first_pixel(x, y);
         write(tile, x, y, integrator_.radiance(rays(i, x, y), view));
       });
@@ -298,8 +312,10 @@ class TileRenderer {
   }
 
   void write(const Tile& tile, int x, int y, const Colors& colors) const {
-    const int count = std::min(double_lanes, tile.x1 - x);
-    for (int i = 0; i < count; ++i) image_(x + i, y) = {colors.r[i], colors.g[i], colors.b[i]};
+    static_assert(sizeof(Color) == 3 * sizeof(float));
+    Color* const pixels = &image_(x, y);
+    if (x + double_lanes <= tile.x1) return store_in_turn(pixels, colors.r, colors.g, colors.b);
+    for (int i = 0; x + i < tile.x1; ++i) pixels[i] = {colors.r[i], colors.g[i], colors.b[i]};
   }
 
   Image& image_;

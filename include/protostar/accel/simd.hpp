@@ -424,6 +424,43 @@ inline void prefetch([[maybe_unused]] const void* address) {
 #endif
 }
 
+/// The same of an object, in all its lines of the cache.
+template <class T>
+void prefetch_whole(const T& object) {
+  const auto* const bytes = reinterpret_cast<const char*>(&object);
+  for (std::size_t i = 0; i < sizeof(T); i += 64) prefetch(bytes + i);
+  prefetch(bytes + sizeof(T) - 1);
+}
+
+/// Stores the numbers of three vectors in turn: a[0], b[0], c[0], a[1], …
+template <int N>
+void store_in_turn(void* to, Lanes<float, N> a, Lanes<float, N> b, Lanes<float, N> c) {
+#if defined(PROTOSTAR_VECTORS) && defined(__has_builtin)
+#if __has_builtin(__builtin_shufflevector)
+  if constexpr (N >= 4) {
+    // The k-th number to store is the (k / 3)-th of the (k % 3)-th vector.
+    const auto store = [&]<int from, int... i>(std::integral_constant<int, from>,
+                                               std::integer_sequence<int, i...>) {
+      const auto of_two =
+          __builtin_shufflevector(a.v, b.v, ((from + i) / 3 + ((from + i) % 3 == 1 ? N : 0))...);
+      const auto of_all =
+          __builtin_shufflevector(of_two, c.v, ((from + i) % 3 == 2 ? N + (from + i) / 3 : i)...);
+      std::memcpy(static_cast<float*>(to) + from, &of_all, sizeof(of_all));
+    };
+    constexpr std::make_integer_sequence<int, N> lanes;
+    store(std::integral_constant<int, 0>(), lanes);
+    store(std::integral_constant<int, N>(), lanes);
+    store(std::integral_constant<int, 2 * N>(), lanes);
+    return;
+  }
+#endif
+#endif
+  for (int i = 0; i < N; ++i) {
+    const float numbers[] = {a[i], b[i], c[i]};
+    std::memcpy(static_cast<float*>(to) + 3 * i, numbers, sizeof(numbers));
+  }
+}
+
 /// Appends the numbers of the lanes in a set, in order, to those at an address; whatever stood in the N
 /// places from there on may change. Returns how many they are.
 template <class T, int N>
@@ -431,6 +468,13 @@ int store_chosen(T* to, Bits lanes, Lanes<T, N> a) {
 #if defined(PROTOSTAR_VECTORS) && defined(__AVX512F__)
   if constexpr (sizeof(a.v) == 64 && sizeof(T) == 4) {
     _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(static_cast<__mmask16>(lanes), (__m512i)a.v));
+    return std::popcount(lanes);
+  }
+#endif
+#if defined(PROTOSTAR_VECTORS) && defined(__AVX512VL__)
+  if constexpr (sizeof(a.v) == 32 && sizeof(T) == 4) {
+    _mm256_storeu_si256((__m256i*)to,
+                        _mm256_maskz_compress_epi32(static_cast<__mmask8>(lanes), (__m256i)a.v));
     return std::popcount(lanes);
   }
 #endif

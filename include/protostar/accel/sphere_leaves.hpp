@@ -38,6 +38,17 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
+/// Spheres that contain surfaces, a lane for each.
+struct SpheresAround {
+  Vectors center;
+  Doubles radius;
+
+  SpheresAround(const Vectors& centers, const Doubles& radii) : center(centers), radius(radii) {}
+  SpheresAround(const SphereAround& one) : center(one.center), radius(one.radius) {}
+
+  [[nodiscard]] SphereAround operator[](int lane) const { return {center[lane], radius[lane]}; }
+};
+
 class SphereLeaves {
  public:
   using Floats = Lanes<float, float_lanes>;
@@ -117,15 +128,16 @@ class SphereLeaves {
     return bits(within) & first_bits(static_cast<int>(leaf.count - i));
   }
 
-  /// A sphere that surely contains the i-th of a leaf. A float is off by a part 2^-24 or by 2^-150, and the
-  /// center in the world by two roundings of double.
-  [[nodiscard]] SphereAround around(Leaf leaf, std::uint32_t i, const BoxSpace& space) const {
+  /// Spheres that surely contain those of a leaf from the i-th on. A float is off by a part 2^-24 or by
+  /// 2^-150, and the center in the world by two roundings of double.
+  [[nodiscard]] SpheresAround around(Leaf leaf, std::uint32_t i, const BoxSpace& space) const {
     const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
-    const Vec3 c{row[0], row[leaf.count], row[2 * leaf.count]};
-    const double r = row[3 * leaf.count], size = std::abs(c.x) + std::abs(c.y) + std::abs(c.z);
+    const auto load = [&](std::uint32_t k) { return to_double(simd::Floats::load(row + k * leaf.count)); };
+    const Vectors c{load(0), load(1), load(2)};
     const double unit = 1 / space.scale;  // exact: a power of two
-    const Point center = space.center + c * unit;
-    const double rounding = 0x1p-50 * (std::abs(center.x) + std::abs(center.y) + std::abs(center.z));
+    const Doubles r = load(3), size = abs(c.x) + abs(c.y) + abs(c.z);
+    const Vectors center = Vectors(space.center) + c * Doubles(unit);
+    const Doubles rounding = 0x1p-50 * (abs(center.x) + abs(center.y) + abs(center.z));
     return {center, (r + 0x1p-23 * (r + size) + 0x1p-140) * unit + rounding};
   }
 

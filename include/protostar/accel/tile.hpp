@@ -18,7 +18,7 @@
 #include "bvh.hpp"
 #include "packet.hpp"
 #include "simd.hpp"
-#include "sphere_around.hpp"
+#include "sphere_leaves.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -47,6 +47,8 @@ class PixelRays {
         hand_(hand_of(camera)),
         viewpoint_(is_pinhole_ ? Viewpoint{.apex = camera.position} : viewpoint_of_film()) {
     for (int i = 0; i < pixels.samples(); ++i) samples_.push_back(tables(pixels.sample(i), width, height));
+    for (int x = 0; x <= width; x += edge_step) right_of_.push_back(computed_right_of(x));
+    for (int y = 0; y <= height; y += edge_step) below_.push_back(computed_below(y));
   }
 
   /// The directions of the rays through the i-th samples of the pixels from (x, y) on to the right.
@@ -69,6 +71,16 @@ class PixelRays {
     return packet<Origin>(tile, x, y, directions(x, y, i), i);
   }
 
+  /// The planes that hold the rays between pixels, those before column x and those above row y: unit normals
+  /// to the right and downwards. They pass through the camera's apex; those of parallel rays have none. One
+  /// that is not sure is 0.
+  [[nodiscard]] Vec3 right_of(int x) const {
+    return x % edge_step == 0 ? right_of_[static_cast<std::size_t>(x / edge_step)] : computed_right_of(x);
+  }
+  [[nodiscard]] Vec3 below(int y) const {
+    return y % edge_step == 0 ? below_[static_cast<std::size_t>(y / edge_step)] : computed_below(y);
+  }
+
   [[nodiscard]] const Camera& camera() const { return camera_; }
   [[nodiscard]] const PixelGrid& pixels() const { return pixels_; }
   [[nodiscard]] bool is_pinhole() const { return is_pinhole_; }
@@ -84,6 +96,23 @@ class PixelRays {
   [[nodiscard]] double hand() const { return hand_; }
 
  private:
+  static constexpr int edge_step = 8;  ///< tiles mostly begin and end at multiples of this
+
+  /// Edges of tiles hold the directions forward + u · right + v · up with one of u and v fixed; or, where
+  /// these are all forward, forward and the edge of the film.
+  [[nodiscard]] Vec3 computed_right_of(int x) const {
+    const Vec3& upwards = camera_.is_orthographic() ? camera_.film_up : camera_.up;
+    return unit(hand_ * cross(upwards, camera_.forward + pixels_.u(x, 0) * camera_.right));
+  }
+  [[nodiscard]] Vec3 computed_below(int y) const {
+    const Vec3& across = camera_.is_orthographic() ? camera_.film_right : camera_.right;
+    return unit(hand_ * cross(across, camera_.forward + pixels_.v(y, 0) * camera_.up));
+  }
+  static Vec3 unit(const Vec3& v) {
+    const double size = length(v);  // whose squares, within these bounds, neither overflow nor vanish
+    return 0x1p-500 < size && size < 0x1p500 ? v / size : Vec3{0};
+  }
+
   /// Vectors in rows of their components.
   class Table {
    public:
@@ -187,6 +216,7 @@ class PixelRays {
   double hand_;
   Viewpoint viewpoint_;
   std::vector<Tables> samples_;
+  std::vector<Vec3> right_of_, below_;  ///< of each edge_step-th column and row
 };
 
 /// What holds the rays of a tile: four planes, one for each side, as unit normals to the inside, and a cone
@@ -201,39 +231,35 @@ struct Frustum {
 
   Frustum(const PixelRays& rays, const Tile& tile) {
     const Camera& camera = rays.camera();
-    const auto& [position, right, up, forward, film_right, film_up] = camera;
     const Point& apex = rays.viewpoint().apex;
-    const double hand = rays.hand();
-    const auto u = [&](int x) { return rays.pixels().u(x, 0); };
-    const auto v = [&](int y) { return rays.pixels().v(y, 0); };
-    // A side holds one edge of the tile: the directions forward + u · right + v · up with one of u and v
-    // fixed; or, where these are all forward, forward and the edge of the film.
-    const bool parallel = camera.is_orthographic();
-    const Vec3 &across = parallel ? film_right : right, &upwards = parallel ? film_up : up;
-    set(0, apex, hand * cross(upwards, forward + u(tile.x0) * right));
-    set(1, apex, hand * cross(forward + u(tile.x1) * right, upwards));
-    set(2, apex, hand * cross(forward + v(tile.y1) * up, across));
-    set(3, apex, hand * cross(across, forward + v(tile.y0) * up));
+    set(0, apex, rays.right_of(tile.x0));
+    set(1, apex, -rays.right_of(tile.x1));
+    set(2, apex, -rays.below(tile.y1));
+    set(3, apex, rays.below(tile.y0));
     // The directions at no more than an angle below 90° from an axis are convex: what holds the corners'
     // rays, holds all between them.
+    const double us[] = {rays.pixels().u(tile.x0, 0), rays.pixels().u(tile.x1, 0)},
+                 vs[] = {rays.pixels().v(tile.y0, 0), rays.pixels().v(tile.y1, 0)};
     const Vec3 middle =
-        camera.direction(0.5 * (u(tile.x0) + u(tile.x1)) * right, 0.5 * (v(tile.y0) + v(tile.y1)) * up);
-    double least = hand != 0 && !parallel ? 1 : 0;
-    for (const int x : {tile.x0, tile.x1})
-      for (const int y : {tile.y0, tile.y1})
-        least = std::min(least, dot(middle, camera.direction(u(x) * right, v(y) * up)));
+        camera.direction(0.5 * (us[0] + us[1]) * camera.right, 0.5 * (vs[0] + vs[1]) * camera.up);
+    double least_square = rays.hand() != 0 && !camera.is_orthographic() ? 1 : 0;  // of a cosine
+    for (const double u : us)
+      for (const double v : vs) {
+        const Vec3 corner = camera.forward + u * camera.right + v * camera.up;
+        const double along = std::max(0.0, dot(middle, corner));
+        least_square = std::min(least_square, along * along / dot(corner, corner));
+      }
+    const double least = std::sqrt(least_square);
     const bool sure = least > 0.5;
     set(4, apex, least > 0.1 ? middle : Vec3{0});
     cosine = sure ? static_cast<float>(least) : 0;
     sine = sure ? static_cast<float>(std::sqrt(1 - least * least)) : 1;
-    if (!rays.is_pinhole())
-      start_on_film(rays, camera(u(tile.x0), v(tile.y0)).origin, camera(u(tile.x1), v(tile.y1)).origin);
+    if (!rays.is_pinhole()) start_on_film(rays, camera(us[0], vs[0]).origin, camera(us[1], vs[1]).origin);
   }
 
  private:
   void set(int i, const Point& apex, const Vec3& inwards) {
-    const double size = length(inwards);  // whose squares, within these bounds, neither overflow nor vanish
-    side[i] = {apex, 0x1p-500 < size && size < 0x1p500 ? inwards / size : Vec3{0}};
+    side[i] = {apex, inwards};
     for (int k = 0; k < 3; ++k) normal[i][k] = static_cast<float>(side[i].normal[k]);
   }
 
@@ -254,13 +280,23 @@ struct Frustum {
   }
 };
 
+/// The unit directions of a pinhole's packet in float, each number rounded once.
+struct FloatDirections {
+  Floats x, y, z;
+
+  FloatDirections() = default;
+  explicit FloatDirections(const Vectors& d) : x(to_float(d.x)), y(to_float(d.y)), z(to_float(d.z)) {}
+};
+
 /// Surfaces that a camera may see, as float spheres, their centers measured from its apex: rows of numbers,
 /// so that several are tested at once.
 class Candidates {
  public:
+  using Places = Lanes<std::uint32_t, double_lanes>;  ///< of surfaces in the scene's order
+
   [[nodiscard]] int size() const { return size_; }
   /// The place of the surface in the scene's order.
-  [[nodiscard]] int place(int i) const { return place_[index(i)]; }
+  [[nodiscard]] int place(int i) const { return static_cast<int>(place_[index(i)]); }
 
   /// A ray of the camera, of unit direction, surely meets the surface for no t below this; once they are
   /// ordered, nor any that follows.
@@ -287,25 +323,28 @@ class Candidates {
   ///
   /// The sphere is met for no t below |l| − r, measured from the apex, of which a ray lacks at most the first
   /// start. Nor is it where t is less than the distance of the sphere from the film.
+  void add(const Places& places, Bits some, const Viewpoint& viewpoint, const SpheresAround& around) {
+    const Vectors l = around.center - Vectors(viewpoint.apex);
+    const Doubles radius = around.radius + viewpoint.drift;
+    const Doubles distance = length(l),
+                  depth = dot(Vectors(viewpoint.ahead), around.center - Vectors(viewpoint.film));
+    const Doubles error = 0x1p-20 * (distance + radius) + 0x1p-140;
+    some &= bits(!(depth < -(radius + error)));
+    make_room(size_ + double_lanes);
+    const Chosen fits = distance + radius + abs(depth) < 0x1p120;
+    const auto store = [&](auto& row, const Doubles& numbers, double otherwise) {
+      store_chosen(row.data() + size_, some, to_float(select(fits, numbers, Doubles(otherwise))));
+    };
+    store(x_, l.x, 0), store(y_, l.y, 0), store(z_, l.z, 0);
+    store(reach_, radius + error, infinity);
+    const Doubles square = distance * distance - radius * radius;
+    const Doubles sure_square = square - 0x1p-49 * (distance * distance + radius * radius);
+    store(horizon_, select(sure_square > 0.0, sqrt(sure_square) - 4 * error, Doubles(-infinity)), -infinity);
+    store(nearest_, max(distance - viewpoint.start, depth) - radius - error, 0);
+    size_ += store_chosen(place_.data() + size_, some, places);
+  }
   void add(int place, const Viewpoint& viewpoint, const SphereAround& around) {
-    const Vec3 l = around.center - viewpoint.apex;
-    const double radius = around.radius + viewpoint.drift;
-    const double distance = length(l), depth = dot(viewpoint.ahead, around.center - viewpoint.film);
-    const double error = 0x1p-20 * (distance + radius) + 0x1p-140;
-    if (depth < -(radius + error)) return;
-    make_room(size_ + 1);
-    const std::size_t i = index(size_++);
-    const bool fits = distance + radius + std::abs(depth) < 0x1p120;
-    x_[i] = fits ? static_cast<float>(l.x) : 0;
-    y_[i] = fits ? static_cast<float>(l.y) : 0;
-    z_[i] = fits ? static_cast<float>(l.z) : 0;
-    reach_[i] = fits ? static_cast<float>(radius + error) : std::numeric_limits<float>::infinity();
-    const double square = distance * distance - radius * radius;
-    const double uncertain = 0x1p-49 * (distance * distance + radius * radius);
-    horizon_[i] = fits && square > uncertain ? static_cast<float>(std::sqrt(square - uncertain) - 4 * error)
-                                             : -std::numeric_limits<float>::infinity();
-    nearest_[i] = fits ? static_cast<float>(std::max(distance - viewpoint.start, depth) - radius - error) : 0;
-    place_[i] = place;
+    add(Places(static_cast<std::uint32_t>(place)), Bits{1}, viewpoint, SpheresAround(around));
   }
 
   /// Adds those of others that a tile may see, in their order.
@@ -334,8 +373,26 @@ class Candidates {
       store_chosen(to(reach_), seen, reach);
       store_chosen(to(horizon_), seen, horizon);
       store_chosen(to(nearest_), seen, Wide::load(at(others.nearest_)));
-      size_ += store_chosen(to(place_), seen, Lanes<std::int32_t, float_lanes>::load(at(others.place_)));
+      size_ += store_chosen(to(place_), seen, Lanes<std::uint32_t, float_lanes>::load(at(others.place_)));
     }
+  }
+
+  /// Which rays of a pinhole may meet the i-th, and at no more than a t each.
+  ///
+  /// b = d·l, where a ray is nearest to the center, is good to 5u|l|, from d, l, three products and two sums;
+  /// so p = l − b d, the way from the center to there, is to 9u|l|, and |p|² to 3u of itself more. A ray that
+  /// meets the sphere has |p| ≤ r there and meets it first at b − r or later. The 16u (|l| + r) that reach
+  /// has more than r cover all of that, and 2^-120 what of the squares underflows. Past t, 2^-22 of it are
+  /// more than the rounding to float; where that underflows, the 2^-140 of reach are.
+  [[nodiscard]] Mask<float, double_lanes> may_be_met(int i, const FloatDirections& d,
+                                                     const Doubles& until) const {
+    const std::size_t at = index(i);
+    const Floats x = x_[at], y = y_[at], z = z_[at];
+    const float reach = reach_[at];
+    const Floats b = d.x * x + d.y * y + d.z * z;
+    const Floats px = x - b * d.x, py = y - b * d.y, pz = z - b * d.z;
+    return px * px + py * py + pz * pz <= Floats(reach * reach + 0x1p-120f) && b >= Floats(-reach) &&
+           b - Floats(reach) <= to_float(until) * Floats(1 + 0x1p-22f);
   }
 
   void clear() { size_ = 0; }
@@ -398,7 +455,7 @@ class Candidates {
 
   int size_ = 0;
   std::vector<float> x_, y_, z_, reach_, horizon_, nearest_;
-  std::vector<std::int32_t> place_;
+  std::vector<std::uint32_t> place_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -70,6 +70,35 @@ struct PartsSeen {
   int operator[](int lane) const { return drawn.part(which[lane]); }
 };
 
+/// Tries in float, where there are many candidates, which of them a packet of a pinhole may meet at all: what
+/// it does not is not even fetched. Other cameras' packets may meet all.
+template <class Origin>
+class Trial {
+ public:
+  /// Borrows the candidates.
+  Trial(const Candidates& candidates, const CameraRays<Origin>& rays, const Skips& skips)
+      : candidates_(candidates),
+        is_useful_(std::same_as<Origin, Point> && candidates.size() > few && skips.passed_surfaces) {
+    if (is_useful_) directions_ = FloatDirections(rays.direction), wanted_ = mask_for<float>(rays.wanted);
+  }
+
+  [[nodiscard]] bool is_useful() const { return is_useful_; }
+
+  /// Whether no ray meets the i-th candidate up to a t each. What has no bounds, i < 0, is not ruled out.
+  [[nodiscard, gnu::always_inline]] bool rules_out(int i, const Doubles& until = infinity) const {
+    return is_useful_ && i >= 0 && !any(wanted_ && candidates_.may_be_met(i, directions_, until));
+  }
+
+ private:
+  /// So many are as soon asked.
+  static constexpr int few = 4;
+
+  const Candidates& candidates_;
+  bool is_useful_;
+  FloatDirections directions_;
+  Mask<float, double_lanes> wanted_;
+};
+
 /// A scene as one tile of a camera sees it. The camera's rays, as packets of CameraRays or as the pixel's
 /// one ray, can meet only the candidates; all others ask the whole scene. It is Traceable, and so is it for
 /// packets: a surface is asked about all rays of a packet at once, and about one by itself where that leaves
@@ -157,19 +186,9 @@ class TileScene {
   /// Of the candidates, for rays of the camera; of all surfaces, for others.
   template <class Origin>
   [[nodiscard]] Closest closest(const CameraRays<Origin>& rays) const {
-    Closest closest{.t = infinity, .place = -1};
-    Chosen in_doubt = false;
-    for (int i = -unbounded(); i < candidates_.size(); ++i) {
-      // Where no ray has any way left to a candidate, it has none to those that follow.
-      if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
-      const int place = place_of(i);
-      count_tests(rays.wanted);
-      visit(place,
-            [&](const auto& surface, const Material&) { consider(surface, place, rays, closest, in_doubt); });
-    }
-    if (any(in_doubt))
-      return decided(rays, in_doubt, closest, [&](const auto& visit_place) { each_candidate(visit_place); });
-    return closest;
+    if constexpr (are_of_pinhole<decltype(rays)>)
+      if (const Trial trial(candidates_, rays, skips_); trial.is_useful()) return closest_after(trial, rays);
+    return closest_of_candidates(rays, [](int, const Doubles&) { return false; });
   }
   template <class Origin>
   [[nodiscard]] Closest closest(const Rays<Origin>& rays) const {
@@ -188,6 +207,17 @@ class TileScene {
         for (int place = 0; place < count; ++place) visit_place(place);
       });
     return closest;
+  }
+
+  /// Says what will be asked soon: these candidates, or what these rays met, of what.
+  void fetch(const Candidates& candidates) const {
+    for (int i = 0; i < candidates.size(); ++i)
+      visit(candidates.place(i), [](const auto& surface, const Material&) { prefetch(&surface); });
+  }
+  void fetch(const Closest& closest) const {
+    for (Bits met = bits(closest.t < infinity); met != 0; met &= met - 1)
+      visit(static_cast<int>(closest.place[std::countr_zero(met)]),
+            [](const auto&, const Material& material) { prefetch_whole(material); });
   }
 
   /// What rays bring: shade_hits(hits) for those that meet one surface first, one surface after the other, so
@@ -247,9 +277,10 @@ class TileScene {
   /// Which rays of the camera meet anything.
   template <class Origin>
   [[nodiscard]] Chosen occluded(const CameraRays<Origin>& rays, Interval range) const {
+    const Trial trial(candidates_, rays, skips_);
     Chosen found = false, left = rays.wanted;
     for (int i = -unbounded(); i < candidates_.size() && any(left); ++i)
-      test(place_of(i), rays, range, found, left);
+      if (!trial.rules_out(i)) test(place_of(i), rays, range, found, left);
     return found;
   }
 
@@ -278,11 +309,14 @@ class TileScene {
   /// not cross it.
   template <class Origin>
   void crossings(const CameraRays<Origin>& rays, Interval range, auto&& visit_crossing) const {
+    const Trial trial(candidates_, rays, skips_);
     // Both lists are in the scene's order, and so is what is visited.
     for (int k = -unbounded(), i = 0; k < 0 || i < candidates_.size();) {
       const bool is_candidate = k == 0 || (i < candidates_.size() && place_of(i) < place_of(k));
+      const int next = is_candidate ? i++ : k++;
+      if (trial.rules_out(next)) continue;
       count_tests(rays.wanted);
-      visit(place_of(is_candidate ? i++ : k++), [&](const auto& surface, const Material& material) {
+      visit(place_of(next), [&](const auto& surface, const Material& material) {
         if (material.texture) return each_textured_crossing(surface, material, rays, range, visit_crossing);
         each_crossing_of(surface, rays, range, [&](Chosen which, Doubles) {
           if (any(which)) visit_crossing(SomeCross{which, material.diffuse});
@@ -424,6 +458,31 @@ class TileScene {
     return result;
   }
 
+  /// What rays of the camera meet first of the candidates that rules_out(i, t) does not say it of.
+  [[nodiscard]] Closest closest_of_candidates(const auto& rays, const auto& rules_out) const {
+    Closest closest{.t = infinity, .place = -1};
+    Chosen in_doubt = false;
+    for (int i = -unbounded(); i < candidates_.size(); ++i) {
+      // Where no ray has any way left to a candidate, it has none to those that follow.
+      if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
+      if (rules_out(i, closest.t)) continue;
+      const int place = place_of(i);
+      count_tests(rays.wanted);
+      visit(place,
+            [&](const auto& surface, const Material&) { consider(surface, place, rays, closest, in_doubt); });
+    }
+    if (any(in_doubt))
+      return decided(rays, in_doubt, closest, [&](const auto& visit_place) { each_candidate(visit_place); });
+    return closest;
+  }
+  [[nodiscard, gnu::noinline]] Closest closest_after(const Trial<Point>& trial,
+                                                     const CameraRays<Point>& rays) const {
+    const bool leaves_out_farther = skips_.farther_surfaces;
+    return closest_of_candidates(rays, [&](int i, const Doubles& t) {
+      return trial.rules_out(i, leaves_out_farther ? t : Doubles(infinity));
+    });
+  }
+
   /// Calls visit(place) for all that rays of the camera may meet.
   void each_candidate(const auto& visit_place) const {
     for (int i = -unbounded(); i < candidates_.size(); ++i) visit_place(place_of(i));
@@ -499,9 +558,13 @@ class TileScene {
   /// Visits the places of what one type has in half-spaces; first is that of the type's first surface.
   template <Surface T>
   void search(const auto& half_spaces, int& first, const auto& visit_place) const {
-    everything_.template each_in<T>(half_spaces, [&](std::uint32_t i, const SphereAround& around) {
-      visit_place(first + static_cast<int>(i), around);
-    });
+    everything_.template some_in<T>(half_spaces,
+                                    [&](const Numbers& numbers, Bits some, const SpheresAround& around) {
+                                      for (; some != 0; some &= some - 1) {
+                                        const int lane = std::countr_zero(some);
+                                        visit_place(first + static_cast<int>(numbers[lane]), around[lane]);
+                                      }
+                                    });
     first += static_cast<int>(scene_.template surfaces<T>().size());
   }
 

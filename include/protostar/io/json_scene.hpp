@@ -482,15 +482,21 @@ inline Csg csg_at(const JsonCursor& at) {
   return at["surfaces"].checked([&] { return Csg(operation, std::move(solids)); });
 }
 
+/// Says what of a surface that is no closed solid makes it so.
+[[noreturn]] inline void refuse_as_solid(const JsonCursor& at) {
+  if (at["type"].is("instance")) refuse_as_solid(at["surface"]);
+  if (at["type"].is("mesh"))
+    at["file"].refuse("the file of a closed mesh, whose triangles share each edge, in opposite directions");
+  at["type"].refuse("the type of a closed solid");
+}
+
 inline Csg solid_at(const JsonCursor& at) {
   if (at.has("type") && at["type"].is("csg")) return csg_at(at);
   AnySurface surface = surface_at(at);
   try {
     return Csg(std::move(surface));  // which looks at all edges of a mesh, so that it is not asked before
   } catch (const std::invalid_argument&) {
-    if (at["type"].is("mesh"))
-      at["file"].refuse("the file of a closed mesh, whose triangles share each edge, in opposite directions");
-    at["type"].refuse("the type of a closed solid");
+    refuse_as_solid(at);
   }
 }
 

@@ -1,0 +1,163 @@
+// What the time of pictures and rays consists of: roots and quotients, and waiting for memory.
+//
+//   bench_limits [--runs N] [--csv FILE] [--quick]
+//
+// A picture of first hits needs a square root and a quotient of double for its direction, and another pair
+// for the t of what is met; these are what a processor does slowly. What is asked again at once finds all
+// that it needs in the cache.
+#include <array>
+#include <functional>
+#include <protostar/accel/tile.hpp>
+#include <protostar/image.hpp>
+#include <protostar/integrators/binary.hpp>
+#include <protostar/integrators/color.hpp>
+#include <protostar/integrators/depth.hpp>
+#include <protostar/render.hpp>
+
+#include "support.hpp"
+#include "workload.hpp"
+
+using namespace protostar;
+using bench::number, bench::Table, bench::Times, bench::Work;
+using simd::Colors, simd::Doubles, simd::double_lanes, simd::Vectors;
+
+namespace {
+
+// ---- Pictures of three spheres
+
+/// Fills a picture packet by packet, in parts as render does, with color(directions), in steps: all
+/// directions of a part, then all colors.
+void fill(Image& image, const Camera& camera, const auto& color) {
+  const simd::PixelRays rays(camera, PixelGrid(image.width(), image.height()), image.width(), image.height());
+  constexpr int side = 16, most = side * ((side + double_lanes - 1) / double_lanes);
+  const Tile all{0, 0, image.width(), image.height()};
+  for (int k = 0; k < all.count(side); ++k) {
+    const Tile part = all.part(k, side);
+    const auto each_packet = [&](const auto& visit) {
+      std::size_t i = 0;
+      for (int y = part.y0; y < part.y1; ++y)
+        for (int x = part.x0; x < part.x1; x += double_lanes) visit(i++, x, y);
+    };
+    std::array<Vectors, most> directions;
+    each_packet([&](std::size_t i, int x, int y) { directions[i] = color.direction(rays, x, y); });
+    each_packet([&](std::size_t i, int x, int y) {
+      const Colors colors = color.of(directions[i]);
+      for (int lane = 0; lane < std::min(double_lanes, part.x1 - x); ++lane)
+        image(x + lane, y) = {colors.r[lane], colors.g[lane], colors.b[lane]};
+    });
+  }
+}
+
+/// Black pixels.
+struct Written {
+  static Vectors direction(const simd::PixelRays&, int, int) { return Vec3{0}; }
+  static Colors of(const Vectors& d) { return Colors(d); }
+};
+
+/// Directions as colors: a root and a quotient for each packet.
+struct Directions {
+  static Vectors direction(const simd::PixelRays& rays, int x, int y) { return rays.directions(x, y); }
+  static Colors of(const Vectors& d) { return Colors(d); }
+};
+
+/// And another root and another quotient, of numbers as they are for a sphere.
+struct Hits : Directions {
+  static Colors of(const Vectors& d) {
+    const Doubles b = dot(d, Vectors(Vec3{0, 0, 3})), c = 8.0, q = b + sqrt(abs(b * b - c));
+    return Colors(to_float(c / q));
+  }
+};
+
+void pictures(const bench::Options& options) {
+  const auto scene = three_spheres();
+  const int width = options.quick ? 64 : 640, height = width / 4 * 3;
+  Image image(width, height);
+  const auto drawn = [&](const auto& integrator) {
+    return [&] { render(image, Camera{}, scene, integrator, RenderOptions{.threads = 1}); };
+  };
+  const std::vector<std::string> names{
+      "pixels written", "a root and a quotient each", "two of both each", "03_scene", "04_depth", "06_color"};
+  const Times times(
+      options, {[&] { fill(image, Camera{}, Written{}); }, [&] { fill(image, Camera{}, Directions{}); },
+                [&] { fill(image, Camera{}, Hits{}); }, drawn(BinaryIntegrator{}), drawn(DepthIntegrator{}),
+                drawn(ColorIntegrator{})});
+  Table table(options, {"picture of three spheres", "ns/pixel", "of 06_color"});
+  for (std::size_t i = 0; i < names.size(); ++i)
+    table.row({names[i], number(1e9 * times.seconds(i) / width / height), number(times.ratio(i, 5))});
+}
+
+// ---- Many spheres
+
+/// A row of works on so many rays: all once, and each part twice in turn. What that takes longer is what the
+/// second time takes, with everything at hand.
+void row(Table& table, const bench::Options& options, const std::string& name, double rays,
+         const std::function<void(int times)>& work) {
+  const Times times(options, {[&] { work(1); }, [&] { work(2); }});
+  std::vector<double> again, share;
+  for (std::size_t run = 0; run < times[0].size(); ++run) {
+    again.push_back(times[1][run] - times[0][run]);
+    share.push_back(times[0][run] / again.back());
+  }
+  const auto ns = [&](double seconds) { return number(1e9 * seconds / rays); };
+  table.row({name, ns(times.seconds(0)), ns(bench::median(again)), number(bench::median(share))});
+}
+
+/// The tiles of a picture.
+void camera_rays(Table& table, const bench::Options& options, const bench::Workload& work,
+                 const auto& traced) {
+  constexpr int tile = 64;
+  const int side = options.quick ? tile : 1024;
+  Image image(tile, tile);
+  row(table, options, std::to_string(work.spheres.size()) + " camera rays, by tiles", 1.0 * side * side,
+      [&](int times) {
+        for (int y = 0; y < side; y += tile)
+          for (int x = 0; x < side; x += tile)
+            for (int i = 0; i < times; ++i)
+              render(image, work.camera, traced, DepthIntegrator{},
+                     RenderOptions{.crop = {x, y, side, side}, .threads = 1});
+      });
+}
+
+/// Rays of any direction, one by one, in parts of 256; from points inside the cube of spheres, and from
+/// beyond it, to where nothing is.
+void single_rays(Table& table, const bench::Options& options, const bench::Workload& work,
+                 const auto& traced) {
+  constexpr std::size_t part = 256;
+  Random random(1);
+  std::vector<Ray> inside(options.quick ? part : 1 << 20), beyond(inside.size());
+  for (std::size_t i = 0; i < inside.size(); ++i) {
+    const Vec3 direction = random.direction();
+    const Point origin = Point(work.corner) + (random.point(0.5) + 0.5) * Vec3(work.size);
+    inside[i] = {origin, direction};
+    beyond[i] = {origin + 5.0 * direction, direction};
+  }
+  const auto ask = [&](const std::string& name, const std::vector<Ray>& rays) {
+    row(table, options, std::to_string(work.spheres.size()) + name, static_cast<double>(rays.size()),
+        [&](int times) {
+          for (std::size_t begin = 0; begin < rays.size(); begin += part)
+            for (int i = 0; i < times; ++i)
+              for (std::size_t k = begin; k < begin + part; ++k)
+                bench::keep(traced.intersect(rays[k], Interval{}));
+        });
+  };
+  ask(" incoherent", inside);
+  ask(" past everything", beyond);
+}
+
+void limits(const bench::Options& options) {
+  pictures(options);
+  Table table(options, {"spheres and rays", "ns/ray", "again ns/ray", "times longer"});
+  const std::vector<std::size_t> counts =
+      options.quick ? std::vector<std::size_t>{100} : std::vector<std::size_t>{1000, 100000, 1000000};
+  for (const std::size_t count : counts) {
+    const bench::Workload work = bench::workload(count);
+    const auto scene = bench::scene_of(work);
+    const auto& traced = bench::traced(scene, options.threads);
+    camera_rays(table, options, work, traced);
+    single_rays(table, options, work, traced);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return bench::run(argc, argv, limits); }
