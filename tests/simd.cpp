@@ -168,6 +168,7 @@ TEST_CASE("doubles become the nearest floats in every lane") {
     for (int lane = 0; lane < simd::double_lanes; ++lane) {
       a.set(lane, x);
       CHECK(same(to_float(a)[lane], to_float(x)));
+      CHECK(same(to_double(to_float(a))[lane], static_cast<double>(to_float(x))));
     }
   }
 }
