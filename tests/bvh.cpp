@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <vector>
 
@@ -242,6 +243,22 @@ TEST_CASE("the tree is the same for any number of threads") {
   one.each_leaf([&](Leaf leaf) { firsts[0].push_back(leaf.first * 32 + leaf.count); });
   several.each_leaf([&](Leaf leaf) { firsts[1].push_back(leaf.first * 32 + leaf.count); });
   CHECK(firsts[0] == firsts[1]);
+  // The boxes, by which leaves rays visit.
+  int differ = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Ray ray{random.point(1), random.direction()};
+    const auto leaves = [&](const Bvh& tree) {
+      std::vector<std::uint32_t> along;
+      tree.each_leaf_along<simd::Order::near_first>(
+          BoxRay(ray, tree.space(), 0), {0, std::numeric_limits<float>::infinity()}, [&](Leaf leaf, auto&) {
+            along.push_back(leaf.first);
+            return false;
+          });
+      return along;
+    };
+    differ += leaves(one) != leaves(several);
+  }
+  CHECK(differ == 0);
 }
 
 TEST_CASE("a ray that float cannot hold says so") {

@@ -87,7 +87,7 @@ class OutputFile {
     if (!file_) fail(errno);
   }
 
-  /// Writes as much at a time as is soon written: parts of 64 KiB take less than half the time of 4 KiB,
+  /// Makes what is written at a time large: parts of 64 KiB take less than half the time of 4 KiB,
   /// which C's own buffer mostly has.
   void use_buffer() { std::setvbuf(file_, buffer_.get(), _IOFBF, buffer_size); }
 

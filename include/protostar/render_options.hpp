@@ -45,10 +45,10 @@ struct Crop {
 /// same bytes with any of them off.
 struct Skips {
   bool empty_tiles = true;       ///< rays through pixels of tiles, or parts of them, that see nothing
-  bool passed_surfaces = true;   ///< tests of camera rays with what float says that they pass
   bool farther_surfaces = true;  ///< tests of camera rays with what is surely behind all that they met
   bool last_occluder = true;     ///< tests with other surfaces, where that which shadowed last does so again
   bool occluder_lists = true;    ///< walks of shadow rays through the tree, where a list serves their packet
+  bool passed_surfaces = true;   ///< tests of camera rays with what float says that they pass
 };
 
 /// How render works. An exception that progress throws ends the render and reaches its caller; after a stop,

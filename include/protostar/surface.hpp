@@ -23,8 +23,9 @@ namespace protostar::inline PROTOSTAR_ABI {
 ///   std::optional<double> intersect(const Ray&, Interval) const
 ///   Vec3 normal_at(Point) const
 ///
-/// the smallest t of a crossing inside an open interval, and the unit normal at a point of the surface. Both
-/// are called from several threads at once. `static_assert(Surface<Mine>)` checks a type of your own.
+/// the smallest t of a crossing inside an open interval, and the unit normal at a point of the surface. They
+/// and all others that a surface may have are called from several threads at once, and answer alike each
+/// time. `static_assert(Surface<Mine>)` checks a type of your own.
 ///
 /// A surface that is made of parts, as a mesh is of triangles, takes the part as well wherever it is asked
 /// about a point or a departure: normal_at(point, part). Its crossings say which it is.

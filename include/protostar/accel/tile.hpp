@@ -247,7 +247,7 @@ struct Frustum {
       for (const double v : vs) {
         const Vec3 corner = camera.forward + u * camera.right + v * camera.up;
         const double along = std::max(0.0, dot(middle, corner));
-        least_square = std::min(least_square, along * along / dot(corner, corner));
+        least_square = std::min(along * along / dot(corner, corner), least_square);  // NaN stays NaN
       }
     const double least = std::sqrt(least_square);
     const bool sure = least > 0.5;

@@ -70,15 +70,15 @@ struct PartsSeen {
   int operator[](int lane) const { return drawn.part(which[lane]); }
 };
 
-/// Tries in float, where there are many candidates, which of them a packet of a pinhole may meet at all: what
-/// it does not is not even fetched. Other cameras' packets may meet all.
+/// Tries in float, where there are many candidates, which of them a packet of a pinhole may meet at all: the
+/// others are not asked in double. Other cameras' packets may meet all.
 template <class Origin>
 class Trial {
  public:
   /// Borrows the candidates.
   Trial(const Candidates& candidates, const CameraRays<Origin>& rays, const Skips& skips)
       : candidates_(candidates),
-        is_useful_(std::same_as<Origin, Point> && candidates.size() > few && skips.passed_surfaces) {
+        is_useful_(std::same_as<Origin, Point> && candidates.size() > untried && skips.passed_surfaces) {
     if (is_useful_) directions_ = FloatDirections(rays.direction), wanted_ = mask_for<float>(rays.wanted);
   }
 
@@ -91,7 +91,7 @@ class Trial {
 
  private:
   /// So many are as soon asked.
-  static constexpr int few = 4;
+  static constexpr int untried = 4;
 
   const Candidates& candidates_;
   bool is_useful_;
@@ -458,7 +458,7 @@ class TileScene {
     return result;
   }
 
-  /// What rays of the camera meet first of the candidates that rules_out(i, t) does not say it of.
+  /// What rays of the camera meet first of the candidates, but for those that rules_out(i, t) leaves out.
   [[nodiscard]] Closest closest_of_candidates(const auto& rays, const auto& rules_out) const {
     Closest closest{.t = infinity, .place = -1};
     Chosen in_doubt = false;

@@ -196,7 +196,8 @@ class TrianglesInTile {
                     heights = dot(terms, abs(w));
       const Chosen known = U > 0x1p-200 && U < 0x1p200 && V > 0x1p-200 && V < 0x1p200 && W < 0x1p200 &&
                            abs(height_of) > 0x1p-18 * heights && heights > 0x1p-800;
-      // Of the sum of the sizes of the terms of n·d, which is at most this times that of d, 2^-18.
+      // The sizes of the terms of n·d sum up to no more than the largest of these times |d|₁. n·d has to be
+      // above 2^-18 of that; twice as much is asked, for the roundings here.
       const Doubles least_of = max(0x1p-17 * max(terms.x, max(terms.y, terms.z)), 0x1p-500);
       n.x.store(x.data()), n.y.store(y.data()), n.z.store(z.data()), height_of.store(height.data());
       select(known, least_of, Doubles(infinity)).store(least.data());
