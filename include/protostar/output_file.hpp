@@ -87,8 +87,8 @@ class OutputFile {
     if (!file_) fail(errno);
   }
 
-  /// Makes what is written at a time large: parts of 64 KiB take less than half the time of 4 KiB,
-  /// which C's own buffer mostly has.
+  /// Makes what is written at a time large: the system is called less often than with the 4 KiB that C's
+  /// own buffer mostly has.
   void use_buffer() { std::setvbuf(file_, buffer_.get(), _IOFBF, buffer_size); }
 
   /// A file that did not exist before, beside the target.
