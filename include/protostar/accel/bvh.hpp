@@ -100,7 +100,10 @@ class Bvh {
     Reach reach;  ///< if near ones come first, it may be shortened on the way
 
     Walk(const Bvh& bvh, const BoxRay& ray, Reach within)
-        : reach(within), nodes_(bvh.tree_.nodes.data()), next_(bvh.tree_.root), has_ended_(bvh.tree_.order.empty()) {
+        : reach(within),
+          nodes_(bvh.tree_.nodes.data()),
+          next_(bvh.tree_.root),
+          has_ended_(bvh.tree_.order.empty()) {
       if (!next_.is_leaf()) slabs_ = Slabs(ray);
     }
 

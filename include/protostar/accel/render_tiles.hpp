@@ -245,6 +245,13 @@ class TileRenderer {
         begin_packet(x, y);
         write(tile, x, y, mean_radiance<Origin>(tile, x, y, view));
       });
+    } else if constexpr (View::draws && ShadingIntegrator<I, View> && std::same_as<Origin, Point>) {
+      if (!view.sees_one_drawing()) return fill_in_steps<Origin>(tile, view, begin_packet);
+      each_packet(tile, [&](std::size_t, int x, int y) {
+        view.set_first_pixel(x, y);
+        const CameraRays<Point> rays = rays_.packet(tile, x, y);
+        write(tile, x, y, shaded(rays, view.closest_in_drawing(rays), view));
+      });
     } else {
       fill_in_steps<Origin>(tile, view, begin_packet);
     }

@@ -17,16 +17,18 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 
 /// A surface that is drawn into a tile as a whole, since it has many parts. It has a type Drawn, and
 /// draw(drawn, rays, sample, frustum, tile) fills one, for one ray of each pixel. If is_drawn() then,
-/// seen(rays, x, y) are the first crossings of a packet from pixel (x, y) on, crossing 0 of a part each, and
-/// part(which) says of which.
+/// seen(wanted, x, y) are the first crossings of the rays from pixel (x, y) on, crossing 0 of a part each;
+/// t(which, met, directions) says where they are, and part(which) of which part.
 template <class S>
 concept SurfaceForTiles = SurfaceWithParts<S> &&
     requires(const S& surface, typename S::Drawn& drawn, const PixelRays& rays, const Frustum& frustum,
-             const Tile& tile, const CameraRays<Point>& packet) {
+             const Tile& tile, const Chosen& chosen, const Indices& which, const Vectors& directions) {
   surface.draw(drawn, rays, 0, frustum, tile);
   { drawn.is_drawn() } -> std::same_as<bool>;
-  { drawn.seen(packet, 0, 0).first } -> std::same_as<FirstCrossings&&>;
-  { drawn.seen(packet, 0, 0).which } -> std::same_as<Indices&&>;
+  { drawn.seen(chosen, 0, 0).met } -> std::same_as<Chosen&&>;
+  { drawn.seen(chosen, 0, 0).in_doubt } -> std::same_as<Chosen&&>;
+  { drawn.seen(chosen, 0, 0).which } -> std::same_as<Indices&&>;
+  { drawn.t(which, chosen, directions) } -> std::same_as<Doubles>;
   { drawn.part(std::int64_t{0}) } -> std::same_as<int>;
 };
 
@@ -119,7 +121,16 @@ class TileScene {
         skips_(skips),
         occluders_(occluders),
         drawn_(drawn),
-        statistics_(statistics) {}
+        statistics_(statistics) {
+    if constexpr (draws)
+      if (candidates.size() == 1 && unbounded.empty()) {
+        const int place = candidates.place(0);
+        visit(place, [&]<class T>(const T&, const Material&) {
+          if constexpr (SurfaceForTiles<T>)
+            if (drawn_at<T>(place)) one_drawing_ = place;
+        });
+      }
+  }
 
   [[nodiscard]] const std::vector<Light>& lights() const { return scene_.lights(); }
   [[nodiscard]] const Color& ambient() const { return scene_.ambient(); }
@@ -190,6 +201,24 @@ class TileScene {
       if (const Trial trial(candidates_, rays, skips_); trial.is_useful()) return closest_after(trial, rays);
     return closest_of_candidates(rays, [](int, const Doubles&) { return false; });
   }
+  /// Where nothing but one surface can be met, and that is drawn: the same, but that t is 0 where it is met.
+  [[nodiscard]] bool sees_one_drawing() const { return one_drawing_ >= 0; }
+  [[nodiscard]] Closest closest_in_drawing(const CameraRays<Point>& rays) const {
+    Closest closest{.t = infinity, .place = -1};
+    visit(one_drawing_, [&]<class T>(const T&, const Material&) {
+      if constexpr (SurfaceForTiles<T>) {
+        const auto seen = drawn_at<T>(one_drawing_)->seen(rays.wanted, first_x_, first_y_);
+        closest = {.t = select(seen.met, Doubles(0.0), closest.t),
+                   .place = select(seen.met, Indices(one_drawing_), closest.place),
+                   .which = select(seen.met, seen.which, closest.which)};
+        if (any(seen.in_doubt))
+          closest = decided(rays, seen.in_doubt, closest,
+                            [&](const auto& visit_place) { each_candidate(visit_place); });
+      }
+    });
+    return closest;
+  }
+
   template <class Origin>
   [[nodiscard]] Closest closest(const Rays<Origin>& rays) const {
     Closest closest{.t = infinity, .place = -1};
@@ -382,8 +411,11 @@ class TileScene {
   void consider(const T& surface, int place, const auto& rays, Closest& closest, Chosen& in_doubt) const {
     if constexpr (SurfaceForTiles<T> && are_of_pinhole<decltype(rays)>)
       if (const auto* const drawn = drawn_at<T>(place)) {
-        const auto seen = drawn->seen(rays, first_x_, first_y_);
-        const Chosen sooner = take(seen.first, place, closest, in_doubt);
+        const auto seen = drawn->seen(rays.wanted, first_x_, first_y_);
+        FirstCrossings first{.t = infinity, .met = seen.met, .in_doubt = seen.in_doubt};
+        if (any(seen.met))
+          first.t = select(seen.met, drawn->t(seen.which, seen.met, rays.direction), first.t);
+        const Chosen sooner = take(first, place, closest, in_doubt);
         closest.which = select(sooner, seen.which, closest.which);
         return;
       }
@@ -420,7 +452,8 @@ class TileScene {
     if constexpr (SurfaceForTiles<T>)
       if (!any(which && mask_for<double>(closest.which == Indices(-1)))) {
         const auto& drawn = *drawn_at<T>(static_cast<int>(closest.place[std::countr_zero(bits(which))]));
-        return Colors(shade_hits(Intersections(rays, closest.t, which, surface, material,
+        const Doubles t = sees_one_drawing() ? drawn.t(closest.which, which, rays.direction) : closest.t;
+        return Colors(shade_hits(Intersections(rays, t, which, surface, material,
                                                PartsSeen<typename T::Drawn>{drawn, closest.which})));
       }
     if constexpr (SurfaceWithParts<T>)
@@ -599,8 +632,8 @@ class TileScene {
                                               Chosen left, Interval range) const {
     if constexpr (SurfaceForTiles<T> && are_of_pinhole<decltype(rays)>)
       if (const auto* const drawn = drawn_at<T>(place); drawn && range.min == 0 && range.max == infinity) {
-        const auto seen = drawn->seen(rays, first_x_, first_y_);
-        return {.crossed = seen.first.met && left, .in_doubt = seen.first.in_doubt && left};
+        const auto seen = drawn->seen(left, first_x_, first_y_);
+        return {.crossed = seen.met, .in_doubt = seen.in_doubt};
       }
     return crossed_by_each(surface, rays, left, range);
   }
@@ -657,6 +690,7 @@ class TileScene {
   const Drawn& drawn_;
   RenderStatistics& statistics_;
   Ray pixel_;
+  int one_drawing_ = -1;  ///< the place of the one surface that is a candidate, if it is drawn
   mutable int last_occluder_ = -1;
   mutable int first_x_ = 0, first_y_ = 0, sample_ = 0;
 };

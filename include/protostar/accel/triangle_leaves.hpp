@@ -29,13 +29,6 @@ class TriangleLeaves {
     return floats ? f(floats) : f(doubles);
   }
 
-  static Doubles of_each(const auto& number) {
-    if constexpr (std::same_as<decltype(number(0)), double>)
-      return Doubles::of_each(number);
-    else
-      return to_double(Floats::of_each(number));
-  }
-
  public:
   /// Where a triangle's numbers are: a.x, a.y, a.z, b.x, ..., and which triangle it is, each as far from the
   /// one before as its leaf has triangles.
@@ -72,19 +65,17 @@ class TriangleLeaves {
     });
   }
 
-  /// The corners of several triangles.
-  using Places = std::array<Place, double_lanes>;
-  [[nodiscard]] std::array<Vectors, 3> corners(const Places& places) const {
-    return with_rows([&](const auto* all) -> std::array<Vectors, 3> {
-      const auto numbers = [&](std::size_t k) {
-        return of_each([&](int lane) {
-          const auto& [first, step] = places[static_cast<std::size_t>(lane)];
-          return all[first + k * step];
-        });
-      };
-      const auto corner = [&](std::size_t k) { return Vectors{numbers(k), numbers(k + 1), numbers(k + 2)}; };
-      return {corner(0), corner(3), corner(6)};
+  /// The corners of the triangles from the i-th of a leaf on, as many as a vector holds; those of lanes
+  /// behind the last triangle are any numbers.
+  [[nodiscard, gnu::always_inline]] std::array<Vectors, 3> corners(Leaf leaf, std::uint32_t i) const {
+    std::array<Vectors, 3> corners;
+    with_rows([&](const auto* all) {
+      const auto* const row = all + place(leaf, i).first;
+      const auto numbers = [&](std::size_t k) { return load(row + k * leaf.count); };
+      for (std::size_t k = 0; k < 3; ++k)
+        corners[k] = {numbers(3 * k), numbers(3 * k + 1), numbers(3 * k + 2)};
     });
+    return corners;
   }
 
   /// Fetches the numbers of a leaf that is likely to be visited soon.
@@ -107,14 +98,7 @@ class TriangleLeaves {
   /// departs from a plane, which may be its own.
   [[nodiscard, gnu::always_inline]] Tried tried(Leaf leaf, std::uint32_t i, const Ray& ray,
                                                 const Interval& range) const {
-    std::array<Vectors, 3> corners;
-    with_rows([&](const auto* all) {
-      const auto* const row = all + place(leaf, i).first;
-      const auto numbers = [&](std::size_t k) { return load(row + k * leaf.count); };
-      for (std::size_t k = 0; k < 3; ++k)
-        corners[k] = {numbers(3 * k), numbers(3 * k + 1), numbers(3 * k + 2)};
-    });
-    const auto& [a, b, c] = corners;
+    const auto [a, b, c] = corners(leaf, i);
     const auto e =
         protostar::detail::rounded_triangle_equation(Vectors(ray.origin), Vectors(ray.direction), a, b, c);
     const Bits passed = bits(!e.misses) & first_bits(static_cast<int>(leaf.count - i));

@@ -51,6 +51,7 @@ struct Screen {
   double scale = 1;           ///< of box space
   Vec3 across, down, ahead;   ///< the dual basis
   double reach, uncertainty;  ///< T and γ
+  double farthest;            ///< no direction is longer
   double left, top;           ///< x and y of the sample in the tile's first pixel
   double pixels_of_all;       ///< about as many take all triangles, or a ball of radius √3 in box space
 
@@ -71,9 +72,10 @@ struct Screen {
                          length(pixels.v(y0, half_height) * camera.up) + length(camera.forward);
     usable = rays.is_pinhole() && parts < 0x1p5 * length(e3) && is_moderate(length(e1)) &&
              is_moderate(length(e2)) && is_moderate(length(e3)) && std::abs(volume) > 0x1p-4 * sizes &&
-             length(eye_in_box_space) < 0x1p40;
+             length(eye_in_box_space) < 0x1p40 && 0x1p-500 < scale && scale < 0x1p500;
     across = cross(e2, e3) / volume, down = cross(e3, e1) / volume, ahead = cross(e1, e2) / volume;
     reach = std::max(half_width, half_height);
+    farthest = length(e3) + reach * (length(e1) + length(e2));
     uncertainty = 0x1p-42 * (length(across) + length(down) + reach * length(ahead));
     pixels_of_all = std::numbers::pi * 3 / dot(eye_in_box_space, eye_in_box_space) * dot(e3, e3) /
                     (length(e1) * length(e2));
@@ -96,75 +98,60 @@ class TrianglesInTile {
               static_cast<double>(tree.size()) <= most_a_pixel * screen.pixels_of_all;
     if (!usable_) return;
     far_.fill(0), near_.fill(0), other_.fill(0), nearest_.fill(0), drawn_.clear();
-    // Leaves may have few triangles; as many as a vector holds are drawn at once.
-    TriangleLeaves::Places waiting;
-    std::size_t count = 0;
-    const auto draw_waiting = [&] {
-      for (std::size_t k = count; k < waiting.size(); ++k) waiting[k] = waiting[0];
-      const auto corners = tree.leaves().corners(waiting);
-      const Shapes shapes(screen, corners, tile);
-      const Planes planes(screen.eye, corners);
-      for (std::size_t k = 0; k < count; ++k)
-        if (draw_one(shapes, k, static_cast<std::int32_t>(drawn_.size())))
-          drawn_.push_back(planes.plane(k, waiting[k]));
-      count = 0;
-    };
     int left = most_tried_a_pixel * tile.width() * tile.height();  // boxes and triangles
     tree.each_leaf_ahead(
         frustum.side, screen.ahead, [&](const Bounds& box) { return --left < 0 || is_hidden(screen, box); },
         [&](Leaf leaf) {
           left -= static_cast<int>(leaf.count);
-          for (std::uint32_t i = 0; i < leaf.count; ++i) {
-            waiting[count++] = TriangleLeaves::place(leaf, i);
-            if (count == waiting.size()) draw_waiting();
+          for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
+            const auto corners = tree.leaves().corners(leaf, i);
+            const Shapes shapes(screen, corners, tile);
+            const Planes planes(screen, corners);
+            for (std::uint32_t k = 0; k < double_lanes && i + k < leaf.count; ++k)
+              if (draw_one(shapes, planes.floor[k], k, static_cast<std::int32_t>(drawn_.size())))
+                drawn_.push_back(planes.plane(k, TriangleLeaves::place(leaf, i + k)));
           }
         });
-    if (count > 0) draw_waiting();
     usable_ = left >= 0;
   }
 
-  /// What the rays of a packet, from a pixel on to the right, see first; and which, for part().
+  [[nodiscard]] bool is_drawn() const { return usable_; }
+
+  /// What the rays of a packet, from a pixel on to the right, surely see first: which triangle, for t() and
+  /// part(). Where it is no more than possible that they see any, they are in doubt.
   struct Seen {
-    FirstCrossings first;
+    Chosen met, in_doubt;
     Indices which = -1;
   };
-  [[nodiscard]] bool is_drawn() const { return usable_; }
-  [[nodiscard]] Seen seen(const CameraRays<Point>& rays, int x, int y) const {
+  [[nodiscard, gnu::always_inline]] Seen seen(const Chosen& wanted, int x, int y) const {
     const std::size_t at = index(x - tile_.x0, y - tile_.y0);
     const Floats far = Floats::load(&far_[at]), other = Floats::load(&other_[at]);
-    const Chosen one = rays.wanted && mask_for<double>(other < far);
-    Seen seen{.first = {.t = infinity,
-                        .met = false,
-                        .in_doubt = rays.wanted && mask_for<double>(far <= other && other > Floats(0.0f))}};
-    if (!any(one)) return seen;
+    const Chosen met = wanted && mask_for<double>(other < far);
+    return {.met = met,
+            .in_doubt = wanted && mask_for<double>(far <= other && other > Floats(0.0f)),
+            .which = Indices::of_each(
+                [&](int lane) { return std::int64_t{nearest_[at + static_cast<std::size_t>(lane)]}; })};
+  }
+
+  /// Where some rays cross what they see.
+  [[nodiscard, gnu::always_inline]] Doubles t(const Indices& which, const Chosen& met,
+                                              const Vectors& d) const {
     // Where there is none it is any other.
-    const Bits found = bits(one);
-    const auto any_lane = static_cast<std::size_t>(std::countr_zero(found));
+    const auto any_lane = std::countr_zero(bits(met)) % double_lanes;
     std::array<const Plane*, double_lanes> planes;
-    for (std::size_t lane = 0; lane < planes.size(); ++lane)
-      planes[lane] =
-          &drawn_[static_cast<std::size_t>(nearest_[at + ((found >> lane & 1) != 0 ? lane : any_lane)])];
+    for (int lane = 0; lane < double_lanes; ++lane)
+      planes[static_cast<std::size_t>(lane)] =
+          &drawn_[static_cast<std::size_t>(which[(bits(met) >> lane & 1) != 0 ? lane : any_lane])];
     const auto numbers = [&](double Plane::*number) {
       return Doubles::of_each([&](int lane) { return planes[static_cast<std::size_t>(lane)]->*number; });
     };
-    const auto& d = rays.direction;
-    const Doubles slope = dot(Vectors{numbers(&Plane::x), numbers(&Plane::y), numbers(&Plane::z)}, d);
-    const Doubles t = numbers(&Plane::height) / slope, D = abs(d.x) + abs(d.y) + abs(d.z);
-    seen.first.met = one && abs(slope) > numbers(&Plane::least) * D && D > 0x1p-200 && D < 0x1p200 &&
-                     t > 0.0 && t < infinity;
-    seen.first.in_doubt = seen.first.in_doubt || (one && !seen.first.met);
-    seen.first.t = select(seen.first.met, t, Doubles(infinity));
-    seen.which = Indices::of_each([&](int lane) {
-      const auto& [first, step] = planes[static_cast<std::size_t>(lane)]->place;
-      return std::int64_t{first} << 32 | step;
-    });
-    return seen;
+    return numbers(&Plane::height) /
+           dot(Vectors{numbers(&Plane::x), numbers(&Plane::y), numbers(&Plane::z)}, d);
   }
 
   /// The number of a triangle that is seen.
   [[nodiscard]] int part(std::int64_t which) const {
-    const Place place{static_cast<std::uint32_t>(which >> 32), static_cast<std::uint32_t>(which)};
-    return static_cast<int>(tree_->leaves().number(place));
+    return static_cast<int>(tree_->leaves().number(drawn_[static_cast<std::size_t>(which)].place));
   }
 
  private:
@@ -177,34 +164,37 @@ class TrianglesInTile {
 
   using Place = TriangleLeaves::Place;
 
-  /// What t of a ray from the eye to a triangle is worked out from, in the way and with the bounds of
-  /// rounded_triangle_equation: t = height / n·d is certain where |n·d| is more than `least` times the sum of
-  /// the sizes of d.
+  /// What t of a ray from the eye to a triangle is worked out from: height / n·d.
   struct Plane {
-    double x, y, z, height, least;
+    double x, y, z, height;
     Place place;
   };
-  struct Planes {
-    std::array<double, double_lanes> x, y, z, height, least;
 
-    Planes(const Point& eye, const std::array<Vectors, 3>& corners) {
+  /// Of some triangles. In the way and with the bounds of rounded_triangle_sides, t is certain where
+  /// |n·d| > 2^-18 of the sizes of its terms, which sum up to no more than the largest of those of n times
+  /// |d|₁, d being a unit vector: 2^-17 of that largest covers √3 and what is rounded here. As the plane is
+  /// met at o + D/k in box space, n·D is height · k · scale, and |D| at most `farthest`.
+  struct Planes {
+    std::array<double, double_lanes> x, y, z, height;
+    std::array<float, double_lanes> floor;  ///< above this k, t is certain
+
+    Planes(const Screen& screen, const std::array<Vectors, 3>& corners) {
       const auto& [a, b, c] = corners;
       const auto sum_of_sizes = [](const Vectors& v) { return abs(v.x) + abs(v.y) + abs(v.z); };
-      const Vectors u = b - a, v = c - a, w = a - Vectors(eye), n = cross(u, v), p = abs(u), q = abs(v),
-                    terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
+      const Vectors u = b - a, v = c - a, w = a - Vectors(screen.eye), n = cross(u, v), p = abs(u),
+                    q = abs(v), terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
       const Doubles U = sum_of_sizes(u), V = sum_of_sizes(v), W = sum_of_sizes(w), height_of = dot(n, w),
                     heights = dot(terms, abs(w));
       const Chosen known = U > 0x1p-200 && U < 0x1p200 && V > 0x1p-200 && V < 0x1p200 && W < 0x1p200 &&
                            abs(height_of) > 0x1p-18 * heights && heights > 0x1p-800;
-      // The sizes of the terms of n·d sum up to no more than the largest of these times |d|₁. n·d has to be
-      // above 2^-18 of that; twice as much is asked, for the roundings here.
-      const Doubles least_of = max(0x1p-17 * max(terms.x, max(terms.y, terms.z)), 0x1p-500);
+      const Doubles least = max(0x1p-17 * max(terms.x, max(terms.y, terms.z)), 0x1p-500);
       n.x.store(x.data()), n.y.store(y.data()), n.z.store(z.data()), height_of.store(height.data());
-      select(known, least_of, Doubles(infinity)).store(least.data());
+      const Doubles floor_of = least * (screen.farthest / screen.scale) / abs(height_of);
+      to_float(select(known && floor_of < 0x1p100, floor_of, Doubles(infinity))).store(floor.data());
     }
 
     [[nodiscard]] Plane plane(std::size_t k, Place place) const {
-      return {x[k], y[k], z[k], height[k], least[k], place};
+      return {x[k], y[k], z[k], height[k], place};
     }
   };
 
@@ -341,7 +331,7 @@ class TrianglesInTile {
 
   /// Of each pixel, what may be seen of the triangles so far: one that surely is in front of all but those
   /// that may be as near as `other`.
-  bool draw_one(const Shapes& shapes, std::size_t i, std::int32_t which) {
+  bool draw_one(const Shapes& shapes, float floor, std::size_t i, std::int32_t which) {
     constexpr float e = 0x1p-20f;
     const Row error = shapes.error[i], least = shapes.least[i], most = shapes.most[i];
     // Vectors begin at multiples of their size: what was just stored can be loaded at once.
@@ -361,7 +351,7 @@ class TrianglesInTile {
         const std::size_t at = index(x, y);
         const Row known = Row::load(&far_[at]), before = Row::load(&near_[at]);
         const auto seen = !(largest > Row(e) && smallest < Row(-e)) && near >= known && near > Row(0.0f);
-        const auto surely = seen && (smallest > Row(e) || largest < Row(-e)) && far > known;
+        const auto surely = seen && (smallest > Row(e) || largest < Row(-e)) && far > max(known, floor);
         has |= bits(surely);
         max(Row::load(&other_[at]), select(surely, before, select(seen, near, 0.0f))).store(&other_[at]);
         select(surely, far, known).store(&far_[at]);
