@@ -285,7 +285,8 @@ class Judge {
       case 2:
         return std::nextafter(t, infinity);
       default:
-        return t * (1 + (coin(random) ? 1 : -1) * std::ldexp(1, -whole(random, 1, 51)));
+        const double side = coin(random) ? 1 : -1;
+        return t * (1 + std::ldexp(side, -whole(random, 1, 51)));
     }
   }
 
