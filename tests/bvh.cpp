@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <type_traits>
 #include <vector>
 
 #include "support/catch.hpp"
@@ -18,7 +19,7 @@ using simd::Reach;
 
 namespace {
 
-Bvh tree_of(const std::vector<Bounds>& bounds, int leaf_size = 4, int threads = 1) {
+Bvh tree_of(const std::vector<Bounds>& bounds, simd::LeafSize leaf_size = {.most = 4}, int threads = 1) {
   return Bvh(bounds.size(), [&](std::size_t i) { return bounds[i]; }, leaf_size, {.threads = threads});
 }
 
@@ -43,16 +44,22 @@ std::vector<std::uint32_t> visited(const Bvh& tree, const auto& walk) {
   return found;
 }
 
+/// In whichever order.
 std::vector<std::uint32_t> along(const Bvh& tree, const Ray& ray, Interval range) {
   const BoxRay line(ray, tree.space(), 0);
   REQUIRE(line.usable);
   const Reach reach{line.at_least(range.min), line.at_most(range.max)};
-  return visited(tree, [&](const auto& visit) {
-    tree.each_leaf_along<simd::Order::near_first>(line, reach, [&](Leaf leaf, Reach&) {
-      visit(leaf);
-      return false;
+  const auto in_order = [&]<simd::Order order>(std::integral_constant<simd::Order, order>) {
+    return visited(tree, [&](const auto& visit) {
+      tree.each_leaf_along<order>(line, reach, [&](Leaf leaf, Reach&) {
+        visit(leaf);
+        return false;
+      });
     });
-  });
+  };
+  const auto found = in_order(std::integral_constant<simd::Order, simd::Order::near_first>());
+  CHECK(in_order(std::integral_constant<simd::Order, simd::Order::any>()) == found);
+  return found;
 }
 
 /// Whether a point of the ray's, at one of some t in the range, lies in a box: in long double, which sees
@@ -118,7 +125,7 @@ TEST_CASE("every leaf whose box a ray meets is visited, and each at most once") 
 
 TEST_CASE("a ray along the face of a box meets it") {
   const std::vector<Bounds> bounds{{Point{0}, Point{1}}, {Point{2}, Point{3}}};
-  const Bvh tree = tree_of(bounds, 1);
+  const Bvh tree = tree_of(bounds, {.most = 1});
   const double edge = GENERATE(0.0, 1.0);
   for (const Vec3& direction : {Vec3{1, 0, 0}, Vec3{1, -0.0, 0.0}, Vec3{-1, 0.0, -0.0}}) {
     const Ray ray{Point{-5 * direction.x, edge, edge}, direction};
@@ -128,7 +135,7 @@ TEST_CASE("a ray along the face of a box meets it") {
 
 TEST_CASE("leaves are visited near to far") {
   Random random(1);
-  const Bvh tree = tree_of(random_bounds(random, 1000, 0), 1);
+  const Bvh tree = tree_of(random_bounds(random, 1000, 0), {.most = 1});
   const Ray ray{.origin = {-5, 0, 0}, .direction = {1, 0, 0}};
   const BoxRay line(ray, tree.space(), 1);  // so wide that it meets them all
   std::uint32_t count = 0;
@@ -146,7 +153,7 @@ TEST_CASE("leaves are visited near to far") {
 TEST_CASE("a reach that has been shortened ends the walk, and so does a visit that says so") {
   std::vector<Bounds> bounds;
   for (int i = 0; i < 100; ++i) bounds.push_back({Point(i, 0, 0), Point(i + 0.5, 1, 1)});
-  const Bvh tree = tree_of(bounds, 1);
+  const Bvh tree = tree_of(bounds, {.most = 1});
   const Ray ray{.origin = {-1, 0.5, 0.5}, .direction = {1, 0, 0}};
   const BoxRay line(ray, tree.space(), 0);
   std::vector<std::uint32_t> found;
@@ -165,9 +172,10 @@ TEST_CASE("a reach that has been shortened ends the walk, and so does a visit th
 }
 
 TEST_CASE("each thing is in one leaf, and no leaf is too large, however things lie") {
-  const int leaf_size = GENERATE(1, 4, 16);
+  const auto leaf_size =
+      GENERATE(simd::LeafSize{1}, simd::LeafSize{4}, simd::LeafSize{16}, simd::LeafSize{16, 8});
   const int kind = GENERATE(0, 1, 2, 3, 4, 5, 6, 7);
-  CAPTURE(leaf_size, kind);
+  CAPTURE(leaf_size.most, leaf_size.enough, kind);
   Random random(7);
   std::vector<Bounds> bounds;
   switch (kind) {
@@ -200,7 +208,7 @@ TEST_CASE("each thing is in one leaf, and no leaf is too large, however things l
   const auto found = visited(tree, [&](const auto& visit) {
     tree.each_leaf([&](Leaf leaf) {
       CHECK(leaf.count >= 1);
-      CHECK(leaf.count <= static_cast<std::uint32_t>(leaf_size));
+      CHECK(leaf.count <= leaf_size.most);
       visit(leaf);
     });
   });
@@ -216,7 +224,11 @@ TEST_CASE("each thing is in one leaf, and no leaf is too large, however things l
 }
 
 TEST_CASE("a million things at one place are a tree like any other") {
-  const Bvh tree(1'000'000, [](std::size_t) { return Bounds{Point{1}, Point{1}}; }, 8, {.threads = 2});
+  const Bvh tree(1'000'000,
+                 [](std::size_t) {
+                   return Bounds{Point{1}, Point{1}};
+                 },
+                 {.most = 8}, {.threads = 2});
   std::size_t count = 0;
   tree.each_leaf([&](Leaf leaf) { count += leaf.count; });
   CHECK(count == 1'000'000);
@@ -237,7 +249,7 @@ TEST_CASE("things without finite bounds are in no leaf") {
 TEST_CASE("the tree is the same for any number of threads") {
   Random random(3);
   const auto bounds = random_bounds(random, 100000, 0.02);
-  const Bvh one = tree_of(bounds, 4, 1), several = tree_of(bounds, 4, 3);
+  const Bvh one = tree_of(bounds, {.most = 4}, 1), several = tree_of(bounds, {.most = 4}, 3);
   CHECK(std::ranges::equal(one.order(), several.order()));
   std::vector<std::uint32_t> firsts[2];
   one.each_leaf([&](Leaf leaf) { firsts[0].push_back(leaf.first * 32 + leaf.count); });

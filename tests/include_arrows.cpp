@@ -30,7 +30,7 @@ const std::vector<std::vector<std::string>> layers = {
      "surfaces/coordinates.hpp"},
     {"closest_hit.hpp", "surfaces/any_surface.hpp", "surfaces/box.hpp", "surfaces/disk.hpp",
      "surfaces/parallelogram.hpp", "surfaces/plane.hpp", "surfaces/quadric.hpp", "surfaces/sphere.hpp",
-     "surfaces/triangle.hpp"},
+     "surfaces/triangle.hpp", "accel/in_turns.hpp"},
     {"scene.hpp", "surfaces/csg.hpp", "surfaces/instance.hpp", "accel/sphere_around.hpp"},
     {"camera.hpp", "image.hpp", "accel/packet.hpp", "integrators/binary.hpp", "integrators/color.hpp",
      "integrators/depth.hpp", "integrators/diffuse.hpp", "integrators/normal.hpp", "integrators/shadow.hpp",
@@ -54,7 +54,7 @@ const std::set<std::string> on_demand = {
     "numeric/triangle_roots.hpp", "surfaces/mesh.hpp",          "surfaces/triangle.hpp",
     "numeric/box_roots.hpp",      "numeric/disk_roots.hpp",     "numeric/quadric_roots.hpp",
     "surfaces/box.hpp",           "numeric/quadric_bounds.hpp", "surfaces/disk.hpp",
-    "surfaces/quadric.hpp",
+    "surfaces/quadric.hpp",       "accel/in_turns.hpp",
 };
 
 /// What the core includes from outside: the standard library, and of GLM the smallest part that will do; and

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <protostar/accel/accelerate.hpp>
 #include <protostar/accel/triangle_leaves.hpp>
 #include <protostar/integrators/shadow.hpp>
@@ -9,6 +10,7 @@
 #include <protostar/surfaces/mesh.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "support/catch.hpp"
@@ -91,6 +93,44 @@ TEST_CASE(
   }
   CHECK(crossings > 2000);
   CHECK(wrong == 0);
+}
+
+TEST_CASE("many rays are answered as each by itself") {
+  Random random(43);
+  const auto answer = [](const std::optional<Crossing>& crossing) {
+    return crossing ? std::pair(crossing->part, crossing->t) : std::pair(-1, 0.0);
+  };
+  for (const MeshData& data : {soup(random, 60), meshes::torus(9, 7), one_triangle()}) {
+    const Mesh mesh(data, {.threads = 1});
+    for (const std::size_t count : {0u, 1u, 15u, 100u}) {
+      std::vector<Ray> rays;
+      for (std::size_t i = 0; i < count; ++i) {
+        const Point origin = random.point(2);
+        rays.push_back({origin, random.point(1) - origin});
+      }
+      if (count > 10) rays[3].origin.x = 1e300, rays[7].direction.y = infinity;  // which boxes do not help
+      for (const Interval& range : {Interval{}, Interval{0.25, 1.5}, everywhere}) {
+        std::vector<std::optional<Crossing>> first(count);
+        std::vector<int> is_met(count), told(count);
+        mesh.first_crossings(rays, range, [&](std::size_t k, const std::optional<Crossing>& crossing) {
+          first[k] = crossing;
+          ++told[k];
+        });
+        mesh.are_met(rays, range, [&](std::size_t k, bool met) {
+          is_met[k] = met;
+          ++told[k];
+        });
+        int hits = 0;
+        for (std::size_t k = 0; k < count; ++k) {
+          CHECK(told[k] == 2);
+          CHECK(answer(first[k]) == answer(mesh.first_crossing(rays[k], range)));
+          CHECK((is_met[k] != 0) == mesh.is_met(rays[k], range));
+          hits += is_met[k];
+        }
+        if (count == 100 && data.triangles.size() > 1) CHECK((hits > 10 && hits < 90));
+      }
+    }
+  }
 }
 
 TEST_CASE("a ray that leaves a convex mesh outwards never meets it again, and inwards once") {
@@ -287,7 +327,7 @@ TEST_CASE("what is sure of the triangles of a leaf is so, and most is") {
       if (i % 8 == 7) triangles.back().c = triangles.back().a;
     }
     const simd::Bvh bvh(triangles.size(), [&](std::size_t i) { return triangles[i].bounds(); },
-                        simd::node_width, {.threads = 1});
+                        {.most = simd::node_width}, {.threads = 1});
     const simd::TriangleLeaves leaves(bvh, [&](std::size_t i) { return triangles[i]; }, {.threads = 1});
     for (int i = 0; i < 100; ++i) {
       const Triangle& aim = triangles[random.bits() % 8];

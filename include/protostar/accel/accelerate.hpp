@@ -75,7 +75,7 @@ class Finder<T> {
   Finder(const std::vector<T>& surfaces, const RenderOptions& options)
       : surfaces_(&surfaces),
         bvh_(
-            surfaces.size(), [&](std::size_t i) { return surfaces[i].bounds(); }, 1, options) {}
+            surfaces.size(), [&](std::size_t i) { return surfaces[i].bounds(); }, {.most = 1}, options) {}
 
   bool each_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
     return each_along<Order::any>(bvh_, ray, range, visit, [&](const BoxRay&, Leaf leaf, Reach&) {
@@ -122,7 +122,8 @@ class Finder<Sphere> {
  public:
   Finder(const std::vector<Sphere>& spheres, const RenderOptions& options)
       : bvh_(
-            spheres.size(), [&](std::size_t i) { return spheres[i].bounds(); }, node_width, options),
+            spheres.size(), [&](std::size_t i) { return spheres[i].bounds(); }, {.most = node_width},
+            options),
         leaves_(
             bvh_, [&](std::size_t i) -> auto& { return spheres[i]; }, options),
         few_(spheres) {}

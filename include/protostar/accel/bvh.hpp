@@ -28,10 +28,12 @@ struct Ignore {
 /// Things with bounds, in leaves of a few, in a tree of boxes around them. It knows nothing of the things but
 /// their bounds. What it visits are leaves: places first, first + 1, ... in order().
 class Bvh {
+  using Floats = Lanes<float, node_width>;
+
  public:
   /// Of `count` things, the i-th of which has bounds_of(i); those whose bounds are not finite are in no leaf
   /// but in unbounded(). The tree does not depend on the number of threads.
-  Bvh(std::size_t count, const auto& bounds_of, int leaf_size, const RenderOptions& options) {
+  Bvh(std::size_t count, const auto& bounds_of, LeafSize leaf_size, const RenderOptions& options) {
     if (count > largest_tree) throw std::length_error("accelerate: more than 2^27 surfaces of one type");
     const protostar::detail::Parts parts{0, count};
     struct Part {
@@ -86,66 +88,119 @@ class Bvh {
                                             [&](int i) {
                                               const Node& node = tree_.nodes[static_cast<std::size_t>(i)];
                                               for (int k = 0; k < node_width && node.has(k); ++k)
-                                                if (node.child[k].is_leaf()) visit(node.child[k].leaf());
+                                                if (node.child(k).is_leaf()) visit(node.child(k).leaf());
                                             });
   }
 
+  /// One ray's way through a tree, step by step: from node to node, and to every leaf whose box the ray may
+  /// meet within a reach.
+  template <Order order>
+  class Walk {
+   public:
+    Reach reach;  ///< if near ones come first, it may be shortened on the way
+
+    Walk(const Bvh& bvh, const BoxRay& ray, Reach within)
+        : reach(within), nodes_(bvh.tree_.nodes.data()), next_(bvh.tree_.root), has_ended_(bvh.tree_.order.empty()) {
+      if (!next_.is_leaf()) slabs_ = Slabs(ray);
+    }
+
+    [[nodiscard]] bool has_ended() const { return has_ended_; }
+    [[nodiscard]] bool is_at_leaf() const { return next_.is_leaf(); }
+    [[nodiscard]] Leaf leaf() const { return next_.leaf(); }
+
+    /// Goes on from a leaf to what waits.
+    void leave() {
+      do {
+        if (top_ == 0) {
+          has_ended_ = true;
+          return;
+        }
+        --top_;
+      } while (order == Order::near_first && near_[top_] > reach.until);
+      next_ = Child(waiting_[top_]);
+    }
+
+    /// Goes on from a node to one of its children that the ray meets, or the nearest; the others wait.
+    void open() {
+      const Node& node = nodes_[next_.node()];
+      Floats near;
+      const Bits met = met_children(node, slabs_, reach, near);
+      top_before_ = top_;
+      if constexpr (order == Order::any) {
+        // Without a branch, since how many are met is as good as random.
+        top_ += store_chosen(waiting_ + top_, met, Lanes<std::uint32_t, node_width>::load(node.children));
+        leave();
+      } else {
+        if (met == 0) return leave();
+        take_nearest(node, met, near);
+      }
+    }
+
+    /// Fetches what comes next; soon(leaf) does so for a leaf.
+    void fetch_next(const auto& soon) const { fetch_one(next_, soon); }
+
+    /// Fetches what waits since a node was opened.
+    void fetch_others(const auto& soon) const {
+      for (int i = top_before_; i < top_; ++i) fetch_one(Child(waiting_[i]), soon);
+    }
+
+   private:
+    void take_nearest(const Node& node, Bits met, Floats near) {
+      alignas(64) float distance[node_width];
+      near.store(distance);
+      const auto take_one = [&] {
+        const int k = std::countr_zero(met);
+        met &= met - 1;
+        return std::pair(node.child(k), distance[k]);
+      };
+      auto nearest = take_one();
+      while (met != 0) {
+        auto other = take_one();
+        if (other.second < nearest.second) std::swap(other, nearest);
+        int place = top_++;
+        for (; place > top_before_ && near_[place - 1] < other.second; --place) {
+          waiting_[place] = waiting_[place - 1];
+          near_[place] = near_[place - 1];
+        }
+        waiting_[place] = other.first.bits();
+        near_[place] = other.second;
+      }
+      next_ = nearest.first;
+    }
+
+    void fetch_one(Child child, const auto& soon) const {
+      if (child.is_leaf())
+        soon(child.leaf());
+      else
+        fetch(nodes_[child.node()]);
+    }
+
+    const Node* nodes_;
+    Child next_;
+    bool has_ended_;
+    int top_ = 0, top_before_ = 0;
+    Slabs slabs_;
+    float near_[most_levels * node_width];
+    std::uint32_t waiting_[most_levels * node_width];  ///< Child::bits
+  };
+
   /// Calls visit(leaf, reach) for every leaf whose box the ray may meet within a reach, until one of them
-  /// returns true; returns whether one did. A visit may shorten the reach. Before that, soon(leaf) is called
-  /// for leaves that are likely to be visited.
+  /// returns true; returns whether one did. If near ones come first, a visit may shorten the reach. Before
+  /// that, soon(leaf) is called for leaves that are likely to be visited.
   template <Order order, class Soon = Ignore>
   bool each_leaf_along(const BoxRay& ray, Reach reach, const auto& visit, const Soon& soon = {}) const {
-    if (tree_.order.empty()) return false;
-    const Slabs slabs = tree_.root.is_leaf() ? Slabs() : Slabs(ray);
-    struct Entry {
-      Child child;
-      float near;
-    };
-    Entry stack[most_levels * node_width];
-    int top = 0;
-    Child next = tree_.root;
-    const auto take_next = [&] {
-      do {
-        if (top == 0) return false;
-        --top;
-      } while (stack[top].near > reach.until);
-      next = stack[top].child;
-      return true;
-    };
-    for (;;) {
-      while (!next.is_leaf()) {
-        const Node& node = tree_.nodes[next.node()];
-        alignas(64) float near[node_width];
-        Bits met = met_children(node, slabs, reach, near);
-        if (met == 0) {
-          if (!take_next()) return false;
-          continue;
-        }
-        const auto take_one = [&] {
-          const int k = std::countr_zero(met);
-          met &= met - 1;
-          return Entry{node.child[k], near[k]};
-        };
-        Entry nearest = take_one();
-        const int below = top;
-        while (met != 0) {
-          Entry other = take_one();
-          if (order == Order::near_first && other.near < nearest.near) std::swap(other, nearest);
-          if (other.child.is_leaf())
-            soon(other.child.leaf());
-          else
-            fetch(tree_.nodes[other.child.node()]);
-          int place = top++;
-          if constexpr (order == Order::near_first)
-            for (; place > below && stack[place - 1].near < other.near; --place)
-              stack[place] = stack[place - 1];
-          stack[place] = other;
-        }
-        next = nearest.child;
+    Walk<order> walk(*this, ray, reach);
+    while (!walk.has_ended()) {
+      if (!walk.is_at_leaf()) {
+        walk.open();
+        walk.fetch_others(soon);
+      } else if (visit(walk.leaf(), walk.reach)) {
+        return true;
+      } else {
+        walk.leave();
       }
-      if (visit(next.leaf(), reach)) return true;
-      if (!take_next()) return false;
     }
+    return false;
   }
 
   /// Calls visit(leaf) for every leaf whose box may reach into all of some half-spaces, near ones mostly
@@ -170,10 +225,10 @@ class Bvh {
       const int below = top;
       for (Bits within = children_in(node, half_spaces); within != 0; within &= within - 1) {
         const int k = std::countr_zero(within);
-        if (node.child[k].is_leaf())
-          soon(node.child[k].leaf());
+        if (node.child(k).is_leaf())
+          soon(node.child(k).leaf());
         else
-          fetch(tree_.nodes[node.child[k].node()]);
+          fetch(tree_.nodes[node.child(k).node()]);
         const Entry entry{&node, k, nearness[k]};
         int place = top++;
         for (; place > below && stack[place - 1].near < entry.near; --place) stack[place] = stack[place - 1];
@@ -188,10 +243,10 @@ class Bvh {
         return Point(node.end[end][0][k], node.end[end][1][k], node.end[end][2][k]);
       };
       if (is_hidden(Bounds{corner(0), corner(1)})) continue;
-      if (node.child[k].is_leaf())
-        visit(node.child[k].leaf());
+      if (node.child(k).is_leaf())
+        visit(node.child(k).leaf());
       else
-        open(tree_.nodes[node.child[k].node()]);
+        open(tree_.nodes[node.child(k).node()]);
     }
   }
 
@@ -212,7 +267,7 @@ class Bvh {
       }
       const Node& node = tree_.nodes[next.node()];
       for (Bits within = children_in(node, half_spaces); within != 0; within &= within - 1) {
-        const Child child = node.child[std::countr_zero(within)];
+        const Child child = node.child(std::countr_zero(within));
         if (child.is_leaf())
           soon(child.leaf());
         else
@@ -223,13 +278,11 @@ class Bvh {
   }
 
  private:
-  using Floats = Lanes<float, node_width>;
-
   /// Fetches a node that is likely to be visited soon.
   static void fetch(const Node& node) {
     for (const auto& ends : node.end)
       for (const auto& of_axis : ends) prefetch(of_axis);
-    prefetch(node.child);
+    prefetch(node.children);
   }
 
   /// The children whose boxes may reach into all half-spaces: the corner farthest along the normal counts.
@@ -244,16 +297,16 @@ class Bvh {
     return bits(within);
   }
 
-  /// The children whose boxes the ray may meet, and from where on.
-  static Bits met_children(const Node& node, const Slabs& slabs, Reach reach, float* near_ends) {
-    Floats near = reach.from, far = reach.until;
+  /// The children whose boxes the ray may meet, and from where on each.
+  static Bits met_children(const Node& node, const Slabs& slabs, Reach reach, Floats& near) {
+    near = reach.from;
+    Floats far = reach.until;
     for (int axis = 0; axis < 3; ++axis) {
       const int nearer = slabs.nearer[axis];
       const Floats from = Floats::load(node.end[nearer][axis]), to = Floats::load(node.end[1 - nearer][axis]);
       near = max((from - Floats(slabs.near_origin[axis])) * Floats(slabs.inverse[axis]), near);
       far = min((to - Floats(slabs.far_origin[axis])) * Floats(slabs.far_inverse[axis]), far);
     }
-    near.store(near_ends);
     return bits(near <= far);
   }
 
@@ -275,21 +328,28 @@ class Bvh {
   return std::max(0.0, distance - r + 0x1p-50 * (distance + r));
 }
 
+/// Whether visit says so of any of some things.
+bool any_of(std::span<const std::uint32_t> things, const auto& visit) {
+  for (const std::uint32_t i : things)
+    if (visit(i)) return true;
+  return false;
+}
+
+/// Whether boxes tell anything of what a ray meets inside a range. Behind the origin their ends are not
+/// widened (Slabs).
+[[nodiscard]] inline bool helps(const BoxRay& line, const Interval& range) {
+  return line.usable && range.min >= 0;
+}
+
 /// Calls visit(i) for all things that are in no leaf of a tree, and visit_leaf(BoxRay, leaf, reach) for every
 /// leaf that a ray may meet inside the range, until one of them returns true; returns whether one did. Where
 /// boxes do not help, it visits all things instead.
 template <Order order, class Soon = Ignore>
 bool each_along(const Bvh& bvh, const Ray& ray, const Interval& range, const auto& visit,
                 const auto& visit_leaf, const Soon& soon = {}) {
-  const auto any_of = [&](std::span<const std::uint32_t> things) {
-    for (const std::uint32_t i : things)
-      if (visit(i)) return true;
-    return false;
-  };
-  if (any_of(bvh.unbounded())) return true;
+  if (any_of(bvh.unbounded(), visit)) return true;
   const BoxRay line(ray, bvh.space(), widening(ray));
-  // Behind the origin the ends of a box are not widened (Slabs).
-  if (!line.usable || range.min < 0) return any_of(bvh.order());
+  if (!helps(line, range)) return any_of(bvh.order(), visit);
   return bvh.each_leaf_along<order>(
       line, {line.at_least(range.min), line.at_most(range.max)},
       [&](Leaf leaf, Reach& left) { return visit_leaf(line, leaf, left); }, soon);

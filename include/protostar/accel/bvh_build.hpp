@@ -47,9 +47,12 @@ class Child {
   [[nodiscard]] std::uint32_t node() const { return bits_; }
   [[nodiscard]] Leaf leaf() const { return {(bits_ & ~leaf_bit) >> 4, (bits_ & 15) + 1}; }
 
+  /// What Child(bits) makes the same child of.
+  [[nodiscard]] std::uint32_t bits() const { return bits_; }
+  explicit Child(std::uint32_t bits) : bits_(bits) {}
+
  private:
   static constexpr std::uint32_t leaf_bit = 1u << 31;
-  explicit Child(std::uint32_t bits) : bits_(bits) {}
   std::uint32_t bits_;
 };
 
@@ -57,7 +60,9 @@ class Child {
 /// meets it.
 struct alignas(64) Node {
   float end[2][3][node_width];  ///< 0 is min, 1 max
-  Child child[node_width];
+  std::uint32_t children[node_width];
+
+  [[nodiscard]] Child child(int k) const { return Child(children[k]); }
 
   [[nodiscard]] bool has(int k) const { return end[0][0][k] <= end[1][0][k]; }
 };
@@ -74,20 +79,24 @@ struct Tree {
 inline constexpr int levels_by_cost = 16;
 inline constexpr int most_levels = levels_by_cost + (node_width < 8 ? 14 : 10);
 
+/// How many things the leaves have. Where a node has places left, it is cut further into leaves of no more
+/// than `enough`: as many are tried at once.
+struct LeafSize {
+  std::uint32_t most, enough = 2;
+};
+
 class TreeBuilder {
  public:
   /// Of the boxes of things, and which things these are.
-  TreeBuilder(std::unique_ptr<Box[]> boxes, std::vector<std::uint32_t> order, int leaf_size,
+  TreeBuilder(std::unique_ptr<Box[]> boxes, std::vector<std::uint32_t> order, LeafSize leaf_size,
               const RenderOptions& options)
-      : boxes_(std::move(boxes)),
-        leaf_size_(static_cast<std::uint32_t>(leaf_size)),
-        options_{.threads = options.threads} {
+      : boxes_(std::move(boxes)), leaf_size_(leaf_size), options_{.threads = options.threads} {
     tree_.order = std::move(order);
   }
 
   [[nodiscard]] Tree build() {
     const auto count = static_cast<std::uint32_t>(tree_.order.size());
-    if (count <= leaf_size_) {
+    if (count <= leaf_size_.most) {
       tree_.root = Child::leaf({0, count});
       return std::move(tree_);
     }
@@ -183,7 +192,7 @@ class TreeBuilder {
     for (std::size_t i = 0; i < level.size(); ++i) {
       Node& node = tree_.nodes[first + i];
       for (int k = 0; k < counts[i]; ++k) {
-        node.child[k] = Child::node(static_cast<std::uint32_t>(tree_.nodes.size() + next.size()));
+        node.children[k] = Child::node(static_cast<std::uint32_t>(tree_.nodes.size() + next.size())).bits();
         next.push_back(inner[i * node_width + static_cast<std::size_t>(k)]);
       }
     }
@@ -198,13 +207,13 @@ class TreeBuilder {
     const auto size_of = [&](const Range& part) {
       return depth < levels_by_cost ? part.box.area() : static_cast<float>(part.count());
     };
-    std::uint32_t enough = leaf_size_;
+    std::uint32_t enough = leaf_size_.most;
     while (count < node_width) {
       Range* largest = nullptr;
       for (Range* part = parts; part != parts + count; ++part)
         if (part->count() > enough && (!largest || size_of(*part) > size_of(*largest))) largest = part;
-      if (!largest && enough > 2) {
-        enough = 2;  // all parts are leaves; places that are left over make smaller ones of them
+      if (!largest && enough > leaf_size_.enough) {
+        enough = leaf_size_.enough;  // all parts are leaves
         continue;
       }
       if (!largest) break;
@@ -217,14 +226,14 @@ class TreeBuilder {
 
     int nodes = 0;
     for (int k = 0; k < count; ++k)
-      if (parts[k].count() > leaf_size_) {
+      if (parts[k].count() > leaf_size_.most) {
         inner[nodes] = parts[k];
         put(node, nodes++, parts[k].box);
       }
     int place = nodes;
     for (int k = 0; k < count; ++k)
-      if (parts[k].count() <= leaf_size_) {
-        node.child[place] = Child::leaf({parts[k].first, parts[k].count()});
+      if (parts[k].count() <= leaf_size_.most) {
+        node.children[place] = Child::leaf({parts[k].first, parts[k].count()}).bits();
         put(node, place++, parts[k].box);
       }
     for (; place < node_width; ++place) put(node, place, Box::nothing());
@@ -399,7 +408,7 @@ class TreeBuilder {
   }
 
   std::unique_ptr<Box[]> boxes_;
-  std::uint32_t leaf_size_;
+  LeafSize leaf_size_;
   RenderOptions options_;
   std::deque<Halves> cuts_;  ///< known before nodes are made
   Tree tree_;

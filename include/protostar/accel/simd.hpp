@@ -372,7 +372,7 @@ template <class T, int N>
 
 /// The smaller, as std::min chooses it: a if one of them is NaN. So written it is one instruction.
 template <class T, int N>
-[[nodiscard]] Lanes<T, N> min(Lanes<T, N> a, std::type_identity_t<Lanes<T, N>> b) {
+[[nodiscard]] Lanes<T, N> min(const Lanes<T, N>& a, const Lanes<T, N>& b) {
 #if defined(PROTOSTAR_VECTORS)
   return {b.v < a.v ? b.v : a.v};
 #else
@@ -382,12 +382,21 @@ template <class T, int N>
 
 /// The larger, as std::max chooses it: a if one of them is NaN.
 template <class T, int N>
-[[nodiscard]] Lanes<T, N> max(Lanes<T, N> a, std::type_identity_t<Lanes<T, N>> b) {
+[[nodiscard]] Lanes<T, N> max(const Lanes<T, N>& a, const Lanes<T, N>& b) {
 #if defined(PROTOSTAR_VECTORS)
   return {a.v < b.v ? b.v : a.v};
 #else
   return select(a < b, b, a);
 #endif
+}
+
+template <class T, int N>
+[[nodiscard]] Lanes<T, N> min(const Lanes<T, N>& a, std::type_identity_t<T> b) {
+  return min(a, Lanes<T, N>(b));
+}
+template <class T, int N>
+[[nodiscard]] Lanes<T, N> max(const Lanes<T, N>& a, std::type_identity_t<T> b) {
+  return max(a, Lanes<T, N>(b));
 }
 
 /// The largest number of all lanes.

@@ -8,11 +8,21 @@
 #include <vector>
 
 #include "bvh.hpp"
+#include "in_turns.hpp"
 #include "triangle_leaves.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
 /// A tree over triangles that others hold. What the functions take as `triangle` is what the constructor got.
+///
+/// A query asks what a ray crosses inside a range. It has the members
+///
+///   ray, range            it may shorten the range on the way, if
+///   near_first            says that what is near comes mostly before what is far
+///   found(t, i)           the i-th triangle is crossed at t
+///   maybe(triangle, i)    it may be crossed: double does not tell
+///
+/// The last two return whether nothing more is asked for.
 class TriangleTree {
  public:
   static constexpr std::size_t most = largest_tree;  ///< triangles
@@ -20,36 +30,29 @@ class TriangleTree {
   /// Of `count` triangles; triangle(i) is one of them.
   TriangleTree(std::size_t count, const auto& triangle, const RenderOptions& options)
       : bvh_(
-            count, [&](std::size_t i) { return triangle(i).bounds(); }, node_width, options),
+            count, [&](std::size_t i) { return triangle(i).bounds(); }, leaf_size, options),
         leaves_(bvh_, triangle, options) {}
 
-  /// Calls visit(triangle, i) for all that a ray may cross inside the range, in any order, until one returns
-  /// true; returns whether one did.
-  bool each_crossed(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit) const {
-    return walk<Order::any>(ray, range, triangle, visit, [&](const Tried& tried, Leaf leaf, std::uint32_t i) {
-      return any_of(tried.crossed | tried.in_doubt, leaf, i, visit);
-    });
+  /// Tells a query what its ray crosses, until it is content.
+  template <class Query>
+  void answer(Query& query, const auto& triangle) const {
+    constexpr Order order = order_for<Query>;
+    each_along<order>(
+        bvh_, query.ray, query.range, [&](std::uint32_t i) { return query.maybe(triangle(i), i); },
+        [&](const BoxRay& line, Leaf leaf, Reach& left) { return show<order>(query, line, leaf, left); },
+        [&](Leaf leaf) { leaves_.fetch(leaf); });
   }
 
-  /// Whether a ray crosses any inside the range; visit(triangle, i) says it of one where double does not.
-  bool any_crossed(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit) const {
-    return walk<Order::any>(ray, range, triangle, visit, [&](const Tried& tried, Leaf leaf, std::uint32_t i) {
-      return tried.crossed != 0 || any_of(tried.in_doubt, leaf, i, visit);
-    });
-  }
-
-  /// Calls found(t, i) for that which a ray crosses first inside the range, and for others that it crosses;
-  /// or visit(triangle, i) where double does not decide. Both may shorten the range.
-  void each_first(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit,
-                  const auto& found) const {
-    walk<Order::near_first>(ray, range, triangle, visit, [&](const Tried& tried, Leaf leaf, std::uint32_t i) {
-      for (Bits some = tried.crossed; some != 0; some &= some - 1) {
-        const int k = std::countr_zero(some);
-        found(tried.t[k], leaves_.number(leaves_.place(leaf, i + static_cast<std::uint32_t>(k))));
-      }
-      any_of(tried.in_doubt, leaf, i, visit);
-      return false;
-    });
+  /// The same for `count` queries that make(k) makes; done(k, query) is called for each, in any order. Where
+  /// rays lead to different places, this is sooner done than one query after another.
+  void answer_each(std::size_t count, const auto& make, const auto& done, const auto& triangle) const {
+    constexpr Order order = order_for<decltype(make(std::size_t{0}))>;
+    each_along_in_turns<order>(
+        bvh_, count, make, done, [&](auto& query, std::uint32_t i) { return query.maybe(triangle(i), i); },
+        [&](auto& query, const BoxRay& line, Leaf leaf, Reach& left) {
+          return show<order>(query, line, leaf, left);
+        },
+        [&](Leaf leaf) { leaves_.fetch(leaf); });
   }
 
   [[nodiscard]] const BoxSpace& space() const { return bvh_.space(); }
@@ -74,38 +77,34 @@ class TriangleTree {
   [[nodiscard]] bool has_all() const { return bvh_.unbounded().empty(); }
 
  private:
-  using Tried = TriangleLeaves::Tried;
+  template <class Query>
+  static constexpr Order order_for = Query::near_first ? Order::near_first : Order::any;
 
-  bool any_of(Bits some, Leaf leaf, std::uint32_t i, const auto& visit) const {
-    for (; some != 0; some &= some - 1) {
-      const auto place = leaves_.place(leaf, i + static_cast<std::uint32_t>(std::countr_zero(some)));
-      if (visit(leaves_.triangle(place), leaves_.number(place))) return true;
+  /// Tells a query about the triangles of a leaf; returns whether it is content.
+  template <Order order>
+  [[gnu::always_inline]] bool show(auto& query, const BoxRay& line, Leaf leaf, Reach& left) const {
+    bool any = false;
+    for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
+      const auto [crossed, in_doubt, t] = leaves_.tried(leaf, i, query.ray, query.range);
+      if ((crossed | in_doubt) == 0) continue;
+      any = true;
+      const auto place = [&](int k) { return leaves_.place(leaf, i + static_cast<std::uint32_t>(k)); };
+      for (Bits some = crossed; some != 0; some &= some - 1) {
+        const int k = std::countr_zero(some);
+        if (query.found(t[k], leaves_.number(place(k)))) return true;
+      }
+      for (Bits some = in_doubt; some != 0; some &= some - 1) {
+        const TriangleLeaves::Place one = place(std::countr_zero(some));
+        if (query.maybe(leaves_.triangle(one), leaves_.number(one))) return true;
+      }
     }
+    if constexpr (order == Order::near_first)
+      if (any) left.until = line.at_most(query.range.max);
     return false;
   }
 
-  /// Calls visit_some(tried, leaf, i) where a ray may cross triangles of a leaf, from the i-th on, or
-  /// visit(triangle, i) for each where boxes do not help. Unless near ones come first, it ends when one of
-  /// them returns true, and returns whether one did.
-  template <Order order>
-  bool walk(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit,
-            const auto& visit_some) const {
-    const auto visit_one = [&](std::uint32_t i) { return visit(triangle(i), i) && order == Order::any; };
-    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
-      bool any = false;
-      for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
-        const Tried tried = leaves_.tried(leaf, i, ray, range);
-        if ((tried.crossed | tried.in_doubt) == 0) continue;
-        if (visit_some(tried, leaf, i)) return true;
-        any = true;
-      }
-      if constexpr (order == Order::near_first)
-        if (any) left.until = line.at_most(range.max);
-      return false;
-    };
-    return each_along<order>(bvh_, ray, range, visit_one, visit_leaf,
-                             [&](Leaf leaf) { leaves_.fetch(leaf); });
-  }
+  /// A leaf takes the same time for all triangles that are tried at once.
+  static constexpr LeafSize leaf_size{.most = node_width, .enough = double_lanes < 2 ? 2 : double_lanes};
 
   Bvh bvh_;
   TriangleLeaves leaves_;

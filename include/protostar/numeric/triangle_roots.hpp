@@ -17,6 +17,7 @@
 // docs/numerics.md derives the bounds.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <type_traits>
@@ -72,7 +73,7 @@ struct RoundedTriangleEquation {
 [[nodiscard, gnu::always_inline]] inline auto rounded_triangle_equation(const auto& origin,
                                                                         const auto& direction, const auto& a,
                                                                         const auto& b, const auto& c) {
-  using std::abs;
+  using std::abs, std::max, std::min;
   const auto sum_of_sizes = [](const auto& v) { return abs(v.x) + abs(v.y) + abs(v.z); };
   const auto u = b - a, v = c - a;
   const auto w = a - origin;
@@ -95,9 +96,8 @@ struct RoundedTriangleEquation {
 
   const auto ab = -dot(u, m), ca = dot(v, m), bc = slope - ab - ca;
   const auto E = 0x1p-49 * D * (U * V + (U + V) * W);
-  const auto left = ab > E || bc > E || ca > E, right = ab < -E || bc < -E || ca < -E;
-  const auto all_left = ab > E && bc > E && ca > E, all_right = ab < -E && bc < -E && ca < -E;
-  const auto misses = in_range && left && right, crosses = in_range && (all_left || all_right);
+  const auto least = min(ab, min(bc, ca)), most = max(ab, max(bc, ca));
+  const auto misses = in_range && most > E && least < -E, crosses = in_range && (least > E || most < -E);
   return RoundedTriangleEquation<std::remove_const_t<decltype(slope)>, std::remove_const_t<decltype(misses)>>{
       height, slope, ab, bc, ca, E, in_range, misses, crosses, certain};
 }

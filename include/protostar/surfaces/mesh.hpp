@@ -8,6 +8,7 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -37,16 +38,16 @@ class TriangleTree {
   TriangleTree(std::size_t count, const auto&, const RenderOptions&)
       : count_(static_cast<std::uint32_t>(count)) {}
 
-  bool each_crossed(const Ray&, const Interval&, const auto& triangle, const auto& visit) const {
+  void answer(auto& query, const auto& triangle) const {
     for (std::uint32_t i = 0; i < count_; ++i)
-      if (visit(triangle(i), i)) return true;
-    return false;
+      if (query.maybe(triangle(i), i)) return;
   }
-  bool any_crossed(const Ray& ray, const Interval& range, const auto& triangle, const auto& visit) const {
-    return each_crossed(ray, range, triangle, visit);
-  }
-  void each_first(const Ray&, const Interval&, const auto& triangle, const auto& visit, const auto&) const {
-    for (std::uint32_t i = 0; i < count_; ++i) visit(triangle(i), i);
+  void answer_each(std::size_t count, const auto& make, const auto& done, const auto& triangle) const {
+    for (std::size_t k = 0; k < count; ++k) {
+      auto query = make(k);
+      answer(query, triangle);
+      done(k, query);
+    }
   }
 
  private:
@@ -193,29 +194,37 @@ class Mesh {
   /// The first crossing inside the range, in exact order. Of triangles that are crossed at equal t, the
   /// earlier one's is the first.
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
-    std::optional<Crossing> first;
-    const auto take = [&](const Crossing& crossing) {
-      if (first && !comes_before(ray, crossing, *first)) return;
-      first = crossing;
-      // What might be before it, given its error, stays in.
-      range.max = std::min(range.max, latest(crossing.t));
-    };
-    const auto visit = [&](const Triangle& triangle, std::uint32_t i) {
-      if (const auto crossing = crossing_with(triangle, i, ray, range)) take(*crossing);
-      return false;
-    };
-    contents_->tree.each_first(ray, range, data().triangle_of(), visit, [&](double t, std::uint32_t i) {
-      take({.t = t, .part = static_cast<int>(i)});
-    });
-    return first;
+    First first{*this, ray, range};
+    contents_->tree.answer(first, data().triangle_of());
+    return first.crossing;
   }
 
   /// Whether there is any crossing inside the range.
   [[nodiscard]] bool is_met(const Ray& ray, Interval range) const {
-    return contents_->tree.any_crossed(ray, range, data().triangle_of(),
-                                       [&](const Triangle& triangle, std::uint32_t) {
-                                         return protostar::first_crossing(triangle, ray, range).has_value();
-                                       });
+    Any any{ray, range};
+    contents_->tree.answer(any, data().triangle_of());
+    return any.is_met;
+  }
+
+  /// first_crossing of many rays: tell(k, std::optional<Crossing>) is called for each, in any order. Rays
+  /// that lead to different places are sooner done than one after another, as they do not wait for memory.
+  void first_crossings(std::span<const Ray> rays, Interval range, const auto& tell) const {
+    contents_->tree.answer_each(
+        rays.size(),
+        [&](std::size_t k) {
+          return First{*this, rays[k], range};
+        },
+        [&](std::size_t k, const First& first) { tell(k, first.crossing); }, data().triangle_of());
+  }
+
+  /// The same of is_met: tell(k, bool).
+  void are_met(std::span<const Ray> rays, Interval range, const auto& tell) const {
+    contents_->tree.answer_each(
+        rays.size(),
+        [&](std::size_t k) {
+          return Any{rays[k], range};
+        },
+        [&](std::size_t k, const Any& any) { tell(k, any.is_met); }, data().triangle_of());
   }
 
   /// Calls visit(const Crossing&) for every crossing inside the range, near to far.
@@ -223,13 +232,14 @@ class Mesh {
     std::vector<Crossing> crossings;
     // The tree knows rays and no lines: what is behind the origin lies ahead of a ray that is turned around.
     const auto find_along = [&](const Ray& half, double length, bool is_behind) {
-      const auto find = [&](const Triangle& triangle, std::uint32_t i) {
-        const auto crossing = crossing_with(triangle, i, ray, range);
-        if (crossing && (crossing->t < 0) == is_behind) crossings.push_back(*crossing);
-        return false;
-      };
-      contents_->tree.each_crossed(half, {std::max(is_behind ? -range.max : range.min, 0.0), length},
-                                   data().triangle_of(), find);
+      All all{half,
+              {std::max(is_behind ? -range.max : range.min, 0.0), length},
+              data(),
+              [&](const Triangle& triangle, std::uint32_t i) {
+                const auto crossing = crossing_with(triangle, i, ray, range);
+                if (crossing && (crossing->t < 0) == is_behind) crossings.push_back(*crossing);
+              }};
+      contents_->tree.answer(all, data().triangle_of());
     };
     if (range.max > 0) find_along(ray, range.max, false);
     if (range.min < 0) find_along(ray.turned(-ray.direction), -range.min, true);
@@ -256,6 +266,64 @@ class Mesh {
   }
 
  private:
+  // What the tree is asked (TriangleTree).
+
+  /// What a ray crosses first.
+  struct First {
+    static constexpr bool near_first = true;
+
+    const Mesh& mesh;
+    const Ray& ray;
+    Interval range;
+    std::optional<Crossing> crossing = {};
+
+    bool found(double t, std::uint32_t i) { return take({.t = t, .part = static_cast<int>(i)}); }
+    bool maybe(const Triangle& triangle, std::uint32_t i) {
+      const auto other = crossing_with(triangle, i, ray, range);
+      return other && take(*other);
+    }
+
+   private:
+    bool take(const Crossing& other) {
+      if (crossing && !mesh.comes_before(ray, other, *crossing)) return false;
+      crossing = other;
+      // What might be before it, given its error, stays in.
+      range.max = std::min(range.max, latest(other.t));
+      return false;
+    }
+  };
+
+  /// Whether it crosses anything.
+  struct Any {
+    static constexpr bool near_first = false;
+
+    const Ray& ray;
+    Interval range;
+    bool is_met = false;
+
+    bool found(double, std::uint32_t) { return is_met = true; }
+    bool maybe(const Triangle& triangle, std::uint32_t) {
+      return is_met = protostar::first_crossing(triangle, ray, range).has_value();
+    }
+  };
+
+  /// All that it may cross: look_at(triangle, i).
+  template <class LookAt>
+  struct All {
+    static constexpr bool near_first = false;
+
+    const Ray& ray;
+    Interval range;
+    const MeshData& data;
+    LookAt look_at;
+
+    bool found(double, std::uint32_t i) { return maybe(data.triangle(i), i); }
+    bool maybe(const Triangle& triangle, std::uint32_t i) {
+      look_at(triangle, i);
+      return false;
+    }
+  };
+
   /// What copies share.
   struct Contents {
     MeshData data;
