@@ -5,10 +5,11 @@
 //
 // N rays (60,000). Along each, which starts outside, crossings have to lead in and out in turn, as the exact
 // signs of d·n say; what is crossed at exactly equal t may come in any order. And where all triangles around
-// what it is aimed at are seen from one side, exactly one of them has to be crossed. For one ray in eight, a
-// range is cut just before, at or behind a crossing: what is asked of that range has to be what of the
-// crossings lies in it. Exits with 1 if that is not so, and prints the ray in hexadecimal. The counts do not
-// depend on the number of threads (1; 0: all cores).
+// what it is aimed at are seen from one side, exactly one of them has to be crossed. The first crossings of
+// many rays at once have to be those that each has. For one ray in eight, a range is cut just before, at or
+// behind a crossing: what is asked of that range has to be what of the crossings lies in it. Exits with 1 if
+// that is not so, and prints the ray in hexadecimal. The counts do not depend on the number of threads (1; 0:
+// all cores).
 
 #include <algorithm>
 #include <atomic>
@@ -17,6 +18,7 @@
 #include <exception>
 #include <optional>
 #include <protostar/surfaces/mesh.hpp>
+#include <span>
 #include <vector>
 
 #include "corpora.hpp"
@@ -222,9 +224,6 @@ class Judge {
   void judge_order(Tally& tally) const {
     ++tally.rays;
     tally.crossings += crossings_.size();
-    const auto first = mesh_.first_crossing(aimed_.ray, {});
-    if (first.has_value() == crossings_.empty() || (first && first->part != crossings_[0].part))
-      ++tally.disordered;
     int inside = 0;
     for (std::size_t i = 0; i < crossings_.size();) {
       const Plumb here = plumb(crossings_[i].part);
@@ -256,19 +255,25 @@ class Judge {
     if (crossed > 1) ++tally.twice;
   }
 
+  /// Whether an answer is the first of the crossings.
+  void judge_first(Tally& tally, const std::optional<Crossing>& first) const {
+    if (!is_first(first, crossings_)) ++tally.misjudged;
+  }
+
   /// Whether what is asked of a range is what of all crossings lies in it: before or behind a number near a
   /// crossing, or near the place that the ray is aimed at.
   void judge_range(Tally& tally, Random& random) const {
     const std::size_t some = random.bits() % (crossings_.size() + 1);
     const double end = nudged(random, some < crossings_.size() ? crossings_[some].t : 1);
     const bool is_before = coin(random);
-    std::vector<int> within;
+    std::vector<Crossing> within;
     for (const Crossing& crossing : crossings_)
-      if (plumb(crossing.part).order(end) == (is_before ? -1 : 1)) within.push_back(crossing.part);
+      if (plumb(crossing.part).order(end) == (is_before ? -1 : 1)) within.push_back(crossing);
     ++tally.ranges;
-    if (!finds(is_before ? Interval{0, end} : Interval{end, infinity}, within) ||
-        mesh_.is_met(aimed_.ray, {}) == crossings_.empty())
-      ++tally.misjudged;
+    const Interval range = is_before ? Interval{0, end} : Interval{end, infinity};
+    std::vector<Crossing> found;
+    mesh_.each_crossing(aimed_.ray, range, [&](const Crossing& crossing) { found.push_back(crossing); });
+    if (!are_same(found, within) || !finds(range, within) || !finds({}, crossings_)) ++tally.misjudged;
   }
 
  private:
@@ -290,12 +295,15 @@ class Judge {
     }
   }
 
-  [[nodiscard]] bool finds(const Interval& range, const std::vector<int>& parts) const {
-    const auto first = mesh_.first_crossing(aimed_.ray, range);
-    std::vector<int> found;
-    mesh_.each_crossing(aimed_.ray, range, [&](const Crossing& crossing) { found.push_back(crossing.part); });
-    return mesh_.is_met(aimed_.ray, range) == !parts.empty() && first.has_value() == !parts.empty() &&
-           (!first || first->part == parts[0]) && found == parts;
+  static bool is_first(const std::optional<Crossing>& first, const std::vector<Crossing>& all) {
+    return first ? !all.empty() && first->part == all[0].part : all.empty();
+  }
+  [[nodiscard]] bool finds(const Interval& range, const std::vector<Crossing>& all) const {
+    return is_first(mesh_.first_crossing(aimed_.ray, range), all) &&
+           mesh_.is_met(aimed_.ray, range) == !all.empty();
+  }
+  static bool are_same(const std::vector<Crossing>& some, const std::vector<Crossing>& others) {
+    return std::ranges::equal(some, others, {}, &Crossing::part, &Crossing::part);
   }
 
   const Mesh& mesh_;
@@ -321,18 +329,33 @@ Model placed(const Shape& shape, Random& random) {
 }
 
 /// So many rays at a model.
-Tally judged(const Shape& shape, Random& random, std::uint64_t rays) {
-  const Model model = placed(shape, random);
+Tally judged(const Shape& shape, Random& random, std::uint64_t count) {
   Tally tally;
   fallbacks = {};
-  while (tally.rays < rays) {
-    const Aimed aimed = aim(random, model);
-    const Judge judge(model, aimed);
+  const Model model = placed(shape, random);
+  std::vector<Aimed> aims;
+  std::vector<Ray> rays;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    aims.push_back(aim(random, model));
+    rays.push_back(aims.back().ray);
+  }
+  std::vector<std::optional<Crossing>> firsts(rays.size());
+  model.mesh.first_crossings(rays, {}, [&](std::size_t i, const auto& first) { firsts[i] = first; });
+  const auto compare = [&](std::size_t i, bool is_met) {
+    if (is_met == firsts[i].has_value()) return;
+    ++tally.misjudged;
+    report(model, rays[i]);
+  };
+  model.mesh.are_met(std::span(rays).first(rays.size() / 8), {}, compare);
+
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Judge judge(model, aims[i]);
     const std::uint64_t before = tally.wrong();
     judge.judge_order(tally);
     judge.judge_aim(tally);
+    judge.judge_first(tally, firsts[i]);
     if (whole(random, 0, 7) == 0) judge.judge_range(tally, random);
-    if (tally.wrong() > before) report(model, aimed.ray);
+    if (tally.wrong() > before) report(model, rays[i]);
   }
   tally.exact = fallbacks.exact;
   return tally;
