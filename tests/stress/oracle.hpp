@@ -208,6 +208,28 @@ struct CarriedRay {
   }
 };
 
+/// Whether a ray is carried into the space of an instance as well as doubles allow: each component with an
+/// error of at most 4u, or of the origin 5u, of the sum of its terms' sizes; 6 with the second order.
+inline bool is_carried(const protostar::Ray& ray, const protostar::Affine& map,
+                       const protostar::Ray& carried) {
+  const Vector<Number> x(map.x), y(map.y), z(map.z);
+  // Of the inverse, times the determinant.
+  const Vector<Number> rows[] = {cross(y, z), cross(z, x), cross(x, y)};
+  const Number determinant = dot(x, rows[0]);
+  const auto size = [](const Number& n) { return n.sign() < 0 ? -n : n; };
+  const auto is_near = [&](const protostar::Vec3& found, const Vector<Number>& v) {
+    for (int i = 0; i < 3; ++i) {
+      const Number terms[] = {rows[i].x * v.x, rows[i].y * v.y, rows[i].z * v.z};
+      const Number off = Number(found[i]) * determinant - (terms[0] + terms[1] + terms[2]);
+      const Number sizes = size(terms[0]) + size(terms[1]) + size(terms[2]);
+      if ((size(off) - Number(6 * 0x1p-53) * sizes).sign() > 0) return false;
+    }
+    return true;
+  };
+  return is_near(carried.origin, Vector<Number>(ray.origin) - Vector<Number>(map.translation)) &&
+         is_near(carried.direction, Vector<Number>(ray.direction));
+}
+
 /// The equation of a sphere, or of a plane, and the carried ray, times the determinant or its square.
 template <class T>
 struct PlacedSphereEquation {
@@ -285,10 +307,15 @@ std::optional<bool> ends_inside(const protostar::Ray& ray, const protostar::Quad
   return false;
 }
 
-/// Whether a ray leaves a solid of a tree. Rays of corpora leave faces of boxes.
+/// Whether a ray leaves a solid of a tree. No ray here leaves a quadric of one.
 inline bool leaves_solid(const protostar::Ray&, const auto&) { return false; }
 inline bool leaves_solid(const protostar::Ray& ray, const protostar::Box& box) {
   return ray.departure.kind != protostar::Departure::Kind::none && face_left(ray, box) >= 0;
+}
+inline bool leaves_solid(const protostar::Ray& ray, const protostar::Sphere& sphere) {
+  const auto& g = ray.departure.geometry;
+  return ray.departure.kind == protostar::Departure::Kind::sphere && sphere.center.x == g[0] &&
+         sphere.center.y == g[1] && sphere.center.z == g[2] && std::abs(sphere.radius) == g[3];
 }
 
 /// A crossing's parameter: (p + side · √D) / A with A > 0, side -1, 0 or 1; and that rounded to Quad, good to
@@ -539,7 +566,8 @@ inline bool coincide(const protostar::Disk& a, const protostar::Plane& b) {
   return rounded_equation(a) == rounded_equation(b);
 }
 
-/// Whether a ray that leaves something else leaves this as well, in one plane at a right angle to an axis.
+/// Whether a ray that leaves something else leaves this as well: in one plane at a right angle to an axis, or
+/// the same sphere.
 inline bool is_left_with(const protostar::Ray& ray, const protostar::Box& box) {
   return face_left(ray, box) >= 0;
 }
@@ -563,7 +591,9 @@ inline bool is_left_with(const protostar::Ray& ray, const protostar::Parallelogr
     if (board.edge_u[i] == 0 && board.edge_v[i] == 0) return leaves_plane(ray, i, board.position[i]);
   return false;
 }
-inline bool is_left_with(const protostar::Ray&, const protostar::Sphere&) { return false; }
+inline bool is_left_with(const protostar::Ray& ray, const protostar::Sphere& sphere) {
+  return leaves_solid(ray, sphere);
+}
 inline bool is_left_with(const protostar::Ray&, const protostar::Quadric&) { return false; }
 
 }  // namespace exact

@@ -1,24 +1,30 @@
 // Closed meshes, and rays that are aimed at their edges and vertices: does one slip through, or is a crossing
 // counted twice?
 //
-//   stress_mesh [--tests N] [--seed S]
+//   stress_mesh [--tests N] [--seed S] [--threads N]
 //
 // N rays (60,000). Along each, which starts outside, crossings have to lead in and out in turn, as the exact
 // signs of d·n say; what is crossed at exactly equal t may come in any order. And where all triangles around
-// what it is aimed at are seen from one side, exactly one of them has to be crossed. Exits with 1 if that is
-// not so, and prints the ray in hexadecimal.
+// what it is aimed at are seen from one side, exactly one of them has to be crossed. The first crossings of
+// many rays at once have to be those that each has. For one ray in eight, a range is cut just before, at or
+// behind a crossing: what is asked of that range has to be what of the crossings lies in it. Exits with 1 if
+// that is not so, and prints the ray in hexadecimal. The counts do not depend on the number of threads (1; 0:
+// all cores).
 
 #include <algorithm>
+#include <atomic>
 #include <cinttypes>
 #include <cstdio>
 #include <exception>
+#include <optional>
 #include <protostar/surfaces/mesh.hpp>
+#include <span>
 #include <vector>
 
 #include "corpora.hpp"
-#include "options.hpp"
 #include "oracle.hpp"
 #include "support/meshes.hpp"
+#include "work.hpp"
 
 using namespace protostar;
 using corpora::coin, corpora::whole, corpora::whole_vector, corpora::size;
@@ -46,21 +52,29 @@ const Family families[] = {
      1},
 };
 
-/// A mesh in its place, and what is around its edges and vertices.
+/// A mesh of a family, and what is around its edges and vertices.
+struct Shape {
+  const char* name;
+  double radius;
+  MeshData mesh;
+  std::vector<std::vector<int>> around;  ///< of each vertex: the triangles that have it
+
+  explicit Shape(const Family& family)
+      : name(family.name), radius(family.radius), mesh(family.mesh()), around(mesh.vertices.size()) {
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+      for (const std::uint32_t vertex : mesh.triangles[i]) around[vertex].push_back(static_cast<int>(i));
+  }
+};
+
+/// A shape in its place.
 struct Model {
-  const Family& family;
+  const Shape& shape;
   double scale;
   Vec3 offset;
   Mesh mesh;
-  std::vector<std::vector<int>> around;  ///< of each vertex: the triangles that have it
 
-  Model(const Family& f, double by, const Vec3& to)
-      : family(f), scale(by), offset(to), mesh(meshes::moved(f.mesh(), by, to), {.threads = 1}) {
-    around.resize(mesh.data().vertices.size());
-    for (std::size_t i = 0; i < mesh.data().triangles.size(); ++i)
-      for (const std::uint32_t vertex : mesh.data().triangles[i])
-        around[vertex].push_back(static_cast<int>(i));
-  }
+  Model(const Shape& of, double by, const Vec3& to)
+      : shape(of), scale(by), offset(to), mesh(meshes::moved(of.mesh, by, to), {.threads = 1}) {}
 };
 
 /// A ray, and the triangles around what it is aimed at.
@@ -71,7 +85,7 @@ struct Aimed {
 
 /// An origin outside the sphere around the mesh.
 Point origin_outside(Random& random, const Model& model) {
-  const double radius = model.family.radius;
+  const double radius = model.shape.radius;
   for (;;) {
     const double far = size(random, 1, 8);
     const Vec3 place = coin(random) ? whole_vector(random, -10, 10) : far * random.direction();
@@ -85,25 +99,25 @@ Aimed aim(Random& random, const Model& model) {
   const std::size_t corner = random.bits() % 3;
   const std::uint32_t from = triangle[corner], to = triangle[(corner + 1) % 3];
   const Point p = vertices[from], q = vertices[to];
-  std::vector<int> of_both;  // rounding may lead past the end of an edge
-  std::ranges::set_union(model.around[from], model.around[to], std::back_inserter(of_both));
   switch (whole(random, 0, 4)) {
     case 0: {  // a vertex
       const Point origin = origin_outside(random, model);
-      return {{origin, p - origin}, model.around[from]};
+      return {{origin, p - origin}, model.shape.around[from]};
     }
     case 1: {  // a place on an edge, some of them in the middle or nearly at its end
       const Point origin = origin_outside(random, model);
       const double s = coin(random) ? random.real(0, 1) : std::ldexp(1, -whole(random, 1, 50));
+      std::vector<int> of_both;  // rounding may lead past the end of an edge
+      std::ranges::set_union(model.shape.around[from], model.shape.around[to], std::back_inserter(of_both));
       return {{origin, p + s * (q - p) - origin}, of_both};
     }
     case 2: {  // one that is looked at along an axis
       Vec3 d{0};
       d[whole(random, 0, 2)] = coin(random) ? 4 : -4;
-      return {{p - model.scale * model.family.radius * d, d}, model.around[from]};
+      return {{p - model.scale * model.shape.radius * d, d}, model.shape.around[from]};
     }
     case 3: {  // along the edge
-      const double far = 4 * model.scale * model.family.radius / length(q - p);
+      const double far = 4 * model.scale * model.shape.radius / length(q - p);
       return {{p - std::ceil(far) * (q - p), q - p}, {}};
     }
     default: {  // to a place next to a vertex
@@ -117,121 +131,256 @@ Aimed aim(Random& random, const Model& model) {
 // ---- The truth
 
 using exact::Number;
-using ExactVector = exact::Vector<Number>;
 
-/// slope · t = height is where the line crosses the plane of a triangle.
-struct Plumb {
-  Number slope, height;
-
-  Plumb(const Ray& ray, const Triangle& s) {
-    const ExactVector a(s.a);
-    const ExactVector n = exact::cross(ExactVector(s.b) - a, ExactVector(s.c) - a);
-    slope = exact::dot(n, ExactVector(ray.direction));
-    height = exact::dot(n, a - ExactVector(ray.origin));
+/// slope · t = height is where the line crosses the plane of a triangle. With the edges u = b − a and v = c −
+/// a, n = u × v and w = a − o, slope = n·d and height = n·w.
+///
+/// Both are rounded; where their error may reach a sign, it is that of exact numbers. In units of u = 2^-53
+/// of the sum of the sizes of its terms, u, v and w are wrong by 1, a component of n by 1 + 1 + 1 + 1 = 4,
+/// the slope by 4 + 1 + 2 = 7 and the height by 4 + 1 + 1 + 2 = 8. The code takes 16, which covers what is
+/// rounded in that sum and the second order. The numbers here are 0 or from 2^-200 to 2^100: only products of
+/// slopes and heights may underflow, by less than 2^-900.
+class Plumb {
+ public:
+  Plumb(const Ray& ray, const Triangle& s) : ray_(ray), triangle_(s) {
+    const Vec3 u = s.b - s.a, v = s.c - s.a, w = s.a - ray.origin, n = cross(u, v);
+    const Vec3 terms{std::abs(u.y * v.z) + std::abs(u.z * v.y), std::abs(u.z * v.x) + std::abs(u.x * v.z),
+                     std::abs(u.x * v.y) + std::abs(u.y * v.x)};
+    slope_ = dot(n, ray.direction), slope_terms_ = dot(terms, abs(ray.direction));
+    height_ = dot(n, w), height_terms_ = dot(terms, abs(w));
   }
 
-  /// The sign of t − other.t.
+  /// The sign of the slope: 1 where the triangle is seen from behind.
+  [[nodiscard]] int side() const {
+    const auto sign = sign_of(slope_, 0x1p-49 * slope_terms_);
+    return sign ? *sign : exactly().slope.sign();
+  }
+
+  /// The sign of t − other.t. Each product is wrong by 8 + 7 + 1 of that of both sums, and the difference
+  /// rounds once more: 17, for which the code takes 32.
   [[nodiscard]] int order(const Plumb& other) const {
-    return (height * other.slope - other.height * slope).sign() * slope.sign() * other.slope.sign();
+    const auto sign =
+        sign_of(height_ * other.slope_ - other.height_ * slope_,
+                0x1p-48 * (height_terms_ * other.slope_terms_ + other.height_terms_ * slope_terms_));
+    return (sign ? *sign : exact_order(exactly(), other.exactly())) * side() * other.side();
   }
+
+  /// The sign of t − end. The height is wrong by 8, the product by 7 + 1, and the difference rounds: 9.
+  [[nodiscard]] int order(double end) const {
+    const auto sign =
+        sign_of(height_ - end * slope_, 0x1p-49 * (height_terms_ + std::abs(end) * slope_terms_));
+    return (sign ? *sign : exact_order(exactly(), {1.0, end})) * side();
+  }
+
+ private:
+  struct Exact {
+    Number slope, height;
+  };
+
+  /// Unless a number that is off by less than the error may be 0.
+  static std::optional<int> sign_of(double rounded, double error) {
+    if (std::abs(rounded) <= error + 0x1p-900) return std::nullopt;
+    return rounded > 0 ? 1 : -1;
+  }
+
+  [[nodiscard]] Exact exactly() const {
+    using Vector = exact::Vector<Number>;
+    const Vector a(triangle_.a);
+    const Vector n = exact::cross(Vector(triangle_.b) - a, Vector(triangle_.c) - a);
+    return {exact::dot(n, Vector(ray_.direction)), exact::dot(n, a - Vector(ray_.origin))};
+  }
+
+  static int exact_order(const Exact& x, const Exact& y) {
+    return (x.height * y.slope - y.height * x.slope).sign();
+  }
+
+  Ray ray_;
+  Triangle triangle_;
+  double slope_, slope_terms_, height_, height_terms_;
 };
 
 // ---- The judgement
 
 struct Tally {
-  std::uint64_t rays = 0, crossings = 0, slipped = 0, twice = 0, disordered = 0;
+  std::uint64_t rays = 0, crossings = 0, ranges = 0, slipped = 0, twice = 0, disordered = 0, misjudged = 0;
+  std::uint64_t exact = 0;  ///< triangles that the library decided without rounding
 
-  [[nodiscard]] std::uint64_t wrong() const { return slipped + twice + disordered; }
+  [[nodiscard]] std::uint64_t wrong() const { return slipped + twice + disordered + misjudged; }
+
+  void add(const Tally& other) {
+    rays += other.rays, crossings += other.crossings, ranges += other.ranges;
+    slipped += other.slipped, twice += other.twice, disordered += other.disordered;
+    misjudged += other.misjudged, exact += other.exact;
+  }
 };
 
-void judge(Tally& tally, const Model& model, const Aimed& aimed) {
-  std::vector<Crossing> crossings;
-  model.mesh.each_crossing(aimed.ray, {}, [&](const Crossing& crossing) { crossings.push_back(crossing); });
-  ++tally.rays;
-  tally.crossings += crossings.size();
-  const auto triangle = [&](int part) { return model.mesh.data().triangle(static_cast<std::size_t>(part)); };
-
-  const auto first = model.mesh.first_crossing(aimed.ray, {});
-  if (first.has_value() == crossings.empty() || (first && first->part != crossings[0].part))
-    ++tally.disordered;
-
-  int inside = 0;
-  for (std::size_t i = 0; i < crossings.size();) {
-    const Plumb here(aimed.ray, triangle(crossings[i].part));
-    inside -= here.slope.sign();
-    for (++i; i < crossings.size(); ++i) {
-      const Plumb next(aimed.ray, triangle(crossings[i].part));
-      const int order = here.order(next);
-      if (order > 0) ++tally.disordered;
-      if (order != 0) break;
-      inside -= next.slope.sign();
-    }
-    if (inside > 1) ++tally.twice;
-    if (inside < 0) ++tally.slipped;
+class Judge {
+ public:
+  Judge(const Model& model, const Aimed& aimed) : mesh_(model.mesh), aimed_(aimed) {
+    mesh_.each_crossing(aimed.ray, {}, [&](const Crossing& crossing) { crossings_.push_back(crossing); });
   }
-  if (inside != 0) ++tally.slipped;
 
-  if (aimed.at.empty()) return;
-  const auto side = [&](int part) { return Plumb(aimed.ray, triangle(part)).slope.sign(); };
-  const int seen = side(aimed.at[0]);
-  if (seen == 0 || !std::ranges::all_of(aimed.at, [&](int part) { return side(part) == seen; })) return;
-  const auto crossed = std::ranges::count_if(crossings, [&](const Crossing& crossing) {
-    return std::ranges::find(aimed.at, crossing.part) != aimed.at.end();
-  });
-  if (crossed == 0) ++tally.slipped;
-  if (crossed > 1) ++tally.twice;
-}
+  /// Whether crossings lead in and out in turn.
+  void judge_order(Tally& tally) const {
+    ++tally.rays;
+    tally.crossings += crossings_.size();
+    int inside = 0;
+    for (std::size_t i = 0; i < crossings_.size();) {
+      const Plumb here = plumb(crossings_[i].part);
+      if (here.side() == 0) ++tally.disordered;  // what is seen from its edge leads nowhere
+      inside -= here.side();
+      for (++i; i < crossings_.size(); ++i) {
+        const Plumb next = plumb(crossings_[i].part);
+        const int order = here.order(next);
+        if (order > 0) ++tally.disordered;
+        if (order != 0) break;
+        inside -= next.side();
+      }
+      if (inside > 1) ++tally.twice;
+      if (inside < 0) ++tally.slipped;
+    }
+    if (inside != 0) ++tally.slipped;
+  }
+
+  /// Whether one of the triangles that a ray is aimed at is crossed, if all are seen from one side.
+  void judge_aim(Tally& tally) const {
+    if (aimed_.at.empty()) return;
+    const auto side = [&](int part) { return plumb(part).side(); };
+    const int seen = side(aimed_.at[0]);
+    if (seen == 0 || !std::ranges::all_of(aimed_.at, [&](int part) { return side(part) == seen; })) return;
+    const auto crossed = std::ranges::count_if(crossings_, [&](const Crossing& crossing) {
+      return std::ranges::find(aimed_.at, crossing.part) != aimed_.at.end();
+    });
+    if (crossed == 0) ++tally.slipped;
+    if (crossed > 1) ++tally.twice;
+  }
+
+  /// Whether an answer is the first of the crossings.
+  void judge_first(Tally& tally, const std::optional<Crossing>& first) const {
+    if (!is_first(first, crossings_)) ++tally.misjudged;
+  }
+
+  /// Whether what is asked of a range is what of all crossings lies in it: before or behind a number near a
+  /// crossing, or near the place that the ray is aimed at.
+  void judge_range(Tally& tally, Random& random) const {
+    const std::size_t some = random.bits() % (crossings_.size() + 1);
+    const double end = nudged(random, some < crossings_.size() ? crossings_[some].t : 1);
+    const bool is_before = coin(random);
+    std::vector<Crossing> within;
+    for (const Crossing& crossing : crossings_)
+      if (plumb(crossing.part).order(end) == (is_before ? -1 : 1)) within.push_back(crossing);
+    ++tally.ranges;
+    const Interval range = is_before ? Interval{0, end} : Interval{end, infinity};
+    std::vector<Crossing> found;
+    mesh_.each_crossing(aimed_.ray, range, [&](const Crossing& crossing) { found.push_back(crossing); });
+    if (!are_same(found, within) || !finds(range, within) || !finds({}, crossings_)) ++tally.misjudged;
+  }
+
+ private:
+  [[nodiscard]] Plumb plumb(int part) const {
+    return {aimed_.ray, mesh_.data().triangle(static_cast<std::size_t>(part))};
+  }
+
+  static double nudged(Random& random, double t) {
+    switch (whole(random, 0, 3)) {
+      case 0:
+        return t;
+      case 1:
+        return std::nextafter(t, 0);
+      case 2:
+        return std::nextafter(t, infinity);
+      default:
+        const double side = coin(random) ? 1 : -1;
+        return t * (1 + std::ldexp(side, -whole(random, 1, 51)));
+    }
+  }
+
+  static bool is_first(const std::optional<Crossing>& first, const std::vector<Crossing>& all) {
+    return first ? !all.empty() && first->part == all[0].part : all.empty();
+  }
+  [[nodiscard]] bool finds(const Interval& range, const std::vector<Crossing>& all) const {
+    return is_first(mesh_.first_crossing(aimed_.ray, range), all) &&
+           mesh_.is_met(aimed_.ray, range) == !all.empty();
+  }
+  static bool are_same(const std::vector<Crossing>& some, const std::vector<Crossing>& others) {
+    return std::ranges::equal(some, others, {}, &Crossing::part, &Crossing::part);
+  }
+
+  const Mesh& mesh_;
+  const Aimed& aimed_;
+  std::vector<Crossing> crossings_;
+};
 
 void report(const Model& model, const Ray& ray) {
-  static int reports = 0;
+  static std::atomic<int> reports = 0;
   if (++reports > 20) return;
   std::fprintf(stderr, "wrong in %s, scale %a, offset {%a, %a, %a}: ray {%a, %a, %a}, {%a, %a, %a}\n",
-               model.family.name, model.scale, model.offset.x, model.offset.y, model.offset.z, ray.origin.x,
+               model.shape.name, model.scale, model.offset.x, model.offset.y, model.offset.z, ray.origin.x,
                ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z);
 }
 
 /// Scales of 1e-3 to 1e6, and offsets of up to 1e4 times that; powers of two and whole numbers, or any.
-Model placed(const Family& family, Random& random) {
+Model placed(const Shape& shape, Random& random) {
   const bool is_whole = coin(random);
   const double scale = is_whole ? std::ldexp(1, whole(random, -10, 20)) : size(random, -10, 20);
   const int reach = coin(random) ? whole(random, 0, 10000) : 0;
   const Vec3 offset = is_whole ? whole_vector(random, -reach, reach) : random.point(reach);
-  return {family, scale, scale * offset};
+  return {shape, scale, scale * offset};
 }
 
-Tally run(const Family& family, std::uint64_t tests, std::uint64_t seed) {
-  constexpr std::uint64_t rays_of_a_model = 2000;
-  Random random(seed);
+/// So many rays at a model.
+Tally judged(const Shape& shape, Random& random, std::uint64_t count) {
   Tally tally;
-  while (tally.rays < tests) {
-    const Model model = placed(family, random);
-    for (std::uint64_t i = 0; i < rays_of_a_model && tally.rays < tests; ++i) {
-      const Aimed aimed = aim(random, model);
-      const std::uint64_t before = tally.wrong();
-      judge(tally, model, aimed);
-      if (tally.wrong() > before) report(model, aimed.ray);
-    }
+  fallbacks = {};
+  const Model model = placed(shape, random);
+  std::vector<Aimed> aims;
+  std::vector<Ray> rays;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    aims.push_back(aim(random, model));
+    rays.push_back(aims.back().ray);
   }
+  std::vector<std::optional<Crossing>> firsts(rays.size());
+  model.mesh.first_crossings(rays, {}, [&](std::size_t i, const auto& first) { firsts[i] = first; });
+  const auto compare = [&](std::size_t i, bool is_met) {
+    if (is_met == firsts[i].has_value()) return;
+    ++tally.misjudged;
+    report(model, rays[i]);
+  };
+  model.mesh.are_met(std::span(rays).first(rays.size() / 8), {}, compare);
+
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Judge judge(model, aims[i]);
+    const std::uint64_t before = tally.wrong();
+    judge.judge_order(tally);
+    judge.judge_aim(tally);
+    judge.judge_first(tally, firsts[i]);
+    if (whole(random, 0, 7) == 0) judge.judge_range(tally, random);
+    if (tally.wrong() > before) report(model, rays[i]);
+  }
+  tally.exact = fallbacks.exact;
   return tally;
 }
 
 int stress(int argc, char** argv) {
-  const Options options(argc, argv, {"--tests", "--seed"});
-  const std::uint64_t each =
-      (options.number("--tests", 60'000) + std::size(families) - 1) / std::size(families);
-  Random seeds(options.number("--seed", 1));
-  std::uint64_t wrong = 0;
-  fallbacks = {};
-  std::printf("%-13s%12s%12s%12s%12s%12s\n", "meshes", "rays", "crossings", "slipped", "twice", "disordered");
+  const Options options(argc, argv, {"--tests", "--seed", "--threads"});
+  constexpr std::uint64_t rays_of_a_model = 512;
+  Work work(options, options.number("--tests", 60'000), std::size(families));
+  Tally all;
+  std::printf("%-13s%12s%12s%12s%12s%12s%12s%12s\n", "meshes", "rays", "crossings", "ranges", "slipped",
+              "twice", "disordered", "misjudged");
   for (const Family& family : families) {
-    const Tally tally = run(family, each, seeds.bits());
-    std::printf("%-13s%12" PRIu64 "%12" PRIu64 "%12" PRIu64 "%12" PRIu64 "%12" PRIu64 "\n", family.name,
-                tally.rays, tally.crossings, tally.slipped, tally.twice, tally.disordered);
+    const Shape shape(family);
+    const auto tally = work.summed<Tally>(
+        rays_of_a_model, [&](Random& random, std::uint64_t rays) { return judged(shape, random, rays); });
+    std::printf("%-13s%12" PRIu64 "%12" PRIu64 "%12" PRIu64 "%12" PRIu64 "%12" PRIu64 "%12" PRIu64
+                "%12" PRIu64 "\n",
+                family.name, tally.rays, tally.crossings, tally.ranges, tally.slipped, tally.twice,
+                tally.disordered, tally.misjudged);
     std::fflush(stdout);
-    wrong += tally.wrong();
+    all.add(tally);
   }
-  std::printf("triangles decided without rounding %" PRIu64 "\n", fallbacks.exact);
-  return wrong > 0 ? 1 : 0;
+  std::printf("triangles decided without rounding %" PRIu64 "\n", all.exact);
+  return all.wrong() > 0 ? 1 : 0;
 }
 
 }  // namespace

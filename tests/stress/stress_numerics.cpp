@@ -21,14 +21,13 @@
 #include <fstream>
 #include <mutex>
 #include <optional>
-#include <protostar/parallel.hpp>
 #include <protostar/scene.hpp>
 #include <string>
 
 #include "corpora.hpp"
-#include "options.hpp"
 #include "truth.hpp"
 #include "usual.hpp"
+#include "work.hpp"
 
 using namespace protostar;
 using exact::Truth, exact::TrueRoot;
@@ -612,24 +611,7 @@ struct Totals {
   }
 };
 
-/// How many cases of each corpus are judged, by how many threads; the seeds.
-struct Work {
-  std::uint64_t cases;
-  int threads;
-  Random seeds;
-
-  /// The cases of a corpus in chunks, each with random numbers of its own: visit(random, count).
-  void in_chunks(const auto& visit) {
-    constexpr std::uint64_t size = 8192;
-    const std::uint64_t seed = seeds.bits();
-    const auto chunks = static_cast<int>((cases + size - 1) / size);
-    detail::for_each_in_parallel(chunks, {.threads = threads}, [&](int chunk) {
-      const auto i = static_cast<std::uint64_t>(chunk);
-      Random random(seed + i);
-      visit(random, std::min(size, cases - i * size));
-    });
-  }
-};
+constexpr std::uint64_t chunk_size = 8192;
 
 /// Every chosen kernel on every corpus of one kind of surface; what the library did is added to the totals.
 template <class S>
@@ -638,7 +620,7 @@ void run(const std::vector<Corpus<S>>& all, const std::vector<Kernel<S>>& kernel
   for (const Corpus<S>& corpus : all) {
     std::vector<Tally> tallies(kernels.size());
     std::mutex adding;
-    work.in_chunks([&](Random& random, std::uint64_t left) {
+    work.in_chunks(chunk_size, [&](Random& random, std::uint64_t left) {
       std::vector<Tally> chunk(kernels.size());
       while (left > 0) {
         const Batch<S> batch(corpus, random, static_cast<std::size_t>(std::min<std::uint64_t>(left, 256)));
@@ -663,7 +645,7 @@ std::uint64_t judge_the_judge(const std::vector<Corpus<S>>& all, Work& work) {
   std::uint64_t all_wrong = 0;
   for (const Corpus<S>& corpus : all) {
     std::atomic<std::uint64_t> decided = 0, wrong = 0;
-    work.in_chunks([&](Random& random, std::uint64_t left) {
+    work.in_chunks(chunk_size, [&](Random& random, std::uint64_t left) {
       for (; left > 0; --left) {
         const Case<S> c = sound_case(corpus, random).first;
         if (exact::first_level(c.ray, c.surface, leaves(c))) ++decided;
@@ -696,9 +678,7 @@ int stress(int argc, char** argv) {
       corpora::of_disks.size() + corpora::of_boxes.size() + corpora::of_quadrics.size() +
       corpora::of_placed_spheres.size() + corpora::of_placed_planes.size() + corpora::of_trees.size();
   const std::uint64_t tests = options.number(judges_itself ? "--judge" : "--tests", 2'000'000);
-  Work work{.cases = (tests + corpora_count - 1) / corpora_count,
-            .threads = static_cast<int>(options.number("--threads", 1)),
-            .seeds = Random(options.number("--seed", 1))};
+  Work work(options, tests, corpora_count);
 
   if (judges_itself) {
     std::printf("%-17s%10s%10s%10s\n", "corpus", "cases", "decided", "wrong");

@@ -27,8 +27,9 @@ using ExactVector = std::array<Expansion, 3>;
   return {v.x, v.y, v.z};
 }
 [[nodiscard, gnu::cold, gnu::noinline]] inline ExactVector exact_difference(const Vec3& a, const Vec3& b) {
-  const ExactVector x = exact_vector(a), y = exact_vector(b);
-  return {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
+  ExactVector difference = exact_vector(a);
+  for (int i = 0; i < 3; ++i) difference[static_cast<std::size_t>(i)] += -b[i];
+  return difference;
 }
 [[nodiscard, gnu::cold, gnu::noinline]] inline Expansion exact_dot(const ExactVector& a,
                                                                    const ExactVector& b) {

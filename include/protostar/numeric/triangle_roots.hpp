@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <type_traits>
 
 #include "../vec3.hpp"
@@ -38,10 +39,15 @@ namespace detail {
   const int lengths = exponent_of({origin, p, q});
   const Point o = scaled(origin, -lengths), from = scaled(p, -lengths), to = scaled(q, -lengths);
   const ExactVector d = exact_vector(scaled(direction, -exponent_of({direction})));
-  const Expansion side = exact_dot(d, exact_cross(exact_difference(from, o), exact_difference(to, o)));
+  const ExactVector along = exact_difference(to, from);
+  // d · ((p − o) × (q − o)) = (q − p) · (d × (p − o)), as p − o drops out of q − o = (q − p) + (p − o).
+  const Expansion side = exact_dot(along, exact_cross(d, exact_difference(from, o)));
   if (side.sign() != 0) return side.sign();
-  for (const Expansion& component : exact_cross(exact_difference(from, to), d))
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t k = (i + 1) % 3, l = (i + 2) % 3;
+    const Expansion component = d[k] * along[l] - d[l] * along[k];  // of (p − q) × d
     if (component.sign() != 0) return component.sign();
+  }
   return 0;
 }
 
