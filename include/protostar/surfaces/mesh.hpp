@@ -323,6 +323,8 @@ class Mesh {
       return false;
     }
   };
+  template <class LookAt>
+  All(const Ray&, Interval, const MeshData&, LookAt) -> All<LookAt>;
 
   /// What copies share.
   struct Contents {
