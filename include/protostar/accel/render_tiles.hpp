@@ -37,6 +37,12 @@ concept ShadingIntegrator = requires(const I& integrator, const Ray& ray, const 
   { integrator.background(ray, scene) } -> std::convertible_to<Color>;
 };
 
+/// One that shows of a surface without a texture the same at all places.
+template <class I>
+concept ShadesAnywhere = requires(const I& integrator, const Material& material) {
+  { integrator.shade_anywhere(material) } -> std::convertible_to<Color>;
+};
+
 /// What is the same for all tiles of a picture.
 template <class I, Surface... S>
 class TileRenderer {
@@ -246,12 +252,10 @@ class TileRenderer {
         write(tile, x, y, mean_radiance<Origin>(tile, x, y, view));
       });
     } else if constexpr (View::draws && ShadingIntegrator<I, View> && std::same_as<Origin, Point>) {
-      if (!view.sees_one_drawing()) return fill_in_steps<Origin>(tile, view, begin_packet);
-      each_packet(tile, [&](std::size_t, int x, int y) {
-        view.set_first_pixel(x, y);
-        const CameraRays<Point> rays = rays_.packet(tile, x, y);
-        write(tile, x, y, shaded(rays, view.closest_in_drawing(rays), view));
-      });
+      if (view.sees_one_drawing())
+        fill_from_drawing(tile, view);
+      else
+        fill_in_steps<Origin>(tile, view, begin_packet);
     } else {
       fill_in_steps<Origin>(tile, view, begin_packet);
     }
@@ -293,6 +297,24 @@ class TileRenderer {
         write(tile, x, y, integrator_.radiance(rays(i, x, y), view));
       });
     }
+  }
+
+  /// Fills a tile that sees one drawing. What an integrator shows of a surface at any place needs no rays.
+  void fill_from_drawing(const Tile& tile, const View& view) const {
+    const Material& material = view.material_of_drawing();
+    const bool is_alike = ShadesAnywhere<I> && !material.texture && !scene_.scene().environment();
+    const Colors background(integrator_.background(rays_.packet(tile, tile.x0, tile.y0), view));
+    each_packet(tile, [&](std::size_t, int x, int y) {
+      view.set_first_pixel(x, y);
+      const auto seen = view.seen_in_drawing(rays_.wanted(tile, x));
+      if constexpr (ShadesAnywhere<I>)
+        if (is_alike && !any(seen.in_doubt))
+          return write(
+              tile, x, y,
+              select(seen.closest.t < infinity, Colors(integrator_.shade_anywhere(material)), background));
+      const CameraRays<Point> rays = rays_.packet(tile, x, y);
+      write(tile, x, y, shaded(rays, view.closest(rays, seen), view));
+    });
   }
 
   template <class Origin>

@@ -399,12 +399,17 @@ template <class T, int N>
   return max(a, Lanes<T, N>(b));
 }
 
-/// The largest number of all lanes.
+/// The largest number of all lanes, none of which is NaN.
 template <class T, int N>
-[[nodiscard]] T largest(Lanes<T, N> a) {
-  T result = a[0];
-  for (int i = 1; i < N; ++i) result = result < a[i] ? a[i] : result;
-  return result;
+[[nodiscard]] T largest(const Lanes<T, N>& a) {
+  if constexpr (N == 1) {
+    return a[0];
+  } else {
+    // One half against the other, as a vector that is half as long.
+    T numbers[N];
+    a.store(numbers);
+    return largest(max(Lanes<T, N / 2>::load(numbers), Lanes<T, N / 2>::load(numbers + N / 2)));
+  }
 }
 
 /// The nearest floats.

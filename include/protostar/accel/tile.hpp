@@ -62,9 +62,11 @@ class PixelRays {
   template <class Origin = Point>
   [[nodiscard]] CameraRays<Origin> packet(const Tile& tile, int x, int y, const Vectors& directions,
                                           int i = 0) const {
-    return {
-        origin<Origin>(samples_[static_cast<std::size_t>(i)], x, y), directions,
-        x + double_lanes <= tile.x1 ? Chosen(true) : mask_of<double, double_lanes>(first_bits(tile.x1 - x))};
+    return {origin<Origin>(samples_[static_cast<std::size_t>(i)], x, y), directions, wanted(tile, x)};
+  }
+  [[nodiscard]] static Chosen wanted(const Tile& tile, int x) {
+    return x + double_lanes <= tile.x1 ? Chosen(true)
+                                       : mask_of<double, double_lanes>(first_bits(tile.x1 - x));
   }
   template <class Origin = Point>
   [[nodiscard]] CameraRays<Origin> packet(const Tile& tile, int x, int y, int i = 0) const {

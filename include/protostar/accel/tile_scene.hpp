@@ -201,22 +201,37 @@ class TileScene {
       if (const Trial trial(candidates_, rays, skips_); trial.is_useful()) return closest_after(trial, rays);
     return closest_of_candidates(rays, [](int, const Doubles&) { return false; });
   }
-  /// Where nothing but one surface can be met, and that is drawn: the same, but that t is 0 where it is met.
+  /// The surface that is drawn, if nothing else can be met.
   [[nodiscard]] bool sees_one_drawing() const { return one_drawing_ >= 0; }
-  [[nodiscard]] Closest closest_in_drawing(const CameraRays<Point>& rays) const {
-    Closest closest{.t = infinity, .place = -1};
+  [[nodiscard]] const Material& material_of_drawing() const {
+    const Material* material = nullptr;
+    visit(one_drawing_, [&](const auto&, const Material& one) { material = &one; });
+    return *material;
+  }
+
+  /// Then, what the rays from the first pixel on meet, before those in doubt have been asked about. All t are
+  /// 0 that are needed for no comparison.
+  struct SeenInDrawing {
+    Closest closest;
+    Chosen in_doubt;
+  };
+  [[nodiscard]] SeenInDrawing seen_in_drawing(const Chosen& wanted) const {
+    SeenInDrawing result{{.t = infinity, .place = -1}, false};
     visit(one_drawing_, [&]<class T>(const T&, const Material&) {
       if constexpr (SurfaceForTiles<T>) {
-        const auto seen = drawn_at<T>(one_drawing_)->seen(rays.wanted, first_x_, first_y_);
-        closest = {.t = select(seen.met, Doubles(0.0), closest.t),
-                   .place = select(seen.met, Indices(one_drawing_), closest.place),
-                   .which = select(seen.met, seen.which, closest.which)};
-        if (any(seen.in_doubt))
-          closest = decided(rays, seen.in_doubt, closest,
-                            [&](const auto& visit_place) { each_candidate(visit_place); });
+        const auto seen = drawn_at<T>(one_drawing_)->seen(wanted, first_x_, first_y_);
+        result.closest = {.t = select(seen.met, Doubles(0.0), result.closest.t),
+                          .place = select(seen.met, Indices(one_drawing_), result.closest.place),
+                          .which = select(seen.met, seen.which, result.closest.which)};
+        result.in_doubt = seen.in_doubt;
       }
     });
-    return closest;
+    return result;
+  }
+  [[nodiscard]] Closest closest(const CameraRays<Point>& rays, const SeenInDrawing& seen) const {
+    if (!any(seen.in_doubt)) return seen.closest;
+    return decided(rays, seen.in_doubt, seen.closest,
+                   [&](const auto& visit_place) { each_candidate(visit_place); });
   }
 
   template <class Origin>

@@ -23,6 +23,9 @@ struct ColorIntegrator {
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto&) const {
     return hit.color();
   }
+
+  /// The same of a surface without a texture, wherever a ray meets it.
+  [[nodiscard]] Color shade_anywhere(const Material& material) const { return material.diffuse; }
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI
