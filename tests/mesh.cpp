@@ -109,14 +109,15 @@ TEST_CASE("many rays are answered as each by itself") {
         rays.push_back({origin, random.point(1) - origin});
       }
       if (count > 10) rays[3].origin.x = 1e300, rays[7].direction.y = infinity;  // which boxes do not help
+      const auto ray = [&](std::size_t k) { return rays[k]; };
       for (const Interval& range : {Interval{}, Interval{0.25, 1.5}, everywhere}) {
         std::vector<std::optional<Crossing>> first(count);
         std::vector<int> is_met(count), told(count);
-        mesh.first_crossings(rays, range, [&](std::size_t k, const std::optional<Crossing>& crossing) {
+        mesh.first_crossings(count, ray, range, [&](std::size_t k, const std::optional<Crossing>& crossing) {
           first[k] = crossing;
           ++told[k];
         });
-        mesh.are_met(rays, range, [&](std::size_t k, bool met) {
+        mesh.are_met(count, ray, range, [&](std::size_t k, bool met) {
           is_met[k] = met;
           ++told[k];
         });

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 #include <protostar/integrators/binary.hpp>
+#include <protostar/integrators/color.hpp>
 #include <protostar/integrators/normal.hpp>
 #include <protostar/integrators/transparency.hpp>
 #include <protostar/integrators/whitted.hpp>
@@ -213,6 +214,24 @@ TEST_CASE("a tile that has more of a mesh than it may try is left to its rays, a
   scene.add(mesh_of(data), Color{1});
   const RenderOptions part{.crop = {.x = 504, .y = 504, .width = 1024, .height = 1024}};
   CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}, part, 16, 16) == 0);
+}
+
+TEST_CASE("by tiles, a mesh alone looks as it does ray by ray, in one color, with a texture, under a sky") {
+  const Camera camera{.position = {0.2, 0.1, 0}};
+  const Texture checker = Checker{.first = Color{1, 0.5f, 0}, .second = Color{0.1f}, .size = 0.25};
+  // Before an edge of the torus, from far away, and from inside, where nothing is in front of all vertices.
+  for (const Point& center : {Point{0.4, 0, 3}, Point{0, 0, 40}, Point{0.9, 0, 0.2}})
+    for (const bool has_texture : {false, true})
+      for (const int sky : {0, 1, 2}) {
+        Everything scene;
+        Material material{.diffuse = {0.2f, 0.7f, 0.3f}};
+        if (has_texture) material.texture = checker;
+        scene.add(mesh_of(meshes::moved(meshes::torus(30, 12), 0.7, center)), material);
+        if (sky == 1) scene.set_sky(Color{0.1f, 0.2f, 0.3f});
+        if (sky == 2) scene.set_environment(checker);
+        CHECK(drawn_otherwise(scene, camera, ColorIntegrator{}) == 0);
+        CHECK(drawn_otherwise(scene, camera, NormalIntegrator{}) == 0);
+      }
 }
 
 TEST_CASE("rays that leave parts of a mesh are no rays with a departure in common") {

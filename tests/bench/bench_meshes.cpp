@@ -5,7 +5,7 @@
 //
 // Rates are millions of rays a second. Both get the same rays and vertices, which are made of floats; only
 // "render" makes its own rays, in double, and tells what is met from what is missed. What is asked ray by ray
-// is "single"; in the rows without the word the mesh gets 256 rays at once. Embree is judged by the best of
+// is "single"; in the rows without the word the mesh gets all rays together. Embree is judged by the best of
 // its three modes. Its answers are in float, so a few differ from ours, which are exact.
 #include <algorithm>
 #include <cmath>
@@ -81,15 +81,18 @@ class Contest {
     };
     row_of_single("incoherent, single", incoherent, &Embree::closest, false, first);
     row_of_single("occlusion, single", segments, &Embree::any, false, is_met);
-    row_of_many(
-        "incoherent", incoherent, &Embree::closest, [&](const std::vector<Ray>& rays, const auto& tell) {
-          mesh_.first_crossings(rays, {}, [&](std::size_t k, const std::optional<Crossing>& crossing) {
-            tell(k, crossing ? static_cast<Index>(crossing->part) : bench::nothing);
-          });
-        });
-    row_of_many("occlusion", segments, &Embree::any, [&](const std::vector<Ray>& rays, const auto& tell) {
-      mesh_.are_met(rays, {0, 1}, [&](std::size_t k, bool met) { tell(k, met ? Index{0} : bench::nothing); });
-    });
+    row_of_many("incoherent", incoherent, &Embree::closest,
+                [&](std::size_t count, const auto& ray, const auto& tell) {
+                  mesh_.first_crossings(
+                      count, ray, {}, [&](std::size_t k, const std::optional<Crossing>& crossing) {
+                        tell(k, crossing ? static_cast<Index>(crossing->part) : bench::nothing);
+                      });
+                });
+    row_of_many("occlusion", segments, &Embree::any,
+                [&](std::size_t count, const auto& ray, const auto& tell) {
+                  mesh_.are_met(count, ray, {0, 1},
+                                [&](std::size_t k, bool met) { tell(k, met ? Index{0} : bench::nothing); });
+                });
   }
 
  private:
@@ -112,19 +115,14 @@ class Contest {
     row(name, rays, query, coherent, trace, [&](std::size_t i) { return ours[i]; });
   }
 
-  /// A row of rays of which as many are asked about at once as Embree has in a stream.
+  /// A row of rays that are asked about together.
   void row_of_many(const std::string& name, const std::vector<FloatRay>& rays, Query query, const auto& ask) {
-    constexpr std::size_t at_once = 256;
     std::vector<Index> ours(rays.size());
     const auto trace = [&] {
       bench::in_parts(rays.size(), options_.threads, [&](std::size_t begin, std::size_t end) {
-        std::vector<Ray> some;
-        for (std::size_t first = begin; first < end; first += at_once) {
-          some.clear();
-          for (std::size_t i = first; i < std::min(first + at_once, end); ++i)
-            some.push_back(in_double(rays[i]));
-          ask(some, [&](std::size_t k, Index answer) { ours[first + k] = answer; });
-        }
+        ask(
+            end - begin, [&](std::size_t k) { return in_double(rays[begin + k]); },
+            [&](std::size_t k, Index answer) { ours[begin + k] = answer; });
       });
     };
     row(name, rays, query, false, trace, [&](std::size_t i) { return ours[i]; });

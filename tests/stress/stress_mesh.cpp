@@ -340,13 +340,15 @@ Tally judged(const Shape& shape, Random& random, std::uint64_t count) {
     rays.push_back(aims.back().ray);
   }
   std::vector<std::optional<Crossing>> firsts(rays.size());
-  model.mesh.first_crossings(rays, {}, [&](std::size_t i, const auto& first) { firsts[i] = first; });
+  const auto ray = [&](std::size_t i) { return rays[i]; };
+  model.mesh.first_crossings(rays.size(), ray, {},
+                             [&](std::size_t i, const auto& first) { firsts[i] = first; });
   const auto compare = [&](std::size_t i, bool is_met) {
     if (is_met == firsts[i].has_value()) return;
     ++tally.misjudged;
     report(model, rays[i]);
   };
-  model.mesh.are_met(std::span(rays).first(rays.size() / 8), {}, compare);
+  model.mesh.are_met(rays.size() / 8, ray, {}, compare);
 
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Judge judge(model, aims[i]);

@@ -217,6 +217,7 @@ class TileScene {
   };
   [[nodiscard]] SeenInDrawing seen_in_drawing(const Chosen& wanted) const {
     SeenInDrawing result{{.t = infinity, .place = -1}, false};
+    count_tests(wanted);
     visit(one_drawing_, [&]<class T>(const T&, const Material&) {
       if constexpr (SurfaceForTiles<T>) {
         const auto seen = drawn_at<T>(one_drawing_)->seen(wanted, first_x_, first_y_);

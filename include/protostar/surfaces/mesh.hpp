@@ -8,7 +8,6 @@
 #include <memory>
 #include <numeric>
 #include <optional>
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -194,37 +193,38 @@ class Mesh {
   /// The first crossing inside the range, in exact order. Of triangles that are crossed at equal t, the
   /// earlier one's is the first.
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
-    First first{*this, ray, range};
+    First<const Ray&> first{*this, ray, range};
     contents_->tree.answer(first, data().triangle_of());
     return first.crossing;
   }
 
   /// Whether there is any crossing inside the range.
   [[nodiscard]] bool is_met(const Ray& ray, Interval range) const {
-    Any any{ray, range};
+    Any<const Ray&> any{ray, range};
     contents_->tree.answer(any, data().triangle_of());
     return any.is_met;
   }
 
-  /// first_crossing of many rays: tell(k, std::optional<Crossing>) is called for each, in any order. Rays
-  /// that lead to different places are sooner done than one after another, as they do not wait for memory.
-  void first_crossings(std::span<const Ray> rays, Interval range, const auto& tell) const {
+  /// first_crossing of many rays, the k-th of `count` being ray(k): tell(k, std::optional<Crossing>) is
+  /// called for each, in any order. Rays that lead to different places are sooner done than one after
+  /// another, since while one waits for memory others go on.
+  void first_crossings(std::size_t count, const auto& ray, Interval range, const auto& tell) const {
     contents_->tree.answer_each(
-        rays.size(),
+        count,
         [&](std::size_t k) {
-          return First{*this, rays[k], range};
+          return First<decltype(ray(k))>{*this, ray(k), range};
         },
-        [&](std::size_t k, const First& first) { tell(k, first.crossing); }, data().triangle_of());
+        [&](std::size_t k, const auto& first) { tell(k, first.crossing); }, data().triangle_of());
   }
 
   /// The same of is_met: tell(k, bool).
-  void are_met(std::span<const Ray> rays, Interval range, const auto& tell) const {
+  void are_met(std::size_t count, const auto& ray, Interval range, const auto& tell) const {
     contents_->tree.answer_each(
-        rays.size(),
+        count,
         [&](std::size_t k) {
-          return Any{rays[k], range};
+          return Any<decltype(ray(k))>{ray(k), range};
         },
-        [&](std::size_t k, const Any& any) { tell(k, any.is_met); }, data().triangle_of());
+        [&](std::size_t k, const auto& any) { tell(k, any.is_met); }, data().triangle_of());
   }
 
   /// Calls visit(const Crossing&) for every crossing inside the range, near to far.
@@ -268,12 +268,13 @@ class Mesh {
  private:
   // What the tree is asked (TriangleTree).
 
-  /// What a ray crosses first.
+  /// What a ray crosses first; R is Ray, or a reference to one.
+  template <class R>
   struct First {
     static constexpr bool near_first = true;
 
     const Mesh& mesh;
-    const Ray& ray;
+    R ray;
     Interval range;
     std::optional<Crossing> crossing = {};
 
@@ -294,10 +295,11 @@ class Mesh {
   };
 
   /// Whether it crosses anything.
+  template <class R>
   struct Any {
     static constexpr bool near_first = false;
 
-    const Ray& ray;
+    R ray;
     Interval range;
     bool is_met = false;
 
