@@ -1,6 +1,5 @@
 // A mesh from a file: a knot of 1600 triangles, which looks smooth.
 #include <protostar/integrators/shadow.hpp>
-#include <protostar/io/obj.hpp>
 #include <protostar/render.hpp>
 #include <protostar/surfaces/mesh.hpp>
 #include <protostar/surfaces/plane.hpp>
@@ -13,11 +12,12 @@ using namespace protostar;
 int main(int argc, char** argv) {
   return run_stage(argc, argv, {.integrator = "shadow"}, [](Stage& stage) {
     const Camera camera;
-    MeshData knot = load_obj(PROTOSTAR_SCENES "/knot.obj");
-    for (Point& vertex : knot.vertices) vertex = 0.5 * vertex + Point{0, 0.25, 2.75};
+    const Mesh knot = load_mesh(PROTOSTAR_SCENES "/knot.obj", [](const Point& p) {
+      return 0.5 * p + Point{0, 0.25, 2.75};
+    });
 
     Scene<Mesh, Plane> scene;
-    scene.add(Mesh(knot), Color{0.9f, 0.5f, 0.1f});
+    scene.add(knot, Color{0.9f, 0.5f, 0.1f});
     scene.add(Plane{.normal = {0, 1, 0}, .distance = -1.75}, Color{0.3f, 0.35f, 0.4f});
     scene.add(PointLight{.position = {-2, 4, 0}, .power = Color{350}});
     scene.add(AmbientLight{Color{0.05f}});

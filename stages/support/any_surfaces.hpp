@@ -1,4 +1,4 @@
-// Surfaces of any type, compiled once for all stages that have them (support/any_surfaces.cpp), and so are
+// Surfaces of any type, compiled once for all stages that have them (support/pictures.cpp), and so are
 // pictures of them on a plane.
 #pragma once
 

@@ -1,15 +1,57 @@
-#include <protostar/io/json_scene.hpp>
+#include <map>
+#include <protostar/integrators/binary.hpp>
+#include <protostar/integrators/color.hpp>
+#include <protostar/integrators/depth.hpp>
+#include <protostar/integrators/diffuse.hpp>
+#include <protostar/integrators/normal.hpp>
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/integrators/transparency.hpp>
+#include <protostar/integrators/whitted.hpp>
+#include <variant>
 
-#include "any_surfaces.hpp"
 #include "scene_pictures.hpp"
 
 using namespace protostar;
 
-SceneFile read_scene_file(const std::filesystem::path& path) { return read_scene(path); }
+namespace {
+
+/// One integrator for all that shade the first hit. What finds it is most of the code, and so it is compiled
+/// once.
+struct FirstHitIntegrator {
+  using TakesPackets = FirstHitIntegrator;
+
+  std::variant<ColorIntegrator, DepthIntegrator, DiffuseIntegrator, NormalIntegrator, ShadowIntegrator>
+      shading;
+
+  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray, Interval{});
+    return hit ? shade(*hit, scene) : background(ray, scene);
+  }
+
+  template <class R>
+  [[nodiscard]] typename R::Light background(const R& ray, const auto& scene) const {
+    return std::visit([&](const auto& integrator) ->
+                      typename R::Light { return integrator.background(ray, scene); },
+                      shading);
+  }
+
+  template <class Hit>
+  [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
+    return std::visit([&](const auto& integrator) { return integrator.shade(hit, scene); }, shading);
+  }
+};
+
+}  // namespace
 
 void draw(Image& image, const SceneFile& file, const std::string& integrator, const RenderOptions& options) {
-  if (integrator == "binary") return draw_binary(image, file, options);
-  if (integrator == "transparency") return draw_transparency(image, file, options);
-  if (integrator == "whitted") return draw_whitted(image, file, options);
-  draw_first_hits(image, file, integrator, options);
+  const auto draw_with = [&](const auto& chosen) { render(image, file.camera, file.scene, chosen, options); };
+  static const std::map<std::string, FirstHitIntegrator> first_hits{{"color", {ColorIntegrator{}}},
+                                                                    {"depth", {DepthIntegrator{}}},
+                                                                    {"diffuse", {DiffuseIntegrator{}}},
+                                                                    {"normal", {NormalIntegrator{}}},
+                                                                    {"shadow", {ShadowIntegrator{}}}};
+  if (integrator == "binary") return draw_with(BinaryIntegrator{});
+  if (integrator == "transparency") return draw_with(TransparencyIntegrator{});
+  if (integrator == "whitted") return draw_with(WhittedIntegrator{.depth = file.depth});
+  draw_with(first_hits.at(integrator));
 }

@@ -1,10 +1,17 @@
-// Pictures of a mesh over a plane, compiled apart from the stage that draws them (support/mesh_pictures.cpp).
+// Meshes of files and pictures of them over a plane, compiled apart from the stage that draws them
+// (support/load_mesh.cpp, support/pictures.cpp).
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/render.hpp>
 #include <protostar/surfaces/mesh.hpp>
 #include <protostar/surfaces/plane.hpp>
+
+/// The mesh that load_obj reads, each vertex moved to its place.
+protostar::Mesh load_mesh(const std::filesystem::path& path,
+                          const std::function<protostar::Point(const protostar::Point&)>& place);
 
 namespace protostar::inline PROTOSTAR_ABI {
 

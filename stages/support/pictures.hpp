@@ -1,5 +1,5 @@
-// The pictures that stages draw, compiled once for all of them (support/pictures.cpp, support/whitted.cpp),
-// so that a stage's own source compiles in about a second.
+// The pictures that stages draw, compiled once for all of them (support/pictures.cpp), so that a stage's own
+// source compiles in about a second.
 #pragma once
 
 #include <protostar/protostar.hpp>

@@ -231,7 +231,7 @@ struct Frustum {
   float offset[4] = {};  ///< normal · x of a side's points, measured from the apex
   float cosine, sine;    ///< of the cone's half-angle; 0 and 1 if it is not sure, or above 60°
 
-  Frustum(const PixelRays& rays, const Tile& tile) {
+  [[gnu::noinline]] Frustum(const PixelRays& rays, const Tile& tile) {
     const Camera& camera = rays.camera();
     const Point& apex = rays.viewpoint().apex;
     set(0, apex, rays.right_of(tile.x0));
@@ -350,7 +350,7 @@ class Candidates {
   }
 
   /// Adds those of others that a tile may see, in their order.
-  void add(const Candidates& others, const Frustum& frustum) {
+  [[gnu::noinline]] void add(const Candidates& others, const Frustum& frustum) {
     make_room(size_ + others.size_);
     for (int i = 0; i < others.size_; i += float_lanes) {
       const auto at = [&](const auto& row) { return row.data() + i; };

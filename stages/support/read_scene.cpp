@@ -1,0 +1,8 @@
+#include <protostar/io/json_scene.hpp>
+
+#include "any_surfaces.hpp"
+#include "scene_pictures.hpp"
+
+using namespace protostar;
+
+SceneFile read_scene_file(const std::filesystem::path& path) { return read_scene(path); }
