@@ -3,6 +3,7 @@
 #include <cstring>
 #include <protostar/integrators/binary.hpp>
 #include <protostar/integrators/color.hpp>
+#include <protostar/integrators/depth.hpp>
 #include <protostar/integrators/normal.hpp>
 #include <protostar/integrators/transparency.hpp>
 #include <protostar/integrators/whitted.hpp>
@@ -113,7 +114,7 @@ TEST_CASE("by tiles, rays that are aimed at edges and vertices of a mesh meet wh
   // A pixel's middle is at multiples of 1/32, and so are the vertices that are 1, 2 or 4 away.
   const Camera camera{.position = {0.03125, 0.03125, -4}};
   for (const double scale : {0.25, 1.0}) {
-    Everything scene;
+    Everything scene, alone;
     scene.add(mesh_of(meshes::moved(meshes::box(4), scale, {0, 0, 0})), Color{1});
     for (const double z : {-3.0, -2.0}) {
       MeshData grid;
@@ -126,12 +127,14 @@ TEST_CASE("by tiles, rays that are aimed at edges and vertices of a mesh meet wh
           grid.triangles.push_back({i, i + 34, i + 33});
         }
       scene.add(mesh_of(grid), Color{static_cast<float>(-z), 1, 1});
+      if (alone.size() == 0) alone.add(mesh_of(grid), Color{1});
     }
     Camera straight = camera;
     straight.position = {0, 0, -4};
     for (const Camera& one : {camera, straight}) {
       CHECK(drawn_otherwise(scene, one, NormalIntegrator{}, {}, 64, 64) == 0);
       CHECK(drawn_otherwise(scene, one, NormalIntegrator{}, {}, 65, 65) == 0);
+      CHECK(drawn_otherwise(alone, one, ColorIntegrator{}, {}, 64, 64) == 0);
     }
   }
 }
@@ -232,6 +235,22 @@ TEST_CASE("by tiles, a mesh alone looks as it does ray by ray, in one color, wit
         CHECK(drawn_otherwise(scene, camera, ColorIntegrator{}) == 0);
         CHECK(drawn_otherwise(scene, camera, NormalIntegrator{}) == 0);
       }
+}
+
+TEST_CASE("by tiles, a needle is as far away as it is ray by ray") {
+  // 2^24 times as long as it is wide: double leaves t in doubt, but not what pixels are before its wide end.
+  const Vec3 ahead = normalize(Vec3{1, 2, 3}), right = normalize(Vec3{2, -1, 0}), up = cross(ahead, right);
+  const double width = 0x1p-14;
+  MeshData needle;
+  needle.vertices = {-0x1p10 * right, -width * up, width * up};
+  needle.triangles = {{0, 1, 2}};
+  Everything scene;
+  scene.add(mesh_of(needle), Color{1});
+  const Camera camera{.position = -width * ahead, .right = right, .up = up, .forward = ahead};
+  CHECK(drawn_otherwise(scene, camera, DepthIntegrator{}) == 0);
+  Image image(16, 16);
+  render(image, camera, scene, ColorIntegrator{});
+  CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) == Color{1}; }) > 100);
 }
 
 TEST_CASE("rays that leave parts of a mesh are no rays with a departure in common") {

@@ -170,7 +170,7 @@ class TrianglesInTile {
     Place place;
   };
 
-  /// Of some triangles. In the way and with the bounds of rounded_triangle_sides, t is certain where
+  /// Of some triangles. In the way and with the bounds of rounded_triangle_equation, t is certain where
   /// |n·d| > 2^-18 of the sizes of its terms, which sum up to no more than the largest of those of n times
   /// |d|₁, d being a unit vector: 2^-17 of that largest covers √3 and what is rounded here. As the plane is
   /// met at o + D/k in box space, n·D is height · k · scale, and |D| at most `farthest`.
