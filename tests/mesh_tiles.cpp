@@ -253,6 +253,21 @@ TEST_CASE("by tiles, a needle is as far away as it is ray by ray") {
   CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) == Color{1}; }) > 100);
 }
 
+TEST_CASE("by tiles, a floor that is grazed is as far away as it is ray by ray") {
+  // From 1 above it: most pixels see it at angles of 2^-20 and less, where n·d leaves t in doubt.
+  const Vec3 up = normalize(Vec3{1, 2, 3}), ahead = normalize(Vec3{2, -1, 0}), right = cross(up, ahead);
+  const double far = 0x1p22;
+  MeshData floor;
+  floor.vertices = {-ahead, far * (ahead - 0.125 * right), far * (ahead + 0.125 * right)};
+  floor.triangles = {{0, 1, 2}};
+  Everything scene;
+  scene.add(mesh_of(floor), Color{1});
+  const Camera camera{.position = up, .right = 0x1p-4 * right, .up = 0x1p-15 * up, .forward = ahead};
+  RenderStatistics taken;
+  CHECK(drawn_otherwise(scene, camera, DepthIntegrator{}, {.statistics = &taken}) == 0);
+  CHECK(taken.in_doubt > 1000);
+}
+
 TEST_CASE("rays that leave parts of a mesh are no rays with a departure in common") {
   STATIC_REQUIRE_FALSE(std::is_convertible_v<simd::RaysFromParts, simd::Rays<simd::Vectors>>);
 }
