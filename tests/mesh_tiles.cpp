@@ -1,4 +1,5 @@
 // Pictures of meshes by tiles, which draw them as a whole, are those drawn ray by ray.
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <protostar/integrators/binary.hpp>
@@ -43,6 +44,23 @@ int drawn_otherwise(const Everything& scene, const Camera& camera, const auto& i
 }
 
 Mesh mesh_of(const MeshData& data) { return Mesh(data, {.threads = 1}); }
+
+/// Tells whether it was asked about a hit or about a surface.
+struct Telling {
+  using TakesPackets = Telling;
+  using ShadesAnywhere = Telling;
+  static inline const Color somewhere{1, 0, 0}, anywhere{0, 1, 0};
+
+  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    return scene.intersect(ray, Interval{}) ? somewhere : Color{0};
+  }
+  [[nodiscard]] Color background(const auto&, const auto&) const { return Color{0}; }
+  template <class Hit>
+  [[nodiscard]] typename Hit::Light shade(const Hit&, const auto&) const {
+    return typename Hit::Light(somewhere);
+  }
+  [[nodiscard]] Color shade_anywhere(const Material&) const { return anywhere; }
+};
 
 /// Round meshes, smooth and flat, colored and textured, a mirror and glass, and what else there is.
 Everything many_things() {
@@ -235,6 +253,47 @@ TEST_CASE("by tiles, a mesh alone looks as it does ray by ray, in one color, wit
         CHECK(drawn_otherwise(scene, camera, ColorIntegrator{}) == 0);
         CHECK(drawn_otherwise(scene, camera, NormalIntegrator{}) == 0);
       }
+}
+
+TEST_CASE(
+    "what looks the same at all places is not asked where it is, where nothing but a mesh can be seen") {
+  const auto counts = [](const Everything& scene) {
+    Image image(64, 64);
+    render(image, Camera{}, scene, Telling{});
+    return std::array{count_pixels(image, [&](int x, int y) { return image(x, y) == Telling::somewhere; }),
+                      count_pixels(image, [&](int x, int y) { return image(x, y) == Telling::anywhere; })};
+  };
+  MeshData wall;
+  wall.vertices = {{-90, -90, 9}, {90, -90, 9}, {0, 180, 9}};
+  wall.triangles = {{0, 1, 2}};
+  Everything alone, textured, with_ball;
+  alone.add(mesh_of(wall), Color{1});
+  CHECK(counts(alone) == std::array{0, 64 * 64});
+  Material material;
+  material.texture = Checker{.first = Color{1}, .second = Color{0.1f}, .size = 0.25};
+  textured.add(mesh_of(wall), material);
+  CHECK(counts(textured) == std::array{64 * 64, 0});
+  with_ball.add(mesh_of(wall), Color{1});
+  with_ball.add(Sphere{.center = {0, 0, 3}, .radius = 0.2}, Color{1});
+  const auto [asked, alike] = counts(with_ball);
+  CHECK((asked > 10 && alike > 1000 && asked + alike == 64 * 64));
+}
+
+TEST_CASE("by tiles, parts with many surfaces before a mesh look as they do ray by ray") {
+  // In the upper rows of each part; the last row sees nothing but the mesh.
+  Everything scene;
+  MeshData wall;
+  wall.vertices = {{-90, -90, 9}, {90, -90, 9}, {0, 180, 9}};
+  wall.triangles = {{0, 1, 2}};
+  scene.add(mesh_of(wall), Color{1, 1, 0});
+  const Camera camera;
+  for (int y = 0; y < 64; y += 8)
+    for (int x = 0; x < 64; x += 8)
+      for (int i = 0; i < 20; ++i) {
+        const Ray ray = camera.through_pixel(x + i % 7, y + i / 7, 64, 64);
+        scene.add(Sphere{.center = ray.at(4), .radius = 0.01}, Color{0.01f * static_cast<float>(i), 0, 1});
+      }
+  CHECK(drawn_otherwise(scene, camera, ColorIntegrator{}, {}, 64, 64) == 0);
 }
 
 TEST_CASE("by tiles, a needle is as far away as it is ray by ray") {

@@ -1,5 +1,5 @@
-// Two units that both include every header link into one program, in which a function of a header is one
-// function.
+// A unit that includes every header links into one program with one for each header (each_header), and with a
+// second one in which a function of a header is the same function.
 #include "all_headers.hpp"
 #include "unit.hpp"
 

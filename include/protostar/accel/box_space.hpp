@@ -79,10 +79,10 @@ struct BoxSpace {
 
 /// A ray in box space: its points are origin + s·direction, with a direction of length 1 and s = t · length.
 struct BoxRay {
-  Float4 origin, direction;  ///< rounded to float
-  float distance;            ///< |o|₁ of the origin o, and 2^-40
-  float widening;            ///< by which all things are widened
-  double length;             ///< of the ray's direction in box space
+  Float4 origin = 0.0f, direction = 0.0f;  ///< rounded to float
+  float distance = 0;                      ///< |o|₁ of the origin o, and 2^-40
+  float widening = 0;                      ///< by which all things are widened
+  double length = 1;                       ///< of the ray's direction in box space
 
   /// Whether float can hold the ray. One that starts 2^60 times as far away as things are large, or whose
   /// direction is as short or as long as that, or not finite, meets every box.

@@ -104,7 +104,7 @@ class Bvh {
           nodes_(bvh.tree_.nodes.data()),
           next_(bvh.tree_.root),
           has_ended_(bvh.tree_.order.empty()) {
-      if (!next_.is_leaf()) slabs_ = Slabs(ray);
+      if (!has_ended_ && !next_.is_leaf()) slabs_ = Slabs(ray);
     }
 
     [[nodiscard]] bool has_ended() const { return has_ended_; }

@@ -53,7 +53,7 @@ class Child {
 
  private:
   static constexpr std::uint32_t leaf_bit = 1u << 31;
-  std::uint32_t bits_;
+  std::uint32_t bits_ = 0;
 };
 
 /// The boxes of up to node_width children, axis by axis. A box that is not used contains nothing, and no ray

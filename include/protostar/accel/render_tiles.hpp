@@ -37,11 +37,10 @@ concept ShadingIntegrator = requires(const I& integrator, const Ray& ray, const 
   { integrator.background(ray, scene) } -> std::convertible_to<Color>;
 };
 
-/// One that shows of a surface without a texture the same at all places.
+/// One that shows of a surface without a texture the same at all places, shade_anywhere(material), and says
+/// so of itself.
 template <class I>
-concept ShadesAnywhere = requires(const I& integrator, const Material& material) {
-  { integrator.shade_anywhere(material) } -> std::convertible_to<Color>;
-};
+concept ShadesAnywhere = std::same_as<typename I::ShadesAnywhere, I>;
 
 /// What is the same for all tiles of a picture.
 template <class I, Surface... S>
@@ -228,6 +227,7 @@ class TileRenderer {
                               static_cast<std::uint64_t>(tile.height()) *
                               static_cast<std::uint64_t>(pixels.samples());
     const bool by_rows = candidates.size() > divisions[std::size(divisions) - 1].most;
+    work.of_row.clear();
     View view(scene_, by_rows ? work.of_row : candidates, unbounded_, skips_, work.occluders, work.drawn,
               work.taken);
     if (is_large()) view.fetch(candidates);
@@ -303,15 +303,17 @@ class TileRenderer {
   void fill_from_drawing(const Tile& tile, const View& view) const {
     const Material& material = view.material_of_drawing();
     const bool is_alike = ShadesAnywhere<I> && !material.texture && !scene_.scene().environment();
-    const Colors background(integrator_.background(rays_.packet(tile, tile.x0, tile.y0), view));
+    Colors here(Color{0}), background(Color{0});
+    if constexpr (ShadesAnywhere<I>)
+      if (is_alike) {
+        here = Colors(integrator_.shade_anywhere(material));
+        background = Colors(integrator_.background(rays_.packet(tile, tile.x0, tile.y0), view));
+      }
     each_packet(tile, [&](std::size_t, int x, int y) {
       view.set_first_pixel(x, y);
       const auto seen = view.seen_in_drawing(rays_.wanted(tile, x));
-      if constexpr (ShadesAnywhere<I>)
-        if (is_alike && !any(seen.in_doubt))
-          return write(
-              tile, x, y,
-              select(seen.closest.t < infinity, Colors(integrator_.shade_anywhere(material)), background));
+      if (is_alike && !any(seen.in_doubt))
+        return write(tile, x, y, select(seen.closest.t < infinity, here, background));
       const CameraRays<Point> rays = rays_.packet(tile, x, y);
       write(tile, x, y, shaded(rays, view.closest(rays, seen), view));
     });

@@ -17,8 +17,9 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 
 /// A surface that is drawn into a tile as a whole, since it has many parts. It has a type Drawn, and
 /// draw(drawn, rays, sample, frustum, tile) fills one, for one ray of each pixel. If is_drawn() then,
-/// seen(wanted, x, y) are the first crossings of the rays from pixel (x, y) on, crossing 0 of a part each;
-/// t(which, met, directions) says where they are, and part(which) of which part.
+/// seen(wanted, x, y) tells of the rays from pixel (x, y) on which meet it, `which` entry ≥ 0 of the drawing
+/// each meets first, and which are in doubt. It is crossing 0 of part(which). If some are met, t(which, met,
+/// directions) are the t of these, with the bits of first_crossing's.
 template <class S>
 concept SurfaceForTiles = SurfaceWithParts<S> &&
     requires(const S& surface, typename S::Drawn& drawn, const PixelRays& rays, const Frustum& frustum,

@@ -6,10 +6,10 @@
 // kept in float, which is half as much. What is computed from them is the same.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -122,7 +122,9 @@ class TriangleLeaves {
   template <class T>
   static bool fill(std::unique_ptr<T[]>& all, const Bvh& bvh, const auto& triangle,
                    const RenderOptions& options) {
-    all = std::make_unique_for_overwrite<T[]>(rows * bvh.order().size() + double_lanes);
+    const std::size_t count = rows * bvh.order().size();
+    all = std::make_unique_for_overwrite<T[]>(count + double_lanes);
+    std::fill_n(&all[count], double_lanes, T{0});  // what is read behind the last
     std::atomic<bool> holds = true;
     const auto fill_leaf = [&](Leaf leaf) {
       for (std::uint32_t i = 0; i < leaf.count && holds.load(std::memory_order_relaxed); ++i) {
@@ -134,6 +136,7 @@ class TriangleLeaves {
             *row = static_cast<T>(corner[axis]);
             if (*row != corner[axis]) holds = false;
           }
+        *row = 0;
         std::memcpy(row, &number, sizeof number);
       }
     };

@@ -51,7 +51,7 @@ struct Screen {
   double scale = 1;           ///< of box space
   Vec3 across, down, ahead;   ///< the dual basis
   double reach, uncertainty;  ///< T and γ
-  double farthest;            ///< no direction is longer
+  double longest;             ///< no direction is longer
   double left, top;           ///< x and y of the sample in the tile's first pixel
   double pixels_of_all;       ///< about as many take all triangles, or a ball of radius √3 in box space
 
@@ -75,7 +75,7 @@ struct Screen {
              length(eye_in_box_space) < 0x1p40 && 0x1p-500 < scale && scale < 0x1p500;
     across = cross(e2, e3) / volume, down = cross(e3, e1) / volume, ahead = cross(e1, e2) / volume;
     reach = std::max(half_width, half_height);
-    farthest = length(e3) + reach * (length(e1) + length(e2));
+    longest = length(e3) + reach * (length(e1) + length(e2));
     uncertainty = 0x1p-42 * (length(across) + length(down) + reach * length(ahead));
     pixels_of_all = std::numbers::pi * 3 / dot(eye_in_box_space, eye_in_box_space) * dot(e3, e3) /
                     (length(e1) * length(e2));
@@ -173,7 +173,7 @@ class TrianglesInTile {
   /// Of some triangles. In the way and with the bounds of rounded_triangle_equation, t is certain where
   /// |n·d| > 2^-18 of the sizes of its terms, which sum up to no more than the largest of those of n times
   /// |d|₁, d being a unit vector: 2^-17 of that largest covers √3 and what is rounded here. As the plane is
-  /// met at o + D/k in box space, n·D is height · k · scale, and |D| at most `farthest`.
+  /// met at o + D/k in box space, n·D is height · k · scale, and |D| at most `longest`.
   struct Planes {
     std::array<double, double_lanes> x, y, z, height;
     std::array<float, double_lanes> floor;  ///< above this k, t is certain
@@ -189,7 +189,7 @@ class TrianglesInTile {
                            abs(height_of) > 0x1p-18 * heights && heights > 0x1p-800;
       const Doubles least = max(0x1p-17 * max(terms.x, max(terms.y, terms.z)), 0x1p-500);
       n.x.store(x.data()), n.y.store(y.data()), n.z.store(z.data()), height_of.store(height.data());
-      const Doubles floor_of = least * (screen.farthest / screen.scale) / abs(height_of);
+      const Doubles floor_of = least * (screen.longest / screen.scale) / abs(height_of);
       to_float(select(known && floor_of < 0x1p100, floor_of, Doubles(infinity))).store(floor.data());
     }
 
@@ -276,7 +276,9 @@ class TrianglesInTile {
                               auto& end) {
         const double count = size;
         const Doubles low = min(u, min(v, w)) - start - 0x1p-10, high = max(u, max(v, w)) - start + 0x1p-10;
-        const auto in_tile = [&](Doubles x) { return max(min(x, count), 0.0); };
+        const auto in_tile = [&](Doubles x) {  // a number, whatever x is
+          return max(Doubles(0.0), min(Doubles(count), x));
+        };
         std::array<double, double_lanes> from, to;
         select(in_front, in_tile(low), 0.0).store(from.data());
         select(in_front, in_tile(high + 1), count).store(to.data());

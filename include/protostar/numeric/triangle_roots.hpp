@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <tuple>
 #include <type_traits>
 
 #include "../vec3.hpp"
@@ -36,6 +37,8 @@ namespace detail {
 /// it. The other way round, the edge is passed on the other side.
 [[nodiscard, gnu::cold, gnu::noinline]] inline int exact_side(const Point& origin, const Vec3& direction,
                                                               const Point& p, const Point& q) {
+  // The other way round it is the other sign, also where a product would underflow.
+  if (std::tie(q.x, q.y, q.z) < std::tie(p.x, p.y, p.z)) return -exact_side(origin, direction, q, p);
   const int lengths = exponent_of({origin, p, q});
   const Point o = scaled(origin, -lengths), from = scaled(p, -lengths), to = scaled(q, -lengths);
   const ExactVector d = exact_vector(scaled(direction, -exponent_of({direction})));

@@ -212,7 +212,7 @@ class Mesh {
     contents_->tree.answer_each(
         count,
         [&](std::size_t k) {
-          return First<decltype(ray(k))>{*this, ray(k), range};
+          return First<Ray>{*this, ray(k), range};
         },
         [&](std::size_t k, const auto& first) { tell(k, first.crossing); }, data().triangle_of());
   }
@@ -222,7 +222,7 @@ class Mesh {
     contents_->tree.answer_each(
         count,
         [&](std::size_t k) {
-          return Any<decltype(ray(k))>{ray(k), range};
+          return Any<Ray>{ray(k), range};
         },
         [&](std::size_t k, const auto& any) { tell(k, any.is_met); }, data().triangle_of());
   }
@@ -278,19 +278,21 @@ class Mesh {
     Interval range;
     std::optional<Crossing> crossing = {};
 
-    bool found(double t, std::uint32_t i) { return take({.t = t, .part = static_cast<int>(i)}); }
+    bool found(double t, std::uint32_t i) {
+      take({.t = t, .part = static_cast<int>(i)});
+      return false;
+    }
     bool maybe(const Triangle& triangle, std::uint32_t i) {
-      const auto other = crossing_with(triangle, i, ray, range);
-      return other && take(*other);
+      if (const auto other = crossing_with(triangle, i, ray, range)) take(*other);
+      return false;
     }
 
    private:
-    bool take(const Crossing& other) {
-      if (crossing && !mesh.comes_before(ray, other, *crossing)) return false;
+    void take(const Crossing& other) {
+      if (crossing && !mesh.comes_before(ray, other, *crossing)) return;
       crossing = other;
       // What might be before it, given its error, stays in.
       range.max = std::min(range.max, latest(other.t));
-      return false;
     }
   };
 
