@@ -128,7 +128,6 @@ class Bvh {
       const Node& node = nodes_[next_.node()];
       Floats near;
       const Bits met = met_children(node, slabs_, reach, near);
-      top_before_ = top_;
       if constexpr (order == Order::any) {
         // Without a branch, since how many are met is as good as random.
         top_ += store_chosen(waiting_ + top_, met, Lanes<std::uint32_t, node_width>::load(node.children));
@@ -142,11 +141,6 @@ class Bvh {
     /// Fetches what comes next; soon(leaf) does so for a leaf.
     void fetch_next(const auto& soon) const { fetch_one(next_, soon); }
 
-    /// Fetches what waits since a node was opened.
-    void fetch_others(const auto& soon) const {
-      for (int i = top_before_; i < top_; ++i) fetch_one(Child(waiting_[i]), soon);
-    }
-
    private:
     void take_nearest(const Node& node, Bits met, Floats near) {
       alignas(64) float distance[node_width];
@@ -157,11 +151,12 @@ class Bvh {
         return std::pair(node.child(k), distance[k]);
       };
       auto nearest = take_one();
+      const int below = top_;
       while (met != 0) {
         auto other = take_one();
         if (other.second < nearest.second) std::swap(other, nearest);
         int place = top_++;
-        for (; place > top_before_ && near_[place - 1] < other.second; --place) {
+        for (; place > below && near_[place - 1] < other.second; --place) {
           waiting_[place] = waiting_[place - 1];
           near_[place] = near_[place - 1];
         }
@@ -181,29 +176,71 @@ class Bvh {
     const Node* nodes_;
     Child next_;
     bool has_ended_;
-    int top_ = 0, top_before_ = 0;
+    int top_ = 0;
     Slabs slabs_;
     float near_[most_levels * node_width];
     std::uint32_t waiting_[most_levels * node_width];  ///< Child::bits
   };
 
   /// Calls visit(leaf, reach) for every leaf whose box the ray may meet within a reach, until one of them
-  /// returns true; returns whether one did. If near ones come first, a visit may shorten the reach. Before
-  /// that, soon(leaf) is called for leaves that are likely to be visited.
+  /// returns true; returns whether one did. A visit may shorten the reach. Before that, soon(leaf) is called
+  /// for leaves that are likely to be visited. This is a Walk whose state can stay in registers, for a ray
+  /// that goes alone.
   template <Order order, class Soon = Ignore>
   bool each_leaf_along(const BoxRay& ray, Reach reach, const auto& visit, const Soon& soon = {}) const {
-    Walk<order> walk(*this, ray, reach);
-    while (!walk.has_ended()) {
-      if (!walk.is_at_leaf()) {
-        walk.open();
-        walk.fetch_others(soon);
-      } else if (visit(walk.leaf(), walk.reach)) {
-        return true;
-      } else {
-        walk.leave();
+    if (tree_.order.empty()) return false;
+    const Slabs slabs = tree_.root.is_leaf() ? Slabs() : Slabs(ray);
+    struct Entry {
+      Child child;
+      float near;
+    };
+    Entry stack[most_levels * node_width];
+    int top = 0;
+    Child next = tree_.root;
+    const auto take_next = [&] {
+      do {
+        if (top == 0) return false;
+        --top;
+      } while (stack[top].near > reach.until);
+      next = stack[top].child;
+      return true;
+    };
+    for (;;) {
+      while (!next.is_leaf()) {
+        const Node& node = tree_.nodes[next.node()];
+        Floats nears;
+        Bits met = met_children(node, slabs, reach, nears);
+        alignas(64) float near[node_width];
+        nears.store(near);
+        if (met == 0) {
+          if (!take_next()) return false;
+          continue;
+        }
+        const auto take_one = [&] {
+          const int k = std::countr_zero(met);
+          met &= met - 1;
+          return Entry{node.child(k), near[k]};
+        };
+        Entry nearest = take_one();
+        const int below = top;
+        while (met != 0) {
+          Entry other = take_one();
+          if (order == Order::near_first && other.near < nearest.near) std::swap(other, nearest);
+          if (other.child.is_leaf())
+            soon(other.child.leaf());
+          else
+            fetch(tree_.nodes[other.child.node()]);
+          int place = top++;
+          if constexpr (order == Order::near_first)
+            for (; place > below && stack[place - 1].near < other.near; --place)
+              stack[place] = stack[place - 1];
+          stack[place] = other;
+        }
+        next = nearest.child;
       }
+      if (visit(next.leaf(), reach)) return true;
+      if (!take_next()) return false;
     }
-    return false;
   }
 
   /// Calls visit(leaf) for every leaf whose box may reach into all of some half-spaces, near ones mostly

@@ -53,7 +53,7 @@ class Child {
 
  private:
   static constexpr std::uint32_t leaf_bit = 1u << 31;
-  std::uint32_t bits_ = 0;
+  std::uint32_t bits_;
 };
 
 /// The boxes of up to node_width children, axis by axis. A box that is not used contains nothing, and no ray
@@ -69,7 +69,7 @@ struct alignas(64) Node {
 
 /// A tree over boxes; the things in it are numbered in the order of the leaves.
 struct Tree {
-  Child root;
+  Child root = Child(0);  ///< if there is no thing, any
   std::vector<Node> nodes;
   std::vector<std::uint32_t> order;  ///< which thing stands at each place
 };
