@@ -83,6 +83,32 @@ Vec3 exact_normal(const Triangle& s) { return cross(s.b - s.a, s.c - s.a); }
 
 }  // namespace
 
+TEST_CASE("an edge the other way round is passed on the other side, whatever the sizes of numbers are") {
+  Random random(5);
+  const auto number = [&] {
+    return std::ldexp(random.real(-1, 1), static_cast<int>(random.real(-1070, 1020)));
+  };
+  const auto vector = [&] {
+    const double x = number(), y = number(), z = number();
+    return Vec3{x, y, z};
+  };
+  int wrong = 0, parallel = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Point origin = vector(), p = vector();
+    const Vec3 direction = vector();
+    Point q = p;
+    if (i % 2 == 0)
+      q[i / 2 % 3] = number();
+    else
+      q = vector();
+    const int side = detail::exact_side(origin, direction, p, q);
+    wrong += detail::exact_side(origin, direction, q, p) != -side;
+    parallel += side == 0;
+  }
+  CHECK(wrong == 0);
+  CHECK(parallel < 5000);
+}
+
 TEST_CASE("a triangle is met where a ray passes all its edges on one side") {
   const Triangle right{{1, 1, 3}, {3, 1, 3}, {1, 3, 3}};
   const Triangle oblique{{0, 0, 2}, {4, 0, 2}, {2, 3, 4}};

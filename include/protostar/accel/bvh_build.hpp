@@ -47,7 +47,7 @@ class Child {
   [[nodiscard]] std::uint32_t node() const { return bits_; }
   [[nodiscard]] Leaf leaf() const { return {(bits_ & ~leaf_bit) >> 4, (bits_ & 15) + 1}; }
 
-  /// What Child(bits) makes the same child of.
+  /// Child(child.bits()) is the same child.
   [[nodiscard]] std::uint32_t bits() const { return bits_; }
   explicit Child(std::uint32_t bits) : bits_(bits) {}
 

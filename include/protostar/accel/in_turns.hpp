@@ -30,7 +30,7 @@ void each_along_in_turns(const Bvh& bvh, std::size_t count, const auto& make, co
           line(query.ray, bvh.space(), widening(query.ray)),
           walk(bvh, line, {line.at_least(query.range.min), line.at_most(query.range.max)}) {}
   };
-  // Enough that what is fetched has come when its turn is; more bring nothing (bench_meshes with 6 to 32).
+  // Enough that what is fetched has mostly come when its turn is.
   constexpr std::size_t at_a_time = 16;
   std::optional<Traveller> travellers[at_a_time];
 

@@ -202,6 +202,7 @@ class TileScene {
       if (const Trial trial(candidates_, rays, skips_); trial.is_useful()) return closest_after(trial, rays);
     return closest_of_candidates(rays, [](int, const Doubles&) { return false; });
   }
+
   /// The surface that is drawn, if nothing else can be met.
   [[nodiscard]] bool sees_one_drawing() const { return one_drawing_ >= 0; }
   [[nodiscard]] const Material& material_of_drawing() const {
@@ -210,8 +211,8 @@ class TileScene {
     return *material;
   }
 
-  /// Then, what the rays from the first pixel on meet, before those in doubt have been asked about. All t are
-  /// 0 that are needed for no comparison.
+  /// Then, what the rays from the first pixel on meet, before those in doubt have been asked about. Its t
+  /// is 0, as nothing is compared with it.
   struct SeenInDrawing {
     Closest closest;
     Chosen in_doubt;

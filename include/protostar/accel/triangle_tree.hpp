@@ -43,8 +43,8 @@ class TriangleTree {
         [&](Leaf leaf) { leaves_.fetch(leaf); });
   }
 
-  /// The same for `count` queries that make(k) makes; done(k, query) is called for each, in any order. Where
-  /// rays lead to different places, this is sooner done than one query after another.
+  /// The same for `count` queries that make(k) makes; done(k, query) is called for each, in any order. While
+  /// the ray of one waits for memory, others go on.
   void answer_each(std::size_t count, const auto& make, const auto& done, const auto& triangle) const {
     constexpr Order order = order_for<decltype(make(std::size_t{0}))>;
     each_along_in_turns<order>(

@@ -8,7 +8,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Shows each surface in its color, unlit; the sky, or black, where there is nothing.
 struct ColorIntegrator {
   using TakesPackets = ColorIntegrator;    ///< of rays, as well as single ones (accel/packet.hpp)
-  using ShadesAnywhere = ColorIntegrator;  ///< what it shows of a color is the same at all places
+  using ShadesAnywhere = ColorIntegrator;  ///< by shade_anywhere, where there is no texture
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});

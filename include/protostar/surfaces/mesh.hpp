@@ -206,8 +206,8 @@ class Mesh {
   }
 
   /// first_crossing of many rays, the k-th of `count` being ray(k): tell(k, std::optional<Crossing>) is
-  /// called for each, in any order. Rays that lead to different places are sooner done than one after
-  /// another, since while one waits for memory others go on.
+  /// called for each, in any order. While one ray waits for memory others go on: worth while for rays that
+  /// lead to different places of a mesh that the cache does not hold (bench_meshes).
   void first_crossings(std::size_t count, const auto& ray, Interval range, const auto& tell) const {
     contents_->tree.answer_each(
         count,
