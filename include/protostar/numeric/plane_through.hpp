@@ -152,6 +152,9 @@ namespace detail {
 /// difference to 3u²: 8u² = 2^-103 of the sizes of both.
 [[nodiscard]] inline std::optional<RefinedVector> refined_cross_product(const RefinedVector& u,
                                                                         const RefinedVector& v) {
+  const auto is_double = [](const RefinedVector& x) { return x[0].lo == 0 && x[1].lo == 0 && x[2].lo == 0; };
+  if (is_double(u) && is_double(v))  // as where all are made of floats: sooner
+    return cross_product({u[0].hi, u[1].hi, u[2].hi}, {v[0].hi, v[1].hi, v[2].hi});
   RefinedVector n;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;

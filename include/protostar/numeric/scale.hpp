@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
 
 #include "../vec3.hpp"
@@ -15,6 +17,9 @@ namespace protostar::inline PROTOSTAR_ABI {
   double largest = 0;
   for (const Vec3& v : vectors) largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   if (largest == 0) return -2000;
+  // As a double has it, but for the least and the largest.
+  if (0x1p-1000 < largest && largest < 0x1p1023)
+    return static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52) - 1022;
   int exponent = 0;
   std::frexp(largest, &exponent);
   return exponent;
@@ -22,6 +27,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// v · 2^exponent.
 [[nodiscard]] inline Vec3 scaled(const Vec3& v, int exponent) {
+  if (-1000 < exponent && exponent < 1000)  // that power of two, bit by bit
+    return v * std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
   return {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
 }
 
