@@ -342,3 +342,36 @@ TEST_CASE("a tile that draws a mesh leaves few rays in doubt") {
   CHECK(taken.surface_tests < 320 * 240 + 1);
   CHECK(taken.in_doubt < 320 * 240 / 100);
 }
+
+TEST_CASE("a floor in whose plane the eye is leaves few rays in doubt, and so do triangles without area") {
+  // Beside the eye, so that it is not in front as a whole; and a wall behind.
+  const auto in_doubt = [](bool on_a_line) {
+    MeshData data;
+    data.vertices = {{1, 0, -9}, {19, 0, -9}, {10, 0, 9}, {-9, -9, 12}, {9, -9, 12}, {0, 18, 12}};
+    data.triangles = {{0, 1, 2}, {3, 4, 5}};
+    if (on_a_line) data.triangles[0] = {0, 2, 0};
+    Everything scene;
+    scene.add(mesh_of(data), Color{1});
+    RenderStatistics taken;
+    CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}, {.statistics = &taken}) == 0);
+    return taken.in_doubt;
+  };
+  CHECK(in_doubt(false) < 200);
+  CHECK(in_doubt(true) < 200);
+}
+
+TEST_CASE("no ray is made where a mesh alone looks the same all over, or nothing is seen") {
+  Everything scene;
+  scene.add(mesh_of(meshes::moved(meshes::torus(30, 12), 0.7, {0.4, 0, 3})), Color{1});
+  const auto taken = [&](const auto& integrator, bool skips) {
+    RenderStatistics statistics;
+    CHECK(drawn_otherwise(scene, Camera{}, integrator,
+                          {.skips = {.empty_tiles = skips}, .statistics = &statistics}) == 0);
+    CHECK(statistics.camera_rays + statistics.pixels_skipped == 75 * 70);
+    return statistics.camera_rays;
+  };
+  CHECK(taken(ColorIntegrator{}, true) < 100);
+  CHECK(taken(ColorIntegrator{}, false) == 75 * 70);
+  const auto of_hits = taken(NormalIntegrator{}, true);
+  CHECK((of_hits > 75 * 70 / 20 && of_hits < 75 * 70 / 2));
+}

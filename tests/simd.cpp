@@ -173,6 +173,22 @@ TEST_CASE("doubles become the nearest floats in every lane") {
   }
 }
 
+TEST_CASE("whole numbers become floats, wider ones, and come from floats without their fractions") {
+  using Floats = Lanes<float, simd::float_lanes>;
+  using Wholes = Lanes<std::int32_t, simd::float_lanes>;
+  for (const float x : {0.0f, 0.99999994f, 1.0f, 63.5f, -0.5f, -7.75f, 8388607.5f, -2147483648.0f}) {
+    const Floats a = Floats(x) + Floats(0.0f);
+    const Wholes whole = to_whole(a), negative = to_whole(-a * Floats(0.5f));
+    for (int lane = 0; lane < simd::float_lanes; ++lane) {
+      CHECK(whole[lane] == static_cast<std::int32_t>(x));
+      CHECK(negative[lane] == static_cast<std::int32_t>(-x * 0.5f));
+      CHECK(to_float(whole)[lane] == static_cast<float>(static_cast<std::int32_t>(x)));
+    }
+    const auto wide = widened(Lanes<std::int32_t, simd::double_lanes>(whole[0]));
+    for (int lane = 0; lane < simd::double_lanes; ++lane) CHECK(wide[lane] == std::int64_t{whole[0]});
+  }
+}
+
 TEST_CASE("a mask is the set of its lanes, for lanes of any type") {
   for_each_kind([]<class T, int N>(const Lanes<T, N>&) {
     const Bits all = simd::first_bits(N);

@@ -22,7 +22,7 @@ struct RenderStatistics {
   std::uint64_t in_doubt = 0;  ///< tests that double could not decide for a packet, so that a ray went alone
   std::uint64_t double_double = 0;   ///< roots worked out in double-double
   std::uint64_t exact = 0;           ///< and from exact coefficients
-  std::uint64_t pixels_skipped = 0;  ///< in parts of tiles that see nothing: they had no ray
+  std::uint64_t pixels_skipped = 0;  ///< that had no ray: of parts of tiles that see nothing, or all the same
 
   RenderStatistics& operator+=(const RenderStatistics& other) {
     camera_rays += other.camera_rays, other_rays += other.other_rays;

@@ -243,50 +243,47 @@ class Bvh {
     }
   }
 
-  /// Calls visit(leaf) for every leaf whose box may reach into all of some half-spaces, near ones mostly
-  /// before far ones along a direction, unless is_hidden(box) says that it, or what is around it, is of no
-  /// interest by then. Before that, soon(leaf) is called for leaves that are likely to be visited.
-  void each_leaf_ahead(std::span<const BoxHalfSpace> half_spaces, const Vec3& direction,
-                       const auto& is_hidden, const auto& visit, const auto& soon) const {
+  /// Calls visit(leaf) for every leaf that may be seen of an eye, near ones mostly before far ones, unless
+  /// is_hidden(what is seen of it) says that it, or what is around it, is of no interest by then. look(node)
+  /// tells what is seen of the children of a node, k by k, at which distance(k): it has the bits of those
+  /// that are seen, and of those that are in_front; others are seen if their boxes may reach into all of some
+  /// half-spaces. Before that, soon(leaf) is called for leaves that are likely to be visited.
+  void each_leaf_ahead(std::span<const BoxHalfSpace> half_spaces, const auto& look, const auto& is_hidden,
+                       const auto& visit, const auto& soon) const {
     if (tree_.order.empty()) return;
     if (tree_.root.is_leaf()) return visit(tree_.root.leaf());
-    const Float4 along = float4(direction);
     struct Entry {
-      const Node* parent;
-      int k;
-      float near;
+      Child child;
+      float distance;
+      std::remove_cvref_t<decltype(look(tree_.nodes[0])[0])> seen;
     };
     Entry stack[most_levels * node_width];
     int top = 0;
     const auto open = [&](const Node& node) {
-      Floats nearness = 0.0f;
-      for (int axis = 0; axis < 3; ++axis)
-        nearness += Floats::load(node.end[along[axis] < 0][axis]) * Floats(along[axis]);
-      const int below = top;
-      for (Bits within = children_in(node, half_spaces); within != 0; within &= within - 1) {
-        const int k = std::countr_zero(within);
+      const auto children = look(node);
+      Bits left = children.seen;
+      if ((left & ~children.in_front) != 0) left &= children_in(node, half_spaces);
+      for (const int below = top; left != 0; left &= left - 1) {
+        const int k = std::countr_zero(left);
         if (node.child(k).is_leaf())
           soon(node.child(k).leaf());
         else
           fetch(tree_.nodes[node.child(k).node()]);
-        const Entry entry{&node, k, nearness[k]};
+        const Entry entry{node.child(k), children.distance(k), children[k]};
         int place = top++;
-        for (; place > below && stack[place - 1].near < entry.near; --place) stack[place] = stack[place - 1];
+        for (; place > below && stack[place - 1].distance < entry.distance; --place)
+          stack[place] = stack[place - 1];
         stack[place] = entry;
       }
     };
     open(tree_.nodes[tree_.root.node()]);
     while (top > 0) {
-      const Node& node = *stack[--top].parent;
-      const int k = stack[top].k;
-      const auto corner = [&](int end) {
-        return Point(node.end[end][0][k], node.end[end][1][k], node.end[end][2][k]);
-      };
-      if (is_hidden(Bounds{corner(0), corner(1)})) continue;
-      if (node.child(k).is_leaf())
-        visit(node.child(k).leaf());
+      const auto [child, distance, seen] = stack[--top];
+      if (is_hidden(seen)) continue;
+      if (child.is_leaf())
+        visit(child.leaf());
       else
-        open(tree_.nodes[node.child(k).node()]);
+        open(tree_.nodes[child.node()]);
     }
   }
 

@@ -64,6 +64,7 @@ class TileRenderer {
   void operator()(const Tile& tile) const {
     const Fallbacks before = fallbacks;
     Work work;
+    if constexpr (View::draws) work.drawn = take_room();
     Candidates in_tile;
     const Frustum frustum(rays_, tile);
     if (is_large()) {
@@ -82,12 +83,13 @@ class TileRenderer {
       if (rays_.is_pinhole()) draw(in_tile, frustum, tile, work);
     if (can_be_left(in_tile))
       leave_empty(tile, work);
-    else
+    else if (!fill_from_drawing(tile, in_tile, work))
       fill_parts(tile, in_tile, 0, work);
+    if constexpr (View::draws) give_back(std::move(work.drawn));
     if (statistics_) {
       work.taken.double_double = fallbacks.double_double - before.double_double;
       work.taken.exact = fallbacks.exact - before.exact;
-      const std::lock_guard lock(adding_);
+      const std::lock_guard lock(sharing_);
       *statistics_ += work.taken;
     }
   }
@@ -140,19 +142,44 @@ class TileRenderer {
     first += static_cast<int>(scene_.scene().template surfaces<T>().size());
   }
 
+  /// What is drawn takes much room, which one tile leaves to the next.
+  [[nodiscard]] typename View::Drawn take_room() const {
+    const std::lock_guard lock(sharing_);
+    if (room_.empty()) return {};
+    typename View::Drawn room = std::move(room_.back());
+    room_.pop_back();
+    (std::get<DrawnOf<S>>(room).clear(), ...);
+    return room;
+  }
+  void give_back(typename View::Drawn&& room) const {
+    const std::lock_guard lock(sharing_);
+    room_.push_back(std::move(room));
+  }
+
+  /// Whether what rays bring is the same for all that meet a surface of this material, and for all that meet
+  /// nothing, so that nobody asks where.
+  [[nodiscard]] bool is_alike(const Material& material) const {
+    return ShadesAnywhere<I> && skips_.empty_tiles && !scene_.scene().environment() && !material.texture;
+  }
+
   /// Draws the candidates that are drawn as a whole.
   void draw(const Candidates& candidates, const Frustum& frustum, const Tile& tile, Work& work) const {
-    const auto visit = [&]<class T>(const DrawnOf<T>&, const T& surface, int place) {
+    const int samples = rays_.pixels().samples();
+    const bool is_alone = candidates.size() == 1 && unbounded_.empty() && samples == 1;
+    const auto visit = [&]<class T>(const DrawnOf<T>&, const T& surface, const Material& material,
+                                    int place) {
+      const Asked asked = is_alone && is_alike(material) ? Asked::whether : Asked::where;
       if constexpr (SurfaceForTiles<T>)
-        for (int i = 0; i < rays_.pixels().samples(); ++i)
+        for (int i = 0; i < samples; ++i)
           if (auto* const drawn = std::get<DrawnOf<T>>(work.drawn).add(place, i))
-            surface.draw(*drawn, rays_, i, frustum, tile);
+            surface.draw(*drawn, rays_, i, frustum, tile, asked);
     };
     for (int i = 0; i < candidates.size(); ++i) {
       auto at = static_cast<std::size_t>(candidates.place(i));
       const auto visit_group = [&]<class T>(const DrawnOf<T>& group) {
         const auto& surfaces = scene_.scene().template surfaces<T>();
-        if (at < surfaces.size()) return visit(group, surfaces[at], candidates.place(i)), true;
+        const auto& materials = scene_.scene().template materials<T>();
+        if (at < surfaces.size()) return visit(group, surfaces[at], materials[at], candidates.place(i)), true;
         return at -= surfaces.size(), false;
       };
       static_cast<void>((visit_group(DrawnOf<S>{}) || ...));
@@ -205,6 +232,42 @@ class TileRenderer {
     }
   }
 
+  /// Fills a tile that can see nothing but one drawing; returns whether it is one. Rays are made only where
+  /// colors are not the same at all places.
+  bool fill_from_drawing(const Tile& tile, const Candidates& candidates, Work& work) const {
+    if constexpr (by_packets && View::draws && ShadingIntegrator<I, View>) {
+      const View view(scene_, candidates, unbounded_, skips_, work.occluders, work.drawn, work.taken);
+      if (!view.sees_one_drawing() || rays_.pixels().samples() > 1) return false;
+      view.with_drawing([&](const auto& drawn, const Material& material) {
+        const bool all_is_alike = is_alike(material),
+                   nothing_is_alike = skips_.empty_tiles && !scene_.scene().environment();
+        const Colors background(integrator_.background(rays_.packet(tile, tile.x0, tile.y0), view));
+        Colors surface(Color{0});
+        if constexpr (ShadesAnywhere<I>) surface = Colors(integrator_.shade_anywhere(material));
+        std::uint64_t skipped = 0;
+        each_packet(tile, [&](std::size_t, int x, int y) {
+          const Chosen wanted = rays_.wanted(tile, x);
+          const auto seen = drawn.seen(wanted, x, y);
+          if (!any(seen.in_doubt) && (all_is_alike || (nothing_is_alike && !any(seen.met)))) {
+            skipped += static_cast<std::uint64_t>(std::popcount(bits(wanted)));
+            return write(tile, x, y, select(seen.met, surface, background));
+          }
+          view.set_first_pixel(x, y);
+          const CameraRays<Point> rays = rays_.packet(tile, x, y);
+          const auto closest = view.closest(rays, seen);
+          write(
+              tile, x, y,
+              all_is_alike ? select(closest.t < infinity, surface, background) : shaded(rays, closest, view));
+        });
+        work.taken.pixels_skipped += skipped;
+        work.taken.camera_rays +=
+            static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height()) - skipped;
+      });
+      return true;
+    }
+    return false;
+  }
+
   void fill(const Tile& tile, const Candidates& candidates, Work& work) const {
     if constexpr (!by_packets)  // one ray after the other, whatever its origin
       fill_from<Point>(tile, candidates, work);
@@ -222,6 +285,8 @@ class TileRenderer {
 
   template <class Origin>
   void fill_from(const Tile& tile, const Candidates& candidates, Work& work) const {
+    if constexpr (std::same_as<Origin, Point>)
+      if (fill_from_drawing(tile, candidates, work)) return;
     const PixelGrid& pixels = rays_.pixels();
     work.taken.camera_rays += static_cast<std::uint64_t>(tile.width()) *
                               static_cast<std::uint64_t>(tile.height()) *
@@ -251,11 +316,6 @@ class TileRenderer {
         begin_packet(x, y);
         write(tile, x, y, mean_radiance<Origin>(tile, x, y, view));
       });
-    } else if constexpr (View::draws && ShadingIntegrator<I, View> && std::same_as<Origin, Point>) {
-      if (view.sees_one_drawing())
-        fill_from_drawing(tile, view);
-      else
-        fill_in_steps<Origin>(tile, view, begin_packet);
     } else {
       fill_in_steps<Origin>(tile, view, begin_packet);
     }
@@ -299,26 +359,6 @@ class TileRenderer {
     }
   }
 
-  /// Fills a tile that sees one drawing. What an integrator shows of a surface at any place needs no rays.
-  void fill_from_drawing(const Tile& tile, const View& view) const {
-    const Material& material = view.material_of_drawing();
-    const bool is_alike = ShadesAnywhere<I> && !material.texture && !scene_.scene().environment();
-    Colors here(Color{0}), background(Color{0});
-    if constexpr (ShadesAnywhere<I>)
-      if (is_alike) {
-        here = Colors(integrator_.shade_anywhere(material));
-        background = Colors(integrator_.background(rays_.packet(tile, tile.x0, tile.y0), view));
-      }
-    each_packet(tile, [&](std::size_t, int x, int y) {
-      view.set_first_pixel(x, y);
-      const auto seen = view.seen_in_drawing(rays_.wanted(tile, x));
-      if (is_alike && !any(seen.in_doubt))
-        return write(tile, x, y, select(seen.closest.t < infinity, here, background));
-      const CameraRays<Point> rays = rays_.packet(tile, x, y);
-      write(tile, x, y, shaded(rays, view.closest(rays, seen), view));
-    });
-  }
-
   template <class Origin>
   [[nodiscard, gnu::noinline]] Colors mean_radiance(const Tile& tile, int x, int y, const View& view) const {
     return rays_.pixels().mean([&](int i) {
@@ -355,7 +395,8 @@ class TileRenderer {
   PixelRays rays_;
   Skips skips_;
   RenderStatistics* statistics_;
-  mutable std::mutex adding_;
+  mutable std::mutex sharing_;                      ///< of statistics_ and room_
+  mutable std::vector<typename View::Drawn> room_;  ///< that no tile uses
   Candidates candidates_;  ///< in the scene's order, or near to far for what looks at the first only
   std::vector<int>
       unbounded_;  ///< places of surfaces of which nothing is known that a tile could be tested against

@@ -423,11 +423,40 @@ template <int N>
 }
 
 template <int N>
+[[nodiscard]] Lanes<float, N> to_float(Lanes<std::int32_t, N> a) {
+#if defined(PROTOSTAR_VECTORS)
+  return __builtin_convertvector(a.v, detail::Vector<float, N>);
+#else
+  return a.v.template each<float>([&](int i) { return static_cast<float>(a.v[i]); });
+#endif
+}
+
+/// Numbers of less than 2^31 without their fractions.
+template <int N>
+[[nodiscard]] Lanes<std::int32_t, N> to_whole(Lanes<float, N> a) {
+#if defined(PROTOSTAR_VECTORS)
+  return __builtin_convertvector(a.v, detail::Vector<std::int32_t, N>);
+#else
+  return a.v.template each<std::int32_t>([&](int i) { return static_cast<std::int32_t>(a.v[i]); });
+#endif
+}
+
+template <int N>
 [[nodiscard]] Lanes<double, N> to_double(Lanes<float, N> a) {
 #if defined(PROTOSTAR_VECTORS)
   return __builtin_convertvector(a.v, detail::Vector<double, N>);
 #else
   return a.v.template each<double>([&](int i) { return static_cast<double>(a.v[i]); });
+#endif
+}
+
+/// The same whole numbers, as wide as doubles.
+template <int N>
+[[nodiscard]] Lanes<std::int64_t, N> widened(Lanes<std::int32_t, N> a) {
+#if defined(PROTOSTAR_VECTORS)
+  return __builtin_convertvector(a.v, detail::Vector<std::int64_t, N>);
+#else
+  return a.v.template each<std::int64_t>([&](int i) { return std::int64_t{a.v[i]}; });
 #endif
 }
 

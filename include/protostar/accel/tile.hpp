@@ -22,6 +22,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
+/// What a picture asks of what is drawn into a tile: only whether a ray meets it, or where as well.
+enum class Asked { whether, where };
+
 /// Where the rays of a picture start, as bounds see it.
 struct Viewpoint {
   /// What centers are measured from. Each ray, once it is shifted by at most drift, is a part of one that

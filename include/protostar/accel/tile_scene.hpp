@@ -16,15 +16,16 @@
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
 /// A surface that is drawn into a tile as a whole, since it has many parts. It has a type Drawn, and
-/// draw(drawn, rays, sample, frustum, tile) fills one, for one ray of each pixel. If is_drawn() then,
-/// seen(wanted, x, y) tells of the rays from pixel (x, y) on which meet it, `which` entry ≥ 0 of the drawing
-/// each meets first, and which are in doubt. It is crossing 0 of part(which). If some are met, t(which, met,
-/// directions) are the t of these, with the bits of first_crossing's.
+/// draw(drawn, rays, sample, frustum, tile, asked) fills one, for one ray of each pixel. If is_drawn() then,
+/// seen(wanted, x, y) tells of the rays from pixel (x, y) on which meet it, and which are in doubt. If it was
+/// asked where, `which` is the entry ≥ 0 of the drawing that each meets first: that is crossing 0 of
+/// part(which), and if some are met, t(which, met, directions) are the t of these, with the bits of
+/// first_crossing's.
 template <class S>
 concept SurfaceForTiles = SurfaceWithParts<S> &&
     requires(const S& surface, typename S::Drawn& drawn, const PixelRays& rays, const Frustum& frustum,
              const Tile& tile, const Chosen& chosen, const Indices& which, const Vectors& directions) {
-  surface.draw(drawn, rays, 0, frustum, tile);
+  surface.draw(drawn, rays, 0, frustum, tile, Asked::where);
   { drawn.is_drawn() } -> std::same_as<bool>;
   { drawn.seen(chosen, 0, 0).met } -> std::same_as<Chosen&&>;
   { drawn.seen(chosen, 0, 0).in_doubt } -> std::same_as<Chosen&&>;
@@ -35,7 +36,9 @@ concept SurfaceForTiles = SurfaceWithParts<S> &&
 
 /// The surfaces of one type that are drawn into a tile, if any type is.
 template <class S>
-struct DrawnOf {};
+struct DrawnOf {
+  void clear() {}
+};
 template <SurfaceForTiles S>
 struct DrawnOf<S> {
   /// Beyond this, surfaces of one tile are looked at ray by ray.
@@ -56,6 +59,7 @@ struct DrawnOf<S> {
     entry.place = place, entry.sample = sample;
     return &entry.drawn;
   }
+  void clear() { count = 0; }
   [[nodiscard]] const typename S::Drawn* at(int place, int sample) const {
     for (std::size_t i = 0; i < count; ++i)
       if (const Entry& entry = *entries[i]; entry.place == place && entry.sample == sample)
@@ -203,37 +207,23 @@ class TileScene {
     return closest_of_candidates(rays, [](int, const Doubles&) { return false; });
   }
 
-  /// The surface that is drawn, if nothing else can be met.
+  /// Whether nothing can be met but one surface, and that is drawn: with_drawing(f) calls f(drawn, material).
   [[nodiscard]] bool sees_one_drawing() const { return one_drawing_ >= 0; }
-  [[nodiscard]] const Material& material_of_drawing() const {
-    const Material* material = nullptr;
-    visit(one_drawing_, [&](const auto&, const Material& one) { material = &one; });
-    return *material;
+  void with_drawing(const auto& f) const {
+    visit(one_drawing_, [&]<class T>(const T&, const Material& material) {
+      if constexpr (SurfaceForTiles<T>) f(*drawn_at<T>(one_drawing_), material);
+    });
   }
 
-  /// Then, what the rays from the first pixel on meet, before those in doubt have been asked about. Its t
-  /// is 0, as nothing is compared with it.
-  struct SeenInDrawing {
-    Closest closest;
-    Chosen in_doubt;
-  };
-  [[nodiscard]] SeenInDrawing seen_in_drawing(const Chosen& wanted) const {
-    SeenInDrawing result{{.t = infinity, .place = -1}, false};
-    count_tests(wanted);
-    visit(one_drawing_, [&]<class T>(const T&, const Material&) {
-      if constexpr (SurfaceForTiles<T>) {
-        const auto seen = drawn_at<T>(one_drawing_)->seen(wanted, first_x_, first_y_);
-        result.closest = {.t = select(seen.met, Doubles(0.0), result.closest.t),
-                          .place = select(seen.met, Indices(one_drawing_), result.closest.place),
-                          .which = select(seen.met, seen.which, result.closest.which)};
-        result.in_doubt = seen.in_doubt;
-      }
-    });
-    return result;
-  }
-  [[nodiscard]] Closest closest(const CameraRays<Point>& rays, const SeenInDrawing& seen) const {
-    if (!any(seen.in_doubt)) return seen.closest;
-    return decided(rays, seen.in_doubt, seen.closest,
+  /// What rays meet first, of which the drawing has told what they see. Its t is 0, as nothing is compared
+  /// with it.
+  [[nodiscard]] Closest closest(const CameraRays<Point>& rays, const auto& seen) const {
+    count_tests(rays.wanted);
+    const Closest closest{.t = select(seen.met, Doubles(0.0), infinity),
+                          .place = select(seen.met, Indices(one_drawing_), -1),
+                          .which = select(seen.met, seen.which, -1)};
+    if (!any(seen.in_doubt)) return closest;
+    return decided(rays, seen.in_doubt, closest,
                    [&](const auto& visit_place) { each_candidate(visit_place); });
   }
 

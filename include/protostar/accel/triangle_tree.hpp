@@ -58,11 +58,11 @@ class TriangleTree {
   [[nodiscard]] const BoxSpace& space() const { return bvh_.space(); }
 
   /// Bvh::each_leaf_ahead.
-  void each_leaf_ahead(std::span<const HalfSpace> half_spaces, const Vec3& direction, const auto& is_hidden,
+  void each_leaf_ahead(std::span<const HalfSpace> half_spaces, const auto& look, const auto& is_hidden,
                        const auto& visit) const {
     std::vector<BoxHalfSpace> seen;
     for (const HalfSpace& half_space : half_spaces) seen.emplace_back(half_space, space());
-    bvh_.each_leaf_ahead(seen, direction, is_hidden, visit, [&](Leaf leaf) { leaves_.fetch(leaf); });
+    bvh_.each_leaf_ahead(seen, look, is_hidden, visit, [&](Leaf leaf) { leaves_.fetch(leaf); });
   }
 
   [[nodiscard]] const TriangleLeaves& leaves() const { return leaves_; }

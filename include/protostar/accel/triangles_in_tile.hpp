@@ -1,32 +1,30 @@
 // What the pixels of a tile see first of many triangles: these are drawn into the tile, and each pixel keeps
 // the nearest.
 //
-// The rays of a pinhole at o lead along D(x, y) = x e1 + y e2 + e3, x and y being pixels from the tile's
-// middle and e3 the direction there. By the dual basis e1*, e2*, e3* a vertex, from o, has the coordinates
-// (X, Y, Z), and is seen at (X/Z, Y/Z). Of a triangle a, b, c
+// In the coordinates of accel/screen.hpp, of a triangle a, b, c
 //
 //   side(p, q) = (X_p − x Z_p) (Y_q − y Z_q) − (Y_p − y Z_p) (X_q − x Z_q)
 //
-// tells on which side of an edge D leads past (numeric/triangle_roots.hpp, but for a factor that is the same
-// for all), and the plane is met at o + D/k with k = (side(a, b) + side(b, c) + side(c, a)) / det(a, b, c):
-// the larger k, the nearer. Sides and k are linear in x and y: that is what pixels are tried against, in
-// float.
-//
-// What is worked out for a triangle is in double. The volume of e1, e2, e3, as unit vectors, is above 1/16,
-// so that their roundings, those of the dual basis, and those of the rays' directions are below 2^-42 of the
-// products of lengths. Let γ be 2^-42 (|e1*| + |e2*| + T |e3*|), the tile being in |x|, |y| ≤ T. Then X, Y
-// and T Z of a vertex p are off by less than γ|p|. With L = |X| + |Y| + T |Z|,
+// tells on which side of an edge D(x, y) leads past (numeric/triangle_roots.hpp, but for a factor that is the
+// same for all), and the plane is met at o + D/k with k = (side(a, b) + side(b, c) + side(c, a)) / det(a, b,
+// c): the larger k, the nearer. Sides and k are linear in x and y: that is what pixels are tried against, in
+// float. With L = |X| + |Y| + T |Z|, in double
 //
 //   a side is off by less than               w = 8γ (|p| L_q + |q| L_p)
 //   det, which is a sum of products, T times  e = 12γ (|a| L_b L_c + L_a |b| L_c + L_a L_b |c|)
 //
 // of which their own roundings are a small part, as L ≤ 2^42 γ|p|. Sides are divided by their largest size M
-// in the tile. In float they are off by 2^-24 for coefficients, x and y, products and twice for sums: 6 of
-// 2^-24, and if w ≤ 2^-22 M, by less than 2^-20 in all. An edge with a larger w is left out, as if it was
-// passed on either side. If e < |det|/2, k is off by less than 2 (Σw + K e) / |det| and 2^-20 K, K being its
-// largest size in the tile; if not, or beyond what float holds, nothing is known of it. Where all vertices
-// are surely in front, Z > 2^12 γ|p|, their places are good to 2^-11 of a pixel; the triangle is in no pixel
-// beyond these, and k is between the least and the largest 1/Z, which are good to 2^-11 of themselves.
+// in the tile, and if e < |det|/2 by the sign of det, so that all are positive inside.
+//
+// In float, with u = 2^-24, a pixel is at the first of its block, which is in the tile, and up to 2T from
+// there: the terms of a side sum up to no more than 3, those at the first of the block to no more than 1.
+// Rounding takes 3u for coefficients, 1u for x and y, 4u and 3u for the products and sums of the two parts
+// and 1u for the last sum: 12u, and if w ≤ 2^-23 M, less than 2^-20 in all. An edge with a larger w is left
+// out, as if it was passed on either side. If e < |det|/2, k is off by less than 2 (Σw + K e) / |det| and
+// 2^-20 K, K being its largest size in the tile; if not, or beyond what float holds, nothing is known of it.
+// Where all vertices are surely in front, Z > 2^12 γ|p|, their places are good to 2^-11 of a pixel; the
+// triangle is in no pixel beyond these, and k is between the least and the largest 1/Z, which are good to
+// 2^-11 of themselves.
 #pragma once
 
 #include <algorithm>
@@ -34,85 +32,57 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <numbers>
 #include <vector>
 
 #include "packet.hpp"
+#include "screen.hpp"
 #include "tile.hpp"
 #include "triangle_tree.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
-
-/// The picture of a pinhole around a tile: what turns points, in box space, into X, Y and Z.
-struct Screen {
-  bool usable = false;
-  Point eye{0}, eye_in_box_space{0};
-  double scale = 1;           ///< of box space
-  Vec3 across, down, ahead;   ///< the dual basis
-  double reach, uncertainty;  ///< T and γ
-  double longest;             ///< no direction is longer
-  double left, top;           ///< x and y of the sample in the tile's first pixel
-  double pixels_of_all;       ///< about as many take all triangles, or a ball of radius √3 in box space
-
-  Screen(const PixelRays& rays, int sample, const Tile& tile, const BoxSpace& space)
-      : eye(rays.camera().position), eye_in_box_space(space(eye)), scale(space.scale) {
-    const auto& [x0, y0, x1, y1] = tile;
-    const PixelGrid& pixels = rays.pixels();
-    const Camera& camera = rays.camera();
-    const double half_width = 0.5 * tile.width(), half_height = 0.5 * tile.height();
-    const Vec3 e1 = (pixels.u(x1, 0) - pixels.u(x0, 0)) / tile.width() * camera.right,
-               e2 = (pixels.v(y1, 0) - pixels.v(y0, 0)) / tile.height() * camera.up,
-               e3 = pixels.u(x0, half_width) * camera.right + pixels.v(y0, half_height) * camera.up +
-                    camera.forward;
-    const double sizes = length(e1) * length(e2) * length(e3), volume = dot(cross(e1, e2), e3);
-    const auto is_moderate = [](double x) { return 0x1p-100 < x && x < 0x1p100; };
-    // What e3 is made of is not much larger, so that its rounding is that of its length.
-    const double parts = length(pixels.u(x0, half_width) * camera.right) +
-                         length(pixels.v(y0, half_height) * camera.up) + length(camera.forward);
-    usable = rays.is_pinhole() && parts < 0x1p5 * length(e3) && is_moderate(length(e1)) &&
-             is_moderate(length(e2)) && is_moderate(length(e3)) && std::abs(volume) > 0x1p-4 * sizes &&
-             length(eye_in_box_space) < 0x1p40 && 0x1p-500 < scale && scale < 0x1p500;
-    across = cross(e2, e3) / volume, down = cross(e3, e1) / volume, ahead = cross(e1, e2) / volume;
-    reach = std::max(half_width, half_height);
-    longest = length(e3) + reach * (length(e1) + length(e2));
-    uncertainty = 0x1p-42 * (length(across) + length(down) + reach * length(ahead));
-    pixels_of_all = std::numbers::pi * 3 / dot(eye_in_box_space, eye_in_box_space) * dot(e3, e3) /
-                    (length(e1) * length(e2));
-    left = pixels.sample(sample).x - half_width, top = pixels.sample(sample).y - half_height;
-  }
-};
 
 /// What the pixels of a tile see first of the triangles of a tree.
 class TrianglesInTile {
  public:
   /// Draws a tile of at most 64 × 64 pixels, as the rays through a sample of each see it. If that is not
   /// possible, or triangles are so small that rays are sooner followed, nothing is drawn: that is known
-  /// before for all of them, or while it is tried, for those of this tile.
+  /// before for all of them, or while it is tried, for those of this tile. What t() and part() tell is worked
+  /// out only if it is asked.
   void draw(const TriangleTree& tree, const PixelRays& rays, int sample, const Frustum& frustum,
-            const Tile& tile) {
+            const Tile& tile, Asked asked) {
     tree_ = &tree;
     tile_ = tile;
     const Screen screen(rays, sample, tile, tree.space());
     usable_ = screen.usable && tree.has_all() && tile.width() <= side && tile.height() <= side &&
               static_cast<double>(tree.size()) <= most_a_pixel * screen.pixels_of_all;
     if (!usable_) return;
-    far_.fill(0), near_.fill(0), other_.fill(0), nearest_.fill(0), drawn_.clear();
+    clear();
     int left = most_tried_a_pixel * tile.width() * tile.height();  // boxes and triangles
     tree.each_leaf_ahead(
-        frustum.side, screen.ahead, [&](const Bounds& box) { return --left < 0 || is_hidden(screen, box); },
+        frustum.side, [&](const Node& node) { return BoxesOnScreen(screen, node); },
+        [&](const BoxOnScreen& box) { return --left < 0 || is_hidden(box); },
         [&](Leaf leaf) {
           left -= static_cast<int>(leaf.count);
           for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
             const auto corners = tree.leaves().corners(leaf, i);
-            const Shapes shapes(screen, corners, tile);
-            const Planes planes(screen, corners);
-            for (std::uint32_t k = 0; k < double_lanes && i + k < leaf.count; ++k)
-              if (draw_one(shapes, planes.floor[k], k, static_cast<std::int32_t>(drawn_.size())))
-                drawn_.push_back(planes.plane(k, TriangleLeaves::place(leaf, i + k)));
+            const Shapes shapes(screen, corners);
+            Bits some = shapes.in_tile & first_bits(static_cast<int>(leaf.count - i));
+            if (some == 0) continue;
+            const auto first = static_cast<std::int32_t>(drawn_.size() * double_lanes);
+            const Floats floors = asked == Asked::where
+                                      ? drawn_.emplace_back(screen, corners, leaf, i).floors(screen)
+                                      : Floats(0.0f);
+            for (; some != 0; some &= some - 1) {
+              const int k = std::countr_zero(some);
+              draw_one(shapes, floors[k], static_cast<std::size_t>(k), first + k);
+            }
           }
         });
     usable_ = left >= 0;
+    if (usable_) decide();
   }
 
   [[nodiscard]] bool is_drawn() const { return usable_; }
@@ -124,13 +94,11 @@ class TrianglesInTile {
     Indices which = -1;
   };
   [[nodiscard, gnu::always_inline]] Seen seen(const Chosen& wanted, int x, int y) const {
-    const std::size_t at = index(x - tile_.x0, y - tile_.y0);
-    const Floats far = Floats::load(&far_[at]), other = Floats::load(&other_[at]);
-    const Chosen met = wanted && mask_for<double>(other < far);
-    return {.met = met,
-            .in_doubt = wanted && mask_for<double>(far <= other && other > Floats(0.0f)),
-            .which = Indices::of_each(
-                [&](int lane) { return std::int64_t{nearest_[at + static_cast<std::size_t>(lane)]}; })};
+    const Indices which =
+        widened(Lanes<std::int32_t, double_lanes>::load(&seen_[index(x - tile_.x0, y - tile_.y0)]));
+    const Chosen doubtful = mask_for<double>(which == Indices(in_doubt)),
+                 none = mask_for<double>(which == Indices(nothing));
+    return {.met = wanted && !doubtful && !none, .in_doubt = wanted && doubtful, .which = which};
   }
 
   /// Where some rays cross what they see.
@@ -138,20 +106,24 @@ class TrianglesInTile {
                                               const Vectors& d) const {
     // Where there is none it is any other.
     const auto any_lane = std::countr_zero(bits(met)) % double_lanes;
-    std::array<const Plane*, double_lanes> planes;
-    for (int lane = 0; lane < double_lanes; ++lane)
-      planes[static_cast<std::size_t>(lane)] =
-          &drawn_[static_cast<std::size_t>(which[(bits(met) >> lane & 1) != 0 ? lane : any_lane])];
-    const auto numbers = [&](double Plane::*number) {
-      return Doubles::of_each([&](int lane) { return planes[static_cast<std::size_t>(lane)]->*number; });
+    const auto number = [&](const auto& of_planes) {
+      return Doubles::of_each([&](int lane) {
+        const auto one = static_cast<std::size_t>(which[(bits(met) >> lane & 1) != 0 ? lane : any_lane]);
+        return of_planes(drawn_[one / double_lanes])[static_cast<int>(one % double_lanes)];
+      });
     };
-    return numbers(&Plane::height) /
-           dot(Vectors{numbers(&Plane::x), numbers(&Plane::y), numbers(&Plane::z)}, d);
+    return number([](const Planes& p) -> auto& { return p.height; }) /
+           dot(Vectors{number([](const Planes& p) -> auto& { return p.normal.x; }),
+                       number([](const Planes& p) -> auto& { return p.normal.y; }),
+                       number([](const Planes& p) -> auto& { return p.normal.z; })},
+               d);
   }
 
   /// The number of a triangle that is seen.
   [[nodiscard]] int part(std::int64_t which) const {
-    return static_cast<int>(tree_->leaves().number(drawn_[static_cast<std::size_t>(which)].place));
+    const Planes& planes = drawn_[static_cast<std::size_t>(which / double_lanes)];
+    const auto i = planes.first + static_cast<std::uint32_t>(which % double_lanes);
+    return static_cast<int>(tree_->leaves().number(TriangleLeaves::place(planes.leaf, i)));
   }
 
  private:
@@ -159,42 +131,71 @@ class TrianglesInTile {
   /// drawn as rays are followed (the pictures of tests/bench/bench_meshes.cpp).
   static constexpr int most_a_pixel = 8, most_tried_a_pixel = 32;
 
-  using Row = Lanes<float, float_lanes>;
+  static constexpr int side = 64;  ///< pixels of a tile that can be drawn
+  static constexpr std::int32_t nothing = -1,
+                                in_doubt = -2;  ///< what is seen, beside the number of a triangle
   static constexpr float infinite = std::numeric_limits<float>::infinity();
 
-  using Place = TriangleLeaves::Place;
+  using Pixels = Lanes<float, float_lanes>;
+  using Whole = Lanes<std::int32_t, float_lanes>;
 
-  /// What t of a ray from the eye to a triangle is worked out from: height / n·d.
-  struct Plane {
-    double x, y, z, height;
-    Place place;
-  };
+  /// Neighboring pixels, as many as a vector holds: a small triangle is in few blocks.
+  struct alignas(64) Block {
+    static constexpr int width = std::min(4, float_lanes), height = float_lanes / width;
 
-  /// Of some triangles. In the way and with the bounds of rounded_triangle_equation, t is certain where
-  /// |n·d| > 2^-18 of the sizes of its terms, which sum up to no more than the largest of those of n times
-  /// |d|₁, d being a unit vector: 2^-17 of that largest covers √3 and what is rounded here. As the plane is
-  /// met at o + D/k in box space, n·D is height · k · scale, and |D| at most `longest`.
-  struct Planes {
-    std::array<double, double_lanes> x, y, z, height;
-    std::array<float, double_lanes> floor;  ///< above this k, t is certain
+    float far[float_lanes], near[float_lanes];  ///< between which k of the nearest is
+    float other[float_lanes];                   ///< the largest k that any other may have
+    std::int32_t nearest[float_lanes];
 
-    Planes(const Screen& screen, const std::array<Vectors, 3>& corners) {
-      const auto& [a, b, c] = corners;
-      const auto sum_of_sizes = [](const Vectors& v) { return abs(v.x) + abs(v.y) + abs(v.z); };
-      const Vectors u = b - a, v = c - a, w = a - Vectors(screen.eye), n = cross(u, v), p = abs(u),
-                    q = abs(v), terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
-      const Doubles U = sum_of_sizes(u), V = sum_of_sizes(v), W = sum_of_sizes(w), height_of = dot(n, w),
-                    heights = dot(terms, abs(w));
-      const Chosen known = U > 0x1p-200 && U < 0x1p200 && V > 0x1p-200 && V < 0x1p200 && W < 0x1p200 &&
-                           abs(height_of) > 0x1p-18 * heights && heights > 0x1p-800;
-      const Doubles least = max(0x1p-17 * max(terms.x, max(terms.y, terms.z)), 0x1p-500);
-      n.x.store(x.data()), n.y.store(y.data()), n.z.store(z.data()), height_of.store(height.data());
-      const Doubles floor_of = least * (screen.longest / screen.scale) / abs(height_of);
-      to_float(select(known && floor_of < 0x1p100, floor_of, Doubles(infinity))).store(floor.data());
+    /// How far each pixel is from the first.
+    static Pixels across() {
+      return Pixels::of_each([](int lane) { return static_cast<float>(lane % width); });
+    }
+    static Pixels down() {
+      return Pixels::of_each([](int lane) { return static_cast<float>(lane / width); });
     }
 
-    [[nodiscard]] Plane plane(std::size_t k, Place place) const {
-      return {x[k], y[k], z[k], height[k], place};
+    /// The pixels of the columns, or rows, from one on to before another.
+    static Bits columns(int from, int to) {
+      constexpr Bits of_each_row = first_bits(float_lanes) / first_bits(width);
+      return of_each_row * (first_bits(std::min(to, width)) & ~first_bits(std::max(from, 0)));
+    }
+    static Bits rows(int from, int to) {
+      return first_bits(width * std::min(to, height)) & ~first_bits(width * std::max(from, 0));
+    }
+  };
+
+  /// Of some triangles, what t of a ray from the eye is worked out from: height / n·d.
+  struct Planes {
+    Vectors normal;
+    Doubles height;
+    Doubles
+        least;  ///< t is certain if |n·d| is larger, d being a unit vector; infinite where it is not known
+    Leaf leaf;
+    std::uint32_t first;
+
+    Planes(const Screen& screen, const std::array<Vectors, 3>& corners, Leaf of, std::uint32_t i)
+        : leaf(of), first(i) {
+      const auto& [a, b, c] = corners;
+      const auto sum_of_sizes = [](const Vectors& v) { return abs(v.x) + abs(v.y) + abs(v.z); };
+      const Vectors u = b - a, v = c - a, w = a - Vectors(screen.eye), p = abs(u), q = abs(v),
+                    terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
+      normal = cross(u, v), height = dot(normal, w);
+      // In the way and with the bounds of rounded_triangle_equation, t is certain where |n·d| > 2^-18 of the
+      // sizes of its terms, which sum up to no more than the largest of those of n times |d|₁: 2^-17 of that
+      // largest covers √3 and what is rounded here.
+      const Doubles U = sum_of_sizes(u), V = sum_of_sizes(v), W = sum_of_sizes(w),
+                    heights = dot(terms, abs(w));
+      const Chosen known = U > 0x1p-200 && U < 0x1p200 && V > 0x1p-200 && V < 0x1p200 && W < 0x1p200 &&
+                           abs(height) > 0x1p-18 * heights && heights > 0x1p-800;
+      least = select(known, max(0x1p-17 * max(terms.x, max(terms.y, terms.z)), 0x1p-500), Doubles(infinity));
+    }
+
+    /// Above these k, t is certain. As the plane is met at o + D/k in box space, n·D is height · k · scale,
+    /// and |D| at most `longest`.
+    [[nodiscard]] Floats floors(const Screen& screen) const {
+      const Doubles floor = least * (screen.longest / screen.scale) / abs(height);
+      return to_float(select(floor < 0x1p100, floor, Doubles(infinity)));
     }
   };
 
@@ -235,32 +236,40 @@ class TrianglesInTile {
   /// Some triangles, as pixels are tried against them.
   struct Shapes {
     LinearInFloat side[3], nearness;
-    std::array<float, double_lanes> error, least, most;  ///< of k: how far it may be off, and its range
-    std::array<int, double_lanes> x0, x1, y0, y1;        ///< the pixels of the tile from, and to before
+    std::array<float, double_lanes> error, least, most;     ///< of k: how far it may be off, and its range
+    std::array<std::int32_t, double_lanes> x0, x1, y0, y1;  ///< the pixels of the tile from, and to before
+    Bits in_tile;                                           ///< those that may be in any
+    Bits is_turned;  ///< those whose sides are positive inside; of others it is not known
 
-    Shapes(const Screen& screen, const std::array<Vectors, 3>& corners, const Tile& tile) {
+    Shapes(const Screen& screen, const std::array<Vectors, 3>& corners) {
       const auto corner = [&](const Vectors& p) {
         return Corner(screen, Doubles(screen.scale) * (p - Vectors(screen.eye)));
       };
       const Corner a = corner(corners[0]), b = corner(corners[1]), c = corner(corners[2]);
       const double gamma = screen.uncertainty, T = screen.reach;
-      Doubles off = 0.0;
-      int edge = 0;
-      const auto line = [&](const Corner& p, const Corner& q) {
-        const Linear s{p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
-        const Doubles w = 8 * gamma * (p.size * q.extent + q.size * p.extent), M = s.most(T);
-        off = off + w;
-        side[edge++] = select(w <= 0x1p-22 * M && M > 0x1p-900, 1 / M, Doubles(0.0)) * s;
-        return s;
+      const auto line = [](const Corner& p, const Corner& q) {
+        return Linear{p.y * q.z - p.z * q.y, p.z * q.x - p.x * q.z, p.x * q.y - p.y * q.x};
       };
       const Linear ab = line(a, b), bc = line(b, c), ca = line(c, a);
       const Doubles det = bc.x * a.x + bc.y * a.y + bc.one * a.z;
       const Doubles e =
           12 * gamma / T *
           (a.size * b.extent * c.extent + a.extent * b.size * c.extent + a.extent * b.extent * c.size);
-      const Linear nearness_at = (1 / det) * (ab + bc + ca);
-      const Doubles K = nearness_at.most(T), uncertain = 2 * (off + K * e) / abs(det) + 0x1p-20 * K;
-      const Chosen known = e < 0.5 * abs(det) && uncertain < 0x1p60 && K < 0x1p60 && K > 0x1p-60;
+      const Chosen faces = e < 0.5 * abs(det);
+      const Doubles turn = select(faces, det, 1.0);
+      is_turned = bits(faces);
+      Doubles off = 0.0;
+      const auto turned = [&](const Linear& s, const Corner& p, const Corner& q) {
+        const Doubles w = 8 * gamma * (p.size * q.extent + q.size * p.extent), M = s.most(T);
+        off = off + w;
+        const Chosen known = w <= 0x1p-23 * M && M > 0x1p-900;
+        return select(known, copysign(1 / M, turn), Doubles(0.0)) * s;
+      };
+      side[0] = turned(ab, a, b), side[1] = turned(bc, b, c), side[2] = turned(ca, c, a);
+      const Doubles of_det = 1 / det;
+      const Linear nearness_at = of_det * (ab + bc + ca);
+      const Doubles K = nearness_at.most(T), uncertain = 2 * (off + K * e) * abs(of_det) + 0x1p-20 * K;
+      const Chosen known = faces && uncertain < 0x1p60 && K < 0x1p60 && K > 0x1p-60;
       nearness = Linear{select(known, nearness_at.x, 0.0), select(known, nearness_at.y, 0.0),
                         select(known, nearness_at.one, 0.0)};
       to_float(select(known, uncertain, Doubles(infinity))).store(error.data());
@@ -271,25 +280,15 @@ class TrianglesInTile {
       to_float(select(in_front, min((1 - 0x1p-11) * farthest, 0x1p100), 0.0)).store(least.data());
       to_float(select(in_front && nearest < 0x1p100, (1 + 0x1p-11) * nearest, infinity)).store(most.data());
 
-      // Pixels whose middles are from low to high.
-      const auto pixels = [&](Doubles u, Doubles v, Doubles w, double start, int size, auto& first,
-                              auto& end) {
-        const double count = size;
-        const Doubles low = min(u, min(v, w)) - start - 0x1p-10, high = max(u, max(v, w)) - start + 0x1p-10;
-        const auto in_tile = [&](Doubles x) {  // a number, whatever x is
-          return max(Doubles(0.0), min(Doubles(count), x));
-        };
-        std::array<double, double_lanes> from, to;
-        select(in_front, in_tile(low), 0.0).store(from.data());
-        select(in_front, in_tile(high + 1), count).store(to.data());
-        for (std::size_t k = 0; k < from.size(); ++k) {
-          const int whole = static_cast<int>(from[k]);
-          first[k] = whole + (whole < from[k] ? 1 : 0);
-          end[k] = static_cast<int>(to[k]);
-        }
+      const auto pixels = [&](Doubles u, Doubles v, Doubles w, double start, int count) {
+        return PixelsBetween<double_lanes>(to_float(select(in_front, min(u, min(v, w)) - start, 0.0)),
+                                           to_float(select(in_front, max(u, max(v, w)) - start, count)),
+                                           count);
       };
-      pixels(a.x * za, b.x * zb, c.x * zc, screen.left, tile.width(), x0, x1);
-      pixels(a.y * za, b.y * zb, c.y * zc, screen.top, tile.height(), y0, y1);
+      const auto x = pixels(a.x * za, b.x * zb, c.x * zc, screen.left, screen.width),
+                 y = pixels(a.y * za, b.y * zb, c.y * zc, screen.top, screen.height);
+      in_tile = bits(x.any && y.any);
+      x.first.store(x0.data()), x.end.store(x1.data()), y.first.store(y0.data()), y.end.store(y1.data());
       left = static_cast<float>(screen.left), top = static_cast<float>(screen.top);
     }
 
@@ -297,85 +296,93 @@ class TrianglesInTile {
   };
 
   [[nodiscard]] static std::size_t index(int x, int y) { return static_cast<std::size_t>(side * y + x); }
+  [[nodiscard]] static std::size_t index_of_block(int x, int y) {
+    return static_cast<std::size_t>(side / Block::width * (y / Block::height) + x / Block::width);
+  }
+  [[nodiscard]] Block& block(int x, int y) { return blocks_[index_of_block(x, y)]; }
+  [[nodiscard]] const Block& block(int x, int y) const { return blocks_[index_of_block(x, y)]; }
 
-  /// Whether no pixel can see anything in a box of box space, given what they see already.
-  [[nodiscard]] bool is_hidden(const Screen& screen, const Bounds& box) const {
-    const Point from = box.min - screen.eye_in_box_space, to = box.max - screen.eye_in_box_space;
-    Doubles nearest = infinity, left = infinity, right = -infinity, top = infinity, bottom = -infinity;
-    for (int first = 0; first < 8; first += double_lanes) {
-      const auto numbers = [&](int axis) {
-        return Doubles::of_each([&](int lane) { return (first + lane) >> axis & 1 ? to[axis] : from[axis]; });
-      };
-      const Vectors corner{numbers(0), numbers(1), numbers(2)};
-      const Corner p(screen, corner);
-      if (any(!p.is_in_front)) return false;
-      const Doubles x = p.x / p.z, y = p.y / p.z;
-      nearest = min(nearest, p.z);
-      left = min(left, x), right = max(right, x);
-      top = min(top, y), bottom = max(bottom, y);
-    }
-    const auto first = [](double place, double start) {
-      return static_cast<int>(std::ceil(std::clamp<double>(place - start - 0x1p-10, 0, side)));
-    };
-    const auto end = [](double place, double start, int count) {
-      return static_cast<int>(std::clamp(place - start + 0x1p-10 + 1, 0.0, static_cast<double>(count)));
-    };
-    const double most = (1 + 0x1p-11) / -largest(-nearest);
-    if (!(most < 0x1p100)) return false;
-    const Row limit = static_cast<float>((1 + 0x1p-20) * most);
-    const int x0 = first(-largest(-left), screen.left), x1 = end(largest(right), screen.left, tile_.width());
-    const int y1 = end(largest(bottom), screen.top, tile_.height());
-    for (int y = first(-largest(-top), screen.top); y < y1; ++y)
-      for (int x = x0; x < x1; x += float_lanes)
-        if ((bits(Row::load(&far_[index(x, y)]) <= limit) & first_bits(x1 - x)) != 0) return false;
+  void clear() {
+    Block empty;
+    std::ranges::fill(empty.far, std::numeric_limits<float>::denorm_min());  // what is seen is nearer
+    std::ranges::fill(empty.near, 0.0f), std::ranges::fill(empty.other, 0.0f);
+    std::ranges::fill(empty.nearest, nothing);
+    for (int y = 0; y < tile_.height(); y += Block::height)
+      std::fill_n(&block(0, y), (tile_.width() + Block::width - 1) / Block::width, empty);
+    drawn_.clear();
+  }
+
+  /// Whether no pixel can see anything in a box, given what they see already.
+  [[nodiscard]] bool is_hidden(const BoxOnScreen& box) const {
+    const Pixels nearest = box.nearest;
+    for (int y = box.y0 / Block::height * Block::height; y < box.y1; y += Block::height)
+      for (int x = box.x0 / Block::width * Block::width; x < box.x1; x += Block::width)
+        if ((bits(Pixels::load(block(x, y).far) <= nearest) & Block::columns(box.x0 - x, box.x1 - x) &
+             Block::rows(box.y0 - y, box.y1 - y)) != 0)
+          return false;
     return true;
   }
 
   /// Of each pixel, what may be seen of the triangles so far: one that surely is in front of all but those
   /// that may be as near as `other`.
-  bool draw_one(const Shapes& shapes, float floor, std::size_t i, std::int32_t which) {
+  void draw_one(const Shapes& shapes, float floor, std::size_t i, std::int32_t which) {
     constexpr float e = 0x1p-20f;
-    const Row error = shapes.error[i], least = shapes.least[i], most = shapes.most[i];
-    // Vectors begin at multiples of their size: what was just stored can be loaded at once.
-    Bits has = 0;
-    const int x0 = shapes.x0[i] / float_lanes * float_lanes, x1 = shapes.x1[i];
-    for (int y = shapes.y0[i]; y < shapes.y1[i]; ++y) {
-      const float down = shapes.top + static_cast<float>(y);
-      for (int x = x0; x < x1; x += float_lanes) {
-        const Row across = iota<float, float_lanes>() + Row(shapes.left + static_cast<float>(x));
-        const auto at_pixels = [&](const LinearInFloat& f) {
-          return Row(f.x[i]) * across + Row(f.y[i] * down + f.one[i]);
-        };
-        const Row ab = at_pixels(shapes.side[0]), bc = at_pixels(shapes.side[1]),
-                  ca = at_pixels(shapes.side[2]), nearness = at_pixels(shapes.nearness);
-        const Row largest = max(max(ab, bc), ca), smallest = min(min(ab, bc), ca);
-        const Row near = min(nearness + error, most), far = max(nearness - error, least);
-        const std::size_t at = index(x, y);
-        const Row known = Row::load(&far_[at]), before = Row::load(&near_[at]);
-        const auto seen = !(largest > Row(e) && smallest < Row(-e)) && near >= known && near > Row(0.0f);
-        const auto surely = seen && (smallest > Row(e) || largest < Row(-e)) && far > max(known, floor);
-        has |= bits(surely);
-        max(Row::load(&other_[at]), select(surely, before, select(seen, near, 0.0f))).store(&other_[at]);
-        select(surely, far, known).store(&far_[at]);
-        select(surely, near, before).store(&near_[at]);
-        using Whole = Lanes<std::int32_t, float_lanes>;
-        select(surely, Whole(which), Whole::load(&nearest_[at])).store(&nearest_[at]);
-      }
+    const auto inside_block = [&](const LinearInFloat& f) {
+      return Pixels(f.x[i]) * Block::across() + Pixels(f.y[i]) * Block::down();
+    };
+    const Pixels ab = inside_block(shapes.side[0]), bc = inside_block(shapes.side[1]),
+                 ca = inside_block(shapes.side[2]), k = inside_block(shapes.nearness);
+    const Pixels error = shapes.error[i], least = shapes.least[i], most = shapes.most[i];
+    const int x0 = shapes.x0[i] / Block::width * Block::width,
+              y0 = shapes.y0[i] / Block::height * Block::height;
+    const int x1 = shapes.x1[i], y1 = shapes.y1[i];
+    const bool is_turned = (shapes.is_turned >> i & 1) != 0;
+    // In one loop, as how many blocks there are is hard to foresee.
+    for (int x = x0, y = y0; y < y1;) {
+      const float across = shapes.left + static_cast<float>(x), down = shapes.top + static_cast<float>(y);
+      const auto at = [&](const LinearInFloat& f) {
+        return Pixels(f.x[i] * across + (f.y[i] * down + f.one[i]));
+      };
+      const Pixels of_ab = ab + at(shapes.side[0]), of_bc = bc + at(shapes.side[1]),
+                   of_ca = ca + at(shapes.side[2]), nearness = k + at(shapes.nearness);
+      Pixels inside = min(min(of_ab, of_bc), of_ca);
+      if (!is_turned)  // maybe where all are positive or all negative, and surely nowhere
+        inside = min(max(inside, min(min(-of_ab, -of_bc), -of_ca)), 0.0f);
+      const Pixels near = min(nearness + error, most), far = max(nearness - error, least);
+      Block& pixels = block(x, y);
+      const Pixels known = Pixels::load(pixels.far), before = Pixels::load(pixels.near);
+      const auto maybe = inside >= Pixels(-e) && near >= known,
+                 surely = inside > Pixels(e) && far > max(known, floor);
+      max(Pixels::load(pixels.other), select(surely, before, select(maybe, near, 0.0f))).store(pixels.other);
+      select(surely, far, known).store(pixels.far);
+      select(surely, near, before).store(pixels.near);
+      select(surely, Whole(which), Whole::load(pixels.nearest)).store(pixels.nearest);
+      const bool is_last = x + Block::width >= x1;
+      x = is_last ? x0 : x + Block::width;
+      y += is_last ? Block::height : 0;
     }
-    return has != 0;
   }
 
-  static constexpr int side = 64;
-  template <class T>
-  using OfPixels = std::array<T, side * side + float_lanes>;  // room for what a vector reads behind the last
+  /// Writes down what each pixel sees.
+  void decide() {
+    for (int y = 0; y < tile_.height(); y += Block::height)
+      for (int x = 0; x < tile_.width(); x += Block::width) {
+        const Block& pixels = block(x, y);
+        std::int32_t seen[float_lanes];
+        select(Pixels::load(pixels.other) < Pixels::load(pixels.far), Whole::load(pixels.nearest),
+               Whole(in_doubt))
+            .store(seen);
+        for (int row = 0; row < Block::height; ++row)
+          std::memcpy(&seen_[index(x, y + row)], seen + row * Block::width, sizeof(*seen) * Block::width);
+      }
+  }
 
   const TriangleTree* tree_ = nullptr;
   Tile tile_{};
   bool usable_ = false;
-  alignas(64) OfPixels<float> far_, near_;  ///< between which k of the nearest is; 0 where there is none
-  alignas(64) OfPixels<float> other_;       ///< the largest k that any other may have
-  alignas(64) OfPixels<std::int32_t> nearest_;
-  std::vector<Plane> drawn_;  ///< what nearest_ counts
+  std::array<Block, (side / Block::width) * (side / Block::height)> blocks_;
+  std::array<std::int32_t, side * side + double_lanes> seen_;  ///< room for what is read behind the last
+  std::vector<Planes> drawn_;                                  ///< what `nearest` counts
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

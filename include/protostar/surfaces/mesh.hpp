@@ -252,8 +252,8 @@ class Mesh {
   /// What a tile of a picture sees of it, found for all pixels at once (SurfaceForTiles).
   using Drawn = simd::TrianglesInTile;
   void draw(Drawn& drawn, const simd::PixelRays& rays, int sample, const simd::Frustum& frustum,
-            const Tile& tile) const {
-    drawn.draw(contents_->tree, rays, sample, frustum, tile);
+            const Tile& tile, simd::Asked asked) const {
+    drawn.draw(contents_->tree, rays, sample, frustum, tile, asked);
   }
 #endif
 

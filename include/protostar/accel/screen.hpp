@@ -1,0 +1,163 @@
+// The picture of a pinhole around a tile, and which pixels of it may see what is in a box.
+//
+// The rays of a pinhole at o lead along D(x, y) = x e1 + y e2 + e3, x and y being pixels from the tile's
+// middle and e3 the direction there. By the dual basis e1*, e2*, e3* a point, from o, has the coordinates
+// (X, Y, Z), and is seen at (X/Z, Y/Z) if it is in front, Z > 0. It is o + D/k with k = 1/Z: the larger k,
+// the nearer.
+//
+// What is worked out here for a tile is in double. The volume of e1, e2, e3, as unit vectors, is above 1/16,
+// so that their roundings, those of the dual basis, and those of the rays' directions are below 2^-42 of the
+// products of lengths. Let γ be 2^-42 (|e1*| + |e2*| + T |e3*|), the tile being in |x|, |y| ≤ T. Then X, Y
+// and T Z of a point p, from o, are off by less than γ|p|.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
+#include "box_space.hpp"
+#include "bvh_build.hpp"
+#include "simd.hpp"
+#include "tile.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// What turns points, in box space, into X, Y and Z.
+struct Screen {
+  bool usable = false;
+  Point eye{0}, eye_in_box_space{0};
+  double scale = 1;           ///< of box space
+  Vec3 across, down, ahead;   ///< the dual basis
+  double reach, uncertainty;  ///< T and γ
+  double longest;             ///< no direction is longer
+  int width, height;          ///< pixels of the tile
+  double left, top;           ///< x and y of the sample in its first pixel
+  double pixels_of_all;       ///< about as many take all triangles, or a ball of radius √3 in box space
+
+  Screen(const PixelRays& rays, int sample, const Tile& tile, const BoxSpace& space)
+      : eye(rays.camera().position),
+        eye_in_box_space(space(eye)),
+        scale(space.scale),
+        width(tile.width()),
+        height(tile.height()) {
+    const auto& [x0, y0, x1, y1] = tile;
+    const PixelGrid& pixels = rays.pixels();
+    const Camera& camera = rays.camera();
+    const double half_width = 0.5 * width, half_height = 0.5 * height;
+    const Vec3 e1 = (pixels.u(x1, 0) - pixels.u(x0, 0)) / width * camera.right,
+               e2 = (pixels.v(y1, 0) - pixels.v(y0, 0)) / height * camera.up,
+               e3 = pixels.u(x0, half_width) * camera.right + pixels.v(y0, half_height) * camera.up +
+                    camera.forward;
+    const double sizes = length(e1) * length(e2) * length(e3), volume = dot(cross(e1, e2), e3);
+    // So that float holds what is worked out from them below.
+    const auto is_moderate = [](double x) { return 0x1p-30 < x && x < 0x1p30; };
+    // What e3 is made of is not much larger, so that its rounding is that of its length.
+    const double parts = length(pixels.u(x0, half_width) * camera.right) +
+                         length(pixels.v(y0, half_height) * camera.up) + length(camera.forward);
+    usable = rays.is_pinhole() && parts < 0x1p5 * length(e3) && is_moderate(length(e1)) &&
+             is_moderate(length(e2)) && is_moderate(length(e3)) && std::abs(volume) > 0x1p-4 * sizes &&
+             length(eye_in_box_space) < 0x1p40 && 0x1p-500 < scale && scale < 0x1p500;
+    across = cross(e2, e3) / volume, down = cross(e3, e1) / volume, ahead = cross(e1, e2) / volume;
+    reach = std::max(half_width, half_height);
+    longest = length(e3) + reach * (length(e1) + length(e2));
+    uncertainty = 0x1p-42 * (length(across) + length(down) + reach * length(ahead));
+    pixels_of_all = std::numbers::pi * 3 / dot(eye_in_box_space, eye_in_box_space) * dot(e3, e3) /
+                    (length(e1) * length(e2));
+    left = pixels.sample(sample).x - half_width, top = pixels.sample(sample).y - half_height;
+  }
+};
+
+/// Of `count` pixels, whose middles are at 0, 1, ..., those from a place to another: from the first on to
+/// before the end. Places may be off by 2^-11.
+template <int N>
+struct PixelsBetween {
+  Lanes<std::int32_t, N> first, end;
+  Mask<float, N> any;  ///< whether there are any
+
+  PixelsBetween(const Lanes<float, N>& low, const Lanes<float, N>& high, int count) {
+    const Lanes<float, N> all = static_cast<float>(count), none = 0.0f;
+    const auto in_tile = [&](const Lanes<float, N>& x) { return max(none, min(all, x)); };  // whatever x is
+    const auto behind_first = to_whole(all - in_tile(low - Lanes<float, N>(0x1p-10f)));
+    first = Lanes<std::int32_t, N>(count) - behind_first;
+    end = to_whole(in_tile(high + Lanes<float, N>(1 + 0x1p-10f)));
+    any = all - to_float(behind_first) < to_float(end);
+  }
+};
+
+/// The pixels of a tile that may see anything in a box, from x0 to before x1 and from y0 to before y1, and at
+/// which k.
+struct BoxOnScreen {
+  float nearest;  ///< at none that is larger
+  std::uint8_t x0, x1, y0, y1;
+};
+
+/// The same of the boxes of a node.
+///
+/// In float, with u = 2^-24, the ends of the boxes from o are off by 2u of themselves and 2^-48 |o|, for
+/// which `size` has a part; the dual basis, products and sums add 5u. 2^-21 = 8u of sizes and of |e1*|, |e2*|
+/// or |e3*| is taken off the least X, Y and Z in a box, and added to the largest. Quotients, products and the
+/// tile's first pixel are off by less than 2^-16 of a pixel where that is in a tile.
+class BoxesOnScreen {
+  using Floats = Lanes<float, node_width>;
+  using Wholes = Lanes<std::int32_t, node_width>;
+
+ public:
+  Bits seen;      ///< boxes that any pixel may see
+  Bits in_front;  ///< those that surely are in front; of others the pixels are not known
+
+  BoxesOnScreen(const Screen& screen, const Node& node) {
+    Floats ends[2][3], size = static_cast<float>(0x1p-24 * length(screen.eye_in_box_space));
+    for (int axis = 0; axis < 3; ++axis) {
+      const double o = screen.eye_in_box_space[axis];
+      const auto high = static_cast<float>(o), low = static_cast<float>(o - high);
+      for (int end = 0; end < 2; ++end)
+        ends[end][axis] = (Floats::load(node.end[end][axis]) - Floats(high)) - Floats(low);
+      size += max(abs(ends[0][axis]), abs(ends[1][axis]));
+    }
+    struct Range {
+      Floats least, most;
+    };
+    const auto range_of = [&](const Vec3& f) {
+      const Floats error = Floats(static_cast<float>(0x1p-21 * length(f))) * size;
+      Range range{-error, error};
+      for (int axis = 0; axis < 3; ++axis) {
+        const Floats factor = static_cast<float>(f[axis]);
+        range.least += factor * ends[f[axis] < 0][axis], range.most += factor * ends[f[axis] > 0][axis];
+      }
+      return range;
+    };
+    const Range X = range_of(screen.across), Y = range_of(screen.down), Z = range_of(screen.ahead);
+    const auto known = Z.least > Floats(0x1p-100f);
+    const Floats most = Floats(1.0f) / Z.least, least = Floats(1.0f) / Z.most;
+    const auto pixels = [&](const Range& range, double start, int count) {
+      const Floats first = static_cast<float>(start);
+      const Floats low = min(range.least * most, range.least * least) - first,
+                   high = max(range.most * most, range.most * least) - first;
+      return PixelsBetween<node_width>(select(known, low, 0.0f),
+                                       select(known, high, static_cast<float>(count)), count);
+    };
+    const auto x = pixels(X, screen.left, screen.width), y = pixels(Y, screen.top, screen.height);
+    const auto is_used = Floats::load(node.end[0][0]) <= Floats::load(node.end[1][0]);
+    seen = bits(is_used && x.any && y.any), in_front = bits(known);
+    x.first.store(x0), x.end.store(x1), y.first.store(y0), y.end.store(y1);
+    select(known, Floats(1 + 0x1p-20f) * most, std::numeric_limits<float>::infinity()).store(nearest);
+    Z.least.store(distance_);
+  }
+
+  [[nodiscard]] BoxOnScreen operator[](int k) const {
+    const auto small = [](std::int32_t number) { return static_cast<std::uint8_t>(number); };
+    return {nearest[k], small(x0[k]), small(x1[k]), small(y0[k]), small(y1[k])};
+  }
+
+  /// How far ahead a box begins.
+  [[nodiscard]] float distance(int k) const { return distance_[k]; }
+
+ private:
+  alignas(64) float nearest[node_width];
+  alignas(64) float distance_[node_width];
+  alignas(64) std::int32_t x0[node_width], x1[node_width], y0[node_width], y1[node_width];
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd
