@@ -288,10 +288,16 @@ class TreeBuilder {
 
   [[nodiscard]] Slices sliced(const Slicing& slicing, std::size_t first, std::size_t last) const {
     Slices slices(slicing.count);
-    for (std::size_t i = first; i < last; ++i) {
+    const auto add = [&](std::size_t i, Slices& to) {
       const Float4 place = slicing.place(boxes_[i]);
-      for (int axis = 0; axis < 3; ++axis) slices.on[axis][static_cast<int>(place[axis])].add({boxes_[i], 1});
+      for (int axis = 0; axis < 3; ++axis) to.on[axis][static_cast<int>(place[axis])].add({boxes_[i], 1});
+    };
+    if (last - first > 256) {  // in two sums: neighbors are often in one slice, and each would wait for it
+      Slices others(slicing.count);
+      for (; first + 1 < last; first += 2) add(first, slices), add(first + 1, others);
+      slices.add(others);
     }
+    for (; first < last; ++first) add(first, slices);
     return slices;
   }
   [[nodiscard]] Slices sliced(const Slicing& slicing, const Parts& parts,

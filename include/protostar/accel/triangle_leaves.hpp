@@ -127,17 +127,22 @@ class TriangleLeaves {
     std::fill_n(&all[count], double_lanes, T{0});  // what is read behind the last
     std::atomic<bool> holds = true;
     const auto fill_leaf = [&](Leaf leaf) {
-      for (std::uint32_t i = 0; i < leaf.count && holds.load(std::memory_order_relaxed); ++i) {
-        const std::uint32_t number = bvh.order()[leaf.first + i];
-        const Triangle one = triangle(number);
+      if (!holds.load(std::memory_order_relaxed)) return;
+      // All triangles first, which come from anywhere in memory: several are waited for at a time.
+      Point corners[largest_leaf][3];
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
+        const Triangle one = triangle(bvh.order()[leaf.first + i]);
+        corners[i][0] = one.a, corners[i][1] = one.b, corners[i][2] = one.c;
+      }
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
         T* row = &all[place(leaf, i).first];
-        for (const Point& corner : {one.a, one.b, one.c})
+        for (const Point& corner : corners[i])
           for (int axis = 0; axis < 3; ++axis, row += leaf.count) {
             *row = static_cast<T>(corner[axis]);
             if (*row != corner[axis]) holds = false;
           }
         *row = 0;
-        std::memcpy(row, &number, sizeof number);
+        std::memcpy(row, &bvh.order()[leaf.first + i], sizeof(std::uint32_t));
       }
     };
     bvh.each_leaf(fill_leaf, options);

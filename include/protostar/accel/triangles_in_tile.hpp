@@ -346,8 +346,8 @@ class TrianglesInTile {
       const Pixels of_ab = ab + at(shapes.side[0]), of_bc = bc + at(shapes.side[1]),
                    of_ca = ca + at(shapes.side[2]), nearness = k + at(shapes.nearness);
       Pixels inside = min(min(of_ab, of_bc), of_ca);
-      if (!is_turned)  // maybe where all are positive or all negative, and surely nowhere
-        inside = min(max(inside, min(min(-of_ab, -of_bc), -of_ca)), 0.0f);
+      if (!is_turned)  // where all are positive or all negative
+        inside = max(inside, min(min(-of_ab, -of_bc), -of_ca));
       const Pixels near = min(nearness + error, most), far = max(nearness - error, least);
       Block& pixels = block(x, y);
       const Pixels known = Pixels::load(pixels.far), before = Pixels::load(pixels.near);
