@@ -360,6 +360,20 @@ TEST_CASE("a floor in whose plane the eye is leaves few rays in doubt, and so do
   CHECK(in_doubt(true) < 200);
 }
 
+TEST_CASE(
+    "a floor on which the eye all but lies is seen by the rays that lead down, whichever way it turns") {
+  for (const double height : {0x1p-30, 0x1p-44, 0x1p-60})
+    for (const bool is_turned : {false, true}) {
+      MeshData floor;
+      floor.vertices = {{-9, -height, -9}, {9, -height, -9}, {0, -height, 9}};
+      floor.triangles = {{0, 1, 2}};
+      if (is_turned) std::swap(floor.triangles[0][1], floor.triangles[0][2]);
+      Everything scene;
+      scene.add(mesh_of(floor), Color{1});
+      CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}) == 0);
+    }
+}
+
 TEST_CASE("no ray is made where a mesh alone looks the same all over, or nothing is seen") {
   Everything scene;
   scene.add(mesh_of(meshes::moved(meshes::torus(30, 12), 0.7, {0.4, 0, 3})), Color{1});
