@@ -13,7 +13,9 @@
 #include <protostar/integrators/color.hpp>
 #include <protostar/integrators/depth.hpp>
 #include <protostar/render.hpp>
+#include <protostar/surfaces/mesh.hpp>
 
+#include "mesh_workload.hpp"
 #include "support.hpp"
 #include "workload.hpp"
 
@@ -86,7 +88,7 @@ void pictures(const bench::Options& options) {
     table.row({names[i], number(1e9 * times.seconds(i) / width / height), number(times.ratio(i, 5))});
 }
 
-// ---- Many spheres
+// ---- Many spheres, and meshes of many triangles
 
 /// A row of works on so many rays: all once, and each part twice in turn. What that takes longer is what the
 /// second time takes, with everything at hand.
@@ -102,61 +104,72 @@ void row(Table& table, const bench::Options& options, const std::string& name, d
   table.row({name, ns(times.seconds(0)), ns(bench::median(again)), number(bench::median(share))});
 }
 
-/// The tiles of a picture, each a picture of its own: up to 2048 spheres all are looked at anew for each,
+/// The tiles of a picture, each a picture of its own: up to 2048 surfaces all are looked at anew for each,
 /// which both times take.
-void camera_rays(Table& table, const bench::Options& options, const bench::Workload& work,
-                 const auto& traced) {
+void camera_rays(Table& table, const bench::Options& options, const std::string& name, const Camera& camera,
+                 const auto& traced, const auto& integrator) {
   constexpr int tile = 64;
   const int side = options.quick ? tile : 1024;
   Image image(tile, tile);
-  row(table, options, std::to_string(work.spheres.size()) + " camera rays, by tiles", 1.0 * side * side,
-      [&](int times) {
-        for (int y = 0; y < side; y += tile)
-          for (int x = 0; x < side; x += tile)
-            for (int i = 0; i < times; ++i)
-              render(image, work.camera, traced, DepthIntegrator{},
-                     RenderOptions{.crop = {x, y, side, side}, .threads = 1});
-      });
+  row(table, options, name + " camera rays, by tiles", 1.0 * side * side, [&](int times) {
+    for (int y = 0; y < side; y += tile)
+      for (int x = 0; x < side; x += tile)
+        for (int i = 0; i < times; ++i)
+          render(image, camera, traced, integrator, RenderOptions{.crop = {x, y, side, side}, .threads = 1});
+  });
 }
 
-/// Rays of any direction, one by one, in parts of 256; from points inside the cube of spheres, and from
-/// beyond it, to where nothing is.
-void single_rays(Table& table, const bench::Options& options, const bench::Workload& work,
-                 const auto& traced) {
+/// Rays of any direction, one by one, in parts of 256; from points inside a box around all surfaces, and from
+/// beyond them, to where nothing is.
+void single_rays(Table& table, const bench::Options& options, const std::string& name, const Bounds& box,
+                 const auto& first_hit) {
   constexpr std::size_t part = 256;
   Random random(1);
   std::vector<Ray> inside(options.quick ? part : 1 << 20), beyond(inside.size());
   for (std::size_t i = 0; i < inside.size(); ++i) {
     const Vec3 direction = random.direction();
-    const Point origin = Point(work.corner) + (random.point(0.5) + 0.5) * Vec3(work.size);
+    const Point origin = box.min + (random.point(0.5) + 0.5) * (box.max - box.min);
     inside[i] = {origin, direction};
     beyond[i] = {origin + 5.0 * direction, direction};
   }
-  const auto ask = [&](const std::string& name, const std::vector<Ray>& rays) {
-    row(table, options, std::to_string(work.spheres.size()) + name, static_cast<double>(rays.size()),
-        [&](int times) {
-          for (std::size_t begin = 0; begin < rays.size(); begin += part)
-            for (int i = 0; i < times; ++i)
-              for (std::size_t k = begin; k < begin + part; ++k)
-                bench::keep(traced.intersect(rays[k], Interval{}));
-        });
+  const auto ask = [&](const std::string& which, const std::vector<Ray>& rays) {
+    row(table, options, name + which, static_cast<double>(rays.size()), [&](int times) {
+      for (std::size_t begin = 0; begin < rays.size(); begin += part)
+        for (int i = 0; i < times; ++i)
+          for (std::size_t k = begin; k < begin + part; ++k) bench::keep(first_hit(rays[k]));
+    });
   };
   ask(" incoherent", inside);
   ask(" past everything", beyond);
 }
 
+void spheres(Table& table, const bench::Options& options, std::size_t count) {
+  const bench::Workload work = bench::workload(count);
+  const auto scene = bench::scene_of(work);
+  const auto& traced = bench::traced(scene, options.threads);
+  const std::string name = std::to_string(work.spheres.size()) + " spheres,";
+  camera_rays(table, options, name, work.camera, traced, DepthIntegrator{});
+  single_rays(table, options, name, {Point(work.corner), Point(work.corner + work.size)},
+              [&](const Ray& ray) { return traced.intersect(ray, Interval{}); });
+}
+
+void triangles(Table& table, const bench::Options& options, std::size_t count) {
+  const Mesh mesh(bench::torus(count), {.threads = options.threads});
+  Scene<Mesh> scene;
+  scene.add(mesh, Color{1});
+  const std::string name = std::to_string(mesh.data().triangles.size()) + " triangles,";
+  camera_rays(table, options, name, bench::camera_of_torus(), accelerate(scene), ColorIntegrator{});
+  single_rays(table, options, name, {Point{-1.5}, Point{1.5}},
+              [&](const Ray& ray) { return mesh.first_crossing(ray, {}); });
+}
+
 void limits(const bench::Options& options) {
   pictures(options);
-  Table table(options, {"spheres and rays", "ns/ray", "again ns/ray", "times longer"});
-  const std::vector<std::size_t> counts =
-      options.quick ? std::vector<std::size_t>{100} : std::vector<std::size_t>{1000, 100000, 1000000};
-  for (const std::size_t count : counts) {
-    const bench::Workload work = bench::workload(count);
-    const auto scene = bench::scene_of(work);
-    const auto& traced = bench::traced(scene, options.threads);
-    camera_rays(table, options, work, traced);
-    single_rays(table, options, work, traced);
-  }
+  Table table(options, {"surfaces and rays", "ns/ray", "again ns/ray", "times longer"});
+  for (const std::size_t count : {1000, 100000, 1000000})
+    if (!options.quick || count == 1000) spheres(table, options, count);
+  for (const std::size_t count : {1000, 100000, 1000000})
+    if (!options.quick || count == 1000) triangles(table, options, count);
 }
 
 }  // namespace

@@ -8,9 +8,7 @@
 // is "single"; in the rows without the word the mesh gets all rays together. Embree is judged by the best of
 // its three modes. Its answers are in float, so a few differ from ours, which are exact.
 #include <algorithm>
-#include <cmath>
 #include <optional>
-#include <protostar/camera.hpp>
 #include <protostar/image.hpp>
 #include <protostar/integrators/color.hpp>
 #include <protostar/render.hpp>
@@ -19,27 +17,17 @@
 #include <vector>
 
 #include "embree.hpp"
+#include "mesh_workload.hpp"
 #include "support.hpp"
-#include "support/meshes.hpp"
 #include "support/random.hpp"
 
 using namespace protostar;
-using bench::Embree, bench::FloatRay, bench::Index, bench::Mode, bench::number, bench::pixels_by_tile,
-    bench::Table, bench::Times, bench::Work;
+using bench::camera_of_torus, bench::Embree, bench::FloatRay, bench::Index, bench::Mode, bench::number,
+    bench::pixels_by_tile, bench::Table, bench::Times, bench::torus, bench::Work;
 
 namespace {
 
-/// A torus of about that many triangles, with vertices that are floats.
-MeshData torus(std::size_t count) {
-  const auto across = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(count) / 10));
-  MeshData mesh = meshes::torus(5 * across, across);
-  for (Point& p : mesh.vertices) p = Point(glm::vec3(p));
-  return mesh;
-}
-
 Ray in_double(const FloatRay& ray) { return {Point(ray.origin), Vec3(ray.direction)}; }
-
-Camera camera() { return Camera::perspective({0, -2, 1.5}, {0, 0.8, -0.6}, {0, 0.6, 0.8}, 60); }
 
 class Contest {
  public:
@@ -56,7 +44,7 @@ class Contest {
     std::vector<FloatRay> camera_rays, incoherent, segments;
     const auto pixels = pixels_by_tile(image_.width());
     for (const auto& [x, y] : pixels)
-      camera_rays.push_back(of(camera().through_pixel(x, y, image_.width(), image_.height())));
+      camera_rays.push_back(of(camera_of_torus().through_pixel(x, y, image_.width(), image_.height())));
     Random random(1);
     for (std::size_t i = 0; i < camera_rays.size(); ++i) {
       const Point origin = random.point(1.5), target = random.point(1.5);
@@ -66,7 +54,7 @@ class Contest {
     }
     row(
         "primary, render", camera_rays, &Embree::closest, true,
-        [&] { render(image_, camera(), scene_, ColorIntegrator{}, {.threads = options_.threads}); },
+        [&] { render(image_, camera_of_torus(), scene_, ColorIntegrator{}, {.threads = options_.threads}); },
         [&](std::size_t i) {
           return image_(pixels[i].first, pixels[i].second) == Color{0} ? bench::nothing : Index{0};
         },
@@ -187,7 +175,8 @@ void pictures(Table& table, const bench::Options& options, const MeshData& data)
     Image image(side, side);
     const auto draw = [&](bool tiles) {
       return [&image, &accelerated, &options, tiles] {
-        render(image, camera(), accelerated, ColorIntegrator{}, {.threads = options.threads, .tiles = tiles});
+        render(image, camera_of_torus(), accelerated, ColorIntegrator{},
+               {.threads = options.threads, .tiles = tiles});
       };
     };
     const Times times(options, {draw(false), draw(true)});
