@@ -460,3 +460,13 @@ TEST_CASE("of a packet's rays, those are asked for that are wanted and chosen") 
     CHECK(bits(chosen.wanted) == (lanes & 5));
   }
 }
+
+TEST_CASE("a crossing is known by its t and one number below 0") {
+  for (const int root : {0, 1, 7, 2147483647})
+    for (const int part : {0, 1, 5, 2147483647, -1, -2147483647}) {
+      const std::int64_t number = simd::number_of({.t = 3, .root = root, .part = part});
+      const Crossing crossing = simd::crossing_at(0.25, number);
+      CHECK(number < 0);
+      CHECK((crossing.t == 0.25 && crossing.root == root && crossing.part == part));
+    }
+}

@@ -224,6 +224,7 @@ TEST_CASE("whole numbers are chosen and compared in every lane") {
         const Whole some = select(only, Whole(a), Whole(b));
         for (int i = 0; i < simd::double_lanes; ++i) CHECK(some[i] == (i == lane ? a : b));
         CHECK(bits(some == Whole(b)) == (a == b ? bits(only || !only) : bits(!only)));
+        CHECK(bits(some < Whole(b)) == (a < b ? bits(only) : 0));
       }
 }
 

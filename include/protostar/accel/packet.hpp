@@ -171,15 +171,25 @@ struct Inside {
           .maybe = range.min < t + margin && t - margin < range.max};
 }
 
-/// first_crossing for each by itself of the rays of a packet that are wanted.
+/// A crossing but for its t as one number, which is below 0 since roots are counted from 0.
+[[nodiscard]] inline std::int64_t number_of(const Crossing& crossing) {
+  return ~(std::int64_t{crossing.root} << 32 | static_cast<std::uint32_t>(crossing.part));
+}
+[[nodiscard]] inline Crossing crossing_at(double t, std::int64_t number) {
+  return {.t = t, .root = static_cast<int>(~number >> 32), .part = static_cast<int>(~number & 0xffffffff)};
+}
+
+/// first_crossing for each by itself of the rays of a packet that are wanted; and number_of what they cross.
 template <Surface S>
 [[nodiscard, gnu::noinline]] FirstCrossings first_crossings_by_itself(const S& surface, const auto& rays,
-                                                                      Chosen wanted, Interval range) {
+                                                                      Chosen wanted, Interval range,
+                                                                      Indices& numbers) {
   FirstCrossings first{.t = infinity, .met = false, .in_doubt = false};
   for (Bits left = bits(wanted); left != 0; left &= left - 1) {
     const int lane = std::countr_zero(left);
     if (const auto crossing = first_crossing(surface, rays[lane], range)) {
       first.t.set(lane, crossing->t);
+      numbers.set(lane, number_of(*crossing));
       first.met = first.met || mask_of<double, double_lanes>(Bits{1} << lane);
     }
   }
@@ -191,7 +201,8 @@ template <Surface S>
 [[nodiscard]] FirstCrossings first_crossings(const S& surface, const auto& rays, Chosen wanted,
                                              Interval range) {
   if constexpr (!SurfaceForPackets<S>) {
-    return first_crossings_by_itself(surface, rays, wanted, range);
+    Indices numbers = -1;
+    return first_crossings_by_itself(surface, rays, wanted, range, numbers);
   } else {
     if constexpr (requires { surface.first_root_of_each(rays, wanted); })
       if (range.min == 0 && range.max == infinity && rays.departure.kind == Departure::Kind::none) {

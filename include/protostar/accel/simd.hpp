@@ -121,8 +121,10 @@ template <int Predicate, class V>
 [[nodiscard]] std::uint32_t compare(V a, V b) {
   using T = std::remove_cvref_t<decltype(a[0])>;
   if constexpr (std::same_as<T, std::int64_t>) {
-    static_assert(sizeof(V) == 64 && Predicate == _CMP_EQ_OQ, "nothing else is needed");
-    return _mm512_cmpeq_epi64_mask((__m512i)a, (__m512i)b);
+    static_assert(sizeof(V) == 64 && (Predicate == _CMP_EQ_OQ || Predicate == _CMP_LT_OQ),
+                  "nothing else is needed");
+    return Predicate == _CMP_EQ_OQ ? _mm512_cmpeq_epi64_mask((__m512i)a, (__m512i)b)
+                                   : _mm512_cmplt_epi64_mask((__m512i)a, (__m512i)b);
   } else if constexpr (sizeof(V) == 64) {
     if constexpr (sizeof(T) == 8)
       return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, Predicate);

@@ -115,6 +115,7 @@ class TileScene {
  public:
   using Drawn = std::tuple<DrawnOf<S>...>;
   static constexpr bool draws = (SurfaceForTiles<S> || ...);  ///< whether any surface is drawn as a whole
+  static constexpr bool has_crossings = (SurfaceWithParts<S> || ...);  ///< that are more than a t
 
   TileScene(const Accelerated<Scene<S...>>& everything, const Candidates& candidates,
             const std::vector<int>& unbounded, const Skips& skips, Occluders& occluders, const Drawn& drawn,
@@ -195,8 +196,8 @@ class TileScene {
     Doubles t;      ///< infinity where it meets nothing
     Indices place;  ///< of the surface in the scene's order; −1 where it meets nothing
 
-    /// Of a surface that is drawn, which part that is; −1 where it was not looked up in the drawing.
-    [[no_unique_address]] std::conditional_t<draws, Indices, Nothing> which = -1;
+    /// Of a surface with parts, the entry ≥ 0 of a drawing, or number_of(Crossing).
+    [[no_unique_address]] std::conditional_t<has_crossings, Indices, Nothing> which = -1;
   };
 
   /// Of the candidates, for rays of the camera; of all surfaces, for others.
@@ -427,9 +428,16 @@ class TileScene {
         closest.which = select(sooner, seen.which, closest.which);
         return;
       }
-    const FirstCrossings first = first_crossings(surface, rays, rays.wanted, Interval{});
-    [[maybe_unused]] const Chosen sooner = take(first, place, closest, in_doubt);
-    if constexpr (draws) closest.which = select(sooner, Indices(-1), closest.which);
+    if constexpr (SurfaceWithParts<T>)
+      if (has_parts(surface)) {
+        Indices numbers = -1;
+        const FirstCrossings first =
+            first_crossings_by_itself(surface, rays, rays.wanted, Interval{}, numbers);
+        const Chosen sooner = take(first, place, closest, in_doubt);
+        closest.which = select(sooner, numbers, closest.which);
+        return;
+      }
+    take(first_crossings(surface, rays, rays.wanted, Interval{}), place, closest, in_doubt);
   }
 
   /// Takes what is surely met sooner; returns by which rays that is.
@@ -458,27 +466,28 @@ class TileScene {
   [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const auto& rays,
                                 const Closest& closest, Chosen which, const auto& shade_hits) const {
     if constexpr (SurfaceForTiles<T>)
-      if (!any(which && mask_for<double>(closest.which == Indices(-1)))) {
+      if (!any(which && mask_for<double>(closest.which < Indices(0)))) {
         const auto& drawn = *drawn_at<T>(static_cast<int>(closest.place[std::countr_zero(bits(which))]));
         const Doubles t = sees_one_drawing() ? drawn.t(closest.which, which, rays.direction) : closest.t;
         return Colors(shade_hits(Intersections(rays, t, which, surface, material,
                                                PartsSeen<typename T::Drawn>{drawn, closest.which})));
       }
     if constexpr (SurfaceWithParts<T>)
-      if (has_parts(surface)) return shade_by_itself(surface, material, rays, which, shade_hits);
+      if (has_parts(surface)) return shade_by_itself(surface, material, rays, closest, which, shade_hits);
     return Colors(shade_hits(Intersections(rays, closest.t, which, surface, material)));
   }
   template <Surface T>
   [[nodiscard, gnu::noinline]] Colors shade_by_itself(const T& surface, const Material& material,
-                                                      const auto& rays, Chosen which,
+                                                      const auto& rays, const Closest& closest, Chosen which,
                                                       const auto& shade_hits) const {
     Colors result(Color{0});
     for (Bits left = bits(which); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
       const Ray ray = rays[lane];
-      const auto crossing = first_crossing(surface, ray, Interval{});
-      if (crossing)
-        result.set(lane, shade_hits(Intersection(ray, crossing_on(surface, *crossing, material))));
+      // What a drawing has told, beside others that were asked about by themselves, is not a crossing yet.
+      const Crossing crossing = closest.which[lane] < 0 ? crossing_at(closest.t[lane], closest.which[lane])
+                                                        : *first_crossing(surface, ray, Interval{});
+      result.set(lane, shade_hits(Intersection(ray, crossing_on(surface, crossing, material))));
     }
     return result;
   }
@@ -539,7 +548,8 @@ class TileScene {
       const auto [place, crossing] = closest_by_itself(rays[lane], each_place);
       closest.t = select(one(lane), Doubles(place < 0 ? infinity : crossing.crossing.t), closest.t);
       closest.place = select(one(lane), Indices(place), closest.place);
-      if constexpr (draws) closest.which = select(one(lane), Indices(-1), closest.which);
+      if constexpr (has_crossings)
+        closest.which = select(one(lane), Indices(number_of(crossing.crossing)), closest.which);
     }
     return closest;
   }
