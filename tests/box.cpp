@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <protostar/integrators/normal.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/parallelogram.hpp>
@@ -377,4 +378,30 @@ TEST_CASE("a box that makes no sense is refused") {
     box.min[axis] = 1;
     CHECK_NOTHROW(box.validate());
   }
+}
+
+namespace {
+
+/// Counts how often it is asked.
+struct CountedBox : Box {
+  static inline int asked = 0;
+
+  [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
+    ++asked;
+    return Box::first_crossing(ray, range);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("by tiles, a surface that is asked ray by ray is asked once for each, whatever is shown of it") {
+  Scene<CountedBox, Sphere> scene;
+  scene.add(CountedBox{{{-9, -9, 4}, {9, 9, 5}}}, Color{1});
+  scene.add(Sphere{.center = {0, 0, 2}, .radius = 0.4}, Color{1});
+  Image image(64, 48);
+  CountedBox::asked = 0;
+  render(image, Camera{}, scene, NormalIntegrator{}, {.threads = 1});
+  CHECK(CountedBox::asked <= 64 * 48);
+  CHECK(CountedBox::asked > 64 * 48 / 2);
+  CHECK(pixels_drawn_otherwise(scene, Camera{}) == 0);
 }
