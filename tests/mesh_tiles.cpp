@@ -210,8 +210,10 @@ TEST_CASE("by tiles, more meshes than a tile draws, and many, look as they do ra
 TEST_CASE("a tile with many more triangles than pixels is left to its rays, and looks the same") {
   Everything scene;
   scene.add(mesh_of(meshes::moved(meshes::icosphere(5), 1, {0, 0, 3})), Color{1});
-  for (const int size : {8, 24, 100})
+  for (const int size : {8, 24, 100}) {
     CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}, {.samples = 2}, size, size) == 0);
+    CHECK(drawn_otherwise(scene, Camera{}, ColorIntegrator{}, {}, size, size) == 0);
+  }
 }
 
 TEST_CASE("a tile that has more of a mesh than it may try is left to its rays, and looks the same") {
@@ -235,6 +237,30 @@ TEST_CASE("a tile that has more of a mesh than it may try is left to its rays, a
   scene.add(mesh_of(data), Color{1});
   const RenderOptions part{.crop = {.x = 504, .y = 504, .width = 1024, .height = 1024}};
   CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}, part, 16, 16) == 0);
+  CHECK(drawn_otherwise(scene, Camera{}, ColorIntegrator{}, part, 16, 16) == 0);
+}
+
+TEST_CASE("tiles that are drawn one after the other in the same room show nothing of the one before") {
+  // Some see nothing but a mesh, and are only asked whether, some a sphere as well; those at the edges are
+  // smaller.
+  Everything scene;
+  scene.add(mesh_of(meshes::moved(meshes::torus(30, 12), 0.7, {0, 0, 3})), Color{0.2f, 0.7f, 0.3f});
+  scene.add(Sphere{.center = {0.8, 0.2, 2.5}, .radius = 0.1}, Color{1});
+  for (const int width : {300, 333})
+    CHECK(drawn_otherwise(scene, Camera{}, ColorIntegrator{}, {.threads = 1}, width, 270) == 0);
+}
+
+TEST_CASE("triangles that all but touch the eye look as they do ray by ray") {
+  for (const double size : {1e-310, 1e-300, 1e-200, 1e-100}) {
+    MeshData data;
+    data.vertices = {{-9, -9, 5},      {9, -9, 5},         {0, 18, 5},
+                     {0, -size, size}, {size, size, size}, {2 * size, 0, size}};
+    data.triangles = {{0, 1, 2}, {3, 4, 5}};
+    Everything scene;
+    scene.add(mesh_of(data), Color{1});
+    CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}) == 0);
+    CHECK(drawn_otherwise(scene, Camera{}, ColorIntegrator{}) == 0);
+  }
 }
 
 TEST_CASE("by tiles, a mesh alone looks as it does ray by ray, in one color, with a texture, under a sky") {

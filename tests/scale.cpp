@@ -12,7 +12,7 @@ TEST_CASE("a vector's exponent is that of its largest component, for all doubles
   for (int exponent = -1074; exponent < 1024; ++exponent) {
     const double size = std::ldexp(random.real(1, 2), exponent);  // or what is left of it below 2^-1022
     Vec3 v = size * 0x1p-1 * random.direction();
-    v[exponent & 3 ? (exponent + 1074) % 3 : 0] = exponent % 2 ? -size : size;
+    v[(exponent + 1074) % 3] = exponent % 2 ? -size : size;
     int expected = 0;
     const double fraction = std::frexp(size, &expected);
     wrong += exponent_of({v}) != expected || fraction < 0.5;

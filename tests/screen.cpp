@@ -1,4 +1,5 @@
 // Where boxes are on the screen of a tile (accel/screen.hpp).
+#include <limits>
 #include <protostar/accel/screen.hpp>
 #include <vector>
 
@@ -38,6 +39,10 @@ TEST_CASE("the pixels between two places are those whose middles are, and hardly
   const PixelsBetween<N> all(Floats{-inf}, Floats{inf}, 9), none(Floats{inf}, Floats{-inf}, 9);
   CHECK((all.first[0] == 0 && all.end[0] == 9 && (bits(all.any) & 1) != 0));
   CHECK(!any(none.any));
+  // What is no number leaves nothing out.
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const PixelsBetween<N> unknown(Floats{nan}, Floats{nan}, 9);
+  CHECK((unknown.first[0] == 0 && unknown.end[0] == 9 && (bits(unknown.any) & 1) != 0));
 }
 
 TEST_CASE("what a pixel sees in a box is in the pixels of the box, and no nearer than it begins") {
@@ -55,10 +60,12 @@ TEST_CASE("what a pixel sees in a box is in the pixels of the box, and no nearer
                         random.direction(), random.real(1, 120));
     if (round % 5 == 0) camera.right *= 1e-4, camera.up *= 1e-4, camera.forward *= 1e-4;
     const int width = 40 + static_cast<int>(random.bits() % 100), height = 70;
-    const PixelRays rays(camera, PixelGrid(width, height), width, height);
+    const RenderOptions options{.samples = 1 + round % 3};
+    const PixelRays rays(camera, PixelGrid(width, height, options), width, height);
+    const int sample = round % rays.pixels().samples();
     const int x0 = static_cast<int>(random.bits() % 30), y0 = static_cast<int>(random.bits() % 30);
     const Tile tile{x0, y0, std::min(x0 + 64, width), y0 + 1 + static_cast<int>(random.bits() % 40)};
-    const Screen screen(rays, 0, tile, space);
+    const Screen screen(rays, sample, tile, space);
     if (!screen.usable) continue;
     // Boxes around what pixels see in the world, if it is in it.
     struct Sight {
@@ -70,8 +77,9 @@ TEST_CASE("what a pixel sees in a box is in the pixels of the box, and no nearer
     for (int k = 0; k < node_width; ++k) {
       const int x = static_cast<int>(random.bits() % static_cast<unsigned>(tile.width())),
                 y = static_cast<int>(random.bits() % static_cast<unsigned>(tile.height()));
-      const Vec3 direction = rays.pixels().u(x0 + x, rays.pixels().sample(0).x) * camera.right +
-                             rays.pixels().v(y0 + y, rays.pixels().sample(0).y) * camera.up + camera.forward;
+      const Vec3 direction = rays.pixels().u(x0 + x, rays.pixels().sample(sample).x) * camera.right +
+                             rays.pixels().v(y0 + y, rays.pixels().sample(sample).y) * camera.up +
+                             camera.forward;
       const double t = random.real(0, 2) * std::max(far, 1.0) * size / length(direction);
       const Point p = camera.position + t * direction;
       const double reach = size * std::exp2(random.real(-20, 0));

@@ -440,3 +440,11 @@ TEST_CASE("a triangle that makes no sense is refused") {
   CHECK_NOTHROW(Triangle{{1, 1, 1}, {2, 2, 2}, {4, 4, 4 + 4 * ulp}}.validate());
   CHECK_NOTHROW(Triangle{Point{0}, {0x1p900, 0, 0}, {0x1p900, 0x1p900, 0}}.validate());
 }
+
+TEST_CASE("the normal of a tiny sliver is that of exact arithmetic") {
+  const double size = 0x1p-480, ulp = 0x1p-52;  // two of it and two ulp are just above the least double
+  const Triangle sliver{{1, 0, 0}, {1, size * (1 + ulp), size}, {1, size, size * (1 - ulp)}};
+  CHECK(sliver.normal_at(sliver.a) == Vec3{-1, 0, 0});  // (1 + ulp) (1 − ulp) < 1
+  const Triangle turned{sliver.a, sliver.c, sliver.b};
+  CHECK(turned.normal_at(turned.a) == Vec3{1, 0, 0});
+}

@@ -15,10 +15,10 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// What a picture took: work that was done, and work that was found not to be needed.
 struct RenderStatistics {
-  std::uint64_t camera_rays = 0;    ///< through the centers of pixels whose tile sees anything
+  std::uint64_t camera_rays = 0;    ///< through pixels that may see anything
   std::uint64_t other_rays = 0;     ///< that integrators cast: shadow rays
   std::uint64_t rays_alone = 0;     ///< those of them that went by themselves, not with a packet
-  std::uint64_t surface_tests = 0;  ///< of rays with surfaces, in double
+  std::uint64_t surface_tests = 0;  ///< of rays with surfaces, in double, or with the drawing of one
   std::uint64_t in_doubt = 0;  ///< tests that double could not decide for a packet, so that a ray went alone
   std::uint64_t double_double = 0;   ///< roots worked out in double-double
   std::uint64_t exact = 0;           ///< and from exact coefficients
@@ -44,7 +44,7 @@ struct Crop {
 /// What is not done by tiles, each to be turned off so that what it saves can be measured: a picture has the
 /// same bytes with any of them off.
 struct Skips {
-  bool empty_tiles = true;       ///< rays through pixels of tiles, or parts of them, that see nothing
+  bool empty_tiles = true;       ///< rays through pixels that see nothing, or the same all over
   bool farther_surfaces = true;  ///< tests of camera rays with what is surely behind all that they met
   bool last_occluder = true;     ///< tests with other surfaces, where that which shadowed last does so again
   bool occluder_lists = true;    ///< walks of shadow rays through the tree, where a list serves their packet

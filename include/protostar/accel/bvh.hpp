@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -246,8 +248,9 @@ class Bvh {
   /// Calls visit(leaf) for every leaf that may be seen of an eye, near ones mostly before far ones, unless
   /// is_hidden(what is seen of it) says that it, or what is around it, is of no interest by then. look(node)
   /// tells what is seen of the children of a node, k by k, at which distance(k): it has the bits of those
-  /// that are seen, and of those that are in_front; others are seen if their boxes may reach into all of some
-  /// half-spaces. Before that, soon(leaf) is called for leaves that are likely to be visited.
+  /// that are seen, and of those that are in_front. Unless all are, only those are visited whose boxes may
+  /// reach into all of some half-spaces as well. Before that, soon(leaf) is called for leaves that are likely
+  /// to be visited.
   void each_leaf_ahead(std::span<const BoxHalfSpace> half_spaces, const auto& look, const auto& is_hidden,
                        const auto& visit, const auto& soon) const {
     if (tree_.order.empty()) return;

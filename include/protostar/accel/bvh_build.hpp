@@ -292,7 +292,9 @@ class TreeBuilder {
       const Float4 place = slicing.place(boxes_[i]);
       for (int axis = 0; axis < 3; ++axis) to.on[axis][static_cast<int>(place[axis])].add({boxes_[i], 1});
     };
-    if (last - first > 256) {  // in two sums: neighbors are often in one slice, and each would wait for it
+    // In two sums, as neighbors are often in one slice, and each would wait for it; few things are sooner
+    // added up than a second sum is.
+    if (last - first > 256) {
       Slices others(slicing.count);
       for (; first + 1 < last; first += 2) add(first, slices), add(first + 1, others);
       slices.add(others);

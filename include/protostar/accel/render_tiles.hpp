@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <memory>
 #include <mutex>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "../integrator.hpp"
@@ -156,10 +158,11 @@ class TileRenderer {
     room_.push_back(std::move(room));
   }
 
-  /// Whether what rays bring is the same for all that meet a surface of this material, and for all that meet
-  /// nothing, so that nobody asks where.
+  /// Whether all rays that meet nothing bring the same.
+  [[nodiscard]] bool nothing_is_alike() const { return skips_.empty_tiles && !scene_.scene().environment(); }
+  /// Whether so do all that meet a surface of this material, so that nobody asks where.
   [[nodiscard]] bool is_alike(const Material& material) const {
-    return ShadesAnywhere<I> && skips_.empty_tiles && !scene_.scene().environment() && !material.texture;
+    return ShadingIntegrator<I, View> && ShadesAnywhere<I> && nothing_is_alike() && !material.texture;
   }
 
   /// Draws the candidates that are drawn as a whole.
@@ -239,16 +242,17 @@ class TileRenderer {
       const View view(scene_, candidates, unbounded_, skips_, work.occluders, work.drawn, work.taken);
       if (!view.sees_one_drawing() || rays_.pixels().samples() > 1) return false;
       view.with_drawing([&](const auto& drawn, const Material& material) {
-        const bool all_is_alike = is_alike(material),
-                   nothing_is_alike = skips_.empty_tiles && !scene_.scene().environment();
-        const Colors background(integrator_.background(rays_.packet(tile, tile.x0, tile.y0), view));
-        Colors surface(Color{0});
-        if constexpr (ShadesAnywhere<I>) surface = Colors(integrator_.shade_anywhere(material));
+        const bool all_is_alike = is_alike(material), has_background = nothing_is_alike();
+        Colors surface(Color{0}), background(Color{0});
+        if (has_background)
+          background = Colors(integrator_.background(rays_.packet(tile, tile.x0, tile.y0), view));
+        if constexpr (ShadesAnywhere<I>)
+          if (all_is_alike) surface = Colors(integrator_.shade_anywhere(material));
         std::uint64_t skipped = 0;
         each_packet(tile, [&](std::size_t, int x, int y) {
           const Chosen wanted = rays_.wanted(tile, x);
           const auto seen = drawn.seen(wanted, x, y);
-          if (!any(seen.in_doubt) && (all_is_alike || (nothing_is_alike && !any(seen.met)))) {
+          if (!any(seen.in_doubt) && (all_is_alike || (has_background && !any(seen.met)))) {
             skipped += static_cast<std::uint64_t>(std::popcount(bits(wanted)));
             return write(tile, x, y, select(seen.met, surface, background));
           }

@@ -7,11 +7,12 @@
 //
 // What is worked out here for a tile is in double. The volume of e1, e2, e3, as unit vectors, is above 1/16,
 // so that their roundings, those of the dual basis, and those of the rays' directions are below 2^-42 of the
-// products of lengths. Let γ be 2^-42 (|e1*| + |e2*| + T |e3*|), the tile being in |x|, |y| ≤ T. Then X, Y
-// and T Z of a point p, from o, are off by less than γ|p|.
+// products of lengths: X, Y and Z of a point p, from o, are off by less than that part of |p| times the
+// length of their own vector of the basis. Let γ be 2^-42 (|e1*| + |e2*| + T |e3*|), the tile being in |x|,
+// |y| ≤ T. Then X, Y and T Z are off by less than γ|p|.
 #pragma once
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -78,16 +79,16 @@ struct PixelsBetween {
 
   PixelsBetween(const Lanes<float, N>& low, const Lanes<float, N>& high, int count) {
     const Lanes<float, N> all = static_cast<float>(count), none = 0.0f;
-    const auto in_tile = [&](const Lanes<float, N>& x) { return max(none, min(all, x)); };  // whatever x is
-    const auto behind_first = to_whole(all - in_tile(low - Lanes<float, N>(0x1p-10f)));
+    // Where a place is no number, min and max choose so that no pixel is left out.
+    const auto behind_first = to_whole(all - min(all, max(none, low - Lanes<float, N>(0x1p-10f))));
     first = Lanes<std::int32_t, N>(count) - behind_first;
-    end = to_whole(in_tile(high + Lanes<float, N>(1 + 0x1p-10f)));
+    end = to_whole(max(none, min(all, high + Lanes<float, N>(1 + 0x1p-10f))));
     any = all - to_float(behind_first) < to_float(end);
   }
 };
 
-/// The pixels of a tile that may see anything in a box, from x0 to before x1 and from y0 to before y1, and at
-/// which k.
+/// The pixels of a tile, of at most 255 a side, that may see anything in a box, from x0 to before x1 and from
+/// y0 to before y1, and at which k.
 struct BoxOnScreen {
   float nearest;  ///< at none that is larger
   std::uint8_t x0, x1, y0, y1;
@@ -95,13 +96,13 @@ struct BoxOnScreen {
 
 /// The same of the boxes of a node.
 ///
-/// In float, with u = 2^-24, the ends of the boxes from o are off by 2u of themselves and 2^-48 |o|, for
+/// In float, with u = 2^-24, the ends of the boxes from o are off by 2u of themselves and 2^-47 |o|, for
 /// which `size` has a part; the dual basis, products and sums add 5u. 2^-21 = 8u of sizes and of |e1*|, |e2*|
 /// or |e3*| is taken off the least X, Y and Z in a box, and added to the largest. Quotients, products and the
-/// tile's first pixel are off by less than 2^-16 of a pixel where that is in a tile.
+/// tile's first pixel are off by less than 2^-16 of a pixel where that is in a tile. Z > 2^-100 is far from
+/// what underflows, and 1/Z from what overflows.
 class BoxesOnScreen {
   using Floats = Lanes<float, node_width>;
-  using Wholes = Lanes<std::int32_t, node_width>;
 
  public:
   Bits seen;      ///< boxes that any pixel may see
@@ -141,23 +142,23 @@ class BoxesOnScreen {
     const auto x = pixels(X, screen.left, screen.width), y = pixels(Y, screen.top, screen.height);
     const auto is_used = Floats::load(node.end[0][0]) <= Floats::load(node.end[1][0]);
     seen = bits(is_used && x.any && y.any), in_front = bits(known);
-    x.first.store(x0), x.end.store(x1), y.first.store(y0), y.end.store(y1);
-    select(known, Floats(1 + 0x1p-20f) * most, std::numeric_limits<float>::infinity()).store(nearest);
+    x.first.store(x0_), x.end.store(x1_), y.first.store(y0_), y.end.store(y1_);
+    select(known, Floats(1 + 0x1p-20f) * most, std::numeric_limits<float>::infinity()).store(nearest_);
     Z.least.store(distance_);
   }
 
   [[nodiscard]] BoxOnScreen operator[](int k) const {
     const auto small = [](std::int32_t number) { return static_cast<std::uint8_t>(number); };
-    return {nearest[k], small(x0[k]), small(x1[k]), small(y0[k]), small(y1[k])};
+    return {nearest_[k], small(x0_[k]), small(x1_[k]), small(y0_[k]), small(y1_[k])};
   }
 
   /// How far ahead a box begins.
   [[nodiscard]] float distance(int k) const { return distance_[k]; }
 
  private:
-  alignas(64) float nearest[node_width];
+  alignas(64) float nearest_[node_width];
   alignas(64) float distance_[node_width];
-  alignas(64) std::int32_t x0[node_width], x1[node_width], y0[node_width], y1[node_width];
+  alignas(64) std::int32_t x0_[node_width], x1_[node_width], y0_[node_width], y1_[node_width];
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

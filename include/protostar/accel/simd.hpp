@@ -424,6 +424,7 @@ template <int N>
 #endif
 }
 
+/// Whole numbers as the nearest floats.
 template <int N>
 [[nodiscard]] Lanes<float, N> to_float(Lanes<std::int32_t, N> a) {
 #if defined(PROTOSTAR_VECTORS)

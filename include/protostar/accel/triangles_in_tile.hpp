@@ -18,8 +18,8 @@
 //
 // In float, with u = 2^-24, a pixel is at the first of its block, which is in the tile, and up to 2T from
 // there: the terms of a side sum up to no more than 3, those at the first of the block to no more than 1.
-// Rounding takes 3u for coefficients, 1u for x and y, 4u and 3u for the products and sums of the two parts
-// and 1u for the last sum: 12u, and if w ≤ 2^-23 M, less than 2^-20 in all. An edge with a larger w is left
+// Rounding takes 3u for coefficients, 2u for x and y, 4u and 3u for the products and sums of the two parts
+// and 1u for the last sum: 13u, and if w ≤ 2^-23 M, less than 2^-20 in all. An edge with a larger w is left
 // out, as if it was passed on either side. If e < |det|/2, k is off by less than 2 (Σw + K e) / |det| and
 // 2^-20 K, K being its largest size in the tile; if not, or beyond what float holds, nothing is known of it.
 // Where all vertices are surely in front, Z > 2^12 γ|p|, their places are good to 2^-11 of a pixel; the
@@ -30,11 +30,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 #include "packet.hpp"
@@ -60,28 +58,28 @@ class TrianglesInTile {
               static_cast<double>(tree.size()) <= most_a_pixel * screen.pixels_of_all;
     if (!usable_) return;
     clear();
-    int left = most_tried_a_pixel * tile.width() * tile.height();  // boxes and triangles
+    int budget = most_tried_a_pixel * tile.width() * tile.height();  // boxes and triangles
     tree.each_leaf_ahead(
         frustum.side, [&](const Node& node) { return BoxesOnScreen(screen, node); },
-        [&](const BoxOnScreen& box) { return --left < 0 || is_hidden(box); },
+        [&](const BoxOnScreen& box) { return --budget < 0 || is_hidden(box); },
         [&](Leaf leaf) {
-          left -= static_cast<int>(leaf.count);
+          budget -= static_cast<int>(leaf.count);
           for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
             const auto corners = tree.leaves().corners(leaf, i);
             const Shapes shapes(screen, corners);
             Bits some = shapes.in_tile & first_bits(static_cast<int>(leaf.count - i));
             if (some == 0) continue;
             const auto first = static_cast<std::int32_t>(drawn_.size() * double_lanes);
-            const Floats floors = asked == Asked::where
-                                      ? drawn_.emplace_back(screen, corners, leaf, i).floors(screen)
-                                      : Floats(0.0f);
+            Floats floors = 0.0f;
+            if (asked == Asked::where)
+              floors = drawn_.emplace_back(screen, corners, leaf, i).floors(screen, corners);
             for (; some != 0; some &= some - 1) {
               const int k = std::countr_zero(some);
               draw_one(shapes, floors[k], static_cast<std::size_t>(k), first + k);
             }
           }
         });
-    usable_ = left >= 0;
+    usable_ = budget >= 0;
     if (usable_) decide();
   }
 
@@ -134,13 +132,12 @@ class TrianglesInTile {
   static constexpr int side = 64;  ///< pixels of a tile that can be drawn
   static constexpr std::int32_t nothing = -1,
                                 in_doubt = -2;  ///< what is seen, beside the number of a triangle
-  static constexpr float infinite = std::numeric_limits<float>::infinity();
 
   using Pixels = Lanes<float, float_lanes>;
   using Whole = Lanes<std::int32_t, float_lanes>;
 
   /// Neighboring pixels, as many as a vector holds: a small triangle is in few blocks.
-  struct alignas(64) Block {
+  struct alignas(4 * sizeof(Pixels)) Block {
     static constexpr int width = std::min(4, float_lanes), height = float_lanes / width;
 
     float far[float_lanes], near[float_lanes];  ///< between which k of the nearest is
@@ -169,33 +166,30 @@ class TrianglesInTile {
   struct Planes {
     Vectors normal;
     Doubles height;
-    Doubles
-        least;  ///< t is certain if |n·d| is larger, d being a unit vector; infinite where it is not known
     Leaf leaf;
     std::uint32_t first;
 
     Planes(const Screen& screen, const std::array<Vectors, 3>& corners, Leaf of, std::uint32_t i)
-        : leaf(of), first(i) {
-      const auto& [a, b, c] = corners;
-      const auto sum_of_sizes = [](const Vectors& v) { return abs(v.x) + abs(v.y) + abs(v.z); };
-      const Vectors u = b - a, v = c - a, w = a - Vectors(screen.eye), p = abs(u), q = abs(v),
-                    terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
-      normal = cross(u, v), height = dot(normal, w);
-      // In the way and with the bounds of rounded_triangle_equation, t is certain where |n·d| > 2^-18 of the
-      // sizes of its terms, which sum up to no more than the largest of those of n times |d|₁: 2^-17 of that
-      // largest covers √3 and what is rounded here.
-      const Doubles U = sum_of_sizes(u), V = sum_of_sizes(v), W = sum_of_sizes(w),
-                    heights = dot(terms, abs(w));
-      const Chosen known = U > 0x1p-200 && U < 0x1p200 && V > 0x1p-200 && V < 0x1p200 && W < 0x1p200 &&
-                           abs(height) > 0x1p-18 * heights && heights > 0x1p-800;
-      least = select(known, max(0x1p-17 * max(terms.x, max(terms.y, terms.z)), 0x1p-500), Doubles(infinity));
-    }
+        : normal(cross(corners[1] - corners[0], corners[2] - corners[0])),
+          height(dot(normal, corners[0] - Vectors(screen.eye))),
+          leaf(of),
+          first(i) {}
 
-    /// Above these k, t is certain. As the plane is met at o + D/k in box space, n·D is height · k · scale,
-    /// and |D| at most `longest`.
-    [[nodiscard]] Floats floors(const Screen& screen) const {
-      const Doubles floor = least * (screen.longest / screen.scale) / abs(height);
-      return to_float(select(floor < 0x1p100, floor, Doubles(infinity)));
+    /// Above these k, t is certain. In the way and with the bounds of rounded_triangle_equation, it is where
+    /// |n·d| > 2^-18 of the sizes of its terms, which sum up to no more than the largest of those of n times
+    /// |d|₁, d being a unit vector: 2^-17 of that largest covers √3 and what is rounded here. As the plane is
+    /// met at o + D/k in box space, n·D is height · k · scale, and |D| at most `longest`.
+    [[nodiscard]] Floats floors(const Screen& screen, const std::array<Vectors, 3>& corners) const {
+      const auto& [a, b, c] = corners;
+      const auto sum_of = [](const Vectors& v) { return v.x + v.y + v.z; };
+      const Vectors p = abs(b - a), q = abs(c - a), w = abs(a - Vectors(screen.eye)),
+                    terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
+      const Doubles U = sum_of(p), V = sum_of(q), heights = dot(terms, w);
+      const Chosen known = U > 0x1p-200 && U < 0x1p200 && V > 0x1p-200 && V < 0x1p200 &&
+                           sum_of(w) < 0x1p200 && abs(height) > 0x1p-18 * heights && heights > 0x1p-800;
+      const Doubles least = max(0x1p-17 * max(terms.x, max(terms.y, terms.z)), 0x1p-500),
+                    floor = least * (screen.longest / screen.scale) / abs(height);
+      return to_float(select(known && floor < 0x1p100, floor, Doubles(infinity)));
     }
   };
 
@@ -230,16 +224,16 @@ class TrianglesInTile {
           z(dot(p, Vectors(screen.ahead))),
           size(abs(p.x) + abs(p.y) + abs(p.z)),
           extent(abs(x) + abs(y) + screen.reach * abs(z)),
-          is_in_front(z > 0x1p12 * screen.uncertainty * size) {}
+          is_in_front(z > 0x1p12 * screen.uncertainty * size && z > 0x1p-900) {}
   };
 
   /// Some triangles, as pixels are tried against them.
   struct Shapes {
-    LinearInFloat side[3], nearness;
+    LinearInFloat edge[3], nearness;
     std::array<float, double_lanes> error, least, most;     ///< of k: how far it may be off, and its range
     std::array<std::int32_t, double_lanes> x0, x1, y0, y1;  ///< the pixels of the tile from, and to before
     Bits in_tile;                                           ///< those that may be in any
-    Bits is_turned;  ///< those whose sides are positive inside; of others it is not known
+    Bits is_signed;  ///< those whose sides are positive inside; of others it is not known
 
     Shapes(const Screen& screen, const std::array<Vectors, 3>& corners) {
       const auto corner = [&](const Vectors& p) {
@@ -255,9 +249,9 @@ class TrianglesInTile {
       const Doubles e =
           12 * gamma / T *
           (a.size * b.extent * c.extent + a.extent * b.size * c.extent + a.extent * b.extent * c.size);
-      const Chosen faces = e < 0.5 * abs(det);
+      const Chosen faces = e < 0.5 * abs(det) && abs(det) > 0x1p-900;
       const Doubles turn = select(faces, det, 1.0);
-      is_turned = bits(faces);
+      is_signed = bits(faces);
       Doubles off = 0.0;
       const auto turned = [&](const Linear& s, const Corner& p, const Corner& q) {
         const Doubles w = 8 * gamma * (p.size * q.extent + q.size * p.extent), M = s.most(T);
@@ -265,7 +259,7 @@ class TrianglesInTile {
         const Chosen known = w <= 0x1p-23 * M && M > 0x1p-900;
         return select(known, copysign(1 / M, turn), Doubles(0.0)) * s;
       };
-      side[0] = turned(ab, a, b), side[1] = turned(bc, b, c), side[2] = turned(ca, c, a);
+      edge[0] = turned(ab, a, b), edge[1] = turned(bc, b, c), edge[2] = turned(ca, c, a);
       const Doubles of_det = 1 / det;
       const Linear nearness_at = of_det * (ab + bc + ca);
       const Doubles K = nearness_at.most(T), uncertain = 2 * (off + K * e) * abs(of_det) + 0x1p-20 * K;
@@ -304,7 +298,8 @@ class TrianglesInTile {
 
   void clear() {
     Block empty;
-    std::ranges::fill(empty.far, std::numeric_limits<float>::denorm_min());  // what is seen is nearer
+    // What is compared with the least float above 0 is compared with 0 as well.
+    std::ranges::fill(empty.far, std::numeric_limits<float>::denorm_min());
     std::ranges::fill(empty.near, 0.0f), std::ranges::fill(empty.other, 0.0f);
     std::ranges::fill(empty.nearest, nothing);
     for (int y = 0; y < tile_.height(); y += Block::height)
@@ -330,23 +325,23 @@ class TrianglesInTile {
     const auto inside_block = [&](const LinearInFloat& f) {
       return Pixels(f.x[i]) * Block::across() + Pixels(f.y[i]) * Block::down();
     };
-    const Pixels ab = inside_block(shapes.side[0]), bc = inside_block(shapes.side[1]),
-                 ca = inside_block(shapes.side[2]), k = inside_block(shapes.nearness);
+    const Pixels ab = inside_block(shapes.edge[0]), bc = inside_block(shapes.edge[1]),
+                 ca = inside_block(shapes.edge[2]), k = inside_block(shapes.nearness);
     const Pixels error = shapes.error[i], least = shapes.least[i], most = shapes.most[i];
     const int x0 = shapes.x0[i] / Block::width * Block::width,
               y0 = shapes.y0[i] / Block::height * Block::height;
     const int x1 = shapes.x1[i], y1 = shapes.y1[i];
-    const bool is_turned = (shapes.is_turned >> i & 1) != 0;
+    const bool is_signed = (shapes.is_signed >> i & 1) != 0;
     // In one loop, as how many blocks there are is hard to foresee.
     for (int x = x0, y = y0; y < y1;) {
       const float across = shapes.left + static_cast<float>(x), down = shapes.top + static_cast<float>(y);
       const auto at = [&](const LinearInFloat& f) {
         return Pixels(f.x[i] * across + (f.y[i] * down + f.one[i]));
       };
-      const Pixels of_ab = ab + at(shapes.side[0]), of_bc = bc + at(shapes.side[1]),
-                   of_ca = ca + at(shapes.side[2]), nearness = k + at(shapes.nearness);
+      const Pixels of_ab = ab + at(shapes.edge[0]), of_bc = bc + at(shapes.edge[1]),
+                   of_ca = ca + at(shapes.edge[2]), nearness = k + at(shapes.nearness);
       Pixels inside = min(min(of_ab, of_bc), of_ca);
-      if (!is_turned)  // where all are positive or all negative
+      if (!is_signed)  // where all are positive or all negative
         inside = max(inside, min(min(-of_ab, -of_bc), -of_ca));
       const Pixels near = min(nearness + error, most), far = max(nearness - error, least);
       Block& pixels = block(x, y);
@@ -381,8 +376,8 @@ class TrianglesInTile {
   Tile tile_{};
   bool usable_ = false;
   std::array<Block, (side / Block::width) * (side / Block::height)> blocks_;
-  std::array<std::int32_t, side * side + double_lanes> seen_;  ///< room for what is read behind the last
-  std::vector<Planes> drawn_;                                  ///< what `nearest` counts
+  std::array<std::int32_t, side * side + double_lanes> seen_{};  ///< room for what is read behind the last
+  std::vector<Planes> drawn_;                                    ///< what `nearest` counts
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

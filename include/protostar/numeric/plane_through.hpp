@@ -5,6 +5,7 @@
 // normal that is the largest, and rounded to the nearest doubles.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -148,12 +149,17 @@ namespace detail {
 }
 
 /// u × v of vectors that are of twice the precision, each component to 2^-82 of itself, and 0 only where it
-/// is; nothing where more than 20 binary digits cancel in one. The products are good to 5u², and their
-/// difference to 3u²: 8u² = 2^-103 of the sizes of both.
+/// is. The products are good to 5u², and their difference to 3u²: 8u² = 2^-103 of the sizes of both, and
+/// there is nothing where more than 20 binary digits cancel in one component. Of doubles whose products do
+/// not underflow, as those of differences of floats, it is the sooner cross_product, and whatever cancels
+/// does no harm.
 [[nodiscard]] inline std::optional<RefinedVector> refined_cross_product(const RefinedVector& u,
                                                                         const RefinedVector& v) {
-  const auto is_double = [](const RefinedVector& x) { return x[0].lo == 0 && x[1].lo == 0 && x[2].lo == 0; };
-  if (is_double(u) && is_double(v))  // as where all are made of floats: sooner
+  const auto are_doubles = [](const RefinedVector& x) {
+    return std::ranges::all_of(
+        x, [](const DoubleDouble& a) { return a.lo == 0 && (a.hi == 0 || std::abs(a.hi) > 0x1p-400); });
+  };
+  if (are_doubles(u) && are_doubles(v))
     return cross_product({u[0].hi, u[1].hi, u[2].hi}, {v[0].hi, v[1].hi, v[2].hi});
   RefinedVector n;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -17,7 +17,7 @@ namespace protostar::inline PROTOSTAR_ABI {
   double largest = 0;
   for (const Vec3& v : vectors) largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   if (largest == 0) return -2000;
-  // As a double has it, but for the least and the largest.
+  // From the bits of the double, where it is neither denormal nor infinite.
   if (0x1p-1000 < largest && largest < 0x1p1023)
     return static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52) - 1022;
   int exponent = 0;
