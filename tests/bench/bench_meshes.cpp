@@ -4,13 +4,16 @@
 //   bench_meshes [--threads N] [--runs N] [--csv FILE] [--quick]
 //
 // Rates are millions of rays a second. Both get the same rays and vertices, which are made of floats; only
-// "render" makes its own rays, in double, and tells what is met from what is missed. What is asked ray by ray
+// "render" makes its own rays, in double, where it needs any, and tells what is met from what is missed:
+// pictures by the color integrator, which shows whether the mesh is met, and of the depth, for which t is
+// computed. What is asked ray by ray
 // is "single"; in the rows without the word the mesh gets all rays together. Embree is judged by the best of
 // its three modes. Its answers are in float, so a few differ from ours, which are exact.
 #include <algorithm>
 #include <optional>
 #include <protostar/image.hpp>
 #include <protostar/integrators/color.hpp>
+#include <protostar/integrators/depth.hpp>
 #include <protostar/render.hpp>
 #include <protostar/surfaces/mesh.hpp>
 #include <stdexcept>
@@ -52,13 +55,17 @@ class Contest {
       segments.push_back(of({origin, target - origin}));
       segments.back().max = 1;
     }
-    row(
-        "primary, render", camera_rays, &Embree::closest, true,
-        [&] { render(image_, camera_of_torus(), scene_, ColorIntegrator{}, {.threads = options_.threads}); },
-        [&](std::size_t i) {
-          return image_(pixels[i].first, pixels[i].second) == Color{0} ? bench::nothing : Index{0};
-        },
-        true);
+    const auto rendered = [&](const std::string& name, const auto& integrator) {
+      row(
+          name, camera_rays, &Embree::closest, true,
+          [&] { render(image_, camera_of_torus(), scene_, integrator, {.threads = options_.threads}); },
+          [&](std::size_t i) {
+            return image_(pixels[i].first, pixels[i].second) == Color{0} ? bench::nothing : Index{0};
+          },
+          true);
+    };
+    rendered("primary, render", ColorIntegrator{});
+    rendered("primary, render depth", DepthIntegrator{});
     const auto first = [&](const FloatRay& ray) {
       const auto crossing = mesh_.first_crossing(in_double(ray), {});
       return crossing ? static_cast<Index>(crossing->part) : bench::nothing;
