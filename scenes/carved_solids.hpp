@@ -1,30 +1,9 @@
-// Three solids made of solids, over a floor: a rounded cube with holes, a bowl and a lens.
+// Three solids made of solids, over a floor: a rounded cube with holes, a bowl and a lens. They are compiled
+// apart from the stage that draws them (scenes/carved_solids.cpp).
 #pragma once
 
-#include <protostar/scene.hpp>
-#include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/csg.hpp>
-#include <protostar/surfaces/instance.hpp>
-#include <protostar/surfaces/plane.hpp>
-#include <protostar/surfaces/quadric.hpp>
-#include <protostar/surfaces/sphere.hpp>
 
-inline protostar::Csg rounded_cube_with_holes() {
-  using namespace protostar;
-  const double square = 0.625 * 0.625;  // of the cylinders' radius: y² + z² − r² = 0, and so on
-  return difference_of({intersection_of({Box{}, Sphere{.radius = 1.375}}),
-                        Quadric{{.squares = {0, 1, 1}, .constant = -square}},
-                        Quadric{{.squares = {1, 0, 1}, .constant = -square}},
-                        Box{{-0.5, -0.5, -1}, {0.5, 0.5, 1}}});
-}
-
-inline protostar::Csg bowl() {
-  using namespace protostar;
-  return difference_of({Sphere{}, Sphere{.radius = 0.875}, Box{{-1, 0.25, -1}, {1, 1, 1}}});
-}
-
-inline protostar::Csg lens() {
-  using namespace protostar;
-  return intersection_of(
-      {Sphere{.center = {0, 0, -1}, .radius = 1.375}, Sphere{.center = {0, 0, 1}, .radius = 1.375}});
-}
+protostar::Csg rounded_cube_with_holes();
+protostar::Csg bowl();
+protostar::Csg lens();

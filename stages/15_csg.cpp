@@ -2,6 +2,8 @@
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/render.hpp>
 #include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/instance.hpp>
+#include <protostar/surfaces/plane.hpp>
 
 #include "scenes/carved_solids.hpp"
 #include "support/any_surfaces.hpp"

@@ -27,6 +27,7 @@ extern template AnySurface::AnySurface(Quadric);
 extern template AnySurface::AnySurface(Sphere);
 extern template AnySurface::AnySurface(Triangle);
 
-extern template class simd::SceneTiles<ShadowIntegrator, Plane, AnySurface>;
+extern template void render(Image&, const Camera&, const Scene<Plane, AnySurface>&, const ShadowIntegrator&,
+                            const RenderOptions&);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

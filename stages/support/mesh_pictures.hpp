@@ -15,6 +15,7 @@ protostar::Mesh load_mesh(const std::filesystem::path& path,
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-extern template class simd::SceneTiles<ShadowIntegrator, Mesh, Plane>;
+extern template void render(Image&, const Camera&, const Scene<Mesh, Plane>&, const ShadowIntegrator&,
+                            const RenderOptions&);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

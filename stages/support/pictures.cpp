@@ -6,14 +6,22 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-template class simd::SceneTiles<BinaryIntegrator, Sphere>;
-template class simd::SceneTiles<ColorIntegrator, Sphere>;
-template class simd::SceneTiles<DepthIntegrator, Sphere>;
-template class simd::SceneTiles<DiffuseIntegrator, Sphere>;
-template class simd::SceneTiles<NormalIntegrator, Sphere>;
-template class simd::SceneTiles<ShadowIntegrator, Sphere>;
-template class simd::SceneTiles<TransparencyIntegrator, Sphere>;
-template class simd::SceneTiles<WhittedIntegrator, Sphere, Plane, Parallelogram>;
+template void render(Image&, const Camera&, const Scene<Sphere>&, const BinaryIntegrator&,
+                     const RenderOptions&);
+template void render(Image&, const Camera&, const Scene<Sphere>&, const ColorIntegrator&,
+                     const RenderOptions&);
+template void render(Image&, const Camera&, const Scene<Sphere>&, const DepthIntegrator&,
+                     const RenderOptions&);
+template void render(Image&, const Camera&, const Scene<Sphere>&, const DiffuseIntegrator&,
+                     const RenderOptions&);
+template void render(Image&, const Camera&, const Scene<Sphere>&, const NormalIntegrator&,
+                     const RenderOptions&);
+template void render(Image&, const Camera&, const Scene<Sphere>&, const ShadowIntegrator&,
+                     const RenderOptions&);
+template void render(Image&, const Camera&, const Scene<Sphere>&, const TransparencyIntegrator&,
+                     const RenderOptions&);
+template void render(Image&, const Camera&, const Scene<Sphere, Plane, Parallelogram>&,
+                     const WhittedIntegrator&, const RenderOptions&);
 
 template AnySurface::AnySurface(Box);
 template AnySurface::AnySurface(Csg);
@@ -25,8 +33,10 @@ template AnySurface::AnySurface(Quadric);
 template AnySurface::AnySurface(Sphere);
 template AnySurface::AnySurface(Triangle);
 
-template class simd::SceneTiles<ShadowIntegrator, Plane, AnySurface>;
+template void render(Image&, const Camera&, const Scene<Plane, AnySurface>&, const ShadowIntegrator&,
+                     const RenderOptions&);
 
-template class simd::SceneTiles<ShadowIntegrator, Mesh, Plane>;
+template void render(Image&, const Camera&, const Scene<Mesh, Plane>&, const ShadowIntegrator&,
+                     const RenderOptions&);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -6,13 +6,21 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-extern template class simd::SceneTiles<BinaryIntegrator, Sphere>;
-extern template class simd::SceneTiles<ColorIntegrator, Sphere>;
-extern template class simd::SceneTiles<DepthIntegrator, Sphere>;
-extern template class simd::SceneTiles<DiffuseIntegrator, Sphere>;
-extern template class simd::SceneTiles<NormalIntegrator, Sphere>;
-extern template class simd::SceneTiles<ShadowIntegrator, Sphere>;
-extern template class simd::SceneTiles<TransparencyIntegrator, Sphere>;
-extern template class simd::SceneTiles<WhittedIntegrator, Sphere, Plane, Parallelogram>;
+extern template void render(Image&, const Camera&, const Scene<Sphere>&, const BinaryIntegrator&,
+                            const RenderOptions&);
+extern template void render(Image&, const Camera&, const Scene<Sphere>&, const ColorIntegrator&,
+                            const RenderOptions&);
+extern template void render(Image&, const Camera&, const Scene<Sphere>&, const DepthIntegrator&,
+                            const RenderOptions&);
+extern template void render(Image&, const Camera&, const Scene<Sphere>&, const DiffuseIntegrator&,
+                            const RenderOptions&);
+extern template void render(Image&, const Camera&, const Scene<Sphere>&, const NormalIntegrator&,
+                            const RenderOptions&);
+extern template void render(Image&, const Camera&, const Scene<Sphere>&, const ShadowIntegrator&,
+                            const RenderOptions&);
+extern template void render(Image&, const Camera&, const Scene<Sphere>&, const TransparencyIntegrator&,
+                            const RenderOptions&);
+extern template void render(Image&, const Camera&, const Scene<Sphere, Plane, Parallelogram>&,
+                            const WhittedIntegrator&, const RenderOptions&);
 
 }  // namespace protostar::inline PROTOSTAR_ABI
