@@ -11,7 +11,7 @@ using namespace protostar::simd;
 
 TEST_CASE("the pixels between two places are those whose middles are, and hardly any more") {
   constexpr int N = 4;
-  using Floats = Lanes<float, N>;
+  using Places = Lanes<float, N>;
   Random random(71);
   int wrong = 0, found = 0;
   for (int i = 0; i < 20'000; ++i) {
@@ -22,7 +22,7 @@ TEST_CASE("the pixels between two places are those whose middles are, and hardly
     };
     float a = place(), b = i % 7 == 0 ? a + 0.2f : place();
     if (b < a) std::swap(a, b);
-    const PixelsBetween<N> pixels(Floats{a}, Floats{b}, count);
+    const PixelsBetween<N> pixels(Places{a}, Places{b}, count);
     const bool any = (bits(pixels.any) & 1) != 0;
     for (int x = 0; x < count; ++x) {
       const bool is_between = a <= static_cast<float>(x) && static_cast<float>(x) <= b;
@@ -36,12 +36,12 @@ TEST_CASE("the pixels between two places are those whose middles are, and hardly
   CHECK(found > 100'000);
   CHECK(wrong == 0);
   const float inf = std::numeric_limits<float>::infinity();
-  const PixelsBetween<N> all(Floats{-inf}, Floats{inf}, 9), none(Floats{inf}, Floats{-inf}, 9);
+  const PixelsBetween<N> all(Places{-inf}, Places{inf}, 9), none(Places{inf}, Places{-inf}, 9);
   CHECK((all.first[0] == 0 && all.end[0] == 9 && (bits(all.any) & 1) != 0));
   CHECK(!any(none.any));
   // What is no number leaves nothing out.
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const PixelsBetween<N> unknown(Floats{nan}, Floats{nan}, 9);
+  const PixelsBetween<N> unknown(Places{nan}, Places{nan}, 9);
   CHECK((unknown.first[0] == 0 && unknown.end[0] == 9 && (bits(unknown.any) & 1) != 0));
 }
 

@@ -442,7 +442,7 @@ TEST_CASE("a triangle that makes no sense is refused") {
 }
 
 TEST_CASE("the normal of a tiny sliver is that of exact arithmetic") {
-  const double size = 0x1p-480, ulp = 0x1p-52;  // two of it and two ulp are just above the least double
+  const double size = 0x1p-480;  // its square times that of an ulp is just above the least double
   const Triangle sliver{{1, 0, 0}, {1, size * (1 + ulp), size}, {1, size, size * (1 - ulp)}};
   CHECK(sliver.normal_at(sliver.a) == Vec3{-1, 0, 0});  // (1 + ulp) (1 − ulp) < 1
   const Triangle turned{sliver.a, sliver.c, sliver.b};

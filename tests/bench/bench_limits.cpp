@@ -166,9 +166,9 @@ void triangles(Table& table, const bench::Options& options, std::size_t count) {
 void limits(const bench::Options& options) {
   pictures(options);
   Table table(options, {"surfaces and rays", "ns/ray", "again ns/ray", "times longer"});
-  for (const std::size_t count : {1000, 100000, 1000000})
+  for (const std::size_t count : {1000u, 100000u, 1000000u})
     if (!options.quick || count == 1000) spheres(table, options, count);
-  for (const std::size_t count : {1000, 100000, 1000000})
+  for (const std::size_t count : {1000u, 100000u, 1000000u})
     if (!options.quick || count == 1000) triangles(table, options, count);
 }
 
