@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 /// A header includes only headers of the lines above its own. A new header gets a place here.
 const std::vector<std::vector<std::string>> layers = {
     {"platform.hpp", "version.hpp"},
-    {"vec3.hpp", "interval.hpp", "render_options.hpp", "accel/simd.hpp"},
+    {"vec3.hpp", "interval.hpp", "render_options.hpp", "accel/large_pages.hpp", "accel/simd.hpp"},
     {"bounds.hpp", "material.hpp", "parallel.hpp", "numeric/double_double.hpp"},
     {"ray.hpp", "numeric/expansion.hpp", "numeric/roots.hpp", "numeric/scale.hpp"},
     {"numeric/exact_root.hpp", "numeric/plane_through.hpp", "numeric/power.hpp", "accel/box_space.hpp"},

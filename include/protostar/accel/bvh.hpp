@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <span>
 #include <stdexcept>
 #include <type_traits>
@@ -63,8 +62,8 @@ class Bvh {
           unbounded_.push_back(static_cast<std::uint32_t>(i));
     if (all.count == 0) return;
     space_ = BoxSpace(all.bounds);
-    auto boxes = std::make_unique_for_overwrite<Box[]>(all.count);
-    std::vector<std::uint32_t> order(all.count);
+    LargeVector<Box> boxes(all.count);
+    LargeVector<std::uint32_t> order(all.count);
     parts.each(options, [&](std::size_t k, std::size_t first, std::size_t last) {
       std::size_t place = of_parts[k].count;
       for (std::size_t i = first; i < last; ++i)

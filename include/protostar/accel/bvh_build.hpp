@@ -22,6 +22,7 @@
 
 #include "../parallel.hpp"
 #include "box_space.hpp"
+#include "large_pages.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -70,8 +71,8 @@ struct alignas(64) Node {
 /// A tree over boxes; the things in it are numbered in the order of the leaves.
 struct Tree {
   Child root = Child(0);  ///< if there is no thing, any
-  std::vector<Node> nodes;
-  std::vector<std::uint32_t> order;  ///< which thing stands at each place
+  LargeVector<Node> nodes;
+  LargeVector<std::uint32_t> order;  ///< which thing stands at each place
 };
 
 /// Levels below this one are cut into halves, whatever that costs. Their number is then at most this and
@@ -88,7 +89,7 @@ struct LeafSize {
 class TreeBuilder {
  public:
   /// Of the boxes of things, and which things these are.
-  TreeBuilder(std::unique_ptr<Box[]> boxes, std::vector<std::uint32_t> order, LeafSize leaf_size,
+  TreeBuilder(LargeVector<Box> boxes, LargeVector<std::uint32_t> order, LeafSize leaf_size,
               const RenderOptions& options)
       : boxes_(std::move(boxes)), leaf_size_(leaf_size), options_{.threads = options.threads} {
     tree_.order = std::move(order);
@@ -415,7 +416,7 @@ class TreeBuilder {
     return {range_of(range.first, middle), range_of(middle, range.last)};
   }
 
-  std::unique_ptr<Box[]> boxes_;
+  LargeVector<Box> boxes_;
   LeafSize leaf_size_;
   RenderOptions options_;
   std::deque<Halves> cuts_;  ///< known before nodes are made

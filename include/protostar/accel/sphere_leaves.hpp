@@ -66,6 +66,7 @@ class SphereLeaves {
   SphereLeaves() = default;
   SphereLeaves(const Bvh& bvh, const auto& sphere_of, const RenderOptions& options)
       : rows_(4 * bvh.order().size() + static_cast<std::size_t>(float_lanes)) {
+    std::fill_n(rows_.end() - float_lanes, float_lanes, 0.0f);  // what is read behind the last
     const auto fill = [&](Leaf leaf) {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         const auto& sphere = sphere_of(bvh.order()[leaf.first + i]);
@@ -165,7 +166,7 @@ class SphereLeaves {
   };
 
   /// Of each leaf, from 4 · first on: all x, all y, all z of the centers, and the radii.
-  std::vector<float> rows_;
+  LargeVector<float> rows_;
 };
 
 /// So few spheres that they are sooner tried in double than looked for in float: side by side, as many at

@@ -13,7 +13,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <memory>
 
 #include "../surfaces/triangle.hpp"
 #include "bvh.hpp"
@@ -24,9 +23,7 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 class TriangleLeaves {
   /// f(the numbers), whichever they are.
   decltype(auto) with_rows(const auto& f) const {
-    const float* const floats = floats_.get();
-    const double* const doubles = doubles_.get();
-    return floats ? f(floats) : f(doubles);
+    return floats_.empty() ? f(doubles_.data()) : f(floats_.data());
   }
 
  public:
@@ -39,7 +36,7 @@ class TriangleLeaves {
   /// Of triangles in the order of their leaves.
   TriangleLeaves(const Bvh& bvh, const auto& triangle, const RenderOptions& options) {
     if (!fill(floats_, bvh, triangle, options)) {
-      floats_.reset();
+      floats_ = {};
       fill(doubles_, bvh, triangle, options);
     }
   }
@@ -120,10 +117,9 @@ class TriangleLeaves {
 
   /// Returns whether a T holds all numbers; if not, some are not there.
   template <class T>
-  static bool fill(std::unique_ptr<T[]>& all, const Bvh& bvh, const auto& triangle,
-                   const RenderOptions& options) {
+  static bool fill(LargeVector<T>& all, const Bvh& bvh, const auto& triangle, const RenderOptions& options) {
     const std::size_t count = rows * bvh.order().size();
-    all = std::make_unique_for_overwrite<T[]>(count + double_lanes);
+    all = LargeVector<T>(count + double_lanes);
     std::fill_n(&all[count], double_lanes, T{0});  // what is read behind the last
     std::atomic<bool> holds = true;
     const auto fill_leaf = [&](Leaf leaf) {
@@ -151,8 +147,8 @@ class TriangleLeaves {
 
   /// Of each leaf, from rows · first on: all a.x, all a.y, ..., all c.z, and the triangles'
   /// numbers, bit by bit; in one of these.
-  std::unique_ptr<float[]> floats_;
-  std::unique_ptr<double[]> doubles_;
+  LargeVector<float> floats_;
+  LargeVector<double> doubles_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -1,0 +1,66 @@
+// Memory for what is large and read all over, as trees are.
+//
+// A processor remembers where a few thousand pages of memory are. With pages of 4 KB that is a few megabytes,
+// and what a ray meets outside of them waits for the page's address before it waits for the data. Linux has
+// pages of 2 MB as well, and gives them to those who ask.
+#pragma once
+
+#include <cstddef>
+#include <new>
+#include <vector>
+
+#if __has_include(<sys/mman.h>)
+#include <sys/mman.h>
+#endif
+
+#include "../platform.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// An allocator that asks for large pages where some are filled, and elsewhere allocates as others do. What
+/// it makes room for is not set to 0.
+template <class T>
+class LargePages {
+ public:
+  using value_type = T;
+
+  LargePages() = default;
+  template <class U>
+  LargePages(const LargePages<U>&) {}
+
+  [[nodiscard]] T* allocate(std::size_t count) {
+    const std::size_t bytes = count * sizeof(T);
+    void* const memory = ::operator new(bytes, alignment(bytes));
+#if defined(MADV_HUGEPAGE)
+    if (bytes >= page) madvise(memory, bytes, MADV_HUGEPAGE);  // where that fails, pages are small
+#endif
+    return static_cast<T*>(memory);
+  }
+  void deallocate(T* memory, std::size_t count) {
+    ::operator delete(memory, alignment(count * sizeof(T)));
+  }
+
+  template <class U>
+  void construct(U* place) {
+    ::new (static_cast<void*>(place)) U;
+  }
+  template <class U, class... Values>
+  void construct(U* place, Values&&... values) {
+    ::new (static_cast<void*>(place)) U(static_cast<Values&&>(values)...);
+  }
+
+  friend bool operator==(const LargePages&, const LargePages&) { return true; }
+
+ private:
+  static constexpr std::size_t page = std::size_t{1} << 21, line = 64;  ///< of memory, and of the cache
+  static_assert(alignof(T) <= line);
+
+  static std::align_val_t alignment(std::size_t bytes) {
+    return std::align_val_t{bytes >= page ? page : line};
+  }
+};
+
+template <class T>
+using LargeVector = std::vector<T, LargePages<T>>;
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd
