@@ -334,11 +334,16 @@ class Intersections {
   }
 
   [[nodiscard, gnu::noinline]] Vectors normals_by_itself() const {
+    // Neighbors often meet the same part, and if that is flat, it has one normal.
+    bool are_flat = false;
+    if constexpr (requires { surface_.has_flat_parts(); }) are_flat = surface_.has_flat_parts();
     const Vectors points = point();
     Vectors normals(Vec3{0});
+    Vec3 n{0};
+    int part = -1;
     for (Bits left = bits(which_); left != 0; left &= left - 1) {
-      const int lane = std::countr_zero(left);
-      const Vec3 n = protostar::normal_at(surface_, points[lane], parts_[lane]);
+      const int lane = std::countr_zero(left), before = std::exchange(part, parts_[lane]);
+      if (!are_flat || part != before) n = protostar::normal_at(surface_, points[lane], part);
       normals.x.set(lane, n.x), normals.y.set(lane, n.y), normals.z.set(lane, n.z);
     }
     return normals;

@@ -102,19 +102,18 @@ class TrianglesInTile {
   /// Where some rays cross what they see.
   [[nodiscard, gnu::always_inline]] Doubles t(const Indices& which, const Chosen& met,
                                               const Vectors& d) const {
-    // Where there is none it is any other.
-    const auto any_lane = std::countr_zero(bits(met)) % double_lanes;
-    const auto number = [&](const auto& of_planes) {
-      return Doubles::of_each([&](int lane) {
-        const auto one = static_cast<std::size_t>(which[(bits(met) >> lane & 1) != 0 ? lane : any_lane]);
-        return of_planes(drawn_[one / double_lanes])[static_cast<int>(one % double_lanes)];
-      });
+    const double* planes[double_lanes];
+    const auto any_lane = std::countr_zero(bits(met)) % double_lanes;  // for those that see none
+    std::int64_t numbers[double_lanes];
+    select(met, which, Indices(which[any_lane])).store(numbers);
+    for (std::size_t lane = 0; lane < double_lanes; ++lane) {
+      const auto one = static_cast<std::size_t>(numbers[lane]);
+      planes[lane] = &drawn_[one / double_lanes].numbers[0][one % double_lanes];
+    }
+    const auto number = [&](std::size_t k) {
+      return Doubles::of_each([&](int lane) { return planes[lane][k * double_lanes]; });
     };
-    return number([](const Planes& p) -> auto& { return p.height; }) /
-           dot(Vectors{number([](const Planes& p) -> auto& { return p.normal.x; }),
-                       number([](const Planes& p) -> auto& { return p.normal.y; }),
-                       number([](const Planes& p) -> auto& { return p.normal.z; })},
-               d);
+    return number(3) / dot(Vectors{number(0), number(1), number(2)}, d);
   }
 
   /// The number of a triangle that is seen.
@@ -164,16 +163,16 @@ class TrianglesInTile {
 
   /// Of some triangles, what t of a ray from the eye is worked out from: height / n·d.
   struct Planes {
-    Vectors normal;
-    Doubles height;
+    double numbers[4][double_lanes];  ///< n, and the height
     Leaf leaf;
     std::uint32_t first;
 
     Planes(const Screen& screen, const std::array<Vectors, 3>& corners, Leaf of, std::uint32_t i)
-        : normal(cross(corners[1] - corners[0], corners[2] - corners[0])),
-          height(dot(normal, corners[0] - Vectors(screen.eye))),
-          leaf(of),
-          first(i) {}
+        : leaf(of), first(i) {
+      const Vectors normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
+      normal.x.store(numbers[0]), normal.y.store(numbers[1]), normal.z.store(numbers[2]);
+      dot(normal, corners[0] - Vectors(screen.eye)).store(numbers[3]);
+    }
 
     /// Above these k, t is certain. In the way and with the bounds of rounded_triangle_equation, it is where
     /// |n·d| > 2^-18 of the sizes of its terms, which sum up to no more than the largest of those of n times
@@ -184,7 +183,7 @@ class TrianglesInTile {
       const auto sum_of = [](const Vectors& v) { return v.x + v.y + v.z; };
       const Vectors p = abs(b - a), q = abs(c - a), w = abs(a - Vectors(screen.eye)),
                     terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
-      const Doubles U = sum_of(p), V = sum_of(q), heights = dot(terms, w);
+      const Doubles U = sum_of(p), V = sum_of(q), heights = dot(terms, w), height = Doubles::load(numbers[3]);
       const Chosen known = U > 0x1p-200 && U < 0x1p200 && V > 0x1p-200 && V < 0x1p200 &&
                            sum_of(w) < 0x1p200 && abs(height) > 0x1p-18 * heights && heights > 0x1p-800;
       const Doubles least = max(0x1p-17 * max(terms.x, max(terms.y, terms.z)), 0x1p-500),

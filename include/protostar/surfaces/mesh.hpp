@@ -179,6 +179,9 @@ class Mesh {
     return triangle.normal_at(point);
   }
 
+  /// Whether each triangle has one normal, its own.
+  [[nodiscard]] bool has_flat_parts() const { return data().normals.empty(); }
+
   /// The place between those of the vertices; or if they have none, barycentric coordinates.
   [[nodiscard]] Uv uv_at(const Point& point, int part) const {
     const Uv uv = triangle(part).uv_at(point);
