@@ -1,10 +1,9 @@
+// Three solids made of boxes, spheres and quadrics.
 #include "carved_solids.hpp"
 
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/sphere.hpp>
-
-#include "stages/support/any_surfaces.hpp"
 
 protostar::Csg rounded_cube_with_holes() {
   using namespace protostar;
