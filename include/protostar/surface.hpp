@@ -147,6 +147,16 @@ template <Surface S>
     return SurfaceWithParts<S>;
 }
 
+/// Whether the normal is the same at all points of a part, so that it is worked out once for those that see
+/// it. A surface says so where that pays.
+template <Surface S>
+[[nodiscard]] bool has_flat_parts(const S& surface) {
+  if constexpr (requires { surface.has_flat_parts(); })
+    return surface.has_flat_parts();
+  else
+    return false;
+}
+
 /// Whether a surface is the boundary of a solid. One that holds others may say it of each.
 template <Surface S>
 [[nodiscard]] bool is_solid(const S& surface) {

@@ -335,8 +335,7 @@ class Intersections {
 
   [[nodiscard, gnu::noinline]] Vectors normals_by_itself() const {
     // Neighbors often meet the same part, and if that is flat, it has one normal.
-    bool are_flat = false;
-    if constexpr (requires { surface_.has_flat_parts(); }) are_flat = surface_.has_flat_parts();
+    const bool are_flat = has_flat_parts(surface_);
     const Vectors points = point();
     Vectors normals(Vec3{0});
     Vec3 n{0};
