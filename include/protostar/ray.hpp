@@ -23,7 +23,10 @@ struct Departure {
   enum class Kind : std::uint8_t { none, object, sphere, plane, rounded_plane };
 
   Kind kind = Kind::none;
-  const void* object = nullptr;  ///< kind object: the surface itself, recognized by its address
+  int part = 0;  ///< of a triangle of a mesh, which it is
+  /// Kind object: the surface itself, recognized by its address. Of a plane, what a mesh recognizes itself
+  /// by if it is a triangle's of its own, or nothing.
+  const void* object = nullptr;
 
   /// kind sphere: center and |radius|; kind plane: normal and distance; kind rounded_plane: the same of a
   /// plane that doubles may not hold, as PlaneEquation has them (numeric/plane_through.hpp)
@@ -35,7 +38,8 @@ struct Departure {
   /// multiples of each other. Where one is rounded, equal planes are always found to be equal, and two others
   /// only if their equations are rounded to the same numbers: to the digits that a point has, they are one.
   bool operator==(const Departure& other) const {
-    if (kind == other.kind && object == other.object && geometry == other.geometry) return true;
+    if (kind == other.kind && geometry == other.geometry && (is_planar() || object == other.object))
+      return true;
     return is_planar() && other.is_planar() && is_one_plane_with(other);
   }
 

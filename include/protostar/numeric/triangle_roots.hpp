@@ -149,6 +149,44 @@ struct RoundedTriangleEquation {
 
 namespace detail {
 
+/// The sign of n·w, with n = (b − a) × (c − a): in double if that is sure, or else exact(n's edges b − a and
+/// c − a). n·w is off by at most 8 units of 2^-53 of the sum of the sizes of its terms, as above.
+[[nodiscard]] inline int sign_along_normal(const Vec3& w, const Point& a, const Point& b, const Point& c,
+                                           const auto& exact) {
+  const Vec3 u = b - a, v = c - a, p = abs(u), q = abs(v);
+  const Vec3 terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
+  const double along = dot(cross(u, v), w), sizes = dot(terms, abs(w));
+  if (std::abs(along) > 0x1p-49 * sizes && sizes > 0x1p-800 && sizes < 0x1p800) return along > 0 ? 1 : -1;
+  return exact();
+}
+
+}  // namespace detail
+
+/// To which side of the plane through a, b and c a direction leads: the sign of d·n, without rounding.
+[[nodiscard]] inline int side_led_to(const Vec3& direction, const Point& a, const Point& b, const Point& c) {
+  return detail::sign_along_normal(direction, a, b, c, [&] {
+    const int lengths = exponent_of({a, b, c});
+    const Point p = scaled(a, -lengths), q = scaled(b, -lengths), r = scaled(c, -lengths);
+    return exact_dot(exact_cross(exact_difference(q, p), exact_difference(r, p)),
+                     exact_vector(scaled(direction, -exponent_of({direction}))))
+        .sign();
+  });
+}
+
+/// On which side of it a point is: the sign of n·(point − a), without rounding.
+[[nodiscard]] inline int side_of_point(const Point& point, const Point& a, const Point& b, const Point& c) {
+  if (point == a || point == b || point == c) return 0;
+  return detail::sign_along_normal(point - a, a, b, c, [&] {
+    const int lengths = exponent_of({a, b, c, point});
+    const Point p = scaled(a, -lengths), q = scaled(b, -lengths), r = scaled(c, -lengths);
+    return exact_dot(exact_cross(exact_difference(q, p), exact_difference(r, p)),
+                     exact_difference(scaled(point, -lengths), p))
+        .sign();
+  });
+}
+
+namespace detail {
+
 /// The root where double does not decide. Numbers that are not finite cross nothing.
 [[nodiscard, gnu::noinline, gnu::cold]] inline Roots triangle_roots_in_doubt(
     const RoundedTriangleEquation<double, bool>& e, const Point& origin, const Vec3& direction,

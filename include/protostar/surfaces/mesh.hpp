@@ -188,8 +188,13 @@ class Mesh {
     return data().uvs.empty() ? uv : between(data().uvs, uv, part);
   }
 
-  /// That of a triangle: what lies in its plane is left together.
-  [[nodiscard]] Departure departure(int part) const { return triangle(part).departure(); }
+  /// That of a triangle: what lies in its plane is left together, and what cannot be crossed from anywhere on
+  /// it is not crossed (only_seems_crossed).
+  [[nodiscard]] Departure departure(int part) const {
+    Departure departure = triangle(part).departure();
+    departure.part = part, departure.object = contents_.get();
+    return departure;
+  }
 
   [[nodiscard]] Bounds bounds() const { return contents_->bounds; }
 
@@ -203,7 +208,7 @@ class Mesh {
 
   /// Whether there is any crossing inside the range.
   [[nodiscard]] bool is_met(const Ray& ray, Interval range) const {
-    Any<const Ray&> any{ray, range};
+    Any<const Ray&> any{*this, ray, range};
     contents_->tree.answer(any, data().triangle_of());
     return any.is_met;
   }
@@ -225,7 +230,7 @@ class Mesh {
     contents_->tree.answer_each(
         count,
         [&](std::size_t k) {
-          return Any<Ray>{ray(k), range};
+          return Any<Ray>{*this, ray(k), range};
         },
         [&](std::size_t k, const auto& any) { tell(k, any.is_met); }, data().triangle_of());
   }
@@ -286,7 +291,7 @@ class Mesh {
       return false;
     }
     bool maybe(const Triangle& triangle, std::uint32_t i) {
-      if (const auto other = crossing_with(triangle, i, ray, range)) take(*other);
+      if (const auto other = mesh.crossing_with(triangle, i, ray, range)) take(*other);
       return false;
     }
 
@@ -304,13 +309,14 @@ class Mesh {
   struct Any {
     static constexpr bool near_first = false;
 
+    const Mesh& mesh;
     R ray;
     Interval range;
     bool is_met = false;
 
     bool found(double, std::uint32_t) { return is_met = true; }
-    bool maybe(const Triangle& triangle, std::uint32_t) {
-      return is_met = protostar::first_crossing(triangle, ray, range).has_value();
+    bool maybe(const Triangle& triangle, std::uint32_t i) {
+      return is_met = mesh.crossing_with(triangle, i, ray, range).has_value();
     }
   };
 
@@ -362,10 +368,16 @@ class Mesh {
     return (1 - uv.x - uv.y) * of_vertices[a] + uv.x * of_vertices[b] + uv.y * of_vertices[c];
   }
 
-  [[nodiscard]] static std::optional<Crossing> crossing_with(const Triangle& triangle, std::uint32_t i,
-                                                             const Ray& ray, const Interval& range) {
-    auto crossing = protostar::first_crossing(triangle, ray, range);
-    if (crossing) crossing->part = static_cast<int>(i);
+  /// The crossing with the i-th triangle; none that a ray only seems to have that leaves another.
+  [[nodiscard]] std::optional<Crossing> crossing_with(const Triangle& one, std::uint32_t i, const Ray& ray,
+                                                      const Interval& range) const {
+    auto crossing = protostar::first_crossing(one, ray, range);
+    if (!crossing) return {};
+    const Departure& left = ray.departure;
+    if (left.is_planar() && left.object == contents_.get() &&
+        only_seems_crossed(triangle(left.part), one, ray, crossing->t > 0))
+      return {};
+    crossing->part = static_cast<int>(i);
     return crossing;
   }
 

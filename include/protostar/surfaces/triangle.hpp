@@ -95,4 +95,32 @@ struct Triangle {
 static_assert(SurfaceWithRefinedRoots<Triangle> && SurfaceWithDeparture<Triangle> &&
               SurfaceWithBounds<Triangle>);
 
+/// Whether a ray that leaves a triangle only seems to cross another of its mesh, since its origin is rounded
+/// and may lie behind a neighbor.
+///
+/// From a point of the triangle, a line crosses the other one ahead only if that reaches to the side of the
+/// triangle's plane to which the line leads, and the triangle to the side of the other's plane from which it
+/// comes; behind, the other way round. That leaves triangles which have no more than a vertex in common and
+/// lie on both sides of each other's planes. Around a vertex a line goes in and out in turn: if it passes
+/// beside the triangle that it leaves, another that it crosses to the same side stands in for it.
+[[nodiscard]] inline bool only_seems_crossed(const Triangle& left, const Triangle& other, const Ray& ray,
+                                             bool is_ahead) {
+  const auto leads_to = [&](const Triangle& plane) {
+    return side_led_to(ray.direction, plane.a, plane.b, plane.c);
+  };
+  const auto has_vertex = [](const Triangle& one, int side, const Triangle& plane) {
+    const auto is_there = [&](const Point& vertex) {
+      return side_of_point(vertex, plane.a, plane.b, plane.c) == side;
+    };
+    return is_there(one.a) || is_there(one.b) || is_there(one.c);
+  };
+  const int side = leads_to(left), side_of_other = leads_to(other), way = is_ahead ? 1 : -1;
+  if (!has_vertex(other, way * side, left) || !has_vertex(left, -way * side_of_other, other)) return true;
+  const auto is_of_both = [&](const Point& vertex) {
+    return vertex == other.a || vertex == other.b || vertex == other.c;
+  };
+  return side == side_of_other && (is_of_both(left.a) || is_of_both(left.b) || is_of_both(left.c)) &&
+         triangle_roots(ray.origin, ray.direction, left.a, left.b, left.c).count() == 0;
+}
+
 }  // namespace protostar::inline PROTOSTAR_ABI
