@@ -168,6 +168,18 @@ TEST_CASE("an OBJ file that cannot be read is an error with its path") {
   CHECK(load_obj(folder / "good.obj").triangles.size() == 2);
 }
 
+TEST_CASE("the mesh of the scenes is closed") {
+  const Mesh mesh(load_obj(fs::path(PROTOSTAR_SOURCE_DIR) / "scenes/knot.obj"));
+  CHECK(mesh.data().triangles.size() == 1600);
+  CHECK(mesh.data().vertices.size() == 800);
+  CHECK(mesh.data().normals.size() == 800);
+  int crossings = 0;
+  const auto count = [&](const Crossing&) { ++crossings; };
+  for (int i = -20; i <= 20; ++i) mesh.each_crossing({{0.2 * i, -9, 0.01 * i}, {0, 1, 0}}, {}, count);
+  CHECK(crossings > 40);
+  CHECK(crossings % 2 == 0);
+}
+
 TEST_CASE("scenes/make_mesh writes the mesh of the scenes, and the torus of the benchmarks") {
   const fs::path project = PROTOSTAR_SOURCE_DIR;
   const auto make_mesh = [&](const std::vector<std::string>& arguments) {
@@ -197,18 +209,6 @@ TEST_CASE("scenes/make_mesh writes the mesh of the scenes, and the torus of the 
     CHECK(refused.status == 1);
     CHECK_THAT(refused.err, ContainsSubstring("for N from 100 on"));
   }
-}
-
-TEST_CASE("the mesh of the scenes is closed") {
-  const Mesh mesh(load_obj(fs::path(PROTOSTAR_SOURCE_DIR) / "scenes/knot.obj"));
-  CHECK(mesh.data().triangles.size() == 1600);
-  CHECK(mesh.data().vertices.size() == 800);
-  CHECK(mesh.data().normals.size() == 800);
-  int crossings = 0;
-  const auto count = [&](const Crossing&) { ++crossings; };
-  for (int i = -20; i <= 20; ++i) mesh.each_crossing({{0.2 * i, -9, 0.01 * i}, {0, 1, 0}}, {}, count);
-  CHECK(crossings > 40);
-  CHECK(crossings % 2 == 0);
 }
 
 TEST_CASE("the corpus of the fuzzer, like every mesh, is read or refused in words") {
