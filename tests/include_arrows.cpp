@@ -8,15 +8,18 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/files.hpp"
 
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A header includes only headers of the lines above its own. A new header gets a place here.
+/// A header includes only headers of the lines above its own. A new header gets a place here, and in the list
+/// of docs/architecture.md.
 const std::vector<std::vector<std::string>> layers = {
     {"platform.hpp", "version.hpp"},
     {"vec3.hpp", "interval.hpp", "render_options.hpp", "accel/large_pages.hpp", "accel/simd.hpp"},
@@ -59,9 +62,10 @@ const std::set<std::string> on_demand = {
 };
 
 /// What the core includes from outside: the standard library, and of GLM the smallest part that will do; and
-/// in one header the processor's instructions.
+/// in one header each the processor's instructions, and how the system is asked for large pages.
 const std::set<std::string> glm_headers = {"glm/vec2.hpp", "glm/vec3.hpp", "glm/geometric.hpp"};
-const std::string instructions = "immintrin.h", header_of_instructions = "accel/simd.hpp";
+const std::set<std::pair<std::string, std::string>> of_the_machine = {
+    {"accel/simd.hpp", "immintrin.h"}, {"accel/large_pages.hpp", "sys/mman.h"}};
 
 /// The texts of headers by their paths inside include/protostar.
 using Headers = std::map<std::string, std::string>;
@@ -119,6 +123,31 @@ std::size_t layer_of(const std::string& header) {
 /// A standard header's name has neither a folder nor an ending.
 bool in_standard_library(const std::string& name) { return name.find_first_of("/.") == std::string::npos; }
 
+/// The list in docs/architecture.md, as layers are above: all that is `between such marks` in its numbered
+/// lines, and for a folder its headers that no line names.
+std::vector<std::set<std::string>> layers_of_the_page(const Headers& headers) {
+  std::istringstream page(bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "architecture.md"));
+  std::string line;
+  while (std::getline(page, line) && line != "## Layers") continue;
+  std::vector<std::set<std::string>> found;
+  std::set<std::string> named;
+  while (std::getline(page, line) && !line.starts_with("## ")) {
+    if (!line.starts_with(std::to_string(found.size() + 1) + ". `")) continue;
+    std::istringstream pieces(line);
+    found.emplace_back();
+    for (std::string prose, name; std::getline(pieces, prose, '`') && std::getline(pieces, name, '`');)
+      named.insert(*found.back().insert(name.ends_with('/') ? name : name + ".hpp").first);
+  }
+  for (auto& layer : found)
+    for (const std::set<std::string> names = layer; const std::string& name : names) {
+      if (!name.ends_with('/')) continue;
+      layer.erase(name);
+      for (const auto& [header, text] : headers)
+        if (header.starts_with(name) && !named.contains(header)) layer.insert(header);
+    }
+  return found;
+}
+
 bool in_core(const std::string& header) { return !header.starts_with("io/"); }
 
 /// Everything that is wrong with the headers' includes, a line each.
@@ -145,7 +174,7 @@ std::vector<std::string> complaints(const Headers& headers) {
     for (const std::string& name : includes.other) {
       if (name.starts_with("protostar/"))
         complain("is to include " + name + " by its relative path");
-      else if (name == instructions && header == header_of_instructions)
+      else if (of_the_machine.contains({header, name}))
         continue;
       else if (in_core(header) && !glm_headers.contains(name) && !in_standard_library(name))
         complain("includes " + name + ", but the core needs GLM and nothing else");
@@ -170,6 +199,15 @@ TEST_CASE("every header in the table of layers exists") {
       INFO(header);
       CHECK(headers.contains(header));
     }
+}
+
+TEST_CASE("the layers are those of docs/architecture.md") {
+  const auto page = layers_of_the_page(headers_of_the_library());
+  REQUIRE(page.size() == layers.size());
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    INFO("layer " << i + 1 << ", on the page and here");
+    CHECK(page[i] == std::set<std::string>(layers[i].begin(), layers[i].end()));
+  }
 }
 
 TEST_CASE("protostar.hpp is the whole core but for surfaces on demand, and nothing else") {
@@ -203,6 +241,7 @@ TEST_CASE("an include that points the wrong way is found") {
                Row{"scene.hpp", R"(#include "light.h")"},                    // does not exist
                Row{"protostar.hpp", R"(#include "accel/bvh.hpp")"},          // render.hpp's business
                Row{"accel/tile.hpp", "#include <immintrin.h>"},              // simd.hpp's
+               Row{"accel/simd.hpp", "#include <sys/mman.h>"},               // large_pages.hpp's
                Row{"vec3.hpp", "#include <glm/glm.hpp>"},                    // twice the time
                Row{"ppm.hpp", "#include <stb_image_write.h>"},               // another library
                Row{"vec3.hpp", "#  include <glm/ext.hpp>"},                  // out of form

@@ -4,10 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "bench/mesh_workload.hpp"
 #include "fuzz/read_any_obj.hpp"
 #include "support/catch.hpp"
 #include "support/errors.hpp"
 #include "support/files.hpp"
+#include "support/process.hpp"
 
 namespace fs = std::filesystem;
 using namespace protostar;
@@ -176,6 +178,37 @@ TEST_CASE("the mesh of the scenes is closed") {
   for (int i = -20; i <= 20; ++i) mesh.each_crossing({{0.2 * i, -9, 0.01 * i}, {0, 1, 0}}, {}, count);
   CHECK(crossings > 40);
   CHECK(crossings % 2 == 0);
+}
+
+TEST_CASE("scenes/make_mesh writes the mesh of the scenes, and the torus of the benchmarks") {
+  const fs::path project = PROTOSTAR_SOURCE_DIR;
+  const auto make_mesh = [&](const std::vector<std::string>& arguments) {
+    return run({.program = project / "scenes/make_mesh", .arguments = arguments, .folder = project});
+  };
+  const Outcome knot = make_mesh({"1600"});
+  if (knot.status == 127) {  // of env, which has not found it
+    WARN("not tested: python3 is not installed");
+    return;
+  }
+  CHECK((knot.out == bytes_of(project / "scenes/knot.obj")));  // too long to be shown
+  // Triangle by triangle, to the last digit; the reader gives vertices other numbers.
+  const auto corners_of = [](const MeshData& mesh) {
+    std::vector<Point> points;
+    for (const auto& triangle : mesh.triangles)
+      for (const std::uint32_t corner : triangle) points.push_back(mesh.vertices[corner]);
+    return points;
+  };
+  const MeshData torus = read(make_mesh({"torus", "1000"}).out);
+  CHECK(torus.vertices.size() == 500);
+  CHECK(torus.triangles.size() == 1000);
+  CHECK((corners_of(torus) == corners_of(bench::torus(1000))));
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"99"}, {"torus"}, {"cube", "1000"}}) {
+    CAPTURE(arguments);
+    const Outcome refused = make_mesh(arguments);
+    CHECK(refused.status == 1);
+    CHECK_THAT(refused.err, ContainsSubstring("for N from 100 on"));
+  }
 }
 
 TEST_CASE("the corpus of the fuzzer, like every mesh, is read or refused in words") {

@@ -1,10 +1,11 @@
 // Meshes of many triangles, against Embree's robust ones: camera rays, rays of every direction, occlusion;
 // building.
 //
-//   bench_meshes [--threads N] [--runs N] [--csv FILE] [--quick]
+//   bench_meshes [--threads N] [--runs N] [--csv FILE] [--quick] [--mesh FILE]
 //
-// Rates are millions of rays a second. Both get the same rays and vertices, which are made of floats; only
-// "render" makes its own rays, in double, where it needs any, and tells what is met from what is missed:
+// The meshes are toruses, or the one of an OBJ file, which should lie in the cube of ±1.5, where the rays
+// are. Rates are millions of rays a second. Both get the same rays and vertices, which are made of floats;
+// only "render" makes its own rays, in double, where it needs any, and tells what is met from what is missed:
 // pictures by the color integrator, which shows whether the mesh is met, and of the depth, for which t is
 // computed. What is asked ray by ray
 // is "single"; in the rows without the word the mesh gets all rays together. Embree is judged by the best of
@@ -18,6 +19,10 @@
 #include <protostar/surfaces/mesh.hpp>
 #include <stdexcept>
 #include <vector>
+
+#ifdef BENCH_OBJ
+#include <protostar/io/obj.hpp>
+#endif
 
 #include "embree.hpp"
 #include "mesh_workload.hpp"
@@ -194,22 +199,34 @@ void pictures(Table& table, const bench::Options& options, const MeshData& data)
   }
 }
 
+/// The one mesh that the options name, or toruses.
+std::vector<MeshData> meshes_of(const bench::Options& options) {
+  if (options.mesh.empty())
+    return options.quick ? std::vector{torus(1000)} : std::vector{torus(100000), torus(1000000)};
+#ifdef BENCH_OBJ
+  return {bench::in_floats(load_obj(options.mesh))};
+#else
+  throw std::runtime_error("--mesh " + options.mesh +
+                           ": no OBJ file can be read, since tinyobjloader is not installed (Debian: "
+                           "libtinyobjloader-dev)");
+#endif
+}
+
 void meshes_of_triangles(const bench::Options& options) {
   if (!Embree::is_there) std::printf("Embree is not installed, so there is nothing to compare with\n");
-  const std::vector<std::size_t> counts =
-      options.quick ? std::vector<std::size_t>{1000} : std::vector<std::size_t>{100000, 1000000};
+  const std::vector<MeshData> all = meshes_of(options);
   {
     Table table(options, {"triangles and rays", "rays", "Embree single", "packet", "stream", "protostar",
                           "times faster", "hits", "differ"});
-    for (const std::size_t count : counts) Contest(table, options, torus(count)).run();
+    for (const MeshData& data : all) Contest(table, options, data).run();
   }
   {
     Table table(options,
                 {"triangles and picture", "ray by ray ns/pixel", "by tiles ns/pixel", "times faster"});
-    for (const std::size_t count : counts) pictures(table, options, torus(count));
+    for (const MeshData& data : all) pictures(table, options, data);
   }
   Table table(options, {"triangles to build", "Embree ms", "protostar ms", "times faster"});
-  for (const std::size_t count : counts) build(table, options, torus(count));
+  for (const MeshData& data : all) build(table, options, data);
 }
 
 }  // namespace

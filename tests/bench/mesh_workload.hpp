@@ -11,12 +11,17 @@
 
 namespace bench {
 
-/// A torus of about that many triangles, with vertices that are floats. It lies in the cube of ±1.5.
-inline protostar::MeshData torus(std::size_t count) {
-  const auto across = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(count) / 10));
-  protostar::MeshData mesh = meshes::torus(5 * across, across);
+/// The same with vertices that are floats.
+inline protostar::MeshData in_floats(protostar::MeshData mesh) {
   for (protostar::Point& p : mesh.vertices) p = protostar::Point(glm::vec3(p));
   return mesh;
+}
+
+/// A torus of about that many triangles, with vertices that are floats, as scenes/make_mesh writes it. It
+/// lies in the cube of ±1.5.
+inline protostar::MeshData torus(std::size_t count) {
+  const auto across = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(count) / 10));
+  return in_floats(meshes::torus(5 * across, across));
 }
 
 inline protostar::Camera camera_of_torus() {

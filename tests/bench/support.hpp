@@ -21,9 +21,10 @@ namespace bench {
 
 // ---- The command line
 
-/// --csv FILE --threads N --runs N --quick; and --svg FILE, for the benchmark that draws.
+/// --csv FILE --threads N --runs N --quick; --svg FILE, for the benchmark that draws; and --mesh FILE, for
+/// that of meshes.
 struct Options {
-  std::string csv, svg;  ///< empty: no file
+  std::string csv, svg, mesh;  ///< empty: no file
   int threads = 1;
   int runs = 9;        ///< of each work at least; the median counts
   bool quick = false;  ///< one run of little work: whether the program runs at all, not how fast
@@ -42,6 +43,8 @@ struct Options {
         csv = value;
       else if (name == "--svg")
         svg = value;
+      else if (name == "--mesh")
+        mesh = value;
       else if (name == "--threads")
         threads = count(name, value);
       else if (name == "--runs")
