@@ -90,7 +90,13 @@ TEST_CASE(
       Ray ray{origin, target - origin};
       Interval range = i % 3 == 0 ? everywhere : i % 3 == 1 ? Interval{} : Interval{0.25, 1.5};
       for (int leave = 0; leave < 2; ++leave) {
-        const auto expected = crossings_of_triangles(data, ray, range);
+        auto expected = crossings_of_triangles(data, ray, range);
+        if (leave == 1)  // as a mesh does (mesh_leaving.cpp)
+          std::erase_if(expected, [&](const Crossing& crossing) {
+            return only_seems_crossed(data.triangle(static_cast<std::size_t>(ray.departure.part)),
+                                      data.triangle(static_cast<std::size_t>(crossing.part)), ray,
+                                      crossing.t > 0);
+          });
         std::vector<Crossing> found;
         mesh.each_crossing(ray, range, [&](const Crossing& crossing) { found.push_back(crossing); });
         wrong += !std::equal(found.begin(), found.end(), expected.begin(), expected.end(), are_equal);
