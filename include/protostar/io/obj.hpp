@@ -269,15 +269,18 @@ class ObjBuilder {
         corner.normal_index == 0 ? none : index(corner.normal_index, normals_.size(), "normal");
     const int number = static_cast<int>(vertices_.size());
     int* end = &first_at_[static_cast<std::size_t>(place)];
-    for (int i = 0; *end != none && i < most_listed; ++i) {
+    int listed = 0;
+    for (; listed < most_listed && *end != none; ++listed) {
       Vertex& v = vertices_[static_cast<std::size_t>(*end)];
       if (v.uv == uv && v.normal == normal) return static_cast<std::uint32_t>(*end);
       end = &v.next;
     }
-    if (*end == none)
+    if (listed < most_listed) {
       *end = number;
-    else if (const auto [at, is_new] = unlisted_.try_emplace({place, uv, normal}, number); !is_new)
-      return static_cast<std::uint32_t>(at->second);
+    } else {
+      const auto [at, is_new] = unlisted_.try_emplace({place, uv, normal}, number);
+      if (!is_new) return static_cast<std::uint32_t>(at->second);
+    }
     vertices_.push_back({place, uv, normal, none});
     return static_cast<std::uint32_t>(number);
   }
