@@ -44,7 +44,7 @@ const std::vector<std::vector<std::string>> layers = {
     {"accel/drawn.hpp", "accel/screen.hpp"},
     {"accel/tile_scene.hpp", "accel/triangles_in_tile.hpp"},
     {"accel/render_tiles.hpp"},
-    {"render.hpp", "encode.hpp", "output_file.hpp", "surfaces/mesh.hpp"},
+    {"render.hpp", "encode.hpp", "output_file.hpp", "surfaces/mesh.hpp", "io/text.hpp"},
     {"pfm.hpp", "ppm.hpp", "io/obj.hpp", "io/scene_file.hpp", "io/stb_image_write.hpp"},
     {"io/image_texture.hpp"},
     // None of these includes another, and nothing in the core any of io/.

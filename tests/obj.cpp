@@ -1,7 +1,11 @@
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <ctime>
 #include <filesystem>
 #include <protostar/io/obj.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/mesh_workload.hpp"
@@ -95,30 +99,76 @@ TEST_CASE("corners in one place with other normals or texture places are other v
   CHECK(some.triangles.size() == 2);
 }
 
+TEST_CASE("faces that have places in common but nothing else are read as fast as others") {
+  constexpr std::uint32_t count = 30'000;
+  const auto read_faces = [](const auto& normal_of) {
+    std::string text = corners;
+    for (std::uint32_t i = 1; i <= count; ++i) {
+      const std::string normal = "//" + std::to_string(normal_of(i));
+      text += "vn 0 0 " + std::to_string(i) + "\nf 1" + normal + " 2" + normal + " 3" + normal + "\n";
+    }
+    const std::clock_t begin = std::clock();
+    const MeshData data = read(text);
+    return std::pair(data, std::clock() - begin);
+  };
+  const auto [alike, usual_time] = read_faces([](std::uint32_t) { return 1; });
+  CHECK(alike.vertices.size() == 3);
+  const auto [data, time] = read_faces([](std::uint32_t i) { return i; });
+  REQUIRE(data.vertices.size() == 3 * count);
+  std::uint32_t wrong = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    wrong += data.triangles[i] != std::array{3 * i, 3 * i + 1, 3 * i + 2};
+    wrong += data.normals[3 * i + 2] != Vec3{0, 0, i + 1.0};
+  }
+  CHECK(wrong == 0);
+  CHECK(time < 10 * usual_time);  // about 3 times; if all in a place were looked at, 35 times or more
+}
+
+TEST_CASE("where corners in one place are many, those that are alike are one vertex") {
+  std::string text = corners;
+  for (int i = 1; i <= 20; ++i) text += "vn 0 0 " + std::to_string(i) + "\n";
+  for (int round = 0; round < 2; ++round)
+    for (int i = 1; i <= 20; ++i) text += "f 1//" + std::to_string(i) + " 2//1 3//1\n";
+  const MeshData data = read(text);
+  CHECK(data.vertices.size() == 22);
+  for (std::size_t i = 0; i < 20; ++i) {
+    CHECK(data.triangles[i] == data.triangles[20 + i]);
+    CHECK(data.triangles[i][0] == (i == 0 ? 0 : i + 2));
+    CHECK(data.normals[data.triangles[i][0]] == Vec3{0, 0, static_cast<double>(i + 1)});
+  }
+}
+
 TEST_CASE("what is wrong in an OBJ file is said with its line") {
   struct Row {
     std::string text, error;
   };
-  const std::string numbers = "expected 3 finite numbers", face = "expected a face";
+  const std::string
+      numbers = "expected 3 finite numbers that a double holds",
+      face = "expected a face, with corners as 1, 1/2, 1//3 or 1/2/3, of indices of up to 9 digits";
   const std::vector<Row> rows{
       {"", "a.obj: there is no face"},
       {"# nothing\n", "a.obj: there is no face"},
       {corners, "a.obj: there is no face"},
-      {"\n\nv 1 2\n", "a.obj: line 3: " + numbers},
-      {"v 1 2 nan\n", "a.obj: line 1: " + numbers},
+      {"\n\nv 1 2\n", "a.obj: line 3: " + numbers + ", and number 3 is missing"},
+      {"v 1 2 nan\n", "a.obj: line 1: " + numbers + ", and number 3 is \"nan\""},
       {"v 1 2 NaN\n", numbers},
       {"v inf 2 3\n", numbers},
       {"v 1 -infinity 3\n", numbers},
-      {"v 1 2e999 3\n", numbers},
-      {"v 1 2 3x\n", numbers},
-      {"v +-1 2 3\n", numbers},
+      {"v 1 2e999 3\n", numbers + ", and number 2 is \"2e999\""},
+      {"v 1 2 3x\n", numbers + ", and number 3 is \"3x\""},
+      {"v +-1 2 3\n", numbers + ", and number 1 is \"+-1\""},
+      {"v 1 +x 3\n", numbers + ", and number 2 is \"+x\""},
+      {"v 1 \x1b[2J 3\n", numbers + ", and number 2 is \"?[2J\""},
+      {"v 1 2 " + std::string(100, '9') + "x\n",
+       numbers + ", and number 3 is \"" + std::string(60, '9') + "...\""},
       {"v 1,2,3\n", numbers},
       {"v one 2 3\n", numbers},
-      {"v\t\n", numbers},
+      {"v\t\n", numbers + ", and number 1 is missing"},
       {"vn 0 0\n", numbers},
       {"vn 0 0 nan\n", numbers},
       {"vt u\n", "expected 1 or more finite numbers"},
-      {"vt 0 v\n", "expected 1 or more finite numbers"},
+      {"vt 0 v\n", "expected 1 or more finite numbers that a double holds, and number 2 is \"v\""},
+      {"vt 0 +\n", "and number 2 is \"+\""},
       {corners + "f 1 2\n", "a.obj: line 5: a face has 3 corners or more, and this has 2"},
       {corners + "f 1 2 5\n", "a.obj: line 5: vertex 5 is not one of the 4 so far"},
       {corners + "f 0 1 2\n", "vertex 0 is not one of the 4 so far"},
@@ -126,13 +176,13 @@ TEST_CASE("what is wrong in an OBJ file is said with its line") {
       {"f 1 2 3\n" + corners, "a.obj: line 1: vertex 1 is not one of the 0 so far"},
       {corners + "f 1/1 2/1 3/1\n", "texture vertex 1 is not one of the 0 so far"},
       {corners + "vn 0 0 1\nf 1//1 2//2 3//1\n", "a.obj: line 6: normal 2 is not one of the 1 so far"},
-      {corners + "f 1 2 x\n", face},
+      {corners + "f 1 2 x\n", "a.obj: line 5: " + face + ", and corner 3 is \"x\""},
       {corners + "f 1 2 3x\n", face},
       {corners + "f 1 2 3.5\n", face},
       {corners + "f 1-2 2 3\n", face},
       {corners + "f 1 2 3-\n", face},
       {corners + "f 1 2 -\n", face},
-      {corners + "vt 0 0\nf 1/ 1/1 2/1\n", face},
+      {corners + "vt 0 0\nf 1/ 1/1 2/1\n", face + ", and corner 1 is \"1/\""},
       {corners + "vn 0 0 1\nf 1// 1//1 2//1\n", face},
       {corners + "f /1 2 3\n", face},
       {corners + "vt 0 0\nvn 0 0 1\nf 1/1/1/1 2 3\n", face},
@@ -146,7 +196,9 @@ TEST_CASE("what is wrong in an OBJ file is said with its line") {
       {corners + "f 1 2 # \\\n3\n", "a.obj: line 5: a face has 3 corners or more, and this has 2"},
       {corners + "f 1 \\\n2 \\\n5\nf x\n", "a.obj: line 5: vertex 5 is not one of the 4 so far"},
       {corners + "f 1 \\\n2 \\\n3\nf x\n", "a.obj: line 8: " + face},
-      {corners + std::string("f 1 2 3\0 4", 10), "a.obj: there is a zero byte"},
+      {corners + std::string("f 1 2 3\0 4", 10), "a.obj: line 5: there is a zero byte"},
+      {std::string("\0", 1), "a.obj: line 1: there is a zero byte"},
+      {std::string("\r\n\r\r\n\n\r\0\n", 8), "a.obj: line 6: there is a zero byte"},
   };
   for (const auto& [text, error] : rows) {
     CAPTURE(text);
@@ -161,11 +213,25 @@ TEST_CASE("an OBJ file that cannot be read is an error with its path") {
   };
   CHECK_THAT(says(folder / "none.obj"), ContainsSubstring("cannot read '" + (folder / "none.obj").string()));
   CHECK_THAT(says(folder / ""), ContainsSubstring("cannot read '"));
-  CHECK_THAT(says("/dev/zero"), ContainsSubstring("/dev/zero: there is a zero byte"));
+  CHECK_THAT(says("/dev/zero"), ContainsSubstring("/dev/zero: line 1: there is a zero byte"));
   put_bytes(folder / "bad.obj", "v 1 2");
   CHECK_THAT(says(folder / "bad.obj"), ContainsSubstring((folder / "bad.obj").string() + ": line 1: "));
   put_bytes(folder / "good.obj", corners + "f 1 2 3 4");
   CHECK(load_obj(folder / "good.obj").triangles.size() == 2);
+}
+
+TEST_CASE("an OBJ file that is longer than is allowed is refused") {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.obj";
+  const std::string text = corners + "f 1 2 3";
+  put_bytes(path, text);
+  CHECK(load_obj(path, text.size()).triangles.size() == 1);
+  const auto says = [&](std::size_t most) {
+    return message_of<std::runtime_error>([&] { (void)load_obj(path, most); });
+  };
+  CHECK(says(text.size() - 1) == path.string() + ": the file is longer than the " +
+                                     std::to_string(text.size() - 1) + " bytes that are allowed");
+  CHECK(says(0) == path.string() + ": the file is longer than the 0 bytes that are allowed");
 }
 
 TEST_CASE("the mesh of the scenes is closed") {

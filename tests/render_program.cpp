@@ -511,7 +511,14 @@ TEST_CASE("a scene that cannot be read ends render with the status 1, its path a
 
 TEST_CASE("a scene without an end is not read for ever") {
   const TemporaryFolder folder;
-  const Outcome outcome = run_program("render", "/dev/zero", folder);
+  const Outcome zeros = run_program("render", "/dev/zero", folder);
+  CHECK(zeros.status == 1);
+  CHECK(zeros.err == "render: /dev/zero: parse error at line 1, column 1: a zero byte, which no text has\n");
+
+  const std::string program = stage("render", {}, folder / "").program.string();
+  const Outcome outcome = run({.program = "/bin/sh",
+                               .arguments = {"-c", "yes '' | '" + program + "' /dev/stdin"},
+                               .folder = folder / ""});
   CHECK(outcome.status == 1);
-  CHECK(outcome.err == "render: /dev/zero: the file is longer than the 2^28 bytes that are allowed\n");
+  CHECK(outcome.err == "render: /dev/stdin: the file is longer than the 268435456 bytes that are allowed\n");
 }

@@ -30,6 +30,7 @@ using Uv = glm::dvec2;
 inline bool is_finite(const Vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
+inline bool is_finite(const Uv& uv) { return std::isfinite(uv.x) && std::isfinite(uv.y); }
 
 /// Whether every channel is a finite number and none is negative: what a power or a surface's color has to
 /// be.

@@ -7,11 +7,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <map>
@@ -21,7 +19,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -34,6 +31,7 @@
 #include "../surfaces/triangle.hpp"
 #include "image_texture.hpp"
 #include "scene_file.hpp"
+#include "text.hpp"
 
 // Meshes can be read where tinyobjloader is found.
 #if __has_include(<tiny_obj_loader.h>)
@@ -54,13 +52,6 @@ using nlohmann::json;
 
 /// Of a scene file. A million spheres take half of it.
 inline constexpr std::size_t most_bytes = std::size_t{1} << 28;
-
-/// The beginning of a text that may be of any length, whole characters of UTF-8.
-inline std::string beginning(const std::string& text, std::size_t most = 60) {
-  if (text.size() <= most) return text;
-  while ((static_cast<unsigned char>(text[most]) & 0xc0) == 0x80) --most;
-  return text.substr(0, most) + "...";
-}
 
 /// One more step of a JSON pointer (RFC 6901), with its control characters as JSON writes them.
 inline std::string step(const std::string& key) {
@@ -127,11 +118,9 @@ class JsonBuilder {
   bool parse_error(std::size_t, const std::string& token, const nlohmann::detail::exception& error) const {
     if (dynamic_cast<const json::out_of_range*>(&error))
       refuse(file_, pointer(), beginning(token) + " is not a number that a double holds, up to 1.8e308");
-    std::string what = error.what();  // "[its name] parse error at line 1, column 2: ... last read: ..."
-    what = beginning(what.substr(what.find("] ") + 2), 240);
-    for (char& c : what)
-      if (c < ' ' || c > '~') c = '?';  // some bytes of the file, which may be anything
-    throw SceneError(file_ + ": " + what);
+    const std::string what =
+        error.what();  // "[its name] parse error at line 1, column 2: ... last read: ..."
+    throw SceneError(file_ + ": " + printable(what.substr(what.find("] ") + 2), 240));
   }
 
  private:
@@ -413,11 +402,14 @@ inline Mesh mesh_at(const JsonCursor& at) {
   const std::filesystem::path path = at["file"].path();
   const Vec3 position = at.has("position") ? at["position"].vector() : Vec3{0};
   const double scale = at.has("scale") ? at["scale"].number_above_0() : 1;
-  return at["file"].checked([&] {
-    MeshData data = load_obj(path);
-    for (Point& vertex : data.vertices) vertex = position + scale * vertex;
-    return Mesh(std::move(data));
-  });
+  MeshData data = at["file"].checked([&] { return load_obj(path); });
+  for (Point& vertex : data.vertices) {
+    const Vec3 from_position = scale * vertex;
+    vertex = position + from_position;
+    if (!is_finite(vertex))
+      at[is_finite(from_position) ? "position" : "scale"].refuse("one that leaves all vertices finite");
+  }
+  return at["file"].checked([&] { return Mesh(std::move(data)); });
 }
 #else
 inline Sphere mesh_at(const JsonCursor& at) {
@@ -748,24 +740,6 @@ inline SceneFile scene_at(const JsonCursor& at) {
   return file;
 }
 
-/// All bytes of a file. Throws std::system_error if they cannot be read.
-inline std::string bytes_of_scene(const std::filesystem::path& path) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-  const auto fail = [&] {
-    throw std::system_error(errno, std::generic_category(), "cannot read '" + path.string() + "'");
-  };
-  if (!file) fail();
-  std::string text;
-  std::vector<char> block(1 << 16);
-  while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
-    text.append(block.data(), count);
-    if (text.size() > most_bytes)  // such as /dev/zero
-      throw SceneError(path.string() + ": the file is longer than the 2^28 bytes that are allowed");
-  }
-  if (std::ferror(file.get())) fail();
-  return text;
-}
-
 }  // namespace detail
 
 /// The scene that a text describes; file is its name in what is wrong with it. Throws SceneError.
@@ -786,7 +760,7 @@ inline std::string bytes_of_scene(const std::filesystem::path& path) {
 /// Reads a scene file. Throws std::system_error if it cannot be read, and SceneError for what is wrong in it.
 [[nodiscard]] inline SceneFile read_scene(const std::filesystem::path& path) {
   try {
-    return scene_from_json(detail::bytes_of_scene(path), path.string());
+    return scene_from_json(detail::text_of<SceneError>(path, detail::most_bytes), path.string());
   } catch (const std::bad_alloc&) {
     throw SceneError(path.string() + ": not enough memory for this scene");
   }

@@ -36,6 +36,7 @@
 #include <vector>
 
 #include "../surfaces/mesh.hpp"
+#include "text.hpp"
 
 // In a namespace of this translation unit, so that it meets no other copy of tinyobjloader in a program.
 #define TINYOBJLOADER_IMPLEMENTATION
@@ -135,7 +136,11 @@ class ObjBuilder {
  private:
   static constexpr int none = -1;
 
-  /// A vertex: a place with what else corners have there, and the next vertex in the same place.
+  /// Of the vertices in a place, a list has the first. It is walked for each corner, and so it is short;
+  /// where there are more vertices in one place, which few meshes have, they are looked up.
+  static constexpr int most_listed = 8;
+
+  /// A vertex: a place with what else corners have there, and the next vertex in the list of the place.
   struct Vertex {
     int place, uv, normal, next;
   };
@@ -146,25 +151,36 @@ class ObjBuilder {
     throw std::runtime_error(file_ + ": line " + std::to_string(lines_.number()) + ": " + what);
   }
 
+  /// The next word of a line, which is then no more in it; none if there is none.
+  static std::string_view taken_word(std::string_view& line) {
+    const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
+    const auto begin = std::find_if_not(line.begin(), line.end(), is_blank);
+    const auto end = std::find_if(begin, line.end(), is_blank);
+    line = {end, line.end()};
+    return {begin, end};
+  }
+
+  static std::string found_instead(const std::string& what, std::size_t number, std::string_view word) {
+    return what + " " + std::to_string(number) +
+           (word.empty() ? " is missing" : " is \"" + printable(std::string(word)) + "\"");
+  }
+
   /// The numbers of the line behind its first word, `least` of them or more; others are left out.
   template <std::size_t N>
   [[nodiscard]] std::array<double, N> numbers(std::size_t least) const {
-    const std::string_view line = lines_.line();
+    std::string_view rest = lines_.line();
+    (void)taken_word(rest);
     std::array<double, N> numbers{};
-    std::size_t at = line.find_first_of(" \t", line.find_first_not_of(" \t")), found = 0;
-    for (; found < N; ++found) {
-      at = std::min(line.find_first_not_of(" \t", at), line.size());
-      if (line.substr(at).starts_with('+') && !line.substr(at).starts_with("+-")) ++at;
-      const char* const end = line.data() + line.size();
-      const auto [behind, error] = std::from_chars(line.data() + at, end, numbers[found]);
-      if (error != std::errc() || !std::isfinite(numbers[found])) break;
-      if (behind != end && *behind != ' ' && *behind != '\t') break;
-      at = static_cast<std::size_t>(behind - line.data());
+    for (std::size_t found = 0; found < N; ++found) {
+      const std::string_view word = taken_word(rest);
+      if (word.empty() && found >= least) break;
+      const bool has_plus = word.starts_with('+') && !word.starts_with("+-");
+      const char* const end = word.data() + word.size();
+      const auto [behind, error] = std::from_chars(word.data() + (has_plus ? 1 : 0), end, numbers[found]);
+      if (error != std::errc() || behind != end || !std::isfinite(numbers[found]))
+        refuse("expected " + std::to_string(least) + (least < N ? " or more" : "") +
+               " finite numbers that a double holds, and " + found_instead("number", found + 1, word));
     }
-    const bool is_whole = line.find_first_not_of(" \t", at) == std::string_view::npos;
-    if (found < least || (found < N && !is_whole))
-      refuse("expected " + std::to_string(least) + (least < N ? " or more" : "") +
-             " finite numbers that a double holds");
     return numbers;
   }
 
@@ -203,14 +219,13 @@ class ObjBuilder {
   /// How many corners a face has. tinyobjloader takes anything for a number, reads one across a blank, and
   /// counts on that it is no longer than an int.
   [[nodiscard]] std::size_t checked_corners(std::string_view line) const {
-    line.remove_prefix(line.find('f') + 1);
+    (void)taken_word(line);
     for (std::size_t count = 0;; ++count) {
-      line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
-      if (line.empty()) return count;
-      const std::string_view word = line.substr(0, line.find_first_of(" \t"));
+      const std::string_view word = taken_word(line);
+      if (word.empty()) return count;
       if (!is_corner(word))
-        refuse("expected a face, with corners as 1, 1/2, 1//3 or 1/2/3, of indices of up to 9 digits");
-      line.remove_prefix(word.size());
+        refuse("expected a face, with corners as 1, 1/2, 1//3 or 1/2/3, of indices of up to 9 digits, and " +
+               found_instead("corner", count + 1, word));
     }
   }
 
@@ -252,14 +267,22 @@ class ObjBuilder {
         corner.texcoord_index == 0 ? none : index(corner.texcoord_index, uvs_.size(), "texture vertex");
     const int normal =
         corner.normal_index == 0 ? none : index(corner.normal_index, normals_.size(), "normal");
-    int& first = first_at_[static_cast<std::size_t>(place)];
-    for (int i = first; i != none; i = vertices_[static_cast<std::size_t>(i)].next) {
-      const Vertex& v = vertices_[static_cast<std::size_t>(i)];
-      if (v.uv == uv && v.normal == normal) return static_cast<std::uint32_t>(i);
+    const int number = static_cast<int>(vertices_.size());
+    int* end = &first_at_[static_cast<std::size_t>(place)];
+    int listed = 0;
+    for (; listed < most_listed && *end != none; ++listed) {
+      Vertex& v = vertices_[static_cast<std::size_t>(*end)];
+      if (v.uv == uv && v.normal == normal) return static_cast<std::uint32_t>(*end);
+      end = &v.next;
     }
-    vertices_.push_back({place, uv, normal, first});
-    first = static_cast<int>(vertices_.size()) - 1;
-    return static_cast<std::uint32_t>(first);
+    if (listed < most_listed) {
+      *end = number;
+    } else {
+      const auto [at, is_new] = unlisted_.try_emplace({place, uv, normal}, number);
+      if (!is_new) return static_cast<std::uint32_t>(at->second);
+    }
+    vertices_.push_back({place, uv, normal, none});
+    return static_cast<std::uint32_t>(number);
   }
 
   /// Texture places and normals only if all vertices have them.
@@ -283,8 +306,9 @@ class ObjBuilder {
   std::vector<Point> places_;
   std::vector<Vec3> normals_;
   std::vector<Uv> uvs_;
-  std::vector<int> first_at_;  ///< of each place: the vertex there that was found last
+  std::vector<int> first_at_;  ///< of each place: the first vertex of its list
   std::vector<Vertex> vertices_;
+  std::map<std::array<int, 3>, int> unlisted_;  ///< numbers of vertices that are in no list
   MeshData data_;
 };
 
@@ -297,28 +321,22 @@ class ObjBuilder {
 /// face is none, and if there is no face.
 [[nodiscard]] inline MeshData mesh_from_obj(std::string_view text, const std::string& file) {
   // At a zero byte, tinyobjloader takes the line for ended.
-  if (text.find('\0') != std::string_view::npos)
-    throw std::runtime_error(file + ": there is a zero byte, which no text has");
+  if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
+    std::size_t line = 1;
+    for (std::size_t i = 0; i < zero; ++i)
+      line += text[i] == '\n' || (text[i] == '\r' && text[i + 1] != '\n') ? 1 : 0;
+    throw std::runtime_error(file + ": line " + std::to_string(line) +
+                             ": there is a zero byte, which no text has");
+  }
   return detail::ObjBuilder(text, file).build();
 }
 
-/// The mesh in an OBJ file. Throws std::system_error if it cannot be read, and std::runtime_error for what is
-/// wrong in it; both name the path.
-[[nodiscard]] inline MeshData load_obj(const std::filesystem::path& path) {
-  const auto fail = [&] {
-    throw std::system_error(errno, std::generic_category(), "cannot read '" + path.string() + "'");
-  };
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.string().c_str(), "rb"),
-                                                             std::fclose);
-  if (!file) fail();
-  std::string text;
-  std::vector<char> block(1 << 20);
-  while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
-    text.append(block.data(), count);
-    if (text.find('\0', text.size() - count) != std::string::npos) break;  // such as /dev/zero
-  }
-  if (std::ferror(file.get())) fail();
-  return mesh_from_obj(text, path.string());
+/// The mesh in an OBJ file. Throws std::system_error if it cannot be read, and std::runtime_error if it is
+/// longer than so many bytes (2^31), so that a file without an end does not fill the memory, and for what is
+/// wrong in it; all name the path.
+[[nodiscard]] inline MeshData load_obj(const std::filesystem::path& path,
+                                       std::size_t most_bytes = std::size_t{1} << 31) {
+  return mesh_from_obj(detail::text_of<std::runtime_error>(path, most_bytes), path.string());
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

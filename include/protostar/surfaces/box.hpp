@@ -1,8 +1,12 @@
 // The points from min to max, a solid with faces at right angles to the axes.
 #pragma once
 
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <stdexcept>
+#include <string>
 
 #include "../numeric/box_roots.hpp"
 #include "../surface.hpp"
@@ -81,12 +85,23 @@ struct Box {
 
   /// Throws std::invalid_argument if min is above max on an axis, or a number is not finite.
   void validate() const {
-    if (!is_finite(min) || !is_finite(max)) throw std::invalid_argument("Box: min and max must be finite");
-    if (min.x > max.x || min.y > max.y || min.z > max.z)
-      throw std::invalid_argument("Box: min must not be above max on any axis");
+    const auto refuse = [](const std::string& what) { throw std::invalid_argument("Box: " + what); };
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!std::isfinite(min[axis])) refuse(coordinate("min", min, axis) + " must be finite");
+      if (!std::isfinite(max[axis])) refuse(coordinate("max", max, axis) + " must be finite");
+      if (min[axis] > max[axis])
+        refuse(coordinate("min", min, axis) + " must not be above " + coordinate("max", max, axis));
+    }
   }
 
  private:
+  /// As in "min.x = 0.1", with so many digits that no other double has the same.
+  [[nodiscard]] static std::string coordinate(const std::string& name, const Point& point, int axis) {
+    std::array<char, 32> digits{};  // -2.2250738585072014e-308, as long as any, has 24
+    std::to_chars(digits.data(), digits.data() + digits.size(), point[axis]);
+    return name + '.' + "xyz"[axis] + " = " + digits.data();
+  }
+
   [[nodiscard]] static Vec3 outwards(BoxFace face) {
     Vec3 normal{0};
     normal[face.axis()] = face.is_upper() ? 1 : -1;

@@ -56,7 +56,7 @@ class Csg {
     nodes_.push_back({.operation = operation, .first_operand = first_operand, .operands = count_of_operands});
     if (++depth_ > most_depth)
       throw std::invalid_argument("Csg: operations may be " + std::to_string(most_depth) +
-                                  " deep inside each other, and these are deeper");
+                                  " deep inside each other, and these are " + std::to_string(depth_));
   }
 
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {

@@ -102,23 +102,24 @@ struct MeshData {
     };
     check(!triangles.empty(), "there is no triangle");
     check(triangles.size() <= detail::TriangleTree::most, "there are more than 2^27 triangles");
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-      if (!is_finite(vertices[i])) check(false, "vertex " + std::to_string(i) + " must be finite");
+    const auto check_finite = [&](const auto& all, const std::string& name) {
+      for (std::size_t i = 0; i < all.size(); ++i)
+        if (!is_finite(all[i])) check(false, name + " " + std::to_string(i) + " must be finite");
+    };
+    check_finite(vertices, "vertex");
     for (std::size_t i = 0; i < triangles.size(); ++i)
       for (const std::uint32_t vertex : triangles[i])
         if (vertex >= vertices.size())
           check(false, "triangle " + std::to_string(i) + " names vertex " + std::to_string(vertex) +
                            ", and there are " + std::to_string(vertices.size()));
-    check(normals.empty() || normals.size() == vertices.size(),
-          "there must be as many normals as vertices, or none");
-    check(std::all_of(normals.begin(), normals.end(), [](const Vec3& normal) { return is_finite(normal); }),
-          "normals must be finite");
-    check(uvs.empty() || uvs.size() == vertices.size(), "there must be as many uvs as vertices, or none");
-    check(std::all_of(uvs.begin(), uvs.end(),
-                      [](const Uv& uv) {
-                        return is_finite({uv.x, uv.y, 0});
-                      }),
-          "uvs must be finite");
+    const auto check_of_vertices = [&](const auto& all, const std::string& name) {
+      if (!all.empty() && all.size() != vertices.size())
+        check(false, "there must be as many " + name + "s as vertices, or none; there are " +
+                         std::to_string(all.size()) + " and " + std::to_string(vertices.size()));
+      check_finite(all, name);
+    };
+    check_of_vertices(normals, "normal");
+    check_of_vertices(uvs, "uv");
   }
 
  private:

@@ -1,0 +1,94 @@
+// A long OBJ file: is all of it read, and how long does that take?
+//
+//   stress_obj [--lines N]
+//
+// N lines (200,000) in a file in the system's folder for such: a grid whose last column and row are joined to
+// the first, each place with a normal and a texture place, and as many quadrangles. Exits with 1 if a vertex
+// or a triangle is not what was written.
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <protostar/io/obj.hpp>
+
+#include "options.hpp"
+#include "support/files.hpp"
+
+using namespace protostar;
+
+namespace {
+
+constexpr std::uint32_t width = 100;
+
+/// The corners of the quadrangle at a place, as numbers of places.
+std::array<std::uint32_t, 4> corners_at(std::uint32_t place, std::uint32_t height) {
+  const std::uint32_t x = place % width, y = place / width;
+  const std::uint32_t next_x = (x + 1) % width, next_y = (y + 1) % height;
+  return {y * width + x, y * width + next_x, next_y * width + next_x, next_y * width + x};
+}
+
+void write(const std::filesystem::path& path, std::uint32_t height) {
+  std::ofstream file(path, std::ios::binary);
+  for (std::uint32_t i = 0; i < width * height; ++i)
+    file << "v " << i % width << ' ' << i / width << " 0.1\nvn 0.25 -" << i << " 1\nvt " << i << " 0.5\n";
+  for (std::uint32_t i = 0; i < width * height; ++i) {
+    file << 'f';
+    for (const std::uint32_t corner : corners_at(i, height))
+      file << ' ' << corner + 1 << '/' << corner + 1 << '/' << corner + 1;
+    file << '\n';
+  }
+  file.close();
+  if (!file) throw std::runtime_error("cannot write " + path.string());
+}
+
+/// How many vertices and triangles are not as they were written. The number of a vertex is free: its normal
+/// tells the place.
+std::size_t wrong_in(const MeshData& data, std::uint32_t height) {
+  const std::size_t places = std::size_t{width} * height;
+  if (data.vertices.size() != places || data.normals.size() != places || data.uvs.size() != places ||
+      data.triangles.size() != 2 * places)
+    return 4 * places;
+  std::size_t wrong = 0;
+  for (std::uint32_t i = 0; i < places; ++i) {
+    const auto [a, b, c, d] = corners_at(i, height);
+    const std::array<std::uint32_t, 6> meant{a, b, c, a, c, d};
+    for (std::size_t k = 0; k < 6; ++k) {
+      const std::uint32_t vertex = data.triangles[2 * std::size_t{i} + k / 3][k % 3], place = meant[k];
+      const double number = place;
+      wrong += data.vertices[vertex] != Point{place % width, place / width, 0.1} ||
+               data.normals[vertex] != Vec3{0.25, -number, 1} || data.uvs[vertex] != Uv{number, 0.5};
+    }
+  }
+  return wrong;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const std::uint64_t lines = Options(argc, argv, {"--lines"}).number("--lines", 200'000);
+    const std::uint64_t rows = std::max<std::uint64_t>(lines / (4 * width), 3);  // of four lines for a place
+    if (rows > 1'000'000) throw std::invalid_argument("--lines: at most 400,000,000");
+    const auto height = static_cast<std::uint32_t>(rows);
+
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder / "long.obj";
+    write(path, height);
+    const auto begin = std::chrono::steady_clock::now();
+    const MeshData data = load_obj(path);
+    const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
+    const std::size_t wrong = wrong_in(data, height);
+    std::printf("%llu lines, %llu bytes: %.2f s\n%s\n", 4ull * width * height,
+                static_cast<unsigned long long>(std::filesystem::file_size(path)), time.count(),
+                wrong == 0 ? "all right" : "not what was written");
+    return wrong == 0 ? 0 : 1;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "stress_obj: %s\n", error.what());
+    return 2;
+  }
+}
