@@ -341,30 +341,32 @@ TEST_CASE("meshes of all sizes are met, and numbers that are not finite meet not
 }
 
 TEST_CASE(
-    "a picture of meshes is the same plain, accelerated and by tiles, and so is what is met of them as "
-    "surfaces "
-    "of any type") {
+    "a picture of meshes is the same plain, accelerated and by tiles, and so is what surfaces of any type "
+    "are "
+    "met by") {
   Random random(43);
   MeshData ball = meshes::moved(meshes::icosphere(2), 0.9, {-0.8, 0, 4});
   for (const Point& p : ball.vertices) ball.normals.push_back(p - Vec3{-0.8, 0, 4});
   const Mesh smooth(ball), ring(meshes::moved(meshes::torus(12, 7), 0.7, {0.9, 0, 4.2})),
       confetti(meshes::moved(soup(random, 20), 0.5, {0, 1, 3}));
+  std::vector<Mesh> beads;  // more than one node of a tree has children, some of them before others
+  for (int i = 0; i < 20; ++i)
+    beads.push_back(Mesh(meshes::moved(meshes::icosphere(0), 0.25, Point{0, 0, 5} + random.point(1))));
   Material checkered;
   checkered.texture = Checker{.first = Color{1}, .second = Color{0.1f}, .size = 0.5};
   const auto add_all = [&](auto& scene) {
     scene.add(smooth, Color{0.8f, 0.3f, 0.1f});
     scene.add(ring, checkered);
     scene.add(confetti, Color{0.2f, 0.7f, 0.3f});
+    for (const Mesh& bead : beads) scene.add(bead, Color{0.5f});
     scene.add(PointLight{.position = {1, 4, 1}, .power = Color{400}});
   };
   Scene<Mesh> scene;
   Scene<AnySurface> any;
   add_all(scene), add_all(any);
-  for (const DrawnAlike& drawn :
-       {drawn_alike(scene, Camera{}, ShadowIntegrator{}), drawn_alike(any, Camera{}, ShadowIntegrator{})}) {
-    CHECK(drawn.lit > 100);
-    CHECK(drawn.different == 0);
-  }
+  const DrawnAlike drawn = drawn_alike(scene, Camera{}, ShadowIntegrator{});
+  CHECK(drawn.lit > 100);
+  CHECK(drawn.different == 0);
 
   const auto fast = accelerate(scene);
   int hits = 0, wrong = 0;
