@@ -1,6 +1,7 @@
 #include <protostar/surfaces/parallelogram.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
+#include <protostar/surfaces/triangle.hpp>
 
 #include <cmath>
 #include <vector>
@@ -107,6 +108,13 @@ TEST_CASE("what 128 digits cannot tell, exact numbers tell") {
       CHECK_FALSE(exact::first_level(to_edge, parallelogram, false));
       CHECK(exact::truth_of(to_edge, parallelogram, false).count == (off < 0 ? 1 : 0));
     }
+  // And an edge of the triangle.
+  const Triangle triangle{{0, 0, 3}, {1, 0, 3}, {0, 1, 3}};
+  for (const double off : {-0x1p-200, 0x1p-200}) {
+    const Ray to_edge{{0.5, -2.5, 0}, {off, 1, 1}};
+    CHECK_FALSE(exact::first_level(to_edge, triangle, false));
+    CHECK(exact::truth_of(to_edge, triangle, false).count == (off < 0 ? 1 : 0));
+  }
 }
 
 namespace {
@@ -133,6 +141,24 @@ TEST_CASE("the truth of an instance is that of the surface's image") {
   CHECK(true_roots(along_z, Placed(Plane{{0, 0, 1}, 1}, stretched)) == Roots{7});
   const Affine sheared{{1, 0, 0}, {0, 1, 0}, {1, 0, -1}, {0, 0, 5}};
   CHECK(true_roots({{1, 0, 0}, {0, 0, 1}}, Placed(Plane{{1, 0, 0}, 0}, sheared)) == Roots{4});
+}
+
+TEST_CASE("the truth of a triangle at its outline is that for an origin that is moved a bit") {
+  using Roots = std::vector<double>;
+  const Triangle right{{0, 0, 3}, {1, 0, 3}, {0, 1, 3}}, turned{right.a, right.c, right.b};
+  for (const Triangle& s : {right, turned}) {
+    CHECK(true_roots({{0.25, 0.25, 0}, {0, 0, 2}}, s) == Roots{1.5});
+    CHECK(true_roots({{0.25, 0.25, 0}, {0, 0, -2}}, s) == Roots{-1.5});
+    CHECK(true_roots({{0, 0.5, 0}, {0, 0, 1}}, s) == Roots{3});  // to the right of an edge
+    CHECK(true_roots({{0.5, 0, 0}, {0, 0, 1}}, s) == Roots{3});  // above one
+    CHECK(true_roots({{0, 0, 0}, {0, 0, 1}}, s) == Roots{3});    // and both
+    CHECK(true_roots({{0.5, 0.5, 0}, {0, 0, 1}}, s).empty());
+    CHECK(true_roots({{1, 0, 0}, {0, 0, 1}}, s).empty());
+    CHECK(true_roots({{0, 1, 0}, {0, 0, 1}}, s).empty());
+    CHECK(true_roots({{-1, 0.5, 3}, {1, 0, 0}}, s).empty());  // in its plane
+    CHECK(true_roots({{0.25, 0.25, 3}, {0, 0, 1}}, s, true).empty());
+  }
+  CHECK(true_roots({{0.25, 0.25, 0}, {0, 0, 1}}, Triangle{right.a, right.b, right.b}).empty());
 }
 
 TEST_CASE("the truth of a tree is where its inside ends, and faces in common are none") {

@@ -9,6 +9,7 @@
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/sphere.hpp>
+#include <protostar/surfaces/triangle.hpp>
 #include <vector>
 
 #include "exact.hpp"
@@ -82,6 +83,41 @@ struct ParallelogramEquation {
   /// Whether the crossing is in the parallelogram, if the slope is not 0.
   [[nodiscard]] bool is_inside() const {
     return std::all_of(left, left + 4, [&](const T& x) { return x.sign() * slope.sign() >= 0; });
+  }
+};
+
+/// slope · t = height is where the line crosses the triangle's plane: with n = (b − a) × (c − a), slope = n·d
+/// and height = n·(a − origin). The line passes the edge from p to q on the side that is the sign of d · ((p
+/// − o) × (q − o)). Where that is 0, the origin counts as moved by (ε, ε², ε³), which makes it the sign of
+/// the first component of (p − q) × d that is not 0. The three sides add up to the slope, and these
+/// components to 0, so that sides that are all of one sign are not all 0, and the slope has that sign too.
+template <class T>
+struct TriangleEquation {
+  T slope, height;
+  T side[3][4];  ///< of each edge: the product, and the components
+
+  TriangleEquation(const protostar::Ray& ray, const protostar::Triangle& s) {
+    const Vector<T> o(ray.origin), d(ray.direction),
+        points[] = {Vector<T>(s.a), Vector<T>(s.b), Vector<T>(s.c)};
+    const Vector<T> n = cross(points[1] - points[0], points[2] - points[0]);
+    slope = dot(n, d), height = dot(n, points[0] - o);
+    for (int i = 0; i < 3; ++i) {
+      const Vector<T>&p = points[i], &q = points[(i + 1) % 3];
+      const Vector<T> moved = cross(p - q, d);
+      side[i][0] = dot(d, cross(p - o, q - o));
+      side[i][1] = moved.x, side[i][2] = moved.y, side[i][3] = moved.z;
+    }
+  }
+  /// Whether the line passes all edges on one side, if 128 digits tell.
+  [[nodiscard]] std::optional<bool> is_crossed() const {
+    int signs[3] = {0, 0, 0};
+    for (int i = 0; i < 3; ++i)
+      for (const T& x : side[i]) {
+        if constexpr (requires { x.is_known(); })
+          if (!x.is_known()) return std::nullopt;
+        if ((signs[i] = x.sign()) != 0) break;
+      }
+    return signs[0] != 0 && signs[0] == signs[1] && signs[0] == signs[2];
   }
 };
 
@@ -379,6 +415,13 @@ inline Roots roots(const protostar::Ray& ray, const protostar::Parallelogram& pa
   if (leaves) return {};
   const ParallelogramEquation<Number> e(ray, parallelogram);
   if (e.slope.sign() == 0 || !e.is_inside()) return {};
+  return {only_root(e.slope, e.height)};
+}
+
+inline Roots roots(const protostar::Ray& ray, const protostar::Triangle& triangle, bool leaves) {
+  if (leaves) return {};
+  const TriangleEquation<Number> e(ray, triangle);
+  if (!e.is_crossed().value()) return {};
   return {only_root(e.slope, e.height)};
 }
 

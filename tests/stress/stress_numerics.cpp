@@ -57,6 +57,10 @@ usual::Parallelogram<T> converted(const Parallelogram& s) {
   return {converted<T>(s.position), converted<T>(s.edge_u), converted<T>(s.edge_v)};
 }
 template <class T>
+usual::Triangle<T> converted(const Triangle& s) {
+  return {converted<T>(s.a), converted<T>(s.b), converted<T>(s.c)};
+}
+template <class T>
 usual::Disk<T> converted(const Disk& s) {
   return {converted<T>(s.position), converted<T>(s.normal), static_cast<T>(s.radius)};
 }
@@ -101,7 +105,7 @@ Plane rounded(const Plane& s) { return {rounded(s.normal), rounded(s.distance)};
 Parallelogram rounded(const Parallelogram& s) {
   return {rounded(s.position), rounded(s.edge_u), rounded(s.edge_v)};
 }
-
+Triangle rounded(const Triangle& s) { return {rounded(s.a), rounded(s.b), rounded(s.c)}; }
 Disk rounded(const Disk& s) { return {rounded(s.position), rounded(s.normal), rounded(s.radius)}; }
 Box rounded(const Box& s) { return {rounded(s.min), rounded(s.max)}; }
 Quadric rounded(const Quadric& s) {
@@ -133,6 +137,7 @@ bool is_sound(const Plane& s) {
 bool is_sound(const Parallelogram& s) {
   return is_finite(s.position) && is_finite(s.edge_u) && is_finite(s.edge_v);
 }
+bool is_sound(const Triangle& s) { return is_finite(s.a) && is_finite(s.b) && is_finite(s.c); }
 
 bool is_sound(const auto& s) {
   try {
@@ -238,9 +243,12 @@ const std::vector<Kernel<Plane>> plane_kernels{{"library", false, run_library<Pl
                                                {"double", false, in_double<usual::quotient<double>>}};
 const std::vector<Kernel<Parallelogram>> parallelogram_kernels{
     {"library", false, run_library<Parallelogram>},
-    {"tutorial", true, in_float<usual::determinants<float>>},
-    {"double", false, in_double<usual::determinants<double>>}};
-
+    {"tutorial", true, in_float<usual::in_parallelogram<float>>},
+    {"double", false, in_double<usual::in_parallelogram<double>>}};
+const std::vector<Kernel<Triangle>> triangle_kernels{
+    {"library", false, run_library<Triangle>},
+    {"tutorial", true, in_float<usual::in_triangle<float>>},
+    {"double", false, in_double<usual::in_triangle<double>>}};
 const std::vector<Kernel<Disk>> disk_kernels{{"library", false, run_library<Disk>},
                                              {"tutorial", true, in_float<usual::in_circle<float>>},
                                              {"double", false, in_double<usual::in_circle<double>>}};
@@ -462,7 +470,7 @@ void print(const Plane& s) {
 void print(const Parallelogram& s) {
   std::fprintf(stderr, "parallelogram "), print(s.position), print(s.edge_u), print(s.edge_v);
 }
-
+void print(const Triangle& s) { std::fprintf(stderr, "triangle "), print(s.a), print(s.b), print(s.c); }
 void print(const Disk& s) {
   std::fprintf(stderr, "disk "), print(s.position), print(s.normal), std::fprintf(stderr, ", %a", s.radius);
 }
@@ -673,10 +681,11 @@ int stress(int argc, char** argv) {
   const std::string& only = options.text("--kernel");
   if (!only.empty() && !is_kernel(only)) throw std::invalid_argument("no such kernel: " + only);
   const bool judges_itself = !options.text("--judge").empty();
-  const std::uint64_t corpora_count =
-      corpora::of_spheres.size() + corpora::of_planes.size() + corpora::of_parallelograms.size() +
-      corpora::of_disks.size() + corpora::of_boxes.size() + corpora::of_quadrics.size() +
-      corpora::of_placed_spheres.size() + corpora::of_placed_planes.size() + corpora::of_trees.size();
+  const std::uint64_t corpora_count = corpora::of_spheres.size() + corpora::of_planes.size() +
+                                      corpora::of_parallelograms.size() + corpora::of_triangles.size() +
+                                      corpora::of_disks.size() + corpora::of_boxes.size() +
+                                      corpora::of_quadrics.size() + corpora::of_placed_spheres.size() +
+                                      corpora::of_placed_planes.size() + corpora::of_trees.size();
   const std::uint64_t tests = options.number(judges_itself ? "--judge" : "--tests", 2'000'000);
   Work work(options, tests, corpora_count);
 
@@ -685,6 +694,7 @@ int stress(int argc, char** argv) {
     std::uint64_t wrong = judge_the_judge(corpora::of_spheres, work);
     wrong += judge_the_judge(corpora::of_planes, work);
     wrong += judge_the_judge(corpora::of_parallelograms, work);
+    wrong += judge_the_judge(corpora::of_triangles, work);
     wrong += judge_the_judge(corpora::of_disks, work);
     wrong += judge_the_judge(corpora::of_boxes, work);
     wrong += judge_the_judge(corpora::of_quadrics, work);
@@ -698,6 +708,7 @@ int stress(int argc, char** argv) {
   run(corpora::of_spheres, sphere_kernels, only, work, table, library);
   run(corpora::of_planes, plane_kernels, only, work, table, library);
   run(corpora::of_parallelograms, parallelogram_kernels, only, work, table, library);
+  run(corpora::of_triangles, triangle_kernels, only, work, table, library);
   run(corpora::of_disks, disk_kernels, only, work, table, library);
   run(corpora::of_boxes, box_kernels, only, work, table, library);
   run(corpora::of_quadrics, quadric_kernels, only, work, table, library);

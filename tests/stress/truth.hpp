@@ -101,6 +101,15 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray,
   return first_level(e.height, e.slope);
 }
 
+inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const protostar::Triangle& triangle,
+                                          bool leaves) {
+  if (leaves) return Truth<>{};
+  const TriangleEquation<Ball> e(ray, triangle);
+  const std::optional<bool> is_crossed = e.is_crossed();
+  if (!is_crossed) return std::nullopt;
+  return *is_crossed ? first_level(e.height, e.slope) : Truth<>{};
+}
+
 inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const protostar::Disk& disk,
                                           bool leaves) {
   if (leaves) return Truth<>{};
@@ -269,6 +278,14 @@ inline const char* wrong_coefficient(const protostar::Ray& ray,
   for (int i = 0; i < 4; ++i)
     if (!e.left[i].may_be(truth.left[i])) return "which side of an edge a point is on";
   return nullptr;
+}
+inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar::Triangle& triangle) {
+  const TriangleEquation<Ball> e(ray, triangle);
+  const TriangleEquation<Number> truth(ray, triangle);
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 4; ++k)
+      if (!e.side[i][k].may_be(truth.side[i][k])) return "on which side an edge is passed";
+  return wrong_in_linear(e, truth);
 }
 
 /// What a truth of the first level says that exact numbers do not, if anything.

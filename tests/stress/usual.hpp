@@ -34,6 +34,11 @@ struct Parallelogram {
 };
 
 template <class T>
+struct Triangle {
+  Vector<T> a, b, c;
+};
+
+template <class T>
 struct Disk {
   Vector<T> position, normal;
   T radius;
@@ -140,13 +145,30 @@ T school(const Ray<T>& ray, const Quadric<T>& q) {
   return A > 0 ? first_ahead(one, other) : first_ahead(other, one);
 }
 
-/// Möller and Trumbore's, for two triangles at once.
+/// Möller and Trumbore's: t, and the place position + a u + b v in the plane of two edges.
 template <class T>
-T determinants(const Ray<T>& ray, const Parallelogram<T>& s) {
-  const Vector<T> e = ray.origin - s.position, p = cross(ray.direction, s.edge_v), q = cross(e, s.edge_u);
-  const T one = 1 / dot(s.edge_u, p);
-  const T a = dot(e, p) * one, b = dot(ray.direction, q) * one, t = dot(s.edge_v, q) * one;
-  return 0 <= a && a <= 1 && 0 <= b && b <= 1 && t > 0 && t < miss<T> ? t : miss<T>;
+struct Determinants {
+  T a, b, t;
+
+  Determinants(const Ray<T>& ray, const Vector<T>& position, const Vector<T>& u, const Vector<T>& v) {
+    const Vector<T> e = ray.origin - position, p = cross(ray.direction, v), q = cross(e, u);
+    const T one = 1 / dot(u, p);
+    a = dot(e, p) * one, b = dot(ray.direction, q) * one, t = dot(v, q) * one;
+  }
+  [[nodiscard]] T t_if(bool is_inside) const { return is_inside && t > 0 && t < miss<T> ? t : miss<T>; }
+};
+
+template <class T>
+T in_triangle(const Ray<T>& ray, const Triangle<T>& s) {
+  const Determinants<T> x(ray, s.a, s.b - s.a, s.c - s.a);
+  return x.t_if(0 <= x.a && 0 <= x.b && x.a + x.b <= 1);
+}
+
+/// Two triangles at once.
+template <class T>
+T in_parallelogram(const Ray<T>& ray, const Parallelogram<T>& s) {
+  const Determinants<T> x(ray, s.position, s.edge_u, s.edge_v);
+  return x.t_if(0 <= x.a && x.a <= 1 && 0 <= x.b && x.b <= 1);
 }
 
 /// Any of these on a placed surface: by a ray that is carried back, its direction made a unit.

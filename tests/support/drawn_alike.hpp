@@ -1,19 +1,30 @@
 // Whether a scene's picture is the same in all ways to draw it.
 #pragma once
 
+#include <protostar/accel/accelerate.hpp>
 #include <protostar/integrators/whitted.hpp>
 #include <protostar/render.hpp>
 
 #include "pictures.hpp"
 
-/// How many pixels of a scene's picture differ between ray by ray in the plain scene, the same with the
-/// scene's tree, and by tiles.
-inline int pixels_drawn_otherwise(const auto& scene, const protostar::Camera& camera) {
+/// How many pixels of a scene's picture are not black, and how many differ between ray by ray in the plain
+/// scene, ray by ray in the accelerated one, and by tiles.
+struct DrawnAlike {
+  int lit = 0, different = 0;
+};
+
+inline DrawnAlike drawn_alike(const auto& scene, const protostar::Camera& camera, const auto& integrator) {
   using namespace protostar;
-  const WhittedIntegrator integrator{.depth = 5};
-  Image plain(64, 48), alone(64, 48), tiled(64, 48);
+  Image plain(64, 48), accelerated(64, 48), tiled(64, 48);
+  const auto fast = accelerate(scene);
   render(plain, camera, [&](const Ray& ray) { return integrator.radiance(ray, scene); });
-  render(alone, camera, scene, integrator, {.tiles = false});
+  render(accelerated, camera, [&](const Ray& ray) { return integrator.radiance(ray, fast); });
   render(tiled, camera, scene, integrator);
-  return different_pixels(plain, alone) + different_pixels(plain, tiled);
+  return {.lit = count_pixels(plain, [&](int x, int y) { return plain(x, y) != Color{0}; }),
+          .different = different_pixels(plain, accelerated) + different_pixels(plain, tiled)};
+}
+
+/// The same, with what mirrors and glass show.
+inline DrawnAlike drawn_alike(const auto& scene, const protostar::Camera& camera) {
+  return drawn_alike(scene, camera, protostar::WhittedIntegrator{.depth = 5});
 }
