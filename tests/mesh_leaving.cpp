@@ -47,6 +47,7 @@ Ray aimed_at_border(Random& random, const MeshData& data, double scale, bool at_
 /// How often a mesh was left outwards, and how often it was met again where it should not.
 struct Left {
   int outwards = 0, again = 0;
+  int odd = 0;  ///< those with an odd number of crossings ahead
 };
 
 /// Of rays that leave a surface of the mesh's shape at its borders. outwards(point) is on the outer side of
@@ -74,6 +75,7 @@ Left left_at_borders(const S& surface, const MeshData& data, double scale, const
     scene.crossings(ray, Interval{}, [&](const Intersection&) { ++crossings; });
     CHECK(again.has_value() == scene.occluded(ray, Interval{}));
     CHECK(again.has_value() == (crossings > 0));
+    left.odd += crossings % 2;
   }
   return left;
 }
@@ -145,6 +147,7 @@ TEST_CASE("what a ray meets at once that leaves a torus outwards at an edge or a
     const Left left = left_at_borders(torus, data, scale, outwards, goes_in_or_is_far, all_turn_alike);
     CHECK(left.outwards > 400);
     CHECK(left.again == 0);
+    CHECK(left.odd < left.outwards / 100);  // of those, the ones that are behind the other side
   }
 }
 
@@ -186,9 +189,48 @@ TEST_CASE("sides of the plane through three points are exact") {
   }
   CHECK(wrong == 0);
   CHECK(on_it > 1000);
-  // What double cannot decide: a plane through points that are nearly on one line.
+  // What double cannot decide: planes through points that are nearly on one line, and numbers that are tiny.
   const Point a{0.1, 0.2, 0.3}, b{0.7, 0.8, 0.9};
   const Point c{0.4, 0.5, std::nextafter(0.6, 1.0)};
-  CHECK(side_of_point({0.1, 0.3, 0.3}, a, b, c) == -side_of_point({0.1, 0.3, 0.3}, b, a, c));
-  CHECK(side_of_point(0.5 * (a + b), a, b, c) == -side_of_point(0.5 * (a + b), c, b, a));
+  CHECK(side_of_point({0.1, 0.3, 0.3}, a, b, c) == -1);
+  CHECK(side_of_point(0.5 * (a + b), a, b, c) == 1);
+  const double tiny = 0x1p-530;  // the normal is (0, 0, 1) of 2^-1060, and next to it what underflows
+  const Point o{0}, p{tiny, 0, 0x1p-20 * tiny}, q{0, tiny, 0};
+  CHECK(side_led_to({0x1p700, 0, 0x1.00001p680}, o, p, q) == 1);
+  CHECK(side_led_to({0x1p700, 0, 0x1.fffffp679}, o, p, q) == -1);
+}
+
+TEST_CASE("what is crossed far away is crossed, also from a border and along the plane that is left") {
+  // A floor, a wall through its plane, and a blade above it that has a corner of the floor.
+  const MeshData data{.vertices = {{0, 0, 0},
+                                   {4, 0, 0},
+                                   {0, 4, 0},
+                                   {2, -1, -1},
+                                   {2, 5, -1},
+                                   {2, 2, 3},
+                                   {-6, -3, 1.5},
+                                   {6, 3, 1.7},
+                                   {6, -3, 1.5}},
+                      .triangles = {{0, 1, 2}, {3, 4, 5}, {0, 8, 7}}};
+  const Mesh mesh(data, {.threads = 1});
+  const auto leaves_floor = [&](const Point& origin, const Vec3& direction) {
+    return mesh.first_crossing({origin, direction, mesh.departure(0)}, Interval{});
+  };
+  const auto wall = leaves_floor({1, 1, 0}, {1, 0, 0});
+  REQUIRE(wall);
+  CHECK((wall->t == 1 && wall->part == 1));
+  Random random(74);
+  int met = 0, wrong = 0;
+  for (int i = 0; i < 2000; ++i) {  // from the floor's edge opposite to the corner, rounded
+    const double f = random.real(0.1, 0.9);
+    const Ray ray{data.vertices[1] + f * (data.vertices[2] - data.vertices[1]),
+                  Vec3{random.real(-0.3, 0.3), random.real(-0.3, 0.3), 1}, mesh.departure(0)};
+    const auto blade = first_crossing(data.triangle(2), ray, Interval{});
+    met += blade.has_value();
+    int crossings = 0;
+    mesh.each_crossing(ray, Interval{}, [&](const Crossing& crossing) { crossings += crossing.part == 2; });
+    wrong += crossings != (blade ? 1 : 0);
+  }
+  CHECK(met > 500);
+  CHECK(wrong == 0);
 }

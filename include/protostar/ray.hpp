@@ -23,9 +23,9 @@ struct Departure {
   enum class Kind : std::uint8_t { none, object, sphere, plane, rounded_plane };
 
   Kind kind = Kind::none;
-  int part = 0;  ///< of a triangle of a mesh, which it is
-  /// Kind object: the surface itself, recognized by its address. Of a plane, what a mesh recognizes itself
-  /// by if it is a triangle's of its own, or nothing.
+  int part = 0;  ///< of a mesh: the number of the triangle that is left
+  /// Kind object: the surface itself, recognized by its address. Of a triangle of a mesh: what the mesh is
+  /// made of, by which it recognizes itself. Else null.
   const void* object = nullptr;
 
   /// kind sphere: center and |radius|; kind plane: normal and distance; kind rounded_plane: the same of a
@@ -34,9 +34,10 @@ struct Departure {
 
   [[nodiscard]] bool is_planar() const { return kind == Kind::plane || kind == Kind::rounded_plane; }
 
-  /// Whether both are of one geometry. For planes that is exact where both equations are, and these may be
-  /// multiples of each other. Where one is rounded, equal planes are always found to be equal, and two others
-  /// only if their equations are rounded to the same numbers: to the digits that a point has, they are one.
+  /// Whether both are of one geometry; of planes neither object nor part counts. For planes that is exact
+  /// where both equations are, and these may be multiples of each other. Where one is rounded, equal planes
+  /// are always found to be equal, and two others only if their equations are rounded to the same numbers: to
+  /// the digits that a point has, they are one.
   bool operator==(const Departure& other) const {
     if (kind == other.kind && geometry == other.geometry && (is_planar() || object == other.object))
       return true;

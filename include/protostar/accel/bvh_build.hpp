@@ -237,7 +237,10 @@ class TreeBuilder {
         node.children[place] = Child::leaf({parts[k].first, parts[k].count()}).bits();
         put(node, place++, parts[k].box);
       }
-    for (; place < node_width; ++place) put(node, place, Box::nothing());
+    for (; place < node_width; ++place) {
+      node.children[place] = 0;
+      put(node, place, Box::nothing());
+    }
     return nodes;
   }
 

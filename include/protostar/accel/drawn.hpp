@@ -46,7 +46,7 @@ struct DrawnOf<S> {
     typename S::Drawn drawn;
   };
   std::vector<std::unique_ptr<Entry>> entries;
-  std::size_t count = 0;  ///< of entries that are of this tile
+  std::size_t count = 0;  ///< how many of the entries belong to this tile
 
   /// One for the surface at a place and the i-th samples of pixels; null if there are enough.
   typename S::Drawn* add(int place, int sample) {

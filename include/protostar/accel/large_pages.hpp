@@ -47,7 +47,10 @@ class LargePages {
     ::new (static_cast<void*>(place)) U(static_cast<Values&&>(values)...);
   }
 
-  friend bool operator==(const LargePages&, const LargePages&) { return true; }
+  template <class U>
+  bool operator==(const LargePages<U>&) const {
+    return true;
+  }
 
  private:
   static constexpr std::size_t page = std::size_t{1} << 21, line = 64;  ///< of memory, and of the cache

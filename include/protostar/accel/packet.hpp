@@ -4,6 +4,9 @@
 // one vector or one in each lane. Every lane is computed as a single ray is, so that it gets the same bytes.
 #pragma once
 
+#include <bit>
+#include <utility>
+
 #include "../scene.hpp"
 #include "simd.hpp"
 

@@ -421,7 +421,8 @@ template <class U, class T, int N>
 [[nodiscard]] Lanes<U, N> converted(const Lanes<T, N>& a) {
 #if defined(PROTOSTAR_VECTORS)
 #if defined(__AVX512F__)
-  // In one instruction, where g++ 12 makes one for each half.
+  // In one instruction, where g++ 12 makes one for each half; by maskz, as in sqrt, since it warns of the
+  // others.
   using V = Vector<U, N>;
   if constexpr (N == 8 && std::same_as<T, float> && std::same_as<U, double>)
     return (V)_mm512_maskz_cvtps_pd(0xff, (__m256)a.v);

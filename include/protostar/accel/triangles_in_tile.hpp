@@ -108,7 +108,7 @@ class TrianglesInTile {
     select(met, which, Indices(which[any_lane])).store(numbers);
     for (std::size_t lane = 0; lane < double_lanes; ++lane) {
       const auto one = static_cast<std::size_t>(numbers[lane]);
-      planes[lane] = &drawn_[one / double_lanes].numbers[0][one % double_lanes];
+      planes[lane] = &drawn_[one / double_lanes].numbers[one % double_lanes];
     }
     const auto number = [&](std::size_t k) {
       return Doubles::of_each([&](int lane) { return planes[lane][k * double_lanes]; });
@@ -163,15 +163,16 @@ class TrianglesInTile {
 
   /// Of some triangles, what t of a ray from the eye is worked out from: height / n·d.
   struct Planes {
-    double numbers[4][double_lanes];  ///< n, and the height
+    double numbers[4 * double_lanes];  ///< all n.x, all n.y, all n.z, and the heights
     Leaf leaf;
     std::uint32_t first;
 
     Planes(const Screen& screen, const std::array<Vectors, 3>& corners, Leaf of, std::uint32_t i)
         : leaf(of), first(i) {
       const Vectors normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
-      normal.x.store(numbers[0]), normal.y.store(numbers[1]), normal.z.store(numbers[2]);
-      dot(normal, corners[0] - Vectors(screen.eye)).store(numbers[3]);
+      normal.x.store(numbers), normal.y.store(numbers + double_lanes),
+          normal.z.store(numbers + 2 * double_lanes);
+      dot(normal, corners[0] - Vectors(screen.eye)).store(numbers + 3 * double_lanes);
     }
 
     /// Above these k, t is certain. In the way and with the bounds of rounded_triangle_equation, it is where
@@ -183,7 +184,8 @@ class TrianglesInTile {
       const auto sum_of = [](const Vectors& v) { return v.x + v.y + v.z; };
       const Vectors p = abs(b - a), q = abs(c - a), w = abs(a - Vectors(screen.eye)),
                     terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
-      const Doubles U = sum_of(p), V = sum_of(q), heights = dot(terms, w), height = Doubles::load(numbers[3]);
+      const Doubles U = sum_of(p), V = sum_of(q), heights = dot(terms, w),
+                    height = Doubles::load(numbers + 3 * double_lanes);
       const Chosen known = U > 0x1p-200 && U < 0x1p200 && V > 0x1p-200 && V < 0x1p200 &&
                            sum_of(w) < 0x1p200 && abs(height) > 0x1p-18 * heights && heights > 0x1p-800;
       const Doubles least = max(0x1p-17 * max(terms.x, max(terms.y, terms.z)), 0x1p-500),

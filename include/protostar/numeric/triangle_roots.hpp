@@ -149,14 +149,21 @@ struct RoundedTriangleEquation {
 
 namespace detail {
 
-/// The sign of n·w, with n = (b − a) × (c − a): in double if that is sure, or else exact(n's edges b − a and
-/// c − a). n·w is off by at most 8 units of 2^-53 of the sum of the sizes of its terms, as above.
+/// The sign of n·w, with n = (b − a) × (c − a): in double if that is sure, or else exact(). In double n·w is
+/// off by at most 8 units of 2^-53 of the sum of the sizes of its terms, as above. In the range given, what
+/// underflows in n is below 2^-1073, which is times w less than 2^-872, far below 2^-49 of 2^-800.
 [[nodiscard]] inline int sign_along_normal(const Vec3& w, const Point& a, const Point& b, const Point& c,
                                            const auto& exact) {
   const Vec3 u = b - a, v = c - a, p = abs(u), q = abs(v);
   const Vec3 terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
   const double along = dot(cross(u, v), w), sizes = dot(terms, abs(w));
-  if (std::abs(along) > 0x1p-49 * sizes && sizes > 0x1p-800 && sizes < 0x1p800) return along > 0 ? 1 : -1;
+  const auto is_moderate = [](const Vec3& sizes_of_one) {
+    const double size = sizes_of_one.x + sizes_of_one.y + sizes_of_one.z;
+    return 0x1p-200 < size && size < 0x1p200;
+  };
+  if (is_moderate(p) && is_moderate(q) && is_moderate(abs(w)) && sizes > 0x1p-800 &&
+      std::abs(along) > 0x1p-49 * sizes)
+    return along > 0 ? 1 : -1;
   return exact();
 }
 

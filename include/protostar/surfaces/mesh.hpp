@@ -369,14 +369,15 @@ class Mesh {
     return (1 - uv.x - uv.y) * of_vertices[a] + uv.x * of_vertices[b] + uv.y * of_vertices[c];
   }
 
-  /// The crossing with the i-th triangle; none that a ray only seems to have that leaves another.
+  /// The crossing with the i-th triangle. A ray that leaves a triangle of this mesh says which by its number,
+  /// and so it must not be asked after its mesh is gone.
   [[nodiscard]] std::optional<Crossing> crossing_with(const Triangle& one, std::uint32_t i, const Ray& ray,
                                                       const Interval& range) const {
     auto crossing = protostar::first_crossing(one, ray, range);
     if (!crossing) return {};
     const Departure& left = ray.departure;
     if (left.is_planar() && left.object == contents_.get() &&
-        only_seems_crossed(triangle(left.part), one, ray, crossing->t > 0))
+        only_seems_crossed(triangle(left.part), one, ray, crossing->t))
       return {};
     crossing->part = static_cast<int>(i);
     return crossing;

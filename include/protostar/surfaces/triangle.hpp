@@ -95,17 +95,21 @@ struct Triangle {
 static_assert(SurfaceWithRefinedRoots<Triangle> && SurfaceWithDeparture<Triangle> &&
               SurfaceWithBounds<Triangle>);
 
-/// Whether a ray that leaves a triangle only seems to cross another of its mesh, since its origin is rounded
-/// and may lie behind a neighbor.
+/// Whether a ray that leaves a triangle of a mesh only seems to cross another one: its origin is rounded, and
+/// may lie behind a neighbor (docs/numerics.md, Leaving a mesh).
 ///
-/// From a point of the triangle, a line crosses the other one ahead only if that reaches to the side of the
-/// triangle's plane to which the line leads, and the triangle to the side of the other's plane from which it
-/// comes; behind, the other way round. That leaves triangles which have no more than a vertex in common and
-/// lie on both sides of each other's planes. Around a vertex a line goes in and out in turn: if it passes
-/// beside the triangle that it leaves, another that it crosses to the same side stands in for it.
+/// Its line leads through some point P of the triangle that is left, to the side σ of its plane. The other is
+/// crossed ahead of P only if it has a vertex on that side, and the triangle that is left has one on the side
+/// of the other's plane from which the line comes; behind P, the other way round. If σ is 0, the line is
+/// parallel to the plane, and the first says nothing.
+///
+/// Of two that have no more than a vertex in common, this may not tell. But a line that passes near the
+/// vertex crosses the triangles around it in and out in turn. So if it misses the one that it leaves, the one
+/// that it crosses there to the same side stands in for it. There is within 2^-30 of the triangle's
+/// coordinates, which is what t of the hit is good to.
 [[nodiscard]] inline bool only_seems_crossed(const Triangle& left, const Triangle& other, const Ray& ray,
-                                             bool is_ahead) {
-  const auto leads_to = [&](const Triangle& plane) {
+                                             double t) {
+  const auto side_of_way = [&](const Triangle& plane) {
     return side_led_to(ray.direction, plane.a, plane.b, plane.c);
   };
   const auto has_vertex = [](const Triangle& one, int side, const Triangle& plane) {
@@ -114,12 +118,17 @@ static_assert(SurfaceWithRefinedRoots<Triangle> && SurfaceWithDeparture<Triangle
     };
     return is_there(one.a) || is_there(one.b) || is_there(one.c);
   };
-  const int side = leads_to(left), side_of_other = leads_to(other), way = is_ahead ? 1 : -1;
-  if (!has_vertex(other, way * side, left) || !has_vertex(left, -way * side_of_other, other)) return true;
+  const int side = side_of_way(left), side_of_other = side_of_way(other), way = t > 0 ? 1 : -1;
+  if (side != 0 && !has_vertex(other, way * side, left)) return true;
+  if (!has_vertex(left, -way * side_of_other, other)) return true;
+
+  const auto largest = [](const Vec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); };
+  const double size = std::max({largest(left.a), largest(left.b), largest(left.c)});
   const auto is_of_both = [&](const Point& vertex) {
     return vertex == other.a || vertex == other.b || vertex == other.c;
   };
-  return side == side_of_other && (is_of_both(left.a) || is_of_both(left.b) || is_of_both(left.c)) &&
+  return side == side_of_other && std::abs(t) * largest(ray.direction) <= 0x1p-30 * size &&
+         (is_of_both(left.a) || is_of_both(left.b) || is_of_both(left.c)) &&
          triangle_roots(ray.origin, ray.direction, left.a, left.b, left.c).count() == 0;
 }
 
