@@ -1,4 +1,6 @@
 // Memory in large pages, where the system has them (accel/large_pages.hpp).
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -6,6 +8,7 @@
 #include <protostar/accel/large_pages.hpp>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include "support/catch.hpp"
 
@@ -27,7 +30,11 @@ TEST_CASE("a vector in large pages is a vector") {
 
 // "hg" is what Linux says of memory for which large pages were asked.
 TEST_CASE("large pages are asked for where a vector fills some, and only there", "[linux]") {
-  if (!std::filesystem::exists("/sys/kernel/mm/transparent_hugepage")) return;
+  if (!std::filesystem::exists("/sys/kernel/mm/transparent_hugepage") ||
+      !std::filesystem::exists("/proc/self/smaps")) {
+    WARN("this system does not tell of large pages");
+    return;
+  }
   const auto is_asked_for = [](const void* memory) {
     const auto address = reinterpret_cast<std::uintptr_t>(memory);
     std::ifstream maps("/proc/self/smaps");

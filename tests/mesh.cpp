@@ -346,10 +346,7 @@ TEST_CASE("meshes of all sizes are met, and numbers that are not finite meet not
     }
 }
 
-TEST_CASE(
-    "a picture of meshes is the same plain, accelerated and by tiles, and so is what surfaces of any type "
-    "are "
-    "met by") {
+TEST_CASE("pictures of meshes are the same plain, accelerated and by tiles, and what is met as any surface") {
   Random random(43);
   MeshData ball = meshes::moved(meshes::icosphere(2), 0.9, {-0.8, 0, 4});
   for (const Point& p : ball.vertices) ball.normals.push_back(p - Vec3{-0.8, 0, 4});

@@ -13,8 +13,11 @@
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <protostar/io/obj.hpp>
+#include <stdexcept>
+#include <string>
 
 #include "options.hpp"
 #include "support/files.hpp"
@@ -73,7 +76,8 @@ int main(int argc, char** argv) {
   try {
     const std::uint64_t lines = Options(argc, argv, {"--lines"}).number("--lines", 200'000);
     const std::uint64_t rows = std::max<std::uint64_t>(lines / (4 * width), 3);  // of four lines for a place
-    if (rows > 1'000'000) throw std::invalid_argument("--lines: at most 400,000,000");
+    if (rows > 125'000)  // 2 GB, of which load_obj takes 2^31 bytes
+      throw std::invalid_argument("--lines: at most 50,000,000");
     const auto height = static_cast<std::uint32_t>(rows);
 
     const TemporaryFolder folder;

@@ -118,8 +118,8 @@ class JsonBuilder {
   bool parse_error(std::size_t, const std::string& token, const nlohmann::detail::exception& error) const {
     if (dynamic_cast<const json::out_of_range*>(&error))
       refuse(file_, pointer(), beginning(token) + " is not a number that a double holds, up to 1.8e308");
-    const std::string what =
-        error.what();  // "[its name] parse error at line 1, column 2: ... last read: ..."
+    // "[its name] parse error at line 1, column 2: ... last read: ..."
+    const std::string what = error.what();
     throw SceneError(file_ + ": " + printable(what.substr(what.find("] ") + 2), 240));
   }
 

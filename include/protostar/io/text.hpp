@@ -15,9 +15,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
-/// The bytes of a file, up to its end or a zero byte, which no text has: what such a file as /dev/zero holds
-/// is refused without its end. Throws std::system_error if they cannot be read, and Error if there are more
-/// than `most`.
+/// The bytes of a file, up to its end, or to the end of a block with a zero byte, which no text has and its
+/// reader has to refuse: so /dev/zero is refused, which has no end. Throws std::system_error if they cannot
+/// be read, and Error if there are more than `most`.
 template <class Error>
 std::string text_of(const std::filesystem::path& path, std::size_t most) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.string().c_str(), "rb"),
