@@ -106,7 +106,7 @@ static_assert(SurfaceWithRefinedRoots<Triangle> && SurfaceWithDeparture<Triangle
 /// Of two that have no more than a vertex in common, this may not tell. But a line that passes near the
 /// vertex crosses the triangles around it in and out in turn. So if it misses the one that it leaves, the one
 /// that it crosses there to the same side stands in for it. There is within 2^-30 of the triangle's
-/// coordinates, which is what t of the hit is good to.
+/// coordinates, which is what t of the hit is good to, of a ray from no farther away.
 [[nodiscard]] inline bool only_seems_crossed(const Triangle& left, const Triangle& other, const Ray& ray,
                                              double t) {
   const auto side_of_way = [&](const Triangle& plane) {
