@@ -42,23 +42,27 @@ const std::vector<std::vector<std::string>> layers = {
     {"integrator.hpp", "tone.hpp", "accel/accelerate.hpp", "accel/occluders.hpp", "accel/tile.hpp",
      "accel/triangle_tree.hpp"},
     {"accel/drawn.hpp", "accel/screen.hpp"},
-    {"accel/tile_scene.hpp", "accel/triangles_in_tile.hpp"},
-    {"accel/render_tiles.hpp"},
-    {"render.hpp", "encode.hpp", "output_file.hpp", "surfaces/mesh.hpp", "io/text.hpp"},
-    {"pfm.hpp", "ppm.hpp", "io/obj.hpp", "io/scene_file.hpp", "io/stb_image_write.hpp"},
-    {"io/image_texture.hpp"},
+    {"accel/tile_scene.hpp", "accel/triangles_on_screen.hpp"},
+    {"accel/render_tiles.hpp", "accel/coverage.hpp"},
+    {"render.hpp", "encode.hpp", "output_file.hpp", "accel/triangles_in_tile.hpp"},
+    {"surfaces/mesh.hpp", "pfm.hpp", "ppm.hpp", "io/scene_file.hpp", "io/stb_image_write.hpp", "io/text.hpp"},
+    {"io/image_texture.hpp", "io/obj.hpp"},
     // None of these includes another, and nothing in the core any of io/.
     {"protostar.hpp", "io/hdr.hpp", "io/json_scene.hpp", "io/png.hpp"},
 };
 
 /// The surfaces that a program names by their headers where it has them, with what only they need.
 const std::set<std::string> on_demand = {
-    "numeric/affine.hpp",         "surfaces/csg.hpp",           "surfaces/instance.hpp",
-    "accel/triangle_leaves.hpp",  "accel/triangle_tree.hpp",    "accel/triangles_in_tile.hpp",
-    "numeric/triangle_roots.hpp", "surfaces/mesh.hpp",          "surfaces/triangle.hpp",
-    "numeric/box_roots.hpp",      "numeric/disk_roots.hpp",     "numeric/quadric_roots.hpp",
-    "surfaces/box.hpp",           "numeric/quadric_bounds.hpp", "surfaces/disk.hpp",
-    "surfaces/quadric.hpp",       "accel/in_turns.hpp",         "accel/screen.hpp",
+    "numeric/affine.hpp",         "surfaces/csg.hpp",
+    "surfaces/instance.hpp",      "accel/triangle_leaves.hpp",
+    "accel/triangle_tree.hpp",    "accel/triangles_in_tile.hpp",
+    "numeric/triangle_roots.hpp", "surfaces/mesh.hpp",
+    "surfaces/triangle.hpp",      "numeric/box_roots.hpp",
+    "numeric/disk_roots.hpp",     "numeric/quadric_roots.hpp",
+    "surfaces/box.hpp",           "numeric/quadric_bounds.hpp",
+    "surfaces/disk.hpp",          "surfaces/quadric.hpp",
+    "accel/in_turns.hpp",         "accel/screen.hpp",
+    "accel/coverage.hpp",         "accel/triangles_on_screen.hpp",
 };
 
 /// What the core includes from outside: the standard library, and of GLM the smallest part that will do; and

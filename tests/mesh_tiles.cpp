@@ -62,6 +62,18 @@ struct Telling {
   [[nodiscard]] Color shade_anywhere(const Material&) const { return anywhere; }
 };
 
+/// Looks at what is met first, and does not say so by a function shade.
+struct Following {
+  using TakesPackets = Following;
+
+  template <class R>
+  [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {
+    return follow(
+        ray, scene, [] { return Color{0.5f}; },
+        [](const auto& hit) { return hit.color() * to_float(1 / hit.t); });
+  }
+};
+
 /// Round meshes, smooth and flat, colored and textured, a mirror and glass, and what else there is.
 Everything many_things() {
   Everything scene;
@@ -108,7 +120,9 @@ TEST_CASE("by tiles, meshes among other surfaces look as they do ray by ray") {
   CHECK(drawn_otherwise(scene, camera, BinaryIntegrator{}) == 0);
   CHECK(drawn_otherwise(scene, camera, NormalIntegrator{}) == 0);
   CHECK(drawn_otherwise(scene, camera, TransparencyIntegrator{}) == 0);
+  CHECK(drawn_otherwise(scene, camera, TransparencyIntegrator{}, {.samples = 3}) == 0);
   CHECK(drawn_otherwise(scene, camera, WhittedIntegrator{.depth = 5}) == 0);
+  CHECK(drawn_otherwise(scene, camera, Following{}) == 0);
 }
 
 TEST_CASE("by tiles, meshes look as they do ray by ray to any camera, in parts and to several rays a pixel") {
@@ -153,6 +167,8 @@ TEST_CASE("by tiles, rays that are aimed at edges and vertices of a mesh meet wh
       CHECK(drawn_otherwise(scene, one, NormalIntegrator{}, {}, 64, 64) == 0);
       CHECK(drawn_otherwise(scene, one, NormalIntegrator{}, {}, 65, 65) == 0);
       CHECK(drawn_otherwise(alone, one, ColorIntegrator{}, {}, 64, 64) == 0);
+      CHECK(drawn_otherwise(scene, one, BinaryIntegrator{}, {}, 64, 64) == 0);
+      CHECK(drawn_otherwise(scene, one, TransparencyIntegrator{}, {}, 64, 64) == 0);
     }
   }
 }
@@ -179,6 +195,10 @@ TEST_CASE("by tiles, triangles of any size around a camera look as they do ray b
     CAPTURE(round);
     CHECK(different_bytes(plain, tiles) == 0);
     if (round % 4 != 0) in_doubt += taken.in_doubt;
+    // In one color: only whether a pixel meets any is asked.
+    render(tiles, camera, scene, ColorIntegrator{}, {.threads = 1});
+    render(plain, camera, scene, ColorIntegrator{}, {.tiles = false});
+    CHECK(different_bytes(plain, tiles) == 0);
     drawn += count_pixels(plain, [&](int x, int y) { return plain(x, y) != Color{0}; });
   }
   CHECK(drawn > 30000);
@@ -193,6 +213,28 @@ TEST_CASE("by tiles, meshes of sizes that float does not hold look as they do ra
     CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}, {}, 20, 15) == 0);
     scene.add(mesh_of(meshes::icosphere(1)), Color{1});
     CHECK(drawn_otherwise(scene, Camera{.position = {0, 0, -3}}, NormalIntegrator{}, {}, 20, 15) == 0);
+  }
+}
+
+TEST_CASE("by tiles, triangles behind the eye are not seen, and others as far as they are in front") {
+  // All in one leaf: a small one in front; one behind, whose mirror image would fill the picture; and one
+  // that begins in front and ends behind.
+  MeshData data;
+  data.vertices = {{-1, 0, 3},  {-0.5, 0, 3}, {-0.5, 0.5, 3}, {-9, -9, -2}, {9, -9, -2},
+                   {0, 18, -2}, {0.5, -1, 4}, {1.5, -1, 4},   {0.5, -1, -4}};
+  const std::array<std::uint32_t, 3> triangles[] = {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
+  for (int which = 1; which < 8; ++which) {
+    data.triangles.clear();
+    for (int i = 0; i < 3; ++i)
+      if ((which >> i & 1) != 0) data.triangles.push_back(triangles[i]);
+    Everything scene;
+    scene.add(mesh_of(data), Color{0.5f});
+    RenderStatistics taken;
+    CHECK(drawn_otherwise(scene, Camera{}, ColorIntegrator{}, {.statistics = &taken}) == 0);
+    CHECK(taken.in_doubt < 100);
+    CHECK(drawn_otherwise(scene, Camera{}, BinaryIntegrator{}) == 0);
+    CHECK(drawn_otherwise(scene, Camera{}, TransparencyIntegrator{}) == 0);
+    CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}) == 0);
   }
 }
 
@@ -369,6 +411,29 @@ TEST_CASE("a tile that draws a mesh leaves few rays in doubt") {
   CHECK(taken.in_doubt < 320 * 240 / 100);
 }
 
+TEST_CASE(
+    "of rays through a tile that draws a mesh, those that surely miss it are not asked what they cross") {
+  Everything scene, textured;
+  const Mesh ring = mesh_of(meshes::torus(300, 60));
+  scene.add(ring, Color{0.5f});
+  Material material;
+  material.texture = Checker{.first = Color{0.9f}, .second = Color{0.1f}, .size = 0.25};
+  textured.add(ring, material);
+  const Camera camera = Camera::look_at({0, -2, 1.5}, {0, 0, 0}, {0, 0, 1}, 60);
+  for (const Everything* one : {&scene, &textured}) {
+    RenderStatistics whether, crossed;
+    Image image(320, 240);
+    CHECK(drawn_otherwise(*one, camera, TransparencyIntegrator{}, {.statistics = &crossed}, 320, 240) == 0);
+    render(image, camera, *one, BinaryIntegrator{}, {.statistics = &whether});
+    const auto met = static_cast<std::uint64_t>(
+        count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; }));
+    CHECK((met > 10000 && met < 320 * 240 / 2));
+    // Both ask the drawing about all, and only one of them goes on with what it says.
+    const std::uint64_t asked = crossed.surface_tests - whether.surface_tests;
+    CHECK((asked >= met && asked < met + 320 * 240 / 100));
+  }
+}
+
 TEST_CASE("a floor in whose plane the eye is leaves few rays in doubt, and so do triangles without area") {
   // Beside the eye, so that it is not in front as a whole; and a wall behind.
   const auto in_doubt = [](bool on_a_line) {
@@ -397,6 +462,7 @@ TEST_CASE(
       Everything scene;
       scene.add(mesh_of(floor), Color{1});
       CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}) == 0);
+      CHECK(drawn_otherwise(scene, Camera{}, ColorIntegrator{}) == 0);
     }
 }
 

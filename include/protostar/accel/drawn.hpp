@@ -14,9 +14,9 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 
 /// A surface that is drawn into a tile as a whole, since it has many parts. It has a type Drawn, and
 /// draw(drawn, rays, sample, frustum, tile, asked) fills one, for one ray of each pixel. If is_drawn() then,
-/// seen(wanted, x, y) tells of the rays from pixel (x, y) on which meet it, and which are in doubt. If it was
-/// asked where, `which` is the entry ≥ 0 of the drawing that each meets first: that is crossing 0 of
-/// part(which), and if some are met, t(which, met, directions) are the t of these, with the bits of
+/// seen(wanted, x, y) tells of the rays from pixel (x, y) on which meet it, and which are in doubt. If it
+/// tells_where(), as asked, `which` is the entry ≥ 0 of the drawing that each meets first: that is crossing 0
+/// of part(which), and if some are met, t(which, met, directions) are the t of these, with the bits of
 /// first_crossing's.
 template <class S>
 concept SurfaceForTiles = SurfaceWithParts<S> &&
@@ -24,6 +24,7 @@ concept SurfaceForTiles = SurfaceWithParts<S> &&
              const Tile& tile, const Chosen& chosen, const Indices& which, const Vectors& directions) {
   surface.draw(drawn, rays, 0, frustum, tile, Asked::where);
   { drawn.is_drawn() } -> std::same_as<bool>;
+  { drawn.tells_where() } -> std::same_as<bool>;
   { drawn.seen(chosen, 0, 0).met } -> std::same_as<Chosen&&>;
   { drawn.seen(chosen, 0, 0).in_doubt } -> std::same_as<Chosen&&>;
   { drawn.seen(chosen, 0, 0).which } -> std::same_as<Indices&&>;

@@ -165,13 +165,14 @@ class TileRenderer {
     return ShadingIntegrator<I, View> && ShadesAnywhere<I> && nothing_is_alike() && !material.texture;
   }
 
-  /// Draws the candidates that are drawn as a whole.
+  /// Draws the candidates that are drawn as a whole. Who does not shade what is met first never asks where.
   void draw(const Candidates& candidates, const Frustum& frustum, const Tile& tile, Work& work) const {
     const int samples = rays_.pixels().samples();
     const bool is_alone = candidates.size() == 1 && unbounded_.empty() && samples == 1;
     const auto visit = [&]<class T>(const DrawnOf<T>&, const T& surface, const Material& material,
                                     int place) {
-      const Asked asked = is_alone && is_alike(material) ? Asked::whether : Asked::where;
+      const bool nowhere = !ShadingIntegrator<I, View> || (is_alone && is_alike(material));
+      const Asked asked = nowhere ? Asked::whether : Asked::where;
       if constexpr (SurfaceForTiles<T>)
         for (int i = 0; i < samples; ++i)
           if (auto* const drawn = std::get<DrawnOf<T>>(work.drawn).add(place, i))

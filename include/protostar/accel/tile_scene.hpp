@@ -291,10 +291,12 @@ class TileScene {
       const bool is_candidate = k == 0 || (i < candidates_.size() && place_of(i) < place_of(k));
       const int next = is_candidate ? i++ : k++;
       if (trial.rules_out(next)) continue;
-      count_tests(rays.wanted);
       visit(place_of(next), [&](const auto& surface, const Material& material) {
-        if (material.texture) return each_textured_crossing(surface, material, rays, range, visit_crossing);
-        each_crossing_of(surface, rays, range, [&](Chosen which, Doubles) {
+        const Chosen maybe = may_cross(surface, place_of(next), rays, range);
+        count_tests(maybe);
+        if (material.texture)
+          return each_textured_crossing(surface, material, rays, maybe, range, visit_crossing);
+        each_crossing_of(surface, rays, maybe, range, [&](Chosen which, Doubles) {
           if (any(which)) visit_crossing(SomeCross{which, material.diffuse});
         });
       });
@@ -357,7 +359,7 @@ class TileScene {
   template <Surface T>
   void consider(const T& surface, int place, const auto& rays, Closest& closest, Chosen& in_doubt) const {
     if constexpr (SurfaceForTiles<T> && are_of_pinhole<decltype(rays)>)
-      if (const auto* const drawn = drawn_at<T>(place)) {
+      if (const auto* const drawn = drawn_at<T>(place); drawn && drawn->tells_where()) {
         const auto seen = drawn->seen(rays.wanted, first_x_, first_y_);
         FirstCrossings first{.t = infinity, .met = seen.met, .in_doubt = seen.in_doubt};
         if (any(seen.met))
@@ -594,12 +596,27 @@ class TileScene {
     return crossed_by_each(surface, rays, left, range);
   }
 
-  /// Calls tell(Chosen, t) for the crossings with one surface, near before far, with the rays that have one.
+  /// Which rays may cross a surface inside the range, as far as it is drawn.
   template <Surface T>
-  void each_crossing_of(const T& surface, const auto& rays, Interval range, const auto& tell) const {
-    Chosen alone = rays.wanted;
+  [[nodiscard]] Chosen may_cross(const T&, [[maybe_unused]] int place, const auto& rays,
+                                 [[maybe_unused]] Interval range) const {
+    if constexpr (SurfaceForTiles<T> && are_of_pinhole<decltype(rays)>)
+      if (const auto* const drawn = drawn_at<T>(place); drawn && range.min >= 0) {
+        count_tests(rays.wanted);
+        const auto seen = drawn->seen(rays.wanted, first_x_, first_y_);
+        return seen.met || seen.in_doubt;
+      }
+    return rays.wanted;
+  }
+
+  /// Calls tell(Chosen, t) for the crossings of some rays with one surface, near before far, with those that
+  /// have one.
+  template <Surface T>
+  void each_crossing_of(const T& surface, const auto& rays, Chosen some, Interval range,
+                        const auto& tell) const {
+    Chosen alone = some;
     if constexpr (SurfaceForPackets<T>) {
-      const RootsOfEach<Doubles, Chosen> roots = surface.roots_of_each(rays, rays.wanted);
+      const RootsOfEach<Doubles, Chosen> roots = surface.roots_of_each(rays, some);
       const Inside near = lies_inside(roots.near(), range), far = lies_inside(roots.far(), range);
       alone = roots.in_doubt || (roots.meets && ((near.maybe && !near.surely) || (far.maybe && !far.surely)));
       const Chosen sure = roots.meets && !alone;
@@ -615,14 +632,15 @@ class TileScene {
   /// The crossings with a surface that has another color at each place.
   template <Surface T>
   [[gnu::noinline]] void each_textured_crossing(const T& surface, const Material& material, const auto& rays,
-                                                Interval range, const auto& visit_crossing) const {
+                                                Chosen some, Interval range,
+                                                const auto& visit_crossing) const {
     if (has_parts(surface))
-      each_crossing_by_itself(surface, rays, rays.wanted, range, [&](int lane, const Crossing& crossing) {
+      each_crossing_by_itself(surface, rays, some, range, [&](int lane, const Crossing& crossing) {
         const Intersection hit(rays[lane], crossing_on(surface, crossing, material));
         visit_crossing(SomeCross{one(lane), hit.color()});
       });
     else
-      each_crossing_of(surface, rays, range, [&](Chosen which, Doubles t) {
+      each_crossing_of(surface, rays, some, range, [&](Chosen which, Doubles t) {
         const Intersections crossings(rays, t, which, surface, material);
         if (any(which)) visit_crossing(SomeCross{which, crossings.color()});
       });
