@@ -24,9 +24,9 @@ void each_along_in_turns(const Bvh& bvh, std::size_t count, const auto& make, co
     BoxRay line;
     Bvh::Walk<order> walk;
 
-    Traveller(const Bvh& bvh, std::size_t k, Query&& one)
+    Traveller(const Bvh& bvh, std::size_t k, const decltype(make)& make_query)
         : number(k),
-          query(std::move(one)),
+          query(make_query(k)),  // in its place, since a ray is large
           line(query.ray, bvh.space(), widening(query.ray)),
           walk(bvh, line, {line.at_least(query.range.min), line.at_most(query.range.max)}) {}
   };
@@ -39,7 +39,7 @@ void each_along_in_turns(const Bvh& bvh, std::size_t count, const auto& make, co
   const auto start = [&](std::optional<Traveller>& traveller) {
     while (next < count) {
       const std::size_t k = next++;
-      Traveller& one = traveller.emplace(bvh, k, make(k));
+      Traveller& one = traveller.emplace(bvh, k, make);
       const auto visit_one = [&](std::uint32_t i) { return visit(one.query, i); };
       if (!any_of(bvh.unbounded(), visit_one)) {
         if (!helps(one.line, one.query.range))
