@@ -80,7 +80,9 @@ class TriangleLeaves {
     with_rows([&](const auto* all) {
       constexpr std::size_t line = 64 / sizeof *all;
       const auto* const row = all + place(leaf, 0).first;
-      for (std::size_t i = 0; i < rows * leaf.count; i += line) prefetch(row + i);
+      const std::size_t count = rows * leaf.count;
+      for (std::size_t i = 0; i < count; i += line) prefetch(row + i);
+      prefetch(row + count - 1);
     });
   }
 
