@@ -1,5 +1,6 @@
 // Which pixels of a tile meet any of many triangles, where nobody asks which, or where: neither order nor
-// distance counts then, and a pixel is a bit.
+// distance counts then, and two bits are enough for a pixel: whether it surely is covered, and whether it may
+// be.
 #pragma once
 
 #include <array>
@@ -10,27 +11,25 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// The pixels of a tile of at most 64 × 64.
+/// The pixels of a tile of at most PixelBlock::side a side.
 class Coverage {
  public:
-  static constexpr int side = 64;
-
   void clear() { surely_.fill(0), maybe_.fill(0); }
 
   /// Whether all pixels of a box are surely covered.
   [[nodiscard]] bool hides(const BoxOnScreen& box) const {
     return PixelBlock::all_of(box, [&](int x, int y) {
-      return (PixelBlock::inside(box, x, y) & ~Bits{surely_[block(x, y)]}) == 0;
+      return (PixelBlock::inside(box, x, y) & ~Bits{surely_[PixelBlock::index(x, y)]}) == 0;
     });
   }
 
   /// Covers what the i-th of some triangles covers.
   void add(const TrianglesOnScreen& triangles, std::size_t i) {
     constexpr float e = TrianglesOnScreen::error_of_sides;
-    const bool is_sure = (triangles.is_met_inside >> i & 1) != 0;
+    const bool is_sure = (triangles.is_signed >> i & 1) != 0;  // and so in front of the eye
     triangles.each_block(i, [&](int x, int y, const Pixels& inside, auto&&) {
-      add_to(surely_[block(x, y)], is_sure ? bits(inside > Pixels(e)) : 0);
-      add_to(maybe_[block(x, y)], bits(inside >= Pixels(-e)));
+      add_to(surely_[PixelBlock::index(x, y)], is_sure ? bits(inside > Pixels(e)) : 0);
+      add_to(maybe_[PixelBlock::index(x, y)], bits(inside >= Pixels(-e)));
     });
   }
 
@@ -40,9 +39,9 @@ class Coverage {
   };
   [[nodiscard]] Row row(int y) const {
     Row row;
-    for (int x = 0; x < side; x += PixelBlock::width) {
+    for (int x = 0; x < PixelBlock::side; x += PixelBlock::width) {
       const auto of_block = [&](const Blocks& blocks) {
-        return std::uint64_t{blocks[block(x, y)] >> y % PixelBlock::height * PixelBlock::width &
+        return std::uint64_t{blocks[PixelBlock::index(x, y)] >> y % PixelBlock::height * PixelBlock::width &
                              first_bits(PixelBlock::width)}
                << x;
       };
@@ -53,12 +52,8 @@ class Coverage {
   }
 
  private:
-  using Blocks = std::array<std::uint16_t, (side / PixelBlock::width) * (side / PixelBlock::height)>;
+  using Blocks = std::array<std::uint16_t, PixelBlock::in_tile>;
 
-  static std::size_t block(int x, int y) {
-    return static_cast<std::size_t>(side / PixelBlock::width * (y / PixelBlock::height) +
-                                    x / PixelBlock::width);
-  }
   static void add_to(std::uint16_t& block, Bits some) { block = static_cast<std::uint16_t>(block | some); }
 
   Blocks surely_, maybe_;  ///< a bit of each pixel

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <utility>
 
 #include "bvh.hpp"
 
@@ -24,7 +23,7 @@ void each_along_in_turns(const Bvh& bvh, std::size_t count, const auto& make, co
     BoxRay line;
     Bvh::Walk<order> walk;
 
-    Traveller(const Bvh& bvh, std::size_t k, const decltype(make)& make_query)
+    Traveller(const Bvh& bvh, std::size_t k, decltype(make) make_query)
         : number(k),
           query(make_query(k)),  // in its place, since a ray is large
           line(query.ray, bvh.space(), widening(query.ray)),

@@ -165,7 +165,8 @@ class TileRenderer {
     return ShadingIntegrator<I, View> && ShadesAnywhere<I> && nothing_is_alike() && !material.texture;
   }
 
-  /// Draws the candidates that are drawn as a whole. Who does not shade what is met first never asks where.
+  /// Draws the candidates that are drawn as a whole. Who does not shade what is met first seldom asks where,
+  /// and if so, the surface by itself is asked.
   void draw(const Candidates& candidates, const Frustum& frustum, const Tile& tile, Work& work) const {
     const int samples = rays_.pixels().samples();
     const bool is_alone = candidates.size() == 1 && unbounded_.empty() && samples == 1;
@@ -245,6 +246,7 @@ class TileRenderer {
       view.with_drawing([&](const auto& drawn, const Material& material) {
         const bool all_is_alike = is_alike(material), has_background = nothing_is_alike();
         Colors surface(Color{0}), background(Color{0});
+        view.set_first_pixel(tile.x0, tile.y0);
         if (has_background)
           background = Colors(integrator_.background(rays_.packet(tile, tile.x0, tile.y0), view));
         if constexpr (ShadesAnywhere<I>)
@@ -353,6 +355,7 @@ class TileRenderer {
         if (is_large()) view.fetch(closest[i]);
       });
       each_packet(tile, [&](std::size_t i, int x, int y) {
+        view.set_first_pixel(x, y);
         write(tile, x, y, shaded(rays(i, x, y), closest[i], view));
       });
     } else {

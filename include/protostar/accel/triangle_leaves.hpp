@@ -82,7 +82,7 @@ class TriangleLeaves {
       const auto* const row = all + place(leaf, 0).first;
       const std::size_t count = rows * leaf.count;
       for (std::size_t i = 0; i < count; i += line) prefetch(row + i);
-      prefetch(row + count - 1);
+      prefetch(row + count - 1);  // a leaf may begin inside a line, and then ends in one more
     });
   }
 

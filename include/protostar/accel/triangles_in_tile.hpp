@@ -94,7 +94,7 @@ class TrianglesInTile {
   /// drawn as rays are followed (the pictures of tests/bench/bench_meshes.cpp).
   static constexpr int most_a_pixel = 8, most_tried_a_pixel = 32;
 
-  static constexpr int side = Coverage::side;  ///< pixels of a tile that can be drawn
+  static constexpr int side = PixelBlock::side;
   static constexpr std::int32_t nothing = -1,
                                 in_doubt = -2;  ///< what is seen, beside the number of a triangle
 
@@ -141,12 +141,8 @@ class TrianglesInTile {
   };
 
   [[nodiscard]] static std::size_t index(int x, int y) { return static_cast<std::size_t>(side * y + x); }
-  [[nodiscard]] static std::size_t index_of_block(int x, int y) {
-    return static_cast<std::size_t>(side / PixelBlock::width * (y / PixelBlock::height) +
-                                    x / PixelBlock::width);
-  }
-  [[nodiscard]] Block& block(int x, int y) { return blocks_[index_of_block(x, y)]; }
-  [[nodiscard]] const Block& block(int x, int y) const { return blocks_[index_of_block(x, y)]; }
+  [[nodiscard]] Block& block(int x, int y) { return blocks_[PixelBlock::index(x, y)]; }
+  [[nodiscard]] const Block& block(int x, int y) const { return blocks_[PixelBlock::index(x, y)]; }
 
   /// Calls add(triangles, i, leaf, first, corners) for all triangles that the tile may see, for the
   /// triangles.in_tile of as many as a vector holds, the first of which is so far in a leaf; but for those
@@ -252,7 +248,7 @@ class TrianglesInTile {
   bool usable_ = false;
   Asked asked_ = Asked::where;
   std::array<Coverage::Row, side> rows_;  ///< if it does not tell where
-  std::array<Block, (side / PixelBlock::width) * (side / PixelBlock::height)> blocks_;
+  std::array<Block, PixelBlock::in_tile> blocks_;
   std::array<std::int32_t, side * side + double_lanes> seen_{};  ///< room for what is read behind the last
   std::vector<Planes> drawn_;                                    ///< what `nearest` counts
 };

@@ -45,6 +45,14 @@ using Pixels = Lanes<float, float_lanes>;
 struct PixelBlock {
   static constexpr int width = std::min(4, float_lanes), height = float_lanes / width;
 
+  static constexpr int side = 64;  ///< pixels of a tile that can be drawn
+  static constexpr std::size_t in_tile = std::size_t{side / width} * (side / height);
+
+  /// Which block of a tile has the pixel (x, y).
+  static std::size_t index(int x, int y) {
+    return static_cast<std::size_t>(side / width * (y / height) + x / width);
+  }
+
   /// How far each pixel is from the first.
   static Pixels across() {
     return Pixels::of_each([](int lane) { return static_cast<float>(lane % width); });
@@ -84,8 +92,8 @@ class TrianglesOnScreen {
   /// the negative of it.
   static constexpr float error_of_sides = 0x1p-20f;
 
-  Bits in_tile;        ///< those that may be in any pixel of the tile
-  Bits is_met_inside;  ///< those that rays meet which surely pass inside; others may be behind the eye
+  Bits in_tile;    ///< those that may be in any pixel of the tile
+  Bits is_signed;  ///< those whose sides are positive inside, where k > 0; of others it is not known
 
   /// What nearness() tells is worked out only if it is asked where they are met.
   TrianglesOnScreen(const Screen& screen, const std::array<Vectors, 3>& corners, Asked asked)
@@ -105,9 +113,8 @@ class TrianglesOnScreen {
         (a.size * b.extent * c.extent + a.extent * b.size * c.extent + a.extent * b.extent * c.size);
     const Chosen faces = e < 0.5 * abs(det) && abs(det) > 0x1p-900;
     const Doubles turn = select(faces, det, 1.0);
-    is_signed_ = bits(faces);
+    is_signed = bits(faces);
     const Chosen in_front = a.is_in_front && b.is_in_front && c.is_in_front;
-    is_met_inside = bits(faces || in_front);  // where all sides have the sign of det, k > 0
     Doubles off = 0.0;
     const auto turned = [&](const Linear& s, const Corner& p, const Corner& q) {
       const Doubles w = 8 * gamma * (p.size * q.extent + q.size * p.extent), M = s.most(T);
@@ -158,7 +165,7 @@ class TrianglesOnScreen {
     const int x0 = x0_[i] / PixelBlock::width * PixelBlock::width,
               y0 = y0_[i] / PixelBlock::height * PixelBlock::height;
     const int x1 = x1_[i], y1 = y1_[i];
-    const bool is_signed = (is_signed_ >> i & 1) != 0;
+    const bool has_sign = (is_signed >> i & 1) != 0;
     // In one loop, as how many blocks there are is hard to foresee.
     for (int x = x0, y = y0; y < y1;) {
       const float across = left_ + static_cast<float>(x), down = top_ + static_cast<float>(y);
@@ -167,7 +174,7 @@ class TrianglesOnScreen {
       };
       const Pixels of_ab = ab + at(edge_[0]), of_bc = bc + at(edge_[1]), of_ca = ca + at(edge_[2]);
       Pixels inside = min(min(of_ab, of_bc), of_ca);
-      if (!is_signed)  // where all are positive or all negative
+      if (!has_sign)  // where all are positive or all negative
         inside = max(inside, min(min(-of_ab, -of_bc), -of_ca));
       visit(x, y, inside, [&] {
         const Pixels nearness = k + at(nearness_), error = error_[i];
@@ -217,7 +224,6 @@ class TrianglesOnScreen {
   LinearInFloat edge_[3], nearness_{};
   std::array<float, double_lanes> error_, least_, most_;      ///< of k: how far it may be off, and its range
   std::array<std::int32_t, double_lanes> x0_, x1_, y0_, y1_;  ///< the pixels of the tile from, and to before
-  Bits is_signed_;  ///< those whose sides are positive inside; of others it is not known
   float left_, top_;
 };
 
