@@ -144,9 +144,8 @@ class TrianglesInTile {
   [[nodiscard]] Block& block(int x, int y) { return blocks_[PixelBlock::index(x, y)]; }
   [[nodiscard]] const Block& block(int x, int y) const { return blocks_[PixelBlock::index(x, y)]; }
 
-  /// Calls add(triangles, i, leaf, first, corners) for all triangles that the tile may see, for the
-  /// triangles.in_tile of as many as a vector holds, the first of which is so far in a leaf; but for those
-  /// that are in boxes which are hidden by then.
+  /// Calls add(triangles, some, leaf, i, corners) for what the tile may see, but for boxes that are hidden by
+  /// then: as many triangles as a vector holds, from the i-th of a leaf on, of which some may be in the tile.
   void each_in_tile(const Screen& screen, const Frustum& frustum, const auto& is_hidden, const auto& add) {
     int budget = most_tried_a_pixel * tile_.width() * tile_.height();  // boxes and triangles
     tree_->each_leaf_ahead(
