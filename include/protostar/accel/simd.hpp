@@ -471,7 +471,14 @@ template <int N>
 inline void prefetch([[maybe_unused]] const void* address) {
 #if defined(__GNUC__)
   __builtin_prefetch(address);
-  asm volatile("");  // or g++ takes what does nothing else for a function without effect, and never calls it
+#endif
+}
+
+/// For functions that do nothing but prefetch: g++ takes them for functions without effect, and may never
+/// call them.
+inline void keep_calls() {
+#if defined(__GNUC__)
+  asm volatile("");
 #endif
 }
 
