@@ -42,11 +42,13 @@ const std::vector<std::vector<std::string>> layers = {
     {"integrator.hpp", "tone.hpp", "accel/accelerate.hpp", "accel/occluders.hpp", "accel/tile.hpp",
      "accel/triangle_tree.hpp"},
     {"accel/drawn.hpp", "accel/screen.hpp"},
-    {"accel/tile_scene.hpp", "accel/triangles_on_screen.hpp"},
-    {"accel/render_tiles.hpp", "accel/coverage.hpp"},
-    {"render.hpp", "encode.hpp", "output_file.hpp", "accel/triangles_in_tile.hpp"},
-    {"surfaces/mesh.hpp", "pfm.hpp", "ppm.hpp", "io/scene_file.hpp", "io/stb_image_write.hpp", "io/text.hpp"},
-    {"io/image_texture.hpp", "io/obj.hpp"},
+    {"accel/tile_scene.hpp", "accel/pixel_block.hpp"},
+    {"accel/render_tiles.hpp", "accel/triangles_in_front.hpp", "accel/triangles_on_screen.hpp"},
+    {"render.hpp", "encode.hpp", "output_file.hpp", "accel/coverage.hpp"},
+    {"accel/triangles_in_tile.hpp", "pfm.hpp", "ppm.hpp", "io/scene_file.hpp", "io/stb_image_write.hpp",
+     "io/text.hpp"},
+    {"surfaces/mesh.hpp", "io/image_texture.hpp"},
+    {"io/obj.hpp"},
     // None of these includes another, and nothing in the core any of io/.
     {"protostar.hpp", "io/hdr.hpp", "io/json_scene.hpp", "io/png.hpp"},
 };
@@ -63,6 +65,7 @@ const std::set<std::string> on_demand = {
     "surfaces/disk.hpp",          "surfaces/quadric.hpp",
     "accel/in_turns.hpp",         "accel/screen.hpp",
     "accel/coverage.hpp",         "accel/triangles_on_screen.hpp",
+    "accel/pixel_block.hpp",      "accel/triangles_in_front.hpp",
 };
 
 /// What the core includes from outside: the standard library, and of GLM the smallest part that will do; and

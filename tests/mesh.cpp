@@ -69,8 +69,10 @@ struct AllSeen {
       if (node.has(k)) seen |= simd::Bits{1} << k;
     in_front = seen;
   }
-  [[nodiscard]] float distance(int) const { return 0; }
-  [[nodiscard]] int operator[](int k) const { return k; }
+  struct One {
+    float nearest = 0;
+  };
+  [[nodiscard]] One operator[](int) const { return {}; }
 };
 
 }  // namespace
@@ -415,7 +417,7 @@ TEST_CASE("the tree of a mesh is the same for any number of threads") {
       }
     };
     of.each_leaf_ahead(
-        {}, [](const simd::Node& node) { return AllSeen(node); }, [](int) { return false; }, take);
+        {}, [](const simd::Node& node) { return AllSeen(node); }, [](const auto&) { return false; }, take);
     return numbers;
   };
   CHECK(contents(one).size() == 10 * one.size());

@@ -205,6 +205,36 @@ TEST_CASE("by tiles, triangles of any size around a camera look as they do ray b
   CHECK(in_doubt < 20000);
 }
 
+TEST_CASE("by tiles, triangles whose edges lead through the middles of pixels look as they do ray by ray") {
+  // As far as double holds that: on which side a middle is can be told by none of the shorter ways.
+  constexpr int size = 80;
+  Random random(53);
+  int drawn = 0;
+  for (int round = 0; round < 60; ++round) {
+    const Camera camera = Camera::look_at(random.point(9), random.point(1), random.direction(), 70);
+    const double length = std::exp2(random.real(-6, 0));
+    MeshData data;
+    for (std::uint32_t i = 0; i < 40; ++i) {
+      const auto [x, y] = std::pair(random.bits() % size, random.bits() % size);
+      const Ray middle = camera.through_pixel(static_cast<int>(x), static_cast<int>(y), size, size);
+      const Vec3 along = length * random.point(1), aside = length * random.point(1);
+      data.vertices.push_back(middle.at(random.real(2, 3)) + along);
+      data.vertices.push_back(middle.at(random.real(2, 3)) - random.real(0.1, 1) * along);
+      data.vertices.push_back(middle.at(2.5) + aside);
+      data.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    Everything scene;
+    scene.add(mesh_of(data), Color{1});
+    CAPTURE(round);
+    CHECK(drawn_otherwise(scene, camera, ColorIntegrator{}, {}, size, size) == 0);
+    CHECK(drawn_otherwise(scene, camera, DepthIntegrator{}, {}, size, size) == 0);
+    Image image(size, size);
+    render(image, camera, scene, BinaryIntegrator{});
+    drawn += count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; });
+  }
+  CHECK(drawn > 10000);
+}
+
 TEST_CASE("by tiles, meshes of sizes that float does not hold look as they do ray by ray") {
   for (const double size : {0x1p-300, 0x1p-100, 0x1p100, 0x1p300}) {
     CAPTURE(size);
@@ -409,6 +439,19 @@ TEST_CASE("a tile that draws a mesh leaves few rays in doubt") {
   render(image, camera, scene, NormalIntegrator{}, {.statistics = &taken});
   CHECK(taken.surface_tests < 320 * 240 + 1);
   CHECK(taken.in_doubt < 320 * 240 / 100);
+}
+
+TEST_CASE("triangles of any size leave hardly any rays where only whether they are met is asked") {
+  const Camera camera = Camera::look_at({0, -2, 1.5}, {0, 0, 0}, {0, 0, 1}, 60);
+  for (const std::uint32_t parts : {6u, 30u, 120u, 300u}) {
+    Everything scene;
+    scene.add(mesh_of(meshes::torus(parts, parts / 2)), Color{1});
+    Image image(320, 240);
+    RenderStatistics taken;
+    render(image, camera, scene, ColorIntegrator{}, {.statistics = &taken});
+    CAPTURE(parts);
+    CHECK(taken.camera_rays < 320 * 240 / 2000);
+  }
 }
 
 TEST_CASE(

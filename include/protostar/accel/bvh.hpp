@@ -246,17 +246,16 @@ class Bvh {
 
   /// Calls visit(leaf) for every leaf that may be seen of an eye, near ones mostly before far ones, unless
   /// is_hidden(what is seen of it) says that it, or what is around it, is of no interest by then. look(node)
-  /// tells what is seen of the children of a node, k by k, at which distance(k): it has the bits of those
-  /// that are seen, and of those that are in_front. Unless all are, only those are visited whose boxes may
-  /// reach into all of some half-spaces as well. Before that, soon(leaf) is called for leaves that are likely
-  /// to be visited.
+  /// tells what is seen of the children of a node, k by k, the nearer the larger `nearest` is: it has the
+  /// bits of those that are seen, and of those that are in_front. Unless all are, only those are visited
+  /// whose boxes may reach into all of some half-spaces as well. Before that, soon(leaf) is called for leaves
+  /// that are likely to be visited.
   void each_leaf_ahead(std::span<const BoxHalfSpace> half_spaces, const auto& look, const auto& is_hidden,
                        const auto& visit, const auto& soon) const {
     if (tree_.order.empty()) return;
     if (tree_.root.is_leaf()) return visit(tree_.root.leaf());
     struct Entry {
       Child child;
-      float distance;
       std::remove_cvref_t<decltype(look(tree_.nodes[0])[0])> seen;
     };
     Entry stack[most_levels * node_width];
@@ -271,16 +270,16 @@ class Bvh {
           soon(node.child(k).leaf());
         else
           fetch(tree_.nodes[node.child(k).node()]);
-        const Entry entry{node.child(k), children.distance(k), children[k]};
+        const Entry entry{node.child(k), children[k]};
         int place = top++;
-        for (; place > below && stack[place - 1].distance < entry.distance; --place)
+        for (; place > below && stack[place - 1].seen.nearest > entry.seen.nearest; --place)
           stack[place] = stack[place - 1];
         stack[place] = entry;
       }
     };
     open(tree_.nodes[tree_.root.node()]);
     while (top > 0) {
-      const auto [child, distance, seen] = stack[--top];
+      const auto [child, seen] = stack[--top];
       if (is_hidden(seen)) continue;
       if (child.is_leaf())
         visit(child.leaf());

@@ -202,29 +202,8 @@ class TreeBuilder {
 
   /// Fills a node; children that are to be nodes come first, and their ranges are given back.
   int make_node(Node& node, const Range& range, int depth, Range* inner) {
-    Range parts[node_width];
-    int count = 1;
-    parts[0] = range;
-    const auto size_of = [&](const Range& part) {
-      return depth < levels_by_cost ? part.box.area() : static_cast<float>(part.count());
-    };
-    std::uint32_t enough = leaf_size_.most;
-    while (count < node_width) {
-      Range* largest = nullptr;
-      for (Range* part = parts; part != parts + count; ++part)
-        if (part->count() > enough && (!largest || size_of(*part) > size_of(*largest))) largest = part;
-      if (!largest && enough > leaf_size_.enough) {
-        enough = leaf_size_.enough;  // all parts are leaves
-        continue;
-      }
-      if (!largest) break;
-      const Halves cut = depth >= levels_by_cost ? halves(*largest)
-                         : largest->halves       ? *largest->halves
-                                                 : cut_by_cost(*largest, alone);
-      *largest = cut.left;
-      parts[count++] = cut.right;
-    }
-
+    Range parts[node_width]{range};
+    const int count = cut_into_children(parts, depth);
     int nodes = 0;
     for (int k = 0; k < count; ++k)
       if (parts[k].count() > leaf_size_.most) {
@@ -242,6 +221,51 @@ class TreeBuilder {
       put(node, place, Box::nothing());
     }
     return nodes;
+  }
+
+  /// Cuts the first of node_width parts into the children of a node, and returns how many they are.
+  int cut_into_children(Range* parts, int depth) {
+    int count = 1;
+    const std::uint32_t all = parts[0].count();
+    const bool by_cost = depth < levels_by_cost;
+    const auto size_of = [&](const Range& part) {
+      return by_cost ? part.box.area() : static_cast<float>(part.count());
+    };
+    // The largest of the parts from one on, of those that have more things than so many, and at most so many.
+    const auto largest = [&](int from, std::uint32_t more_than, std::uint32_t at_most) {
+      Range* found = nullptr;
+      for (Range* part = parts + from; part != parts + count; ++part)
+        if (part->count() > more_than && part->count() <= at_most &&
+            (!found || size_of(*part) > size_of(*found)))
+          found = part;
+      return found;
+    };
+    // Cuts the largest of them until there are none, or no places left.
+    const auto cut = [&](int from, std::uint32_t more_than, std::uint32_t at_most) {
+      while (count < node_width) {
+        Range* const part = largest(from, more_than, at_most);
+        if (!part) return;
+        const Halves both = !by_cost       ? halves(*part)
+                            : part->halves ? *part->halves
+                                           : cut_by_cost(*part, alone);
+        *part = both.left;
+        parts[count++] = both.right;
+      }
+    };
+
+    // What takes more places than there are, in leaves that are half full, is cut; then, of what takes no
+    // more than are left, each part is cut into leaves, so that nodes at the bottom are full, too. What is
+    // too large for that becomes nodes. Places that are left are for smaller leaves.
+    const auto half_full = [&](int places) {
+      return static_cast<std::uint32_t>(places) * ((leaf_size_.most + 1) / 2);
+    };
+    cut(0, by_cost ? half_full(node_width) : leaf_size_.most, all);
+    while (Range* const part = largest(0, leaf_size_.most, half_full(node_width - count + 1))) {
+      std::swap(*part, parts[count - 1]);
+      cut(count - 1, leaf_size_.most, all);
+    }
+    cut(0, leaf_size_.enough, leaf_size_.most);
+    return count;
   }
 
   static void put(Node& node, int k, const Box& box) {

@@ -4,9 +4,12 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
+#include "pixel_block.hpp"
+#include "triangles_in_front.hpp"
 #include "triangles_on_screen.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
@@ -14,13 +17,20 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// The pixels of a tile of at most PixelBlock::side a side.
 class Coverage {
  public:
-  void clear() { surely_.fill(0), maybe_.fill(0); }
+  /// The pixels of a row, beginning with the first. Those in doubt may be surely covered as well.
+  struct Row {
+    std::uint64_t surely = 0, in_doubt = 0;
+  };
+  [[nodiscard]] const Row& row(int y) const { return rows_[static_cast<std::size_t>(y)]; }
+
+  void clear() { rows_.fill({}); }
 
   /// Whether all pixels of a box are surely covered.
   [[nodiscard]] bool hides(const BoxOnScreen& box) const {
-    return PixelBlock::all_of(box, [&](int x, int y) {
-      return (PixelBlock::inside(box, x, y) & ~Bits{surely_[PixelBlock::index(x, y)]}) == 0;
-    });
+    const std::uint64_t columns = ~std::uint64_t{0} >> (PixelBlock::side - (box.x1 - box.x0)) << box.x0;
+    for (int y = box.y0; y < box.y1; ++y)
+      if ((columns & ~row(y).surely) != 0) return false;
+    return true;
   }
 
   /// Covers what the i-th of some triangles covers.
@@ -28,35 +38,40 @@ class Coverage {
     constexpr float e = TrianglesOnScreen::error_of_sides;
     const bool is_sure = (triangles.is_signed >> i & 1) != 0;  // and so in front of the eye
     triangles.each_block(i, [&](int x, int y, const Pixels& inside, auto&&) {
-      add_to(surely_[PixelBlock::index(x, y)], is_sure ? bits(inside > Pixels(e)) : 0);
-      add_to(maybe_[PixelBlock::index(x, y)], bits(inside >= Pixels(-e)));
+      add_block(x, y, is_sure ? bits(inside > Pixels(e)) : 0, bits(inside >= Pixels(-e)));
     });
   }
 
-  /// Once all are added: the pixels of a row, beginning with the first.
-  struct Row {
-    std::uint64_t surely = 0, in_doubt = 0;
-  };
-  [[nodiscard]] Row row(int y) const {
-    Row row;
-    for (int x = 0; x < PixelBlock::side; x += PixelBlock::width) {
-      const auto of_block = [&](const Blocks& blocks) {
-        return std::uint64_t{blocks[PixelBlock::index(x, y)] >> y % PixelBlock::height * PixelBlock::width &
-                             first_bits(PixelBlock::width)}
-               << x;
-      };
-      row.surely |= of_block(surely_), row.in_doubt |= of_block(maybe_);
-    }
-    row.in_doubt &= ~row.surely;
-    return row;
+  /// Covers what some triangles cover.
+  void add(const TrianglesInFront& triangles, Bits some) {
+    const Bits small = some & triangles.are_small();
+    triangles.each_small(small, [&](int x, int y, Bits surely, Bits maybe) {
+      add_rows<TrianglesInFront::small, TrianglesInFront::small>(x, y, surely, maybe);
+    });
+    for (Bits large = some & ~small; large != 0; large &= large - 1)
+      triangles.each_block(std::countr_zero(large),
+                           [&](int x, int y, Bits surely, Bits maybe) { add_block(x, y, surely, maybe); });
   }
 
  private:
-  using Blocks = std::array<std::uint16_t, PixelBlock::in_tile>;
+  void add_block(int x, int y, Bits surely, Bits maybe) {
+    add_rows<PixelBlock::width, PixelBlock::height>(x, y, surely, maybe);
+  }
 
-  static void add_to(std::uint16_t& block, Bits some) { block = static_cast<std::uint16_t>(block | some); }
+  /// Adds pixels from (x, y) on to the right and down, row by row.
+  template <int width, int height>
+  void add_rows(int x, int y, Bits surely, Bits maybe) {
+    const auto add = [&](std::uint64_t Row::*to, std::uint64_t pixels) {
+      for (int row = 0; row < height; ++row, pixels >>= width)
+        rows_[static_cast<std::size_t>(y + row)].*to |= (pixels & first_bits(width)) << x;
+    };
+    add(&Row::surely, surely);
+    if (surely != maybe) add(&Row::in_doubt, maybe);  // for nearly all they are the same
+  }
 
-  Blocks surely_, maybe_;  ///< a bit of each pixel
+  static_assert(PixelBlock::side == 64);  // as many as a row has bits
+  static constexpr int most_below = 3;    ///< rows of a block that begins in the last one
+  std::array<Row, PixelBlock::side + most_below> rows_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

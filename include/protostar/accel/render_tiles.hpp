@@ -251,12 +251,17 @@ class TileRenderer {
           background = Colors(integrator_.background(rays_.packet(tile, tile.x0, tile.y0), view));
         if constexpr (ShadesAnywhere<I>)
           if (all_is_alike) surface = Colors(integrator_.shade_anywhere(material));
+        // Most packets have one of these two colors, and are sooner copied than put together.
+        const PacketOfColors of_surface = pixels_of(surface), of_background = pixels_of(background);
         std::uint64_t skipped = 0;
         each_packet(tile, [&](std::size_t, int x, int y) {
           const Chosen wanted = rays_.wanted(tile, x);
           const auto seen = drawn.seen(wanted, x, y);
           if (!any(seen.in_doubt) && (all_is_alike || (has_background && !any(seen.met)))) {
             skipped += static_cast<std::uint64_t>(std::popcount(bits(wanted)));
+            const bool fits = x + double_lanes <= tile.x1;
+            if (fits && !any(seen.met)) return copy(of_background, x, y);
+            if (fits && !any(!seen.met)) return copy(of_surface, x, y);
             return write(tile, x, y, select(seen.met, surface, background));
           }
           view.set_first_pixel(x, y);
@@ -395,6 +400,19 @@ class TileRenderer {
     Color* const pixels = &image_(x, y);
     if (x + double_lanes <= tile.x1) return store_in_turn(pixels, colors.r, colors.g, colors.b);
     for (int i = 0; x + i < tile.x1; ++i) pixels[i] = {colors.r[i], colors.g[i], colors.b[i]};
+  }
+
+  using PacketOfColors = std::array<Color, double_lanes>;
+
+  void copy(const PacketOfColors& colors, int x, int y) const {
+    std::copy(colors.begin(), colors.end(), &image_(x, y));
+  }
+
+  static PacketOfColors pixels_of(const Colors& colors) {
+    PacketOfColors pixels;
+    for (int i = 0; i < double_lanes; ++i)
+      pixels[static_cast<std::size_t>(i)] = {colors.r[i], colors.g[i], colors.b[i]};
+    return pixels;
   }
 
   Image& image_;

@@ -144,7 +144,6 @@ class BoxesOnScreen {
     seen = bits(is_used && x.any && y.any), in_front = bits(known);
     x.first.store(x0_), x.end.store(x1_), y.first.store(y0_), y.end.store(y1_);
     select(known, Floats(1 + 0x1p-20f) * most, std::numeric_limits<float>::infinity()).store(nearest_);
-    Z.least.store(distance_);
   }
 
   [[nodiscard]] BoxOnScreen operator[](int k) const {
@@ -152,12 +151,8 @@ class BoxesOnScreen {
     return {nearest_[k], small(x0_[k]), small(x1_[k]), small(y0_[k]), small(y1_[k])};
   }
 
-  /// How far ahead a box begins.
-  [[nodiscard]] float distance(int k) const { return distance_[k]; }
-
  private:
   alignas(64) float nearest_[node_width];
-  alignas(64) float distance_[node_width];
   alignas(64) std::int32_t x0_[node_width], x1_[node_width], y0_[node_width], y1_[node_width];
 };
 

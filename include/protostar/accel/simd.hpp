@@ -426,6 +426,8 @@ template <class U, class T, int N>
   using V = Vector<U, N>;
   if constexpr (N == 8 && std::same_as<T, float> && std::same_as<U, double>)
     return (V)_mm512_maskz_cvtps_pd(0xff, (__m256)a.v);
+  else if constexpr (N == 8 && std::same_as<T, std::int32_t> && std::same_as<U, double>)
+    return (V)_mm512_maskz_cvtepi32_pd(0xff, (__m256i)a.v);
   else if constexpr (N == 8 && std::same_as<T, std::int32_t> && std::same_as<U, std::int64_t>)
     return (V)_mm512_maskz_cvtepi32_epi64(0xff, (__m256i)a.v);
   else
@@ -458,6 +460,11 @@ template <int N>
 
 template <int N>
 [[nodiscard]] Lanes<double, N> to_double(Lanes<float, N> a) {
+  return detail::converted<double>(a);
+}
+
+template <int N>
+[[nodiscard]] Lanes<double, N> to_double(Lanes<std::int32_t, N> a) {
   return detail::converted<double>(a);
 }
 

@@ -12,9 +12,11 @@
 
 #include "coverage.hpp"
 #include "packet.hpp"
+#include "pixel_block.hpp"
 #include "screen.hpp"
 #include "tile.hpp"
 #include "triangle_tree.hpp"
+#include "triangles_in_front.hpp"
 #include "triangles_on_screen.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
@@ -56,7 +58,8 @@ class TrianglesInTile {
       const auto from_x_on = [&](std::uint64_t pixels) {
         return mask_of<double, double_lanes>(static_cast<Bits>(pixels >> (x - tile_.x0)));
       };
-      return {.met = wanted && from_x_on(row.surely), .in_doubt = wanted && from_x_on(row.in_doubt)};
+      return {.met = wanted && from_x_on(row.surely),
+              .in_doubt = wanted && from_x_on(row.in_doubt & ~row.surely)};
     }
     const Indices which =
         widened(Lanes<std::int32_t, double_lanes>::load(&seen_[index(x - tile_.x0, y - tile_.y0)]));
@@ -144,34 +147,38 @@ class TrianglesInTile {
   [[nodiscard]] Block& block(int x, int y) { return blocks_[PixelBlock::index(x, y)]; }
   [[nodiscard]] const Block& block(int x, int y) const { return blocks_[PixelBlock::index(x, y)]; }
 
-  /// Calls add(triangles, some, leaf, i, corners) for what the tile may see, but for boxes that are hidden by
-  /// then: as many triangles as a vector holds, from the i-th of a leaf on, of which some may be in the tile.
-  void each_in_tile(const Screen& screen, const Frustum& frustum, const auto& is_hidden, const auto& add) {
+  /// Calls visit(leaf, i, there) for what the tile may see, but for boxes that are hidden by then: the
+  /// triangles from the i-th of a leaf on, as many as a vector holds, and those that are there.
+  void each_in_tile(const Screen& screen, const Frustum& frustum, const auto& is_hidden, const auto& visit) {
     int budget = most_tried_a_pixel * tile_.width() * tile_.height();  // boxes and triangles
     tree_->each_leaf_ahead(
         frustum.side, [&](const Node& node) { return BoxesOnScreen(screen, node); },
         [&](const BoxOnScreen& box) { return --budget < 0 || is_hidden(box); },
         [&](Leaf leaf) {
           budget -= static_cast<int>(leaf.count);
-          for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
-            const auto corners = tree_->leaves().corners(leaf, i);
-            const TrianglesOnScreen triangles(screen, corners, asked_);
-            const Bits some = triangles.in_tile & first_bits(static_cast<int>(leaf.count - i));
-            if (some != 0) add(triangles, some, leaf, i, corners);
-          }
+          for (std::uint32_t i = 0; i < leaf.count; i += double_lanes)
+            visit(leaf, i, first_bits(static_cast<int>(leaf.count - i)));
         });
     usable_ = budget >= 0;
   }
 
   /// Which pixels see any.
   void cover(const Screen& screen, const Frustum& frustum) {
+    const TrianglesInFront::Places places(screen);
     Coverage coverage;
     coverage.clear();
     each_in_tile(
         screen, frustum, [&](const BoxOnScreen& box) { return coverage.hides(box); },
-        [&](const TrianglesOnScreen& triangles, Bits some, auto&&...) {
-          for (; some != 0; some &= some - 1)
-            coverage.add(triangles, static_cast<std::size_t>(std::countr_zero(some)));
+        [&](Leaf leaf, std::uint32_t i, Bits left) {
+          const auto corners = tree_->leaves().corners(leaf, i);
+          const TrianglesInFront in_front(places, corners);
+          left &= in_front.in_tile;
+          coverage.add(in_front, left & in_front.known);
+          left &= ~in_front.known;
+          if (left == 0) return;
+          const TrianglesOnScreen others(screen, corners, Asked::whether);
+          for (left &= others.in_tile; left != 0; left &= left - 1)
+            coverage.add(others, static_cast<std::size_t>(std::countr_zero(left)));
         });
     for (int y = 0; y < tile_.height(); ++y) rows_[static_cast<std::size_t>(y)] = coverage.row(y);
   }
@@ -181,7 +188,11 @@ class TrianglesInTile {
     clear();
     each_in_tile(
         screen, frustum, [&](const BoxOnScreen& box) { return is_hidden(box); },
-        [&](const TrianglesOnScreen& triangles, Bits some, Leaf leaf, std::uint32_t i, const auto& corners) {
+        [&](Leaf leaf, std::uint32_t i, Bits there) {
+          const auto corners = tree_->leaves().corners(leaf, i);
+          const TrianglesOnScreen triangles(screen, corners, Asked::where);
+          Bits some = there & triangles.in_tile;
+          if (some == 0) return;
           const auto first = static_cast<std::int32_t>(drawn_.size() * double_lanes);
           const Floats floors = drawn_.emplace_back(screen, corners, leaf, i).floors(screen, corners);
           for (; some != 0; some &= some - 1) {

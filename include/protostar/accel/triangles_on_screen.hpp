@@ -33,57 +33,10 @@
 #include <cstdint>
 
 #include "packet.hpp"
+#include "pixel_block.hpp"
 #include "screen.hpp"
-#include "tile.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
-
-/// A number of each pixel of a block.
-using Pixels = Lanes<float, float_lanes>;
-
-/// Neighboring pixels, as many as a vector holds: a small triangle is in few blocks.
-struct PixelBlock {
-  static constexpr int width = std::min(4, float_lanes), height = float_lanes / width;
-
-  static constexpr int side = 64;  ///< pixels of a tile that can be drawn
-  static constexpr std::size_t in_tile = std::size_t{side / width} * (side / height);
-
-  /// Which block of a tile has the pixel (x, y).
-  static std::size_t index(int x, int y) {
-    return static_cast<std::size_t>(side / width * (y / height) + x / width);
-  }
-
-  /// How far each pixel is from the first.
-  static Pixels across() {
-    return Pixels::of_each([](int lane) { return static_cast<float>(lane % width); });
-  }
-  static Pixels down() {
-    return Pixels::of_each([](int lane) { return static_cast<float>(lane / width); });
-  }
-
-  /// The pixels of the block at (x, y) that are in a box.
-  static Bits inside(const BoxOnScreen& box, int x, int y) {
-    return columns(box.x0 - x, box.x1 - x) & rows(box.y0 - y, box.y1 - y);
-  }
-
-  /// Calls visit(x, y) for the blocks of a box until it returns false; returns whether it did not.
-  static bool all_of(const BoxOnScreen& box, const auto& visit) {
-    for (int y = box.y0 / height * height; y < box.y1; y += height)
-      for (int x = box.x0 / width * width; x < box.x1; x += width)
-        if (!visit(x, y)) return false;
-    return true;
-  }
-
- private:
-  /// The pixels of the columns, or rows, from one on to before another.
-  static Bits columns(int from, int to) {
-    constexpr Bits of_each_row = first_bits(float_lanes) / first_bits(width);
-    return of_each_row * (first_bits(std::min(to, width)) & ~first_bits(std::max(from, 0)));
-  }
-  static Bits rows(int from, int to) {
-    return first_bits(width * std::min(to, height)) & ~first_bits(width * std::max(from, 0));
-  }
-};
 
 /// Some triangles, as pixels are tried against them.
 class TrianglesOnScreen {
