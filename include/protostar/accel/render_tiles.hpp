@@ -255,6 +255,7 @@ class TileRenderer {
         const PacketOfColors of_surface = pixels_of(surface), of_background = pixels_of(background);
         std::uint64_t skipped = 0;
         each_packet(tile, [&](std::size_t, int x, int y) {
+          fetch_below(tile, x, y);
           const Chosen wanted = rays_.wanted(tile, x);
           const auto seen = drawn.seen(wanted, x, y);
           if (!any(seen.in_doubt) && (all_is_alike || (has_background && !any(seen.met)))) {
@@ -406,6 +407,17 @@ class TileRenderer {
 
   void copy(const PacketOfColors& colors, int x, int y) const {
     std::copy(colors.begin(), colors.end(), &image_(x, y));
+  }
+
+  /// Fetches what a packet a few rows below is written to. A row of a tile is too short for the processor to
+  /// see where the next one is.
+  void fetch_below(const Tile& tile, int x, int y) const {
+    constexpr int rows = 4;
+    if (y + rows >= tile.y1) return;
+    Color* const pixels = &image_(x, y + rows);
+    prefetch_to_write(pixels);
+    prefetch_to_write(pixels + std::min(double_lanes, tile.x1 - x) - 1);
+    keep_calls();
   }
 
   static PacketOfColors pixels_of(const Colors& colors) {

@@ -481,6 +481,13 @@ inline void prefetch([[maybe_unused]] const void* address) {
 #endif
 }
 
+/// Says that what is at an address will be written soon.
+inline void prefetch_to_write([[maybe_unused]] void* address) {
+#if defined(__GNUC__)
+  __builtin_prefetch(address, 1);
+#endif
+}
+
 /// For functions that do nothing but prefetch: g++ takes them for functions without effect, and may never
 /// call them.
 inline void keep_calls() {
