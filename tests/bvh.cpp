@@ -2,7 +2,9 @@
 #include <protostar/surfaces/sphere.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
 #include <type_traits>
@@ -220,6 +222,56 @@ TEST_CASE("each thing is in one leaf, and no leaf is too large, however things l
     const Vec3 direction = random.direction();
     const auto met = along(tree, {bounds[0].max - direction, direction}, {});
     CHECK(std::binary_search(met.begin(), met.end(), 0u));
+  }
+}
+
+/// All children of a node, the nearer the larger an unforeseen number of theirs is.
+struct Unordered {
+  simd::Bits seen = 0, in_front = 0;
+
+  explicit Unordered(const simd::Node& node) {
+    for (int k = 0; k < simd::node_width; ++k)
+      if (node.has(k)) seen |= simd::Bits{1} << k;
+    in_front = seen;
+  }
+  struct One {
+    float nearest;
+  };
+  [[nodiscard]] One operator[](int k) const { return {static_cast<float>((5 * k + 3) % 16)}; }
+};
+
+TEST_CASE("children that an eye sees are visited near to far") {
+  Random random(8);
+  const Bvh tree = tree_of(random_bounds(random, simd::node_width, 0.1), {.most = 1});
+  std::vector<float> visited_nearest;
+  float last = 0;
+  tree.each_leaf_ahead(
+      {}, [](const simd::Node& node) { return Unordered(node); },
+      [&](const Unordered::One& one) {
+        last = one.nearest;
+        return false;
+      },
+      [&](Leaf) { visited_nearest.push_back(last); }, [](Leaf) {});
+  CHECK(visited_nearest.size() == simd::node_width);
+  CHECK(std::ranges::is_sorted(visited_nearest, std::greater()));
+}
+
+TEST_CASE("most places of nodes have a child, also where leaves would be a little too large") {
+  Random random(9);
+  for (const int count : {20'000, 40'000, 70'000}) {
+    CAPTURE(count);
+    const Bvh tree = tree_of(random_bounds(random, count, 0.02), {.most = simd::node_width});
+    int nodes = 0, children = 0, leaves = 0;
+    tree.each_leaf_ahead(
+        {},
+        [&](const simd::Node& node) {
+          const Unordered all(node);
+          ++nodes, children += std::popcount(all.seen);
+          return all;
+        },
+        [](const auto&) { return false; }, [&](Leaf) { ++leaves; }, [](Leaf) {});
+    CHECK(children == nodes - 1 + leaves);
+    CHECK(children > nodes * simd::node_width * 9 / 10);
   }
 }
 

@@ -185,7 +185,11 @@ TEST_CASE("whole numbers become floats, wider ones, and come from floats without
       CHECK(to_float(whole)[lane] == static_cast<float>(static_cast<std::int32_t>(x)));
     }
     const auto wide = widened(Lanes<std::int32_t, simd::double_lanes>(whole[0]));
-    for (int lane = 0; lane < simd::double_lanes; ++lane) CHECK(wide[lane] == std::int64_t{whole[0]});
+    for (int lane = 0; lane < simd::double_lanes; ++lane) {
+      CHECK(wide[lane] == std::int64_t{whole[0]});
+      CHECK(to_double(Lanes<std::int32_t, simd::double_lanes>(whole[0]))[lane] ==
+            static_cast<double>(whole[0]));
+    }
   }
 }
 
@@ -226,6 +230,23 @@ TEST_CASE("whole numbers are chosen and compared in every lane") {
         CHECK(bits(some == Whole(b)) == (a == b ? bits(only || !only) : bits(!only)));
         CHECK(bits(some < Whole(b)) == (a < b ? bits(only) : 0));
       }
+}
+
+TEST_CASE("whole numbers as wide as floats are compared in every lane, negative ones as well") {
+  const auto compare = [](auto lanes) {
+    using Whole = decltype(lanes);
+    const Bits all = bits(Whole(1) == Whole(1));
+    CHECK(all == simd::first_bits(static_cast<int>(sizeof(Whole) / sizeof(std::int32_t))));
+    for (const std::int32_t a : {-7, -5, -1, 0, 1, 5, 1 << 30, -(1 << 30)})
+      for (const std::int32_t b : {-7, -5, -1, 0, 1, 5, 1 << 30, -(1 << 30)}) {
+        CHECK(bits(Whole(a) < Whole(b)) == (a < b ? all : 0));
+        CHECK(bits(Whole(a) <= Whole(b)) == (a <= b ? all : 0));
+        CHECK(bits(Whole(a) == Whole(b)) == (a == b ? all : 0));
+      }
+  };
+  compare(Lanes<std::int32_t, simd::float_lanes>());
+  compare(Lanes<std::int32_t, simd::double_lanes>());
+  compare(Lanes<std::int32_t, 4>());
 }
 
 TEST_CASE("the first lanes are counted from the lowest bit, up to all") {

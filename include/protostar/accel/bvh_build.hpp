@@ -3,7 +3,8 @@
 // Rays that meet a box meet a box inside it with a likelihood of the ratio of their surfaces. So a cut costs
 //   area(left) · count(left) + area(right) · count(right),
 // and the best of the cuts between 16 slices on each of the three axes is taken (the surface area heuristic,
-// binned). A node has as many children as a vector has lanes; it is cut until it has them.
+// binned). A node has as many children as a vector has lanes, or fewer, where
+// what is left would not fit.
 //
 // Ranges of many things are cut before nodes are made of them: the first by all threads together, each
 // cutting a part of it, and then as many ranges at a time as there are threads. The nodes of a level do not
@@ -224,6 +225,12 @@ class TreeBuilder {
   }
 
   /// Cuts the first of node_width parts into the children of a node, and returns how many they are.
+  ///
+  /// Leaves are taken to be half full, as cuts seldom fill them. First, parts are cut that would not fit into
+  /// a node. Then the largest part whose leaves fit into its own place and those that are left is cut into
+  /// leaves, and so on: nodes at the bottom have few empty places, and so there are few of them. What is left
+  /// over, or was cut so that it takes more places than that, becomes a node. Last, leaves are cut into
+  /// smaller ones where there are places.
   int cut_into_children(Range* parts, int depth) {
     int count = 1;
     const std::uint32_t all = parts[0].count();
@@ -253,15 +260,15 @@ class TreeBuilder {
       }
     };
 
-    // What takes more places than there are, in leaves that are half full, is cut; then, of what takes no
-    // more than are left, each part is cut into leaves, so that nodes at the bottom are full, too. What is
-    // too large for that becomes nodes. Places that are left are for smaller leaves.
-    const auto half_full = [&](int places) {
+    const auto things_in = [&](int places) {
       return static_cast<std::uint32_t>(places) * ((leaf_size_.most + 1) / 2);
     };
-    cut(0, by_cost ? half_full(node_width) : leaf_size_.most, all);
-    while (Range* const part = largest(0, leaf_size_.most, half_full(node_width - count + 1))) {
-      std::swap(*part, parts[count - 1]);
+    // Below the levels by cost all are cut that can be, so that these levels are few; nothing is left to fit
+    // then.
+    cut(0, by_cost ? things_in(node_width) : leaf_size_.most, all);
+    // Each turn takes a place; where none is left, nothing fits that is not a leaf.
+    while (Range* const part = largest(0, leaf_size_.most, things_in(node_width - count + 1))) {
+      std::swap(*part, parts[count - 1]);  // to the end, where all is that it is cut into
       cut(count - 1, leaf_size_.most, all);
     }
     cut(0, leaf_size_.enough, leaf_size_.most);

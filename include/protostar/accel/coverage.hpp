@@ -3,6 +3,7 @@
 // be.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -70,8 +71,9 @@ class Coverage {
   }
 
   static_assert(PixelBlock::side == 64);  // as many as a row has bits
-  static constexpr int most_below = 3;    ///< rows of a block that begins in the last one
-  std::array<Row, PixelBlock::side + most_below> rows_;
+  /// Rows of a block that begins in the last one.
+  static constexpr int below = std::max(TrianglesInFront::small, PixelBlock::height) - 1;
+  std::array<Row, PixelBlock::side + below> rows_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -260,9 +260,8 @@ class TileRenderer {
           const auto seen = drawn.seen(wanted, x, y);
           if (!any(seen.in_doubt) && (all_is_alike || (has_background && !any(seen.met)))) {
             skipped += static_cast<std::uint64_t>(std::popcount(bits(wanted)));
-            const bool fits = x + double_lanes <= tile.x1;
-            if (fits && !any(seen.met)) return copy(of_background, x, y);
-            if (fits && !any(!seen.met)) return copy(of_surface, x, y);
+            if (!any(seen.met)) return write(tile, x, y, of_background);
+            if (!any(!seen.met)) return write(tile, x, y, of_surface);
             return write(tile, x, y, select(seen.met, surface, background));
           }
           view.set_first_pixel(x, y);
@@ -405,8 +404,12 @@ class TileRenderer {
 
   using PacketOfColors = std::array<Color, double_lanes>;
 
-  void copy(const PacketOfColors& colors, int x, int y) const {
-    std::copy(colors.begin(), colors.end(), &image_(x, y));
+  void write(const Tile& tile, int x, int y, const PacketOfColors& colors) const {
+    Color* const pixels = &image_(x, y);
+    if (x + double_lanes <= tile.x1)
+      std::copy(colors.begin(), colors.end(), pixels);
+    else
+      std::copy_n(colors.begin(), tile.x1 - x, pixels);
   }
 
   /// Fetches what a packet a few rows below is written to. A row of a tile is too short for the processor to

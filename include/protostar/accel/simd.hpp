@@ -120,11 +120,19 @@ struct Vector {
 template <int Predicate, class V>
 [[nodiscard]] std::uint32_t compare(V a, V b) {
   using T = std::remove_cvref_t<decltype(a[0])>;
-  if constexpr (std::same_as<T, std::int64_t>) {
-    static_assert(sizeof(V) == 64 && (Predicate == _CMP_EQ_OQ || Predicate == _CMP_LT_OQ),
-                  "nothing else is needed");
-    return Predicate == _CMP_EQ_OQ ? _mm512_cmpeq_epi64_mask((__m512i)a, (__m512i)b)
-                                   : _mm512_cmplt_epi64_mask((__m512i)a, (__m512i)b);
+  if constexpr (!std::floating_point<T>) {
+    constexpr auto predicate = Predicate == _CMP_EQ_OQ   ? _MM_CMPINT_EQ
+                               : Predicate == _CMP_LT_OQ ? _MM_CMPINT_LT
+                                                         : _MM_CMPINT_LE;
+    static_assert(sizeof(V) == 64 || sizeof(T) == 4, "nothing else is needed");
+    if constexpr (sizeof(T) == 8)
+      return _mm512_cmp_epi64_mask((__m512i)a, (__m512i)b, predicate);
+    else if constexpr (sizeof(V) == 64)
+      return _mm512_cmp_epi32_mask((__m512i)a, (__m512i)b, predicate);
+    else if constexpr (sizeof(V) == 32)
+      return _mm256_cmp_epi32_mask((__m256i)a, (__m256i)b, predicate);
+    else
+      return _mm_cmp_epi32_mask((__m128i)a, (__m128i)b, predicate);
   } else if constexpr (sizeof(V) == 64) {
     if constexpr (sizeof(T) == 8)
       return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, Predicate);

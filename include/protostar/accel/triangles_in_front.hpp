@@ -1,22 +1,26 @@
 // Triangles in front of the eye, and not far beside a tile: which of its pixels they cover.
 //
 // In the coordinates of accel/screen.hpp, a corner is seen at (X/Z, Y/Z), and the sides of a triangle on the
-// picture are the lines between its corners. Here places are counted from the tile's first pixel. If Z > 0
-// and they are no more than 7T in x and y, |X/Z| and |Y/Z| are at most 8T, and |p|/Z, as p = X e1 + Y e2 + Z
-// e3, less than a little more than 8 `longest`, by 2^-13 of it if γ · 8 longest < 2^-15. Then Z is positive
-// for sure, and places are off by less than (2γ + 7T γ/T) |p|/Z and their own roundings, which are a small
-// part of γ|p|/Z:
+// picture are the lines between its corners. Here places are counted from the tile's first pixel, which is no
+// more than T from its middle. Let Z > 0 and the places within 7T of there, as they are computed. Then |X/Z|
+// and |Y/Z| are at most 8T, and of p = X e1 + Y e2 + Z e3 |p|/Z < (1 + 2^-13) 8 longest, if γ · 8 longest <
+// 2^-15; so the true Z is positive, being off by less than γ|p|/T. Places are off by less than (2γ + 7T γ/T)
+// |p|/Z, as X is by γ|p| and what its count begins with, up to T times Z, by as much; and by their own
+// roundings, which are a small part of γ|p|/Z:
 //
 //   E = 10 γ · 8 longest < 2^-11.6
+//
+// and less than 2^-11 as floats, as PixelsBetween has it.
 //
 // From here on in float, with u = 2^-24. Corners are counted from the triangle's own first pixel, from which
 // they are no more than its size L, width and height, and 1 pixel: they are off by less than E + (L + 1) u.
 // Pixels are within R = L + 7 of corners, as the first and the last are no more than 2^-10 beyond the
-// triangle, and those of a block 3 more, in x and y. So side(p, q) = (q − p) × (pixel − p) is off by less
-// than 4R (E + (L + 1) u); its coefficients, of products that sum up to L R, take 3u L R, and at most 6 sums,
-// below 2 L R, take 12u L R. In all, that is less than
+// triangle, and those of a block 3 more, in x and y; the rest is more than L is off. So side(p, q) = (q − p)
+// × (pixel − p) is off by less than 4R (E + (L + 1) u); its coefficients, of products that sum up to L R,
+// take 3u L R, the last being made of the first two as they are; and at most 6 sums, below 2 L R, take 12u L
+// R. In all, that is less than R (4E + 19u (L + 1)), and for what the bound itself is rounded by
 //
-//   R (4E + 2^-19 (L + 1))
+//   error = R (4E + 32u (L + 1))
 #pragma once
 
 #include <array>
@@ -64,8 +68,18 @@ class TrianglesInFront {
     }
   };
 
+  using Wholes = Lanes<std::int32_t, double_lanes>;
+
+  /// A linear function of a pixel's place from the triangle's first pixel on.
+  struct Side {
+    Floats x, y, one;
+  };
+
   Bits in_tile;  ///< those that may be in any pixel of the tile
-  Bits known;    ///< those that are near, and have an inside; all else is of these
+  Bits known;    ///< those that are near, and of which it is sure how they turn: what follows is of these
+  Wholes x0, x1, y0, y1;  ///< the pixels of the tile from, and to before
+  Side sides[3];          ///< positive inside
+  Floats error;           ///< of the sides
 
   TrianglesInFront(const Places& places, const std::array<Vectors, 3>& corners) {
     const Places::Place a = places(corners[0]), b = places(corners[1]), c = places(corners[2]);
@@ -74,23 +88,24 @@ class TrianglesInFront {
                  top = to_float(min(a.y, min(b.y, c.y))), bottom = to_float(max(a.y, max(b.y, c.y)));
     const PixelsBetween<double_lanes> columns(left, right, places.width), rows(top, bottom, places.height);
     in_tile = bits(columns.any && rows.any) | bits(!is_near);
-    x0_ = columns.first, x1_ = columns.end, y0_ = rows.first, y1_ = rows.end;
+    x0 = columns.first, x1 = columns.end, y0 = rows.first, y1 = rows.end;
 
     struct Point2 {
       Floats x, y;
     };
-    const auto from_first_pixel = [x0 = to_double(x0_), y0 = to_double(y0_)](const Places::Place& place) {
-      return Point2{to_float(place.x - x0), to_float(place.y - y0)};
+    const auto from_first_pixel = [left_of_it = to_double(x0),
+                                   above_it = to_double(y0)](const Places::Place& place) {
+      return Point2{to_float(place.x - left_of_it), to_float(place.y - above_it)};
     };
     const Point2 p[] = {from_first_pixel(a), from_first_pixel(b), from_first_pixel(c)};
     const Floats size = (right - left) + (bottom - top);
-    error_ = (size + Floats(7.0f)) * (Floats(4 * places.error) + Floats(0x1p-19f) * (size + Floats(1.0f)));
+    error = (size + Floats(7.0f)) * (Floats(4 * places.error) + Floats(0x1p-19f) * (size + Floats(1.0f)));
     const Floats area = (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x);
-    known = bits(is_near) & bits(abs(area) > error_);  // which is off by no more than a side
+    known = bits(is_near) & bits(abs(area) > error);  // a sum of products like a side
     const Floats turn = copysign(Floats(1.0f), area);
     for (std::size_t k = 0; k < 3; ++k) {
       const Point2 &from = p[k], &to = p[(k + 1) % 3];
-      Side& side = sides_[k];
+      Side& side = sides[k];
       side.x = turn * (from.y - to.y), side.y = turn * (to.x - from.x);
       side.one = -(side.x * from.x) - side.y * from.y;
     }
@@ -98,32 +113,30 @@ class TrianglesInFront {
 
   /// Those in one block of `small` pixels a side.
   static constexpr int small = 4;
-  [[nodiscard]] Bits are_small() const {
-    return bits(x1_ - x0_ <= Wholes(small) && y1_ - y0_ <= Wholes(small));
-  }
+  [[nodiscard]] Bits are_small() const { return bits(x1 - x0 <= Wholes(small) && y1 - y0 <= Wholes(small)); }
 
   /// Calls visit(x, y, surely, maybe) for the block of each of some small triangles: the bits of the pixels
   /// of the block at (x, y), row by row.
   void each_small(Bits some, const auto& visit) const {
-    const Wholes width = x1_ - x0_, height = y1_ - y0_;
+    const Wholes width = x1 - x0, height = y1 - y0;
     Wholes surely = 0, maybe = 0;
-    std::array<Floats, 3> in_row{sides_[0].one, sides_[1].one, sides_[2].one};
+    std::array<Floats, 3> in_row{sides[0].one, sides[1].one, sides[2].one};
     for (int y = 0; (bits(height > Wholes(y)) & some) != 0; ++y) {
       std::array<Floats, 3> at = in_row;
       for (int x = 0; (bits(width > Wholes(x)) & some) != 0; ++x) {
         const Floats inside = min(min(at[0], at[1]), at[2]);
         const Wholes pixel = std::int32_t{1} << (small * y + x);
-        surely = select(inside > error_, surely + pixel, surely);
-        maybe = select(inside >= -error_, maybe + pixel, maybe);
-        for (std::size_t k = 0; k < 3; ++k) at[k] += sides_[k].x;
+        surely = select(inside > error, surely + pixel, surely);
+        maybe = select(inside >= -error, maybe + pixel, maybe);
+        for (std::size_t k = 0; k < 3; ++k) at[k] += sides[k].x;
       }
-      for (std::size_t k = 0; k < 3; ++k) in_row[k] += sides_[k].y;
+      for (std::size_t k = 0; k < 3; ++k) in_row[k] += sides[k].y;
     }
     std::int32_t of_surely[double_lanes], of_maybe[double_lanes];
     surely.store(of_surely), maybe.store(of_maybe);
     for (; some != 0; some &= some - 1) {
       const int i = std::countr_zero(some);
-      visit(x0_[i], y0_[i], static_cast<Bits>(of_surely[i]), static_cast<Bits>(of_maybe[i]));
+      visit(x0[i], y0[i], static_cast<Bits>(of_surely[i]), static_cast<Bits>(of_maybe[i]));
     }
   }
 
@@ -132,32 +145,20 @@ class TrianglesInFront {
     const auto inside_block = [&](const Side& side) {
       return Pixels(side.x[i]) * PixelBlock::across() + Pixels(side.y[i]) * PixelBlock::down();
     };
-    const Pixels in_block[3] = {inside_block(sides_[0]), inside_block(sides_[1]), inside_block(sides_[2])};
-    const Pixels e = error_[i];
-    const int width = x1_[i] - x0_[i], height = y1_[i] - y0_[i];
+    const Pixels in_block[3] = {inside_block(sides[0]), inside_block(sides[1]), inside_block(sides[2])};
+    const Pixels e = error[i];
+    const int width = x1[i] - x0[i], height = y1[i] - y0[i];
     for (int y = 0; y < height; y += PixelBlock::height)
       for (int x = 0; x < width; x += PixelBlock::width) {
         const auto at = [&](std::size_t k) {
-          const Side& side = sides_[k];
+          const Side& side = sides[k];
           return in_block[k] + Pixels(side.x[i] * static_cast<float>(x) +
                                       (side.y[i] * static_cast<float>(y) + side.one[i]));
         };
         const Pixels inside = min(min(at(0), at(1)), at(2));
-        visit(x0_[i] + x, y0_[i] + y, bits(inside > e), bits(inside >= -e));
+        visit(x0[i] + x, y0[i] + y, bits(inside > e), bits(inside >= -e));
       }
   }
-
- private:
-  using Wholes = Lanes<std::int32_t, double_lanes>;
-
-  /// A linear function of a pixel's place from the triangle's first pixel on.
-  struct Side {
-    Floats x, y, one;
-  };
-
-  Wholes x0_, x1_, y0_, y1_;  ///< the pixels of the tile from, and to before
-  Side sides_[3];             ///< positive inside
-  Floats error_;              ///< of the sides
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd
