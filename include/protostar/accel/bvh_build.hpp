@@ -3,8 +3,8 @@
 // Rays that meet a box meet a box inside it with a likelihood of the ratio of their surfaces. So a cut costs
 //   area(left) · count(left) + area(right) · count(right),
 // and the best of the cuts between 16 slices on each of the three axes is taken (the surface area heuristic,
-// binned). A node has as many children as a vector has lanes, or fewer, where
-// what is left would not fit.
+// binned). A node has as many children as a vector has lanes, or fewer,
+// where what is left would not fit.
 //
 // Ranges of many things are cut before nodes are made of them: the first by all threads together, each
 // cutting a part of it, and then as many ranges at a time as there are threads. The nodes of a level do not

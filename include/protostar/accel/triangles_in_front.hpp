@@ -34,13 +34,14 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
+/// Which pixels some triangles cover, as many as a vector holds.
 class TrianglesInFront {
  public:
   /// Where corners are seen from a tile's first pixel on.
   struct Places {
     Point eye;
     Vec3 ahead, across, down;
-    Doubles farthest;
+    Doubles farthest;   ///< from there, in x and in y, of what is known
     int width, height;  ///< pixels of the tile
     float error;        ///< E
 
