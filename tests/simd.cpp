@@ -292,7 +292,7 @@ TEST_CASE("the chosen lanes are stored side by side, in order") {
   check(Lanes<std::int32_t, simd::float_lanes>(0));
 }
 
-TEST_CASE("the largest number of all lanes is found in any of them") {
+TEST_CASE("the largest and the smallest number of all lanes are found in any of them") {
   for_each_kind([]<class T, int N>(const Lanes<T, N>&) {
     for (int i = 0; i < N; ++i) {
       Lanes<T, N> a(T{-3});
@@ -300,6 +300,32 @@ TEST_CASE("the largest number of all lanes is found in any of them") {
       CHECK(largest(a) == T{-2});
       a.set((i + 1) % N, std::numeric_limits<T>::infinity());
       CHECK(largest(a) == std::numeric_limits<T>::infinity());
+      CHECK(smallest(-a) == -std::numeric_limits<T>::infinity());
     }
   });
+  for (int i = 0; i < simd::double_lanes; ++i) {
+    Lanes<std::int32_t, simd::double_lanes> a = 7;
+    a.set(i, -5);
+    CHECK(smallest(a) == -5);
+  }
+}
+
+TEST_CASE("bits of whole numbers are moved and joined in every lane, and those of any lane are found") {
+  constexpr int N = simd::double_lanes;
+  const auto number = [](int i) { return std::int64_t{0x1234567} + i; };
+  const auto a = Lanes<std::int64_t, N>::of_each(number), by = simd::iota<std::int64_t, N>() * 5,
+             moved = a << by, joined = a | by;
+  std::int64_t all = 0;
+  for (int i = 0; i < N; ++i) {
+    CHECK(moved[i] == number(i) << 5 * i);
+    CHECK(joined[i] == (number(i) | 5 * i));
+    all |= moved[i];
+  }
+  CHECK(bits_of_any(moved) == all);
+  for (int bit = 0; bit < 64; ++bit)
+    for (int i = 0; i < N; ++i) {
+      Lanes<std::uint64_t, N> one = std::uint64_t{0};
+      one.set(i, std::uint64_t{1} << bit);
+      CHECK(bits_of_any(one) == std::uint64_t{1} << bit);
+    }
 }

@@ -105,16 +105,18 @@ TEST_CASE("sides of triangles in front are off by less than their error, and tha
   CHECK(largest > 0.01f);
 }
 
-TEST_CASE("small triangles cover the same pixels many at a time and one by one") {
+TEST_CASE("small triangles in one block cover the same pixels together and one by one") {
   Random random(62);
-  int wrong = 0, small = 0, covered = 0;
+  int wrong = 0, together = 0, alone = 0, covered = 0, beyond = 0;
   for (int i = 0; i < 5'000; ++i) {
     const View view = random_view(random);
     if (!view.screen.usable) continue;
     const TrianglesInFront::Places places(view.screen);
     std::array<Vectors, 3> corners;
+    const glm::dvec2 all{random.real(0, view.tile.width()), random.real(0, view.tile.height())};
+    const double spread = random.real(0, 6);
     for (int lane = 0; lane < double_lanes; ++lane) {
-      const glm::dvec2 middle{random.real(0, view.tile.width()), random.real(0, view.tile.height())};
+      const glm::dvec2 middle = all + spread * glm::dvec2{random.real(-1, 1), random.real(-1, 1)};
       for (Vectors& corner : corners) {
         const Point p =
             view.at(middle + glm::dvec2{random.real(-2, 2), random.real(-2, 2)}, random.real(1, 3));
@@ -122,32 +124,59 @@ TEST_CASE("small triangles cover the same pixels many at a time and one by one")
       }
     }
     const TrianglesInFront triangles(places, corners);
-    for (Bits some = triangles.known & triangles.in_tile & triangles.are_small(); some != 0;
-         some &= some - 1) {
-      const int one = std::countr_zero(some);
-      std::uint64_t surely = 0, maybe = 0, surely_by_block = 0, maybe_by_block = 0;
-      const auto bit = [&](int x, int y) { return std::uint64_t{1} << (8 * y + x); };
-      const auto put = [&](int width, int x, int y, Bits pixels, std::uint64_t& to) {
-        for (; pixels != 0; pixels &= pixels - 1) {
-          const int k = std::countr_zero(pixels), column = x + k % width, row = y + k / width;
-          if (column < triangles.x1[one] && row < triangles.y1[one])  // blocks may go on beyond the tile
-            to |= bit(column - triangles.x0[one], row - triangles.y0[one]);
-        }
-      };
-      triangles.each_small(Bits{1} << one, [&](int x, int y, Bits sure, Bits may) {
-        put(TrianglesInFront::small, x, y, sure, surely), put(TrianglesInFront::small, x, y, may, maybe);
-      });
-      triangles.each_block(one, [&](int x, int y, Bits sure, Bits may) {
-        put(PixelBlock::width, x, y, sure, surely_by_block),
-            put(PixelBlock::width, x, y, may, maybe_by_block);
-      });
-      ++small;
-      covered += std::popcount(surely);
-      wrong += (surely & ~maybe) != 0 || (surely & ~maybe_by_block) != 0 || (surely_by_block & ~maybe) != 0;
+    const Bits some = triangles.known & triangles.in_tile;
+    const auto block = triangles.small_in_one_block(some);
+    wrong += (block.triangles & ~some) != 0 || (block.surely & ~block.maybe) != 0;
+
+    // Where the first of them begin, all of them are that fit.
+    constexpr int side = TrianglesInFront::Covered::side;
+    Bits small = 0;
+    int first_x = 1000, first_y = 1000;
+    for (Bits left = some; left != 0; left &= left - 1) {
+      const int one = std::countr_zero(left);
+      if (triangles.x1[one] - triangles.x0[one] > 4 || triangles.y1[one] - triangles.y0[one] > 4) continue;
+      small |= Bits{1} << one;
+      first_x = std::min<int>(first_x, triangles.x0[one]),
+      first_y = std::min<int>(first_y, triangles.y0[one]);
     }
+    if (small == 0) {
+      wrong += block.triangles != 0 || block.maybe != 0;
+      continue;
+    }
+    wrong += block.x != first_x || block.y != first_y;
+    std::uint64_t surely_alone = 0, maybe_alone = 0;
+    const auto put = [&](int x, int y, Bits pixels, std::uint64_t& to) {
+      for (; pixels != 0; pixels &= pixels - 1) {
+        const int k = std::countr_zero(pixels), column = x + k % PixelBlock::width - first_x,
+                  row = y + k / PixelBlock::width - first_y;
+        if (column < side && row < side) to |= std::uint64_t{1} << (side * row + column);
+      }
+    };
+    for (; small != 0; small &= small - 1) {
+      const int one = std::countr_zero(small);
+      const bool fits = triangles.x1[one] <= first_x + side && triangles.y1[one] <= first_y + side;
+      wrong += ((block.triangles >> one & 1) != 0) != fits;
+      ++(fits ? together : alone);
+      if (fits)
+        triangles.each_block(one, [&](int x, int y, Bits sure, Bits may) {
+          put(x, y, sure, surely_alone), put(x, y, may, maybe_alone);
+        });
+    }
+    // From left to right, nothing is told to be covered but what is in the tile.
+    std::uint64_t in_columns = 0, in_tile = 0;
+    for (int row = 0; row < side; ++row) {
+      in_columns |= std::uint64_t{first_bits(std::min(side, view.tile.width() - first_x))} << side * row;
+      if (first_y + row < view.tile.height()) in_tile = in_columns;
+    }
+    wrong += (block.surely & in_tile & ~maybe_alone) != 0 || (surely_alone & in_tile & ~block.maybe) != 0 ||
+             (block.maybe & ~in_columns) != 0;
+    covered += std::popcount(block.surely);
+    beyond += (surely_alone & ~in_columns) != 0;
   }
-  CHECK(small > 3'000);
+  CHECK(together > 3'000);
+  CHECK((double_lanes == 1 || alone > 30));
   CHECK(covered > 3'000);
+  CHECK((PixelBlock::width == 1 || beyond > 30));
   CHECK(wrong == 0);
 }
 

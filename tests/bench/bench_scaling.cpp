@@ -138,6 +138,29 @@ void threads(Table& table, const bench::Options& options) {
   print(table, "threads, 09_shadow, shortest turn", n, seconds);
 }
 
+/// Additions that wait for nothing, by one thread and by as many as there are: two that share a core gain
+/// hardly anything here, and more where they wait for memory.
+void additions(Table& table, const bench::Options& options) {
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  std::vector<int> n{1};
+  if (cores > 1) n.push_back(cores);
+  std::vector<Work> works;
+  for (const int count : n)
+    works.emplace_back([count, &options] {
+      bench::in_parts(options.quick ? 1000 : 100'000'000, count, [](std::size_t begin, std::size_t end) {
+        std::size_t a = 0, b = 0, c = 0, d = 0, e = 0, f = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+          a += i, b += i, c += i, d += i, e += i, f += i;
+          asm volatile("" : "+r"(a), "+r"(b), "+r"(c), "+r"(d), "+r"(e), "+r"(f));  // each, and in a register
+        }
+      });
+    });
+  const Times times(options, works);
+  std::vector<double> seconds;
+  for (std::size_t i = 0; i < n.size(); ++i) seconds.push_back(times.seconds(i));
+  print(table, "threads, additions", n, seconds);
+}
+
 /// A pixel that sees nothing against one that is only written.
 void empty_pixels(const bench::Options& options) {
   Scene<Sphere> scene;
@@ -165,6 +188,7 @@ void scaling(const bench::Options& options) {
     surfaces(table, options);
     lights(table, options);
     threads(table, options);
+    additions(table, options);
   }
   empty_pixels(options);
 }

@@ -124,54 +124,39 @@ class Bvh {
       next_ = Child(waiting_[top_]);
     }
 
-    /// Goes on from a node to one of its children that the ray meets, or the nearest; the others wait.
+    /// Goes on from a node to one of its children that the ray meets, or the nearest; the others wait. How
+    /// many are met, and which is the nearest, is as good as random: so there is no branch, and no order
+    /// among those that wait.
     void open() {
       const Node& node = nodes_[next_.node()];
       Floats near;
-      const Bits met = met_children(node, slabs_, reach, near);
-      if constexpr (order == Order::any) {
-        // Without a branch, since how many are met is as good as random.
-        top_ += store_chosen(waiting_ + top_, met, Lanes<std::uint32_t, node_width>::load(node.children));
-        leave();
-      } else {
+      Bits met = met_children(node, slabs_, reach, near);
+      if constexpr (order == Order::near_first) {
         if (met == 0) return leave();
-        take_nearest(node, met, near);
+        const int k = nearest_of(met, near);
+        next_ = node.child(k);
+        met &= ~(Bits{1} << k);
+        store_chosen(near_ + top_, met, near);
       }
+      top_ += store_chosen(waiting_ + top_, met, Lanes<std::uint32_t, node_width>::load(node.children));
+      if constexpr (order == Order::any) leave();
     }
 
     /// Fetches what comes next; soon(leaf) does so for a leaf.
     void fetch_next(const auto& soon) const { fetch_one(next_, soon); }
 
    private:
-    void take_nearest(const Node& node, Bits met, Floats near) {
-      alignas(64) float distance[node_width];
-      near.store(distance);
-      const auto take_one = [&] {
-        const int k = std::countr_zero(met);
-        met &= met - 1;
-        return std::pair(node.child(k), distance[k]);
-      };
-      auto nearest = take_one();
-      const int below = top_;
-      while (met != 0) {
-        auto other = take_one();
-        if (other.second < nearest.second) std::swap(other, nearest);
-        int place = top_++;
-        for (; place > below && near_[place - 1] < other.second; --place) {
-          waiting_[place] = waiting_[place - 1];
-          near_[place] = near_[place - 1];
-        }
-        waiting_[place] = other.first.bits();
-        near_[place] = other.second;
-      }
-      next_ = nearest.first;
+    static int nearest_of(Bits met, const Floats& near) {
+      const Floats of_met =
+          select(mask_of<float, node_width>(met), near, std::numeric_limits<float>::infinity());
+      return std::countr_zero(met & bits(of_met <= Floats(smallest(of_met))));
     }
 
     void fetch_one(Child child, const auto& soon) const {
       if (child.is_leaf())
         soon(child.leaf());
       else
-        fetch(nodes_[child.node()]);
+        fetch<Read::later>(nodes_[child.node()]);
     }
 
     const Node* nodes_;
@@ -186,7 +171,7 @@ class Bvh {
   /// Calls visit(leaf, reach) for every leaf whose box the ray may meet within a reach, until one of them
   /// returns true; returns whether one did. A visit may shorten the reach. Before that, soon(leaf) is called
   /// for leaves that are likely to be visited. This is a Walk whose state can stay in registers, for a ray
-  /// that goes alone.
+  /// that goes alone: it goes on as is most likely, while the nearest child is worked out.
   template <Order order, class Soon = Ignore>
   bool each_leaf_along(const BoxRay& ray, Reach reach, const auto& visit, const Soon& soon = {}) const {
     if (tree_.order.empty()) return false;
@@ -230,7 +215,7 @@ class Bvh {
           if (other.child.is_leaf())
             soon(other.child.leaf());
           else
-            fetch(tree_.nodes[other.child.node()]);
+            fetch<Read::soon>(tree_.nodes[other.child.node()]);
           int place = top++;
           if constexpr (order == Order::near_first)
             for (; place > below && stack[place - 1].near < other.near; --place)
@@ -269,7 +254,7 @@ class Bvh {
         if (node.child(k).is_leaf())
           soon(node.child(k).leaf());
         else
-          fetch(tree_.nodes[node.child(k).node()]);
+          fetch<Read::later>(tree_.nodes[node.child(k).node()]);
         const Entry entry{node.child(k), children[k]};
         int place = top++;
         for (; place > below && stack[place - 1].seen.nearest > entry.seen.nearest; --place)
@@ -316,11 +301,12 @@ class Bvh {
   }
 
  private:
-  /// Fetches a node that is likely to be visited soon.
+  /// Fetches a node that is likely to be visited.
+  template <Read read>
   static void fetch(const Node& node) {
     for (const auto& ends : node.end)
-      for (const auto& of_axis : ends) prefetch(of_axis);
-    prefetch(node.children);
+      for (const auto& of_axis : ends) prefetch<read>(of_axis);
+    prefetch<read>(node.children);
   }
 
   /// The children whose boxes may reach into all half-spaces: the corner farthest along the normal counts.

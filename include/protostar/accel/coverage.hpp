@@ -3,7 +3,6 @@
 // be.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -22,15 +21,17 @@ class Coverage {
   struct Row {
     std::uint64_t surely = 0, in_doubt = 0;
   };
-  [[nodiscard]] const Row& row(int y) const { return rows_[static_cast<std::size_t>(y)]; }
+  [[nodiscard]] Row row(int y) const {
+    return {surely_[static_cast<std::size_t>(y)], in_doubt_[static_cast<std::size_t>(y)]};
+  }
 
-  void clear() { rows_.fill({}); }
+  void clear() { surely_.fill(0), in_doubt_.fill(0); }
 
   /// Whether all pixels of a box are surely covered.
   [[nodiscard]] bool hides(const BoxOnScreen& box) const {
     const std::uint64_t columns = ~std::uint64_t{0} >> (PixelBlock::side - (box.x1 - box.x0)) << box.x0;
     for (int y = box.y0; y < box.y1; ++y)
-      if ((columns & ~row(y).surely) != 0) return false;
+      if ((columns & ~surely_[static_cast<std::size_t>(y)]) != 0) return false;
     return true;
   }
 
@@ -45,35 +46,36 @@ class Coverage {
 
   /// Covers what some triangles cover.
   void add(const TrianglesInFront& triangles, Bits some) {
-    const Bits small = some & triangles.are_small();
-    triangles.each_small(small, [&](int x, int y, Bits surely, Bits maybe) {
-      add_rows<TrianglesInFront::small, TrianglesInFront::small>(x, y, surely, maybe);
-    });
-    for (Bits large = some & ~small; large != 0; large &= large - 1)
-      triangles.each_block(std::countr_zero(large),
+    using Covered = TrianglesInFront::Covered;
+    const Covered block = triangles.small_in_one_block(some);
+    if (block.maybe != 0) add_rows<Covered::side, Covered::side>(block.x, block.y, block.surely, block.maybe);
+    for (Bits others = some & ~block.triangles; others != 0; others &= others - 1)
+      triangles.each_block(std::countr_zero(others),
                            [&](int x, int y, Bits surely, Bits maybe) { add_block(x, y, surely, maybe); });
   }
 
  private:
+  using Rows = std::array<std::uint64_t, PixelBlock::side + TrianglesInFront::Covered::side - 1>;
+
   void add_block(int x, int y, Bits surely, Bits maybe) {
     add_rows<PixelBlock::width, PixelBlock::height>(x, y, surely, maybe);
   }
 
   /// Adds pixels from (x, y) on to the right and down, row by row.
   template <int width, int height>
-  void add_rows(int x, int y, Bits surely, Bits maybe) {
-    const auto add = [&](std::uint64_t Row::*to, std::uint64_t pixels) {
+  void add_rows(int x, int y, std::uint64_t surely, std::uint64_t maybe) {
+    const auto add = [&](Rows& rows, std::uint64_t pixels) {
+      std::uint64_t* const first = &rows[static_cast<std::size_t>(y)];
       for (int row = 0; row < height; ++row, pixels >>= width)
-        rows_[static_cast<std::size_t>(y + row)].*to |= (pixels & first_bits(width)) << x;
+        first[row] |= (pixels & first_bits(width)) << x;
     };
-    add(&Row::surely, surely);
-    if (surely != maybe) add(&Row::in_doubt, maybe);  // for nearly all they are the same
+    add(surely_, surely);
+    if (surely != maybe) add(in_doubt_, maybe);  // for nearly all they are the same
   }
 
   static_assert(PixelBlock::side == 64);  // as many as a row has bits
-  /// Rows of a block that begins in the last one.
-  static constexpr int below = std::max(TrianglesInFront::small, PixelBlock::height) - 1;
-  std::array<Row, PixelBlock::side + below> rows_;
+  static_assert(PixelBlock::height <= TrianglesInFront::Covered::side);
+  Rows surely_, in_doubt_;  ///< with room for blocks that begin in the last row
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

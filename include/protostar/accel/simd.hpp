@@ -7,6 +7,7 @@
 // other compilers, and with PROTOSTAR_SCALAR, an array.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <concepts>
@@ -101,6 +102,9 @@ struct Vector {
   }
   friend Vector operator~(const Vector& a) {
     return each([&](int i) { return static_cast<T>(~a[i]); });
+  }
+  friend Vector operator<<(const Vector& a, const Vector& b) {
+    return each([&](int i) { return static_cast<T>(a[i] << b[i]); });
   }
   friend Vector<Truth<T>, N> operator<(const Vector& a, const Vector& b) {
     return each<Truth<T>>([&](int i) { return a[i] < b[i] ? -1 : 0; });
@@ -240,6 +244,8 @@ struct Lanes {
   friend Lanes operator*(Lanes a, Lanes b) { return {a.v * b.v}; }
   friend Lanes operator/(Lanes a, Lanes b) { return {a.v / b.v}; }
   friend Lanes operator-(Lanes a) { return {-a.v}; }
+  friend Lanes operator|(Lanes a, Lanes b) { return {a.v | b.v}; }
+  friend Lanes operator<<(Lanes a, Lanes b) { return {a.v << b.v}; }
   Lanes& operator+=(Lanes b) { return *this = *this + b; }
   Lanes& operator*=(Lanes b) { return *this = *this * b; }
   friend Mask<T, N> operator<(Lanes a, Lanes b) {
@@ -409,17 +415,35 @@ template <class T, int N>
   return max(a, Lanes<T, N>(b));
 }
 
-/// The largest number of all lanes, none of which is NaN.
+/// All lanes in one number, of which f makes one of two.
 template <class T, int N>
-[[nodiscard]] T largest(const Lanes<T, N>& a) {
+[[nodiscard]] T folded(const Lanes<T, N>& a, const auto& f) {
   if constexpr (N == 1) {
     return a[0];
   } else {
-    // One half against the other, as a vector that is half as long.
+    // One half and the other, as vectors that are half as long.
     T numbers[N];
     a.store(numbers);
-    return largest(max(Lanes<T, N / 2>::load(numbers), Lanes<T, N / 2>::load(numbers + N / 2)));
+    return folded(f(Lanes<T, N / 2>::load(numbers), Lanes<T, N / 2>::load(numbers + N / 2)), f);
   }
+}
+
+/// The largest number of all lanes, none of which is NaN.
+template <class T, int N>
+[[nodiscard]] T largest(const Lanes<T, N>& a) {
+  return folded(a, [](const auto& b, const auto& c) { return max(b, c); });
+}
+
+/// The smallest, likewise.
+template <class T, int N>
+[[nodiscard]] T smallest(const Lanes<T, N>& a) {
+  return folded(a, [](const auto& b, const auto& c) { return min(b, c); });
+}
+
+/// The bits that any lane has.
+template <std::integral T, int N>
+[[nodiscard]] T bits_of_any(const Lanes<T, N>& a) {
+  return folded(a, [](const auto& b, const auto& c) { return b | c; });
 }
 
 namespace detail {
@@ -482,10 +506,15 @@ template <int N>
   return detail::converted<std::int64_t>(a);
 }
 
-/// Says that what is at an address will be read soon.
-inline void prefetch([[maybe_unused]] const void* address) {
+/// When something is read: soon, or after much else. What is read later waits in the second cache; into the
+/// first, few lines can be on their way at a time, and then the processor stands still.
+enum class Read { soon, later };
+
+/// Says that what is at an address will be read.
+template <Read read = Read::soon>
+void prefetch([[maybe_unused]] const void* address) {
 #if defined(__GNUC__)
-  __builtin_prefetch(address);
+  __builtin_prefetch(address, 0, read == Read::soon ? 3 : 2);
 #endif
 }
 
@@ -541,6 +570,19 @@ void store_in_turn(void* to, Lanes<float, N> a, Lanes<float, N> b, Lanes<float, 
   }
 }
 
+namespace detail {
+
+/// For each set of eight lanes, which they are, in order; the rest is 0.
+inline constexpr auto chosen_lanes = [] {
+  std::array<std::array<std::uint8_t, 8>, 256> all{};
+  for (std::size_t lanes = 0; lanes < all.size(); ++lanes)
+    for (std::size_t lane = 0, count = 0; lane < 8; ++lane)
+      if ((lanes >> lane & 1) != 0) all[lanes][count++] = static_cast<std::uint8_t>(lane);
+  return all;
+}();
+
+}  // namespace detail
+
 /// Appends the numbers of the lanes in a set, in order, to those at an address; whatever stood in the N
 /// places from there on may change. Returns how many they are.
 template <class T, int N>
@@ -555,6 +597,13 @@ int store_chosen(T* to, Bits lanes, Lanes<T, N> a) {
   if constexpr (sizeof(a.v) == 32 && sizeof(T) == 4) {
     _mm256_storeu_si256((__m256i*)to,
                         _mm256_maskz_compress_epi32(static_cast<__mmask8>(lanes), (__m256i)a.v));
+    return std::popcount(lanes);
+  }
+#endif
+#if defined(PROTOSTAR_VECTORS) && defined(__AVX2__)
+  if constexpr (sizeof(a.v) == 32 && sizeof(T) == 4) {
+    const __m128i order = _mm_loadl_epi64((const __m128i*)detail::chosen_lanes[lanes].data());
+    _mm256_storeu_si256((__m256i*)to, _mm256_permutevar8x32_epi32((__m256i)a.v, _mm256_cvtepu8_epi32(order)));
     return std::popcount(lanes);
   }
 #endif

@@ -75,14 +75,15 @@ class TriangleLeaves {
     return corners;
   }
 
-  /// Fetches the numbers of a leaf that is likely to be visited soon.
+  /// Fetches the numbers of a leaf that is likely to be visited.
+  template <Read read>
   void fetch(Leaf leaf) const {
     with_rows([&](const auto* all) {
       constexpr std::size_t line = 64 / sizeof *all;
       const auto* const row = all + place(leaf, 0).first;
       const std::size_t count = rows * leaf.count;
-      for (std::size_t i = 0; i < count; i += line) prefetch(row + i);
-      prefetch(row + count - 1);  // a leaf may begin inside a line, and then ends in one more
+      for (std::size_t i = 0; i < count; i += line) prefetch<read>(row + i);
+      prefetch<read>(row + count - 1);  // a leaf may begin inside a line, and then ends in one more
       keep_calls();
     });
   }

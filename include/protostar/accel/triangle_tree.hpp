@@ -40,7 +40,7 @@ class TriangleTree {
     each_along<order>(
         bvh_, query.ray, query.range, [&](std::uint32_t i) { return query.maybe(triangle(i), i); },
         [&](const BoxRay& line, Leaf leaf, Reach& left) { return show<order>(query, line, leaf, left); },
-        [&](Leaf leaf) { leaves_.fetch(leaf); });
+        [&](Leaf leaf) { leaves_.fetch<Read::soon>(leaf); });
   }
 
   /// The same for `count` queries that make(k) makes; done(k, query) is called for each, in any order. While
@@ -52,7 +52,7 @@ class TriangleTree {
         [&](auto& query, const BoxRay& line, Leaf leaf, Reach& left) {
           return show<order>(query, line, leaf, left);
         },
-        [&](Leaf leaf) { leaves_.fetch(leaf); });
+        [&](Leaf leaf) { leaves_.fetch<Read::later>(leaf); });
   }
 
   [[nodiscard]] const BoxSpace& space() const { return bvh_.space(); }
@@ -62,7 +62,7 @@ class TriangleTree {
                        const auto& visit) const {
     std::vector<BoxHalfSpace> seen;
     for (const HalfSpace& half_space : half_spaces) seen.emplace_back(half_space, space());
-    bvh_.each_leaf_ahead(seen, look, is_hidden, visit, [&](Leaf leaf) { leaves_.fetch(leaf); });
+    bvh_.each_leaf_ahead(seen, look, is_hidden, visit, [&](Leaf leaf) { leaves_.fetch<Read::later>(leaf); });
   }
 
   [[nodiscard]] const TriangleLeaves& leaves() const { return leaves_; }

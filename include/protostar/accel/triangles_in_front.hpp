@@ -112,33 +112,50 @@ class TrianglesInFront {
     }
   }
 
-  /// Those in one block of `small` pixels a side.
-  static constexpr int small = 4;
-  [[nodiscard]] Bits are_small() const { return bits(x1 - x0 <= Wholes(small) && y1 - y0 <= Wholes(small)); }
+  /// Pixels of a block, row by row, that some triangles cover.
+  struct Covered {
+    static constexpr int side = 8;
 
-  /// Calls visit(x, y, surely, maybe) for the block of each of some small triangles: the bits of the pixels
-  /// of the block at (x, y), row by row.
-  void each_small(Bits some, const auto& visit) const {
+    Bits triangles;
+    int x, y;  ///< where the block begins
+    std::uint64_t surely, maybe;
+  };
+
+  /// What small ones of some triangles cover, of those in one block, which begins where the first of them do.
+  [[nodiscard]] Covered small_in_one_block(Bits some) const {
+    constexpr int small = 4;
     const Wholes width = x1 - x0, height = y1 - y0;
+    some &= bits(width <= Wholes(small) && height <= Wholes(small));
+    if (some == 0) return {};
+    // Pixel by pixel of all triangles, each from its first on. What is beyond a tile to the right is left
+    // out, since in the block it might be at the left of the next row.
     Wholes surely = 0, maybe = 0;
-    std::array<Floats, 3> in_row{sides[0].one, sides[1].one, sides[2].one};
+    std::array<Floats, 3> from{sides[0].one, sides[1].one, sides[2].one};
     for (int y = 0; (bits(height > Wholes(y)) & some) != 0; ++y) {
-      std::array<Floats, 3> at = in_row;
-      for (int x = 0; (bits(width > Wholes(x)) & some) != 0; ++x) {
+      std::array<Floats, 3> at = from;
+      for (int x = 0;; ++x) {
+        const auto is_there = mask_for<float>(width > Wholes(x));
+        if ((bits(is_there) & some) == 0) break;
         const Floats inside = min(min(at[0], at[1]), at[2]);
-        const Wholes pixel = std::int32_t{1} << (small * y + x);
-        surely = select(inside > error, surely + pixel, surely);
-        maybe = select(inside >= -error, maybe + pixel, maybe);
+        const Wholes pixel = std::int32_t{1} << (Covered::side * y + x);
+        surely = select(is_there && inside > error, surely | pixel, surely);
+        maybe = select(is_there && inside >= -error, maybe | pixel, maybe);
         for (std::size_t k = 0; k < 3; ++k) at[k] += sides[k].x;
       }
-      for (std::size_t k = 0; k < 3; ++k) in_row[k] += sides[k].y;
+      for (std::size_t k = 0; k < 3; ++k) from[k] += sides[k].y;
     }
-    std::int32_t of_surely[double_lanes], of_maybe[double_lanes];
-    surely.store(of_surely), maybe.store(of_maybe);
-    for (; some != 0; some &= some - 1) {
-      const int i = std::countr_zero(some);
-      visit(x0[i], y0[i], static_cast<Bits>(of_surely[i]), static_cast<Bits>(of_maybe[i]));
-    }
+    const auto first = [of_some = mask_of<std::int32_t, double_lanes>(some)](const Wholes& pixels) {
+      return smallest(select(of_some, pixels, PixelBlock::side));
+    };
+    const int x = first(x0), y = first(y0);
+    some &= bits(x1 <= Wholes(x + Covered::side) && y1 <= Wholes(y + Covered::side));
+    const auto chosen = mask_of<double, double_lanes>(some);
+    const auto place =
+        select(chosen, widened(Wholes(Covered::side) * (y0 - Wholes(y)) + (x0 - Wholes(x))), 0);
+    const auto of_all = [&](const Wholes& pixels) {
+      return static_cast<std::uint64_t>(bits_of_any(select(chosen, widened(pixels) << place, 0)));
+    };
+    return {some, x, y, of_all(surely), of_all(maybe)};
   }
 
   /// Calls visit(x, y, surely, maybe) for the blocks of the i-th triangle, each as PixelBlock has it.
