@@ -59,7 +59,7 @@ void compare(const simd::Bvh& tree, const std::vector<Query>& queries) {
         simd::each_along<order>(
             tree, alone.ray, alone.range, [&](std::uint32_t i) { return visit(alone, i); },
             [&](const BoxRay& line, Leaf leaf, Reach& left) { return visit_leaf(alone, line, leaf, left); });
-        if (order == Order::near_first && !alone.seen.empty()) {
+        if (order == Order::near_first && !alone.seen.empty() && tree.unbounded().empty()) {
           ++any_seen;
           same_first += query.seen.front() == alone.seen.front();
         }

@@ -157,8 +157,8 @@ void additions(Table& table, const bench::Options& options) {
     });
   const Times times(options, works);
   std::vector<double> seconds;
-  for (std::size_t i = 0; i < n.size(); ++i) seconds.push_back(times.seconds(i));
-  print(table, "threads, additions", n, seconds);
+  for (std::size_t i = 0; i < n.size(); ++i) seconds.push_back(times.shortest(i));
+  print(table, "threads, additions, shortest turn", n, seconds);
 }
 
 /// A pixel that sees nothing against one that is only written.

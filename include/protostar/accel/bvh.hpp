@@ -125,8 +125,8 @@ class Bvh {
     }
 
     /// Goes on from a node to one of its children that the ray meets, or the nearest; the others wait. How
-    /// many are met, and which is the nearest, is as good as random: so there is no branch, and no order
-    /// among those that wait.
+    /// many are met, and which is the nearest, is as good as random: so no more than whether there are any
+    /// is a branch, and there is no order among those that wait.
     void open() {
       const Node& node = nodes_[next_.node()];
       Floats near;
@@ -170,8 +170,9 @@ class Bvh {
 
   /// Calls visit(leaf, reach) for every leaf whose box the ray may meet within a reach, until one of them
   /// returns true; returns whether one did. A visit may shorten the reach. Before that, soon(leaf) is called
-  /// for leaves that are likely to be visited. This is a Walk whose state can stay in registers, for a ray
-  /// that goes alone: it goes on as is most likely, while the nearest child is worked out.
+  /// for leaves that are likely to be visited. This is for a ray that goes alone what a Walk is, and its
+  /// state can stay in registers. Here children that wait are sorted, by branches: the processor guesses
+  /// them, and goes on before the nearest child is known.
   template <Order order, class Soon = Ignore>
   bool each_leaf_along(const BoxRay& ray, Reach reach, const auto& visit, const Soon& soon = {}) const {
     if (tree_.order.empty()) return false;

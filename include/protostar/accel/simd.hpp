@@ -415,7 +415,7 @@ template <class T, int N>
   return max(a, Lanes<T, N>(b));
 }
 
-/// All lanes in one number, of which f makes one of two.
+/// All lanes combined into one number; f combines two vectors lane by lane.
 template <class T, int N>
 [[nodiscard]] T folded(const Lanes<T, N>& a, const auto& f) {
   if constexpr (N == 1) {
@@ -507,7 +507,7 @@ template <int N>
 }
 
 /// When something is read: soon, or after much else. What is read later waits in the second cache; into the
-/// first, few lines can be on their way at a time, and then the processor stands still.
+/// first, few lines can be on their way at a time, and if there are more, the processor waits (?).
 enum class Read { soon, later };
 
 /// Says that what is at an address will be read.

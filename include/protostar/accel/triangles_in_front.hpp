@@ -122,13 +122,14 @@ class TrianglesInFront {
   };
 
   /// What small ones of some triangles cover, of those in one block, which begins where the first of them do.
+  /// They must be known, and in the tile.
   [[nodiscard]] Covered small_in_one_block(Bits some) const {
     constexpr int small = 4;
     const Wholes width = x1 - x0, height = y1 - y0;
     some &= bits(width <= Wholes(small) && height <= Wholes(small));
     if (some == 0) return {};
     // Pixel by pixel of all triangles, each from its first on. What is beyond a tile to the right is left
-    // out, since in the block it might be at the left of the next row.
+    // out, since in the block it might be at the left of the next row; what is below stays in its column.
     Wholes surely = 0, maybe = 0;
     std::array<Floats, 3> from{sides[0].one, sides[1].one, sides[2].one};
     for (int y = 0; (bits(height > Wholes(y)) & some) != 0; ++y) {
