@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "magnitude.hpp"
 #include "material.hpp"
 #include "numeric/exact_root.hpp"
 #include "numeric/roots.hpp"
@@ -20,20 +21,12 @@ struct Crossing {
   int part = 0;  ///< which of a surface's parts is crossed, as the surface counts them
 };
 
-/// A crossing's parameter to more than a double, with the relative error that it may still have.
-struct RefinedCrossing {
-  DoubleDouble t;
-  double relative_error;
-};
-
 /// What can be asked of a surface whose type has been forgotten; the first argument is the surface.
 /// surface.hpp has one such table for each type.
 struct SurfaceFunctions {
   Vec3 (*normal_at)(const void* surface, const Point& point, int part);
   Uv (*uv_at)(const void* surface, const Point& point, int part);
   Departure (*departure)(const void* surface, int part);
-  RefinedCrossing (*refine)(const void* surface, const Ray& ray, const Crossing& crossing,
-                            Precision precision);
   ExactRoot (*exact_root)(const void* surface, const Ray& ray, const Crossing& crossing);
 };
 
@@ -48,9 +41,11 @@ struct SurfaceCrossing {
     return functions->normal_at(surface, point, crossing.part);
   }
   [[nodiscard]] Uv uv_at(const Point& point) const { return functions->uv_at(surface, point, crossing.part); }
-  [[nodiscard]] Departure departure() const { return functions->departure(surface, crossing.part); }
-  [[nodiscard]] RefinedCrossing refine(const Ray& ray, Precision precision) const {
-    return functions->refine(surface, ray, crossing, precision);
+  [[nodiscard]] Departure departure() const { return departure(crossing.part); }
+  [[nodiscard]] Departure departure(int part) const {
+    Departure departure = functions->departure(surface, part);
+    departure.in_scene = surface;
+    return departure;
   }
   [[nodiscard]] ExactRoot exact_root(const Ray& ray) const {
     return functions->exact_root(surface, ray, crossing);
@@ -59,17 +54,16 @@ struct SurfaceCrossing {
 
 namespace detail {
 
-/// precedes where the errors of t overlap.
+/// precedes where the errors of t overlap: without rounding.
 [[nodiscard, gnu::noinline, gnu::cold]] inline bool precedes_refined(Ray ray, SurfaceCrossing a,
                                                                      SurfaceCrossing b) {
-  // What coincides exactly needs no more arithmetic.
-  if (const Departure departure = a.departure(); departure.kind != Departure::Kind::rounded_plane &&
-                                                 a.crossing.root == b.crossing.root &&
-                                                 departure == b.departure())
-    return false;
-  const RefinedCrossing x = a.refine(ray, Precision::double_double),
-                        y = b.refine(ray, Precision::double_double);
-  if (const int sign = order(x.t, x.relative_error, y.t, y.relative_error); sign != 0) return sign < 0;
+  // What coincides exactly needs no more arithmetic. Where one of two planes is rounded, they may be left
+  // together and be two nevertheless.
+  if (a.crossing.root == b.crossing.root) {
+    const Departure left = a.departure(), other = b.departure();
+    const auto is_exact = [](const Departure& one) { return one.kind != Departure::Kind::rounded_plane; };
+    if (is_exact(left) && is_exact(other) && left == other) return false;
+  }
   return order(a.exact_root(ray), b.exact_root(ray)) < 0;
 }
 
@@ -104,7 +98,7 @@ class Intersection {
   Intersection(const Ray& ray, const SurfaceCrossing& on) : t(on.crossing.t), ray_(ray), on_(on) {}
 
   /// Where it is.
-  [[nodiscard]] Point point() const { return ray_.at(t); }
+  [[nodiscard]] Point point() const { return ray_.at(std::min(t, farthest_point)); }
 
   /// The direction of the ray.
   [[nodiscard]] const Vec3& direction() const { return ray_.direction; }
@@ -117,6 +111,9 @@ class Intersection {
     const Vec3 n = normal();
     return dot(n, ray_.direction) <= 0 ? n : -n;
   }
+
+  /// Which of the surface's parts it is on, as the surface counts them; 0 for one without parts.
+  [[nodiscard]] int part() const { return on_.crossing.part; }
 
   /// What the surface is made of.
   [[nodiscard]] const Material& material() const { return *on_.material; }
@@ -135,15 +132,13 @@ class Intersection {
   /// at its origin; there is no offset.
   [[nodiscard]] Ray leave(const Vec3& direction) const { return {point(), direction, on_.departure()}; }
 
-  /// t to 1 ulp, for a surface that can refine it, as those of the library can; otherwise t as it is.
+  /// t to 1 ulp, for a surface that knows its exact roots, as those of the library do; otherwise t as it is.
   [[nodiscard]] double refined() const {
-    RefinedCrossing crossing = on_.refine(ray_, Precision::double_double);
-    if (!(crossing.relative_error < Roots::relative_error)) crossing = on_.refine(ray_, Precision::exact);
-    return static_cast<double>(crossing.t);
+    return static_cast<double>(protostar::refined(on_.exact_root(ray_)));
   }
 
   /// Whether this is strictly before another crossing of the same ray. The order is exact for surfaces that
-  /// can refine their roots; see precedes.
+  /// know their exact roots; see precedes.
   [[nodiscard]] bool operator<(const Intersection& other) const { return precedes(ray_, on_, other.on_); }
 
  private:

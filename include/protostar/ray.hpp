@@ -23,10 +23,15 @@ struct Departure {
   enum class Kind : std::uint8_t { none, object, sphere, plane, rounded_plane };
 
   Kind kind = Kind::none;
-  int part = 0;  ///< of a mesh: the number of the triangle that is left
-  /// Kind object: the surface itself, recognized by its address. Of a triangle of a mesh: what the mesh is
-  /// made of, by which it recognizes itself. Else null.
+  int part = 0;  ///< of a surface with parts that recognizes itself by object: the part that is left
+  /// Kind object: the surface itself, recognized by its address. Of a face of a box or an instance, or a
+  /// triangle of a mesh: that, by which it recognizes itself; the plane alone is what others recognize. Else
+  /// null.
   const void* object = nullptr;
+
+  /// The surface of the scene that is left; trees visit it whatever its bounds say, as the digits of the
+  /// origin may lie outside of them. Null: any or none.
+  const void* in_scene = nullptr;
 
   /// kind sphere: center and |radius|; kind plane: normal and distance; kind rounded_plane: the same of a
   /// plane that doubles may not hold, as PlaneEquation has them (numeric/plane_through.hpp)
@@ -34,14 +39,23 @@ struct Departure {
 
   [[nodiscard]] bool is_planar() const { return kind == Kind::plane || kind == Kind::rounded_plane; }
 
-  /// Whether both are of one geometry; of planes neither object nor part counts. For planes that is exact
-  /// where both equations are, and these may be multiples of each other. Where one is rounded, equal planes
-  /// are always found to be equal, and two others only if their equations are rounded to the same numbers: to
-  /// the digits that a point has, they are one.
+  /// Whether both are of one geometry; of planes and spheres neither object nor part counts. For planes that
+  /// is exact where both equations are, and these may be multiples of each other. Where one is rounded, equal
+  /// planes are always found to be equal, and two others only if their equations are rounded to the same
+  /// numbers: to the digits that a point has, they are one.
   bool operator==(const Departure& other) const {
-    if (kind == other.kind && geometry == other.geometry && (is_planar() || object == other.object))
+    if (kind == other.kind && geometry == other.geometry &&
+        (kind != Kind::object || (object == other.object && part == other.part)))
       return true;
     return is_planar() && other.is_planar() && is_one_plane_with(other);
+  }
+
+  /// The equation of a plane as a rounded_plane has it. A quotient of two doubles is rounded as any number
+  /// is.
+  [[nodiscard]] std::array<double, 4> rounded() const {
+    if (kind == Kind::rounded_plane) return geometry;
+    const double largest = geometry[largest_component(geometry)];
+    return {geometry[0] / largest, geometry[1] / largest, geometry[2] / largest, geometry[3] / largest};
   }
 
  private:
@@ -65,13 +79,6 @@ struct Departure {
     return true;
   }
 
-  /// The equation as a rounded_plane has it. A quotient of two doubles is rounded as any number is.
-  [[nodiscard]] std::array<double, 4> rounded() const {
-    if (kind == Kind::rounded_plane) return geometry;
-    const double largest = geometry[largest_component(geometry)];
-    return {geometry[0] / largest, geometry[1] / largest, geometry[2] / largest, geometry[3] / largest};
-  }
-
   /// The place of the normal's largest component, the first of equals.
   static std::size_t largest_component(const std::array<double, 4>& a) {
     std::size_t k = 0;
@@ -80,6 +87,8 @@ struct Departure {
     return k;
   }
 };
+
+struct RayTransform;
 
 /// The points origin + t · direction (§2.2.3). The direction may have any length other than 0; where it is a
 /// unit vector, as for camera rays, t is a distance in scene units. A ray whose direction is 0 or whose
@@ -91,10 +100,18 @@ struct Ray {
   Vec3 direction{0, 0, 1};
   Departure departure{};  ///< what the ray leaves; nothing for a ray that starts in free space
 
+  /// Of a ray in the space of an instance's surface, whose numbers are rounded: what they are rounded from
+  /// (transformed_ray.hpp). Null: the numbers are the ray.
+  const RayTransform* transform = nullptr;
+  bool is_reversed = false;  ///< whether it leads the opposite way of what it is rounded from
+
   [[nodiscard]] Point at(double t) const { return origin + t * direction; }
 
   /// The ray from the same place in another direction.
   [[nodiscard]] Ray turned(const Vec3& towards) const { return {origin, towards, departure}; }
+
+  /// The ray from the same place in the opposite direction.
+  [[nodiscard]] Ray reversed() const { return {origin, -direction, departure, transform, !is_reversed}; }
 
   /// The ray, where it is asked for: of a packet of rays, the word takes those that are.
   friend const Ray& only(bool, const Ray& ray) { return ray; }

@@ -4,10 +4,12 @@
 // and dot(u, v), cross(u, v), length(v) and normalize(v), which are found without a prefix.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <limits>
 
 #include "platform.hpp"
 
@@ -38,6 +40,12 @@ inline bool is_light(const Color& c) {
   return c.r >= 0 && c.g >= 0 && c.b >= 0 && std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);
 }
 
+/// Light with each channel held at the largest float: products and sums of finite light may be infinite.
+[[nodiscard]] inline Color held(const Color& light) {
+  constexpr float most = std::numeric_limits<float>::max();
+  return {std::min(light.r, most), std::min(light.g, most), std::min(light.b, most)};
+}
+
 // What is written for one ray is written for several at once as well, with a number, a vector or an answer
 // for each of them (accel/packet.hpp). Where a number is converted or a choice is made, both say it in these
 // words.
@@ -57,8 +65,11 @@ template <class T>
 /// f of each number: here, of the only one.
 [[nodiscard]] double of_each(double x, const auto& f) { return f(x); }
 
-/// A place on a surface.
-[[nodiscard]] inline Uv uv_of(double u, double v) { return {u, v}; }
+/// A place on a surface; 0 for a coordinate that is not a number or beyond 2^500, as the digits of a point on
+/// a very thin triangle may give it.
+[[nodiscard]] inline Uv uv_of(double u, double v) {
+  return {std::abs(u) < 0x1p500 ? u : 0, std::abs(v) < 0x1p500 ? v : 0};
+}
 
 /// The nearest float.
 [[nodiscard]] constexpr float to_float(double x) { return static_cast<float>(x); }

@@ -1,9 +1,13 @@
 // Affine maps, which scale, rotate, shear and move, and their inverses.
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <optional>
 
 #include "../vec3.hpp"
+#include "equation.hpp"
 #include "plane_through.hpp"
 #include "scale.hpp"
 #include "trigonometry.hpp"
@@ -39,51 +43,130 @@ struct Affine {
   [[nodiscard]] Affine moved_by(const Vec3& way) const { return {x, y, z, translation + way}; }
 };
 
-/// The way back of an affine map, whose linear part is the three rows. Their nine numbers are the nearest
-/// doubles, as long as the numbers of each of x, y and z differ by less than 2^300; they are infinite or NaN
-/// for a map that has no way back.
+/// A sphere by its center and radius.
+struct SphereImage {
+  Point center;
+  double radius;
+};
+
+/// The image of a sphere under a map, where that is a sphere whose numbers are doubles.
+[[nodiscard, gnu::cold, gnu::noinline]] inline std::optional<SphereImage> image_of_sphere(const Affine& map,
+                                                                                          const Point& center,
+                                                                                          double radius) {
+  const ExactVector x = exact_vector(map.x), y = exact_vector(map.y), z = exact_vector(map.z);
+  const ExactNumber square = dot(x, x), nothing(0);
+  const bool is_similarity = dot(y, y) == square && dot(z, z) == square && dot(x, y) == nothing &&
+                             dot(y, z) == nothing && dot(z, x) == nothing;
+  if (!is_similarity) return std::nullopt;
+  const auto nearest = [](const ExactNumber& number) { return static_cast<double>(DoubleDouble(number)); };
+  const double scale = static_cast<double>(sqrt(DoubleDouble(square)));
+  if (!(ExactNumber(scale) * ExactNumber(scale) == square)) return std::nullopt;
+  const ExactVector to = ExactNumber(center.x) * x + ExactNumber(center.y) * y + ExactNumber(center.z) * z +
+                         exact_vector(map.translation);
+  const SphereImage image{{nearest(to[0]), nearest(to[1]), nearest(to[2])}, scale * radius};
+  const bool is_exact = exact_vector(image.center) == to &&
+                        ExactNumber(image.radius) == ExactNumber(scale) * ExactNumber(radius);
+  return is_exact && is_finite(image.center) && std::isfinite(image.radius) ? std::optional(image)
+                                                                            : std::nullopt;
+}
+
+/// The inverse of an affine map, with the nine numbers of its linear part rounded to the nearest doubles;
+/// they are infinite or NaN for a map that has no inverse. Lines are mapped without rounding as well.
 class AffineInverse {
  public:
   AffineInverse() = default;
 
-  explicit AffineInverse(const Affine& map) : translation_(map.translation) {
-    // The rows of the inverse of the matrix (x y z) are y × z, z × x and x × y over its determinant. Powers
-    // of two bring each column to about 1 before, and divide its row after.
-    const int exponents[] = {exponent_of({map.x}), exponent_of({map.y}), exponent_of({map.z})};
-    const ExactVector x = exact_vector(scaled(map.x, -exponents[0])),
-                      y = exact_vector(scaled(map.y, -exponents[1])),
-                      z = exact_vector(scaled(map.z, -exponents[2]));
-    const ExactVector rows[] = {exact_cross(y, z), exact_cross(z, x), exact_cross(x, y)};
-    const Expansion determinant = exact_dot(x, rows[0]);
+  explicit AffineInverse(const Affine& map) : map_(map) {
+    const Cofactors cofactors(map);
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < 3; ++k) {
-        const Expansion& cofactor = rows[i][static_cast<std::size_t>(k)];
-        const double entry =
-            determinant.sign() == 0 ? infinity : detail::nearest_quotient(cofactor, determinant);
-        rows_[i][k] = std::ldexp(entry, -exponents[i]);
+        const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(k);
+        rows_[i][k] = cofactors.determinant.sign() == 0
+                          ? infinity
+                          : detail::nearest_quotient(cofactors.rows[row][column], cofactors.determinant);
       }
+    exists_ = is_finite(map.x) && is_finite(map.y) && is_finite(map.z) && is_finite(map.translation) &&
+              is_finite(rows_[0]) && is_finite(rows_[1]) && is_finite(rows_[2]);
   }
 
-  [[nodiscard]] bool exists() const {
-    return is_finite(rows_[0]) && is_finite(rows_[1]) && is_finite(rows_[2]) && is_finite(translation_);
-  }
+  [[nodiscard]] bool exists() const { return exists_; }
+
+  /// The map itself.
+  [[nodiscard]] const Affine& map() const { return map_; }
 
   /// Where a direction or a point came from: each component with an error of at most 4u, and 5u, of the sum
   /// of its terms' sizes.
   [[nodiscard]] Vec3 vector(const Vec3& v) const {
     return {dot(rows_[0], v), dot(rows_[1], v), dot(rows_[2], v)};
   }
-  [[nodiscard]] Point point(const Point& p) const { return vector(p - translation_); }
+  [[nodiscard]] Point point(const Point& p) const { return vector(p - map_.translation); }
 
-  /// What the normals of a surface become when the surface is mapped: n · p = n · inverse(q), the rows' sum
-  /// with the components of n. Not of unit length.
+  /// Maps a line by the inverse, in doubles.
+  ///
+  /// With u = 2^-53, an entry of the inverse is off by u of itself, or below 2^-1022 by u of that; so are the
+  /// difference from the translation and each product, and the sum twice: 5u of the sizes of the terms, or 4u
+  /// of those of the direction. The errors that the line has already are mapped as well; 2^-1065 is more than
+  /// what underflows, and the sums here are rounded by less than 2^-40.
+  [[nodiscard]] RoundedLine line(const RoundedLine& from) const {
+    const Vec3 away = from.origin - map_.translation;
+    const Vec3 origin_errors = 5 * 0x1p-53 * abs(away) + from.origin_error,
+               direction_errors = 4 * 0x1p-53 * abs(from.direction) + from.direction_error;
+    RoundedLine line{.origin = vector(away), .direction = vector(from.direction)};
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 sizes = abs(rows_[i]) + Vec3(0x1p-1022);
+      line.origin_error[i] = (1 + 0x1p-40) * dot(sizes, origin_errors) + 0x1p-1065;
+      line.direction_error[i] = (1 + 0x1p-40) * dot(sizes, direction_errors) + 0x1p-1065;
+    }
+    return line;
+  }
+
+  /// Maps a line by the inverse without rounding: the cofactors are the inverse times the determinant, and
+  /// the determinant goes into the weight.
+  [[nodiscard, gnu::cold, gnu::noinline]] ExactLine line(const ExactLine& line) const {
+    const Cofactors cofactors(map_);
+    const bool turns = cofactors.determinant.sign() < 0;
+    const auto mapped = [&](const ExactVector& v) -> ExactVector {
+      const ExactVector product{dot(cofactors.rows[0], v), dot(cofactors.rows[1], v),
+                                dot(cofactors.rows[2], v)};
+      return turns ? -product : product;
+    };
+    return {.origin = mapped(line.origin - line.weight * exact_vector(map_.translation)),
+            .direction = mapped(line.direction),
+            .weight = line.weight * (turns ? -cofactors.determinant : cofactors.determinant)};
+  }
+
+  /// The normal of a surface's image: n · p = n · inverse(q), the rows' sum with the components of n. Not of
+  /// unit length.
   [[nodiscard]] Vec3 mapped_normal(const Vec3& n) const {
     return n.x * rows_[0] + n.y * rows_[1] + n.z * rows_[2];
   }
 
+  /// The equation of the image of the plane n · p = distance, rounded to nearest.
+  [[nodiscard, gnu::cold, gnu::noinline]] PlaneEquation mapped_plane(const Vec3& n, double distance) const {
+    // n · inverse(q) = distance, times the determinant.
+    const Cofactors cofactors(map_);
+    const ExactVector normal = ExactNumber(n.x) * cofactors.rows[0] + ExactNumber(n.y) * cofactors.rows[1] +
+                               ExactNumber(n.z) * cofactors.rows[2];
+    return detail::nearest_plane(
+        normal, ExactNumber(distance) * cofactors.determinant + dot(normal, exact_vector(map_.translation)));
+  }
+
  private:
+  /// The rows of the inverse of the matrix (x y z) are y × z, z × x and x × y over its determinant.
+  struct Cofactors {
+    std::array<ExactVector, 3> rows;
+    ExactNumber determinant;
+
+    explicit Cofactors(const Affine& map) {
+      const ExactVector x = exact_vector(map.x), y = exact_vector(map.y), z = exact_vector(map.z);
+      rows = {cross(y, z), cross(z, x), cross(x, y)};
+      determinant = dot(x, rows[0]);
+    }
+  };
+
+  Affine map_;
+  bool exists_ = true;
   Vec3 rows_[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  Vec3 translation_{0};
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -8,12 +8,13 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "../vec3.hpp"
-#include "exact_root.hpp"
+#include "equation.hpp"
 #include "roots.hpp"
-#include "scale.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -31,91 +32,96 @@ struct BoxFace {
   }
 };
 
-/// No root, or two: where the line enters the box, and where it leaves it.
+/// The exact knowledge about the start of a line relative to a box.
+struct BoxStart {
+  int face = -1;           ///< the face in whose plane it starts, or nearly so; −1: none
+  bool is_at_0 = true;     ///< whether it crosses that plane at t = 0, whatever its digits say
+  bool is_in_box = false;  ///< whether it starts in the box: then it only leaves it
+};
+
+/// No root, or two: where the line enters the box, and where it leaves it; of one that starts in the box,
+/// where it leaves it.
 struct BoxRoots {
   Roots roots;
   BoxFace face[2] = {{0}, {0}};
 };
 
-namespace detail {
-
-/// The root of a face whose axis the line is not at a right angle to, in these units of length and direction.
-[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_face_root(double origin, double direction,
-                                                                         double place, int lengths,
-                                                                         int directions) {
-  const Expansion height = Expansion(std::ldexp(place, -lengths)) - Expansion(std::ldexp(origin, -lengths));
-  return {.A = std::ldexp(std::abs(direction), -directions),
-          .b = direction < 0 ? -height : height,
-          .D = {},
-          .exponent = lengths - directions};
+/// The equation of a face's plane in numbers of type T; its slope is 0 where the line is parallel to it.
+template <class T>
+[[nodiscard]] LinearEquation<T> face_equation(const LineOf<T>& line, const Point& min, const Point& max,
+                                              BoxFace face, const BoxStart& start) {
+  const auto axis = static_cast<std::size_t>(face.axis());
+  if (face.number == start.face && start.is_at_0) return {.height = T(0), .slope = line.direction[axis]};
+  return {.height = line.weight * Given<T>(face.place(min, max)) - line.origin[axis],
+          .slope = line.direction[axis]};
 }
 
-}  // namespace detail
-
-/// The root of a face that the line crosses, without rounding.
-[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_box_root(const Point& origin,
-                                                                        const Vec3& direction,
-                                                                        const Point& min, const Point& max,
-                                                                        BoxFace face) {
-  const double o = origin[face.axis()], d = direction[face.axis()], place = face.place(min, max);
-  return detail::exact_face_root(o, d, place, exponent_of({{o, place, 0}}), exponent_of({{d, 0, 0}}));
-}
-
-/// The same in double-double.
-[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_box_root(const Point& origin,
-                                                                             const Vec3& direction,
-                                                                             const Point& min,
-                                                                             const Point& max, BoxFace face) {
-  ++fallbacks.exact;
-  return refined_linear_root(exact_box_root(origin, direction, min, max, face));
-}
-
-namespace detail {
-
-/// The sign of the difference of two faces' roots. Powers of two keep the products in the range of double.
-[[nodiscard, gnu::cold, gnu::noinline]] inline int order_of_faces(const Point& origin, const Vec3& direction,
-                                                                  const Point& min, const Point& max,
-                                                                  BoxFace a, BoxFace b) {
-  const auto length = [&](BoxFace face) { return Vec3{origin[face.axis()], face.place(min, max), 0}; };
-  const int lengths = exponent_of({length(a), length(b)});
-  const int directions = exponent_of({{direction[a.axis()], direction[b.axis()], 0}});
-  const auto root = [&](BoxFace face) {
-    return exact_face_root(origin[face.axis()], direction[face.axis()], face.place(min, max), lengths,
-                           directions);
+/// The roots in numbers of type T; empty where rounded numbers do not tell. Where the line crosses two faces
+/// at once, the one with the lowest number is taken, but for the one in whose plane it starts.
+template <class T>
+[[nodiscard, gnu::cold, gnu::noinline]] std::optional<BoxRoots> box_roots_along(const LineOf<T>& line,
+                                                                                const Point& min,
+                                                                                const Point& max,
+                                                                                const BoxStart& start) {
+  const auto equation = [&](int face) { return face_equation(line, min, max, {face}, start); };
+  int slopes[3];
+  // The sign of a's root less b's: of (h_a s_b − h_b s_a) s_a s_b.
+  const auto order = [&](int a, int b) {
+    const auto of_a = equation(a), of_b = equation(b);
+    const auto sign = sign_of(of_a.height * of_b.slope - of_b.height * of_a.slope);
+    return sign ? std::optional(*sign * slopes[BoxFace{a}.axis()] * slopes[BoxFace{b}.axis()]) : sign;
   };
-  return order(root(a), root(b));
+  int entry = -1, exit = -1;
+  // Takes a face if its root comes after the one that was taken, or for sign = -1 before. False where rounded
+  // numbers do not tell.
+  const auto take = [&](int& taken, int face, int sign) {
+    if (taken < 0) {
+      taken = face;
+      return true;
+    }
+    const auto later = order(face, taken);
+    if (!later) return false;
+    if (sign * *later > 0 || (*later == 0 && face == start.face)) taken = face;
+    return true;
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    const int lower = 2 * axis, upper = lower + 1;
+    const auto slope = sign_of(line.direction[static_cast<std::size_t>(axis)]);
+    if (!slope) return std::nullopt;
+    slopes[axis] = *slope;
+    if (*slope == 0) {
+      if (start.is_in_box) continue;
+      const auto below = sign_of(equation(lower).height), above = sign_of(equation(upper).height);
+      if ((below && *below > 0) || (above && *above < 0)) return BoxRoots{};
+      if (!below || !above) return std::nullopt;
+      continue;
+    }
+    if (!start.is_in_box && !take(entry, *slope > 0 ? lower : upper, 1)) return std::nullopt;
+    if (!take(exit, *slope > 0 ? upper : lower, -1)) return std::nullopt;
+  }
+  if (exit < 0) return BoxRoots{};  // a direction of 0
+  const std::optional<Roots> last = roots_of(equation(exit));
+  if (!last) return std::nullopt;
+  if (start.is_in_box) return BoxRoots{.roots = *last, .face = {{exit}, {exit}}};
+
+  const auto side = order(entry, exit);
+  if (!side) return std::nullopt;
+  if (*side > 0) return BoxRoots{};
+  const std::optional<Roots> first = roots_of(equation(entry));
+  if (!first) return std::nullopt;
+  return BoxRoots{.roots = {(*first)[0], (*last)[0]}, .face = {{entry}, {exit}}};
 }
 
-/// The roots where double does not decide, of a line that no axis excludes on which its direction is 0.
-/// Numbers that are not finite, and a direction of 0, cross nothing.
+namespace detail {
+
+/// The roots where double does not decide, without rounding. Numbers that are not finite cross nothing.
 [[nodiscard, gnu::cold, gnu::noinline]] inline BoxRoots box_roots_in_doubt(const Point& origin,
                                                                            const Vec3& direction,
                                                                            const Point& min, const Point& max,
-                                                                           int preferred) {
-  if (!is_finite(origin) || !is_finite(direction) || !is_finite(min) || !is_finite(max) ||
-      direction == Vec3{0})
-    return {};
+                                                                           const BoxStart& start) {
+  if (!is_finite(origin) || !is_finite(direction) || !is_finite(min) || !is_finite(max)) return {};
   ++fallbacks.exact;
-  const auto order = [&](int a, int b) { return order_of_faces(origin, direction, min, max, {a}, {b}); };
-  int entry = -1, exit = -1;
-  const auto is_taken = [&](int face, int other, int sign) {
-    if (other < 0) return true;
-    const int later = sign * order(face, other);
-    return later > 0 || (later == 0 && face == preferred);
-  };
-  for (int axis = 0; axis < 3; ++axis) {
-    if (direction[axis] == 0) continue;
-    const int lower = 2 * axis, upper = lower + 1;
-    const bool is_backwards = direction[axis] < 0;
-    if (const int face = is_backwards ? upper : lower; is_taken(face, entry, 1)) entry = face;
-    if (const int face = is_backwards ? lower : upper; is_taken(face, exit, -1)) exit = face;
-  }
-  if (order(entry, exit) > 0) return {};
-  const auto t = [&](int face) {
-    const ExactRoot root = exact_box_root(origin, direction, min, max, {face});
-    return static_cast<double>(refined_linear_root(root).t[0]);
-  };
-  return {.roots = {t(entry), t(exit)}, .face = {{entry}, {exit}}};
+  return *box_roots_along(line_of<ExactNumber>(origin, direction), min, max, start);
 }
 
 /// The last of some quotients, and whether it surely is the last. A quotient of a difference has an error of
@@ -137,10 +143,58 @@ struct LastQuotient {
 
 }  // namespace detail
 
+/// The roots of a line whose numbers are rounded, and their faces, if double tells.
+///
+/// A quotient h/d is off by less than (h_error + |h/d| d_error)/(|d| − d_error) + 2u |h/d|, where h = place −
+/// o is off by the error of o and u |h|. Twice that covers the roundings of the bound. What is as near to
+/// another as both bounds, or less certain than 2^-31 of itself, is left open.
+[[nodiscard]] inline std::optional<BoxRoots> rounded_box_roots(const RoundedLine& line, const Point& min,
+                                                               const Point& max) {
+  struct Quotient {
+    double t, error;
+    int face;
+  };
+  Quotient entry{-infinity, 0, -1}, exit{infinity, 0, -1};
+  double next_entry = -infinity, next_exit = infinity;  // the ends of those that are not taken
+  for (int axis = 0; axis < 3; ++axis) {
+    const double d = line.direction[axis], d_error = line.direction_error[axis];
+    const double least = std::abs(d) - d_error;
+    if (!(least > 0)) return std::nullopt;
+    const auto quotient = [&](int face) {
+      const double h = BoxFace{face}.place(min, max) - line.origin[axis], t = h / d;
+      const double h_error = line.origin_error[axis] + 0x1p-53 * std::abs(h);
+      return Quotient{t, 2 * ((h_error + std::abs(t) * d_error) / least + 0x1p-52 * std::abs(t)), face};
+    };
+    const Quotient in = quotient(d > 0 ? 2 * axis : 2 * axis + 1),
+                   out = quotient(d > 0 ? 2 * axis + 1 : 2 * axis);
+    if (in.t > entry.t) {
+      next_entry = std::max(next_entry, entry.t + entry.error);
+      entry = in;
+    } else {
+      next_entry = std::max(next_entry, in.t + in.error);
+    }
+    if (out.t < exit.t) {
+      next_exit = std::min(next_exit, exit.t - exit.error);
+      exit = out;
+    } else {
+      next_exit = std::min(next_exit, out.t - out.error);
+    }
+  }
+  if (entry.t - entry.error > exit.t + exit.error) return BoxRoots{};
+  const auto is_certain = [](const Quotient& q) {
+    return q.error < 0x1p-31 * std::abs(q.t) && 0x1p-900 < std::abs(q.t) && std::abs(q.t) < 0x1p900;
+  };
+  if (!(entry.t + entry.error < exit.t - exit.error) || !(entry.t - entry.error > next_entry) ||
+      !(exit.t + exit.error < next_exit) || !is_certain(entry) || !is_certain(exit))
+    return std::nullopt;
+  return BoxRoots{.roots = {entry.t, exit.t}, .face = {{entry.face}, {exit.face}}};
+}
+
 /// The roots, certified, and their faces. A line that touches an edge or a vertex meets the box. Where it
-/// crosses two faces at once, the one with the lowest number is taken, but for one that is preferred.
+/// crosses two faces at once, the one with the lowest number is taken, but for the one in whose plane it
+/// starts.
 [[nodiscard]] inline BoxRoots box_roots(const Point& origin, const Vec3& direction, const Point& min,
-                                        const Point& max, int preferred = -1) {
+                                        const Point& max, const BoxStart& start = {}) {
   using detail::LastQuotient;
   // Where quotients of such numbers and 0 neither overflow nor vanish. NaN is not in range.
   const auto in_range = [](double x) { return x == 0 || (0x1p-500 < std::abs(x) && std::abs(x) < 0x1p500); };
@@ -150,19 +204,26 @@ struct LastQuotient {
     const double below = min[axis] - origin[axis], above = max[axis] - origin[axis], d = direction[axis];
     is_sure = is_sure && in_range(below) && in_range(above) && in_range(d);
     if (d == 0) {
-      if (below > 0 || above < 0) return {};
+      if (!start.is_in_box && (below > 0 || above < 0)) return {};
       continue;
     }
     const int lower = 2 * axis, upper = lower + 1;
+    const auto root = [&](double height, int face) {
+      return face == start.face && start.is_at_0 ? 0.0 : height / d;
+    };
     if (d > 0)
-      entry.add(below / d, lower), exit.add(-above / d, upper);
+      entry.add(root(below, lower), lower), exit.add(-root(above, upper), upper);
     else
-      entry.add(above / d, upper), exit.add(-below / d, lower);
+      entry.add(root(above, upper), upper), exit.add(-root(below, lower), lower);
   }
-  if (is_sure && LastQuotient::surely_precedes(-exit.t, entry.t)) return {};
-  if (is_sure && entry.is_sure && exit.is_sure && LastQuotient::surely_precedes(entry.t, -exit.t))
-    return {.roots = {entry.t, -exit.t}, .face = {{entry.face}, {exit.face}}};
-  return detail::box_roots_in_doubt(origin, direction, min, max, preferred);
+  if (is_sure && start.is_in_box && exit.is_sure && exit.face >= 0)
+    return {.roots = Roots{-exit.t}, .face = {{exit.face}, {exit.face}}};
+  if (is_sure && !start.is_in_box) {
+    if (LastQuotient::surely_precedes(-exit.t, entry.t)) return {};
+    if (entry.is_sure && exit.is_sure && LastQuotient::surely_precedes(entry.t, -exit.t))
+      return {.roots = {entry.t, -exit.t}, .face = {{entry.face}, {exit.face}}};
+  }
+  return detail::box_roots_in_doubt(origin, direction, min, max, start);
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -8,67 +8,30 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <type_traits>
 
 #include "../vec3.hpp"
-#include "exact_root.hpp"
-#include "plane_through.hpp"
+#include "equation.hpp"
 #include "roots.hpp"
-#include "scale.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-namespace detail {
-
-/// A line and a disk of finite numbers, without rounding.
-struct ExactDiskEquation {
-  Expansion height, slope;  ///< slope = |n·d|, and height/slope is t but for a power of two
-  int exponent;             ///< of that
-  bool is_inside = false;   ///< whether the line crosses the plane in the disk
-
-  [[gnu::cold, gnu::noinline]] ExactDiskEquation(const Point& origin, const Vec3& direction,
-                                                 const Point& position, const Vec3& normal, double radius) {
-    // Powers of two, as for the sphere.
-    const int normals = exponent_of({normal}), directions = exponent_of({direction}),
-              lengths = exponent_of({origin, position, {radius, 0, 0}});
-    const ExactVector n = exact_vector(scaled(normal, -normals)),
-                      d = exact_vector(scaled(direction, -directions)),
-                      p = exact_vector(scaled(position, -lengths)),
-                      o = exact_vector(scaled(origin, -lengths)), w = {p[0] - o[0], p[1] - o[1], p[2] - o[2]};
-    height = exact_dot(n, w);
-    slope = exact_dot(n, d);
-    exponent = lengths - directions;
-    if (slope.sign() < 0) height = -height, slope = -slope;
-    if (slope.sign() == 0) return;
-    const ExactVector v = exact_cross(n, exact_cross(d, w));
-    const Expansion reach = slope * Expansion(std::ldexp(radius, -lengths));
-    is_inside = (reach * reach - exact_dot(v, v)).sign() >= 0;
-  }
-
-  [[nodiscard]] ExactRoot root() const { return {.A = slope, .b = height, .D = {}, .exponent = exponent}; }
-};
-
-}  // namespace detail
-
-/// Where the line crosses the disk's plane, without rounding: A > 0, or A = 0 where it is parallel.
-[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_disk_root(const Point& origin,
-                                                                         const Vec3& direction,
-                                                                         const Point& position,
-                                                                         const Vec3& normal, double radius) {
-  return detail::ExactDiskEquation(origin, direction, position, normal, radius).root();
-}
-
-/// The root in double-double; none where the line does not cross the disk.
-[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_disk_roots(
-    const Point& origin, const Vec3& direction, const Point& position, const Vec3& normal, double radius) {
-  ++fallbacks.exact;
-  const detail::ExactDiskEquation e(origin, direction, position, normal, radius);
-  return e.is_inside ? refined_linear_root(e.root()) : RefinedRoots{};
+/// The equation in numbers of type T, with w = weight · position − origin.
+template <class T>
+[[nodiscard]] LinearEquation<T> disk_equation(const LineOf<T>& line, const Point& position,
+                                              const Vec3& normal, double radius) {
+  const VectorOf<T> n = vector_of<T>(normal), w = line.weight * given<T>(position) - line.origin,
+                    v = cross(n, cross(line.direction, w));
+  LinearEquation<T> e{.height = dot(n, w), .slope = dot(n, line.direction), .is_on_surface = std::nullopt};
+  const T reach = line.weight * Given<T>(radius) * e.slope;
+  if (const auto inside = sign_of(reach * reach - dot(v, v))) e.is_on_surface = *inside >= 0;
+  return e;
 }
 
 namespace detail {
 
-/// The root where double does not decide. Numbers that are not finite cross nothing.
+/// The root where double does not decide, without rounding. Numbers that are not finite cross nothing.
 [[nodiscard, gnu::noinline, gnu::cold]] inline Roots disk_roots_in_doubt(const Point& origin,
                                                                          const Vec3& direction,
                                                                          const Point& position,
@@ -76,8 +39,8 @@ namespace detail {
   if (!is_finite(origin) || !is_finite(direction) || !is_finite(position) || !is_finite(normal) ||
       !std::isfinite(radius))
     return {};
-  const RefinedRoots refined = refined_disk_roots(origin, direction, position, normal, radius);
-  return refined.count == 0 ? Roots{} : Roots{static_cast<double>(refined.t[0])};
+  ++fallbacks.exact;
+  return roots_of(disk_equation(line_of<ExactNumber>(origin, direction), position, normal, radius));
 }
 
 /// Both parts of t in double, and what is certain: that the line misses the disk, or that it crosses it and t

@@ -1,19 +1,18 @@
-// Roots as they are, without rounding, and their exact order.
+// Roots of equations without rounding, their exact order, and their value in double-double.
 #pragma once
 
 #include <cmath>
 
-#include "expansion.hpp"
+#include "exact_number.hpp"
 #include "roots.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The number 2^exponent · (b + sign·√D) / A with A > 0, D ≥ 0 and a sign of 1 or -1: a root of a quadratic
-/// or, with D = 0, of a linear equation.
+/// The number (b + sign·√D) / A with A > 0, D ≥ 0 and a sign of 1 or -1: a root of a quadratic or, with D =
+/// 0, of a linear equation.
 struct ExactRoot {
-  Expansion A, b, D;
+  ExactNumber A, b, D;
   int sign = 1;
-  int exponent = 0;
 };
 
 /// A double as such a number.
@@ -22,44 +21,71 @@ struct ExactRoot {
 namespace detail {
 
 /// The sign of P + x√X + y√Y for x and y of 1 or -1, and X, Y ≥ 0.
-[[nodiscard, gnu::cold, gnu::noinline]] inline int sign_of_sum(const Expansion& P, int x, const Expansion& X,
-                                                               int y, const Expansion& Y) {
+[[nodiscard, gnu::cold, gnu::noinline]] inline int sign_of_sum(const ExactNumber& P, int x,
+                                                               const ExactNumber& X, int y,
+                                                               const ExactNumber& Y) {
   const int p = P.sign();
   const int u = x == y ? ((X + Y).sign() != 0 ? x : 0) : x * (X - Y).sign();  // of U = x√X + y√Y
   if (u == 0 || u == p) return p;
   if (p == 0) return u;
   // P and U pull apart, and the larger square wins. U² − P² = R + 2xy √(XY) with R = X + Y − P²: if its two
   // parts pull apart as well, again the larger square wins.
-  const Expansion R = X + Y - P * P, XY = X * Y;
+  const ExactNumber R = X + Y - P * P, XY = X * Y;
   const int r = R.sign(), v = x * y * XY.sign();
   int wins = r == 0 ? v : r;
-  if (r * v < 0) wins = r * (R * R - Expansion(4) * XY).sign();
+  if (r * v < 0) wins = r * (R * R - ExactNumber(4) * XY).sign();
   return wins > 0 ? u : wins < 0 ? p : 0;
 }
 
 }  // namespace detail
 
-/// The only root of a linear equation, b/A · 2^exponent, in double-double; none where A is 0.
-[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_linear_root(const ExactRoot& exact) {
-  RefinedRoots roots;
-  roots.relative_error = 0x1p-97;  // two conversions and a quotient, of a few u² each
-  if (exact.A.sign() == 0) return roots;
-  const DoubleDouble t = DoubleDouble(exact.b) / DoubleDouble(exact.A);
-  roots.count = 1;
-  roots.t[0] = {std::ldexp(t.hi, exact.exponent), std::ldexp(t.lo, exact.exponent)};
-  return roots;
-}
-
-/// The sign of r − s, exactly, unless a term falls below 2^-1074.
-[[nodiscard, gnu::cold, gnu::noinline]] inline int order(const ExactRoot& r, ExactRoot s) {
-  // A root of 0 has no size, and its exponent may be any.
-  const bool is_zero = r.b.sign() == 0 && r.D.sign() == 0;
-  const int exponent = is_zero ? 0 : s.exponent - r.exponent;
-  s.b.scale(exponent), s.D.scale(2 * exponent);
+/// The sign of r − s.
+[[nodiscard, gnu::cold, gnu::noinline]] inline int order(const ExactRoot& r, const ExactRoot& s) {
   // Roots along one ray mostly have the same A = d·d. Times A > 0, then, the difference is
   if (r.A == s.A) return detail::sign_of_sum(r.b - s.b, r.sign, r.D, -s.sign, s.D);
   // and otherwise, times the product of both,
   return detail::sign_of_sum(r.b * s.A - s.b * r.A, r.sign, r.D * s.A * s.A, -s.sign, s.D * r.A * r.A);
+}
+
+/// A root in double-double, to 2^-97 of itself; infinite above the range of double, and less precise below
+/// 2^-1000.
+///
+/// Where b and sign·√D have different signs, (b + sign·√D) (b − sign·√D) = b² − D keeps digits from
+/// canceling. Approximations are good to 2^-103; √D has half of that and 4u², a sum of two numbers of one
+/// sign 3u² more, a product 5u² and a quotient 10u².
+[[nodiscard, gnu::cold, gnu::noinline]] inline DoubleDouble refined(const ExactRoot& root) {
+  using Approximation = ExactNumber::Approximation;
+  const auto quotient = [](const Approximation& a, const Approximation& b) {
+    return Approximation{a.value / b.value, a.exponent - b.exponent};
+  };
+  const auto in_double_double = [](const Approximation& a) {
+    const double high = std::ldexp(a.value.hi, a.exponent);
+    return std::isinf(high) ? DoubleDouble(high) : DoubleDouble(high, std::ldexp(a.value.lo, a.exponent));
+  };
+  const Approximation A = root.A.approximation();
+  if (root.D.sign() == 0) return in_double_double(quotient(root.b.approximation(), A));
+
+  const Approximation D = root.D.approximation(), b = root.b.approximation();
+  Approximation q{sqrt(D.value), D.exponent / 2};  // exponents are even; in the end q = b ± √D, of one sign
+  const int b_sign = root.b.sign();
+  if (b_sign < 0) q.value = -q.value;
+  if (b_sign != 0) {
+    // Numbers whose exponents differ by more than 1000 are as good as one of them.
+    const int gap = b.exponent - q.exponent;
+    const auto moved = [](DoubleDouble x, int by) {
+      return DoubleDouble(std::ldexp(x.hi, by), std::ldexp(x.lo, by));
+    };
+    if (gap > 0)
+      q = {b.value + moved(q.value, -gap), b.exponent};
+    else
+      q = {q.value + moved(b.value, gap), q.exponent};
+  } else if (root.sign < 0) {
+    q.value = -q.value;
+  }
+  if (b_sign == 0 || b_sign == root.sign) return in_double_double(quotient(q, A));
+  const ExactNumber numerator = root.b * root.b - root.D;
+  if (numerator.sign() == 0) return {};
+  return in_double_double(quotient(quotient(numerator.approximation(), q), A));
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -10,78 +10,43 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <type_traits>
 
 #include "../vec3.hpp"
-#include "exact_root.hpp"
-#include "plane_through.hpp"
+#include "equation.hpp"
 #include "roots.hpp"
-#include "scale.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-namespace detail {
-
-/// A line and a parallelogram of finite numbers, without rounding.
-struct ExactParallelogramEquation {
-  Expansion height, slope;  ///< slope = |S|, and height/slope is t but for a power of two
-  int exponent;             ///< of that
-  bool is_inside = false;   ///< whether the line crosses the plane in the parallelogram
-
-  [[gnu::cold, gnu::noinline]] ExactParallelogramEquation(const Point& origin, const Vec3& direction,
-                                                          const Point& position, const Vec3& edge_u,
-                                                          const Vec3& edge_v) {
-    // Powers of two, as for the sphere. No length is larger than 1 in units of the common one, so that
-    // nothing below is scaled up.
-    const int us = exponent_of({edge_u}), vs = exponent_of({edge_v}), directions = exponent_of({direction});
-    const int lengths = std::max({us, vs, exponent_of({origin, position})});
-    const ExactVector u = exact_vector(scaled(edge_u, -us)), v = exact_vector(scaled(edge_v, -vs)),
-                      d = exact_vector(scaled(direction, -directions)),
-                      p = exact_vector(scaled(position, -lengths)),
-                      o = exact_vector(scaled(origin, -lengths)), w = {p[0] - o[0], p[1] - o[1], p[2] - o[2]};
-    const ExactVector n = exact_cross(u, v), m = exact_cross(w, d);
-    height = exact_dot(n, w);
-    slope = exact_dot(n, d);
-    exponent = lengths - directions;
-    Expansion along_u = exact_dot(v, m), along_v = -exact_dot(u, m);
-    if (slope.sign() < 0) {
-      height = -height, slope = -slope;
-      along_u = -along_u, along_v = -along_v;
+/// The equation in numbers of type T, with w = weight · position − origin: t·d = w + weight · (a·u + b·v).
+template <class T>
+[[nodiscard]] LinearEquation<T> parallelogram_equation(const LineOf<T>& line, const Point& position,
+                                                       const Vec3& edge_u, const Vec3& edge_v) {
+  const VectorOf<T> u = vector_of<T>(edge_u), v = vector_of<T>(edge_v), n = cross(u, v),
+                    w = line.weight * given<T>(position) - line.origin, m = cross(w, line.direction);
+  LinearEquation<T> e{.height = dot(n, w), .slope = dot(n, line.direction), .is_on_surface = std::nullopt};
+  const auto slope = sign_of(e.slope);
+  if (!slope) return e;
+  // a and b, times |S| · weight, and their upper end.
+  const Given<T> sign(*slope);
+  const T along_u = sign * dot(v, m), along_v = -sign * dot(u, m), end = sign * line.weight * e.slope;
+  bool is_decided = true;
+  for (const T& distance_to_edge : {along_u, along_v, end - along_u, end - along_v}) {
+    const auto inside = sign_of(distance_to_edge);
+    if (inside && *inside < 0) {
+      e.is_on_surface = false;
+      return e;
     }
-    if (slope.sign() == 0 || along_u.sign() < 0 || along_v.sign() < 0) return;
-    Expansion end_u = slope, end_v = slope;  // along_u and along_v for a = 1 and b = 1
-    end_u.scale(us - lengths), end_v.scale(vs - lengths);
-    is_inside = (end_u - along_u).sign() >= 0 && (end_v - along_v).sign() >= 0;
+    is_decided = is_decided && inside;
   }
-};
-
-}  // namespace detail
-
-/// Where the line crosses the parallelogram's plane, without rounding: A > 0, or A = 0 where it is parallel.
-[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_parallelogram_root(const Point& origin,
-                                                                                  const Vec3& direction,
-                                                                                  const Point& position,
-                                                                                  const Vec3& edge_u,
-                                                                                  const Vec3& edge_v) {
-  const detail::ExactParallelogramEquation e(origin, direction, position, edge_u, edge_v);
-  return {.A = e.slope, .b = e.height, .D = {}, .exponent = e.exponent};
-}
-
-/// The root in double-double; none where the line does not cross the parallelogram.
-[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_parallelogram_roots(const Point& origin,
-                                                                                        const Vec3& direction,
-                                                                                        const Point& position,
-                                                                                        const Vec3& edge_u,
-                                                                                        const Vec3& edge_v) {
-  ++fallbacks.exact;
-  const detail::ExactParallelogramEquation e(origin, direction, position, edge_u, edge_v);
-  if (!e.is_inside) return {};
-  return refined_linear_root({.A = e.slope, .b = e.height, .D = {}, .exponent = e.exponent});
+  if (is_decided) e.is_on_surface = true;
+  return e;
 }
 
 namespace detail {
 
-/// The root where double does not decide. Numbers that are not finite cross nothing.
+/// The root where double does not decide, without rounding. Numbers that are not finite cross nothing.
 [[nodiscard, gnu::noinline, gnu::cold]] inline Roots parallelogram_roots_in_doubt(const Point& origin,
                                                                                   const Vec3& direction,
                                                                                   const Point& position,
@@ -90,8 +55,8 @@ namespace detail {
   if (!is_finite(origin) || !is_finite(direction) || !is_finite(position) || !is_finite(edge_u) ||
       !is_finite(edge_v))
     return {};
-  const RefinedRoots refined = refined_parallelogram_roots(origin, direction, position, edge_u, edge_v);
-  return refined.count == 0 ? Roots{} : Roots{static_cast<double>(refined.t[0])};
+  ++fallbacks.exact;
+  return roots_of(parallelogram_equation(line_of<ExactNumber>(origin, direction), position, edge_u, edge_v));
 }
 
 /// Both parts of t in double, and what is certain: that the line misses the parallelogram, or that it crosses

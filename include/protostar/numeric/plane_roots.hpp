@@ -5,59 +5,33 @@
 // without rounding.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <type_traits>
 
 #include "../vec3.hpp"
-#include "exact_root.hpp"
+#include "equation.hpp"
 #include "roots.hpp"
-#include "scale.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The root of finite numbers without rounding: A > 0, or A = 0 where the line is parallel to the plane.
-[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_plane_root(const Point& origin,
-                                                                          const Vec3& direction,
-                                                                          const Vec3& normal,
-                                                                          double distance) {
-  // Powers of two, as for the sphere; the distance is a product of a normal and a length.
-  const int normals = exponent_of({normal}), directions = exponent_of({direction});
-  const int lengths = std::max(exponent_of({origin}), exponent_of({Vec3{distance}}) - normals);
-  const Vec3 n = scaled(normal, -normals), d = scaled(direction, -directions), o = scaled(origin, -lengths);
-  const auto exact_dot = [](const Vec3& v, const Vec3& w) {
-    return Expansion(v.x) * Expansion(w.x) + Expansion(v.y) * Expansion(w.y) +
-           Expansion(v.z) * Expansion(w.z);
-  };
-  const Expansion height = Expansion(std::ldexp(distance, -normals - lengths)) - exact_dot(n, o);
-  const Expansion slope = exact_dot(n, d);
-  const bool negative = slope.sign() < 0;
-  return {.A = negative ? -slope : slope,
-          .b = negative ? -height : height,
-          .D = {},
-          .exponent = lengths - directions};
-}
-
-/// The same in double-double; none where the line is parallel to the plane.
-[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_plane_roots(const Point& origin,
-                                                                                const Vec3& direction,
-                                                                                const Vec3& normal,
-                                                                                double distance) {
-  ++fallbacks.exact;
-  return refined_linear_root(exact_plane_root(origin, direction, normal, distance));
+/// The equation in numbers of type T.
+template <class T>
+[[nodiscard]] LinearEquation<T> plane_equation(const LineOf<T>& line, const Vec3& normal, double distance) {
+  const auto n = given<T>(normal);
+  return {.height = line.weight * Given<T>(distance) - dot(n, line.origin), .slope = dot(n, line.direction)};
 }
 
 namespace detail {
 
-/// The root where double does not decide. Numbers that are not finite cross nothing.
+/// The root where double does not decide, without rounding. Numbers that are not finite cross nothing.
 [[nodiscard, gnu::noinline, gnu::cold]] inline Roots plane_roots_in_doubt(const Point& origin,
                                                                           const Vec3& direction,
                                                                           const Vec3& normal,
                                                                           double distance) {
   if (!is_finite(origin) || !is_finite(direction) || !is_finite(normal) || !std::isfinite(distance))
     return {};
-  const RefinedRoots refined = refined_plane_roots(origin, direction, normal, distance);
-  return refined.count == 0 ? Roots{} : Roots{static_cast<double>(refined.t[0])};
+  ++fallbacks.exact;
+  return roots_of(plane_equation(line_of<ExactNumber>(origin, direction), normal, distance));
 }
 
 }  // namespace detail

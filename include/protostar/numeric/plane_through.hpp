@@ -15,31 +15,11 @@
 
 #include "../vec3.hpp"
 #include "double_double.hpp"
-#include "expansion.hpp"
 #include "roots.hpp"
 #include "scale.hpp"
+#include "vector_of.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-/// A vector without rounding.
-using ExactVector = std::array<Expansion, 3>;
-
-[[nodiscard, gnu::cold, gnu::noinline]] inline ExactVector exact_vector(const Vec3& v) {
-  return {v.x, v.y, v.z};
-}
-[[nodiscard, gnu::cold, gnu::noinline]] inline ExactVector exact_difference(const Vec3& a, const Vec3& b) {
-  ExactVector difference = exact_vector(a);
-  for (int i = 0; i < 3; ++i) difference[static_cast<std::size_t>(i)] += -b[i];
-  return difference;
-}
-[[nodiscard, gnu::cold, gnu::noinline]] inline Expansion exact_dot(const ExactVector& a,
-                                                                   const ExactVector& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-[[nodiscard, gnu::cold, gnu::noinline]] inline ExactVector exact_cross(const ExactVector& a,
-                                                                       const ExactVector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 /// A vector of twice the precision.
 using RefinedVector = std::array<DoubleDouble, 3>;
@@ -69,37 +49,43 @@ using PlaneEquation = std::array<double, 4>;
 namespace detail {
 
 /// N/M, rounded as a quotient of doubles is: to nearest, in the middle of two to the one whose last bit is 0.
-[[nodiscard, gnu::cold, gnu::noinline]] inline double nearest_quotient(const Expansion& N,
-                                                                       const Expansion& M) {
+[[nodiscard, gnu::cold, gnu::noinline]] inline double nearest_quotient(const ExactNumber& N,
+                                                                       const ExactNumber& M) {
   if (N.sign() == 0) return 0;
   // Good to 2^-96, so that one of its neighbors may be nearer, and none beyond them.
-  const double q = static_cast<double>(DoubleDouble(N) / DoubleDouble(M));
+  const ExactNumber::Approximation n = N.approximation(), m = M.approximation();
+  const double q = std::ldexp(static_cast<double>(n.value / m.value), n.exponent - m.exponent);
+  if (!std::isfinite(q)) return q;
   const bool is_even = (std::bit_cast<std::uint64_t>(q) & 1) == 0;
   for (const int side : {-1, 1}) {
     const double neighbor = std::nextafter(q, side * infinity);
     // Where N/M is, seen from the middle: on the neighbor's side, in it, or on the side of q.
-    const Expansion middle = (Expansion(q) + Expansion(neighbor)) * M;
-    const int beyond = side * M.sign() * (Expansion(2) * N - middle).sign();
+    const ExactNumber middle = (ExactNumber(q) + ExactNumber(neighbor)) * M;
+    const int beyond = side * M.sign() * (ExactNumber(2) * N - middle).sign();
     if (beyond > 0 || (beyond == 0 && !is_even)) return neighbor;
   }
   return q;
 }
 
-/// The equation from a position and a normal of moderate size, without rounding before the last.
-[[nodiscard, gnu::cold, gnu::noinline]] inline PlaneEquation exact_plane_at(const Point& position,
-                                                                            const ExactVector& n) {
+/// The equation of the plane n · x = distance, without rounding before the last.
+[[nodiscard, gnu::cold, gnu::noinline]] inline PlaneEquation nearest_plane(const ExactVector& n,
+                                                                           const ExactNumber& distance) {
   const auto size = [&](std::size_t i) { return n[i].sign() < 0 ? -n[i] : n[i]; };
   std::size_t k = 0;
   for (std::size_t i = 1; i < 3; ++i)
     if ((size(i) - size(k)).sign() > 0) k = i;
   if (n[k].sign() == 0) return {};
   return {nearest_quotient(n[0], n[k]), nearest_quotient(n[1], n[k]), nearest_quotient(n[2], n[k]),
-          nearest_quotient(exact_dot(n, exact_vector(position)), n[k])};
+          nearest_quotient(distance, n[k])};
+}
+[[nodiscard, gnu::cold, gnu::noinline]] inline PlaneEquation exact_plane_at(const Point& position,
+                                                                            const ExactVector& n) {
+  return nearest_plane(n, dot(n, exact_vector(position)));
 }
 [[nodiscard, gnu::cold, gnu::noinline]] inline PlaneEquation exact_plane_through(const Point& position,
                                                                                  const Vec3& u,
                                                                                  const Vec3& v) {
-  return exact_plane_at(position, exact_cross(exact_vector(u), exact_vector(v)));
+  return exact_plane_at(position, cross(exact_vector(u), exact_vector(v)));
 }
 
 /// The same from double-double, where k is the place of the normal's largest component, unless it does not
@@ -245,7 +231,7 @@ struct ScaledPoints {
         c(scaled(r, -exponent)) {}
 
   [[nodiscard, gnu::cold, gnu::noinline]] ExactVector exact_normal() const {
-    return exact_cross(exact_difference(b, a), exact_difference(c, a));
+    return cross(exact_difference(b, a), exact_difference(c, a));
   }
 };
 
@@ -257,7 +243,7 @@ struct ScaledPoints {
                                                    refined_difference(points.c, points.a)))
     return normalize(of_moderate_size({(*n)[0].hi, (*n)[1].hi, (*n)[2].hi}));
   const ExactVector n = points.exact_normal();
-  const auto nearest = [](const Expansion& x) { return static_cast<double>(DoubleDouble(x)); };
+  const auto nearest = [](const ExactNumber& x) { return static_cast<double>(DoubleDouble(x)); };
   return normalize(of_moderate_size({nearest(n[0]), nearest(n[1]), nearest(n[2])}));
 }
 

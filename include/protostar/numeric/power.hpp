@@ -11,7 +11,7 @@
 #include <limits>
 
 #include "double_double.hpp"
-#include "expansion.hpp"
+#include "exact_number.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -135,21 +135,21 @@ namespace detail {
 /// squaring doubles the logarithm, and a square of 2 or more says that the next binary digit is 1. Each
 /// square is cut to so many terms, an error of less than 2^(2 − 53·terms), which counts half as much in each
 /// next digit. Exact where x is a power of two.
-[[nodiscard]] inline Expansion log2_digits(double x, int terms) {
+[[nodiscard]] inline ExactNumber log2_digits(double x, int terms) {
   int exponent = 0;
-  Expansion rest = 2 * std::frexp(x, &exponent);
-  Expansion sum = exponent - 1;
+  ExactNumber rest = 2 * std::frexp(x, &exponent);
+  ExactNumber sum = exponent - 1;
   const int digits = 53 * (terms - 1);
   for (int i = 1; i <= digits; ++i) {
-    Expansion square = rest * rest;
+    ExactNumber square = rest * rest;
     rest = {};
     for (int term = 0; term < terms; ++term) {
       const double leading = DoubleDouble(square).hi;
       rest += leading;
       square += -leading;
     }
-    if ((rest - Expansion(2)).sign() < 0) continue;
-    rest = rest * Expansion(0.5);
+    if ((rest - ExactNumber(2)).sign() < 0) continue;
+    rest = rest * ExactNumber(0.5);
     sum += std::ldexp(1, -i);
   }
   return sum;
@@ -164,8 +164,9 @@ namespace detail {
   const auto mantissa = [&](double number) { return std::frexp(number, &exponent); };
   const bool is_exact = mantissa(p) == mantissa(q) && mantissa(x) == 0.5;  // the digits of p and q cancel
   for (int terms = 4;; terms *= 2) {
-    const Expansion power = Expansion(y) * (detail::log2_digits(p, terms) - detail::log2_digits(q, terms));
-    const double difference = DoubleDouble(power - Expansion(z) * detail::log2_digits(x, terms)).hi;
+    const ExactNumber power =
+        ExactNumber(y) * (detail::log2_digits(p, terms) - detail::log2_digits(q, terms));
+    const double difference = DoubleDouble(power - ExactNumber(z) * detail::log2_digits(x, terms)).hi;
     // Three logarithms, each off by half of what is allowed here for it, and the rounding of the difference.
     const double error = (2 * y + z) * std::ldexp(1, 2 - 53 * (terms - 1));
     if (is_exact || std::abs(difference) > error) return difference > 0;

@@ -14,7 +14,9 @@
 #include <cmath>
 
 #include "../bounds.hpp"
+#include "plane_through.hpp"
 #include "quadric_roots.hpp"
+#include "scale.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -25,7 +27,7 @@ struct ExactEllipsoid {
   bool exists = false;  ///< whether M surely is positive definite
   int exponent = 0;
   ExactVector squares, products, linear;
-  Expansion constant, determinant, H;
+  ExactNumber constant, determinant, H;
   ExactVector Nl, N_diagonal;
 
   [[gnu::cold, gnu::noinline]] explicit ExactEllipsoid(const QuadricForm& form) {
@@ -56,16 +58,16 @@ struct ExactEllipsoid {
     Nl = {N_diagonal[0] * l[0] + beside[2] * l[1] + beside[1] * l[2],
           beside[2] * l[0] + N_diagonal[1] * l[1] + beside[0] * l[2],
           beside[1] * l[0] + beside[0] * l[1] + N_diagonal[2] * l[2]};
-    H = exact_dot(l, Nl) - constant * determinant;
+    H = dot(l, Nl) - constant * determinant;
   }
 
   /// The form at a point, in these units.
-  [[nodiscard, gnu::cold]] Expansion level_at(const ExactVector& o) const {
+  [[nodiscard, gnu::cold]] ExactNumber level_at(const ExactVector& o) const {
     const ExactVector &s = squares, &p = products;
     const ExactVector Mo{s[0] * o[0] + p[2] * o[1] + p[1] * o[2], p[2] * o[0] + s[1] * o[1] + p[0] * o[2],
                          p[1] * o[0] + p[0] * o[1] + s[2] * o[2]};
-    const Expansion lo = exact_dot(linear, o);
-    return exact_dot(o, Mo) + lo + lo + constant;
+    const ExactNumber lo = dot(linear, o);
+    return dot(o, Mo) + lo + lo + constant;
   }
 };
 
@@ -83,7 +85,7 @@ struct ExactEllipsoid {
     // To the nearest, and in double-double: 2^-10 of the reach is far more than both that root and the
     // roundings of the reach need. The center is off by u of itself, and each end by u of both: 4u are more.
     const double center = -detail::nearest_quotient(e.Nl[axis], e.determinant);
-    const DoubleDouble square(e.H.sign() > 0 ? e.H * e.N_diagonal[axis] : Expansion());
+    const DoubleDouble square(e.H.sign() > 0 ? e.H * e.N_diagonal[axis] : ExactNumber());
     const double reach = static_cast<double>(sqrt(square) / DoubleDouble(e.determinant)) * (1 + 0x1p-10);
     const double margin = 0x1p-51 * (std::abs(center) + reach);
     bounds.min[i] = std::nextafter(std::ldexp(center - reach - margin, e.exponent), -infinity);
@@ -103,7 +105,7 @@ namespace detail {
   // Nothing reaches as far as 2^400: no number of N is larger than 2, nor H than 20, nor det M below 2^-459.
   if (exponent_of({point}) - e.exponent > 400) return false;
   const ExactVector o = exact_vector(scaled(point, -e.exponent));
-  return (e.level_at(o) * e.determinant - Expansion(0x1p-10) * e.H).sign() <= 0;
+  return (e.level_at(o) * e.determinant - ExactNumber(0x1p-10) * e.H).sign() <= 0;
 }
 
 }  // namespace detail

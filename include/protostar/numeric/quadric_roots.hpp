@@ -10,14 +10,12 @@
 // rounding. docs/numerics.md derives the bounds, in units of u = 2^-53.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "../vec3.hpp"
-#include "exact_root.hpp"
-#include "plane_through.hpp"
+#include "equation.hpp"
 #include "roots.hpp"
-#include "scale.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -45,122 +43,70 @@ struct QuadricForm {
          std::isfinite(form.constant);
 }
 
-namespace detail {
-
-/// The equation of a line and a quadric of finite numbers without rounding, in numbers of about 1, brought
-/// there by powers of two. A is not negative: where it would be, all three are turned over.
-struct ExactQuadricEquation {
-  Expansion A, b, c;
-  int exponent;            ///< t is 2^exponent times what it is in these numbers
-  bool is_turned = false;  ///< whether A, b and c are those of −f
-
-  [[gnu::cold, gnu::noinline]] ExactQuadricEquation(const Point& origin, const Vec3& direction,
-                                                    const QuadricForm& form) {
-    // A unit of length in which the origin is not large, and no term of f is larger than those of the highest
-    // degree.
-    const int quadratic = exponent_of({form.squares, form.products}), linear = exponent_of({form.linear}),
-              constant = exponent_of({{form.constant, 0, 0}}), directions = exponent_of({direction});
-    int lengths = exponent_of({origin});
-    if (form.squares != Vec3{0} || form.products != Vec3{0})
-      lengths = std::max({lengths, (constant - quadratic) / 2, linear - quadratic});
-    else
-      lengths = std::max(lengths, constant - linear);
-    const int largest = std::max({quadratic + 2 * lengths, linear + lengths, constant});
-
-    const ExactVector squares = exact_vector(scaled(form.squares, 2 * lengths - largest)),
-                      products = exact_vector(scaled(form.products, 2 * lengths - largest)),
-                      l = exact_vector(scaled(form.linear, lengths - largest)),
-                      d = exact_vector(scaled(direction, -directions)),
-                      o = exact_vector(scaled(origin, -lengths));
-    const auto M_times = [&](const ExactVector& v) -> ExactVector {
-      return {squares[0] * v[0] + products[2] * v[1] + products[1] * v[2],
-              products[2] * v[0] + squares[1] * v[1] + products[0] * v[2],
-              products[1] * v[0] + products[0] * v[1] + squares[2] * v[2]};
-    };
-    const ExactVector Mo = M_times(o), g{Mo[0] + l[0], Mo[1] + l[1], Mo[2] + l[2]};
-    A = exact_dot(d, M_times(d));
-    b = -exact_dot(d, g);
-    c = exact_dot(o, g) + exact_dot(l, o) + Expansion(std::ldexp(form.constant, -largest));
-    exponent = lengths - directions;
-    is_turned = A.sign() < 0;
-    if (is_turned) A = -A, b = -b, c = -c;
-  }
-
-  [[nodiscard, gnu::cold]] Expansion discriminant() const { return b * b - A * c; }
-
-  /// The root p/q.
-  [[nodiscard, gnu::cold, gnu::noinline]] ExactRoot quotient(const Expansion& p, const Expansion& q) const {
-    const bool is_negative = q.sign() < 0;
-    return {.A = is_negative ? -q : q, .b = is_negative ? -p : p, .D = {}, .exponent = exponent};
-  }
-  [[nodiscard]] ExactRoot linear_root() const { return quotient(c, b + b); }
-  [[nodiscard]] ExactRoot root_leaving() const { return quotient(b + b, A); }
-};
-
-}  // namespace detail
-
-/// One of the roots of a line that meets the quadric, without rounding; 0 is the near one, 1 the far one.
-[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_quadric_root(const Point& origin,
-                                                                            const Vec3& direction,
-                                                                            const QuadricForm& form,
-                                                                            int root) {
-  const detail::ExactQuadricEquation e(origin, direction, form);
-  if (e.A.sign() == 0) return e.linear_root();
-  return {.A = e.A, .b = e.b, .D = e.discriminant(), .sign = root == 0 ? -1 : 1, .exponent = e.exponent};
+/// The equation in numbers of type T. With o and d of a line of weight w, that is A = d·Md,
+/// b = −d·(M o + w l) and c = o·(M o + w l) + w l·o + w² k.
+template <class T>
+[[nodiscard]] QuadraticEquation<T> quadric_equation(const LineOf<T>& line, const QuadricForm& form) {
+  const auto squares = given<T>(form.squares), products = given<T>(form.products),
+             l = line.weight * given<T>(form.linear);
+  const VectorOf<T>&o = line.origin, &d = line.direction;
+  const auto M_times = [&](const VectorOf<T>& v) -> VectorOf<T> {
+    return {squares[0] * v[0] + products[2] * v[1] + products[1] * v[2],
+            products[2] * v[0] + squares[1] * v[1] + products[0] * v[2],
+            products[1] * v[0] + products[0] * v[1] + squares[2] * v[2]};
+  };
+  const VectorOf<T> Mo = M_times(o), g{Mo[0] + l[0], Mo[1] + l[1], Mo[2] + l[2]};
+  return {.A = dot(d, M_times(d)),
+          .b = -dot(d, g),
+          .c = dot(o, g) + dot(l, o) + line.weight * line.weight * Given<T>(form.constant)};
 }
 
-/// The root 2b/A, likewise.
-[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_quadric_root_leaving(const Point& origin,
-                                                                                    const Vec3& direction,
-                                                                                    const QuadricForm& form) {
-  return detail::ExactQuadricEquation(origin, direction, form).root_leaving();
-}
-
-/// The roots in double-double. A line that lies in the quadric has none.
-[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_quadric_roots(const Point& origin,
-                                                                                  const Vec3& direction,
-                                                                                  const QuadricForm& form) {
-  ++fallbacks.exact;
-  const detail::ExactQuadricEquation e(origin, direction, form);
-  if (e.A.sign() == 0) return refined_linear_root(e.linear_root());
-  // As for the sphere: the coefficients and D are good to 2^-103 each.
-  return refined_quadratic_roots(DoubleDouble(e.A), DoubleDouble(e.b), DoubleDouble(e.c),
-                                 DoubleDouble(e.discriminant()), e.exponent, 0x1p-97);
-}
-
-/// The root 2b/A, likewise; none where A is 0.
-[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_quadric_root_leaving(
-    const Point& origin, const Vec3& direction, const QuadricForm& form) {
-  ++fallbacks.exact;
-  return refined_linear_root(exact_quadric_root_leaving(origin, direction, form));
+/// Whether f is negative, in the end, along a line: by the sign of A, or where that is 0 by that of b, or c;
+/// c is 0 where the line starts on the quadric. Empty where rounded numbers do not tell.
+template <class T>
+[[nodiscard]] std::optional<bool> ends_negative(const QuadraticEquation<T>& e, bool starts_on_it) {
+  const auto A = sign_of(e.A), b = sign_of(e.b), c = starts_on_it ? std::optional(0) : sign_of(e.c);
+  if (!A) return std::nullopt;
+  if (*A != 0) return *A < 0;
+  if (!b) return std::nullopt;
+  if (*b != 0) return *b > 0;
+  return c ? std::optional(*c < 0) : std::nullopt;
 }
 
 namespace detail {
 
-/// The roots where double does not decide. Numbers that are not finite, and a direction of 0, cross nothing.
-[[nodiscard, gnu::cold, gnu::noinline]] inline Roots quadric_roots_in_doubt(const Point& origin,
-                                                                            const Vec3& direction,
-                                                                            const QuadricForm& form,
-                                                                            const auto& refine) {
+/// The roots where double does not decide, without rounding: all, or the one that is left where the line
+/// starts on the quadric. Numbers that are not finite, and a direction of 0, cross nothing.
+[[nodiscard, gnu::cold, gnu::noinline]] inline Roots exact_quadric_roots(const Point& origin,
+                                                                         const Vec3& direction,
+                                                                         const QuadricForm& form,
+                                                                         bool leaves) {
   if (!is_finite(origin) || !is_finite(direction) || !is_finite(form) || direction == Vec3{0}) return {};
-  const RefinedRoots refined = refine(origin, direction, form);
-  if (refined.count == 0) return {};
-  if (refined.count == 1) return Roots{static_cast<double>(refined.t[0])};
-  return {static_cast<double>(refined.t[0]), static_cast<double>(refined.t[1])};
+  ++fallbacks.exact;
+  const auto equation = quadric_equation(line_of<ExactNumber>(origin, direction), form);
+  return leaves ? roots_of(equation.without_root_at_0()) : roots_of(equation);
 }
 
 /// The equation in double. A, b and c have errors of at most 6u, 7u and 9u of their sizes, which are what
-/// they would be if all numbers were positive.
+/// they would be if all numbers were positive; of a line that is rounded itself, 8u, 9u and 11u.
 struct RoundedQuadricEquation {
   double A, b, c, A_size, b_size, c_size;
   bool in_range;  ///< whether nothing overflows, and underflow adds nothing to speak of where E > 2^-348
 
-  RoundedQuadricEquation(const Point& origin, const Vec3& direction, const QuadricForm& form) {
+  RoundedQuadricEquation(const Point& origin, const Vec3& direction, const QuadricForm& form)
+      : RoundedQuadricEquation(origin, direction, abs(origin), abs(direction), form) {}
+
+  RoundedQuadricEquation(const RoundedLine& line, const QuadricForm& form)
+      : RoundedQuadricEquation(line.origin, line.direction, line.origin_size(), line.direction_size(), form) {
+  }
+
+  /// With o and d, the sizes of the line's numbers.
+  RoundedQuadricEquation(const Point& origin, const Vec3& direction, const Vec3& o, const Vec3& d,
+                         const QuadricForm& form) {
     const Vec3 g = form.times(origin) + form.linear;
     A = dot(direction, form.times(direction));
     b = -dot(direction, g);
     c = dot(origin, g) + dot(form.linear, origin) + form.constant;
-    const Vec3 d = abs(direction), o = abs(origin);
     const QuadricForm sizes = abs(form);
     const Vec3 g_sizes = sizes.times(o) + sizes.linear;
     A_size = dot(d, sizes.times(d));
@@ -176,22 +122,29 @@ struct RoundedQuadricEquation {
 
 }  // namespace detail
 
-/// The roots, certified.
+/// The roots in t of an equation in double, if that tells.
 ///
-/// The error of D is at most 16u b_size² + 17u A_size c_size; E is 32u of both. That of q is what it is for
-/// the sphere: 2^-31.9 |q| from √D, and 7u b_size < 2^-32.2 |q| from b.
+/// The error of D is at most 16u b_size² + 17u A_size c_size, or of a rounded line 20u and 21u; E is 32u of
+/// both. That of q is what it is for the sphere: 2^-31.9 |q| from √D, and at most 9u b_size < 2^-31.8 |q|
+/// from b; that of c is at most 11u c_size < 2^-31.5 |c|.
+[[nodiscard, gnu::always_inline]] inline std::optional<Roots> roots_if_certain(
+    const detail::RoundedQuadricEquation& e) {
+  const double D = e.b * e.b - e.A * e.c, E = 0x1p-48 * (e.b_size * e.b_size + e.A_size * e.c_size);
+  if (!e.in_range || !(E > 0x1p-348)) return std::nullopt;
+  if (D < -E) return Roots{};
+  if (D > 4 * E && e.is_A_certain() && std::abs(e.c) > 0x1p-18 * e.c_size && e.c_size > 0x1p-400) {
+    const double root = std::sqrt(D), q = e.b + std::copysign(root, e.b);
+    if (root * std::abs(q) > 0x1p31 * E && std::abs(q) > 0x1p-18 * e.b_size) return roots_from(e.A, e.c, q);
+  }
+  return std::nullopt;
+}
+
+/// The roots, certified.
 [[nodiscard]] inline Roots quadric_roots(const Point& origin, const Vec3& direction,
                                          const QuadricForm& form) {
-  const detail::RoundedQuadricEquation e(origin, direction, form);
-  const double D = e.b * e.b - e.A * e.c, E = 0x1p-48 * (e.b_size * e.b_size + e.A_size * e.c_size);
-  if (e.in_range && E > 0x1p-348) {
-    if (D < -E) return {};
-    if (D > 4 * E && e.is_A_certain() && std::abs(e.c) > 0x1p-18 * e.c_size && e.c_size > 0x1p-400) {
-      const double root = std::sqrt(D), q = e.b + std::copysign(root, e.b);
-      if (root * std::abs(q) > 0x1p31 * E && std::abs(q) > 0x1p-18 * e.b_size) return roots_from(e.A, e.c, q);
-    }
-  }
-  return detail::quadric_roots_in_doubt(origin, direction, form, refined_quadric_roots);
+  if (const auto roots = roots_if_certain(detail::RoundedQuadricEquation(origin, direction, form)))
+    return *roots;
+  return detail::exact_quadric_roots(origin, direction, form, false);
 }
 
 /// The root of a line that starts on the quadric, certified: the one that it does not come from.
@@ -200,7 +153,7 @@ struct RoundedQuadricEquation {
   const detail::RoundedQuadricEquation e(origin, direction, form);
   if (e.in_range && e.is_A_certain() && std::abs(e.b) > 0x1p-18 * e.b_size && e.b_size > 0x1p-400)
     return Roots{2 * e.b / e.A};
-  return detail::quadric_roots_in_doubt(origin, direction, form, refined_quadric_root_leaving);
+  return detail::exact_quadric_roots(origin, direction, form, true);
 }
 
 /// Whether f is negative, in the end, along a line, from coefficients without rounding; c is 0 where it
@@ -211,10 +164,7 @@ struct RoundedQuadricEquation {
                                                                                    bool starts_on_it) {
   if (!is_finite(origin) || !is_finite(direction) || !is_finite(form) || direction == Vec3{0}) return false;
   ++fallbacks.exact;
-  const detail::ExactQuadricEquation e(origin, direction, form);
-  if (e.A.sign() != 0) return e.is_turned;
-  if (e.b.sign() != 0) return e.b.sign() > 0;
-  return !starts_on_it && e.c.sign() < 0;
+  return *ends_negative(quadric_equation(line_of<ExactNumber>(origin, direction), form), starts_on_it);
 }
 
 /// The same, certified: by the sign of A, or where that is 0 by that of b, or c.

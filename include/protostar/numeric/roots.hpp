@@ -97,42 +97,9 @@ struct CrossedByEach {
   return t + (4 * Roots::relative_error * std::abs(t) + std::numeric_limits<double>::denorm_min());
 }
 
-/// How a root is worked out when double does not decide: in double-double, or from exact coefficients.
-enum class Precision : std::uint8_t { double_double, exact };
-
-/// The same roots, in double-double, each with a relative error of at most relative_error. From exact
-/// coefficients that is 2^-97; from coefficients in double-double it may be infinity, which says that nothing
-/// could be decided.
-struct RefinedRoots {
-  DoubleDouble t[2];
-  int count = 0;
-  double relative_error = infinity;
-};
-
-/// The roots of A t² − 2 b t + c = 0 with A ≠ 0 times 2^exponent, given the discriminant D = b² − A c; what
-/// they are good to follows from how good the coefficients are.
-[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_quadratic_roots(
-    DoubleDouble A, DoubleDouble b, DoubleDouble c, DoubleDouble D, int exponent, double relative_error) {
-  RefinedRoots roots;
-  roots.relative_error = relative_error;
-  if (D.sign() < 0) return roots;
-  const DoubleDouble q = b.sign() < 0 ? b - sqrt(D) : b + sqrt(D);
-  // One root is q/A, and the other c/q, since their product is c/A. Where q is 0, so are D, b and c.
-  const DoubleDouble t1 = q.sign() == 0 ? DoubleDouble() : c / q, t2 = q / A;
-  const bool in_order = (t2 - t1).sign() >= 0;
-  const auto scaled_back = [&](DoubleDouble t) {
-    return DoubleDouble(std::ldexp(t.hi, exponent), std::ldexp(t.lo, exponent));
-  };
-  roots.count = 2;
-  roots.t[0] = scaled_back(in_order ? t1 : t2);
-  roots.t[1] = scaled_back(in_order ? t2 : t1);
-  return roots;
-}
-
-/// How often double did not decide, in this thread, since it was last set to {}.
+/// Counts the questions that double did not decide, in this thread, since it was last set to {}.
 struct Fallbacks {
-  std::uint64_t double_double = 0;  ///< roots worked out in double-double
-  std::uint64_t exact = 0;          ///< of those, worked out again from exact coefficients
+  std::uint64_t exact = 0;  ///< answered without rounding
 };
 inline thread_local Fallbacks fallbacks;
 

@@ -5,9 +5,8 @@
 // A line that starts on the sphere has c = 0 by definition, whatever its digits say; its roots are 0 and
 // 2b/A, and only the second is a crossing that it does not come from.
 //
-// Double decides nearly always. Where its error bound does not allow that, the same equation is evaluated in
-// double-double, and where that does not decide either, in exact arithmetic. docs/numerics.md derives the
-// bounds, in units of u = 2^-53.
+// Double decides nearly always. Where its error bound does not allow that, the same equation is evaluated
+// without rounding. docs/numerics.md derives the bounds, in units of u = 2^-53.
 #pragma once
 
 #include <cmath>
@@ -15,152 +14,34 @@
 #include <type_traits>
 
 #include "../vec3.hpp"
-#include "exact_root.hpp"
+#include "equation.hpp"
 #include "roots.hpp"
-#include "scale.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-namespace detail {
-
-/// A line and a sphere in numbers of about 1, brought there by powers of two, so that no product leaves the
-/// range of double. Bits may fall below 2^-1074, and exactness with them, only where numbers of very
-/// different size meet; docs/numerics.md says which.
-struct ScaledSphere {
-  DoubleDouble l[3];  ///< center − origin, without rounding
-  Vec3 direction;
-  double radius;
-  int exponent;  ///< t is 2^exponent times what it is in these numbers
-
-  [[gnu::cold, gnu::noinline]] ScaledSphere(Point origin, const Vec3& d, Point center, double r) {
-    // The difference of the largest doubles is to stay one.
-    const int down = exponent_of({origin, center}) > 1000 ? -100 : 0;
-    origin = scaled(origin, down), center = scaled(center, down);
-    const Vec3 rounded = center - origin;
-    const int lengths = exponent_of({rounded, Vec3{std::ldexp(r, down)}}), directions = exponent_of({d});
-    for (int i = 0; i < 3; ++i) {
-      const DoubleDouble exact = two_sum(center[i], -origin[i]);
-      l[i] = {std::ldexp(exact.hi, -lengths), std::ldexp(exact.lo, -lengths)};
-    }
-    radius = std::ldexp(r, down - lengths);
-    direction = scaled(d, -directions);
-    exponent = lengths - down - directions;
-  }
-
-  /// |l|² + r², to double precision.
-  [[nodiscard]] double size() const {
-    return l[0].hi * l[0].hi + l[1].hi * l[1].hi + l[2].hi * l[2].hi + radius * radius;
-  }
-
-  [[nodiscard]] DoubleDouble scaled_back(DoubleDouble t) const {
-    return {std::ldexp(t.hi, exponent), std::ldexp(t.lo, exponent)};
-  }
-};
-
-/// The coefficients of the equation in a number type T: double-double, or exact.
+/// The equation in numbers of type T: with l = weight · center − origin, so that no division is needed.
 template <class T>
-struct SphereEquation {
-  T A, b, c;
-
-  [[gnu::cold, gnu::noinline]] explicit SphereEquation(const ScaledSphere& s) {
-    const T lx = T(s.l[0].hi) + T(s.l[0].lo), ly = T(s.l[1].hi) + T(s.l[1].lo),
-            lz = T(s.l[2].hi) + T(s.l[2].lo);
-    const T dx = s.direction.x, dy = s.direction.y, dz = s.direction.z, r = s.radius;
-    A = dx * dx + dy * dy + dz * dz;
-    b = dx * lx + dy * ly + dz * lz;
-    c = lx * lx + ly * ly + lz * lz - r * r;
-  }
-
-  [[nodiscard, gnu::cold]] T discriminant() const { return b * b - A * c; }
-};
-
-}  // namespace detail
-
-/// The roots of a line of finite numbers with direction ≠ 0, in double-double: good to 2^-58 or undecided, or
-/// from exact coefficients.
-[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_sphere_roots(
-    const Point& origin, const Vec3& direction, const Point& center, double radius, Precision precision) {
-  const detail::ScaledSphere s(origin, direction, center, radius);
-  if (precision == Precision::exact) {
-    ++fallbacks.exact;
-    const detail::SphereEquation<Expansion> e(s);
-    // The coefficients and D are good to 2^-103 each, and so a sum, a root and a quotient of them to 2^-97.
-    return refined_quadratic_roots(DoubleDouble(e.A), DoubleDouble(e.b), DoubleDouble(e.c),
-                                   DoubleDouble(e.discriminant()), s.exponent, 0x1p-97);
-  }
-  ++fallbacks.double_double;
-  const detail::SphereEquation<DoubleDouble> e(s);
-  const DoubleDouble D = e.discriminant();
-  const double w = s.size(), Aw = e.A.hi * w;
-  // The error of c is at most 16u² w, that of b 12u² √(A w), and that of D 66u² A w < 2^-99 A w. For |c| >
-  // 2^-40 w that of c is below 2^-62 |c|, and since b² or D is at least A|c|, q > 2^-21 √(A w), so that the
-  // error of b is below 2^-80 |q|; for √D·|q| > 2^-39 A w that of √D, which is that of D over 2√D, is below
-  // 2^-60 |q|. All of them together stay below 2^-58.
-  const double root = std::sqrt(D.hi), q = std::abs(e.b.hi) + root;
-  const bool misses = D.hi < -0x1p-98 * Aw;
-  const bool meets = D.hi > 0x1p-98 * Aw && root * q > 0x1p-39 * Aw && std::abs(e.c.hi) > 0x1p-40 * w;
-  if (!misses && !meets) return {};
-  return refined_quadratic_roots(e.A, e.b, e.c, D, s.exponent, 0x1p-58);
-}
-
-/// The root 2b/A of a line that starts on the sphere, likewise.
-[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_sphere_root_leaving(
-    const Point& origin, const Vec3& direction, const Point& center, double radius, Precision precision) {
-  const detail::ScaledSphere s(origin, direction, center, radius);
-  const auto root = [&](DoubleDouble A, DoubleDouble b, double relative_error) {
-    RefinedRoots roots;
-    roots.relative_error = relative_error;
-    roots.count = 1;
-    roots.t[0] = s.scaled_back(DoubleDouble(2) * b / A);
-    return roots;
-  };
-  if (precision == Precision::exact) {
-    ++fallbacks.exact;
-    const detail::SphereEquation<Expansion> e(s);
-    return root(DoubleDouble(e.A), DoubleDouble(e.b), 0x1p-97);
-  }
-  ++fallbacks.double_double;
-  const detail::SphereEquation<DoubleDouble> e(s);
-  if (!(std::abs(e.b.hi) > 0x1p-40 * std::sqrt(e.A.hi * s.size()))) return {};
-  return root(e.A, e.b, 0x1p-58);  // the error of b is at most 12u² |d||l| < 2^-62 |b|
-}
-
-/// One of the roots of a line that meets the sphere, without rounding; 0 is the near one, 1 the far one.
-[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_sphere_root(const Point& origin,
-                                                                           const Vec3& direction,
-                                                                           const Point& center, double radius,
-                                                                           int root) {
-  const detail::ScaledSphere s(origin, direction, center, radius);
-  const detail::SphereEquation<Expansion> e(s);
-  return {.A = e.A, .b = e.b, .D = e.discriminant(), .sign = root == 0 ? -1 : 1, .exponent = s.exponent};
-}
-
-/// The root 2b/A, likewise.
-[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_sphere_root_leaving(const Point& origin,
-                                                                                   const Vec3& direction,
-                                                                                   const Point& center,
-                                                                                   double radius) {
-  const detail::ScaledSphere s(origin, direction, center, radius);
-  const detail::SphereEquation<Expansion> e(s);
-  return {.A = e.A, .b = e.b + e.b, .D = {}, .exponent = s.exponent};
+[[nodiscard]] QuadraticEquation<T> sphere_equation(const LineOf<T>& line, const Point& center,
+                                                   double radius) {
+  const VectorOf<T> l = line.weight * given<T>(center) - line.origin;
+  const T r = line.weight * Given<T>(radius);
+  return {.A = dot(line.direction, line.direction), .b = dot(line.direction, l), .c = dot(l, l) - r * r};
 }
 
 namespace detail {
 
-/// The roots where double does not decide, from the refined ones. Numbers that are not finite, and a
-/// direction of 0, cross nothing.
-[[nodiscard, gnu::cold, gnu::noinline]] inline Roots rounded_roots(const Point& origin, const Vec3& direction,
-                                                                   const Point& center, double radius,
-                                                                   const auto& refine) {
+/// The roots where double does not decide, without rounding: all, or the one that is left where the line
+/// starts on the sphere. Numbers that are not finite, and a direction of 0, cross nothing.
+[[nodiscard, gnu::cold, gnu::noinline]] inline Roots exact_sphere_roots(const Point& origin,
+                                                                        const Vec3& direction,
+                                                                        const Point& center, double radius,
+                                                                        bool leaves) {
   if (!is_finite(origin) || !is_finite(direction) || !is_finite(center) || !std::isfinite(radius) ||
       direction == Vec3{0})
     return {};
-  RefinedRoots refined = refine(origin, direction, center, radius, Precision::double_double);
-  if (!(refined.relative_error < Roots::relative_error))
-    refined = refine(origin, direction, center, radius, Precision::exact);
-  if (refined.count == 0) return {};
-  if (refined.count == 1) return Roots{static_cast<double>(refined.t[0])};
-  return {static_cast<double>(refined.t[0]), static_cast<double>(refined.t[1])};
+  ++fallbacks.exact;
+  const auto equation = sphere_equation(line_of<ExactNumber>(origin, direction), center, radius);
+  return leaves ? roots_of(equation.without_root_at_0()) : roots_of(equation);
 }
 
 /// Added to the error of a discriminant, or of b: more than all underflows together, of 2^-1075 (4A + 3|c| +
@@ -306,7 +187,7 @@ template <class T, class C>
     }
   }
   if (const auto roots = roots_next_to_sphere(origin, direction, center, radius)) return *roots;
-  return rounded_roots(origin, direction, center, radius, refined_sphere_roots);
+  return exact_sphere_roots(origin, direction, center, radius, false);
 }
 
 }  // namespace detail
@@ -319,6 +200,30 @@ template <class T, class C>
   if (const auto [q, certain] = detail::certified_quotient(equation); certain)
     return roots_from(equation.A, equation.c, q);
   return detail::sphere_roots_in_doubt(origin, direction, center, radius);
+}
+
+/// The roots of a line whose numbers are rounded, if double tells; see certified_quotient.
+///
+/// With the sizes of RoundedLine for those of o and d, and l_size = |l| + o_size: l is off by 2u of l_size, b
+/// by 6u of d_size · l_size, c by 9u of w = l_size² + r², A by 5u of d_size² and D by 28u d_size² w, where
+/// for a line that is not rounded it is 21u. So E is large enough, and with c good to 2^-31.8 t is to
+/// 2^-30.6.
+[[nodiscard]] inline std::optional<Roots> rounded_sphere_roots(const RoundedLine& line, const Point& center,
+                                                               double radius) {
+  const Vec3 l = center - line.origin, l_size = abs(l) + line.origin_size(), d_size = line.direction_size();
+  const double A = dot(line.direction, line.direction), b = dot(line.direction, l), rr = radius * radius;
+  const double A_size = dot(d_size, d_size), w = dot(l_size, l_size) + rr;
+  if (!detail::in_range(A_size)) return std::nullopt;
+  const detail::RoundedSphereEquation<double, double> e{.A = A,
+                                                        .b = b,
+                                                        .c = dot(l, l) - rr,
+                                                        .w = w,
+                                                        .D = b * b - A * (dot(l, l) - rr),
+                                                        .E = detail::error_of_D(0x1p20 * A_size, w)};
+  if (e.surely_misses()) return Roots{};
+  if (!(A > 0x1p-18 * A_size)) return std::nullopt;  // so that A is good to 2^-32
+  if (const auto [q, certain] = detail::certified_quotient(e); certain) return roots_from(A, e.c, q);
+  return std::nullopt;
 }
 
 /// Whether a line surely has no root above 0, by signs alone.
@@ -479,7 +384,7 @@ struct RoundedLeavingEquation {
                                                const Point& center, double radius) {
   const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
   if (certain) return Roots{2 * b / A};
-  return detail::rounded_roots(origin, direction, center, radius, refined_sphere_root_leaving);
+  return detail::exact_sphere_roots(origin, direction, center, radius, true);
 }
 
 /// Whether a line that starts on the sphere surely has no root above 0.

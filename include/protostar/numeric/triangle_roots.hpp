@@ -19,38 +19,29 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <tuple>
+#include <optional>
 #include <type_traits>
 
 #include "../vec3.hpp"
-#include "exact_root.hpp"
-#include "plane_through.hpp"
+#include "equation.hpp"
 #include "roots.hpp"
-#include "scale.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// On which side a line of finite numbers passes the edge from p to q: 1 or -1, or 0 where it is parallel to
-/// it. The other way round, the edge is passed on the other side.
-[[nodiscard, gnu::cold, gnu::noinline]] inline int exact_side(const Point& origin, const Vec3& direction,
-                                                              const Point& p, const Point& q) {
-  // The other way round it is the other sign, also where a product would underflow.
-  if (std::tie(q.x, q.y, q.z) < std::tie(p.x, p.y, p.z)) return -exact_side(origin, direction, q, p);
-  const int lengths = exponent_of({origin, p, q});
-  const Point o = scaled(origin, -lengths), from = scaled(p, -lengths), to = scaled(q, -lengths);
-  const ExactVector d = exact_vector(scaled(direction, -exponent_of({direction})));
-  const ExactVector along = exact_difference(to, from);
-  // d · ((p − o) × (q − o)) = (q − p) · (d × (p − o)), as p − o drops out of q − o = (q − p) + (p − o).
-  const Expansion side = exact_dot(along, exact_cross(d, exact_difference(from, o)));
-  if (side.sign() != 0) return side.sign();
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t k = (i + 1) % 3, l = (i + 2) % 3;
-    const Expansion component = d[k] * along[l] - d[l] * along[k];  // of (p − q) × d
-    if (component.sign() != 0) return component.sign();
-  }
+/// The side on which a line passes the edge from p to q: 1 or -1, or 0 where it is parallel to the edge;
+/// empty where rounded numbers leave it open. The edge from q to p is passed on the other side.
+template <class T>
+[[nodiscard]] std::optional<int> side_of_edge(const LineOf<T>& line, const Point& p, const Point& q) {
+  // With P = weight · p − origin and Q likewise, d · (P × Q) = weight (q − p) · (d × P), as P drops out of
+  // Q = weight (q − p) + P.
+  const VectorOf<T> along = vector_of<T>(q) - vector_of<T>(p), &d = line.direction;
+  const auto side = sign_of(dot(along, cross(d, line.weight * given<T>(p) - line.origin)));
+  if (!side || *side != 0) return side;
+  const VectorOf<T> moved = cross(d, along);  // (p − q) × d
+  for (const T& component : moved)
+    if (const auto sign = sign_of(component); !sign || *sign != 0) return sign;
   return 0;
 }
 
@@ -73,17 +64,30 @@ struct RoundedTriangleEquation {
 ///   is good to 2^-31.
 ///
 /// In the range given, what underflows adds nothing to speak of, and nothing overflows.
+///
+/// Where the numbers of the line are off by errors e of the origin and f of the direction, on each axis, the
+/// slacks are 2^50 of these and are added to the sizes of the components of w and d. Such a line has a side
+/// (p, q) that differs by at most e |q − p|₁ D and f |q − p|₁ W, which E then exceeds sixfold, an n·w that
+/// differs by e of the sizes of the components of n, and an n·d that differs by f of them: 2^-32 of itself
+/// where they are above 2^-18 of these sums. So t is good to 2^-30.
 [[nodiscard, gnu::always_inline]] inline auto rounded_triangle_equation(const auto& origin,
                                                                         const auto& direction, const auto& a,
-                                                                        const auto& b, const auto& c) {
+                                                                        const auto& b, const auto& c,
+                                                                        const auto& slack_of_origin,
+                                                                        const auto& slack_of_direction) {
   using std::abs, std::max, std::min;
   const auto sum_of_sizes = [](const auto& v) { return abs(v.x) + abs(v.y) + abs(v.z); };
   const auto u = b - a, v = c - a;
   const auto w = a - origin;
   const auto m = cross(w, direction);
   const auto U = sum_of_sizes(u), V = sum_of_sizes(v);
-  const auto W = sum_of_sizes(w);
-  const auto D = sum_of_sizes(direction);
+  const std::remove_const_t<decltype(w)> w_sizes{abs(w.x) + slack_of_origin, abs(w.y) + slack_of_origin,
+                                                 abs(w.z) + slack_of_origin};
+  const std::remove_cvref_t<decltype(direction)> d_sizes{abs(direction.x) + slack_of_direction,
+                                                         abs(direction.y) + slack_of_direction,
+                                                         abs(direction.z) + slack_of_direction};
+  const auto W = w_sizes.x + w_sizes.y + w_sizes.z;
+  const auto D = d_sizes.x + d_sizes.y + d_sizes.z;
   const auto in_range = 0x1p-200 < U && U < 0x1p200 && 0x1p-200 < V && V < 0x1p200 && W < 0x1p200 &&
                         0x1p-200 < D && D < 0x1p200;
 
@@ -92,8 +96,8 @@ struct RoundedTriangleEquation {
                                                p.x * q.y + p.y * q.x};  // of n
   const auto height = dot(n, w);
   const auto slope = dot(n, direction);
-  const auto heights = dot(terms, abs(w));
-  const auto slopes = dot(terms, abs(direction));
+  const auto heights = dot(terms, w_sizes);
+  const auto slopes = dot(terms, d_sizes);
   const auto certain = in_range && abs(height) > 0x1p-18 * heights && abs(slope) > 0x1p-18 * slopes &&
                        heights > 0x1p-800 && slopes > 0x1p-800;
 
@@ -105,13 +109,30 @@ struct RoundedTriangleEquation {
       height, slope, ab, bc, ca, E, in_range, misses, crosses, certain};
 }
 
-/// Whether the line of finite numbers crosses the triangle, where double may not decide.
+/// The slack of a line whose numbers are off by at most an error.
+[[nodiscard]] inline double slack_for(double error) { return 0x1p50 * error; }
+
+/// That of a line whose numbers are exact.
+struct NoSlack {
+  template <class T>
+  friend T operator+(const T& size, NoSlack) {
+    return size;
+  }
+};
+
+[[nodiscard, gnu::always_inline]] inline auto rounded_triangle_equation(const auto& origin,
+                                                                        const auto& direction, const auto& a,
+                                                                        const auto& b, const auto& c) {
+  return rounded_triangle_equation(origin, direction, a, b, c, NoSlack{}, NoSlack{});
+}
+
+/// Whether a line crosses the triangle, where double may not decide; exact_line() is the line.
 [[nodiscard, gnu::cold, gnu::noinline]] inline bool crosses_triangle_in_doubt(
-    const RoundedTriangleEquation<double, bool>& e, const Point& origin, const Vec3& direction,
-    const Point& a, const Point& b, const Point& c) {
+    const RoundedTriangleEquation<double, bool>& e, const Point& a, const Point& b, const Point& c,
+    const auto& exact_line) {
   const auto side = [&](double rounded, const Point& p, const Point& q) {
     if (e.in_range && std::abs(rounded) > e.error) return rounded > 0 ? 1 : -1;
-    return exact_side(origin, direction, p, q);
+    return *side_of_edge(exact_line(), p, q);
   };
   const int first = side(e.ab, a, b);
   return first != 0 && side(e.bc, b, c) == first && side(e.ca, c, a) == first;
@@ -119,77 +140,27 @@ struct RoundedTriangleEquation {
 
 }  // namespace detail
 
-/// Where the line crosses the triangle's plane, without rounding: A > 0, or A = 0 where it is parallel.
-[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_triangle_root(const Point& origin,
-                                                                             const Vec3& direction,
-                                                                             const Point& a, const Point& b,
-                                                                             const Point& c) {
-  // Powers of two, as for the sphere.
-  const int lengths = exponent_of({origin, a, b, c}), directions = exponent_of({direction});
-  const Point o = scaled(origin, -lengths), p = scaled(a, -lengths), q = scaled(b, -lengths),
-              r = scaled(c, -lengths);
-  const ExactVector n = exact_cross(exact_difference(q, p), exact_difference(r, p));
-  const Expansion height = exact_dot(n, exact_difference(p, o));
-  const Expansion slope = exact_dot(n, exact_vector(scaled(direction, -directions)));
-  const bool negative = slope.sign() < 0;
-  return {.A = negative ? -slope : slope,
-          .b = negative ? -height : height,
-          .D = {},
-          .exponent = lengths - directions};
+/// The equation of the triangle's plane, in numbers of type T.
+template <class T>
+[[nodiscard]] LinearEquation<T> triangle_plane_equation(const LineOf<T>& line, const Point& a, const Point& b,
+                                                        const Point& c) {
+  const VectorOf<T> from = vector_of<T>(a), n = cross(vector_of<T>(b) - from, vector_of<T>(c) - from);
+  return {.height = dot(n, line.weight * given<T>(a) - line.origin), .slope = dot(n, line.direction)};
 }
 
-/// The root in double-double; none where the line does not cross the triangle.
-[[nodiscard, gnu::cold, gnu::noinline]] inline RefinedRoots refined_triangle_roots(
-    const Point& origin, const Vec3& direction, const Point& a, const Point& b, const Point& c) {
-  ++fallbacks.exact;
-  const auto e = detail::rounded_triangle_equation(origin, direction, a, b, c);
-  if (!e.crosses && !detail::crosses_triangle_in_doubt(e, origin, direction, a, b, c)) return {};
-  return refined_linear_root(exact_triangle_root(origin, direction, a, b, c));
-}
-
-namespace detail {
-
-/// The sign of n·w, with n = (b − a) × (c − a): in double if that is sure, or else exact(). In double n·w is
-/// off by at most 8 units of 2^-53 of the sum of the sizes of its terms, as above. In the range given, what
-/// underflows in n is below 2^-1073, which is times w less than 2^-872, far below 2^-49 of 2^-800.
-[[nodiscard]] inline int sign_along_normal(const Vec3& w, const Point& a, const Point& b, const Point& c,
-                                           const auto& exact) {
-  const Vec3 u = b - a, v = c - a, p = abs(u), q = abs(v);
-  const Vec3 terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
-  const double along = dot(cross(u, v), w), sizes = dot(terms, abs(w));
-  const auto is_moderate = [](const Vec3& sizes_of_one) {
-    const double size = sizes_of_one.x + sizes_of_one.y + sizes_of_one.z;
-    return 0x1p-200 < size && size < 0x1p200;
-  };
-  if (is_moderate(p) && is_moderate(q) && is_moderate(abs(w)) && sizes > 0x1p-800 &&
-      std::abs(along) > 0x1p-49 * sizes)
-    return along > 0 ? 1 : -1;
-  return exact();
-}
-
-}  // namespace detail
-
-/// To which side of the plane through a, b and c a direction leads: the sign of d·n, without rounding.
-[[nodiscard]] inline int side_led_to(const Vec3& direction, const Point& a, const Point& b, const Point& c) {
-  return detail::sign_along_normal(direction, a, b, c, [&] {
-    const int lengths = exponent_of({a, b, c});
-    const Point p = scaled(a, -lengths), q = scaled(b, -lengths), r = scaled(c, -lengths);
-    return exact_dot(exact_cross(exact_difference(q, p), exact_difference(r, p)),
-                     exact_vector(scaled(direction, -exponent_of({direction}))))
-        .sign();
-  });
-}
-
-/// On which side of it a point is: the sign of n·(point − a), without rounding.
-[[nodiscard]] inline int side_of_point(const Point& point, const Point& a, const Point& b, const Point& c) {
-  if (point == a || point == b || point == c) return 0;
-  return detail::sign_along_normal(point - a, a, b, c, [&] {
-    const int lengths = exponent_of({a, b, c, point});
-    const Point p = scaled(a, -lengths), q = scaled(b, -lengths), r = scaled(c, -lengths);
-    return exact_dot(exact_cross(exact_difference(q, p), exact_difference(r, p)),
-                     exact_difference(scaled(point, -lengths), p))
-        .sign();
-  });
+/// The equation of the triangle.
+template <class T>
+[[nodiscard]] LinearEquation<T> triangle_equation(const LineOf<T>& line, const Point& a, const Point& b,
+                                                  const Point& c) {
+  LinearEquation<T> e = triangle_plane_equation(line, a, b, c);
+  const auto ab = detail::side_of_edge(line, a, b), bc = detail::side_of_edge(line, b, c),
+             ca = detail::side_of_edge(line, c, a);
+  const auto differ = [](const auto& one, const auto& other) { return one && other && *one != *other; };
+  if (ab == 0 || bc == 0 || ca == 0 || differ(ab, bc) || differ(bc, ca) || differ(ca, ab))
+    e.is_on_surface = false;
+  else if (!ab || !bc || !ca)
+    e.is_on_surface = std::nullopt;
+  return e;
 }
 
 namespace detail {
@@ -201,10 +172,10 @@ namespace detail {
   if (!is_finite(origin) || !is_finite(direction) || !is_finite(a) || !is_finite(b) || !is_finite(c))
     return {};
   ++fallbacks.exact;
-  if (!e.crosses && !crosses_triangle_in_doubt(e, origin, direction, a, b, c)) return {};
+  const auto line = [&] { return line_of<ExactNumber>(origin, direction); };
+  if (!e.crosses && !crosses_triangle_in_doubt(e, a, b, c, line)) return {};
   if (e.certain) return Roots{e.height / e.slope};
-  const RefinedRoots refined = refined_linear_root(exact_triangle_root(origin, direction, a, b, c));
-  return refined.count == 0 ? Roots{} : Roots{static_cast<double>(refined.t[0])};
+  return roots_of(triangle_plane_equation(line(), a, b, c));
 }
 
 }  // namespace detail

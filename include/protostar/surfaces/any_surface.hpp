@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "../surface.hpp"
+#include "../surface_requirements.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -19,6 +20,10 @@ class AnySurface {
  public:
   template <class S>
   requires(!std::same_as<S, AnySurface> && Surface<S>) AnySurface(S surface);
+
+  // Of a deleted function that is called, compilers show the line.
+  template <detail::MeantAsSurface<AnySurface> S>
+  AnySurface(S) = delete;  // a Surface has intersect(const Ray&, Interval) const and normal_at(Point) const
 
   AnySurface(const AnySurface& other) : held_(other.held_->copy()) {}
   AnySurface(AnySurface&&) noexcept = default;
@@ -54,9 +59,6 @@ class AnySurface {
         {const_cast<void*>(static_cast<const void*>(&visit)),
          [](void* function, const Crossing& crossing) { (*static_cast<Visit*>(function))(crossing); }});
   }
-  [[nodiscard]] RefinedCrossing refine(const Ray& ray, const Crossing& crossing, Precision precision) const {
-    return held_->refine(ray, crossing, precision);
-  }
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
     return held_->exact_root(ray, crossing);
   }
@@ -75,7 +77,6 @@ class AnySurface {
     virtual std::optional<Crossing> first_crossing(const Ray&, Interval) const = 0;
     virtual bool is_met(const Ray&, Interval) const = 0;
     virtual void each_crossing(const Ray&, Interval, const Visitor&) const = 0;
-    virtual RefinedCrossing refine(const Ray&, const Crossing&, Precision) const = 0;
     virtual ExactRoot exact_root(const Ray&, const Crossing&) const = 0;
     virtual bool has_parts() const = 0;
     virtual Vec3 normal_at(const Point&, int part) const = 0;
@@ -91,6 +92,8 @@ class AnySurface {
 
   template <class S>
   struct Held final : Holder {
+    static_assert(detail::SurfaceOffers<S>::hold);
+
     explicit Held(S s) : surface(std::move(s)) {}
     std::unique_ptr<Holder> copy() const override { return std::make_unique<Held>(surface); }
     std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const override {
@@ -101,9 +104,6 @@ class AnySurface {
     }
     void each_crossing(const Ray& ray, Interval range, const Visitor& visit) const override {
       protostar::each_crossing(surface, ray, range, visit);
-    }
-    RefinedCrossing refine(const Ray& ray, const Crossing& crossing, Precision precision) const override {
-      return protostar::refine(surface, ray, crossing, precision);
     }
     ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const override {
       return protostar::exact_root(surface, ray, crossing);

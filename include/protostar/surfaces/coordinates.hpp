@@ -4,10 +4,17 @@
 #include <cmath>
 #include <numbers>
 
+#include "../numeric/scale.hpp"
 #include "../numeric/trigonometry.hpp"
 #include "../vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
+
+/// The unit vector along a vector of any length; (0, 0, 1) for 0, where a surface has no normal or the digits
+/// of a point do not tell it.
+[[nodiscard]] inline Vec3 unit_along(const Vec3& v) {
+  return v == Vec3{0} ? Vec3{0, 0, 1} : normalize(of_moderate_size(v));
+}
 
 /// A unit direction as longitude and latitude: u = ½ + the angle of (z, x)/2π and v = the angle from the y
 /// axis/π, both from 0 to 1.

@@ -6,8 +6,10 @@
 #pragma once
 
 #include <algorithm>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -15,6 +17,7 @@
 #include <vector>
 
 #include "../surface.hpp"
+#include "../surface_requirements.hpp"
 #include "any_surface.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -33,6 +36,9 @@ class Csg {
   /// From the whole to the furthest solid.
   static constexpr int most_depth = 1000;
 
+  /// Each ray asks all solids, and puts their crossings in order: so many take tens of milliseconds.
+  static constexpr std::size_t most_solids = std::size_t{1} << 16;
+
   /// Throws std::invalid_argument if it is no solid, as far as the type has not told already.
   template <class S>
   requires(!std::same_as<S, Csg> && Solid<S>) Csg(S solid) : parts_(protostar::part_count(solid)) {
@@ -43,7 +49,7 @@ class Csg {
   }
 
   /// An operation on trees. Throws std::invalid_argument if there are none, if the new tree is too deep, or
-  /// if it has more parts than an int counts.
+  /// if it has too many solids, or more parts than an int counts.
   Csg(Operation operation, std::vector<Csg> operands) : Csg(taken_first(operands)) {
     std::size_t whole = nodes_.size();  // the place of the operation, behind all operands
     for (std::size_t i = 1; i < operands.size(); ++i) whole += operands[i].nodes_.size();
@@ -93,9 +99,6 @@ class Csg {
       if (lies_inside(*this, ray, crossing, range)) visit(crossing);
       return false;
     });
-  }
-  [[nodiscard]] RefinedCrossing refine(const Ray& ray, const Crossing& crossing, Precision precision) const {
-    return leaf_of(crossing.part).solid.refine(ray, inner(crossing), precision);
   }
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
     return leaf_of(crossing.part).solid.exact_root(ray, inner(crossing));
@@ -211,6 +214,8 @@ class Csg {
 
   void append(Csg&& other, Operation operation) {
     const int shift = static_cast<int>(nodes_.size());
+    if (leaves_.size() + other.leaves_.size() > most_solids)
+      throw std::invalid_argument("Csg: at most " + std::to_string(most_solids) + " solids are allowed");
     if (other.parts_ > std::numeric_limits<int>::max() - parts_)
       throw std::invalid_argument("Csg: the solids have more than 2^31 - 1 parts");
     for (Leaf& leaf : other.leaves_) {
@@ -245,7 +250,7 @@ class Csg {
 
   [[nodiscard]] Hits hits_along(const Ray& ray) const {
     Hits hits;
-    const Ray back = ray.turned(-ray.direction);
+    const Ray back = ray.reversed();
     for (int i = 0; i < count(); ++i) {
       const AnySurface& solid = leaf(i).solid;
       const std::size_t before = hits.all.size();
@@ -310,19 +315,53 @@ class Csg {
   int parts_;
 };
 
+namespace detail {
+
+/// A solid among the operands of an operation: any type, so that the compiler can say what it lacks to be a
+/// Solid.
+struct CsgOperand {
+  Csg tree;
+
+  template <class S>
+  requires(std::convertible_to<S, Csg>) CsgOperand(S solid) : tree(std::move(solid)) {}
+
+  template <class S>
+  CsgOperand(S) : tree(NoSurface{}) {
+    static_assert(SolidRequirements<S>::hold);
+  }
+};
+
+[[nodiscard]] inline std::vector<Csg> trees(std::initializer_list<CsgOperand> operands) {
+  std::vector<Csg> all;
+  all.reserve(operands.size());
+  for (const CsgOperand& operand : operands) all.push_back(operand.tree);
+  return all;
+}
+
+}  // namespace detail
+
 /// What is inside any of some solids.
 [[nodiscard]] inline Csg union_of(std::vector<Csg> solids) {
   return {Csg::Operation::either, std::move(solids)};
+}
+[[nodiscard]] inline Csg union_of(std::initializer_list<detail::CsgOperand> solids) {
+  return union_of(detail::trees(solids));
 }
 
 /// What is inside all of them.
 [[nodiscard]] inline Csg intersection_of(std::vector<Csg> solids) {
   return {Csg::Operation::all, std::move(solids)};
 }
+[[nodiscard]] inline Csg intersection_of(std::initializer_list<detail::CsgOperand> solids) {
+  return intersection_of(detail::trees(solids));
+}
 
 /// What is inside the first and none of the others.
 [[nodiscard]] inline Csg difference_of(std::vector<Csg> solids) {
   return {Csg::Operation::first_alone, std::move(solids)};
+}
+[[nodiscard]] inline Csg difference_of(std::initializer_list<detail::CsgOperand> solids) {
+  return difference_of(detail::trees(solids));
 }
 
 static_assert(CompositeSurface<Csg> && SurfaceWithParts<Csg> && SurfaceWithBounds<Csg> && Solid<Csg>);

@@ -5,16 +5,17 @@
 #include <cstddef>
 #include <stdexcept>
 
+#include "../magnitude.hpp"
 #include "../numeric/disk_roots.hpp"
 #include "../numeric/plane_through.hpp"
 #include "../surface.hpp"
+#include "../transformed_ray.hpp"
 #include "coordinates.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// A disk around position, at a right angle to a normal of any length but 0. Its outline belongs to it.
-/// Whether a ray hits it is exact for numbers whose sizes in one test differ by less than 2^100; what lies
-/// further below the largest may be lost.
+/// Whether a ray hits it is exact.
 struct Disk {
   Point position{0};
   Vec3 normal{0, 0, 1};
@@ -44,6 +45,9 @@ struct Disk {
   /// The crossing of the ray's line; of a ray that departs from the disk's plane, none.
   [[nodiscard]] Roots roots(const Ray& ray) const {
     if (is_left_by(ray)) return {};
+    if (ray.transform != nullptr)
+      return roots_along(ray,
+                         [&](const auto& line) { return disk_equation(line, position, normal, radius); });
     return disk_roots(ray.origin, ray.direction, position, normal, radius);
   }
 
@@ -53,12 +57,8 @@ struct Disk {
                               wanted && !is_left_by(rays));
   }
 
-  [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision) const {
-    return refined_disk_roots(ray.origin, ray.direction, position, normal, radius);
-  }
-
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {
-    return exact_disk_root(ray.origin, ray.direction, position, normal, radius);
+    return exact_root_of(disk_equation(line_of<ExactNumber>(ray), position, normal, radius));
   }
 
   /// On an axis i, the disk reaches √(n_j² + n_k²) · radius from its center, for the unit normal n. That is
@@ -84,13 +84,13 @@ struct Disk {
     return {.kind = Departure::Kind::rounded_plane, .geometry = plane_at(position, normal)};
   }
 
-  /// Throws std::invalid_argument if the normal is 0, the radius is not above 0 or a number is not finite.
+  /// Throws std::invalid_argument if the position is not made of coordinates, the radius is no size
+  /// (magnitude.hpp), or the normal is 0 or not finite.
   void validate() const {
-    if (!is_finite(position)) throw std::invalid_argument("Disk: position must be finite");
+    require_rule(is_coordinate(position), "Disk: position must have numbers", coordinate_rule);
     if (!is_finite(normal) || normal == Vec3{0})
       throw std::invalid_argument("Disk: normal must be finite and not zero");
-    if (!(radius > 0 && std::isfinite(radius)))
-      throw std::invalid_argument("Disk: radius must be finite and greater than 0");
+    require_rule(is_size(radius), "Disk: radius must be", size_rule);
   }
 
  private:
@@ -100,6 +100,6 @@ struct Disk {
   }
 };
 
-static_assert(SurfaceWithRefinedRoots<Disk> && SurfaceWithDeparture<Disk> && SurfaceWithBounds<Disk>);
+static_assert(SurfaceWithExactRoots<Disk> && SurfaceWithDeparture<Disk> && SurfaceWithBounds<Disk>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

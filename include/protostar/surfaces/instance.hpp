@@ -2,26 +2,61 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <cstddef>
+#include <map>
+#include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
+#include "../magnitude.hpp"
 #include "../numeric/affine.hpp"
 #include "../surface.hpp"
+#include "../surface_requirements.hpp"
+#include "../transformed_ray.hpp"
 #include "any_surface.hpp"
+#include "coordinates.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The image of a surface under an affine map. A ray is carried back into the surface's own space, where it
-/// is answered; its direction is not normalized, so that t is the same in both. What is exact for the surface
-/// is exact for the ray that is carried, whose numbers are rounded (docs/numerics.md, Instances).
+template <class S = AnySurface>
+class Instance;
+
+/// The image of a surface under an affine map. A ray is mapped into the surface's own space (object space)
+/// and answered there; its direction is not normalized, so that t is the same in both. The mapped ray is
+/// rounded, but knows the exact one (RayTransform): what is exact for the surface is exact for its image. A
+/// surface of your own that knows only intersect and normal_at is asked with the rounded ray.
 ///
-/// Outside stays outside, in a mirror image as well, and u and v go with the points.
-template <Surface S = AnySurface>
-class Instance {
+/// Outside stays outside, in a mirror image as well, and u and v go with the points. A ray that leaves the
+/// image leaves together with it what lies in the plane of a face, if doubles hold the equation of the face
+/// in object space, as they do where it is at a right angle to an axis; and of a sphere that stays a sphere
+/// the same sphere.
+template <Surface S>
+class Instance<S> {
+  static_assert(detail::SurfaceOffers<S>::hold);
+
  public:
   Instance(S surface, const Affine& placement)
-      : surface_(std::move(surface)), inverse_(placement), bounds_(bounds_of(surface_, placement)) {}
+      : surface_(std::move(surface)), inverse_(placement), bounds_(bounds_of(surface_, placement)) {
+    if (!inverse_.exists()) return;                       // validate() says so
+    std::map<Geometry, std::optional<Departure>> images;  // parts of one plane have one image
+    for (int part = 0; part < protostar::part_count(surface_); ++part) {
+      const Departure own = departure_of(surface_, part);
+      if (own.kind != Departure::Kind::plane && own.kind != Departure::Kind::sphere) continue;
+      const auto [image, is_new] = images.try_emplace({own.is_planar(), own.geometry});
+      if (is_new) image->second = image_of(own);
+      if (!image->second) continue;
+      shared_.push_back(*image->second);
+      shared_.back().part = part;
+    }
+    by_geometry_.resize(shared_.size());
+    std::iota(by_geometry_.begin(), by_geometry_.end(), std::size_t{0});
+    std::stable_sort(by_geometry_.begin(), by_geometry_.end(), [&](std::size_t a, std::size_t b) {
+      return geometry_of(shared_[a]) < geometry_of(shared_[b]);
+    });
+  }
 
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
     const auto crossing = first_crossing(ray, range);
@@ -30,40 +65,39 @@ class Instance {
 
   /// The unit normal on the side that is the surface's outside.
   [[nodiscard]] Vec3 normal_at(const Point& point, int part = 0) const {
-    const Vec3 normal = protostar::normal_at(surface_, inverse_.point(point), part);
-    return normalize(of_moderate_size(inverse_.mapped_normal(normal)));
+    return unit_along(inverse_.mapped_normal(protostar::normal_at(surface_, carried(point), part)));
   }
 
   [[nodiscard]] Uv uv_at(const Point& point, int part = 0) const {
-    return protostar::uv_at(surface_, inverse_.point(point), part);
+    return protostar::uv_at(surface_, carried(point), part);
   }
 
-  /// This instance, recognized by its address, and the part of it.
+  /// The plane or the sphere of a part, if others may have the same; and this instance, recognized by its
+  /// address.
   [[nodiscard]] Departure departure(int part = 0) const {
-    return {.kind = Departure::Kind::object, .object = this, .geometry = {static_cast<double>(part)}};
+    const auto found = std::lower_bound(shared_.begin(), shared_.end(), part,
+                                        [](const Departure& one, int other) { return one.part < other; });
+    Departure departure{.kind = Departure::Kind::object};
+    if (found != shared_.end() && found->part == part) departure = *found;
+    departure.part = part, departure.object = this;
+    return departure;
   }
 
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
-    const auto first = protostar::first_crossing(surface_, carried(ray), range);
-    if (!first || is_within_bounds(ray, first->t)) return first;
-    std::optional<Crossing> within;
-    each_crossing(ray, range, [&](const Crossing& crossing) {
-      if (!within) within = crossing;
-    });
-    return within;
+    if (!inverse_.exists()) return std::nullopt;
+    const RayTransform transform(ray, inverse_);
+    return protostar::first_crossing(surface_, in_object_space(transform), range);
   }
 
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
-    protostar::each_crossing(surface_, carried(ray), range, [&](const Crossing& crossing) {
-      if (is_within_bounds(ray, crossing.t)) visit(crossing);
-    });
+    if (!inverse_.exists()) return;
+    const RayTransform transform(ray, inverse_);
+    protostar::each_crossing(surface_, in_object_space(transform), range, visit);
   }
 
-  [[nodiscard]] RefinedCrossing refine(const Ray& ray, const Crossing& crossing, Precision precision) const {
-    return protostar::refine(surface_, carried(ray), crossing, precision);
-  }
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
-    return protostar::exact_root(surface_, carried(ray), crossing);
+    const RayTransform transform(ray, inverse_);
+    return protostar::exact_root(surface_, in_object_space(transform), crossing);
   }
 
   [[nodiscard]] bool has_parts() const { return protostar::has_parts(surface_); }
@@ -71,29 +105,75 @@ class Instance {
   [[nodiscard]] bool has_uv() const { return protostar::has_uv(surface_); }
   [[nodiscard]] bool is_solid() const { return protostar::is_solid(surface_); }
   [[nodiscard]] bool ends_inside(const Ray& ray) const {
-    return protostar::ends_inside(surface_, carried(ray));
+    const RayTransform transform(ray, inverse_);
+    return protostar::ends_inside(surface_, in_object_space(transform));
   }
 
   [[nodiscard]] Bounds bounds() const { return bounds_; }
 
-  /// Throws std::invalid_argument if the surface is not valid or the map has no way back.
+  /// Throws std::invalid_argument if the surface is not valid, the map has no inverse, or a number of the
+  /// inverse is no coordinate (magnitude.hpp).
   void validate() const {
     if constexpr (SurfaceWithValidation<S>) surface_.validate();
     if (!inverse_.exists())
       throw std::invalid_argument("Instance: the map must be finite, and not take space to a plane or less");
+    for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
+      require_rule(is_coordinate(inverse_.vector(axis)),
+                   "Instance: the numbers of the inverse of the map must be", coordinate_rule);
   }
 
  private:
-  /// The ray in the surface's own space.
-  [[nodiscard]] Ray carried(const Ray& ray) const {
-    Ray inner{inverse_.point(ray.origin), inverse_.vector(ray.direction)};
-    if (ray.departure.kind == Departure::Kind::object && ray.departure.object == this)
-      inner.departure = departure_of(surface_, static_cast<int>(ray.departure.geometry[0]));
-    return inner;
+  /// A point in object space. Of instances inside of instances it may be beyond the range of double, and so
+  /// each number is held within 2^500: with that the next map back leaves it finite.
+  [[nodiscard]] Point carried(const Point& point) const { return within(inverse_.point(point), 0x1p500); }
+
+  /// The ray in object space, with what it leaves there.
+  [[nodiscard]] Ray in_object_space(const RayTransform& transform) const {
+    Ray ray = transform.ray();
+    const Departure& left = transform.outer.departure;
+    if (left.kind == Departure::Kind::none) return ray;
+    if (left.object == this) {
+      ray.departure = departure_of(surface_, left.part);
+    } else if (const auto part = part_with(left)) {
+      ray.departure = departure_of(surface_, *part);
+      ray.departure.object = nullptr;  // it is not this one that is left
+    }
+    return ray;
   }
 
-  /// The box around the images of the eight corners, and a thousandth more: the ray that is carried is a
-  /// little off.
+  using Geometry = std::pair<bool, std::array<double, 4>>;  ///< of a plane, or of a sphere
+
+  [[nodiscard]] static Geometry geometry_of(const Departure& departure) {
+    return {departure.is_planar(), departure.is_planar() ? departure.rounded() : departure.geometry};
+  }
+
+  /// A part whose plane or sphere is what another surface's ray leaves.
+  [[nodiscard]] std::optional<int> part_with(const Departure& left) const {
+    if (shared_.empty() || left.kind == Departure::Kind::object) return std::nullopt;
+    const Geometry geometry = geometry_of(left);
+    const auto found = std::lower_bound(
+        by_geometry_.begin(), by_geometry_.end(), geometry,
+        [&](std::size_t i, const Geometry& other) { return geometry_of(shared_[i]) < other; });
+    if (found == by_geometry_.end() || geometry_of(shared_[*found]) != geometry) return std::nullopt;
+    return shared_[*found].part;
+  }
+
+  /// The image of what a part has in common with others: a plane whose equation doubles hold, or a sphere
+  /// that stays one.
+  [[nodiscard]] std::optional<Departure> image_of(const Departure& own) const {
+    const auto& [a, b, c, d] = own.geometry;
+    if (own.kind == Departure::Kind::plane)
+      return Departure{.kind = Departure::Kind::rounded_plane,
+                       .geometry = inverse_.mapped_plane({a, b, c}, d)};
+    if (own.kind != Departure::Kind::sphere) return std::nullopt;
+    const auto sphere = image_of_sphere(inverse_.map(), {a, b, c}, d);
+    if (!sphere) return std::nullopt;
+    return Departure{.kind = Departure::Kind::sphere,
+                     .geometry = {sphere->center.x, sphere->center.y, sphere->center.z, sphere->radius}};
+  }
+
+  /// The box around the images of the eight corners. A product and up to three sums are rounded by u each of
+  /// what the terms are in size, and the sum of these sizes is, too: 2^-50 = 8u of it are more than all.
   [[nodiscard]] static Bounds bounds_of(const S& surface, const Affine& placement) {
     const Bounds everywhere{.min = Point{-infinity}, .max = Point{infinity}};
     if constexpr (!SurfaceWithBounds<S>) {
@@ -102,34 +182,37 @@ class Instance {
       const Bounds inner = surface.bounds();
       if (!is_finite(inner.min) || !is_finite(inner.max)) return everywhere;
       Bounds box{placement.translation, placement.translation};
+      Vec3 sizes = abs(placement.translation);
       for (int k = 0; k < 3; ++k) {
         const Vec3& column = k == 0 ? placement.x : k == 1 ? placement.y : placement.z;
         const Vec3 a = inner.min[k] * column, b = inner.max[k] * column;
         box.min += min(a, b);
         box.max += max(a, b);
+        sizes += max(abs(a), abs(b));
       }
-      const Vec3 size = box.max - box.min, far = max(abs(box.min), abs(box.max));
-      const Vec3 margin =
-          Vec3(0x1p-10 * std::max({size.x, size.y, size.z}) + 0x1p-40 * std::max({far.x, far.y, far.z}));
+      const Vec3 margin = 0x1p-50 * sizes + Vec3(0x1p-1070);  // and what underflows
       box = {box.min - margin, box.max + margin};
       return is_finite(box.min) && is_finite(box.max) ? box : everywhere;
     }
   }
 
-  /// Whether a point of a ray surely lies in the bounds. Only what does counts: whoever looks for the
-  /// instance by way of its bounds finds the same.
-  [[nodiscard]] bool is_within_bounds(const Ray& ray, double t) const {
-    // A product and a sum, each rounded by u of what it is at most, and the sums below once more: 3u.
-    const Vec3 way = t * ray.direction, point = ray.origin + way;
-    const Vec3 error = 0x1p-51 * (abs(ray.origin) + abs(way));
-    const Vec3 least = point - error, most = point + error;
-    return bounds_.min.x <= least.x && most.x <= bounds_.max.x && bounds_.min.y <= least.y &&
-           most.y <= bounds_.max.y && bounds_.min.z <= least.z && most.z <= bounds_.max.z;
-  }
-
   S surface_;
   AffineInverse inverse_;
   Bounds bounds_;
+  std::vector<Departure> shared_;         ///< of the parts that have one, in their order
+  std::vector<std::size_t> by_geometry_;  ///< their indices, in the order of geometry_of
+};
+
+template <class S>
+Instance(S surface, const Affine& placement) -> Instance<S>;
+
+/// An instance of what is no surface: that stops the compiler, which says what the type lacks.
+template <class S>
+class Instance : public detail::NoSurface {
+  static_assert(detail::SurfaceRequirements<S>::hold);
+
+ public:
+  Instance(const S&, const Affine&) {}
 };
 
 static_assert(CompositeSurface<Instance<>> && SurfaceWithParts<Instance<>> && Solid<Instance<>>);

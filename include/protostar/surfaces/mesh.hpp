@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "../magnitude.hpp"
+#include "../parallel.hpp"
 #include "../render_options.hpp"
 #include "../surface.hpp"
 #include "triangle.hpp"
@@ -94,32 +96,37 @@ struct MeshData {
   }
 
   /// Throws std::invalid_argument if there is no triangle or too many, if one names a vertex that there is
-  /// not, if a number is not finite, or if there are other than as many normals or uvs as vertices. Triangles
-  /// without area are allowed; no ray meets them.
+  /// not, if a vertex or a uv is not made of coordinates (magnitude.hpp), if a normal is not finite, or if
+  /// there are other than as many normals or uvs as vertices. Triangles without area are allowed; no ray
+  /// meets them.
   void validate() const {
     const auto check = [](bool holds, const auto& rule) {
       if (!holds) throw std::invalid_argument("Mesh: " + std::string(rule));
     };
     check(!triangles.empty(), "there is no triangle");
     check(triangles.size() <= detail::TriangleTree::most, "there are more than 2^27 triangles");
-    const auto check_finite = [&](const auto& all, const std::string& name) {
+    const auto check_each = [&](const auto& all, const auto& holds, const std::string& name,
+                                const std::string& rule) {
       for (std::size_t i = 0; i < all.size(); ++i)
-        if (!is_finite(all[i])) check(false, name + " " + std::to_string(i) + " must be finite");
+        if (!holds(all[i])) check(false, name + " " + std::to_string(i) + " must " + rule);
     };
-    check_finite(vertices, "vertex");
+    const auto is_place = [](const auto& place) { return is_coordinate(place); };
+    check_each(vertices, is_place, "vertex", std::string("have numbers ").append(coordinate_rule));
     for (std::size_t i = 0; i < triangles.size(); ++i)
       for (const std::uint32_t vertex : triangles[i])
         if (vertex >= vertices.size())
           check(false, "triangle " + std::to_string(i) + " names vertex " + std::to_string(vertex) +
                            ", and there are " + std::to_string(vertices.size()));
-    const auto check_of_vertices = [&](const auto& all, const std::string& name) {
+    const auto check_count = [&](const auto& all, const std::string& name) {
       if (!all.empty() && all.size() != vertices.size())
         check(false, "there must be as many " + name + "s as vertices, or none; there are " +
                          std::to_string(all.size()) + " and " + std::to_string(vertices.size()));
-      check_finite(all, name);
     };
-    check_of_vertices(normals, "normal");
-    check_of_vertices(uvs, "uv");
+    check_count(normals, "normal");
+    check_each(
+        normals, [](const Vec3& n) { return is_finite(n); }, "normal", "be finite");
+    check_count(uvs, "uv");
+    check_each(uvs, is_place, "uv", std::string("have numbers ").append(coordinate_rule));
   }
 
  private:
@@ -148,7 +155,8 @@ struct MeshData {
 /// the numbers of the vertices, so that two vertices in one place are as good as one.
 class Mesh {
  public:
-  /// Builds the tree. Throws what MeshData::validate throws.
+  /// Builds the tree. Throws what MeshData::validate throws, and std::invalid_argument if options.threads is
+  /// negative.
   explicit Mesh(MeshData data, const RenderOptions& options = {})
       : contents_(std::make_shared<const Contents>(std::move(data), options)) {}
 
@@ -156,7 +164,8 @@ class Mesh {
 
   /// Whether it bounds a solid (MeshData::is_closed), which takes a look at all edges. Inside is what a line
   /// is in between its first crossing and its second, its third and its fourth, and so on. Normals lead out
-  /// of it if the triangles turn counterclockwise as seen from there.
+  /// of it if (b − a) × (c − a) does for each triangle a, b, c: if, in right-handed coordinates, the
+  /// triangles turn counterclockwise as seen from outside, and in left-handed ones clockwise.
   [[nodiscard]] bool is_solid() const { return data().is_closed(); }
   [[nodiscard]] int part_count() const { return static_cast<int>(data().triangles.size()); }
 
@@ -189,8 +198,10 @@ class Mesh {
     return data().uvs.empty() ? uv : between(data().uvs, uv, part);
   }
 
-  /// That of a triangle: what lies in its plane is left together, and what cannot be crossed from anywhere on
-  /// it is not crossed (only_seems_crossed).
+  /// That of a triangle: what lies in its plane is left together. Of this mesh, the ray crosses what a ray
+  /// crosses that starts on the triangle, whatever the digits of its origin say (StartInTriangle): next to an
+  /// edge that bends away it does not meet the other side, and next to one in a valley it does where it leads
+  /// there. Such a ray must not be asked after its mesh is gone.
   [[nodiscard]] Departure departure(int part) const {
     Departure departure = triangle(part).departure();
     departure.part = part, departure.object = contents_.get();
@@ -202,14 +213,14 @@ class Mesh {
   /// The first crossing inside the range, in exact order. Of triangles that are crossed at equal t, the
   /// earlier one's is the first.
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
-    First<const Ray&> first{*this, ray, range};
+    First<const Ray&> first{{ray, range, start_of(ray)}, *this};
     contents_->tree.answer(first, data().triangle_of());
     return first.crossing;
   }
 
   /// Whether there is any crossing inside the range.
   [[nodiscard]] bool is_met(const Ray& ray, Interval range) const {
-    Any<const Ray&> any{*this, ray, range};
+    Any<const Ray&> any{{ray, range, start_of(ray)}, *this};
     contents_->tree.answer(any, data().triangle_of());
     return any.is_met;
   }
@@ -221,7 +232,8 @@ class Mesh {
     contents_->tree.answer_each(
         count,
         [&](std::size_t k) {
-          return First<Ray>{*this, ray(k), range};
+          const Ray& one = ray(k);
+          return First<Ray>{{one, range, start_of(one)}, *this};
         },
         [&](std::size_t k, const auto& first) { tell(k, first.crossing); }, data().triangle_of());
   }
@@ -231,7 +243,8 @@ class Mesh {
     contents_->tree.answer_each(
         count,
         [&](std::size_t k) {
-          return Any<Ray>{*this, ray(k), range};
+          const Ray& one = ray(k);
+          return Any<Ray>{{one, range, start_of(one)}, *this};
         },
         [&](std::size_t k, const auto& any) { tell(k, any.is_met); }, data().triangle_of());
   }
@@ -239,21 +252,21 @@ class Mesh {
   /// Calls visit(const Crossing&) for every crossing inside the range, near to far.
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
     std::vector<Crossing> crossings;
+    const Start start = start_of(ray);
     // The tree knows rays and no lines: what is behind the origin lies ahead of a ray that is turned around.
     const auto find_along = [&](const Ray& half, double length, bool is_behind) {
-      All all{half,
-              {std::max(is_behind ? -range.max : range.min, 0.0), length},
+      All all{{half, {std::max(is_behind ? -range.max : range.min, 0.0), length}, start},
               data(),
               [&](const Triangle& triangle, std::uint32_t i) {
-                const auto crossing = crossing_with(triangle, i, ray, range);
+                const auto crossing = crossing_with(triangle, i, ray, start, range);
                 if (crossing && (crossing->t < 0) == is_behind) crossings.push_back(*crossing);
               }};
       contents_->tree.answer(all, data().triangle_of());
     };
     if (range.max > 0) find_along(ray, range.max, false);
-    if (range.min < 0) find_along(ray.turned(-ray.direction), -range.min, true);
+    if (range.min < 0) find_along(ray.reversed(), -range.min, true);
     std::sort(crossings.begin(), crossings.end(),
-              [&](const Crossing& a, const Crossing& b) { return comes_before(ray, a, b); });
+              [&](const Crossing& a, const Crossing& b) { return comes_before(ray, start, a, b); });
     for (const Crossing& crossing : crossings) visit(crossing);
   }
 
@@ -266,25 +279,39 @@ class Mesh {
   }
 #endif
 
-  [[nodiscard]] RefinedCrossing refine(const Ray& ray, const Crossing& crossing, Precision precision) const {
-    return protostar::refine(triangle(crossing.part), ray, crossing, precision);
-  }
-
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
-    return triangle(crossing.part).exact_root(ray, crossing.root);
+    const Triangle one = triangle(crossing.part);
+    if (const Start start = start_of(ray)) return start->exact_root(ray, one);
+    return one.exact_root(ray, crossing.root);
   }
 
  private:
+  /// Where a ray starts that leaves a triangle of this mesh; of others nothing.
+  using Start = std::optional<StartInTriangle>;
+
   // What the tree is asked (TriangleTree).
 
-  /// What a ray crosses first; R is Ray, or a reference to one.
+  /// R is Ray, or a reference to one.
   template <class R>
-  struct First {
-    static constexpr bool near_first = true;
-
-    const Mesh& mesh;
+  struct Query {
     R ray;
     Interval range;
+    Start start;
+
+    /// How far the ray starts from its origin, on each axis.
+    [[nodiscard]] double distance() const { return start ? start->distance() : 0; }
+
+    /// What the numbers of the line are off by that crosses the triangles.
+    [[nodiscard]] LineError error() const { return start ? start->error(ray) : line_error(ray); }
+  };
+
+  /// What a ray crosses first.
+  template <class R>
+  struct First : Query<R> {
+    static constexpr bool near_first = true;
+    using Query<R>::ray, Query<R>::range, Query<R>::start;
+
+    const Mesh& mesh;
     std::optional<Crossing> crossing = {};
 
     bool found(double t, std::uint32_t i) {
@@ -292,13 +319,13 @@ class Mesh {
       return false;
     }
     bool maybe(const Triangle& triangle, std::uint32_t i) {
-      if (const auto other = mesh.crossing_with(triangle, i, ray, range)) take(*other);
+      if (const auto other = mesh.crossing_with(triangle, i, ray, start, range)) take(*other);
       return false;
     }
 
    private:
     void take(const Crossing& other) {
-      if (crossing && !mesh.comes_before(ray, other, *crossing)) return;
+      if (crossing && !mesh.comes_before(ray, start, other, *crossing)) return;
       crossing = other;
       // What might be before it, given its error, stays in.
       range.max = std::min(range.max, latest(other.t));
@@ -307,27 +334,24 @@ class Mesh {
 
   /// Whether it crosses anything.
   template <class R>
-  struct Any {
+  struct Any : Query<R> {
     static constexpr bool near_first = false;
+    using Query<R>::ray, Query<R>::range, Query<R>::start;
 
     const Mesh& mesh;
-    R ray;
-    Interval range;
     bool is_met = false;
 
     bool found(double, std::uint32_t) { return is_met = true; }
     bool maybe(const Triangle& triangle, std::uint32_t i) {
-      return is_met = mesh.crossing_with(triangle, i, ray, range).has_value();
+      return is_met = mesh.crossing_with(triangle, i, ray, start, range).has_value();
     }
   };
 
   /// All that it may cross: look_at(triangle, i).
   template <class LookAt>
-  struct All {
+  struct All : Query<const Ray&> {
     static constexpr bool near_first = false;
 
-    const Ray& ray;
-    Interval range;
     const MeshData& data;
     LookAt look_at;
 
@@ -338,7 +362,7 @@ class Mesh {
     }
   };
   template <class LookAt>
-  All(const Ray&, Interval, const MeshData&, LookAt) -> All<LookAt>;
+  All(Query<const Ray&>, const MeshData&, LookAt) -> All<LookAt>;
 
   /// What copies share.
   struct Contents {
@@ -348,6 +372,7 @@ class Mesh {
 
     Contents(MeshData given, const RenderOptions& options)
         : data(validated(std::move(given))), tree(data.triangles.size(), data.triangle_of(), options) {
+      detail::require_threads(options);  // few triangles are sorted by one thread, whatever the options say
       for (std::size_t i = 0; i < data.triangles.size(); ++i) {
         const Bounds of_one = data.triangle(i).bounds();
         bounds = {min(bounds.min, of_one.min), max(bounds.max, of_one.max)};
@@ -369,21 +394,35 @@ class Mesh {
     return (1 - uv.x - uv.y) * of_vertices[a] + uv.x * of_vertices[b] + uv.y * of_vertices[c];
   }
 
-  /// The crossing with the i-th triangle. A ray that leaves a triangle of this mesh says which by its number,
-  /// and so it must not be asked after its mesh is gone.
-  [[nodiscard]] std::optional<Crossing> crossing_with(const Triangle& one, std::uint32_t i, const Ray& ray,
-                                                      const Interval& range) const {
-    auto crossing = protostar::first_crossing(one, ray, range);
-    if (!crossing) return {};
-    const Departure& left = ray.departure;
-    if (left.is_planar() && left.object == contents_.get() &&
-        only_seems_crossed(triangle(left.part), one, ray, crossing->t))
-      return {};
-    crossing->part = static_cast<int>(i);
-    return crossing;
+  [[nodiscard]] bool leaves_this(const Ray& ray) const {
+    return ray.departure.is_planar() && ray.departure.object == contents_.get();
+  }
+  [[nodiscard]] Start start_of(const Ray& ray) const {
+    return leaves_this(ray) ? Start(std::in_place, ray, triangle(ray.departure.part)) : std::nullopt;
   }
 
-  [[nodiscard]] bool comes_before(const Ray& ray, const Crossing& a, const Crossing& b) const {
+  /// The crossing with the i-th triangle.
+  [[nodiscard]] std::optional<Crossing> crossing_with(const Triangle& one, std::uint32_t i, const Ray& ray,
+                                                      const Start& start, const Interval& range) const {
+    const int part = static_cast<int>(i);
+    if (!start) {
+      auto crossing = protostar::first_crossing(one, ray, range);
+      if (crossing) crossing->part = part;
+      return crossing;
+    }
+    if (part == ray.departure.part) return {};
+    for (const double t : start->roots(ray, one))
+      if (const Crossing crossing{.t = t, .part = part}; lies_inside(*this, ray, crossing, range))
+        return crossing;
+    return {};
+  }
+
+  [[nodiscard]] bool comes_before(const Ray& ray, const Start& start, const Crossing& a,
+                                  const Crossing& b) const {
+    if (start) {
+      const int sign = start->order_of(ray, triangle(a.part), a.t, triangle(b.part), b.t);
+      return sign < 0 || (sign == 0 && a.part < b.part);
+    }
     const auto on_mesh = [&](const Crossing& crossing) {
       return SurfaceCrossing{.crossing = crossing, .surface = this, .functions = &functions_of<Mesh>};
     };

@@ -1,18 +1,20 @@
 // The set of points position + a·edge_u + b·edge_v with 0 ≤ a ≤ 1 and 0 ≤ b ≤ 1.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include "../magnitude.hpp"
 #include "../numeric/parallelogram_roots.hpp"
 #include "../numeric/plane_through.hpp"
 #include "../surface.hpp"
+#include "../transformed_ray.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// A parallelogram, from one corner along two edges, which are not parallel. Its outline belongs to it.
-/// Whether a ray hits it is exact for numbers whose sizes in one test differ by less than 2^100; what lies
-/// further below the largest may be lost.
+/// Whether a ray hits it is exact.
 struct Parallelogram {
   Point position{0};
   Vec3 edge_u{1, 0, 0}, edge_v{0, 1, 0};
@@ -44,6 +46,9 @@ struct Parallelogram {
   /// The crossing of the ray's line; of a ray that departs from the parallelogram's plane, none.
   [[nodiscard]] Roots roots(const Ray& ray) const {
     if (is_left_by(ray)) return {};
+    if (ray.transform != nullptr)
+      return roots_along(
+          ray, [&](const auto& line) { return parallelogram_equation(line, position, edge_u, edge_v); });
     return parallelogram_roots(ray.origin, ray.direction, position, edge_u, edge_v);
   }
 
@@ -53,12 +58,8 @@ struct Parallelogram {
                                        wanted && !is_left_by(rays));
   }
 
-  [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision) const {
-    return refined_parallelogram_roots(ray.origin, ray.direction, position, edge_u, edge_v);
-  }
-
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {
-    return exact_parallelogram_root(ray.origin, ray.direction, position, edge_u, edge_v);
+    return exact_root_of(parallelogram_equation(line_of<ExactNumber>(ray), position, edge_u, edge_v));
   }
 
   [[nodiscard]] Bounds bounds() const {
@@ -78,13 +79,20 @@ struct Parallelogram {
     return {.kind = Departure::Kind::rounded_plane, .geometry = plane_through(position, edge_u, edge_v)};
   }
 
-  /// Throws std::invalid_argument if the edges are parallel or 0, or a number is not finite.
+  /// Throws std::invalid_argument if the edges are parallel or 0, if a number is no coordinate, or if an
+  /// edge's largest component is no size (magnitude.hpp).
   void validate() const {
-    if (!is_finite(position)) throw std::invalid_argument("Parallelogram: position must be finite");
-    if (!is_finite(edge_u) || !is_finite(edge_v))
-      throw std::invalid_argument("Parallelogram: edge_u and edge_v must be finite");
+    require_rule(is_coordinate(position), "Parallelogram: position must have numbers", coordinate_rule);
+    require_rule(is_coordinate(edge_u) && is_coordinate(edge_v),
+                 "Parallelogram: edge_u and edge_v must have numbers", coordinate_rule);
     if (!is_finite(normal_at(position)))
       throw std::invalid_argument("Parallelogram: edge_u and edge_v must not be 0 or parallel");
+    const auto has_size = [](const Vec3& edge) {
+      const Vec3 size = abs(edge);
+      return is_size(std::max({size.x, size.y, size.z}));
+    };
+    require_rule(has_size(edge_u) && has_size(edge_v),
+                 "Parallelogram: edge_u and edge_v must have largest components", size_rule);
   }
 
  private:
@@ -94,7 +102,7 @@ struct Parallelogram {
   }
 };
 
-static_assert(SurfaceWithRefinedRoots<Parallelogram> && SurfaceWithDeparture<Parallelogram> &&
+static_assert(SurfaceWithExactRoots<Parallelogram> && SurfaceWithDeparture<Parallelogram> &&
               SurfaceWithBounds<Parallelogram>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "../magnitude.hpp"
 #include "../numeric/plane_roots.hpp"
 #include "../surface.hpp"
+#include "../transformed_ray.hpp"
 #include "coordinates.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -43,6 +45,8 @@ struct Plane {
   /// The crossing of the ray's line; of a ray that departs from the plane, none.
   [[nodiscard]] Roots roots(const Ray& ray) const {
     if (is_left_by(ray)) return {};
+    if (ray.transform != nullptr)
+      return roots_along(ray, [&](const auto& line) { return plane_equation(line, normal, distance); });
     return plane_roots(ray.origin, ray.direction, normal, distance);
   }
 
@@ -51,12 +55,8 @@ struct Plane {
     return plane_roots_of_each(rays.origin, rays.direction, normal, distance, wanted && !is_left_by(rays));
   }
 
-  [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision) const {
-    return refined_plane_roots(ray.origin, ray.direction, normal, distance);
-  }
-
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {
-    return exact_plane_root(ray.origin, ray.direction, normal, distance);
+    return exact_root_of(plane_equation(line_of<ExactNumber>(ray), normal, distance));
   }
 
   /// Planes of one equation, or of multiples of it, are left together, with whatever lies in them.
@@ -64,11 +64,14 @@ struct Plane {
     return {.kind = Departure::Kind::plane, .geometry = {normal.x, normal.y, normal.z, distance}};
   }
 
-  /// Throws std::invalid_argument if the normal is 0 or a number is not finite.
+  /// Throws std::invalid_argument if the normal is 0 or not finite, or distance over the normal's largest
+  /// component is no coordinate (magnitude.hpp).
   void validate() const {
     if (!is_finite(normal) || normal == Vec3{0})
       throw std::invalid_argument("Plane: normal must be finite and not zero");
-    if (!std::isfinite(distance)) throw std::invalid_argument("Plane: distance must be finite");
+    const Vec3 size = abs(normal);
+    require_rule(is_coordinate(distance / std::max({size.x, size.y, size.z})),
+                 "Plane: distance must, over the largest component of normal, be", coordinate_rule);
   }
 
  private:
@@ -77,6 +80,6 @@ struct Plane {
   }
 };
 
-static_assert(SurfaceWithRefinedRoots<Plane> && SurfaceWithDeparture<Plane>);
+static_assert(SurfaceWithExactRoots<Plane> && SurfaceWithDeparture<Plane>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -5,18 +5,18 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "../magnitude.hpp"
 #include "../numeric/quadric_bounds.hpp"
 #include "../numeric/quadric_roots.hpp"
 #include "../surface.hpp"
+#include "../transformed_ray.hpp"
 #include "coordinates.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// A quadric: the points where its form (QuadricForm, in numeric/quadric_roots.hpp) is 0. Inside it the form
 /// is negative. The default is the unit sphere.
-///
-/// Whether a ray meets it is exact for numbers whose sizes in one test differ by less than 2^100; what lies
-/// further below the largest may be lost.
+/// Whether a ray meets it is exact.
 struct Quadric {
   QuadricForm form;
 
@@ -33,7 +33,7 @@ struct Quadric {
   /// gradient is 0, as at the apex of a cone, there is no normal: (0, 0, 1) stands for it.
   [[nodiscard]] Vec3 normal_at(const Point& point) const {
     const Vec3 gradient = form.times(point) + form.linear;
-    return gradient == Vec3{0} ? Vec3{0, 0, 1} : normalize(of_moderate_size(gradient));
+    return unit_along(gradient);
   }
 
   /// The normal as longitude and latitude: where the quadric is a sphere, u and v are a Sphere's.
@@ -43,25 +43,27 @@ struct Quadric {
   /// from. That does not count outside of the bounds, where it is only if the origin is about as far off the
   /// quadric.
   [[nodiscard]] Roots roots(const Ray& ray) const {
+    if (ray.transform != nullptr) return transformed_roots(ray);
     if (!is_left_by(ray)) return quadric_roots(ray.origin, ray.direction, form);
     const Roots root = quadric_root_leaving(ray.origin, ray.direction, form);
     const bool counts = root.count() > 0 && is_in_quadric_bounds(ray.origin, ray.direction, form);
     return counts ? root : Roots{};
   }
 
-  [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision) const {
-    if (is_left_by(ray)) return refined_quadric_root_leaving(ray.origin, ray.direction, form);
-    return refined_quadric_roots(ray.origin, ray.direction, form);
-  }
-
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, int root) const {
-    if (is_left_by(ray)) return exact_quadric_root_leaving(ray.origin, ray.direction, form);
-    return exact_quadric_root(ray.origin, ray.direction, form, root);
+    const auto equation = quadric_equation(line_of<ExactNumber>(ray), form);
+    return is_left_by(ray) ? exact_root_of(equation.without_root_at_0()) : exact_root_of(equation, root);
   }
 
   /// Whether a ray is inside in the end, for t → ∞.
   [[nodiscard]] bool ends_inside(const Ray& ray) const {
-    return quadric_ends_negative(ray.origin, ray.direction, form, is_left_by(ray));
+    const bool leaves = is_left_by(ray);
+    if (ray.transform == nullptr) return quadric_ends_negative(ray.origin, ray.direction, form, leaves);
+    if (const detail::RoundedQuadricEquation e(rounded_line(ray), form); e.in_range && e.is_A_certain())
+      return e.A < 0;
+    return is_proper(ray) && decided(ray, [&](const auto& line) {
+             return ends_negative(quadric_equation(line, form), leaves);
+           });
   }
 
   /// Those of an ellipsoid that is inside of itself, and about a thousandth more; others' are infinite.
@@ -70,20 +72,32 @@ struct Quadric {
   /// This quadric, recognized by its address.
   [[nodiscard]] Departure departure() const { return {.kind = Departure::Kind::object, .object = this}; }
 
-  /// Throws std::invalid_argument if a number is not finite, or the form is constant.
+  /// Throws std::invalid_argument if a number is no coordinate (magnitude.hpp), or the form is constant.
   void validate() const {
-    if (!is_finite(form)) throw std::invalid_argument("Quadric: the numbers of the form must be finite");
+    require_rule(is_coordinate(form.squares) && is_coordinate(form.products) && is_coordinate(form.linear) &&
+                     is_coordinate(form.constant),
+                 "Quadric: the numbers of the form must be", coordinate_rule);
     if (form.squares == Vec3{0} && form.products == Vec3{0} && form.linear == Vec3{0})
       throw std::invalid_argument("Quadric: the form must not be constant");
   }
 
  private:
+  [[nodiscard, gnu::noinline]] Roots transformed_roots(const Ray& ray) const {
+    const auto equation = [&](const auto& line) { return quadric_equation(line, form); };
+    if (!is_left_by(ray)) {
+      if (const auto roots = roots_if_certain(detail::RoundedQuadricEquation(rounded_line(ray), form)))
+        return *roots;
+      return roots_along(ray, equation);
+    }
+    return roots_along(ray, [&](const auto& line) { return equation(line).without_root_at_0(); });
+  }
+
   [[nodiscard]] bool is_left_by(const Ray& ray) const {
     return ray.departure.kind == Departure::Kind::object && ray.departure.object == this;
   }
 };
 
-static_assert(SurfaceWithRefinedRoots<Quadric> && SurfaceWithDeparture<Quadric> &&
-              SurfaceWithBounds<Quadric> && Solid<Quadric>);
+static_assert(SurfaceWithExactRoots<Quadric> && SurfaceWithDeparture<Quadric> && SurfaceWithBounds<Quadric> &&
+              Solid<Quadric>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <cmath>
-#include <stdexcept>
 
+#include "../magnitude.hpp"
 #include "../numeric/sphere_roots.hpp"
 #include "../surface.hpp"
+#include "../transformed_ray.hpp"
 #include "coordinates.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -26,25 +27,29 @@ struct Sphere {
 
   /// The unit normal at a point of the sphere (§2.3.1, A.1.3): outwards for a positive radius. At hit.point()
   /// it is off by at most (2^-30 T + 2^-53 (T + P)) / |radius| + 2^-51, which also bounds the sine of the
-  /// angle: T is the distance of the hit from the ray's origin, P that from the coordinate origin.
+  /// angle: T is the distance of the hit from the ray's origin, P that from the coordinate origin. Where that
+  /// is above 1, on a sphere so small and so far away that the digits of a point do not tell where on the
+  /// sphere it is, the normal is any vector with components between -2 and 2.
   template <class P = Point>
   [[nodiscard]] P normal_at(const P& point) const {
-    return (point - center) * (1 / radius);
+    return within((point - center) * (1 / radius), 2);
   }
 
   /// The direction from the center as longitude and latitude: u from 0 to 1 around the y axis, ½ where the
   /// direction is that of z; v from 0 at the top to 1 at the bottom.
-  [[nodiscard]] Uv uv_at(const Point& point) const { return direction_uv(normalize(point - center)); }
+  [[nodiscard]] Uv uv_at(const Point& point) const { return direction_uv(unit_along(point - center)); }
 
   /// All crossings of the ray's line; of a ray that departs from the sphere, the one that it does not come
   /// from.
   [[nodiscard]] Roots roots(const Ray& ray) const {
+    if (ray.transform != nullptr) return transformed_roots(ray);
     if (is_left_by(ray)) return sphere_root_leaving(ray.origin, ray.direction, center, radius);
     return sphere_roots(ray.origin, ray.direction, center, radius);
   }
 
   /// Whether a ray surely crosses the sphere nowhere in t > 0. That takes signs, and no root.
   [[nodiscard]] bool is_surely_behind(const Ray& ray) const {
+    if (ray.transform != nullptr) return false;
     if (is_left_by(ray)) return left_sphere_surely_behind(ray.origin, ray.direction, center, radius);
     return sphere_surely_behind(ray.origin, ray.direction, center, radius);
   }
@@ -61,7 +66,8 @@ struct Sphere {
 
   /// The first root in t > 0, if double tells.
   [[nodiscard, gnu::always_inline]] FirstRoot first_root(const Line& line) const {
-    if (line.leaves_a_sphere && is_left_by(line.ray)) return {.known = FirstRoot::Known::undecided};
+    if (line.ray.transform != nullptr || (line.leaves_a_sphere && is_left_by(line.ray)))
+      return {.known = FirstRoot::Known::undecided};
     return first_sphere_root(line, center, radius);
   }
 
@@ -89,15 +95,9 @@ struct Sphere {
     return sphere_crossed_by_segments(rays.origin, rays.direction, center, radius, wanted);
   }
 
-  [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision precision) const {
-    if (is_left_by(ray))
-      return refined_sphere_root_leaving(ray.origin, ray.direction, center, radius, precision);
-    return refined_sphere_roots(ray.origin, ray.direction, center, radius, precision);
-  }
-
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, int root) const {
-    if (is_left_by(ray)) return exact_sphere_root_leaving(ray.origin, ray.direction, center, radius);
-    return exact_sphere_root(ray.origin, ray.direction, center, radius, root);
+    const auto equation = sphere_equation(line_of<ExactNumber>(ray), center, radius);
+    return is_left_by(ray) ? exact_root_of(equation.without_root_at_0()) : exact_root_of(equation, root);
   }
 
   /// What is inside has an end on every ray.
@@ -113,20 +113,30 @@ struct Sphere {
     return {.kind = Departure::Kind::sphere, .geometry = {center.x, center.y, center.z, std::abs(radius)}};
   }
 
-  /// Throws std::invalid_argument if the center is not finite or the radius is 0 or not finite.
+  /// Throws std::invalid_argument if the center is not made of coordinates, or |radius| is no size
+  /// (magnitude.hpp).
   void validate() const {
-    if (!is_finite(center)) throw std::invalid_argument("Sphere: center must be finite");
-    if (!std::isfinite(radius) || radius == 0)
-      throw std::invalid_argument("Sphere: radius must be finite and not 0");
+    require_rule(is_coordinate(center), "Sphere: center must have numbers", coordinate_rule);
+    require_rule(is_size(std::abs(radius)), "Sphere: radius must be a number of a magnitude", size_rule);
   }
 
   /// Whether a ray, or the rays of a packet, depart from it.
   [[nodiscard]] bool is_left_by(const auto& ray) const {
     return ray.departure.kind == Departure::Kind::sphere && ray.departure.geometry == departure().geometry;
   }
+
+ private:
+  [[nodiscard, gnu::noinline]] Roots transformed_roots(const Ray& ray) const {
+    const auto equation = [&](const auto& line) { return sphere_equation(line, center, radius); };
+    if (!is_left_by(ray)) {
+      if (const auto roots = rounded_sphere_roots(rounded_line(ray), center, radius)) return *roots;
+      return roots_along(ray, equation);
+    }
+    return roots_along(ray, [&](const auto& line) { return equation(line).without_root_at_0(); });
+  }
 };
 
-static_assert(SurfaceWithRefinedRoots<Sphere> && SurfaceWithDeparture<Sphere> && SurfaceWithBounds<Sphere> &&
+static_assert(SurfaceWithExactRoots<Sphere> && SurfaceWithDeparture<Sphere> && SurfaceWithBounds<Sphere> &&
               Solid<Sphere>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -3,16 +3,38 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
+#include "../magnitude.hpp"
+#include "../numeric/inner_point.hpp"
 #include "../numeric/plane_through.hpp"
 #include "../numeric/triangle_roots.hpp"
 #include "../surface.hpp"
+#include "../transformed_ray.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A triangle; its points are not on one line. Whether a ray hits it is exact for numbers whose sizes in one
-/// test differ by less than 2^100; what lies further below the largest may be lost.
+namespace detail {
+
+/// The unit normal along (b − a) × (c − a) of a triangle so thin that the vector product underflows, from
+/// exact numbers; NaN where the points are on one line.
+[[nodiscard, gnu::cold, gnu::noinline]] inline Vec3 unit_normal_of_thin(const Point& a, const Point& b,
+                                                                        const Point& c) {
+  const ExactVector n = cross(exact_difference(b, a), exact_difference(c, a));
+  int largest = std::numeric_limits<int>::min();
+  for (const ExactNumber& x : n)
+    if (x.sign() != 0) largest = std::max(largest, x.approximation().exponent);
+  const auto nearest = [&](const ExactNumber& x) {
+    const auto [value, exponent] = x.approximation();
+    return x.sign() == 0 ? 0 : std::ldexp(value.hi, std::max(exponent - largest, -4000));
+  };
+  return normalize(Vec3{nearest(n[0]), nearest(n[1]), nearest(n[2])});
+}
+
+}  // namespace detail
+
+/// A triangle; its points are not on one line. Whether a ray hits it is exact.
 ///
 /// A part of its outline belongs to it. A ray that passes exactly through an edge or a vertex is taken for
 /// one that starts an immeasurably small bit aside, the same for all triangles. So of two triangles on either
@@ -31,7 +53,8 @@ struct Triangle {
   /// The unit normal along (b − a) × (c − a), the same at every point.
   template <class P = Point>
   [[nodiscard]] Vec3 normal_at(const P&) const {
-    return unit_normal_through(a, b, c);
+    const Vec3 normal = unit_normal_through(a, b, c);
+    return is_finite(normal) ? normal : detail::unit_normal_of_thin(a, b, c);
   }
 
   /// Barycentric coordinates: the point is a + u (b − a) + v (c − a).
@@ -48,6 +71,7 @@ struct Triangle {
   /// The crossing of the ray's line; of a ray that departs from the triangle's plane, none.
   [[nodiscard]] Roots roots(const Ray& ray) const {
     if (is_left_by(ray)) return {};
+    if (ray.transform != nullptr) return transformed_roots(ray);
     return triangle_roots(ray.origin, ray.direction, a, b, c);
   }
 
@@ -56,12 +80,8 @@ struct Triangle {
     return triangle_roots_of_each(rays.origin, rays.direction, a, b, c, wanted && !is_left_by(rays));
   }
 
-  [[nodiscard]] RefinedRoots refined_roots(const Ray& ray, Precision) const {
-    return refined_triangle_roots(ray.origin, ray.direction, a, b, c);
-  }
-
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {
-    return exact_triangle_root(ray.origin, ray.direction, a, b, c);
+    return exact_root_of(triangle_plane_equation(line_of<ExactNumber>(ray), a, b, c));
   }
 
   [[nodiscard]] Bounds bounds() const { return {min(a, min(b, c)), max(a, max(b, c))}; }
@@ -78,58 +98,137 @@ struct Triangle {
     return {.kind = Departure::Kind::rounded_plane, .geometry = plane_through_points(a, b, c)};
   }
 
-  /// Throws std::invalid_argument if the points are on one line, or a number is not finite.
+  /// Throws std::invalid_argument if the points are on one line, or a number is no coordinate
+  /// (magnitude.hpp).
   void validate() const {
-    if (!is_finite(a) || !is_finite(b) || !is_finite(c))
-      throw std::invalid_argument("Triangle: a, b and c must be finite");
+    require_rule(is_coordinate(a) && is_coordinate(b) && is_coordinate(c),
+                 "Triangle: a, b and c must have numbers", coordinate_rule);
     if (!is_finite(normal_at(a))) throw std::invalid_argument("Triangle: a, b and c must not be on one line");
   }
 
  private:
+  [[nodiscard, gnu::noinline]] Roots transformed_roots(const Ray& ray) const {
+    const LineError off = line_error(ray);
+    const auto e = detail::rounded_triangle_equation(
+        ray.origin, ray.direction, a, b, c, detail::slack_for(off.origin), detail::slack_for(off.direction));
+    if (e.misses) return {};
+    if (e.crosses && e.certain) return Roots{e.height / e.slope};
+    return roots_along(ray, [&](const auto& line) { return triangle_equation(line, a, b, c); });
+  }
+
   [[nodiscard]] bool is_left_by(const auto& ray) const {
     return ray.departure.is_planar() && !surely_differs(ray.departure.geometry, a, b - a, c - a) &&
            ray.departure == departure();
   }
 };
 
-static_assert(SurfaceWithRefinedRoots<Triangle> && SurfaceWithDeparture<Triangle> &&
+static_assert(SurfaceWithExactRoots<Triangle> && SurfaceWithDeparture<Triangle> &&
               SurfaceWithBounds<Triangle>);
 
-/// Whether a ray that leaves a triangle of a mesh only seems to cross another one: its origin is rounded, and
-/// may lie behind a neighbor (docs/numerics.md, Leaving a mesh).
+/// Where a ray starts that leaves a triangle of a mesh, and where it crosses the mesh's other triangles.
 ///
-/// Its line leads through some point P of the triangle that is left, to the side σ of its plane. The other is
-/// crossed ahead of P only if it has a vertex on that side, and the triangle that is left has one on the side
-/// of the other's plane from which the line comes; behind P, the other way round. If σ is 0, the line is
-/// parallel to the plane, and the first says nothing.
-///
-/// Of two that have no more than a vertex in common, this may not tell. But a line that passes near the
-/// vertex crosses the triangles around it in and out in turn. So if it misses the one that it leaves, the one
-/// that it crosses there to the same side stands in for it. There is within 2^-30 of the triangle's
-/// coordinates, which is what t of the hit is good to, of a ray from no farther away.
-[[nodiscard]] inline bool only_seems_crossed(const Triangle& left, const Triangle& other, const Ray& ray,
-                                             double t) {
-  const auto side_of_way = [&](const Triangle& plane) {
-    return side_led_to(ray.direction, plane.a, plane.b, plane.c);
-  };
-  const auto has_vertex = [](const Triangle& one, int side, const Triangle& plane) {
-    const auto is_there = [&](const Point& vertex) {
-      return side_of_point(vertex, plane.a, plane.b, plane.c) == side;
-    };
-    return is_there(one.a) || is_there(one.b) || is_there(one.c);
-  };
-  const int side = side_of_way(left), side_of_other = side_of_way(other), way = t > 0 ? 1 : -1;
-  if (side != 0 && !has_vertex(other, way * side, left)) return true;
-  if (!has_vertex(left, -way * side_of_other, other)) return true;
+/// The ray's origin is rounded: it lies beside the triangle, and near an edge it may lie behind the neighbor.
+/// So the ray starts at the point of the triangle's inside that is next to its origin, without rounding. Its
+/// line crosses the triangle that is left there, at t = 0, and the others where it does: all of them are
+/// judged by this one line, so that of a closed mesh it crosses in and out in turn, from the side to which it
+/// leaves (docs/numerics.md, Leaving a mesh).
+class StartInTriangle {
+ public:
+  StartInTriangle(const Ray& ray, const Triangle& left)
+      : left_(left), start_(ray.origin, left.a, left.b, left.c) {}
 
-  const auto largest = [](const Vec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); };
-  const double size = std::max({largest(left.a), largest(left.b), largest(left.c)});
-  const auto is_of_both = [&](const Point& vertex) {
-    return vertex == other.a || vertex == other.b || vertex == other.c;
-  };
-  return side == side_of_other && std::abs(t) * largest(ray.direction) <= 0x1p-30 * size &&
-         (is_of_both(left.a) || is_of_both(left.b) || is_of_both(left.c)) &&
-         triangle_roots(ray.origin, ray.direction, left.a, left.b, left.c).count() == 0;
-}
+  /// How far it is at most from the ray's origin, on each axis.
+  [[nodiscard]] double distance() const { return start_.distance(); }
+
+  /// What the numbers of a ray are off by at most, as those of its line from here and as its own.
+  [[nodiscard]] LineError error(const Ray& ray) const {
+    const LineError own = line_error(ray);
+    return {distance() + own.origin, own.direction};
+  }
+
+  /// The crossing of the line with another triangle, as certain as Roots says; none with one that lies in the
+  /// plane that is left.
+  [[nodiscard]] Roots roots(const Ray& ray, const Triangle& other) const {
+    const Equation e = rounded_equation(ray, other);
+    if (e.misses) return {};
+    if (e.crosses && e.certain) return Roots{e.height / e.slope};
+    return roots_in_doubt(e, ray, other);
+  }
+
+  /// That crossing without rounding. Where both differ by less than 2^-32 of it for certain, it is that of
+  /// the ray as it is given and not of the line: then it is at the same t as that of another surface in one
+  /// plane with the triangle.
+  [[nodiscard, gnu::cold, gnu::noinline]] ExactRoot exact_root(const Ray& ray, const Triangle& other) const {
+    return rounded_equation(ray, other).certain ? other.exact_root(ray, 0)
+                                                : exact_root_of(equation_from_start(ray, other));
+  }
+
+  /// The order of two triangles that are crossed at t_a and t_b: the sign of the difference of t on the line,
+  /// without rounding.
+  [[nodiscard]] int order_of(const Ray& ray, const Triangle& a, double t_a, const Triangle& b,
+                             double t_b) const {
+    const double gap = t_a - t_b, larger = std::max(std::abs(t_a), std::abs(t_b));
+    if (std::abs(gap) > 4 * Roots::relative_error * larger + (shift(ray, a) + shift(ray, b)))
+      return gap > 0 ? 1 : -1;
+    return order(exact_root_of(equation_from_start(ray, a)), exact_root_of(equation_from_start(ray, b)));
+  }
+
+  /// By how much t of a crossing at most differs between the ray as it is given and the line:
+  /// n·(P − o) / n·d, which is sure in double where n·d is above 2^-18 of the sizes of its terms, but for a
+  /// part of 2^-31 (rounded_triangle_equation). Elsewhere it may be infinite.
+  [[nodiscard]] double shift(const Ray& ray, const Triangle& other) const {
+    const LineError off = error(ray);
+    const double slack = detail::slack_for(off.direction);
+    const Vec3 u = other.b - other.a, v = other.c - other.a, p = abs(u), q = abs(v),
+               terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
+    const double slope = std::abs(dot(cross(u, v), ray.direction)),
+                 slopes = dot(terms, abs(ray.direction) + Vec3(slack));
+    const bool is_known = 0x1p-800 < slopes && slope > 0x1p-18 * slopes && slope < infinity;
+    return is_known ? (1 + 0x1p-30) * (terms.x + terms.y + terms.z) / slope * off.origin : infinity;
+  }
+
+ private:
+  using Equation = detail::RoundedTriangleEquation<double, bool>;
+
+  [[nodiscard]] Equation rounded_equation(const Ray& ray, const Triangle& other) const {
+    const LineError off = error(ray);
+    return detail::rounded_triangle_equation(ray.origin, ray.direction, other.a, other.b, other.c,
+                                             detail::slack_for(off.origin), detail::slack_for(off.direction));
+  }
+
+  [[nodiscard, gnu::cold, gnu::noinline]] Roots roots_in_doubt(const Equation& e, const Ray& ray,
+                                                               const Triangle& other) const {
+    const auto& [a, b, c] = other;
+    if (!is_proper(ray)) return {};
+    ++fallbacks.exact;
+    const auto line = [&] { return line_from_start(ray); };
+    if (!e.crosses && !detail::crosses_triangle_in_doubt(e, a, b, c, line)) return {};
+    if (e.certain) return Roots{e.height / e.slope};
+    const LinearEquation<ExactNumber> equation = equation_from_start(ray, other);
+    if (equation.height.sign() == 0 && is_parallel_to(other)) return {};
+    return roots_of(equation);
+  }
+
+  /// The line from the start, without rounding.
+  [[nodiscard]] ExactLine line_from_start(const Ray& ray) const {
+    ExactLine line = line_of<ExactNumber>(ray);
+    line.origin = line.weight * start_.exact();
+    return line;
+  }
+  [[nodiscard]] LinearEquation<ExactNumber> equation_from_start(const Ray& ray, const Triangle& other) const {
+    return triangle_plane_equation(line_from_start(ray), other.a, other.b, other.c);
+  }
+
+  [[nodiscard]] bool is_parallel_to(const Triangle& other) const {
+    const auto normal = [](const Triangle& one) {
+      return cross(exact_difference(one.b, one.a), exact_difference(one.c, one.a));
+    };
+    const ExactVector sine = cross(normal(left_), normal(other));
+    return std::all_of(sine.begin(), sine.end(), [](const ExactNumber& x) { return x.sign() == 0; });
+  }
+
+  Triangle left_;
+  InnerPoint start_;
+};
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,222 @@
+// Numbers without rounding, for the sign that no fixed precision decides.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "double_double.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+namespace detail {
+
+/// Digits of 32 bits, the lowest first: 24 in place, which is what most formulas take, and more in memory of
+/// their own.
+class Digits {
+ public:
+  Digits() = default;
+
+  /// Allocates size digits, which are not initialized.
+  explicit Digits(std::size_t size) : size_(size) {
+    if (size > few) many_ = std::make_unique_for_overwrite<std::uint32_t[]>(size);
+  }
+  Digits(const Digits& other) : Digits(other.size_) { std::copy(other.begin(), other.end(), begin()); }
+  Digits(Digits&& other) noexcept : size_(other.size_), many_(std::move(other.many_)) {
+    if (!many_) std::copy(other.few_, other.few_ + size_, few_);
+  }
+  Digits& operator=(Digits other) noexcept {
+    size_ = other.size_, many_ = std::move(other.many_);
+    if (!many_) std::copy(other.few_, other.few_ + size_, few_);
+    return *this;
+  }
+  ~Digits() = default;
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] std::uint32_t* begin() { return many_ ? many_.get() : few_; }
+  [[nodiscard]] const std::uint32_t* begin() const { return many_ ? many_.get() : few_; }
+  [[nodiscard]] const std::uint32_t* end() const { return begin() + size_; }
+  [[nodiscard]] std::uint32_t operator[](std::size_t i) const { return begin()[i]; }
+
+  /// Removes zeros at the upper end, and at the lower; returns how many there were at the lower.
+  int trim() {
+    std::uint32_t* const digits = begin();
+    while (size_ > 0 && digits[size_ - 1] == 0) --size_;
+    std::size_t zeros = 0;
+    while (zeros < size_ && digits[zeros] == 0) ++zeros;
+    size_ -= zeros;
+    if (zeros > 0) std::copy(digits + zeros, digits + zeros + size_, digits);
+    return static_cast<int>(zeros);
+  }
+
+ private:
+  static constexpr std::size_t few = 24;
+  std::size_t size_ = 0;
+  std::uint32_t few_[few];
+  std::unique_ptr<std::uint32_t[]> many_;  ///< empty: the digits are in few_
+};
+
+}  // namespace detail
+
+/// An integer times a power of two, of any size: sums, differences and products of finite doubles are exact.
+///
+/// The integer is kept in digits of 32 bits, the lowest first, without zeros at either end, so that equal
+/// numbers have equal digits. A sum of products of k doubles has at most 66 k digits, the range of double k
+/// times, so that the work for a formula is bounded whatever its numbers are.
+class ExactNumber {
+ public:
+  /// 0.
+  ExactNumber() = default;
+
+  /// A finite double; others, which callers exclude, count as 0.
+  ExactNumber(double value) : is_negative_(value < 0) {
+    if (value == 0 || !std::isfinite(value)) return;
+    int exponent = 0;
+    const double fraction = std::frexp(std::abs(value), &exponent);  // in [1/2, 1)
+    const auto bits = static_cast<std::uint64_t>(std::ldexp(fraction, 53));
+    set_digits(bits, exponent - 53);
+  }
+
+  [[nodiscard]] static ExactNumber power_of_two(int exponent) {
+    ExactNumber power;
+    power.set_digits(1, exponent);
+    return power;
+  }
+
+  /// 1, 0 or -1.
+  [[nodiscard]] int sign() const { return digits_.empty() ? 0 : is_negative_ ? -1 : 1; }
+
+  /// A number to 2^-103 of itself, times a power of two that keeps it in the range of double.
+  struct Approximation {
+    DoubleDouble value;  ///< 0, or at least 1 and less than 2^32 in magnitude
+    int exponent = 0;
+  };
+
+  /// The leading five digits, which are at least 129 bits. Each addition is good to 3u² of its sum, and the
+  /// smaller partial sums together are less than twice the whole: 6u² in all.
+  [[nodiscard]] Approximation approximation() const {
+    if (digits_.empty()) return {};
+    DoubleDouble sum;
+    const std::size_t last = digits_.size() - 1, first = last - std::min<std::size_t>(last, 4);
+    double unit = std::ldexp(1.0, -32 * static_cast<int>(last - first));
+    for (std::size_t i = first; i <= last; ++i, unit *= 0x1p32) sum = DoubleDouble(digits_[i] * unit) + sum;
+    return {is_negative_ ? -sum : sum, 32 * (lowest_ + static_cast<int>(last))};
+  }
+
+  /// The number to 2^-103 of itself; infinite above the range of double, and less precise below 2^-1000.
+  explicit operator DoubleDouble() const {
+    const auto [value, exponent] = approximation();
+    const double high = std::ldexp(value.hi, exponent);
+    return std::isinf(high) ? DoubleDouble(high) : DoubleDouble(high, std::ldexp(value.lo, exponent));
+  }
+
+  friend ExactNumber operator-(ExactNumber a) {
+    a.is_negative_ = !a.is_negative_;
+    return a;
+  }
+  friend ExactNumber operator+(const ExactNumber& a, const ExactNumber& b) {
+    return sum(a, b, b.is_negative_);
+  }
+  friend ExactNumber operator-(const ExactNumber& a, const ExactNumber& b) {
+    return sum(a, b, !b.is_negative_);
+  }
+  ExactNumber& operator+=(const ExactNumber& b) { return *this = *this + b; }
+
+  friend ExactNumber operator*(const ExactNumber& a, const ExactNumber& b) {
+    ExactNumber product;
+    if (a.digits_.empty() || b.digits_.empty()) return product;
+    product.is_negative_ = a.is_negative_ != b.is_negative_;
+    product.lowest_ = a.lowest_ + b.lowest_;
+    product.digits_ = detail::Digits(a.digits_.size() + b.digits_.size());
+    std::fill_n(product.digits_.begin(), b.digits_.size(), 0u);  // each row below writes one more
+    for (std::size_t i = 0; i < a.digits_.size(); ++i) {
+      // A product of two digits and two more digits are less than 2^64.
+      const std::uint64_t digit = a.digits_[i];
+      std::uint64_t carry = 0;
+      std::uint32_t* to = product.digits_.begin() + i;
+      for (const std::uint32_t other : b.digits_) {
+        carry += digit * other + *to;
+        *to++ = static_cast<std::uint32_t>(carry);
+        carry >>= 32;
+      }
+      *to = static_cast<std::uint32_t>(carry);
+    }
+    product.lowest_ += product.digits_.trim();
+    return product;
+  }
+
+  /// Multiplies by 2^exponent.
+  void scale(int exponent) { *this = *this * power_of_two(exponent); }
+
+  friend bool operator==(const ExactNumber& a, const ExactNumber& b) {
+    return a.sign() == b.sign() && (a.sign() == 0 || a.lowest_ == b.lowest_) &&
+           std::equal(a.digits_.begin(), a.digits_.end(), b.digits_.begin(), b.digits_.end());
+  }
+
+ private:
+  /// One past the place of the highest digit.
+  [[nodiscard]] int end() const { return lowest_ + static_cast<int>(digits_.size()); }
+
+  /// The digit at a place, 0 where there is none.
+  [[nodiscard]] std::uint32_t digit(int place) const {
+    return place < lowest_ || place >= end() ? 0 : digits_[static_cast<std::size_t>(place - lowest_)];
+  }
+
+  /// Sets the magnitude to bits · 2^exponent.
+  void set_digits(std::uint64_t bits, int exponent) {
+    const int shift = exponent & 31;  // 0 to 31, also of negative exponents
+    lowest_ = (exponent - shift) / 32;
+    const std::uint64_t low = bits << shift, high = shift == 0 ? 0 : bits >> (64 - shift);
+    digits_ = detail::Digits(3);
+    std::uint32_t* const digits = digits_.begin();
+    digits[0] = static_cast<std::uint32_t>(low), digits[1] = static_cast<std::uint32_t>(low >> 32);
+    digits[2] = static_cast<std::uint32_t>(high);
+    lowest_ += digits_.trim();
+  }
+
+  /// Compares magnitudes.
+  [[nodiscard]] static bool is_smaller(const ExactNumber& a, const ExactNumber& b) {
+    if (a.end() != b.end()) return a.end() < b.end();
+    for (int place = a.end() - 1; place >= std::min(a.lowest_, b.lowest_); --place)
+      if (a.digit(place) != b.digit(place)) return a.digit(place) < b.digit(place);
+    return false;
+  }
+
+  /// a + b, where b is taken with this sign.
+  [[nodiscard]] static ExactNumber sum(const ExactNumber& a, const ExactNumber& b, bool b_is_negative) {
+    if (b.digits_.empty()) return a;
+    ExactNumber result;
+    if (a.digits_.empty()) {
+      result = b;
+      result.is_negative_ = b_is_negative;
+      return result;
+    }
+    const bool subtracts = a.is_negative_ != b_is_negative, swaps = subtracts && is_smaller(a, b);
+    const ExactNumber &larger = swaps ? b : a, &smaller = swaps ? a : b;
+    result.is_negative_ = swaps ? b_is_negative : a.is_negative_;
+    result.lowest_ = std::min(a.lowest_, b.lowest_);
+    const int end = std::max(a.end(), b.end());
+    result.digits_ = detail::Digits(static_cast<std::size_t>(end - result.lowest_) + 1);
+    std::uint32_t* to = result.digits_.begin();
+    std::int64_t carry = 0;  // the sum at a place lies between -2^32 and 2^33
+    for (int place = result.lowest_; place < end; ++place) {
+      const std::int64_t other = smaller.digit(place);
+      carry += larger.digit(place) + (subtracts ? -other : other);
+      *to++ = static_cast<std::uint32_t>(carry & 0xffffffff);
+      carry >>= 32;
+    }
+    *to = static_cast<std::uint32_t>(carry);
+    result.lowest_ += result.digits_.trim();
+    return result;
+  }
+
+  detail::Digits digits_;  ///< none of those at either end is 0
+  int lowest_ = 0;         ///< the lowest digit counts 2^(32 · lowest_)
+  bool is_negative_ = false;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

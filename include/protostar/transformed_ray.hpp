@@ -1,0 +1,97 @@
+// Rays in the space of an instance's surface, which are rounded, and the exact lines that they stand for.
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <optional>
+
+#include "numeric/affine.hpp"
+#include "numeric/equation.hpp"
+#include "ray.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// What a ray is rounded from that an instance has mapped into its surface's space (Ray::transform). It
+/// borrows the ray and the map.
+struct RayTransform {
+  const Ray& outer;  ///< the ray outside of the instance, which may have a transform itself
+  const AffineInverse& inverse;
+  RoundedLine line;
+
+  RayTransform(const Ray& ray, const AffineInverse& to_inside);
+
+  /// The line in doubles, with this transform. It departs from nothing.
+  [[nodiscard]] Ray ray() const {
+    return {.origin = line.origin, .direction = line.direction, .transform = this};
+  }
+};
+
+/// The line of a ray in doubles, with what they are off by.
+[[nodiscard]] inline RoundedLine rounded_line(const Ray& ray) {
+  if (ray.transform == nullptr) return {.origin = ray.origin, .direction = ray.direction};
+  RoundedLine line = ray.transform->line;
+  if (ray.is_reversed) line.direction = -line.direction;
+  return line;
+}
+
+/// What the numbers of a line are off by at most, on each axis.
+struct LineError {
+  double origin = 0, direction = 0;
+};
+
+/// Returns the LineError of a ray; it is 0 unless an instance has mapped the ray.
+[[nodiscard]] inline LineError line_error(const Ray& ray) {
+  if (ray.transform == nullptr) return {};
+  const auto largest = [](const Vec3& v) { return std::max({v.x, v.y, v.z}); };
+  const RoundedLine& line = ray.transform->line;
+  return {largest(line.origin_error), largest(line.direction_error)};
+}
+
+/// The line of a ray in rounded numbers.
+template <class T>
+requires std::same_as<T, RoundedNumber>
+[[nodiscard]] LineOf<T> line_of(const Ray& ray) { return rounded_line(ray).with_errors(); }
+
+/// The line of a ray without rounding.
+template <class T>
+requires std::same_as<T, ExactNumber>
+[[nodiscard]] LineOf<T> line_of(const Ray& ray) {
+  if (ray.transform == nullptr) return line_of<T>(ray.origin, ray.direction);
+  ExactLine line = ray.transform->inverse.line(line_of<T>(ray.transform->outer));
+  if (ray.is_reversed) line.direction = -line.direction;
+  return line;
+}
+
+inline RayTransform::RayTransform(const Ray& ray, const AffineInverse& to_inside)
+    : outer(ray), inverse(to_inside), line(to_inside.line(rounded_line(ray))) {}
+
+/// Tests that the numbers of a ray, or of the ray that it is mapped from, are finite, and that its
+/// direction is not 0; any other ray crosses nothing.
+[[nodiscard]] inline bool is_proper(const Ray& ray) {
+  if (ray.transform != nullptr) return is_proper(ray.transform->outer);
+  return is_finite(ray.origin) && is_finite(ray.direction) && ray.direction != Vec3{0};
+}
+
+/// Returns answer(line) for the ray's line, in rounded numbers if these decide it, else without rounding.
+/// answer(line) is an std::optional for a line of rounded numbers.
+[[nodiscard]] auto decided(const Ray& ray, const auto& answer) {
+  if (const auto in_rounded_numbers = answer(line_of<RoundedNumber>(ray))) return *in_rounded_numbers;
+  ++fallbacks.exact;
+  if constexpr (requires { *answer(line_of<ExactNumber>(ray)); })
+    return *answer(line_of<ExactNumber>(ray));
+  else
+    return answer(line_of<ExactNumber>(ray));
+}
+
+/// The roots of a surface's equation(line) along a ray of proper numbers, certified.
+[[nodiscard]] Roots roots_along(const Ray& ray, const auto& equation) {
+  if (!is_proper(ray)) return {};
+  return decided(ray, [&](const auto& line) { return roots_of(equation(line)); });
+}
+
+/// The sign of number(line) along a ray.
+[[nodiscard]] int sign_along(const Ray& ray, const auto& number) {
+  return decided(ray, [&](const auto& line) { return sign_of(number(line)); });
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI
