@@ -2,11 +2,15 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <tuple>
 #include <vector>
 
@@ -246,17 +250,26 @@ template <class>
 class Accelerated;
 
 /// A scene with a tree of boxes over the surfaces that have bounds. Its answers are those of the scene, to
-/// the last bit. It borrows the scene, which has to live as long and stay as it is. Many threads may share
-/// it.
+/// the last bit. Many threads may share it.
+///
+/// It borrows the scene, which has to live as long and keep its surfaces: the tree knows those that were
+/// there when it was built. If the scene has gained or lost surfaces since, each of intersect, occluded and
+/// crossings, and render, throws std::logic_error; accelerate the scene again. Lights, sky and environment
+/// may change between two questions.
 template <Surface... S>
 class Accelerated<Scene<S...>> {
  public:
   explicit Accelerated(const Scene<S...>& scene, const RenderOptions& options = {})
-      : scene_(&scene), finders_(simd::Finder<S>(scene.template surfaces<S>(), options)...) {}
+      : scene_(&scene),
+        counts_{scene.template surfaces<S>().size()...},
+        finders_(simd::Finder<S>(scene.template surfaces<S>(), options)...) {
+    detail::require_threads(options);  // few surfaces are sorted by one thread, whatever the options say
+  }
   explicit Accelerated(Scene<S...>&&, const RenderOptions& = {}) = delete;
 
   /// The first crossing inside the range.
   [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
+    require_same_surfaces();
     SurfaceCrossing first;
     (look_for_first<S>(ray, range, first), ...);
     if (first.surface == nullptr) return std::nullopt;
@@ -265,12 +278,16 @@ class Accelerated<Scene<S...>> {
 
   /// Whether there is any crossing inside the range.
   [[nodiscard]] bool occluded(const Ray& ray, Interval range = {}) const {
+    require_same_surfaces();
     return (occluded_by<S>(ray, range) || ...);
   }
 
   /// Calls visit(const Intersection&) for every crossing inside the range, in the order of the surfaces; of
   /// one surface, near before far.
-  void crossings(const Ray& ray, Interval range, auto&& visit) const { (cross<S>(ray, range, visit), ...); }
+  void crossings(const Ray& ray, Interval range, auto&& visit) const {
+    require_same_surfaces();
+    (cross<S>(ray, range, visit), ...);
+  }
 
   [[nodiscard]] const std::vector<Light>& lights() const { return scene_->lights(); }
   [[nodiscard]] const Color& ambient() const { return scene_->ambient(); }
@@ -278,6 +295,13 @@ class Accelerated<Scene<S...>> {
   [[nodiscard]] const Texture& environment() const { return scene_->environment(); }
 
   [[nodiscard]] const Scene<S...>& scene() const { return *scene_; }
+
+  /// Throws std::logic_error if the scene has more or fewer surfaces of a type than when it was accelerated.
+  void require_same_surfaces() const {
+    [[maybe_unused]] std::size_t i = 0;
+    if (((scene_->template surfaces<S>().size() != counts_[i++]) || ...)) [[unlikely]]
+      refuse_other_surfaces();
+  }
 
   /// Calls visit(Numbers, Bits, SpheresAround) for some surfaces of one type at a time, so that each that has
   /// bounds and may reach into all of some half-spaces is in one of the lanes that the bits tell; in any
@@ -294,12 +318,27 @@ class Accelerated<Scene<S...>> {
   }
 
  private:
+  using Counts = std::array<std::size_t, sizeof...(S)>;  ///< of the surfaces of each type
+
+  [[nodiscard]] Counts counts() const { return {scene_->template surfaces<S>().size()...}; }
+
+  [[noreturn, gnu::noinline, gnu::cold]] void refuse_other_surfaces() const {
+    const auto list = [](const Counts& counts) {
+      std::string text;
+      for (const std::size_t count : counts) text += (text.empty() ? "" : ", ") + std::to_string(count);
+      return text;
+    };
+    throw std::logic_error("Accelerated: the scene had " + list(counts_) +
+                           " surfaces of its types when it was accelerated, and now has " + list(counts()) +
+                           "; accelerate it again after its surfaces have changed");
+  }
+
   template <class T>
   void look_for_first(const Ray& ray, Interval& range, SurfaceCrossing& first) const {
     const auto& surfaces = scene_->template surfaces<T>();
     const auto& materials = scene_->template materials<T>();
     std::uint32_t first_index = 0;  // all of other types come before
-    finder<T>().each_first(ray, range, [&](std::uint32_t i) {
+    const auto look_at = [&](std::uint32_t i) {
       const auto crossing = first_crossing(surfaces[i], ray, range);
       if (!crossing) return;
       const SurfaceCrossing candidate = crossing_on(surfaces[i], *crossing, materials[i]);
@@ -308,13 +347,21 @@ class Accelerated<Scene<S...>> {
       first_index = i;
       // What might be before it, given its error, stays in.
       range.max = std::min(range.max, latest(crossing->t));
+    };
+    const std::uint32_t left = left_by<T>(ray);
+    if (left != none) look_at(left);
+    finder<T>().each_first(ray, range, [&](std::uint32_t i) {
+      if (i != left) look_at(i);
     });
   }
 
   template <class T>
   [[nodiscard]] bool occluded_by(const Ray& ray, const Interval& range) const {
     const auto& surfaces = scene_->template surfaces<T>();
+    const std::uint32_t left = left_by<T>(ray);
+    if (left != none && is_met(surfaces[left], ray, range)) return true;
     return finder<T>().any_crossed(ray, range, [&](std::uint32_t i) {
+      if (i == left) return false;
       if constexpr (requires { surfaces[i].is_surely_behind(ray); })
         if (range.min >= 0 && surfaces[i].is_surely_behind(ray)) return false;
       return is_met(surfaces[i], ray, range);
@@ -324,8 +371,10 @@ class Accelerated<Scene<S...>> {
   template <class T>
   void cross(const Ray& ray, const Interval& range, auto&& visit) const {
     std::vector<std::uint32_t> candidates;
+    const std::uint32_t left = left_by<T>(ray);
+    if (left != none) candidates.push_back(left);
     finder<T>().each_crossed(ray, range, [&](std::uint32_t i) {
-      candidates.push_back(i);
+      if (i != left) candidates.push_back(i);
       return false;
     });
     std::sort(candidates.begin(), candidates.end());
@@ -338,16 +387,36 @@ class Accelerated<Scene<S...>> {
       });
   }
 
+  static constexpr std::uint32_t none = static_cast<std::uint32_t>(-1);
+
+  /// The surface of one type that a ray leaves a part of, which is looked at whatever its bounds say: the
+  /// digits of the origin may lie outside of them. None for types without parts.
+  template <class T>
+  [[nodiscard]] std::uint32_t left_by([[maybe_unused]] const Ray& ray) const {
+    if constexpr (SurfaceWithParts<T>) {
+      const auto& surfaces = scene_->template surfaces<T>();
+      const auto* const left = static_cast<const T*>(ray.departure.in_scene);
+      const std::less<const T*> before;
+      if (left != nullptr && !before(left, surfaces.data()) &&
+          before(left, surfaces.data() + surfaces.size()))
+        return static_cast<std::uint32_t>(left - surfaces.data());
+    }
+    return none;
+  }
+
   template <class T>
   [[nodiscard]] const simd::Finder<T>& finder() const {
     return std::get<simd::Finder<T>>(finders_);
   }
 
   const Scene<S...>* scene_;
+  Counts counts_;  ///< when the scene was accelerated
   std::tuple<simd::Finder<S>...> finders_;
 };
 
-/// A scene that answers sooner. It borrows the scene: see Accelerated.
+/// A scene that answers sooner: accelerate it once all surfaces are in it. The result borrows the scene and
+/// refuses to answer after its surfaces have changed; see Accelerated. Throws std::invalid_argument if
+/// options.threads is negative.
 template <Surface... S>
 [[nodiscard]] Accelerated<Scene<S...>> accelerate(const Scene<S...>& scene,
                                                   const RenderOptions& options = {}) {

@@ -5,8 +5,10 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include "../bounds.hpp"
@@ -141,7 +143,11 @@ struct Slabs {
     far_origin = ray.origin - shift;
     inverse = copysign(Float4(1) / max(abs(ray.direction), Float4(0x1p-60f)), ray.direction);
     far_inverse = inverse * Float4(1 + 0x1p-20f);
-    for (int axis = 0; axis < 3; ++axis) nearer[axis] = std::signbit(ray.direction[axis]) ? 1 : 0;
+    // The sign bit, read as an integer: g++ 12 vectorizes three calls of std::signbit at -O3 to an
+    // instruction that it does not recognize ("internal compiler error: in extract_insn") unless it compiles
+    // for AVX-512.
+    for (int axis = 0; axis < 3; ++axis)
+      nearer[axis] = static_cast<int>(std::bit_cast<std::uint32_t>(ray.direction[axis]) >> 31);
   }
 };
 

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "../transformed_ray.hpp"
 #include "box_space.hpp"
 #include "bvh_build.hpp"
 
@@ -340,17 +341,43 @@ class Bvh {
   std::vector<std::uint32_t> unbounded_;
 };
 
-/// The things that a ray departing from a sphere meets are widened by this length.
+/// How far a ray in an instance's object space may be from the exact one where it passes a box of a tree: by
+/// the error of its origin and t times that of its direction. In the tree, which is within 1/scale of its
+/// center on each axis, t |d| is at most the distance of the origin from the center and 3/scale, where |d| is
+/// the largest component. Twice that covers the roundings here.
+[[nodiscard]] inline double error_of(const RayTransform& transform, const BoxSpace& space) {
+  double origin_error = 0, direction_error = 0, longest = 0, distance = 3 / space.scale;
+  for (int i = 0; i < 3; ++i) {
+    origin_error += transform.line.origin_error[i], direction_error += transform.line.direction_error[i];
+    longest = std::max(longest, std::abs(transform.line.direction[i]));
+    distance += std::abs(transform.line.origin[i] - space.center[i]);
+  }
+  // Distances along the ray are compared with 2^-20 of themselves to spare (BoxRay::at_least).
+  if (!(direction_error <= 0x1p-24 * longest)) return std::numeric_limits<double>::infinity();
+  return 2 * (origin_error + distance * (direction_error / longest));
+}
+
+/// The things that a ray departing from a sphere meets, or one that is rounded itself, are widened by this
+/// length.
 ///
-/// Such a ray starts on the sphere by definition, whatever its digits say, and where these put it outside, so
-/// they do the other root, 2b/A: the point there is as far from the center as the origin is. The bound on the
-/// rounding is 4u of the distance and of the difference.
-[[nodiscard]] inline double widening(const Ray& ray) {
+/// A ray that departs from a sphere starts on the sphere by definition, whatever its digits say, and where
+/// these put it outside, so they do the other root, 2b/A: the point there is as far from the center as the
+/// origin is. The bound on the rounding is 4u of the distance and of the difference.
+[[nodiscard]] inline double widening(const Ray& ray, const BoxSpace& space) {
+  if (ray.transform != nullptr) return error_of(*ray.transform, space);
   if (ray.departure.kind != Departure::Kind::sphere) return 0;
   const auto& [x, y, z, r] = ray.departure.geometry;
   const Vec3 l = Point{x, y, z} - ray.origin;
   const double distance = std::sqrt(dot(l, l));
   return std::max(0.0, distance - r + 0x1p-50 * (distance + r));
+}
+
+/// The same for a query, whose ray may start at a distance from its origin on each axis.
+[[nodiscard]] double widening(const auto& query, const BoxSpace& space) {
+  if constexpr (requires { query.distance(); })
+    return widening(query.ray, space) + query.distance();
+  else
+    return widening(query.ray, space);
 }
 
 /// Whether visit says so of any of some things.
@@ -370,14 +397,19 @@ bool any_of(std::span<const std::uint32_t> things, const auto& visit) {
 /// leaf that a ray may meet inside the range, until one of them returns true; returns whether one did. Where
 /// boxes do not help, it visits all things instead.
 template <Order order, class Soon = Ignore>
-bool each_along(const Bvh& bvh, const Ray& ray, const Interval& range, const auto& visit,
+bool each_along(const Bvh& bvh, const BoxRay& line, const Interval& range, const auto& visit,
                 const auto& visit_leaf, const Soon& soon = {}) {
   if (any_of(bvh.unbounded(), visit)) return true;
-  const BoxRay line(ray, bvh.space(), widening(ray));
   if (!helps(line, range)) return any_of(bvh.order(), visit);
   return bvh.each_leaf_along<order>(
       line, {line.at_least(range.min), line.at_most(range.max)},
       [&](Leaf leaf, Reach& left) { return visit_leaf(line, leaf, left); }, soon);
+}
+template <Order order, class Soon = Ignore>
+bool each_along(const Bvh& bvh, const Ray& ray, const Interval& range, const auto& visit,
+                const auto& visit_leaf, const Soon& soon = {}) {
+  return each_along<order>(bvh, BoxRay(ray, bvh.space(), widening(ray, bvh.space())), range, visit,
+                           visit_leaf, soon);
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

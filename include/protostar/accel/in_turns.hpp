@@ -26,7 +26,7 @@ void each_along_in_turns(const Bvh& bvh, std::size_t count, const auto& make, co
     Traveller(const Bvh& bvh, std::size_t k, decltype(make) make_query)
         : number(k),
           query(make_query(k)),  // in its place, since a ray is large
-          line(query.ray, bvh.space(), widening(query.ray)),
+          line(query.ray, bvh.space(), widening(query, bvh.space())),
           walk(bvh, line, {line.at_least(query.range.min), line.at_most(query.range.max)}) {}
   };
   // Enough that what is fetched has mostly come when its turn is.

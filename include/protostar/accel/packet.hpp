@@ -5,6 +5,7 @@
 #pragma once
 
 #include <bit>
+#include <limits>
 #include <utility>
 
 #include "../scene.hpp"
@@ -57,11 +58,19 @@ struct Vectors {
 /// t · d with one direction for all lanes.
 inline Vectors operator*(Doubles t, const Vec3& d) { return t * Vectors(d); }
 
+/// Each component held between -most and most.
+[[nodiscard]] inline Vectors within(const Vectors& v, double most) {
+  const auto one = [&](Doubles x) { return min(max(x, -most), most); };
+  return {one(v.x), one(v.y), one(v.z)};
+}
+
 /// A place on a surface in each lane.
 struct Uvs {
   Doubles x, y;
 };
-[[nodiscard]] inline Uvs uv_of(Doubles u, Doubles v) { return {u, v}; }
+[[nodiscard]] inline Uvs uv_of(Doubles u, Doubles v) {
+  return {select(abs(u) < 0x1p500, u, Doubles(0.0)), select(abs(v) < 0x1p500, v, Doubles(0.0))};
+}
 
 /// A color in each lane.
 struct Colors {
@@ -88,6 +97,12 @@ struct Colors {
     return {select(which, p.r, q.r), select(which, p.g, q.g), select(which, p.b, q.b)};
   }
 };
+
+/// Light with each channel held at the largest float.
+[[nodiscard]] inline Colors held(const Colors& light) {
+  const auto one = [](Floats x) { return min(x, Floats(std::numeric_limits<float>::max())); };
+  return {one(light.r), one(light.g), one(light.b)};
+}
 
 inline Colors operator*(const Color& color, Floats share) { return Colors(color) * share; }
 inline Colors select(Chosen which, const Color& a, const Color& b) {
@@ -256,8 +271,7 @@ struct RaysFromParts {
     return {origin, towards, wanted, left, parts};
   }
   [[nodiscard]] Ray operator[](int lane) const {
-    return {origin[lane], direction[lane],
-            left.functions->departure(left.surface, static_cast<int>(parts[lane]))};
+    return {origin[lane], direction[lane], left.departure(static_cast<int>(parts[lane]))};
   }
   friend RaysFromParts&& only(Chosen chosen, RaysFromParts&& rays) {
     rays.wanted = rays.wanted && chosen;
@@ -283,7 +297,7 @@ class Intersections {
                 const Material& material, const Parts& parts = {})
       : t(at), rays_(rays), which_(which), surface_(surface), material_(material), parts_(parts) {}
 
-  [[nodiscard]] Vectors point() const { return rays_.at(t); }
+  [[nodiscard]] Vectors point() const { return rays_.at(min(t, farthest_point)); }
 
   /// The directions of the rays.
   [[nodiscard]] const Vectors& direction() const { return rays_.direction; }

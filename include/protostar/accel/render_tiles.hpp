@@ -89,7 +89,6 @@ class TileRenderer {
       fill_parts(tile, in_tile, 0, work);
     if constexpr (View::draws) give_back(std::move(work.drawn));
     if (statistics_) {
-      work.taken.double_double = fallbacks.double_double - before.double_double;
       work.taken.exact = fallbacks.exact - before.exact;
       const std::lock_guard lock(sharing_);
       *statistics_ += work.taken;
@@ -503,6 +502,7 @@ auto tile_filler(Image& image, const Camera& camera, const Scene<S...>& scene, c
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 auto tile_filler(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& scene,
                  const I& integrator, const RenderOptions& options) {
+  scene.require_same_surfaces();  // tiles list its surfaces by what the tree knows
   const auto tiles =
       std::make_shared<const simd::TileRenderer<I, S...>>(image, camera, scene, integrator, options);
   return [&, tiles, pixels = PixelGrid(image.width(), image.height(), options),

@@ -95,13 +95,16 @@ class TriangleLeaves {
     Doubles t;
   };
 
-  /// The triangles from the i-th of a leaf on, as many as a vector holds. Nothing is sure of one if the ray
-  /// departs from a plane, which may be its own.
+  /// The triangles from the i-th of a leaf on, as many as a vector holds. The numbers of the line are those
+  /// of the ray to within an error. No crossing is sure if the ray departs from a plane, which may be that of
+  /// a triangle.
   [[nodiscard, gnu::always_inline]] Tried tried(Leaf leaf, std::uint32_t i, const Ray& ray,
-                                                const Interval& range) const {
+                                                const Interval& range, const LineError& error = {}) const {
     const auto [a, b, c] = corners(leaf, i);
     const auto e =
-        protostar::detail::rounded_triangle_equation(Vectors(ray.origin), Vectors(ray.direction), a, b, c);
+        protostar::detail::rounded_triangle_equation(Vectors(ray.origin), Vectors(ray.direction), a, b, c,
+                                                     Doubles(protostar::detail::slack_for(error.origin)),
+                                                     Doubles(protostar::detail::slack_for(error.direction)));
     const Bits passed = bits(!e.misses) & first_bits(static_cast<int>(leaf.count - i));
     if (passed == 0) return {.crossed = 0, .in_doubt = 0, .t = {}};
     // As in lies_inside.

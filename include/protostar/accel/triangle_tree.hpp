@@ -18,6 +18,9 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// A query asks what a ray crosses inside a range. It has the members
 ///
 ///   ray, range            it may shorten the range on the way, if
+///   distance()            how far at most the ray starts from its origin, on each axis, as it may leave a
+///                         triangle
+///   error()               what the numbers of its line are off by
 ///   near_first            says that what is near comes mostly before what is far
 ///   found(t, i)           the i-th triangle is crossed at t
 ///   maybe(triangle, i)    it may be crossed: double does not tell
@@ -38,7 +41,8 @@ class TriangleTree {
   void answer(Query& query, const auto& triangle) const {
     constexpr Order order = order_for<Query>;
     each_along<order>(
-        bvh_, query.ray, query.range, [&](std::uint32_t i) { return query.maybe(triangle(i), i); },
+        bvh_, BoxRay(query.ray, space(), widening(query, space())), query.range,
+        [&](std::uint32_t i) { return query.maybe(triangle(i), i); },
         [&](const BoxRay& line, Leaf leaf, Reach& left) { return show<order>(query, line, leaf, left); },
         [&](Leaf leaf) { leaves_.fetch<Read::soon>(leaf); });
   }
@@ -85,7 +89,7 @@ class TriangleTree {
   [[gnu::always_inline]] bool show(auto& query, const BoxRay& line, Leaf leaf, Reach& left) const {
     bool any = false;
     for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
-      const auto [crossed, in_doubt, t] = leaves_.tried(leaf, i, query.ray, query.range);
+      const auto [crossed, in_doubt, t] = leaves_.tried(leaf, i, query.ray, query.range, query.error());
       if ((crossed | in_doubt) == 0) continue;
       any = true;
       const auto place = [&](int k) { return leaves_.place(leaf, i + static_cast<std::uint32_t>(k)); };
