@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "magnitude.hpp"
 #include "numeric/scale.hpp"
 #include "numeric/trigonometry.hpp"
 #include "ray.hpp"
@@ -29,6 +30,12 @@ namespace protostar::inline PROTOSTAR_ABI {
 ///
 /// Any other film vectors will do where right, up and forward span space. Rays of such a camera do not come
 /// from one point; they are drawn by tiles as all others are, but the tiles leave less out.
+///
+/// The functions that make a camera take coordinates as left-handed: with x to the right and y up, z leads
+/// away from the viewer. Through them a scene in right-handed coordinates, where z leads towards the viewer,
+/// comes out as its mirror image. For such a scene use look_at_right_handed, or mirrored() of what another
+/// function makes; tiles and culling take any camera. Normals, angles and shadows do not depend on the
+/// handedness. What goes around does: through such a camera, an environment is seen as its mirror image.
 struct Camera {
   Point position{0};
   Vec3 right{1, 0, 0};
@@ -44,7 +51,7 @@ struct Camera {
 
   /// A pinhole at position, and a film that it sees under a vertical angle of field_of_view, in degrees,
   /// between 0 and 180. Of this and all below: direction and upward may have any length but 0 and have to be
-  /// orthogonal, their cosine at most 10^-6; what is to the right is upward × direction.
+  /// orthogonal, their cosine at most 10^-6; what is to the right is upward × direction (left-handed).
   /// std::invalid_argument says what is wrong and what is allowed.
   [[nodiscard]] static Camera perspective(const Point& position, const Vec3& direction, const Vec3& upward,
                                           double field_of_view) {
@@ -101,7 +108,8 @@ struct Camera {
   }
 
   /// The perspective camera at position that has target in the middle of its picture. upward leads to where
-  /// up is in it, and may be any direction but that to the target and its opposite.
+  /// up is in it, and may be any direction but that to the target and its opposite. Coordinates are
+  /// left-handed: seen from the origin along z with y up, x is to the right.
   [[nodiscard]] static Camera look_at(const Point& position, const Point& target,
                                       const Vec3& upward = {0, 1, 0}, double field_of_view = 90) {
     if (position == target) refuse("Camera: position and target must differ; both are ", position);
@@ -111,6 +119,25 @@ struct Camera {
     if (!(length(right) > 0x1p-48))
       refuse("Camera: upward must not be parallel to target - position; it is ", upward);
     return perspective(position, forward, cross(forward, unit(right, "upward")), field_of_view);
+  }
+
+  /// The camera of look_at for a scene in right-handed coordinates, as most modeling programs have them: seen
+  /// from the origin along -z with y up, x is to the right. What is to the right is direction × upward, so
+  /// that the picture is the mirror image of look_at's. Errors as of look_at.
+  [[nodiscard]] static Camera look_at_right_handed(const Point& position, const Point& target,
+                                                   const Vec3& upward = {0, 1, 0},
+                                                   double field_of_view = 90) {
+    return look_at(position, target, upward, field_of_view).mirrored();
+  }
+
+  /// The camera whose picture is the mirror image of this one's, left and right exchanged. Called on what
+  /// perspective, sensor, viewport or orthographic returns, it makes the camera for a scene in right-handed
+  /// coordinates.
+  [[nodiscard]] Camera mirrored() const {
+    Camera camera = *this;
+    camera.right = -right;
+    camera.film_right = -film_right;
+    return camera;
   }
 
   /// Whether all rays start at position.
@@ -151,15 +178,17 @@ struct Camera {
     return u_film_right + v_film_up + position;
   }
 
-  /// Throws std::invalid_argument if a number is not finite, or if three directions do not span space: these
-  /// are right, up and forward, or film_right, film_up and forward where right and up are both 0. They do not
-  /// if the length of one is not between 2^-400 and 2^400 (about 10^±120), if two are parallel, or if all lie
-  /// in a plane. Film vectors are never longer than 2^400.
+  /// Throws std::invalid_argument if a number of position is no coordinate (magnitude.hpp), if another is not
+  /// finite, or if three directions do not span space: these are right, up and forward, or film_right,
+  /// film_up and forward where right and up are both 0. They do not if the length of one is not between
+  /// 2^-400 and 2^400 (about 10^±120), if two are parallel, or if all lie in a plane. Film vectors are never
+  /// longer than 2^400.
   void validate() const {
     for (const Vec3& v : {position, right, up, forward, film_right, film_up})
       if (!is_finite(v))
         throw std::invalid_argument(
             "Camera: position, right, up, forward, film_right and film_up must be finite");
+    require_rule(is_coordinate(position), "Camera: position must have numbers", coordinate_rule);
     if (is_orthographic())
       require_space(film_right, film_up, forward,
                     "Camera: film_right, film_up and forward of a camera whose right and up are zero");
@@ -189,13 +218,14 @@ struct Camera {
 
   static void require_length(const char* name, double value) {
     if (!(value > 0 && std::isfinite(value)))
-      refuse(std::string("Camera: the ") + name + " must be finite and greater than 0; it is ", value);
+      refuse(std::string("Camera: the ").append(name).append(" must be finite and greater than 0; it is "),
+             value);
   }
 
   /// The vector of unit length along v.
   static Vec3 unit(const Vec3& v, const char* name) {
     if (!is_finite(v) || v == Vec3{0})
-      refuse(std::string("Camera: ") + name + " must be finite and not zero; it is ", v);
+      refuse(std::string("Camera: ").append(name).append(" must be finite and not zero; it is "), v);
     const Vec3 near_one = scaled(v, -exponent_of({v}));
     return near_one / length(near_one);
   }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "interval.hpp"
+#include "magnitude.hpp"
 #include "numeric/trigonometry.hpp"
 #include "ray.hpp"
 
@@ -54,14 +55,14 @@ inline constexpr float most_irradiance = 0x1p107f;
 /// A light of any kind that comes from one place: what an integrator asks about the light on a point.
 class Light {
  public:
-  /// Each throws std::invalid_argument if a number is not finite, a color is negative, a direction is 0, or
-  /// an angle is not as said above.
+  /// Each throws std::invalid_argument if a number is not finite, one of a position is no coordinate
+  /// (magnitude.hpp), a color is negative, a direction is 0, or an angle is not as said above.
   Light(const PointLight& light) : Light("PointLight", light.position, light.power, Falloff::square) {
-    check(is_finite(light.position), "position must be finite");
+    check_position(light.position);
     check(is_light(light.power), "power must be finite and not negative");
   }
   Light(const ConstantLight& light) : Light("ConstantLight", light.position, light.intensity, Falloff::none) {
-    check(is_finite(light.position), "position must be finite");
+    check_position(light.position);
     check(is_light(light.intensity), "intensity must be finite and not negative");
   }
   Light(const DirectionalLight& light)
@@ -72,7 +73,7 @@ class Light {
     w_ = 0;
   }
   Light(const SpotLight& light) : Light("SpotLight", light.position, light.power, Falloff::square) {
-    check(is_finite(light.position), "position must be finite");
+    check_position(light.position);
     check(is_light(light.power), "power must be finite and not negative");
     check_direction(light.direction);
     check(0 < light.angle && light.angle <= 180, "angle must be above 0 and at most 180 degrees");
@@ -132,8 +133,11 @@ class Light {
         most_(most_irradiance / std::max({color.r, color.g, color.b, 0x1p-20f})),
         falloff_(falloff) {}
 
-  void check(bool holds, const char* rule) const {
-    if (!holds) throw std::invalid_argument(std::string(type_) + ": " + rule);
+  void check(bool holds, const char* rule, const char* limit = "") const {
+    if (!holds) throw std::invalid_argument(std::string(type_).append(": ").append(rule).append(limit));
+  }
+  void check_position(const Point& position) const {
+    check(is_coordinate(position), "position must have numbers ", coordinate_rule);
   }
   void check_direction(const Vec3& direction) const {
     check(is_finite(direction) && direction != Vec3{0}, "direction must be finite and not zero");

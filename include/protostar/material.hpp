@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "magnitude.hpp"
 #include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -18,7 +19,7 @@ using Texture = std::function<Color(double u, double v)>;
 /// one on its greater side.
 struct Checker {
   Color first{1}, second{0};
-  double size = 1;  ///< the side of a square, in units of u and v; finite and greater than 0
+  double size = 1;  ///< the side of a square, in units of u and v; a size (magnitude.hpp)
 
   [[nodiscard]] Color operator()(double u, double v) const {
     // Whole numbers as double: their parity needs no integer to hold them.
@@ -42,8 +43,8 @@ struct Material {
   double refract = 0;
   double ior = 1.5;  ///< the index of refraction inside, where the normal points out; outside it is 1
 
-  /// Throws std::invalid_argument if a number is negative or not finite, or if ior is 0; so for the colors
-  /// and the size of a Checker, which is greater than 0. What other textures do is their own affair.
+  /// Throws std::invalid_argument if a number is negative or not finite, or if ior or the size of a Checker
+  /// is no size (magnitude.hpp); so for the colors of a Checker. What other textures do is their own affair.
   void validate() const {
     const auto check = [](bool holds, const char* rule) {
       if (!holds) throw std::invalid_argument(rule);
@@ -53,14 +54,14 @@ struct Material {
     if (const auto* checker = texture.target<Checker>()) {
       check(is_light(checker->first) && is_light(checker->second),
             "Checker: first and second color must be finite and not negative");
-      check(is_share(checker->size) && checker->size > 0, "Checker: size must be finite and greater than 0");
+      require_rule(is_size(checker->size), "Checker: size must be", size_rule);
     }
     check(is_light(diffuse), "Material: diffuse color must be finite and not negative");
     check(is_light(specular), "Material: specular color must be finite and not negative");
     check(is_share(shininess), "Material: shininess must be finite and not negative");
     check(is_factor(reflect), "Material: reflect must be finite as a float and not negative");
     check(is_factor(refract), "Material: refract must be finite as a float and not negative");
-    check(is_share(ior) && ior > 0, "Material: ior must be finite and greater than 0");
+    require_rule(is_size(ior), "Material: ior must be", size_rule);
   }
 };
 

@@ -78,12 +78,12 @@ class PixelGrid {
     return camera(u(x, sample(i).x), v(y, sample(i).y));
   }
 
-  /// The mean of light(i) over the samples i, added up in their order.
+  /// The mean of light(i) over the samples i, added up in their order, and held at the largest float.
   [[nodiscard]] auto mean(const auto& light) const {
     auto sum = light(0);
     if (samples() == 1) return sum;
     for (int i = 1; i < samples(); ++i) sum += light(i);
-    return sum * (1 / static_cast<float>(samples()));
+    return held(sum * (1 / static_cast<float>(samples())));
   }
 
  private:

@@ -25,6 +25,7 @@
 #include "render.hpp"
 #include "render_options.hpp"
 #include "scene.hpp"
+#include "shown.hpp"
 #include "surface.hpp"
 #include "surfaces/any_surface.hpp"
 #include "surfaces/parallelogram.hpp"

@@ -33,10 +33,12 @@ auto tile_filler(Image& image, const Camera& camera, const S& scene, const I& in
 /// same for any number of threads.
 ///
 /// Throws std::invalid_argument for an invalid camera, a negative number of threads or samples and a crop
-/// that does not hold the image, and whatever radiance throws.
+/// that does not hold the image, what radiance.validate() throws, if there is one, and whatever radiance
+/// throws.
 void render(Image& image, const Camera& camera, const Radiance auto& radiance,
             const RenderOptions& options = {}) {
   camera.validate();
+  detail::validate(radiance);
   const PixelGrid pixels(image.width(), image.height(), options);
   detail::fill_tiles(image, 32, options,
                      [&](const Tile& tile) { detail::fill_pixels(image, tile, camera, pixels, radiance); });
@@ -47,7 +49,22 @@ template <Traceable S, Integrator<S> I>
 void render(Image& image, const Camera& camera, const S& scene, const I& integrator,
             const RenderOptions& options = {}) {
   camera.validate();
+  detail::validate(integrator);
   detail::fill_tiles(image, 64, options, tile_filler(image, camera, scene, integrator, options));
+}
+
+/// Refuses, in a sentence of the compiler's, what cannot be rendered.
+template <class R>
+requires(!Radiance<R>) void render(Image&, const Camera&, const R&, const RenderOptions& = {}) {
+  static_assert(detail::RadianceRequirements<R>::hold);
+}
+template <class S, class I>
+requires(!(Traceable<S> && Integrator<I, S>)) void render(Image&, const Camera&, const S&, const I&,
+                                                          const RenderOptions& = {}) {
+  if constexpr (!Traceable<S>)
+    static_assert(detail::TraceableRequirements<S>::hold);
+  else
+    static_assert(detail::IntegratorRequirements<I, S>::hold);
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

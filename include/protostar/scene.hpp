@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "material.hpp"
 #include "numeric/scale.hpp"
 #include "surface.hpp"
+#include "surface_requirements.hpp"
 #include "surfaces/coordinates.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -104,6 +106,11 @@ inline constexpr bool are_distinct<First, Rest...> =
 
 }  // namespace detail
 
+/// A collection of surfaces of the named types. What is no Surface is named by the compiler, with what it
+/// lacks.
+template <class... S>
+class Scene;
+
 /// A collection of surfaces of the named types, each type in a vector of its own: what is not named costs
 /// nothing.
 ///
@@ -111,28 +118,67 @@ inline constexpr bool are_distinct<First, Rest...> =
 /// surface's is the first. A scene without surfaces is a miss for every ray, and one without lights is dark.
 /// A const scene may be shared by threads.
 template <Surface... S>
-class Scene {
-  static_assert(detail::are_distinct<S...>, "a scene names each type of surface once");
+class Scene<S...> {
+  static_assert(detail::are_distinct<S...>, "Scene: each type of surface is named once");
+  static_assert((detail::SurfaceOffers<S>::hold && ...));
+
+  template <class T>
+  static constexpr bool takes = (std::convertible_to<T, S> || ...);
+  template <class T>
+  static constexpr bool lacks = !takes<T> && detail::MeantAsSurface<T>;
+  template <class T>
+  static constexpr bool lists_no = !takes<T> && !detail::MeantAsSurface<T>;
+  template <class M>
+  static constexpr bool is_look = std::convertible_to<M, Material> || std::convertible_to<M, Color>;
+  template <class T>
+  static constexpr bool shines = std::convertible_to<T, Light> || std::convertible_to<T, AmbientLight>;
 
  public:
   /// Adds a surface of one of the scene's types, or one that converts to the first of them that takes it.
   /// Throws std::invalid_argument for a material or a surface that is not valid, and for a texture on a
   /// surface that has no coordinates.
   template <class T>
-  requires(std::convertible_to<T, S> || ...) void add(T surface, Material material) {
+  requires(takes<T>) void add(T surface, Material material) {
     material.validate();
     group_for<T>().add(std::move(surface), std::move(material));
   }
 
   /// Adds a matte surface of a color (finite, not negative).
   template <class T>
-  requires(std::convertible_to<T, S> || ...) void add(T surface, const Color& color) {
+  requires(takes<T>) void add(T surface, const Color& color) {
     if (!is_light(color)) throw std::invalid_argument("Scene::add: color must be finite and not negative");
     group_for<T>().add(std::move(surface), Material{.diffuse = color});
   }
 
-  /// Adds a light: a PointLight, or any that Light takes. One that is not valid throws std::invalid_argument.
-  void add(const Light& light) { lights_.push_back(light); }
+  /// So many lights add up to less than the largest float, 2^128: none brings more than 2^107
+  /// (most_irradiance), and neither do all ambient ones together.
+  static constexpr std::size_t most_lights = std::size_t{1} << 20;
+
+  /// Adds a light: a PointLight, or any that Light takes. One that is not valid, or one too many, throws
+  /// std::invalid_argument.
+  void add(const Light& light) {
+    if (lights_.size() == most_lights)
+      throw std::invalid_argument("Scene::add: a scene has at most " + std::to_string(most_lights) +
+                                  " lights");
+    lights_.push_back(light);
+  }
+
+  // What cannot be added. What is meant as a surface is told what it lacks; of a deleted function that is
+  // called, compilers show the line.
+  template <class T>
+  requires(lacks<T>) void add(const T&, const Material&) {
+    static_assert(detail::SurfaceRequirements<T>::hold);
+  }
+  template <class T>
+  requires(lacks<T>) void add(const T&, const Color&) { static_assert(detail::SurfaceRequirements<T>::hold); }
+  template <class T>
+  requires(lists_no<T>) void add(const T&, const Material&) = delete;  // not in the list of this Scene
+  template <class T>
+  requires(lists_no<T>) void add(const T&, const Color&) = delete;  // not in the list of this Scene
+  template <class T, class M>
+  requires(!is_look<M>) void add(const T&, const M&) = delete;  // a surface goes with a Material or a Color
+  template <class T>
+  requires(!shines<T>) void add(const T&) = delete;  // no light, and a surface needs a Material or a Color
 
   /// Adds to the irradiance of all points, which is held at most_irradiance. Throws std::invalid_argument if
   /// the light is negative or not finite.
@@ -268,6 +314,17 @@ class Scene {
   Color ambient_{0};
   std::optional<Color> sky_;
   Texture environment_;
+};
+
+/// A scene that names a type which is no surface: that stops the compiler, which says what the type lacks.
+/// Whatever else is done with the scene is let pass.
+template <class... S>
+class Scene : public Scene<> {
+  static_assert((detail::SurfaceRequirements<S>::hold && ...));
+
+ public:
+  void add(const auto&...) {}
+  void add(const auto&, const Material&) {}
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -64,11 +64,9 @@ concept SurfaceWithFirstRoot = SurfaceWithRoots<S> &&
   { surface.first_root(line) } -> std::same_as<FirstRoot>;
 };
 
-/// A surface that can work out its roots further: the order of its crossings and others' is then exact.
+/// A surface that knows its roots without rounding: the order of its crossings and others' is then exact.
 template <class S>
-concept SurfaceWithRefinedRoots = SurfaceWithRoots<S> &&
-    requires(const S& surface, const Ray& ray, Precision precision) {
-  { surface.refined_roots(ray, precision) } -> std::same_as<RefinedRoots>;
+concept SurfaceWithExactRoots = SurfaceWithRoots<S> && requires(const S& surface, const Ray& ray) {
   { surface.exact_root(ray, 0) } -> std::same_as<ExactRoot>;
 };
 
@@ -92,7 +90,6 @@ concept CompositeSurface = Surface<S> && SurfaceWithDeparture<S> &&
     requires(const S& surface, const Ray& ray, Interval range, const Crossing& crossing) {
   { surface.first_crossing(ray, range) } -> std::same_as<std::optional<Crossing>>;
   surface.each_crossing(ray, range, [](const Crossing&) {});
-  { surface.refine(ray, crossing, Precision::exact) } -> std::same_as<RefinedCrossing>;
   { surface.exact_root(ray, crossing) } -> std::same_as<ExactRoot>;
 };
 
@@ -216,27 +213,12 @@ template <Surface S>
     return {.kind = Departure::Kind::object, .object = &surface};
 }
 
-/// The t of a crossing as exactly as the surface knows it. One that knows no more than t is taken at its
-/// word.
-template <Surface S>
-[[nodiscard]] RefinedCrossing refine(const S& surface, const Ray& ray, const Crossing& crossing,
-                                     Precision precision) {
-  if constexpr (CompositeSurface<S>) {
-    return surface.refine(ray, crossing, precision);
-  } else if constexpr (SurfaceWithRefinedRoots<S>) {
-    const RefinedRoots roots = surface.refined_roots(ray, precision);
-    return {roots.t[crossing.root], roots.relative_error};
-  } else {
-    return {crossing.t, 0};
-  }
-}
-
-/// A crossing without rounding, likewise.
+/// A crossing without rounding. A surface that knows no more than t is taken at its word.
 template <Surface S>
 [[nodiscard]] ExactRoot exact_root(const S& surface, const Ray& ray, const Crossing& crossing) {
   if constexpr (CompositeSurface<S>)
     return surface.exact_root(ray, crossing);
-  else if constexpr (SurfaceWithRefinedRoots<S>)
+  else if constexpr (SurfaceWithExactRoots<S>)
     return surface.exact_root(ray, crossing.root);
   else
     return exact_root_of(crossing.t);
@@ -249,8 +231,6 @@ template <Surface S>
 [[nodiscard, gnu::noinline, gnu::cold]] bool lies_inside_refined(const S& surface, Ray ray, Crossing crossing,
                                                                  Interval range) {
   const auto side_of = [&](double end) {  // -1 before an end, 0 at it, 1 behind it
-    const RefinedCrossing refined = refine(surface, ray, crossing, Precision::double_double);
-    if (const int side = order(refined.t, refined.relative_error, end, 0); side != 0) return side;
     return order(exact_root(surface, ray, crossing), exact_root_of(end));
   };
   return std::isfinite(crossing.t) && (range.min == -infinity || side_of(range.min) > 0) &&
@@ -369,8 +349,6 @@ inline constexpr SurfaceFunctions functions_of{
       return uv_at(*static_cast<const S*>(s), p, part);
     },
     .departure = [](const void* s, int part) { return departure_of(*static_cast<const S*>(s), part); },
-    .refine = [](const void* s, const Ray& ray, const Crossing& crossing,
-                 Precision precision) { return refine(*static_cast<const S*>(s), ray, crossing, precision); },
     .exact_root =
         [](const void* s, const Ray& ray, const Crossing& crossing) {
           return exact_root(*static_cast<const S*>(s), ray, crossing);

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 #include "image.hpp"
 
@@ -15,13 +18,21 @@ enum class Tone {
   scale_image,  ///< the image is divided by its largest channel, if that is above 0
 };
 
-/// Multiplies all light by a factor, which has to be finite and not negative.
+/// Multiplies all light by a factor, and holds it at the largest float. Throws std::invalid_argument unless
+/// the factor is from 0 to the largest float: one beyond that would be infinite, and black no number.
 inline void expose(Image& image, double exposure) {
+  if (!(exposure >= 0 && exposure <= std::numeric_limits<float>::max())) {
+    char text[32];
+    static_cast<void>(std::snprintf(text, sizeof text, "%.9g", exposure));
+    throw std::invalid_argument(std::string("expose: exposure must be from 0 to 3.4e38, the largest float; "
+                                            "it is ") +
+                                text);
+  }
   if (exposure == 1) return;
   const auto factor = static_cast<float>(exposure);
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x)
-      image(x, y) = factor > 0 ? factor * image(x, y) : Color{0};  // 0 · ∞ is no number
+      image(x, y) = factor > 0 ? held(factor * image(x, y)) : Color{0};  // 0 · ∞ is no number
 }
 
 /// Changes an image as a tone says.

@@ -19,7 +19,7 @@ struct DepthIntegrator {
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto&) const {
-    return typename Hit::Light(to_float(1 / hit.t));
+    return held(typename Hit::Light(to_float(1 / hit.t)));  // the reciprocal may be beyond float
   }
 };
 

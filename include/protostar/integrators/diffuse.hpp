@@ -26,7 +26,7 @@ struct DiffuseIntegrator {
     const auto normal = hit.facing_normal();
     typename Hit::Light irradiance(ambient_of(scene));
     for (const Light& light : scene.lights()) irradiance += light.irradiance(point, normal);
-    return hit.color() * irradiance;
+    return held(hit.color() * irradiance);
   }
 };
 

@@ -35,7 +35,7 @@ struct ShadowIntegrator {
       if (!any(visible)) continue;
       irradiance += select(visible, light.received(to_light, height), typename Hit::Light(0));
     }
-    return hit.color() * irradiance;
+    return held(hit.color() * irradiance);
   }
 };
 

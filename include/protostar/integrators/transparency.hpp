@@ -18,7 +18,7 @@ struct TransparencyIntegrator {
     scene.crossings(ray, Interval{}, [&](const auto& crossing) { light *= crossing.color(); });
     // What is beyond float and then meets black, 0 · ∞, is black, too.
     const auto number = [](auto x) { return select(x > 0.0f, x, decltype(x)(0)); };
-    return {number(light.r), number(light.g), number(light.b)};
+    return held(typename R::Light{number(light.r), number(light.g), number(light.b)});
   }
 };
 

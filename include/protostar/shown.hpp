@@ -1,0 +1,63 @@
+// Text from elsewhere, such as the name of a file, as a message can show it.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "platform.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+namespace detail {
+
+/// Returns how many bytes the character of UTF-8 at the beginning of a text has; 0 if there is none.
+inline std::size_t bytes_of_character(std::string_view text) {
+  const auto byte = [&](std::size_t i) -> unsigned {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
+  };
+  const auto continues = [&](std::size_t i) { return (byte(i) & 0xc0) == 0x80; };
+  const unsigned lead = byte(0), second = byte(1);
+  if (text.empty()) return 0;
+  if (lead < 0x80) return 1;
+  if (0xc2 <= lead && lead < 0xe0) return continues(1) ? 2 : 0;
+  // Not those that a shorter form has (RFC 3629), not surrogates, and none above U+10FFFF.
+  if (0xe0 <= lead && lead < 0xf0)
+    return continues(1) && continues(2) && !(lead == 0xe0 && second < 0xa0) &&
+                   !(lead == 0xed && second >= 0xa0)
+               ? 3
+               : 0;
+  if (0xf0 <= lead && lead < 0xf5)
+    return continues(1) && continues(2) && continues(3) && !(lead == 0xf0 && second < 0x90) &&
+                   !(lead == 0xf4 && second >= 0x90)
+               ? 4
+               : 0;
+  return 0;
+}
+
+}  // namespace detail
+
+/// Returns a text with \xNN in place of each byte that belongs to a control character (U+0000 to U+001F and
+/// U+007F to U+009F) or to no character of UTF-8, so that it stays in its line and cannot give orders to a
+/// terminal. All other characters stay as they are, and so does a text that was shown before.
+inline std::string shown(std::string_view text) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string result;
+  while (!text.empty()) {
+    const std::size_t size = detail::bytes_of_character(text);
+    const unsigned char first = static_cast<unsigned char>(text[0]);
+    const bool is_control = (size == 1 && (first < 0x20 || first == 0x7f)) ||
+                            (size == 2 && first == 0xc2 && static_cast<unsigned char>(text[1]) < 0xa0);
+    for (const char c : text.substr(0, size == 0 ? 1 : size)) {
+      const unsigned char byte = static_cast<unsigned char>(c);
+      if (size == 0 || is_control)
+        result.append("\\x").append({digits[byte / 16u], digits[byte % 16u]});
+      else
+        result += c;
+    }
+    text.remove_prefix(size == 0 ? 1 : size);
+  }
+  return result;
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,115 @@
+// What a type lacks to be a surface, in a sentence for each member.
+//
+// A concept that is not satisfied stops the compiler, but what g++ says of it need not name the member that
+// is missing. So what takes surfaces takes any type, and instantiates one of the checks below: each of its
+// static_asserts is a sentence, and the compiler adds the name of the type.
+#pragma once
+
+#include <concepts>
+#include <optional>
+
+#include "surface.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::detail {
+
+/// What every Surface has. `hold` is true: what does not hold stops the compiler before anyone sees it.
+template <class S>
+struct SurfaceRequirements {
+  static constexpr bool hold = true;
+
+  static constexpr bool has_intersect = requires(const S& surface, const Ray& ray, Interval range) {
+    surface.intersect(ray, range);
+  };
+  static constexpr bool has_normal = requires(const S& surface, Point point) { surface.normal_at(point); };
+  static constexpr bool has_normal_of_parts = requires(const S& surface, Point point) {
+    surface.normal_at(point, 0);
+  };
+
+  static_assert(std::copy_constructible<S>, "Surface: the type cannot be copied");
+  static_assert(has_intersect, "Surface: the type has no intersect(const Ray&, Interval) const");
+  static_assert(
+      !has_intersect ||
+          requires(const S& surface, const Ray& ray, Interval range) {
+            { surface.intersect(ray, range) } -> std::same_as<std::optional<double>>;
+          },
+      "Surface: intersect(const Ray&, Interval) const does not return std::optional<double>");
+  static_assert(has_normal || has_normal_of_parts, "Surface: the type has no normal_at(Point) const");
+  static_assert(
+      !has_normal ||
+          requires(const S& surface, Point point) {
+            { surface.normal_at(point) } -> std::convertible_to<Vec3>;
+          },
+      "Surface: normal_at(Point) const does not return a Vec3");
+  static_assert(
+      !has_normal_of_parts ||
+          requires(const S& surface, Point point) {
+            { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
+          },
+      "Surface: normal_at(Point, int) const does not return a Vec3");
+  static_assert(
+      !has_normal_of_parts || has_normal ||
+          requires(const S& surface) {
+            { surface.departure(0) } -> std::same_as<Departure>;
+          },
+      "Surface: the type has normal_at(Point, int) const, for parts, but no Departure departure(int) const");
+};
+
+/// What a Surface may have: a function of such a name that is not what the library asks for would be left
+/// aside without a word.
+template <Surface S>
+struct SurfaceOffers : SurfaceRequirements<S> {
+  static_assert(
+      SurfaceWithRoots<S> || !requires(S surface, const Ray& ray) { surface.roots(ray); },
+      "Surface: roots(const Ray&) is not const or does not return Roots");
+  static_assert(
+      SurfaceWithDeparture<S> || !requires(S surface) { surface.departure(); },
+      "Surface: departure() is not const or does not return a Departure");
+  static_assert(
+      SurfaceWithError<S> || !requires(S surface, const Ray& ray) { surface.departure_error(ray); },
+      "Surface: departure_error(const Ray&) is not const or does not return double");
+  static_assert(
+      SurfaceWithValidation<S> || !requires(S surface) { surface.validate(); },
+      "Surface: validate() is not const");
+  static_assert(
+      SurfaceWithBounds<S> || !requires(S surface) { surface.bounds(); },
+      "Surface: bounds() is not const or does not return Bounds");
+  static_assert(
+      SurfaceWithUv<S> || !requires(S surface, Point point) { surface.uv_at(point); },
+      "Surface: uv_at(Point) is not const or does not return a Uv");
+  static_assert(
+      Solid<S> || !requires(S surface, const Ray& ray) { surface.ends_inside(ray); },
+      "Surface: ends_inside(const Ray&) is not const or does not return bool, or there are parts and "
+      "no int part_count() const");
+};
+
+/// Checks the members that a Solid needs beyond those of a Surface.
+template <class S>
+struct SolidRequirements : SurfaceRequirements<S> {
+  static constexpr bool knows_its_inside = requires(const S& surface, const Ray& ray) {
+    { surface.ends_inside(ray) } -> std::same_as<bool>;
+  };
+  static constexpr bool counts_its_parts = requires(const S& surface) {
+    { surface.part_count() } -> std::same_as<int>;
+  };
+  static_assert(knows_its_inside || !Surface<S>,
+                "Solid: the surface has no bool ends_inside(const Ray&) const");
+  static_assert(counts_its_parts || !SurfaceWithParts<S>,
+                "Solid: the surface has parts, but no int part_count() const");
+};
+
+/// A type that is neither Other nor a Surface, but has one of a surface's functions: it is meant to be one.
+template <class S, class Other = void>
+concept MeantAsSurface = !std::same_as<S, Other> &&
+                         (
+                             requires { &S::intersect; } || requires { &S::normal_at; }) &&
+                         !Surface<S>;
+
+/// Stands in for a type that is no surface, or no solid, once that has been said, so that nothing more is
+/// said about it.
+struct NoSurface {
+  std::optional<double> intersect(const Ray&, Interval) const { return std::nullopt; }
+  Vec3 normal_at(Point) const { return Vec3{0}; }
+  bool ends_inside(const Ray&) const { return false; }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::detail
