@@ -3,29 +3,66 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
+#include <cstdint>
+#include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <memory>
+#include <new>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
+
+#include "../platform.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::detail {
+
+/// The most bytes that stb_image may have in one piece, by each thread; and whether it wanted more. A few
+/// compressed bytes may stand for a million times as many, which no picture needs.
+struct StbMemory {
+  std::size_t most = std::numeric_limits<std::size_t>::max();
+  bool wanted_more = false;
+};
+inline thread_local StbMemory stb_memory;
+
+/// Memory for stb_image, of zeros, so that no picture shows what was there before.
+inline void* stb_resized(void* memory, std::size_t size) {
+  stb_memory.wanted_more = stb_memory.wanted_more || size > stb_memory.most;
+  if (size > stb_memory.most) return nullptr;
+  return memory ? std::realloc(memory, size) : std::calloc(1, size);
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI::detail
 
 // As static functions of this translation unit, so that they meet no other copy of stb_image in a program.
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
-#define STBI_ONLY_HDR
 #define STBI_ONLY_JPEG
 #define STBI_ONLY_PNG
+#define STBI_MALLOC(size) protostar::detail::stb_resized(nullptr, size)
+#define STBI_REALLOC(memory, size) protostar::detail::stb_resized(memory, size)
+#define STBI_FREE(memory) std::free(memory)
 #include <stb_image.h>
+#undef STBI_FREE
+#undef STBI_REALLOC
+#undef STBI_MALLOC
+#undef STBI_ONLY_PNG
+#undef STBI_ONLY_JPEG
 #undef STB_IMAGE_IMPLEMENTATION
 #undef STB_IMAGE_STATIC
 
 #include "../encode.hpp"
 #include "../image.hpp"
+#include "../magnitude.hpp"
 #include "../material.hpp"
+#include "check_jpeg.hpp"
+#include "check_png.hpp"
+#include "read_hdr.hpp"
+#include "text.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -34,7 +71,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// contains it.
 struct ImageTexture {
   std::shared_ptr<const Image> image;
-  double size_u = 1, size_v = 1;  ///< in units of u and v; finite and greater than 0
+  double size_u = 1, size_v = 1;  ///< in units of u and v; sizes (magnitude.hpp)
 
   [[nodiscard]] Color operator()(double u, double v) const {
     return (*image)(pixel(u / size_u, image->width()), pixel(v / size_v, image->height()));
@@ -49,46 +86,72 @@ struct ImageTexture {
   }
 };
 
-/// The linear light of a picture in a file: of a .png or .jpg, 8 bits per channel decoded from sRGB, without
-/// its transparency; of a .hdr, as it is. What it is, is told by the file's first bytes, not by its name.
-///
-/// Throws std::system_error if the file cannot be opened and std::runtime_error if it holds no such picture;
-/// both name the path and the reason.
-[[nodiscard]] inline Image load_image(const std::filesystem::path& path) {
-  const auto failure = [&] { return "cannot read '" + path.string() + "'"; };
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.string().c_str(), "rb"),
-                                                             std::fclose);
-  if (!file) throw std::system_error(errno, std::generic_category(), failure());
+namespace detail {
 
+inline bool is_image(std::string_view bytes) { return is_hdr(bytes) || is_png(bytes) || is_jpeg(bytes); }
+
+/// The picture that stb_image makes of a checked file, with at most so many bytes in one piece.
+inline Image decoded_by_stb(std::string_view checked, std::size_t most_block, const ImageBytes& file) {
+  stb_memory = {.most = most_block};
   int width = 0, height = 0, channels = 0;
-  const auto pixels_of = [&](auto* codes, const auto& light_of) {
-    const std::unique_ptr<std::remove_pointer_t<decltype(codes)>, void (*)(void*)> owned(codes,
-                                                                                         stbi_image_free);
-    if (!codes) throw std::runtime_error(failure() + ": " + stbi_failure_reason());
-    Image image(width, height);
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x, codes += 3)
-        image(x, y) = {light_of(codes[0]), light_of(codes[1]), light_of(codes[2])};
-    return image;
-  };
-  if (stbi_is_hdr_from_file(file.get()))
-    return pixels_of(stbi_loadf_from_file(file.get(), &width, &height, &channels, 3),
-                     [](float light) { return light; });
-
-  std::array<float, 256> light;
+  const std::unique_ptr<stbi_uc, void (*)(void*)> codes(
+      stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(checked.data()),
+                            static_cast<int>(checked.size()), &width, &height, &channels, 3),
+      stbi_image_free);
+  const StbMemory used = std::exchange(stb_memory, {});
+  if (!codes) {
+    const std::string reason = stbi_failure_reason() ? stbi_failure_reason() : "it is damaged";
+    if (used.wanted_more) file.refuse("there are more pixels than its size says");
+    if (reason == "outofmem") throw std::bad_alloc();
+    file.refuse(reason);
+  }
+  std::array<float, 256> light{};
   for (std::size_t code = 0; code < light.size(); ++code)
     light[code] = static_cast<float>(decode(Srgb{}, static_cast<double>(code) / 255));
-  return pixels_of(stbi_load_from_file(file.get(), &width, &height, &channels, 3),
-                   [&](stbi_uc code) { return light[code]; });
+  Image image(width, height);
+  const stbi_uc* code = codes.get();
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x, code += 3) image(x, y) = {light[code[0]], light[code[1]], light[code[2]]};
+  return image;
+}
+
+}  // namespace detail
+
+/// Reads the linear light of a picture from the bytes of its file: of a PNG or JPEG, 8 bits per channel
+/// decoded from sRGB, without its transparency; of a Radiance HDR, as it is. What it is, is told by its first
+/// bytes. All pixels are finite. `file` is its name in what is wrong with it.
+///
+/// Throws std::runtime_error if the bytes are no such picture or not all of one, and, before memory is taken
+/// for pixels, if there are more of them than are allowed; std::bad_alloc if there is not enough memory.
+[[nodiscard]] inline Image image_from_bytes(std::string_view bytes, std::string_view file,
+                                            std::int64_t most_pixels = most_image_pixels) {
+  const detail::ImageBytes image_file(bytes, file);
+  if (detail::is_hdr(bytes)) return detail::HdrReader(image_file, most_pixels).image();
+  if (detail::is_png(bytes)) {
+    const detail::CheckedPng png = detail::checked_png(image_file, most_pixels);
+    return detail::decoded_by_stb(png.bytes, png.most_block, image_file);
+  }
+  if (detail::is_jpeg(bytes))
+    return detail::decoded_by_stb(bytes, detail::JpegCheck(image_file, most_pixels).most_block(), image_file);
+  image_file.refuse("the file does not begin as a PNG, a JPEG or a Radiance HDR does");
+}
+
+/// The same of a file. A file that does not begin as a picture is not read on, nor one longer than 2^30 bytes
+/// to its end, so that a device without an end is refused. Also throws std::system_error if the file cannot
+/// be read.
+[[nodiscard]] inline Image load_image(const std::filesystem::path& path,
+                                      std::int64_t most_pixels = most_image_pixels) {
+  const std::string bytes = detail::bytes_of_file<std::runtime_error>(
+      path, detail::most_image_bytes,
+      [](std::string_view all, std::string_view) { return !detail::is_image(all); });
+  return image_from_bytes(bytes, path.string(), most_pixels);
 }
 
 /// The picture in a file as a texture of the given size in units of u and v. Errors are those of load_image;
-/// std::invalid_argument if a size is not finite and greater than 0.
+/// std::invalid_argument if a size is none (magnitude.hpp).
 [[nodiscard]] inline Texture image_texture(const std::filesystem::path& path, double size_u = 1,
                                            double size_v = 1) {
-  const auto is_size = [](double size) { return size > 0 && std::isfinite(size); };
-  if (!is_size(size_u) || !is_size(size_v))
-    throw std::invalid_argument("image_texture: size_u and size_v must be finite and greater than 0");
+  require_rule(is_size(size_u) && is_size(size_v), "image_texture: size_u and size_v must be", size_rule);
   return ImageTexture{std::make_shared<const Image>(load_image(path)), size_u, size_v};
 }
 

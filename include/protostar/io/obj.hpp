@@ -35,6 +35,7 @@
 #include <utility>
 #include <vector>
 
+#include "../magnitude.hpp"
 #include "../surfaces/mesh.hpp"
 #include "text.hpp"
 
@@ -121,6 +122,7 @@ class ObjBuilder {
 
   [[nodiscard]] MeshData build() {
     std::istream stream(&lines_);
+    stream.exceptions(std::ios::badbit);  // else memory that ends would be taken for the end of the file
     tinyobj::callback_t callbacks;
     callbacks.vertex_cb = [](void* self, double, double, double, double) { of(self).add_place(); };
     callbacks.normal_cb = [](void* self, double, double, double) { of(self).add_normal(); };
@@ -129,7 +131,7 @@ class ObjBuilder {
       of(self).add_face({corners, static_cast<std::size_t>(count)});
     };
     tinyobj::LoadObjWithCallback(stream, callbacks, this);
-    if (data_.triangles.empty()) throw std::runtime_error(file_ + ": there is no face");
+    if (data_.triangles.empty()) throw std::runtime_error(shown(file_) + ": there is no face");
     return take();
   }
 
@@ -148,7 +150,7 @@ class ObjBuilder {
   static ObjBuilder& of(void* self) { return *static_cast<ObjBuilder*>(self); }
 
   [[noreturn]] void refuse(const std::string& what) const {
-    throw std::runtime_error(file_ + ": line " + std::to_string(lines_.number()) + ": " + what);
+    throw std::runtime_error(shown(file_ + ": line " + std::to_string(lines_.number()) + ": " + what));
   }
 
   /// The next word of a line, which is then no more in it; none if there is none.
@@ -162,7 +164,7 @@ class ObjBuilder {
 
   static std::string found_instead(const std::string& what, std::size_t number, std::string_view word) {
     return what + " " + std::to_string(number) +
-           (word.empty() ? " is missing" : " is \"" + printable(std::string(word)) + "\"");
+           (word.empty() ? " is missing" : " is \"" + beginning(std::string(word)) + "\"");
   }
 
   /// The numbers of the line behind its first word, `least` of them or more; others are left out.
@@ -186,7 +188,10 @@ class ObjBuilder {
 
   void add_place() {
     const auto [x, y, z] = numbers<3>(3);
-    places_.push_back({x, y, z});
+    const Point place{x, y, z};
+    if (!is_coordinate(place))
+      refuse(std::string("the numbers of a vertex must be ").append(coordinate_rule));
+    places_.push_back(place);
     first_at_.push_back(none);
     if (places_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max() - 1))
       refuse("there are more than 2^31 - 2 vertices");
@@ -200,7 +205,10 @@ class ObjBuilder {
   /// In the file, v = 0 is the lower edge of a picture.
   void add_uv() {
     const auto [u, v] = numbers<2>(1);
-    uvs_.push_back({u, 1 - v});
+    const Uv place{u, 1 - v};
+    if (!is_coordinate(place))
+      refuse(std::string("the numbers of a texture vertex must be ").append(coordinate_rule));
+    uvs_.push_back(place);
   }
 
   /// A polygon, cut into triangles by its diagonals from the first corner.
@@ -325,7 +333,7 @@ class ObjBuilder {
     std::size_t line = 1;
     for (std::size_t i = 0; i < zero; ++i)
       line += text[i] == '\n' || (text[i] == '\r' && text[i + 1] != '\n') ? 1 : 0;
-    throw std::runtime_error(file + ": line " + std::to_string(line) +
+    throw std::runtime_error(shown(file) + ": line " + std::to_string(line) +
                              ": there is a zero byte, which no text has");
   }
   return detail::ObjBuilder(text, file).build();

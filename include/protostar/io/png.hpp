@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <new>
 #include <stdexcept>
 #include <stop_token>
@@ -15,22 +16,28 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+/// Throws std::length_error if save_png cannot write an image of this size: rows of more than 2^24 − 1 bytes,
+/// or of more than 954 million in all. PNG has none of these limits; stb_image_write counts in int.
+inline void check_png_size(int width, int height) {
+  // It adds up a row's bytes, each of at most 128, to choose among filters, and doubles a buffer that holds
+  // up to nine bits for each byte of the rows, which begin with a byte of their own.
+  constexpr std::int64_t most_in_row = std::numeric_limits<int>::max() / 128;
+  constexpr std::int64_t most_bytes = (std::int64_t{1} << 30) / 9 * 8;
+  const std::int64_t row_bytes = std::int64_t{width} * 3;
+  if (row_bytes > most_in_row || (row_bytes + 1) * height > most_bytes)
+    throw std::length_error("save_png: an image of " + std::to_string(width) + "x" + std::to_string(height) +
+                            " is too large for PNG; save it as .ppm");
+}
+
 /// Saves an image as PNG with 8 bits per channel, encoded by the transfer and rounded to the nearest code.
 ///
 /// The file is replaced as a whole or not at all (see OutputFile, also for its errors): it is made in memory
 /// first. If stop is asked for while it is written, save_png returns early and leaves the file as it was.
-/// Throws std::length_error for rows of more than 954 million bytes in all, which stb_image_write cannot
-/// count.
+/// Throws std::length_error for an image that is too large (check_png_size).
 inline void save_png(const Image& image, const std::filesystem::path& path, const Transfer& transfer = Srgb{},
                      const std::stop_token& stop = {}) {
-  // stb_image_write counts in int and doubles a buffer that holds up to nine bits for each byte of the rows,
-  // which begin with a byte of their own.
-  constexpr std::int64_t most_bytes = (std::int64_t{1} << 30) / 9 * 8;
+  check_png_size(image.width(), image.height());
   const std::int64_t row_bytes = std::int64_t{image.width()} * 3;
-  if ((row_bytes + 1) * image.height() > most_bytes)
-    throw std::length_error("save_png: an image of " + std::to_string(image.width()) + "x" +
-                            std::to_string(image.height()) + " is too large for PNG; save it as .ppm");
-
   const Encoder encode(transfer, 255);
   std::vector<std::uint8_t> codes;
   codes.reserve(static_cast<std::size_t>(row_bytes * image.height()));

@@ -2,12 +2,17 @@
 // form.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "../camera.hpp"
 #include "../encode.hpp"
+#include "../integrators/whitted.hpp"
 #include "../scene.hpp"
 #include "../surfaces/any_surface.hpp"
 #include "../surfaces/parallelogram.hpp"
@@ -21,9 +26,26 @@ namespace protostar::inline PROTOSTAR_ABI {
 inline constexpr std::array<std::string_view, 8> integrator_names{
     "binary", "depth", "normal", "color", "diffuse", "transparency", "shadow", "whitted"};
 
-/// The most that a file can ask for. WhittedIntegrator calls itself for each ray of a path, so that the depth
-/// is held below what fits on a thread's stack, of which Linux gives 8 MB.
-inline constexpr int most_samples = 1 << 16, most_depth = 1000;
+/// The most that a file can ask for.
+inline constexpr int most_samples = 1 << 16, most_depth = WhittedIntegrator::most_depth;
+
+/// The most rays that a pixel may take: those of the camera, those that follow them, and those to the lights.
+/// A small scene takes about a second for them. Each sample has an equal share.
+inline constexpr std::int64_t most_rays_of_pixel = std::int64_t{1} << 22;
+
+/// The share of each of so many samples in a pixel.
+[[nodiscard]] inline std::int64_t most_rays_of_sample(int samples) {
+  return most_rays_of_pixel / std::max(samples, 1);
+}
+
+/// Returns the error message if samples and lights together exceed the limit on rays per pixel.
+[[nodiscard]] inline std::optional<std::string> refusal_of_samples(int samples, std::size_t lights) {
+  const auto rays = static_cast<std::int64_t>(lights) + 1;
+  if (rays <= most_rays_of_sample(samples)) return std::nullopt;
+  return "with " + std::to_string(lights) + " lights a pixel may take " +
+         std::to_string(std::max(samples, 1) * rays) + " rays, and at most " +
+         std::to_string(most_rays_of_pixel) + " are allowed";
+}
 
 /// A scene, and the settings of its picture; they begin with what a file need not say.
 struct SceneFile {

@@ -1,0 +1,152 @@
+// Reads Radiance HDR files (.hdr): linear light, in a pixel three numbers of 8 bits and their exponent.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "../image.hpp"
+#include "image_file.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::detail {
+
+inline bool is_hdr(std::string_view bytes) {
+  return bytes.starts_with("#?RADIANCE\n") || bytes.starts_with("#?RGBE\n");
+}
+
+/// Reads the header of an .hdr, then its scanlines. A scanline is flat, four bytes for each pixel; or its
+/// four channels follow each other, each as runs: a count up to 128 and as many bytes, or 128 more than a
+/// count of up to 127 and the byte that is repeated.
+class HdrReader {
+ public:
+  HdrReader(const ImageBytes& bytes, std::int64_t most_pixels) : bytes_(bytes) { read_header(most_pixels); }
+
+  [[nodiscard]] Image image() {
+    // A scanline takes at least this: flat four bytes a pixel, or four that say that there are runs, and for
+    // each channel two for a run of 127.
+    const std::int64_t flat = 4 * std::int64_t{width_},
+                       runs = 4 + 4 * 2 * ((std::int64_t{width_} + 126) / 127);
+    bytes_.require_bytes(height_ * (may_have_runs() ? std::min(flat, runs) : flat),
+                         static_cast<std::int64_t>(bytes_.size() - at_), "pixels");
+    std::array<float, 256> unit{};  // of an exponent; of 0 it is 0, whatever the numbers are
+    for (int e = 1; e < 256; ++e) unit[static_cast<std::size_t>(e)] = std::ldexp(1.0f, e - 136);
+    Image image(width_, height_);
+    std::vector<unsigned char> line(4 * static_cast<std::size_t>(width_));
+    for (row_ = 0; row_ < height_; ++row_) {
+      read_scanline(line);
+      for (int x = 0; x < width_; ++x) {
+        const unsigned char* const rgbe = &line[4 * static_cast<std::size_t>(x)];
+        const auto light = [&](int channel) { return static_cast<float>(rgbe[channel]) * unit[rgbe[3]]; };
+        image(x, row_) = {light(0), light(1), light(2)};
+      }
+    }
+    return image;
+  }
+
+ private:
+  /// The next line of the header.
+  std::string_view line() {
+    const std::size_t end = bytes_.all().find('\n', at_);
+    if (end == std::string_view::npos) bytes_.refuse_end("the header");
+    const std::string_view text = bytes_.all().substr(at_, end - at_);
+    at_ = end + 1;
+    return text;
+  }
+
+  void read_header(std::int64_t most_pixels) {
+    (void)line();  // is_hdr
+    bool has_format = false;
+    for (std::string_view text = line(); !text.empty(); text = line()) {
+      if (!text.starts_with("FORMAT=")) continue;
+      if (text != "FORMAT=32-bit_rle_rgbe")
+        bytes_.refuse('"' + std::string(text.substr(0, 60)) + "\" is not FORMAT=32-bit_rle_rgbe");
+      has_format = true;
+    }
+    if (!has_format) bytes_.refuse("there is no line FORMAT=32-bit_rle_rgbe in the header");
+    const std::string_view size = line();
+    std::string_view rest = size;
+    const auto height = side("-Y", rest), width = side("+X", rest);
+    if (!height || !width || !rest.empty())
+      bytes_.refuse('"' + std::string(size.substr(0, 60)) + "\" is not a size, -Y HEIGHT +X WIDTH");
+    bytes_.require_pixels(*width, *height, most_pixels);
+    width_ = *width;
+    height_ = *height;
+  }
+
+  /// Takes an axis and its length from the beginning of a text.
+  static std::optional<int> side(std::string_view axis, std::string_view& rest) {
+    const auto skip_blanks = [&] { rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size())); };
+    if (!rest.starts_with(axis)) return std::nullopt;
+    rest.remove_prefix(axis.size());
+    skip_blanks();
+    int length = 0;
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), length);
+    if (error != std::errc()) return std::nullopt;
+    rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+    skip_blanks();
+    return length;
+  }
+
+  /// Scanlines of other widths are flat.
+  [[nodiscard]] bool may_have_runs() const { return 8 <= width_ && width_ < 32768; }
+
+  [[nodiscard]] std::string place() const {
+    return "scanline " + std::to_string(row_) + " of " + std::to_string(height_);
+  }
+
+  std::string_view take(std::size_t count) {
+    const std::string_view part = bytes_.part(at_, count, place());
+    at_ += count;
+    return part;
+  }
+  unsigned char take_byte() { return static_cast<unsigned char>(take(1)[0]); }
+
+  void read_scanline(std::vector<unsigned char>& line) {
+    const std::string_view first = bytes_.part(at_, 4, place());
+    if (may_have_runs() && first.starts_with("\x02\x02") && static_cast<unsigned char>(first[2]) < 128) {
+      at_ += 4;
+      if (const std::uint32_t width = big_endian(first.substr(2));
+          width != static_cast<std::uint32_t>(width_))
+        bytes_.refuse(place() + " has " + std::to_string(width) + " pixels; the picture is " +
+                      std::to_string(width_) + " wide");
+      for (std::size_t channel = 0; channel < 4; ++channel) read_runs(line, channel);
+    } else {
+      const std::string_view flat = take(line.size());
+      std::copy(flat.begin(), flat.end(), line.begin());
+      for (std::size_t i = 0; i < line.size(); i += 4)
+        if (line[i] == 1 && line[i + 1] == 1 && line[i + 2] == 1)
+          bytes_.refuse(place() +
+                        " has a repeated pixel (1, 1, 1, n), the old form of a run, which is not read");
+    }
+  }
+
+  void read_runs(std::vector<unsigned char>& line, std::size_t channel) {
+    const std::size_t width = static_cast<std::size_t>(width_);
+    for (std::size_t x = 0; x < width;) {
+      const std::size_t start = at_;
+      const unsigned char code = take_byte();
+      const bool is_repeated = code > 128;
+      const std::size_t count = is_repeated ? code - 128u : code;
+      if (count == 0 || count > width - x)
+        bytes_.refuse(place() + " has a run of " + std::to_string(count) + " pixels at byte " +
+                      std::to_string(start) + "; allowed are 1 to " + std::to_string(width - x));
+      const std::string_view values = take(is_repeated ? 1 : count);
+      for (std::size_t i = 0; i < count; ++i, ++x)
+        line[4 * x + channel] = static_cast<unsigned char>(values[is_repeated ? 0 : i]);
+    }
+  }
+
+  ImageBytes bytes_;
+  std::size_t at_ = 0;  ///< the offset of what comes next
+  int width_ = 0, height_ = 0, row_ = 0;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::detail
