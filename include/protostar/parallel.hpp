@@ -19,12 +19,20 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
+/// Throws std::invalid_argument if the number of threads is negative.
+inline void require_threads(const RenderOptions& options) {
+  if (options.threads < 0)
+    throw std::invalid_argument("RenderOptions: threads must be 0 (all cores) or more; it is " +
+                                std::to_string(options.threads));
+}
+
 /// Calls work(i) for every i in [0, count), by as many threads as the options say. They take what comes next,
 /// so that none waits for another. The first exception ends all of them and is thrown in the caller's thread.
+/// Where the options leave the number to the machine, the threads that can be started share the work; a
+/// number that was asked for and cannot be had is a std::system_error.
 inline void for_each_in_parallel(int count, const RenderOptions& options,
                                  const std::function<void(int)>& work) {
-  if (options.threads < 0)
-    throw std::invalid_argument("RenderOptions: threads must be 0 (all cores) or more");
+  require_threads(options);
   const int wanted =
       options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
 
@@ -56,8 +64,9 @@ inline void for_each_in_parallel(int count, const RenderOptions& options,
     try {
       for (int i = 1; i < std::min(wanted, count); ++i) helpers.emplace_back([&] { run([] {}); });
     } catch (const std::system_error& error) {
-      fail(std::make_exception_ptr(
-          std::system_error(error.code(), "render: cannot start " + std::to_string(wanted) + " threads")));
+      if (options.threads > 0)
+        fail(std::make_exception_ptr(std::system_error(
+            error.code(), "render: cannot start " + std::to_string(wanted) + " threads; try 1 or 0")));
     }
     run(tell);
   }

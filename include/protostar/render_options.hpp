@@ -20,15 +20,14 @@ struct RenderStatistics {
   std::uint64_t rays_alone = 0;     ///< those of them that went by themselves, not with a packet
   std::uint64_t surface_tests = 0;  ///< of rays with surfaces, in double, or with the drawing of one
   std::uint64_t in_doubt = 0;  ///< tests that double could not decide for a packet, so that a ray went alone
-  std::uint64_t double_double = 0;   ///< roots worked out in double-double
-  std::uint64_t exact = 0;           ///< and from exact coefficients
+  std::uint64_t exact = 0;     ///< questions that double did not decide, answered without rounding
   std::uint64_t pixels_skipped = 0;  ///< that had no ray: of parts of tiles that see nothing, or all the same
 
   RenderStatistics& operator+=(const RenderStatistics& other) {
     camera_rays += other.camera_rays, other_rays += other.other_rays;
     rays_alone += other.rays_alone;
     surface_tests += other.surface_tests, in_doubt += other.in_doubt;
-    double_double += other.double_double, exact += other.exact;
+    exact += other.exact;
     pixels_skipped += other.pixels_skipped;
     return *this;
   }
@@ -56,7 +55,7 @@ struct Skips {
 struct RenderOptions {
   int samples = 0;  ///< rays through each pixel, of which it gets the mean (pixels.hpp); 0, as 1, its center
   Crop crop = {};   ///< the picture that the image is a part of
-  int threads = 0;  ///< how many work, the caller among them; 0: one for each core
+  int threads = 0;  ///< how many work, the caller among them; 0: one for each core, as far as they start
   std::stop_token stop = {};  ///< asked for, render returns early; other pixels stay as they were
   bool tiles = true;  ///< scenes are rendered by tiles and packets; without, ray by ray: the same picture
   Skips skips = {};   ///< what tiles do not do; by tiles only

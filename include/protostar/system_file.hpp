@@ -1,0 +1,390 @@
+// Files as the system writes them: by the descriptors of POSIX where there are such, else by the standard
+// library.
+#pragma once
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <random>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "platform.hpp"
+
+// A program may define PROTOSTAR_STANDARD_FILES, in all of its translation units, to do without POSIX.
+#if !defined(PROTOSTAR_STANDARD_FILES) && !defined(_WIN32) && __has_include(<dirent.h>) && \
+    __has_include(<fcntl.h>) && __has_include(<poll.h>) && __has_include(<sys/file.h>) && \
+    __has_include(<sys/stat.h>) && __has_include(<unistd.h>)
+#define PROTOSTAR_POSIX_FILES
+#include <dirent.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#if defined(__linux__) && __has_include(<sys/xattr.h>)
+#include <sys/xattr.h>
+#endif
+#else
+#include <cstdio>
+#endif
+
+namespace protostar::inline PROTOSTAR_ABI::detail {
+
+/// Why a file cannot be opened: an error number, 0 for none, and what is to be said besides the system's
+/// message.
+struct OpenError {
+  int number = 0;
+  const char* explanation = "";
+};
+
+/// The names of the temporary files for one target: a dot, the target's name, a dot, 16 random hexadecimal
+/// digits, and an ending. So the files that a killed process leaves behind are known by their names, and
+/// nobody can plant a file or a link under a name that is still to come.
+class TemporaryNames {
+ public:
+  explicit TemporaryNames(const std::string& target) {
+    // The least that a file system is known to allow a name is 143 bytes (eCryptfs); with 64 of the target's,
+    // a whole number of UTF-8 characters, ours have at most 96. Targets that begin alike share a prefix,
+    // which is harmless: nobody needs a leftover.
+    std::size_t length = std::min<std::size_t>(target.size(), 64);
+    while (length > 0 && length < target.size() &&
+           (static_cast<unsigned char>(target[length]) & 0xc0) == 0x80)
+      --length;
+    prefix_.append(target, 0, length).append(1, '.');
+  }
+
+  /// A name that no one can foresee. Throws what std::random_device throws if the system has no randomness.
+  [[nodiscard]] std::string another() const {
+    std::random_device random;
+    std::string name = prefix_;
+    while (name.size() < prefix_.size() + digits) {
+      std::uint32_t bits = random();
+      for (int i = 0; i < 8; ++i, bits >>= 4) name += hexadecimal[bits & 15];
+    }
+    return name += ending;
+  }
+
+  [[nodiscard]] bool contain(std::string_view name) const {
+    return name.size() == prefix_.size() + digits + ending.size() && name.starts_with(prefix_) &&
+           name.ends_with(ending) &&
+           name.substr(prefix_.size(), digits).find_first_not_of(hexadecimal) == std::string_view::npos;
+  }
+
+ private:
+  static constexpr std::size_t digits = 16;
+  static constexpr std::string_view hexadecimal = "0123456789abcdef", ending = ".protostar-tmp";
+  std::string prefix_ = ".";
+};
+
+#if defined(PROTOSTAR_POSIX_FILES)
+
+/// A descriptor, closed at the end; -1 for none, as open returns it.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int number) : number_(number) {}
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+  ~Descriptor() { close(); }
+
+  [[nodiscard]] int number() const { return number_; }
+  explicit operator bool() const { return number_ >= 0; }
+
+  /// Returns 0, or −1 with errno set: also a failure of an earlier write that shows only now.
+  int close() { return number_ < 0 ? 0 : ::close(std::exchange(number_, -1)); }
+
+ private:
+  int number_ = -1;
+};
+
+/// Whether a user may replace a file by renaming another to its name. In a sticky folder, such as /tmp, only
+/// the owner of the file, that of the folder, and root may.
+[[nodiscard]] inline bool may_replace(const struct stat& folder, const struct stat& file, uid_t user) {
+  return !(folder.st_mode & S_ISVTX) || user == 0 || user == file.st_uid || user == folder.st_uid;
+}
+
+/// Whether a file is mounted by itself over a name in a folder, as `docker run -v file:file` does. Such a
+/// name cannot be given to another file. Linux tells since 5.8; elsewhere the file is another device's than
+/// its folder, unless it is bound from the same one.
+[[nodiscard]] inline bool is_mount_point(const Descriptor& folder, const std::string& name,
+                                         const struct stat& of_folder, const struct stat& of_file) {
+#if defined(STATX_ATTR_MOUNT_ROOT)
+  struct statx status {};
+  if (::statx(folder.number(), name.c_str(), AT_SYMLINK_NOFOLLOW, 0, &status) == 0 &&
+      (status.stx_attributes_mask & STATX_ATTR_MOUNT_ROOT))
+    return (status.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0;
+#endif
+  static_cast<void>(folder), static_cast<void>(name);
+  return of_folder.st_dev != of_file.st_dev;
+}
+
+/// The permissions and other attributes of a file, copied to the file that replaces it.
+class Attributes {
+ public:
+  Attributes(const Descriptor& file, const struct stat& status) : status_(status) {
+#if defined(__linux__) && __has_include(<sys/xattr.h>)
+    const auto size = ::fgetxattr(file.number(), access_list, nullptr, 0);
+    if (size <= 0) return;
+    list_.resize(static_cast<std::size_t>(size));
+    if (::fgetxattr(file.number(), access_list, list_.data(), list_.size()) != size) list_.clear();
+#else
+    static_cast<void>(file);
+#endif
+  }
+
+  /// Gives a file the owner, the group, the access control list and the permissions, as far as the system
+  /// lets, but never a set-id or a sticky bit. Where the group or the list cannot be kept, the group gets no
+  /// more than others have.
+  void give_to(const Descriptor& file) const {
+    bool kept = true;
+#if defined(__linux__) && __has_include(<sys/xattr.h>)
+    if (!list_.empty()) kept = ::fsetxattr(file.number(), access_list, list_.data(), list_.size(), 0) == 0;
+#endif
+    if (::fchown(file.number(), status_.st_uid, status_.st_gid) != 0 &&  // only root gives files away
+        ::fchown(file.number(), static_cast<uid_t>(-1), status_.st_gid) != 0)
+      kept = false;
+    const mode_t mode = status_.st_mode & (S_IRWXU | S_IRWXG | S_IRWXO);
+    const mode_t others = mode & S_IRWXO;
+    // It fails where there are no permissions, and then none are lost.
+    static_cast<void>(::fchmod(file.number(), kept ? mode : (mode & S_IRWXU) | (others << 3) | others) == 0);
+  }
+
+ private:
+  static constexpr const char* access_list = "system.posix_acl_access";
+  struct stat status_;
+  std::string list_;  // as the system has it; empty: none
+};
+
+/// A file to be written: one that is there already, or a temporary one that takes a name when it is complete.
+///
+/// A process holds a lock on its temporary file until that has taken its name, and the system ends the lock
+/// with the process. So one without a lock is a leftover of a process that was killed. The functions return
+/// an error number, or 0.
+class SystemFile {
+ public:
+  SystemFile() = default;
+  SystemFile(const SystemFile&) = delete;
+  SystemFile& operator=(const SystemFile&) = delete;
+  ~SystemFile() {
+    if (!temporary_.empty()) ::unlinkat(folder_.number(), temporary_.c_str(), 0);
+  }
+
+  /// Opens a device or a pipe, or a file to which is appended.
+  [[nodiscard]] OpenError open_directly(const std::filesystem::path& path) {
+    file_ = Descriptor(::open(path.c_str(), O_WRONLY | O_APPEND | O_NOCTTY | O_CLOEXEC));
+    return {file_ ? 0 : errno};
+  }
+
+  /// Writes to what a descriptor of this process stands for, from where it stands.
+  [[nodiscard]] OpenError open_descriptor(int number) {
+    file_ = Descriptor(::fcntl(number, F_DUPFD_CLOEXEC, 0));
+    if (!file_) return {errno};
+    return {(::fcntl(number, F_GETFL) & O_ACCMODE) == O_RDONLY ? EBADF : 0};
+  }
+
+  /// Opens a temporary file for a target that does not exist, or is a regular file: that is replaced, or, if
+  /// it is a mount point, emptied by the first write.
+  [[nodiscard]] OpenError open_target(const std::filesystem::path& target, bool exists) {
+    const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
+    folder_ = Descriptor(::open(folder.c_str(), search_only | O_DIRECTORY | O_CLOEXEC));
+    if (!folder_) return {errno};
+    target_ = target.filename().string();
+    if (target_.empty()) return {ENOENT};
+    if (exists) {
+      // Who may not write to the old file may not replace it either.
+      Descriptor old(::openat(folder_.number(), target_.c_str(), O_WRONLY | not_followed));
+      struct stat of_folder {
+      }, of_file{};
+      if (!old || ::fstat(folder_.number(), &of_folder) != 0 || ::fstat(old.number(), &of_file) != 0)
+        return {errno};
+      if (is_mount_point(folder_, target_, of_folder, of_file)) {
+        file_ = std::move(old);
+        is_in_place_ = true;
+        return {};
+      }
+      if (!may_replace(of_folder, of_file, ::geteuid()))
+        return {EPERM, ", which belongs to another user, in a folder where only owners replace files"};
+      attributes_.emplace(old, of_file);
+    }
+    const TemporaryNames names(target_);
+    reclaim(names);
+    return {create(names,
+                   exists ? S_IRUSR | S_IWUSR : S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH)};
+  }
+
+  /// Whether the file itself is written, as one that cannot be replaced.
+  [[nodiscard]] bool is_in_place() const { return is_in_place_; }
+
+  [[nodiscard]] int write(const char* bytes, std::size_t size) {
+    if (is_in_place_ && !is_emptied_) {
+      if (::ftruncate(file_.number(), 0) != 0) return errno;
+      is_emptied_ = true;
+    }
+    while (size > 0) {
+      const auto count = ::write(file_.number(), bytes, size);
+      if (count >= 0) {
+        bytes += count;
+        size -= static_cast<std::size_t>(count);
+      } else if (errno == EAGAIN || errno == EWOULDBLOCK) {  // a pipe that somebody else made so
+        pollfd room{file_.number(), POLLOUT, 0};
+        ::poll(&room, 1, -1);
+      } else if (errno != EINTR) {
+        return errno;
+      }
+    }
+    return 0;
+  }
+
+  /// Ends the file, and gives a temporary one its name.
+  [[nodiscard]] int commit() {
+    if (temporary_.empty()) return file_.close() == 0 ? 0 : errno;
+    if (attributes_) attributes_->give_to(file_);
+    // Network file systems tell only when the file is closed that it could not be written; the copy keeps the
+    // lock.
+    const Descriptor lock(::fcntl(file_.number(), F_DUPFD_CLOEXEC, 0));
+    if (!lock || file_.close() != 0 ||
+        ::renameat(folder_.number(), temporary_.c_str(), folder_.number(), target_.c_str()) != 0)
+      return errno;
+    temporary_.clear();
+    return 0;
+  }
+
+ private:
+  // A folder need not be readable for files to be made in it.
+#if defined(O_PATH)
+  static constexpr int search_only = O_PATH;
+#elif defined(O_SEARCH)
+  static constexpr int search_only = O_SEARCH;
+#else
+  static constexpr int search_only = O_RDONLY;
+#endif
+  static constexpr int not_followed = O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
+
+  [[nodiscard]] int create(const TemporaryNames& names, mode_t mode) {
+    for (;;) {
+      temporary_ = names.another();
+      file_ = Descriptor(::openat(folder_.number(), temporary_.c_str(),
+                                  O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode));
+      if (!file_) {
+        temporary_.clear();
+        if (errno == EEXIST) continue;
+        return errno;
+      }
+      // Before it has a lock, another process may take the file for a leftover: then that has the lock, or
+      // the name is gone. A file system without locks has no leftovers taken away.
+      struct stat status {};
+      if ((::flock(file_.number(), LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) &&
+          ::fstatat(folder_.number(), temporary_.c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0)
+        return 0;
+      ::unlinkat(folder_.number(), temporary_.c_str(), 0);
+    }
+  }
+
+  /// Removes what killed processes left behind, as far as the folder may be read and they belong to this
+  /// user.
+  void reclaim(const TemporaryNames& names) const {
+    const int list = ::openat(folder_.number(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    DIR* const entries = list < 0 ? nullptr : ::fdopendir(list);
+    if (!entries) {
+      if (list >= 0) ::close(list);
+      return;
+    }
+    while (const dirent* entry = ::readdir(entries)) {
+      if (!names.contain(entry->d_name)) continue;
+      const Descriptor file(::openat(folder_.number(), entry->d_name, O_WRONLY | not_followed));
+      struct stat status {};
+      if (file && ::fstat(file.number(), &status) == 0 && S_ISREG(status.st_mode) &&
+          ::flock(file.number(), LOCK_EX | LOCK_NB) == 0)
+        ::unlinkat(folder_.number(), entry->d_name, 0);
+    }
+    ::closedir(entries);
+  }
+
+  Descriptor folder_, file_;
+  std::string target_, temporary_;        // names in the folder; no temporary one: empty
+  std::optional<Attributes> attributes_;  // of the file that is replaced
+  bool is_in_place_ = false, is_emptied_ = false;
+};
+
+#else
+
+/// A file to be written, by what every system has: no lock tells a leftover from a file that is being
+/// written, so that none is removed, no descriptor can be named, and of the old file's attributes the
+/// permissions are kept. The functions return an error number, or 0.
+class SystemFile {
+ public:
+  SystemFile() = default;
+  SystemFile(const SystemFile&) = delete;
+  SystemFile& operator=(const SystemFile&) = delete;
+  ~SystemFile() {
+    if (file_) std::fclose(file_);
+    std::error_code ignored;
+    if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
+  }
+
+  /// Opens a device or a pipe, or a file to which is appended.
+  [[nodiscard]] OpenError open_directly(const std::filesystem::path& path) { return {open(path, "ab")}; }
+
+  [[nodiscard]] OpenError open_descriptor(int) { return {EBADF}; }
+
+  /// Opens a temporary file for a target that does not exist, or is a regular file and is replaced.
+  [[nodiscard]] OpenError open_target(const std::filesystem::path& target, bool exists) {
+    if (target.filename().empty()) return {ENOENT};
+    target_ = target;
+    if (exists) {
+      if (const int error = open(target, "r+b")) return {error};  // who may not write may not replace
+      std::fclose(std::exchange(file_, nullptr));
+      std::error_code error;
+      permissions_ = std::filesystem::status(target, error).permissions() & std::filesystem::perms::all;
+    }
+    const TemporaryNames names(target.filename().string());
+    for (;;) {
+      const std::filesystem::path path = target.parent_path() / names.another();
+      const int error = open(path, "wbx");  // x: only if there is none of that name
+      if (error == EEXIST) continue;
+      if (error == 0) temporary_ = path;
+      return {error};
+    }
+  }
+
+  [[nodiscard]] bool is_in_place() const { return false; }
+
+  [[nodiscard]] int write(const char* bytes, std::size_t size) {
+    return std::fwrite(bytes, 1, size, file_) == size ? 0 : errno;
+  }
+
+  /// Ends the file, and gives a temporary one its name.
+  [[nodiscard]] int commit() {
+    if (std::fclose(std::exchange(file_, nullptr)) != 0) return errno;
+    if (temporary_.empty()) return 0;
+    std::error_code error;
+    if (permissions_ != std::filesystem::perms::unknown)
+      std::filesystem::permissions(temporary_, permissions_, error);  // as far as the system has any
+    std::filesystem::rename(temporary_, target_, error);
+    if (!error) temporary_.clear();
+    return error.value();
+  }
+
+ private:
+  [[nodiscard]] int open(const std::filesystem::path& path, const char* mode) {
+    file_ = std::fopen(path.string().c_str(), mode);
+    return file_ ? 0 : errno;
+  }
+
+  std::FILE* file_ = nullptr;
+  std::filesystem::path target_, temporary_;                              // no temporary one: empty
+  std::filesystem::perms permissions_ = std::filesystem::perms::unknown;  // of the file that is replaced
+};
+
+#endif
+
+}  // namespace protostar::inline PROTOSTAR_ABI::detail
