@@ -6,8 +6,8 @@ using namespace protostar;
 
 int main(int argc, char** argv) {
   SceneFile file;
-  const auto read = [&file](const std::filesystem::path& path) {
-    file = read_scene_file(path);
+  const auto read = [&file](const std::filesystem::path& path, const ReadOptions& options) {
+    file = read_scene_file(path, options);
     return StageDefaults{.integrator = file.integrator,
                          .width = file.width,
                          .height = file.height,

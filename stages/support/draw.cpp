@@ -7,6 +7,7 @@
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/transparency.hpp>
 #include <protostar/integrators/whitted.hpp>
+#include <stdexcept>
 #include <variant>
 
 #include "scene_pictures.hpp"
@@ -50,8 +51,13 @@ void draw(Image& image, const SceneFile& file, const std::string& integrator, co
                                                                     {"diffuse", {DiffuseIntegrator{}}},
                                                                     {"normal", {NormalIntegrator{}}},
                                                                     {"shadow", {ShadowIntegrator{}}}};
+  // Samples that the command line asks for are not those that the file was read with.
+  if (const auto refusal = refusal_of_samples(options.samples, file.scene.lights().size()))
+    throw std::runtime_error("--samples: " + *refusal);
   if (integrator == "binary") return draw_with(BinaryIntegrator{});
   if (integrator == "transparency") return draw_with(TransparencyIntegrator{});
-  if (integrator == "whitted") return draw_with(WhittedIntegrator{.depth = file.depth});
+  if (integrator == "whitted")
+    return draw_with(
+        WhittedIntegrator{.depth = file.depth, .most_rays = most_rays_of_sample(options.samples)});
   draw_with(first_hits.at(integrator));
 }

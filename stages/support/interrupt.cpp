@@ -5,6 +5,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <system_error>
 
 namespace {
 
@@ -29,10 +30,15 @@ bool is_ignored(int signal) {
 Interrupt::Interrupt() {
   const sigset_t signals = stop_signals();
   pthread_sigmask(SIG_BLOCK, &signals, &mask_before_);
-  listener_ = std::jthread([this](const std::stop_token& done) { listen(done); });
+  try {
+    listener_ = std::jthread([this](const std::stop_token& done) { listen(done); });
+  } catch (const std::system_error&) {
+    pthread_sigmask(SIG_SETMASK, &mask_before_, nullptr);
+  }
 }
 
 Interrupt::~Interrupt() {
+  if (!listens()) return;
   listener_.request_stop();
   pthread_kill(listener_.native_handle(), SIGTERM);  // wakes it, and it sees that this is the end
   listener_.join();

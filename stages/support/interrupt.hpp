@@ -6,17 +6,25 @@
 #include <stop_token>
 #include <thread>
 
-/// While one lives, SIGINT, SIGTERM and SIGHUP request a stop instead of ending the process at once, so that
-/// no half-written file is left. Work that does not look at its token for a tenth of a second is ended all
-/// the same: it holds no unfinished file, since whoever writes one looks at the token at every block. A
-/// signal that the process was started to ignore, as nohup and the shell's & do, stays ignored. Make it
-/// before any thread.
+/// While one lives, SIGINT, SIGTERM and SIGHUP request a stop: whoever writes a file looks at the token at
+/// every block, and removes what is not complete. If the work has not ended a tenth of a second later, the
+/// process is ended all the same, so that it lives for half a second at most. It may then have a temporary
+/// file, of which it was writing a block; as after SIGKILL, SIGQUIT and whatever else is not caught, the next
+/// OutputFile for the same target removes that. A signal that the process was started to ignore, as nohup and
+/// the shell's & do, stays ignored.
+///
+/// A thread waits for the signals. If the system starts none, listens() is false, and a signal ends the
+/// process at once, as it does one without an Interrupt. Make it before any other thread, so that all have
+/// the signals blocked.
 class Interrupt {
  public:
   Interrupt();
   ~Interrupt();
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
+
+  /// Whether a signal requests a stop.
+  bool listens() const { return listener_.joinable(); }
 
   std::stop_token token() const { return stop_.get_token(); }
 

@@ -8,12 +8,15 @@
 #include <cstdint>
 #include <protostar/image.hpp>
 #include <protostar/io/scene_file.hpp>
+#include <protostar/output_file.hpp>
 #include <protostar/version.hpp>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
+
+#include "message.hpp"
 
 namespace {
 
@@ -28,9 +31,28 @@ std::optional<T> number(std::string_view text) {
   return value;
 }
 
+/// What was found on the command line, as far as it fits into a line that says more.
+std::string found_text(std::string_view text) { return "'" + shortened(std::string(text), 200) + "'"; }
+
 /// Usage errors name the option, what was found and what is allowed.
 [[noreturn]] void refuse(const std::string& option, std::string_view found, const std::string& allowed) {
-  throw CLI::ValidationError(option, "'" + std::string(found) + "' is not " + allowed);
+  throw CLI::ValidationError(option, found_text(found) + " is not " + allowed);
+}
+
+/// Refuses what CLI11 takes as something else: --name= takes the next argument for its value, and a flag
+/// counts one that has a value, --help=3, as that many.
+void refuse_wrong_values(const CLI::App& app, int argc, const char* const* argv) {
+  for (int i = 1; i < argc && argv[i] != std::string_view("--"); ++i) {
+    const std::string_view argument = argv[i];
+    const std::size_t equals = argument.find('=');
+    if (!argument.starts_with('-') || equals == std::string_view::npos) continue;
+    const std::string name(argument.substr(0, equals));
+    const CLI::Option* option = app.get_option_no_throw(name);
+    if (option && option->get_items_expected_max() == 0)
+      throw CLI::ArgumentMismatch(name + " takes no value: " + found_text(argument));
+    if (option && equals == argument.size() - 1)
+      throw CLI::ArgumentMismatch(name + ": a value is missing: " + found_text(argument));
+  }
 }
 
 struct Size {
@@ -123,14 +145,14 @@ double read_finite(const std::string& option, std::string_view text) {
   return *value;
 }
 
-/// The format that a file's ending asks for. A device or a pipe has none and takes a PPM; a folder is left to
-/// the writer, whose error says what it is.
+/// The format that a file's ending asks for. A device, a pipe or a descriptor of this process by its name,
+/// such as /dev/fd/1, has none and takes a PPM, even if a regular file is open there; a folder is left to the
+/// writer, whose error says what it is.
 Options::Format format_of(const std::filesystem::path& path) {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  // What exists in /dev may lead to a regular file, as /dev/stdout does after the shell's >.
-  if (fs::exists(status) && (!fs::is_regular_file(status) || path.parent_path() == "/dev"))
+  if (fs::exists(status) && (!fs::is_regular_file(status) || protostar::OutputFile::descriptor_of(path)))
     return Options::Format::ppm;
 
   std::string name = path.string();
@@ -162,10 +184,11 @@ std::string ending_of(Options::Format format) {
 
 std::optional<Options> parse_options(int argc, const char* const* argv, const StageDefaults& defaults,
                                      const std::string& program, int& status) {
-  Options options{.plain = defaults.plain, .numbers = defaults.numbers};
+  Options options{.program = program, .plain = defaults.plain, .numbers = defaults.numbers};
   std::vector<std::string> numbers(options.numbers.size());
   std::string output = options.output.string(), size, threads, bits, transfer;
   std::string scene, integrator, samples, crop;
+  bool confine = false;
   const bool of_scene = static_cast<bool>(defaults.read_scene);
   const auto or_of_scene = [&](const std::string& text) { return of_scene ? "the scene's" : text; };
 
@@ -181,7 +204,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
                      or_of_scene(std::to_string(defaults.width) + "x" + std::to_string(defaults.height)) +
                      "]")
       ->type_name("WxH");
-  app.add_option("--threads", threads, "How many work on it; 0: all cores [0]")->type_name("N");
+  app.add_option("--threads", threads, "How many threads work on it; 0: one for each core [0]")
+      ->type_name("N");
   app.add_option("--bits", bits, "Bits per channel of a .ppm: 8 or 16 [8]")->type_name("8|16");
   app.add_option("--transfer", transfer,
                  "How light becomes numbers: the sRGB curve, as it is, or its G-th root [" +
@@ -198,16 +222,17 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
         ->type_name("N");
     app.add_option("--crop", crop, "Only W x H pixels of the picture, from column X and row Y on")
         ->type_name("X,Y,W,H");
+    app.add_flag("--confine", confine, "Refuse images and meshes that are not inside the scene's folder")
+        ->disable_flag_override();
   }
   for (std::size_t i = 0; i < numbers.size(); ++i)
     app.add_option(options.numbers[i].name, numbers[i], options.numbers[i].help)->type_name("X");
-  app.add_flag("--plain", options.plain,
-               std::string("Write the .ppm as decimal numbers (P3)") +
-                   (defaults.plain ? ", as here without it" : ""))
-      ->disable_flag_override();
-  app.add_flag("--quiet", options.quiet, "Print nothing but errors")->disable_flag_override();
+  app.add_flag(
+      "--plain", options.plain,
+      std::string("Write the .ppm as decimal numbers (P3)") + (defaults.plain ? ", as here without it" : ""));
+  app.add_flag("--quiet", options.quiet, "Print nothing but errors");
   app.failure_message([](const CLI::App* of, const CLI::Error& error) {
-    return of->get_name() + ": " + error.what() + "\nRun with --help for what is allowed.\n";
+    return error_line(of->get_name(), error.what()) + "Run with --help for what is allowed.\n";
   });
 
   const auto given = [&app](const char* option) {
@@ -216,7 +241,14 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   };
 
   try {
-    app.parse(argc, argv);
+    refuse_wrong_values(app, argc, argv);
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ExtrasError&) {
+      std::vector<std::string> unexpected = app.remaining();
+      for (std::string& argument : unexpected) argument = found_text(argument);
+      throw CLI::ExtrasError(unexpected);
+    }
     options.output = output;
     options.format = format_of(options.output);
     std::optional<Size> own_size;
@@ -259,7 +291,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
       if (part) crop_to(*part, crop, options);
     };
     if (own_size) crop_to_part(*own_size);
-    const StageDefaults settings = of_scene ? defaults.read_scene(scene) : defaults;
+    const StageDefaults settings =
+        of_scene ? defaults.read_scene(scene, {.confine = confine, .threads = options.threads}) : defaults;
     if (!own_size) crop_to_part({settings.width, settings.height});
     options.integrator = own_integrator.value_or(settings.integrator);
     options.samples = own_samples.value_or(settings.samples);

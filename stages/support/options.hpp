@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <protostar/encode.hpp>
+#include <protostar/io/read_options.hpp>
 #include <protostar/render_options.hpp>
 #include <protostar/tone.hpp>
 #include <string>
@@ -27,7 +28,7 @@ struct StageDefaults {
   int samples = 0;
 
   /// Of a program that draws scene files: reads one, and says what it asks for.
-  std::function<StageDefaults(const std::filesystem::path&)> read_scene = {};
+  std::function<StageDefaults(const std::filesystem::path&, const protostar::ReadOptions&)> read_scene = {};
 };
 
 /// What the user asked for, checked as far as it can be without touching a file.
@@ -37,6 +38,7 @@ struct Options {
   /// Whether the file holds the light itself: nothing is encoded, nothing above 1 has to be cut.
   [[nodiscard]] bool is_linear() const { return format == Format::pfm || format == Format::hdr; }
 
+  std::string program = {};  ///< whose lines these are
   std::filesystem::path output = "out.ppm";
   Format format = Format::ppm;
   int width = 0, height = 0;

@@ -5,4 +5,6 @@
 
 using namespace protostar;
 
-SceneFile read_scene_file(const std::filesystem::path& path) { return read_scene(path); }
+SceneFile read_scene_file(const std::filesystem::path& path, const ReadOptions& options) {
+  return read_scene(path, options);
+}

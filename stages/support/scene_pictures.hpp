@@ -2,12 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <protostar/io/read_options.hpp>
 #include <protostar/io/scene_file.hpp>
 #include <protostar/render.hpp>
 #include <string>
 
 /// Reads a scene file, as protostar::read_scene does.
-protostar::SceneFile read_scene_file(const std::filesystem::path& path);
+protostar::SceneFile read_scene_file(const std::filesystem::path& path,
+                                     const protostar::ReadOptions& options = {});
 
 /// Fills an image with what a scene's camera sees, by the integrator of that name.
 void draw(protostar::Image& image, const protostar::SceneFile& file, const std::string& integrator,

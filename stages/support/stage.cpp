@@ -1,5 +1,6 @@
 #include "stage.hpp"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -15,14 +16,17 @@
 #include <protostar/encode.hpp>
 #include <protostar/io/hdr.hpp>
 #include <protostar/io/png.hpp>
+#include <protostar/output_file.hpp>
 #include <protostar/pfm.hpp>
 #include <protostar/ppm.hpp>
+#include <protostar/shown.hpp>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "interrupt.hpp"
+#include "message.hpp"
 
 using namespace protostar;
 
@@ -57,15 +61,26 @@ Stage::Stage(const Options& options, std::stop_token stop)
     : options_(options), stop_(std::move(stop)), progress_(options.quiet) {}
 
 Image Stage::image() const {
-  // Making a file and not committing it changes nothing, but fails where saving would. Devices and pipes are
-  // left alone: for those, being opened is an event.
-  std::error_code error;
-  const auto status = std::filesystem::status(options_.output, error);
-  if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status) ||
-      std::filesystem::is_directory(status))
-    OutputFile{options_.output};
+  if (options_.format == Options::Format::png) check_png_size(options_.width, options_.height);
+  check_output();
   if (draws_more()) return Image(options_.crop.width, options_.crop.height);
   return Image(options_.width, options_.height);
+}
+
+void Stage::check_output() const {
+  const std::filesystem::path& path = options_.output;
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  const bool is_device = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+                         !std::filesystem::is_directory(status);
+  if (is_device && !OutputFile::descriptor_of(path)) {
+    // To a pipe or a device, being opened is an event, so that it is only asked.
+    if (faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) != 0)
+      throw std::system_error(errno, std::generic_category(), "cannot write '" + path.string() + "'");
+  } else if (OutputFile(path).is_in_place() && !options_.quiet) {
+    print_error(options_.program,
+                "cannot replace '" + path.string() + "', which is a mount point: it is written in place");
+  }
 }
 
 RenderOptions Stage::render_options() {
@@ -92,7 +107,7 @@ void Stage::save(const Image& image) {
   std::array<char, 128> times;
   std::snprintf(times.data(), times.size(), ", rendered in %.2f ms, written in %.2f ms",
                 milliseconds(rendered - start_), milliseconds(Clock::now() - rendered));
-  print(options_.output.string() + ": " + std::to_string(options_.width) + "x" +
+  print(shown(options_.output.string()) + ": " + std::to_string(options_.width) + "x" +
         std::to_string(options_.height) + ", " + options_.integrator + times.data());
 }
 
@@ -117,7 +132,7 @@ double Stage::number(const std::string& option) const {
 
 void Stage::print(const std::string& line) const {
   if (stop_.stop_requested() || options_.quiet) return;
-  std::fprintf(is_stdout(options_.output) ? stderr : stdout, "%s\n", line.c_str());
+  std::fprintf(is_stdout(options_.output) ? stderr : stdout, "%s\n", shown(line).c_str());
 }
 
 bool Stage::draws_more() const {
@@ -146,6 +161,11 @@ int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::f
     const auto options = parse_options(argc, argv, defaults, program, status);
     if (options) {
       const Interrupt interrupt;
+      if (!interrupt.listens() && !options->quiet)
+        print_error(
+            program,
+            "Ctrl-C is not caught, since no thread can be started that waits for it: it ends the program "
+            "at once, and what it leaves of a file the next run removes");
       Stage stage(*options, interrupt.token());
       draw(stage);
       if (interrupt.signal() != 0) return 128 + interrupt.signal();
@@ -153,9 +173,9 @@ int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::f
     flush(stdout, "standard output");
     return status;
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "%s: not enough memory for an image of this size\n", program.c_str());
+    print_error(program, "not enough memory for an image of this size");
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: %s\n", program.c_str(), error.what());
+    print_error(program, error.what());
   }
   return 1;
 }

@@ -16,8 +16,8 @@ class Stage {
  public:
   Stage(const Options& options, std::stop_token stop);
 
-  /// A black image to be drawn: the picture, or the part of it that was asked for. Throws std::system_error
-  /// right away if it could not be saved later.
+  /// A black image to be drawn: the picture, or the part of it that was asked for. Throws std::system_error,
+  /// or std::length_error for a size that the format cannot have, right away if it could not be saved later.
   protostar::Image image() const;
 
   /// What light the rays bring, by the name of the integrator.
@@ -45,6 +45,10 @@ class Stage {
   /// Whether all of the picture is drawn though a part of it is asked for, as its largest channel says how
   /// light the part is.
   bool draws_more() const;
+
+  /// Throws std::system_error if the file could not be written, as far as that is known without writing it,
+  /// and says so if it cannot be replaced.
+  void check_output() const;
 
   /// Prints a line, unless the user wants none.
   void print(const std::string& line) const;
