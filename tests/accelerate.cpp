@@ -1,4 +1,6 @@
 #include <protostar/accel/accelerate.hpp>
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/render.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/disk.hpp>
@@ -13,6 +15,7 @@
 
 #include "support/catch.hpp"
 #include "support/cylinder.hpp"
+#include "support/errors.hpp"
 #include "support/random.hpp"
 
 using namespace protostar;
@@ -285,7 +288,7 @@ TEST_CASE("surfaces whose bounds overflow, or nearly do, are met as in the plain
   Scene<Sphere, LooseCube> scene;
   int i = 0;
   for (; i < 2100; ++i) scene.add(Sphere{random.point(1), random.real(0.01, 0.05)}, number(i));
-  scene.add(Sphere{.center = {1e308, 0, 0}, .radius = 1.7e308}, number(i++));
+  scene.add(Sphere{.center = {1e120, 0, 0}, .radius = 1.7e120}, number(i++));
   for (; i < 2150; ++i) scene.add(LooseCube{{random.point(1), random.real(0.05, 0.3)}}, number(i));
   scene.add(LooseCube{{Point{0}, 0.5}, 1e200}, number(i));
   CHECK(compare(scene, random, Point{0}, 1.5, 40) > 100);
@@ -323,6 +326,51 @@ TEST_CASE("the tree of many surfaces is built by as many threads as the options 
   for (int i = 0; i < 10000; ++i) scene.add(Sphere{.center = Point(i), .radius = 1}, Color{1});
   CHECK_NOTHROW(accelerate(scene, {.samples = -1, .threads = 2}));  // which it has no use for
   CHECK_THROWS_AS(accelerate(scene, {.threads = -1}), std::invalid_argument);
+  const Scene<Sphere, Plane> few;  // which one thread is enough for
+  CHECK_THROWS_AS(accelerate(few, {.threads = -1}), std::invalid_argument);
+}
+
+TEST_CASE("an accelerated scene refuses to answer for a scene whose surfaces have become more or fewer") {
+  Scene<Sphere, Cylinder> scene;
+  scene.add(Sphere{.center = {0, 0, 5}, .radius = 1}, Color{1});
+  const auto fast = accelerate(scene);
+  const Ray ray;
+  const auto hit_in_front = [&] {
+    const auto hit = fast.intersect(ray);
+    return hit ? hit->t : infinity;
+  };
+  CHECK(hit_in_front() == 4);
+
+  // Lights and sky are not in the tree.
+  scene.add(PointLight{.power = Color{1}});
+  scene.set_sky(Color{0.5f});
+  CHECK(hit_in_front() == 4);
+  CHECK(fast.lights().size() == 1);
+
+  const auto refuses = [&](const char* sentence) {
+    Image image(4, 4);
+    bool asked = false;
+    const auto is_asked = [&](const Ray&, const auto&) { return asked = true, Color{0}; };
+    const std::function<void()> uses[] = {
+        [&] { static_cast<void>(fast.intersect(ray)); },
+        [&] { static_cast<void>(fast.occluded(ray)); },
+        [&] { fast.crossings(ray, Interval{}, [](const Intersection&) {}); },
+        [&] { render(image, Camera{}, fast, ShadowIntegrator{}); },
+        [&] { render(image, Camera{}, fast, ShadowIntegrator{}, {.tiles = false}); },
+        [&] { render(image, Camera{}, fast, is_asked); },
+        [&] { render(image, Camera{}, fast, is_asked, {.tiles = false}); },
+    };
+    for (const auto& use : uses) CHECK_THAT(message_of<std::logic_error>(use), ContainsSubstring(sentence));
+    CHECK_FALSE(asked);
+  };
+  scene.add(Sphere{.center = {0, 0, 2}, .radius = 1}, Color{1});
+  refuses("the scene had 1, 0 surfaces of its types when it was accelerated, and now has 2, 0");
+  CHECK(accelerate(scene).intersect(ray)->t == 1);
+
+  scene = {};
+  refuses("the scene had 1, 0 surfaces of its types when it was accelerated, and now has 0, 0");
+  scene.add(Cylinder{}, Color{1});  // as many, of another type
+  refuses("the scene had 1, 0 surfaces of its types when it was accelerated, and now has 0, 1");
 }
 
 TEST_CASE("an empty scene, accelerated, is a miss and dark") {

@@ -277,6 +277,49 @@ TEST_CASE("each face has its normal, its plane and its u and v along the next tw
   CHECK(box.bounds().max == box.max);
 }
 
+TEST_CASE("a ray that leaves a face inwards nearly along it meets the other end of the box") {
+  const Box box;
+  Scene<Box> scene;
+  scene.add(box, Color{1});
+  const auto hit = scene.intersect({{0, 2.5, 0}, {0, -5.875, 0}});
+  REQUIRE(hit);
+  for (const double down : {1.0, 0x1p-53, 0x1p-60, 0x1p-1000}) {
+    CAPTURE(down);
+    const auto out = scene.intersect(hit->leave({1, -down, 0}));
+    REQUIRE(out);
+    CHECK(out->t == 1);
+    CHECK_FALSE(scene.intersect(hit->leave({1, down, 0})));
+  }
+}
+
+TEST_CASE("a ray that leaves a face inwards meets the box once, next to an edge and far from the origin") {
+  Random random(38);
+  int inwards = 0, missed = 0;
+  for (const double far : {0.0, 1.0, 1e6, 1e14}) {
+    Scene<Box> scene;
+    scene.add(Box{{far - 1, -far - 1, -1}, {far + 1, -far + 1, 1}}, Color{1});
+    const auto tree = accelerate(scene);
+    for (int i = 0; i < 20000; ++i) {
+      const Point middle{far, -far, 0};
+      Point target = middle + random.point(1);
+      if (i % 2 == 0) target[i / 2 % 3] = std::round(target[i / 2 % 3]) + random.real(-1, 1) * 0x1p-50;
+      const Point eye = middle + random.point(4);
+      const Ray ray{eye, target - eye};
+      const auto hit = scene.intersect(ray);
+      if (!hit) continue;
+      const Vec3 direction = random.direction();
+      const Ray left = hit->leave(direction);
+      const bool is_inwards = dot(hit->normal(), direction) < 0;
+      inwards += is_inwards;
+      missed += scene.intersect(left).has_value() != is_inwards;
+      missed += tree.intersect(left).has_value() != is_inwards;
+      missed += tree.occluded(left) != is_inwards;
+    }
+  }
+  CHECK(inwards > 10000);
+  CHECK(missed == 0);
+}
+
 TEST_CASE("a box that a ray leaves is met again only inwards, and then at the other side") {
   Random random(34);
   int inwards = 0, outwards = 0, wrong = 0;
@@ -291,7 +334,7 @@ TEST_CASE("a box that a ray leaves is met again only inwards, and then at the ot
       const bool is_inwards = dot(left.direction, box.normal_at({}, crossing.part)) < 0;
       ++(is_inwards ? inwards : outwards);
       wrong += ahead.size() != (is_inwards ? 1 : 0);
-      // Nothing else is known of the ray than that it leaves: all but that face is as the origin says.
+      // All but that face is as the digits of the origin say.
       if (ahead.size() == 1)
         wrong += ahead[0].part == crossing.part ||
                  ahead[0].t != crossings(box, {left.origin, left.direction}).back().t;
@@ -320,9 +363,11 @@ TEST_CASE("a ray that leaves a floor, a board or another box does not meet the f
       CHECK(beside[0].part == 0);
     }
   }
-  // Through an edge, as far as double tells: the face that is left is the one that counts.
-  const Ray edge{{-1 - ulp, -ulp, 0}, {1, 1, 0}, floor};
-  CHECK(crossings(box, edge, {}).size() == 1);
+  // The origin is in the floor by definition and beside the box by its digits, from where the ray rises into
+  // the box through the face at its side.
+  const auto through_side = crossings(box, {{-1 - ulp, -ulp, 0}, {1, 1, 0}, floor}, {});
+  REQUIRE(through_side.size() == 2);
+  CHECK(through_side[0].part == 0);
   const Departure other = Plane{{0, 1, 0}, 0x1p-60}.departure();
   CHECK(crossings(box, {{0, -1e-17, 0}, {0.1, 1, 0}, other}, {}).size() == 2);
   // A flat box has both its faces there.
@@ -370,7 +415,8 @@ TEST_CASE("a box that makes no sense is refused") {
     for (int axis = 0; axis < 3; ++axis) {
       Box min, max;
       min.min[axis] = bad, max.max[axis] = bad;
-      const std::string is = std::string(1, "xyz"[axis]) + " = " + shown + " must be finite";
+      const std::string is =
+          std::string(1, "xyz"[axis]) + " = " + shown + " must be at most 2^400 (2.6e120) in magnitude";
       CHECK(says(min) == "Box: min." + is);
       CHECK(says(max) == "Box: max." + is);
     }

@@ -92,6 +92,10 @@ TEST_CASE("a camera whose numbers are not finite is refused") {
         CHECK_THAT(message_of<std::invalid_argument>([&] { camera.validate(); }),
                    ContainsSubstring("Camera") && ContainsSubstring("finite"));
       }
+  CHECK_THAT(message_of<std::invalid_argument>([] {
+               Camera{.position = {0, 1e121, 0}}.validate();
+             }),
+             ContainsSubstring("Camera: position must have numbers at most 2^400"));
 }
 
 TEST_CASE("a camera whose directions do not span space is refused") {

@@ -1,6 +1,8 @@
 // The stages as a user runs them: every option, what is refused, what fails, where the picture may go.
 #include <fcntl.h>
 #include <linux/capability.h>
+#include <sched.h>
+#include <sys/mount.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -26,14 +28,7 @@
 #include "support/catch.hpp"
 #include "support/files.hpp"
 #include "support/process.hpp"
-
-#if defined(__SANITIZE_ADDRESS__)
-#define ADDRESS_SANITIZER
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define ADDRESS_SANITIZER
-#endif
-#endif
+#include "support/sanitizers.hpp"
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
@@ -335,8 +330,13 @@ TEST_CASE("what is wrong on the command line is named, with what would be right,
       {"-o", {"-o", "FILE", "missing"}},
       not_allowed("--size", "--quiet", size),
       {"-o a.ppm -o b.ppm", {"-o", "1", "2"}},
-      {"--plain=false", {"plain"}},
-      {"--quiet=7", {"quiet"}},
+      {"--plain=false", {"--plain takes no value: '--plain=false'"}},
+      {"--quiet=7", {"--quiet takes no value: '--quiet=7'"}},
+      {"--help=3", {"--help takes no value: '--help=3'"}},
+      {"-h=3", {"-h takes no value: '-h=3'"}},
+      {"--version=2", {"--version takes no value: '--version=2'"}},
+      {"--size= 3x3", {"--size: a value is missing: '--size='"}},
+      {"--size=", {"--size: a value is missing: '--size='"}},
       {"--bits 16 -o a.png", {"--bits: '16' is not possible in .png; .ppm can have 16 bits"}},
       {"--bits 16 -o a.PFM", {"--bits: '16' is not possible in .pfm; .ppm can have 16 bits"}},
       {"--bits 16 -o a.hdr", {"--bits: '16' is not possible in .hdr; .ppm can have 16 bits"}},
@@ -366,6 +366,48 @@ TEST_CASE("an empty value is no value") {
   CHECK(outcome.status == 2);
   CHECK(outcome.err.starts_with("09_shadow: " + option + ": '' is not "));
   CHECK(folder.count() == 0);
+}
+
+TEST_CASE("a value of any length is named by its beginning and its end") {
+  const TemporaryFolder folder;
+  const std::string value = "begin" + std::string(5000, 'x') + "the end";
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"--size", value}, {"--transfer", value}, {"-o", value}, {value}, {"--" + value}}) {
+    CAPTURE(arguments[0].substr(0, 20));
+    const Outcome outcome = run(stage("09_shadow", arguments, folder / ""));
+    CHECK(outcome.status == 2);
+    CHECK_THAT(outcome.err, ContainsSubstring("begin"));
+    CHECK_THAT(outcome.err, ContainsSubstring("the end"));
+    CHECK(outcome.err.size() < 500);
+  }
+  const Outcome outcome = run(stage("09_shadow", {"-o", value + ".ppm"}, folder / ""));
+  CHECK(outcome.status == 1);
+  CHECK(outcome.err.starts_with("09_shadow: cannot write 'beginxxx"));
+  CHECK(outcome.err.ends_with("xxthe end.ppm': " + std::generic_category().message(ENAMETOOLONG) + "\n"));
+  CHECK(outcome.err.size() < 600);
+  CHECK(folder.count() == 0);
+}
+
+TEST_CASE("control characters of names and values are shown as \\x and two digits, and not sent") {
+  const TemporaryFolder folder;
+  const std::string name = "a\x1b[31m\n\x9b\x7f ü.ppm", name_shown = "a\\x1b[31m\\x0a\\x9b\\x7f ü.ppm";
+  const auto outcome_of = [&](const std::vector<std::string>& arguments) {
+    Outcome outcome = run(stage("09_shadow", arguments, folder / ""));
+    for (const std::string& text : {outcome.out, outcome.err})
+      CHECK(text.find_first_of("\x1b\x9b\x7f") == std::string::npos);
+    return outcome;
+  };
+  const Outcome drawn = outcome_of({"--size", "8x8", "-o", name});
+  CHECK(drawn.status == 0);
+  CHECK(drawn.out.starts_with(name_shown + ": 8x8, "));
+  CHECK(fs::exists(folder / name));
+
+  CHECK(outcome_of({"-o", "none/" + name}).err == cannot_write("09_shadow", "none/" + name_shown, ENOENT));
+  CHECK_THAT(outcome_of({"-o", name + ".gz"}).err, ContainsSubstring("-o: '" + name_shown + ".gz' is not"));
+  CHECK_THAT(outcome_of({"--size", name}).err, ContainsSubstring("--size: '" + name_shown + "' is not"));
+  CHECK_THAT(outcome_of({name}).err, ContainsSubstring("'" + name_shown + "'"));
+  CHECK_THAT(outcome_of({"--" + name}).err, ContainsSubstring("'--" + name_shown + "'"));
+  CHECK_THAT(outcome_of({"--quiet=" + name}).err, ContainsSubstring("'--quiet=" + name_shown + "'"));
 }
 
 TEST_CASE("an error in usage leaves an old file as it was") {
@@ -409,7 +451,51 @@ TEST_CASE("a picture that cannot be written is not drawn first") {
   const TemporaryFolder folder;
   const auto start = std::chrono::steady_clock::now();
   CHECK(run_stage("09_shadow", "--size 16384x16384 -o missing/a.ppm", folder).status == 1);
-  CHECK(std::chrono::steady_clock::now() - start < 1s);
+  CHECK(run_stage("09_shadow", "--size 1x268435456 -o a.png", folder).err ==
+        "09_shadow: save_png: an image of 1x268435456 is too large for PNG; save it as .ppm\n");
+  CHECK(run_stage("09_shadow", "--size 268435456x1 -o a.png", folder).status == 1);
+  CHECK(mkfifo((folder / "locked").c_str(), 0400) == 0);
+  const Outcome locked = run_stage("09_shadow", "--size 16384x16384 -o locked", folder, respect_permissions);
+  CHECK(locked.err == cannot_write("09_shadow", "locked", EACCES));
+  CHECK(std::chrono::steady_clock::now() - start < 4s);  // drawing any of them takes longer
+  CHECK(folder.count() == 1);
+}
+
+TEST_CASE("a file that is a mount point, as one of Docker's, is written in place, and a line says so") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "of the host.ppm", std::string(1000, 'x'));
+  put_bytes(folder / "mounted.ppm", "");
+  const std::string from = (folder / "of the host.ppm").string(), to = (folder / "mounted.ppm").string();
+  constexpr int not_possible = 99;
+  const auto mounted = [&] {
+    if (unshare(CLONE_NEWNS) != 0 || mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
+        mount(from.c_str(), to.c_str(), nullptr, MS_BIND, nullptr) != 0)
+      _exit(not_possible);
+  };
+  const Outcome outcome = run_stage("09_shadow", "--size 3x2 -o mounted.ppm", folder, mounted);
+  if (outcome.status == not_possible) {
+    WARN("not tested: this process may not mount");
+    return;
+  }
+  CHECK(outcome.status == 0);
+  CHECK(outcome.err ==
+        "09_shadow: cannot replace 'mounted.ppm', which is a mount point: it is written in place\n");
+  CHECK(outcome.out.starts_with("mounted.ppm: 3x2, "));
+  CHECK(bytes_of(folder / "of the host.ppm") == picture("09_shadow", "--size 3x2"));
+  CHECK(bytes_of(folder / "mounted.ppm") == "");
+  CHECK(folder.count() == 2);
+  CHECK(run_stage("09_shadow", "--size 3x2 --quiet -o mounted.ppm", folder, mounted).err == "");
+
+  // A render that is stopped before the first byte is written leaves it as it was.
+  put_bytes(folder / "of the host.ppm", "old");
+  Command slow = stage("15_csg", words("--size 4000x4000 --threads 1 -o mounted.ppm"), folder / "");
+  slow.before = mounted;
+  Process process(slow);
+  process.wait_for_thread();
+  std::this_thread::sleep_for(100ms);
+  process.send(SIGTERM);
+  CHECK(process.wait().status == 128 + SIGTERM);
+  CHECK(bytes_of(folder / "of the host.ppm") == "old");
 }
 
 TEST_CASE("a file that cannot be completed leaves the old one as it was and no other") {
@@ -487,6 +573,43 @@ TEST_CASE("/dev/stdout may lead to a file") {
   CHECK(folder.count() == 1);
 }
 
+TEST_CASE("a descriptor by its name is written as PPM where it stands, behind what is there") {
+  struct Row {
+    const char* path;
+    int number;
+    int flags;
+  };
+  const Row row = GENERATE(Row{"/dev/stdout", 1, 0}, Row{"/dev/fd/1", 1, 0}, Row{"/proc/self/fd/1", 1, 0},
+                           Row{"/dev/stderr", 2, 0}, Row{"/dev/fd/2", 2, 0}, Row{"/dev/fd/7", 7, 0},
+                           Row{"/dev/stdout", 1, O_APPEND}, Row{"/dev/fd/1", 1, O_APPEND});
+  CAPTURE(row.path, row.flags);
+  const TemporaryFolder folder;
+  const std::string path = (folder / "redirected").string();
+  put_bytes(path, "what was there");
+  const auto redirect = [&path, row] {
+    dup2(open(path.c_str(), O_RDWR | row.flags), row.number);
+    if (write(row.number, "other output, ", 14) != 14) _exit(127);
+  };
+  const Outcome outcome =
+      run_stage("09_shadow", std::string("--size 32x24 -o ") + row.path, folder, redirect);
+  CHECK(outcome.status == 0);
+  const std::string before = row.flags == 0 ? "other output, " : "what was thereother output, ";
+  const bool is_behind = bytes_of(path) == before + picture("09_shadow", "--size 32x24");
+  CHECK(is_behind);
+  CHECK_THAT(row.number == 1 ? outcome.err : outcome.out,
+             ContainsSubstring(std::string(row.path) + ": 32x24, "));
+  CHECK(folder.count() == 1);
+}
+
+TEST_CASE("a descriptor that is open for reading alone is refused before the picture is drawn") {
+  const TemporaryFolder folder;
+  const auto start = std::chrono::steady_clock::now();
+  const Outcome outcome = run_stage("09_shadow", "--size 16384x16384 -o /dev/fd/7", folder,
+                                    [] { dup2(open("/dev/null", O_RDONLY), 7); });
+  CHECK(std::chrono::steady_clock::now() - start < 1s);
+  CHECK(outcome.err == cannot_write("09_shadow", "/dev/fd/7", EBADF));
+}
+
 TEST_CASE("devices and pipes are written directly and stay what they are") {
   const TemporaryFolder folder;
   const std::string pipe = (folder / "pipe.png").string();  // whatever its ending
@@ -527,6 +650,32 @@ TEST_CASE("a closed stdout is no file to write to") {
   CHECK(outcome.status == 2);
   CHECK_THAT(outcome.err, ContainsSubstring("-o: '/dev/stdout' is not "));
   CHECK(fs::is_symlink("/dev/stdout"));
+}
+
+TEST_CASE("without a thread to be had a picture is drawn by the one there is, unless more are asked for") {
+  const TemporaryFolder folder;
+  const std::string not_caught =
+      "09_shadow: Ctrl-C is not caught, since no thread can be started that waits for it: it ends the "
+      "program "
+      "at once, and what it leaves of a file the next run removes\n";
+  const auto outcome_of = [&](const std::string& options) {
+    return run_stage("09_shadow", "--size 130x70 " + options, folder, forbid_threads);
+  };
+  const std::string expected = picture("09_shadow", "--size 130x70");
+  for (const char* threads : {"1", "0"}) {
+    const Outcome outcome = outcome_of(std::string("--threads ") + threads);
+    CHECK(outcome.status == 0);
+    CHECK(outcome.err == not_caught);
+    CHECK(bytes_of(folder / "out.ppm") == expected);
+    fs::remove(folder / "out.ppm");
+  }
+  CHECK(outcome_of("--quiet --threads 1").err == "");
+  fs::remove(folder / "out.ppm");
+  const Outcome outcome = outcome_of("--threads 4");
+  CHECK(outcome.status == 1);
+  CHECK(outcome.err == not_caught + "09_shadow: render: cannot start 4 threads; try 1 or 0: " +
+                           std::generic_category().message(EAGAIN) + "\n");
+  CHECK(folder.count() == 0);
 }
 
 #if !defined(ADDRESS_SANITIZER)  // which itself takes more than the limit

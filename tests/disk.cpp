@@ -309,7 +309,8 @@ TEST_CASE("a disk that makes no sense is refused with the field's name") {
     CHECK_THAT(says({.normal = bad}), ContainsSubstring("Disk: normal"));
   }
   CHECK_THAT(says({.normal = Vec3{0}}), ContainsSubstring("Disk: normal"));
-  for (const double bad : {0.0, -1.0, inf, not_a_number})
+  CHECK_THAT(says({.position = {0, 1e121, 0}}), ContainsSubstring("Disk: position"));
+  for (const double bad : {0.0, -1.0, 1e-121, 1e121, inf, not_a_number})
     CHECK_THAT(says({.radius = bad}), ContainsSubstring("Disk: radius"));
   CHECK_NOTHROW(Disk{}.validate());
 }

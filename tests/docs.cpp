@@ -108,6 +108,7 @@ class Project {
 
 const std::string header =
     "namespace n {\n\n"
+    "class Ring;\n\n"
     "/// Says twice.\n"
     "template <class T>\n"
     "T twice(T x) {\n"

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <stop_token>
 #include <string>
 #include <system_error>
@@ -87,6 +88,79 @@ TEST_CASE("every pixel of an HDR file is the image's to 1/256 of its largest cha
           }) == 0);
     CHECK(different_pixels(saved_and_loaded(loaded), loaded) == 0);
   }
+}
+
+TEST_CASE("an HDR file that is cut off anywhere is refused, flat or with runs") {
+  const TemporaryFolder folder;
+  for (const std::string name :
+       {"tests/fuzz/corpus_image/flat.hdr", "tests/fuzz/corpus_image/narrow.hdr",
+        "tests/fuzz/corpus_image/runs.hdr", "tests/fuzz/pool/b.hdr", "scenes/dusk.hdr"}) {
+    const std::string bytes = bytes_of(std::string(PROTOSTAR_SOURCE_DIR) + "/" + name);
+    CHECK(load_image(std::string(PROTOSTAR_SOURCE_DIR) + "/" + name).width() > 0);
+    const std::size_t most_prefixes = 200;
+    for (std::size_t size = 0; size < bytes.size(); size += 1 + bytes.size() / most_prefixes) {
+      CAPTURE(name, size);
+      put_bytes(folder / "a.hdr", bytes.substr(0, size));
+      CHECK_THAT(message_of<std::runtime_error>([&] { static_cast<void>(load_image(folder / "a.hdr")); }),
+                 ContainsSubstring("a.hdr': "));
+    }
+  }
+}
+
+TEST_CASE("what is wrong in an HDR file is named with its place, what was found and what is allowed") {
+  const std::string start = "#?RADIANCE\n", format = "FORMAT=32-bit_rle_rgbe\n", size = "\n-Y 2 +X 8\n";
+  const std::string line = std::string("\2\2\0\x08", 4) + "\x88\x80\x88\x40\x88\x20\x88\x81";  // of one color
+  struct {
+    std::string bytes, error;
+  } const rows[] = {
+      {start, "the file ends after 11 bytes, inside of the header"},
+      {start + size + line + line, "there is no line FORMAT=32-bit_rle_rgbe in the header"},
+      {start + "FORMAT=32-bit_rle_xyze\n" + size, "\"FORMAT=32-bit_rle_xyze\" is not FORMAT=32-bit_rle_rgbe"},
+      {start + format + "\n+X 8 -Y 2\n", "\"+X 8 -Y 2\" is not a size, -Y HEIGHT +X WIDTH"},
+      {start + format + "\n-Y 2 +X 8 9\n", "\"-Y 2 +X 8 9\" is not a size, -Y HEIGHT +X WIDTH"},
+      {start + format + "\n-Y 99999999999 +X 8\n", "\"-Y 99999999999 +X 8\" is not a size"},
+      {start + format + "\n-Y 0 +X 8\n", "the picture has 8x0 pixels; allowed are sides of at least 1"},
+      {start + format + "\n-Y -2 +X 8\n", "the picture has 8x-2 pixels"},
+      {start + format + "\n-Y 10000 +X 10000\n",
+       "the picture has 10000x10000 pixels; allowed are sides of at least 1 and at most 67108864 pixels"},
+      {start + format + "\n-Y 100 +X 7\n",
+       "there are 0 bytes of pixels; a picture of this size takes 2800 or more"},
+      {start + format + size + line, "there are 12 bytes of pixels; a picture of this size takes 24 or more"},
+      {start + format + size + line + line.substr(0, 4) + "\x81\x80\x81\x80\x81\x80\x81\x80",
+       "the file ends after 69 bytes, inside of scanline 1 of 2"},
+      {start + format + size + line + std::string("\2\2\0\x09", 4) + line.substr(4),
+       "scanline 1 of 2 has 9 pixels; the picture is 8 wide"},
+      {start + format + size + line + line.substr(0, 4) + '\0' + line.substr(5),
+       "scanline 1 of 2 has a run of 0 pixels at byte 61; allowed are 1 to 8"},
+      {start + format + size + line + line.substr(0, 4) + "\x89" + line.substr(5),
+       "scanline 1 of 2 has a run of 9 pixels at byte 61; allowed are 1 to 8"},
+      {start + format + size + line + "\1\1\1\7" + std::string(28, '\x80'),
+       "scanline 1 of 2 has a repeated pixel (1, 1, 1, n), the old form of a run, which is not read"},
+  };
+  const TemporaryFolder folder;
+  for (const auto& row : rows) {
+    put_bytes(folder / "a.hdr", row.bytes);
+    CAPTURE(row.error);
+    CHECK_THAT(message_of<std::runtime_error>([&] { static_cast<void>(load_image(folder / "a.hdr")); }),
+               ContainsSubstring("cannot read '" + (folder / "a.hdr").string() + "': " + row.error));
+  }
+  put_bytes(folder / "a.hdr", start + format + size + line + std::string(8, '\x80') + line + line);
+  const Image mixed = load_image(folder / "a.hdr");  // a flat scanline beside one of runs
+  CHECK(mixed(0, 0) == Color{1, 0.5f, 0.25f});
+  CHECK(mixed(0, 1) == Color{0.5f, 0.5f, 0.5f});
+}
+
+TEST_CASE("all light that an HDR file can hold is finite") {
+  std::string bytes = "#?RGBE\nFORMAT=32-bit_rle_rgbe\n\n-Y 256 +X 2\n";
+  for (int e = 0; e < 256; ++e)
+    bytes += std::string("\xff\x01\x02") + static_cast<char>(e) + "\2\1\1" + static_cast<char>(e);
+  const Image image = image_from_bytes(bytes, "a.hdr");
+  for (int e = 1; e < 256; ++e) {
+    CHECK(image(0, e) ==
+          Color{std::ldexp(255.0f, e - 136), std::ldexp(1.0f, e - 136), std::ldexp(2.0f, e - 136)});
+    CHECK(std::isfinite(image(0, e).r));
+  }
+  CHECK(image(0, 0) == Color{0});
 }
 
 TEST_CASE("an HDR file that is stopped or cannot be written leaves the old one as it was") {

@@ -5,15 +5,20 @@
 #include <protostar/io/png.hpp>
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 
+#include "fuzz/read_any_image.hpp"
 #include "support/catch.hpp"
 #include "support/errors.hpp"
 #include "support/files.hpp"
 #include "support/pictures.hpp"
+#include "support/random.hpp"
 
 using namespace protostar;
 
@@ -25,6 +30,46 @@ Image six_pixels() {
     for (int x = 0; x < 3; ++x) image(x, y) = Color{static_cast<float>(1 + x + 3 * y)} / 255.0f;
   return image;
 }
+
+namespace fs = std::filesystem;
+
+const fs::path tests = fs::path(PROTOSTAR_SOURCE_DIR) / "tests";
+
+/// Leaves other numbers than 0 where functions that are called next have their variables.
+void write_on_the_stack() {
+  volatile unsigned char there[1 << 16];
+  for (volatile unsigned char& byte : there) byte = 0xaa;
+}
+
+/// A message of an error, or nothing, in which the bytes of an image end.
+std::string error_in(const std::string& bytes) {
+  return message_of<std::runtime_error>([&] { static_cast<void>(image_from_bytes(bytes, "a")); });
+}
+
+/// Four bytes, the highest first.
+std::string big_endian_bytes(std::size_t number) {
+  std::string bytes;
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(number >> shift & 255u);
+  return bytes;
+}
+
+std::string chunk(const std::string& type_and_data) {
+  return big_endian_bytes(type_and_data.size() - 4) + type_and_data +
+         big_endian_bytes(detail::crc_32(type_and_data));
+}
+
+/// A gray PNG of 8 bits.
+std::string png(std::size_t width, std::size_t height, std::string rows) {
+  int size = 0;
+  const std::unique_ptr<unsigned char, void (*)(void*)> packed(
+      stbi_zlib_compress(reinterpret_cast<unsigned char*>(rows.data()), static_cast<int>(rows.size()), &size,
+                         8),
+      std::free);
+  return "\x89PNG\r\n\x1a\n" +
+         chunk("IHDR" + big_endian_bytes(width) + big_endian_bytes(height) + std::string("\x08\0\0\0\0", 5)) +
+         chunk("IDAT" + std::string(packed.get(), packed.get() + size)) + chunk("IEND");
+}
+
 }  // namespace
 
 TEST_CASE("a texture repeats, and has its picture's left edge at u = 0 and the top row at v = 0") {
@@ -85,6 +130,133 @@ TEST_CASE("a JPEG is decoded as well, and a file is what its first bytes say") {
   CHECK(loaded(5, 50) == Color{0});
 }
 
+TEST_CASE("every prefix of an image's file is refused, or is the whole picture") {
+  int files = 0;
+  for (const char* folder : {"fuzz/corpus_image", "fuzz/pool"})
+    for (const auto& entry : fs::directory_iterator(tests / folder)) {
+      if (entry.path().extension() == ".obj") continue;
+      const std::string bytes = bytes_of(entry.path());
+      const Image whole = load_image(entry.path());
+      CAPTURE(entry.path());
+      CHECK(count_pixels(whole, [&](int x, int y) { return !is_finite(Vec3(whole(x, y))); }) == 0);
+      ++files;
+      for (std::size_t size = 0; size < bytes.size(); ++size) {
+        CAPTURE(size);
+        try {
+          const Image image = image_from_bytes(bytes.substr(0, size), "a");
+          CHECK(image.width() == whole.width());
+          CHECK(different_pixels(image, whole) == 0);
+        } catch (const std::runtime_error& error) {
+          CHECK(std::string(error.what()).starts_with("cannot read 'a': "));
+        }
+      }
+    }
+  CHECK(files > 20);
+}
+
+TEST_CASE("the corpus of the fuzzer, with bytes that are changed at random, is read or refused in words") {
+  Random random(7);
+  for (const auto& entry : fs::directory_iterator(tests / "fuzz/corpus_image")) {
+    const std::string bytes = bytes_of(entry.path());
+    CAPTURE(entry.path());
+    CHECK_NOTHROW(read_any_image(bytes));
+    CHECK(with_right_checksums(bytes) == bytes);
+    for (int i = 0; i < 100; ++i) {
+      std::string changed = bytes;
+      for (std::uint64_t k = 1 + random.bits() % 3; k > 0; --k)
+        changed[random.bits() % changed.size()] = static_cast<char>(random.bits());
+      CHECK_NOTHROW(read_any_image(with_right_checksums(changed)));
+    }
+  }
+}
+
+TEST_CASE("a JPEG of which a part is missing inside is refused") {
+  const std::string bytes = bytes_of(tests / "fuzz/corpus_image/baseline.jpg");
+  const std::string restarts = bytes_of(tests / "fuzz/corpus_image/restarts.jpg");
+  const std::string scans = bytes_of(tests / "fuzz/corpus_image/three_scans.jpg");
+  const auto without = [](std::string text, const std::string& from, const std::string& to) {
+    const std::size_t begin = text.find(from), end = to.empty() ? text.size() : text.find(to, begin + 1);
+    REQUIRE(begin != std::string::npos);
+    REQUIRE(end != std::string::npos);
+    return text.erase(begin, end - begin);
+  };
+  const std::string end = "\xff\xd9", scan = "\xff\xda", huffman = "\xff\xc4", quantizers = "\xff\xdb",
+                    frame = "\xff\xc0";
+  CHECK(error_in(bytes) == "");
+  CHECK_THAT(error_in(without(bytes, end, "")),
+             ContainsSubstring("inside of a JPEG, whose last marker is FF D9"));
+  CHECK_THAT(error_in(without(bytes, scan, end)), ContainsSubstring("no scan of a JPEG has its component 1"));
+  CHECK_THAT(error_in(without(bytes, frame, huffman)),
+             ContainsSubstring("names a component that its frame does not have"));
+  CHECK_THAT(error_in(without(bytes, huffman, scan)), ContainsSubstring("needs a table that is not there"));
+  CHECK_THAT(error_in(without(bytes, quantizers, frame)),
+             ContainsSubstring("needs a table that is not there"));
+  CHECK_THAT(error_in(bytes.substr(0, bytes.find(scan) + 14) + end),
+             ContainsSubstring(" bytes of a scan; a picture of this size takes 9 or more"));
+  CHECK_THAT(error_in(without(restarts, "\xff\xd1", "\xff\xd2")),
+             ContainsSubstring("has 4 restart markers, and not 5"));
+  CHECK(error_in(scans) == "");
+  const std::size_t last = scans.rfind(scan);
+  CHECK_THAT(error_in(scans.substr(0, last) + end),
+             ContainsSubstring("no scan of a JPEG has its component 3"));
+  std::string large = bytes;
+  large.replace(large.find(frame) + 5, 4, "\xff\xff\xff\xff");
+  CHECK_THAT(error_in(large), ContainsSubstring("the picture has 65535x65535 pixels"));
+  large.replace(large.find(frame) + 5, 4, std::string("\x20\0\x20\0", 4));
+  CHECK_THAT(error_in(large),
+             ContainsSubstring(" bytes of a scan; a picture of this size takes 393216 or more"));
+}
+
+TEST_CASE("a PNG of which a part is missing inside or wrong is refused") {
+  const std::string row(5, '\0'), rows = row + row + row;
+  CHECK(error_in(png(4, 3, rows)) == "");
+  CHECK_THAT(error_in(png(4, 4, rows)), ContainsSubstring("not enough pixels"));
+  CHECK_THAT(
+      error_in(png(12000, 12000, rows)),
+      ContainsSubstring("the picture has 12000x12000 pixels; allowed are sides of at least 1 and at most "
+                        "67108864 pixels"));
+  CHECK_THAT(error_in(png(0, 3, rows)), ContainsSubstring("the picture has 0x3 pixels"));
+  CHECK_THAT(error_in(png(8192, 8192, rows)),
+             ContainsSubstring("bytes of pixels; a picture of this size takes 65035 or more"));
+  CHECK_THAT(error_in(png(4, 3, std::string(std::size_t{64} << 20, '\0'))),
+             ContainsSubstring("there are more pixels than its size says"));
+  CHECK(error_in(png(4, 3, rows + row)) == "");  // some files have a little more
+  std::string damaged = png(4, 3, rows);
+  damaged[damaged.find("IDAT") + 8] ^= 1;
+  CHECK_THAT(error_in(damaged),
+             ContainsSubstring("chunk \"IDAT\" at byte 33 has another checksum than its bytes"));
+  CHECK_THAT(error_in(png(4, 3, rows).erase(8, 25)), ContainsSubstring("IHDR is the first chunk"));
+}
+
+TEST_CASE("colors that a palette does not have are black") {
+  const std::string bytes = bytes_of(tests / "fuzz/corpus_image/palette_outside.png");
+  write_on_the_stack();
+  const Image image = image_from_bytes(bytes, "a");
+  CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) == Color{0}; }) > 20);
+  CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; }) > 0);
+}
+
+TEST_CASE("the pixels of an image may be limited further") {
+  const fs::path path = tests / "fuzz/corpus_image/baseline.jpg";  // 33 × 19
+  CHECK(load_image(path, 627).width() == 33);
+  CHECK_THAT(message_of<std::runtime_error>([&] { static_cast<void>(load_image(path, 626)); }),
+             ContainsSubstring(
+                 "the picture has 33x19 pixels; allowed are sides of at least 1 and at most 626 pixels"));
+}
+
+TEST_CASE("a device without an end is no image") {
+  for (const std::string path : {"/dev/zero", "/dev/urandom"})
+    CHECK_THAT(message_of<std::runtime_error>([&] { static_cast<void>(load_image(path)); }),
+               ContainsSubstring("cannot read '" + path + "': the file does not begin as"));
+}
+
+TEST_CASE("the name of an image is shown without its control characters") {
+  CHECK_THAT(message_of<std::system_error>([&] { static_cast<void>(load_image("a\x1b[31m\n.png")); }),
+             ContainsSubstring("cannot read 'a\\x1b[31m\\x0a.png': "));
+  CHECK_THAT(message_of<std::runtime_error>([&] { static_cast<void>(image_from_bytes("", "a\x07")); }),
+             ContainsSubstring("cannot read 'a\\x07': "));
+}
+
 TEST_CASE("a picture that cannot be read is named, with the reason") {
   const TemporaryFolder folder;
   put_bytes(folder / "empty.png", "");
@@ -103,7 +275,8 @@ TEST_CASE("a picture that cannot be read is named, with the reason") {
     CAPTURE(name, error(name));
     CHECK(error(name).starts_with("cannot read '" + (folder / name).string() + "': "));
   }
-  CHECK_THAT(error("words.jpg"), ContainsSubstring("unknown image type"));
+  CHECK_THAT(error("words.jpg"),
+             ContainsSubstring("the file does not begin as a PNG, a JPEG or a Radiance HDR does"));
   CHECK_THAT(message_of<std::system_error>([&] { static_cast<void>(load_image(folder / "none.png")); }),
              ContainsSubstring("none.png': No such file"));
   CHECK(error("").starts_with("cannot read '"));  // a folder

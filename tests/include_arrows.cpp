@@ -22,19 +22,24 @@ namespace fs = std::filesystem;
 /// of docs/architecture.md.
 const std::vector<std::vector<std::string>> layers = {
     {"platform.hpp", "version.hpp"},
-    {"vec3.hpp", "interval.hpp", "render_options.hpp", "accel/large_pages.hpp", "accel/simd.hpp"},
-    {"bounds.hpp", "material.hpp", "parallel.hpp", "numeric/double_double.hpp"},
-    {"ray.hpp", "numeric/expansion.hpp", "numeric/roots.hpp", "numeric/scale.hpp"},
-    {"numeric/exact_root.hpp", "numeric/plane_through.hpp", "numeric/power.hpp", "accel/box_space.hpp"},
-    {"intersection.hpp", "numeric/box_roots.hpp", "numeric/disk_roots.hpp", "numeric/parallelogram_roots.hpp",
-     "numeric/plane_roots.hpp", "numeric/quadric_roots.hpp", "numeric/sphere_roots.hpp",
-     "numeric/triangle_roots.hpp", "numeric/trigonometry.hpp", "accel/bvh_build.hpp"},
-    {"light.hpp", "numeric/affine.hpp", "numeric/quadric_bounds.hpp", "surface.hpp", "accel/bvh.hpp",
-     "surfaces/coordinates.hpp"},
+    {"vec3.hpp", "interval.hpp", "render_options.hpp", "shown.hpp", "system_file.hpp",
+     "accel/large_pages.hpp", "accel/simd.hpp"},
+    {"bounds.hpp", "magnitude.hpp", "parallel.hpp", "numeric/double_double.hpp"},
+    {"material.hpp", "ray.hpp", "numeric/exact_number.hpp", "numeric/roots.hpp", "numeric/scale.hpp"},
+    {"numeric/rounded_number.hpp", "numeric/exact_root.hpp", "numeric/power.hpp", "numeric/vector_of.hpp",
+     "accel/box_space.hpp"},
+    {"intersection.hpp", "numeric/equation.hpp", "numeric/plane_through.hpp", "numeric/trigonometry.hpp",
+     "accel/bvh_build.hpp"},
+    {"light.hpp", "numeric/affine.hpp", "numeric/box_roots.hpp", "numeric/disk_roots.hpp",
+     "numeric/inner_point.hpp", "numeric/parallelogram_roots.hpp", "numeric/plane_roots.hpp",
+     "numeric/quadric_roots.hpp", "numeric/sphere_roots.hpp", "numeric/triangle_roots.hpp"},
+    {"numeric/quadric_bounds.hpp", "surface.hpp", "surfaces/coordinates.hpp", "transformed_ray.hpp"},
+    {"surface_requirements.hpp"},
     {"closest_hit.hpp", "surfaces/any_surface.hpp", "surfaces/box.hpp", "surfaces/disk.hpp",
      "surfaces/parallelogram.hpp", "surfaces/plane.hpp", "surfaces/quadric.hpp", "surfaces/sphere.hpp",
-     "surfaces/triangle.hpp", "accel/in_turns.hpp"},
-    {"scene.hpp", "surfaces/csg.hpp", "surfaces/instance.hpp", "accel/sphere_around.hpp"},
+     "surfaces/triangle.hpp", "accel/bvh.hpp"},
+    {"scene.hpp", "surfaces/csg.hpp", "surfaces/instance.hpp", "accel/in_turns.hpp",
+     "accel/sphere_around.hpp"},
     {"camera.hpp", "image.hpp", "accel/packet.hpp", "integrators/binary.hpp", "integrators/color.hpp",
      "integrators/depth.hpp", "integrators/diffuse.hpp", "integrators/normal.hpp", "integrators/shadow.hpp",
      "integrators/transparency.hpp", "integrators/whitted.hpp"},
@@ -45,34 +50,49 @@ const std::vector<std::vector<std::string>> layers = {
     {"accel/tile_scene.hpp", "accel/pixel_block.hpp"},
     {"accel/render_tiles.hpp", "accel/triangles_in_front.hpp", "accel/triangles_on_screen.hpp"},
     {"render.hpp", "encode.hpp", "output_file.hpp", "accel/coverage.hpp"},
-    {"accel/triangles_in_tile.hpp", "pfm.hpp", "ppm.hpp", "io/scene_file.hpp", "io/stb_image_write.hpp",
-     "io/text.hpp"},
-    {"surfaces/mesh.hpp", "io/image_texture.hpp"},
-    {"io/obj.hpp"},
+    {"accel/triangles_in_tile.hpp", "pfm.hpp", "ppm.hpp", "io/image_file.hpp", "io/read_options.hpp",
+     "io/scene_file.hpp", "io/stb_image_write.hpp", "io/text.hpp"},
+    {"surfaces/mesh.hpp", "io/json_tree.hpp", "io/check_jpeg.hpp", "io/check_png.hpp", "io/read_hdr.hpp"},
+    {"io/image_texture.hpp", "io/json_cursor.hpp", "io/obj.hpp"},
     // None of these includes another, and nothing in the core any of io/.
     {"protostar.hpp", "io/hdr.hpp", "io/json_scene.hpp", "io/png.hpp"},
 };
 
 /// The surfaces that a program names by their headers where it has them, with what only they need.
 const std::set<std::string> on_demand = {
-    "numeric/affine.hpp",         "surfaces/csg.hpp",
-    "surfaces/instance.hpp",      "accel/triangle_leaves.hpp",
-    "accel/triangle_tree.hpp",    "accel/triangles_in_tile.hpp",
-    "numeric/triangle_roots.hpp", "surfaces/mesh.hpp",
-    "surfaces/triangle.hpp",      "numeric/box_roots.hpp",
-    "numeric/disk_roots.hpp",     "numeric/quadric_roots.hpp",
-    "surfaces/box.hpp",           "numeric/quadric_bounds.hpp",
-    "surfaces/disk.hpp",          "surfaces/quadric.hpp",
-    "accel/in_turns.hpp",         "accel/screen.hpp",
-    "accel/coverage.hpp",         "accel/triangles_on_screen.hpp",
-    "accel/pixel_block.hpp",      "accel/triangles_in_front.hpp",
+    "surfaces/csg.hpp",
+    "surfaces/instance.hpp",
+    "accel/triangle_leaves.hpp",
+    "accel/triangle_tree.hpp",
+    "accel/triangles_in_tile.hpp",
+    "numeric/inner_point.hpp",
+    "numeric/triangle_roots.hpp",
+    "surfaces/mesh.hpp",
+    "surfaces/triangle.hpp",
+    "numeric/box_roots.hpp",
+    "numeric/disk_roots.hpp",
+    "numeric/quadric_roots.hpp",
+    "surfaces/box.hpp",
+    "numeric/quadric_bounds.hpp",
+    "surfaces/disk.hpp",
+    "surfaces/quadric.hpp",
+    "accel/in_turns.hpp",
+    "accel/screen.hpp",
+    "accel/coverage.hpp",
+    "accel/triangles_on_screen.hpp",
+    "accel/pixel_block.hpp",
+    "accel/triangles_in_front.hpp",
 };
 
 /// What the core includes from outside: the standard library, and of GLM the smallest part that will do; and
-/// in one header each the processor's instructions, and how the system is asked for large pages.
+/// in one header each the processor's instructions, how the system is asked for large pages, and its files.
 const std::set<std::string> glm_headers = {"glm/vec2.hpp", "glm/vec3.hpp", "glm/geometric.hpp"};
 const std::set<std::pair<std::string, std::string>> of_the_machine = {
-    {"accel/simd.hpp", "immintrin.h"}, {"accel/large_pages.hpp", "sys/mman.h"}};
+    {"accel/simd.hpp", "immintrin.h"}, {"accel/large_pages.hpp", "sys/mman.h"},
+    {"system_file.hpp", "dirent.h"},   {"system_file.hpp", "fcntl.h"},
+    {"system_file.hpp", "poll.h"},     {"system_file.hpp", "sys/file.h"},
+    {"system_file.hpp", "sys/stat.h"}, {"system_file.hpp", "sys/xattr.h"},
+    {"system_file.hpp", "unistd.h"}};
 
 /// The texts of headers by their paths inside include/protostar.
 using Headers = std::map<std::string, std::string>;
@@ -249,6 +269,7 @@ TEST_CASE("an include that points the wrong way is found") {
                Row{"protostar.hpp", R"(#include "accel/bvh.hpp")"},          // render.hpp's business
                Row{"accel/tile.hpp", "#include <immintrin.h>"},              // simd.hpp's
                Row{"accel/simd.hpp", "#include <sys/mman.h>"},               // large_pages.hpp's
+               Row{"output_file.hpp", "#include <fcntl.h>"},                 // system_file.hpp's
                Row{"vec3.hpp", "#include <glm/glm.hpp>"},                    // twice the time
                Row{"ppm.hpp", "#include <stb_image_write.h>"},               // another library
                Row{"vec3.hpp", "#  include <glm/ext.hpp>"},                  // out of form

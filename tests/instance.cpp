@@ -4,16 +4,21 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <protostar/accel/accelerate.hpp>
 #include <protostar/integrators/shadow.hpp>
+#include <protostar/surfaces/box.hpp>
+#include <protostar/surfaces/csg.hpp>
 #include <protostar/surfaces/parallelogram.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "support/catch.hpp"
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"
+#include "support/meshes.hpp"
 #include "support/random.hpp"
 #include "support/two_plates.hpp"
 
@@ -143,8 +148,8 @@ TEST_CASE("a hit lies on the image of the surface, within the rounding of the ca
     const double by_t = Roots::relative_error * length(back.vector(crossing->t * ray.direction));
     worst = std::max(worst, off(crossing->t) - by_t);
     if (i % 16 != 0) continue;
-    const auto refined = instance.refine(ray, *crossing, Precision::exact);
-    worst_refined = std::max(worst_refined, off(static_cast<double>(refined.t)));
+    worst_refined =
+        std::max(worst_refined, off(static_cast<double>(refined(instance.exact_root(ray, *crossing)))));
   }
   CHECK(worst < rounding);
   CHECK(worst_refined < rounding);
@@ -196,9 +201,11 @@ TEST_CASE("an instance is left as its surface is: outwards never met again, inwa
   CHECK(in > 5000);
   CHECK(wrong == 0);
 
-  const Instance<> one(Sphere{}, {}), other(Sphere{}, {});
-  CHECK(other.intersect({{0, 0, 1}, {0, 0, -1}, one.departure()}) == 2);
+  // What is recognized by its address is met by a ray that leaves its twin.
+  const Affine stretched = Affine{}.scaled_by({1, 1, 2});
+  const Instance<> one(Sphere{}, stretched), other(Sphere{}, stretched);
   CHECK(one.departure() != other.departure());
+  CHECK(other.intersect({{0, 0, 2}, {0, 0, -1}, one.departure()}) == 4);
 }
 
 TEST_CASE("an instance of an instance, and of any surface, hands on parts, coordinates and departures") {
@@ -257,10 +264,13 @@ TEST_CASE("every crossing that an instance reports lies in its bounds, from howe
     const Ray ray{origin, placement.point(1.1 * random.direction()) - origin};
     instance.each_crossing(ray, everywhere, [&](const Crossing& crossing) {
       ++hits;
+      const DoubleDouble t = refined(instance.exact_root(ray, crossing));  // to 2^-97 of itself
       for (int axis = 0; axis < 3; ++axis) {
-        const Expansion x =
-            Expansion(ray.origin[axis]) + Expansion(crossing.t) * Expansion(ray.direction[axis]);
-        outside += (x - Expansion(box.min[axis])).sign() < 0 || (Expansion(box.max[axis]) - x).sign() < 0;
+        const ExactNumber way = (ExactNumber(t.hi) + ExactNumber(t.lo)) * ExactNumber(ray.direction[axis]),
+                          x = ExactNumber(ray.origin[axis]) + way,
+                          off = ExactNumber(0x1p-97) * (way.sign() < 0 ? -way : way);
+        outside += (x + off - ExactNumber(box.min[axis])).sign() < 0;
+        outside += (ExactNumber(box.max[axis]) - x + off).sign() < 0;
       }
     });
     for (int axis = 0; axis < 3; ++axis) {
@@ -278,21 +288,105 @@ TEST_CASE("every crossing that an instance reports lies in its bounds, from howe
   CHECK(Instance<>(Plane{}, {}).bounds().min.y == -infinity);
 }
 
-TEST_CASE("a crossing that rounding has put outside of the bounds does not count, and the next one does") {
-  struct Line {  // that claims to be where it is not
-    std::optional<double> intersect(const Ray& ray, Interval range) const {
-      for (const double t : {1.0, 5.0})
-        if (range.contains(t - ray.origin.z)) return t - ray.origin.z;
-      return std::nullopt;
+TEST_CASE("faces of instances and spheres that stay spheres are left together with what they coincide with") {
+  Random random(77);
+  for (int i = 0; i < 200; ++i) {
+    CAPTURE(i);
+    const Affine map = any_placement(random, 100), half{0.5 * map.x, map.y, map.z, map.translation};
+    // The same image by two maps; one that is longer; and a board in the face at the bottom.
+    const Instance<Box> box(Box{{0, 0, 0}, {1, 1, 1}}, map), same(Box{{0, 0, 0}, {2, 1, 1}}, half),
+        longer(Box{{0, 0, 0}, {2, 1, 1}}, map);
+    const Parallelogram board{map.translation, map.x, map.y};
+    for (int face = 0; face < 6; ++face) CHECK(box.departure(face) == same.departure(face));
+    for (const int face : {0, 2, 3, 4, 5}) CHECK(box.departure(face) == longer.departure(face));
+    CHECK(box.departure(1) != longer.departure(1));
+    CHECK(box.departure(4) == board.departure());
+    CHECK(board.departure() == box.departure(4));
+
+    // From the board upwards: the bottom is not met, whatever the digits of the origin say.
+    const Point on = map.translation + random.real(0.1, 0.9) * map.x + random.real(0.1, 0.9) * map.y;
+    const Vec3 up = map.z + random.real(-0.01, 0.01) * map.x;
+    int crossed = 0;
+    box.each_crossing({on, up, board.departure()}, {}, [&](const Crossing& crossing) {
+      ++crossed;
+      CHECK(crossing.part != 4);
+    });
+    CHECK(crossed == 1);
+    CHECK_FALSE(box.intersect({on, -up, board.departure()}));
+  }
+  const Affine turned{{0, 3, 4}, {5, 0, 0}, {0, 4, -3}, {1, 2, 3}};  // five times a rotation
+  const Sphere image{.center = {1 + 5, 2 + 3, 3 + 4}, .radius = 10};
+  const Instance<> ball(Sphere{.center = {1, 1, 0}, .radius = -2}, turned);
+  CHECK(ball.departure() == image.departure());
+  const Point side = image.center + Vec3{10, 0, 0};
+  CHECK_FALSE(ball.intersect({side, {1, 1, 1}, image.departure()}));
+  CHECK(image.intersect({side, {-1, 0, 0}, ball.departure()}) == 20);
+}
+
+TEST_CASE("solids made of instances that share faces are left without acne") {
+  // A bar of four tilted cubes, end to end, each an instance of its own.
+  Random random(78);
+  int hits = 0, wrong = 0;
+  for (int i = 0; i < 50; ++i) {
+    const Affine map = any_placement(random, 1000);
+    std::vector<Csg> cubes;
+    for (int k = 0; k < 4; ++k) cubes.push_back(Instance<Box>(Box{{1.0 * k, 0, 0}, {1.0 + k, 1, 1}}, map));
+    Scene<AnySurface> scene;
+    scene.add(union_of(std::move(cubes)), Color{1});
+    const auto tree = accelerate(scene);
+    for (int k = 0; k < 100; ++k) {
+      const Point eye = map.point(Point{2, 0.5, 0.5} + 5.0 * random.direction()),
+                  target = map.point({random.real(0, 4), random.real(0, 1), random.real(0, 1)});
+      const auto hit = scene.intersect({eye, target - eye});
+      if (!hit) continue;
+      ++hits;
+      const Ray on = hit->leave(hit->direction()), back = hit->leave(eye - target);
+      wrong += !scene.intersect(on) || scene.intersect(back).has_value();
+      wrong += !tree.intersect(on) || tree.intersect(back).has_value();
+      if (const auto out = scene.intersect(on))
+        wrong += scene.intersect(out->leave(out->direction())).has_value();
+      int crossed = 0;
+      scene.crossings({eye, target - eye}, Interval{}, [&](const Intersection&) { ++crossed; });
+      wrong += crossed != 2;
     }
-    Vec3 normal_at(Point) const { return {0, 0, 1}; }
-    Bounds bounds() const { return {{-1, -1, 4}, {1, 1, 6}}; }
-  };
-  const Instance instance(Line{}, {});
-  CHECK(instance.intersect(along_z) == 5);
-  int count = 0;
-  instance.each_crossing(along_z, {}, [&](const Crossing&) { ++count; });
-  CHECK(count == 1);
+  }
+  CHECK(hits > 3000);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a mesh in an instance is as watertight as the mesh, from however far it is seen") {
+  Random random(79);
+  int met = 0, slipped = 0;
+  const Mesh ball(meshes::icosphere(1));
+  for (int i = 0; i < 500; ++i) {
+    const Affine placement = any_placement(random, 100);
+    const Instance<Mesh> instance(ball, placement);
+    const Point eye = std::exp2(random.real(0, 50)) * random.direction();
+    for (int k = 0; k < 20; ++k) {
+      // To a vertex, or to the middle between two.
+      const auto& vertices = ball.data().vertices;
+      const auto vertex = [&] {
+        return vertices[static_cast<std::size_t>(random.real(0, static_cast<double>(vertices.size())))];
+      };
+      const Point one = vertex(), other = k % 2 == 0 ? one : vertex();
+      const Ray ray{eye, placement.point(0.5 * one + 0.5 * other) - eye};
+      // In and out in turn, by the exact directions.
+      const ExactLine line = AffineInverse(placement).line(line_of<ExactNumber>(ray));
+      int count = 0, last = 0;
+      bool alternates = true;
+      instance.each_crossing(ray, everywhere, [&](const Crossing& crossing) {
+        const Triangle t = ball.data().triangle(static_cast<std::size_t>(crossing.part));
+        const int side = triangle_plane_equation(line, t.a, t.b, t.c).slope.sign();
+        alternates = alternates && side != 0 && side != last;
+        last = side;
+        ++count;
+      });
+      met += count > 0;
+      slipped += count % 2 != 0 || !alternates;
+    }
+  }
+  CHECK(met > 2000);
+  CHECK(slipped == 0);
 }
 
 TEST_CASE("pictures of instances are the same plain, accelerated and by tiles") {
@@ -327,6 +421,8 @@ TEST_CASE("an instance that makes no sense is refused") {
   CHECK_THAT(says(Instance(Sphere{}, Affine{}.moved_by({0, infinity, 0}))), ContainsSubstring("Instance"));
   CHECK_THAT(says(Instance(Sphere{.radius = 0}, {})), ContainsSubstring("Sphere: radius"));
   CHECK_THAT(says(Instance<>(Sphere{.radius = 0}, {})), ContainsSubstring("Sphere: radius"));
+  CHECK_THAT(says(Instance(Sphere{}, Affine{}.scaled_by({1, 1, 1e-121}))),
+             ContainsSubstring("the numbers of the inverse of the map must be at most 2^400"));
   CHECK_NOTHROW(Instance<>(Sphere{}, Affine{}.scaled_by({-1, 2, 1e-9})).validate());
 }
 

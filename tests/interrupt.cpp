@@ -1,5 +1,6 @@
 // Ctrl-C, as a user of a stage sees it.
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -66,6 +67,59 @@ TEST_CASE("a signal while the picture is written leaves the old file as it was a
   check_ends_at_once(process, SIGINT);
   CHECK(folder.count() == 1);
   CHECK(bytes_of(folder / "out.ppm") == "old");
+}
+
+TEST_CASE("what a killed stage leaves of a picture is removed by the next that writes it") {
+  const int signal = GENERATE(SIGKILL, SIGQUIT, SIGXCPU, SIGSEGV);  // which nobody catches
+  CAPTURE(signal);
+  const TemporaryFolder folder;
+  put_bytes(folder / "out.ppm", "old");
+  Command command = stage("01_gradient", words("--size 6000x4000"), folder / "");
+  command.before = [] {
+    const rlimit no_core{0, 0};
+    setrlimit(RLIMIT_CORE, &no_core);
+  };
+  Process process(command);
+  wait_for_temporary_file(folder);
+  process.send(signal);
+  CHECK(process.wait().status == -signal);
+  CHECK(bytes_of(folder / "out.ppm") == "old");
+  CHECK(folder.count() == 2);
+  CHECK(run(stage("01_gradient", words("--size 3x1 -o other.ppm"), folder / "")).status == 0);
+  CHECK(folder.count() == 3);
+  CHECK(run(stage("01_gradient", words("--size 3x1"), folder / "")).status == 0);
+  CHECK(folder.count() == 2);
+  CHECK(bytes_of(folder / "out.ppm").starts_with("P3\n3 1\n"));
+}
+
+TEST_CASE("a stage that is killed takes nothing from one that writes the same picture") {
+  const TemporaryFolder folder;
+  const Command command = stage("01_gradient", words("--size 3000x2000 --quiet"), folder / "");
+  Process first(command);
+  wait_for_temporary_file(folder);
+  Process second(command);
+  std::this_thread::sleep_for(20ms);
+  first.send(SIGKILL);
+  CHECK(first.wait().status == -SIGKILL);
+  CHECK(second.wait().status == 0);
+  const TemporaryFolder alone;
+  CHECK(run(stage("01_gradient", words("--size 3000x2000 --quiet"), alone / "")).status == 0);
+  CHECK(bytes_of(folder / "out.ppm") == bytes_of(alone / "out.ppm"));
+  CHECK(run(command).status == 0);
+  CHECK(folder.count() == 1);
+}
+
+TEST_CASE("a signal ends a stage at once that has no thread to wait for it") {
+  const TemporaryFolder folder;
+  Command command = stage("15_csg", words("--size 4000x4000 --threads 1 --quiet"), folder / "");
+  command.before = forbid_threads;
+  Process process(command);
+  std::this_thread::sleep_for(300ms);
+  const auto start = std::chrono::steady_clock::now();
+  process.send(SIGINT);
+  CHECK(process.wait().status == -SIGINT);
+  CHECK(std::chrono::steady_clock::now() - start < 500ms);
+  CHECK(folder.count() == 0);
 }
 
 TEST_CASE("a signal while a PNG is encoded leaves no file") {

@@ -246,11 +246,12 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
   };
   const std::string
       vector = "a vector, an array of three numbers",
-      number = "a number", above_0 = "a number greater than 0",
-      color = "a color, an array of three numbers from 0 to 3.4e38", factor = "a number from 0 to 3.4e38",
-      direction = "a direction, a vector that is not 0", side = "a whole number from 1 to 268435456",
-      samples = "a whole number from 0 to 65536", depth = "a whole number from 1 to 1000",
-      spot_angle = "a number of degrees above 0 and at most 180",
+      most = "at most 2^400 (2.6e120) in magnitude", place = "a vector of numbers " + most,
+      size = "a number from 2^-400 (3.9e-121) to 2^400 (2.6e120)", number = "a number",
+      above_0 = "a number greater than 0", color = "a color, an array of three numbers from 0 to 3.4e38",
+      factor = "a number from 0 to 3.4e38", direction = "a direction, a vector that is not 0",
+      side = "a whole number from 1 to 268435456", samples = "a whole number from 0 to 65536",
+      depth = "a whole number from 1 to 1000", spot_angle = "a number of degrees above 0 and at most 180",
       view_angle = "a number of degrees from 1e-100 to below 180", shininess = "a number of at least 0",
       tone = R"("clip", "scale-pixel" or "scale-image")",
       types =
@@ -434,6 +435,39 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
        R"(/settings: {"resolution-x":16385,"resolution-y":16384} is not a picture of at most 2^28 pixels)"},
       {with("/camera/focal-length", "1"), "/camera/focal-length: 1 is not possible beside a field-of-view"},
       missing("/camera/field-of-view", view_angle + ", and there is no focal-length"),
+      // Magnitudes.
+      not_allowed("/camera/position", "[0.0,1e+121,0.0]", place),
+      not_allowed("/objects/0/surface/position", "[0.0,-1e+121,0.0]", place),
+      not_allowed("/objects/0/surface/radius", "1e+121", size),
+      not_allowed("/objects/0/surface/radius", "1e-121", size),
+      not_allowed("/objects/1/surface/distance", "1e+121", "a number " + most),
+      not_allowed("/objects/2/surface/position", "[0.0,1e+121,0.0]", place),
+      not_allowed("/objects/2/surface/edges/1", "[0.0,1e+121,0.0]", place),
+      {replacing("/objects/2/surface/edges", "[[1,0,0],[0,1e-121,0]]"),
+       "/objects/2/surface/edges: [[1,0,0],[0,1e-121,0]] is not possible: Parallelogram: edge_u and edge_v "
+       "must have largest components from 2^-400 (3.9e-121) to 2^400 (2.6e120)"},
+      surface_row(R"({"type": "box", "min": [0,-1e121,0], "max": [1,1,1]})",
+                  "/min: [0,-1e+121,0] is not " + place),
+      surface_row(R"({"type": "disk", "position": [0,0,0], "normal": [0,0,1], "radius": 1e121})",
+                  "/radius: 1e+121 is not " + size),
+      surface_row(R"({"type": "quadric", "matrix": [[1,0,4e307,0],[0,1,0,0],[4e307,0,1,0],[0,0,0,-1]]})",
+                  "/matrix/0/2: 4e+307 is not a number " + most),
+      surface_row(R"({"type": "triangle", "points": [[0,0,0],[1,0,0],[0,1e121,0]]})",
+                  "/points/2: [0,1e+121,0] is not " + place),
+      surface_row(R"({"type": "csg", "operation": "union", "surfaces": [
+                      {"type": "sphere", "position": [0,0,0], "radius": 1e-160}]})",
+                  "/surfaces/0/radius: 1e-160 is not " + size),
+      not_allowed("/lights/1/position", "[1e+300,0.0,0.0]", place),
+      not_allowed("/lights/3/position", "[1e+300,0.0,0.0]", place),
+      not_allowed("/materials/red/ior", "1e+121", size),
+      not_allowed("/materials/squares/diffuse/size", "1e-121", size),
+      // Work.
+      {patched(R"({"op": "replace", "path": "/settings/samples", "value": 65536},
+                  {"op": "replace", "path": "/lights", "value": [)" +
+               repeated(R"({"direction": [0,1,0], "intensity": [1,1,1]},)", 63) +
+               R"({"direction": [0,1,0], "intensity": [1,1,1]}]})"),
+       "/settings/samples: 65536 is not possible: with 64 lights a pixel may take 4259840 rays, and at most "
+       "4194304 are allowed"},
   };
   for (const Row& row : rows) {
     CAPTURE(row.text, row.error);
@@ -620,6 +654,7 @@ TEST_CASE("a mistake in a surface that holds others is named with its place") {
   const auto instance = [](const std::string& placement) {
     return R"({"type":"instance","surface":)" + ball + "," + placement + "}";
   };
+  const std::string limit = "at most 2^400 (2.6e120) in magnitude";
   const std::string no_way_back =
       " is not possible: it takes space to a plane or less, or beyond the range of double";
   says(R"({"type":"instance"})", "/surface: nothing is not an object");
@@ -634,6 +669,11 @@ TEST_CASE("a mistake in a surface that holds others is named with its place") {
        "/matrix: [[1,0,0,5],[0,1,0,5],[1,1,0,5]]" + no_way_back);
   says(instance(R"("scale":0)"), "/scale: 0" + no_way_back);
   says(instance(R"("scale":[1,1,1e-320])"), "/scale: [1,1,1e-320]" + no_way_back);
+  const std::string steep = "[[0.5,5e-324,180,2],[0,0.9,0,1],[0,0,2.2e-308,0]]";  // whose inverse overflows
+  says(instance("\"matrix\":" + steep), "/matrix: " + steep + no_way_back);
+  says(instance(R"("scale":1e-121)"),
+       "/scale: 1e-121 is not possible: Instance: the numbers of the inverse of the map must be " + limit);
+  says(instance(R"("scale":[1,1,1e121])"), "/scale: [1,1,1e+121] is not a vector of numbers " + limit);
   says(instance(R"("scale":"2")"), R"(/scale: "2" is not a number or a vector)");
   says(instance(R"("scale":[1,2])"), "/scale: [1,2] is not a vector, an array of three numbers");
   says(instance(R"("rotate":{"axis":[0,0,0],"angle":1})"),
@@ -675,6 +715,140 @@ TEST_CASE("an image of a texture is looked for from the folder of the scene") {
   CHECK_THAT(error,
              ContainsSubstring("/materials/squares/diffuse/image: \"a.png\" is not possible: cannot read '" +
                                (folder / "a.png").string() + "': "));
+}
+
+namespace {
+
+/// The scene with everything, in which the two materials and the environment have images of these names.
+std::string with_images(const std::string& first, const std::string& second, const std::string& environment) {
+  const auto image = [](const std::string& name) { return R"({"image": )" + json(name).dump() + "}"; };
+  return patched(R"({"op": "replace", "path": "/materials/red/diffuse", "value": )" + image(first) +
+                 R"(}, {"op": "replace", "path": "/materials/squares/diffuse", "value": )" + image(second) +
+                 R"(}, {"op": "replace", "path": "/world", "value": {"environment": )" +
+                 json(environment).dump() + "}}");
+}
+
+void put_image(const fs::path& path) {
+  fs::copy_file(fs::path(PROTOSTAR_SOURCE_DIR) / "tests/fuzz/corpus_image/baseline.jpg", path);
+}
+constexpr std::int64_t pixels_of_image = std::int64_t{33} * 19;
+
+}  // namespace
+
+TEST_CASE("an image that a scene names several times, in any way, is read once and shared") {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "b");
+  put_image(folder / "a.jpg");
+  fs::create_symlink(folder / "a.jpg", folder / "b/link.jpg");
+  put_bytes(folder / "a.json", with_images("a.jpg", "b/../a.jpg", "b/link.jpg"));
+  const SceneFile file = read_scene(folder / "a.json", {.most_pixels = pixels_of_image});
+  const auto image = [](const Texture& texture) {
+    REQUIRE(texture.target<ImageTexture>() != nullptr);
+    return texture.target<ImageTexture>()->image.get();
+  };
+  CHECK(image(file.scene.materials<Sphere>()[0].texture) == image(file.scene.materials<Plane>()[0].texture));
+
+  put_image(folder / "b.jpg");
+  put_bytes(folder / "a.json", with_images("a.jpg", "b.jpg", "a.jpg"));
+  CHECK(read_scene(folder / "a.json", {.most_pixels = 2 * pixels_of_image}).width == 8);
+  CHECK_THAT(
+      message_of<SceneError>([&] {
+        static_cast<void>(read_scene(folder / "a.json", {.most_pixels = 2 * pixels_of_image - 1}));
+      }),
+      ContainsSubstring("/materials/squares/diffuse/image: \"b.jpg\" is not possible: cannot read '" +
+                        (folder / "b.jpg").string() +
+                        "': the picture has 33x19 pixels; allowed are sides of at least 1 and at most 626"));
+}
+
+TEST_CASE("a scene may name files anywhere, and if it is confined inside of its folder") {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "scene/images");
+  fs::create_directory(folder / "scene and more");
+  put_image(folder / "outside.jpg");
+  put_image(folder / "scene and more/a.jpg");
+  put_image(folder / "scene/images/a.jpg");
+  put_image(folder / "scene/..a.jpg");
+  fs::create_symlink(folder / "outside.jpg", folder / "scene/link.jpg");
+  fs::create_symlink("images/a.jpg", folder / "scene/inner_link.jpg");
+  fs::create_directory_symlink(folder / "scene", folder / "scene_link");
+  const std::string real = fs::canonical(folder / "").string() + "/";
+  const auto error = [&](const std::string& scene, const std::string& name, bool confine) {
+    put_bytes(folder / scene, with_images(name, name, name));
+    return message_of<SceneError>(
+        [&] { static_cast<void>(read_scene(folder / scene, {.confine = confine})); });
+  };
+  for (const std::string scene : {"scene/a.json", "scene_link/a.json"}) {
+    for (const std::string& name :
+         {std::string("images/a.jpg"), std::string("./images/../images/a.jpg"), std::string("inner_link.jpg"),
+          std::string("..a.jpg"), std::string("../scene/images/a.jpg"), real + "scene/images/a.jpg"}) {
+      CAPTURE(scene, name);
+      CHECK(error(scene, name, false) == "");
+      CHECK(error(scene, name, true) == "");
+    }
+    for (const std::string& name :
+         {std::string("../outside.jpg"), std::string("images/../../outside.jpg"), std::string("link.jpg"),
+          std::string("../scene and more/a.jpg"), real + "outside.jpg"}) {
+      CAPTURE(scene, name);
+      CHECK(error(scene, name, false) == "");
+      const std::string file =
+          name.find("more") == std::string::npos ? "outside.jpg" : "scene and more/a.jpg";
+      CHECK(error(scene, name, true) == (folder / scene).string() + ": /world/environment: \"" + name +
+                                            "\" is not inside of the scene's folder: it is '" + real + file +
+                                            "', and the folder '" + real + "scene'");
+    }
+  }
+}
+
+TEST_CASE("what a scene names is a regular file, so that reading it has an end") {
+  const TemporaryFolder folder;
+  REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
+  fs::create_directory(folder / "folder");
+  fs::create_symlink("/dev/zero", folder / "zero");
+  const auto error = [&](const std::string& text) {
+    put_bytes(folder / "a.json", text);
+    return message_of<SceneError>([&] { static_cast<void>(read_scene(folder / "a.json")); });
+  };
+  for (const std::string name : {"pipe", "folder", "zero", "/dev/zero", "/dev/urandom"}) {
+    const std::string why =
+        "\"" + name + "\" is not possible: '" + (folder / "").string() + name + "' is not a regular file";
+    CAPTURE(name);
+    if (name[0] != '/')
+      CHECK_THAT(error(with_images(name, name, name)), ContainsSubstring("/world/environment: " + why));
+    CHECK_THAT(error(replacing("/world", R"({"environment": ")" + name + "\"}")),
+               ContainsSubstring("' is not a regular file"));
+#if defined(PROTOSTAR_READS_MESHES)
+    CHECK_THAT(error(with_surface(R"({"type": "mesh", "file": ")" + name + "\"}")),
+               ContainsSubstring("' is not a regular file"));
+#endif
+  }
+}
+
+TEST_CASE("messages show names, keys and values of a file without control characters") {
+  const auto is_plain = [](const std::string& text) {
+    CAPTURE(text);
+    CHECK(std::none_of(text.begin(), text.end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }));
+    CHECK(text.find("\xc2\x9b") == std::string::npos);
+  };
+  const std::string bad = "\\u001b[31m\\u0007\\n\x7f\xc2\x9b";
+  const auto with_name = [&](const std::string& text) {
+    return std::string(text).replace(text.find("NAME"), 4, bad);
+  };
+  for (const std::string& text :
+       {with_name(with("/NAME", "1")), with_name(with("/materials/NAME", "1")),
+        with_name(with("/settings/NAME", "1")), with_name(replacing("/settings/tone", "\"NAME\"")),
+        with_name(replacing("/objects/0/material-id", "\"NAME\"")),
+        with_name(replacing("/materials/red/diffuse", R"({"image": "NAME"})")),
+        with_name(R"({"NAME": 1e999})"), R"({"NAME": 1, "NAME": 2})" + bad, with_name(R"({"NAME": nul)")}) {
+    const std::string error = error_of(text);
+    CHECK(error.starts_with("scene.json: "));
+    is_plain(error);
+  }
+  CHECK_THAT(error_of(with_name(with("/NAME", "1"))),
+             ContainsSubstring("scene.json: /\\x1b[31m\\x07\\x0a\\x7f\\xc2\\x9b: is not a key"));
+  is_plain(message_of<SceneError>([] { static_cast<void>(scene_from_json("[]", "a\x1b\n")); }));
+  is_plain(
+      message_of<SceneError>([] { static_cast<void>(scene_from_json(std::string(1, '\0'), "a\x1b\n")); }));
+  is_plain(message_of<std::system_error>([] { static_cast<void>(read_scene("a\x1b\n")); }));
 }
 
 TEST_CASE("an environment is looked for from the folder of the scene, and stands in the place of the sky") {
@@ -863,6 +1037,12 @@ TEST_CASE("the errors and the limits in the documentation of scene files are the
   CHECK_THAT(docs, ContainsSubstring("from 0 to " + std::to_string(most_samples)));
   CHECK_THAT(docs, ContainsSubstring("`depth` at most " + std::to_string(most_depth)));
   CHECK_THAT(docs, ContainsSubstring("`samples` at most " + std::to_string(most_samples)));
+  CHECK_THAT(docs, ContainsSubstring("at most 2^24 values in a file"));
+  CHECK(protostar::detail::most_values == 1 << 24);
+  CHECK_THAT(docs, ContainsSubstring("an image of at most 2^26 pixels"));
+  CHECK(most_image_pixels == 1 << 26);
+  CHECK_THAT(docs, ContainsSubstring("together 2^28"));
+  CHECK(ReadOptions{}.most_pixels == 1 << 28);
 }
 
 TEST_CASE("a scene of Luminosity is read unchanged") {
@@ -912,23 +1092,23 @@ TEST_CASE("a mesh is looked for from the folder of the scene, and is scaled, the
               replacing("/objects/2/surface", R"({"type": "mesh", "file": "a.obj")" + more + "}"));
     return folder / "a.json";
   };
-  put_bytes(folder / "a.obj", "v 0 0 1\nv 2 0 1\nv 0 2 1\nf 1 2 3\n");
+  put_bytes(folder / "a.obj", "v 0 0 1\nv 3 0 1\nv 0 2 1\nf 1 2 3\n");
   const auto bounds = [&](const std::string& more) {
     return read_scene(scene(more)).scene.surfaces<AnySurface>().at(0).bounds();
   };
-  CHECK(bounds("").max == Point{2, 2, 1});
+  CHECK(bounds("").max == Point{3, 2, 1});
   CHECK(bounds(R"(, "scale": 0.5, "position": [10, 0, -1])").min == Point{10, 0, -0.5});
   const auto error = [&](const std::string& more) {
     return message_of<SceneError>([&] { (void)read_scene(scene(more)); });
   };
   CHECK_THAT(error(R"(, "scale": 0)"),
              ContainsSubstring("/objects/2/surface/scale: 0 is not a number greater than 0"));
-  CHECK_THAT(
-      error(R"(, "scale": 1e308)"),
-      ContainsSubstring("/objects/2/surface/scale: 1e+308 is not one that leaves all vertices finite"));
-  CHECK_THAT(error(R"(, "scale": 8e307, "position": [1e308, 0, 0])"),
-             ContainsSubstring("/objects/2/surface/position: [1e+308,0,0] is not one that leaves all "
-                               "vertices finite"));
+  CHECK_THAT(error(R"(, "scale": 1e120)"),
+             ContainsSubstring("/objects/2/surface/scale: 1e+120 is not one that leaves the numbers of all "
+                               "vertices at most 2^400"));
+  CHECK_THAT(error(R"(, "scale": 8e119, "position": [1e120, 0, 0])"),
+             ContainsSubstring("/objects/2/surface/position: [1e+120,0,0] is not one that leaves the "
+                               "numbers of all vertices at most 2^400"));
   CHECK_THAT(error(R"(, "smooth": true)"), ContainsSubstring("allowed are type, file, position and scale"));
   put_bytes(folder / "a.obj", "v 0 0 1\nf 1 2 3\n");
   CHECK_THAT(error(""), ContainsSubstring(R"(/objects/2/surface/file: "a.obj" is not possible: )" +
@@ -937,6 +1117,31 @@ TEST_CASE("a mesh is looked for from the folder of the scene, and is scaled, the
   fs::remove(folder / "a.obj");
   CHECK_THAT(error(""),
              ContainsSubstring("/objects/2/surface/file: \"a.obj\" is not possible: cannot read '"));
+}
+
+TEST_CASE("a mesh that a scene names several times is read once, and shared where it is in one place") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "a.obj", "v 0 0 1\nv 2 0 1\nv 0 2 1\nf 1 2 3\n");
+  fs::create_symlink("a.obj", folder / "b.obj");
+  const auto mesh = [](const std::string& more) {
+    return R"({"color": [1, 1, 1], "surface": {"type": "mesh", "file": )" + more + "}}";
+  };
+  put_bytes(folder / "a.json",
+            replacing("/objects", "[" + mesh(R"("a.obj")") + "," + mesh(R"("b.obj", "scale": 1)") + "," +
+                                      mesh(R"("a.obj", "scale": 2)") + "," +
+                                      mesh(R"("./b.obj", "position": [0, 0, 1], "scale": 2)") + "," +
+                                      mesh(R"("./b.obj", "position": [0, 0, 1], "scale": 2)") + "]"));
+  const SceneFile file = read_scene(folder / "a.json");
+  const auto& meshes = file.scene.surfaces<AnySurface>();
+  REQUIRE(meshes.size() == 5);
+  const auto contents = [&](std::size_t i) { return meshes[i].departure(0).object; };
+  CHECK(contents(0) == contents(1));
+  CHECK(contents(0) != contents(2));
+  CHECK(contents(2) != contents(3));
+  CHECK(contents(3) == contents(4));
+  CHECK(meshes[1].bounds().max == Point{2, 2, 1});
+  CHECK(meshes[2].bounds().max == Point{4, 4, 2});
+  CHECK(meshes[4].bounds().max == Point{4, 4, 3});
 }
 
 TEST_CASE("a mesh in a scene file may be cut with other solids if it is closed") {

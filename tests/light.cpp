@@ -175,10 +175,13 @@ TEST_CASE("a sphere around a point light receives its power") {
 }
 
 TEST_CASE("a light that makes no sense is refused with the field's name") {
+  const std::string place = ": position must have numbers at most 2^400 (2.6e120) in magnitude";
+  for (const double bad : {inf, -inf, not_a_number, 1e121}) {
+    CHECK(refusal(PointLight{.position = {0, bad, 0}}) == "PointLight" + place);
+    CHECK(refusal(ConstantLight{.position = {0, 0, bad}}) == "ConstantLight" + place);
+    CHECK(refusal(SpotLight{.position = {bad, 0, 0}}) == "SpotLight" + place);
+  }
   for (const double bad : {inf, -inf, not_a_number}) {
-    CHECK(refusal(PointLight{.position = {0, bad, 0}}) == "PointLight: position must be finite");
-    CHECK(refusal(ConstantLight{.position = {0, 0, bad}}) == "ConstantLight: position must be finite");
-    CHECK(refusal(SpotLight{.position = {bad, 0, 0}}) == "SpotLight: position must be finite");
     CHECK(refusal(DirectionalLight{.direction = {0, bad, 0}}) ==
           "DirectionalLight: direction must be finite and not zero");
     CHECK(refusal(SpotLight{.direction = {0, bad, 0}}) == "SpotLight: direction must be finite and not zero");

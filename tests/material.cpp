@@ -71,24 +71,26 @@ TEST_CASE("a material that makes no sense is refused with the field's name") {
     CHECK(refusal({.shininess = bad}) == "Material: shininess must be finite and not negative");
     CHECK(refusal({.reflect = bad}) == "Material: reflect must be finite as a float and not negative");
     CHECK(refusal({.refract = bad}) == "Material: refract must be finite as a float and not negative");
-    CHECK(refusal({.ior = bad}) == "Material: ior must be finite and greater than 0");
+    CHECK(refusal({.ior = bad}) == "Material: ior must be from 2^-400 (3.9e-121) to 2^400 (2.6e120)");
   }
   CHECK(refusal({.reflect = 1e39}) == "Material: reflect must be finite as a float and not negative");
   CHECK(refusal({.refract = 1e39}) == "Material: refract must be finite as a float and not negative");
-  CHECK(refusal({.ior = 0}) == "Material: ior must be finite and greater than 0");
+  for (const double bad : {0.0, 0x1p-401, 1e121})
+    CHECK(refusal({.ior = bad}) == "Material: ior must be from 2^-400 (3.9e-121) to 2^400 (2.6e120)");
   CHECK(refusal({}).empty());
   CHECK(refusal({.diffuse = Color{9}, .specular = Color{16}, .shininess = 0, .reflect = 2, .refract = 3})
             .empty());
 }
 
 TEST_CASE("a checker that makes no sense is refused as a part of its material") {
-  for (const double bad : {0.0, -1.0, inf, not_a_number})
-    CHECK(refusal({.texture = Checker{.size = bad}}) == "Checker: size must be finite and greater than 0");
+  for (const double bad : {0.0, -1.0, 0x1p-401, 1e121, inf, not_a_number})
+    CHECK(refusal({.texture = Checker{.size = bad}}) ==
+          "Checker: size must be from 2^-400 (3.9e-121) to 2^400 (2.6e120)");
   for (const double bad : {-1.0, inf, not_a_number}) {
     const Color light{0.5f, static_cast<float>(bad), 0};
     const std::string error = "Checker: first and second color must be finite and not negative";
     CHECK(refusal({.texture = Checker{.first = light}}) == error);
     CHECK(refusal({.texture = Checker{.second = light}}) == error);
   }
-  CHECK(refusal({.texture = Checker{.first = Color{9}, .size = 1e-300}}).empty());
+  CHECK(refusal({.texture = Checker{.first = Color{9}, .size = 0x1p-400}}).empty());
 }

@@ -206,9 +206,10 @@ TEST_CASE("the bounds of a parallelogram hold its vertices, and are tight") {
       double least = inf, most = -inf;
       for (const double a : {0.0, 1.0})
         for (const double b : {0.0, 1.0}) {
-          const Expansion vertex =
-              Expansion(s.position[axis]) + Expansion(a * s.edge_u[axis]) + Expansion(b * s.edge_v[axis]);
-          outside += (vertex - Expansion(min[axis])).sign() < 0 || (vertex - Expansion(max[axis])).sign() > 0;
+          const ExactNumber vertex = ExactNumber(s.position[axis]) + ExactNumber(a * s.edge_u[axis]) +
+                                     ExactNumber(b * s.edge_v[axis]);
+          outside +=
+              (vertex - ExactNumber(min[axis])).sign() < 0 || (vertex - ExactNumber(max[axis])).sign() > 0;
           const double rounded = static_cast<double>(DoubleDouble(vertex));
           least = std::min(least, rounded), most = std::max(most, rounded);
         }
@@ -305,9 +306,9 @@ TEST_CASE("the equation of a plane is rounded to nearest, by double-double as wi
   CHECK(wrong == 0);
 
   // Quotients next to the middle of two doubles, and in it.
-  const Expansion one(1.0), hair(0x1p-200);
+  const ExactNumber one(1.0), hair(0x1p-200);
   for (const double q : {1.0, 1 + ulp, 1 + 2 * ulp}) {
-    const Expansion middle = Expansion(q) + Expansion(ulp / 2);
+    const ExactNumber middle = ExactNumber(q) + ExactNumber(ulp / 2);
     const double up = q + ulp, even = q == 1 + ulp ? up : q;
     CHECK(detail::nearest_quotient(middle - hair, one) == q);
     CHECK(detail::nearest_quotient(middle + hair, one) == up);
@@ -316,12 +317,12 @@ TEST_CASE("the equation of a plane is rounded to nearest, by double-double as wi
     CHECK(detail::nearest_quotient(-middle - hair, one) == -up);
     CHECK(detail::nearest_quotient(hair - middle, -one) == q);
   }
-  CHECK(detail::nearest_quotient(Expansion(), one) == 0);
+  CHECK(detail::nearest_quotient(ExactNumber(), one) == 0);
   int off = 0;
   for (int i = 0; i < 3000; ++i) {
     const double leading = random.real(1, 2), more = random.real(-1, 1), last = random.real(-1, 1);
-    const Expansion M = Expansion(leading) + Expansion(0x1p-60 * more) + Expansion(0x1p-120 * last);
-    off += detail::nearest_quotient((Expansion(1 + ulp) + Expansion(ulp / 2)) * M, M) != 1 + 2 * ulp;
+    const ExactNumber M = ExactNumber(leading) + ExactNumber(0x1p-60 * more) + ExactNumber(0x1p-120 * last);
+    off += detail::nearest_quotient((ExactNumber(1 + ulp) + ExactNumber(ulp / 2)) * M, M) != 1 + 2 * ulp;
   }
   CHECK(off == 0);
 }
@@ -445,5 +446,9 @@ TEST_CASE("a parallelogram that makes no sense is refused with the field's name"
   CHECK_THAT(says({.edge_u = Vec3{0}}), ContainsSubstring("must not be 0 or parallel"));
   CHECK_NOTHROW(Parallelogram{}.validate());
   CHECK_NOTHROW(Parallelogram{.edge_u = u, .edge_v = {0.1, 0.7, std::nextafter(-0.3, 0)}}.validate());
-  CHECK_NOTHROW(Parallelogram{.edge_u = 0x1p-900 * u, .edge_v = {0x1p900, 0, 0}}.validate());
+  CHECK_NOTHROW(Parallelogram{.edge_u = {0, 0x1p-400, 0}, .edge_v = {0x1p400, 0, 0}}.validate());
+  CHECK_THAT(says({.position = {0, 1e121, 0}}),
+             ContainsSubstring("position must have numbers at most 2^400"));
+  CHECK_THAT(says({.edge_u = {1e-121, 0, 0}}),
+             ContainsSubstring("edge_v must have largest components from 2^-400"));
 }

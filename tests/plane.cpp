@@ -125,8 +125,10 @@ TEST_CASE("a plane that makes no sense is refused with the field's name") {
   for (const Vec3& bad : {Vec3{0}, Vec3{0, not_a_number, 0}, Vec3{0, inf, 0}, Vec3{-inf, 1, 0}})
     CHECK_THAT(message_of<std::invalid_argument>([&] { Plane{.normal = bad}.validate(); }),
                ContainsSubstring("Plane: normal"));
-  for (const double bad : {inf, -inf, not_a_number})
+  for (const double bad : {1e121, -1e121, inf, -inf, not_a_number})
     CHECK_THAT(message_of<std::invalid_argument>([&] { Plane{.distance = bad}.validate(); }),
                ContainsSubstring("Plane: distance"));
   CHECK_NOTHROW(Plane{.normal = {0, -5, 0}, .distance = -3}.validate());
+  CHECK_NOTHROW(Plane{.normal = {0, 1e200, 0}, .distance = 1e300}.validate());
+  CHECK_THROWS_AS((Plane{.normal = {0, 1e-100, 0}, .distance = 1e30}.validate()), std::invalid_argument);
 }

@@ -57,4 +57,26 @@ TEST_CASE("a PNG that cannot be written says so and leaves an old file as it was
   CHECK(folder.count() == 1);
 }
 
+TEST_CASE("a PNG may be as large as stb_image_write can count") {
+  struct {
+    int width, height;
+    bool allowed;
+  } const rows[] = {{1, 1, true},
+                    {16384, 16384, true},
+                    {5'592'405, 1, true},
+                    {5'592'406, 1, false},  // a row of more than 2^24 - 1 bytes
+                    {1, 238'609'294, true},
+                    {1, 238'609'295, false},  // more than 2^30 / 9 * 8 bytes, 4 in each row
+                    {268'435'456, 1, false},
+                    {1, 268'435'456, false}};
+  for (const auto& row : rows) {
+    CAPTURE(row.width, row.height);
+    const std::string message = message_of<std::length_error>([&] { check_png_size(row.width, row.height); });
+    CHECK(message == (row.allowed
+                          ? ""
+                          : "save_png: an image of " + std::to_string(row.width) + "x" +
+                                std::to_string(row.height) + " is too large for PNG; save it as .ppm"));
+  }
+}
+
 #endif

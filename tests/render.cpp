@@ -55,6 +55,13 @@ struct Fragile {
   Vec3 normal_at(Point) const { return {0, 1, 0}; }
 };
 
+/// Cannot be used, and says so.
+struct Refusing {
+  Color operator()(const Ray&) const { throw std::logic_error("a ray was traced"); }
+  Color operator()(const Ray&, const auto&) const { throw std::logic_error("a ray was traced"); }
+  void validate() const { throw std::invalid_argument("Refusing: never"); }
+};
+
 static_assert(Integrator<Height, Scene<Sphere>> && Integrator<ShadowIntegrator, Scene<AnySurface>>);
 static_assert(Radiance<decltype(direction_as_color)> && !Radiance<Height>);
 static_assert(!Integrator<int, Scene<>>);
@@ -124,7 +131,15 @@ TEST_CASE("a negative number of threads is refused") {
   for (const int threads : {-1, -64, std::numeric_limits<int>::min()})
     CHECK_THAT(message_of<std::invalid_argument>(
                    [&] { render(image, Camera{}, direction_as_color, {.threads = threads}); }),
-               ContainsSubstring("RenderOptions: threads"));
+               ContainsSubstring("RenderOptions: threads must be 0 (all cores) or more; it is " +
+                                 std::to_string(threads)));
+}
+
+TEST_CASE("an integrator or a function of a ray may refuse to be used, before a ray is traced") {
+  Image image(4, 4);
+  CHECK(message_of<std::invalid_argument>([&] { render(image, Camera{}, Refusing{}); }) == "Refusing: never");
+  CHECK(message_of<std::invalid_argument>([&] { render(image, Camera{}, three_spheres(), Refusing{}); }) ==
+        "Refusing: never");
 }
 
 TEST_CASE("an invalid camera is refused before a ray is traced") {

@@ -1,6 +1,11 @@
 // The program `render` as a user runs it: a scene file's picture, its own options, and what is refused.
+#include <sys/resource.h>
+#include <sys/stat.h>
+
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -9,6 +14,7 @@
 #include <sstream>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <vector>
 
 #include "compare_images/picture.hpp"
@@ -18,6 +24,7 @@
 #include "support/files.hpp"
 #include "support/process.hpp"
 #include "support/random.hpp"
+#include "support/sanitizers.hpp"
 
 namespace fs = std::filesystem;
 using namespace protostar;
@@ -92,6 +99,27 @@ std::string changed(const std::string& from, const std::string& to) {
   std::string text = bytes_of(scene("three_spheres"));
   REQUIRE(text.find(from) != std::string::npos);
   return text.replace(text.find(from), from.size(), to);
+}
+
+/// A mesh as an OBJ file: a square behind the three spheres, cut into side × side squares.
+std::string flat_mesh(int side) {
+  std::string mesh;
+  for (int y = 0; y <= side; ++y)
+    for (int x = 0; x <= side; ++x)
+      mesh += "v " + std::to_string(x - side / 2) + " " + std::to_string(y - side / 2) + " 50\n";
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const int first = y * (side + 1) + x + 1;
+      mesh += "f " + std::to_string(first) + " " + std::to_string(first + 1) + " " +
+              std::to_string(first + side + 2) + " " + std::to_string(first + side + 1) + "\n";
+    }
+  return mesh;
+}
+
+/// A file of the three spheres and a mesh.
+std::string with_mesh(const std::string& file) {
+  return changed(R"("objects": [)", R"("objects": [{"surface": {"type": "mesh", "file": ")" + file +
+                                        R"("}, "color": [1, 1, 1]},)");
 }
 
 /// 300 spheres, of radii from 0.002 to 2 in equal ratios, in front of the camera of the tutorial: near if
@@ -509,6 +537,56 @@ TEST_CASE("a scene that cannot be read ends render with the status 1, its path a
   CHECK(folder.count() == 1);
 }
 
+TEST_CASE("a signal ends render within half a second, whatever it does") {
+  using namespace std::chrono_literals;
+  struct Row {
+    std::string doing, scene, options;
+    int status;  // what it ends with after SIGINT
+  };
+  const TemporaryFolder folder;
+  REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
+  put_bytes(folder / "a.obj", flat_mesh(400));  // which takes a second to read
+  put_bytes(folder / "mesh.json", with_mesh("a.obj"));
+  const Row row = GENERATE_COPY(
+      // All pixels are in one tile, which takes hours: nobody looks at the token.
+      Row{"a tile, alone", scene("whitted"), "--size 64x48 --samples 65536 --threads 1", 128 + SIGINT},
+      Row{"a tile, of several threads", scene("whitted"), "--size 64x48 --samples 65536 --threads 3",
+          128 + SIGINT},
+      Row{"many tiles", scene("three_spheres"), "--size 4000x4000 --samples 64 --threads 1", 128 + SIGINT},
+      // Before the picture is begun there is nothing to be tidied up.
+      Row{"waiting for a scene", "pipe", "", -SIGINT},
+      Row{"reading a scene", "mesh.json", "--size 64x48 --samples 65536", -SIGINT});
+  CAPTURE(row.doing);
+  const auto before = folder.count();
+  Process process(stage("render", words(row.scene + " " + row.options), folder / ""));
+  if (row.status > 0) process.wait_for_thread();
+  std::this_thread::sleep_for(300ms);
+  const auto start = std::chrono::steady_clock::now();
+  process.send(SIGINT);
+  const Outcome outcome = process.wait();
+  CHECK(std::chrono::steady_clock::now() - start < 500ms);
+  // A machine that has read the scene by then is drawing it.
+  const bool is_drawn = row.scene == "mesh.json" && outcome.status == 128 + SIGINT;
+  if (!is_drawn) CHECK(outcome.status == row.status);
+  CHECK(outcome.out + outcome.err == "");
+  CHECK(folder.count() == before);
+}
+
+TEST_CASE("a large mesh needs no thread but the one there is") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "a.obj", flat_mesh(80));  // 12800 triangles, whose tree several threads would build
+  put_bytes(folder / "a.json", with_mesh("a.obj"));
+  Command command =
+      stage("render", words("a.json --size 64x48 --threads 1 --quiet -o alone.ppm"), folder / "");
+  command.before = forbid_threads;
+  const Outcome outcome = run(command);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.err == "");
+  CHECK(run_program("render", "a.json --size 64x48 --quiet", folder).status == 0);
+  const bool is_alike = bytes_of(folder / "alone.ppm") == bytes_of(folder / "out.ppm");
+  CHECK(is_alike);
+}
+
 TEST_CASE("a scene without an end is not read for ever") {
   const TemporaryFolder folder;
   const Outcome zeros = run_program("render", "/dev/zero", folder);
@@ -522,3 +600,203 @@ TEST_CASE("a scene without an end is not read for ever") {
   CHECK(outcome.status == 1);
   CHECK(outcome.err == "render: /dev/stdin: the file is longer than the 268435456 bytes that are allowed\n");
 }
+
+namespace {
+
+/// render in a folder, by one thread, with at most so many bytes of memory.
+Outcome run_within(rlim_t bytes, const std::string& scene, const TemporaryFolder& folder) {
+  Command command = stage("render", {scene, "--threads", "1", "--size", "8x6", "-o", "out.ppm"}, folder / "");
+  command.before = [bytes] {
+    const rlimit limit{bytes, bytes};
+    setrlimit(RLIMIT_AS, &limit);
+  };
+  return run(command);
+}
+
+/// Checks that render has refused a scene in a line, or drawn it.
+void check_one_line(const Outcome& outcome) {
+  CAPTURE(outcome.status, outcome.err);
+  CHECK((outcome.status == 0 || outcome.status == 1));
+  if (outcome.status == 0) return;
+  CHECK(outcome.out == "");
+  CHECK(outcome.err.find('\n') == outcome.err.size() - 1);
+}
+
+void copy_image(const std::string& name, const TemporaryFolder& folder) {
+  fs::copy_file(fs::path(PROTOSTAR_SOURCE_DIR) / "tests" / name, folder / fs::path(name).filename().string());
+}
+
+/// A scene of a sphere with an image.
+std::string with_image(const std::string& name) {
+  return R"({"settings": {"resolution-x": 16, "resolution-y": 12, "integrator": "color"},
+      "camera": {"projection": "perspective", "position": [0, 0, -5], "direction": [0, 0, 1],
+                 "upward": [0, 1, 0], "field-of-view": 40},
+      "objects": [{"surface": {"type": "sphere", "position": [0, 0, 0], "radius": 2}, "material-id": "m"}],
+      "materials": {"m": {"diffuse": {"image": ")" +
+         name + "\"}}}}";
+}
+
+}  // namespace
+
+TEST_CASE("an image that is cut off or too large ends render with the status 1 and a line that says why") {
+  struct {
+    std::string file, error;
+  } const rows[] = {
+      {"images/half.hdr", "there are 19884 bytes of pixels; a picture of this size takes 38912 or more"},
+      {"images/hdrtrunc0.hdr", "there are 0 bytes of pixels; a picture of this size takes 2800 or more"},
+      {"images/bomb12000.png",
+       "the picture has 12000x12000 pixels; allowed are sides of at least 1 and at most 67108864 pixels"},
+  };
+  for (const auto& row : rows) {
+    const TemporaryFolder folder;
+    copy_image(row.file, folder);
+    const std::string name = fs::path(row.file).filename().string();
+    put_bytes(folder / "scene.json", with_image(name));
+    const Outcome outcome = run_program("render", "scene.json", folder);
+    CHECK(outcome.status == 1);
+    CHECK(outcome.err == "render: scene.json: /materials/m/diffuse/image: \"" + name +
+                             "\" is not possible: cannot read '" + name + "': " + row.error + "\n");
+    CHECK(folder.count() == 2);
+  }
+}
+
+TEST_CASE("names from a scene reach the terminal without their control characters") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "scene.json", with_image("a\\u001b[31m\\u0007red\\nline.png"));
+  CHECK(run_program("render", "scene.json", folder).err ==
+        "render: scene.json: /materials/m/diffuse/image: \"a\\u001b[31m\\u0007red\\nline.png\" is not "
+        "possible: "
+        "cannot read 'a\\x1b[31m\\x07red\\x0aline.png': No such file or directory\n");
+  CHECK(run(stage("render", {"a\x1b[31m\n.json"}, folder / "")).err ==
+        "render: cannot read 'a\\x1b[31m\\x0a.json': No such file or directory\n");
+  CHECK(run(stage("render", {"scene.json", "-o", "no\x1b/out.ppm"}, folder / "")).err.find('\x1b') ==
+        std::string::npos);
+  put_bytes(folder / "scene.json", with_image("a.png"));
+  copy_image("fuzz/pool/a.png", folder);
+  const Outcome drawn = run(stage("render", {"scene.json", "-o", "a\x1b[31m.ppm"}, folder / ""));
+  CHECK(drawn.out.starts_with("a\\x1b[31m.ppm: 16x12, "));
+  CHECK(drawn.status == 0);
+}
+
+TEST_CASE("render --confine refuses what lies outside of the scene's folder") {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "scene");
+  copy_image("fuzz/pool/a.png", folder);
+  fs::copy_file(folder / "a.png", folder / "scene/a.png");
+  put_bytes(folder / "scene/inside.json", with_image("a.png"));
+  put_bytes(folder / "scene/outside.json", with_image("../a.png"));
+  CHECK(run_program("render", "scene/inside.json", folder).status == 0);
+  CHECK(run_program("render", "scene/outside.json", folder).status == 0);
+  CHECK(run_program("render", "--confine scene/inside.json", folder).status == 0);
+  const std::string real = fs::canonical(folder / "").string();
+  const Outcome refused = run_program("render", "scene/outside.json --confine", folder);
+  CHECK(refused.status == 1);
+  CHECK(refused.err ==
+        "render: scene/outside.json: /materials/m/diffuse/image: \"../a.png\" is not inside of the "
+        "scene's folder: it is '" +
+            real + "/a.png', and the folder '" + real + "/scene'\n");
+  CHECK_THAT(run_program("render", "--help", folder).out, ContainsSubstring("--confine"));
+  CHECK(run_program("09_shadow", "--confine", folder).status == 2);
+}
+
+TEST_CASE("a pipe that nobody writes to does not keep render waiting where a scene names it") {
+  const TemporaryFolder folder;
+  REQUIRE(mkfifo((folder / "pipe.png").c_str(), 0600) == 0);
+  put_bytes(folder / "scene.json", with_image("pipe.png"));
+  const Outcome outcome = run_program("render", "scene.json", folder);
+  CHECK(outcome.status == 1);
+  CHECK_THAT(outcome.err,
+             ContainsSubstring("\"pipe.png\" is not possible: 'pipe.png' is not a regular file\n"));
+}
+
+#if !defined(ADDRESS_SANITIZER)  // which itself takes more than the limits
+
+TEST_CASE("small files take little memory") {
+  const TemporaryFolder folder;
+  const rlim_t limit = 200'000'000;
+  const auto check_refused = [&](const std::string& scene, const std::string& error) {
+    put_bytes(folder / "scene.json", scene);
+    const Outcome outcome = run_within(limit, "scene.json", folder);
+    CHECK(outcome.status == 1);
+    CHECK_THAT(outcome.err, ContainsSubstring(error));
+  };
+  copy_image("images/bomb12000.png", folder);
+  check_refused(with_image("bomb12000.png"), "the picture has 12000x12000 pixels");
+  put_bytes(folder / "a.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 10000 +X 10000\n");
+  check_refused(with_image("a.hdr"), "the picture has 10000x10000 pixels");
+  put_bytes(folder / "a.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8000 +X 8000\n");
+  check_refused(with_image("a.hdr"), "there are 0 bytes of pixels; a picture of this size takes ");
+
+  // An image of 6 MB in memory, which a hundred materials name, and a mesh of 100,000 triangles likewise.
+  put_bytes(folder / "a.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 65536 +X 7\n" +
+                                  std::string(std::size_t{4} * 7 * 65536, '\x80'));
+  std::string mesh = "v 0 0 1\nv 2 0 1\nv 0 2 1\n";
+  for (int i = 0; i < 100'000; ++i) mesh += "f 1 2 3\n";
+  put_bytes(folder / "a.obj", mesh);
+  std::string materials, objects;
+  for (int i = 0; i < 100; ++i) {
+    const std::string comma = i == 0 ? "" : ",", name = "\"" + std::to_string(i) + "\"";
+    materials += comma + name + R"(: {"diffuse": {"image": "a.hdr"}})";
+    objects += comma + R"({"surface": {"type": "mesh", "file": "a.obj"}, "material-id": )" + name + "}";
+  }
+  put_bytes(folder / "scene.json",
+            R"({"settings": {"resolution-x": 8, "resolution-y": 6, "integrator": "color"},
+      "camera": {"projection": "perspective", "position": [0, 0, -5], "direction": [0, 0, 1], "upward": [0, 1, 0],
+                 "field-of-view": 40}, "materials": {)" +
+                materials + R"(}, "objects": [)" + objects + "]}");
+  const Outcome shared = run_within(limit, "scene.json", folder);
+  CHECK(shared.err == "");
+  CHECK(shared.status == 0);
+}
+
+TEST_CASE("the values of a scene file are counted before they take memory") {
+  const TemporaryFolder folder;
+  std::string values = "[";
+  values.reserve(std::size_t{1} << 26);
+  for (int i = 0; i < 1 << 16; ++i) values += "0,";
+  for (int i = 0; i < 8; ++i) values += values.substr(1);  // now 2^24 zeros; and the array itself
+  values.back() = ']';
+  put_bytes(folder / "scene.json", values);
+  const Outcome refused = run_within(500'000'000, "scene.json", folder);
+  CHECK(refused.status == 1);
+  CHECK(
+      refused.err ==
+      "render: scene.json: /16777215: there are more than the 16777216 values that are allowed in a file\n");
+  values.replace(values.size() - 3, 3, "]");
+  put_bytes(folder / "scene.json", values);
+  CHECK(run_within(500'000'000, "scene.json", folder).err ==
+        "render: scene.json: the whole: an array or object of 16777215 values is not an object\n");
+}
+
+TEST_CASE("memory that ends while a scene is read ends render with the status 1 and a line") {
+  const TemporaryFolder folder;
+  const std::string sphere = R"({"surface": {"type": "csg", "operation": "union", "surfaces": [
+      {"type": "sphere", "position": [0, 0, 3], "radius": 0.1}]}, "color": [1, 1, 1]},)";
+  std::string spheres;
+  for (int i = 0; i < 8'000; ++i) spheres += sphere;
+  put_bytes(folder / "spheres.json", changed("\"objects\": [", "\"objects\": [" + spheres));
+  std::string mesh = "v 0 0 1\nv 2 0 1\nv 0 2 1\n";
+  for (int i = 0; i < 60'000; ++i) mesh += "f 1 2 3\n";
+  put_bytes(folder / "a.obj", mesh);
+  put_bytes(folder / "mesh.json",
+            changed("\"objects\": [",
+                    R"("objects": [{"surface": {"type": "mesh", "file": "a.obj"}, "color": [1, 1, 1]},)"));
+  put_bytes(folder / "a.hdr",
+            "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 500000 +X 7\n" + std::string(14'000'000, '\x80'));
+  put_bytes(folder / "image.json", with_image("a.hdr"));
+  for (const char* scene : {"spheres.json", "mesh.json", "image.json"}) {
+    int refused = 0;
+    // Steps of a sixth, from less than a program takes that does nothing.
+    for (rlim_t limit = 10'000'000; limit < 200'000'000; limit += limit / 6) {
+      CAPTURE(scene, limit);
+      const Outcome outcome = run_within(limit, scene, folder);
+      if (outcome.status == 127) continue;  // the program could not be loaded
+      check_one_line(outcome);
+      refused += outcome.err == "render: " + std::string(scene) + ": not enough memory for this scene\n";
+    }
+    CHECK(refused > 2);
+    CHECK(run_within(RLIM_INFINITY, scene, folder).status == 0);
+  }
+}
+
+#endif

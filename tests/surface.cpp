@@ -49,8 +49,7 @@ static_assert(Surface<Cylinder> && Surface<Sheets> && Surface<Sphere> && Surface
 static_assert(!Surface<NoNormal> && !Surface<ChangesWhenAsked> && !Surface<PlainNumber> && !Surface<int>);
 static_assert(!SurfaceWithDeparture<Cylinder> && !SurfaceWithRoots<Cylinder> && !CompositeSurface<Cylinder> &&
               !SurfaceWithValidation<Cylinder>);
-static_assert(CompositeSurface<AnySurface> && SurfaceWithRefinedRoots<Sphere> &&
-              SurfaceWithRefinedRoots<Plane>);
+static_assert(CompositeSurface<AnySurface> && SurfaceWithExactRoots<Sphere> && SurfaceWithExactRoots<Plane>);
 static_assert(SurfaceWithValidation<Sphere> && SurfaceWithValidation<Plane>);
 
 std::vector<double> crossings_of(const Surface auto& surface, const Ray& ray, Interval range = {}) {

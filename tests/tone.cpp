@@ -1,8 +1,10 @@
 #include <limits>
 #include <protostar/tone.hpp>
+#include <stdexcept>
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/errors.hpp"
 #include "support/pictures.hpp"
 #include "support/test_image.hpp"
 
@@ -80,4 +82,22 @@ TEST_CASE("exposure is a factor on all light") {
   CHECK(image(0, 0) == Color{0});
   expose(image, 0);
   CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; }) == 0);
+}
+
+TEST_CASE("an exposure that is no factor of light as float is refused, and the image stays as it is") {
+  Image image = random_image(7, 5, 3);
+  const Image before = image;
+  const double inf = std::numeric_limits<double>::infinity();
+  struct {
+    double exposure;
+    const char* found;
+  } const rows[] = {
+      {-1, "it is -1"},   {-1e-60, "it is -1e-60"}, {1e39, "it is 1e+39"},  // infinity as a float
+      {inf, "it is inf"}, {-inf, "it is -inf"},     {std::numeric_limits<double>::quiet_NaN(), "nan"}};
+  for (const auto& row : rows)
+    CHECK_THAT(message_of<std::invalid_argument>([&] { expose(image, row.exposure); }),
+               ContainsSubstring("expose: exposure must be from 0 to 3.4e38, the largest float; ") &&
+                   ContainsSubstring(row.found));
+  CHECK(different_pixels(image, before) == 0);
+  CHECK_NOTHROW(expose(image, std::numeric_limits<float>::max()));
 }

@@ -11,14 +11,13 @@
 #include "support/random.hpp"
 
 using namespace protostar;
-using exact::Ball;
 using exact::Number;
 
 namespace {
 
 /// A number in both ways.
 struct Both {
-  Ball ball;
+  exact::Ball ball;
   Number exact;
 };
 Both operator+(const Both& a, const Both& b) { return {a.ball + b.ball, a.exact + b.exact}; }
@@ -74,7 +73,7 @@ TEST_CASE("a number of 128 digits is off by no more than it says, or says that i
 }
 
 TEST_CASE("a number of 128 digits of which none is left is unknown, and one that is 0 is 0") {
-  const Ball one = 1.0, tiny = 0x1p-200, small = 0x1p-100;
+  const exact::Ball one = 1.0, tiny = 0x1p-200, small = 0x1p-100;
   CHECK((one + small - one).is_known());
   CHECK((one + small - one).may_be(0x1p-100));
   CHECK_FALSE((one + small - one).may_be(0x1p-101));
@@ -82,10 +81,10 @@ TEST_CASE("a number of 128 digits of which none is left is unknown, and one that
   CHECK_FALSE((tiny * (one + tiny - one) + one - one).is_known());
   CHECK((one - one).is_known());
   CHECK((one - one).sign() == 0);
-  CHECK((Ball(0.0) * (one + tiny - one)).sign() == 0);
+  CHECK((exact::Ball(0.0) * (one + tiny - one)).sign() == 0);
   CHECK((-one).sign() == -1);
-  CHECK(Ball(0x1p-1074).may_be(0x1p-1074));
-  CHECK(Ball(-0x1.fffffffffffffp+1023).may_be(-0x1.fffffffffffffp+1023));
+  CHECK(exact::Ball(0x1p-1074).may_be(0x1p-1074));
+  CHECK(exact::Ball(-0x1.fffffffffffffp+1023).may_be(-0x1.fffffffffffffp+1023));
 }
 
 TEST_CASE("what 128 digits cannot tell, exact numbers tell") {

@@ -4,11 +4,15 @@
 #include <numbers>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/whitted.hpp>
+#include <protostar/render.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/errors.hpp"
 #include "support/random.hpp"
 
 using namespace protostar;
@@ -208,6 +212,28 @@ TEST_CASE("a path of so many rays is cut, and sees the sky") {
     CHECK(seen(counting, depth) == Color{0});  // it has no sky
     CHECK(counting.rays == depth);
   }
+}
+
+TEST_CASE("a depth that no path can have is refused, by render before the first ray") {
+  const auto scene = walls({{3, {.reflect = 0.5}}, {-2, {.reflect = 0.5}}});
+  for (const int depth : {-3, -1, std::numeric_limits<int>::min(), 1001, 1'000'000}) {
+    const WhittedIntegrator integrator{.depth = depth};
+    Image image(4, 4);
+    const std::string sentence =
+        "WhittedIntegrator: depth must be from 0 to 1000; it is " + std::to_string(depth);
+    CHECK(message_of<std::invalid_argument>([&] { integrator.validate(); }) == sentence);
+    for (const bool tiles : {true, false})
+      CHECK(message_of<std::invalid_argument>(
+                [&] { render(image, Camera{}, scene, integrator, {.tiles = tiles}); }) == sentence);
+    CHECK(message_of<std::invalid_argument>(
+              [&] { render(image, Camera{}, accelerate(scene), integrator); }) == sentence);
+    CHECK(image(1, 1) == Color{0});
+    // Without render, a depth below 0 is met where a path ends.
+    if (depth < 0) CHECK(message_of<std::invalid_argument>([&] { seen(scene, depth); }) == sentence);
+  }
+  CHECK_NOTHROW(WhittedIntegrator{.depth = 0}.validate());
+  CHECK_NOTHROW(WhittedIntegrator{.depth = 1000}.validate());
+  CHECK(seen(scene, 1000) == Color{0});  // shares of 2^-1000, on the stack of this thread
 }
 
 TEST_CASE("what adds nothing is not asked about") {

@@ -507,12 +507,14 @@ inline BoxCase boxes_thin(Random& random) {
   return c;
 }
 
-/// Rays that leave the plane of a face, from the face or from beside it, in any direction and along it.
+/// Rays that leave a face, or something else in its plane from beside it as well, in any direction and along
+/// the face.
 inline BoxCase boxes_leaving(Random& random) {
   BoxCase c = boxes(random);
   const int face = whole(random, 0, 5);
+  const bool is_own = coin(random);
   for (int axis = 0; axis < 3; ++axis) {
-    const double share = random.real(-0.2, 1.2);
+    const double share = is_own ? std::clamp(random.real(-0.2, 1.2), 0.0, 1.0) : random.real(-0.2, 1.2);
     c.ray.origin[axis] = c.surface.min[axis] + share * (c.surface.max[axis] - c.surface.min[axis]);
   }
   c.ray.direction = random.direction();
@@ -520,6 +522,7 @@ inline BoxCase boxes_leaving(Random& random) {
   nudge(random, c.ray.origin);
   if (whole(random, 0, 9) == 0) c.ray.direction[face / 2] = 0;
   c.ray.departure = c.surface.departure(face);
+  if (!is_own) c.ray.departure.object = nullptr;
   return c;
 }
 
@@ -633,12 +636,12 @@ inline Ray carried(const Ray& ray, const Affine& map) {
   return {map.point(ray.origin), map.vector(ray.direction)};
 }
 
-/// Rays that are clear of the outline, and of the surface at their origins, by far more than the rounding of
-/// what is carried.
+/// Rays clear of the outline, and past it by any part of the radius.
 inline PlacedSphereCase instances(Random& random) {
   const double r = size(random, -10, 10);
   const Sphere own{random.point(10 * r), r};
-  const double impact = r * (coin(random) ? random.real(0, 0.9) : random.real(1.1, 2));
+  const double past = coin(random) ? size(random, -52, -4) : random.real(0.1, 1);
+  const double impact = coin(random) ? r * (1 - past) : r * (1 + past);
   const double outside = r * size(random, 1, 10), inside = r * random.real(-0.2, 0.2),
                ahead = coin(random)   ? outside
                        : coin(random) ? -outside
@@ -650,12 +653,11 @@ inline PlacedSphereCase instances(Random& random) {
   return {{there.origin, length * there.direction}, Placed(own, map)};
 }
 
-/// The same, at a slope of at least 1/8.
+/// The same of planes, at any slope.
 inline PlacedPlaneCase instances_of_planes(Random& random) {
   const Vec3 n = random.direction(), d = random.direction();
   const Point target = random.point(10);
   const double ahead = coin(random) ? size(random, 1, 10) : -size(random, 1, 10);
-  if (std::abs(dot(n, d)) < 0.125) return instances_of_planes(random);
   const Affine map = any_map(random);
   const double length = size(random, -10, 10), factor = size(random, -10, 10);
   const Ray there = carried({target - ahead * d, d}, map);
@@ -689,7 +691,7 @@ inline PlacedSphereCase instances_whole(Random& random) {
   const Ray there = carried({origin, d}, map);
   return {{unit * there.origin, std::ldexp(1, whole(random, -most, most)) * there.direction},
           Placed(Sphere{center, 5.0 * k},
-                 Affine{unit * map.x, unit * map.y, unit * map.z, unit * map.translation}, true)};
+                 Affine{unit * map.x, unit * map.y, unit * map.z, unit * map.translation})};
 }
 
 inline PlacedPlaneCase instances_of_planes_whole(Random& random) {
@@ -697,7 +699,7 @@ inline PlacedPlaneCase instances_of_planes_whole(Random& random) {
   const Vec3 direction = whole_vector(random, -2, 2), normal = whole_vector(random, -2, 2);
   const Plane own{normal, static_cast<double>(whole(random, -2, 2))};
   const Affine map = whole_map(random);
-  return {carried({origin, direction}, map), Placed(own, map, true)};
+  return {carried({origin, direction}, map), Placed(own, map)};
 }
 
 /// Rays that leave a whole point of the image of a sphere, in any whole direction and along it.
@@ -707,7 +709,7 @@ inline PlacedSphereCase instances_leaving(Random& random) {
   const Vec3 radius = turned({3 * k, 4 * k, 0}, times);
   const Vec3 d = coin(random) ? turned({-4, 3, whole(random, -9, 9)}, times) : whole_vector(random, -9, 9);
   const Affine map = whole_map(random);
-  PlacedSphereCase c{carried({center + radius, d}, map), Placed(Sphere{center, 5.0 * k}, map, true)};
+  PlacedSphereCase c{carried({center + radius, d}, map), Placed(Sphere{center, 5.0 * k}, map)};
   c.ray.departure = c.surface.departure();
   return c;
 }
@@ -786,6 +788,7 @@ inline MadeCase solids_whole(Random& random) {
       const int face = whole(random, 0, 5);
       ray.origin[face / 2] = face % 2 == 0 ? box->min[face / 2] : box->max[face / 2];
       ray.departure = box->departure(face);
+      ray.departure.object = nullptr;
     });
   return {ray, Made(std::move(tree))};
 }

@@ -16,17 +16,15 @@ template <class S>
 struct Placed : protostar::Instance<S> {
   S own;
   protostar::Affine placement;
-  /// Whether rays of its corpus are carried without rounding, since their numbers and the map's are small and
-  /// whole, but for powers of two.
-  bool carries_exactly = false;
 
-  explicit Placed(const S& surface = {}, const protostar::Affine& map = {}, bool is_exact = false)
-      : protostar::Instance<S>(surface, map), own(surface), placement(map), carries_exactly(is_exact) {}
+  explicit Placed(const S& surface = {}, const protostar::Affine& map = {})
+      : protostar::Instance<S>(surface, map), own(surface), placement(map) {}
 };
 
 /// A solid, or an operation on some.
 struct SolidTree {
-  using Solid = std::variant<protostar::Sphere, protostar::Box, protostar::Quadric>;
+  using Solid = std::variant<protostar::Sphere, protostar::Box, protostar::Quadric, Placed<protostar::Sphere>,
+                             Placed<protostar::Box>>;
 
   Solid solid = {};
   protostar::Csg::Operation operation = protostar::Csg::Operation::none;  ///< none: the solid itself

@@ -2,6 +2,11 @@
 #pragma once
 
 #include <array>
+#include <bit>
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/disk.hpp>
@@ -10,6 +15,9 @@
 #include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <protostar/surfaces/triangle.hpp>
+#include <stdexcept>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "exact.hpp"
@@ -38,14 +46,43 @@ T dot(const Vector<T>& a, const Vector<T>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+/// The points (origin + t · direction) / weight, with a weight that is not 0: a ray, or the line that meets a
+/// surface where a ray meets its image. The inverse of a map's matrix has the cross products of its columns
+/// for rows, over its determinant, which goes into the weight.
+template <class T>
+struct Line {
+  Vector<T> origin, direction;
+  T weight;
+
+  Line(const protostar::Ray& ray) : origin(ray.origin), direction(ray.direction), weight(1.0) {}
+  Line(const Line& line, const protostar::Affine& map)
+      : Line(line, Vector<T>(map.translation), Vector<T>(map.x), Vector<T>(map.y), Vector<T>(map.z)) {}
+
+  /// weight times a point, less the origin.
+  [[nodiscard]] Vector<T> to(const protostar::Point& p) const {
+    return Vector<T>(weight * p.x, weight * p.y, weight * p.z) - origin;
+  }
+
+ private:
+  Line(const Line& line, const Vector<T>& at, const Vector<T>& x, const Vector<T>& y, const Vector<T>& z)
+      : origin(back(line.origin - Vector<T>(line.weight * at.x, line.weight * at.y, line.weight * at.z), x, y,
+                    z)),
+        direction(back(line.direction, x, y, z)),
+        weight(line.weight * dot(x, cross(y, z))) {}
+
+  static Vector<T> back(const Vector<T>& v, const Vector<T>& x, const Vector<T>& y, const Vector<T>& z) {
+    return {dot(cross(y, z), v), dot(cross(z, x), v), dot(cross(x, y), v)};
+  }
+};
+
 /// A t² − 2bt + c = 0; of a ray that leaves the sphere c is 0, and t = 0 is left out.
 template <class T>
 struct SphereEquation {
   T A, b, c;
 
-  SphereEquation(const protostar::Ray& ray, const protostar::Sphere& sphere) {
-    const Vector<T> d(ray.direction), l = Vector<T>(sphere.center) - Vector<T>(ray.origin);
-    A = dot(d, d), b = dot(d, l), c = dot(l, l) - square(T(sphere.radius));
+  SphereEquation(const Line<T>& line, const protostar::Sphere& sphere) {
+    const Vector<T>&d = line.direction, l = line.to(sphere.center);
+    A = dot(d, d), b = dot(d, l), c = dot(l, l) - square(line.weight * T(sphere.radius));
   }
   [[nodiscard]] T discriminant() const { return square(b) - A * c; }
 };
@@ -55,10 +92,10 @@ template <class T>
 struct PlaneEquation {
   T slope, height;
 
-  PlaneEquation(const protostar::Ray& ray, const protostar::Plane& plane) {
+  PlaneEquation(const Line<T>& line, const protostar::Plane& plane) {
     const Vector<T> n(plane.normal);
-    slope = dot(n, Vector<T>(ray.direction));
-    height = T(plane.distance) - dot(n, Vector<T>(ray.origin));
+    slope = dot(n, line.direction);
+    height = line.weight * T(plane.distance) - dot(n, line.origin);
   }
 };
 
@@ -141,13 +178,13 @@ template <class T>
 struct QuadricEquation {
   T A, b, c;
 
-  QuadricEquation(const protostar::Ray& ray, const protostar::QuadricForm& form) {
+  QuadricEquation(const Line<T>& line, const protostar::QuadricForm& form) {
     const T q[4][4] = {{form.squares.x, form.products.z, form.products.y, form.linear.x},
                        {form.products.z, form.squares.y, form.products.x, form.linear.y},
                        {form.products.y, form.products.x, form.squares.z, form.linear.z},
                        {form.linear.x, form.linear.y, form.linear.z, form.constant}};
-    const T d[4] = {ray.direction.x, ray.direction.y, ray.direction.z, 0.0};
-    const T o[4] = {ray.origin.x, ray.origin.y, ray.origin.z, 1.0};
+    const T d[4] = {line.direction.x, line.direction.y, line.direction.z, 0.0};
+    const T o[4] = {line.origin.x, line.origin.y, line.origin.z, line.weight};
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < 4; ++j) {
         A = A + d[i] * q[i][j] * d[j];
@@ -158,139 +195,110 @@ struct QuadricEquation {
   [[nodiscard]] T discriminant() const { return square(b) - A * c; }
 };
 
-/// slope · t = height is where the line crosses the plane of a box's face.
+/// What of a surface a ray leaves: a part of its own, −1 if none.
+struct Left {
+  int part = -1;
+};
+
+/// What of a box a ray leaves: the face in whose plane it starts, −1 if there is none, and whether that is on
+/// this box.
+struct LeftOfBox {
+  int face = -1;
+  bool is_own = false;
+};
+
+/// slope · t = height is where the line crosses the plane of a box's face. A line that leaves the face is
+/// there at t = 0, whatever its digits say.
 template <class T>
 struct FaceEquation {
   T slope, height;
 
-  FaceEquation(const protostar::Ray& ray, const protostar::Box& box, int face)
-      : slope(ray.direction[face / 2]),
-        height(T(face % 2 ? box.max[face / 2] : box.min[face / 2]) - T(ray.origin[face / 2])) {}
+  FaceEquation(const Line<T>& line, const protostar::Box& box, int face, const LeftOfBox& left = {})
+      : slope(face / 2 == 0   ? line.direction.x
+              : face / 2 == 1 ? line.direction.y
+                              : line.direction.z) {
+    const Vector<T> from_min = line.to(box.min), from_max = line.to(box.max);
+    const Vector<T>& from = face % 2 ? from_max : from_min;
+    height = face == left.face ? T(0.0) : face / 2 == 0 ? from.x : face / 2 == 1 ? from.y : from.z;
+  }
 
-  /// Whether that is a point of the box, if 128 digits tell.
-  [[nodiscard]] std::optional<bool> is_in_box(const protostar::Ray& ray, const protostar::Box& box) const {
-    for (int i = 0; i < 3; ++i) {
-      const T place = T(ray.origin[i]) * slope + T(ray.direction[i]) * height;
-      for (const T& inwards : {place - T(box.min[i]) * slope, T(box.max[i]) * slope - place}) {
-        if constexpr (requires { inwards.is_known(); })
-          if (!inwards.is_known()) return std::nullopt;
-        if (inwards.sign() * slope.sign() < 0) return false;
-      }
+  /// Whether that is a point of the box, if 128 digits tell: on no side of it outside of the other faces. On
+  /// the inner side of the face that is left is what comes after t = 0, if the line leads inwards there.
+  [[nodiscard]] std::optional<bool> is_in_box(const Line<T>& line, const protostar::Box& box,
+                                              const LeftOfBox& left = {}) const {
+    for (int other = 0; other < 6; ++other) {
+      const FaceEquation of_other(line, box, other);
+      // (place of the face − place of the point) · weight · slope, where positive is inside of an upper face.
+      T beyond = of_other.height * slope - of_other.slope * height;
+      if (other % 2 == 0) beyond = -beyond;
+      if (other == left.face) beyond = height;
+      if constexpr (requires { beyond.is_known(); })
+        if (!beyond.is_known() || !line.weight.is_known() || !slope.is_known()) return std::nullopt;
+      const int weight_sign = other == left.face ? 1 : line.weight.sign();
+      if (beyond.sign() * slope.sign() * weight_sign < 0) return false;
     }
     return true;
   }
 };
 
-/// Whether a ray leaves the plane where the coordinate on one axis is this.
-inline bool leaves_plane(const protostar::Ray& ray, int axis, double place) {
-  const auto& g = ray.departure.geometry;
-  const auto along = [&](int i) { return g[static_cast<std::size_t>(i)]; };
-  return ray.departure.kind == protostar::Departure::Kind::plane && along(axis) != 0 &&
-         along((axis + 1) % 3) == 0 && along((axis + 2) % 3) == 0 &&
-         (Number(along(axis)) * Number(place) - Number(g[3])).sign() == 0;
-}
-
-/// The face of a box in whose plane a ray starts by what it departs from, −1 if it is none.
-inline int face_left(const protostar::Ray& ray, const protostar::Box& box) {
-  for (int face = 0; face < 6; ++face)
-    if (leaves_plane(ray, face / 2, face % 2 ? box.max[face / 2] : box.min[face / 2])) return face;
-  return -1;
+/// Whether a line's slope along a face's normal leads through the box from there, if 128 digits tell.
+template <class T>
+std::optional<bool> leads_inwards(const Line<T>& line, const protostar::Box& box, int face) {
+  const FaceEquation<T> e(line, box, face);
+  if constexpr (requires { e.slope.is_known(); })
+    if (!e.slope.is_known() || !line.weight.is_known()) return std::nullopt;
+  const bool is_flat = box.min[face / 2] == box.max[face / 2];
+  return !is_flat && e.slope.sign() * line.weight.sign() * (face % 2 ? -1 : 1) > 0;
 }
 
 /// The faces through which a line enters and leaves a box, if 128 digits tell: those that it crosses in one
-/// direction, in a point of the box; of some, the first. A ray that leaves a face has that one behind it if
-/// it leads through the box, and meets nothing otherwise.
+/// direction, in a point of the box; of some, the first. A ray that leaves a face of the box and leads
+/// inwards is in the box, so that it only leaves it: through that of the faces that it leads out of whose
+/// plane it crosses before the others'.
 template <class T>
-std::optional<std::vector<int>> faces_crossed(const protostar::Ray& ray, const protostar::Box& box,
-                                              bool leaves) {
+std::optional<std::vector<int>> faces_crossed(const Line<T>& line, const protostar::Box& box,
+                                              const LeftOfBox& left) {
   std::vector<int> crossed;
-  const int left = leaves ? face_left(ray, box) : -1;
-  const auto is_entered = [&](int face) { return (ray.direction[face / 2] > 0) == (face % 2 == 0); };
-  if (leaves && (ray.direction[left / 2] == 0 || !is_entered(left) || box.min[left / 2] == box.max[left / 2]))
-    return crossed;
-  for (const bool enters : {true, false}) {
+  if (left.face >= 0) {
+    const std::optional<bool> inwards = leads_inwards(line, box, left.face);
+    if (!inwards) return std::nullopt;
+    if (!*inwards) return crossed;
+  }
+  int signs[6];  // 1 where the face is entered, -1 where it is left
+  for (int face = 0; face < 6; ++face) {
+    const FaceEquation<T> e(line, box, face);
+    if constexpr (requires { e.slope.is_known(); })
+      if (!e.slope.is_known() || !line.weight.is_known()) return std::nullopt;
+    signs[face] = e.slope.sign() * line.weight.sign() * (face % 2 ? -1 : 1);
+  }
+  if (left.is_own) {
     int first = -1;
     for (int face = 0; face < 6; ++face) {
-      if (ray.direction[face / 2] == 0 || is_entered(face) != enters) continue;
-      const std::optional<bool> is_in = FaceEquation<T>(ray, box, face).is_in_box(ray, box);
-      if (!is_in) return std::nullopt;
-      if (*is_in && (first < 0 || face == left)) first = face;
+      if (signs[face] >= 0) continue;
+      if (first >= 0) {
+        const FaceEquation<T> e(line, box, face), f(line, box, first);
+        const T earlier = f.height * e.slope - e.height * f.slope;  // times both slopes
+        if constexpr (requires { earlier.is_known(); })
+          if (!earlier.is_known()) return std::nullopt;
+        if (earlier.sign() * e.slope.sign() * f.slope.sign() <= 0) continue;
+      }
+      first = face;
     }
-    if (first >= 0 && first != left) crossed.push_back(first);
+    crossed.push_back(first);
+    return crossed;
+  }
+  for (const int sign : {1, -1}) {
+    int first = -1;
+    for (int face = 0; face < 6; ++face) {
+      if (signs[face] != sign) continue;
+      const std::optional<bool> is_in = FaceEquation<T>(line, box, face, left).is_in_box(line, box, left);
+      if (!is_in) return std::nullopt;
+      if (*is_in && (first < 0 || face == left.face)) first = face;
+    }
+    if (first >= 0 && first != left.face) crossed.push_back(first);
   }
   return crossed;
 }
-
-/// The ray that meets a surface where the given one meets its image, with both its parts times the map's
-/// determinant: the inverse of a matrix has the cross products of its columns for rows, over that.
-template <class T>
-struct CarriedRay {
-  T determinant;
-  Vector<T> origin, direction;
-
-  CarriedRay(const protostar::Ray& ray, const protostar::Affine& map)
-      : CarriedRay(ray, map, cross(Vector<T>(map.y), Vector<T>(map.z)),
-                   cross(Vector<T>(map.z), Vector<T>(map.x)), cross(Vector<T>(map.x), Vector<T>(map.y))) {}
-
- private:
-  CarriedRay(const protostar::Ray& ray, const protostar::Affine& map, const Vector<T>& yz,
-             const Vector<T>& zx, const Vector<T>& xy)
-      : determinant(dot(Vector<T>(map.x), yz)),
-        origin(back(Vector<T>(ray.origin) - Vector<T>(map.translation), yz, zx, xy)),
-        direction(back(Vector<T>(ray.direction), yz, zx, xy)) {}
-
-  static Vector<T> back(const Vector<T>& v, const Vector<T>& yz, const Vector<T>& zx, const Vector<T>& xy) {
-    return {dot(yz, v), dot(zx, v), dot(xy, v)};
-  }
-};
-
-/// Whether a ray is carried into the space of an instance as well as doubles allow: each component with an
-/// error of at most 4u, or of the origin 5u, of the sum of its terms' sizes; 6 with the second order.
-inline bool is_carried(const protostar::Ray& ray, const protostar::Affine& map,
-                       const protostar::Ray& carried) {
-  const Vector<Number> x(map.x), y(map.y), z(map.z);
-  // Of the inverse, times the determinant.
-  const Vector<Number> rows[] = {cross(y, z), cross(z, x), cross(x, y)};
-  const Number determinant = dot(x, rows[0]);
-  const auto size = [](const Number& n) { return n.sign() < 0 ? -n : n; };
-  const auto is_near = [&](const protostar::Vec3& found, const Vector<Number>& v) {
-    for (int i = 0; i < 3; ++i) {
-      const Number terms[] = {rows[i].x * v.x, rows[i].y * v.y, rows[i].z * v.z};
-      const Number off = Number(found[i]) * determinant - (terms[0] + terms[1] + terms[2]);
-      const Number sizes = size(terms[0]) + size(terms[1]) + size(terms[2]);
-      if ((size(off) - Number(6 * 0x1p-53) * sizes).sign() > 0) return false;
-    }
-    return true;
-  };
-  return is_near(carried.origin, Vector<Number>(ray.origin) - Vector<Number>(map.translation)) &&
-         is_near(carried.direction, Vector<Number>(ray.direction));
-}
-
-/// The equation of a sphere, or of a plane, and the carried ray, times the determinant or its square.
-template <class T>
-struct PlacedSphereEquation {
-  T A, b, c;
-
-  PlacedSphereEquation(const protostar::Ray& ray, const Placed<protostar::Sphere>& placed) {
-    const CarriedRay<T> carried(ray, placed.placement);
-    const Vector<T> center(placed.own.center), &d = carried.direction;
-    const T& k = carried.determinant;
-    const Vector<T> l = Vector<T>(k * center.x, k * center.y, k * center.z) - carried.origin;
-    A = dot(d, d), b = dot(d, l), c = dot(l, l) - square(k * T(placed.own.radius));
-  }
-  [[nodiscard]] T discriminant() const { return square(b) - A * c; }
-};
-template <class T>
-struct PlacedPlaneEquation {
-  T slope, height;
-
-  PlacedPlaneEquation(const protostar::Ray& ray, const Placed<protostar::Plane>& placed) {
-    const CarriedRay<T> carried(ray, placed.placement);
-    const Vector<T> n(placed.own.normal);
-    slope = dot(n, carried.direction);
-    height = carried.determinant * T(placed.own.distance) - dot(n, carried.origin);
-  }
-};
 
 /// Where all solids of a tree are crossed, in places of equal t from near to far: how often each solid is, in
 /// each place; and which of them a ray is inside of in the end.
@@ -329,29 +337,18 @@ struct SolidsAlong {
 
 /// Whether a ray is inside of a solid in the end, if 128 digits tell: the sign of A, or that of −b, or c.
 template <class T>
-std::optional<bool> ends_inside(const protostar::Ray&, const auto&) {
+std::optional<bool> ends_inside(const Line<T>&, const auto&) {
   return false;
 }
 template <class T>
-std::optional<bool> ends_inside(const protostar::Ray& ray, const protostar::Quadric& quadric) {
-  const QuadricEquation<T> e(ray, quadric.form);
+std::optional<bool> ends_inside(const Line<T>& line, const protostar::Quadric& quadric) {
+  const QuadricEquation<T> e(line, quadric.form);
   for (const T& x : {e.A, -e.b, e.c}) {
     if constexpr (requires { x.is_known(); })
       if (!x.is_known()) return std::nullopt;
     if (x.sign() != 0) return x.sign() < 0;
   }
   return false;
-}
-
-/// Whether a ray leaves a solid of a tree. No ray here leaves a quadric of one.
-inline bool leaves_solid(const protostar::Ray&, const auto&) { return false; }
-inline bool leaves_solid(const protostar::Ray& ray, const protostar::Box& box) {
-  return ray.departure.kind != protostar::Departure::Kind::none && face_left(ray, box) >= 0;
-}
-inline bool leaves_solid(const protostar::Ray& ray, const protostar::Sphere& sphere) {
-  const auto& g = ray.departure.geometry;
-  return ray.departure.kind == protostar::Departure::Kind::sphere && sphere.center.x == g[0] &&
-         sphere.center.y == g[1] && sphere.center.z == g[2] && std::abs(sphere.radius) == g[3];
 }
 
 /// A crossing's parameter: (p + side · √D) / A with A > 0, side -1, 0 or 1; and that rounded to Quad, good to
@@ -387,14 +384,17 @@ inline Roots both_roots(const Number& A, const Number& b, const Number& c, const
   return {{b, D, A, -1, ahead ? other : one}, {b, D, A, 1, ahead ? one : other}};
 }
 
-inline Roots roots(const protostar::Ray& ray, const protostar::Sphere& sphere, bool leaves) {
-  const SphereEquation<Number> e(ray, sphere);
+inline Roots roots(const Line<Number>& line, const protostar::Sphere& sphere, bool leaves) {
+  const SphereEquation<Number> e(line, sphere);
   if (e.A.sign() == 0) return {};
   if (leaves) {
     const Number p = Number(2) * e.b;
     return {{p, {}, e.A, 0, Quad(p) / Quad(e.A)}};
   }
   return both_roots(e.A, e.b, e.c, e.discriminant());
+}
+inline Roots roots(const protostar::Ray& ray, const protostar::Sphere& sphere, bool leaves) {
+  return roots(Line<Number>(ray), sphere, leaves);
 }
 
 /// The root of slope · t = height, with a slope that is not 0.
@@ -431,15 +431,20 @@ inline Roots roots(const protostar::Ray& ray, const protostar::Disk& disk, bool 
   if (e.slope.sign() == 0 || e.beyond.sign() > 0) return {};
   return {only_root(e.slope, e.height)};
 }
-inline Roots roots(const protostar::Ray& ray, const protostar::Box& box, bool leaves) {
+/// A ray that leaves a face of the box and leads inwards leaves the box at t > 0: at the smallest, if its
+/// digits have that at 0 or before.
+inline Roots roots(const Line<Number>& line, const protostar::Box& box, const LeftOfBox& left) {
   Roots all;
-  const std::vector<int> faces = faces_crossed<Number>(ray, box, leaves).value();
+  const std::vector<int> faces = faces_crossed<Number>(line, box, left).value();
   for (const int face : faces) {
-    const FaceEquation<Number> e(ray, box, face);
+    const FaceEquation<Number> e(line, box, face, left);
     all.push_back(only_root(e.slope, e.height));
+    if (left.is_own && all.back().p.sign() <= 0)
+      all.back() = root_at(std::numeric_limits<double>::denorm_min());
   }
   return all;
 }
+
 /// Whether a ray that leaves a quadric meets it again in the quadric's bounds: one that is no ellipsoid with
 /// its inside within has none; in those of others its form, which at both places is the c of the origin, is
 /// at most 2^-10 of what it is below 0 in the center.
@@ -461,8 +466,8 @@ inline bool meets_again(const protostar::QuadricForm& form, const Number& c) {
   return (Number(1024) * c * determinant - depth).sign() <= 0;
 }
 
-inline Roots roots(const protostar::Ray& ray, const protostar::Quadric& quadric, bool leaves) {
-  QuadricEquation<Number> e(ray, quadric.form);
+inline Roots roots(const Line<Number>& line, const protostar::Quadric& quadric, bool leaves) {
+  QuadricEquation<Number> e(line, quadric.form);
   if (leaves && (e.A.sign() == 0 || !meets_again(quadric.form, e.c))) return {};
   if (leaves) return {only_root(e.A, Number(2) * e.b)};
   if (e.A.sign() == 0) return e.b.sign() == 0 ? Roots{} : Roots{only_root(Number(2) * e.b, e.c)};
@@ -470,22 +475,165 @@ inline Roots roots(const protostar::Ray& ray, const protostar::Quadric& quadric,
   return both_roots(e.A, e.b, e.c, e.discriminant());
 }
 
+inline Roots roots(const protostar::Ray& ray, const protostar::Quadric& quadric, bool leaves) {
+  return roots(Line<Number>(ray), quadric, leaves);
+}
+
 inline Roots roots(const protostar::Ray& ray, const Placed<protostar::Sphere>& placed, bool leaves) {
-  const PlacedSphereEquation<Number> e(ray, placed);
-  if (e.A.sign() == 0) return {};
-  if (leaves) return {only_root(e.A, Number(2) * e.b)};
-  return both_roots(e.A, e.b, e.c, e.discriminant());
+  return roots(Line<Number>(Line<Number>(ray), placed.placement), placed.own, leaves);
 }
 inline Roots roots(const protostar::Ray& ray, const Placed<protostar::Plane>& placed, bool leaves) {
   if (leaves) return {};
-  const PlacedPlaneEquation<Number> e(ray, placed);
+  const PlaneEquation<Number> e(Line<Number>(Line<Number>(ray), placed.placement), placed.own);
   if (e.slope.sign() == 0) return {};
   return {only_root(e.slope, e.height)};
 }
 
-/// Those at which the inside of a tree turns over. A solid that is left has lost one at t = 0 if it has not
-/// an even number with both ends outside; what is left there is not met.
-inline Roots roots(const protostar::Ray& ray, const Made& made, bool) {
+/// The double nearest to N/M, in the middle of two the one whose last bit is 0: of the quotient's digits as a
+/// Quad, and its neighbors, the one with the least |N − x M|, without rounding.
+inline double nearest_quotient(const Number& N, const Number& M) {
+  const double q = static_cast<double>(Quad(N) / Quad(M));
+  double best = q;
+  const auto off = [&](double x) {
+    const Number difference = N - Number(x) * M;
+    return difference.sign() < 0 ? -difference : difference;
+  };
+  for (const double x : {std::nextafter(q, -protostar::infinity), std::nextafter(q, protostar::infinity)}) {
+    const int closer = (off(best) - off(x)).sign();
+    const auto is_even = [](double y) { return (std::bit_cast<std::uint64_t>(y) & 1) == 0; };
+    if (closer > 0 || (closer == 0 && is_even(x))) best = x;
+  }
+  return best;
+}
+
+/// The equation of a plane as surfaces in one plane recognize each other: divided by the largest component of
+/// the normal, the first of equals, and rounded.
+inline std::array<double, 4> rounded_equation(const Vector<Number>& n, const Number& distance) {
+  const Number numbers[] = {n.x, n.y, n.z, distance};
+  int k = 0;
+  for (int i = 1; i < 3; ++i)
+    if ((square(numbers[i]) - square(numbers[k])).sign() > 0) k = i;
+  std::array<double, 4> rounded{};
+  for (std::size_t i = 0; i < 4; ++i) rounded[i] = nearest_quotient(numbers[i], numbers[k]);
+  return rounded;
+}
+
+/// Whether a ray departs from the plane n · x = distance. Exactly, where its departure says so and doubles
+/// hold the plane's equation.
+inline bool departs_from(const protostar::Departure& left, const Vector<Number>& n, const Number& distance,
+                         bool is_exact) {
+  using Kind = protostar::Departure::Kind;
+  if (left.kind != Kind::plane && left.kind != Kind::rounded_plane) return false;
+  const auto& g = left.geometry;
+  const Vector<Number> m(g[0], g[1], g[2]);
+  if (left.kind == Kind::plane && is_exact) {
+    const Vector<Number> c = cross(m, n);
+    const auto crossed = [&](const Number& a, const Number& b) {
+      return (Number(g[3]) * a - distance * b).sign();
+    };
+    return c.x.sign() == 0 && c.y.sign() == 0 && c.z.sign() == 0 && crossed(n.x, m.x) == 0 &&
+           crossed(n.y, m.y) == 0 && crossed(n.z, m.z) == 0;
+  }
+  const std::array<double, 4> of_ray =
+      left.kind == Kind::rounded_plane ? g : rounded_equation(m, Number(g[3]));
+  return of_ray == rounded_equation(n, distance);
+}
+
+/// The face of a box in whose plane a ray starts by what it departs from, −1 if it is none.
+inline int face_left(const protostar::Departure& left, const protostar::Box& box) {
+  for (int face = 0; face < 6; ++face) {
+    protostar::Vec3 normal{0};
+    normal[face / 2] = 1;
+    if (departs_from(left, Vector<Number>(normal), face % 2 ? box.max[face / 2] : box.min[face / 2], true))
+      return face;
+  }
+  return -1;
+}
+inline int face_left(const protostar::Ray& ray, const protostar::Box& box) {
+  return face_left(ray.departure, box);
+}
+
+/// The same of a box's image: the normal of a face is a row of the inverse.
+inline int face_left(const protostar::Departure& left, const Placed<protostar::Box>& placed) {
+  const Vector<Number> x(placed.placement.x), y(placed.placement.y), z(placed.placement.z),
+      at(placed.placement.translation);
+  const Vector<Number> rows[] = {cross(y, z), cross(z, x), cross(x, y)};
+  const Number determinant = dot(x, rows[0]);
+  for (int face = 0; face < 6; ++face) {
+    const Vector<Number>& n = rows[face / 2];
+    const double place = face % 2 ? placed.own.max[face / 2] : placed.own.min[face / 2];
+    if (departs_from(left, n, Number(place) * determinant + dot(n, at), false)) return face;
+  }
+  return -1;
+}
+
+/// Whether a ray departs from this sphere, or from the image of a sphere, if that is one.
+inline bool departs_from(const protostar::Departure& left, const protostar::Sphere& sphere) {
+  const auto& g = left.geometry;
+  return left.kind == protostar::Departure::Kind::sphere && sphere.center.x == g[0] &&
+         sphere.center.y == g[1] && sphere.center.z == g[2] && std::abs(sphere.radius) == g[3];
+}
+inline bool departs_from(const protostar::Departure& left, const Placed<protostar::Sphere>& placed) {
+  if (left.kind != protostar::Departure::Kind::sphere) return false;
+  const Vector<Number> x(placed.placement.x), y(placed.placement.y), z(placed.placement.z),
+      at(placed.placement.translation);
+  const Number k = dot(x, x);
+  const auto is_0 = [](const Number& n) { return n.sign() == 0; };
+  if (!is_0(dot(y, y) - k) || !is_0(dot(z, z) - k) || !is_0(dot(x, y)) || !is_0(dot(y, z)) ||
+      !is_0(dot(z, x)))
+    return false;
+  const auto& g = left.geometry;
+  const Vector<Number> c(placed.own.center);
+  const auto is_at = [&](const Number& a, const Number& b, const Number& d, const Number& to, double place) {
+    return is_0(c.x * a + c.y * b + c.z * d + to - Number(place));
+  };
+  return is_at(x.x, y.x, z.x, at.x, g[0]) && is_at(x.y, y.y, z.y, at.y, g[1]) &&
+         is_at(x.z, y.z, z.z, at.z, g[2]) &&
+         is_0(k * square(Number(placed.own.radius)) - square(Number(g[3])));
+}
+
+/// The crossings of a ray's line with a solid of which it leaves a part, −1 for none; it may leave another
+/// surface together with it.
+inline Roots roots(const protostar::Ray& ray, const protostar::Sphere& sphere, const Left& left) {
+  return roots(Line<Number>(ray), sphere, left.part >= 0 || departs_from(ray.departure, sphere));
+}
+inline Roots roots(const protostar::Ray& ray, const Placed<protostar::Sphere>& placed, const Left& left) {
+  return roots(Line<Number>(Line<Number>(ray), placed.placement), placed.own,
+               left.part >= 0 || departs_from(ray.departure, placed));
+}
+inline LeftOfBox left_of(const protostar::Ray& ray, const auto& box, const Left& left) {
+  return left.part >= 0 ? LeftOfBox{left.part, true} : LeftOfBox{face_left(ray.departure, box), false};
+}
+inline Roots roots(const protostar::Ray& ray, const protostar::Box& box, const Left& left) {
+  return roots(Line<Number>(ray), box, left_of(ray, box, left));
+}
+inline Roots roots(const protostar::Ray& ray, const Placed<protostar::Box>& placed, const Left& left) {
+  return roots(Line<Number>(Line<Number>(ray), placed.placement), placed.own, left_of(ray, placed, left));
+}
+/// No ray here leaves a quadric of a tree.
+inline Roots roots(const protostar::Ray& ray, const protostar::Quadric& quadric, const Left&) {
+  return roots(Line<Number>(ray), quadric, false);
+}
+
+inline int parts_of(const protostar::Box&) { return 6; }
+inline int parts_of(const protostar::Sphere&) { return 1; }
+inline int parts_of(const protostar::Quadric&) { return 1; }
+template <class S>
+int parts_of(const Placed<S>& placed) {
+  return parts_of(placed.own);
+}
+
+/// Whether a ray is inside of a solid in the end.
+inline bool ends_inside_of(const protostar::Ray&, const auto&) { return false; }
+inline bool ends_inside_of(const protostar::Ray& ray, const protostar::Quadric& quadric) {
+  return ends_inside<Number>(Line<Number>(ray), quadric).value();
+}
+
+/// Those at which the inside of a tree turns over, of the solids that each_solid(visit) visits. A solid that
+/// is left has lost one at t = 0 if it has not an even number with both ends outside; what is left there is
+/// not met.
+inline Roots roots_of_tree(const protostar::Ray& ray, const SolidTree& tree, const Left& left,
+                           const auto& each_solid) {
   struct OfSolid {
     Root root;
     std::size_t solid;
@@ -493,17 +641,18 @@ inline Roots roots(const protostar::Ray& ray, const Made& made, bool) {
   std::vector<OfSolid> all;
   SolidsAlong along;
   bool is_any_left = false;
-  made.tree.each_solid([&](const SolidTree::Solid& held) {
-    std::visit(
-        [&](const auto& solid) {
-          const bool leaves = leaves_solid(ray, solid);
-          const std::size_t number = along.ends_inside.size();
-          Roots crossed = roots(ray, solid, leaves);
-          if (leaves && crossed.size() % 2 != 0) crossed.push_back(root_at(0)), is_any_left = true;
-          for (const Root& root : crossed) all.push_back({root, number});
-          along.ends_inside.push_back(ends_inside<Number>(ray, solid).value());
-        },
-        held);
+  int first_part = 0;
+  each_solid([&](const auto& solid) {
+    const int inner = left.part - first_part;
+    const bool is_own = left.part >= 0 && 0 <= inner && inner < parts_of(solid);
+    first_part += parts_of(solid);
+    const std::size_t number = along.ends_inside.size();
+    Roots crossed = roots(ray, solid, Left{is_own ? inner : -1});
+    const bool ends = ends_inside_of(ray, solid);
+    const bool begins = ends_inside_of({ray.origin, -ray.direction}, solid);
+    if ((crossed.size() % 2 != 0) != (begins != ends)) crossed.push_back(root_at(0)), is_any_left = true;
+    for (const Root& root : crossed) all.push_back({root, number});
+    along.ends_inside.push_back(ends);
   });
   std::stable_sort(all.begin(), all.end(),
                    [](const OfSolid& a, const OfSolid& b) { return compare(a.root, b.root) < 0; });
@@ -519,9 +668,80 @@ inline Roots roots(const protostar::Ray& ray, const Made& made, bool) {
   for (int i = 0; i < static_cast<int>(places.size()); ++i) {
     const Root& root = places[static_cast<std::size_t>(i)];
     if (is_any_left && compare(root, root_at(0)) == 0) continue;
-    if (along.is_inside(made.tree, i - 1) != along.is_inside(made.tree, i)) crossings.push_back(root);
+    if (along.is_inside(tree, i - 1) != along.is_inside(tree, i)) crossings.push_back(root);
   }
   return crossings;
+}
+inline Roots roots(const protostar::Ray& ray, const Made& made, const Left& left) {
+  return roots_of_tree(ray, made.tree, left, [&](const auto& visit) {
+    made.tree.each_solid([&](const SolidTree::Solid& held) { std::visit(visit, held); });
+  });
+}
+/// A solid of the image of a tree: what it has in common with the part that a ray leaves, it has before it is
+/// mapped as well.
+template <class S>
+struct PlacedInTree : Placed<S> {
+  protostar::Departure left_inside;
+};
+inline Roots roots(const protostar::Ray& ray, const PlacedInTree<protostar::Sphere>& solid,
+                   const Left& left) {
+  const bool leaves =
+      left.part >= 0 || departs_from(ray.departure, solid) || departs_from(solid.left_inside, solid.own);
+  return roots(Line<Number>(Line<Number>(ray), solid.placement), solid.own, leaves);
+}
+inline Roots roots(const protostar::Ray& ray, const PlacedInTree<protostar::Box>& solid, const Left& left) {
+  LeftOfBox face = left_of(ray, static_cast<const Placed<protostar::Box>&>(solid), left);
+  if (face.face < 0) face.face = face_left(solid.left_inside, solid.own);
+  return roots(Line<Number>(Line<Number>(ray), solid.placement), solid.own, face);
+}
+
+/// The image of a tree is a tree of images.
+inline Roots roots(const protostar::Ray& ray, const Placed<Made>& placed, const Left& left) {
+  const auto each_image = [&](const auto& visit) {
+    placed.own.tree.each_solid([&](const SolidTree::Solid& held) {
+      std::visit(
+          [&](const auto& solid) {
+            using S = std::remove_cvref_t<decltype(solid)>;
+            if constexpr (std::same_as<S, protostar::Sphere> || std::same_as<S, protostar::Box>)
+              visit(PlacedInTree<S>{Placed<S>(solid, placed.placement), {}});
+            else
+              throw std::logic_error("exact: no images of such a solid are judged");
+          },
+          held);
+    });
+  };
+  // What the ray leaves, before it is mapped.
+  protostar::Departure left_inside;
+  int first_part = 0;
+  each_image([&](const auto& image) {
+    const int inner = left.part - first_part;
+    if (left.part >= 0 && 0 <= inner && inner < parts_of(image.own))
+      left_inside = protostar::departure_of(image.own, inner);
+    first_part += parts_of(image.own);
+  });
+  return roots_of_tree(ray, placed.own.tree, left, [&](const auto& visit) {
+    each_image([&](auto image) {
+      image.left_inside = left_inside;
+      visit(image);
+    });
+  });
+}
+
+/// The part of a tree that a ray leaves, which has the same departure.
+inline int own_part(const Made& made, const protostar::Departure& left) {
+  for (int part = 0; part < made.part_count(); ++part) {
+    const protostar::Departure of_part = made.departure(part);
+    if (of_part == left && of_part.object == left.object && of_part.part == left.part) return part;
+  }
+  return -1;
+}
+
+/// Of a ray whose departure names the box, or the tree's part, that it leaves, or only a plane.
+inline Roots roots(const protostar::Ray& ray, const protostar::Box& box, bool) {
+  return roots(ray, box, Left{ray.departure.object != nullptr ? ray.departure.part : -1});
+}
+inline Roots roots(const protostar::Ray& ray, const Made& made, bool) {
+  return roots(ray, made, Left{own_part(made, ray.departure)});
 }
 
 /// A crossing with one surface of a scene, by its number.
@@ -530,11 +750,11 @@ struct Hit {
   int surface;
 };
 
-/// Adds the crossings of a ray and a surface of this number with 0 < t < end.
+/// Adds the crossings of a ray and a surface of this number with 0 < t < end; left is a bool, or Left.
 template <class S>
-void add_hits(std::vector<Hit>& hits, const protostar::Ray& ray, const S& surface, int number, bool leaves,
+void add_hits(std::vector<Hit>& hits, const protostar::Ray& ray, const S& surface, int number, auto left,
               double end) {
-  for (const Root& root : roots(ray, surface, leaves))
+  for (const Root& root : roots(ray, surface, left))
     if (root.t > 0 && (end == protostar::infinity || compare(root, root_at(end)) < 0))
       hits.push_back({root, number});
 }
@@ -556,17 +776,6 @@ inline bool coincide(const protostar::Plane& a, const protostar::Plane& b) {
     for (int j = 0; j < i; ++j)
       if ((p[i] * q[j] - p[j] * q[i]).sign() != 0) return false;  // not multiples of each other
   return true;
-}
-/// The plane that a parallelogram lies in, as surfaces in one plane recognize each other: the plane's
-/// equation, divided by the largest component of the normal, the first of equals, and rounded.
-inline std::array<double, 4> rounded_equation(const Vector<Number>& n, const Number& distance) {
-  const Number numbers[] = {n.x, n.y, n.z, distance};
-  int k = 0;
-  for (int i = 1; i < 3; ++i)
-    if ((square(numbers[i]) - square(numbers[k])).sign() > 0) k = i;
-  std::array<double, 4> rounded{};
-  for (std::size_t i = 0; i < 4; ++i) rounded[i] = static_cast<double>(Quad(numbers[i]) / Quad(numbers[k]));
-  return rounded;
 }
 inline std::array<double, 4> rounded_equation(const protostar::Plane& s) {
   return rounded_equation(Vector<Number>(s.normal), s.distance);
@@ -609,33 +818,24 @@ inline bool coincide(const protostar::Disk& a, const protostar::Plane& b) {
   return rounded_equation(a) == rounded_equation(b);
 }
 
-/// Whether a ray that leaves something else leaves this as well: in one plane at a right angle to an axis, or
-/// the same sphere.
-inline bool is_left_with(const protostar::Ray& ray, const protostar::Box& box) {
-  return face_left(ray, box) >= 0;
-}
+/// Whether a ray that leaves something else leaves this as well: in one plane, exactly where that is at a
+/// right angle to an axis, or of one rounded equation.
 inline bool is_left_with(const protostar::Ray& ray, const protostar::Disk& disk) {
-  for (int i = 0; i < 3; ++i)
-    if (disk.normal[(i + 1) % 3] == 0 && disk.normal[(i + 2) % 3] == 0)
-      return leaves_plane(ray, i, disk.position[i]);
-  return false;
+  const Vector<Number> n(disk.normal);
+  const bool is_exact = (disk.normal.x != 0) + (disk.normal.y != 0) + (disk.normal.z != 0) == 1;
+  return departs_from(ray.departure, n, dot(n, Vector<Number>(disk.position)), is_exact);
 }
 inline bool is_left_with(const protostar::Ray& ray, const protostar::Plane& plane) {
-  for (int i = 0; i < 3; ++i)
-    if (plane.normal[(i + 1) % 3] == 0 && plane.normal[(i + 2) % 3] == 0 && plane.normal[i] != 0) {
-      const auto& g = ray.departure.geometry;
-      return ray.departure.kind == protostar::Departure::Kind::plane &&
-             coincide(plane, protostar::Plane{{g[0], g[1], g[2]}, g[3]});
-    }
-  return false;
+  return departs_from(ray.departure, Vector<Number>(plane.normal), plane.distance, true);
 }
 inline bool is_left_with(const protostar::Ray& ray, const protostar::Parallelogram& board) {
-  for (int i = 0; i < 3; ++i)
-    if (board.edge_u[i] == 0 && board.edge_v[i] == 0) return leaves_plane(ray, i, board.position[i]);
-  return false;
+  const Vector<Number> n = cross(Vector<Number>(board.edge_u), Vector<Number>(board.edge_v));
+  bool is_exact = false;
+  for (int i = 0; i < 3; ++i) is_exact = is_exact || (board.edge_u[i] == 0 && board.edge_v[i] == 0);
+  return departs_from(ray.departure, n, dot(n, Vector<Number>(board.position)), is_exact);
 }
 inline bool is_left_with(const protostar::Ray& ray, const protostar::Sphere& sphere) {
-  return leaves_solid(ray, sphere);
+  return departs_from(ray.departure, sphere);
 }
 inline bool is_left_with(const protostar::Ray&, const protostar::Quadric&) { return false; }
 

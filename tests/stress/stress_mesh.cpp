@@ -7,9 +7,10 @@
 // signs of d·n say; what is crossed at exactly equal t may come in any order. And where all triangles around
 // what it is aimed at are seen from one side, exactly one of them has to be crossed. The first crossings of
 // many rays at once have to be those that each has. For one ray in eight, a range is cut just before, at or
-// behind a crossing: what is asked of that range has to be what of the crossings lies in it. Exits with 1 if
-// that is not so, and prints the ray in hexadecimal. The counts do not depend on the number of threads (1; 0:
-// all cores).
+// behind a crossing: what is asked of that range has to be what of the crossings lies in it. From where each
+// ray meets the mesh first, another one leaves, which has to cross it in and out in turn as well: from the
+// inside where it leaves to there. Exits with 1 if that is not so, and prints the ray in hexadecimal. The
+// counts do not depend on the number of threads (1; 0: all cores).
 
 #include <algorithm>
 #include <atomic>
@@ -203,14 +204,16 @@ class Plumb {
 
 struct Tally {
   std::uint64_t rays = 0, crossings = 0, ranges = 0, slipped = 0, twice = 0, disordered = 0, misjudged = 0;
-  std::uint64_t exact = 0;  ///< triangles that the library decided without rounding
+  std::uint64_t exact = 0;              ///< triangles that the library decided without rounding
+  std::uint64_t leaving = 0, lost = 0;  ///< rays that leave a mesh, and those that do not cross it in turn
 
-  [[nodiscard]] std::uint64_t wrong() const { return slipped + twice + disordered + misjudged; }
+  [[nodiscard]] std::uint64_t wrong() const { return slipped + twice + disordered + misjudged + lost; }
 
   void add(const Tally& other) {
     rays += other.rays, crossings += other.crossings, ranges += other.ranges;
     slipped += other.slipped, twice += other.twice, disordered += other.disordered;
     misjudged += other.misjudged, exact += other.exact;
+    leaving += other.leaving, lost += other.lost;
   }
 };
 
@@ -311,6 +314,46 @@ class Judge {
   std::vector<Crossing> crossings_;
 };
 
+/// A ray that leaves a mesh where another one meets it: in any direction, nearly along the triangle, or to a
+/// place on another one's edge.
+Ray leaving_ray(Random& random, const Mesh& mesh, const Ray& ray, const Crossing& met) {
+  const Triangle left = mesh.data().triangle(static_cast<std::size_t>(met.part));
+  const Point from = ray.at(met.t);
+  Vec3 direction = random.direction();
+  if (const int kind = whole(random, 0, 2); kind == 0) {
+    const auto& [a, b, c] = mesh.data().triangles[random.bits() % mesh.data().triangles.size()];
+    const Point p = mesh.data().vertices[a], q = mesh.data().vertices[b];
+    direction = p + (coin(random) ? 0.0 : random.real(0, 1)) * (q - p) - from;
+  } else if (kind == 1)
+    direction = random.real(-1, 1) * (left.b - left.a) + random.real(-1, 1) * (left.c - left.a) +
+                std::ldexp(length(left.b - left.a), -whole(random, 0, 70)) * direction;
+  return {from, direction, mesh.departure(met.part)};
+}
+
+/// Whether a ray that leaves a mesh crosses it in and out in turn, and is outside in the end. Where crossings
+/// have one t, as those of triangles that meet there, they may be in any order.
+void judge_leaving(Tally& tally, const Mesh& mesh, const Ray& ray) {
+  const auto side = [&](int part) {
+    return Plumb(ray, mesh.data().triangle(static_cast<std::size_t>(part))).side();
+  };
+  const int from = side(ray.departure.part);
+  if (from == 0) return;  // along the plane, it leaves to neither side
+  ++tally.leaving;
+  std::vector<Crossing> crossings;
+  mesh.each_crossing(ray, {}, [&](const Crossing& crossing) { crossings.push_back(crossing); });
+  int inside = from < 0 ? 1 : 0;
+  bool is_lost = false;
+  for (std::size_t i = 0; i < crossings.size(); ++i) {
+    is_lost |= !(crossings[i].t > 0);
+    if (i > 0 && crossings[i].t > crossings[i - 1].t) is_lost |= inside != 0 && inside != 1;
+    inside -= side(crossings[i].part);
+  }
+  const auto first = mesh.first_crossing(ray, {});
+  is_lost |= inside != 0 || mesh.is_met(ray, {}) == crossings.empty() ||
+             (first ? crossings.empty() || first->part != crossings[0].part : !crossings.empty());
+  tally.lost += is_lost;
+}
+
 void report(const Model& model, const Ray& ray) {
   static std::atomic<int> reports = 0;
   if (++reports > 20) return;
@@ -360,6 +403,14 @@ Tally judged(const Shape& shape, Random& random, std::uint64_t count) {
     if (tally.wrong() > before) report(model, rays[i]);
   }
   tally.exact = fallbacks.exact;
+
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!firsts[i]) continue;
+    const Ray leaving = leaving_ray(random, model.mesh, rays[i], *firsts[i]);
+    const std::uint64_t before = tally.lost;
+    judge_leaving(tally, model.mesh, leaving);
+    if (tally.lost > before) report(model, leaving);
+  }
   return tally;
 }
 
@@ -382,6 +433,7 @@ int stress(int argc, char** argv) {
     all.add(tally);
   }
   std::printf("triangles decided without rounding %" PRIu64 "\n", all.exact);
+  std::printf("rays that leave a mesh %" PRIu64 ", lost %" PRIu64 "\n", all.leaving, all.lost);
   return all.wrong() > 0 ? 1 : 0;
 }
 

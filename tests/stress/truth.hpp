@@ -122,7 +122,8 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const proto
 }
 
 inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const protostar::Box& box, bool leaves) {
-  const std::optional<std::vector<int>> faces = faces_crossed<Ball>(ray, box, leaves);
+  if (leaves) return std::nullopt;
+  const std::optional<std::vector<int>> faces = faces_crossed<Ball>(Line<Ball>(ray), box, {});
   if (!faces) return std::nullopt;
   Truth<> truth;
   for (const int face : *faces) {
@@ -152,7 +153,7 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const proto
 
 inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const Placed<protostar::Sphere>& placed,
                                           bool leaves) {
-  const PlacedSphereEquation<Ball> e(ray, placed);
+  const SphereEquation<Ball> e(Line<Ball>(Line<Ball>(ray), placed.placement), placed.own);
   if (!e.A.is_known()) return std::nullopt;
   if (e.A.sign() == 0) return Truth<>{};
   if (leaves) return first_level(Ball(2) * e.b, e.A);
@@ -162,10 +163,15 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const Place
 inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const Placed<protostar::Plane>& placed,
                                           bool leaves) {
   if (leaves) return Truth<>{};
-  const PlacedPlaneEquation<Ball> e(ray, placed);
+  const PlaneEquation<Ball> e(Line<Ball>(Line<Ball>(ray), placed.placement), placed.own);
   if (!e.slope.is_known()) return std::nullopt;
   if (e.slope.sign() == 0) return Truth<>{};
   return first_level(e.height, e.slope);
+}
+
+/// Of the image of a box, exact numbers tell.
+inline std::optional<Truth<>> first_level(const protostar::Ray&, const Placed<protostar::Box>&, bool) {
+  return std::nullopt;
 }
 
 /// Of a tree, if the crossings of all its solids are known, and are far enough from each other that their
@@ -183,7 +189,7 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const Made&
     std::visit(
         [&](const auto& solid) {
           const std::optional<Truth<>> truth = first_level(ray, solid, false);
-          const std::optional<bool> ends = ends_inside<Ball>(ray, solid);
+          const std::optional<bool> ends = ends_inside<Ball>(Line<Ball>(ray), solid);
           is_known = is_known && truth && ends;
           if (!is_known) return;
           for (const auto& root : *truth) all.push_back({root, along.ends_inside.size()});
@@ -237,8 +243,9 @@ inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar:
   return wrong_in_quadratic(SphereEquation<Ball>(ray, sphere), SphereEquation<Number>(ray, sphere));
 }
 inline const char* wrong_coefficient(const protostar::Ray& ray, const Placed<protostar::Sphere>& placed) {
-  return wrong_in_quadratic(PlacedSphereEquation<Ball>(ray, placed),
-                            PlacedSphereEquation<Number>(ray, placed));
+  return wrong_in_quadratic(
+      SphereEquation<Ball>(Line<Ball>(Line<Ball>(ray), placed.placement), placed.own),
+      SphereEquation<Number>(Line<Number>(Line<Number>(ray), placed.placement), placed.own));
 }
 inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar::Quadric& quadric) {
   return wrong_in_quadratic(QuadricEquation<Ball>(ray, quadric.form),
@@ -265,7 +272,9 @@ inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar:
   return wrong_in_linear(PlaneEquation<Ball>(ray, plane), PlaneEquation<Number>(ray, plane));
 }
 inline const char* wrong_coefficient(const protostar::Ray& ray, const Placed<protostar::Plane>& placed) {
-  return wrong_in_linear(PlacedPlaneEquation<Ball>(ray, placed), PlacedPlaneEquation<Number>(ray, placed));
+  return wrong_in_linear(
+      PlaneEquation<Ball>(Line<Ball>(Line<Ball>(ray), placed.placement), placed.own),
+      PlaneEquation<Number>(Line<Number>(Line<Number>(ray), placed.placement), placed.own));
 }
 /// A tree has no equation but those of its solids.
 inline const char* wrong_coefficient(const protostar::Ray&, const Made&) { return nullptr; }

@@ -1,4 +1,4 @@
-// Closed meshes, whose triangles turn counterclockwise as seen from outside.
+// Closed meshes, whose triangles a, b, c have (b − a) × (c − a) leading out.
 #pragma once
 
 #include <array>

@@ -2,7 +2,11 @@
 #pragma once
 
 #include <fcntl.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
 #include <poll.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -10,6 +14,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -164,4 +169,24 @@ inline std::vector<std::string> words(const std::string& line) {
     if (end > begin) all.push_back(line.substr(begin, end - begin));
   }
   return all;
+}
+
+/// Lets this process, and the program that it becomes, start no thread, as where a user has as many processes
+/// as the system allows (ulimit -u). Root has no such limit, so that the system calls are refused instead.
+inline void forbid_threads() {
+  constexpr unsigned char load = BPF_LD | BPF_W | BPF_ABS, if_equal = BPF_JMP | BPF_JEQ | BPF_K,
+                          if_set = BPF_JMP | BPF_JSET | BPF_K, answer = BPF_RET | BPF_K;
+  constexpr unsigned thread_flag = 0x10000;  // CLONE_THREAD
+  std::array<sock_filter, 8> rules{{{load, 0, 0, offsetof(seccomp_data, nr)},
+                                    {if_equal, 0, 1, SYS_clone3},
+                                    {answer, 0, 0, SECCOMP_RET_ERRNO | ENOSYS},  // its flags are in memory
+                                    {if_equal, 0, 3, SYS_clone},
+                                    {load, 0, 0, offsetof(seccomp_data, args)},
+                                    {if_set, 0, 1, thread_flag},
+                                    {answer, 0, 0, SECCOMP_RET_ERRNO | EAGAIN},
+                                    {answer, 0, 0, SECCOMP_RET_ALLOW}}};
+  const sock_fprog program{rules.size(), rules.data()};
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||
+      prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0)
+    _exit(126);
 }

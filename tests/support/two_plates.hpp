@@ -27,10 +27,6 @@ struct TwoPlates {
       if (p.x * p.x + p.y * p.y <= 1 && range.contains(t)) visit(protostar::Crossing{t, 0, part});
     }
   }
-  protostar::RefinedCrossing refine(const protostar::Ray&, const protostar::Crossing& crossing,
-                                    protostar::Precision) const {
-    return {crossing.t, 0};
-  }
   protostar::ExactRoot exact_root(const protostar::Ray&, const protostar::Crossing& crossing) const {
     return protostar::exact_root_of(crossing.t);
   }

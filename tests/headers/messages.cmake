@@ -1,0 +1,182 @@
+# What the compiler says of a program that is wrong: a sentence that names what is missing, in few lines.
+#   cmake -D CMAKE_CXX_COMPILER=... "-D INCLUDES=-I<folder>;..." -D WORK=<folder to work in> -P messages.cmake
+cmake_minimum_required(VERSION 3.25)
+file(REMOVE_RECURSE ${WORK})
+
+# Of one type that lacks several members, and of several types of one scene, clang names the first.
+# Of a deleted function clang says so first, and then lists all others.
+execute_process(COMMAND ${CMAKE_CXX_COMPILER} --version OUTPUT_VARIABLE version COMMAND_ERROR_IS_FATAL ANY)
+set(lines_of_one 25)
+if(version MATCHES clang)
+  set(lines_of_one 45)
+endif()
+
+set(beginning [[
+struct NoNormal {
+  std::optional<double> intersect(const Ray&, Interval) const { return 1; }
+};
+struct NoIntersect {
+  Vec3 normal_at(Point) const { return {0, 0, 1}; }
+};
+struct Good : NoNormal, NoIntersect {};
+]])
+
+# Compiles a program that has to be refused. What the compiler says has the name of the type that is wrong and the
+# sentence, and no more lines than a screen shows at once. Further pairs of a name and a sentence are of the same program,
+# for so many lines more.
+function(expect_refusal header code)
+  string(SHA1 name "${code}")
+  set(file ${WORK}/${name}.cpp)
+  file(WRITE ${file} "#include <protostar/scene.hpp>\n#include <protostar/${header}>\n"
+    "#include <protostar/surfaces/sphere.hpp>\nusing namespace protostar;\n${beginning}\n${code}\n")
+  execute_process(COMMAND ${CMAKE_CXX_COMPILER} -std=c++20 ${INCLUDES} -fsyntax-only ${file}
+    RESULT_VARIABLE status OUTPUT_VARIABLE text ERROR_VARIABLE text)
+  string(REGEX MATCHALL "\n" lines "${text}")
+  list(LENGTH lines lines)
+  set(most_lines 0)
+  set(wanted ${ARGN})
+  while(wanted)
+    list(POP_FRONT wanted type sentence)
+    math(EXPR most_lines "${most_lines} + ${lines_of_one}")
+    foreach(part IN ITEMS "${type}" "${sentence}")
+      string(FIND "${text}" "${part}" place)
+      if(place EQUAL -1)
+        message(SEND_ERROR "the compiler does not say \"${part}\" of\n${code}\nbut\n${text}")
+      endif()
+    endforeach()
+  endwhile()
+  if(status EQUAL 0)
+    message(SEND_ERROR "this compiles, and should not:\n${code}")
+  elseif(lines GREATER most_lines)
+    message(SEND_ERROR "the compiler says ${lines} lines, more than ${most_lines}, of\n${code}\nnamely\n${text}")
+  endif()
+endfunction()
+
+set(no_normal NoNormal "Surface: the type has no normal_at(Point) const")
+set(no_intersect NoIntersect "Surface: the type has no intersect(const Ray&, Interval) const")
+
+# Whatever is done with such a scene, nothing more is said.
+expect_refusal(scene.hpp [[
+int main() {
+  Scene<Sphere, NoNormal> scene;
+  scene.add(NoNormal{}, {.diffuse = Color{1}});
+  scene.add(Sphere{}, Color{1});
+  scene.add(PointLight{});
+  scene.set_sky(Color{1});
+  return scene.intersect(Ray{}).has_value();
+}]] ${no_normal})
+expect_refusal(scene.hpp [[
+struct Never : NoIntersect {
+  const char* intersect(const Ray&, Interval) const { return "never"; }
+};
+struct Upwards : NoNormal {
+  const char* normal_at(Point) const { return "up"; }
+};
+struct NotConst : NoIntersect {
+  std::optional<double> intersect(const Ray&, Interval) { return 1; }
+};
+struct Unique : Good {
+  Unique() = default;
+  Unique(Unique&&) = default;
+};
+struct Parts : NoNormal {
+  Vec3 normal_at(Point, int) const { return {0, 0, 1}; }
+};
+Scene<Never> never_met;
+Scene<Upwards> upwards;
+Scene<NotConst> not_const;
+Scene<Unique> unique;
+Scene<Parts> parts;
+]]
+  Never "Surface: intersect(const Ray&, Interval) const does not return std::optional<double>"
+  Upwards "Surface: normal_at(Point) const does not return a Vec3"
+  NotConst "Surface: the type has no intersect(const Ray&, Interval) const"
+  Unique "Surface: the type cannot be copied"
+  Parts "Surface: the type has normal_at(Point, int) const, for parts, but no Departure departure(int) const")
+# What a surface may have would be left aside where it is not what is asked for.
+expect_refusal(scene.hpp [[
+struct Rounded : Good { std::pair<double, double> roots(const Ray&) const { return {1, 2}; } };
+struct Departing : Good { Departure departure() { return {}; } };
+struct Mistaken : Good { float departure_error(const Ray&) const { return 0; } };
+struct Unsure : Good { void validate() {} };
+struct Bounded : Good { Bounds bounds() { return {}; } };
+struct Textured : Good { double uv_at(Point) const { return 0; } };
+struct Filled : Good { bool ends_inside(const Ray&) { return false; } };
+Scene<Rounded> rounded;
+Scene<Departing> departing;
+Scene<Mistaken> mistaken;
+Scene<Unsure> unsure;
+Scene<Bounded> bounded;
+Scene<Textured> textured;
+Scene<Filled> filled;
+]]
+  Rounded "Surface: roots(const Ray&) is not const or does not return Roots"
+  Departing "Surface: departure() is not const or does not return a Departure"
+  Mistaken "Surface: departure_error(const Ray&) is not const or does not return double"
+  Unsure "Surface: validate() is not const"
+  Bounded "Surface: bounds() is not const or does not return Bounds"
+  Textured "Surface: uv_at(Point) is not const or does not return a Uv"
+  Filled "Surface: ends_inside(const Ray&) is not const or does not return bool")
+expect_refusal(surfaces/any_surface.hpp [[
+void add(Scene<AnySurface>& scene) {
+  scene.add(NoNormal{}, {.diffuse = Color{1}});
+  scene.add(NoIntersect{}, Color{1});
+}]] ${no_normal} ${no_intersect})
+expect_refusal(surfaces/any_surface.hpp "AnySurface any = NoNormal{};"
+  NoNormal "a Surface has intersect(const Ray&, Interval) const and normal_at(Point) const")
+expect_refusal(surfaces/instance.hpp "Instance instance(NoNormal{}, Affine{});" ${no_normal})
+expect_refusal(surfaces/csg.hpp [[
+struct Face : Good {};
+struct Parts : Good {
+  Vec3 normal_at(Point, int) const { return {0, 0, 1}; }
+  Departure departure(int) const { return {}; }
+  bool ends_inside(const Ray&) const { return false; }
+};
+auto faces = union_of({Sphere{}, Face{}});
+auto parts = difference_of({Sphere{}, NoNormal{}});
+]] Face "Solid: the surface has no bool ends_inside(const Ray&) const" ${no_normal})
+expect_refusal(scene.hpp [[
+struct Lamp {};
+void add(Scene<Sphere>& scene) {
+  scene.add(Good{}, {.diffuse = Color{1}});
+  scene.add(Sphere{}, 0.5);
+  scene.add(Sphere{});
+  scene.add(Lamp{});
+}]]
+  Good "not in the list of this Scene" double "a surface goes with a Material or a Color"
+  Sphere "no light, and a surface needs a Material or a Color" Lamp "no light, and a surface needs a Material or a Color")
+
+set(no_radiance "Integrator: the type has no radiance(const Ray&, const Scene&) const, and is no function of both")
+expect_refusal(render.hpp [[
+struct Nothing {};
+struct NotConst { Color radiance(const Ray&, const auto&) { return Color{1}; } };
+struct Words { const char* radiance(const Ray&, const auto&) const { return "red"; } };
+void draw(Image& image, const Scene<Sphere>& scene) {
+  render(image, Camera{}, scene, Nothing{});
+  render(image, Camera{}, scene, NotConst{}, {.threads = 1});
+  render(image, Camera{}, scene, Words{});
+  render(image, Camera{}, scene, [](const Ray&, const auto&) { return "red"; });
+}]]
+  Nothing "${no_radiance}" NotConst "${no_radiance}"
+  Words "Integrator: radiance(const Ray&, const Scene&) const does not return a Color"
+  lambda "Integrator: the function of a ray and a scene does not return a Color")
+expect_refusal(render.hpp [[
+struct Half {
+  std::optional<Intersection> intersect(const Ray&, Interval) const { return std::nullopt; }
+};
+struct Most : Half {
+  bool occluded(const Ray&, Interval) const { return false; }
+};
+void draw(Image& image, const Scene<Sphere>& scene) {
+  const auto white = [](const Ray&, const auto&) { return Color{1}; };
+  render(image, Camera{}, Half{}, white);
+  render(image, Camera{}, Most{}, white);
+  render(image, Camera{}, scene);
+  render(image, Camera{}, white);
+  render(image, Camera{}, [](const Ray&) { return "red"; }, {.threads = 1});
+}]]
+  Half "Traceable: the scene has no bool occluded(const Ray&, Interval) const"
+  Most "Traceable: the scene has no crossings(const Ray&, Interval, visit) const"
+  Sphere "render: a scene is followed by an integrator"
+  lambda "render: what follows the camera is neither a function of a const Ray& that may be called when const"
+  lambda "render: the function of a ray does not return a Color")

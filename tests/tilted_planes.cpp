@@ -1,0 +1,183 @@
+// Which tilted planes a ray leaves together: those whose equations, divided by the largest component of the
+// normal, round to the same doubles (docs/numerics.md, The plane that a ray leaves).
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <protostar/accel/accelerate.hpp>
+#include <protostar/scene.hpp>
+#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/disk.hpp>
+#include <protostar/surfaces/parallelogram.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/triangle.hpp>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+
+constexpr Interval whole_line{-infinity, infinity};
+
+Vec3 whole_vector(Random& random, int most) {
+  const auto whole = [&] { return std::floor(random.real(-most, most + 1)); };
+  return {whole(), whole(), whole()};
+}
+
+/// n·x − distance of a rounded equation, without rounding.
+ExactNumber height_over(const PlaneEquation& plane, const Point& x) {
+  ExactNumber height = -ExactNumber(plane[3]);
+  for (int i = 0; i < 3; ++i) height += ExactNumber(plane[static_cast<std::size_t>(i)]) * ExactNumber(x[i]);
+  return height;
+}
+
+Plane plane_of(const PlaneEquation& equation) {
+  return {.normal = {equation[0], equation[1], equation[2]}, .distance = equation[3]};
+}
+
+/// A parallelogram of any numbers, in a tilted plane that doubles do not hold.
+Parallelogram tilted_board(Random& random) {
+  for (;;) {
+    const Parallelogram board{random.point(3), random.point(1), random.point(1)};
+    if (board.departure().kind == Departure::Kind::rounded_plane &&
+        length(cross(board.edge_u, board.edge_v)) > 0.1)
+      return board;
+  }
+}
+
+Point middle_of(const Parallelogram& board) { return board.position + 0.5 * (board.edge_u + board.edge_v); }
+
+}  // namespace
+
+TEST_CASE("surfaces of all kinds in one tilted plane are left together, whichever of them is left") {
+  Random random(81);
+  int planes = 0, wrong = 0;
+  while (planes < 500) {
+    // Whole numbers so small that the plane of each surface is exact.
+    const Vec3 n = whole_vector(random, 20);
+    const Vec3 u = cross(n, whole_vector(random, 5)), v = cross(n, whole_vector(random, 5));
+    if (cross(u, v) == Vec3{0} || (n.x == 0) + (n.y == 0) + (n.z == 0) == 2) continue;
+    ++planes;
+    const Point p = whole_vector(random, 50);
+    std::vector<AnySurface> surfaces;
+    for (const double multiple : {1.0, -3.0, 0x1p-70})
+      surfaces.emplace_back(Plane{multiple * n, multiple * dot(n, p)});
+    surfaces.emplace_back(Parallelogram{p, u, v});
+    surfaces.emplace_back(Parallelogram{p + 2.0 * u - v, u - v, 5.0 * v});
+    surfaces.emplace_back(Triangle{p, p + u, p + v});
+    surfaces.emplace_back(Triangle{p - v, p + 3.0 * u, p + 7.0 * v});
+    surfaces.emplace_back(Disk{.position = p + u, .normal = n, .radius = 40});
+    surfaces.emplace_back(Disk{.position = p - v, .normal = -7.0 * n, .radius = 60});
+    for (const AnySurface& left : surfaces)
+      for (const AnySurface& other : surfaces) {
+        wrong += !(left.departure(0) == other.departure(0));
+        const Ray ray{p + 0.25 * u + 0.25 * v, random.direction(), left.departure(0)};
+        wrong += first_crossing(other, ray, whole_line).has_value();
+      }
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("planes whose rounded equations differ in the last place of one number are two") {
+  Random random(82);
+  int wrong = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Parallelogram board = tilted_board(random);
+    const PlaneEquation equation = board.departure().geometry;
+    wrong += !(plane_of(equation).departure() == board.departure());
+    for (std::size_t k = 0; k < 4; ++k)
+      for (const double side : {-infinity, infinity}) {
+        PlaneEquation next = equation;
+        next[k] = std::nextafter(next[k], side);
+        const Plane other = plane_of(next);
+        wrong += other.departure() == board.departure() || board.departure() == other.departure();
+        // A line that meets both, and leaves one of them: it meets the other.
+        const Point origin = middle_of(board);
+        const Vec3 direction = cross(board.edge_u, board.edge_v) + 0.1 * random.direction();
+        wrong += !other.intersect({origin, direction, board.departure()}, whole_line);
+        wrong += !board.intersect({origin - direction, direction, other.departure()}, whole_line);
+      }
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE(
+    "planes that differ by less than their equations are rounded are left together, and are met in exact "
+    "order") {
+  Random random(83);
+  int wrong = 0, far = 0, misordered = 0, before = 0, behind = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Parallelogram board = tilted_board(random);
+    const PlaneEquation equation = board.departure().geometry;
+    const Plane floor = plane_of(equation);
+    const Point origin = middle_of(board) + random.direction();
+    const Ray ray{origin, middle_of(board) + 0.2 * random.point(1) - origin};
+    wrong += floor.intersect({middle_of(board), ray.direction, board.departure()}, whole_line).has_value();
+    wrong += board.intersect({middle_of(board), ray.direction, floor.departure()}, whole_line).has_value();
+
+    // They are no farther apart than 2^-52 of the sizes of the terms, in units of a normal of at least 1.
+    const Point p = board.position;
+    double terms = std::abs(equation[3]);
+    for (int k = 0; k < 3; ++k) terms += std::abs(equation[static_cast<std::size_t>(k)] * p[k]);
+    const ExactNumber height = height_over(equation, p), most = 0x1p-52 * 1.01 * terms;
+    far += (most - height).sign() < 0 || (most + height).sign() < 0;
+
+    // The order of both is that without rounding, whichever was added first.
+    const auto t = board.intersect(ray);
+    if (!t || !floor.intersect(ray)) continue;
+    const int first = order(board.exact_root(ray, 0), floor.exact_root(ray, 0));
+    before += first<0, behind += first> 0;
+    Scene<Parallelogram, Plane> boards_first;
+    Scene<Plane, Parallelogram> floors_first;
+    boards_first.add(board, Color{1}), boards_first.add(floor, Color{0});
+    floors_first.add(floor, Color{0}), floors_first.add(board, Color{1});
+    const auto sees_board = [&](const auto& scene) { return scene.intersect(ray)->color() == Color{1}; };
+    misordered +=
+        first != 0 && (sees_board(boards_first) != (first < 0) || sees_board(floors_first) != (first < 0));
+  }
+  CHECK(wrong == 0);
+  CHECK(far == 0);
+  CHECK(misordered == 0);
+  CHECK(before > 100);
+  CHECK(behind > 100);
+}
+
+TEST_CASE("in planes that are rounded to one there is no acne, and what is farther off casts its shadow") {
+  Random random(84);
+  int lit = 0, dark = 0, acne = 0, leaks = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Parallelogram board = tilted_board(random);
+    const Plane floor = plane_of(board.departure().geometry);
+    const Vec3 up = board.normal_at(board.position);
+    Scene<Plane, Parallelogram> touching, apart;
+    touching.add(floor, Color{1}), touching.add(board, Color{1});
+    Parallelogram raised = board;
+    raised.position += 0x1p-46 * up;  // far above what a hit point is rounded by, 2^-51 of its size
+    apart.add(floor, Color{1}), apart.add(raised, Color{1});
+    for (int k = 0; k < 100; ++k) {
+      const Point on_board =
+          board.position + random.real(0.01, 0.99) * board.edge_u + random.real(0.01, 0.99) * board.edge_v;
+      const Point light = on_board + up + 0.5 * random.direction();
+      const Point eye = on_board + up + 0.5 * random.direction();
+      const auto hit = touching.intersect({eye, on_board - eye});
+      REQUIRE(hit);
+      ++lit;
+      acne += touching.occluded(hit->leave(light - hit->point()), Interval{0, 1});
+      // What is seen from below is the floor, which the raised board hides from a light above.
+      const Point below = on_board - up + 0.5 * random.direction();
+      const auto under = apart.intersect({below, on_board - below});
+      REQUIRE(under);
+      const Ray to_light = under->leave(light - under->point());
+      const Plane* const is_floor = &apart.template surfaces<Plane>()[0];
+      REQUIRE(under->leave(up).departure == is_floor->departure());
+      ++dark;
+      leaks += !apart.occluded(to_light, Interval{0, 1});
+    }
+  }
+  CHECK(acne == 0);
+  CHECK(leaks == 0);
+  CHECK(lit + dark == 20'000);
+}
