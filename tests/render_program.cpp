@@ -603,25 +603,6 @@ TEST_CASE("a scene without an end is not read for ever") {
 
 namespace {
 
-/// render in a folder, by one thread, with at most so many bytes of memory.
-Outcome run_within(rlim_t bytes, const std::string& scene, const TemporaryFolder& folder) {
-  Command command = stage("render", {scene, "--threads", "1", "--size", "8x6", "-o", "out.ppm"}, folder / "");
-  command.before = [bytes] {
-    const rlimit limit{bytes, bytes};
-    setrlimit(RLIMIT_AS, &limit);
-  };
-  return run(command);
-}
-
-/// Checks that render has refused a scene in a line, or drawn it.
-void check_one_line(const Outcome& outcome) {
-  CAPTURE(outcome.status, outcome.err);
-  CHECK((outcome.status == 0 || outcome.status == 1));
-  if (outcome.status == 0) return;
-  CHECK(outcome.out == "");
-  CHECK(outcome.err.find('\n') == outcome.err.size() - 1);
-}
-
 void copy_image(const std::string& name, const TemporaryFolder& folder) {
   fs::copy_file(fs::path(PROTOSTAR_SOURCE_DIR) / "tests" / name, folder / fs::path(name).filename().string());
 }
@@ -710,6 +691,29 @@ TEST_CASE("a pipe that nobody writes to does not keep render waiting where a sce
 }
 
 #if !defined(ADDRESS_SANITIZER)  // which itself takes more than the limits
+
+namespace {
+
+/// render in a folder, by one thread, with at most so many bytes of memory.
+Outcome run_within(rlim_t bytes, const std::string& scene, const TemporaryFolder& folder) {
+  Command command = stage("render", {scene, "--threads", "1", "--size", "8x6", "-o", "out.ppm"}, folder / "");
+  command.before = [bytes] {
+    const rlimit limit{bytes, bytes};
+    setrlimit(RLIMIT_AS, &limit);
+  };
+  return run(command);
+}
+
+/// Checks that render has refused a scene in a line, or drawn it.
+void check_one_line(const Outcome& outcome) {
+  CAPTURE(outcome.status, outcome.err);
+  CHECK((outcome.status == 0 || outcome.status == 1));
+  if (outcome.status == 0) return;
+  CHECK(outcome.out == "");
+  CHECK(outcome.err.find('\n') == outcome.err.size() - 1);
+}
+
+}  // namespace
 
 TEST_CASE("small files take little memory") {
   const TemporaryFolder folder;
