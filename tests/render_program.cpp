@@ -20,6 +20,7 @@
 #include "compare_images/picture.hpp"
 #include "compare_images/read_image.hpp"
 #include "reference/spheres_on_ground.hpp"
+#include "stages/support/options.hpp"
 #include "support/catch.hpp"
 #include "support/files.hpp"
 #include "support/process.hpp"
@@ -678,6 +679,51 @@ TEST_CASE("render --confine refuses what lies outside of the scene's folder") {
             real + "/a.png', and the folder '" + real + "/scene'\n");
   CHECK_THAT(run_program("render", "--help", folder).out, ContainsSubstring("--confine"));
   CHECK(run_program("09_shadow", "--confine", folder).status == 2);
+}
+
+TEST_CASE(
+    "render gives up a picture that takes longer than --timeout, by itself ten seconds for each pixel") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "scene.json", changed("", ""));
+  const auto start = std::chrono::steady_clock::now();
+  const Outcome late =
+      run_program("render", "scene.json --size 4000x4000 --samples 1000 --timeout 0.2", folder);
+  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+  CHECK(late.status == 1);
+  CHECK(late.out == "");
+  CHECK(late.err ==
+        "render: the picture is not done after 0.2 seconds; --timeout sets how many it may take\n");
+  CHECK(time.count() < 2);
+  CHECK(folder.count() == 1);
+
+  CHECK(run_program("render", "scene.json --size 8x6 --timeout 0", folder).status == 0);
+  CHECK(run_program("render", "scene.json --size 8x6 --timeout 1e9", folder).status == 0);
+  for (const char* seconds : {"-1", "nan", "1e10", "1s"}) {
+    CAPTURE(seconds);
+    const Outcome refused = run_program("render", "scene.json --timeout " + std::string(seconds), folder);
+    CHECK(refused.status == 2);
+    CHECK_THAT(refused.err, ContainsSubstring("--timeout: '" + std::string(seconds) +
+                                              "' is not a number of seconds from 0 to 1e9"));
+  }
+  CHECK(run_program("09_shadow", "--timeout 1", folder).status == 2);
+}
+
+TEST_CASE("the time that a picture may take by itself is ten seconds for each of its pixels") {
+  const auto timeout = [](const std::string& arguments) {
+    const std::vector<std::string> line = words("render scene.json " + arguments);
+    std::vector<const char*> argv;
+    for (const std::string& word : line) argv.push_back(word.c_str());
+    const auto read = [](const auto&, const auto&) { return StageDefaults{.width = 30, .height = 20}; };
+    int status = 0;
+    return parse_options(static_cast<int>(argv.size()), argv.data(), {.read_scene = read}, "render", status)
+        .value()
+        .timeout;
+  };
+  CHECK(timeout("") == 6000);
+  CHECK(timeout("--size 4x3") == 120);
+  CHECK(timeout("--crop 1,2,3,4") == 120);
+  CHECK(timeout("--timeout 7") == 7);
+  CHECK(timeout("--timeout 0") == 0);
 }
 
 TEST_CASE("a pipe that nobody writes to does not keep render waiting where a scene names it") {

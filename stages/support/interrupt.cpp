@@ -1,9 +1,13 @@
 #include "interrupt.hpp"
 
 #include <pthread.h>
+#include <sys/time.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <system_error>
 
@@ -15,6 +19,7 @@ sigset_t stop_signals() {
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGHUP);
+  sigaddset(&signals, SIGALRM);
   return signals;
 }
 
@@ -38,12 +43,26 @@ Interrupt::Interrupt() {
 }
 
 Interrupt::~Interrupt() {
+  const itimerval none{};
+  setitimer(ITIMER_REAL, &none, nullptr);
   if (!listens()) return;
   listener_.request_stop();
   pthread_kill(listener_.native_handle(), SIGTERM);  // wakes it, and it sees that this is the end
   listener_.join();
   pthread_sigmask(SIG_SETMASK, &mask_before_, nullptr);
 }
+
+void Interrupt::set_timeout(double seconds, const std::string& line) {
+  timeout_line_ = line;
+  const double whole = std::floor(seconds);
+  itimerval timer{};
+  timer.it_value.tv_sec = static_cast<time_t>(whole);
+  // One microsecond is the shortest: a timer of 0 would be none.
+  timer.it_value.tv_usec = std::max(static_cast<suseconds_t>((seconds - whole) * 1e6), suseconds_t{1});
+  setitimer(ITIMER_REAL, &timer, nullptr);
+}
+
+int Interrupt::status() const { return signal_ == SIGALRM ? 1 : 128 + signal_; }
 
 void Interrupt::listen(const std::stop_token& done) {
   using namespace std::chrono_literals;
@@ -53,11 +72,12 @@ void Interrupt::listen(const std::stop_token& done) {
     if (sigwait(&signals, &signal) != 0 || done.stop_requested()) return;
   while (is_ignored(signal));
   signal_ = signal;
+  if (signal == SIGALRM) std::fputs(timeout_line_.c_str(), stderr);
   stop_.request_stop();
   const auto deadline = std::chrono::steady_clock::now() + 100ms;
   while (std::chrono::steady_clock::now() < deadline) {
     if (done.stop_requested()) return;
     std::this_thread::sleep_for(5ms);
   }
-  std::_Exit(128 + signal);
+  std::_Exit(status());
 }

@@ -1,9 +1,10 @@
-// Ctrl-C: asks the work to stop, and ends the process if it does not.
+// Ctrl-C and the end of the time: both ask the work to stop, and end the process if it does not.
 #pragma once
 
 #include <atomic>
 #include <csignal>
 #include <stop_token>
+#include <string>
 #include <thread>
 
 /// While one lives, SIGINT, SIGTERM and SIGHUP request a stop: whoever writes a file looks at the token at
@@ -23,18 +24,27 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
+  /// Requests a stop when so many seconds have passed, by SIGALRM, and prints the line; the process then ends
+  /// with the status 1. Call it once, before the work begins.
+  void set_timeout(double seconds, const std::string& line);
+
   /// Whether a signal requests a stop.
   bool listens() const { return listener_.joinable(); }
 
   std::stop_token token() const { return stop_.get_token(); }
 
-  /// The signal that came; 0: none.
-  int signal() const { return signal_; }
+  /// Whether a stop was requested.
+  bool came() const { return signal_ != 0; }
+
+  /// Returns the exit status of a program that was stopped: 128 and the number of the signal; 1 after the
+  /// timeout.
+  int status() const;
 
  private:
   void listen(const std::stop_token& done);
 
   sigset_t mask_before_;
+  std::string timeout_line_;
   std::stop_source stop_;
   std::atomic<int> signal_ = 0;
   std::jthread listener_;

@@ -145,6 +145,22 @@ double read_finite(const std::string& option, std::string_view text) {
   return *value;
 }
 
+double read_timeout(std::string_view text) {
+  const auto value = number<double>(text);
+  if (!value || !(*value >= 0 && *value <= 1e9))
+    refuse("--timeout", text, "a number of seconds from 0 to 1e9");
+  return *value;
+}
+
+/// The seconds after which `render` gives up a scene file, for each pixel of the picture. Scene files allow
+/// 2^22 rays through a pixel, and a few microseconds for each of them are common.
+constexpr double seconds_a_pixel = 10;
+
+double pixels_drawn(const Options& options) {
+  return options.draws_more() ? 1.0 * options.crop.width * options.crop.height
+                              : 1.0 * options.width * options.height;
+}
+
 /// The format that a file's ending asks for. A device, a pipe or a descriptor of this process by its name,
 /// such as /dev/fd/1, has none and takes a PPM, even if a regular file is open there; a folder is left to the
 /// writer, whose error says what it is.
@@ -187,7 +203,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   Options options{.program = program, .plain = defaults.plain, .numbers = defaults.numbers};
   std::vector<std::string> numbers(options.numbers.size());
   std::string output = options.output.string(), size, threads, bits, transfer;
-  std::string scene, integrator, samples, crop;
+  std::string scene, integrator, samples, crop, timeout;
   bool confine = false;
   const bool of_scene = static_cast<bool>(defaults.read_scene);
   const auto or_of_scene = [&](const std::string& text) { return of_scene ? "the scene's" : text; };
@@ -222,6 +238,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
         ->type_name("N");
     app.add_option("--crop", crop, "Only W x H pixels of the picture, from column X and row Y on")
         ->type_name("X,Y,W,H");
+    app.add_option("--timeout", timeout,
+                   "Give up when drawing takes more seconds than that; 0: never [10 for each pixel]")
+        ->type_name("SECONDS");
     app.add_flag("--confine", confine, "Refuse images and meshes that are not inside the scene's folder")
         ->disable_flag_override();
   }
@@ -256,6 +275,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     std::optional<Transfer> own_transfer;
     std::optional<std::string> own_integrator;
     std::optional<int> own_samples;
+    double own_timeout = 0;
     if (app.count("--size")) own_size = read_size(size);
     if (given("--crop")) part = read_crop(crop);
     if (given("--integrator")) own_integrator = read_integrator(integrator);
@@ -266,6 +286,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     if (app.count("--threads"))
       options.threads = read_whole(
           "--threads", threads, [](int n) { return n >= 0; }, "a whole number of at least 0");
+    if (given("--timeout")) own_timeout = read_timeout(timeout);
     if (app.count("--bits"))
       options.bits = read_whole(
           "--bits", bits, [](int n) { return n == 8 || n == 16; }, "8 or 16");
@@ -298,6 +319,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     options.samples = own_samples.value_or(settings.samples);
     options.transfer = own_transfer.value_or(settings.transfer);
     options.tone = settings.tone;
+    if (given("--timeout"))
+      options.timeout = own_timeout;
+    else if (of_scene)
+      options.timeout = seconds_a_pixel * pixels_drawn(options);
     return options;
   } catch (const CLI::ParseError& message) {
     status = app.exit(message) == 0 ? 0 : 2;  // prints it

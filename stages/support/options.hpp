@@ -38,6 +38,12 @@ struct Options {
   /// Whether the file holds the light itself: nothing is encoded, nothing above 1 has to be cut.
   [[nodiscard]] bool is_linear() const { return format == Format::pfm || format == Format::hdr; }
 
+  /// Whether all of the picture is drawn though a part of it is asked for, as its largest channel says how
+  /// light the part is.
+  [[nodiscard]] bool draws_more() const {
+    return crop.width > 0 && tone == protostar::Tone::scale_image && !is_linear();
+  }
+
   std::string program = {};  ///< whose lines these are
   std::filesystem::path output = "out.ppm";
   Format format = Format::ppm;
@@ -51,6 +57,7 @@ struct Options {
   protostar::Crop crop = {};  ///< the picture, if width and height are those of a part of it
   bool plain = false;
   bool quiet = false;
+  double timeout = 0;                 ///< seconds after which the program gives up; 0: it never does
   std::vector<NumberOption> numbers;  ///< with the values that were given
 };
 

@@ -20,6 +20,7 @@
 #include <protostar/pfm.hpp>
 #include <protostar/ppm.hpp>
 #include <protostar/shown.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -55,6 +56,14 @@ void flush(std::FILE* stream, const char* name) {
     throw std::system_error(errno, std::generic_category(), std::string("cannot write ") + name);
 }
 
+/// What is said when a picture is not done in time.
+std::string timeout_text(const Options& options) {
+  std::ostringstream text;
+  text << "the picture is not done after " << options.timeout
+       << " seconds; --timeout sets how many it may take";
+  return text.str();
+}
+
 }  // namespace
 
 Stage::Stage(const Options& options, std::stop_token stop)
@@ -63,7 +72,7 @@ Stage::Stage(const Options& options, std::stop_token stop)
 Image Stage::image() const {
   if (options_.format == Options::Format::png) check_png_size(options_.width, options_.height);
   check_output();
-  if (draws_more()) return Image(options_.crop.width, options_.crop.height);
+  if (options_.draws_more()) return Image(options_.crop.width, options_.crop.height);
   return Image(options_.width, options_.height);
 }
 
@@ -86,7 +95,7 @@ void Stage::check_output() const {
 RenderOptions Stage::render_options() {
   start_ = Clock::now();
   return {.samples = options_.samples,
-          .crop = draws_more() ? Crop{} : options_.crop,
+          .crop = options_.draws_more() ? Crop{} : options_.crop,
           .threads = options_.threads,
           .stop = stop_,
           .progress = [this](double done) { progress_.show(done); }};
@@ -101,7 +110,7 @@ void Stage::save(const Image& image) {
   } else {
     Image toned = image;
     apply(options_.tone, toned);
-    if (draws_more()) toned = part_of(toned, options_.crop, options_.width, options_.height);
+    if (options_.draws_more()) toned = part_of(toned, options_.crop, options_.width, options_.height);
     write(toned);
   }
   std::array<char, 128> times;
@@ -135,10 +144,6 @@ void Stage::print(const std::string& line) const {
   std::fprintf(is_stdout(options_.output) ? stderr : stdout, "%s\n", shown(line).c_str());
 }
 
-bool Stage::draws_more() const {
-  return options_.crop.width > 0 && options_.tone == Tone::scale_image && !options_.is_linear();
-}
-
 void Stage::write(const Image& image) const {
   switch (options_.format) {
     case Options::Format::ppm:
@@ -160,15 +165,17 @@ int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::f
     int status = 0;
     const auto options = parse_options(argc, argv, defaults, program, status);
     if (options) {
-      const Interrupt interrupt;
+      Interrupt interrupt;
       if (!interrupt.listens() && !options->quiet)
         print_error(
             program,
             "Ctrl-C is not caught, since no thread can be started that waits for it: it ends the program "
             "at once, and what it leaves of a file the next run removes");
+      if (options->timeout > 0)
+        interrupt.set_timeout(options->timeout, error_line(program, timeout_text(*options)));
       Stage stage(*options, interrupt.token());
       draw(stage);
-      if (interrupt.signal() != 0) return 128 + interrupt.signal();
+      if (interrupt.came()) return interrupt.status();
     }
     flush(stdout, "standard output");
     return status;

@@ -42,10 +42,6 @@ class Stage {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// Whether all of the picture is drawn though a part of it is asked for, as its largest channel says how
-  /// light the part is.
-  bool draws_more() const;
-
   /// Throws std::system_error if the file could not be written, as far as that is known without writing it,
   /// and says so if it cannot be replaced.
   void check_output() const;
