@@ -132,7 +132,7 @@ class OutputFile {
   detail::SystemFile file_;
   // As much as is written at a time, so that the system is called seldom.
   static constexpr std::size_t buffer_size = 65536;
-  std::unique_ptr<char[]> buffer_ = std::make_unique_for_overwrite<char[]>(buffer_size);
+  std::unique_ptr<char[]> buffer_{new char[buffer_size]};
   std::size_t used_ = 0;
 };
 

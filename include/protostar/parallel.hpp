@@ -11,6 +11,7 @@
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "render_options.hpp"
@@ -18,6 +19,27 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
+
+/// Threads that are joined when this object is destroyed; a std::vector of std::jthread, which libc++ 14 does
+/// not have.
+class JoinedThreads {
+ public:
+  JoinedThreads() = default;
+  JoinedThreads(const JoinedThreads&) = delete;
+  JoinedThreads& operator=(const JoinedThreads&) = delete;
+  ~JoinedThreads() {
+    for (std::thread& thread : threads_) thread.join();
+  }
+
+  /// Starts a thread that calls work. Throws std::system_error if the system starts none.
+  template <class Work>
+  void emplace_back(Work work) {
+    threads_.emplace_back(std::move(work));
+  }
+
+ private:
+  std::vector<std::thread> threads_;
+};
 
 /// Throws std::invalid_argument if the number of threads is negative.
 inline void require_threads(const RenderOptions& options) {
@@ -60,7 +82,7 @@ inline void for_each_in_parallel(int count, const RenderOptions& options,
     if (options.progress) options.progress(static_cast<double>(told) / count);
   };
   {
-    std::vector<std::jthread> helpers;  // joined at the end of this block
+    JoinedThreads helpers;
     try {
       for (int i = 1; i < std::min(wanted, count); ++i) helpers.emplace_back([&] { run([] {}); });
     } catch (const std::system_error& error) {

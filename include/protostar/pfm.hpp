@@ -3,12 +3,12 @@
 
 #include <bit>
 #include <filesystem>
-#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "image.hpp"
 #include "output_file.hpp"
+#include "stop_token.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -17,8 +17,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 ///
 /// The file is replaced as a whole or not at all (see OutputFile, also for its errors). If stop is asked for,
 /// it returns early and leaves the file as it was.
-inline void save_pfm(const Image& image, const std::filesystem::path& path,
-                     const std::stop_token& stop = {}) {
+inline void save_pfm(const Image& image, const std::filesystem::path& path, const StopToken& stop = {}) {
   OutputFile file(path);
   file.write("PF\n" + std::to_string(image.width()) + " " + std::to_string(image.height()) + "\n" +
              (std::endian::native == std::endian::little ? "-1.0\n" : "1.0\n"));

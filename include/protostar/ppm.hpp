@@ -7,22 +7,22 @@
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
-#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "encode.hpp"
 #include "image.hpp"
 #include "output_file.hpp"
+#include "stop_token.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// How save_ppm writes.
 struct PpmOptions {
-  int bits = 8;               ///< 8 or 16 per channel: a maximum value of 255 or 65535
-  bool plain = false;         ///< decimal numbers (P3), laid out as the tutorial does, instead of bytes (P6)
-  bool repeat_rows = true;    ///< a row that equals the one above is written again, and not encoded
-  std::stop_token stop = {};  ///< asked for, save_ppm returns early and leaves the file as it was
+  int bits = 8;             ///< 8 or 16 per channel: a maximum value of 255 or 65535
+  bool plain = false;       ///< decimal numbers (P3), laid out as the tutorial does, instead of bytes (P6)
+  bool repeat_rows = true;  ///< a row that equals the one above is written again, and not encoded
+  StopToken stop = {};      ///< asked for, save_ppm returns early and leaves the file as it was
 };
 
 namespace detail {

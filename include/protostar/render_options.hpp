@@ -3,13 +3,8 @@
 
 #include <cstdint>
 #include <functional>
-#include <stop_token>
 
-#include "platform.hpp"
-
-#if !defined(__cpp_lib_jthread)
-#error "protostar needs std::jthread and std::stop_token: libstdc++ 10 or newer"
-#endif
+#include "stop_token.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -56,9 +51,9 @@ struct RenderOptions {
   int samples = 0;  ///< rays through each pixel, of which it gets the mean (pixels.hpp); 0, as 1, its center
   Crop crop = {};   ///< the picture that the image is a part of
   int threads = 0;  ///< how many work, the caller among them; 0: one for each core, as far as they start
-  std::stop_token stop = {};  ///< asked for, render returns early; other pixels stay as they were
-  bool tiles = true;  ///< scenes are rendered by tiles and packets; without, ray by ray: the same picture
-  Skips skips = {};   ///< what tiles do not do; by tiles only
+  StopToken stop = {};  ///< asked for, render returns early; other pixels stay as they were
+  bool tiles = true;    ///< scenes are rendered by tiles and packets; without, ray by ray: the same picture
+  Skips skips = {};     ///< what tiles do not do; by tiles only
   RenderStatistics* statistics = nullptr;  ///< if given, what the picture took is added here; by tiles only
   std::function<void(double done)> progress = {};  ///< called in the caller's thread with a share from 0 to 1
 };

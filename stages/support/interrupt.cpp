@@ -36,7 +36,7 @@ Interrupt::Interrupt() {
   const sigset_t signals = stop_signals();
   pthread_sigmask(SIG_BLOCK, &signals, &mask_before_);
   try {
-    listener_ = std::jthread([this](const std::stop_token& done) { listen(done); });
+    listener_ = std::thread([this] { listen(); });
   } catch (const std::system_error&) {
     pthread_sigmask(SIG_SETMASK, &mask_before_, nullptr);
   }
@@ -46,7 +46,7 @@ Interrupt::~Interrupt() {
   const itimerval none{};
   setitimer(ITIMER_REAL, &none, nullptr);
   if (!listens()) return;
-  listener_.request_stop();
+  done_ = true;
   pthread_kill(listener_.native_handle(), SIGTERM);  // wakes it, and it sees that this is the end
   listener_.join();
   pthread_sigmask(SIG_SETMASK, &mask_before_, nullptr);
@@ -64,19 +64,18 @@ void Interrupt::set_timeout(double seconds, const std::string& line) {
 
 int Interrupt::status() const { return signal_ == SIGALRM ? 1 : 128 + signal_; }
 
-void Interrupt::listen(const std::stop_token& done) {
+void Interrupt::listen() {
   using namespace std::chrono_literals;
   const sigset_t signals = stop_signals();
   int signal = 0;
   do
-    if (sigwait(&signals, &signal) != 0 || done.stop_requested()) return;
+    if (sigwait(&signals, &signal) != 0 || done_) return;
   while (is_ignored(signal));
   signal_ = signal;
   if (signal == SIGALRM) std::fputs(timeout_line_.c_str(), stderr);
-  stop_.request_stop();
   const auto deadline = std::chrono::steady_clock::now() + 100ms;
   while (std::chrono::steady_clock::now() < deadline) {
-    if (done.stop_requested()) return;
+    if (done_) return;
     std::this_thread::sleep_for(5ms);
   }
   std::_Exit(status());

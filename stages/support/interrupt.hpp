@@ -3,7 +3,7 @@
 
 #include <atomic>
 #include <csignal>
-#include <stop_token>
+#include <protostar/stop_token.hpp>
 #include <string>
 #include <thread>
 
@@ -31,7 +31,9 @@ class Interrupt {
   /// Whether a signal requests a stop.
   bool listens() const { return listener_.joinable(); }
 
-  std::stop_token token() const { return stop_.get_token(); }
+  protostar::StopToken token() const {
+    return [this] { return came(); };
+  }
 
   /// Whether a stop was requested.
   bool came() const { return signal_ != 0; }
@@ -41,11 +43,11 @@ class Interrupt {
   int status() const;
 
  private:
-  void listen(const std::stop_token& done);
+  void listen();
 
   sigset_t mask_before_;
   std::string timeout_line_;
-  std::stop_source stop_;
   std::atomic<int> signal_ = 0;
-  std::jthread listener_;
+  std::atomic<bool> done_ = false;
+  std::thread listener_;
 };

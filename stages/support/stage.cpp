@@ -66,7 +66,7 @@ std::string timeout_text(const Options& options) {
 
 }  // namespace
 
-Stage::Stage(const Options& options, std::stop_token stop)
+Stage::Stage(const Options& options, StopToken stop)
     : options_(options), stop_(std::move(stop)), progress_(options.quiet) {}
 
 Image Stage::image() const {

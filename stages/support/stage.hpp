@@ -14,7 +14,7 @@
 /// One run of a stage: what the user asked for.
 class Stage {
  public:
-  Stage(const Options& options, std::stop_token stop);
+  Stage(const Options& options, protostar::StopToken stop);
 
   /// A black image to be drawn: the picture, or the part of it that was asked for. Throws std::system_error,
   /// or std::length_error for a size that the format cannot have, right away if it could not be saved later.
@@ -51,7 +51,7 @@ class Stage {
   void write(const protostar::Image& image) const;
 
   Options options_;
-  std::stop_token stop_;
+  protostar::StopToken stop_;
   Progress progress_;
   Clock::time_point start_ = Clock::now();
 };

@@ -180,7 +180,7 @@ class TreeBuilder {
   [[nodiscard]] std::vector<Range> nodes_of(const std::vector<Range>& level, int depth) {
     const std::size_t first = tree_.nodes.size();
     tree_.nodes.resize(first + level.size());
-    const auto inner = std::make_unique_for_overwrite<Range[]>(level.size() * node_width);
+    const std::unique_ptr<Range[]> inner(new Range[level.size() * node_width]);
     std::vector<int> counts(level.size());
     std::uint32_t things = 0;
     for (const Range& range : level) things += range.count();

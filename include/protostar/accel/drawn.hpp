@@ -52,7 +52,7 @@ struct DrawnOf<S> {
   /// One for the surface at a place and the i-th samples of pixels; null if there are enough.
   typename S::Drawn* add(int place, int sample) {
     if (count == most) return nullptr;
-    if (count == entries.size()) entries.push_back(std::make_unique_for_overwrite<Entry>());
+    if (count == entries.size()) entries.emplace_back(new Entry);  // not initialized
     Entry& entry = *entries[count++];
     entry.place = place, entry.sample = sample;
     return &entry.drawn;

@@ -206,9 +206,10 @@ class TrianglesInTile {
   void clear() {
     Block empty;
     // What is compared with the least float above 0 is compared with 0 as well.
-    std::ranges::fill(empty.far, std::numeric_limits<float>::denorm_min());
-    std::ranges::fill(empty.near, 0.0f), std::ranges::fill(empty.other, 0.0f);
-    std::ranges::fill(empty.nearest, nothing);
+    std::fill(std::begin(empty.far), std::end(empty.far), std::numeric_limits<float>::denorm_min());
+    std::fill(std::begin(empty.near), std::end(empty.near), 0.0f),
+        std::fill(std::begin(empty.other), std::end(empty.other), 0.0f);
+    std::fill(std::begin(empty.nearest), std::end(empty.nearest), nothing);
     for (int y = 0; y < tile_.height(); y += PixelBlock::height)
       std::fill_n(&block(0, y), (tile_.width() + PixelBlock::width - 1) / PixelBlock::width, empty);
     drawn_.clear();

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <new>
-#include <stop_token>
 #include <vector>
 
 #include "../image.hpp"
@@ -41,8 +40,7 @@ namespace detail {
 ///
 /// The file is replaced as a whole or not at all (see OutputFile, also for its errors): it is made in memory
 /// first. If stop is asked for while it is written, save_hdr returns early and leaves the file as it was.
-inline void save_hdr(const Image& image, const std::filesystem::path& path,
-                     const std::stop_token& stop = {}) {
+inline void save_hdr(const Image& image, const std::filesystem::path& path, const StopToken& stop = {}) {
   std::vector<float> light;
   light.reserve(3 * static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height()));
   for (int y = 0; y < image.height(); ++y)

@@ -177,9 +177,9 @@ class ObjBuilder {
       const std::string_view word = taken_word(rest);
       if (word.empty() && found >= least) break;
       const bool has_plus = word.starts_with('+') && !word.starts_with("+-");
-      const char* const end = word.data() + word.size();
-      const auto [behind, error] = std::from_chars(word.data() + (has_plus ? 1 : 0), end, numbers[found]);
-      if (error != std::errc() || behind != end || !std::isfinite(numbers[found]))
+      const auto number = double_of(word.substr(has_plus ? 1 : 0));
+      if (number) numbers[found] = *number;
+      if (!number || !std::isfinite(*number))
         refuse("expected " + std::to_string(least) + (least < N ? " or more" : "") +
                " finite numbers that a double holds, and " + found_instead("number", found + 1, word));
     }

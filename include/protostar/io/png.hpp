@@ -6,7 +6,6 @@
 #include <limits>
 #include <new>
 #include <stdexcept>
-#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -35,7 +34,7 @@ inline void check_png_size(int width, int height) {
 /// first. If stop is asked for while it is written, save_png returns early and leaves the file as it was.
 /// Throws std::length_error for an image that is too large (check_png_size).
 inline void save_png(const Image& image, const std::filesystem::path& path, const Transfer& transfer = Srgb{},
-                     const std::stop_token& stop = {}) {
+                     const StopToken& stop = {}) {
   check_png_size(image.width(), image.height());
   const std::int64_t row_bytes = std::int64_t{image.width()} * 3;
   const Encoder encode(transfer, 255);

@@ -12,10 +12,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
-#include <stop_token>
 #include <vector>
 
 #include "../output_file.hpp"
+#include "../stop_token.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
@@ -28,7 +28,7 @@ inline void append_bytes(void* to, void* data, int size) {
 
 /// Replaces a file by these bytes, or leaves it as it was if stop is asked for before they are written.
 inline void save_bytes(const std::vector<char>& bytes, const std::filesystem::path& path,
-                       const std::stop_token& stop) {
+                       const StopToken& stop) {
   OutputFile file(path);
   constexpr std::size_t block = 1 << 20;  // bytes written at a time
   for (std::size_t begin = 0; begin < bytes.size(); begin += block) {

@@ -1,5 +1,17 @@
-// How a file is read into memory, and how much of it a message shows.
+// Reads files and numbers, and shortens text for messages.
 #pragma once
+
+#include <version>
+
+#if defined(__cpp_lib_to_chars)
+#include <charconv>
+#else
+#include <locale.h>
+#include <stdlib.h>
+
+#include <cctype>
+#include <cmath>
+#endif
 
 #include <cerrno>
 #include <cstddef>
@@ -7,6 +19,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -55,6 +68,29 @@ std::string text_of(const std::filesystem::path& path, std::size_t most) {
   return bytes_of_file<Error>(path, most, [](std::string_view, std::string_view block) {
     return block.find('\0') != std::string_view::npos;
   });
+}
+
+/// Reads a number in decimal digits, such as -1.5e3, that a text consists of, rounded to the nearest double;
+/// nothing if it is no such text or beyond the range of double. It may be inf or nan. The locale has no say.
+inline std::optional<double> double_of(std::string_view text) {
+  double value = 0;
+#if defined(__cpp_lib_to_chars)
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+#else  // libc++ 14 reads whole numbers only
+  if (text.empty() || std::isspace(static_cast<unsigned char>(text[0])) != 0 || text[0] == '+' ||
+      text.find_first_of("xX") != text.npos)
+    return std::nullopt;
+  static const locale_t classic = newlocale(LC_ALL_MASK, "C", locale_t{});
+  const std::string ended(text);
+  char* end = nullptr;
+  value = strtod_l(ended.c_str(), &end, classic);
+  const bool is_written = text.find_first_of("iI") != text.npos;
+  if (end != ended.c_str() + ended.size() || (std::isinf(value) && !is_written)) return std::nullopt;
+  const bool is_zero = ended.substr(0, ended.find_first_of("eE")).find_first_of("123456789") == ended.npos;
+  if (value == 0 && !is_zero && !std::isnan(value)) return std::nullopt;
+#endif
+  return value;
 }
 
 /// The beginning of a text that may be of any length, whole characters of UTF-8.

@@ -22,7 +22,7 @@ class Digits {
 
   /// Allocates size digits, which are not initialized.
   explicit Digits(std::size_t size) : size_(size) {
-    if (size > few) many_ = std::make_unique_for_overwrite<std::uint32_t[]>(size);
+    if (size > few) many_.reset(new std::uint32_t[size]);
   }
   Digits(const Digits& other) : Digits(other.size_) { std::copy(other.begin(), other.end(), begin()); }
   Digits(Digits&& other) noexcept : size_(other.size_), many_(std::move(other.many_)) {

@@ -142,8 +142,9 @@ namespace detail {
 [[nodiscard]] inline std::optional<RefinedVector> refined_cross_product(const RefinedVector& u,
                                                                         const RefinedVector& v) {
   const auto are_doubles = [](const RefinedVector& x) {
-    return std::ranges::all_of(
-        x, [](const DoubleDouble& a) { return a.lo == 0 && (a.hi == 0 || std::abs(a.hi) > 0x1p-400); });
+    return std::all_of(x.begin(), x.end(), [](const DoubleDouble& a) {
+      return a.lo == 0 && (a.hi == 0 || std::abs(a.hi) > 0x1p-400);
+    });
   };
   if (are_doubles(u) && are_doubles(v))
     return cross_product({u[0].hi, u[1].hi, u[2].hi}, {v[0].hi, v[1].hi, v[2].hi});
