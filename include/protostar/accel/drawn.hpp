@@ -1,4 +1,4 @@
-// Surfaces of many parts, which are drawn into a tile as a whole.
+// Visibility buffers of surfaces with many primitives, which are rasterized into a tile.
 #pragma once
 
 #include <concepts>
@@ -12,12 +12,12 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// A surface that is drawn into a tile as a whole, since it has many parts. It has a type Drawn, and
-/// draw(drawn, rays, sample, frustum, tile, asked) fills one, for one ray of each pixel. If is_drawn() then,
-/// seen(wanted, x, y) tells of the rays from pixel (x, y) on which meet it, and which are in doubt. If it
-/// tells_where(), as asked, `which` is the entry ≥ 0 of the drawing that each meets first: that is crossing 0
-/// of part(which), and if some are met, t(which, met, directions) are the t of these, with the bits of
-/// first_crossing's.
+/// Surface with many primitives that is rasterized into a tile. It has a type Drawn, a visibility buffer, and
+/// draw(drawn, rays, sample, frustum, tile, asked) fills one, for one ray of each pixel. If is_drawn() is
+/// true then, seen(wanted, x, y) returns which of the rays from pixel (x, y) on hit the surface, and which
+/// are in doubt. If tells_where(), as asked, `which` is the entry ≥ 0 of the buffer that each ray hits first:
+/// crossing 0 of the primitive part(which). If some rays hit, t(which, met, directions) returns their t, bit
+/// for bit that of first_crossing.
 template <class S>
 concept SurfaceForTiles = SurfaceWithParts<S> &&
     requires(const S& surface, typename S::Drawn& drawn, const PixelRays& rays, const Frustum& frustum,
@@ -32,14 +32,14 @@ concept SurfaceForTiles = SurfaceWithParts<S> &&
   { drawn.part(std::int64_t{0}) } -> std::same_as<int>;
 };
 
-/// The surfaces of one type that are drawn into a tile, if any type is.
+/// Visibility buffers of all surfaces of one type in a tile; empty if the type is not rasterized.
 template <class S>
 struct DrawnOf {
   void clear() {}
 };
 template <SurfaceForTiles S>
 struct DrawnOf<S> {
-  /// Beyond this, surfaces of one tile are looked at ray by ray.
+  /// Largest number of buffers of a tile; further surfaces are traced ray by ray.
   static constexpr std::size_t most = 32;
 
   struct Entry {
@@ -47,9 +47,10 @@ struct DrawnOf<S> {
     typename S::Drawn drawn;
   };
   std::vector<std::unique_ptr<Entry>> entries;
-  std::size_t count = 0;  ///< how many of the entries belong to this tile
+  std::size_t count = 0;  ///< number of entries that belong to this tile
 
-  /// One for the surface at a place and the i-th samples of pixels; null if there are enough.
+  /// Returns a buffer for a surface, by its index in the scene's order, and a sample; null if there are
+  /// enough.
   typename S::Drawn* add(int place, int sample) {
     if (count == most) return nullptr;
     if (count == entries.size()) entries.emplace_back(new Entry);  // not initialized
@@ -58,6 +59,7 @@ struct DrawnOf<S> {
     return &entry.drawn;
   }
   void clear() { count = 0; }
+  /// Returns the buffer for a surface and a sample; null if there is none, or it is not drawn.
   [[nodiscard]] const typename S::Drawn* at(int place, int sample) const {
     for (std::size_t i = 0; i < count; ++i)
       if (const Entry& entry = *entries[i]; entry.place == place && entry.sample == sample)
@@ -66,7 +68,7 @@ struct DrawnOf<S> {
   }
 };
 
-/// The parts of a surface that is drawn.
+/// Index of the primitive that each ray hits, from a visibility buffer.
 template <class Drawn>
 struct PartsSeen {
   const Drawn& drawn;

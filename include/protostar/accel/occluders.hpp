@@ -1,8 +1,8 @@
-// What may stand between a light and the points that a part of a picture shows.
+// Lists of surfaces that may stand between a light and the points that a part of a picture shows.
 //
 // The shadow rays of neighboring pixels lead to a light through almost the same space. A cone with its apex
-// at the light holds those of a packet and of others near it, and what reaches into the cone is looked for
-// once. Of that each packet gets what reaches into a cone of its own.
+// at the light contains those of a packet and of others near it, and is searched for surfaces once. Each
+// packet then gets those of them that reach into a narrower cone of its own.
 #pragma once
 
 #include <algorithm>
@@ -18,19 +18,19 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// The points of a round cone up to a distance from its apex, and whatever is no farther than drift from
-/// them. A segment from a point of a cone to the apex lies in it; one that ends beside the apex lies as far
-/// beside that segment at most.
+/// Round cone up to a distance from its apex, with all points no farther than drift from it. A segment from a
+/// point of the cone to the apex lies in it; one that ends beside the apex is at most as far beside that
+/// segment.
 ///
-/// drift is 2^-44 of the numbers that points are made of, |apex| + length. Where rays start and end is good
-/// to 2^-51 of these, and so are comparisons of lengths: what holds() grants, 2^-46, is well inside.
+/// drift is 2^-44 of the size of points, |apex| + length. Origins and ends of rays are accurate to 2^-51 of
+/// this, and so are comparisons of lengths; the tolerance of holds(), 2^-46, is well inside.
 class ConeToLight {
  public:
   ConeToLight() = default;  ///< holds nothing
 
-  /// A cone for some rays in 0 < t < 1 that end together, wide enough for more like them: about so many times
-  /// their angle and a tenth of a degree, and a quarter longer. Where that is above 30° it holds nothing, and
-  /// rays that do not end together are not all held.
+  /// Makes a cone for the chosen rays in 0 < t < 1 that end together, and similar ones: about `wide` times as
+  /// wide as they are, plus a tenth of a degree, and a quarter longer. It holds nothing if its half-angle is
+  /// above 30°, or if lengths are extreme; holds() is false for rays that do not end together.
   ConeToLight(const Rays<Vectors>& rays, Chosen which, double wide = 4) {
     const int first = std::countr_zero(bits(which));
     apex_ = rays.origin[first] + rays.direction[first];
@@ -42,7 +42,7 @@ class ConeToLight {
     if (!(sine_ < 0.5 && 0x1p-90 < length_ && length_ < 0x1p90 && glm::length(apex_) < 0x1p400)) close();
   }
 
-  /// Whether rays, in 0 < t < 1, lie inside.
+  /// Returns true if all chosen rays, in 0 < t < 1, lie inside.
   [[nodiscard]] bool holds(const Rays<Vectors>& rays, Chosen which) const {
     const Vectors end = rays.origin + rays.direction - Vectors(apex_), w = rays.origin - Vectors(apex_);
     const Doubles distance = sqrt(dot(w, w));
@@ -51,14 +51,15 @@ class ConeToLight {
     return !any(which && !inside);
   }
 
-  /// Whether the cone holds anything.
+  /// Returns true if the cone holds anything.
   [[nodiscard]] bool is_cone() const { return length_ > 0; }
 
-  /// Makes it hold nothing.
+  /// Makes the cone hold nothing.
   void close() { length_ = 0; }
 
-  /// Half-spaces that contain the cone: a normal e that is orthogonal to the axis a, turned towards a by the
-  /// half-angle φ, e cos φ + a sin φ, is orthogonal to the cone's side; and the plane at the cone's end.
+  /// Returns half-spaces that contain the cone: a normal e that is orthogonal to the axis a, turned towards a
+  /// by the half-angle φ, e cos φ + a sin φ, is orthogonal to the cone's side; the last is the plane at the
+  /// cone's end.
   [[nodiscard]] std::array<HalfSpace, 5> half_spaces() const {
     const Vec3 size = abs(axis_);
     const Vec3 other = size.x <= size.y && size.x <= size.z ? Vec3{1, 0, 0}
@@ -73,8 +74,8 @@ class ConeToLight {
             moved_out(apex_ + length_ * axis_, -axis_)};
   }
 
-  /// A sphere as the apex sees it: where its center is, its radius and what drifts beside rays, and how long
-  /// a line from the apex to where it touches the sphere is. What surrounds the apex, or is of a size that
+  /// Sphere as seen from the apex: its center, the center's distance, its radius with the drift of rays, and
+  /// the length of a tangent from the apex. A sphere that contains the apex, or is at a distance that
   /// float does not hold well, is in every direction, at no distance.
   struct Seen {
     Vec3 center{0};
@@ -88,15 +89,16 @@ class ConeToLight {
     return {l, distance, radius, std::sqrt((distance - radius) * (distance + radius))};
   }
 
-  /// Whether a sphere may reach into the cone, as Candidates::add derives it; here in double, where 2^-40 of
-  /// all lengths is more than what rounds.
+  /// Returns true if a sphere may reach into the cone, as derived at Candidates::add; here in double, where
+  /// 2^-40 of all lengths covers the rounding.
   [[nodiscard]] bool may_hold(const Seen& sphere) const {
     const auto& [l, distance, radius, horizon] = sphere;
     return !(distance - radius > length_) &&
            !(dot(axis_, l) < cosine_ * horizon - sine_ * radius - 0x1p-40 * distance);
   }
 
-  /// The part of the cone around some rays that it holds: with the same apex, and as narrow as they are.
+  /// Returns the part of the cone around some of the rays that it holds: with the same apex, and as narrow as
+  /// they are.
   [[nodiscard]] ConeToLight around(const Rays<Vectors>& rays, Chosen which) const {
     ConeToLight narrow = *this;
     narrow.set(rays, which);
@@ -109,7 +111,8 @@ class ConeToLight {
   [[nodiscard]] double length() const { return length_; }
 
  private:
-  /// Makes it as narrow and as long as some rays to the apex are. The axis is between the first and the last.
+  /// Makes the cone as narrow and as long as some rays to the apex. The axis is between the first and the
+  /// last.
   void set(const Rays<Vectors>& rays, Chosen which) {
     const Vectors w = rays.origin - Vectors(apex_);
     const Doubles distance = sqrt(dot(w, w));
@@ -123,16 +126,16 @@ class ConeToLight {
 
   Point apex_{0};
   Vec3 axis_{0};
-  double cosine_ = 1, sine_ = 0;  ///< of the half-angle
+  double cosine_ = 1, sine_ = 0;  ///< cosine and sine of the half-angle
   double drift_ = 0, length_ = 0;
 };
 
-/// What reaches into a cone, in float, so that much of it is looked at at once.
+/// Spheres that reach into a cone, in float, so that many are tested at once.
 ///
 /// A sphere reaches into a cone with a half-angle φ and the apex at 0 if a·l ≥ h cos φ − r sin φ, and its
 /// nearest point |l| − r is not beyond the cone's end. In float, with u = 2^-24, each term has an error of at
-/// most 5u |l|, and the difference 2u |l|, if h and r are at most |l|. For cos φ ≥ ½ it is enough to keep
-/// 2^-18 |l| = 64u |l| less of h, and as much less of |l| − r.
+/// most 5u |l|, and the difference 2u |l|, if h and r are at most |l|. For cos φ ≥ ½ it is enough to reduce h
+/// and |l| − r by 2^-18 |l| = 64u |l|.
 class InCone {
  public:
   void clear() {
@@ -141,7 +144,7 @@ class InCone {
   }
   [[nodiscard]] std::size_t size() const { return places_.size(); }
 
-  /// Adds what stands at a place of the scene's order.
+  /// Adds the surface with this index in the scene's order.
   void add(int place, const ConeToLight::Seen& sphere) {
     constexpr std::size_t n = float_lanes;
     const std::size_t i = places_.size(), at = i / n * rows * n + i % n;
@@ -153,7 +156,7 @@ class InCone {
     for (std::size_t k = 0; k < rows; ++k) rows_[at + k * n] = static_cast<float>(row[k]);
   }
 
-  /// Calls visit(place) for all that may reach into a cone with this apex.
+  /// Calls visit(index) for all surfaces that may reach into a cone with this apex.
   void each_within(const ConeToLight& cone, const auto& visit) const {
     const auto in_float = [](double x) { return Row(static_cast<float>(x)); };
     const Row x = in_float(cone.axis().x), y = in_float(cone.axis().y), z = in_float(cone.axis().z);
@@ -172,18 +175,19 @@ class InCone {
   using Row = Lanes<float, float_lanes>;
   static constexpr std::size_t rows = 6;
 
-  /// In places that are left over: a distance beyond the end of all cones.
+  /// Value of unused lanes: a distance beyond the end of all cones.
   static constexpr float nowhere = std::numeric_limits<float>::infinity();
 
   std::vector<int> places_;
-  std::vector<float> rows_;  ///< of as many as a vector holds, one number of each after the other
+  std::vector<float> rows_;  ///< one row for each number, of as many spheres as a vector holds
 };
 
-/// The lists of occluders of a tile, a few for each light.
+/// Lists of occluders of a tile, a few for each light.
 class Occluders {
  public:
-  /// What rays in 0 < t < 1 may meet, as places in the scene's order; nothing if each is sooner looked at by
-  /// itself. search(half_spaces, visit) calls visit(place, SphereAround) for all that may be in half-spaces.
+  /// Returns the surfaces that rays in 0 < t < 1 may hit, as indices in the scene's order; null if each ray
+  /// is better traced alone. search(half_spaces, visit) calls visit(index, SphereAround) for all that may be
+  /// in half-spaces.
   [[nodiscard]] const std::vector<int>* between(const Rays<Vectors>& rays, Chosen which, const auto& search) {
     ToLight& to_light = lists_for(rays, std::countr_zero(bits(which)));
     List* list = to_light.list_of(rays, which);
@@ -196,7 +200,7 @@ class Occluders {
       list->cone = ConeToLight(rays, which, to_light.wide);
       list->in_cone.clear();
       int looked_at = least;
-      if (!list->cone.holds(rays, which)) {  // they need not end together
+      if (!list->cone.holds(rays, which)) {  // false if they do not end together
         list->cone.close();
         return nullptr;
       }
@@ -210,8 +214,8 @@ class Occluders {
         to_light.wide = std::max(1.5, 0.5 * to_light.wide);
       else if (list->in_cone.size() < handy)
         to_light.wide = std::min(8.0, 1.25 * to_light.wide);
-      // If the last list served few rays for what is looked at, searching does not pay; each time in a row
-      // is followed by a longer pause.
+      // If the last list served few rays for the surfaces looked at, searching does not pay; each time in a
+      // row is followed by a longer pause.
       to_light.pause = looked_at > worth * to_light.served ? std::min(4 * to_light.pause + 8, 1 << 12) : 0;
       to_light.waits = to_light.pause;
       to_light.served = 0;
@@ -227,16 +231,16 @@ class Occluders {
   }
 
  private:
-  /// A list that is longer costs more than it saves.
+  /// Longest list that saves more than it costs.
   static constexpr std::size_t most = 256;
 
-  /// Cones become wider where lists are shorter than this, and narrower where they are twice as long.
+  /// List length below which cones become wider; above twice as much, they become narrower.
   static constexpr std::size_t handy = 32;
 
   static constexpr std::size_t most_lights = 16, lists_each = 4;
 
-  /// To look at so many surfaces takes about as long as a ray takes by itself, and a search takes as long as
-  /// to look at this many more.
+  /// Number of surfaces that are looked at in about the time of one ray traced alone, and number that take
+  /// the time of the search itself.
   static constexpr int worth = 4, least = 32;
 
   struct List {
@@ -244,13 +248,13 @@ class Occluders {
     InCone in_cone;
   };
 
-  /// The rays of neighboring pixels may come from several surfaces that are far apart.
+  /// Lists for one light: several, since rays of neighboring pixels may start on surfaces that are far apart.
   struct ToLight {
     Point light;
-    double near;  ///< a ray that ends within this distance of the light is one to it
+    double near;  ///< largest distance from the light at which its rays end
     std::array<List, lists_each> lists;
     std::size_t next = 0;
-    double wide = 4;  ///< how much wider than the rays of a packet a cone is made
+    double wide = 4;  ///< width of a cone, as a multiple of that of a packet's rays
     int served = 256, waits = 0, pause = 0;
 
     List* list_of(const Rays<Vectors>& rays, Chosen which) {
@@ -275,7 +279,7 @@ class Occluders {
   }
 
   std::vector<ToLight> lights_;
-  std::vector<int> places_;  ///< those for the last packet
+  std::vector<int> places_;  ///< list for the last packet
   std::size_t next_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// The pixels of a tile in blocks, in which triangles are drawn.
+// Blocks of a tile's pixels, in which triangles are rasterized.
 #pragma once
 
 #include <algorithm>
@@ -9,22 +9,22 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// A number of each pixel of a block.
+/// One number for each pixel of a block.
 using Pixels = Lanes<float, float_lanes>;
 
-/// Neighboring pixels, as many as a vector holds: a small triangle is in few blocks.
+/// Neighboring pixels, as many as a vector holds, in a rectangle: a small triangle covers few blocks.
 struct PixelBlock {
   static constexpr int width = std::min(4, float_lanes), height = float_lanes / width;
 
-  static constexpr int side = 64;  ///< pixels of a tile that can be drawn
+  static constexpr int side = 64;  ///< largest width and height, in pixels, of a tile that can be rasterized
   static constexpr std::size_t in_tile = std::size_t{side / width} * (side / height);
 
-  /// Which block of a tile has the pixel (x, y).
+  /// Returns the index of a tile's block that contains the pixel (x, y).
   static std::size_t index(int x, int y) {
     return static_cast<std::size_t>(side / width * (y / height) + x / width);
   }
 
-  /// How far each pixel is from the first.
+  /// Returns each pixel's column in the block; down() returns its row.
   static Pixels across() {
     return Pixels::of_each([](int lane) { return static_cast<float>(lane % width); });
   }
@@ -32,12 +32,12 @@ struct PixelBlock {
     return Pixels::of_each([](int lane) { return static_cast<float>(lane / width); });
   }
 
-  /// The pixels of the block at (x, y) that are in a box.
+  /// Returns the pixels of the block at (x, y) that are in a box.
   static Bits inside(const BoxOnScreen& box, int x, int y) {
     return columns(box.x0 - x, box.x1 - x) & rows(box.y0 - y, box.y1 - y);
   }
 
-  /// Calls visit(x, y) for the blocks of a box until it returns false; returns whether it did not.
+  /// Returns true if visit(x, y) is true for all blocks of a box; stops at the first that is false.
   static bool all_of(const BoxOnScreen& box, const auto& visit) {
     for (int y = box.y0 / height * height; y < box.y1; y += height)
       for (int x = box.x0 / width * width; x < box.x1; x += width)
@@ -46,7 +46,7 @@ struct PixelBlock {
   }
 
  private:
-  /// The pixels of the columns, or rows, from one on to before another.
+  /// Returns the pixels of the columns, or rows, in [from, to).
   static Bits columns(int from, int to) {
     constexpr Bits of_each_row = first_bits(float_lanes) / first_bits(width);
     return of_each_row * (first_bits(std::min(to, width)) & ~first_bits(std::max(from, 0)));

@@ -1,7 +1,8 @@
-// Fills an image of a scene tile by tile: first what a tile may see, then its rays, a packet at a time.
+// Fills an image of a scene tile by tile: finds the surfaces that a tile may see, then traces its packets.
 //
-// This is the fast way of render, and it gives the bytes of the plain one: what a tile cannot see is left out
-// by sure bounds (accel/tile.hpp), and what is left is decided by the certified roots of numeric/.
+// This is the fast path of render, and gives the same bytes as the plain path: surfaces that a tile cannot
+// see are culled by certified bounds (accel/tile.hpp), and the others are decided by the certified roots of
+// numeric/.
 #pragma once
 
 #include <algorithm>
@@ -26,12 +27,13 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace simd {
 
-/// An integrator whose functions take packets as well as single rays, and says so of itself: what derives
-/// from it may have changed a function. All rays that meet nothing bring the same, but for an environment.
+/// Integrator whose functions take packets as well as single rays. It declares this for its own type only,
+/// since a type derived from it may have changed a function. All rays that miss have the same radiance,
+/// unless there is an environment.
 template <class I>
 concept PacketIntegrator = std::same_as<typename I::TakesPackets, I>;
 
-/// One that looks at what a ray meets first, and has a background where it meets nothing.
+/// Integrator that shades the closest hit of a ray, and has a background for a ray that misses.
 template <class I, class S>
 concept ShadingIntegrator = requires(const I& integrator, const Ray& ray, const Intersection& hit,
                                      const S& scene) {
@@ -39,16 +41,16 @@ concept ShadingIntegrator = requires(const I& integrator, const Ray& ray, const 
   { integrator.background(ray, scene) } -> std::convertible_to<Color>;
 };
 
-/// One that shows of a surface without a texture the same at all places, shade_anywhere(material), and says
-/// so of itself.
+/// Integrator whose color of a surface without a texture is the same at all points: shade_anywhere(material).
+/// It declares this for its own type only.
 template <class I>
 concept ShadesAnywhere = std::same_as<typename I::ShadesAnywhere, I>;
 
-/// What is the same for all tiles of a picture.
+/// Renderer of the tiles of one picture, with the data that they share.
 template <class I, Surface... S>
 class TileRenderer {
  public:
-  /// Borrows all but the options.
+  /// Borrows the image, the scene, the integrator and the statistics.
   TileRenderer(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& scene, const I& integrator,
                const RenderOptions& options)
       : image_(image),
@@ -101,15 +103,14 @@ class TileRenderer {
   static constexpr bool by_packets = PacketIntegrator<I>;
   static constexpr bool nearest_first = ShadingIntegrator<I, View> || !by_packets;
 
-  /// A tile is filled in parts of this size, and these in parts of the next while they have more candidates
-  /// than are sooner tried than looked at again. In the last parts each row of such many has a list of its
-  /// own.
+  /// Size of the parts that a tile is divided into. A part with more than `most` candidates is divided
+  /// further, by the next size; in the last size, each row of such a part has its own list of candidates.
   struct Division {
     int width, height, most;
   };
   static constexpr Division divisions[] = {{16, 16, 3}, {8, 8, 16}};
 
-  /// What a tile's parts use one after the other.
+  /// Buffers that the parts of a tile use one after the other.
   struct Work {
     Candidates lists[std::size(divisions)], of_row;
     Occluders occluders;
@@ -117,10 +118,11 @@ class TileRenderer {
     RenderStatistics taken;
   };
 
-  /// Whether there are so many surfaces that a tile's are looked for in the tree, and not among all.
+  /// Returns true if there are so many surfaces that each tile traverses the BVH for its own, instead of
+  /// testing all.
   [[nodiscard]] bool is_large() const { return scene_.scene().size() > 2048; }
 
-  /// Adds what may be a candidate of any tile, and what has no bounds.
+  /// Adds the candidates that any tile may see, and the surfaces without bounds.
   template <Surface T>
   void add_group(int& place) {
     const auto& surfaces = scene_.scene().template surfaces<T>();
@@ -133,7 +135,8 @@ class TileRenderer {
     place += static_cast<int>(surfaces.size());
   }
 
-  /// Adds what the tree has for a frustum; first is the place of the type's first surface.
+  /// Adds the surfaces of one type that the BVH has for a frustum; `first` is the index of the type's first
+  /// surface, and becomes that of the next type's.
   template <Surface T>
   void add_found(const Frustum& frustum, int& first, Candidates& found) const {
     scene_.template some_in<T>(
@@ -143,7 +146,7 @@ class TileRenderer {
     first += static_cast<int>(scene_.scene().template surfaces<T>().size());
   }
 
-  /// What is drawn takes much room, which one tile leaves to the next.
+  /// Returns visibility buffers, which are large, of an earlier tile, or new ones.
   [[nodiscard]] typename View::Drawn take_room() const {
     const std::lock_guard lock(sharing_);
     if (room_.empty()) return {};
@@ -157,15 +160,16 @@ class TileRenderer {
     room_.push_back(std::move(room));
   }
 
-  /// Whether all rays that meet nothing bring the same.
+  /// Returns true if all rays that miss have the same radiance, and may be skipped.
   [[nodiscard]] bool nothing_is_alike() const { return skips_.empty_tiles && !scene_.scene().environment(); }
-  /// Whether so do all that meet a surface of this material, so that nobody asks where.
+  /// Returns true if all rays that miss have one radiance, and all that hit this material have one, so that
+  /// no hit point is needed.
   [[nodiscard]] bool is_alike(const Material& material) const {
     return ShadingIntegrator<I, View> && ShadesAnywhere<I> && nothing_is_alike() && !material.texture;
   }
 
-  /// Draws the candidates that are drawn as a whole. Who does not shade what is met first seldom asks where,
-  /// and if so, the surface by itself is asked.
+  /// Rasterizes the candidates that can be. An integrator that does not shade closest hits seldom needs them,
+  /// and if so, traces the surface itself.
   void draw(const Candidates& candidates, const Frustum& frustum, const Tile& tile, Work& work) const {
     const int samples = rays_.pixels().samples();
     const bool is_alone = candidates.size() == 1 && unbounded_.empty() && samples == 1;
@@ -195,8 +199,8 @@ class TileRenderer {
     if (!skips_.farther_surfaces) candidates.bring_near();
   }
 
-  /// Whether a tile with these candidates sees nothing, and that everywhere alike, so that one packet can
-  /// stand for all of its rays.
+  /// Returns true if a tile with these candidates sees nothing, and the same background everywhere, so that
+  /// one packet stands for all of its rays.
   [[nodiscard]] bool can_be_left(const Candidates& candidates) const {
     return by_packets && skips_.empty_tiles && candidates.size() == 0 && unbounded_.empty() &&
            !scene_.scene().environment();
@@ -223,7 +227,7 @@ class TileRenderer {
     if constexpr (by_packets) {
       work.taken.pixels_skipped +=
           static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
-      // Rays that meet nothing all bring the same: what one of them brings that has no candidates.
+      // All rays that miss have the same radiance, that of a ray without candidates.
       const Candidates none;
       const View view(scene_, none, unbounded_, skips_, work.occluders, work.drawn, work.taken);
       const Colors colors = radiance(rays_.packet(tile, tile.x0, tile.y0), view);
@@ -236,8 +240,8 @@ class TileRenderer {
     }
   }
 
-  /// Fills a tile that can see nothing but one drawing; returns whether it is one. Rays are made only where
-  /// colors are not the same at all places.
+  /// Fills a tile that can see only one surface, if that is rasterized and pixels have one sample; returns
+  /// false if not. Packets of rays are made only if a ray is in doubt, or colors vary from point to point.
   bool fill_from_drawing(const Tile& tile, const Candidates& candidates, Work& work) const {
     if constexpr (by_packets && View::draws && ShadingIntegrator<I, View>) {
       const View view(scene_, candidates, unbounded_, skips_, work.occluders, work.drawn, work.taken);
@@ -280,7 +284,7 @@ class TileRenderer {
   }
 
   void fill(const Tile& tile, const Candidates& candidates, Work& work) const {
-    if constexpr (!by_packets)  // one ray after the other, whatever its origin
+    if constexpr (!by_packets)  // ray by ray, with any origin
       fill_from<Point>(tile, candidates, work);
     else if (rays_.is_pinhole())
       fill_from_point(tile, candidates, work);
@@ -288,8 +292,8 @@ class TileRenderer {
       fill_from<Vectors>(tile, candidates, work);
   }
 
-  /// Most pictures are a pinhole's: its packets are computed in one piece, and those of all others by the
-  /// same functions as they come, which keeps the code small.
+  /// Computes the packets of a pinhole, the most frequent camera, with all calls inlined. Other cameras share
+  /// the functions as they are, which keeps the code small.
   [[gnu::flatten]] void fill_from_point(const Tile& tile, const Candidates& candidates, Work& work) const {
     fill_from<Point>(tile, candidates, work);
   }
@@ -339,8 +343,8 @@ class TileRenderer {
       for (int x = tile.x0; x < tile.x1; x += double_lanes) visit(i++, x, y);
   }
 
-  /// Takes all packets of a tile through one step after the other: directions, what is met first, colors.
-  /// Each step waits for a square root and a quotient, and so many packets wait at once.
+  /// Takes all packets of a tile through one step after the other: directions, closest hits, colors. Each
+  /// step waits for a square root and a division; these waits of many packets overlap.
   template <class Origin>
   void fill_in_steps(const Tile& tile, const View& view, const auto& begin_packet) const {
     constexpr std::size_t most_packets = 16 * ((16 + double_lanes - 1) / double_lanes);
@@ -411,8 +415,8 @@ class TileRenderer {
       std::copy_n(colors.begin(), tile.x1 - x, pixels);
   }
 
-  /// Fetches what a packet a few rows below is written to. A row of a tile is too short for the processor to
-  /// see where the next one is.
+  /// Prefetches, for writing, the pixels of a packet a few rows below. Rows of a tile are too short for the
+  /// processor to foresee where the next one is.
   void fetch_below(const Tile& tile, int x, int y) const {
     constexpr int rows = 4;
     if (y + rows >= tile.y1) return;
@@ -435,16 +439,15 @@ class TileRenderer {
   PixelRays rays_;
   Skips skips_;
   RenderStatistics* statistics_;
-  mutable std::mutex sharing_;                      ///< of statistics_ and room_
-  mutable std::vector<typename View::Drawn> room_;  ///< that no tile uses
-  Candidates candidates_;  ///< in the scene's order, or near to far for what looks at the first only
-  std::vector<int>
-      unbounded_;  ///< places of surfaces of which nothing is known that a tile could be tested against
+  mutable std::mutex sharing_;                      ///< guards *statistics_ and room_
+  mutable std::vector<typename View::Drawn> room_;  ///< visibility buffers that no tile uses
+  Candidates candidates_;       ///< in the scene's order, or near to far if only closest hits are needed
+  std::vector<int> unbounded_;  ///< indices of surfaces without bounds, which any tile may see
 };
 
-/// Fills tiles of a picture of a scene, with all that takes. Its functions are not inline, so that a program
-/// may compile them once for the scenes and integrators that it uses in several units: `extern template
-/// class`.
+/// Function object that fills tiles of a picture of a scene, and owns the BVH. Its functions are not inline,
+/// so that a program may compile them once for the scenes and integrators that it uses in several units:
+/// `extern template class`.
 template <class I, Surface... S>
 class SceneTiles {
  public:
@@ -482,7 +485,7 @@ void SceneTiles<I, S...>::operator()(const Tile& tile) const {
   });
 }
 
-/// An integrator that does not ask for one type of scene, or takes packets.
+/// Integrator that takes packets, or a scene of any type.
 template <class I, class View>
 concept TileIntegrator = PacketIntegrator<I> ||
     std::is_invocable_r_v<Color, const I&, const Ray&, const View&> ||
@@ -492,8 +495,8 @@ concept TileIntegrator = PacketIntegrator<I> ||
 
 }  // namespace simd
 
-/// What fills a tile of an image with what a camera sees of a scene: the bytes of the plain way in
-/// render.hpp, sooner.
+/// Returns a function that fills a tile of an image with the view of a camera into a scene, with the same
+/// bytes as the plain path in render.hpp, but faster.
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 auto tile_filler(Image& image, const Camera& camera, const Scene<S...>& scene, const I& integrator,
                  const RenderOptions& options) {
@@ -502,7 +505,7 @@ auto tile_filler(Image& image, const Camera& camera, const Scene<S...>& scene, c
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 auto tile_filler(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& scene,
                  const I& integrator, const RenderOptions& options) {
-  scene.require_same_surfaces();  // tiles list its surfaces by what the tree knows
+  scene.require_same_surfaces();  // tiles find its surfaces by the BVH
   const auto tiles =
       std::make_shared<const simd::TileRenderer<I, S...>>(image, camera, scene, integrator, options);
   return [&, tiles, pixels = PixelGrid(image.width(), image.height(), options),

@@ -1,8 +1,8 @@
-// Which surfaces the pixels of a tile may see at all: lists that are culled from tile to smaller tile.
+// Culls the surfaces that the pixels of a tile may see: lists that get shorter from a tile to a smaller one.
 //
-// A surface is taken for a sphere that contains it. The rays of a tile lie between four planes; what is
-// outside one of them, the tile does not see. This is computed in float, several surfaces at once, and only a
-// sure answer drops a surface.
+// A surface is represented by a sphere that contains it. The rays of a tile lie between four planes; a
+// surface outside one of them is not seen. This is tested in float, several surfaces at once, and drops a
+// surface only if it is certainly outside.
 #pragma once
 
 #include <algorithm>
@@ -22,25 +22,24 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// What a picture asks of what is drawn into a tile: only whether a ray meets it, or where as well.
+/// Result wanted from a surface rasterized into a tile: only its coverage, or the closest hits as well.
 enum class Asked { whether, where };
 
-/// Where the rays of a picture start, as bounds see it.
+/// Origin of the rays of a picture, as culling uses it.
 struct Viewpoint {
-  /// What centers are measured from. Each ray, once it is shifted by at most drift, is a part of one that
-  /// starts here, and its first t is at most start there. Parallel rays come from no point, and start is
-  /// infinite.
+  /// Point from which centers are measured. Each ray, shifted by at most drift, is a part of a ray from here,
+  /// and begins there at a t of at most start. Parallel rays have no common point, and start is infinite.
   Point apex;
   double drift = 0, start = 0;
 
-  /// All rays start on the plane through film, up to drift, and lead to where its unit normal ahead leads. A
-  /// normal that is not sure is 0.
+  /// Point and unit normal of the plane on which all rays start, up to drift; they lead to the side of the
+  /// normal. A normal that is not certain is 0.
   Point film{0};
   Vec3 ahead{0};
 };
 
-/// The rays of a camera through the pixels of an image: PixelGrid::ray, with what the pixels of a column or a
-/// row have in common computed once.
+/// Rays of a camera through the pixels of an image: PixelGrid::ray, with the terms that the pixels of a
+/// column or a row share computed once.
 class PixelRays {
  public:
   PixelRays(const Camera& camera, const PixelGrid& pixels, int width, int height)
@@ -54,19 +53,20 @@ class PixelRays {
     for (int y = 0; y <= height; y += edge_step) below_.push_back(computed_below(y));
   }
 
-  /// The directions of the rays through the i-th samples of the pixels from (x, y) on to the right.
+  /// Returns the directions of the rays through the i-th samples of the pixels from (x, y) on to the right.
   [[nodiscard]] Vectors directions(int x, int y, int i = 0) const {
     const Tables& sample = samples_[static_cast<std::size_t>(i)];
     return camera_.direction(sample.along.some(x), Vectors(sample.up[y]));
   }
 
-  /// These rays, of which those in the tile are wanted. Those of a pinhole have one origin, and those of any
-  /// other camera have Vectors.
+  /// Returns the packet of these rays, of which rays in the tile are active. Rays of a pinhole have one Point
+  /// as origin, and rays of any other camera have Vectors.
   template <class Origin = Point>
   [[nodiscard]] CameraRays<Origin> packet(const Tile& tile, int x, int y, const Vectors& directions,
                                           int i = 0) const {
     return {origin<Origin>(samples_[static_cast<std::size_t>(i)], x, y), directions, wanted(tile, x)};
   }
+  /// Returns the active lanes of a packet that begins in column x: the pixels in the tile.
   [[nodiscard]] static Chosen wanted(const Tile& tile, int x) {
     return x + double_lanes <= tile.x1 ? Chosen(true)
                                        : mask_of<double, double_lanes>(first_bits(tile.x1 - x));
@@ -76,9 +76,9 @@ class PixelRays {
     return packet<Origin>(tile, x, y, directions(x, y, i), i);
   }
 
-  /// The planes that hold the rays between pixels, those before column x and those above row y: unit normals
-  /// to the right and downwards. They pass through the camera's apex; those of parallel rays have none. One
-  /// that is not sure is 0.
+  /// Returns the unit normal, to the right, of the plane through the left edge of column x; below(y) returns
+  /// the downward one of the plane through the upper edge of row y. The planes pass through the camera's
+  /// apex, unless rays are parallel. A normal that is not certain is 0.
   [[nodiscard]] Vec3 right_of(int x) const {
     return x % edge_step == 0 ? right_of_[static_cast<std::size_t>(x / edge_step)] : computed_right_of(x);
   }
@@ -91,20 +91,20 @@ class PixelRays {
   [[nodiscard]] bool is_pinhole() const { return is_pinhole_; }
   [[nodiscard]] const Viewpoint& viewpoint() const { return viewpoint_; }
 
-  /// On which side of right and up the camera looks, or of the film vectors where its rays are parallel: 1,
-  /// or −1 if it is mirrored; 0 if its directions almost lie in a plane.
+  /// Returns the orientation of right, up and forward, or of film_right, film_up and forward if rays are
+  /// parallel: 1, or −1 if the camera is mirrored; 0 if the directions almost lie in a plane.
   ///
   /// Let V be the volume of the unit directions. A sum of multiples of the directions is at least V times as
   /// long as the longest of these, and as much is left of the vector product of such a sum with a direction
   /// that is not in it. Rounding turns rays and products by a few 2^-52 of their terms, hence by less than
-  /// 2^-49 / V, and that is to be below 2^-25.
+  /// 2^-49 / V, which has to be below 2^-25.
   [[nodiscard]] double hand() const { return hand_; }
 
  private:
-  static constexpr int edge_step = 8;  ///< tiles mostly begin and end at multiples of this
+  static constexpr int edge_step = 8;  ///< most tiles begin and end at multiples of this
 
-  /// Edges of tiles hold the directions forward + u · right + v · up with one of u and v fixed; or, where
-  /// these are all forward, forward and the edge of the film.
+  /// Returns the normal of a plane that contains the directions forward + u · right + v · up with u, or v,
+  /// fixed; if these are all forward, of the plane that contains forward and the edge of the film.
   [[nodiscard]] Vec3 computed_right_of(int x) const {
     const Vec3& upwards = camera_.is_orthographic() ? camera_.film_up : camera_.up;
     return unit(hand_ * cross(upwards, camera_.forward + pixels_.u(x, 0) * camera_.right));
@@ -114,11 +114,11 @@ class PixelRays {
     return unit(hand_ * cross(across, camera_.forward + pixels_.v(y, 0) * camera_.up));
   }
   static Vec3 unit(const Vec3& v) {
-    const double size = length(v);  // whose squares, within these bounds, neither overflow nor vanish
+    const double size = length(v);  // within these bounds, squares neither overflow nor vanish
     return 0x1p-500 < size && size < 0x1p500 ? v / size : Vec3{0};
   }
 
-  /// Vectors in rows of their components.
+  /// Vectors, stored as one row for each component.
   class Table {
    public:
     explicit Table(int size) : x_(index(size)), y_(index(size)), z_(index(size)) {}
@@ -135,7 +135,7 @@ class PixelRays {
     std::vector<double> x_, y_, z_;
   };
 
-  /// What the rays through one sample of all pixels have in common.
+  /// Terms that the rays through one sample of all pixels share.
   struct Tables {
     Table along, up;            ///< u · right of each column and v · up of each row
     Table film_along, film_up;  ///< u · film_right and v · film_up; empty for a pinhole
@@ -157,24 +157,24 @@ class PixelRays {
       return camera_.origin(sample.film_along.some(x), Vectors(sample.film_up[y]));
   }
 
-  /// The viewpoint of a camera whose rays start on a film. With position P, film vectors F, G and directions
-  /// d = f + u a + v b, a ray starts at
+  /// Returns the viewpoint of a camera whose rays start on a film. With position P, film vectors F, G and
+  /// directions d = f + u a + v b, a ray starts at
   ///   P + u F + v G = A + k d + e   with   A = P − k f,   e = u (F − k a) + v (G − k b),
-  /// for whatever k ≥ 0. Shifted by −e, it is a part of the ray from A along d, from k |d| on. The k for
-  /// which F − k a and G − k b are shortest together is the k of a sensor, and e is 0 then but for rounding;
-  /// k = 0 does for what is no sensor. |e| and |d| are largest in the corners of the image.
+  /// for any k ≥ 0. Shifted by −e, it is a part of the ray from A along d, from k |d| on. The k that is used
+  /// minimizes |F − k a|² + |G − k b|² among k ≥ 0: for a sensor, it is the sensor's k, and e is 0 but for
+  /// rounding. |e| and |d| are largest in the corners of the image.
   ///
   /// The corners of the film are at most R = |u F| + |v G| from P. Origins and A are rounded by less than
-  /// 2^-50 of what they are added up from, (|P| + |A| + R). The normal of the film, of vectors with an angle
-  /// of 2^-24 or more between them, is good to 2^-26, and its product with what lies in the film, which is 0,
-  /// to 2^-26 R; a half-space through the film's edge is off in float by 2^-23 R. 2^-20 R + 2^-49 (|P| + |A|)
-  /// more for e is more than all of it.
+  /// 2^-50 of the sizes of their terms, (|P| + |A| + R). The normal of the film, from vectors at an angle of
+  /// 2^-24 or more, is accurate to 2^-26, and its product with a vector in the film, truly 0, to 2^-26 R; in
+  /// float, a half-space through the film's edge is off by 2^-23 R. Adding 2^-20 R + 2^-49 (|P| + |A|) to the
+  /// bound of |e| covers all of it.
   [[nodiscard]] Viewpoint viewpoint_of_film() const {
     const auto& [position, right, up, forward, film_right, film_up] = camera_;
     const double u = pixels_.largest_u();
     const double film = u * length(film_right) + length(film_up);
     Viewpoint viewpoint{.apex = position, .film = position};
-    double least = 1;  // cosine between the film's normal and a ray
+    double least = 1;  // smallest product of normal and a ray's unit direction
     const Vec3 normal = hand_ * cross(normalize(film_right), normalize(film_up));
     if (camera_.is_orthographic()) {
       viewpoint.start = std::numeric_limits<double>::infinity();
@@ -191,7 +191,7 @@ class PixelRays {
         }
     }
     viewpoint.drift += 0x1p-20 * film + 0x1p-49 * (length(position) + length(viewpoint.apex));
-    // Rays are turned by rounding, by less than 2^-25: well below 2^-20.
+    // Rounding turns rays by less than 2^-25, well below 2^-20.
     if (length(normal) > 0x1p-24 && least > 0x1p-20 * length(normal)) viewpoint.ahead = normalize(normal);
     return viewpoint;
   }
@@ -221,18 +221,18 @@ class PixelRays {
   double hand_;
   Viewpoint viewpoint_;
   std::vector<Tables> samples_;
-  std::vector<Vec3> right_of_, below_;  ///< of each edge_step-th column and row
+  std::vector<Vec3> right_of_, below_;  ///< normals at each edge_step-th column and row
 };
 
-/// What holds the rays of a tile: four planes, one for each side, as unit normals to the inside, and a cone
-/// around the middle ray. They pass through the camera's apex; those of parallel rays have none, and there is
-/// no cone. The planes fit a tile better, and the cone tells the sky from a sphere that fills the view below
-/// it. A normal that is not sure is 0: all points are inside.
+/// Region that contains the rays of a tile: four planes, one for each side, as unit normals to the inside,
+/// and a cone around the middle ray. They pass through the camera's apex; parallel rays have no apex and no
+/// cone. The planes fit a tile better, and the cone tells the sky from a sphere that fills the view below it.
+/// A normal that is not certain is 0, so that all points are inside.
 struct Frustum {
-  HalfSpace side[5];     ///< the last has what is behind on its other side
-  float normal[5][3];    ///< of the four sides, and the axis of the cone
-  float offset[4] = {};  ///< normal · x of a side's points, measured from the apex
-  float cosine, sine;    ///< of the cone's half-angle; 0 and 1 if it is not sure, or above 60°
+  HalfSpace side[5];     ///< the four sides, and one that excludes what lies behind
+  float normal[5][3];    ///< normals of the four sides, and the axis of the cone
+  float offset[4] = {};  ///< normal · x for the points x of a side, measured from the apex
+  float cosine, sine;    ///< cosine and sine of the cone's half-angle; 0 and 1 if not certain, or above 60°
 
   [[gnu::noinline]] Frustum(const PixelRays& rays, const Tile& tile) {
     const Camera& camera = rays.camera();
@@ -241,13 +241,13 @@ struct Frustum {
     set(1, apex, -rays.right_of(tile.x1));
     set(2, apex, -rays.below(tile.y1));
     set(3, apex, rays.below(tile.y0));
-    // The directions at no more than an angle below 90° from an axis are convex: what holds the corners'
-    // rays, holds all between them.
+    // Directions within an angle below 90° of an axis form a convex cone, so one that contains the corners'
+    // rays contains all between them.
     const double us[] = {rays.pixels().u(tile.x0, 0), rays.pixels().u(tile.x1, 0)},
                  vs[] = {rays.pixels().v(tile.y0, 0), rays.pixels().v(tile.y1, 0)};
     const Vec3 middle =
         camera.direction(0.5 * (us[0] + us[1]) * camera.right, 0.5 * (vs[0] + vs[1]) * camera.up);
-    double least_square = rays.hand() != 0 && !camera.is_orthographic() ? 1 : 0;  // of a cosine
+    double least_square = rays.hand() != 0 && !camera.is_orthographic() ? 1 : 0;  // squared cosine
     for (const double u : us)
       for (const double v : vs) {
         const Vec3 corner = camera.forward + u * camera.right + v * camera.up;
@@ -268,10 +268,10 @@ struct Frustum {
     for (int k = 0; k < 3; ++k) normal[i][k] = static_cast<float>(side[i].normal[k]);
   }
 
-  /// What is otherwise where rays start on a film, of which the tile has the part between two corners. What
-  /// is behind is behind the film. Sides of parallel rays pass through a corner, each through one of two; no
-  /// candidate that float holds is as far out as 2^120. Every half-space is moved out by drift, by which
-  /// candidates are larger.
+  /// Adapts the half-spaces to rays that start on a film, between two corners in this tile. The last
+  /// half-space is then the one ahead of the film. Sides of parallel rays pass through a corner, each through
+  /// one of the two; no candidate that float holds is as far out as 2^120. Every half-space is moved out by
+  /// drift, by which candidates are larger.
   void start_on_film(const PixelRays& rays, const Point& upper_left, const Point& lower_right) {
     const Viewpoint& viewpoint = rays.viewpoint();
     side[4] = {viewpoint.film, viewpoint.ahead};
@@ -285,7 +285,7 @@ struct Frustum {
   }
 };
 
-/// The unit directions of a pinhole's packet in float, each number rounded once.
+/// Unit directions of a pinhole's packet in float, each component rounded once.
 struct FloatDirections {
   Floats x, y, z;
 
@@ -293,41 +293,41 @@ struct FloatDirections {
   explicit FloatDirections(const Vectors& d) : x(to_float(d.x)), y(to_float(d.y)), z(to_float(d.z)) {}
 };
 
-/// Surfaces that a camera may see, as float spheres, their centers measured from its apex: rows of numbers,
-/// so that several are tested at once.
+/// Surfaces that a camera may see, as float spheres with centers measured from its apex; stored as one row
+/// for each number, so that several are tested at once.
 class Candidates {
  public:
-  using Places = Lanes<std::uint32_t, double_lanes>;  ///< of surfaces in the scene's order
+  using Places = Lanes<std::uint32_t, double_lanes>;  ///< indices of surfaces in the scene's order
 
   [[nodiscard]] int size() const { return size_; }
-  /// The place of the surface in the scene's order.
+  /// Returns the i-th surface's index in the scene's order.
   [[nodiscard]] int place(int i) const { return static_cast<int>(place_[index(i)]); }
 
-  /// A ray of the camera, of unit direction, surely meets the surface for no t below this; once they are
-  /// ordered, nor any that follows.
+  /// Returns a lower bound of t at which a camera ray of unit direction hits the i-th surface or,
+  /// after order_by_distance(), any that follows it.
   [[nodiscard]] float nearest(int i) const { return nearest_[index(i)]; }
 
-  /// Adds a surface that is contained in a sphere, unless it is wholly behind the film.
+  /// Adds the surfaces of some lanes, each contained in a sphere, but for those wholly behind the film.
   ///
-  /// A ray that meets the sphere does so too when both are shifted, and so a ray from the apex meets the
-  /// sphere of that center whose radius r is larger by drift. From here on that is the sphere.
+  /// A ray that meets a sphere still does when both are shifted. Hence a ray from the apex meets the sphere
+  /// of that center whose radius r is larger by drift, which is the sphere from here on.
   ///
   /// With u = 2^-24: the center from the apex, l, is off by at most u|l| in float, a normal by u, and their
-  /// product by 3u|l| more; in double, normals and rays have been turned by less than u. So the distance from
-  /// a plane is good to 6u|l|, and the radius to u r. What
-  /// is given to the radius, 2^-20 (|l| + r) = 16u (|l| + r), is more; 2^-140 covers whatever underflows.
-  /// What is so large that the sums might overflow is taken to be everywhere. The distance of the center from
-  /// the film, which is computed in double, is good to that as well.
+  /// product by 3u|l| more; in double, normals and rays have been turned by less than u. Hence the distance
+  /// from a plane is accurate to 6u|l|, and the radius to u r. The margin added to the radius,
+  /// 2^-20 (|l| + r) = 16u (|l| + r), is more; 2^-140 covers underflow. A sphere so large that the sums might
+  /// overflow is taken to be everywhere. The distance of the center from the film, computed in double, is
+  /// accurate to that margin as well.
   ///
   /// Seen from outside, the sphere has an angular radius ψ with sin ψ = r/|l|. A cone of half-angle φ around
-  /// an axis a misses it where l is at more than φ + ψ from a, that is where
+  /// an axis a misses it if l is at more than φ + ψ from a, that is if
   ///   a·l < |l| cos(φ + ψ) = cos φ · h − sin φ · r   with the distance of the horizon h = √(|l|² − r²).
-  /// |l|² − r² is good to 2^-50 (|l|² + r²), from |l| as it is computed. In float a·l is off by 6u|l|, each
-  /// product by 3u (|l| + r), cos φ and sin φ by 2u of them; with cos φ > 1/2, 2^-18 (|l| + r) = 64u (|l| +
-  /// r) less for h is more than all of it.
+  /// |l|² − r² is accurate to 2^-50 (|l|² + r²), given |l| as it is computed. In float a·l is off by 6u|l|,
+  /// each product by 3u (|l| + r), cos φ and sin φ by 2u of them; with cos φ > 1/2, reducing h by
+  /// 2^-18 (|l| + r) = 64u (|l| + r) covers all of it.
   ///
-  /// The sphere is met for no t below |l| − r, measured from the apex, of which a ray lacks at most the first
-  /// start. Nor is it where t is less than the distance of the sphere from the film.
+  /// The sphere is met at no t below |l| − r, measured from the apex; a ray lacks at most the first `start`
+  /// of that. Nor is it met at a t less than its distance from the film.
   void add(const Places& places, Bits some, const Viewpoint& viewpoint, const SpheresAround& around) {
     const Vectors l = around.center - Vectors(viewpoint.apex);
     const Doubles radius = around.radius + viewpoint.drift;
@@ -352,7 +352,7 @@ class Candidates {
     add(Places(static_cast<std::uint32_t>(place)), Bits{1}, viewpoint, SpheresAround(around));
   }
 
-  /// Adds those of others that a tile may see, in their order.
+  /// Adds those surfaces of another list that a tile may see, in their order.
   [[gnu::noinline]] void add(const Candidates& others, const Frustum& frustum) {
     make_room(size_ + others.size_);
     for (int i = 0; i < others.size_; i += float_lanes) {
@@ -382,13 +382,13 @@ class Candidates {
     }
   }
 
-  /// Which rays of a pinhole may meet the i-th, and at no more than a t each.
+  /// Returns which rays of a pinhole may hit the i-th surface, each at a t of at most `until`.
   ///
-  /// b = d·l, where a ray is nearest to the center, is good to 5u|l|, from d, l, three products and two sums;
-  /// so p = l − b d, the way from the center to there, is to 9u|l|, and |p|² to 3u of itself more. A ray that
-  /// meets the sphere has |p| ≤ r there and meets it first at b − r or later. The 16u (|l| + r) that reach
-  /// has more than r cover all of that, and 2^-120 what of the squares underflows. Past t, 2^-22 of it are
-  /// more than the rounding to float; where that underflows, the 2^-140 of reach are.
+  /// b = d·l, at which a ray is nearest to the center, is accurate to 5u|l|, from d, l, three products and
+  /// two sums; hence p = l − b d, from that point to the center, to 9u|l|, and |p|² to 3u of itself more. A
+  /// ray that meets the sphere has |p| ≤ r and first meets it at b − r or later. The 16u (|l| + r) by which
+  /// reach exceeds r cover all of that, and 2^-120 covers underflow of the squares. Raising `until` by 2^-22
+  /// of it covers its rounding to float; if that underflows, the 2^-140 of reach do.
   [[nodiscard]] Mask<float, double_lanes> may_be_met(int i, const FloatDirections& d,
                                                      const Doubles& until) const {
     const std::size_t at = index(i);
@@ -402,7 +402,7 @@ class Candidates {
 
   void clear() { size_ = 0; }
 
-  /// Puts those first, more or less, that may be nearest.
+  /// Sorts by nearest(), roughly, near first; then lowers each nearest(i) to the least from i on.
   void order_by_distance() {
     constexpr std::size_t slabs = 256;
     float least = std::numeric_limits<float>::infinity(), most = 0;
@@ -422,10 +422,10 @@ class Candidates {
       nearest_[index(i)] = std::min(nearest_[index(i)], nearest_[index(i + 1)]);
   }
 
-  /// Takes all for as near as can be, so that none is too far to be looked at.
+  /// Sets all nearest() to 0, so that no surface is left out for its distance.
   void bring_near() { std::fill(nearest_.begin(), nearest_.end(), 0.0f); }
 
-  /// Puts them in the scene's order.
+  /// Sorts by index in the scene's order.
   void order_by_place() {
     std::vector<std::size_t> order(index(size_));
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -439,7 +439,7 @@ class Candidates {
 
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-  /// Makes the order[i]-th the i-th.
+  /// Moves the order[i]-th surface to i.
   void reorder(const std::vector<std::size_t>& order) {
     const auto move = [&](auto& row) {
       auto moved = row;
@@ -449,7 +449,7 @@ class Candidates {
     move(x_), move(y_), move(z_), move(reach_), move(horizon_), move(nearest_), move(place_);
   }
 
-  /// Room for count surfaces, and for what a store of all lanes writes behind them.
+  /// Makes room for count surfaces, and for the lanes that a store of a whole vector writes behind them.
   void make_room(int count) {
     const std::size_t needed = index(count + float_lanes);
     if (x_.size() >= needed) return;

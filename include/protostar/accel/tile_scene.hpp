@@ -1,4 +1,4 @@
-// A scene as one tile of a picture sees it: the rays of a camera meet nothing but the tile's candidates.
+// A scene as one tile of a picture sees it: the rays of a camera can hit only the tile's candidates.
 #pragma once
 
 #include <bit>
@@ -15,8 +15,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Tries in float, where there are many candidates, which of them a packet of a pinhole may meet at all: the
-/// others are not asked in double. Other cameras' packets may meet all.
+/// Float test of which of many candidates a packet of a pinhole may hit; the others are not tested in double.
+/// For other cameras, or few candidates, it rules out nothing.
 template <class Origin>
 class Trial {
  public:
@@ -29,13 +29,14 @@ class Trial {
 
   [[nodiscard]] bool is_useful() const { return is_useful_; }
 
-  /// Whether no ray meets the i-th candidate up to a t each. What has no bounds, i < 0, is not ruled out.
+  /// Returns true if surely no active ray hits the i-th candidate at a t of at most `until`. Surfaces without
+  /// bounds, i < 0, are never ruled out.
   [[nodiscard, gnu::always_inline]] bool rules_out(int i, const Doubles& until = infinity) const {
     return is_useful_ && i >= 0 && !any(wanted_ && candidates_.may_be_met(i, directions_, until));
   }
 
  private:
-  /// So many are as soon asked.
+  /// Largest number of candidates for which a test in double is as fast.
   static constexpr int untried = 4;
 
   const Candidates& candidates_;
@@ -44,16 +45,16 @@ class Trial {
   Mask<float, double_lanes> wanted_;
 };
 
-/// A scene as one tile of a camera sees it. The camera's rays, as packets of CameraRays or as the pixel's
-/// one ray, can meet only the candidates; all others ask the whole scene. It is Traceable, and so is it for
-/// packets: a surface is asked about all rays of a packet at once, and about one by itself where that leaves
-/// it in doubt.
+/// View of a scene from one tile of a camera. Camera rays, as packets of CameraRays or as the pixel's single
+/// ray, can hit only the candidates and surfaces without bounds; all other rays query the whole scene. It is
+/// Traceable, for packets too: a surface is tested with all rays of a packet at once, and a ray that is left
+/// in doubt is then traced alone.
 template <Surface... S>
 class TileScene {
  public:
   using Drawn = std::tuple<DrawnOf<S>...>;
-  static constexpr bool draws = (SurfaceForTiles<S> || ...);  ///< whether any surface is drawn as a whole
-  static constexpr bool has_crossings = (SurfaceWithParts<S> || ...);  ///< that are more than a t
+  static constexpr bool draws = (SurfaceForTiles<S> || ...);           ///< true if any type can be rasterized
+  static constexpr bool has_crossings = (SurfaceWithParts<S> || ...);  ///< true if any type has primitives
 
   TileScene(const Accelerated<Scene<S...>>& everything, const Candidates& candidates,
             const std::vector<int>& unbounded, const Skips& skips, Occluders& occluders, const Drawn& drawn,
@@ -81,7 +82,7 @@ class TileScene {
   [[nodiscard]] const std::optional<Color>& sky() const { return scene_.sky(); }
   [[nodiscard]] const Texture& environment() const { return scene_.environment(); }
 
-  // What a Scene tells beyond what is Traceable.
+  // Members of Scene beyond those of Traceable.
   [[nodiscard]] std::size_t size() const { return scene_.size(); }
   template <class T>
   [[nodiscard]] const std::vector<T>& surfaces() const {
@@ -92,9 +93,9 @@ class TileScene {
     return scene_.template materials<T>();
   }
 
-  // ---- For one ray.
+  // ---- Single rays.
 
-  /// The ray of the camera that is the pixel's.
+  /// Sets the camera ray of the current pixel.
   void set_pixel(const Ray& ray) { pixel_ = ray; }
 
   [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
@@ -119,26 +120,27 @@ class TileScene {
     everything_.crossings(ray, range, visit);
   }
 
-  // ---- For the rays of a packet.
+  // ---- Packets.
 
-  /// The pixel at which the camera's packet begins from now on, and which sample of pixels it is.
+  /// Sets the pixel at which the camera's next packet begins, and the index of its sample.
   void set_first_pixel(int x, int y, int sample = 0) const {
     if constexpr (draws) first_x_ = x, first_y_ = y, sample_ = sample;
   }
 
-  /// What each ray meets first.
+  /// Type of Closest::which if no surface has primitives.
   struct Nothing {
     Nothing(int) {}
   };
+  /// Closest hit of each ray.
   struct Closest {
-    Doubles t;      ///< infinity where it meets nothing
-    Indices place;  ///< of the surface in the scene's order; −1 where it meets nothing
+    Doubles t;      ///< infinity if the ray misses
+    Indices place;  ///< surface's index in the scene's order; −1 if the ray misses
 
-    /// Of a surface with parts, the entry ≥ 0 of a drawing, or number_of(Crossing).
+    /// Primitive that is hit: entry ≥ 0 of a visibility buffer, or number_of(Crossing) < 0.
     [[no_unique_address]] std::conditional_t<has_crossings, Indices, Nothing> which = -1;
   };
 
-  /// Of the candidates, for rays of the camera; of all surfaces, for others.
+  /// Returns the closest hits of camera rays among the candidates.
   template <class Origin>
   [[nodiscard]] Closest closest(const CameraRays<Origin>& rays) const {
     if constexpr (are_of_pinhole<decltype(rays)>)
@@ -146,7 +148,8 @@ class TileScene {
     return closest_of_candidates(rays, [](int, const Doubles&) { return false; });
   }
 
-  /// Whether nothing can be met but one surface, and that is drawn: with_drawing(f) calls f(drawn, material).
+  /// Returns true if only one surface can be hit, and that is rasterized; with_drawing(f) then calls
+  /// f(visibility buffer, material).
   [[nodiscard]] bool sees_one_drawing() const { return one_drawing_ >= 0; }
   void with_drawing(const auto& f) const {
     visit(one_drawing_, [&]<class T>(const T&, const Material& material) {
@@ -154,8 +157,8 @@ class TileScene {
     });
   }
 
-  /// What rays meet first, of which the drawing has told what they see. What it is sure of has t = 0, as
-  /// nothing is compared with it.
+  /// Returns the closest hits of camera rays, given what the only visibility buffer tells of them. A certain
+  /// hit gets t = 0, since it is compared with no other.
   [[nodiscard]] Closest closest(const CameraRays<Point>& rays, const auto& seen) const {
     count_tests(seen.met || seen.in_doubt);
     const Closest closest{.t = select(seen.met, Doubles(0.0), infinity),
@@ -166,6 +169,7 @@ class TileScene {
                    [&](const auto& visit_place) { each_candidate(visit_place); });
   }
 
+  /// Returns the closest hits of other rays among all surfaces.
   template <class Origin>
   [[nodiscard]] Closest closest(const Rays<Origin>& rays) const {
     Closest closest{.t = infinity, .place = -1};
@@ -185,20 +189,20 @@ class TileScene {
     return closest;
   }
 
-  /// Says what will be asked soon: these candidates, or what these rays met, of what.
+  /// Prefetches these candidates.
   void fetch(const Candidates& candidates) const {
     for (int i = 0; i < candidates.size(); ++i)
       visit(candidates.place(i), [](const auto& surface, const Material&) { prefetch(&surface); });
   }
+  /// Prefetches the materials of these hits.
   void fetch(const Closest& closest) const {
     for (Bits met = bits(closest.t < infinity); met != 0; met &= met - 1)
       visit(static_cast<int>(closest.place[std::countr_zero(met)]),
             [](const auto&, const Material& material) { prefetch_whole(material); });
   }
 
-  /// What rays bring: shade_hits(hits) for those that meet one surface first, one surface after the other, so
-  /// that its own numbers are the same for all of them and nothing has to be gathered; background() for those
-  /// that meet nothing.
+  /// Returns the radiance of rays with these closest hits: shade_hits(hits) for one surface after the other,
+  /// so that nothing has to be gathered from different surfaces; background() for rays that miss.
   [[nodiscard]] Colors shade(const auto& rays, const Closest& closest, const auto& background,
                              const auto& shade_hits) const {
     const std::int64_t place = closest.place[wanted_lane(rays)];
@@ -212,14 +216,14 @@ class TileScene {
     return result;
   }
 
-  /// The same in one.
+  /// Traces camera rays; returns shade_hits(hits), or background() for rays that miss.
   template <class Origin>
   [[nodiscard]] Colors follow(const CameraRays<Origin>& rays, const auto& background,
                               const auto& shade_hits) const {
     return shade(rays, closest(rays), background, shade_hits);
   }
 
-  /// Of other rays, each is followed by itself where there are many surfaces.
+  /// Traces other rays; in a scene of many surfaces, each ray alone.
   template <class Origin>
   [[nodiscard]] Colors follow(const Rays<Origin>& rays, const auto& background,
                               const auto& shade_hits) const {
@@ -228,13 +232,13 @@ class TileScene {
     return shade(rays, closest(rays), background, shade_hits);
   }
 
-  /// Rays that leave different parts go on by themselves.
+  /// Traces rays that leave different primitives, each ray alone.
   [[nodiscard]] Colors follow(const RaysFromParts& rays, const auto& background,
                               const auto& shade_hits) const {
     return follow_each(rays, background, shade_hits);
   }
 
-  /// The same, each by itself.
+  /// Traces each active ray alone; returns shade_hits(hit), or background() for rays that miss.
   template <class R>
   requires requires(R rays) { rays.wanted; }
   [[nodiscard, gnu::noinline]] Colors follow_each(const R& rays, const auto& background,
@@ -250,7 +254,7 @@ class TileScene {
     return result;
   }
 
-  /// Which rays of the camera meet anything.
+  /// Returns which camera rays have any hit in the range.
   template <class Origin>
   [[nodiscard]] Chosen occluded(const CameraRays<Origin>& rays, Interval range) const {
     const Trial trial(candidates_, rays, skips_);
@@ -260,8 +264,8 @@ class TileScene {
     return found;
   }
 
-  /// Which other rays meet anything. What the last ones met is tried first; where there are many surfaces,
-  /// those in a cone to the light, or each ray goes on by itself.
+  /// Returns which other rays have any hit in the range. The last occluder is tested first; in a scene of
+  /// many surfaces, the others tested are those in a cone to the light, or each ray is traced alone.
   template <class Origin>
   [[nodiscard]] Chosen occluded(const Rays<Origin>& rays, Interval range) const {
     Chosen found = false, left = rays.wanted;
@@ -280,13 +284,14 @@ class TileScene {
     return occluded_each_by_itself(rays, rays.wanted, range);
   }
 
-  /// Calls visit for all crossings of rays of the camera, as Scene::crossings does. What it visits has a
-  /// color() for each ray: that of the surface, or white, which leaves a product as it is, where the ray does
-  /// not cross it.
+  /// Calls visit_crossing for all hits of camera rays, as Scene::crossings does. Its argument has a color()
+  /// for each ray: the surface's, or white, which leaves a product as it is, for rays that do not cross the
+  /// surface.
   template <class Origin>
   void crossings(const CameraRays<Origin>& rays, Interval range, auto&& visit_crossing) const {
     const Trial trial(candidates_, rays, skips_);
-    // Both lists are in the scene's order, and so is what is visited.
+    // Surfaces without bounds are in the scene's order, and so are candidates unless the integrator shades
+    // closest hits; hence so are the visits.
     for (int k = -unbounded(), i = 0; k < 0 || i < candidates_.size();) {
       const bool is_candidate = k == 0 || (i < candidates_.size() && place_of(i) < place_of(k));
       const int next = is_candidate ? i++ : k++;
@@ -303,14 +308,14 @@ class TileScene {
     }
   }
 
-  /// Calls visit(surface, material) for the surface at a place of the scene's order.
+  /// Calls visit(surface, material) for the surface with this index in the scene's order.
   void visit(int place, const auto& visit) const {
     auto i = static_cast<std::size_t>(place);
     static_cast<void>((visit_group<S>(i, visit) || ...));
   }
 
  private:
-  /// So many surfaces are sooner tried in turn than looked for.
+  /// Largest number of surfaces for which testing all of them is faster than a traversal.
   static constexpr std::size_t few = 16;
 
   struct SomeCross {
@@ -319,17 +324,18 @@ class TileScene {
     [[nodiscard]] Colors color() const { return select(which, surface_color, Color{1}); }
   };
 
-  /// One of the rays that are wanted. Packets of the camera begin with one.
+  /// Returns the lane of an active ray; a camera packet begins with one.
   template <class Origin>
   static int wanted_lane(const CameraRays<Origin>&) {
     return 0;
   }
   template <class Origin>
   static int wanted_lane(const Rays<Origin>& rays) {
-    return std::countr_zero(bits(rays.wanted)) % double_lanes;  // which tells g++ that there is one
+    return std::countr_zero(bits(rays.wanted)) % double_lanes;  // % tells g++ that the lane exists
   }
 
-  /// What rays of the camera may meet: the i-th candidate, or for i < 0 the surfaces without bounds.
+  /// Returns the index, in the scene's order, of the i-th candidate, or for i < 0 of a surface without
+  /// bounds.
   [[nodiscard]] int place_of(int i) const {
     return i >= 0 ? candidates_.place(i) : unbounded_[static_cast<std::size_t>(i + unbounded())];
   }
@@ -343,7 +349,7 @@ class TileScene {
     statistics_.surface_tests += static_cast<std::uint64_t>(std::popcount(bits(which)));
   }
 
-  /// If i is one of a type's surfaces, visits it; if not, makes it one that starts behind them.
+  /// Visits the i-th surface of one type and returns true; if there is none, subtracts their number from i.
   template <Surface T>
   bool visit_group(std::size_t& i, const auto& visit) const {
     const auto& surfaces = scene_.template surfaces<T>();
@@ -355,7 +361,7 @@ class TileScene {
     return false;
   }
 
-  /// Finds out which rays meet a surface sooner than what was considered before, and which may.
+  /// Updates the closest hits with those of one surface, and in_doubt with the rays that it leaves in doubt.
   template <Surface T>
   void consider(const T& surface, int place, const auto& rays, Closest& closest, Chosen& in_doubt) const {
     if constexpr (SurfaceForTiles<T> && are_of_pinhole<decltype(rays)>)
@@ -380,9 +386,10 @@ class TileScene {
     take(first_crossings(surface, rays, rays.wanted, Interval{}), place, closest, in_doubt);
   }
 
-  /// Takes what is surely met sooner; returns by which rays that is.
+  /// Replaces closest hits by those that surely precede them, and returns their rays; rays with hits in an
+  /// uncertain order become in_doubt.
   Chosen take(const FirstCrossings& first, int place, Closest& closest, Chosen& in_doubt) const {
-    // The order is sure where the errors of both t, 2^-30 of each, do not overlap.
+    // The order is certified if the errors of both t, 2^-30 of each, do not overlap.
     const Chosen sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
     const Chosen later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
     in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
@@ -395,13 +402,13 @@ class TileScene {
   template <class R>
   static constexpr bool are_of_pinhole = std::same_as<std::remove_cvref_t<R>, CameraRays<Point>>;
 
-  /// What is drawn of the surface at a place, if it is.
+  /// Returns the visibility buffer of the surface with this index; null if it has none.
   template <SurfaceForTiles T>
   [[nodiscard]] const typename T::Drawn* drawn_at(int place) const {
     return std::get<DrawnOf<T>>(drawn_).at(place, sample_);
   }
 
-  /// What rays bring that meet one surface. Where that has parts, each may have met another.
+  /// Returns the radiance of rays that hit one surface, though perhaps different primitives of it.
   template <Surface T>
   [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const auto& rays,
                                 const Closest& closest, Chosen which, const auto& shade_hits) const {
@@ -424,7 +431,7 @@ class TileScene {
     for (Bits left = bits(which); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
       const Ray ray = rays[lane];
-      // What a drawing has told, beside others that were asked about by themselves, is not a crossing yet.
+      // A hit from a visibility buffer, in a packet with rays that were traced alone, has no Crossing yet.
       const Crossing crossing = closest.which[lane] < 0 ? crossing_at(closest.t[lane], closest.which[lane])
                                                         : *first_crossing(surface, ray, Interval{});
       result.set(lane, shade_hits(Intersection(ray, crossing_on(surface, crossing, material))));
@@ -432,7 +439,7 @@ class TileScene {
     return result;
   }
 
-  /// Where the rays meet different surfaces, or some of them nothing.
+  /// Returns the radiance of rays that hit different surfaces, or of which some miss.
   [[nodiscard, gnu::noinline]] Colors shade_each(const auto& rays, const Closest& closest,
                                                  const auto& background, const auto& shade_hits) const {
     Colors result(background());
@@ -448,12 +455,12 @@ class TileScene {
     return result;
   }
 
-  /// What rays of the camera meet first of the candidates, but for those that rules_out(i, t) leaves out.
+  /// Returns the closest hits of camera rays among the candidates, but for those that rules_out(i, t).
   [[nodiscard]] Closest closest_of_candidates(const auto& rays, const auto& rules_out) const {
     Closest closest{.t = infinity, .place = -1};
     Chosen in_doubt = false;
     for (int i = -unbounded(); i < candidates_.size(); ++i) {
-      // Where no ray has any way left to a candidate, it has none to those that follow.
+      // If no ray can reach a candidate before its closest hit, none can reach those that follow.
       if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
       if (rules_out(i, closest.t)) continue;
       const int place = place_of(i);
@@ -473,13 +480,13 @@ class TileScene {
     });
   }
 
-  /// Calls visit(place) for all that rays of the camera may meet.
+  /// Calls visit_place(index) for all surfaces that camera rays may hit.
   void each_candidate(const auto& visit_place) const {
     for (int i = -unbounded(); i < candidates_.size(); ++i) visit_place(place_of(i));
   }
 
-  /// What is met first once the rays in doubt have been asked about, each by itself. It is handed over by
-  /// value, so that what double decides can stay in registers.
+  /// Returns the closest hits, with each ray in doubt traced alone. `closest` is passed by value, so that
+  /// what double decides can stay in registers.
   [[nodiscard, gnu::noinline, gnu::cold]] Closest decided(const auto& rays, Chosen in_doubt, Closest closest,
                                                           const auto& each_place) const {
     for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
@@ -494,7 +501,7 @@ class TileScene {
     return closest;
   }
 
-  /// Those of the rays in doubt that do cross a surface inside the range.
+  /// Returns those of the rays in doubt that cross a surface inside the range.
   template <Surface T>
   [[gnu::noinline, gnu::cold]] Chosen decide(const T& surface, const auto& rays, Chosen in_doubt,
                                              Interval range) const {
@@ -507,7 +514,7 @@ class TileScene {
     return crossed;
   }
 
-  /// What one ray meets first of some surfaces, and the place of that; −1 if nothing.
+  /// Closest hit of one ray among some surfaces, and the index of its surface; −1 if it misses.
   struct PlacedCrossing {
     int place = -1;
     SurfaceCrossing crossing;
@@ -546,7 +553,8 @@ class TileScene {
     }
   }
 
-  /// Visits the places of what one type has in half-spaces; first is that of the type's first surface.
+  /// Calls visit_place(index, sphere) for the surfaces of one type that may reach into half-spaces; `first`
+  /// is the index of the type's first surface, and becomes that of the next type's.
   template <Surface T>
   void search(const auto& half_spaces, int& first, const auto& visit_place) const {
     everything_.template some_in<T>(half_spaces,
@@ -570,7 +578,7 @@ class TileScene {
     return found;
   }
 
-  /// Moves the rays that cross a surface inside the range from those that are left to those found.
+  /// Moves the rays that cross a surface inside the range from left to found.
   void test(int place, const auto& rays, Interval range, Chosen& found, Chosen& left) const {
     count_tests(left);
     visit(place, [&](const auto& surface, const Material&) {
@@ -584,7 +592,7 @@ class TileScene {
     });
   }
 
-  /// Which rays of those that are left cross a surface inside the range.
+  /// Returns which of the remaining rays cross a surface inside the range.
   template <Surface T>
   [[nodiscard]] CrossedByEach<Chosen> crossed(const T& surface, [[maybe_unused]] int place, const auto& rays,
                                               Chosen left, Interval range) const {
@@ -596,7 +604,7 @@ class TileScene {
     return crossed_by_each(surface, rays, left, range);
   }
 
-  /// Which rays may cross a surface inside the range, as far as it is drawn.
+  /// Returns which rays may cross a surface inside the range, as far as its visibility buffer tells.
   template <Surface T>
   [[nodiscard]] Chosen may_cross(const T&, [[maybe_unused]] int place, const auto& rays,
                                  [[maybe_unused]] Interval range) const {
@@ -609,8 +617,8 @@ class TileScene {
     return rays.wanted;
   }
 
-  /// Calls tell(Chosen, t) for the crossings of some rays with one surface, near before far, with those that
-  /// have one.
+  /// Calls tell(mask, t) for the crossings of some rays with one surface, near before far, with the mask of
+  /// the rays that have one.
   template <Surface T>
   void each_crossing_of(const T& surface, const auto& rays, Chosen some, Interval range,
                         const auto& tell) const {
@@ -629,7 +637,7 @@ class TileScene {
                               [&](int lane, const Crossing& crossing) { tell(one(lane), crossing.t); });
   }
 
-  /// The crossings with a surface that has another color at each place.
+  /// Visits the crossings of some rays with a textured surface, each with its color.
   template <Surface T>
   [[gnu::noinline]] void each_textured_crossing(const T& surface, const Material& material, const auto& rays,
                                                 Chosen some, Interval range,
@@ -664,7 +672,7 @@ class TileScene {
   const Drawn& drawn_;
   RenderStatistics& statistics_;
   Ray pixel_;
-  int one_drawing_ = -1;  ///< the place of the one surface that is a candidate, if it is drawn
+  int one_drawing_ = -1;  ///< index of the only surface that can be hit, if it is rasterized; or −1
   mutable int last_occluder_ = -1;
   mutable int first_x_ = 0, first_y_ = 0, sample_ = 0;
 };
