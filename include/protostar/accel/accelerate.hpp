@@ -1,4 +1,4 @@
-// A scene in which surfaces are found by way of boxes: the answers of the plain scene, sooner.
+// A scene with BVHs over its surfaces: the answers of the plain scene, sooner.
 #pragma once
 
 #include <algorithm>
@@ -23,37 +23,39 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace simd {
 
-/// The numbers of surfaces among those of their type, a lane for each.
+/// Indices of surfaces among those of their type, one in each lane.
 using Numbers = Lanes<std::uint32_t, double_lanes>;
 
-/// Where to look for what a ray may meet among surfaces of one type. Those without bounds: everywhere.
+/// Finds the surfaces of one type that a ray may meet. This template is for types without bounds and visits
+/// all surfaces.
 template <Surface T>
 class Finder {
  public:
   Finder(const std::vector<T>& surfaces, const RenderOptions&)
       : count_(static_cast<std::uint32_t>(surfaces.size())) {}
 
-  /// Calls visit(i) for each surface that a ray may cross inside the range, in any order, until one of them
-  /// returns true; returns whether one did.
+  /// Calls visit(i) for each surface that a ray may cross inside the range, in any order, until a call
+  /// returns true; returns true if one did.
   bool each_crossed(const Ray&, const Interval&, const auto& visit) const {
     for (std::uint32_t i = 0; i < count_; ++i)
       if (visit(i)) return true;
     return false;
   }
 
-  /// Whether a ray crosses any inside the range; visit(i) says it of one where nothing less does.
+  /// Returns true if a ray crosses any surface inside the range; visit(i) decides for one surface if bounds
+  /// do not.
   bool any_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
     return each_crossed(ray, range, visit);
   }
 
-  /// Calls visit(i) for that which a ray crosses first inside the range, and for others. A visit may shorten
+  /// Calls visit(i) for the surface of the closest hit inside the range, and for others. A visit may shorten
   /// the range.
   void each_first(const Ray&, const Interval&, const auto& visit) const {
     for (std::uint32_t i = 0; i < count_; ++i) visit(i);
   }
 
   /// Calls visit(Numbers, Bits, SpheresAround) for some lanes at a time, so that each surface that has bounds
-  /// and may reach into all of some half-spaces is in one of the lanes that the bits tell.
+  /// and may reach into every one of the half-spaces is in a lane whose bit is set.
   void some_in(std::span<const HalfSpace>, const auto&) const {}
 
   /// Calls visit(i) for each surface without bounds, in order.
@@ -72,7 +74,7 @@ class Finder {
   return seen;
 }
 
-/// Those with bounds: in the leaves of a tree, each in one of its own.
+/// Finds surfaces with bounds: in a BVH with one surface in each leaf.
 template <SurfaceWithBounds T>
 class Finder<T> {
  public:
@@ -120,7 +122,7 @@ class Finder<T> {
   Bvh bvh_;
 };
 
-/// Spheres: as many in a leaf as are tested at once, in float.
+/// Finds spheres: in a BVH whose leaves have as many as are tested at once, in float.
 template <>
 class Finder<Sphere> {
  public:
@@ -154,8 +156,9 @@ class Finder<Sphere> {
     return each_along<Order::any>(bvh_, ray, range, visit, visit_leaf, soon());
   }
 
-  /// A sphere that is surely entered, before any other that is known, is not visited before the end: mostly
-  /// something nearer is found until then, or there is nothing else.
+  /// Calls visit(i) for the sphere of the closest hit inside the range, and for others. A sphere that is
+  /// surely entered before all known ones is visited last: mostly a nearer one is found until then, or there
+  /// is no other.
   void each_first(const Ray& ray, const Interval& range, const auto& visit) const {
     const auto visit_one = [&](std::uint32_t i) {
       visit(i);
@@ -217,7 +220,7 @@ class Finder<Sphere> {
   };
   [[nodiscard]] Fetch soon() const { return {leaves_}; }
 
-  /// Those in the tree's order from a place on.
+  /// Returns the surfaces in the order of the leaves from a position on.
   [[nodiscard]] Numbers numbers(std::size_t from) const {
     const auto& order = bvh_.order();
     if (from + double_lanes <= order.size()) return Numbers::load(&order[from]);
@@ -231,7 +234,7 @@ class Finder<Sphere> {
     return false;
   }
 
-  /// Whether visit says so of any of some spheres in a leaf.
+  /// Returns true if visit(i) is true for any of some spheres in a leaf, bit k being at position first + k.
   bool any_of(Bits spheres, std::uint32_t first, const auto& visit) const {
     for (; spheres != 0; spheres &= spheres - 1)
       if (visit(bvh_.order()[first + static_cast<std::uint32_t>(std::countr_zero(spheres))])) return true;
@@ -245,17 +248,17 @@ class Finder<Sphere> {
 
 }  // namespace simd
 
-/// What stands in for something Traceable, and is faster.
+/// Faster stand-in for a Traceable.
 template <class>
 class Accelerated;
 
-/// A scene with a tree of boxes over the surfaces that have bounds. Its answers are those of the scene, to
-/// the last bit. Many threads may share it.
+/// A scene with a BVH over the surfaces that have bounds. Its answers are those of the scene, to the last
+/// bit. Many threads may share it.
 ///
 /// It borrows the scene, which has to live as long and keep its surfaces: the tree knows those that were
 /// there when it was built. If the scene has gained or lost surfaces since, each of intersect, occluded and
 /// crossings, and render, throws std::logic_error; accelerate the scene again. Lights, sky and environment
-/// may change between two questions.
+/// may change between two calls.
 template <Surface... S>
 class Accelerated<Scene<S...>> {
  public:
@@ -267,7 +270,7 @@ class Accelerated<Scene<S...>> {
   }
   explicit Accelerated(Scene<S...>&&, const RenderOptions& = {}) = delete;
 
-  /// The first crossing inside the range.
+  /// Returns the closest hit inside the range.
   [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
     require_same_surfaces();
     SurfaceCrossing first;
@@ -276,14 +279,14 @@ class Accelerated<Scene<S...>> {
     return Intersection(ray, first);
   }
 
-  /// Whether there is any crossing inside the range.
+  /// Returns true if there is any crossing inside the range.
   [[nodiscard]] bool occluded(const Ray& ray, Interval range = {}) const {
     require_same_surfaces();
     return (occluded_by<S>(ray, range) || ...);
   }
 
-  /// Calls visit(const Intersection&) for every crossing inside the range, in the order of the surfaces; of
-  /// one surface, near before far.
+  /// Calls visit(const Intersection&) for every crossing inside the range, in the order of the surfaces;
+  /// crossings of one surface come near before far.
   void crossings(const Ray& ray, Interval range, auto&& visit) const {
     require_same_surfaces();
     (cross<S>(ray, range, visit), ...);
@@ -303,9 +306,8 @@ class Accelerated<Scene<S...>> {
       refuse_other_surfaces();
   }
 
-  /// Calls visit(Numbers, Bits, SpheresAround) for some surfaces of one type at a time, so that each that has
-  /// bounds and may reach into all of some half-spaces is in one of the lanes that the bits tell; in any
-  /// order.
+  /// Calls visit(Numbers, Bits, SpheresAround) for some surfaces of one type at a time, in any order, so that
+  /// each that has bounds and may reach into every one of the half-spaces is in a lane whose bit is set.
   template <class T>
   void some_in(std::span<const simd::HalfSpace> half_spaces, const auto& visit) const {
     finder<T>().some_in(half_spaces, visit);
@@ -318,7 +320,7 @@ class Accelerated<Scene<S...>> {
   }
 
  private:
-  using Counts = std::array<std::size_t, sizeof...(S)>;  ///< of the surfaces of each type
+  using Counts = std::array<std::size_t, sizeof...(S)>;  ///< number of surfaces of each type
 
   [[nodiscard]] Counts counts() const { return {scene_->template surfaces<S>().size()...}; }
 
@@ -337,7 +339,7 @@ class Accelerated<Scene<S...>> {
   void look_for_first(const Ray& ray, Interval& range, SurfaceCrossing& first) const {
     const auto& surfaces = scene_->template surfaces<T>();
     const auto& materials = scene_->template materials<T>();
-    std::uint32_t first_index = 0;  // all of other types come before
+    std::uint32_t first_index = 0;  // surfaces of other types looked at so far come before
     const auto look_at = [&](std::uint32_t i) {
       const auto crossing = first_crossing(surfaces[i], ray, range);
       if (!crossing) return;
@@ -345,7 +347,7 @@ class Accelerated<Scene<S...>> {
       if (first.surface != nullptr && !precedes(ray, candidate, i, first, first_index)) return;
       first = candidate;
       first_index = i;
-      // What might be before it, given its error, stays in.
+      // Crossings that may precede this one, given its error, stay in range.
       range.max = std::min(range.max, latest(crossing->t));
     };
     const std::uint32_t left = left_by<T>(ray);
@@ -389,8 +391,8 @@ class Accelerated<Scene<S...>> {
 
   static constexpr std::uint32_t none = static_cast<std::uint32_t>(-1);
 
-  /// The surface of one type that a ray leaves a part of, which is looked at whatever its bounds say: the
-  /// digits of the origin may lie outside of them. None for types without parts.
+  /// Returns the index of the surface of one type of which the ray leaves a part, or `none`. It is always
+  /// tested, since the digits of the origin may lie outside of its bounds.
   template <class T>
   [[nodiscard]] std::uint32_t left_by([[maybe_unused]] const Ray& ray) const {
     if constexpr (SurfaceWithParts<T>) {
@@ -414,9 +416,10 @@ class Accelerated<Scene<S...>> {
   std::tuple<simd::Finder<S>...> finders_;
 };
 
-/// A scene that answers sooner: accelerate it once all surfaces are in it. The result borrows the scene and
-/// refuses to answer after its surfaces have changed; see Accelerated. Throws std::invalid_argument if
-/// options.threads is negative.
+/// Returns an accelerated scene, with the same answers sooner; call it once all surfaces are in the scene.
+/// The result borrows the scene and throws if surfaces are added or removed; see Accelerated. Throws
+/// std::invalid_argument if options.threads is negative, and std::length_error if there are more than 2^27
+/// surfaces of one type.
 template <Surface... S>
 [[nodiscard]] Accelerated<Scene<S...>> accelerate(const Scene<S...>& scene,
                                                   const RenderOptions& options = {}) {

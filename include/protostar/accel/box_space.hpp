@@ -1,7 +1,7 @@
-// Boxes, and rays as boxes see them: in float, in units in which everything fits between −1 and 1.
+// Boxes, and rays as boxes are tested for them: in float, in units in which the scene fits between −1 and 1.
 //
-// Float is enough to say what a ray surely misses. The center of everything is the origin here, so that
-// digits are not spent on where in the world a scene is.
+// Float is enough to tell what a ray surely misses. The center of the scene is the origin here, so that no
+// digits are spent on where in the world it is.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ using Float4 = Lanes<float, 4>;
 struct Box {
   Float4 min, max;
 
-  /// The box that contains nothing, not even a point.
+  /// Returns the box that contains nothing, not even a point.
   static Box nothing() {
     return {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()};
   }
@@ -42,18 +42,18 @@ struct Box {
   }
   void add(Float4 point) { add(Box{point, point}); }
 
-  /// Twice its center.
+  /// Returns twice the center.
   [[nodiscard]] Float4 middle() const { return min + max; }
 
-  /// Half of its surface.
+  /// Returns half of the surface area.
   [[nodiscard]] float area() const {
     const Float4 size = max - min;
     return size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
   }
 };
 
-/// What brings the world's points into box space: x becomes (x − center) · scale. The scale is a power of
-/// two, so that only the difference is rounded, by 2^-53 of itself.
+/// Map of the world into box space: x becomes (x − center) · scale. The scale is a power of two, so that only
+/// the difference is rounded, by 2^-53 of itself.
 struct BoxSpace {
   Point center{0};
   double scale = 1;
@@ -67,7 +67,7 @@ struct BoxSpace {
 
   [[nodiscard]] Point operator()(const Point& x) const { return (x - center) * scale; }
 
-  /// The box around bounds. float(x) is off by at most 2^-24 |x|, or by 2^-150 near 0.
+  /// Returns the box around bounds. float(x) is off by at most 2^-24 |x|, or by 2^-150 near 0.
   [[nodiscard]] Box operator()(const Bounds& bounds) const {
     const Vec3 a = (*this)(bounds.min), b = (*this)(bounds.max);
     Box box{Float4(0), Float4(0)};
@@ -83,14 +83,14 @@ struct BoxSpace {
 struct BoxRay {
   Float4 origin = 0.0f, direction = 0.0f;  ///< rounded to float
   float distance = 0;                      ///< |o|₁ of the origin o, and 2^-40
-  float widening = 0;                      ///< by which all things are widened
-  double length = 1;                       ///< of the ray's direction in box space
+  float widening = 0;                      ///< length by which all primitives are widened
+  double length = 1;                       ///< length of the ray's direction in box space
 
-  /// Whether float can hold the ray. One that starts 2^60 times as far away as things are large, or whose
-  /// direction is as short or as long as that, or not finite, meets every box.
+  /// True if float can hold the ray. If not, it is taken to meet every box: one that starts 2^60 units or
+  /// more from the center, or whose direction is shorter than 2^-400, longer than 2^400, or not finite.
   bool usable;
 
-  /// All things are widened by a length of the world.
+  /// Maps a ray; all primitives are widened by `widen`, a length in the world.
   BoxRay(const Ray& ray, const BoxSpace& space, double widen) {
     const Point o = space(ray.origin);
     const Vec3 d = ray.direction * space.scale;
@@ -106,8 +106,8 @@ struct BoxRay {
     widening = static_cast<float>(wide);
   }
 
-  /// Distances in box space that are surely not above t, and not below: by 2^-20 of it, which is for three
-  /// roundings here and for those of the distances that they are compared with (Slabs).
+  /// Returns a lower bound (at_least) or an upper bound (at_most) of t as a distance in box space, 2^-20 of
+  /// it away: this covers three roundings here and those of the distances that it is compared with (Slabs).
   [[nodiscard]] float at_least(double t) const {
     return static_cast<float>(t * length * (t > 0 ? 1 - 0x1p-20 : 1 + 0x1p-20));
   }
@@ -116,20 +116,21 @@ struct BoxRay {
   }
 };
 
-/// A ray as boxes see it.
+/// A ray as it is tested against boxes.
 ///
-/// The line meets a box where, on every axis i, min_i ≤ o_i + s d_i ≤ max_i, that is from s = (min_i −
-/// o_i)/d_i to (max_i − o_i)/d_i, or the other way round for d_i < 0. In float, with u = 2^-24:
+/// The line meets a box where, on every axis i, min_i ≤ o_i + s d_i ≤ max_i, hence from s = (min_i − o_i)/d_i
+/// to (max_i − o_i)/d_i, or the other way round for d_i < 0. In float, with u = 2^-24:
 ///
 /// - o_i is moved out by a margin of 2^-22 |o_i| + 2^-38 (1 + |o|), of which the rounding of o_i and of the
-///   sum take at most half. near_origin has it on the side from which the box looks nearer, far_origin on
+///   sum take at most half. near_origin is moved to the side from which the box looks nearer, far_origin to
 ///   the other.
-/// - d_i and 1/d_i are rounded, the difference and the product once each, and each leaves the sign: s is good
-///   to a part 4u. far_inverse has 16u more than inverse, more than both ends can be off.
-/// - |d_i| < 2^-60 is taken as 2^-60. Where the line is in a box, s < |o| + 2, so that it moves by less than
-///   2^-59 (|o| + 2) on that axis: the margin covers that, as it does all that underflows.
+/// - d_i and 1/d_i are rounded, the difference and the product once each, and each keeps the sign: the
+///   relative error of s is at most 4u. far_inverse is 16u larger than inverse, more than the errors of both
+///   ends.
+/// - |d_i| < 2^-60 is replaced by 2^-60. Inside a box s < |o| + 2, so that the line moves by less than 2^-59
+///   (|o| + 2) on that axis: the margin covers this and all underflows.
 ///
-/// So a box that the line meets has near ≤ far. There is no infinity and no NaN in it.
+/// Hence a box that the line meets has near ≤ far. There is no infinity and no NaN in it.
 struct Slabs {
   Float4 near_origin = 0.0f, far_origin = 0.0f, inverse = 0.0f, far_inverse = 0.0f;
   int nearer[3] = {};  ///< which end of a box looks nearer on each axis: 0 is min, 1 max
@@ -143,7 +144,7 @@ struct Slabs {
     far_origin = ray.origin - shift;
     inverse = copysign(Float4(1) / max(abs(ray.direction), Float4(0x1p-60f)), ray.direction);
     far_inverse = inverse * Float4(1 + 0x1p-20f);
-    // The sign bit, read as an integer: g++ 12 vectorizes three calls of std::signbit at -O3 to an
+    // The sign bit is read as an integer: g++ 12 vectorizes three calls of std::signbit at -O3 to an
     // instruction that it does not recognize ("internal compiler error: in extract_insn") unless it compiles
     // for AVX-512.
     for (int axis = 0; axis < 3; ++axis)
@@ -151,19 +152,20 @@ struct Slabs {
   }
 };
 
-/// The points x with normal · (x − on) ≥ 0; the normal has length 1 or, for all points, 0.
+/// The points x with normal · (x − on) ≥ 0; the normal has length 1, or 0 if all points belong to it.
 struct HalfSpace {
   Point on;
   Vec3 normal;
 };
 
-/// A half-space in box space: the points x with normal · x ≥ from, and all whose product float could take for
-/// such.
+/// A half-space in box space: the points x with normal · x ≥ from, and all that rounding to float might put
+/// there.
 ///
-/// What is compared are points at most 1 from the origin in each component, and spheres there. In float, with
-/// u = 2^-24, n is off by u, a center by u, and the products and sums by 3u of |n_x| + |n_y| + |n_z| ≤ √3; a
-/// radius of at most 1, and adding it, by 3u: 12u in all. The plane's distance is off by u of itself, and by
-/// less than 2^-50 |on|. 2^-20 = 16u of each covers both.
+/// It is compared with points at most 1 from the origin in each component, and with spheres there. In float,
+/// with u = 2^-24, n is off by u, a center by u, and the products and sums by 3u of |n_x| + |n_y| + |n_z| ≤
+/// √3; a radius of at most 1, and adding it, by 3u: 12u in all. The plane's distance is off by u of itself,
+/// and by less than 2^-50 |on|. Margins of 2^-20 = 16u of 1 and of the distance, and of 2^-48 |on|, cover
+/// these.
 struct BoxHalfSpace {
   float normal[3];
   float from;
@@ -180,7 +182,7 @@ struct BoxHalfSpace {
   }
 };
 
-/// The part of a ray in which something is looked for, as distances in box space.
+/// Part of a ray that is searched, as distances in box space.
 struct Reach {
   float from, until;
 };

@@ -1,4 +1,4 @@
-// A tree of boxes over things that have bounds, and how to walk it: which of many can a ray meet?
+// A BVH over primitives that have bounds, and its traversal, which finds those that a ray may meet.
 #pragma once
 
 #include <algorithm>
@@ -19,28 +19,29 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// In which order leaves are visited.
+/// Order in which leaves are visited.
 enum class Order { near_first, any };
 
-/// For leaves that need no preparation.
+/// Preparation of leaves that does nothing.
 struct Ignore {
   void operator()(Leaf) const {}
 };
 
-/// Things with bounds, in leaves of a few, in a tree of boxes around them. It knows nothing of the things but
-/// their bounds. What it visits are leaves: places first, first + 1, ... in order().
+/// A BVH: primitives with bounds, in leaves of a few. It knows nothing of the primitives but their bounds.
+/// Traversals visit leaves: positions first, first + 1, ... in order().
 class Bvh {
   using Floats = Lanes<float, node_width>;
 
  public:
-  /// Of `count` things, the i-th of which has bounds_of(i); those whose bounds are not finite are in no leaf
-  /// but in unbounded(). The tree does not depend on the number of threads.
+  /// Builds the tree of `count` primitives, the i-th of which has bounds_of(i); one without finite bounds is
+  /// in unbounded(), not in a leaf. The tree does not depend on the number of threads. Throws
+  /// std::length_error if there are more than largest_tree.
   Bvh(std::size_t count, const auto& bounds_of, LeafSize leaf_size, const RenderOptions& options) {
     if (count > largest_tree) throw std::length_error("accelerate: more than 2^27 surfaces of one type");
     const protostar::detail::Parts parts{0, count};
     struct Part {
       Bounds bounds{Point{infinity}, Point{-infinity}};
-      std::size_t count = 0;  ///< of those with finite bounds
+      std::size_t count = 0;  ///< number of primitives with finite bounds
     };
     std::vector<Part> of_parts(static_cast<std::size_t>(parts.count()));
     parts.each(options, [&](std::size_t k, std::size_t first, std::size_t last) {
@@ -55,7 +56,7 @@ class Bvh {
     Part all;
     for (Part& part : of_parts) {
       all.bounds = {glm::min(all.bounds.min, part.bounds.min), glm::max(all.bounds.max, part.bounds.max)};
-      all.count += std::exchange(part.count, all.count);  // from now on of those before the part
+      all.count += std::exchange(part.count, all.count);  // from now on the number before the part
     }
     if (all.count < count)
       for (std::size_t i = 0; i < count; ++i)
@@ -76,7 +77,7 @@ class Bvh {
     tree_ = TreeBuilder(std::move(boxes), std::move(order), leaf_size, options).build();
   }
 
-  /// Which thing stands at each place.
+  /// Returns the index of the primitive at each position.
   [[nodiscard]] std::span<const std::uint32_t> order() const { return tree_.order; }
   [[nodiscard]] std::span<const std::uint32_t> unbounded() const { return unbounded_; }
   [[nodiscard]] const BoxSpace& space() const { return space_; }
@@ -94,12 +95,12 @@ class Bvh {
                                             });
   }
 
-  /// One ray's way through a tree, step by step: from node to node, and to every leaf whose box the ray may
-  /// meet within a reach.
+  /// Traversal by one ray, step by step: from node to node, and to every leaf whose box the ray may meet
+  /// within a reach.
   template <Order order>
   class Walk {
    public:
-    Reach reach;  ///< if near ones come first, it may be shortened on the way
+    Reach reach;  ///< may be shortened on the way if near leaves come first
 
     Walk(const Bvh& bvh, const BoxRay& ray, Reach within)
         : reach(within),
@@ -113,7 +114,7 @@ class Bvh {
     [[nodiscard]] bool is_at_leaf() const { return next_.is_leaf(); }
     [[nodiscard]] Leaf leaf() const { return next_.leaf(); }
 
-    /// Goes on from a leaf to what waits.
+    /// Goes on from a leaf to the next child on the stack, or ends.
     void leave() {
       do {
         if (top_ == 0) {
@@ -125,9 +126,9 @@ class Bvh {
       next_ = Child(waiting_[top_]);
     }
 
-    /// Goes on from a node to one of its children that the ray meets, or the nearest; the others wait. How
-    /// many are met, and which is the nearest, is as good as random: so no more than whether there are any
-    /// is a branch, and there is no order among those that wait.
+    /// Goes on from a node to a child that the ray may meet, the nearest if near leaves come first, and puts
+    /// the others on the stack. How many are met, and which is the nearest, is as good as random: therefore
+    /// only whether any is met is a branch, and children on the stack are not sorted.
     void open() {
       const Node& node = nodes_[next_.node()];
       Floats near;
@@ -143,7 +144,7 @@ class Bvh {
       if constexpr (order == Order::any) leave();
     }
 
-    /// Fetches what comes next; soon(leaf) does so for a leaf.
+    /// Prefetches what comes next; soon(leaf) does so for a leaf.
     void fetch_next(const auto& soon) const { fetch_one(next_, soon); }
 
    private:
@@ -169,11 +170,11 @@ class Bvh {
     std::uint32_t waiting_[most_levels * node_width];  ///< Child::bits
   };
 
-  /// Calls visit(leaf, reach) for every leaf whose box the ray may meet within a reach, until one of them
-  /// returns true; returns whether one did. A visit may shorten the reach. Before that, soon(leaf) is called
-  /// for leaves that are likely to be visited. This is for a ray that goes alone what a Walk is, and its
-  /// state can stay in registers. Here children that wait are sorted, by branches: the processor guesses
-  /// them, and goes on before the nearest child is known.
+  /// Calls visit(leaf, reach) for every leaf whose box the ray may meet within a reach, until a call returns
+  /// true; returns true if one did. A visit may shorten the reach. soon(leaf) is called before that for
+  /// leaves that are put on the stack. For a single ray this replaces a Walk: its state can stay in
+  /// registers, and if near leaves come first, children on the stack are sorted with branches, which the
+  /// processor predicts to go on before the nearest child is known.
   template <Order order, class Soon = Ignore>
   bool each_leaf_along(const BoxRay& ray, Reach reach, const auto& visit, const Soon& soon = {}) const {
     if (tree_.order.empty()) return false;
@@ -231,12 +232,12 @@ class Bvh {
     }
   }
 
-  /// Calls visit(leaf) for every leaf that may be seen of an eye, near ones mostly before far ones, unless
-  /// is_hidden(what is seen of it) says that it, or what is around it, is of no interest by then. look(node)
-  /// tells what is seen of the children of a node, k by k, the nearer the larger `nearest` is: it has the
-  /// bits of those that are seen, and of those that are in_front. Unless all are, only those are visited
-  /// whose boxes may reach into all of some half-spaces as well. Before that, soon(leaf) is called for leaves
-  /// that are likely to be visited.
+  /// Calls visit(leaf) for every leaf that may be seen from an eye, near ones mostly before far ones, unless
+  /// is_hidden(entry) returns true for it or a node around it by then. look(node) returns the view of a node:
+  /// its entry [k] is the view of child k, with a `nearest` that is larger for nearer ones, `seen` has the
+  /// bits of children that may be seen, and `in_front` of those surely in front of the eye. Unless all
+  /// children seen are in front, only those whose boxes may reach into every one of the half-spaces are
+  /// visited. soon(leaf) is called before for leaves that are likely to be visited.
   void each_leaf_ahead(std::span<const BoxHalfSpace> half_spaces, const auto& look, const auto& is_hidden,
                        const auto& visit, const auto& soon) const {
     if (tree_.order.empty()) return;
@@ -275,8 +276,8 @@ class Bvh {
     }
   }
 
-  /// Calls visit(leaf) for every leaf whose box may reach into all of some half-spaces. Before that,
-  /// soon(leaf) is called for it.
+  /// Calls visit(leaf) for every leaf whose box may reach into every one of the half-spaces, and soon(leaf)
+  /// before that.
   template <class Soon = Ignore>
   void each_leaf_in(std::span<const BoxHalfSpace> half_spaces, const auto& visit,
                     const Soon& soon = {}) const {
@@ -303,7 +304,7 @@ class Bvh {
   }
 
  private:
-  /// Fetches a node that is likely to be visited.
+  /// Prefetches a node that is likely to be visited.
   template <Read read>
   static void fetch(const Node& node) {
     for (const auto& ends : node.end)
@@ -311,9 +312,10 @@ class Bvh {
     prefetch<read>(node.children);
   }
 
-  /// The children whose boxes may reach into all half-spaces: the corner farthest along the normal counts.
+  /// Returns the children whose boxes may reach into every half-space, decided by the corner farthest along
+  /// the normal.
   static Bits children_in(const Node& node, std::span<const BoxHalfSpace> half_spaces) {
-    auto within = Floats::load(node.end[0][0]) <= Floats::load(node.end[1][0]);  // those that are used
+    auto within = Floats::load(node.end[0][0]) <= Floats::load(node.end[1][0]);  // children that are used
     for (const auto& [normal, from] : half_spaces) {
       Floats reach = 0.0f;
       for (int axis = 0; axis < 3; ++axis)
@@ -323,7 +325,8 @@ class Bvh {
     return bits(within);
   }
 
-  /// The children whose boxes the ray may meet, and from where on each.
+  /// Returns the children whose boxes the ray may meet, and in `near` the distances at which it enters them,
+  /// to within the errors that Slabs has.
   static Bits met_children(const Node& node, const Slabs& slabs, Reach reach, Floats& near) {
     near = reach.from;
     Floats far = reach.until;
@@ -341,10 +344,11 @@ class Bvh {
   std::vector<std::uint32_t> unbounded_;
 };
 
-/// How far a ray in an instance's object space may be from the exact one where it passes a box of a tree: by
-/// the error of its origin and t times that of its direction. In the tree, which is within 1/scale of its
-/// center on each axis, t |d| is at most the distance of the origin from the center and 3/scale, where |d| is
-/// the largest component. Twice that covers the roundings here.
+/// Returns a length by which a ray in an instance's object space is at most off from the exact one where it
+/// passes a box of a tree: the error of its origin and t times that of its direction; infinite if the
+/// direction is off by more than 2^-24 of itself. In the tree, which is within 1/scale of its center on each
+/// axis, t |d| is at most the distance of the origin from the center and 3/scale, where |d| is the largest
+/// component. Twice the sum covers the roundings here.
 [[nodiscard]] inline double error_of(const RayTransform& transform, const BoxSpace& space) {
   double origin_error = 0, direction_error = 0, longest = 0, distance = 3 / space.scale;
   for (int i = 0; i < 3; ++i) {
@@ -352,17 +356,17 @@ class Bvh {
     longest = std::max(longest, std::abs(transform.line.direction[i]));
     distance += std::abs(transform.line.origin[i] - space.center[i]);
   }
-  // Distances along the ray are compared with 2^-20 of themselves to spare (BoxRay::at_least).
+  // Distances along the ray are compared with a margin of 2^-20 of themselves (BoxRay::at_least).
   if (!(direction_error <= 0x1p-24 * longest)) return std::numeric_limits<double>::infinity();
   return 2 * (origin_error + distance * (direction_error / longest));
 }
 
-/// The things that a ray departing from a sphere meets, or one that is rounded itself, are widened by this
-/// length.
+/// Returns the length by which primitives are widened for a ray that departs from a sphere, or that is
+/// rounded itself.
 ///
-/// A ray that departs from a sphere starts on the sphere by definition, whatever its digits say, and where
-/// these put it outside, so they do the other root, 2b/A: the point there is as far from the center as the
-/// origin is. The bound on the rounding is 4u of the distance and of the difference.
+/// A ray that departs from a sphere starts on the sphere by definition, whatever its digits say. If these put
+/// its origin outside, they put the other root, 2b/A, outside too: the point there is as far from the center
+/// as the origin is. The rounding is at most 4u of the distance and of the difference, with u = 2^-53.
 [[nodiscard]] inline double widening(const Ray& ray, const BoxSpace& space) {
   if (ray.transform != nullptr) return error_of(*ray.transform, space);
   if (ray.departure.kind != Departure::Kind::sphere) return 0;
@@ -372,7 +376,7 @@ class Bvh {
   return std::max(0.0, distance - r + 0x1p-50 * (distance + r));
 }
 
-/// The same for a query, whose ray may start at a distance from its origin on each axis.
+/// Returns the widening for a query, whose ray may start at a distance from its origin on each axis.
 [[nodiscard]] double widening(const auto& query, const BoxSpace& space) {
   if constexpr (requires { query.distance(); })
     return widening(query.ray, space) + query.distance();
@@ -380,22 +384,22 @@ class Bvh {
     return widening(query.ray, space);
 }
 
-/// Whether visit says so of any of some things.
+/// Returns true if visit(i) is true for any of the primitives.
 bool any_of(std::span<const std::uint32_t> things, const auto& visit) {
   for (const std::uint32_t i : things)
     if (visit(i)) return true;
   return false;
 }
 
-/// Whether boxes tell anything of what a ray meets inside a range. Behind the origin their ends are not
-/// widened (Slabs).
+/// Returns true if boxes tell anything of what a ray meets inside a range. Behind the origin their ends are
+/// not widened (Slabs), so they do not help there.
 [[nodiscard]] inline bool helps(const BoxRay& line, const Interval& range) {
   return line.usable && range.min >= 0;
 }
 
-/// Calls visit(i) for all things that are in no leaf of a tree, and visit_leaf(BoxRay, leaf, reach) for every
-/// leaf that a ray may meet inside the range, until one of them returns true; returns whether one did. Where
-/// boxes do not help, it visits all things instead.
+/// Calls visit(i) for all primitives that are in no leaf of a tree, and visit_leaf(BoxRay, leaf, reach) for
+/// every leaf that a ray may meet inside the range, until a call returns true; returns true if one did. If
+/// boxes do not help, it calls visit(i) for all primitives instead.
 template <Order order, class Soon = Ignore>
 bool each_along(const Bvh& bvh, const BoxRay& line, const Interval& range, const auto& visit,
                 const auto& visit_leaf, const Soon& soon = {}) {

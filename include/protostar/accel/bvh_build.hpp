@@ -1,15 +1,15 @@
-// How a tree of boxes is built: where a cut makes the boxes that a ray has to look into smallest.
+// Builds a BVH by the surface area heuristic, binned: cuts are chosen for the least expected work of a ray.
 //
-// Rays that meet a box meet a box inside it with a likelihood of the ratio of their surfaces. So a cut costs
+// A ray that meets a box meets a box inside it with a probability of the ratio of their surface areas. Hence
+// a cut costs
 //   area(left) · count(left) + area(right) · count(right),
-// and the best of the cuts between 16 slices on each of the three axes is taken (the surface area heuristic,
-// binned). A node has as many children as a vector has lanes, or fewer,
-// where what is left would not fit.
+// and the cheapest of the cuts between up to 16 slices on each of the three axes is taken. A node has
+// node_width children, or fewer if no part that is left fits into its free places as leaves.
 //
-// Ranges of many things are cut before nodes are made of them: the first by all threads together, each
+// Ranges of many primitives are cut before nodes are made of them: the largest by all threads together, each
 // cutting a part of it, and then as many ranges at a time as there are threads. The nodes of a level do not
-// depend on each other, and are made in parallel; their places follow from their order. So the tree is the
-// same for any number of threads.
+// depend on each other and are made in parallel; their places follow from their order. Therefore the tree is
+// the same for any number of threads.
 #pragma once
 
 #include <algorithm>
@@ -27,18 +27,18 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// How many children a node has.
+/// Number of children of a node.
 inline constexpr int node_width = float_lanes < 4 ? 4 : float_lanes;
 
-/// The most things that a leaf can have, and the most in a tree.
+/// Largest number of primitives in a leaf, and in a tree.
 inline constexpr std::uint32_t largest_leaf = 16, largest_tree = 1u << 27;
 
-/// Things in a row.
+/// Primitives at consecutive positions.
 struct Leaf {
   std::uint32_t first, count;
 };
 
-/// What is inside a box of a node: another node, or a leaf.
+/// Content of one box of a node: another node, or a leaf.
 class Child {
  public:
   Child() = default;
@@ -49,7 +49,7 @@ class Child {
   [[nodiscard]] std::uint32_t node() const { return bits_; }
   [[nodiscard]] Leaf leaf() const { return {(bits_ & ~leaf_bit) >> 4, (bits_ & 15) + 1}; }
 
-  /// Child(child.bits()) is the same child.
+  /// Returns a number from which Child(bits) makes the same child.
   [[nodiscard]] std::uint32_t bits() const { return bits_; }
   explicit Child(std::uint32_t bits) : bits_(bits) {}
 
@@ -58,8 +58,7 @@ class Child {
   std::uint32_t bits_;
 };
 
-/// The boxes of up to node_width children, axis by axis. A box that is not used contains nothing, and no ray
-/// meets it.
+/// Boxes of up to node_width children, axis by axis. An unused box contains nothing, and no ray meets it.
 struct alignas(64) Node {
   float end[2][3][node_width];  ///< 0 is min, 1 max
   std::uint32_t children[node_width];
@@ -69,27 +68,28 @@ struct alignas(64) Node {
   [[nodiscard]] bool has(int k) const { return end[0][0][k] <= end[1][0][k]; }
 };
 
-/// A tree over boxes; the things in it are numbered in the order of the leaves.
+/// A BVH over boxes; primitives are stored in the order of the leaves.
 struct Tree {
-  Child root = Child(0);  ///< if there is no thing, any
+  Child root = Child(0);  ///< any value if the tree is empty
   LargeVector<Node> nodes;
-  LargeVector<std::uint32_t> order;  ///< which thing stands at each place
+  LargeVector<std::uint32_t> order;  ///< index of the primitive at each position
 };
 
-/// Levels below this one are cut into halves, whatever that costs. Their number is then at most this and
-/// log(largest_tree) to the base node_width: what a tree of very unlike boxes could otherwise exceed.
+/// Number of levels that are cut by cost; below them, ranges are cut into halves. All levels are then at most
+/// these and log(largest_tree) to the base node_width, which a tree of very unequal boxes could otherwise
+/// exceed.
 inline constexpr int levels_by_cost = 16;
 inline constexpr int most_levels = levels_by_cost + (node_width < 8 ? 14 : 10);
 
-/// How many things the leaves have. Where a node has places left, it is cut further into leaves of no more
-/// than `enough`: as many are tried at once.
+/// Numbers of primitives in leaves: at most `most`; if a node has free places, its leaves of more than
+/// `enough` are cut further. For triangles `enough` is the number tested at once.
 struct LeafSize {
   std::uint32_t most, enough = 2;
 };
 
 class TreeBuilder {
  public:
-  /// Of the boxes of things, and which things these are.
+  /// Takes the boxes of primitives; order[i] is the index of the one in boxes[i].
   TreeBuilder(LargeVector<Box> boxes, LargeVector<std::uint32_t> order, LeafSize leaf_size,
               const RenderOptions& options)
       : boxes_(std::move(boxes)), leaf_size_(leaf_size), options_{.threads = options.threads} {
@@ -113,11 +113,11 @@ class TreeBuilder {
   static inline const RenderOptions alone{.threads = 1};
   struct Halves;
 
-  /// Things that stand next to each other, with the box around them and the one around their middles.
+  /// Primitives at consecutive positions, with the box around them and the box around their middles.
   struct Range {
     Box box, middles;
     std::uint32_t first, last;
-    const Halves* halves = nullptr;  ///< what it is cut into, if that is known
+    const Halves* halves = nullptr;  ///< the halves, if it has been cut already
 
     [[nodiscard]] std::uint32_t count() const { return last - first; }
   };
@@ -151,11 +151,11 @@ class TreeBuilder {
     return all;
   }
 
-  /// A range that is cut, as are its halves, as long as they have many things. The first by all threads
-  /// together; of the others each by one.
+  /// Cuts a range, its halves, and so on while they have many primitives; returns it with its halves. Ranges
+  /// of more than for_all_threads are cut by all threads together, the others by one thread each.
   [[nodiscard]] Range cut_beforehand(Range all) {
     constexpr std::uint32_t many = 4096, for_all_threads = 1u << 16;
-    constexpr int most_rounds = 16;  // where a cut leaves nearly all on one side they could go on for long
+    constexpr int most_rounds = 16;  // limits cuts that leave nearly all on one side
     std::vector<Range*> ranges;
     if (all.count() > many) ranges.push_back(&all);
     for (int round = 0; round < most_rounds && !ranges.empty(); ++round) {
@@ -176,7 +176,7 @@ class TreeBuilder {
     return all;
   }
 
-  /// Makes a node of each range, and returns the ranges of their children that are nodes too.
+  /// Makes a node of each range; returns the ranges of their children that are nodes too.
   [[nodiscard]] std::vector<Range> nodes_of(const std::vector<Range>& level, int depth) {
     const std::size_t first = tree_.nodes.size();
     tree_.nodes.resize(first + level.size());
@@ -201,7 +201,8 @@ class TreeBuilder {
     return next;
   }
 
-  /// Fills a node; children that are to be nodes come first, and their ranges are given back.
+  /// Fills a node; children that are nodes come first. Stores their ranges in `inner` and returns their
+  /// number.
   int make_node(Node& node, const Range& range, int depth, Range* inner) {
     Range parts[node_width]{range};
     const int count = cut_into_children(parts, depth);
@@ -224,13 +225,13 @@ class TreeBuilder {
     return nodes;
   }
 
-  /// Cuts the first of node_width parts into the children of a node, and returns how many they are.
+  /// Cuts the first of node_width parts into the children of a node; returns the number of children.
   ///
-  /// Leaves are taken to be half full, as cuts seldom fill them. First, parts are cut that would not fit into
-  /// a node. Then the largest part whose leaves fit into its own place and those that are left is cut into
-  /// leaves, and so on: nodes at the bottom have few empty places, and so there are few of them. What is left
-  /// over, or was cut so that it takes more places than that, becomes a node. Last, leaves are cut into
-  /// smaller ones where there are places.
+  /// Leaves are assumed to be half full, as cuts seldom fill them. First, parts that would not fit into one
+  /// node are cut. Then the largest part whose leaves fit into its own place and the free ones is cut into
+  /// leaves, and so on: nodes at the bottom have few empty places, and hence there are few of them. A part
+  /// that is left over, or whose cuts need more places than assumed, becomes a node. Last, leaves are cut
+  /// into smaller ones while there are free places.
   int cut_into_children(Range* parts, int depth) {
     int count = 1;
     const std::uint32_t all = parts[0].count();
@@ -238,7 +239,8 @@ class TreeBuilder {
     const auto size_of = [&](const Range& part) {
       return by_cost ? part.box.area() : static_cast<float>(part.count());
     };
-    // The largest of the parts from one on, of those that have more things than so many, and at most so many.
+    // Returns the largest part, from index `from` on, that has more than `more_than` and at most `at_most`
+    // primitives.
     const auto largest = [&](int from, std::uint32_t more_than, std::uint32_t at_most) {
       Range* found = nullptr;
       for (Range* part = parts + from; part != parts + count; ++part)
@@ -247,7 +249,7 @@ class TreeBuilder {
           found = part;
       return found;
     };
-    // Cuts the largest of them until there are none, or no places left.
+    // Cuts the largest such part until there is none, or no free place.
     const auto cut = [&](int from, std::uint32_t more_than, std::uint32_t at_most) {
       while (count < node_width) {
         Range* const part = largest(from, more_than, at_most);
@@ -263,12 +265,12 @@ class TreeBuilder {
     const auto things_in = [&](int places) {
       return static_cast<std::uint32_t>(places) * ((leaf_size_.most + 1) / 2);
     };
-    // Below the levels by cost all are cut that can be, so that these levels are few; nothing is left to fit
-    // then.
+    // Below the levels by cost everything is cut that can be, so that these levels are few; no part is then
+    // left to fit.
     cut(0, by_cost ? things_in(node_width) : leaf_size_.most, all);
-    // Each turn takes a place; where none is left, nothing fits that is not a leaf.
+    // Each turn takes at least one place; without a free place, no part fits but leaves.
     while (Range* const part = largest(0, leaf_size_.most, things_in(node_width - count + 1))) {
-      std::swap(*part, parts[count - 1]);  // to the end, where all is that it is cut into
+      std::swap(*part, parts[count - 1]);  // to the end, where the parts that it is cut into are added
       cut(count - 1, leaf_size_.most, all);
     }
     cut(0, leaf_size_.enough, leaf_size_.most);
@@ -294,7 +296,7 @@ class TreeBuilder {
   };
   static constexpr int most_slices = 16;
   struct Slices {
-    int count;  ///< on each axis
+    int count;  ///< number on each axis
     Slice on[3][most_slices];
 
     Slices() = default;
@@ -307,14 +309,15 @@ class TreeBuilder {
     }
   };
 
-  /// Where middles are farther apart than 2^-100, their place among the slices is a finite number.
+  /// Position of middles among the slices. It is finite: the step is 0 if they are no farther apart than
+  /// 2^-100.
   struct Slicing {
     int count;
     Float4 start, step;
 
     Slicing(const Box& middles, int slices) : count(slices), start(middles.min) {
       const Float4 size = middles.max - middles.min;
-      // A little less than the number of slices, so that the last middle too is in the last one.
+      // A little less than the number of slices, so that the largest middle falls into the last slice.
       const Float4 most = static_cast<float>(slices) * (1 - 0x1p-20f);
       step = select(size > Float4(0x1p-100f), most / size, Float4(0));
     }
@@ -327,8 +330,8 @@ class TreeBuilder {
       const Float4 place = slicing.place(boxes_[i]);
       for (int axis = 0; axis < 3; ++axis) to.on[axis][static_cast<int>(place[axis])].add({boxes_[i], 1});
     };
-    // In two sums, as neighbors are often in one slice, and each would wait for it; few things are sooner
-    // added up than a second sum is.
+    // Two sums, since neighbors are often in one slice and each addition would wait for the one before; for
+    // few primitives, merging the second sum costs more than it saves.
     if (last - first > 256) {
       Slices others(slicing.count);
       for (; first + 1 < last; first += 2) add(first, slices), add(first + 1, others);
@@ -385,16 +388,16 @@ class TreeBuilder {
     return {left, right};
   }
 
-  /// Things of which those to the left of a cut stand before the middle; and the boxes around the middles of
-  /// either side's.
+  /// Primitives after a cut, the left ones before `middle`; `middles` are the boxes around the middles of
+  /// either side.
   struct Divided {
     std::uint32_t first, middle, last;
     Box middles[2];
   };
 
   [[nodiscard]] Divided divided(std::uint32_t first, std::uint32_t last, const auto& is_right) {
-    // What stands between `middle` and i belongs to the right, so that swapping does no harm to it: there is
-    // no branch that could be mispredicted.
+    // The primitives between `middle` and i belong to the right, so that swapping does no harm: there is no
+    // branch that could be mispredicted.
     Box left = Box::nothing(), right = Box::nothing();
     std::uint32_t middle = first;
     for (std::uint32_t i = first; i < last; ++i) {
@@ -428,8 +431,8 @@ class TreeBuilder {
     return all;
   }
 
-  /// What stands before the middle of all parts and belongs to the right changes places with what belongs to
-  /// the left.
+  /// Swaps the primitives of the right side that stand before the overall middle with those of the left side
+  /// behind it.
   void bring_together(const std::vector<Divided>& parts, std::uint32_t middle) {
     auto other = parts.begin();
     std::uint32_t left = middle;
@@ -453,7 +456,7 @@ class TreeBuilder {
   LargeVector<Box> boxes_;
   LeafSize leaf_size_;
   RenderOptions options_;
-  std::deque<Halves> cuts_;  ///< known before nodes are made
+  std::deque<Halves> cuts_;  ///< made before the nodes
   Tree tree_;
 };
 

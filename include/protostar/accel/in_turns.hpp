@@ -1,5 +1,4 @@
-// Many rays through one tree of boxes, some of them on their way at a time: what one of them needs next comes
-// from memory while the others go on.
+// Interleaved traversal of one BVH by many rays: while one waits for memory, others go on.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +9,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// What each_along does for one ray, for those of many queries. make(k) makes the k-th of `count`; a query
-/// has a ray and a range, and is the first that visit and visit_leaf get. done(k, query) is called when all
-/// that the k-th asks for was visited.
+/// Does what each_along does for one ray, for `count` queries. make(k) makes the k-th; a query has a ray and
+/// a range, and is the first argument of visit and visit_leaf. Calls done(k, query) when the traversal of the
+/// k-th has ended: all was visited, or a visit returned true.
 template <Order order>
 void each_along_in_turns(const Bvh& bvh, std::size_t count, const auto& make, const auto& done,
                          const auto& visit, const auto& visit_leaf, const auto& soon) {
@@ -25,15 +24,15 @@ void each_along_in_turns(const Bvh& bvh, std::size_t count, const auto& make, co
 
     Traveller(const Bvh& bvh, std::size_t k, decltype(make) make_query)
         : number(k),
-          query(make_query(k)),  // in its place, since a ray is large
+          query(make_query(k)),  // made in place, since a ray is large
           line(query.ray, bvh.space(), widening(query, bvh.space())),
           walk(bvh, line, {line.at_least(query.range.min), line.at_most(query.range.max)}) {}
   };
-  // Enough that what is fetched has mostly come when its turn is.
+  // Enough for prefetched data to have mostly arrived by a ray's next turn.
   constexpr std::size_t at_a_time = 16;
   std::optional<Traveller> travellers[at_a_time];
 
-  // Puts the next query that has a way to go in the place of one that is done.
+  // Replaces a query that is done by the next one that has nodes or leaves to visit.
   std::size_t next = 0, on_the_way = 0;
   const auto start = [&](std::optional<Traveller>& traveller) {
     while (next < count) {

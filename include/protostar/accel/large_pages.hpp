@@ -1,8 +1,8 @@
-// Memory for what is large and read all over, as trees are.
+// Allocates memory in large pages, for large data that is read all over, as trees are.
 //
-// A processor remembers where a few thousand pages of memory are. With pages of 4 KB that is a few megabytes,
-// and what a ray meets outside of them waits for the page's address before it waits for the data. Linux has
-// pages of 2 MB as well, and gives them to those who ask.
+// A processor remembers where a few thousand pages of memory are. With pages of 4 KB these are a few
+// megabytes, and a ray that reads outside of them waits for the address of the page before it waits for the
+// data. Linux has pages of 2 MB as well, and gives them on request.
 #pragma once
 
 #include <cstddef>
@@ -17,8 +17,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// An allocator that asks for large pages where some are filled, and elsewhere allocates as others do. What
-/// it makes room for is not set to 0.
+/// Allocator that asks for large pages if it allocates at least one, and otherwise allocates as usual.
+/// Elements made without a value are not set to 0.
 template <class T>
 class LargePages {
  public:
@@ -32,7 +32,7 @@ class LargePages {
     const std::size_t bytes = count * sizeof(T);
     void* const memory = ::operator new(bytes, alignment(bytes));
 #if defined(MADV_HUGEPAGE)
-    if (bytes >= page) madvise(memory, bytes, MADV_HUGEPAGE);  // where that fails, pages are small
+    if (bytes >= page) madvise(memory, bytes, MADV_HUGEPAGE);  // if this fails, pages are small
 #endif
     return static_cast<T*>(memory);
   }
@@ -53,7 +53,7 @@ class LargePages {
   }
 
  private:
-  static constexpr std::size_t page = std::size_t{1} << 21, line = 64;  ///< of memory, and of the cache
+  static constexpr std::size_t page = std::size_t{1} << 21, line = 64;  ///< bytes, in memory and cache
   static_assert(alignof(T) <= line);
 
   static std::align_val_t alignment(std::size_t bytes) {

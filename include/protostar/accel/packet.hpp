@@ -1,4 +1,4 @@
-// Several rays at once, and what they meet: Ray and Intersection with a lane for each ray.
+// Several rays at once and their hits: Ray and Intersection with a lane for each ray.
 //
 // An integrator that is written for one ray reads the same for a packet: `light.position - hit.point()` is
 // one vector or one in each lane. Every lane is computed as a single ray is, so that it gets the same bytes.
@@ -13,13 +13,13 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// The numbers of a packet: as many as the processor takes doubles at once.
+/// Numbers of a packet, one in each lane: as many as the processor computes at once in double.
 using Doubles = Lanes<double, double_lanes>;
 using Floats = Lanes<float, double_lanes>;
 using Indices = Lanes<std::int64_t, double_lanes>;
-using Chosen = Mask<double, double_lanes>;  ///< some rays of a packet
+using Chosen = Mask<double, double_lanes>;  ///< mask of some rays of a packet
 
-/// f of each number.
+/// Returns f(number) in each lane.
 [[nodiscard]] Doubles of_each(Doubles x, const auto& f) {
   for (int lane = 0; lane < double_lanes; ++lane) x.set(lane, f(x[lane]));
   return x;
@@ -55,16 +55,16 @@ struct Vectors {
   }
 };
 
-/// t · d with one direction for all lanes.
+/// Returns t · d with one direction for all lanes.
 inline Vectors operator*(Doubles t, const Vec3& d) { return t * Vectors(d); }
 
-/// Each component held between -most and most.
+/// Clamps each component to between -most and most.
 [[nodiscard]] inline Vectors within(const Vectors& v, double most) {
   const auto one = [&](Doubles x) { return min(max(x, -most), most); };
   return {one(v.x), one(v.y), one(v.z)};
 }
 
-/// A place on a surface in each lane.
+/// Coordinates of a point on a surface, in each lane.
 struct Uvs {
   Doubles x, y;
 };
@@ -98,7 +98,7 @@ struct Colors {
   }
 };
 
-/// Light with each channel held at the largest float.
+/// Clamps each channel of the light to the largest float.
 [[nodiscard]] inline Colors held(const Colors& light) {
   const auto one = [](Floats x) { return min(x, Floats(std::numeric_limits<float>::max())); };
   return {one(light.r), one(light.g), one(light.b)};
@@ -110,25 +110,25 @@ inline Colors select(Chosen which, const Color& a, const Color& b) {
 }
 inline Doubles select(Chosen which, double a, double b) { return select(which, Doubles(a), Doubles(b)); }
 
-/// The rays of a packet. Origin is Point for rays that start together, as those of a pinhole do, and Vectors
-/// for others. All depart from the same geometry.
+/// Rays of a packet. Origin is Point for rays that start together, as those of a pinhole do, and Vectors for
+/// others. All depart from the same geometry.
 template <class Origin>
 struct Rays {
-  using Light = Colors;  ///< what they bring
+  using Light = Colors;  ///< type of their radiance
 
   Origin origin;
   Vectors direction;
-  Chosen wanted = true;  ///< the lanes that are asked for; what is found out about the others does not matter
+  Chosen wanted = true;  ///< active lanes; results in the others do not matter
   Departure departure;
 
-  /// A constructor, since g++ clears an aggregate as a whole before it fills it.
+  /// Sets the members; a constructor, since g++ clears an aggregate as a whole before it fills it.
   Rays(const Origin& from, const Vectors& along, Chosen asked_for = true, const Departure& left = {})
       : origin(from), direction(along.x, along.y, along.z), wanted(asked_for), departure(left) {}
 
   [[nodiscard]] Vectors at(Doubles t) const { return origin + t * direction; }
   [[nodiscard]] Rays turned(const Vectors& towards) const { return {origin, towards, wanted, departure}; }
 
-  /// One of them.
+  /// Returns the ray in a lane.
   [[nodiscard]] Ray operator[](int lane) const {
     if constexpr (std::same_as<Origin, Point>)
       return {origin, direction[lane], departure};
@@ -136,21 +136,21 @@ struct Rays {
       return {origin[lane], direction[lane], departure};
   }
 
-  /// Those of them that are chosen.
+  /// Returns the rays with only those lanes active that were so and are chosen.
   friend Rays&& only(Chosen chosen, Rays&& rays) {
     rays.wanted = rays.wanted && chosen;
     return std::move(rays);
   }
 };
 
-/// The rays of a camera through some pixels. They have a type of their own, since they meet nothing but what
-/// has been listed for their tile (accel/tile_scene.hpp).
+/// Rays of a camera through some pixels. They have a type of their own, since they meet only what has been
+/// listed for their tile (accel/tile_scene.hpp).
 template <class Origin>
 struct CameraRays : Rays<Origin> {
   using Rays<Origin>::Rays;
 };
 
-/// What rays bring from an environment, one by one.
+/// Returns the radiance that rays bring from an environment, which is asked ray by ray.
 template <class R>
 requires std::same_as<typename R::Light, Colors>
 [[nodiscard, gnu::noinline]] Colors light_from(const Texture& environment, const R& rays) {
@@ -162,10 +162,10 @@ requires std::same_as<typename R::Light, Colors>
   return colors;
 }
 
-/// Where each ray of a packet crosses a surface first inside a range.
+/// Closest hit of each ray of a packet with a surface inside a range.
 struct FirstCrossings {
   Doubles t;
-  Chosen met, in_doubt;  ///< a ray that is in doubt has to be asked about by itself
+  Chosen met, in_doubt;  ///< a ray in doubt has to be traced by itself
 };
 
 /// A surface that answers for several rays at once, and whose normal_at takes their points.
@@ -174,8 +174,9 @@ concept SurfaceForPackets = Surface<S> && requires(const S& surface, const Rays<
   { surface.roots_of_each(rays, wanted) } -> std::same_as<RootsOfEach<Doubles, Chosen>>;
 };
 
-/// Whether each t lies inside a range, as lies_inside decides it. Roots have the sign of the true ones, so
-/// that at 0 nothing is in doubt; one beyond the range of double comes out as infinity, and lies nowhere.
+/// Lanes whose t lies inside a range, surely or maybe, as lies_inside decides. Roots have the sign of the
+/// true ones, so that at 0 nothing is in doubt; a root beyond the range of double is infinity and lies inside
+/// no range.
 struct Inside {
   Chosen surely, maybe;
 };
@@ -189,7 +190,7 @@ struct Inside {
           .maybe = range.min < t + margin && t - margin < range.max};
 }
 
-/// A crossing but for its t as one number, which is below 0 since roots are counted from 0.
+/// Returns root and part of a crossing as one number, which is below 0 since roots are counted from 0.
 [[nodiscard]] inline std::int64_t number_of(const Crossing& crossing) {
   return ~(std::int64_t{crossing.root} << 32 | static_cast<std::uint32_t>(crossing.part));
 }
@@ -197,7 +198,8 @@ struct Inside {
   return {.t = t, .root = static_cast<int>(~number >> 32), .part = static_cast<int>(~number & 0xffffffff)};
 }
 
-/// first_crossing for each by itself of the rays of a packet that are wanted; and number_of what they cross.
+/// Returns first_crossing of the wanted rays of a packet, one by one, and sets `numbers` to number_of these
+/// crossings.
 template <Surface S>
 [[nodiscard, gnu::noinline]] FirstCrossings first_crossings_by_itself(const S& surface, const auto& rays,
                                                                       Chosen wanted, Interval range,
@@ -214,7 +216,7 @@ template <Surface S>
   return first;
 }
 
-/// first_crossing for the rays of a packet that are wanted.
+/// Returns first_crossing of the wanted rays of a packet.
 template <Surface S>
 [[nodiscard]] FirstCrossings first_crossings(const S& surface, const auto& rays, Chosen wanted,
                                              Interval range) {
@@ -245,7 +247,7 @@ template <Surface S>
   }
 }
 
-/// Which rays of a packet, of those that are wanted, cross a surface inside a range.
+/// Returns which of the wanted rays of a packet cross a surface inside a range.
 template <Surface S>
 [[nodiscard]] CrossedByEach<Chosen> crossed_by_each(const S& surface, const auto& rays, Chosen wanted,
                                                     Interval range) {
@@ -257,8 +259,8 @@ template <Surface S>
   return {.crossed = first.met, .in_doubt = first.in_doubt};
 }
 
-/// Rays that leave parts of a surface, each its own, and so have no departure in common. They are no Rays,
-/// which would have none.
+/// Rays that leave parts of a surface, each its own, and hence have no common departure, which Rays must
+/// have.
 struct RaysFromParts {
   using Light = Colors;
 
@@ -279,13 +281,13 @@ struct RaysFromParts {
   }
 };
 
-/// The parts of a surface without parts.
+/// Parts of a surface without parts: always 0.
 struct NoParts {
   int operator[](int) const { return 0; }
 };
 
-/// The crossings of some rays of a packet with one surface, or each with its own part of it: Intersection,
-/// with a lane for each ray.
+/// Hits of some rays of a packet on one surface, each possibly on its own part of it: Intersection, with a
+/// lane for each ray.
 template <Surface S, class Origin, class Parts = NoParts>
 class Intersections {
  public:
@@ -299,7 +301,7 @@ class Intersections {
 
   [[nodiscard]] Vectors point() const { return rays_.at(min(t, farthest_point)); }
 
-  /// The directions of the rays.
+  /// Returns the directions of the rays.
   [[nodiscard]] const Vectors& direction() const { return rays_.direction; }
 
   [[nodiscard]] Vectors normal() const {
@@ -351,7 +353,7 @@ class Intersections {
   }
 
   [[nodiscard, gnu::noinline]] Vectors normals_by_itself() const {
-    // Neighbors often meet the same part, and if that is flat, it has one normal.
+    // Neighbors often hit the same part, and a flat part has one normal.
     const bool are_flat = has_flat_parts(surface_);
     const Vectors points = point();
     Vectors normals(Vec3{0});

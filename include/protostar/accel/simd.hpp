@@ -1,10 +1,10 @@
-// Several numbers at once, as many as the processor's registers hold: the only file that knows of vector
+// Vectors of numbers, as many as fit into a register of the processor: the only file with vector
 // instructions.
 //
-// Lanes<T, N> is N numbers of type T, and Mask<T, N> the N answers of a comparison. Each lane is rounded as a
-// single number is, so that the same formula gives the same bits for one number and in every lane; + − × ÷
-// and square root are all that is needed for that. With g++ and clang a Lanes is one of their vectors; with
-// other compilers, and with PROTOSTAR_SCALAR, an array.
+// Lanes<T, N> is N numbers of type T, and Mask<T, N> the N results of a comparison. Each lane is rounded as a
+// single number is, so that a formula gives the same bits for one number and in every lane, if it needs
+// nothing but + − × ÷ and square roots. With g++ and clang a Lanes is one of their vectors; with other
+// compilers, and with PROTOSTAR_SCALAR, an array.
 #pragma once
 
 #include <array>
@@ -31,7 +31,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// How many floats, and how many doubles, one instruction takes.
+/// Number of floats, and of doubles, that one instruction takes.
 #if !defined(PROTOSTAR_VECTORS)
 inline constexpr int float_lanes = 1, double_lanes = 1;
 #elif defined(PROTOSTAR_BIT_MASKS)
@@ -44,7 +44,7 @@ inline constexpr int float_lanes = 4, double_lanes = 2;
 
 namespace detail {
 
-/// The whole numbers as large as a T, of which masks are made: 0 is false, −1 true.
+/// Integer type as large as T, of which masks are made: 0 is false, −1 true.
 template <class T>
 using Truth = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
 
@@ -57,7 +57,7 @@ struct VectorOf {
 template <class T, int N>
 using Vector = typename VectorOf<T, N>::type;
 
-/// The same at an address that suits a T, where Ts may be.
+/// Vector at an address that is aligned for a T, and where Ts may be.
 template <class T, int N>
 struct VectorAt {
   typedef T type __attribute__((vector_size(sizeof(T) * N), aligned(alignof(T)), may_alias));
@@ -65,7 +65,7 @@ struct VectorAt {
 
 #else
 
-/// What the vectors of g++ and clang do, in standard C++.
+/// Substitute for the vectors of g++ and clang in standard C++.
 template <class T, int N>
 struct Vector {
   T lane[N];
@@ -120,7 +120,7 @@ struct Vector {
 #endif
 
 #if defined(PROTOSTAR_BIT_MASKS)
-/// The lanes of two vectors that compare so.
+/// Returns the lanes in which two vectors compare as the predicate says.
 template <int Predicate, class V>
 [[nodiscard]] std::uint32_t compare(V a, V b) {
   using T = std::remove_cvref_t<decltype(a[0])>;
@@ -149,7 +149,7 @@ template <int Predicate, class V>
   }
 }
 
-/// a in these lanes, and b elsewhere.
+/// Returns a in these lanes, and b elsewhere.
 template <class V>
 [[nodiscard]] V blend(std::uint32_t lanes, V a, V b) {
   constexpr std::size_t size = sizeof(a[0]);
@@ -164,7 +164,7 @@ template <class V>
 }
 #endif
 
-/// The same number in every lane.
+/// Returns a vector with the number in every lane.
 template <class T, int N>
 [[nodiscard]] Vector<T, N> everywhere(T number) {
 #if defined(PROTOSTAR_VECTORS)
@@ -176,14 +176,14 @@ template <class T, int N>
 
 }  // namespace detail
 
-/// A set of lanes, the lowest bit being lane 0.
+/// Set of lanes; the lowest bit is lane 0.
 using Bits = std::uint32_t;
 
-/// The first count lanes.
+/// Returns the set of the first `count` lanes.
 [[nodiscard]] constexpr Bits first_bits(int count) { return count >= 32 ? ~Bits{0} : (Bits{1} << count) - 1; }
 
-/// An answer for each of N lanes of type T: a bit, where the processor compares to bits (AVX-512), or else a
-/// whole number as large as a T.
+/// Truth value for each of N lanes of type T: a bit, if the processor compares to bits (AVX-512), or else an
+/// integer as large as T.
 template <class T, int N>
 struct Mask {
 #if defined(PROTOSTAR_BIT_MASKS)
@@ -215,16 +215,16 @@ struct Lanes {
   Lanes() = default;
   Lanes(detail::Vector<T, N> lanes) : v(lanes) {}
 
-  /// The same number in every lane.
+  /// Sets every lane to the number.
   Lanes(T number) : v(detail::everywhere<T, N>(number)) {}
 
-  /// The numbers f(0), f(1), ...
+  /// Returns the numbers f(0), f(1), ...
   static Lanes of_each(const auto& f) {
     return [&]<int... i>(std::integer_sequence<int, i...>) { return Lanes(detail::Vector<T, N>{f(i)...}); }
     (std::make_integer_sequence<int, N>());
   }
 
-  /// The N numbers from an address on.
+  /// Returns the N numbers from an address on.
   static Lanes load(const T* from) {
 #if defined(PROTOSTAR_VECTORS)
     return {*reinterpret_cast<const typename detail::VectorAt<T, N>::type*>(from)};
@@ -273,7 +273,7 @@ struct Lanes {
   friend Mask<T, N> operator>=(Lanes a, Lanes b) { return b <= a; }
 };
 
-/// The lanes that are true.
+/// Returns the set of lanes that are true.
 template <class T, int N>
 [[nodiscard]] Bits bits(Mask<T, N> mask) {
 #if defined(PROTOSTAR_BIT_MASKS)
@@ -301,7 +301,7 @@ template <class T, int N>
   return bits(mask) != 0;
 }
 
-/// The same answers for lanes of another type.
+/// Converts a mask to one for lanes of another type.
 template <class U, class T, int N>
 [[nodiscard]] Mask<U, N> mask_for(Mask<T, N> mask) {
 #if defined(PROTOSTAR_BIT_MASKS)
@@ -313,7 +313,7 @@ template <class U, class T, int N>
 #endif
 }
 
-/// The mask in which just these lanes are true, of those that there are.
+/// Returns the mask in which just these lanes are true; bits from N on are ignored.
 template <class T, int N>
 [[nodiscard]] Mask<T, N> mask_of(Bits lanes) {
 #if defined(PROTOSTAR_BIT_MASKS)
@@ -326,7 +326,7 @@ template <class T, int N>
 #endif
 }
 
-/// a where the mask is true, and b elsewhere.
+/// Returns a where the mask is true, and b elsewhere.
 template <class M, class T, int N>
 [[nodiscard]] Lanes<T, N> select(Mask<M, N> mask, Lanes<T, N> a, std::type_identity_t<Lanes<T, N>> b) {
 #if defined(PROTOSTAR_BIT_MASKS)
@@ -338,7 +338,7 @@ template <class M, class T, int N>
 #endif
 }
 
-/// The numbers 0, 1, 2, ...
+/// Returns the numbers 0, 1, 2, ...
 template <class T, int N>
 [[nodiscard]] Lanes<T, N> iota() {
   Lanes<T, N> lanes;
@@ -346,7 +346,7 @@ template <class T, int N>
   return lanes;
 }
 
-/// The square root in each lane; NaN where the number is negative.
+/// Returns the square root in each lane; NaN for a negative number.
 template <class T, int N>
 [[nodiscard]] Lanes<T, N> sqrt(Lanes<T, N> a) {
 #if defined(PROTOSTAR_VECTORS)
@@ -369,7 +369,7 @@ template <class T, int N>
   return a;
 }
 
-/// The size of a with the sign of b.
+/// Returns the magnitude of a with the sign of b, in each lane.
 template <class T, int N>
 [[nodiscard]] Lanes<T, N> copysign(Lanes<T, N> a, Lanes<T, N> b) {
 #if defined(PROTOSTAR_VECTORS)
@@ -386,7 +386,8 @@ template <class T, int N>
   return copysign(a, Lanes<T, N>(T{0}));
 }
 
-/// The smaller, as std::min chooses it: a if one of them is NaN. So written it is one instruction.
+/// Returns the smaller number in each lane, as std::min does: a if one of them is NaN. Written like this, it
+/// is one instruction.
 template <class T, int N>
 [[nodiscard]] Lanes<T, N> min(const Lanes<T, N>& a, const Lanes<T, N>& b) {
 #if defined(PROTOSTAR_VECTORS)
@@ -396,7 +397,7 @@ template <class T, int N>
 #endif
 }
 
-/// The larger, as std::max chooses it: a if one of them is NaN.
+/// Returns the larger number in each lane, as std::max does: a if one of them is NaN.
 template <class T, int N>
 [[nodiscard]] Lanes<T, N> max(const Lanes<T, N>& a, const Lanes<T, N>& b) {
 #if defined(PROTOSTAR_VECTORS)
@@ -415,32 +416,32 @@ template <class T, int N>
   return max(a, Lanes<T, N>(b));
 }
 
-/// All lanes combined into one number; f combines two vectors lane by lane.
+/// Combines all lanes into one number; f combines two vectors lane by lane.
 template <class T, int N>
 [[nodiscard]] T folded(const Lanes<T, N>& a, const auto& f) {
   if constexpr (N == 1) {
     return a[0];
   } else {
-    // One half and the other, as vectors that are half as long.
+    // Combines the two halves, as vectors that are half as long.
     T numbers[N];
     a.store(numbers);
     return folded(f(Lanes<T, N / 2>::load(numbers), Lanes<T, N / 2>::load(numbers + N / 2)), f);
   }
 }
 
-/// The largest number of all lanes, none of which is NaN.
+/// Returns the largest number of all lanes, none of which is NaN.
 template <class T, int N>
 [[nodiscard]] T largest(const Lanes<T, N>& a) {
   return folded(a, [](const auto& b, const auto& c) { return max(b, c); });
 }
 
-/// The smallest, likewise.
+/// Returns the smallest number of all lanes, none of which is NaN.
 template <class T, int N>
 [[nodiscard]] T smallest(const Lanes<T, N>& a) {
   return folded(a, [](const auto& b, const auto& c) { return min(b, c); });
 }
 
-/// The bits that any lane has.
+/// Returns the bits that are set in any lane.
 template <std::integral T, int N>
 [[nodiscard]] T bits_of_any(const Lanes<T, N>& a) {
   return folded(a, [](const auto& b, const auto& c) { return b | c; });
@@ -448,12 +449,12 @@ template <std::integral T, int N>
 
 namespace detail {
 
-/// Each number as a U.
+/// Converts each number to a U.
 template <class U, class T, int N>
 [[nodiscard]] Lanes<U, N> converted(const Lanes<T, N>& a) {
 #if defined(PROTOSTAR_VECTORS)
 #if defined(__AVX512F__)
-  // In one instruction, where g++ 12 makes one for each half; by maskz, as in sqrt, since it warns of the
+  // One instruction, where g++ 12 makes one for each half; the maskz form, as in sqrt, since g++ warns of the
   // others.
   using V = Vector<U, N>;
   if constexpr (N == 8 && std::same_as<T, float> && std::same_as<U, double>)
@@ -472,19 +473,19 @@ template <class U, class T, int N>
 
 }  // namespace detail
 
-/// The nearest floats.
+/// Converts each number to the nearest float.
 template <int N>
 [[nodiscard]] Lanes<float, N> to_float(Lanes<double, N> a) {
   return detail::converted<float>(a);
 }
 
-/// Whole numbers as the nearest floats.
+/// Converts each integer to the nearest float.
 template <int N>
 [[nodiscard]] Lanes<float, N> to_float(Lanes<std::int32_t, N> a) {
   return detail::converted<float>(a);
 }
 
-/// Numbers of less than 2^31 without their fractions.
+/// Truncates each number, of a magnitude below 2^31, to an integer.
 template <int N>
 [[nodiscard]] Lanes<std::int32_t, N> to_whole(Lanes<float, N> a) {
   return detail::converted<std::int32_t>(a);
@@ -500,17 +501,18 @@ template <int N>
   return detail::converted<double>(a);
 }
 
-/// The same whole numbers, as wide as doubles.
+/// Converts each integer to 64 bits, as wide as a double.
 template <int N>
 [[nodiscard]] Lanes<std::int64_t, N> widened(Lanes<std::int32_t, N> a) {
   return detail::converted<std::int64_t>(a);
 }
 
-/// When something is read: soon, or after much else. What is read later waits in the second cache; into the
-/// first, few lines can be on their way at a time, and if there are more, the processor waits (?).
+/// Time at which prefetched data is read: soon, or after much else. If later, it waits in the second-level
+/// cache; only few lines can be on their way into the first level at a time, and with more of them the
+/// processor presumably waits.
 enum class Read { soon, later };
 
-/// Says that what is at an address will be read.
+/// Prefetches an address that will be read.
 template <Read read = Read::soon>
 void prefetch([[maybe_unused]] const void* address) {
 #if defined(__GNUC__)
@@ -518,22 +520,22 @@ void prefetch([[maybe_unused]] const void* address) {
 #endif
 }
 
-/// Says that what is at an address will be written soon.
+/// Prefetches an address that will be written soon.
 inline void prefetch_to_write([[maybe_unused]] void* address) {
 #if defined(__GNUC__)
   __builtin_prefetch(address, 1);
 #endif
 }
 
-/// For functions that do nothing but prefetch: g++ takes them for functions without effect, and may never
-/// call them.
+/// Keeps the calls of a function that does nothing but prefetch: g++ takes it for one without effect, and may
+/// never call it.
 inline void keep_calls() {
 #if defined(__GNUC__)
   asm volatile("");
 #endif
 }
 
-/// The same of an object, in all its lines of the cache.
+/// Prefetches an object, in all its lines of the cache.
 template <class T>
 void prefetch_whole(const T& object) {
   const auto* const bytes = reinterpret_cast<const char*>(&object);
@@ -572,7 +574,7 @@ void store_in_turn(void* to, Lanes<float, N> a, Lanes<float, N> b, Lanes<float, 
 
 namespace detail {
 
-/// For each set of eight lanes, which they are, in order; the rest is 0.
+/// Table of the lanes in each set of eight, in order; the rest is 0.
 inline constexpr auto chosen_lanes = [] {
   std::array<std::array<std::uint8_t, 8>, 256> all{};
   for (std::size_t lanes = 0; lanes < all.size(); ++lanes)
@@ -583,8 +585,8 @@ inline constexpr auto chosen_lanes = [] {
 
 }  // namespace detail
 
-/// Appends the numbers of the lanes in a set, in order, to those at an address; whatever stood in the N
-/// places from there on may change. Returns how many they are.
+/// Stores the numbers of the lanes in a set, in order, from an address on, and returns how many they are; all
+/// N places from there on may change.
 template <class T, int N>
 int store_chosen(T* to, Bits lanes, Lanes<T, N> a) {
 #if defined(PROTOSTAR_VECTORS) && defined(__AVX512F__)

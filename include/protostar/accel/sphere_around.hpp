@@ -1,4 +1,4 @@
-// A sphere that contains a surface: what tiles take it for.
+// Bounding spheres of surfaces, by which these are culled from tiles.
 #pragma once
 
 #include <cmath>
@@ -12,10 +12,10 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// A sphere that contains a surface.
 struct SphereAround {
   Point center;
-  double radius;  ///< infinite where the surface has no bounds
+  double radius;  ///< infinite if the surface has no bounds
 };
 
-/// Whether a surface has finite bounds. A tree has just these in its leaves.
+/// Returns true if a surface has finite bounds. The leaves of a BVH hold just these surfaces.
 template <Surface S>
 [[nodiscard]] bool has_bounds(const S& surface) {
   if constexpr (SurfaceWithBounds<S>) {
@@ -26,7 +26,7 @@ template <Surface S>
   }
 }
 
-/// The sphere around a surface. Its radius may be infinite.
+/// Returns a sphere around a surface. Its radius may be infinite.
 template <Surface S>
 [[nodiscard]] SphereAround sphere_around(const S& surface) {
   if constexpr (std::same_as<S, Sphere>) {
@@ -37,7 +37,7 @@ template <Surface S>
     const auto [min, max] = surface.bounds();
     const Vec3 half = 0.5 * max - 0.5 * min;
     const Point center = min + half;
-    // The center is off by a rounding of each of its parts, the length by three of itself.
+    // The center is off by one rounding of each component, the length by three roundings of itself.
     return {center, length(half) * (1 + 0x1p-50) + 0x1p-51 * (length(center) + length(half))};
   }
 }

@@ -1,28 +1,28 @@
-// The spheres of a tree's leaves in float: which of them a ray surely misses, and which it surely meets.
+// The spheres in the leaves of a BVH, tested in float: which a ray surely misses, and which it surely meets.
 //
 // In box space let l = center − origin and d the direction, of length 1. The line passes the center at the
-// distance b = d·l from the origin, and at p = l − b d from the center. It meets the sphere where |p| ≤ r,
-// from b − √(r² − p²) to b + √(r² − p²). In float, with u = 2^-24 and o the origin:
+// distance b = d·l from the origin, and at p = l − b d from the center. It meets the sphere if |p| ≤ r, from
+// b − √(r² − p²) to b + √(r² − p²). Errors in float, with u = 2^-24 and o the origin:
 //
 //   l   rounding the center, the origin and the difference: u (|c| + |o| + |l|) ≤ 2u (|o| + |l|)
-//   b   the same, u |l| for that of d, 3u |l| for products and sums: u (2|o| + 6|l|)
+//   b   the error of l, u |l| for that of d, 3u |l| for products and sums: u (2|o| + 6|l|)
 //   p   the errors of l and b, u |l| for d, the product and the difference: u (4|o| + 11|l|)
 //
-// A line that meets the sphere, or of which float says so, has |l| ≤ |b| + r, but for what these are off. So
-// the errors of b and p are together at most u (6|o| + 17|b| + 17r), and e = 32u (|o| + |b| + r) leaves 15u
-// of each for the rounding of r, of squares and of sums. Let R = r + e and q = R² − p², as float has them.
+// A line that meets the sphere, or seems to in float, has |l| ≤ |b| + r, these errors apart. Hence the errors
+// of b and p are together at most u (6|o| + 17|b| + 17r), and e = 32u (|o| + |b| + r) leaves 15u of each term
+// for the rounding of r, of squares and of sums. Let R = r + e and q = R² − p², as computed in float.
 //
 // A line that meets the sphere has q ≥ 0; it meets the sphere nowhere before b − √q − e or after b + √q + e.
 //
 // A ray that starts inside the sphere, or on it, has b² ≤ q, since b² + p² is off by less than 2r (e_b + e_p)
-// and R² is larger than r² by 2r e. So one with b² > q starts outside; it meets the sphere only if b > 0, and
-// up to a distance s < b only if (b − s)² ≤ q, since the point there is no nearer to the center than R.
-// Where p² < (r − e)², e < b < s − e and b² > q it meets the sphere for sure before s: it starts outside, and
+// and R² is larger than r² by 2r e. Therefore a ray with b² > q starts outside; it meets the sphere only if b
+// > 0, and up to a distance s < b only if (b − s)² ≤ q, since the point there is no nearer to the center than
+// R. If p² < (r − e)², e < b < s − e and b² > q, it surely meets the sphere before s: it starts outside, and
 // its point nearest to the center is inside.
 //
-// Where R < 4√q and 64e < R it meets it no later than at b − √q + 17e: with r − e ≥ R − 2e and |p| + e, its
-// half chord is at least √((R − 2e − |p|)(R − 2e + |p|)) > √(q − 4eR) ≥ √q − 4eR/√q > √q − 16e.
-// What is used is 31e, which is more than all distances to boxes are off (Slabs).
+// If R < 4√q and 64e < R, it meets the sphere no later than at b − √q + 17e: with r − e ≥ R − 2e and |p| + e,
+// its half chord is at least √((R − 2e − |p|)(R − 2e + |p|)) > √(q − 4eR) ≥ √q − 4eR/√q > √q − 16e. The code
+// uses 31e, which exceeds all errors of distances to boxes (Slabs).
 #pragma once
 
 #include <algorithm>
@@ -38,7 +38,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Spheres that contain surfaces, a lane for each.
+/// Spheres that contain surfaces, one in each lane.
 struct SpheresAround {
   Vectors center;
   Doubles radius;
@@ -53,20 +53,20 @@ class SphereLeaves {
  public:
   using Floats = Lanes<float, float_lanes>;
 
-  /// Spheres by their place from a leaf's first on.
+  /// Spheres that a ray may enter: bit and lane k are the k-th of those tested.
   struct Entered {
-    Bits maybe, surely;  ///< met at all; and entered between near and far
-    Floats near, far;    ///< what is met is met no nearer than near
+    Bits maybe, surely;  ///< may be met; and are surely entered, between near and far
+    Floats near, far;    ///< lower bound of where it is met, and upper bound of where it is entered
   };
   struct Crossed {
-    Bits maybe;   ///< those that may be crossed
-    bool surely;  ///< whether one of them is
+    Bits maybe;   ///< spheres that may be crossed
+    bool surely;  ///< true if one of them surely is
   };
 
   SphereLeaves() = default;
   SphereLeaves(const Bvh& bvh, const auto& sphere_of, const RenderOptions& options)
       : rows_(4 * bvh.order().size() + static_cast<std::size_t>(float_lanes)) {
-    std::fill_n(rows_.end() - float_lanes, float_lanes, 0.0f);  // what is read behind the last
+    std::fill_n(rows_.end() - float_lanes, float_lanes, 0.0f);  // padding, read behind the last sphere
     const auto fill = [&](Leaf leaf) {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         const auto& sphere = sphere_of(bvh.order()[leaf.first + i]);
@@ -87,8 +87,8 @@ class SphereLeaves {
     prefetch(row + 16);
   }
 
-  /// Where the spheres from the i-th of a leaf on, as many as a vector holds, are met first within a reach.
-  /// Its ends are good to 2^-19 of them.
+  /// Tests where the ray first meets the spheres from the i-th of a leaf on, as many as a vector holds,
+  /// within a reach. The ends of the reach may be off by 2^-19 of themselves.
   [[nodiscard]] Entered entered(Leaf leaf, std::uint32_t i, const BoxRay& ray, Reach reach) const {
     const Passed passed(*this, leaf, i, ray);
     if (passed.close == 0) return {.maybe = 0, .surely = 0, .near = {}, .far = {}};
@@ -101,8 +101,8 @@ class SphereLeaves {
         .far = near + Floats(32) * e};
   }
 
-  /// Whether these spheres are crossed within a reach. Nothing is sure of one that begins elsewhere than at
-  /// the origin.
+  /// Tests whether the ray crosses the spheres from the i-th of a leaf on within a reach. No crossing is
+  /// certain in a reach that does not begin at the origin.
   [[nodiscard]] Crossed crossed(Leaf leaf, std::uint32_t i, const BoxRay& ray, Reach reach) const {
     const Passed passed(*this, leaf, i, ray);
     if (passed.close == 0) return {.maybe = 0, .surely = false};
@@ -117,7 +117,7 @@ class SphereLeaves {
             .surely = (close & bits(surely)) != 0};
   }
 
-  /// Which of these spheres may reach into all of some half-spaces.
+  /// Returns which spheres, from the i-th of a leaf on, may reach into every one of the half-spaces.
   [[nodiscard]] Bits within(Leaf leaf, std::uint32_t i, std::span<const BoxHalfSpace> half_spaces) const {
     const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
     const Floats x = Floats::load(row), y = Floats::load(row + leaf.count),
@@ -129,8 +129,8 @@ class SphereLeaves {
     return bits(within) & first_bits(static_cast<int>(leaf.count - i));
   }
 
-  /// Spheres that surely contain those of a leaf from the i-th on. A float is off by a part 2^-24 or by
-  /// 2^-150, and the center in the world by two roundings of double.
+  /// Returns spheres in world space that surely contain those from the i-th of a leaf on. A float is off by
+  /// 2^-24 of itself or by 2^-150, and the center in the world by two roundings of double.
   [[nodiscard]] SpheresAround around(Leaf leaf, std::uint32_t i, const BoxSpace& space) const {
     const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
     const auto load = [&](std::uint32_t k) { return to_double(simd::Floats::load(row + k * leaf.count)); };
@@ -143,7 +143,8 @@ class SphereLeaves {
   }
 
  private:
-  /// How a line passes spheres; those that it may meet are close.
+  /// Numbers of a line that passes spheres, named as at the top of this file; `close` has the spheres that it
+  /// may meet.
   struct Passed {
     Bits close;
     Floats b, pp, r, e, R, q;
@@ -165,12 +166,12 @@ class SphereLeaves {
     }
   };
 
-  /// Of each leaf, from 4 · first on: all x, all y, all z of the centers, and the radii.
+  /// Numbers of each leaf, from 4 · first on: all x, all y, all z of the centers, and the radii.
   LargeVector<float> rows_;
 };
 
-/// So few spheres that they are sooner tried in double than looked for in float: side by side, as many at
-/// once as a vector holds.
+/// Spheres few enough that testing them all in double, as many at once as a vector holds, is faster than a
+/// search of the tree in float.
 class FewSpheres {
  public:
   static constexpr std::size_t most = 8;
@@ -182,11 +183,12 @@ class FewSpheres {
     }
   }
 
-  /// Whether these are all spheres that there are.
+  /// Returns true if it holds all spheres that there are.
   [[nodiscard]] bool has_all() const { return count_ <= most; }
 
-  /// Those that a ray does not surely miss, as sphere_roots and is_surely_behind decide it. One that the ray
-  /// departs from is crossed as its departure says, and not its digits.
+  /// Returns the spheres that the ray does not surely miss, by the bounds of sphere_roots and
+  /// is_surely_behind. A sphere that the ray departs from is always among them: its departure decides, not
+  /// the digits of its origin.
   [[nodiscard]] Bits met(const Ray& ray, const Interval& range) const {
     Bits met = 0;
     const SphereLine line(ray.origin, ray.direction);

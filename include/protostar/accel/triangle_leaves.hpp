@@ -1,9 +1,9 @@
-// The triangles of a tree's leaves, tried in double, as many at once as a vector holds: which of them a ray
-// surely misses, which it surely crosses, and where (numeric/triangle_roots.hpp).
+// The triangles in the leaves of a BVH, tested in double, as many at once as a vector holds: which of them a
+// ray surely misses, which it surely crosses, and where (numeric/triangle_roots.hpp).
 //
-// A ray meets few leaves, and nearly all that it takes is to fetch one from far away. So a leaf has all that
-// is asked of its triangles in one place, and numbers that float holds, as those of files mostly are, are
-// kept in float, which is half as much. What is computed from them is the same.
+// A ray meets few leaves, and fetching one from far away takes nearly all of the time. Therefore a leaf has
+// all numbers of its triangles in one place. If float holds all numbers of the tree, as those of files mostly
+// allow, they are kept in float, which takes half the memory; the results are the same.
 #pragma once
 
 #include <algorithm>
@@ -21,19 +21,19 @@
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
 class TriangleLeaves {
-  /// f(the numbers), whichever they are.
+  /// Returns f(the numbers), whether they are float or double.
   decltype(auto) with_rows(const auto& f) const {
     return floats_.empty() ? f(doubles_.data()) : f(floats_.data());
   }
 
  public:
-  /// Where a triangle's numbers are: a.x, a.y, a.z, b.x, ..., and which triangle it is, each as far from the
-  /// one before as its leaf has triangles.
+  /// Place of a triangle's numbers: a.x, a.y, a.z, b.x, ..., and its index, each `step` after the one before;
+  /// the step is the number of triangles in the leaf.
   struct Place {
     std::uint32_t first, step;
   };
 
-  /// Of triangles in the order of their leaves.
+  /// Stores triangle(i), for all i in the tree, in the order of the leaves.
   TriangleLeaves(const Bvh& bvh, const auto& triangle, const RenderOptions& options) {
     if (!fill(floats_, bvh, triangle, options)) {
       floats_ = {};
@@ -53,7 +53,7 @@ class TriangleLeaves {
     });
   }
 
-  /// Which triangle it is.
+  /// Returns the index of the triangle.
   [[nodiscard]] std::uint32_t number(Place place) const {
     return with_rows([&](const auto* all) {
       std::uint32_t number;
@@ -62,8 +62,8 @@ class TriangleLeaves {
     });
   }
 
-  /// The corners of the triangles from the i-th of a leaf on, as many as a vector holds; those of lanes
-  /// behind the last triangle are any numbers.
+  /// Returns the corners of the triangles from the i-th of a leaf on, as many as a vector holds; lanes behind
+  /// the last triangle have any numbers.
   [[nodiscard, gnu::always_inline]] std::array<Vectors, 3> corners(Leaf leaf, std::uint32_t i) const {
     std::array<Vectors, 3> corners;
     with_rows([&](const auto* all) {
@@ -75,7 +75,7 @@ class TriangleLeaves {
     return corners;
   }
 
-  /// Fetches the numbers of a leaf that is likely to be visited.
+  /// Prefetches the numbers of a leaf that is likely to be visited.
   template <Read read>
   void fetch(Leaf leaf) const {
     with_rows([&](const auto* all) {
@@ -88,16 +88,16 @@ class TriangleLeaves {
     });
   }
 
-  /// Triangles by their place from a leaf's first on.
+  /// Results for triangles: bit and lane k are the k-th of those tested.
   struct Tried {
-    Bits crossed;   ///< inside the range, for sure, at t
-    Bits in_doubt;  ///< maybe
+    Bits crossed;   ///< crossed inside the range for sure, at t
+    Bits in_doubt;  ///< maybe crossed inside the range
     Doubles t;
   };
 
-  /// The triangles from the i-th of a leaf on, as many as a vector holds. The numbers of the line are those
-  /// of the ray to within an error. No crossing is sure if the ray departs from a plane, which may be that of
-  /// a triangle.
+  /// Tests the triangles from the i-th of a leaf on, as many as a vector holds. The numbers of the exact line
+  /// differ from those of the ray by at most `error`. No crossing is certain if the ray departs from a plane,
+  /// which may be that of a triangle.
   [[nodiscard, gnu::always_inline]] Tried tried(Leaf leaf, std::uint32_t i, const Ray& ray,
                                                 const Interval& range, const LineError& error = {}) const {
     const auto [a, b, c] = corners(leaf, i);
@@ -107,7 +107,7 @@ class TriangleLeaves {
                                                      Doubles(protostar::detail::slack_for(error.direction)));
     const Bits passed = bits(!e.misses) & first_bits(static_cast<int>(leaf.count - i));
     if (passed == 0) return {.crossed = 0, .in_doubt = 0, .t = {}};
-    // As in lies_inside.
+    // The margin is that of lies_inside.
     const Doubles t = e.height / e.slope, margin = 2 * Roots::relative_error * abs(t);
     const auto known = e.crosses && e.certain && margin < Doubles(infinity);
     const auto inside = known && t - margin > Doubles(range.min) && t + margin < Doubles(range.max);
@@ -122,16 +122,16 @@ class TriangleLeaves {
   static Doubles load(const double* from) { return Doubles::load(from); }
   static Doubles load(const float* from) { return to_double(Floats::load(from)); }
 
-  /// Returns whether a T holds all numbers; if not, some are not there.
+  /// Returns true if a T holds all numbers; if not, some have not been stored.
   template <class T>
   static bool fill(LargeVector<T>& all, const Bvh& bvh, const auto& triangle, const RenderOptions& options) {
     const std::size_t count = rows * bvh.order().size();
     all = LargeVector<T>(count + double_lanes);
-    std::fill_n(&all[count], double_lanes, T{0});  // what is read behind the last
+    std::fill_n(&all[count], double_lanes, T{0});  // padding, read behind the last triangle
     std::atomic<bool> holds = true;
     const auto fill_leaf = [&](Leaf leaf) {
       if (!holds.load(std::memory_order_relaxed)) return;
-      // All triangles first, which come from anywhere in memory: several are waited for at a time.
+      // Reads all triangles first, which come from anywhere in memory: several are waited for at a time.
       Point corners[largest_leaf][3];
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         const Triangle one = triangle(bvh.order()[leaf.first + i]);
@@ -152,8 +152,8 @@ class TriangleLeaves {
     return holds;
   }
 
-  /// Of each leaf, from rows · first on: all a.x, all a.y, ..., all c.z, and the triangles'
-  /// numbers, bit by bit; in one of these.
+  /// Numbers of each leaf, from rows · first on: all a.x, all a.y, ..., all c.z, and the bits of the
+  /// triangles' indices. One of these is empty.
   LargeVector<float> floats_;
   LargeVector<double> doubles_;
 };

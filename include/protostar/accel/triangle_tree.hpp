@@ -1,4 +1,4 @@
-// Triangles in a tree of boxes.
+// A BVH over triangles, which answers queries about rays.
 #pragma once
 
 #include <bit>
@@ -13,30 +13,31 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// A tree over triangles that others hold. What the functions take as `triangle` is what the constructor got.
+/// A BVH over triangles that others hold. The argument `triangle` of its functions is the one of the
+/// constructor.
 ///
-/// A query asks what a ray crosses inside a range. It has the members
+/// A query asks which triangles a ray crosses inside a range. It has the members
 ///
-///   ray, range            it may shorten the range on the way, if
-///   distance()            how far at most the ray starts from its origin, on each axis, as it may leave a
-///                         triangle
-///   error()               what the numbers of its line are off by
-///   near_first            says that what is near comes mostly before what is far
-///   found(t, i)           the i-th triangle is crossed at t
-///   maybe(triangle, i)    it may be crossed: double does not tell
+///   ray, range            the query may shorten the range on the way, if near_first is true
+///   distance()            upper bound of how far the ray starts from its origin, on each axis, as it may
+///                         leave a triangle
+///   error()               upper bound of the errors of the numbers of its line (LineError)
+///   near_first            true if near triangles are to come mostly before far ones
+///   found(t, i)           tells that the i-th triangle is crossed at t
+///   maybe(triangle, i)    tells that it may be crossed, which double does not decide
 ///
-/// The last two return whether nothing more is asked for.
+/// The last two return true if nothing more is asked for.
 class TriangleTree {
  public:
-  static constexpr std::size_t most = largest_tree;  ///< triangles
+  static constexpr std::size_t most = largest_tree;  ///< largest number of triangles
 
-  /// Of `count` triangles; triangle(i) is one of them.
+  /// Builds the tree of `count` triangles; triangle(i) returns the i-th.
   TriangleTree(std::size_t count, const auto& triangle, const RenderOptions& options)
       : bvh_(
             count, [&](std::size_t i) { return triangle(i).bounds(); }, leaf_size, options),
         leaves_(bvh_, triangle, options) {}
 
-  /// Tells a query what its ray crosses, until it is content.
+  /// Tells a query which triangles its ray crosses, until it asks for nothing more.
   template <class Query>
   void answer(Query& query, const auto& triangle) const {
     constexpr Order order = order_for<Query>;
@@ -47,8 +48,8 @@ class TriangleTree {
         [&](Leaf leaf) { leaves_.fetch<Read::soon>(leaf); });
   }
 
-  /// The same for `count` queries that make(k) makes; done(k, query) is called for each, in any order. While
-  /// the ray of one waits for memory, others go on.
+  /// Answers `count` queries, the k-th of which make(k) makes, and calls done(k, query) for each, in any
+  /// order. While the ray of one waits for memory, others go on.
   void answer_each(std::size_t count, const auto& make, const auto& done, const auto& triangle) const {
     constexpr Order order = order_for<decltype(make(std::size_t{0}))>;
     each_along_in_turns<order>(
@@ -61,7 +62,7 @@ class TriangleTree {
 
   [[nodiscard]] const BoxSpace& space() const { return bvh_.space(); }
 
-  /// Bvh::each_leaf_ahead.
+  /// Calls Bvh::each_leaf_ahead.
   void each_leaf_ahead(std::span<const HalfSpace> half_spaces, const auto& look, const auto& is_hidden,
                        const auto& visit) const {
     std::vector<BoxHalfSpace> seen;
@@ -71,20 +72,20 @@ class TriangleTree {
 
   [[nodiscard]] const TriangleLeaves& leaves() const { return leaves_; }
 
-  /// Which triangles stand in the leaves, one after another.
+  /// Returns the indices of the triangles in the leaves, one after another.
   [[nodiscard]] std::span<const std::uint32_t> order() const { return bvh_.order(); }
 
-  /// How many triangles stand in leaves.
+  /// Returns the number of triangles in leaves.
   [[nodiscard]] std::size_t size() const { return bvh_.order().size(); }
 
-  /// Whether all triangles do.
+  /// Returns true if all triangles are in leaves.
   [[nodiscard]] bool has_all() const { return bvh_.unbounded().empty(); }
 
  private:
   template <class Query>
   static constexpr Order order_for = Query::near_first ? Order::near_first : Order::any;
 
-  /// Tells a query about the triangles of a leaf; returns whether it is content.
+  /// Tells a query about the triangles of a leaf; returns true if it asks for nothing more.
   template <Order order>
   [[gnu::always_inline]] bool show(auto& query, const BoxRay& line, Leaf leaf, Reach& left) const {
     bool any = false;
@@ -107,7 +108,7 @@ class TriangleTree {
     return false;
   }
 
-  /// A leaf takes the same time for all triangles that are tried at once.
+  /// Sizes of leaves: triangles that are tested at once take the time of one.
   static constexpr LeafSize leaf_size{.most = node_width, .enough = double_lanes < 2 ? 2 : double_lanes};
 
   Bvh bvh_;
