@@ -1,4 +1,4 @@
-// The camera: which ray belongs to which point of the film (§2.2.3).
+// The camera: maps points of the film to rays (§2.2.3).
 #pragma once
 
 #include <array>
@@ -14,28 +14,27 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// An affine camera: of the ray that belongs to the place (u, v) on the film, both where it starts and where
-/// it leads are affine in u and v,
+/// Affine camera: origin and direction of the ray at film point (u, v) are affine in u and v,
 ///   origin    = position + u · film_right + v · film_up
 ///   direction = forward  + u · right      + v · up.
 ///
-/// - A pinhole: the film vectors are 0, and all rays start at position. The film stands at forward's tip,
-///   spanned by right and up, so that forward's length is the focal length. The default is the tutorial's
-///   camera: at the origin, x to the right, y up, looking along z.
-/// - A pinhole behind its film: the film vectors are k · right and k · up, for one k > 0. Then
+/// - Pinhole: the film vectors are 0, and all rays start at position. The film stands at forward's tip,
+///   spanned by right and up, so forward's length is the focal length. The default is the tutorial's camera:
+///   at the origin, x to the right, y up, looking along z.
+/// - Pinhole behind its film: the film vectors are k · right and k · up, for one k > 0. Then
 ///     origin = (position − k · forward) + k · direction,
-///   so that the rays are those of a pinhole at position − k · forward, without their first k · direction.
-///   They start on the film, and what stands between it and the pinhole is not seen.
+///   so the rays are those of a pinhole at position − k · forward, without their first k · direction. They
+///   start on the film; surfaces between the pinhole and the film are not seen.
 /// - Orthographic: right and up are 0, and all rays run along forward.
 ///
-/// Any other film vectors will do where right, up and forward span space. Rays of such a camera do not come
-/// from one point; they are drawn by tiles as all others are, but the tiles leave less out.
+/// Any other film vectors are allowed if right, up and forward span space. The rays of such a camera have no
+/// common point; they are rendered by tiles as all others are, but the tiles cull less.
 ///
-/// The functions that make a camera take coordinates as left-handed: with x to the right and y up, z leads
-/// away from the viewer. Through them a scene in right-handed coordinates, where z leads towards the viewer,
-/// comes out as its mirror image. For such a scene use look_at_right_handed, or mirrored() of what another
-/// function makes; tiles and culling take any camera. Normals, angles and shadows do not depend on the
-/// handedness. What goes around does: through such a camera, an environment is seen as its mirror image.
+/// The functions that make a camera take left-handed coordinates: with x to the right and y up, z leads away
+/// from the viewer. Through them a scene in right-handed coordinates, where z leads towards the viewer, comes
+/// out as its mirror image. For such a scene use look_at_right_handed, or mirrored() of another function's
+/// result; tiles and culling take any camera. Normals, angles and shadows do not depend on the handedness.
+/// Environments do: such a camera sees them as their mirror image.
 struct Camera {
   Point position{0};
   Vec3 right{1, 0, 0};
@@ -44,15 +43,15 @@ struct Camera {
   Vec3 film_right{0};
   Vec3 film_up{0};
 
-  /// How far from orthogonal direction and upward may be that a camera is made of: the cosine between them.
-  /// It is the allowance of scene files, for directions that were written down in decimals; it shears the
-  /// picture by less than a pixel in 10^6.
+  /// Largest cosine between the arguments direction and upward of a camera, which should be orthogonal. It is
+  /// the allowance of scene files, for directions written in decimals; it shears the picture by less than a
+  /// pixel in 10^6.
   static constexpr double most_cosine = 1e-6;
 
-  /// A pinhole at position, and a film that it sees under a vertical angle of field_of_view, in degrees,
-  /// between 0 and 180. Of this and all below: direction and upward may have any length but 0 and have to be
-  /// orthogonal, their cosine at most 10^-6; what is to the right is upward × direction (left-handed).
-  /// std::invalid_argument says what is wrong and what is allowed.
+  /// Returns a pinhole camera at position whose film is seen under a vertical angle of field_of_view, in
+  /// degrees, between 0 and 180. In all functions that take direction and upward, these may have any length
+  /// but 0 and must be orthogonal, their cosine at most 10^-6; the picture's right is upward × direction
+  /// (left-handed). Throws std::invalid_argument, which says what is wrong and what is allowed.
   [[nodiscard]] static Camera perspective(const Point& position, const Vec3& direction, const Vec3& upward,
                                           double field_of_view) {
     if (!(field_of_view > 0 && field_of_view < 180))
@@ -63,8 +62,8 @@ struct Camera {
     return valid({.position = position, .right = half * right, .up = half * up, .forward = forward});
   }
 
-  /// A sensor of height 1 around position, with its focal point focal_length behind it: rays start on the
-  /// sensor and lead away from that point.
+  /// Returns a camera with a sensor of height 1 around position, whose focal point is focal_length behind it:
+  /// rays start on the sensor and lead away from that point.
   [[nodiscard]] static Camera sensor(const Point& position, const Vec3& direction, const Vec3& upward,
                                      double focal_length) {
     require_length("focal length", focal_length);
@@ -77,9 +76,10 @@ struct Camera {
                   .film_up = 0.5 * up});
   }
 
-  /// A viewport at a distance before the eye: rays lead from the eye through the viewport and start on it, so
-  /// that nothing before it is seen. Along eye + t (place on the viewport − eye) just t > 1 counts. A square
-  /// image shows width × height of it; one of another shape as much more or less of its width.
+  /// Returns a camera with a viewport at a distance before the eye: rays lead from the eye through the
+  /// viewport and start on it, so surfaces before it are not seen. Along eye + t (point of the viewport −
+  /// eye) only t > 1 counts. A square image shows width × height of it; one of another shape as much more or
+  /// less of its width.
   [[nodiscard]] static Camera viewport(const Point& eye, const Vec3& direction, const Vec3& upward,
                                        double width, double height, double distance) {
     require_length("viewport's width", width);
@@ -94,7 +94,7 @@ struct Camera {
                   .film_up = 0.5 * height * up});
   }
 
-  /// Parallel rays along direction, from a film of the given height around position.
+  /// Returns a camera with parallel rays along direction, from a film of the given height around position.
   [[nodiscard]] static Camera orthographic(const Point& position, const Vec3& direction, const Vec3& upward,
                                            double height) {
     require_length("film's height", height);
@@ -107,31 +107,32 @@ struct Camera {
                   .film_up = 0.5 * height * up});
   }
 
-  /// The perspective camera at position that has target in the middle of its picture. upward leads to where
-  /// up is in it, and may be any direction but that to the target and its opposite. Coordinates are
-  /// left-handed: seen from the origin along z with y up, x is to the right.
+  /// Returns the perspective camera at position with target in the middle of its picture. upward points to
+  /// the top of the picture, and may be any direction but that to the target and its opposite. Coordinates
+  /// are left-handed: seen from the origin along z with y up, x is to the right. Throws std::invalid_argument
+  /// if target equals position, if upward is parallel to their difference, or as perspective does.
   [[nodiscard]] static Camera look_at(const Point& position, const Point& target,
                                       const Vec3& upward = {0, 1, 0}, double field_of_view = 90) {
     if (position == target) refuse("Camera: position and target must differ; both are ", position);
     const Vec3 forward = unit(target - position, "target - position"), above = unit(upward, "upward");
     const Vec3 right = cross(above, forward);
-    // Of parallel unit vectors, each good to 2^-52, rounding may leave a product of 2^-50.
+    // Rounding may leave a product of 2^-50 for parallel unit vectors, each good to 2^-52.
     if (!(length(right) > 0x1p-48))
       refuse("Camera: upward must not be parallel to target - position; it is ", upward);
     return perspective(position, forward, cross(forward, unit(right, "upward")), field_of_view);
   }
 
-  /// The camera of look_at for a scene in right-handed coordinates, as most modeling programs have them: seen
-  /// from the origin along -z with y up, x is to the right. What is to the right is direction × upward, so
-  /// that the picture is the mirror image of look_at's. Errors as of look_at.
+  /// Returns the camera of look_at for a scene in right-handed coordinates, as most modeling programs have
+  /// them: seen from the origin along -z with y up, x is to the right. The picture's right is direction ×
+  /// upward, so the picture is the mirror image of look_at's. Throws as look_at does.
   [[nodiscard]] static Camera look_at_right_handed(const Point& position, const Point& target,
                                                    const Vec3& upward = {0, 1, 0},
                                                    double field_of_view = 90) {
     return look_at(position, target, upward, field_of_view).mirrored();
   }
 
-  /// The camera whose picture is the mirror image of this one's, left and right exchanged. Called on what
-  /// perspective, sensor, viewport or orthographic returns, it makes the camera for a scene in right-handed
+  /// Returns the camera whose picture is the mirror image of this one's, left and right exchanged. For the
+  /// result of perspective, sensor, viewport or orthographic, this is the camera for a scene in right-handed
   /// coordinates.
   [[nodiscard]] Camera mirrored() const {
     Camera camera = *this;
@@ -140,31 +141,31 @@ struct Camera {
     return camera;
   }
 
-  /// Whether all rays start at position.
+  /// Returns true if all rays start at position.
   [[nodiscard]] bool is_pinhole() const { return film_right == Vec3{0} && film_up == Vec3{0}; }
 
-  /// Whether all rays have one direction.
+  /// Returns true if all rays have the same direction.
   [[nodiscard]] bool is_orthographic() const { return right == Vec3{0} && up == Vec3{0}; }
 
-  /// The ray through the film at (u, v), its direction of unit length.
+  /// Returns the ray through the film at (u, v), with a direction of unit length.
   [[nodiscard]] Ray operator()(double u, double v) const {
     return {is_pinhole() ? position : origin(u * film_right, v * film_up), direction(u * right, v * up)};
   }
 
-  /// The ray through the center of pixel (x, y), with (0, 0) at the top left, of an image of width × height
-  /// pixels.
+  /// Returns the ray through the center of pixel (x, y) of an image of width × height pixels, with (0, 0) at
+  /// the top left.
   [[nodiscard]] Ray through_pixel(int x, int y, int width, int height) const {
     return (*this)(u_at(x + 0.5, width, height), v_at(y + 0.5, height));
   }
 
-  /// Where a place on an image is on the film, x and y in pixels from the top left: u runs over
-  /// [−width/height, width/height] from left to right, v over [1, −1] from top to bottom.
+  /// Returns the film coordinate u or v of a point of the image, x and y in pixels from the top left: u runs
+  /// over [−width/height, width/height] from left to right, v over [1, −1] from top to bottom.
   [[nodiscard]] static double u_at(double x, int width, int height) {
     return static_cast<double>(width) / height * (2 * x / width - 1);
   }
   [[nodiscard]] static double v_at(double y, int height) { return 1 - 2 * y / height; }
 
-  /// The unit direction to the film at u · right + v · up, given these; a vector, or several at once.
+  /// Returns the unit direction to the film, given u · right and v · up; one vector, or several at once.
   template <class V>
   [[nodiscard]] V direction(const V& u_right, const V& v_up) const {
     using std::sqrt;
@@ -172,17 +173,17 @@ struct Camera {
     return towards * (1 / sqrt(dot(towards, towards)));
   }
 
-  /// Where the ray starts, given u · film_right and v · film_up; a point, or several at once.
+  /// Returns the origin of the ray, given u · film_right and v · film_up; one point, or several at once.
   template <class V>
   [[nodiscard]] V origin(const V& u_film_right, const V& v_film_up) const {
     return u_film_right + v_film_up + position;
   }
 
   /// Throws std::invalid_argument if a number of position is no coordinate (magnitude.hpp), if another is not
-  /// finite, or if three directions do not span space: these are right, up and forward, or film_right,
-  /// film_up and forward where right and up are both 0. They do not if the length of one is not between
-  /// 2^-400 and 2^400 (about 10^±120), if two are parallel, or if all lie in a plane. Film vectors are never
-  /// longer than 2^400.
+  /// finite, or if three directions do not span space: right, up and forward, or film_right, film_up and
+  /// forward if right and up are both 0. They do not span space if the length of one is not between 2^-400
+  /// and 2^400 (about 10^±120), if two are parallel, or if all lie in a plane. Film vectors must always be
+  /// shorter than 2^400.
   void validate() const {
     for (const Vec3& v : {position, right, up, forward, film_right, film_up})
       if (!is_finite(v))
@@ -222,7 +223,7 @@ struct Camera {
              value);
   }
 
-  /// The vector of unit length along v.
+  /// Returns the unit vector along v. Throws std::invalid_argument if v is 0 or not finite.
   static Vec3 unit(const Vec3& v, const char* name) {
     if (!is_finite(v) || v == Vec3{0})
       refuse(std::string("Camera: ").append(name).append(" must be finite and not zero; it is "), v);
@@ -230,7 +231,7 @@ struct Camera {
     return near_one / length(near_one);
   }
 
-  /// Right, up and forward, each of unit length.
+  /// Returns right, up and forward, each of unit length.
   static std::array<Vec3, 3> axes(const Vec3& direction, const Vec3& upward) {
     const Vec3 forward = unit(direction, "direction"), up = unit(upward, "upward");
     if (!(std::abs(dot(up, forward)) <= most_cosine))
@@ -241,14 +242,13 @@ struct Camera {
 
   static void require_space(const Vec3& right, const Vec3& up, const Vec3& forward,
                             const std::string& names) {
-    // Within these lengths no product of three leaves the range of double, nor does the square of a ray's
-    // direction.
+    // For these lengths neither a product of three nor the square of a ray's direction leaves the range of
+    // double.
     const auto has_length = [](const Vec3& v) { return 0x1p-800 < dot(v, v) && dot(v, v) < 0x1p800; };
     if (!has_length(right) || !has_length(up) || !has_length(forward))
       throw std::invalid_argument(names + " must not be zero, nor shorter than 2^-400 or longer than 2^400");
-    // Of unit length, the directions span a volume that is a sum of six products. Each passes at most
-    // fourteen roundings, of 2^-53 of its size, so that a volume above 2^-49 of the sum of the sizes is truly
-    // not 0.
+    // The volume spanned by the unit directions is a sum of six products. Each passes at most fourteen
+    // roundings, of 2^-53 of its size, so a volume above 2^-49 of the sum of the sizes is truly not 0.
     const Vec3 r = normalize(right), u = normalize(up), f = normalize(forward);
     const Vec3 a = abs(r), b = abs(u), c = abs(f);
     const double volume = dot(cross(r, u), f);

@@ -1,4 +1,4 @@
-// The first crossing of a ray: surfaces are looked at one after the other, and the best so far is kept.
+// Search for the closest hit of a ray: surfaces are tested one after the other, and the best hit is kept.
 #pragma once
 
 #include <algorithm>
@@ -11,16 +11,15 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A search for the first of a ray's crossings inside a range. It borrows the ray. The order is exact for
-/// surfaces that can refine their roots; of crossings at equal t, that of the surface that was looked at
-/// before is the first.
+/// Search for the closest hit of a ray in a range. It borrows the ray. The order is exact for surfaces that
+/// can refine their roots. Among hits at equal t, the surface tested first wins.
 class ClosestHit {
  public:
-  /// `first` becomes the first crossing of what is looked at; its surface is null until there is one.
+  /// Starts a search that writes the closest hit so far to `first`, whose surface is null until there is one.
   ClosestHit(const Ray& ray, const Interval& range, SurfaceCrossing& first)
       : ray_(ray), begin_(range.min), end_(range.max), first_(first) {}
 
-  /// Looks at all surfaces of one type.
+  /// Tests all surfaces of one type.
   template <Surface T>
   void look_at_all(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
     if constexpr (SurfaceWithFirstRoot<T>)
@@ -31,8 +30,8 @@ class ClosestHit {
  private:
   static constexpr double error = Roots::relative_error;
 
-  /// Looks at one, and returns where the range ends now. Each hit shortens it, so the last hit is the
-  /// nearest. What might be before it, given its error, stays in.
+  /// Tests one surface, and returns the new end of the range. Each hit shortens the range, so the last hit is
+  /// the closest. Roots that may precede it, given the error of t, stay in the range.
   template <Surface T>
   static double look_at(const T& surface, const Material& material, const Ray& ray, Interval range,
                         SurfaceCrossing& first) {
@@ -53,9 +52,9 @@ class ClosestHit {
     return end;
   }
 
-  /// Where double tells the order, a surface is a few comparisons. What is below `sooner` is surely before
-  /// the first and inside the range, and what is not below `later` surely not (docs/numerics.md, Which comes
-  /// first).
+  /// Tests surfaces by their first roots: if double decides the order, each takes a few comparisons. A root
+  /// below `sooner` surely precedes the closest hit so far and lies in the range; one not below `later`
+  /// surely does not (docs/numerics.md, Which comes first).
   template <Surface T>
   void look_for_first_roots(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
     const typename T::Line line(ray_);
@@ -68,7 +67,7 @@ class ClosestHit {
       const Material& material = materials[static_cast<std::size_t>(&surface - surfaces.data())];
       if (is_known && root.t < sooner) {
         first_ = crossing_on(surface, {root.t, root.root}, material);
-        end_ = (1 + 4 * error) * root.t;  // less than it was
+        end_ = (1 + 4 * error) * root.t;  // less than before
       } else {
         end_ = look_closer_at(surface, material, ray_, end_, first_);
       }

@@ -1,4 +1,4 @@
-// From linear light to the whole numbers that a file holds (§2.3.2: gamma).
+// Encoding of linear light as the whole numbers that a file holds (§2.3.2: gamma).
 #pragma once
 
 #include <algorithm>
@@ -17,40 +17,40 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The piecewise curve of sRGB (IEC 61966-2-1): 12.92 x up to 0.0031308, then 1.055 x^(1/2.4) − 0.055.
+/// Piecewise curve of sRGB (IEC 61966-2-1): 12.92 x up to 0.0031308, then 1.055 x^(1/2.4) − 0.055.
 struct Srgb {};
 
-/// Light as it is.
+/// Identity: codes proportional to light.
 struct Linear {};
 
-/// x^(1/exponent); the tutorial's is 2.2. The exponent is finite and greater than 0.
+/// Power curve x^(1/exponent); the tutorial's exponent is 2.2. The exponent is finite and greater than 0.
 struct Gamma {
   double exponent = 2.2;
 };
 
-/// How linear light becomes the numbers in a file.
+/// Transfer curve from linear light to the numbers in a file.
 using Transfer = std::variant<Srgb, Linear, Gamma>;
 
-/// What a transfer encodes as one value in [0, 1]: the light whose root-th power is (p/q)^power, all of them
-/// exact.
+/// Light that a transfer encodes as one value in [0, 1]: the number whose root-th power is (p/q)^power, all
+/// of them exact.
 struct DecodedLight {
   double p, q;
   double power = 1, root = 1;
 
-  /// With a relative error below 2^-57; 2^-150 and less may be given as anything down to 0.
+  /// Returns the light with a relative error below 2^-57; 2^-150 and less may be given as anything down to 0.
   explicit operator DoubleDouble() const {
     const DoubleDouble fraction = quotient(p, q);
     return p == 0 || power == root ? fraction : pow(fraction, quotient(power, root));
   }
 
-  /// Exactly; see power_exceeds for when they may be equal.
+  /// Returns true if this exceeds `light`, decided exactly; see power_exceeds for when they may be equal.
   [[nodiscard]] bool operator>(float light) const {
     return power_exceeds(p, q, power, static_cast<double>(light), root);
   }
 };
 
-/// The linear light that a transfer encodes as n/d, exact for whole n and d up to 2^18. The constants of sRGB
-/// are decimals, which double does not hold, so that they enter as fractions.
+/// Returns the linear light that a transfer encodes as n/d, exact for whole n and d up to 2^18. The constants
+/// of sRGB are decimals, which double does not hold, so they enter as fractions.
 [[nodiscard]] inline DecodedLight decode(Srgb, double n, double d) {
   if (n * 1e9 <= d * 40449936) return {.p = 25 * n, .q = 323 * d};  // n/d ≤ 12.92 · 0.0031308
   return {.p = 200 * n + 11 * d, .q = 211 * d, .power = 12, .root = 5};
@@ -60,22 +60,22 @@ struct DecodedLight {
   return {.p = n, .q = d, .power = gamma.exponent};
 }
 
-/// The linear light in [0, 1] that a transfer encodes as the given value in [0, 1].
+/// Returns the linear light in [0, 1] that a transfer encodes as the given value in [0, 1].
 template <class Curve>
 [[nodiscard]] double decode(Curve curve, double value) {
   return static_cast<double>(DoubleDouble(decode(curve, value, 1)));
 }
 
-/// Encodes light in whole codes from 0 to max_code: max_code · transfer(light), rounded to the nearest,
-/// exactly so for every float. Less than 0 and NaN give 0, more than 1 gives max_code.
+/// Encoder of light as whole codes from 0 to max_code: max_code · transfer(light), rounded to the nearest,
+/// exactly so for every float. Light below 0 and NaN give 0, light above 1 gives max_code.
 ///
 /// No curve is evaluated per value. Code k begins at light threshold(k), the smallest float whose encoded
 /// value is k − ½ or more, and the code of a value is the number of thresholds up to it. The leading bits of
-/// the float lead to a bin, which knows how many thresholds lie below it and the first one inside it. For
-/// 8-bit sRGB no bin has another; where one has, they are searched.
+/// the float select a bin, which holds the number of thresholds below it and the first one inside it. For
+/// 8-bit sRGB no bin has another; in a bin with several, they are searched.
 class Encoder {
  public:
-  /// max_code is what a file's format has: 255, 65535, or another from 1 to 65535. Throws
+  /// Computes the thresholds for a max_code of 255, 65535, or another from 1 to 65535. Throws
   /// std::invalid_argument for any other, and for a gamma that is not finite and greater than 0.
   Encoder(const Transfer& transfer, int max_code) {
     if (max_code < 1 || max_code > 65535)
@@ -105,28 +105,28 @@ class Encoder {
     return static_cast<std::uint16_t>(bin.below + (bin.first <= x));
   }
 
-  /// The codes of red, green and blue.
+  /// Returns the codes of red, green and blue.
   [[nodiscard]] std::array<std::uint16_t, 3> operator()(const Color& light) const {
     return {(*this)(light.r), (*this)(light.g), (*this)(light.b)};
   }
 
   [[nodiscard]] std::uint16_t max_code() const { return static_cast<std::uint16_t>(thresholds_.size()); }
 
-  /// The smallest float that is encoded as this code, of 1 to max_code, or more.
+  /// Returns the smallest float whose code is at least this one, which is from 1 to max_code.
   [[nodiscard]] float threshold(int code) const { return thresholds_[static_cast<std::size_t>(code) - 1]; }
 
  private:
-  /// All floats that share the first 16 bits: a sign, eight bits of exponent and seven of the fraction, so
-  /// that they span less than 1/128 of the least. The bits of floats from 0 on are in the order of the
-  /// floats.
+  /// Floats that share the first 16 bits: a sign, eight bits of exponent and seven of the fraction, so that
+  /// they span less than 1/128 of the least. The bits of floats from 0 on are in the order of the floats.
   struct Bin {
-    float first;           ///< the first threshold inside it; infinity where there is none
-    std::uint16_t below;   ///< how many thresholds lie below it
-    std::uint16_t inside;  ///< how many thresholds lie inside it
+    float first;           ///< first threshold inside the bin; infinity if there is none
+    std::uint16_t below;   ///< number of thresholds below the bin
+    std::uint16_t inside;  ///< number of thresholds inside the bin
   };
   static std::size_t bin_of(float light) { return std::bit_cast<std::uint32_t>(light) >> 16; }
 
-  /// Bisection, as a conditional addition: a branch would be mispredicted half of the time.
+  /// Returns the code of a float in a bin by bisection, with conditional additions: a branch would be
+  /// mispredicted half of the time.
   [[nodiscard]] std::uint16_t searched(const Bin& bin, float light) const {
     std::size_t begin = bin.below;
     for (std::size_t left = bin.inside; left > 0; left /= 2) {
@@ -136,16 +136,16 @@ class Encoder {
     return static_cast<std::uint16_t>(begin);
   }
 
-  /// The smallest float in (0, 1] that is not less than the light at the lower end of a code, which is less
-  /// than 1.
+  /// Returns the smallest float in (0, 1] that is not less than the light at the lower end of a code, which
+  /// is less than 1.
   ///
-  /// Whether a float is less cannot be left open. If the light at (2k − 1)/(2 max_code) is a float, then p/q
-  /// is a fraction whose denominator is a power of two, since a power of it is. As max_code is odd, Linear
-  /// and Gamma have that at ½ alone, where p/q is a power of two, and sRGB nowhere: 211 and 323 do not cancel
-  /// for any code.
+  /// The exact comparison ends, as its sides do not coincide unless p/q is a power of two. If the light at
+  /// (2k − 1)/(2 max_code) is a float, then p/q is a fraction whose denominator is a power of two, since a
+  /// power of it is. For odd max_code, such as 255 and 65535, Linear and Gamma have that at ½ alone, where
+  /// p/q is a power of two, and sRGB nowhere: 211 and 323 do not cancel for any code.
   static float smallest_float_from(const DecodedLight& light) {
     const DoubleDouble about(light);
-    // NaN comes of an exponent near the end of double, and stands for a power that is 0 many times over.
+    // NaN comes from an exponent near the largest double, and stands for a power far below the least float.
     if (!(about.hi > 0x1p-150)) return std::numeric_limits<float>::denorm_min();
     const float nearest = static_cast<float>(about.hi);
     if (nearest == 1) return nearest;
@@ -154,10 +154,11 @@ class Encoder {
     return is_less ? std::nextafter(nearest, 1.0f) : nearest;
   }
 
-  // Not constants: knowing them, g++ turns the minimum and maximum into branches, which light mispredicts.
+  // Not constants, since g++ turns the minimum and maximum with known values into branches, which light
+  // mispredicts.
   float darkest_ = 0, brightest_ = 1;
-  std::vector<float> thresholds_;  ///< of the codes from 1 on
-  std::vector<Bin> bins_;          ///< up to that of 1
+  std::vector<float> thresholds_;  ///< thresholds of the codes from 1 on
+  std::vector<Bin> bins_;          ///< bins up to the one of light 1
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

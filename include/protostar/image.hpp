@@ -1,4 +1,4 @@
-// A picture of linear light (§2.2.2).
+// Images of linear light (§2.2.2).
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,15 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A rectangle of pixels: those in the columns [x0, x1) and the rows [y0, y1).
+/// Rectangle of pixels: columns [x0, x1) and rows [y0, y1).
 struct Tile {
   int x0, y0, x1, y1;
 
   [[nodiscard]] int width() const { return x1 - x0; }
   [[nodiscard]] int height() const { return y1 - y0; }
 
-  /// The number of tiles of at most side × side pixels that it is made of, and the i-th of them, in rows.
+  /// Returns the number of tiles of at most side × side pixels that this one is made of, or the i-th of them,
+  /// in rows.
   [[nodiscard]] int count(int side) const {
     return ((width() + side - 1) / side) * ((height() + side - 1) / side);
   }
@@ -30,24 +31,24 @@ struct Tile {
   }
 };
 
-/// width × height colors in rows from the top, black at first. image(x, y) is one of them; (0, 0) is the top
-/// left. An image that was moved from has no pixels and may only be assigned to.
+/// Array of width × height colors in rows from the top, black at first. image(x, y) is the pixel in column x
+/// and row y; (0, 0) is the top left. An image that was moved from has no pixels and may only be assigned to.
 class Image {
  public:
   static constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
 
-  /// Throws std::invalid_argument unless both sides are at least 1 and there are at most 2^28 pixels; no
-  /// memory is taken before that is known.
+  /// Makes a black image. Throws std::invalid_argument unless both sides are at least 1 and there are at most
+  /// 2^28 pixels; no memory is taken before that is known.
   Image(int width, int height)
       : width_(checked(width, height)), height_(height), pixels_(count(width, height)) {}
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
 
-  /// All its pixels.
+  /// Returns the tile of all pixels.
   [[nodiscard]] Tile tile() const { return {0, 0, width_, height_}; }
 
-  /// The pixel in column x of [0, width) and row y of [0, height). The range is not checked.
+  /// Returns the pixel in column x of [0, width) and row y of [0, height). The range is not checked.
   [[nodiscard]] Color& operator()(int x, int y) { return pixels_[index(x, y)]; }
   [[nodiscard]] const Color& operator()(int x, int y) const { return pixels_[index(x, y)]; }
 

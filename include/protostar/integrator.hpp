@@ -1,4 +1,4 @@
-// What an integrator is, and the plain way from it to pixels: one ray after the other.
+// The integrator concept, and the plain path from an integrator to pixels: one ray after the other.
 #pragma once
 
 #include <concepts>
@@ -11,13 +11,13 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// What gives the light that a ray brings: any function of a ray.
+/// Function of a ray that returns the radiance along it.
 template <class F>
 concept Radiance = std::is_invocable_r_v<Color, const F&, const Ray&>;
 
-/// What gives the light that a ray brings in a scene: a struct with radiance(ray, scene), or a function of
-/// both. It may have validate() const, which throws std::invalid_argument if a field makes no sense; render
-/// calls that once, before the first ray.
+/// Integrator of a scene: a struct with radiance(ray, scene), or a function of both, that returns the
+/// radiance along a ray. It may have validate() const, which throws std::invalid_argument if a field makes no
+/// sense; render calls it once, before the first ray.
 template <class I, class S>
 concept Integrator = std::is_invocable_r_v<Color, const I&, const Ray&, const S&> ||
     requires(const I& integrator, const Ray& ray, const S& scene) {
@@ -26,8 +26,8 @@ concept Integrator = std::is_invocable_r_v<Color, const I&, const Ray&, const S&
 
 namespace detail {
 
-/// Checks the members that a Traceable needs; those below check an Integrator and a Radiance. As in
-/// surface_requirements.hpp, instantiating one stops the compiler with a sentence on the missing member.
+/// Checks the members that a Traceable needs. As in surface_requirements.hpp, instantiating it stops the
+/// compiler with a sentence on the missing member.
 template <class S>
 struct TraceableRequirements {
   static constexpr bool hold = true;
@@ -49,6 +49,7 @@ struct TraceableRequirements {
       "Traceable: the scene has no crossings(const Ray&, Interval, visit) const");
 };
 
+/// Checks the members that an Integrator needs.
 template <class I, class S>
 struct IntegratorRequirements {
   static constexpr bool hold = true;
@@ -66,6 +67,7 @@ struct IntegratorRequirements {
                 "Integrator: the function of a ray and a scene does not return a Color");
 };
 
+/// Checks that a type is a Radiance.
 template <class F>
 struct RadianceRequirements {
   static constexpr bool hold = true;
@@ -79,13 +81,13 @@ struct RadianceRequirements {
   static_assert(Radiance<F> || !is_function, "render: the function of a ray does not return a Color");
 };
 
-/// Calls validate() of an integrator, or of a function of a ray, that has it: it throws
+/// Calls validate() of an integrator, or of a function of a ray, if it has one, which throws
 /// std::invalid_argument if a field makes no sense.
 void validate(const auto& radiance) {
   if constexpr (requires { radiance.validate(); }) radiance.validate();
 }
 
-/// What an integrator says that a ray brings in a scene.
+/// Returns the radiance along a ray in a scene, as an integrator computes it.
 template <class I, class S>
 [[nodiscard]] Color radiance_of(const I& integrator, const Ray& ray, const S& scene) {
   if constexpr (std::is_invocable_r_v<Color, const I&, const Ray&, const S&>)
@@ -94,7 +96,7 @@ template <class I, class S>
     return integrator.radiance(ray, scene);
 }
 
-/// Fills the pixels of a tile with what a function says that their rays bring.
+/// Fills the pixels of a tile with the mean radiance of their rays, radiance(ray) for each.
 void fill_pixels(Image& image, const Tile& tile, const Camera& camera, const PixelGrid& pixels,
                  const auto& radiance) {
   for (int y = tile.y0; y < tile.y1; ++y)

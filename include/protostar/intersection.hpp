@@ -1,4 +1,4 @@
-// Where a ray crosses a surface, and what can be asked there.
+// Crossings of rays with surfaces, and the point, normal and color there.
 #pragma once
 
 #include <algorithm>
@@ -13,16 +13,17 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// One crossing of a ray with a surface: the ray's parameter, and which of the surface's crossings with the
-/// ray's line it is, counted from 0. On a surface that is made of parts, it is one of the part's crossings.
+/// Crossing of a ray with a surface: the ray's parameter, and the crossing's index among those of the surface
+/// with the ray's line, counted from 0. On a surface made of primitives, the index is among the crossings of
+/// one primitive.
 struct Crossing {
   double t = 0;
   int root = 0;
-  int part = 0;  ///< which of a surface's parts is crossed, as the surface counts them
+  int part = 0;  ///< index of the crossed primitive, as the surface counts them
 };
 
-/// What can be asked of a surface whose type has been forgotten; the first argument is the surface.
-/// surface.hpp has one such table for each type.
+/// Table of functions for a surface whose type is erased; their first argument is the surface. surface.hpp
+/// has one such table for each type.
 struct SurfaceFunctions {
   Vec3 (*normal_at)(const void* surface, const Point& point, int part);
   Uv (*uv_at)(const void* surface, const Point& point, int part);
@@ -30,7 +31,7 @@ struct SurfaceFunctions {
   ExactRoot (*exact_root)(const void* surface, const Ray& ray, const Crossing& crossing);
 };
 
-/// A crossing with the surface that it is on, whatever the type of that.
+/// Crossing with the surface that it is on, of any type.
 struct SurfaceCrossing {
   Crossing crossing;
   const void* surface = nullptr;
@@ -54,10 +55,10 @@ struct SurfaceCrossing {
 
 namespace detail {
 
-/// precedes where the errors of t overlap: without rounding.
+/// Returns precedes(ray, a, b) for errors of t that overlap, decided without rounding.
 [[nodiscard, gnu::noinline, gnu::cold]] inline bool precedes_refined(Ray ray, SurfaceCrossing a,
                                                                      SurfaceCrossing b) {
-  // What coincides exactly needs no more arithmetic. Where one of two planes is rounded, they may be left
+  // Surfaces that coincide exactly need no more arithmetic. If one of two planes is rounded, they may be left
   // together and be two nevertheless.
   if (a.crossing.root == b.crossing.root) {
     const Departure left = a.departure(), other = b.departure();
@@ -69,7 +70,7 @@ namespace detail {
 
 }  // namespace detail
 
-/// Whether a ray crosses a before b: decided by their t where their errors allow, and exactly where not.
+/// Returns true if a ray crosses a before b, decided by their t if the errors allow, otherwise exactly.
 /// Crossings of surfaces that coincide are at equal t.
 [[nodiscard]] inline bool precedes(const Ray& ray, const SurfaceCrossing& a, const SurfaceCrossing& b) {
   const double gap = b.crossing.t - a.crossing.t;
@@ -78,67 +79,69 @@ namespace detail {
   return detail::precedes_refined(ray, a, b);
 }
 
-/// The same for surfaces that have places in an order: of crossings at equal t, that of the earlier surface
-/// is the first.
+/// Returns true if a ray crosses a before b, or at equal t if the surface of a has the smaller index; place_a
+/// and place_b are the surfaces' indices.
 [[nodiscard]] inline bool precedes(const Ray& ray, const SurfaceCrossing& a, std::int64_t place_a,
                                    const SurfaceCrossing& b, std::int64_t place_b) {
   return place_a < place_b ? !precedes(ray, b, a) : precedes(ray, a, b);
 }
 
-/// A crossing of a ray with a surface. It holds t and works out the rest when it is asked, so that an
-/// integrator pays only for what it uses. It is valid as long as the scene that it comes from lives and gets
-/// no further surfaces.
+/// Hit of a ray on a surface. It holds t and computes the rest on demand, so that an integrator pays only for
+/// what it uses. It is valid as long as its scene lives and gets no further surfaces.
 class Intersection {
  public:
-  using Light = Color;  ///< what its ray brings
+  using Light = Color;  ///< type of the radiance along its ray
 
-  /// The ray's parameter here. A distance in scene units where the ray's direction is a unit vector.
+  /// Parameter of the ray here, a distance in scene units if the ray's direction is a unit vector.
   double t;
 
   Intersection(const Ray& ray, const SurfaceCrossing& on) : t(on.crossing.t), ray_(ray), on_(on) {}
 
-  /// Where it is.
+  /// Returns the point of the ray at t, at most at farthest_point.
   [[nodiscard]] Point point() const { return ray_.at(std::min(t, farthest_point)); }
 
-  /// The direction of the ray.
+  /// Returns the direction of the ray.
   [[nodiscard]] const Vec3& direction() const { return ray_.direction; }
 
-  /// The surface's unit normal, on the side that the surface calls its outside (§2.3.1).
+  /// Returns the surface's unit normal, on the side that the surface calls its outside (§2.3.1).
   [[nodiscard]] Vec3 normal() const { return on_.normal_at(point()); }
 
-  /// The unit normal on the side that the ray comes from: surfaces are two-sided (§2.3.2).
+  /// Returns the unit normal on the side that the ray comes from: surfaces are two-sided (§2.3.2).
   [[nodiscard]] Vec3 facing_normal() const {
     const Vec3 n = normal();
     return dot(n, ray_.direction) <= 0 ? n : -n;
   }
 
-  /// Which of the surface's parts it is on, as the surface counts them; 0 for one without parts.
+  /// Returns the index of the primitive that is hit, as the surface counts them; 0 for a surface without
+  /// primitives.
   [[nodiscard]] int part() const { return on_.crossing.part; }
 
-  /// What the surface is made of.
+  /// Returns the surface's material.
   [[nodiscard]] const Material& material() const { return *on_.material; }
 
-  /// Where it is on the surface, in the surface's own coordinates; 0 and 0 on one that has none.
+  /// Returns the surface coordinates u and v; 0 and 0 on a surface that has none.
   [[nodiscard]] Uv uv() const { return on_.uv_at(point()); }
 
-  /// The surface's color here: the diffuse color of its material, or what that has for a texture.
+  /// Returns the surface's color here: its material's texture at (u, v), or the diffuse color if there is
+  /// none.
   [[nodiscard]] Color color() const {
     if (!material().texture) return material().diffuse;
     const Uv place = uv();
     return material().texture(place.x, place.y);
   }
 
-  /// The ray from here in a direction of any length. It knows what it departs from and does not meet it again
-  /// at its origin; there is no offset.
+  /// Returns the ray from here in a direction of any length. Its departure keeps it from hitting the surface
+  /// again at its origin; there is no offset.
   [[nodiscard]] Ray leave(const Vec3& direction) const { return {point(), direction, on_.departure()}; }
 
-  /// t to 1 ulp, for a surface that knows its exact roots, as those of the library do; otherwise t as it is.
+  /// Returns t to 1 ulp, for a surface that knows its exact roots, as those of the library do; otherwise t as
+  /// it is.
   [[nodiscard]] double refined() const {
     return static_cast<double>(protostar::refined(on_.exact_root(ray_)));
   }
 
-  /// Whether this is strictly before another crossing of the same ray. The order is exact for surfaces that
-  /// know their exact roots; see precedes.
+  /// Returns true if this is strictly before another hit of the same ray. The order is exact for surfaces
+  /// that know their exact roots; see precedes.
   [[nodiscard]] bool operator<(const Intersection& other) const { return precedes(ray_, on_, other.on_); }
 
  private:

@@ -1,4 +1,4 @@
-// The part of a ray in which a crossing counts.
+// The range of a ray's parameter t in which a hit counts.
 #pragma once
 
 #include <limits>
@@ -9,8 +9,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// The parameters t with min < t < max (§2.2.4). It is open: neither end belongs to it, and NaN belongs to no
-/// interval. The default is all that lies ahead of a ray's origin.
+/// Open interval: the parameters t with min < t < max (§2.2.4). Neither end belongs to it, and NaN belongs to
+/// no interval. The default is all that lies ahead of a ray's origin.
 struct Interval {
   double min = 0;
   double max = infinity;

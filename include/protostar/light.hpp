@@ -1,4 +1,4 @@
-// Where light comes from.
+// Light sources.
 #pragma once
 
 #include <algorithm>
@@ -14,49 +14,51 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A light that shines from one point alike in all directions (§2.3.2, A.1.4). At a distance r it brings
-/// Φ/(4π r²) to a surface that faces it.
+/// Light that shines from one point alike in all directions (§2.3.2, A.1.4). At a distance r it brings an
+/// irradiance of Φ/(4π r²) to a surface that faces it.
 struct PointLight {
   Point position{0};
   Color power{0};  ///< Φ, the flux per channel, in watts; not negative. The tutorial calls it intensity.
 };
 
-/// A light at a point that brings the same at every distance, which no real one does.
+/// Light at a point that brings the same irradiance at every distance, as no real one does.
 struct ConstantLight {
   Point position{0};
-  Color intensity{0};  ///< the irradiance of a surface that faces it, in watts per square unit; not negative
+  Color intensity{0};  ///< irradiance of a surface that faces it, in watts per square unit; not negative
 };
 
-/// A light infinitely far away, as the sun nearly is.
+/// Light infinitely far away, as the sun nearly is.
 struct DirectionalLight {
-  Vec3 direction{0, 1, 0};  ///< towards the light, of any length but 0
-  Color intensity{0};       ///< the irradiance of a surface that faces it, in watts per square unit
+  Vec3 direction{0, 1, 0};  ///< direction towards the light, of any length but 0
+  Color intensity{0};       ///< irradiance of a surface that faces it, in watts per square unit; not negative
 };
 
-/// A point light that shines into a cone: inside as a PointLight of the same power does, outside not at all.
+/// Point light that shines into a cone: inside as a PointLight of the same power does, outside not at all.
 struct SpotLight {
   Point position{0};
-  Vec3 direction{0, 0, 1};  ///< the cone's axis, away from the light, of any length but 0
-  double angle = 30;        ///< from the axis to the edge, in degrees, above 0 and at most 180
+  Vec3 direction{0, 0, 1};  ///< axis of the cone, away from the light, of any length but 0
+  double angle = 30;        ///< angle from the axis to the edge, in degrees, above 0 and at most 180
   Color power{0};           ///< Φ, as if it shone in all directions; not negative
-  double fade = 0;  ///< over the last so many degrees before the edge the light falls to 0, by a smoothstep,
-                    ///< which at the axis may have begun
+  double fade = 0;  ///< degrees before the edge over which the light falls to 0, by a smoothstep; if more
+                    ///< than angle, the axis is dimmed, too
 };
 
-/// Light from everywhere: it is added to the irradiance of every point, and nothing hides it.
+/// Light from everywhere: it is added to the irradiance of every point, and nothing occludes it.
 struct AmbientLight {
-  Color intensity{0};  ///< in watts per square unit; not negative
+  Color intensity{0};  ///< irradiance, in watts per square unit; not negative
 };
 
-/// No light brings more to a point, in any channel: two million of them add up to less than the largest
-/// float, 2^128. So their sum is a number, and black stays black in any light, where 0 · ∞ would be none.
+/// Largest irradiance that one light brings to a point, in any channel: two million such lights add up to
+/// less than the largest float, 2^128. Hence their sum is finite, and black stays black in any light, with no
+/// 0 · ∞, which is NaN.
 inline constexpr float most_irradiance = 0x1p107f;
 
-/// A light of any kind that comes from one place: what an integrator asks about the light on a point.
+/// Light of any kind that comes from one place, with the functions that an integrator needs.
 class Light {
  public:
-  /// Each throws std::invalid_argument if a number is not finite, one of a position is no coordinate
-  /// (magnitude.hpp), a color is negative, a direction is 0, or an angle is not as said above.
+  /// Takes a light of one kind. Throws std::invalid_argument if a number is not finite, one of a position is
+  /// no coordinate (magnitude.hpp), a color is negative, a direction is 0, or angle or fade is out of its
+  /// range.
   Light(const PointLight& light) : Light("PointLight", light.position, light.power, Falloff::square) {
     check_position(light.position);
     check(is_light(light.power), "power must be finite and not negative");
@@ -84,25 +86,25 @@ class Light {
     fade_ = light.fade;
   }
 
-  /// From a point, or several, to the light. The ray along it is at the light at t = 1, or for a light
-  /// infinitely far away only at infinity: what lies in between, inside way(), hides it.
+  /// Returns the vector from a point, or from several, to the light. The ray along it is at the light at t =
+  /// 1, or only at infinity if the light is infinitely far away; hits in the range way() occlude the light.
   template <class V = Vec3>
   [[nodiscard]] V towards(const V& point) const {
     return place_ - w_ * point;
   }
   [[nodiscard]] Interval way() const { return {.min = 0, .max = w_ == 0 ? infinity : 1}; }
 
-  /// The irradiance that the light, unhindered, brings to a point with this unit normal:
+  /// Returns the irradiance that the light, if nothing occludes it, brings to a point with this unit normal:
   ///   E = E⊥ · cos θ   with   cos θ = n·l/|l|,   l = towards(point);
-  /// 0 where the light is behind the surface, and where it lies in it. Very near a light it grows beyond all
-  /// bounds, and is held at most_irradiance.
+  /// 0 if the light is behind the surface or in its plane. Very near a light it grows beyond all bounds, and
+  /// is held at most_irradiance.
   template <class V = Vec3>
   [[nodiscard]] auto irradiance(const V& point, const V& normal) const {
     const V l = towards(point);
     return received(l, dot(normal, l));
   }
 
-  /// E⊥, the irradiance of a surface that faces the light.
+  /// Returns E⊥, the irradiance of a surface that faces the light.
   template <class V = Vec3>
   [[nodiscard]] auto perpendicular_irradiance(const V& point) const {
     using std::sqrt;
@@ -110,8 +112,9 @@ class Light {
     return received(l, sqrt(dot(l, l)));
   }
 
-  /// The same, given l = towards(point) and the light's height n·l over the surface: the light's color times
-  /// height/|l| · g, with g = 1/(4π |l|²) for a power and 1 for an irradiance.
+  /// Returns the irradiance, given l = towards(point) and the light's height n·l over the surface: the
+  /// light's color times height/|l| · g, with g = 1/(4π |l|²) for a power and 1 for an irradiance, and times
+  /// share(l) for a spotlight.
   template <class V, class Number>
   [[nodiscard]] auto received(const V& l, const Number& height) const {
     using std::min, std::sqrt;
@@ -129,7 +132,7 @@ class Light {
       : type_(type),
         place_(place),
         color_(color),
-        // A dark color takes a factor of up to 2^127, which still is a float.
+        // For a dark color the factor is up to 2^127, which still is a float.
         most_(most_irradiance / std::max({color.r, color.g, color.b, 0x1p-20f})),
         falloff_(falloff) {}
 
@@ -144,11 +147,11 @@ class Light {
   }
 
   static Vec3 unit(const Vec3& v) {
-    const Vec3 size = abs(v);  // squares of what is divided by the largest neither overflow nor vanish
+    const Vec3 size = abs(v);  // squares of quotients by the largest neither overflow nor vanish
     return normalize(v / std::max({size.x, size.y, size.z}));
   }
 
-  /// The share of a spotlight's power that goes in the direction of −l.
+  /// Returns the share of a spotlight's light, from 0 to 1, that goes in the direction of −l.
   template <class V>
   [[nodiscard, gnu::noinline, gnu::cold]] auto share(const V& l) const {
     using std::sqrt;
@@ -162,14 +165,14 @@ class Light {
   }
 
   const char* type_;
-  Vec3 place_;    ///< the position, or the unit direction of a light infinitely far away:
-  double w_ = 1;  ///< homogeneous coordinates, 1 of a position and 0 of a direction
+  Vec3 place_;    ///< position, or unit direction of a light infinitely far away
+  double w_ = 1;  ///< homogeneous coordinate of place_: 1 for a position, 0 for a direction
   Color color_;
-  double most_;  ///< the largest factor of the color
+  double most_;  ///< largest factor of the color
   Falloff falloff_;
   bool is_spot_ = false;
   Vec3 axis_{0};
-  double angle_ = 0, fade_ = 0;  ///< degrees
+  double angle_ = 0, fade_ = 0;  ///< in degrees
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

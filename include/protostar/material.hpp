@@ -1,4 +1,4 @@
-// What a surface is made of: what it makes of the light that reaches it.
+// Materials: how surfaces reflect and refract light.
 #pragma once
 
 #include <cmath>
@@ -11,40 +11,41 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A color for each place of a surface, which the surface calls u and v (its uv_at). Any function of the two
-/// will do; it is called from several threads at once.
+/// Color as a function of the surface coordinates u and v (uv_at). Any function of the two will do; it is
+/// called from several threads at once.
 using Texture = std::function<Color(double u, double v)>;
 
-/// Squares of two colors in turn. The one at 0 < u, v < size has the first; a line between two belongs to the
-/// one on its greater side.
+/// Texture of squares in two alternating colors. The one at 0 < u, v < size has the first; a line between two
+/// belongs to the one on its greater side.
 struct Checker {
   Color first{1}, second{0};
-  double size = 1;  ///< the side of a square, in units of u and v; a size (magnitude.hpp)
+  double size = 1;  ///< side of a square, in units of u and v; a size (magnitude.hpp)
 
   [[nodiscard]] Color operator()(double u, double v) const {
-    // Whole numbers as double: their parity needs no integer to hold them.
+    // The parity of whole numbers is taken in double, as no integer type may hold them.
     const double sum = std::floor(u / size) + std::floor(v / size);
     return sum - 2 * std::floor(sum / 2) == 0 ? first : second;
   }
 };
 
-/// The radiance that leaves a point is
+/// Reflection and refraction of a surface. The radiance that leaves a point is
 ///   Σ over the lights (diffuse · E + specular · E⊥ · cos(r, v)^shininess)
-///     + reflect · (what the mirror direction sees) + refract · (what the refracted direction sees)
+///     + reflect · (radiance from the mirror direction) + refract · (radiance from the refracted direction)
 /// with the irradiance E of a light and E⊥ without its cosine, and the angle between the mirror image r of
-/// the direction to the light and the direction v to the eye (Phong). Nothing else is weighed: the materials
-/// of different ray tracers differ in their numbers alone.
+/// the direction to the light and the direction v to the eye (Phong). There are no other weights: the
+/// materials of different ray tracers differ in their numbers alone.
 struct Material {
-  Color diffuse{0};      ///< the share of irradiance that is sent on alike in all directions
-  Texture texture = {};  ///< if there is one, it takes the place of diffuse
+  Color diffuse{0};      ///< share of irradiance that is reflected alike in all directions
+  Texture texture = {};  ///< replaces diffuse if it is not empty
   Color specular{0};
   double shininess = 50;
   double reflect = 0;
   double refract = 0;
-  double ior = 1.5;  ///< the index of refraction inside, where the normal points out; outside it is 1
+  double ior = 1.5;  ///< index of refraction inside, the normal pointing outside; outside it is 1
 
-  /// Throws std::invalid_argument if a number is negative or not finite, or if ior or the size of a Checker
-  /// is no size (magnitude.hpp); so for the colors of a Checker. What other textures do is their own affair.
+  /// Throws std::invalid_argument if a number is negative or not finite (reflect and refract as floats), if
+  /// ior or the size of a Checker is no size (magnitude.hpp), or if a color of a Checker is negative or not
+  /// finite. Other textures are not checked.
   void validate() const {
     const auto check = [](bool holds, const char* rule) {
       if (!holds) throw std::invalid_argument(rule);

@@ -1,4 +1,4 @@
-// A file that is replaced as a whole or not at all.
+// Output files that are replaced as a whole or not at all.
 #pragma once
 
 #include <cerrno>
@@ -17,32 +17,32 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Bytes on their way to a file. They go to a temporary file in the same folder, which takes the target's
-/// name when commit() says that it is complete. Until then, and if anything fails, a file of that name stays
-/// as it was, and the temporary one is removed. If the process is killed it stays behind, as
-/// .TARGET.DIGITS.protostar-tmp, and the next OutputFile for that target removes it, of those of its own user
-/// and in a folder that may be read.
+/// Output file that replaces its target as a whole or not at all. Bytes go to a temporary file in the same
+/// folder, which takes the target's name on commit(). Until then, and if anything fails, a file of that name
+/// stays as it was, and the temporary one is removed. If the process is killed, that file stays behind as
+/// .TARGET.DIGITS.protostar-tmp, and the next OutputFile for that target removes it if it is of the same user
+/// and the folder may be read.
 ///
-/// A symbolic link stays one: what it leads to is replaced, or made. The new file has the permissions of the
-/// old one, but no set-id bits; of owner, group and access control list what the system lets; where the group
-/// cannot be kept, it gets no more rights than others have. Other extended attributes and hard links are not
-/// kept: other names of the old file keep its bytes. While an old file is replaced, only its user may read
-/// the temporary one.
+/// A symbolic link stays one: the file it leads to is replaced, or made. The new file has the permissions of
+/// the old one, but no set-id bits, and its owner, group and access control list as far as the system allows;
+/// if the group or the list cannot be kept, the group gets no more rights than others have. Other extended
+/// attributes and hard links are not kept: other names of the old file keep its bytes. While an old file is
+/// replaced, only its user may read the temporary one.
 ///
 /// Three kinds of targets are not replaced:
-/// - a device or a pipe, which is written directly;
+/// - a device, a pipe, or a file under /proc/, which is written directly;
 /// - a descriptor of this process by its name, such as /dev/stdout, /dev/fd/N or /proc/self/fd/N: it is
-///   written from where it stands, so that what was written to it before stays;
+///   written from its current position, so bytes that were written to it before stay;
 /// - a file that is a mount point of its own, which cannot be replaced: it is emptied by the first bytes and
-///   written in place (is_in_place), so that a failure leaves a part of a picture there.
+///   written in place (is_in_place), so a failure leaves a part of a picture there.
 ///
-/// Where the system has no POSIX, descriptors have no names, mount points are not known, only permissions are
-/// kept, and what a killed process left behind stays.
+/// On a system without POSIX, descriptors have no names, mount points are not known, only permissions are
+/// kept, and files that a killed process left behind stay.
 ///
-/// Every failure is a std::system_error that names the path and the reason.
+/// Throws std::system_error, which names the path and the reason, for every failure.
 class OutputFile {
  public:
-  /// Opens it. Nothing that exists is changed yet, except that opening a pipe waits for its reader.
+  /// Opens the file. The target is not changed yet, but opening a pipe waits for its reader.
   explicit OutputFile(std::filesystem::path target) : name_(target.string()) {
     namespace fs = std::filesystem;
     std::error_code error;
@@ -65,8 +65,8 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// The descriptor of this process that a path names: /dev/stdin, /dev/stdout, /dev/stderr, /dev/fd/N or
-  /// /proc/self/fd/N, whether it is open or not.
+  /// Returns the descriptor of this process that a path names, open or not: /dev/stdin, /dev/stdout,
+  /// /dev/stderr, /dev/fd/N or /proc/self/fd/N; nullopt for any other path.
   [[nodiscard]] static std::optional<int> descriptor_of(const std::filesystem::path& path) {
 #if defined(PROTOSTAR_POSIX_FILES)
     const std::string text = path.string();
@@ -87,7 +87,7 @@ class OutputFile {
     return std::nullopt;
   }
 
-  /// Whether the target is a mount point, which is written in place.
+  /// Returns true if the target is a mount point, which is written in place.
   [[nodiscard]] bool is_in_place() const { return file_.is_in_place(); }
 
   void write(const void* bytes, std::size_t size) {
@@ -100,7 +100,7 @@ class OutputFile {
 
   void write(const std::string& bytes) { write(bytes.data(), bytes.size()); }
 
-  /// Ends the file and gives it its name.
+  /// Completes the file and gives it its name.
   void commit() {
     flush();
     if (const int error = file_.commit()) fail({error});
@@ -122,15 +122,15 @@ class OutputFile {
 
   void flush() { put(buffer_.get(), std::exchange(used_, 0)); }
 
-  /// What other processes have open has names there, which may lead to a regular file; that belongs to
-  /// whoever opened it.
+  /// Returns true for a name under /proc/. Files that other processes have open have names there; a regular
+  /// file among them belongs to the process that opened it, and is not replaced.
   [[nodiscard]] static bool is_in_proc(const std::filesystem::path& path) {
     return path.string().starts_with("/proc/");
   }
 
   std::string name_;
   detail::SystemFile file_;
-  // As much as is written at a time, so that the system is called seldom.
+  // Bytes written at a time, so that the system is called seldom.
   static constexpr std::size_t buffer_size = 65536;
   std::unique_ptr<char[]> buffer_{new char[buffer_size]};
   std::size_t used_ = 0;

@@ -1,4 +1,4 @@
-// Work that several threads share.
+// Loops whose iterations are shared by several threads.
 #pragma once
 
 #include <algorithm>
@@ -48,10 +48,11 @@ inline void require_threads(const RenderOptions& options) {
                                 std::to_string(options.threads));
 }
 
-/// Calls work(i) for every i in [0, count), by as many threads as the options say. They take what comes next,
-/// so that none waits for another. The first exception ends all of them and is thrown in the caller's thread.
-/// Where the options leave the number to the machine, the threads that can be started share the work; a
-/// number that was asked for and cannot be had is a std::system_error.
+/// Calls work(i) for every i in [0, count), by as many threads as the options say, with their progress and
+/// stop. Threads take one i after the other, so that none waits for another. The first exception ends all of
+/// them and is thrown in the caller's thread. If the options leave the number to the machine, the threads
+/// that can be started share the work; if a number that was asked for cannot be started, std::system_error is
+/// thrown.
 inline void for_each_in_parallel(int count, const RenderOptions& options,
                                  const std::function<void(int)>& work) {
   require_threads(options);
@@ -93,24 +94,24 @@ inline void for_each_in_parallel(int count, const RenderOptions& options,
     run(tell);
   }
   if (failure) std::rethrow_exception(failure);
-  if (told < done) tell();  // a helper was the last
+  if (told < done) tell();  // a helper finished last
 }
 
-/// The threads that work on so many small things: for a few thousand it takes longer to start another than to
-/// do them.
+/// Returns options with the number of threads for so many small items, and nothing else: 1 below 8192, as
+/// starting another thread takes longer than processing a few thousand.
 [[nodiscard]] inline RenderOptions threads_for(std::size_t things, const RenderOptions& options) {
   return {.threads = things < 8192 ? 1 : options.threads};
 }
 
-/// A row of things in parts, which do not depend on the number of threads that share them.
+/// Range of items in parts that do not depend on the number of threads that share them.
 struct Parts {
   std::size_t first, last;
 
-  static constexpr std::size_t size = 8192;  ///< of a part; the last one may be smaller
+  static constexpr std::size_t size = 8192;  ///< items in a part; the last one may be smaller
 
   [[nodiscard]] int count() const { return static_cast<int>((last - first + size - 1) / size); }
 
-  /// Calls work(part, first, last) for each part.
+  /// Calls work(part, first, last) for each part, by several threads.
   void each(const RenderOptions& options, const auto& work) const {
     for_each_in_parallel(count(), threads_for(last - first, options), [&](int part) {
       const std::size_t from = first + static_cast<std::size_t>(part) * size;

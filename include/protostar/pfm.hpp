@@ -1,4 +1,4 @@
-// Images as PFM files: the linear light itself, as 32-bit floats.
+// Images as PFM files: linear light as 32-bit floats.
 #pragma once
 
 #include <bit>
@@ -12,11 +12,11 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Saves an image as PFM: every float as it is, in the byte order of the machine, which the header tells,
-/// rows from the bottom up as the format has them. Nothing is encoded or clipped.
+/// Saves an image as PFM: every float as it is, in the byte order of the machine, which the header states,
+/// rows from the bottom up as in the format. Nothing is encoded or clipped.
 ///
-/// The file is replaced as a whole or not at all (see OutputFile, also for its errors). If stop is asked for,
-/// it returns early and leaves the file as it was.
+/// The file is replaced as a whole or not at all (see OutputFile, also for its errors). If a stop is
+/// requested, it returns early and leaves the file as it was.
 inline void save_pfm(const Image& image, const std::filesystem::path& path, const StopToken& stop = {}) {
   OutputFile file(path);
   file.write("PF\n" + std::to_string(image.width()) + " " + std::to_string(image.height()) + "\n" +

@@ -1,4 +1,4 @@
-// Through which places of the film the pixels of an image look.
+// Positions of an image's pixels and their samples on the film.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +12,15 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A place in a pixel, from (0, 0) at its top left to (1, 1).
+/// Position in a pixel, from (0, 0) at its top left to (1, 1).
 struct PixelSample {
   double x, y;
 };
 
-/// n places in a pixel, the same for every pixel: n columns and n rows of equal size have one each. The i-th
-/// is in the middle of column i, and of that row whose number is the rank of i's binary digits, read
-/// backwards, among those of 0 to n − 1 (Hammersley's points, the fraction of each moved to the middle of a
-/// row). One sample, or none, is the pixel's center.
+/// Returns n positions in a pixel, the same for every pixel: each of n columns and n rows of equal size has
+/// one. The i-th is in the middle of column i, and of the row whose number is the rank of i's binary digits,
+/// read backwards, among those of 0 to n − 1 (Hammersley's points, the fraction of each moved to the middle
+/// of a row). For n ≤ 1 it is the pixel's center alone.
 [[nodiscard]] inline std::vector<PixelSample> pixel_samples(int n) {
   if (n <= 1) return {{0.5, 0.5}};
   const auto count = static_cast<std::uint32_t>(n);
@@ -29,7 +29,7 @@ struct PixelSample {
   std::vector<PixelSample> samples(count);
   std::uint32_t rank = 0;
   for (std::uint32_t row = 0; row < power; ++row) {
-    std::uint32_t i = 0;  // row's digits backwards
+    std::uint32_t i = 0;  // binary digits of row, read backwards
     for (std::uint32_t from = 1, to = power / 2; from < power; from *= 2, to /= 2)
       if (row & from) i |= to;
     if (i < count) samples[i] = {(i + 0.5) / n, (rank++ + 0.5) / n};
@@ -37,11 +37,11 @@ struct PixelSample {
   return samples;
 }
 
-/// The pixels of an image, which is a whole picture or a part of one.
+/// Pixels of an image, which is a whole picture or a part of one.
 class PixelGrid {
  public:
   /// Throws std::invalid_argument if the number of samples is negative, or if the picture that the image is
-  /// cropped from does not hold it.
+  /// cropped from does not contain it.
   PixelGrid(int width, int height, const RenderOptions& options = {})
       : crop_(options.crop.width == 0 && options.crop.height == 0 ? Crop{0, 0, width, height} : options.crop),
         samples_(pixel_samples(options.samples)) {
@@ -58,8 +58,8 @@ class PixelGrid {
           " is not inside " + std::to_string(crop_.width) + "x" + std::to_string(crop_.height));
   }
 
-  /// The film's u at a place in column x of the image, and v in row y; 0 is their left or upper edge, 1 the
-  /// other.
+  /// Returns the film's u at a position in column x of the image, or v in row y; position 0 is the left or
+  /// upper edge, 1 the other.
   [[nodiscard]] double u(int x, double place) const {
     return Camera::u_at(crop_.x + x + place, crop_.width, crop_.height);
   }
@@ -67,18 +67,19 @@ class PixelGrid {
     return Camera::v_at(crop_.y + y + place, crop_.height);
   }
 
-  /// u at the right edge of the whole picture; v at its upper edge is 1.
+  /// Returns u at the right edge of the whole picture; v at its upper edge is 1.
   [[nodiscard]] double largest_u() const { return Camera::u_at(crop_.width, crop_.width, crop_.height); }
 
   [[nodiscard]] int samples() const { return static_cast<int>(samples_.size()); }
   [[nodiscard]] const PixelSample& sample(int i) const { return samples_[static_cast<std::size_t>(i)]; }
 
-  /// The ray of a camera through the i-th sample of a pixel.
+  /// Returns the ray of a camera through the i-th sample of pixel (x, y).
   [[nodiscard]] Ray ray(const Camera& camera, int x, int y, int i) const {
     return camera(u(x, sample(i).x), v(y, sample(i).y));
   }
 
-  /// The mean of light(i) over the samples i, added up in their order, and held at the largest float.
+  /// Returns the mean of light(i) over the samples i, added up in their order; for several, it is held at the
+  /// largest float.
   [[nodiscard]] auto mean(const auto& light) const {
     auto sum = light(0);
     if (samples() == 1) return sum;

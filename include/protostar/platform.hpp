@@ -1,5 +1,4 @@
-// What the library asks of the compiler and the machine, and the inline namespace that says what it was built
-// for.
+// Requirements on the compiler and the machine, and the inline namespace named after the instruction set.
 #pragma once
 
 #include <cfloat>
@@ -9,7 +8,7 @@
 #error "protostar needs C++20 with concepts: g++ 10, clang 10 or newer, with -std=c++20"
 #endif
 
-// Of -ffast-math and the options that it is made of, g++ tells all by macros, clang those of the first line.
+// g++ has macros for -ffast-math and all of its options, clang only those in the first line of the condition.
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || \
     defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
 #error \
@@ -20,9 +19,8 @@
 #error "protostar names the channels of a color r, g and b: GLM_FORCE_XYZW_ONLY takes these names away"
 #endif
 
-// Besides, the processor is to round to nearest and to keep denormal numbers, as every program finds it at
-// its start. Whoever calls fesetround or sets flush-to-zero in a thread gets other numbers there; no header
-// can see that.
+// The processor must also round to nearest and keep denormal numbers, as at the start of every program. A
+// thread that calls fesetround or sets flush-to-zero gets other numbers; no header can detect that.
 static_assert(std::numeric_limits<double>::is_iec559 && std::numeric_limits<double>::digits == 53 &&
                   std::numeric_limits<float>::is_iec559 && std::numeric_limits<float>::digits == 24,
               "protostar needs IEEE 754 float and double");
@@ -32,13 +30,13 @@ static_assert(std::numeric_limits<double>::is_iec559 && std::numeric_limits<doub
     "protostar needs double arithmetic in double (FLT_EVAL_METHOD 0): on 32-bit x86 compile with -msse2 -mfpmath=sse"
 #endif
 
-// Every declaration lives in protostar::PROTOSTAR_ABI, an inline namespace: nobody writes its name, the
-// linker reads it. Two translation units that were compiled for different instruction sets then hold
-// different functions, and a program that links both keeps both instead of silently merging them into one
-// that half of its machines cannot run. That holds for the library's functions; those of GLM and of the
-// standard library have no such names. The name is that of the widest vectors, then _fma, then _bmi or _bmi2:
-// -march=haswell gives avx2_fma_bmi2, -mavx2 alone avx2. A program that defines PROTOSTAR_SCALAR, for which
-// accel/simd.hpp leaves vectors aside, has _scalar at the end.
+// Every declaration lives in protostar::PROTOSTAR_ABI, an inline namespace whose name nobody writes, but the
+// linker reads. Two translation units that were compiled for different instruction sets then hold different
+// functions, and a program that links both keeps both instead of silently merging them into one that half of
+// its machines cannot run. This holds for the library's functions; GLM's and the standard library's have no
+// such names. The name is that of the widest vectors, then _fma, then _bmi or _bmi2: -march=haswell gives
+// avx2_fma_bmi2, -mavx2 alone avx2. If a program defines PROTOSTAR_SCALAR, for which accel/simd.hpp leaves
+// vectors aside, the name ends in _scalar.
 #if defined(__AVX512VL__)
 #define PROTOSTAR_ABI_WIDTH avx512vl
 #elif defined(__AVX512F__)

@@ -17,17 +17,17 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// How save_ppm writes.
+/// Options of save_ppm.
 struct PpmOptions {
-  int bits = 8;             ///< 8 or 16 per channel: a maximum value of 255 or 65535
-  bool plain = false;       ///< decimal numbers (P3), laid out as the tutorial does, instead of bytes (P6)
-  bool repeat_rows = true;  ///< a row that equals the one above is written again, and not encoded
-  StopToken stop = {};      ///< asked for, save_ppm returns early and leaves the file as it was
+  int bits = 8;             ///< bits per channel, 8 or 16: a maximum value of 255 or 65535
+  bool plain = false;       ///< decimal numbers (P3), laid out as in the tutorial, instead of bytes (P6)
+  bool repeat_rows = true;  ///< a row equal to the one above is written again without encoding
+  StopToken stop = {};      ///< if requested, save_ppm returns early and leaves the file as it was
 };
 
 namespace detail {
 
-/// The decimal digits of every code with a tab behind them, so that a number is copied and not computed.
+/// Decimal digits of every code with a tab behind them, so that a number is copied and not computed.
 class DecimalCodes {
  public:
   explicit DecimalCodes(std::uint16_t max_code) : texts_(std::size_t{max_code} + 1) {
@@ -39,7 +39,7 @@ class DecimalCodes {
     }
   }
 
-  /// Copies six characters, of which it counts those that belong to the number, and returns their end.
+  /// Copies the six characters of a code's text, and returns the end of its number and tab.
   char* put(char* to, std::uint16_t code) const {
     const Text& text = texts_[code];
     for (std::size_t i = 0; i < text.characters.size(); ++i) to[i] = text.characters[i];
@@ -71,9 +71,9 @@ inline void save_ppm(const Image& image, const std::filesystem::path& path, cons
              std::to_string(image.height()) + "\n" + std::to_string(encode.max_code()) + "\n");
 
   const detail::DecimalCodes decimals(options.plain ? encode.max_code() : std::uint16_t{0});
-  constexpr int block = 4096;  // pixels written at a time, also of a row of any width
+  constexpr int block = 4096;  // pixels written at a time, for rows of any width
   std::array<char, block * 19 + 1>
-      buffer;  // three numbers of five digits and four tabs a pixel, and a line's end
+      buffer;  // per pixel three numbers of five digits and four tabs, and one newline
   const std::size_t row_bytes = static_cast<std::size_t>(image.width()) * sizeof(Color);
   const auto is_like_the_row_above = [&](int y) {
     return y > 0 && std::memcmp(&image(0, y), &image(0, y - 1), row_bytes) == 0;
@@ -82,7 +82,7 @@ inline void save_ppm(const Image& image, const std::filesystem::path& path, cons
   for (int y = 0; y < image.height(); ++y) {
     if (options.repeat_rows && image.width() <= block && is_like_the_row_above(y)) {
       if (options.stop.stop_requested()) return;
-      file.write(buffer.data(), static_cast<std::size_t>(end - buffer.data()));  // where it is still
+      file.write(buffer.data(), static_cast<std::size_t>(end - buffer.data()));  // still the row above
       continue;
     }
     for (int x0 = 0; x0 < image.width(); x0 += block) {

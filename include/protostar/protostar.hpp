@@ -1,4 +1,4 @@
-// The whole core. What needs a library besides GLM is in io/.
+// Includes the whole core. Headers that need a library besides GLM are in io/.
 #pragma once
 
 #include "bounds.hpp"

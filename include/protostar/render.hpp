@@ -1,7 +1,7 @@
 // The loop over the pixels (§2.2.5), in tiles, by several threads.
 #pragma once
 
-#include "accel/render_tiles.hpp"  // without this line every picture is the same, only later
+#include "accel/render_tiles.hpp"  // without this line every picture is the same, only slower
 #include "integrator.hpp"
 #include "parallel.hpp"
 
@@ -9,7 +9,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// Fills an image by tiles of side × side pixels, which threads take as they come.
+/// Fills an image by tiles of side × side pixels; each thread takes the next tile when it is free.
 void fill_tiles(const Image& image, int side, const RenderOptions& options, const auto& fill) {
   const Tile all = image.tile();
   for_each_in_parallel(all.count(side), options, [&](int i) { fill(all.part(i, side)); });
@@ -17,8 +17,8 @@ void fill_tiles(const Image& image, int side, const RenderOptions& options, cons
 
 }  // namespace detail
 
-/// What fills a tile of an image with what a camera sees of a scene: here, one ray after the other. For
-/// scenes, accel/ has one that gives the same bytes sooner.
+/// Returns a function that fills a tile of an image with the view of a camera; here by the plain path, ray by
+/// ray. For scenes, accel/ has an overload that gives the same bytes faster.
 template <class S, class I>
 auto tile_filler(Image& image, const Camera& camera, const S& scene, const I& integrator,
                  const RenderOptions& options) {
@@ -28,13 +28,13 @@ auto tile_filler(Image& image, const Camera& camera, const S& scene, const I& in
   };
 }
 
-/// Fills an image with what a camera sees, one ray through each pixel's center unless the options say
-/// otherwise; radiance says what a ray brings, and is called from several threads at once. The picture is the
-/// same for any number of threads.
+/// Fills an image with the view of a camera, one ray through each pixel's center unless the options say
+/// otherwise; radiance(ray) returns the radiance along a ray, and is called from several threads at once. The
+/// picture is the same for any number of threads.
 ///
 /// Throws std::invalid_argument for an invalid camera, a negative number of threads or samples and a crop
-/// that does not hold the image, what radiance.validate() throws, if there is one, and whatever radiance
-/// throws.
+/// that does not contain the image, anything that radiance.validate() throws, if there is one, and anything
+/// that radiance throws.
 void render(Image& image, const Camera& camera, const Radiance auto& radiance,
             const RenderOptions& options = {}) {
   camera.validate();
@@ -44,7 +44,8 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
                      [&](const Tile& tile) { detail::fill_pixels(image, tile, camera, pixels, radiance); });
 }
 
-/// Fills an image with what a camera sees of a scene, through an integrator. Errors as above.
+/// Fills an image with the view of a camera in a scene, by an integrator. Throws as the render of a Radiance
+/// does.
 template <Traceable S, Integrator<S> I>
 void render(Image& image, const Camera& camera, const S& scene, const I& integrator,
             const RenderOptions& options = {}) {
@@ -53,7 +54,7 @@ void render(Image& image, const Camera& camera, const S& scene, const I& integra
   detail::fill_tiles(image, 64, options, tile_filler(image, camera, scene, integrator, options));
 }
 
-/// Refuses, in a sentence of the compiler's, what cannot be rendered.
+/// Stops the compiler with a sentence on why the arguments cannot be rendered.
 template <class R>
 requires(!Radiance<R>) void render(Image&, const Camera&, const R&, const RenderOptions& = {}) {
   static_assert(detail::RadianceRequirements<R>::hold);

@@ -1,4 +1,4 @@
-// Surfaces and lights, and the three questions that a ray asks of them (§2.3.1).
+// Scenes: surfaces and lights, and the three queries of a ray (§2.3.1).
 #pragma once
 
 #include <algorithm>
@@ -22,12 +22,12 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Whatever answers the three questions: a Scene, or what stands in for one.
-///   intersect(ray, range)         what is met first?
-///   occluded(ray, range)          is anything in the way?
-///   crossings(ray, range, visit)  what is crossed at all?
-/// Integrators of light also ask it for lights(), ambient() and sky(), as Scene has them, and for its
-/// environment(); of those, all but the first may be missing.
+/// Scene, or a type that stands in for one and answers the three queries of a ray.
+///   intersect(ray, range)         closest hit
+///   occluded(ray, range)          any hit
+///   crossings(ray, range, visit)  all hits
+/// Integrators of light also ask it for lights(), ambient(), sky() and environment(), as Scene has them; all
+/// but lights() may be missing.
 template <class T>
 concept Traceable = requires(const T& scene, const Ray& ray, Interval range) {
   { scene.intersect(ray, range) } -> std::same_as<std::optional<Intersection>>;
@@ -37,16 +37,16 @@ concept Traceable = requires(const T& scene, const Ray& ray, Interval range) {
 
 namespace detail {
 
-/// Where a ray meets something first. What it takes to find out is not on the stack while the ray's light is
-/// followed further.
+/// Returns the closest hit of a ray. It is not inlined, so that the search is off the stack while the ray's
+/// light is traced further.
 [[nodiscard, gnu::noinline]] std::optional<Intersection> first_hit(const Ray& ray, const auto& scene) {
   return scene.intersect(ray, Interval{});
 }
 
 }  // namespace detail
 
-/// What a ray brings that is followed to what it meets first: shade(hit), or background() where it meets
-/// nothing. A scene may know how to do that for several rays at once.
+/// Traces the ray; returns shade(hit), or background() if it misses. A scene may offer it for several rays at
+/// once.
 template <class R>
 [[nodiscard]] typename R::Light follow(const R& ray, const auto& scene, const auto& background,
                                        const auto& shade) {
@@ -58,7 +58,7 @@ template <class R>
   }
 }
 
-/// The same, of several rays one by one.
+/// Traces several rays one by one; returns shade(hit) for each, or background() if it misses.
 template <class R>
 [[nodiscard]] typename R::Light follow_each(const R& ray, const auto& scene, const auto& background,
                                             const auto& shade) {
@@ -68,7 +68,7 @@ template <class R>
     return follow(ray, scene, background, shade);
 }
 
-/// The irradiance that is everywhere in a scene: none in one that knows of none.
+/// Returns the ambient irradiance of a scene; 0 if it has none.
 [[nodiscard]] Color ambient_of(const auto& scene) {
   if constexpr (requires { scene.ambient(); })
     return scene.ambient();
@@ -76,15 +76,16 @@ template <class R>
     return Color{0};
 }
 
-/// What a ray brings from an environment. Straight down v is 1, where a texture that repeats begins anew: it
-/// is asked for what comes just before.
+/// Returns the radiance of an environment along a ray. Straight down v is 1, where a texture that repeats
+/// begins anew: the environment is asked for the v just before.
 [[nodiscard, gnu::noinline]] inline Color light_from(const Texture& environment, const Ray& ray) {
   const Vec3 direction = normalize(scaled(ray.direction, -exponent_of({ray.direction})));
   const Uv place = direction_uv(direction);
   return environment(place.x, std::min(place.y, 1 - 0x1p-53));
 }
 
-/// What a ray brings that meets nothing, or what it brings without a sky.
+/// Returns the radiance of a ray that hits nothing: the environment's, the sky's, or `without` if there is
+/// neither.
 template <class R>
 [[nodiscard]] typename R::Light sky_of(const R& ray, const auto& scene, const Color& without) {
   if constexpr (requires { scene.environment(); })
@@ -106,17 +107,17 @@ inline constexpr bool are_distinct<First, Rest...> =
 
 }  // namespace detail
 
-/// A collection of surfaces of the named types. What is no Surface is named by the compiler, with what it
-/// lacks.
+/// Collection of surfaces of the named types. If one is no Surface, the compiler names it and the members
+/// that it lacks.
 template <class... S>
 class Scene;
 
-/// A collection of surfaces of the named types, each type in a vector of its own: what is not named costs
+/// Collection of surfaces of the named types, each type in a vector of its own: types that are not named cost
 /// nothing.
 ///
-/// The order of the surfaces is: by type as named, then as added. Of two crossings at equal t the earlier
-/// surface's is the first. A scene without surfaces is a miss for every ray, and one without lights is dark.
-/// A const scene may be shared by threads.
+/// The order of the surfaces is: by type as named, then as added. If two hits are at equal t, the earlier
+/// surface's is the closest. Every ray misses a scene without surfaces, and a scene without lights is dark. A
+/// const scene may be shared by threads.
 template <Surface... S>
 class Scene<S...> {
   static_assert(detail::are_distinct<S...>, "Scene: each type of surface is named once");
@@ -134,28 +135,29 @@ class Scene<S...> {
   static constexpr bool shines = std::convertible_to<T, Light> || std::convertible_to<T, AmbientLight>;
 
  public:
-  /// Adds a surface of one of the scene's types, or one that converts to the first of them that takes it.
-  /// Throws std::invalid_argument for a material or a surface that is not valid, and for a texture on a
-  /// surface that has no coordinates.
+  /// Adds a surface of one of the scene's types, or of a type that converts to one; the first that takes it
+  /// is used. Throws std::invalid_argument for a material or a surface that is not valid, and for a texture
+  /// on a surface that has no coordinates.
   template <class T>
   requires(takes<T>) void add(T surface, Material material) {
     material.validate();
     group_for<T>().add(std::move(surface), std::move(material));
   }
 
-  /// Adds a matte surface of a color (finite, not negative).
+  /// Adds a matte surface of a color. Throws std::invalid_argument if the color is negative or not finite, or
+  /// the surface is not valid.
   template <class T>
   requires(takes<T>) void add(T surface, const Color& color) {
     if (!is_light(color)) throw std::invalid_argument("Scene::add: color must be finite and not negative");
     group_for<T>().add(std::move(surface), Material{.diffuse = color});
   }
 
-  /// So many lights add up to less than the largest float, 2^128: none brings more than 2^107
+  /// Largest number of lights. They add up to less than the largest float, 2^128: none brings more than 2^107
   /// (most_irradiance), and neither do all ambient ones together.
   static constexpr std::size_t most_lights = std::size_t{1} << 20;
 
-  /// Adds a light: a PointLight, or any that Light takes. One that is not valid, or one too many, throws
-  /// std::invalid_argument.
+  /// Adds a light: a PointLight, or any other that Light takes. Throws std::invalid_argument for one that is
+  /// not valid, or one too many.
   void add(const Light& light) {
     if (lights_.size() == most_lights)
       throw std::invalid_argument("Scene::add: a scene has at most " + std::to_string(most_lights) +
@@ -163,8 +165,8 @@ class Scene<S...> {
     lights_.push_back(light);
   }
 
-  // What cannot be added. What is meant as a surface is told what it lacks; of a deleted function that is
-  // called, compilers show the line.
+  // Overloads for arguments that cannot be added. A type meant as a surface is told the members that it
+  // lacks; for a call of a deleted function, compilers show its line.
   template <class T>
   requires(lacks<T>) void add(const T&, const Material&) {
     static_assert(detail::SurfaceRequirements<T>::hold);
@@ -180,8 +182,8 @@ class Scene<S...> {
   template <class T>
   requires(!shines<T>) void add(const T&) = delete;  // no light, and a surface needs a Material or a Color
 
-  /// Adds to the irradiance of all points, which is held at most_irradiance. Throws std::invalid_argument if
-  /// the light is negative or not finite.
+  /// Adds ambient light: irradiance of all points, whose sum is held at most_irradiance. Throws
+  /// std::invalid_argument if the light is negative or not finite.
   void add(const AmbientLight& light) {
     if (!is_light(light.intensity))
       throw std::invalid_argument("AmbientLight: intensity must be finite and not negative");
@@ -189,16 +191,16 @@ class Scene<S...> {
       ambient_[i] = std::min(ambient_[i] + std::min(light.intensity[i], most_irradiance), most_irradiance);
   }
 
-  /// Gives the scene a sky: what a ray brings that meets nothing. Throws std::invalid_argument if it is
-  /// negative or not finite.
+  /// Sets the sky: the radiance of rays that hit nothing. Throws std::invalid_argument if it is negative or
+  /// not finite.
   void set_sky(const Color& sky) {
     if (!is_light(sky)) throw std::invalid_argument("Scene::set_sky: sky must be finite and not negative");
     sky_ = sky;
   }
 
-  /// Gives the scene an environment: what a ray brings that meets nothing, by u and v of its direction as
-  /// direction_uv has them, v below 1. It comes before the sky. Throws std::invalid_argument for an empty
-  /// function.
+  /// Sets the environment: the radiance of rays that hit nothing, by u and v of their direction
+  /// (direction_uv), with v below 1. It takes precedence over the sky. Throws std::invalid_argument for an
+  /// empty function.
   void set_environment(Texture environment) {
     if (!environment)
       throw std::invalid_argument(
@@ -206,14 +208,16 @@ class Scene<S...> {
     environment_ = std::move(environment);
   }
 
-  /// The first crossing inside the range. The order is exact for surfaces that can refine their roots.
+  /// Returns the closest hit in the range, if there is one. The order is exact for surfaces that can refine
+  /// their roots.
   [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
     const SurfaceCrossing first = closest_hit(ray, range);
     if (first.surface == nullptr) return std::nullopt;
     return Intersection(ray, first);
   }
 
-  /// The same without its ray; the surface is null where there is none.
+  /// Returns the closest hit in the range as a crossing without its ray; the surface is null if there is
+  /// none.
   [[nodiscard]] SurfaceCrossing closest_hit(const Ray& ray, Interval range = {}) const {
     SurfaceCrossing first;
     ClosestHit search(ray, range, first);
@@ -221,13 +225,13 @@ class Scene<S...> {
     return first;
   }
 
-  /// Whether there is any crossing inside the range. The first one found ends the search.
+  /// Returns true if there is any hit in the range. The first one found ends the search.
   [[nodiscard]] bool occluded(const Ray& ray, [[maybe_unused]] Interval range = {}) const {
     return (std::get<Group<S>>(groups_).occluded(ray, range) || ...);
   }
 
-  /// Calls visit(const Intersection&) for every crossing inside the range, in the order of the surfaces, not
-  /// along the ray; of one surface, near before far. A point of tangency counts as two crossings.
+  /// Calls visit(const Intersection&) for all hits in the range, in the order of the surfaces, not along the
+  /// ray; hits on one surface come near before far. A point of tangency counts as two hits.
   void crossings(const Ray& ray, Interval range, auto&& visit) const {
     each_surface([&](const auto& surface, const Material& material) {
       each_crossing(surface, ray, range, [&](const Crossing& crossing) {
@@ -239,19 +243,20 @@ class Scene<S...> {
 
   [[nodiscard]] const std::vector<Light>& lights() const { return lights_; }
 
-  /// The irradiance that is added everywhere: the sum of the ambient lights.
+  /// Returns the irradiance that is added everywhere: the sum of the ambient lights.
   [[nodiscard]] const Color& ambient() const { return ambient_; }
 
-  /// What a ray brings that meets nothing; without one, each integrator has its own.
+  /// Returns the radiance of rays that hit nothing; if empty, each integrator has its own.
   [[nodiscard]] const std::optional<Color>& sky() const { return sky_; }
 
-  /// The same by its direction; empty without one.
+  /// Returns the radiance of rays that hit nothing as a function of their direction; empty if there is none.
   [[nodiscard]] const Texture& environment() const { return environment_; }
 
-  /// How many surfaces there are.
+  /// Returns the number of surfaces.
   [[nodiscard]] std::size_t size() const { return (std::size_t{0} + ... + surfaces<S>().size()); }
 
-  /// The surfaces of one of the scene's types, and their materials, as they were added.
+  /// Returns the surfaces of one of the scene's types, or their materials, in the order in which they were
+  /// added.
   template <class T>
   [[nodiscard]] const std::vector<T>& surfaces() const {
     return std::get<Group<T>>(groups_).surfaces;
@@ -262,7 +267,7 @@ class Scene<S...> {
   }
 
  private:
-  /// The surfaces of one type, and their materials.
+  /// Surfaces of one type, and their materials.
   template <Surface T>
   struct Group {
     std::vector<T> surfaces;
@@ -272,7 +277,7 @@ class Scene<S...> {
       if constexpr (SurfaceWithValidation<T>) surface.validate();
       if (material.texture && !has_uv(surface))
         throw std::invalid_argument("Scene::add: a texture needs a surface with coordinates, uv_at(point)");
-      // If memory ends, it does so before one of them has grown.
+      // If memory runs out, it does so before one of the vectors has grown.
       if (materials.size() == materials.capacity()) materials.reserve(2 * materials.size() + 1);
       surfaces.push_back(std::move(surface));
       materials.push_back(std::move(material));
@@ -316,8 +321,8 @@ class Scene<S...> {
   Texture environment_;
 };
 
-/// A scene that names a type which is no surface: that stops the compiler, which says what the type lacks.
-/// Whatever else is done with the scene is let pass.
+/// Scene that names a type which is no surface: it stops the compiler, with a sentence on each member that
+/// the type lacks. All other uses of the scene compile.
 template <class... S>
 class Scene : public Scene<> {
   static_assert((detail::SurfaceRequirements<S>::hold && ...));

@@ -1,4 +1,4 @@
-// Text from elsewhere, such as the name of a file, as a message can show it.
+// Makes text from elsewhere, such as the name of a file, safe to show in a message.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// Returns how many bytes the character of UTF-8 at the beginning of a text has; 0 if there is none.
+/// Returns the number of bytes of the UTF-8 character at the beginning of a text; 0 if there is none.
 inline std::size_t bytes_of_character(std::string_view text) {
   const auto byte = [&](std::size_t i) -> unsigned {
     return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
@@ -21,7 +21,7 @@ inline std::size_t bytes_of_character(std::string_view text) {
   if (text.empty()) return 0;
   if (lead < 0x80) return 1;
   if (0xc2 <= lead && lead < 0xe0) return continues(1) ? 2 : 0;
-  // Not those that a shorter form has (RFC 3629), not surrogates, and none above U+10FFFF.
+  // Excluded are characters that have a shorter form (RFC 3629), surrogates, and any above U+10FFFF.
   if (0xe0 <= lead && lead < 0xf0)
     return continues(1) && continues(2) && !(lead == 0xe0 && second < 0xa0) &&
                    !(lead == 0xed && second >= 0xa0)

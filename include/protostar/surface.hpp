@@ -1,8 +1,8 @@
-// What a surface is, and how a scene crosses one of any kind.
+// Surface concepts, and functions that intersect rays with a surface of any type.
 //
-// A surface has to know two things: where a ray meets it first, and its normal. It may know more, and then
-// more is exact: its roots, their refinement, its departure. The functions below ask for what it offers and
-// derive the rest.
+// A surface must know its first crossing with a ray, and its normal. It may know more, and then more is
+// exact: its roots, their refinement, its departure. The functions below ask for what it offers and derive
+// the rest.
 #pragma once
 
 #include <cmath>
@@ -18,17 +18,17 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A surface: any copyable type with the two functions
+/// Surface: any copyable type with the two functions
 ///
 ///   std::optional<double> intersect(const Ray&, Interval) const
 ///   Vec3 normal_at(Point) const
 ///
-/// the smallest t of a crossing inside an open interval, and the unit normal at a point of the surface. They
-/// and all others that a surface may have are called from several threads at once, and answer alike each
-/// time. `static_assert(Surface<Mine>)` checks a type of your own.
+/// which return the smallest t of a crossing inside an open interval, and the unit normal at a point of the
+/// surface. They and all other functions of a surface are called from several threads at once, and answer
+/// alike each time. `static_assert(Surface<Mine>)` checks a type of your own.
 ///
-/// A surface that is made of parts, as a mesh is of triangles, takes the part as well wherever it is asked
-/// about a point or a departure: normal_at(point, part). Its crossings say which it is.
+/// If a surface is made of primitives, as a mesh is of triangles, its functions of a point or a departure
+/// take the index of the primitive as well: normal_at(point, part). Its crossings hold that index.
 template <class S>
 concept Surface = std::copy_constructible<S> &&
     requires(const S& surface, const Ray& ray, Interval range, Point point) {
@@ -40,23 +40,22 @@ concept Surface = std::copy_constructible<S> &&
   };
 };
 
-/// A surface that is made of parts.
+/// Surface made of primitives.
 template <class S>
 concept SurfaceWithParts = Surface<S> && requires(const S& surface, Point point) {
   { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
   { surface.departure(0) } -> std::same_as<Departure>;
 };
 
-/// A surface that offers its roots, all crossings with the ray's line, as certain as Roots says. A point of
-/// tangency counts as two, and whether one lies inside an interval is decided exactly if the roots can be
-/// refined.
+/// Surface that offers its roots, all crossings with the ray's line, as certain as Roots says. A point of
+/// tangency counts as two. If the roots can be refined, the test of each against an interval is exact.
 template <class S>
 concept SurfaceWithRoots = Surface<S> && requires(const S& surface, const Ray& ray) {
   { surface.roots(ray) } -> std::same_as<Roots>;
 };
 
-/// A surface with roots that mostly knows the first in t > 0 sooner than all of them. What is the same for
-/// all surfaces of its type is worked out for a ray once, as its Line.
+/// Surface with roots that mostly finds the first one in t > 0 sooner than all of them. Its type Line holds
+/// values that are the same for all surfaces of the type, and is computed once for a ray.
 template <class S>
 concept SurfaceWithFirstRoot = SurfaceWithRoots<S> &&
     requires(const S& surface, const typename S::Line& line) {
@@ -64,27 +63,27 @@ concept SurfaceWithFirstRoot = SurfaceWithRoots<S> &&
   { surface.first_root(line) } -> std::same_as<FirstRoot>;
 };
 
-/// A surface that knows its roots without rounding: the order of its crossings and others' is then exact.
+/// Surface that knows its roots without rounding: the order of its crossings and others' is then exact.
 template <class S>
 concept SurfaceWithExactRoots = SurfaceWithRoots<S> && requires(const S& surface, const Ray& ray) {
   { surface.exact_root(ray, 0) } -> std::same_as<ExactRoot>;
 };
 
-/// A surface that says what a ray leaving it departs from, and that, given a ray with that departure, leaves
-/// out the root t = 0.
+/// Surface that says which geometry a ray leaving it departs from, and that omits the root t = 0 for a ray
+/// with that departure.
 template <class S>
 concept SurfaceWithDeparture = SurfaceWithParts<S> ||(Surface<S>&& requires(const S& surface) {
   { surface.departure() } -> std::same_as<Departure>;
 });
 
-/// A surface that knows how far its t can be from the true one at the origin of a ray that leaves it, in t.
-/// Such a ray starts beyond that.
+/// Surface that bounds the error of its t at the origin of a ray that leaves it. The range of such a ray
+/// starts beyond that bound.
 template <class S>
 concept SurfaceWithError = Surface<S> && requires(const S& surface, const Ray& ray) {
   { surface.departure_error(ray) } -> std::same_as<double>;
 };
 
-/// A surface that is made of others and hands on what they offer, departures included.
+/// Surface made of others that hands on what they offer, departures included.
 template <class S>
 concept CompositeSurface = Surface<S> && SurfaceWithDeparture<S> &&
     requires(const S& surface, const Ray& ray, Interval range, const Crossing& crossing) {
@@ -93,20 +92,20 @@ concept CompositeSurface = Surface<S> && SurfaceWithDeparture<S> &&
   { surface.exact_root(ray, crossing) } -> std::same_as<ExactRoot>;
 };
 
-/// A surface that can be asked whether its fields make sense: validate() throws std::invalid_argument if not.
+/// Surface whose fields can be checked: validate() throws std::invalid_argument if they make no sense.
 template <class S>
 concept SurfaceWithValidation = Surface<S> && requires(const S& surface) {
   surface.validate();
 };
 
-/// A surface that knows a box around itself: every crossing that it reports is inside, and it is found by way
-/// of that box. What rounds has to widen it.
+/// Surface with bounds: every crossing that it reports is inside them, and the traversal finds it through
+/// them. Bounds that are rounded must be widened (outward).
 template <class S>
 concept SurfaceWithBounds = Surface<S> && requires(const S& surface) {
   { surface.bounds() } -> std::same_as<Bounds>;
 };
 
-/// A surface that has coordinates of its own, for textures.
+/// Surface with coordinates of its own, for textures.
 template <class S>
 concept SurfaceWithUv = (Surface<S> &&
                          requires(const S& surface, const Point& point) {
@@ -116,9 +115,9 @@ concept SurfaceWithUv = (Surface<S> &&
                           { surface.uv_at(point, 0) } -> std::same_as<Uv>;
                         });
 
-/// The boundary of a closed solid: each crossing of a line leads into it or out of it, and where the line
-/// touches it there are two. It says whether the far end of a ray, t → ∞, is inside; of what has bounds, none
-/// is. One with parts says how many they are.
+/// Boundary of a closed solid: each crossing of a line leads into it or out of it, and a tangent line has two
+/// crossings where it touches. ends_inside tells if the far end of a ray, t → ∞, is inside, which is never so
+/// for a bounded solid. A solid made of primitives has part_count.
 template <class S>
 concept Solid = Surface<S> && requires(const S& surface, const Ray& ray) {
   { surface.ends_inside(ray) } -> std::same_as<bool>;
@@ -126,7 +125,8 @@ concept Solid = Surface<S> && requires(const S& surface, const Ray& ray) {
   { surface.part_count() } -> std::same_as<int>;
 });
 
-/// Whether a surface has coordinates. One that holds others may say it of each.
+/// Returns true if a surface has coordinates. A type that holds other surfaces may tell for each object, by
+/// has_uv().
 template <Surface S>
 [[nodiscard]] bool has_uv(const S& surface) {
   if constexpr (requires { surface.has_uv(); })
@@ -135,7 +135,8 @@ template <Surface S>
     return SurfaceWithUv<S>;
 }
 
-/// Whether crossings of a surface are on parts of it. One that holds others may say it of each.
+/// Returns true if the crossings of a surface are on primitives of it. A type that holds other surfaces may
+/// tell for each object, by has_parts().
 template <Surface S>
 [[nodiscard]] bool has_parts(const S& surface) {
   if constexpr (requires { surface.has_parts(); })
@@ -144,8 +145,8 @@ template <Surface S>
     return SurfaceWithParts<S>;
 }
 
-/// Whether the normal is the same at all points of a part, so that it is worked out once for those that see
-/// it. A surface says so where that pays.
+/// Returns true if the normal is the same at all points of a primitive, so that it is computed once for all
+/// rays that hit it. A surface says so, by has_flat_parts(), if that pays.
 template <Surface S>
 [[nodiscard]] bool has_flat_parts(const S& surface) {
   if constexpr (requires { surface.has_flat_parts(); })
@@ -154,7 +155,8 @@ template <Surface S>
     return false;
 }
 
-/// Whether a surface is the boundary of a solid. One that holds others may say it of each.
+/// Returns true if a surface is the boundary of a solid. A type that holds other surfaces may tell for each
+/// object, by is_solid().
 template <Surface S>
 [[nodiscard]] bool is_solid(const S& surface) {
   if constexpr (requires { surface.is_solid(); })
@@ -163,7 +165,7 @@ template <Surface S>
     return Solid<S>;
 }
 
-/// Whether the far end of a ray is inside a surface, if that is a solid.
+/// Returns true if a surface is a Solid and the far end of a ray is inside it.
 template <Surface S>
 [[nodiscard]] bool ends_inside(const S& surface, const Ray& ray) {
   if constexpr (Solid<S>)
@@ -172,7 +174,7 @@ template <Surface S>
     return false;
 }
 
-/// How many parts a solid has: one without parts is one.
+/// Returns the number of a solid's primitives: 1 for a solid that is not made of primitives.
 template <Surface S>
 [[nodiscard]] int part_count(const S& surface) {
   if constexpr (requires { surface.part_count(); })
@@ -181,7 +183,7 @@ template <Surface S>
     return 1;
 }
 
-/// The unit normal at a point of a surface, or of a part of it.
+/// Returns the unit normal at a point of a surface, or of a primitive of it.
 template <Surface S>
 [[nodiscard]] Vec3 normal_at(const S& surface, const Point& point, int part) {
   if constexpr (SurfaceWithParts<S>)
@@ -190,7 +192,7 @@ template <Surface S>
     return surface.normal_at(point);
 }
 
-/// The coordinates of a point of a surface, or of a part of it; 0 and 0 if it has none.
+/// Returns the coordinates of a point of a surface, or of a primitive of it; 0 and 0 if it has none.
 template <Surface S>
 [[nodiscard]] Uv uv_at(const S& surface, const Point& point, int part) {
   if constexpr (SurfaceWithUv<S> && SurfaceWithParts<S>)
@@ -201,8 +203,8 @@ template <Surface S>
     return Uv{0};
 }
 
-/// What a ray that leaves this surface, or a part of it, departs from: what the surface says, or else the
-/// object itself.
+/// Returns the departure of a ray that leaves a surface, or a primitive of it: the surface's own departure,
+/// or else the object itself.
 template <Surface S>
 [[nodiscard]] Departure departure_of(const S& surface, int part = 0) {
   if constexpr (SurfaceWithParts<S>)
@@ -213,7 +215,7 @@ template <Surface S>
     return {.kind = Departure::Kind::object, .object = &surface};
 }
 
-/// A crossing without rounding. A surface that knows no more than t is taken at its word.
+/// Returns the root of a crossing without rounding. If the surface knows no more than t, t is taken as exact.
 template <Surface S>
 [[nodiscard]] ExactRoot exact_root(const S& surface, const Ray& ray, const Crossing& crossing) {
   if constexpr (CompositeSurface<S>)
@@ -226,7 +228,7 @@ template <Surface S>
 
 namespace detail {
 
-/// lies_inside where the error of t reaches an end of the range.
+/// Returns lies_inside for a t whose error reaches an end of the range.
 template <Surface S>
 [[nodiscard, gnu::noinline, gnu::cold]] bool lies_inside_refined(const S& surface, Ray ray, Crossing crossing,
                                                                  Interval range) {
@@ -239,7 +241,7 @@ template <Surface S>
 
 }  // namespace detail
 
-/// Whether a crossing lies inside an open range: decided by t where its error allows, and exactly where not.
+/// Returns true if a crossing lies inside an open range, decided by t if its error allows, otherwise exactly.
 template <Surface S>
 [[nodiscard]] bool lies_inside(const S& surface, const Ray& ray, const Crossing& crossing, Interval range) {
   const double t = crossing.t, margin = 2 * Roots::relative_error * std::abs(t);
@@ -248,15 +250,14 @@ template <Surface S>
   return detail::lies_inside_refined(surface, ray, crossing, range);
 }
 
-/// The part of the range that is left for a ray that departs from a surface which knows nothing of
-/// departures.
+/// Returns the part of the range that is left for a ray that departs from a surface without departure().
 ///
 /// The crossing at t = 0 is computed and comes out as a little more or less. A surface that knows its error
-/// says where others begin. Without that, of all crossings with the line the nearest to the origin is taken
-/// for the one that is left: one that lies ahead is cut off, one behind or at the origin is outside a forward
-/// ray as it is. This fails where the surface has another crossing so near that the error of t reaches it:
-/// along a ray that leaves at a grazing angle, or at a sharp edge. A surface that knows its roots should
-/// offer roots() and departure().
+/// says where others begin. Otherwise, the line's crossing nearest to the origin is taken for the one that is
+/// left: one that lies ahead is cut off, one behind or at the origin is outside a forward ray as it is. This
+/// fails if the surface has another crossing so near that the error of t reaches it: along a ray that leaves
+/// at a grazing angle, or at a sharp edge. A surface that knows its roots should offer roots() and
+/// departure().
 template <Surface S>
 [[nodiscard]] Interval beyond_departure(const S& surface, const Ray& ray, Interval range) {
   const auto from = [&](double t) {
@@ -275,7 +276,8 @@ template <Surface S>
   }
 }
 
-/// The range in which a surface is crossed, its departure taken into account if it does not do that itself.
+/// Returns the range in which to intersect a surface: shortened if the ray departs from this surface, which
+/// takes no account of departures itself.
 template <Surface S>
 [[nodiscard]] Interval range_for(const S& surface, const Ray& ray, Interval range) {
   if constexpr (!SurfaceWithDeparture<S>)
@@ -284,7 +286,7 @@ template <Surface S>
   return range;
 }
 
-/// Where a ray meets a surface first inside a range.
+/// Returns the first crossing of a ray with a surface inside a range, if there is one.
 template <Surface S>
 [[nodiscard]] std::optional<Crossing> first_crossing(const S& surface, const Ray& ray, Interval range) {
   range = range_for(surface, ray, range);
@@ -308,8 +310,8 @@ template <Surface S>
   }
 }
 
-/// Whether a ray meets a surface inside a range. One that is made of many may know that sooner than which it
-/// meets first, and offers is_met(ray, range).
+/// Returns true if a ray has any hit on a surface inside a range. A surface made of many primitives may know
+/// that sooner than its closest hit, and offers is_met(ray, range).
 template <Surface S>
 [[nodiscard]] bool is_met(const S& surface, const Ray& ray, Interval range) {
   if constexpr (requires { surface.is_met(ray, range); })
@@ -319,8 +321,8 @@ template <Surface S>
 }
 
 /// Calls visit(const Crossing&) for every crossing inside a range, near to far. A surface that offers its
-/// roots has a point of tangency twice; of another, a straight ray never restarts but goes on after its last
-/// hit.
+/// roots has a point of tangency twice; on any other, the search goes on after the last hit, and the ray is
+/// never restarted.
 template <Surface S>
 void each_crossing(const S& surface, const Ray& ray, Interval range, auto&& visit) {
   range = range_for(surface, ray, range);
@@ -339,7 +341,7 @@ void each_crossing(const S& surface, const Ray& ray, Interval range, auto&& visi
   }
 }
 
-/// The table of a surface type.
+/// Function table of a surface type.
 template <Surface S>
 inline constexpr SurfaceFunctions functions_of{
     .normal_at = [](const void* s, const Point& p, int part) -> Vec3 {
@@ -354,7 +356,7 @@ inline constexpr SurfaceFunctions functions_of{
           return exact_root(*static_cast<const S*>(s), ray, crossing);
         }};
 
-/// A crossing with a surface, whose type is forgotten.
+/// Returns a crossing with a surface, whose type is erased.
 template <Surface S>
 [[nodiscard]] SurfaceCrossing crossing_on(const S& surface, const Crossing& crossing,
                                           const Material& material) {

@@ -1,7 +1,7 @@
-// What a type lacks to be a surface, in a sentence for each member.
+// Compile-time checks of surface types, with a sentence for each member that is missing.
 //
-// A concept that is not satisfied stops the compiler, but what g++ says of it need not name the member that
-// is missing. So what takes surfaces takes any type, and instantiates one of the checks below: each of its
+// A concept that is not satisfied stops the compiler, but g++'s message need not name the missing member.
+// Functions that take surfaces therefore take any type, and instantiate one of the checks below: each of its
 // static_asserts is a sentence, and the compiler adds the name of the type.
 #pragma once
 
@@ -12,7 +12,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
-/// What every Surface has. `hold` is true: what does not hold stops the compiler before anyone sees it.
+/// Checks the members that every Surface has. `hold` is true: if a check fails, compilation stops before
+/// anyone sees it.
 template <class S>
 struct SurfaceRequirements {
   static constexpr bool hold = true;
@@ -54,8 +55,8 @@ struct SurfaceRequirements {
       "Surface: the type has normal_at(Point, int) const, for parts, but no Departure departure(int) const");
 };
 
-/// What a Surface may have: a function of such a name that is not what the library asks for would be left
-/// aside without a word.
+/// Checks the members that a Surface may have: a function with such a name but another signature would be
+/// ignored silently.
 template <Surface S>
 struct SurfaceOffers : SurfaceRequirements<S> {
   static_assert(
@@ -97,15 +98,15 @@ struct SolidRequirements : SurfaceRequirements<S> {
                 "Solid: the surface has parts, but no int part_count() const");
 };
 
-/// A type that is neither Other nor a Surface, but has one of a surface's functions: it is meant to be one.
+/// Type that is neither Other nor a Surface, but has one of a surface's functions: it is meant to be one.
 template <class S, class Other = void>
 concept MeantAsSurface = !std::same_as<S, Other> &&
                          (
                              requires { &S::intersect; } || requires { &S::normal_at; }) &&
                          !Surface<S>;
 
-/// Stands in for a type that is no surface, or no solid, once that has been said, so that nothing more is
-/// said about it.
+/// Placeholder for a type that is no surface, or no solid, after the first error message, so that no more
+/// follow.
 struct NoSurface {
   std::optional<double> intersect(const Ray&, Interval) const { return std::nullopt; }
   Vec3 normal_at(Point) const { return Vec3{0}; }

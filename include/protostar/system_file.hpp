@@ -1,4 +1,4 @@
-// Files as the system writes them: by the descriptors of POSIX where there are such, else by the standard
+// Files written through the system: by the descriptors of POSIX if there are any, else by the standard
 // library.
 #pragma once
 
@@ -36,22 +36,21 @@
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
-/// Why a file cannot be opened: an error number, 0 for none, and what is to be said besides the system's
-/// message.
+/// Reason why a file cannot be opened: an error number, 0 for none, and an addition to the system's message.
 struct OpenError {
   int number = 0;
   const char* explanation = "";
 };
 
-/// The names of the temporary files for one target: a dot, the target's name, a dot, 16 random hexadecimal
-/// digits, and an ending. So the files that a killed process leaves behind are known by their names, and
+/// Names of the temporary files for one target: a dot, the target's name, a dot, 16 random hexadecimal
+/// digits, and an ending. The files that a killed process leaves behind are recognized by their names, and
 /// nobody can plant a file or a link under a name that is still to come.
 class TemporaryNames {
  public:
   explicit TemporaryNames(const std::string& target) {
-    // The least that a file system is known to allow a name is 143 bytes (eCryptfs); with 64 of the target's,
-    // a whole number of UTF-8 characters, ours have at most 96. Targets that begin alike share a prefix,
-    // which is harmless: nobody needs a leftover.
+    // File systems are known to allow at least 143 bytes for a name (eCryptfs); with 64 of the target's, a
+    // whole number of UTF-8 characters, these have at most 96. Targets that begin alike share a prefix, which
+    // is harmless: nobody needs a leftover.
     std::size_t length = std::min<std::size_t>(target.size(), 64);
     while (length > 0 && length < target.size() &&
            (static_cast<unsigned char>(target[length]) & 0xc0) == 0x80)
@@ -59,7 +58,8 @@ class TemporaryNames {
     prefix_.append(target, 0, length).append(1, '.');
   }
 
-  /// A name that no one can foresee. Throws what std::random_device throws if the system has no randomness.
+  /// Returns a name that no one can foresee. Throws what std::random_device throws if the system has no
+  /// randomness.
   [[nodiscard]] std::string another() const {
     std::random_device random;
     std::string name = prefix_;
@@ -84,7 +84,7 @@ class TemporaryNames {
 
 #if defined(PROTOSTAR_POSIX_FILES)
 
-/// A descriptor, closed at the end; -1 for none, as open returns it.
+/// Descriptor that is closed at the end; -1 for none, as open returns it.
 class Descriptor {
  public:
   Descriptor() = default;
@@ -99,22 +99,23 @@ class Descriptor {
   [[nodiscard]] int number() const { return number_; }
   explicit operator bool() const { return number_ >= 0; }
 
-  /// Returns 0, or −1 with errno set: also a failure of an earlier write that shows only now.
+  /// Closes the descriptor. Returns 0, or −1 with errno set, also for a failure of an earlier write that
+  /// shows only now.
   int close() { return number_ < 0 ? 0 : ::close(std::exchange(number_, -1)); }
 
  private:
   int number_ = -1;
 };
 
-/// Whether a user may replace a file by renaming another to its name. In a sticky folder, such as /tmp, only
-/// the owner of the file, that of the folder, and root may.
+/// Returns true if a user may replace a file by renaming another to its name. In a sticky folder, such as
+/// /tmp, only the owner of the file, the owner of the folder, and root may.
 [[nodiscard]] inline bool may_replace(const struct stat& folder, const struct stat& file, uid_t user) {
   return !(folder.st_mode & S_ISVTX) || user == 0 || user == file.st_uid || user == folder.st_uid;
 }
 
-/// Whether a file is mounted by itself over a name in a folder, as `docker run -v file:file` does. Such a
-/// name cannot be given to another file. Linux tells since 5.8; elsewhere the file is another device's than
-/// its folder, unless it is bound from the same one.
+/// Returns true if a file is mounted by itself over a name in a folder, as `docker run -v file:file` does.
+/// Such a name cannot be given to another file. Linux tells since 5.8; elsewhere a device other than the
+/// folder's shows it, unless the file is bound from the same one.
 [[nodiscard]] inline bool is_mount_point(const Descriptor& folder, const std::string& name,
                                          const struct stat& of_folder, const struct stat& of_file) {
 #if defined(STATX_ATTR_MOUNT_ROOT)
@@ -127,7 +128,7 @@ class Descriptor {
   return of_folder.st_dev != of_file.st_dev;
 }
 
-/// The permissions and other attributes of a file, copied to the file that replaces it.
+/// Permissions and other attributes of a file, copied to the file that replaces it.
 class Attributes {
  public:
   Attributes(const Descriptor& file, const struct stat& status) : status_(status) {
@@ -142,7 +143,7 @@ class Attributes {
   }
 
   /// Gives a file the owner, the group, the access control list and the permissions, as far as the system
-  /// lets, but never a set-id or a sticky bit. Where the group or the list cannot be kept, the group gets no
+  /// allows, but never a set-id or a sticky bit. If the group or the list cannot be kept, the group gets no
   /// more than others have.
   void give_to(const Descriptor& file) const {
     bool kept = true;
@@ -154,21 +155,21 @@ class Attributes {
       kept = false;
     const mode_t mode = status_.st_mode & (S_IRWXU | S_IRWXG | S_IRWXO);
     const mode_t others = mode & S_IRWXO;
-    // It fails where there are no permissions, and then none are lost.
+    // On file systems without permissions fchmod fails, and then none are lost.
     static_cast<void>(::fchmod(file.number(), kept ? mode : (mode & S_IRWXU) | (others << 3) | others) == 0);
   }
 
  private:
   static constexpr const char* access_list = "system.posix_acl_access";
   struct stat status_;
-  std::string list_;  // as the system has it; empty: none
+  std::string list_;  // access control list as the system stores it; empty: none
 };
 
-/// A file to be written: one that is there already, or a temporary one that takes a name when it is complete.
+/// File to be written: an existing one, or a temporary one that takes a name when it is complete.
 ///
-/// A process holds a lock on its temporary file until that has taken its name, and the system ends the lock
-/// with the process. So one without a lock is a leftover of a process that was killed. The functions return
-/// an error number, or 0.
+/// A process holds a lock on its temporary file until the file has taken its name, and the system ends the
+/// lock with the process. A temporary file without a lock is therefore a leftover of a process that was
+/// killed. The functions return an error number, or 0.
 class SystemFile {
  public:
   SystemFile() = default;
@@ -178,21 +179,21 @@ class SystemFile {
     if (!temporary_.empty()) ::unlinkat(folder_.number(), temporary_.c_str(), 0);
   }
 
-  /// Opens a device or a pipe, or a file to which is appended.
+  /// Opens a device or a pipe, or a file to append to.
   [[nodiscard]] OpenError open_directly(const std::filesystem::path& path) {
     file_ = Descriptor(::open(path.c_str(), O_WRONLY | O_APPEND | O_NOCTTY | O_CLOEXEC));
     return {file_ ? 0 : errno};
   }
 
-  /// Writes to what a descriptor of this process stands for, from where it stands.
+  /// Opens the file of a descriptor of this process, to write from its current position.
   [[nodiscard]] OpenError open_descriptor(int number) {
     file_ = Descriptor(::fcntl(number, F_DUPFD_CLOEXEC, 0));
     if (!file_) return {errno};
     return {(::fcntl(number, F_GETFL) & O_ACCMODE) == O_RDONLY ? EBADF : 0};
   }
 
-  /// Opens a temporary file for a target that does not exist, or is a regular file: that is replaced, or, if
-  /// it is a mount point, emptied by the first write.
+  /// Opens a temporary file for a target that does not exist, or is a regular file and is replaced; a target
+  /// that is a mount point is opened itself, and emptied by the first write.
   [[nodiscard]] OpenError open_target(const std::filesystem::path& target, bool exists) {
     const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
     folder_ = Descriptor(::open(folder.c_str(), search_only | O_DIRECTORY | O_CLOEXEC));
@@ -200,7 +201,7 @@ class SystemFile {
     target_ = target.filename().string();
     if (target_.empty()) return {ENOENT};
     if (exists) {
-      // Who may not write to the old file may not replace it either.
+      // A user who may not write to the old file may not replace it either.
       Descriptor old(::openat(folder_.number(), target_.c_str(), O_WRONLY | not_followed));
       struct stat of_folder {
       }, of_file{};
@@ -221,7 +222,7 @@ class SystemFile {
                    exists ? S_IRUSR | S_IWUSR : S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH)};
   }
 
-  /// Whether the file itself is written, as one that cannot be replaced.
+  /// Returns true if the target itself is written, as it cannot be replaced.
   [[nodiscard]] bool is_in_place() const { return is_in_place_; }
 
   [[nodiscard]] int write(const char* bytes, std::size_t size) {
@@ -234,7 +235,7 @@ class SystemFile {
       if (count >= 0) {
         bytes += count;
         size -= static_cast<std::size_t>(count);
-      } else if (errno == EAGAIN || errno == EWOULDBLOCK) {  // a pipe that somebody else made so
+      } else if (errno == EAGAIN || errno == EWOULDBLOCK) {  // a pipe that somebody made non-blocking
         pollfd room{file_.number(), POLLOUT, 0};
         ::poll(&room, 1, -1);
       } else if (errno != EINTR) {
@@ -244,12 +245,11 @@ class SystemFile {
     return 0;
   }
 
-  /// Ends the file, and gives a temporary one its name.
+  /// Completes the file, and gives a temporary one its name.
   [[nodiscard]] int commit() {
     if (temporary_.empty()) return file_.close() == 0 ? 0 : errno;
     if (attributes_) attributes_->give_to(file_);
-    // Network file systems tell only when the file is closed that it could not be written; the copy keeps the
-    // lock.
+    // Network file systems report only on close that the file could not be written; the copy keeps the lock.
     const Descriptor lock(::fcntl(file_.number(), F_DUPFD_CLOEXEC, 0));
     if (!lock || file_.close() != 0 ||
         ::renameat(folder_.number(), temporary_.c_str(), folder_.number(), target_.c_str()) != 0)
@@ -259,7 +259,7 @@ class SystemFile {
   }
 
  private:
-  // A folder need not be readable for files to be made in it.
+  // A folder need not be readable to make files in it.
 #if defined(O_PATH)
   static constexpr int search_only = O_PATH;
 #elif defined(O_SEARCH)
@@ -279,8 +279,8 @@ class SystemFile {
         if (errno == EEXIST) continue;
         return errno;
       }
-      // Before it has a lock, another process may take the file for a leftover: then that has the lock, or
-      // the name is gone. A file system without locks has no leftovers taken away.
+      // Before it has a lock, another process may take the file for a leftover: then the other has the lock,
+      // or the name is gone. On a file system without locks, leftovers are not removed.
       struct stat status {};
       if ((::flock(file_.number(), LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) &&
           ::fstatat(folder_.number(), temporary_.c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0)
@@ -289,8 +289,8 @@ class SystemFile {
     }
   }
 
-  /// Removes what killed processes left behind, as far as the folder may be read and they belong to this
-  /// user.
+  /// Removes the files that killed processes left behind, as far as the folder may be read and they belong to
+  /// this user.
   void reclaim(const TemporaryNames& names) const {
     const int list = ::openat(folder_.number(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     DIR* const entries = list < 0 ? nullptr : ::fdopendir(list);
@@ -310,16 +310,16 @@ class SystemFile {
   }
 
   Descriptor folder_, file_;
-  std::string target_, temporary_;        // names in the folder; no temporary one: empty
-  std::optional<Attributes> attributes_;  // of the file that is replaced
+  std::string target_, temporary_;        // names in the folder; temporary_ is empty if there is none
+  std::optional<Attributes> attributes_;  // attributes of the file that is replaced
   bool is_in_place_ = false, is_emptied_ = false;
 };
 
 #else
 
-/// A file to be written, by what every system has: no lock tells a leftover from a file that is being
-/// written, so that none is removed, no descriptor can be named, and of the old file's attributes the
-/// permissions are kept. The functions return an error number, or 0.
+/// File to be written through the standard library: no lock tells a leftover from a file that is being
+/// written, so none is removed; no descriptor can be named; and only the permissions of the old file are
+/// kept. The functions return an error number, or 0.
 class SystemFile {
  public:
   SystemFile() = default;
@@ -331,7 +331,7 @@ class SystemFile {
     if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
   }
 
-  /// Opens a device or a pipe, or a file to which is appended.
+  /// Opens a device or a pipe, or a file to append to.
   [[nodiscard]] OpenError open_directly(const std::filesystem::path& path) { return {open(path, "ab")}; }
 
   [[nodiscard]] OpenError open_descriptor(int) { return {EBADF}; }
@@ -341,7 +341,7 @@ class SystemFile {
     if (target.filename().empty()) return {ENOENT};
     target_ = target;
     if (exists) {
-      if (const int error = open(target, "r+b")) return {error};  // who may not write may not replace
+      if (const int error = open(target, "r+b")) return {error};  // a user who may not write may not replace
       std::fclose(std::exchange(file_, nullptr));
       std::error_code error;
       permissions_ = std::filesystem::status(target, error).permissions() & std::filesystem::perms::all;
@@ -349,7 +349,7 @@ class SystemFile {
     const TemporaryNames names(target.filename().string());
     for (;;) {
       const std::filesystem::path path = target.parent_path() / names.another();
-      const int error = open(path, "wbx");  // x: only if there is none of that name
+      const int error = open(path, "wbx");  // x: only if the name is free
       if (error == EEXIST) continue;
       if (error == 0) temporary_ = path;
       return {error};
@@ -362,7 +362,7 @@ class SystemFile {
     return std::fwrite(bytes, 1, size, file_) == size ? 0 : errno;
   }
 
-  /// Ends the file, and gives a temporary one its name.
+  /// Completes the file, and gives a temporary one its name.
   [[nodiscard]] int commit() {
     if (std::fclose(std::exchange(file_, nullptr)) != 0) return errno;
     if (temporary_.empty()) return 0;
@@ -381,8 +381,8 @@ class SystemFile {
   }
 
   std::FILE* file_ = nullptr;
-  std::filesystem::path target_, temporary_;                              // no temporary one: empty
-  std::filesystem::perms permissions_ = std::filesystem::perms::unknown;  // of the file that is replaced
+  std::filesystem::path target_, temporary_;  // temporary_ is empty if there is none
+  std::filesystem::perms permissions_ = std::filesystem::perms::unknown;  // the replaced file's
 };
 
 #endif

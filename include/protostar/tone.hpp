@@ -1,4 +1,4 @@
-// What is done with linear light before it is encoded: exposure, and what becomes of light above 1.
+// Tone: the exposure of linear light, and the treatment of light above 1, before it is encoded.
 #pragma once
 
 #include <algorithm>
@@ -11,15 +11,16 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// What becomes of channels above 1, which no file but a linear one holds.
+/// Treatment of channels above 1, which only files of linear light hold.
 enum class Tone {
   clip,         ///< the encoder cuts each channel at 1
-  scale_pixel,  ///< a pixel is divided by its largest channel where that is above 1, so that it keeps its hue
+  scale_pixel,  ///< a pixel is divided by its largest channel if above 1, so that it keeps its hue
   scale_image,  ///< the image is divided by its largest channel, if that is above 0
 };
 
 /// Multiplies all light by a factor, and holds it at the largest float. Throws std::invalid_argument unless
-/// the factor is from 0 to the largest float: one beyond that would be infinite, and black no number.
+/// the factor is from 0 to the largest float: a larger one would be infinite as a float, and black times it
+/// NaN.
 inline void expose(Image& image, double exposure) {
   if (!(exposure >= 0 && exposure <= std::numeric_limits<float>::max())) {
     char text[32];
@@ -32,13 +33,13 @@ inline void expose(Image& image, double exposure) {
   const auto factor = static_cast<float>(exposure);
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x)
-      image(x, y) = factor > 0 ? held(factor * image(x, y)) : Color{0};  // 0 · ∞ is no number
+      image(x, y) = factor > 0 ? held(factor * image(x, y)) : Color{0};  // 0 · ∞ is NaN
 }
 
-/// Changes an image as a tone says.
+/// Applies a tone to an image.
 inline void apply(Tone tone, Image& image) {
   if (tone == Tone::clip) return;
-  const auto finite = [](const Color& c) {  // of light beyond the largest float something is left, too
+  const auto finite = [](const Color& c) {  // holds infinite light at the largest float
     const float most = std::numeric_limits<float>::max();
     return Color{std::min(c.r, most), std::min(c.g, most), std::min(c.b, most)};
   };

@@ -1,13 +1,13 @@
-// White where there is a surface, black where there is none (§2.3.2).
+// Shows surfaces white and the rest black (§2.3.2).
 #pragma once
 
 #include "../scene.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Shows whether a ray meets anything at all, so it does not even ask what is first.
+/// Integrator that returns white for a ray with any hit, else black; it does not ask for the closest hit.
 struct BinaryIntegrator {
-  using TakesPackets = BinaryIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
+  using TakesPackets = BinaryIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
 
   template <class R = Ray>
   [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {

@@ -1,14 +1,14 @@
-// The flat colors of what is seen (§2.3.2, Fig. 11).
+// Shows surfaces in their flat colors (§2.3.2, Fig. 11).
 #pragma once
 
 #include "../scene.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Shows each surface in its color, unlit; the sky, or black, where there is nothing.
+/// Integrator that returns the color of the closest hit, unlit; the sky, or black, if there is none.
 struct ColorIntegrator {
-  using TakesPackets = ColorIntegrator;    ///< of rays, as well as single ones (accel/packet.hpp)
-  using ShadesAnywhere = ColorIntegrator;  ///< by shade_anywhere, where there is no texture
+  using TakesPackets = ColorIntegrator;    ///< takes packets as well as rays (accel/packet.hpp)
+  using ShadesAnywhere = ColorIntegrator;  ///< has shade_anywhere, for surfaces without a texture
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
@@ -25,7 +25,7 @@ struct ColorIntegrator {
     return hit.color();
   }
 
-  /// The same of a surface without a texture, wherever a ray meets it.
+  /// Returns the radiance of any hit on a surface without a texture.
   [[nodiscard]] Color shade_anywhere(const Material& material) const { return material.diffuse; }
 };
 

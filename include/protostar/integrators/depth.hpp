@@ -1,14 +1,14 @@
-// The reciprocal distance of what is seen (§2.3.2, Fig. 9).
+// Shows the reciprocal distance of surfaces (§2.3.2, Fig. 9).
 #pragma once
 
 #include "../scene.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Shows 1/t, with t the distance in scene units for rays of unit direction; black where there is nothing, as
-/// for a surface infinitely far away.
+/// Integrator that returns 1/t of the closest hit, with t the distance in scene units for rays of unit
+/// direction; black if there is none, as for a surface infinitely far away.
 struct DepthIntegrator {
-  using TakesPackets = DepthIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
+  using TakesPackets = DepthIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
@@ -19,7 +19,7 @@ struct DepthIntegrator {
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto&) const {
-    return held(typename Hit::Light(to_float(1 / hit.t)));  // the reciprocal may be beyond float
+    return held(typename Hit::Light(to_float(1 / hit.t)));  // the reciprocal may exceed the largest float
   }
 };
 

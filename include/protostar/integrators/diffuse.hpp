@@ -1,14 +1,15 @@
-// Diffuse surfaces under the lights of the scene, without shadows (§2.3.2, Figs. 14 and 15).
+// Shows diffuse surfaces under the lights of the scene, without shadows (§2.3.2, Figs. 14 and 15).
 #pragma once
 
 #include "../scene.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The light that a diffuse surface sends towards the ray's origin: its color times the irradiance of all
-/// lights on the side that the ray sees; the sky, or black, where there is nothing. Nothing hides a light.
+/// Integrator of diffuse surfaces without shadows: their radiance towards the ray's origin is the color times
+/// the irradiance of all lights on the side that the ray sees. The sky, or black, if there is no hit. Nothing
+/// occludes a light.
 struct DiffuseIntegrator {
-  using TakesPackets = DiffuseIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
+  using TakesPackets = DiffuseIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});

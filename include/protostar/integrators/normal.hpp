@@ -1,14 +1,14 @@
-// The normals of what is seen, as colors (§2.3.2, Fig. 10).
+// Shows the normals of surfaces as colors (§2.3.2, Fig. 10).
 #pragma once
 
 #include "../scene.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Maps the surface's own unit normal from [−1, 1]³ to [0, 1]³, x, y, z to red, green, blue; black where
-/// there is nothing.
+/// Integrator that maps the surface's own unit normal from [−1, 1]³ to [0, 1]³, x, y, z to red, green, blue;
+/// black if there is no hit.
 struct NormalIntegrator {
-  using TakesPackets = NormalIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
+  using TakesPackets = NormalIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});

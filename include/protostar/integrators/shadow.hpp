@@ -1,14 +1,14 @@
-// Diffuse surfaces under the lights of the scene, with shadows: Appel's picture (§2.3.2, Fig. 20).
+// Shows diffuse surfaces under the lights of the scene, with shadows: Appel's picture (§2.3.2, Fig. 20).
 #pragma once
 
 #include "../scene.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The light that a diffuse surface sends towards the ray's origin, from the lights that it can see; the
-/// sky, or black, where there is nothing.
+/// Integrator of diffuse surfaces with shadows: their radiance towards the ray's origin, from the lights that
+/// are not occluded. The sky, or black, if there is no hit.
 struct ShadowIntegrator {
-  using TakesPackets = ShadowIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
+  using TakesPackets = ShadowIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});

@@ -1,4 +1,4 @@
-// Light, shadows, mirrors and glass: Whitted's picture, by rays that follow rays.
+// Shows light, shadows, mirrors and glass by recursive rays: Whitted's picture.
 #pragma once
 
 #include <algorithm>
@@ -16,27 +16,27 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// d, seen in a mirror with this unit normal.
+/// Returns d, seen in a mirror with this unit normal.
 template <class V>
 [[nodiscard]] V reflected(const V& d, const V& normal) {
   return d - 2 * dot(normal, d) * normal;
 }
 
-/// Where light goes that passes a surface.
+/// Refracted direction, if light passes a surface.
 template <class V, class Answer>
 struct Refraction {
-  Answer passes;  ///< if not, all light is reflected
+  Answer passes;  ///< if false, all light is reflected
   V direction;
 };
 
-/// The unit direction d after it has passed a surface whose unit normal faces it (n·d ≤ 0), by Snell's law:
-/// the sine of its angle to the normal is ratio times as large as before, ratio being the index of refraction
-/// before the surface over that behind it. Light passes if there is such an angle.
+/// Returns the unit direction d after it has passed a surface whose unit normal faces it (n·d ≤ 0), by
+/// Snell's law: the sine of its angle to the normal is ratio times as large as before, ratio being the index
+/// of refraction before the surface over that behind it. Light passes if there is such an angle.
 template <class V, class Number>
 [[nodiscard]] auto refracted(const V& d, const V& normal, const Number& ratio) {
   using std::sqrt;
   const auto cosine = -dot(normal, d);
-  const auto square = 1 - ratio * ratio * (1 - cosine * cosine);  // of the cosine behind the surface
+  const auto square = 1 - ratio * ratio * (1 - cosine * cosine);  // square of the cosine behind the surface
   const auto passes = square >= 0.0;
   return Refraction<V, std::remove_const_t<decltype(passes)>>{
       passes, ratio * d + (ratio * cosine - sqrt(square)) * normal};
@@ -44,7 +44,7 @@ template <class V, class Number>
 
 namespace detail {
 
-/// Rays that paths may still take in this thread until they are too many.
+/// Number of rays that paths may still take in this thread.
 inline thread_local std::int64_t whitted_rays_left = 0;
 
 [[noreturn, gnu::cold, gnu::noinline]] inline void refuse_paths(std::int64_t most, int depth) {
@@ -56,31 +56,32 @@ inline thread_local std::int64_t whitted_rays_left = 0;
 
 }  // namespace detail
 
-/// The light of Material's equation: what the lights that a point can see bring to it, and what the mirror
-/// direction and the refracted direction see, by rays of their own (Whitted 1980, "An Improved Illumination
-/// Model for Shaded Display"). The sky, or black, where there is nothing.
+/// Integrator of Material's equation: the light from lights that are not occluded, and the radiance from the
+/// mirror direction and the refracted direction, by rays of their own (Whitted 1980, "An Improved
+/// Illumination Model for Shaded Display"). The sky, or black, if there is no hit.
 struct WhittedIntegrator {
-  using TakesPackets = WhittedIntegrator;  ///< of rays, as well as single ones (accel/packet.hpp)
+  using TakesPackets = WhittedIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
 
-  /// The largest depth. Each ray of a path is a call inside that of the ray before, on a thread's stack, of
+  /// Largest depth. Each ray of a path is a call inside the call for the ray before, on a thread's stack, of
   /// which Linux gives 8 MB: a path of 3000 rays fits, one of 10000 does not.
   static constexpr int most_depth = 1000;
 
-  /// The most rays in one path, from 0 to most_depth; 1 is the camera's alone. A path that is cut sees the
-  /// sky.
+  /// Largest number of rays in one path, from 0 to most_depth; 1 is the camera's alone. A path that is cut
+  /// sees the sky.
   int depth = 10;
 
-  /// Throws std::invalid_argument if depth is not in its range. render calls it; whoever calls radiance
-  /// directly learns of a depth below 0 where the first path ends.
+  /// Throws std::invalid_argument if depth is not in its range. render calls it; if radiance is called
+  /// directly, it throws for a depth below 0 when the first path ends.
   void validate() const {
     if (depth < 0 || depth > most_depth) [[unlikely]]
       throw std::invalid_argument("WhittedIntegrator: depth must be from 0 to " + std::to_string(most_depth) +
                                   "; it is " + std::to_string(depth));
   }
 
-  /// The most rays that follow one ray of the camera, to surfaces and to lights: where a material reflects
-  /// and refracts, they may double with each ray of a path, and 2^22 take about a second. radiance and shade
-  /// throw std::runtime_error if there are more; of a packet, if its rays together have more.
+  /// Largest number of rays that follow one ray of the camera, to surfaces and to lights: if a material
+  /// reflects and refracts, they may double with each ray of a path, and 2^22 take about a second. radiance
+  /// and shade throw std::runtime_error if there are more; for a packet of n rays, the limit is n times as
+  /// high.
   std::int64_t most_rays = std::int64_t{1} << 22;
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
@@ -108,7 +109,7 @@ struct WhittedIntegrator {
     return background(ray, scene);
   }
 
-  /// How many rays there are in a packet, or one: as many times the rays may follow them.
+  /// Returns the number of active rays of a packet, or 1 for a single ray: the factor on most_rays.
   static int count_of(const auto& rays) {
     if constexpr (requires { rays.wanted; })
       return std::popcount(bits(rays.wanted));
@@ -116,33 +117,36 @@ struct WhittedIntegrator {
       return 1;
   }
 
-  /// Traces the ray; returns shade_hit(hit) or sky(), following at most `rays` rays, this one included.
+  /// Traces the ray; returns the radiance from its closest hit, or of the sky. The path takes at most `rays`
+  /// rays, this one included.
   template <class R>
   [[nodiscard]] typename R::Light seen_along(const R& ray, const auto& scene, int rays) const {
     if (rays < 1) return end_of_path(ray, scene);
     const auto sky = [&] { return background(ray, scene); };
     const auto shade_hit = [&](const auto& hit) { return from_hit(hit, scene, rays); };
-    // Rays that go together take several times the stack of one, so that only the first of a path do.
+    // A packet takes several times the stack of one ray, so only the first rays of a path are traced as
+    // packets.
     constexpr int together = 32;
     if (depth - rays < together) return follow(ray, scene, sky, shade_hit);
     return follow_each(ray, scene, sky, shade_hit);
   }
 
-  /// What a ray brings from what it meets.
+  /// Returns the radiance of a hit along its ray.
   template <class Hit>
   [[nodiscard]] typename Hit::Light from_hit(const Hit& hit, const auto& scene, int rays) const {
     return sent_back(hit.leave(normalize(hit.direction())), hit.normal(), hit.color(), hit.material(), scene,
                      rays);
   }
 
-  /// The same, of the ray as it would go on from there, with a unit direction. No type of surface is left in
-  /// it, so that it is compiled once for all of them.
+  /// Returns the radiance that a surface sends back along a ray, given the ray as it would go on from the
+  /// hit, with a unit direction. No type of surface is left in it, so that it is compiled once for all of
+  /// them.
   template <class R>
   [[nodiscard, gnu::noinline]] typename R::Light sent_back(const R& onward, const auto& outside,
                                                            const typename R::Light& color,
                                                            const Material& material, const auto& scene,
                                                            int rays) const {
-    // The ray that led here and one to each light, at the most; of a packet likewise, as if it were one ray.
+    // Counts the ray that led here and one to each light, at the most; a packet counts as one ray.
     if ((detail::whitted_rays_left -= 1 + light_count(scene)) < 0) detail::refuse_paths(most_rays, depth);
     const auto& direction = onward.direction;
     const auto enters = dot(outside, direction) <= 0.0;
@@ -150,7 +154,7 @@ struct WhittedIntegrator {
 
     const R mirrored = onward.turned(reflected(direction, normal));
     auto result = from_lights(mirrored, normal, color, material, scene);
-    // Shares as floats: what is 0 as one brings nothing, whatever is in the mirror.
+    // Shares are floats: a share that rounds to 0 adds nothing, whatever is in the mirror.
     const float reflect = to_float(material.reflect), refract = to_float(material.refract);
     if (reflect > 0) result += reflect * seen_along(mirrored, scene, rays - 1);
     if (refract > 0) {
@@ -171,9 +175,9 @@ struct WhittedIntegrator {
       return 0;
   }
 
-  /// What comes from the lights. That the mirror image of the direction to the light is near the direction to
-  /// the eye is to say that the direction to the light is near that of the mirrored ray, the mirror image of
-  /// the other.
+  /// Returns the radiance that comes from the lights. The angle between the mirror image of the direction to
+  /// the light and the direction to the eye is that between the direction to the light and the mirrored ray,
+  /// which is used.
   template <class R>
   [[nodiscard, gnu::noinline]] static typename R::Light from_lights(const R& mirrored, const auto& normal,
                                                                     const typename R::Light& color,
@@ -181,7 +185,7 @@ struct WhittedIntegrator {
                                                                     const auto& scene) {
     typename R::Light result = color * ambient_of(scene);
     const auto lit = !is_black(color) || !is_black(material.specular);
-    if (!any(lit)) return result;  // no light can be seen here
+    if (!any(lit)) return result;  // no light can be reflected here
 
     for (const auto& light : scene.lights()) {
       const auto to_light = light.towards(mirrored.origin);
@@ -195,7 +199,7 @@ struct WhittedIntegrator {
           sent = select(shines, sent + highlight, sent);
         }
       }
-      // What adds nothing needs no shadow ray.
+      // Light that adds nothing needs no shadow ray.
       const auto counts = in_front && !is_black(sent);
       if (!any(counts)) continue;
       const auto visible = counts && !scene.occluded(only(counts, mirrored.turned(to_light)), light.way());
@@ -204,15 +208,15 @@ struct WhittedIntegrator {
     return result;
   }
 
-  /// cos^shininess, rounded to float; 0 where the cosine is not positive.
+  /// Returns cos^shininess, rounded to float; 0 if the cosine is not positive.
   template <class Number>
   [[nodiscard]] static auto lobe(const Number& cosine, double shininess) {
     using std::min;
     const auto ahead = cosine > 0.0;
     const Number x = select(ahead, min(cosine, 1.0), Number(0.0));
     if (const int n = static_cast<int>(std::min(shininess, 0x1p16)); n == shininess) {
-      // Where a float is surely the nearest, double is enough. The error is below n u, with n + 3 for what is
-      // rounded here.
+      // If the nearest float is certain, double is enough. The error is below n u, with n + 3 for the
+      // roundings here.
       const Number power = whole_power(x, n), error = (n + 3) * 0x1p-53 * power;
       const auto least = to_float(power - error), most = to_float(power + error);
       if (!any(least < most)) return select(ahead, most, to_float(Number(0.0)));
@@ -220,9 +224,10 @@ struct WhittedIntegrator {
     return to_float(of_each(x, [&](double one) { return exact_lobe(one, shininess); }));
   }
 
-  /// The same of one cosine of at most 1.
+  /// Returns cosine^shininess, rounded to float from double-double, for a cosine of at most 1; 0 if it is not
+  /// positive.
   [[nodiscard, gnu::noinline, gnu::cold]] static float exact_lobe(double cosine, double shininess) {
-    // Below 2^-150 it is 0 as a float. It is at most e^(−shininess · (1 − cos)), since ln cos ≤ cos − 1.
+    // Below 2^-150 the power is 0 as a float. It is at most e^(−shininess · (1 − cos)), as ln cos ≤ cos − 1.
     if (!(cosine > 0) || shininess * (1 - cosine) > 150 * std::numbers::ln2) return 0;
     constexpr double normal_least = std::numeric_limits<double>::min();  // pow takes no less
     return static_cast<float>(
