@@ -1,6 +1,5 @@
-// Which pixels of a tile meet any of many triangles, where nobody asks which, or where: neither order nor
-// distance counts then, and two bits are enough for a pixel: whether it surely is covered, and whether it may
-// be.
+// Pixels of a tile that any of many triangles covers, if it is not asked which, or at what distance. Order
+// does not count then, and two bits are enough for a pixel: one if it surely is covered, one if it may be.
 #pragma once
 
 #include <array>
@@ -14,10 +13,10 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// The pixels of a tile of at most PixelBlock::side a side.
+/// Covered pixels of a tile of at most PixelBlock::side a side.
 class Coverage {
  public:
-  /// The pixels of a row, beginning with the first. Those in doubt may be surely covered as well.
+  /// Pixels of a row, beginning with the first. Pixels in doubt may be surely covered as well.
   struct Row {
     std::uint64_t surely = 0, in_doubt = 0;
   };
@@ -27,7 +26,7 @@ class Coverage {
 
   void clear() { surely_.fill(0), in_doubt_.fill(0); }
 
-  /// Whether all pixels of a box are surely covered.
+  /// Returns true if all pixels of a box are surely covered.
   [[nodiscard]] bool hides(const BoxOnScreen& box) const {
     const std::uint64_t columns = ~std::uint64_t{0} >> (PixelBlock::side - (box.x1 - box.x0)) << box.x0;
     for (int y = box.y0; y < box.y1; ++y)
@@ -35,16 +34,16 @@ class Coverage {
     return true;
   }
 
-  /// Covers what the i-th of some triangles covers.
+  /// Rasterizes the i-th of `triangles`.
   void add(const TrianglesOnScreen& triangles, std::size_t i) {
     constexpr float e = TrianglesOnScreen::error_of_sides;
-    const bool is_sure = (triangles.is_signed >> i & 1) != 0;  // and so in front of the eye
+    const bool is_sure = (triangles.is_signed >> i & 1) != 0;  // hence in front of the eye
     triangles.each_block(i, [&](int x, int y, const Pixels& inside, auto&&) {
       add_block(x, y, is_sure ? bits(inside > Pixels(e)) : 0, bits(inside >= Pixels(-e)));
     });
   }
 
-  /// Covers what some triangles cover.
+  /// Rasterizes the triangles with a bit in `some`.
   void add(const TrianglesInFront& triangles, Bits some) {
     using Covered = TrianglesInFront::Covered;
     const Covered block = triangles.small_in_one_block(some);
@@ -61,7 +60,7 @@ class Coverage {
     add_rows<PixelBlock::width, PixelBlock::height>(x, y, surely, maybe);
   }
 
-  /// Adds pixels from (x, y) on to the right and down, row by row.
+  /// Adds pixels of a block from (x, y) on, row by row.
   template <int width, int height>
   void add_rows(int x, int y, std::uint64_t surely, std::uint64_t maybe) {
     const auto add = [&](Rows& rows, std::uint64_t pixels) {
@@ -70,10 +69,10 @@ class Coverage {
         first[row] |= (pixels & first_bits(width)) << x;
     };
     add(surely_, surely);
-    if (surely != maybe) add(in_doubt_, maybe);  // for nearly all they are the same
+    if (surely != maybe) add(in_doubt_, maybe);  // equal for nearly all
   }
 
-  static_assert(PixelBlock::side == 64);  // as many as a row has bits
+  static_assert(PixelBlock::side == 64);  // bits of a row
   static_assert(PixelBlock::height <= TrianglesInFront::Covered::side);
   Rows surely_, in_doubt_;  ///< with room for blocks that begin in the last row
 };

@@ -1,15 +1,15 @@
-// The picture of a pinhole around a tile, and which pixels of it may see what is in a box.
+// The picture of a pinhole camera around a tile, and the pixels of the tile that may see a box.
 //
 // The rays of a pinhole at o lead along D(x, y) = x e1 + y e2 + e3, x and y being pixels from the tile's
 // middle and e3 the direction there. By the dual basis e1*, e2*, e3* a point, from o, has the coordinates
 // (X, Y, Z), and is seen at (X/Z, Y/Z) if it is in front, Z > 0. It is o + D/k with k = 1/Z: the larger k,
 // the nearer.
 //
-// What is worked out here for a tile is in double. The volume of e1, e2, e3, as unit vectors, is above 1/16,
-// so that their roundings, those of the dual basis, and those of the rays' directions are below 2^-42 of the
-// products of lengths: X, Y and Z of a point p, from o, are off by less than that part of |p| times the
-// length of their own vector of the basis. Let γ be 2^-42 (|e1*| + |e2*| + T |e3*|), the tile being in |x|,
-// |y| ≤ T. Then X, Y and T Z are off by less than γ|p|.
+// Quantities of a tile are computed here in double. The volume of e1, e2, e3, as unit vectors, is above 1/16,
+// so the roundings of these, of the dual basis, and of the rays' directions are below 2^-42 of the products
+// of lengths: X, Y and Z of a point p, from o, are off by less than that part of |p| times the length of
+// their own vector of the basis. Let γ be 2^-42 (|e1*| + |e2*| + T |e3*|), the tile being in |x|, |y| ≤ T.
+// Then X, Y and T Z are off by less than γ|p|.
 #pragma once
 
 #include <algorithm>
@@ -25,17 +25,17 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// What turns points, in box space, into X, Y and Z.
+/// Map from points, in box space, to X, Y and Z.
 struct Screen {
   bool usable = false;
   Point eye{0}, eye_in_box_space{0};
-  double scale = 1;           ///< of box space
-  Vec3 across, down, ahead;   ///< the dual basis
+  double scale = 1;           ///< scale of box space
+  Vec3 across, down, ahead;   ///< dual basis
   double reach, uncertainty;  ///< T and γ
-  double longest;             ///< no direction is longer
+  double longest;             ///< upper bound for the length of a direction in the tile
   int width, height;          ///< pixels of the tile
-  double left, top;           ///< x and y of the sample in its first pixel
-  double pixels_of_all;       ///< about as many take all triangles, or a ball of radius √3 in box space
+  double left, top;           ///< x and y of the sample in the tile's first pixel
+  double pixels_of_all;       ///< estimate for all triangles, as a ball of radius √3 in box space
 
   Screen(const PixelRays& rays, int sample, const Tile& tile, const BoxSpace& space)
       : eye(rays.camera().position),
@@ -52,9 +52,9 @@ struct Screen {
                e3 = pixels.u(x0, half_width) * camera.right + pixels.v(y0, half_height) * camera.up +
                     camera.forward;
     const double sizes = length(e1) * length(e2) * length(e3), volume = dot(cross(e1, e2), e3);
-    // So that float holds what is worked out from them below.
+    // Float has to hold the quantities that are computed from them below.
     const auto is_moderate = [](double x) { return 0x1p-30 < x && x < 0x1p30; };
-    // What e3 is made of is not much larger, so that its rounding is that of its length.
+    // The terms of e3 are not much larger than e3, so its rounding is in proportion to its length.
     const double parts = length(pixels.u(x0, half_width) * camera.right) +
                          length(pixels.v(y0, half_height) * camera.up) + length(camera.forward);
     usable = rays.is_pinhole() && parts < 0x1p5 * length(e3) && is_moderate(length(e1)) &&
@@ -70,16 +70,16 @@ struct Screen {
   }
 };
 
-/// Of `count` pixels, whose middles are at 0, 1, ..., those from a place to another: from the first on to
-/// before the end. Places may be off by 2^-11.
+/// Pixels between two positions, of `count` pixels with their middles at 0, 1, ...: from `first` to before
+/// `end`. The positions may be off by 2^-11.
 template <int N>
 struct PixelsBetween {
   Lanes<std::int32_t, N> first, end;
-  Mask<float, N> any;  ///< whether there are any
+  Mask<float, N> any;  ///< true if there is any pixel
 
   PixelsBetween(const Lanes<float, N>& low, const Lanes<float, N>& high, int count) {
     const Lanes<float, N> all = static_cast<float>(count), none = 0.0f;
-    // Where a place is no number, min and max choose so that no pixel is left out.
+    // If a position is NaN, min and max choose so that no pixel is left out.
     const auto behind_first = to_whole(all - min(all, max(none, low - Lanes<float, N>(0x1p-10f))));
     first = Lanes<std::int32_t, N>(count) - behind_first;
     end = to_whole(max(none, min(all, high + Lanes<float, N>(1 + 0x1p-10f))));
@@ -87,26 +87,26 @@ struct PixelsBetween {
   }
 };
 
-/// The pixels of a tile, of at most 255 a side, that may see anything in a box, from x0 to before x1 and from
-/// y0 to before y1, and at which k.
+/// Pixels of a tile, of at most 255 a side, that may see anything in a box, from x0 to before x1 and from y0
+/// to before y1, and the nearest k of the box.
 struct BoxOnScreen {
-  float nearest;  ///< at none that is larger
+  float nearest;  ///< upper bound for k
   std::uint8_t x0, x1, y0, y1;
 };
 
-/// The same of the boxes of a node.
+/// Pixels that may see each box of a node, and the nearest k of each.
 ///
 /// In float, with u = 2^-24, the ends of the boxes from o are off by 2u of themselves and 2^-47 |o|, for
 /// which `size` has a part; the dual basis, products and sums add 5u. 2^-21 = 8u of sizes and of |e1*|, |e2*|
-/// or |e3*| is taken off the least X, Y and Z in a box, and added to the largest. Quotients, products and the
-/// tile's first pixel are off by less than 2^-16 of a pixel where that is in a tile. Z > 2^-100 is far from
-/// what underflows, and 1/Z from what overflows.
+/// or |e3*| is subtracted from the least X, Y and Z in a box, and added to the largest. Quotients, products
+/// and the tile's first pixel are off by less than 2^-16 of a pixel if that is in a tile. Z > 2^-100 is far
+/// from underflow, and 1/Z from overflow.
 class BoxesOnScreen {
   using Floats = Lanes<float, node_width>;
 
  public:
   Bits seen;      ///< boxes that any pixel may see
-  Bits in_front;  ///< those that surely are in front; of others the pixels are not known
+  Bits in_front;  ///< boxes surely in front; pixels of other boxes are not known
 
   BoxesOnScreen(const Screen& screen, const Node& node) {
     Floats ends[2][3], size = static_cast<float>(0x1p-24 * length(screen.eye_in_box_space));

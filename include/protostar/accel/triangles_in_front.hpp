@@ -1,24 +1,25 @@
-// Triangles in front of the eye, and not far beside a tile: which of its pixels they cover.
+// Triangles in front of the eye, and not far beside a tile: the pixels of the tile that they cover.
 //
 // In the coordinates of accel/screen.hpp, a corner is seen at (X/Z, Y/Z), and the sides of a triangle on the
-// picture are the lines between its corners. Here places are counted from the tile's first pixel, which is no
-// more than T from its middle. Let Z > 0 and the places within 7T of there, as they are computed. Then |X/Z|
-// and |Y/Z| are at most 8T, and of p = X e1 + Y e2 + Z e3 |p|/Z < (1 + 2^-13) 8 longest, if γ · 8 longest <
-// 2^-15; so the true Z is positive, being off by less than γ|p|/T. Places are off by less than (2γ + 7T γ/T)
-// |p|/Z, as X is by γ|p| and what its count begins with, up to T times Z, by as much; and by their own
-// roundings, which are a small part of γ|p|/Z:
+// picture are the lines between its corners. Here positions are counted from the tile's first pixel, which is
+// no more than T from its middle. Let Z > 0 and the positions within 7T of there, as they are computed. Then
+// |X/Z| and |Y/Z| are at most 8T and, for p = X e1 + Y e2 + Z e3, |p|/Z < (1 + 2^-13) 8 longest, if
+// γ · 8 longest < 2^-15; hence the true Z, which differs by less than γ|p|/T, is positive. Positions are off
+// by less than (2γ + 7T γ/T) |p|/Z, as X and its offset to the first pixel, up to T times Z, are off by γ|p|
+// each; and by their own roundings, which are a small part of γ|p|/Z:
 //
 //   E = 10 γ · 8 longest < 2^-11.6
 //
-// and less than 2^-11 as floats, as PixelsBetween has it.
+// and less than 2^-11 as floats, as PixelsBetween requires.
 //
 // From here on in float, with u = 2^-24. Corners are counted from the triangle's own first pixel, from which
-// they are no more than its size L, width and height, and 1 pixel: they are off by less than E + (L + 1) u.
+// they are no more than its size L, width plus height, and 1 pixel: they are off by less than E + (L + 1) u.
 // Pixels are within R = L + 7 of corners, as the first and the last are no more than 2^-10 beyond the
-// triangle, and those of a block 3 more, in x and y; the rest is more than L is off. So side(p, q) = (q − p)
-// × (pixel − p) is off by less than 4R (E + (L + 1) u); its coefficients, of products that sum up to L R,
-// take 3u L R, the last being made of the first two as they are; and at most 6 sums, below 2 L R, take 12u L
-// R. In all, that is less than R (4E + 19u (L + 1)), and for what the bound itself is rounded by
+// triangle, and the pixels of a block 3 more, in x and y; the rest is more than the error of L. Therefore
+// side(p, q) = (q − p) × (pixel − p) is off by less than 4R (E + (L + 1) u); its coefficients, with products
+// that sum up to L R, take 3u L R, the last being made of the first two as they are; and at most 6 sums,
+// below 2 L R, take 12u L R. In all, that is less than R (4E + 19u (L + 1)), and with room for the rounding
+// of the bound itself
 //
 //   error = R (4E + 32u (L + 1))
 #pragma once
@@ -34,14 +35,14 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Which pixels some triangles cover, as many as a vector holds.
+/// Pixels that some triangles cover, as many triangles as a vector holds.
 class TrianglesInFront {
  public:
-  /// Where corners are seen from a tile's first pixel on.
+  /// Map from corners to their positions, in pixels from the tile's first.
   struct Places {
     Point eye;
     Vec3 ahead, across, down;
-    Doubles farthest;   ///< from there, in x and in y, of what is known
+    Doubles farthest;   ///< largest |x| and |y| of a known position; negative if none is
     int width, height;  ///< pixels of the tile
     float error;        ///< E
 
@@ -59,7 +60,7 @@ class TrianglesInFront {
 
     struct Place {
       Doubles x, y;
-      Chosen is_near;  ///< if not, it is not known
+      Chosen is_near;  ///< if false, the position is not known
     };
     [[nodiscard]] Place operator()(const Vectors& corner) const {
       const Vectors p = corner - Vectors(eye);
@@ -71,16 +72,16 @@ class TrianglesInFront {
 
   using Wholes = Lanes<std::int32_t, double_lanes>;
 
-  /// A linear function of a pixel's place from the triangle's first pixel on.
+  /// A linear function of a pixel's position from the triangle's first pixel on.
   struct Side {
     Floats x, y, one;
   };
 
-  Bits in_tile;  ///< those that may be in any pixel of the tile
-  Bits known;    ///< those that are near, and of which it is sure how they turn: what follows is of these
-  Wholes x0, x1, y0, y1;  ///< the pixels of the tile from, and to before
+  Bits in_tile;           ///< triangles that may be in any pixel of the tile
+  Bits known;             ///< near triangles whose orientation is sure; the members below are valid for these
+  Wholes x0, x1, y0, y1;  ///< pixels of the tile: from, and to before
   Side sides[3];          ///< positive inside
-  Floats error;           ///< of the sides
+  Floats error;           ///< error of the sides
 
   TrianglesInFront(const Places& places, const std::array<Vectors, 3>& corners) {
     const Places::Place a = places(corners[0]), b = places(corners[1]), c = places(corners[2]);
@@ -117,19 +118,20 @@ class TrianglesInFront {
     static constexpr int side = 8;
 
     Bits triangles;
-    int x, y;  ///< where the block begins
+    int x, y;  ///< first pixel of the block
     std::uint64_t surely, maybe;
   };
 
-  /// What small ones of some triangles cover, of those in one block, which begins where the first of them do.
-  /// They must be known, and in the tile.
+  /// Rasterizes the triangles of `some` that are small, at most 4 × 4 pixels, and in one block, which begins
+  /// at the least x0 and the least y0 of the small ones. All of `some` must be known, and in the tile.
   [[nodiscard]] Covered small_in_one_block(Bits some) const {
     constexpr int small = 4;
     const Wholes width = x1 - x0, height = y1 - y0;
     some &= bits(width <= Wholes(small) && height <= Wholes(small));
     if (some == 0) return {};
-    // Pixel by pixel of all triangles, each from its first on. What is beyond a tile to the right is left
-    // out, since in the block it might be at the left of the next row; what is below stays in its column.
+    // Pixel by pixel of all triangles, each from its first on. Pixels beyond a triangle to the right are left
+    // out, since in the block they might be at the left of the next row; pixels below it stay in their
+    // column.
     Wholes surely = 0, maybe = 0;
     std::array<Floats, 3> from{sides[0].one, sides[1].one, sides[2].one};
     for (int y = 0; (bits(height > Wholes(y)) & some) != 0; ++y) {
@@ -159,7 +161,8 @@ class TrianglesInFront {
     return {some, x, y, of_all(surely), of_all(maybe)};
   }
 
-  /// Calls visit(x, y, surely, maybe) for the blocks of the i-th triangle, each as PixelBlock has it.
+  /// Calls visit(x, y, surely, maybe) for the blocks of the i-th triangle, with the pixels in the order of
+  /// PixelBlock.
   void each_block(int i, const auto& visit) const {
     const auto inside_block = [&](const Side& side) {
       return Pixels(side.x[i]) * PixelBlock::across() + Pixels(side.y[i]) * PixelBlock::down();

@@ -1,5 +1,5 @@
-// What the pixels of a tile see first of many triangles: these are drawn into the tile, and each pixel keeps
-// the nearest, or only whether there is any.
+// Visibility buffer of a tile: many triangles are rasterized, and each pixel keeps the nearest, or only
+// whether there is any.
 #pragma once
 
 #include <algorithm>
@@ -21,13 +21,13 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// What the pixels of a tile see first of the triangles of a tree.
+/// Visibility buffer of a tile, for the triangles of a TriangleTree.
 class TrianglesInTile {
  public:
-  /// Draws a tile of at most 64 × 64 pixels, as the rays through a sample of each see it. If that is not
-  /// possible, or triangles are so small that rays are sooner followed, nothing is drawn: that is known
-  /// before for all of them, or while it is tried, for those of this tile. What t() and part() tell, and what
-  /// is first, is worked out only if it is asked.
+  /// Rasterizes the triangles into a tile of at most 64 × 64 pixels, as the rays through a sample of each
+  /// pixel see them. If that is not possible, or if triangles are so small that tracing rays is faster,
+  /// nothing is drawn: this is found before, for all triangles, or on the way, for the triangles in this
+  /// tile. Order, t() and part() are only available for Asked::where.
   void draw(const TriangleTree& tree, const PixelRays& rays, int sample, const Frustum& frustum,
             const Tile& tile, Asked asked) {
     tree_ = &tree;
@@ -46,8 +46,8 @@ class TrianglesInTile {
   [[nodiscard]] bool is_drawn() const { return usable_; }
   [[nodiscard]] bool tells_where() const { return asked_ == Asked::where; }
 
-  /// What the rays of a packet, from a pixel on to the right, surely see first: which triangle, for t() and
-  /// part(), if it tells where. Where it is no more than possible that they see any, they are in doubt.
+  /// Visibility for the rays of a packet, from a pixel on to the right: lanes that surely hit, with the entry
+  /// of the closest triangle for t() and part() if tells_where(), and lanes in doubt, which may hit.
   struct Seen {
     Chosen met, in_doubt;
     Indices which = -1;
@@ -68,11 +68,12 @@ class TrianglesInTile {
     return {.met = wanted && !doubtful && !none, .in_doubt = wanted && doubtful, .which = which};
   }
 
-  /// Where some rays cross what they see.
+  /// Returns t of rays in direction d with the triangles that they hit, by `which` of seen(); any number in
+  /// other lanes. At least one ray must hit.
   [[nodiscard, gnu::always_inline]] Doubles t(const Indices& which, const Chosen& met,
                                               const Vectors& d) const {
     const double* planes[double_lanes];
-    const auto any_lane = std::countr_zero(bits(met)) % double_lanes;  // for those that see none
+    const auto any_lane = std::countr_zero(bits(met)) % double_lanes;  // stands in for lanes without a hit
     std::int64_t numbers[double_lanes];
     select(met, which, Indices(which[any_lane])).store(numbers);
     for (std::size_t lane = 0; lane < double_lanes; ++lane) {
@@ -85,7 +86,7 @@ class TrianglesInTile {
     return number(3) / dot(Vectors{number(0), number(1), number(2)}, d);
   }
 
-  /// The number of a triangle that is seen.
+  /// Returns the index, in the mesh, of a triangle that is seen.
   [[nodiscard]] int part(std::int64_t which) const {
     const Planes& planes = drawn_[static_cast<std::size_t>(which / double_lanes)];
     const auto i = planes.first + static_cast<std::uint32_t>(which % double_lanes);
@@ -93,24 +94,24 @@ class TrianglesInTile {
   }
 
  private:
-  /// With so many triangles a pixel, or so many boxes and triangles that are tried, they are about as soon
-  /// drawn as rays are followed (the pictures of tests/bench/bench_meshes.cpp).
+  /// Triangles per pixel, and boxes and triangles tested per pixel, at which rasterizing takes about as long
+  /// as tracing rays (the pictures of tests/bench/bench_meshes.cpp).
   static constexpr int most_a_pixel = 8, most_tried_a_pixel = 32;
 
   static constexpr int side = PixelBlock::side;
   static constexpr std::int32_t nothing = -1,
-                                in_doubt = -2;  ///< what is seen, beside the number of a triangle
+                                in_doubt = -2;  ///< entries without a triangle
 
   using Whole = Lanes<std::int32_t, float_lanes>;
 
-  /// What the pixels of a block see so far.
+  /// Closest triangles so far in the pixels of a block.
   struct alignas(4 * sizeof(Pixels)) Block {
-    float far[float_lanes], near[float_lanes];  ///< between which k of the nearest is
-    float other[float_lanes];                   ///< the largest k that any other may have
+    float far[float_lanes], near[float_lanes];  ///< lower and upper bound of the nearest one's k
+    float other[float_lanes];                   ///< upper bound for k of all others
     std::int32_t nearest[float_lanes];
   };
 
-  /// Of some triangles, what t of a ray from the eye is worked out from: height / n·d.
+  /// Planes of some triangles, for t of rays from the eye: height / n·d.
   struct Planes {
     double numbers[4 * double_lanes];  ///< all n.x, all n.y, all n.z, and the heights
     Leaf leaf;
@@ -124,10 +125,11 @@ class TrianglesInTile {
       dot(normal, corners[0] - Vectors(screen.eye)).store(numbers + 3 * double_lanes);
     }
 
-    /// Above these k, t is certain. In the way and with the bounds of rounded_triangle_equation, it is where
-    /// |n·d| > 2^-18 of the sizes of its terms, which sum up to no more than the largest of those of n times
-    /// |d|₁, d being a unit vector: 2^-17 of that largest covers √3 and what is rounded here. As the plane is
-    /// met at o + D/k in box space, n·D is height · k · scale, and |D| at most `longest`.
+    /// Returns lower bounds of k above which t is certain. By the method and the bounds of
+    /// rounded_triangle_equation, t is certain if |n·d| > 2^-18 of the sizes of its terms, which sum up to no
+    /// more than the largest term of n times |d|₁, d being a unit vector: 2^-17 of that largest covers √3 and
+    /// the roundings here. As the plane is crossed at o + D/k in box space, n·D is height · k · scale, and
+    /// |D| at most `longest`.
     [[nodiscard]] Floats floors(const Screen& screen, const std::array<Vectors, 3>& corners) const {
       const auto& [a, b, c] = corners;
       const auto sum_of = [](const Vectors& v) { return v.x + v.y + v.z; };
@@ -147,8 +149,9 @@ class TrianglesInTile {
   [[nodiscard]] Block& block(int x, int y) { return blocks_[PixelBlock::index(x, y)]; }
   [[nodiscard]] const Block& block(int x, int y) const { return blocks_[PixelBlock::index(x, y)]; }
 
-  /// Calls visit(leaf, i, there) for what the tile may see, but for boxes that are hidden by then: the
-  /// triangles from the i-th of a leaf on, as many as a vector holds, and those that are there.
+  /// Calls visit(leaf, i, there) for the leaves that the tile may see, except in boxes that are hidden by
+  /// then: for the triangles from the i-th on, as many as a vector holds, with a bit in `there` for each that
+  /// exists.
   void each_in_tile(const Screen& screen, const Frustum& frustum, const auto& is_hidden, const auto& visit) {
     int budget = most_tried_a_pixel * tile_.width() * tile_.height();  // boxes and triangles
     tree_->each_leaf_ahead(
@@ -162,7 +165,7 @@ class TrianglesInTile {
     usable_ = budget >= 0;
   }
 
-  /// Which pixels see any.
+  /// Finds the pixels that see any triangle.
   void cover(const Screen& screen, const Frustum& frustum) {
     const TrianglesInFront::Places places(screen);
     Coverage coverage;
@@ -183,7 +186,7 @@ class TrianglesInTile {
     for (int y = 0; y < tile_.height(); ++y) rows_[static_cast<std::size_t>(y)] = coverage.row(y);
   }
 
-  /// Which one each pixel sees first.
+  /// Finds the closest triangle of each pixel.
   void find_nearest(const Screen& screen, const Frustum& frustum) {
     clear();
     each_in_tile(
@@ -205,7 +208,7 @@ class TrianglesInTile {
 
   void clear() {
     Block empty;
-    // What is compared with the least float above 0 is compared with 0 as well.
+    // The least float above 0 is a lower bound of any k > 0, and above the 0 of `other`.
     std::fill(std::begin(empty.far), std::end(empty.far), std::numeric_limits<float>::denorm_min());
     std::fill(std::begin(empty.near), std::end(empty.near), 0.0f),
         std::fill(std::begin(empty.other), std::end(empty.other), 0.0f);
@@ -215,15 +218,15 @@ class TrianglesInTile {
     drawn_.clear();
   }
 
-  /// Whether no pixel can see anything in a box, given what they see already.
+  /// Returns true if no pixel can see anything in a box behind the triangles so far.
   [[nodiscard]] bool is_hidden(const BoxOnScreen& box) const {
     return PixelBlock::all_of(box, [&, nearest = Pixels(box.nearest)](int x, int y) {
       return (bits(Pixels::load(block(x, y).far) <= nearest) & PixelBlock::inside(box, x, y)) == 0;
     });
   }
 
-  /// Of each pixel, what may be seen of the triangles so far: one that surely is in front of all but those
-  /// that may be as near as `other`.
+  /// Rasterizes one triangle. `nearest` of a pixel is then surely in front of all triangles so far, except
+  /// those that may be as near as `other`.
   void draw_one(const TrianglesOnScreen& triangles, float floor, std::size_t i, std::int32_t which) {
     constexpr float e = TrianglesOnScreen::error_of_sides;
     triangles.each_block(i, [&](int x, int y, const Pixels& inside, const auto& nearness) {
@@ -239,7 +242,7 @@ class TrianglesInTile {
     });
   }
 
-  /// Writes down what each pixel sees.
+  /// Stores the visibility of each pixel: nothing, a triangle, or in doubt.
   void decide() {
     for (int y = 0; y < tile_.height(); y += PixelBlock::height)
       for (int x = 0; x < tile_.width(); x += PixelBlock::width) {
@@ -260,8 +263,8 @@ class TrianglesInTile {
   Asked asked_ = Asked::where;
   std::array<Coverage::Row, side> rows_;  ///< if it does not tell where
   std::array<Block, PixelBlock::in_tile> blocks_;
-  std::array<std::int32_t, side * side + double_lanes> seen_{};  ///< room for what is read behind the last
-  std::vector<Planes> drawn_;                                    ///< what `nearest` counts
+  std::array<std::int32_t, side * side + double_lanes> seen_{};  ///< with room for reads behind the last
+  std::vector<Planes> drawn_;  ///< indexed by `nearest`, one entry for each double_lanes triangles
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -1,28 +1,29 @@
-// Triangles on the picture around a tile: which of its pixels may see them, on which sides of their edges,
-// and how near.
+// Triangles on the picture around a tile: the pixels that may see them, the sides of their edges, and their
+// nearness.
 //
-// In the coordinates of accel/screen.hpp, of a triangle a, b, c
+// In the coordinates of accel/screen.hpp, for a triangle a, b, c
 //
 //   side(p, q) = (X_p − x Z_p) (Y_q − y Z_q) − (Y_p − y Z_p) (X_q − x Z_q)
 //
-// tells on which side of an edge D(x, y) leads past (numeric/triangle_roots.hpp, but for a factor that is the
-// same for all), and the plane is met at o + D/k with k = (side(a, b) + side(b, c) + side(c, a)) / det(a, b,
-// c): the larger k, the nearer. Sides and k are linear in x and y: that is what pixels are tried against, in
-// float. With L = |X| + |Y| + T |Z|, in double
+// tells on which side D(x, y) passes an edge (numeric/triangle_roots.hpp, up to a factor that is the same for
+// all), and the ray crosses the plane at o + D/k with k = (side(a, b) + side(b, c) + side(c, a)) / det(a, b,
+// c): the larger k, the nearer. Sides and k are linear in x and y; pixels are tested against these functions
+// in float. With L = |X| + |Y| + T |Z|, the errors in double are less than
 //
-//   a side is off by less than               w = 8γ (|p| L_q + |q| L_p)
-//   det, which is a sum of products, T times  e = 12γ (|a| L_b L_c + L_a |b| L_c + L_a L_b |c|)
+//   w = 8γ (|p| L_q + |q| L_p)                                for a side
+//   e = 12γ (|a| L_b L_c + L_a |b| L_c + L_a L_b |c|) / T     for det, a sum of products
 //
-// of which their own roundings are a small part, as L ≤ 2^42 γ|p|. Sides are divided by their largest size M
-// in the tile, and if e < |det|/2 by the sign of det, so that all are positive inside.
+// Roundings in computing the functions themselves are a small part of these, as L ≤ 2^42 γ|p|. Sides are
+// divided by their largest size M in the tile and, if e < |det|/2, by the sign of det, which makes all
+// positive inside.
 //
-// In float, with u = 2^-24, a pixel is at the first of its block, which is in the tile, and up to 2T from
-// there: the terms of a side sum up to no more than 3, those at the first of the block to no more than 1.
+// In float, with u = 2^-24, a pixel is given by the first of its block, which is in the tile, and up to 2T
+// from there: the terms of a side sum up to no more than 3, at the first of the block to no more than 1.
 // Rounding takes 3u for coefficients, 2u for x and y, 4u and 3u for the products and sums of the two parts
 // and 1u for the last sum: 13u, and if w ≤ 2^-23 M, less than 2^-20 in all. An edge with a larger w is left
-// out, as if it was passed on either side. If e < |det|/2, k is off by less than 2 (Σw + K e) / |det| and
-// 2^-20 K, K being its largest size in the tile; if not, or beyond what float holds, nothing is known of it.
-// Where all vertices are surely in front, Z > 2^12 γ|p|, their places are good to 2^-11 of a pixel; the
+// out, as if it was passed on either side. If e < |det|/2, k is off by less than 2 (Σw + K e) / |det| plus
+// 2^-20 K, K being its largest size in the tile; if not, or beyond the range of float, nothing is known of k.
+// If all vertices are surely in front, Z > 2^12 γ|p|, their positions are good to 2^-11 of a pixel; the
 // triangle is in no pixel beyond these, and k is between the least and the largest 1/Z, which are good to
 // 2^-11 of themselves.
 #pragma once
@@ -38,17 +39,17 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Some triangles, as pixels are tried against them.
+/// Some triangles, in the form against which pixels are tested.
 class TrianglesOnScreen {
  public:
-  /// A pixel is surely inside a triangle if it is inside by more than this, and surely outside by less than
-  /// the negative of it.
+  /// Error of the sides: a pixel is surely inside a triangle if it is inside by more than this, and surely
+  /// outside if by less than the negative of it.
   static constexpr float error_of_sides = 0x1p-20f;
 
-  Bits in_tile;    ///< those that may be in any pixel of the tile
-  Bits is_signed;  ///< those whose sides are positive inside, where k > 0; of others it is not known
+  Bits in_tile;    ///< triangles that may be in any pixel of the tile
+  Bits is_signed;  ///< triangles whose sides are positive inside, where k > 0; signs of others are not known
 
-  /// What nearness() tells is worked out only if it is asked where they are met.
+  /// Prepares some triangles for a tile; nearness() only if asked is Asked::where.
   TrianglesOnScreen(const Screen& screen, const std::array<Vectors, 3>& corners, Asked asked)
       : left_(static_cast<float>(screen.left)), top_(static_cast<float>(screen.top)) {
     const auto corner = [&](const Vectors& p) {
@@ -101,14 +102,14 @@ class TrianglesOnScreen {
     x.first.store(x0_.data()), x.end.store(x1_.data()), y.first.store(y0_.data()), y.end.store(y1_.data());
   }
 
-  /// Between which k the pixels of a block meet a plane.
+  /// Lower and upper bounds of k at which the pixels of a block cross a plane.
   struct Nearness {
     Pixels least, most;
   };
 
-  /// Calls visit(x, y, inside, nearness) for the blocks of pixels that the i-th triangle may be in: how far
-  /// each pixel of the one at (x, y) is inside, give or take error_of_sides, and nearness() if it was worked
-  /// out.
+  /// Calls visit(x, y, inside, nearness) for the blocks of pixels that the i-th triangle may be in: `inside`
+  /// is how far each pixel of the block at (x, y) is inside, give or take error_of_sides, and nearness()
+  /// returns the bounds of k if they were prepared.
   [[gnu::always_inline]] void each_block(std::size_t i, const auto& visit) const {
     const auto inside_block = [&](const LinearInFloat& f) {
       return Pixels(f.x[i]) * PixelBlock::across() + Pixels(f.y[i]) * PixelBlock::down();
@@ -119,7 +120,7 @@ class TrianglesOnScreen {
               y0 = y0_[i] / PixelBlock::height * PixelBlock::height;
     const int x1 = x1_[i], y1 = y1_[i];
     const bool has_sign = (is_signed >> i & 1) != 0;
-    // In one loop, as how many blocks there are is hard to foresee.
+    // One loop, since the number of blocks is hard to predict.
     for (int x = x0, y = y0; y < y1;) {
       const float across = left_ + static_cast<float>(x), down = top_ + static_cast<float>(y);
       const auto at = [&](const LinearInFloat& f) {
@@ -127,7 +128,7 @@ class TrianglesOnScreen {
       };
       const Pixels of_ab = ab + at(edge_[0]), of_bc = bc + at(edge_[1]), of_ca = ca + at(edge_[2]);
       Pixels inside = min(min(of_ab, of_bc), of_ca);
-      if (!has_sign)  // where all are positive or all negative
+      if (!has_sign)  // inside if all are positive or all negative
         inside = max(inside, min(min(-of_ab, -of_bc), -of_ca));
       visit(x, y, inside, [&] {
         const Pixels nearness = k + at(nearness_), error = error_[i];
@@ -148,7 +149,7 @@ class TrianglesOnScreen {
       return {a.x + b.x, a.y + b.y, a.one + b.one};
     }
     friend Linear operator*(Doubles f, const Linear& a) { return {f * a.x, f * a.y, f * a.one}; }
-    /// Its largest size in a tile.
+    /// Returns its largest size in a tile.
     [[nodiscard]] Doubles most(double reach) const { return reach * (abs(x) + abs(y)) + abs(one); }
   };
   struct LinearInFloat {
@@ -160,10 +161,10 @@ class TrianglesOnScreen {
     }
   };
 
-  /// Some points on the screen, given where they are in box space, from the eye.
+  /// Points on the screen, given in box space from the eye.
   struct Corner {
     Doubles x, y, z, size, extent;  ///< X, Y, Z, |p| and L
-    Chosen is_in_front;             ///< for sure
+    Chosen is_in_front;             ///< surely
 
     Corner(const Screen& screen, const Vectors& p)
         : x(dot(p, Vectors(screen.across))),
@@ -175,8 +176,8 @@ class TrianglesOnScreen {
   };
 
   LinearInFloat edge_[3], nearness_{};
-  std::array<float, double_lanes> error_, least_, most_;      ///< of k: how far it may be off, and its range
-  std::array<std::int32_t, double_lanes> x0_, x1_, y0_, y1_;  ///< the pixels of the tile from, and to before
+  std::array<float, double_lanes> error_, least_, most_;      ///< error of k, and its range
+  std::array<std::int32_t, double_lanes> x0_, x1_, y0_, y1_;  ///< pixels of the tile: from, and to before
   float left_, top_;
 };
 

@@ -1,4 +1,4 @@
-// A surface of any type, as a value: Scene<AnySurface> is the tutorial's std::vector<Surface*> (§2.3.1).
+// A surface of any type, held as a value: Scene<AnySurface> is the tutorial's std::vector<Surface*> (§2.3.1).
 #pragma once
 
 #include <memory>
@@ -10,18 +10,18 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Holds a copy of a surface and answers for it, through virtual calls. It offers all that the surface
-/// offers: roots and departure stay as exact as they are. Copying it copies the surface; a moved-from one may
-/// only be assigned to.
+/// Holds a copy of a surface and forwards to it through virtual calls. It offers all that the surface offers;
+/// roots and departures stay as exact as they are. Copying it copies the surface; a moved-from one may only
+/// be assigned to.
 ///
-/// All of a surface's functions are compiled where one is made of it. A program that does so in several units
-/// may compile them once: `extern template AnySurface::AnySurface(Box)`.
+/// Constructing one compiles all functions of the surface. A program that does so in several translation
+/// units may compile them once: `extern template AnySurface::AnySurface(Box)`.
 class AnySurface {
  public:
   template <class S>
   requires(!std::same_as<S, AnySurface> && Surface<S>) AnySurface(S surface);
 
-  // Of a deleted function that is called, compilers show the line.
+  // Compilers show the line of a deleted function that is called.
   template <detail::MeantAsSurface<AnySurface> S>
   AnySurface(S) = delete;  // a Surface has intersect(const Ray&, Interval) const and normal_at(Point) const
 
@@ -64,7 +64,7 @@ class AnySurface {
   }
 
  private:
-  /// A function that is called through a pointer, since a virtual function cannot be a template.
+  /// Function called through a pointer, since a virtual function cannot be a template.
   struct Visitor {
     void* function;
     void (*call)(void* function, const Crossing& crossing);

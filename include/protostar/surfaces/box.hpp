@@ -1,4 +1,4 @@
-// The points from min to max, a solid with faces at right angles to the axes.
+// A solid box between the points min and max, with faces perpendicular to the axes.
 #pragma once
 
 #include <algorithm>
@@ -19,22 +19,22 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// A box along the axes; min is nowhere above max. It may be flat.
 ///
-/// Its parts are its faces: 0 and 1 where x is smallest and largest, 2 and 3 for y, 4 and 5 for z. Whether a
-/// ray meets the box, and through which faces, is exact.
+/// Its parts are its faces: 0 and 1 at the smallest and largest x, 2 and 3 for y, 4 and 5 for z. Hits, and
+/// the faces that are hit, are decided exactly.
 ///
-/// A ray that leaves a face of the box starts on it, whatever the digits of its origin say. If it leads
-/// inwards, it crosses the box exactly once more, at t > 0: where it first crosses the plane of a face from
-/// inside, or if the digits have that at t ≤ 0, since it starts in an edge, at the smallest t of all. If it
-/// leads outwards or along the face, it does not cross the box. A ray that departs from the plane of a face,
+/// A ray that leaves a face of the box starts on it, however its origin is rounded. If it leads inward, it
+/// crosses the box exactly once more, at t > 0: at the first plane of a face that it crosses from inside or,
+/// if the digits put that at t ≤ 0 because the ray starts in an edge, at the smallest positive double. If it
+/// leads outward or along the face, it does not cross the box. A ray that departs from the plane of a face,
 /// but not from this box, starts anywhere in that plane: it does not cross this face, which is at t = 0, and
-/// the others are what the digits say.
+/// its digits decide on the other faces.
 struct Box {
   Point min{-1}, max{1};
 
-  /// Where a ray enters the box inside the range or, from inside, where it leaves it. Touching an edge or a
-  /// vertex is a hit. Where faces are crossed at once, the one with the lowest number counts. A ray that
-  /// departs from the plane of a face does not meet that face, and if it does not lead to the box's side of
-  /// the plane, it does not meet the box.
+  /// Returns t of the closest hit in the range, at which the ray enters the box or, from inside, leaves it.
+  /// Touching an edge or a vertex is a hit. If faces are crossed at once, the one with the lowest index
+  /// counts. A ray that departs from the plane of a face does not hit that face, and if it does not lead to
+  /// the box's side of the plane, it does not hit the box.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
     const auto crossing = first_crossing(ray, range);
     return crossing ? std::optional(crossing->t) : std::nullopt;
@@ -66,11 +66,10 @@ struct Box {
     return start.is_in_box && root.b.sign() <= 0 ? exact_root_of(smallest_t) : root;
   }
 
-  /// The unit normal of a face, outwards.
+  /// Returns the outward unit normal of a face.
   [[nodiscard]] Vec3 normal_at(const Point&, int face) const { return outwards({face}); }
 
-  /// Of the axes x, y, z, x, y, those two that come after the face's own: how far a point is from min along
-  /// the first of them, and along the second.
+  /// Returns how far a point is from min along the two axes that follow the face's own in the cycle x, y, z.
   [[nodiscard]] Uv uv_at(const Point& point, int face) const {
     const int axis = BoxFace{face}.axis(), u = (axis + 1) % 3, v = (axis + 2) % 3;
     return {point[u] - min[u], point[v] - min[v]};
@@ -78,12 +77,12 @@ struct Box {
 
   [[nodiscard]] int part_count() const { return 6; }
 
-  /// What is inside has an end on every ray.
+  /// Returns false: the inside is bounded on every ray.
   [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
 
   [[nodiscard]] Bounds bounds() const { return {min, max}; }
 
-  /// The plane of a face: what lies in it, or has a face in it, is left together with it.
+  /// Returns the plane of a face; surfaces and faces in one plane are left together.
   [[nodiscard]] Departure departure(int face) const {
     const BoxFace side{face};
     Departure departure{.kind = Departure::Kind::plane, .part = face, .object = this};
@@ -92,7 +91,7 @@ struct Box {
     return departure;
   }
 
-  /// Throws std::invalid_argument if min is above max on an axis, or a number is no coordinate
+  /// Throws std::invalid_argument if min is above max on an axis, or a number is not a coordinate
   /// (magnitude.hpp).
   void validate() const {
     const auto refuse = [](const std::string& what) { throw std::invalid_argument("Box: " + what); };
@@ -105,9 +104,9 @@ struct Box {
   }
 
  private:
-  /// As in "min.x = 0.1", with so many digits that no other double has the same.
+  /// Formats as in "min.x = 0.1", with enough digits to tell the number from any other double.
   [[nodiscard]] static std::string coordinate(const std::string& name, const Point& point, int axis) {
-    std::array<char, 32> digits{};  // -2.2250738585072014e-308, as long as any, has 24
+    std::array<char, 32> digits{};  // the longest, -2.2250738585072014e-308, has 24
     std::to_chars(digits.data(), digits.data() + digits.size(), point[axis]);
     return name + '.' + "xyz"[axis] + " = " + digits.data();
   }
@@ -120,7 +119,7 @@ struct Box {
 
   static constexpr double smallest_t = std::numeric_limits<double>::denorm_min();
 
-  /// What a ray's departure says of its origin.
+  /// Derives the start of a ray relative to the box from the ray's departure.
   [[nodiscard]] BoxStart start_of(const Ray& ray) const {
     const Departure& left = ray.departure;
     if (!left.is_planar()) return {};
@@ -133,17 +132,17 @@ struct Box {
     return {};
   }
 
-  /// Whether the digits of a point are those of a point in the plane of a face. They are off by 2^-52 of the
-  /// coordinates, here or outside of an instance, and by more if the ray that met it came from much farther
-  /// away. 2^-20 of the box leaves room for coordinates of 2^32 times its size; beyond that, the digits say
-  /// where the point is, as they do for the trees that look for the box.
+  /// Returns true if the digits of a point may be those of a point in the plane of a face. They are off by
+  /// 2^-52 of the coordinates, here or outside of an instance, and by more if the ray that hit it came from
+  /// much farther away. 2^-20 of the box's size leaves room for coordinates of 2^32 times that size; beyond
+  /// that, the digits say where the point is, as they do for the BVH traversals that look for the box.
   [[nodiscard]] bool is_near(const Point& point, BoxFace face) const {
     const Vec3 size = max - min;
     const double off = std::abs(point[face.axis()] - face.place(min, max));
     return off <= 0x1p-20 * std::max({size.x, size.y, size.z});
   }
 
-  /// Whether a ray leads from a face through the box. From one of a flat box, none does.
+  /// Returns true if the ray leads from a face into the box; never if the box is flat on the face's axis.
   [[nodiscard]] bool leads_inwards(const Ray& ray, BoxFace face) const {
     if (!(min[face.axis()] < max[face.axis()])) return false;
     const auto axis = static_cast<std::size_t>(face.axis());

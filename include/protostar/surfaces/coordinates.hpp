@@ -1,4 +1,4 @@
-// The coordinates u and v that surfaces of one kind share.
+// Surface coordinates u and v that several kinds of surfaces share.
 #pragma once
 
 #include <cmath>
@@ -10,21 +10,22 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The unit vector along a vector of any length; (0, 0, 1) for 0, where a surface has no normal or the digits
-/// of a point do not tell it.
+/// Returns the unit vector along v, of any length; (0, 0, 1) if v is 0, as for a surface without a normal at
+/// a point, or if the digits of the point do not determine it.
 [[nodiscard]] inline Vec3 unit_along(const Vec3& v) {
   return v == Vec3{0} ? Vec3{0, 0, 1} : normalize(of_moderate_size(v));
 }
 
-/// A unit direction as longitude and latitude: u = ½ + the angle of (z, x)/2π and v = the angle from the y
-/// axis/π, both from 0 to 1.
+/// Returns a unit direction as longitude and latitude: u = ½ + the angle of (z, x)/2π and v = the angle from
+/// the y axis/π, both from 0 to 1.
 [[nodiscard]] inline Uv direction_uv(const Vec3& direction) {
   const double pi = std::numbers::pi;
   return {0.5 + arc_tangent(direction.x, direction.z) / (2 * pi), arc_cosine(direction.y) / pi};
 }
 
-/// The components of p along two directions that span the plane of a unit normal: e1, the direction of a × n,
-/// where a is the coordinate axis on which n is smallest in magnitude, the first of equals, and e2 = n × e1.
+/// Returns the components of p along two directions that span the plane of a unit normal n: e1, the direction
+/// of a × n, where a is the coordinate axis on which n is smallest in magnitude, the first of equals, and
+/// e2 = n × e1.
 template <class P>
 [[nodiscard]] auto plane_uv(const Vec3& normal, const P& p) {
   const Vec3 size = abs(normal);

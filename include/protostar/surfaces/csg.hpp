@@ -1,8 +1,8 @@
-// Solids made of solids: what is inside one or another, inside all, or inside the first and no other.
+// Solids made of solids: unions, intersections and differences.
 //
-// Constructive solid geometry needs no surface of its own. Along a ray, each solid is a few intervals,
-// between the crossings that lead in and out. All crossings of all solids are put in order, exactly; at each,
-// one solid's inside turns over, and the whole is crossed where its own inside does with it.
+// Constructive solid geometry needs no surface of its own. Along a ray, each solid is a few intervals between
+// the crossings that lead in and out. The crossings of all solids are sorted exactly; each toggles the inside
+// of one solid, and the whole is crossed where its own inside changes with it.
 #pragma once
 
 #include <algorithm>
@@ -25,21 +25,23 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// A tree of operations on solids, as a value. Made by union_of, intersection_of and difference_of; any Solid
 /// is a tree by itself.
 ///
-/// Whether a line is inside is decided by the order of crossings, which is exact for solids that can refine
-/// their roots. Crossings at equal t are taken together: where solids touch, and where their faces coincide,
-/// nothing is crossed unless the whole begins or ends there. What is left of a solid that another touches
-/// from inside has no thickness, and is not there.
+/// The order of the crossings, exact for solids that can refine their roots, decides which parts of a line
+/// are inside. Crossings at equal t are taken together: at points where solids touch or their faces coincide,
+/// nothing is crossed unless the whole begins or ends there. The remains of a solid that another touches from
+/// inside have no thickness and are dropped.
 class Csg {
  public:
   enum class Operation : std::uint8_t { none, either, all, first_alone };
 
-  /// From the whole to the furthest solid.
+  /// Largest number of operations nested in each other.
   static constexpr int most_depth = 1000;
 
-  /// Each ray asks all solids, and puts their crossings in order: so many take tens of milliseconds.
+  /// Largest number of solids: each ray intersects all of them and sorts the crossings, which takes tens of
+  /// milliseconds for as many as this.
   static constexpr std::size_t most_solids = std::size_t{1} << 16;
 
-  /// Throws std::invalid_argument if it is no solid, as far as the type has not told already.
+  /// Makes a tree of one solid. Throws std::invalid_argument if it is not closed, which its type alone may
+  /// not tell.
   template <class S>
   requires(!std::same_as<S, Csg> && Solid<S>) Csg(S solid) : parts_(protostar::part_count(solid)) {
     if (!protostar::is_solid(solid)) throw std::invalid_argument("Csg: an operand must be a closed solid");
@@ -48,10 +50,10 @@ class Csg {
     bounds_ = leaves_[0].solid.bounds();
   }
 
-  /// An operation on trees. Throws std::invalid_argument if there are none, if the new tree is too deep, or
-  /// if it has too many solids, or more parts than an int counts.
+  /// Combines trees by an operation. Throws std::invalid_argument if there are none, if the new tree is too
+  /// deep, or if it has too many solids, or more parts than an int counts.
   Csg(Operation operation, std::vector<Csg> operands) : Csg(taken_first(operands)) {
-    std::size_t whole = nodes_.size();  // the place of the operation, behind all operands
+    std::size_t whole = nodes_.size();  // index of the operation, behind all operands
     for (std::size_t i = 1; i < operands.size(); ++i) whole += operands[i].nodes_.size();
     const int first_operand = root(), count_of_operands = static_cast<int>(operands.size());
     nodes_.back().parent = static_cast<int>(whole);
@@ -70,7 +72,7 @@ class Csg {
     return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
-  /// The unit normal out of the whole: where a solid is taken away, into that.
+  /// Returns the unit normal out of the whole, which on a subtracted solid points into that solid.
   [[nodiscard]] Vec3 normal_at(const Point& point, int part) const {
     const Leaf& leaf = leaf_of(part);
     const Vec3 normal = leaf.solid.normal_at(point, inner_part(part));
@@ -122,14 +124,14 @@ class Csg {
   /// A solid of the tree.
   struct Leaf {
     AnySurface solid;
-    int node;                    ///< its place among the nodes
-    int first_part = 0;          ///< behind the parts of all leaves before it
-    bool is_taken_away = false;  ///< an odd number of times
+    int node;                    ///< index among the nodes
+    int first_part = 0;          ///< number of parts of all leaves before it
+    bool is_taken_away = false;  ///< true if subtracted an odd number of times
   };
 
-  /// A leaf or an operation. Operands come before their operation, and the whole is the last.
+  /// A leaf or an operation. Operands come before their operation, and the whole comes last.
   struct Node {
-    Operation operation = Operation::none;  ///< of a leaf
+    Operation operation = Operation::none;  ///< none for a leaf
     int parent = -1;
     int first_operand = -1, operands = 0;
   };
@@ -140,16 +142,16 @@ class Csg {
     int leaf;
   };
 
-  /// Which nodes a point of a line is inside of.
+  /// Inside or outside of every node, at a point of a line.
   class Insides {
    public:
-    /// Outside of all leaves, and so of all nodes.
+    /// Starts outside of all leaves, and hence of all nodes.
     explicit Insides(const Csg& tree) : tree_(tree), at_(tree.nodes_.size()) {}
 
     [[nodiscard]] bool whole() const { return at_.back().is_inside; }
 
-    /// Goes in or out of a leaf; whether that changes the whole. It ends at the first operation that does not
-    /// change.
+    /// Goes into or out of a leaf; returns true if that changes the whole. It stops at the first operation
+    /// that does not change.
     bool turn_over(int leaf) {
       auto i = static_cast<std::size_t>(tree_.leaf(leaf).node);
       for (;;) {
@@ -185,18 +187,18 @@ class Csg {
     std::vector<At> at_;
   };
 
-  /// The crossings of a line with all leaves, and what is not to be seen from them.
+  /// Crossings of a line with all leaves, and the facts that they do not tell.
   struct Hits {
     std::vector<Hit> all;
-    std::vector<int> begun;     ///< the leaves that the line comes from the inside of
-    std::vector<int> departed;  ///< the leaves that the ray departs from
+    std::vector<int> begun;     ///< leaves whose inside the line comes from
+    std::vector<int> departed;  ///< leaves that the ray departs from
   };
 
   [[nodiscard]] int count() const { return static_cast<int>(leaves_.size()); }
   [[nodiscard]] int root() const { return static_cast<int>(nodes_.size()) - 1; }
   [[nodiscard]] const Leaf& leaf(int i) const { return leaves_[static_cast<std::size_t>(i)]; }
 
-  /// The leaf that has a part: the last that begins at it or before.
+  /// Returns the leaf that has a part: the last one that begins at it or before.
   [[nodiscard]] const Leaf& leaf_of(int part) const {
     return std::upper_bound(leaves_.begin(), leaves_.end(), part,
                             [](int p, const Leaf& leaf) { return p < leaf.first_part; })[-1];
@@ -234,13 +236,13 @@ class Csg {
     const auto [low, high] = other.bounds_;
     if (operation == Operation::either) bounds_ = {min(bounds_.min, low), max(bounds_.max, high)};
     if (operation == Operation::all) {
-      // Of solids far from each other nothing is left, and any box will do.
+      // Nothing is left of disjoint solids, and any box will do.
       bounds_.min = max(bounds_.min, low);
       bounds_.max = max(bounds_.min, min(bounds_.max, high));
     }
   }
 
-  /// The crossing as one of its leaf, with the type forgotten.
+  /// Returns the crossing as one of its leaf, with the type erased.
   [[nodiscard]] SurfaceCrossing on_leaf(const Hit& hit) const {
     return {.crossing = hit.crossing,
             .surface = &leaf(hit.leaf).solid,
@@ -259,7 +261,7 @@ class Csg {
       });
       const bool begins = solid.ends_inside(back), ends = solid.ends_inside(ray);
       if (begins) hits.begun.push_back(i);
-      // Each crossing turns the inside over. If one is missing, the ray departs from it: it was at t = 0.
+      // Each crossing toggles the inside. If one is missing, it was at t = 0, and the ray departs from it.
       if ((hits.all.size() - before) % 2 != (begins != ends ? 1 : 0)) hits.departed.push_back(i);
     }
     std::stable_sort(hits.all.begin(), hits.all.end(),
@@ -268,7 +270,7 @@ class Csg {
   }
 
   /// Calls visit(const Crossing&) for all crossings of the ray's line with the whole, near to far, until it
-  /// returns true. That of a ray that departs from the whole is left out.
+  /// returns true. A crossing at t = 0 is left out if the ray departs from a leaf.
   void walk(const Ray& ray, const auto& visit) const {
     const Hits hits = hits_along(ray);
     if (hits.all.empty()) return;
@@ -296,8 +298,8 @@ class Csg {
     }
   }
 
-  /// Turns over all leaves that are crossed at one t, an odd number of times each; the last hit with which
-  /// the whole has changed.
+  /// Toggles each leaf that is crossed an odd number of times at one t; returns the last hit that changed the
+  /// whole, or null.
   static const Hit* turn_over_together(Insides& insides, auto hit, auto end) {
     const Hit* turning = nullptr;
     while (hit != end) {
@@ -317,7 +319,7 @@ class Csg {
 
 namespace detail {
 
-/// A solid among the operands of an operation: any type, so that the compiler can say what it lacks to be a
+/// An operand of an operation. It takes any type, so that the compiler can say what the type lacks to be a
 /// Solid.
 struct CsgOperand {
   Csg tree;
@@ -340,7 +342,7 @@ struct CsgOperand {
 
 }  // namespace detail
 
-/// What is inside any of some solids.
+/// Returns the union of solids: all points inside any of them.
 [[nodiscard]] inline Csg union_of(std::vector<Csg> solids) {
   return {Csg::Operation::either, std::move(solids)};
 }
@@ -348,7 +350,7 @@ struct CsgOperand {
   return union_of(detail::trees(solids));
 }
 
-/// What is inside all of them.
+/// Returns the intersection of solids: all points inside every one of them.
 [[nodiscard]] inline Csg intersection_of(std::vector<Csg> solids) {
   return {Csg::Operation::all, std::move(solids)};
 }
@@ -356,7 +358,7 @@ struct CsgOperand {
   return intersection_of(detail::trees(solids));
 }
 
-/// What is inside the first and none of the others.
+/// Returns the difference of solids: all points inside the first and none of the others.
 [[nodiscard]] inline Csg difference_of(std::vector<Csg> solids) {
   return {Csg::Operation::first_alone, std::move(solids)};
 }

@@ -1,4 +1,4 @@
-// The points of a plane that are no farther than radius from position.
+// A disk: the points of a plane that are no farther than radius from position.
 #pragma once
 
 #include <cmath>
@@ -14,35 +14,36 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A disk around position, at a right angle to a normal of any length but 0. Its outline belongs to it.
-/// Whether a ray hits it is exact.
+/// A disk around position, perpendicular to a normal of any length but 0. Its outline belongs to it. Hits are
+/// decided exactly.
 struct Disk {
   Point position{0};
   Vec3 normal{0, 0, 1};
   double radius = 1;
 
-  /// Where a ray crosses the disk, if that is inside the range. A ray parallel to its plane never does, one
-  /// that lies in it included, and neither does one that departs from its plane.
+  /// Returns t of the ray's crossing with the disk if that is in the range. A ray parallel to its plane does
+  /// not cross it, even in that plane, nor does one that departs from the plane.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
     const auto crossing = first_crossing(*this, ray, range);
     return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
-  /// The unit normal, the same at every point.
+  /// Returns the unit normal, the same at every point.
   template <class P = Point>
   [[nodiscard]] Vec3 normal_at(const P&) const {
     return normalize(of_moderate_size(normal));
   }
 
-  /// In scene units from position: u along e1, the direction of a × n, where n is the unit normal and a the
-  /// coordinate axis on which it is smallest in magnitude, the first of equals; v along e2 = n × e1.
+  /// Returns coordinates from position, in scene units: u along e1, the direction of a × n, where n is the
+  /// unit normal and a the coordinate axis on which it is smallest in magnitude, the first of equals; v along
+  /// e2 = n × e1.
   template <class P = Point>
   [[nodiscard]] auto uv_at(const P& point) const {
     const P from_center = point - position;
     return plane_uv(normal_at(point), from_center);
   }
 
-  /// The crossing of the ray's line; of a ray that departs from the disk's plane, none.
+  /// Returns the crossing of the ray's line; none if the ray departs from the disk's plane.
   [[nodiscard]] Roots roots(const Ray& ray) const {
     if (is_left_by(ray)) return {};
     if (ray.transform != nullptr)
@@ -51,7 +52,7 @@ struct Disk {
     return disk_roots(ray.origin, ray.direction, position, normal, radius);
   }
 
-  /// The same of several rays at once, of those that are wanted.
+  /// Returns the roots of several rays at once, in the lanes of `wanted`.
   [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
     return disk_roots_of_each(rays.origin, rays.direction, position, normal, radius,
                               wanted && !is_left_by(rays));
@@ -61,8 +62,8 @@ struct Disk {
     return exact_root_of(disk_equation(line_of<ExactNumber>(ray), position, normal, radius));
   }
 
-  /// On an axis i, the disk reaches √(n_j² + n_k²) · radius from its center, for the unit normal n. That is
-  /// good to 2^-50 of itself, and to 2^-500 where the squares underflow.
+  /// Returns the box that reaches from the center by √(n_j² + n_k²) · radius on each axis i, for the unit
+  /// normal n. The square root is good to 2^-50 of itself, and to 2^-500 where the squares underflow.
   [[nodiscard]] Bounds bounds() const {
     const Vec3 n = normal_at(position);
     const auto reach = [&](double j, double k) {
@@ -72,8 +73,8 @@ struct Disk {
     return outward({position - half, position + half});
   }
 
-  /// What lies in one plane is left together. Where the plane is at a right angle to an axis that is exact;
-  /// of others, equal planes always have equal departures.
+  /// Returns the disk's plane; surfaces in one plane are left together. The plane is exact if it is
+  /// perpendicular to an axis; if not, equal planes still have equal departures.
   [[nodiscard]] Departure departure() const {
     for (int i = 0; i < 3; ++i)
       if (normal[(i + 1) % 3] == 0 && normal[(i + 2) % 3] == 0) {
@@ -84,7 +85,7 @@ struct Disk {
     return {.kind = Departure::Kind::rounded_plane, .geometry = plane_at(position, normal)};
   }
 
-  /// Throws std::invalid_argument if the position is not made of coordinates, the radius is no size
+  /// Throws std::invalid_argument if the position is not made of coordinates, the radius is not a size
   /// (magnitude.hpp), or the normal is 0 or not finite.
   void validate() const {
     require_rule(is_coordinate(position), "Disk: position must have numbers", coordinate_rule);

@@ -1,4 +1,4 @@
-// A surface that is scaled, rotated, sheared or moved from where it was made.
+// A surface that is scaled, rotated, sheared or moved from the place in which it was made.
 #pragma once
 
 #include <algorithm>
@@ -25,14 +25,14 @@ template <class S = AnySurface>
 class Instance;
 
 /// The image of a surface under an affine map. A ray is mapped into the surface's own space (object space)
-/// and answered there; its direction is not normalized, so that t is the same in both. The mapped ray is
-/// rounded, but knows the exact one (RayTransform): what is exact for the surface is exact for its image. A
-/// surface of your own that knows only intersect and normal_at is asked with the rounded ray.
+/// and traced there; its direction is not normalized, so t is the same in both spaces. The mapped ray is
+/// rounded, but knows the exact one (RayTransform): exact answers of the surface are exact for its image. A
+/// surface of your own that has only intersect and normal_at is given the rounded ray.
 ///
-/// Outside stays outside, in a mirror image as well, and u and v go with the points. A ray that leaves the
-/// image leaves together with it what lies in the plane of a face, if doubles hold the equation of the face
-/// in object space, as they do where it is at a right angle to an axis; and of a sphere that stays a sphere
-/// the same sphere.
+/// The outside stays outside, in a mirror image as well, and u and v go with the points. A ray that leaves a
+/// face of the image also leaves all surfaces in the plane of that face, if doubles hold the face's equation
+/// in object space, as they do if it is perpendicular to an axis there; a ray that leaves a sphere that stays
+/// a sphere also leaves equal spheres.
 template <Surface S>
 class Instance<S> {
   static_assert(detail::SurfaceOffers<S>::hold);
@@ -40,8 +40,8 @@ class Instance<S> {
  public:
   Instance(S surface, const Affine& placement)
       : surface_(std::move(surface)), inverse_(placement), bounds_(bounds_of(surface_, placement)) {
-    if (!inverse_.exists()) return;                       // validate() says so
-    std::map<Geometry, std::optional<Departure>> images;  // parts of one plane have one image
+    if (!inverse_.exists()) return;                       // validate() throws
+    std::map<Geometry, std::optional<Departure>> images;  // parts in one plane have one image
     for (int part = 0; part < protostar::part_count(surface_); ++part) {
       const Departure own = departure_of(surface_, part);
       if (own.kind != Departure::Kind::plane && own.kind != Departure::Kind::sphere) continue;
@@ -63,7 +63,7 @@ class Instance<S> {
     return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
-  /// The unit normal on the side that is the surface's outside.
+  /// Returns the unit normal on the surface's outside.
   [[nodiscard]] Vec3 normal_at(const Point& point, int part = 0) const {
     return unit_along(inverse_.mapped_normal(protostar::normal_at(surface_, carried(point), part)));
   }
@@ -72,8 +72,8 @@ class Instance<S> {
     return protostar::uv_at(surface_, carried(point), part);
   }
 
-  /// The plane or the sphere of a part, if others may have the same; and this instance, recognized by its
-  /// address.
+  /// Returns the plane or the sphere of a part, if other surfaces may have the same; and this instance,
+  /// recognized by its address.
   [[nodiscard]] Departure departure(int part = 0) const {
     const auto found = std::lower_bound(shared_.begin(), shared_.end(), part,
                                         [](const Departure& one, int other) { return one.part < other; });
@@ -112,7 +112,7 @@ class Instance<S> {
   [[nodiscard]] Bounds bounds() const { return bounds_; }
 
   /// Throws std::invalid_argument if the surface is not valid, the map has no inverse, or a number of the
-  /// inverse is no coordinate (magnitude.hpp).
+  /// inverse is not a coordinate (magnitude.hpp).
   void validate() const {
     if constexpr (SurfaceWithValidation<S>) surface_.validate();
     if (!inverse_.exists())
@@ -123,11 +123,11 @@ class Instance<S> {
   }
 
  private:
-  /// A point in object space. Of instances inside of instances it may be beyond the range of double, and so
-  /// each number is held within 2^500: with that the next map back leaves it finite.
+  /// Maps a point into object space. Nested instances may take it beyond the range of double, so each number
+  /// is clamped to ±2^500, which the next inverse map leaves finite.
   [[nodiscard]] Point carried(const Point& point) const { return within(inverse_.point(point), 0x1p500); }
 
-  /// The ray in object space, with what it leaves there.
+  /// Returns the ray in object space, with its departure there.
   [[nodiscard]] Ray in_object_space(const RayTransform& transform) const {
     Ray ray = transform.ray();
     const Departure& left = transform.outer.departure;
@@ -136,18 +136,18 @@ class Instance<S> {
       ray.departure = departure_of(surface_, left.part);
     } else if (const auto part = part_with(left)) {
       ray.departure = departure_of(surface_, *part);
-      ray.departure.object = nullptr;  // it is not this one that is left
+      ray.departure.object = nullptr;  // the ray left another surface
     }
     return ray;
   }
 
-  using Geometry = std::pair<bool, std::array<double, 4>>;  ///< of a plane, or of a sphere
+  using Geometry = std::pair<bool, std::array<double, 4>>;  ///< first is true for a plane, false for a sphere
 
   [[nodiscard]] static Geometry geometry_of(const Departure& departure) {
     return {departure.is_planar(), departure.is_planar() ? departure.rounded() : departure.geometry};
   }
 
-  /// A part whose plane or sphere is what another surface's ray leaves.
+  /// Returns a part whose plane or sphere is the one that the ray leaves on another surface.
   [[nodiscard]] std::optional<int> part_with(const Departure& left) const {
     if (shared_.empty() || left.kind == Departure::Kind::object) return std::nullopt;
     const Geometry geometry = geometry_of(left);
@@ -158,8 +158,8 @@ class Instance<S> {
     return shared_[*found].part;
   }
 
-  /// The image of what a part has in common with others: a plane whose equation doubles hold, or a sphere
-  /// that stays one.
+  /// Returns the image of the plane or sphere of a part, if doubles hold the plane's equation, or the sphere
+  /// stays a sphere.
   [[nodiscard]] std::optional<Departure> image_of(const Departure& own) const {
     const auto& [a, b, c, d] = own.geometry;
     if (own.kind == Departure::Kind::plane)
@@ -172,8 +172,9 @@ class Instance<S> {
                      .geometry = {sphere->center.x, sphere->center.y, sphere->center.z, sphere->radius}};
   }
 
-  /// The box around the images of the eight corners. A product and up to three sums are rounded by u each of
-  /// what the terms are in size, and the sum of these sizes is, too: 2^-50 = 8u of it are more than all.
+  /// Returns the box around the images of the eight corners. One product and up to three sums are each
+  /// rounded by u = 2^-53 of the sizes of the terms, and the sum of these sizes is rounded, too: 2^-50 = 8u
+  /// of it are more than all errors.
   [[nodiscard]] static Bounds bounds_of(const S& surface, const Affine& placement) {
     const Bounds everywhere{.min = Point{-infinity}, .max = Point{infinity}};
     if constexpr (!SurfaceWithBounds<S>) {
@@ -190,7 +191,7 @@ class Instance<S> {
         box.max += max(a, b);
         sizes += max(abs(a), abs(b));
       }
-      const Vec3 margin = 0x1p-50 * sizes + Vec3(0x1p-1070);  // and what underflows
+      const Vec3 margin = 0x1p-50 * sizes + Vec3(0x1p-1070);  // the constant for underflow
       box = {box.min - margin, box.max + margin};
       return is_finite(box.min) && is_finite(box.max) ? box : everywhere;
     }
@@ -199,14 +200,15 @@ class Instance<S> {
   S surface_;
   AffineInverse inverse_;
   Bounds bounds_;
-  std::vector<Departure> shared_;         ///< of the parts that have one, in their order
-  std::vector<std::size_t> by_geometry_;  ///< their indices, in the order of geometry_of
+  std::vector<Departure> shared_;         ///< departures of the parts that share one, by part
+  std::vector<std::size_t> by_geometry_;  ///< indices into shared_, in the order of geometry_of
 };
 
 template <class S>
 Instance(S surface, const Affine& placement) -> Instance<S>;
 
-/// An instance of what is no surface: that stops the compiler, which says what the type lacks.
+/// Stands in for the instance of a type that is not a surface: the compiler stops and says what the type
+/// lacks.
 template <class S>
 class Instance : public detail::NoSurface {
   static_assert(detail::SurfaceRequirements<S>::hold);

@@ -1,4 +1,4 @@
-// A surface of many triangles that share their vertices, found by way of a tree of boxes of its own.
+// A surface of many triangles that share their vertices, with a BVH of its own.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ namespace detail {
 #if defined(PROTOSTAR_MESH_TREE)
 using simd::TriangleTree;
 #else
-/// Without accel/, all triangles are tried in turn.
+/// Stands in for the BVH without accel/: tries all triangles in turn.
 class TriangleTree {
  public:
   static constexpr std::size_t most = std::size_t{1} << 27;
@@ -58,14 +58,14 @@ class TriangleTree {
 
 }  // namespace detail
 
-/// What a mesh is made of.
+/// Vertices and triangles of a mesh.
 struct MeshData {
   std::vector<Point> vertices;
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< by the numbers of their vertices
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< by the indices of their vertices
 
-  /// Of each vertex, or none: then each triangle has its own. They may have any length.
+  /// Normals of the vertices, of any length; if empty, each triangle has its own.
   std::vector<Vec3> normals = {};
-  /// Places on textures, of each vertex, or none: then each triangle has its barycentric coordinates.
+  /// Texture coordinates of the vertices; if empty, each triangle has its barycentric coordinates.
   std::vector<Uv> uvs = {};
 
   [[nodiscard]] Triangle triangle(std::size_t i) const {
@@ -73,17 +73,17 @@ struct MeshData {
     return {vertices[a], vertices[b], vertices[c]};
   }
 
-  /// The same as a function.
+  /// Returns a function that returns triangle(i).
   [[nodiscard]] auto triangle_of() const {
     return [this](std::size_t i) { return triangle(i); };
   }
 
-  /// Whether the triangles bound a solid: of each edge, as many have it in one direction as in the other.
-  /// Vertices in one place are one.
+  /// Returns true if the triangles bound a solid: each edge occurs as often in one direction as in the other.
+  /// Vertices at one position count as one.
   [[nodiscard]] bool is_closed() const {
     const std::vector<std::uint32_t> number = numbers_of_places();
     using Edge = std::array<std::uint32_t, 2>;
-    std::vector<Edge> up, down;  // from the lower number to the higher, and back
+    std::vector<Edge> up, down;  // from the lower index to the higher, and back
     for (const auto& triangle : triangles)
       for (std::size_t i = 0; i < 3; ++i) {
         const std::uint32_t from = number[triangle[i]], to = number[triangle[(i + 1) % 3]];
@@ -95,10 +95,10 @@ struct MeshData {
     return up == down;
   }
 
-  /// Throws std::invalid_argument if there is no triangle or too many, if one names a vertex that there is
-  /// not, if a vertex or a uv is not made of coordinates (magnitude.hpp), if a normal is not finite, or if
-  /// there are other than as many normals or uvs as vertices. Triangles without area are allowed; no ray
-  /// meets them.
+  /// Throws std::invalid_argument if there is no triangle or too many, if a triangle has a vertex index out
+  /// of range, if a vertex or a uv is not made of coordinates (magnitude.hpp), if a normal is not finite, or
+  /// if there are normals or uvs, but not as many as vertices. Triangles without area are allowed; no ray
+  /// hits them.
   void validate() const {
     const auto check = [](bool holds, const auto& rule) {
       if (!holds) throw std::invalid_argument("Mesh: " + std::string(rule));
@@ -130,7 +130,7 @@ struct MeshData {
   }
 
  private:
-  /// Of each vertex a number, the same for those in one place.
+  /// Returns an index for each vertex, equal for vertices at one position.
   [[nodiscard]] std::vector<std::uint32_t> numbers_of_places() const {
     const auto place = [&](std::uint32_t i) {
       return std::array{vertices[i].x, vertices[i].y, vertices[i].z};
@@ -147,39 +147,38 @@ struct MeshData {
   }
 };
 
-/// A mesh, whose copies share what it is made of. Its parts are its triangles, in the order in which they are
-/// given.
+/// A mesh, whose copies share their data. Its parts are its triangles, in the order in which they are given.
 ///
-/// What holds of triangles that share an edge or a vertex (Triangle) holds of all: a ray that is aimed at an
-/// edge of a closed mesh, or at a vertex, slips through nowhere and crosses nothing twice. What counts are
-/// the numbers of the vertices, so that two vertices in one place are as good as one.
+/// All triangles fit together as two that share an edge or a vertex do (Triangle): a ray that is aimed at an
+/// edge of a closed mesh, or at a vertex, slips through nowhere and crosses nothing twice. Vertices are
+/// compared by their coordinates, so two vertices at one position are as good as one.
 class Mesh {
  public:
-  /// Builds the tree. Throws what MeshData::validate throws, and std::invalid_argument if options.threads is
-  /// negative.
+  /// Builds the BVH. Throws the exceptions of MeshData::validate, and std::invalid_argument if
+  /// options.threads is negative.
   explicit Mesh(MeshData data, const RenderOptions& options = {})
       : contents_(std::make_shared<const Contents>(std::move(data), options)) {}
 
   [[nodiscard]] const MeshData& data() const { return contents_->data; }
 
-  /// Whether it bounds a solid (MeshData::is_closed), which takes a look at all edges. Inside is what a line
-  /// is in between its first crossing and its second, its third and its fourth, and so on. Normals lead out
-  /// of it if (b − a) × (c − a) does for each triangle a, b, c: if, in right-handed coordinates, the
-  /// triangles turn counterclockwise as seen from outside, and in left-handed ones clockwise.
+  /// Returns true if the mesh bounds a solid (MeshData::is_closed), which takes a pass over all edges. A line
+  /// is inside between its first crossing and its second, its third and its fourth, and so on. Normals lead
+  /// out of the solid if (b − a) × (c − a) does for each triangle a, b, c: if, in right-handed coordinates,
+  /// the triangles turn counterclockwise as seen from outside, and in left-handed ones clockwise.
   [[nodiscard]] bool is_solid() const { return data().is_closed(); }
   [[nodiscard]] int part_count() const { return static_cast<int>(data().triangles.size()); }
 
-  /// What is inside has an end on every ray.
+  /// Returns false: the inside is bounded on every ray.
   [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
 
-  /// Where a ray crosses the mesh first inside the range.
+  /// Returns t of the closest hit in the range.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
     const auto crossing = first_crossing(ray, range);
     return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
-  /// The unit normal at a point of a triangle: that between those of its vertices, or where there are none or
-  /// they cancel, the triangle's own.
+  /// Returns the unit normal at a point of a triangle: the vertex normals, interpolated, or the triangle's
+  /// own if there are none or they cancel.
   [[nodiscard]] Vec3 normal_at(const Point& point, int part) const {
     const Triangle triangle = this->triangle(part);
     if (!data().normals.empty()) {
@@ -189,19 +188,19 @@ class Mesh {
     return triangle.normal_at(point);
   }
 
-  /// Whether each triangle has one normal, its own.
+  /// Returns true if each triangle has one normal, its own.
   [[nodiscard]] bool has_flat_parts() const { return data().normals.empty(); }
 
-  /// The place between those of the vertices; or if they have none, barycentric coordinates.
+  /// Interpolates the texture coordinates of the vertices; returns barycentric coordinates if they have none.
   [[nodiscard]] Uv uv_at(const Point& point, int part) const {
     const Uv uv = triangle(part).uv_at(point);
     return data().uvs.empty() ? uv : between(data().uvs, uv, part);
   }
 
-  /// That of a triangle: what lies in its plane is left together. Of this mesh, the ray crosses what a ray
-  /// crosses that starts on the triangle, whatever the digits of its origin say (StartInTriangle): next to an
-  /// edge that bends away it does not meet the other side, and next to one in a valley it does where it leads
-  /// there. Such a ray must not be asked after its mesh is gone.
+  /// Returns the plane of a triangle; surfaces in one plane are left together. The ray crosses this mesh as
+  /// one does that starts on the triangle, however its origin is rounded (StartInTriangle): next to an edge
+  /// that bends away it does not hit the other side, and next to an edge in a valley it does if it leads
+  /// there. Such a ray must not be traced after its mesh is gone.
   [[nodiscard]] Departure departure(int part) const {
     Departure departure = triangle(part).departure();
     departure.part = part, departure.object = contents_.get();
@@ -210,24 +209,25 @@ class Mesh {
 
   [[nodiscard]] Bounds bounds() const { return contents_->bounds; }
 
-  /// The first crossing inside the range, in exact order. Of triangles that are crossed at equal t, the
-  /// earlier one's is the first.
+  /// Returns the closest hit in the range, in exact order. If triangles are crossed at equal t, the one with
+  /// the lowest index counts.
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
     First<const Ray&> first{{ray, range, start_of(ray)}, *this};
     contents_->tree.answer(first, data().triangle_of());
     return first.crossing;
   }
 
-  /// Whether there is any crossing inside the range.
+  /// Returns true if there is any hit in the range.
   [[nodiscard]] bool is_met(const Ray& ray, Interval range) const {
     Any<const Ray&> any{{ray, range, start_of(ray)}, *this};
     contents_->tree.answer(any, data().triangle_of());
     return any.is_met;
   }
 
-  /// first_crossing of many rays, the k-th of `count` being ray(k): tell(k, std::optional<Crossing>) is
-  /// called for each, in any order. While one ray waits for memory others go on: worth while for rays that
-  /// lead to different places of a mesh that the cache does not hold (bench_meshes).
+  /// Finds first_crossing of many rays, the k-th of `count` being ray(k), and calls tell(k,
+  /// std::optional<Crossing>) for each, in any order. The traversals are interleaved: while one ray waits for
+  /// memory, others go on. This pays for rays that lead to different places of a mesh larger than the cache
+  /// (bench_meshes).
   void first_crossings(std::size_t count, const auto& ray, Interval range, const auto& tell) const {
     contents_->tree.answer_each(
         count,
@@ -238,7 +238,7 @@ class Mesh {
         [&](std::size_t k, const auto& first) { tell(k, first.crossing); }, data().triangle_of());
   }
 
-  /// The same of is_met: tell(k, bool).
+  /// Finds is_met of many rays, interleaved like first_crossings, and calls tell(k, bool) for each.
   void are_met(std::size_t count, const auto& ray, Interval range, const auto& tell) const {
     contents_->tree.answer_each(
         count,
@@ -249,11 +249,11 @@ class Mesh {
         [&](std::size_t k, const auto& any) { tell(k, any.is_met); }, data().triangle_of());
   }
 
-  /// Calls visit(const Crossing&) for every crossing inside the range, near to far.
+  /// Calls visit(const Crossing&) for every crossing in the range, near to far.
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
     std::vector<Crossing> crossings;
     const Start start = start_of(ray);
-    // The tree knows rays and no lines: what is behind the origin lies ahead of a ray that is turned around.
+    // The BVH traces rays, not lines: crossings behind the origin lie ahead on the reversed ray.
     const auto find_along = [&](const Ray& half, double length, bool is_behind) {
       All all{{half, {std::max(is_behind ? -range.max : range.min, 0.0), length}, start},
               data(),
@@ -271,7 +271,7 @@ class Mesh {
   }
 
 #if defined(PROTOSTAR_MESH_TREE)
-  /// What a tile of a picture sees of it, found for all pixels at once (SurfaceForTiles).
+  /// Visibility buffer of a tile, filled for all pixels at once (SurfaceForTiles).
   using Drawn = simd::TrianglesInTile;
   void draw(Drawn& drawn, const simd::PixelRays& rays, int sample, const simd::Frustum& frustum,
             const Tile& tile, simd::Asked asked) const {
@@ -286,10 +286,10 @@ class Mesh {
   }
 
  private:
-  /// Where a ray starts that leaves a triangle of this mesh; of others nothing.
+  /// Start of a ray that leaves a triangle of this mesh; empty for other rays.
   using Start = std::optional<StartInTriangle>;
 
-  // What the tree is asked (TriangleTree).
+  // Queries to the BVH (TriangleTree).
 
   /// R is Ray, or a reference to one.
   template <class R>
@@ -298,14 +298,14 @@ class Mesh {
     Interval range;
     Start start;
 
-    /// How far the ray starts from its origin, on each axis.
+    /// Returns how far the ray's start may be from its origin, on each axis.
     [[nodiscard]] double distance() const { return start ? start->distance() : 0; }
 
-    /// What the numbers of the line are off by that crosses the triangles.
+    /// Returns the error of the numbers of the line that crosses the triangles.
     [[nodiscard]] LineError error() const { return start ? start->error(ray) : line_error(ray); }
   };
 
-  /// What a ray crosses first.
+  /// Closest hit of a ray.
   template <class R>
   struct First : Query<R> {
     static constexpr bool near_first = true;
@@ -327,12 +327,12 @@ class Mesh {
     void take(const Crossing& other) {
       if (crossing && !mesh.comes_before(ray, start, other, *crossing)) return;
       crossing = other;
-      // What might be before it, given its error, stays in.
+      // Crossings that may come before it, given its error, stay in the range.
       range.max = std::min(range.max, latest(other.t));
     }
   };
 
-  /// Whether it crosses anything.
+  /// Any hit of a ray.
   template <class R>
   struct Any : Query<R> {
     static constexpr bool near_first = false;
@@ -347,7 +347,7 @@ class Mesh {
     }
   };
 
-  /// All that it may cross: look_at(triangle, i).
+  /// Calls look_at(triangle, i) for all triangles that the ray may cross.
   template <class LookAt>
   struct All : Query<const Ray&> {
     static constexpr bool near_first = false;
@@ -364,7 +364,7 @@ class Mesh {
   template <class LookAt>
   All(Query<const Ray&>, const MeshData&, LookAt) -> All<LookAt>;
 
-  /// What copies share.
+  /// Data that copies share.
   struct Contents {
     MeshData data;
     detail::TriangleTree tree;
@@ -372,7 +372,7 @@ class Mesh {
 
     Contents(MeshData given, const RenderOptions& options)
         : data(validated(std::move(given))), tree(data.triangles.size(), data.triangle_of(), options) {
-      detail::require_threads(options);  // few triangles are sorted by one thread, whatever the options say
+      detail::require_threads(options);  // checked here since few triangles are sorted by one thread
       for (std::size_t i = 0; i < data.triangles.size(); ++i) {
         const Bounds of_one = data.triangle(i).bounds();
         bounds = {min(bounds.min, of_one.min), max(bounds.max, of_one.max)};
@@ -387,7 +387,7 @@ class Mesh {
 
   [[nodiscard]] Triangle triangle(int part) const { return data().triangle(static_cast<std::size_t>(part)); }
 
-  /// Of what the vertices of a triangle have, that at its place u and v.
+  /// Interpolates a vertex attribute at (u, v) of a triangle.
   template <class T>
   [[nodiscard]] T between(const std::vector<T>& of_vertices, const Uv& uv, int part) const {
     const auto& [a, b, c] = data().triangles[static_cast<std::size_t>(part)];
@@ -401,7 +401,7 @@ class Mesh {
     return leaves_this(ray) ? Start(std::in_place, ray, triangle(ray.departure.part)) : std::nullopt;
   }
 
-  /// The crossing with the i-th triangle.
+  /// Returns the crossing with the i-th triangle in the range, if there is one.
   [[nodiscard]] std::optional<Crossing> crossing_with(const Triangle& one, std::uint32_t i, const Ray& ray,
                                                       const Start& start, const Interval& range) const {
     const int part = static_cast<int>(i);

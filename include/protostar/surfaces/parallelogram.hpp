@@ -1,4 +1,4 @@
-// The set of points position + a·edge_u + b·edge_v with 0 ≤ a ≤ 1 and 0 ≤ b ≤ 1.
+// A parallelogram: the points position + a·edge_u + b·edge_v with 0 ≤ a ≤ 1 and 0 ≤ b ≤ 1.
 #pragma once
 
 #include <algorithm>
@@ -13,27 +13,27 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A parallelogram, from one corner along two edges, which are not parallel. Its outline belongs to it.
-/// Whether a ray hits it is exact.
+/// A parallelogram, from one corner along two edges, which are not parallel. Its outline belongs to it. Hits
+/// are decided exactly.
 struct Parallelogram {
   Point position{0};
   Vec3 edge_u{1, 0, 0}, edge_v{0, 1, 0};
 
-  /// Where a ray crosses the parallelogram, if that is inside the range. A ray parallel to its plane never
-  /// does, one that lies in it included, and neither does one that departs from its plane.
+  /// Returns t of the ray's crossing with the parallelogram if that is in the range. A ray parallel to its
+  /// plane does not cross it, even in that plane, nor does one that departs from the plane.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
     const auto crossing = first_crossing(*this, ray, range);
     return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
-  /// The unit normal along edge_u × edge_v, the same at every point.
+  /// Returns the unit normal along edge_u × edge_v, the same at every point.
   template <class P = Point>
   [[nodiscard]] Vec3 normal_at(const P&) const {
     return unit_normal(edge_u, edge_v);
   }
 
-  /// Where a point of the plane is along edge_u and edge_v, in scene units: 0 at position, and at the far end
-  /// of an edge its length.
+  /// Returns the coordinates of a point of the plane along edge_u and edge_v, in scene units: 0 at position,
+  /// and the edge's length at the far end of an edge.
   template <class P = Point>
   [[nodiscard]] auto uv_at(const P& point) const {
     // For the unit vectors u and v of the edges and w = α u + β v, with n = u × v: w × v = α n, u × w = β n.
@@ -43,7 +43,7 @@ struct Parallelogram {
     return uv_of(dot(cross(w, v), n) / dot(n, n), dot(cross(u, w), n) / dot(n, n));
   }
 
-  /// The crossing of the ray's line; of a ray that departs from the parallelogram's plane, none.
+  /// Returns the crossing of the ray's line; none if the ray departs from the parallelogram's plane.
   [[nodiscard]] Roots roots(const Ray& ray) const {
     if (is_left_by(ray)) return {};
     if (ray.transform != nullptr)
@@ -52,7 +52,7 @@ struct Parallelogram {
     return parallelogram_roots(ray.origin, ray.direction, position, edge_u, edge_v);
   }
 
-  /// The same of several rays at once, of those that are wanted.
+  /// Returns the roots of several rays at once, in the lanes of `wanted`.
   [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
     return parallelogram_roots_of_each(rays.origin, rays.direction, position, edge_u, edge_v,
                                        wanted && !is_left_by(rays));
@@ -67,8 +67,8 @@ struct Parallelogram {
     return outward({edge.min + min(edge_v, 0.0), edge.max + max(edge_v, 0.0)});
   }
 
-  /// What lies in one plane is left together. Where the plane is at a right angle to an axis that is exact;
-  /// of others, equal planes always have equal departures.
+  /// Returns the parallelogram's plane; surfaces in one plane are left together. The plane is exact if it is
+  /// perpendicular to an axis; if not, equal planes still have equal departures.
   [[nodiscard]] Departure departure() const {
     for (int i = 0; i < 3; ++i)
       if (edge_u[i] == 0 && edge_v[i] == 0) {
@@ -79,8 +79,8 @@ struct Parallelogram {
     return {.kind = Departure::Kind::rounded_plane, .geometry = plane_through(position, edge_u, edge_v)};
   }
 
-  /// Throws std::invalid_argument if the edges are parallel or 0, if a number is no coordinate, or if an
-  /// edge's largest component is no size (magnitude.hpp).
+  /// Throws std::invalid_argument if the edges are parallel or 0, a number is not a coordinate, or an edge's
+  /// largest component is not a size (magnitude.hpp).
   void validate() const {
     require_rule(is_coordinate(position), "Parallelogram: position must have numbers", coordinate_rule);
     require_rule(is_coordinate(edge_u) && is_coordinate(edge_v),

@@ -1,4 +1,4 @@
-// The set of points x with normal · x = distance.
+// A plane: the points x with normal · x = distance.
 #pragma once
 
 #include <algorithm>
@@ -13,36 +13,36 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A plane. The normal may have any length but 0; where it is a unit vector, distance is the plane's distance
+/// A plane. The normal may have any length but 0; if it is a unit vector, distance is the plane's distance
 /// from the coordinate origin along it, in scene units.
 struct Plane {
   Vec3 normal{0, 1, 0};
   double distance = 0;
 
-  /// Where a ray crosses the plane, if that is inside the range. A ray parallel to the plane never does, one
-  /// that lies in it included, and neither does one that departs from it.
+  /// Returns t of the ray's crossing with the plane if that is in the range. A ray parallel to the plane does
+  /// not cross it, even in the plane, nor does one that departs from it.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
     const auto crossing = first_crossing(*this, ray, range);
     return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
-  /// The unit normal, the same at every point.
+  /// Returns the unit normal, the same at every point.
   template <class P = Point>
   [[nodiscard]] Vec3 normal_at(const P&) const {
     const Vec3 size = abs(normal);
     return normalize(normal /
-                     std::max({size.x, size.y, size.z}));  // whose squares neither overflow nor vanish
+                     std::max({size.x, size.y, size.z}));  // its squares neither overflow nor underflow
   }
 
-  /// In scene units from the plane's point nearest the coordinate origin: u along e1, the direction of a × n,
-  /// where n is the unit normal and a the coordinate axis on which it is smallest in magnitude, the first of
-  /// equals; v along e2 = n × e1.
+  /// Returns coordinates from the plane's point nearest the coordinate origin, in scene units: u along e1,
+  /// the direction of a × n, where n is the unit normal and a the coordinate axis on which it is smallest in
+  /// magnitude, the first of equals; v along e2 = n × e1.
   template <class P = Point>
   [[nodiscard]] auto uv_at(const P& point) const {
     return plane_uv(normal_at(point), point);
   }
 
-  /// The crossing of the ray's line; of a ray that departs from the plane, none.
+  /// Returns the crossing of the ray's line; none if the ray departs from the plane.
   [[nodiscard]] Roots roots(const Ray& ray) const {
     if (is_left_by(ray)) return {};
     if (ray.transform != nullptr)
@@ -50,7 +50,7 @@ struct Plane {
     return plane_roots(ray.origin, ray.direction, normal, distance);
   }
 
-  /// The same of several rays at once, of those that are wanted.
+  /// Returns the roots of several rays at once, in the lanes of `wanted`.
   [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
     return plane_roots_of_each(rays.origin, rays.direction, normal, distance, wanted && !is_left_by(rays));
   }
@@ -59,13 +59,14 @@ struct Plane {
     return exact_root_of(plane_equation(line_of<ExactNumber>(ray), normal, distance));
   }
 
-  /// Planes of one equation, or of multiples of it, are left together, with whatever lies in them.
+  /// Returns the plane. Planes whose equations are equal, or multiples of each other, are left together, with
+  /// all surfaces in them.
   [[nodiscard]] Departure departure() const {
     return {.kind = Departure::Kind::plane, .geometry = {normal.x, normal.y, normal.z, distance}};
   }
 
   /// Throws std::invalid_argument if the normal is 0 or not finite, or distance over the normal's largest
-  /// component is no coordinate (magnitude.hpp).
+  /// component is not a coordinate (magnitude.hpp).
   void validate() const {
     if (!is_finite(normal) || normal == Vec3{0})
       throw std::invalid_argument("Plane: normal must be finite and not zero");

@@ -1,5 +1,5 @@
-// The points where a polynomial of the second degree in x, y and z is 0: ellipsoids, cones, cylinders and
-// more.
+// Quadrics: the points where a polynomial of the second degree in x, y and z is 0, as ellipsoids, cones and
+// cylinders.
 #pragma once
 
 #include <cmath>
@@ -15,33 +15,32 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// A quadric: the points where its form (QuadricForm, in numeric/quadric_roots.hpp) is 0. Inside it the form
-/// is negative. The default is the unit sphere.
-/// Whether a ray meets it is exact.
+/// is negative. The default is the unit sphere. Hits are decided exactly.
 struct Quadric {
   QuadricForm form;
 
-  /// Where a ray crosses the quadric first inside the range. Touching is a hit, at which the ray crosses it
-  /// twice; a ray that lies in the quadric does not cross it. A quadric that the ray departs from may be met
+  /// Returns t of the closest hit in the range. Touching is a hit, at which the ray crosses the quadric
+  /// twice; a ray that lies in the quadric does not cross it. A ray that departs from the quadric may hit it
   /// once more.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
     const auto crossing = first_crossing(*this, ray, range);
     return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
-  /// The unit normal at a point of the quadric, along the gradient of the form, and so outwards. The terms of
-  /// the gradient cancel where the quadric is far from the coordinate origin, and digits are lost. Where the
+  /// Returns the unit normal at a point of the quadric, outward along the gradient of the form. The terms of
+  /// the gradient cancel if the quadric is far from the coordinate origin, and digits are lost. If the
   /// gradient is 0, as at the apex of a cone, there is no normal: (0, 0, 1) stands for it.
   [[nodiscard]] Vec3 normal_at(const Point& point) const {
     const Vec3 gradient = form.times(point) + form.linear;
     return unit_along(gradient);
   }
 
-  /// The normal as longitude and latitude: where the quadric is a sphere, u and v are a Sphere's.
+  /// Returns the normal as longitude and latitude; if the quadric is a sphere, u and v are a Sphere's.
   [[nodiscard]] Uv uv_at(const Point& point) const { return direction_uv(normal_at(point)); }
 
-  /// All crossings of the ray's line; of a ray that departs from the quadric, the one that it does not come
-  /// from. That does not count outside of the bounds, where it is only if the origin is about as far off the
-  /// quadric.
+  /// Returns all crossings of the ray's line; if the ray departs from the quadric, only the one that it does
+  /// not come from. This one does not count outside of the bounds, where it can be only if the origin is
+  /// about as far off the quadric.
   [[nodiscard]] Roots roots(const Ray& ray) const {
     if (ray.transform != nullptr) return transformed_roots(ray);
     if (!is_left_by(ray)) return quadric_roots(ray.origin, ray.direction, form);
@@ -55,7 +54,7 @@ struct Quadric {
     return is_left_by(ray) ? exact_root_of(equation.without_root_at_0()) : exact_root_of(equation, root);
   }
 
-  /// Whether a ray is inside in the end, for t → ∞.
+  /// Returns true if the far end of the ray, t → ∞, is inside.
   [[nodiscard]] bool ends_inside(const Ray& ray) const {
     const bool leaves = is_left_by(ray);
     if (ray.transform == nullptr) return quadric_ends_negative(ray.origin, ray.direction, form, leaves);
@@ -66,13 +65,14 @@ struct Quadric {
            });
   }
 
-  /// Those of an ellipsoid that is inside of itself, and about a thousandth more; others' are infinite.
+  /// Returns the bounds of an ellipsoid whose form is negative around its center, about a thousandth wider;
+  /// infinite for other quadrics.
   [[nodiscard]] Bounds bounds() const { return quadric_bounds(form); }
 
-  /// This quadric, recognized by its address.
+  /// Returns this quadric, recognized by its address.
   [[nodiscard]] Departure departure() const { return {.kind = Departure::Kind::object, .object = this}; }
 
-  /// Throws std::invalid_argument if a number is no coordinate (magnitude.hpp), or the form is constant.
+  /// Throws std::invalid_argument if a number is not a coordinate (magnitude.hpp), or the form is constant.
   void validate() const {
     require_rule(is_coordinate(form.squares) && is_coordinate(form.products) && is_coordinate(form.linear) &&
                      is_coordinate(form.constant),

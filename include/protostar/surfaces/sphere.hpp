@@ -1,4 +1,4 @@
-// The set of points at distance radius from center (§2.2.4).
+// A sphere: the points at distance radius from center (§2.2.4).
 #pragma once
 
 #include <cmath>
@@ -11,50 +11,50 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A sphere. Lengths are in scene units. The radius is not 0; a negative one turns the normals inwards and
+/// A sphere. Lengths are in scene units. The radius is not 0; a negative one turns the normals inward and
 /// changes nothing else (§2.3.2).
 struct Sphere {
   Point center{0};
   double radius = 1;
 
-  /// Where a ray meets the sphere first inside the range: where it enters it, or, from inside, where it
-  /// leaves it. Touching is a hit, and whether there is one is exact. A sphere that the ray departs from is
-  /// met again only by a ray that leads inwards.
+  /// Returns t of the closest hit in the range, at which the ray enters the sphere or, from inside, leaves
+  /// it. Touching is a hit; hits are decided exactly. A ray that departs from the sphere hits it again only
+  /// if it leads inward.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
     const auto crossing = first_crossing(*this, ray, range);
     return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
-  /// The unit normal at a point of the sphere (§2.3.1, A.1.3): outwards for a positive radius. At hit.point()
-  /// it is off by at most (2^-30 T + 2^-53 (T + P)) / |radius| + 2^-51, which also bounds the sine of the
-  /// angle: T is the distance of the hit from the ray's origin, P that from the coordinate origin. Where that
-  /// is above 1, on a sphere so small and so far away that the digits of a point do not tell where on the
-  /// sphere it is, the normal is any vector with components between -2 and 2.
+  /// Returns the unit normal at a point of the sphere (§2.3.1, A.1.3): outward for a positive radius. At
+  /// hit.point() it is off by at most (2^-30 T + 2^-53 (T + P)) / |radius| + 2^-51, which also bounds the
+  /// sine of the angle: T is the distance of the hit from the ray's origin, P its distance from the
+  /// coordinate origin. If that bound is above 1, for a sphere so small and so far away that the digits of a
+  /// point do not tell where on the sphere it is, the normal is any vector with components between -2 and 2.
   template <class P = Point>
   [[nodiscard]] P normal_at(const P& point) const {
     return within((point - center) * (1 / radius), 2);
   }
 
-  /// The direction from the center as longitude and latitude: u from 0 to 1 around the y axis, ½ where the
-  /// direction is that of z; v from 0 at the top to 1 at the bottom.
+  /// Returns the direction from the center as longitude and latitude: u from 0 to 1 around the y axis, ½ in
+  /// the direction of z; v from 0 at the top to 1 at the bottom.
   [[nodiscard]] Uv uv_at(const Point& point) const { return direction_uv(unit_along(point - center)); }
 
-  /// All crossings of the ray's line; of a ray that departs from the sphere, the one that it does not come
-  /// from.
+  /// Returns all crossings of the ray's line; if the ray departs from the sphere, only the one that it does
+  /// not come from.
   [[nodiscard]] Roots roots(const Ray& ray) const {
     if (ray.transform != nullptr) return transformed_roots(ray);
     if (is_left_by(ray)) return sphere_root_leaving(ray.origin, ray.direction, center, radius);
     return sphere_roots(ray.origin, ray.direction, center, radius);
   }
 
-  /// Whether a ray surely crosses the sphere nowhere in t > 0. That takes signs, and no root.
+  /// Returns true if the ray surely does not cross the sphere in t > 0, by signs alone, without a root.
   [[nodiscard]] bool is_surely_behind(const Ray& ray) const {
     if (ray.transform != nullptr) return false;
     if (is_left_by(ray)) return left_sphere_surely_behind(ray.origin, ray.direction, center, radius);
     return sphere_surely_behind(ray.origin, ray.direction, center, radius);
   }
 
-  /// What is the same for all spheres.
+  /// A ray, with the part of its equation that is the same for all spheres.
   struct Line : SphereLine<Point, Vec3> {
     const Ray& ray;
     bool leaves_a_sphere;
@@ -64,26 +64,26 @@ struct Sphere {
           leaves_a_sphere(along.departure.kind == Departure::Kind::sphere) {}
   };
 
-  /// The first root in t > 0, if double tells.
+  /// Returns the first root in t > 0, or that double does not decide it.
   [[nodiscard, gnu::always_inline]] FirstRoot first_root(const Line& line) const {
     if (line.ray.transform != nullptr || (line.leaves_a_sphere && is_left_by(line.ray)))
       return {.known = FirstRoot::Known::undecided};
     return first_sphere_root(line, center, radius);
   }
 
-  /// The same of several rays at once, of those that are wanted.
+  /// Returns the roots of several rays at once, in the lanes of `wanted`.
   [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
     if (is_left_by(rays))
       return sphere_root_leaving_of_each(rays.origin, rays.direction, center, radius, wanted);
     return sphere_roots_of_each(rays.origin, rays.direction, center, radius, wanted);
   }
 
-  /// The first root in t > 0 of each of several rays that depart from nothing.
+  /// Returns the first root in t > 0 of each of several rays that depart from nothing.
   [[nodiscard]] auto first_root_of_each(const auto& rays, const auto& wanted) const {
     return first_sphere_root_of_each(rays.origin, rays.direction, center, radius, wanted);
   }
 
-  /// Which of several rays cross it in t > 0, or in 0 < t < 1.
+  /// Tests which of several rays cross the sphere in t > 0, or, as segments, in 0 < t < 1.
   [[nodiscard]] auto crossed_by_each(const auto& rays, const auto& wanted) const {
     if (is_left_by(rays))
       return left_sphere_crossed_by_each(rays.origin, rays.direction, center, radius, wanted);
@@ -100,7 +100,7 @@ struct Sphere {
     return is_left_by(ray) ? exact_root_of(equation.without_root_at_0()) : exact_root_of(equation, root);
   }
 
-  /// What is inside has an end on every ray.
+  /// Returns false: the inside is bounded on every ray.
   [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
 
   [[nodiscard]] Bounds bounds() const {
@@ -108,19 +108,19 @@ struct Sphere {
     return outward({center - r, center + r});
   }
 
-  /// Spheres of one center and radius are left together.
+  /// Returns center and radius; spheres with equal ones are left together.
   [[nodiscard]] Departure departure() const {
     return {.kind = Departure::Kind::sphere, .geometry = {center.x, center.y, center.z, std::abs(radius)}};
   }
 
-  /// Throws std::invalid_argument if the center is not made of coordinates, or |radius| is no size
+  /// Throws std::invalid_argument if the center is not made of coordinates, or |radius| is not a size
   /// (magnitude.hpp).
   void validate() const {
     require_rule(is_coordinate(center), "Sphere: center must have numbers", coordinate_rule);
     require_rule(is_size(std::abs(radius)), "Sphere: radius must be a number of a magnitude", size_rule);
   }
 
-  /// Whether a ray, or the rays of a packet, depart from it.
+  /// Returns true if a ray, or the rays of a packet, depart from the sphere.
   [[nodiscard]] bool is_left_by(const auto& ray) const {
     return ray.departure.kind == Departure::Kind::sphere && ray.departure.geometry == departure().geometry;
   }

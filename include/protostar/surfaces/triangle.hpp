@@ -1,4 +1,4 @@
-// The set of points of the triangle between three points.
+// A triangle between three points, and rays that leave a triangle of a mesh.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// The unit normal along (b − a) × (c − a) of a triangle so thin that the vector product underflows, from
-/// exact numbers; NaN where the points are on one line.
+/// Returns the unit normal along (b − a) × (c − a) of a triangle so thin that the vector product underflows,
+/// from exact numbers; NaN if the points are on one line.
 [[nodiscard, gnu::cold, gnu::noinline]] inline Vec3 unit_normal_of_thin(const Point& a, const Point& b,
                                                                         const Point& c) {
   const ExactVector n = cross(exact_difference(b, a), exact_difference(c, a));
@@ -34,48 +34,48 @@ namespace detail {
 
 }  // namespace detail
 
-/// A triangle; its points are not on one line. Whether a ray hits it is exact.
+/// A triangle; its points are not on one line. Hits are decided exactly.
 ///
-/// A part of its outline belongs to it. A ray that passes exactly through an edge or a vertex is taken for
-/// one that starts an immeasurably small bit aside, the same for all triangles. So of two triangles on either
-/// side of an edge it hits exactly one, and of those around a vertex of a closed mesh, as many as a ray next
-/// to it.
+/// A part of its outline belongs to it. A ray exactly through an edge or a vertex is treated as if it started
+/// infinitesimally aside, in the same way for all triangles. Hence it hits exactly one of two triangles on
+/// either side of an edge, and of the triangles around a vertex of a closed mesh it hits as many as a ray
+/// next to it.
 struct Triangle {
   Point a{0}, b{1, 0, 0}, c{0, 1, 0};
 
-  /// Where a ray crosses the triangle, if that is inside the range. A ray parallel to its plane never does,
-  /// one that lies in it included, and neither does one that departs from its plane.
+  /// Returns t of the ray's crossing with the triangle if that is in the range. A ray parallel to its plane
+  /// does not cross it, even in that plane, nor does one that departs from the plane.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
     const auto crossing = first_crossing(*this, ray, range);
     return crossing ? std::optional(crossing->t) : std::nullopt;
   }
 
-  /// The unit normal along (b − a) × (c − a), the same at every point.
+  /// Returns the unit normal along (b − a) × (c − a), the same at every point.
   template <class P = Point>
   [[nodiscard]] Vec3 normal_at(const P&) const {
     const Vec3 normal = unit_normal_through(a, b, c);
     return is_finite(normal) ? normal : detail::unit_normal_of_thin(a, b, c);
   }
 
-  /// Barycentric coordinates: the point is a + u (b − a) + v (c − a).
+  /// Returns barycentric coordinates: the point is a + u (b − a) + v (c − a).
   template <class P = Point>
   [[nodiscard]] auto uv_at(const P& point) const {
-    // For w = u e + v f with the edges e and f, and n = e × f: w × f = u n, e × w = v n. The lengths go up to
-    // the fourth power, so that a power of two brings the edges to about 1 first.
+    // For w = u e + v f with the edges e and f, and n = e × f: w × f = u n, e × w = v n. Lengths occur to the
+    // fourth power, so a power of two first scales the edges to about 1.
     const double unit = std::ldexp(1, std::clamp(-exponent_of({b - a, c - a}), -1000, 1000));
     const Vec3 e = unit * (b - a), f = unit * (c - a), n = cross(e, f);
     const P w = unit * (point - a);
     return uv_of(dot(cross(w, f), n) / dot(n, n), dot(cross(e, w), n) / dot(n, n));
   }
 
-  /// The crossing of the ray's line; of a ray that departs from the triangle's plane, none.
+  /// Returns the crossing of the ray's line; none if the ray departs from the triangle's plane.
   [[nodiscard]] Roots roots(const Ray& ray) const {
     if (is_left_by(ray)) return {};
     if (ray.transform != nullptr) return transformed_roots(ray);
     return triangle_roots(ray.origin, ray.direction, a, b, c);
   }
 
-  /// The same of several rays at once, of those that are wanted.
+  /// Returns the roots of several rays at once, in the lanes of `wanted`.
   [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
     return triangle_roots_of_each(rays.origin, rays.direction, a, b, c, wanted && !is_left_by(rays));
   }
@@ -86,8 +86,8 @@ struct Triangle {
 
   [[nodiscard]] Bounds bounds() const { return {min(a, min(b, c)), max(a, max(b, c))}; }
 
-  /// What lies in one plane is left together. Where the plane is at a right angle to an axis that is exact;
-  /// of others, equal planes always have equal departures.
+  /// Returns the triangle's plane; surfaces in one plane are left together. The plane is exact if it is
+  /// perpendicular to an axis; if not, equal planes still have equal departures.
   [[nodiscard]] Departure departure() const {
     for (int i = 0; i < 3; ++i)
       if (a[i] == b[i] && a[i] == c[i]) {
@@ -98,7 +98,7 @@ struct Triangle {
     return {.kind = Departure::Kind::rounded_plane, .geometry = plane_through_points(a, b, c)};
   }
 
-  /// Throws std::invalid_argument if the points are on one line, or a number is no coordinate
+  /// Throws std::invalid_argument if the points are on one line, or a number is not a coordinate
   /// (magnitude.hpp).
   void validate() const {
     require_rule(is_coordinate(a) && is_coordinate(b) && is_coordinate(c),
@@ -125,29 +125,30 @@ struct Triangle {
 static_assert(SurfaceWithExactRoots<Triangle> && SurfaceWithDeparture<Triangle> &&
               SurfaceWithBounds<Triangle>);
 
-/// Where a ray starts that leaves a triangle of a mesh, and where it crosses the mesh's other triangles.
+/// Start of a ray that leaves a triangle of a mesh, and its crossings with the mesh's other triangles.
 ///
 /// The ray's origin is rounded: it lies beside the triangle, and near an edge it may lie behind the neighbor.
-/// So the ray starts at the point of the triangle's inside that is next to its origin, without rounding. Its
-/// line crosses the triangle that is left there, at t = 0, and the others where it does: all of them are
-/// judged by this one line, so that of a closed mesh it crosses in and out in turn, from the side to which it
-/// leaves (docs/numerics.md, Leaving a mesh).
+/// Therefore the ray starts at the point inside the triangle that is next to its origin, without rounding.
+/// Its line crosses that triangle there, at t = 0. All other triangles are tested against this one line, so
+/// it crosses a closed mesh in and out in turn, beginning with the side to which it leaves (docs/numerics.md,
+/// Leaving a mesh).
 class StartInTriangle {
  public:
   StartInTriangle(const Ray& ray, const Triangle& left)
       : left_(left), start_(ray.origin, left.a, left.b, left.c) {}
 
-  /// How far it is at most from the ray's origin, on each axis.
+  /// Returns an upper bound for its distance from the ray's origin, on each axis.
   [[nodiscard]] double distance() const { return start_.distance(); }
 
-  /// What the numbers of a ray are off by at most, as those of its line from here and as its own.
+  /// Returns upper bounds for the errors of the ray's numbers, both as its own and as numbers of its line
+  /// from here.
   [[nodiscard]] LineError error(const Ray& ray) const {
     const LineError own = line_error(ray);
     return {distance() + own.origin, own.direction};
   }
 
-  /// The crossing of the line with another triangle, as certain as Roots says; none with one that lies in the
-  /// plane that is left.
+  /// Returns the crossing of the line with another triangle, as certain as Roots says; none if that triangle
+  /// lies in the plane that the ray leaves.
   [[nodiscard]] Roots roots(const Ray& ray, const Triangle& other) const {
     const Equation e = rounded_equation(ray, other);
     if (e.misses) return {};
@@ -155,16 +156,16 @@ class StartInTriangle {
     return roots_in_doubt(e, ray, other);
   }
 
-  /// That crossing without rounding. Where both differ by less than 2^-32 of it for certain, it is that of
-  /// the ray as it is given and not of the line: then it is at the same t as that of another surface in one
-  /// plane with the triangle.
+  /// Returns the crossing with another triangle without rounding. If the crossings of the given ray and of
+  /// the line surely differ by less than 2^-32 of t, it is the given ray's, which is at the same t as its
+  /// crossing with another surface in the triangle's plane.
   [[nodiscard, gnu::cold, gnu::noinline]] ExactRoot exact_root(const Ray& ray, const Triangle& other) const {
     return rounded_equation(ray, other).certain ? other.exact_root(ray, 0)
                                                 : exact_root_of(equation_from_start(ray, other));
   }
 
-  /// The order of two triangles that are crossed at t_a and t_b: the sign of the difference of t on the line,
-  /// without rounding.
+  /// Returns the order of two triangles that are crossed at t_a and t_b: the sign of the difference of t on
+  /// the line, without rounding.
   [[nodiscard]] int order_of(const Ray& ray, const Triangle& a, double t_a, const Triangle& b,
                              double t_b) const {
     const double gap = t_a - t_b, larger = std::max(std::abs(t_a), std::abs(t_b));
@@ -173,9 +174,9 @@ class StartInTriangle {
     return order(exact_root_of(equation_from_start(ray, a)), exact_root_of(equation_from_start(ray, b)));
   }
 
-  /// By how much t of a crossing at most differs between the ray as it is given and the line:
-  /// n·(P − o) / n·d, which is sure in double where n·d is above 2^-18 of the sizes of its terms, but for a
-  /// part of 2^-31 (rounded_triangle_equation). Elsewhere it may be infinite.
+  /// Returns an upper bound for the difference between t of a crossing on the given ray and on the line,
+  /// n·(P − o) / n·d. In double, n·d is good to 2^-31 of itself if it is above 2^-18 of the sizes of its
+  /// terms (rounded_triangle_equation); if not, the bound is infinite.
   [[nodiscard]] double shift(const Ray& ray, const Triangle& other) const {
     const LineError off = error(ray);
     const double slack = detail::slack_for(off.direction);
@@ -209,7 +210,7 @@ class StartInTriangle {
     return roots_of(equation);
   }
 
-  /// The line from the start, without rounding.
+  /// Returns the line from the start, without rounding.
   [[nodiscard]] ExactLine line_from_start(const Ray& ray) const {
     ExactLine line = line_of<ExactNumber>(ray);
     line.origin = line.weight * start_.exact();
