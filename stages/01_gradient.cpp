@@ -1,4 +1,4 @@
-// A horizontal gradient, from black to white (§2.2.2, Fig. 1).
+// Draws a horizontal gradient, from black to white (§2.2.2, Fig. 1).
 #include <algorithm>
 #include <protostar/image.hpp>
 

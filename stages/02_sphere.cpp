@@ -1,4 +1,4 @@
-// One sphere, white on black: a ray through every pixel either meets it or not (§2.2.3–2.2.5, Fig. 7).
+// Draws one sphere, white on black: a ray through every pixel hits it or not (§2.2.3–2.2.5, Fig. 7).
 #include <protostar/render.hpp>
 #include <protostar/surfaces/sphere.hpp>
 

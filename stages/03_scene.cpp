@@ -1,4 +1,4 @@
-// Three spheres in a scene, white on black, through an integrator (§2.3.1).
+// Draws a scene of three spheres, white on black, through an integrator (§2.3.1).
 #include <protostar/integrators/binary.hpp>
 #include <protostar/render.hpp>
 

@@ -1,4 +1,4 @@
-// The reciprocal distance of what is seen (§2.3.2, Fig. 9).
+// Draws the reciprocal distance of the closest hit (§2.3.2, Fig. 9).
 #include <protostar/integrators/depth.hpp>
 #include <protostar/render.hpp>
 

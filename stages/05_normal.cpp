@@ -1,4 +1,4 @@
-// The normals of what is seen, as colors (§2.3.2, Fig. 10).
+// Draws the normal of the closest hit, as a color (§2.3.2, Fig. 10).
 #include <protostar/integrators/normal.hpp>
 #include <protostar/render.hpp>
 

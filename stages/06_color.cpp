@@ -1,4 +1,4 @@
-// The flat colors of what is seen (§2.3.2, Fig. 11).
+// Draws the flat color of the closest hit (§2.3.2, Fig. 11).
 #include <protostar/integrators/color.hpp>
 #include <protostar/render.hpp>
 

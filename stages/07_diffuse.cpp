@@ -1,4 +1,4 @@
-// Diffuse surfaces under a point light, without shadows (§2.3.2, Fig. 15; with --transfer linear, Fig. 14).
+// Draws diffuse surfaces under a point light, no shadows (§2.3.2, Fig. 15; with --transfer linear, Fig. 14).
 #include <protostar/integrators/diffuse.hpp>
 #include <protostar/render.hpp>
 

@@ -1,4 +1,4 @@
-// Colored glass the tutorial's way, in float and with an offset (§2.3.2, Fig. 19; with --offset 0, Fig. 16).
+// Draws colored glass the tutorial's way, in float with an offset (§2.3.2, Fig. 19; --offset 0: Fig. 16).
 #include "naive.hpp"
 
 #include <protostar/integrators/transparency.hpp>

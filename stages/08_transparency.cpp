@@ -1,4 +1,4 @@
-// Colored glass: white light from behind, filtered at every crossing (§2.3.2, Figs. 16–19).
+// Draws colored glass: white light from behind, times the surface color at every hit (§2.3.2, Figs. 16–19).
 #include <protostar/integrators/transparency.hpp>
 #include <protostar/render.hpp>
 

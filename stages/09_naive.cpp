@@ -1,4 +1,4 @@
-// Shadows the tutorial's way, in float and with an offset (§2.3.2; with --offset 0, Fig. 20).
+// Draws shadows the tutorial's way, in float with an offset (§2.3.2; --offset 0: Fig. 20).
 #include "naive.hpp"
 
 #include <protostar/integrators/shadow.hpp>

@@ -1,4 +1,4 @@
-// Diffuse surfaces under a point light, with shadows (§2.3.2, Fig. 20).
+// Draws diffuse surfaces under a point light, with shadows (§2.3.2, Fig. 20).
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/render.hpp>
 

@@ -1,4 +1,4 @@
-// Four spheres with highlights, by Phong's formula.
+// Draws four spheres with highlights, by Phong's formula.
 #include <protostar/integrators/whitted.hpp>
 #include <protostar/render.hpp>
 

@@ -1,4 +1,4 @@
-// Two of the spheres are mirrors, and ivory mirrors a little.
+// Draws four spheres, two of them mirrors; ivory reflects a little.
 #include <protostar/integrators/whitted.hpp>
 #include <protostar/render.hpp>
 

@@ -1,4 +1,4 @@
-// One of the spheres is of glass.
+// Draws four spheres, one of them of glass.
 #include <protostar/integrators/whitted.hpp>
 #include <protostar/render.hpp>
 

@@ -1,4 +1,4 @@
-// The whole picture: the spheres before a checker board.
+// Draws the complete picture: four spheres above a checkerboard.
 #include <protostar/integrators/whitted.hpp>
 #include <protostar/render.hpp>
 

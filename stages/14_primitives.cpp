@@ -1,4 +1,4 @@
-// A quadric, a sphere, a box, a disk, a triangle and a parallelogram on a plane of squares.
+// Draws a quadric, a sphere, a box, a disk, a triangle and a parallelogram on a checkered plane.
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/render.hpp>
 #include <protostar/surfaces/any_surface.hpp>
@@ -19,9 +19,9 @@ int main(int argc, char** argv) {
   return run_stage(argc, argv, {.integrator = "shadow"}, [](Stage& stage) {
     const Camera camera = Camera::perspective({0, 4, -6}, {0, -3, 4}, {0, 4, 3}, 60);
 
-    Scene<Plane, AnySurface> scene;  // a list of planes, and one of all others
+    Scene<Plane, AnySurface> scene;  // one list for planes, one for all other surfaces
     scene.add(Plane{}, Material{.texture = Checker{.first = Color{0.6f}, .second = Color{0.25f}}});
-    // 2x² + y + 2z² − 2 = 0: a hill of height 2, and of radius 1 on the board
+    // 2x² + y + 2z² − 2 = 0: a hill of height 2, with radius 1 on the plane
     scene.add(Quadric{{.squares = {2, 0, 2}, .linear = {0, 0.5, 0}, .constant = -2}},
               Color{0.2f, 0.7f, 0.1f});
     scene.add(Sphere{.center = {-2.5, 0.75, -1.5}, .radius = 0.75}, Color{1, 0.3f, 0});

@@ -1,4 +1,4 @@
-// Solids made of solids, each turned and put in its place: a cube with holes, a bowl and a lens.
+// Draws solids made of solids, each rotated and moved to its position: a cube with holes, a bowl and a lens.
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/render.hpp>
 #include <protostar/surfaces/any_surface.hpp>

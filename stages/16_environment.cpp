@@ -1,4 +1,4 @@
-// The spheres under an evening sky, which the glass and the mirrors show.
+// Draws four spheres under an evening sky, which glass and mirror show.
 #include <protostar/integrators/whitted.hpp>
 #include <protostar/render.hpp>
 

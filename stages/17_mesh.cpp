@@ -1,4 +1,4 @@
-// A mesh from a file: a knot of 1600 triangles, which looks smooth.
+// Draws a mesh from a file: a knot of 1600 triangles, which looks smooth by its vertex normals.
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/render.hpp>
 #include <protostar/surfaces/mesh.hpp>

@@ -1,8 +1,9 @@
-// The tutorial's own way, in float and with an offset, for comparison: what 08_naive and 09_naive teach
+// Traces rays the tutorial's own way, in float and with an offset, for comparison in 08_naive and 09_naive
 // (§2.3.2).
 //
-// Nothing here is part of the library. It is what one writes first, and it is almost right: each function
-// follows the formula of its section. What goes wrong, and why no offset mends it, is in docs/numerics.md.
+// Nothing here is part of the library. It is the code that one writes first, and it is almost right: each
+// function follows the formula of its section. docs/numerics.md says what goes wrong, and why no offset
+// helps.
 #pragma once
 
 #include <array>
@@ -30,8 +31,8 @@ struct Sphere {
   float radius;
   Color color;
 
-  /// The smaller of b ± √(b² − c) that is greater than 0 (§2.2.4). Both the difference under the root and
-  /// that of b and the root cancel: their leading digits go, and what is left are the roundings of b² and c.
+  /// Returns the smaller of b ± √(b² − c) that is greater than 0 (§2.2.4). Both the difference under the root
+  /// and b minus the root cancel: their leading digits vanish, and the rounding errors of b² and c remain.
   std::optional<float> intersect(const Ray& ray) const {
     const Vec l = center - ray.origin;
     const float b = dot(ray.direction, l), c = dot(l, l) - radius * radius;
@@ -72,9 +73,9 @@ inline std::optional<Hit> closest_hit(const Ray& ray) {
   return Hit{point, dot(normal, ray.direction) <= 0 ? normal : -normal, closest->color};
 }
 
-/// Colored glass: the ray starts again behind every hit, pushed through the surface by the offset (Figs. 16,
-/// 19). Ten hits are the tutorial's limit; three spheres have six at most, so that more are the offset's
-/// failures.
+/// Returns light through colored glass: the ray starts again behind every hit, pushed through the surface by
+/// the offset (Figs. 16, 19). Ten hits are the tutorial's limit; three spheres have six at most, so more are
+/// failures of the offset.
 inline Color transparency(Ray ray, float offset) {
   Color light{1};
   for (int i = 0; i < 10; ++i) {
@@ -86,8 +87,8 @@ inline Color transparency(Ray ray, float offset) {
   return light;
 }
 
-/// Diffuse light with shadows: the shadow ray starts above the surface by the offset (Fig. 20), and ends
-/// before the light by as much.
+/// Returns diffuse light with shadows: the shadow ray starts above the surface by the offset (Fig. 20), and
+/// ends before the light by as much.
 inline Color shadow(const Ray& ray, float offset) {
   const auto hit = closest_hit(ray);
   if (!hit) return Color{0};

@@ -1,4 +1,4 @@
-// Draws a scene file, docs/scene-format.md.
+// Draws a scene file (docs/scene-format.md).
 #include "support/scene_pictures.hpp"
 #include "support/stage.hpp"
 

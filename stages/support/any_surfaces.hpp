@@ -1,5 +1,5 @@
-// Surfaces of any type, compiled once for all stages that have them (support/pictures.cpp), and so are
-// pictures of them on a plane.
+// Declares surfaces of any type, and pictures of them on a plane, which are compiled once for all stages
+// (support/pictures.cpp).
 #pragma once
 
 #include <protostar/integrators/shadow.hpp>

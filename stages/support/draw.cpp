@@ -16,8 +16,8 @@ using namespace protostar;
 
 namespace {
 
-/// One integrator for all that shade the first hit. What finds it is most of the code, and so it is compiled
-/// once.
+/// Integrator that stands for each that shades the closest hit. Most of the code finds the hit, and is thus
+/// compiled once.
 struct FirstHitIntegrator {
   using TakesPackets = FirstHitIntegrator;
 
@@ -51,7 +51,7 @@ void draw(Image& image, const SceneFile& file, const std::string& integrator, co
                                                                     {"diffuse", {DiffuseIntegrator{}}},
                                                                     {"normal", {NormalIntegrator{}}},
                                                                     {"shadow", {ShadowIntegrator{}}}};
-  // Samples that the command line asks for are not those that the file was read with.
+  // The command line may ask for other samples than the scene file, which were checked when it was read.
   if (const auto refusal = refusal_of_samples(options.samples, file.scene.lights().size()))
     throw std::runtime_error("--samples: " + *refusal);
   if (integrator == "binary") return draw_with(BinaryIntegrator{});

@@ -30,8 +30,8 @@ bool is_ignored(int signal) {
 
 }  // namespace
 
-// Every thread inherits the blocked signals, so that they wait for the listener, which is an ordinary thread
-// and may do what a signal handler may not.
+// All threads inherit the blocked signals, which therefore wait for the listener, an ordinary thread that may
+// do what a signal handler may not.
 Interrupt::Interrupt() {
   const sigset_t signals = stop_signals();
   pthread_sigmask(SIG_BLOCK, &signals, &mask_before_);
@@ -47,7 +47,7 @@ Interrupt::~Interrupt() {
   setitimer(ITIMER_REAL, &none, nullptr);
   if (!listens()) return;
   done_ = true;
-  pthread_kill(listener_.native_handle(), SIGTERM);  // wakes it, and it sees that this is the end
+  pthread_kill(listener_.native_handle(), SIGTERM);  // wakes the listener, which then sees that it is done
   listener_.join();
   pthread_sigmask(SIG_SETMASK, &mask_before_, nullptr);
 }
@@ -57,7 +57,7 @@ void Interrupt::set_timeout(double seconds, const std::string& line) {
   const double whole = std::floor(seconds);
   itimerval timer{};
   timer.it_value.tv_sec = static_cast<time_t>(whole);
-  // One microsecond is the shortest: a timer of 0 would be none.
+  // At least one microsecond, since 0 would disable the timer.
   timer.it_value.tv_usec = std::max(static_cast<suseconds_t>((seconds - whole) * 1e6), suseconds_t{1});
   setitimer(ITIMER_REAL, &timer, nullptr);
 }

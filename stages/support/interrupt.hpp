@@ -1,4 +1,4 @@
-// Ctrl-C and the end of the time: both ask the work to stop, and end the process if it does not.
+// Stops the work on Ctrl-C or a timeout, and ends the process if the work does not stop.
 #pragma once
 
 #include <atomic>
@@ -7,16 +7,16 @@
 #include <string>
 #include <thread>
 
-/// While one lives, SIGINT, SIGTERM and SIGHUP request a stop: whoever writes a file looks at the token at
-/// every block, and removes what is not complete. If the work has not ended a tenth of a second later, the
-/// process is ended all the same, so that it lives for half a second at most. It may then have a temporary
-/// file, of which it was writing a block; as after SIGKILL, SIGQUIT and whatever else is not caught, the next
-/// OutputFile for the same target removes that. A signal that the process was started to ignore, as nohup and
-/// the shell's & do, stays ignored.
+/// Catcher of SIGINT, SIGTERM and SIGHUP: during its lifetime they request a stop. Code that writes a file
+/// looks at the token at every block, and removes an incomplete file. If the work has not ended a tenth of a
+/// second later, the process is ended all the same, so that it outlives the signal by half a second at most.
+/// It may then leave a temporary file, of which it was writing a block; as after SIGKILL, SIGQUIT and all
+/// else that is not caught, the next OutputFile for the same target removes it. A signal that the process was
+/// started to ignore, as by nohup or the shell's &, stays ignored.
 ///
-/// A thread waits for the signals. If the system starts none, listens() is false, and a signal ends the
-/// process at once, as it does one without an Interrupt. Make it before any other thread, so that all have
-/// the signals blocked.
+/// A thread waits for the signals. If the system cannot start it, listens() is false, and a signal ends the
+/// process at once, as without an Interrupt. Construct it before any other thread, so that all threads block
+/// the signals.
 class Interrupt {
  public:
   Interrupt();
@@ -24,22 +24,21 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
-  /// Requests a stop when so many seconds have passed, by SIGALRM, and prints the line; the process then ends
-  /// with the status 1. Call it once, before the work begins.
+  /// Requests a stop after the given number of seconds, by SIGALRM, and prints the line; the process then
+  /// ends with status 1. Call it once, before the work begins.
   void set_timeout(double seconds, const std::string& line);
 
-  /// Whether a signal requests a stop.
+  /// Returns true if the listener runs, so that signals request a stop.
   bool listens() const { return listener_.joinable(); }
 
   protostar::StopToken token() const {
     return [this] { return came(); };
   }
 
-  /// Whether a stop was requested.
+  /// Returns true if a stop was requested.
   bool came() const { return signal_ != 0; }
 
-  /// Returns the exit status of a program that was stopped: 128 and the number of the signal; 1 after the
-  /// timeout.
+  /// Returns the exit status of a stopped program: 128 plus the number of the signal, or 1 after the timeout.
   int status() const;
 
  private:

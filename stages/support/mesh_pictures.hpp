@@ -1,5 +1,5 @@
-// Meshes of files and pictures of them over a plane, compiled apart from the stage that draws them
-// (support/load_mesh.cpp, support/pictures.cpp).
+// Declares load_mesh, and pictures of a mesh over a plane, which are compiled apart from the stage that draws
+// them (support/load_mesh.cpp, support/pictures.cpp).
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 #include <protostar/surfaces/mesh.hpp>
 #include <protostar/surfaces/plane.hpp>
 
-/// The mesh that load_obj reads, each vertex moved to its place.
+/// Returns the mesh that load_obj reads, with each vertex v moved to place(v).
 protostar::Mesh load_mesh(const std::filesystem::path& path,
                           const std::function<protostar::Point(const protostar::Point&)>& place);
 

@@ -1,4 +1,4 @@
-// How text from elsewhere, such as the name of a file, is put into the lines that a program prints.
+// Formats text from elsewhere, such as the name of a file, for the lines that a program prints.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +7,8 @@
 #include <protostar/shown.hpp>
 #include <string>
 
-/// A text of at most that many bytes: of a longer one the beginning and the end, in whole characters of
-/// UTF-8, with three dots between them.
+/// Returns a text of at most `most` bytes: a longer one keeps its beginning and its end, in whole characters
+/// of UTF-8, with three dots between them.
 inline std::string shortened(const std::string& text, std::size_t most) {
   if (text.size() <= most) return text;
   const auto continues = [&](std::size_t i) { return (static_cast<unsigned char>(text[i]) & 0xc0) == 0x80; };
@@ -18,13 +18,14 @@ inline std::string shortened(const std::string& text, std::size_t most) {
   return text.substr(0, first) + "..." + text.substr(last);
 }
 
-/// An error or a warning as one line: control characters are shown and not sent to the terminal, and one of
-/// more than 500 bytes, which begins with what is wrong and ends with the reason, loses its middle.
+/// Returns an error or a warning as one line: control characters are shown and not sent to the terminal, and
+/// an error of more than 500 bytes, which begins with what is wrong and ends with the reason, loses its
+/// middle.
 inline std::string error_line(const std::string& program, const std::string& error) {
   return protostar::shown(program) + ": " + shortened(protostar::shown(error), 500) + "\n";
 }
 
-/// Prints an error or a warning to stderr, if only that where memory has run out.
+/// Prints an error or a warning to stderr; without memory for it, only that memory has run out.
 inline void print_error(const std::string& program, const char* error) {
   try {
     std::fputs(error_line(program, error).c_str(), stderr);

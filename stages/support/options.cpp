@@ -24,7 +24,7 @@ namespace {
 using protostar::Gamma, protostar::Linear, protostar::Srgb, protostar::Transfer;
 using protostar::detail::double_of;
 
-/// Reads a whole number that a text consists of.
+/// Parses a whole text as an integer; returns nullopt if it is none.
 std::optional<int> whole_number(std::string_view text) {
   int value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -32,16 +32,16 @@ std::optional<int> whole_number(std::string_view text) {
   return value;
 }
 
-/// What was found on the command line, as far as it fits into a line that says more.
+/// Returns an argument of the command line in quotes, shortened to leave room in an error message.
 std::string found_text(std::string_view text) { return "'" + shortened(std::string(text), 200) + "'"; }
 
-/// Usage errors name the option, what was found and what is allowed.
+/// Throws a usage error, which names the option, the value found and the values allowed.
 [[noreturn]] void refuse(const std::string& option, std::string_view found, const std::string& allowed) {
   throw CLI::ValidationError(option, found_text(found) + " is not " + allowed);
 }
 
-/// Refuses what CLI11 takes as something else: --name= takes the next argument for its value, and a flag
-/// counts one that has a value, --help=3, as that many.
+/// Refuses values that CLI11 misreads: --name= takes the next argument as its value, and a flag with a value,
+/// --help=3, counts as that many flags.
 void refuse_wrong_values(const CLI::App& app, int argc, const char* const* argv) {
   for (int i = 1; i < argc && argv[i] != std::string_view("--"); ++i) {
     const std::string_view argument = argv[i];
@@ -95,7 +95,7 @@ int read_whole(const std::string& option, std::string_view text, bool (*is_allow
   return *value;
 }
 
-/// A part of a picture: its column and row, and its size.
+/// Part of a picture: its column and row, and its size.
 struct Part {
   int x = 0, y = 0;
   Size size;
@@ -118,7 +118,7 @@ Part read_crop(std::string_view text) {
   return {.x = numbers[0], .y = numbers[1], .size = {.width = numbers[2], .height = numbers[3]}};
 }
 
-/// Makes of the picture a part of it.
+/// Turns options for a picture into options for a part of it; refuses a part that is not inside.
 void crop_to(const Part& part, std::string_view text, Options& options) {
   const auto is_inside = [](int first, int size, int whole) {
     return size <= whole && first <= whole - size;
@@ -153,8 +153,8 @@ double read_timeout(std::string_view text) {
   return *value;
 }
 
-/// The seconds after which `render` gives up a scene file, for each pixel of the picture. Scene files allow
-/// 2^22 rays through a pixel, and a few microseconds for each of them are common.
+/// Seconds after which `render` gives up a scene file, for each pixel of the picture. Scene files allow 2^22
+/// rays through a pixel, and a few microseconds for each of them are common.
 constexpr double seconds_a_pixel = 10;
 
 double pixels_drawn(const Options& options) {
@@ -162,7 +162,7 @@ double pixels_drawn(const Options& options) {
                               : 1.0 * options.width * options.height;
 }
 
-/// The format that a file's ending asks for. A device, a pipe or a descriptor of this process by its name,
+/// Returns the format for a file's extension. A device, a pipe or a descriptor of this process by its name,
 /// such as /dev/fd/1, has none and takes a PPM, even if a regular file is open there; a folder is left to the
 /// writer, whose error says what it is.
 Options::Format format_of(const std::filesystem::path& path) {
@@ -296,7 +296,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
       if (app.count(options.numbers[i].name))
         options.numbers[i].value = read_finite(options.numbers[i].name, numbers[i]);
 
-    // What a format cannot do is refused, not left out.
+    // An option that the format cannot follow is refused, not ignored.
     const std::string ending = ending_of(options.format);
     if (options.format != Options::Format::ppm) {
       if (app.count("--plain")) refuse("--plain", ending, "a format with a plain form; .ppm is");
@@ -305,8 +305,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     if (options.is_linear() && own_transfer && !std::holds_alternative<Linear>(*own_transfer))
       refuse("--transfer", transfer, "possible in " + ending + ", which holds linear light");
 
-    // A scene is read when nothing else is wrong. Only it may know the size of the picture, and so whether
-    // the crop lies inside.
+    // The scene is read when nothing else is wrong. Without --size, only the scene tells the size of the
+    // picture, and thus whether the crop lies inside.
     const auto crop_to_part = [&](const Size& whole) {
       options.width = whole.width;
       options.height = whole.height;
@@ -326,7 +326,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
       options.timeout = seconds_a_pixel * pixels_drawn(options);
     return options;
   } catch (const CLI::ParseError& message) {
-    status = app.exit(message) == 0 ? 0 : 2;  // prints it
+    status = app.exit(message) == 0 ? 0 : 2;  // prints the message
     return std::nullopt;
   }
 }

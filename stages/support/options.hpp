@@ -1,4 +1,4 @@
-// The command line that all stages share.
+// Reads the command line that all stages share.
 #pragma once
 
 #include <filesystem>
@@ -11,40 +11,40 @@
 #include <string>
 #include <vector>
 
-/// An option of one stage that takes a finite number.
+/// Option of one stage that takes a finite number.
 struct NumberOption {
   std::string name, help;
-  double value;  ///< when it is not given
+  double value;  ///< default if the option is not given
 };
 
-/// What a stage draws when it is not told otherwise.
+/// Settings of a stage for options that are not given.
 struct StageDefaults {
-  std::string integrator = {};  ///< for the line that the stage prints
+  std::string integrator = {};  ///< name, for the line that the stage prints
   int width = 640, height = 480;
   protostar::Transfer transfer = protostar::Gamma{2.2};
-  protostar::Tone tone = protostar::Tone::clip;  ///< not for files of linear light
+  protostar::Tone tone = protostar::Tone::clip;  ///< not applied to files of linear light
   bool plain = false;
-  std::vector<NumberOption> numbers = {};  ///< options of its own
+  std::vector<NumberOption> numbers = {};  ///< options of this stage alone
   int samples = 0;
 
-  /// Of a program that draws scene files: reads one, and says what it asks for.
+  /// Reads a scene file and returns its settings; for programs that draw scene files, empty for others.
   std::function<StageDefaults(const std::filesystem::path&, const protostar::ReadOptions&)> read_scene = {};
 };
 
-/// What the user asked for, checked as far as it can be without touching a file.
+/// Options of a run, checked as far as possible without opening the output.
 struct Options {
   enum class Format { ppm, png, pfm, hdr };
 
-  /// Whether the file holds the light itself: nothing is encoded, nothing above 1 has to be cut.
+  /// Returns true if the file holds linear light: nothing is encoded, nothing above 1 has to be cut.
   [[nodiscard]] bool is_linear() const { return format == Format::pfm || format == Format::hdr; }
 
-  /// Whether all of the picture is drawn though a part of it is asked for, as its largest channel says how
-  /// light the part is.
+  /// Returns true if all of the picture is drawn though a part of it is asked for, since the largest channel
+  /// of the picture sets the scale of the part.
   [[nodiscard]] bool draws_more() const {
     return crop.width > 0 && tone == protostar::Tone::scale_image && !is_linear();
   }
 
-  std::string program = {};  ///< whose lines these are
+  std::string program = {};  ///< name that begins each message
   std::filesystem::path output = "out.ppm";
   Format format = Format::ppm;
   int width = 0, height = 0;
@@ -54,14 +54,14 @@ struct Options {
   protostar::Tone tone = protostar::Tone::clip;
   std::string integrator = {};
   int samples = 0;
-  protostar::Crop crop = {};  ///< the picture, if width and height are those of a part of it
+  protostar::Crop crop = {};  ///< in the picture, if width and height are those of a part of it
   bool plain = false;
   bool quiet = false;
-  double timeout = 0;                 ///< seconds after which the program gives up; 0: it never does
-  std::vector<NumberOption> numbers;  ///< with the values that were given
+  double timeout = 0;                 ///< seconds after which the program gives up; 0: never
+  std::vector<NumberOption> numbers;  ///< with the values that are given
 };
 
-/// Reads a command line. Nothing is returned when the program has already said all that there is to say, help
-/// or an error; then status is what it should exit with: 0, or 2 for an error in usage.
+/// Reads a command line. Returns nullopt if the program has already printed all there is to say, help or an
+/// error; then status is its exit status: 0, or 2 for an error in usage.
 std::optional<Options> parse_options(int argc, const char* const* argv, const StageDefaults& defaults,
                                      const std::string& program, int& status);

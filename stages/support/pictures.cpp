@@ -1,5 +1,5 @@
-// What the headers below leave to be compiled once, and in one piece: pictures have most of their code in
-// common, whatever the integrator and the surfaces.
+// Instantiates the templates of the headers below once, and in one unit: pictures have most of their code in
+// common, with any integrator and surfaces.
 #include "pictures.hpp"
 #include "any_surfaces.hpp"
 #include "mesh_pictures.hpp"

@@ -1,5 +1,5 @@
-// The pictures that stages draw, compiled once for all of them (support/pictures.cpp), so that a stage's own
-// source compiles in about a second.
+// Declares the pictures that stages draw, which are compiled once for all of them (support/pictures.cpp), so
+// that a stage's own source compiles in about a second.
 #pragma once
 
 #include <protostar/protostar.hpp>

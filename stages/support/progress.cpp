@@ -18,6 +18,6 @@ void Progress::show(double done) {
 void Progress::clear() {
   if (shown_ < 0) return;
   shown_ = -1;
-  std::fputs("\r       \r", stderr);  // five characters, and the two of a ^C
+  std::fputs("\r       \r", stderr);  // clears five characters, and the two of a ^C
   std::fflush(stderr);
 }

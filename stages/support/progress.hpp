@@ -1,10 +1,10 @@
-// A percentage on the terminal while the work takes long.
+// Shows a percentage on the terminal while the work takes long.
 #pragma once
 
 #include <chrono>
 
-/// Shows progress on stderr if that is a terminal and the work has taken longer than a second, and clears it
-/// at the end.
+/// Display of progress on stderr, shown if that is a terminal and the work has taken longer than a second,
+/// and cleared at the end.
 class Progress {
  public:
   explicit Progress(bool quiet);
@@ -12,10 +12,10 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Takes the share that is done, from 0 to 1.
+  /// Shows the share that is done, from 0 to 1, in percent.
   void show(double done);
 
-  /// Leaves the line empty.
+  /// Clears the line, if something is shown.
   void clear();
 
  private:
@@ -23,5 +23,5 @@ class Progress {
 
   bool wanted_;
   Clock::time_point start_ = Clock::now();
-  int shown_ = -1;  // per cent; -1: nothing is on the terminal
+  int shown_ = -1;  // percent; -1: nothing is on the terminal
 };

@@ -1,4 +1,4 @@
-// The pictures of scene files, compiled apart from the program that draws them.
+// Reads and draws scene files; compiled apart from the program that does so.
 #pragma once
 
 #include <filesystem>
@@ -11,6 +11,6 @@
 protostar::SceneFile read_scene_file(const std::filesystem::path& path,
                                      const protostar::ReadOptions& options = {});
 
-/// Fills an image with what a scene's camera sees, by the integrator of that name.
+/// Draws the view of a scene's camera into an image, by the integrator of that name.
 void draw(protostar::Image& image, const protostar::SceneFile& file, const std::string& integrator,
           const protostar::RenderOptions& options);

@@ -37,7 +37,7 @@ double milliseconds(std::chrono::steady_clock::duration time) {
   return std::chrono::duration<double, std::milli>(time).count();
 }
 
-/// Whether a path is where stdout leads, so that a line there would end up in the picture.
+/// Returns true if a path is the file of stdout, so that a line printed there would end up in the picture.
 bool is_stdout(const std::filesystem::path& path) {
   struct stat file, standard;
   return stat(path.c_str(), &file) == 0 && fstat(STDOUT_FILENO, &standard) == 0 &&
@@ -56,7 +56,7 @@ void flush(std::FILE* stream, const char* name) {
     throw std::system_error(errno, std::generic_category(), std::string("cannot write ") + name);
 }
 
-/// What is said when a picture is not done in time.
+/// Returns the message for a picture that is not done in time.
 std::string timeout_text(const Options& options) {
   std::ostringstream text;
   text << "the picture is not done after " << options.timeout
@@ -83,7 +83,7 @@ void Stage::check_output() const {
   const bool is_device = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
                          !std::filesystem::is_directory(status);
   if (is_device && !OutputFile::descriptor_of(path)) {
-    // To a pipe or a device, being opened is an event, so that it is only asked.
+    // Opening a pipe or a device is an event; hence only its permission is tested.
     if (faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) != 0)
       throw std::system_error(errno, std::generic_category(), "cannot write '" + path.string() + "'");
   } else if (OutputFile(path).is_in_place() && !options_.quiet) {
@@ -161,7 +161,7 @@ void Stage::write(const Image& image) const {
 int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::function<void(Stage&)>& draw) {
   const std::string program = std::filesystem::path(argc > 0 ? argv[0] : "protostar").filename().string();
   try {
-    std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is met as a full disk is, by an error
+    std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes then causes an error, as a full disk does
     int status = 0;
     const auto options = parse_options(argc, argv, defaults, program, status);
     if (options) {

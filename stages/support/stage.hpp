@@ -1,4 +1,4 @@
-// What the stages share besides the library: a command line, a picture to fill, a file to save it to.
+// Code that the stages share besides the library: a command line, a picture to fill, a file to save it to.
 #pragma once
 
 #include <chrono>
@@ -11,42 +11,43 @@
 #include "pictures.hpp"
 #include "progress.hpp"
 
-/// One run of a stage: what the user asked for.
+/// Run of a stage, by the options of the user.
 class Stage {
  public:
   Stage(const Options& options, protostar::StopToken stop);
 
-  /// A black image to be drawn: the picture, or the part of it that was asked for. Throws std::system_error,
-  /// or std::length_error for a size that the format cannot have, right away if it could not be saved later.
+  /// Returns a black image to be drawn: the picture, or the part of it that is needed. Throws at once what
+  /// saving would throw later, as far as that is known: std::system_error, or std::length_error for a size
+  /// that the format cannot have.
   protostar::Image image() const;
 
-  /// What light the rays bring, by the name of the integrator.
+  /// Returns the name of the integrator.
   const std::string& integrator() const { return options_.integrator; }
 
-  /// The samples, the crop and the threads asked for, a progress display, and an end on Ctrl-C. The time of
-  /// the render counts from here.
+  /// Returns the samples, the crop and the threads asked for, with a progress display, and a stop on Ctrl-C
+  /// or timeout. The time of the render counts from this call.
   protostar::RenderOptions render_options();
 
   /// Saves the image, or the part of it that was asked for, in the format asked for, with the stage's tone
-  /// unless the file holds the light itself, and prints the line about it. Throws std::system_error if it
-  /// cannot.
+  /// unless the file holds linear light, and prints a line about it. Throws std::system_error if it cannot.
   void save(const protostar::Image& image);
 
   /// Prints how many pixels of an image are wrong: more than one level of 255 off the exact image of the same
   /// size, as gamma 2.2 encodes them.
   void compare(const protostar::Image& image, const protostar::Image& exact) const;
 
-  /// The value of one of the stage's own options.
+  /// Returns the value of one of the stage's own options.
   double number(const std::string& option) const;
 
  private:
   using Clock = std::chrono::steady_clock;
 
   /// Throws std::system_error if the file could not be written, as far as that is known without writing it,
-  /// and says so if it cannot be replaced.
+  /// and prints a warning if it cannot be replaced.
   void check_output() const;
 
-  /// Prints a line, unless the user wants none.
+  /// Prints a line, unless the user wants none or the work was stopped; to stderr if stdout leads to the
+  /// picture.
   void print(const std::string& line) const;
   void write(const protostar::Image& image) const;
 
@@ -56,6 +57,6 @@ class Stage {
   Clock::time_point start_ = Clock::now();
 };
 
-/// Reads the command line, runs the stage, and returns the program's exit status: 0, 1 if something failed, 2
-/// for an error in usage, 130 after Ctrl-C.
+/// Reads the command line, runs the stage, and returns the exit status of the program: 0, 1 if something
+/// failed or took too long, 2 for an error in usage, 128 plus its number after a signal (130 after Ctrl-C).
 int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::function<void(Stage&)>& draw);

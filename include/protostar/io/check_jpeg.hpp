@@ -1,4 +1,4 @@
-// Checks that a JPEG (ITU-T T.81) is whole, since stb_image fills with gray what one lacks that was cut off.
+// Checks that a JPEG (ITU-T T.81) is complete; stb_image fills the missing part of a truncated one with gray.
 #pragma once
 
 #include <algorithm>
@@ -15,14 +15,14 @@ namespace protostar::inline PROTOSTAR_ABI::detail {
 
 inline bool is_jpeg(std::string_view bytes) { return bytes.starts_with("\xff\xd8\xff"); }
 
-/// Walks through the markers of a JPEG, without decoding it, and throws std::runtime_error unless all of its
-/// picture can be there: the end marker, a scan of each component with the tables that it names, as many
-/// restart markers in a scan as its size asks for, and for each block of 8 × 8 at least the shortest code.
-/// What no decoder would read at all is left to stb_image to refuse.
+/// Checker of JPEGs, by their markers and without decoding. The constructor throws std::runtime_error unless
+/// all of the picture can be there: the end marker, a scan of each component with the tables that it names,
+/// as many restart markers in a scan as its size asks for, and at least the shortest code for each block of 8
+/// × 8. A file that no decoder reads at all is left to stb_image to refuse.
 class JpegCheck {
  public:
   JpegCheck(const ImageBytes& jpeg, std::int64_t most_pixels) : jpeg_(jpeg), most_pixels_(most_pixels) {
-    at_ = 2;  // behind the start marker
+    at_ = 2;  // past the start marker
     for (int marker = next_marker(); marker != end_of_image; marker = next_marker()) {
       switch (marker) {
         case 0xc0:
@@ -52,8 +52,9 @@ class JpegCheck {
         jpeg_.refuse("no scan of a JPEG has its component " + std::to_string(component.id));
   }
 
-  /// The most bytes that a decoder needs in one piece: two for each coefficient of the largest component, or
-  /// four for each pixel; a hundred of its own, and its tables.
+  /// Returns an upper bound for the bytes that a decoder allocates in one piece, which holds two for each
+  /// coefficient of the largest component, or four for each pixel, plus a hundred of overhead; or the
+  /// decoder's tables.
   [[nodiscard]] std::size_t most_block() const {
     return static_cast<std::size_t>(2 * 64 * mcus_x() * most_h_ * mcus_y() * most_v_ +
                                     4 * std::int64_t{width_} * height_ + (1 << 16));
@@ -63,11 +64,11 @@ class JpegCheck {
   static constexpr int end_of_image = 0xd9;
 
   struct Component {
-    int id = 0, h = 0, v = 0, quantizer = 0;  ///< h × v blocks are in a minimum coded unit
+    int id = 0, h = 0, v = 0, quantizer = 0;  ///< a minimum coded unit has h × v blocks of it
     bool is_there = false;
   };
 
-  /// Goes to the next marker, which is an 0xff and a byte that is neither 0 nor 0xff, and behind it.
+  /// Moves past the next marker, an 0xff and a byte that is neither 0 nor 0xff, and returns that byte.
   int next_marker() {
     for (;;) {
       at_ = jpeg_.all().find('\xff', at_);
@@ -78,7 +79,7 @@ class JpegCheck {
     }
   }
 
-  /// The bytes of the segment behind a marker, without its length. Goes behind it.
+  /// Returns the bytes of the segment that follows a marker, without its length field, and moves past it.
   std::string_view segment() {
     const std::string where = "a segment of a JPEG";
     const std::size_t length = big_endian(jpeg_.part(at_, 2, where));
@@ -173,7 +174,7 @@ class JpegCheck {
         jpeg_.refuse(place + " needs a table that is not there");
       found->is_there = found->is_there || has_dc;
       blocks_in_mcu += std::int64_t{found->h} * found->v;
-      if (count == 1) {  // then a unit is a block, and those of the margin are left out
+      if (count == 1) {  // a unit is then one block, and blocks in the margin are left out
         mcus = ratio_up(ratio_up(std::int64_t{width_} * found->h, most_h_), 8) *
                ratio_up(ratio_up(std::int64_t{height_} * found->v, most_v_), 8);
         blocks_in_mcu = 1;
@@ -185,13 +186,14 @@ class JpegCheck {
       if (marker < 0xd0 || 0xd7 < marker) break;
       ++restarts;
     }
-    at_ -= 2;  // to the marker that ended the scan
+    at_ -= 2;  // back to the marker that ended the scan
     const std::int64_t wanted = restart_interval_ > 0 ? (mcus - 1) / restart_interval_ : 0;
-    // An encoder may write one more, at the end.
+    // An encoder may write one more restart marker at the end.
     if (restarts < wanted || restarts > (restart_interval_ > 0 ? wanted + 1 : 0))
       jpeg_.refuse(place + " has " + std::to_string(restarts) + " restart markers, and not " +
                    std::to_string(wanted));
-    // One bit for the mean of a block, and one for all else, which may be left to another scan.
+    // A block takes at least one bit for its DC coefficient, and one for all others, which a progressive JPEG
+    // may leave to another scan.
     if (has_dc)
       jpeg_.require_bytes(mcus * blocks_in_mcu * (is_progressive_ ? 1 : 2) / 8,
                           static_cast<std::int64_t>(at_ - start), "a scan");
@@ -199,12 +201,12 @@ class JpegCheck {
 
   ImageBytes jpeg_;
   std::int64_t most_pixels_;
-  std::size_t at_ = 0;  ///< the offset of what comes next
+  std::size_t at_ = 0;  ///< offset of the next byte to be read
   int width_ = 0, height_ = 0, most_h_ = 1, most_v_ = 1;
   bool is_progressive_ = false;
   std::int64_t restart_interval_ = 0;  ///< in minimum coded units; 0: none
   std::vector<Component> components_;
-  std::array<std::array<bool, 4>, 2> has_huffman_{};  ///< of the means, and of the rest
+  std::array<std::array<bool, 4>, 2> has_huffman_{};  ///< by class (0: DC, 1: AC) and number
   std::array<bool, 4> has_quantizer_{};
 };
 

@@ -1,4 +1,4 @@
-// Checks that a PNG is whole, which stb_image does not before it decodes it.
+// Checks that a PNG is complete, which stb_image does not do before decoding.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace protostar::inline PROTOSTAR_ABI::detail {
 
 inline bool is_png(std::string_view bytes) { return bytes.starts_with("\x89PNG\r\n\x1a\n"); }
 
-/// The checksum that stands behind each chunk of a PNG (CRC-32, ISO 3309).
+/// Returns the checksum that follows each chunk of a PNG (CRC-32, ISO 3309).
 inline std::uint32_t crc_32(std::string_view bytes) {
   static const auto table = [] {
     std::array<std::uint32_t, 256> remainders{};
@@ -30,19 +30,18 @@ inline std::uint32_t crc_32(std::string_view bytes) {
   return ~r;
 }
 
-/// A PNG for stb_image, and the most bytes that it needs in one piece.
+/// PNG prepared for stb_image, and an upper bound for the bytes that stb_image allocates in one piece.
 struct CheckedPng {
   std::string bytes;
   std::size_t most_block = 0;
 };
 
-/// Returns a PNG of which all chunks are there up to the last, the checksums of those that make the picture
-/// are right, and a palette has 256 colors: stb_image takes what a shorter one lacks from memory that nobody
-/// has written. The missing ones are black. Throws std::runtime_error for what is wrong, and for more pixels
-/// than are allowed.
+/// Returns a PNG whose chunks are all there up to the last, with right checksums of the critical ones, and
+/// whose palette, if any, is extended to 256 colors with black: stb_image takes missing ones from
+/// uninitialized memory. Throws std::runtime_error if the PNG is damaged or has more pixels than most_pixels.
 inline CheckedPng checked_png(const ImageBytes& png, std::int64_t most_pixels) {
   CheckedPng checked{.bytes = std::string(png.all().substr(0, 8))};
-  std::int64_t least_bytes = 0, found_bytes = 0;  // of the compressed pixels
+  std::int64_t least_bytes = 0, found_bytes = 0;  // number of bytes of compressed pixels
   for (std::size_t at = 8;;) {
     const std::string where = "a chunk of a PNG";
     const std::uint32_t length = big_endian(png.part(at, 4, where));
@@ -57,12 +56,12 @@ inline CheckedPng checked_png(const ImageBytes& png, std::int64_t most_pixels) {
       if (length != 13) png.refuse(name + " has " + std::to_string(length) + " bytes; 13 are allowed");
       const std::int64_t width = big_endian(data.substr(0, 4)), height = big_endian(data.substr(4, 4));
       png.require_pixels(width, height, most_pixels);
-      // Of each row there are at least the bits of one channel, and the number of a filter. A byte of deflate
-      // stands for at most 1032: 258 bytes in two bits.
+      // A row has at least the bits of one channel, and a byte that names its filter. A byte of deflate
+      // stands for at most 1032: two bits for 258 bytes.
       const int depth = static_cast<unsigned char>(data[8]);
       least_bytes = height * (1 + (width * depth + 7) / 8) / 1032;
-      // stb_image takes for a pixel at most 8 bytes and one for a row, or all that is compressed, and twice
-      // as much when it turns out that there is more; it begins with 4096 bytes.
+      // stb_image allocates at most 8 bytes for each pixel and one for each row, or the size of all
+      // compressed data, and twice as much if there turns out to be more; it begins with 4096 bytes.
       checked.most_block =
           std::max(2 * static_cast<std::size_t>(9 * width * height), 2 * png.size()) + (1 << 16);
     }

@@ -1,5 +1,5 @@
-// Images as Radiance HDR files (.hdr), through stb_image_write: linear light in 32 bits per pixel. Not part
-// of the core: link protostar::png.
+// Writes images as Radiance HDR files (.hdr), through stb_image_write: linear light in 32 bits per pixel. Not
+// part of the core: link protostar::png.
 #pragma once
 
 #include <algorithm>
@@ -15,15 +15,15 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// The color next to this one that the format holds: whole multiples, of at most 255, of 2^(e − 8), where 2^e
-/// is above the largest channel and at most twice as large, and e at most 127. stb_image_write drops what is
-/// left of a fraction; of this color, nothing.
+/// Returns the nearest color that the format can hold. Its channels are whole multiples, of at most 255, of
+/// 2^(e − 8), where 2^e is above the largest channel and at most twice as large, and e is at most 127.
+/// stb_image_write truncates fractions; this color has none.
 [[nodiscard]] inline Color nearest_rgbe(const Color& light) {
   const auto held = [](float x) { return x > 0 ? std::min(x, 255 * 0x1p119f) : 0; };  // NaN is not above 0
   const Color c{held(light.r), held(light.g), held(light.b)};
   const float largest = std::max({c.r, c.g, c.b});
-  // The limit is that of stb_image_write, which writes 0 for less. The format could hold some of it: its
-  // least exponent is 2^-128.
+  // stb_image_write writes 0 below this limit. The format itself could hold some smaller values: its least
+  // exponent is 2^-128.
   if (largest < 1e-32f) return Color{0};
   int e = 0;
   std::frexp(largest, &e);
@@ -34,12 +34,12 @@ namespace detail {
 
 }  // namespace detail
 
-/// Saves an image as Radiance HDR: linear light, of which a pixel keeps eight bits of its largest channel and
-/// as many places of the others. Each channel is rounded to the nearest; what is negative or NaN becomes 0,
-/// and what is above 255 · 2^119, about 1.7e38, becomes that.
+/// Saves an image as Radiance HDR: linear light, with eight bits for the largest channel of a pixel and the
+/// same unit for the others. Each channel is rounded to the nearest; negative values and NaN become 0, and
+/// values above 255 · 2^119, about 1.7e38, become that bound.
 ///
-/// The file is replaced as a whole or not at all (see OutputFile, also for its errors): it is made in memory
-/// first. If stop is asked for while it is written, save_hdr returns early and leaves the file as it was.
+/// Builds the file in memory, then replaces the target as a whole or not at all (see OutputFile, also for its
+/// errors). If stop is requested while it is written, returns early and leaves the target as it was.
 inline void save_hdr(const Image& image, const std::filesystem::path& path, const StopToken& stop = {}) {
   std::vector<float> light;
   light.reserve(3 * static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height()));

@@ -1,4 +1,4 @@
-// Common parts of the image readers: errors, the limit on pixels, numbers in bytes.
+// Common parts of the image readers: errors, limits on size, big-endian numbers.
 #pragma once
 
 #include <cstddef>
@@ -11,18 +11,18 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The most pixels of an image that is read, as many as 8192 × 8192 has. In memory each takes 12 bytes, and 4
-/// more while it is read: about 1 GB in all, which a compressed file of 100 kB may ask for.
+/// Largest number of pixels of an image that is read, as many as 8192 × 8192 has. A pixel takes 12 bytes in
+/// memory, and 4 more while it is read: about 1 GB in all, which a compressed file of 100 kB may ask for.
 inline constexpr std::int64_t most_image_pixels = std::int64_t{1} << 26;
 
 namespace detail {
 
-/// The most bytes of an image's file: more than most_image_pixels take if nothing is compressed, which is 8
-/// bytes each in a PNG of 16 bits.
+/// Largest size of an image file in bytes: more than most_image_pixels take without compression, at 8 bytes
+/// each in a PNG of 16 bits.
 inline constexpr std::size_t most_image_bytes = std::size_t{1} << 30;
 
-/// The bytes of an image's file, and its name in what is wrong with it. Whatever is read from them is
-/// checked; what is wrong throws std::runtime_error.
+/// Bytes of an image file, and its name for error messages. All that is read from them is checked; errors are
+/// thrown as std::runtime_error.
 class ImageBytes {
  public:
   ImageBytes(std::string_view bytes, std::string_view file) : bytes_(bytes), file_(file) {}
@@ -35,25 +35,25 @@ class ImageBytes {
     throw std::runtime_error(shown("cannot read '" + std::string(file_) + "': " + what));
   }
 
-  /// Says that the file ends too early; where names a part of it, such as "the header".
+  /// Throws std::runtime_error: the file ends inside of the part that `where` names, such as "the header".
   [[noreturn]] void refuse_end(const std::string& where) const {
     refuse("the file ends after " + std::to_string(size()) + " bytes, inside of " + where);
   }
 
-  /// So many bytes from an offset on; refuses a file that ends before.
+  /// Returns `count` bytes from an offset on; refuses a file that ends before them.
   [[nodiscard]] std::string_view part(std::size_t offset, std::size_t count, const std::string& where) const {
     if (offset > size() || count > size() - offset) refuse_end(where);
     return bytes_.substr(offset, count);
   }
 
-  /// Refuses sides below 1 and more pixels than are allowed. To be called before memory is taken for them.
+  /// Refuses sides below 1 and more than `most` pixels. Call it before memory is taken for them.
   void require_pixels(std::int64_t width, std::int64_t height, std::int64_t most) const {
     if (width < 1 || height < 1 || width > most / height)
       refuse("the picture has " + std::to_string(width) + "x" + std::to_string(height) +
              " pixels; allowed are sides of at least 1 and at most " + std::to_string(most) + " pixels");
   }
 
-  /// Refuses a file that is too short for its picture, which takes at least so many bytes.
+  /// Refuses a file that has fewer bytes than the `least` that a picture of its size takes.
   void require_bytes(std::int64_t least, std::int64_t found, const std::string& what) const {
     if (found < least)
       refuse("there are " + std::to_string(found) + " bytes of " + what + "; a picture of this size takes " +
@@ -64,7 +64,7 @@ class ImageBytes {
   std::string_view bytes_, file_;
 };
 
-/// The whole number that bytes are, the first of them the highest.
+/// Returns the unsigned number that bytes hold, the most significant byte first.
 inline std::uint32_t big_endian(std::string_view bytes) {
   std::uint32_t number = 0;
   for (const char byte : bytes) number = number << 8 | static_cast<unsigned char>(byte);

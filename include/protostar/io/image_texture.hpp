@@ -1,4 +1,4 @@
-// Textures from files: .png, .jpg and .hdr, through stb_image. Not part of the core: link protostar::png.
+// Reads .png and .jpg textures through stb_image, and .hdr ones. Not part of the core: link protostar::png.
 #pragma once
 
 #include <algorithm>
@@ -21,15 +21,16 @@
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
-/// The most bytes that stb_image may have in one piece, by each thread; and whether it wanted more. A few
-/// compressed bytes may stand for a million times as many, which no picture needs.
+/// Limit on the bytes that stb_image may allocate in one piece, for each thread, and a flag that it wanted
+/// more. A few compressed bytes may stand for a million times as many, which no picture needs.
 struct StbMemory {
   std::size_t most = std::numeric_limits<std::size_t>::max();
   bool wanted_more = false;
 };
 inline thread_local StbMemory stb_memory;
 
-/// Memory for stb_image, of zeros, so that no picture shows what was there before.
+/// Allocates memory for stb_image, zeroed so that no picture shows what was there before; or resizes it,
+/// which does not zero the new part. Returns null above the limit.
 inline void* stb_resized(void* memory, std::size_t size) {
   stb_memory.wanted_more = stb_memory.wanted_more || size > stb_memory.most;
   if (size > stb_memory.most) return nullptr;
@@ -38,7 +39,8 @@ inline void* stb_resized(void* memory, std::size_t size) {
 
 }  // namespace protostar::inline PROTOSTAR_ABI::detail
 
-// As static functions of this translation unit, so that they meet no other copy of stb_image in a program.
+// Compiled as static functions of this translation unit, which do not conflict with another copy of stb_image
+// in a program.
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_JPEG
@@ -66,9 +68,9 @@ inline void* stb_resized(void* memory, std::size_t size) {
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// An image as a texture, whose copies share it. It lies on 0 ≤ u < size_u and 0 ≤ v < size_v, its left edge
-/// at u = 0 and its top row at v = 0, and repeats in both directions; a place has the color of the pixel that
-/// contains it.
+/// Texture that shows an image, which its copies share. The image lies on 0 ≤ u < size_u and 0 ≤ v < size_v,
+/// with its left edge at u = 0 and its top row at v = 0, and repeats in both directions. A point has the
+/// color of the pixel that contains it, without interpolation.
 struct ImageTexture {
   std::shared_ptr<const Image> image;
   double size_u = 1, size_v = 1;  ///< in units of u and v; sizes (magnitude.hpp)
@@ -78,10 +80,10 @@ struct ImageTexture {
   }
 
  private:
-  /// Which of the pixels contains x, where one copy of them reaches from 0 to 1; the first for NaN.
+  /// Returns the index of the pixel that contains x, if `count` pixels fill 0 to 1 and repeat; 0 for NaN.
   static int pixel(double x, int count) {
     const double place = (x - std::floor(x)) * count;
-    // A little less than 0 may be rounded to 1, behind the last pixel.
+    // For x a little below 0, x − floor(x) may be rounded to 1, past the last pixel.
     return place > 0 ? std::min(static_cast<int>(place), count - 1) : 0;
   }
 };
@@ -90,7 +92,7 @@ namespace detail {
 
 inline bool is_image(std::string_view bytes) { return is_hdr(bytes) || is_png(bytes) || is_jpeg(bytes); }
 
-/// The picture that stb_image makes of a checked file, with at most so many bytes in one piece.
+/// Decodes a checked file with stb_image, which may allocate at most most_block bytes in one piece.
 inline Image decoded_by_stb(std::string_view checked, std::size_t most_block, const ImageBytes& file) {
   stb_memory = {.most = most_block};
   int width = 0, height = 0, channels = 0;
@@ -117,12 +119,12 @@ inline Image decoded_by_stb(std::string_view checked, std::size_t most_block, co
 
 }  // namespace detail
 
-/// Reads the linear light of a picture from the bytes of its file: of a PNG or JPEG, 8 bits per channel
-/// decoded from sRGB, without its transparency; of a Radiance HDR, as it is. What it is, is told by its first
-/// bytes. All pixels are finite. `file` is its name in what is wrong with it.
+/// Reads the linear light of a picture from the bytes of its file: a PNG, JPEG or Radiance HDR, recognized by
+/// its first bytes. PNG and JPEG are decoded from sRGB with 8 bits per channel, without transparency; HDR is
+/// taken as it is. All pixels are finite. `file` is the name in error messages.
 ///
-/// Throws std::runtime_error if the bytes are no such picture or not all of one, and, before memory is taken
-/// for pixels, if there are more of them than are allowed; std::bad_alloc if there is not enough memory.
+/// Throws std::runtime_error if the bytes are no such picture or an incomplete one, and, before memory is
+/// taken for pixels, if there are more than most_pixels; std::bad_alloc if there is not enough memory.
 [[nodiscard]] inline Image image_from_bytes(std::string_view bytes, std::string_view file,
                                             std::int64_t most_pixels = most_image_pixels) {
   const detail::ImageBytes image_file(bytes, file);
@@ -136,9 +138,9 @@ inline Image decoded_by_stb(std::string_view checked, std::size_t most_block, co
   image_file.refuse("the file does not begin as a PNG, a JPEG or a Radiance HDR does");
 }
 
-/// The same of a file. A file that does not begin as a picture is not read on, nor one longer than 2^30 bytes
-/// to its end, so that a device without an end is refused. Also throws std::system_error if the file cannot
-/// be read.
+/// Reads the linear light of a picture from its file, as image_from_bytes does. Reading stops early if the
+/// file does not begin as a picture or is longer than 2^30 bytes, so that a device without an end is refused.
+/// Also throws std::system_error if the file cannot be read.
 [[nodiscard]] inline Image load_image(const std::filesystem::path& path,
                                       std::int64_t most_pixels = most_image_pixels) {
   const std::string bytes = detail::bytes_of_file<std::runtime_error>(
@@ -147,8 +149,8 @@ inline Image decoded_by_stb(std::string_view checked, std::size_t most_block, co
   return image_from_bytes(bytes, path.string(), most_pixels);
 }
 
-/// The picture in a file as a texture of the given size in units of u and v. Errors are those of load_image;
-/// std::invalid_argument if a size is none (magnitude.hpp).
+/// Returns the picture in a file as a texture of the given size in units of u and v. Throws the errors of
+/// load_image, and std::invalid_argument if size_u or size_v is not a size (magnitude.hpp).
 [[nodiscard]] inline Texture image_texture(const std::filesystem::path& path, double size_u = 1,
                                            double size_v = 1) {
   require_rule(is_size(size_u) && is_size(size_v), "image_texture: size_u and size_v must be", size_rule);

@@ -1,4 +1,4 @@
-// A value of a scene file, the way to it, and how it is read: whatever is wrong is named with its place.
+// Reads and checks the values of a scene file, and names the path of a wrong one.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
-/// "a, b and c".
+/// Returns the names as a list: "a, b and c".
 template <class Names>
 std::string list_of(const Names& names, const std::string& last = " and ") {
   std::string text;
@@ -39,29 +39,29 @@ std::string list_of(const Names& names, const std::string& last = " and ") {
 
 struct LoadedFiles;
 
-/// A scene file that is read.
+/// Scene file that is being read.
 struct SceneText {
-  std::string file;  ///< its name
+  std::string file;  ///< its path, for messages and for the folder of the files that it names
   ReadOptions options = {};
-  LoadedFiles* loaded = nullptr;  ///< what it names, as far as it is read
+  LoadedFiles* loaded = nullptr;  ///< files that the scene names, as far as they are loaded
   JsonTree tree = {};
 };
 
-/// A file that a scene names.
+/// File that a scene names.
 struct NamedFile {
-  std::filesystem::path path;       ///< from where the program is, for messages and to be opened
-  std::filesystem::path canonical;  ///< without links: that of all names that lead to it
+  std::filesystem::path path;       ///< from the program's working directory, for messages and to be opened
+  std::filesystem::path canonical;  ///< without links, the same for all names that lead to the file
 };
 
 class JsonElements;
 
-/// A value in a scene file, or the lack of one, and the way to it. Whatever is read from it is checked; what
-/// is wrong throws SceneError.
+/// Value in a scene file, or the absence of one, with the path to it. All that is read from it is checked;
+/// errors are thrown as SceneError.
 class JsonCursor {
  public:
   using Node = JsonTree::Node;
 
-  /// The whole of a file, which has to live as long as the cursor.
+  /// Points to the root value of a file, which has to outlive the cursor.
   explicit JsonCursor(const SceneText& scene) : scene_(&scene), node_(0) {}
 
   [[noreturn]] void refuse(const std::string& allowed) const { say(found() + " is not " + allowed); }
@@ -75,7 +75,7 @@ class JsonCursor {
 
   // ---- Objects and arrays.
 
-  /// Demands an object without other keys than these.
+  /// Refuses all but an object without other keys than these; returns the cursor itself.
   const JsonCursor& with_keys(const std::vector<std::string>& allowed) const {
     require(is_object(), "an object");
     for (Node key = tree().first(node_); key != tree().behind(node_); key = tree().behind(key + 1))
@@ -89,19 +89,19 @@ class JsonCursor {
   [[nodiscard]] bool is_array() const { return exists() && tree().is_array(node_); }
   [[nodiscard]] bool has(const std::string& key) const { return is_object() && find(key) != none; }
 
-  /// What an object has under a key.
+  /// Returns the value of an object under a key, or its absence.
   [[nodiscard]] JsonCursor operator[](const std::string& key) const {
     require(is_object(), "an object");
     return {*this, step(key), find(key)};
   }
 
-  /// What an array has, each with a cursor of its own.
+  /// Returns the elements of an array, each as a cursor of its own.
   [[nodiscard]] JsonElements elements() const;
 
-  /// The same of an array of a known size.
+  /// Returns the elements of an array of the given size; refuses other values, naming what is `allowed`.
   [[nodiscard]] JsonElements elements(std::size_t size, const std::string& allowed) const;
 
-  /// Calls visit(key, cursor) for all that an object has.
+  /// Calls visit(key, cursor) for each member of an object.
   void each_member(const auto& visit) const {
     require(is_object(), "an object");
     for (Node key = tree().first(node_); key != tree().behind(node_); key = tree().behind(key + 1)) {
@@ -124,14 +124,14 @@ class JsonCursor {
     return x;
   }
 
-  /// A number that places something (magnitude.hpp).
+  /// Returns a coordinate: a number that places something (magnitude.hpp).
   [[nodiscard]] double coordinate(const std::string& allowed = "a number") const {
     const double x = number(allowed);
     if (!is_coordinate(x)) refuse(std::string(allowed).append(" ").append(coordinate_rule));
     return x;
   }
 
-  /// A number that measures something (magnitude.hpp).
+  /// Returns a size: a number that measures something (magnitude.hpp).
   [[nodiscard]] double size() const {
     const double x = number_above_0();
     if (!is_size(x)) refuse(std::string("a number ").append(size_rule));
@@ -144,13 +144,14 @@ class JsonCursor {
     return x;
   }
 
-  /// A factor on light, which is computed in float: what is 0 there is 0 from the beginning.
+  /// Returns a factor on light, rounded to float, in which light is computed; hence a factor that is 0 in
+  /// float is 0 at once.
   [[nodiscard]] double factor() const {
     return double{static_cast<float>(
         number_between(0, std::numeric_limits<float>::max(), "a number from 0 to 3.4e38"))};
   }
 
-  /// A length that a camera is made of, far inside of what Camera::validate allows.
+  /// Returns a length that a camera is made of, far inside the limits of Camera::validate.
   [[nodiscard]] double camera_length() const {
     return number_between(1e-100, 1e100, "a number from 1e-100 to 1e100");
   }
@@ -162,22 +163,22 @@ class JsonCursor {
     return static_cast<int>(x);
   }
 
-  // ---- Threes of numbers.
+  // ---- Vectors and colors.
 
   [[nodiscard]] Vec3 vector() const;
 
-  /// A vector of numbers that place something (magnitude.hpp).
+  /// Returns a vector of coordinates (magnitude.hpp).
   [[nodiscard]] Point point() const {
     const Point p = vector();
     if (!is_coordinate(p)) refuse(std::string("a vector of numbers ").append(coordinate_rule));
     return p;
   }
 
-  /// A vector of unit length along the one in the file.
+  /// Returns the unit vector along the one in the file.
   [[nodiscard]] Vec3 direction() const {
     const Vec3 v = vector();
     require(v != Vec3{0}, "a direction, a vector that is not 0");
-    const Vec3 near_one = scaled(v, -exponent_of({v}));  // whose squares neither overflow nor vanish
+    const Vec3 near_one = scaled(v, -exponent_of({v}));  // squares neither overflow nor underflow
     return near_one / length(near_one);
   }
 
@@ -194,12 +195,12 @@ class JsonCursor {
     return std::string(tree().text(node_));
   }
 
-  /// The file of a name, which is relative to the folder of the scene. It is a regular one: a pipe may have
-  /// no end, or never begin, and a device may do anything when it is opened.
+  /// Returns the file of a path that is relative to the folder of the scene. Refuses all but regular files: a
+  /// pipe may have no end, or never begin, and a device may do anything when it is opened.
   [[nodiscard]] NamedFile named_file() const {
     namespace fs = std::filesystem;
     const std::string allowed = "the path of a file", name = text(allowed);
-    require(name.find('\0') == std::string::npos, allowed);  // which a system would take for its end
+    require(name.find('\0') == std::string::npos, allowed);  // the system would take it for the end
     const fs::path folder = fs::path(scene_->file).parent_path(), path = folder / name;
     const auto resolved = [&](const fs::path& of) {
       std::error_code error;
@@ -223,7 +224,7 @@ class JsonCursor {
     return {.path = path, .canonical = canonical};
   }
 
-  /// One of the first members of these pairs, and what belongs to it.
+  /// Returns the second member of the pair whose first is the text in the file; refuses other texts.
   template <class Pairs>
   [[nodiscard]] auto one_of(const Pairs& pairs) const {
     std::vector<std::string> names;
@@ -234,7 +235,8 @@ class JsonCursor {
     refuse(allowed);
   }
 
-  /// Calls what makes a thing of the library, whose own objection becomes one to this value.
+  /// Returns make(), which makes an object of the library; its exceptions become a SceneError about this
+  /// value, except std::bad_alloc.
   auto checked(const auto& make) const {
     try {
       return make();
@@ -250,7 +252,7 @@ class JsonCursor {
 
   static constexpr Node none = std::numeric_limits<Node>::max();
 
-  /// The way to a value, which values inside of it share.
+  /// Path to a value: its last step, and its parent's path, which all values inside of the parent share.
   struct Way {
     std::shared_ptr<const Way> to_parent;
     std::string last_step;
@@ -262,7 +264,7 @@ class JsonCursor {
   [[nodiscard]] const JsonTree& tree() const { return scene_->tree; }
   [[nodiscard]] bool exists() const { return node_ != none; }
 
-  /// The value of an object under a key; none if there is none.
+  /// Returns the node of an object's value under a key; `none` if there is none.
   [[nodiscard]] Node find(std::string_view key) const {
     for (Node in = tree().first(node_); in != tree().behind(node_); in = tree().behind(in + 1))
       if (tree().text(in) == key) return in + 1;
@@ -283,7 +285,7 @@ class JsonCursor {
     if (!holds) refuse(allowed);
   }
 
-  /// The value as JSON writes it, as far as it can be read at a glance.
+  /// Returns the value as JSON writes it, shortened so that it can be read at a glance.
   [[nodiscard]] std::string found() const {
     if (!exists()) return "nothing";
     if ((is_array() || is_object()) && tree().size(node_) > 100)
@@ -292,12 +294,11 @@ class JsonCursor {
   }
 
   const SceneText* scene_;
-  std::shared_ptr<const Way> way_;  ///< none to the whole
-  Node node_;                       ///< none where there is nothing
+  std::shared_ptr<const Way> way_;  ///< null for the root
+  Node node_;                       ///< `none` for an absent value
 };
 
-/// What an array has, one after another: their cursors are made when they are asked for, since there may be
-/// millions.
+/// Range of the elements of an array. Cursors are made on access, since there may be millions.
 class JsonElements {
  public:
   explicit JsonElements(JsonCursor array) : array_(std::move(array)) {}
@@ -322,7 +323,7 @@ class JsonElements {
   [[nodiscard]] Iterator begin() const { return {array_, array_.tree().first(array_.node_)}; }
   [[nodiscard]] Iterator end() const { return {array_, array_.tree().behind(array_.node_)}; }
 
-  /// The i-th, of few.
+  /// Returns the i-th element in O(i) steps, for short arrays.
   [[nodiscard]] JsonCursor operator[](std::size_t i) const {
     Iterator at = begin();
     for (; i > 0; --i) ++at;

@@ -1,8 +1,9 @@
-// Scene files (docs/scene-format.md), through nlohmann_json. Not part of the core: link protostar::json.
+// Reads scene files (docs/scene-format.md), through nlohmann_json. Not part of the core: link
+// protostar::json.
 //
-// Everything is checked where it is read, by a JsonCursor, which knows the way to its value. To add a type of
-// surface, write a function that makes one, beside sphere_at, and a row in surface_types; one that SceneFile
-// does not name is held as AnySurface.
+// A JsonCursor, which knows the path to its value, checks everything where it is read. To add a type of
+// surface, write a function that reads one, beside sphere_at, and add a row to surface_types; a type that
+// SceneFile::scene does not list is held as AnySurface.
 #pragma once
 
 #include <algorithm>
@@ -36,7 +37,7 @@
 #include "scene_file.hpp"
 #include "text.hpp"
 
-// Meshes can be read where tinyobjloader is found.
+// Meshes can be read if tinyobjloader is found.
 #if __has_include(<tiny_obj_loader.h>)
 #include "obj.hpp"
 #define PROTOSTAR_READS_MESHES 1
@@ -46,14 +47,14 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// What a scene names, by the files' canonical paths: what is named twice is read once, and shared.
+/// Files that a scene names, by canonical path; a file that is named twice is read once, and shared.
 struct LoadedFiles {
   std::map<std::filesystem::path, std::shared_ptr<const Image>> images;
-  std::int64_t pixels = 0;  ///< of all images
+  std::int64_t pixels = 0;  ///< total of all images
 #if defined(PROTOSTAR_READS_MESHES)
   struct MeshFile {
     std::shared_ptr<const MeshData> data;
-    std::map<std::array<double, 4>, std::optional<Mesh>> placed;  ///< by their scales and positions
+    std::map<std::array<double, 4>, std::optional<Mesh>> placed;  ///< by scale and position
   };
   std::map<std::filesystem::path, MeshFile> meshes;
 #endif
@@ -158,7 +159,7 @@ inline Quadric quadric_at(const JsonCursor& at) {
 
 AnySurface surface_at(const JsonCursor& at);
 
-/// What is made of solids, or one of them.
+/// Returns the solid of a value: an operation on solids, or one closed surface.
 inline Csg solid_at(const JsonCursor& at);
 
 inline Csg csg_at(const JsonCursor& at) {
@@ -173,7 +174,7 @@ inline Csg csg_at(const JsonCursor& at) {
   return at["surfaces"].checked([&] { return Csg(operation, std::move(solids)); });
 }
 
-/// Says what of a surface that is no closed solid makes it so.
+/// Throws SceneError about the value that makes a surface no closed solid.
 [[noreturn]] inline void refuse_as_solid(const JsonCursor& at) {
   if (at["type"].is("instance")) refuse_as_solid(at["surface"]);
   if (at["type"].is("mesh"))
@@ -185,13 +186,13 @@ inline Csg solid_at(const JsonCursor& at) {
   if (at.has("type") && at["type"].is("csg")) return csg_at(at);
   AnySurface surface = surface_at(at);
   try {
-    return Csg(std::move(surface));  // which looks at all edges of a mesh, so that it is not asked before
+    return Csg(std::move(surface));  // checks is_solid, which visits all edges of a mesh; no test before
   } catch (const std::invalid_argument&) {
     refuse_as_solid(at);
   }
 }
 
-/// Three rows of four numbers: the linear part, and behind it the translation.
+/// Returns the map of three rows of four numbers: the linear part, followed by the translation.
 inline Affine matrix_at(const JsonCursor& at) {
   const auto rows = at.elements(3, "an array of three rows");
   Affine map;
@@ -229,7 +230,7 @@ inline Instance<> instance_at(const JsonCursor& at) {
   return {surface_at(at["surface"]), placement};
 }
 
-/// How surfaces of a type are read: into a scene, or to be held by another.
+/// Functions that read a type of surface: add() into a scene, make() to be held by another surface.
 struct SurfaceReader {
   void (*add)(const JsonCursor&, const Material&, SceneFile&);
   AnySurface (*make)(const JsonCursor&);
@@ -256,12 +257,12 @@ inline const std::vector<std::pair<std::string_view, SurfaceReader>> surface_typ
     {"instance", read_by<instance_at>},
 };
 
-/// A surface of any type, for one that holds it.
+/// Returns a surface of any type, to be held by another.
 inline AnySurface surface_at(const JsonCursor& at) { return at["type"].one_of(surface_types).make(at); }
 
 // ---- Materials.
 
-/// The image that a path leads to.
+/// Returns the image that a path leads to, read once.
 inline std::shared_ptr<const Image> image_at(const JsonCursor& at) {
   const NamedFile file = at.named_file();
   LoadedFiles& loaded = at.loaded();
@@ -323,7 +324,7 @@ inline Material material_of(const JsonCursor& object, const Materials& materials
                                (names.empty() ? ", of which there are none" : ": " + list_of(names)));
 }
 
-// ---- Lights. The keys say which kind it is.
+// ---- Lights, whose kind follows from their keys.
 
 inline void add_light(const JsonCursor& at, SceneFile& file) {
   if (at.has("ambient")) {
@@ -357,7 +358,7 @@ inline void add_light(const JsonCursor& at, SceneFile& file) {
   }
 }
 
-// ---- The rest.
+// ---- Camera, settings, world.
 
 inline Camera camera_at(const JsonCursor& at) {
   enum class Projection { perspective, orthographic };
@@ -383,7 +384,7 @@ inline Camera camera_at(const JsonCursor& at) {
     const double focal_length = at["focal-length"].camera_length();
     return at.checked([&] { return Camera::sensor(position, direction, upward, focal_length); });
   }
-  const std::string degrees = "a number of degrees from 1e-100 to below 180";  // half its tangent is a length
+  const std::string degrees = "a number of degrees from 1e-100 to below 180";  // tan(angle / 2) is a length
   if (!at.has("field-of-view")) at["field-of-view"].refuse(degrees + ", and there is no focal-length");
   const double angle = at["field-of-view"].number_between(1e-100, std::nextafter(180, 0), degrees);
   return at.checked([&] { return Camera::perspective(position, direction, upward, angle); });
@@ -462,11 +463,11 @@ inline SceneFile scene_at(const JsonCursor& at) {
 
 }  // namespace detail
 
-/// Returns the scene that a text describes. `file` is its name in what is wrong with it, and what the scene
-/// names is looked for from that file's folder. Throws SceneError.
+/// Returns the scene that a text describes. `file` is its name in error messages, and files that the scene
+/// names are looked for from its folder. Throws SceneError.
 [[nodiscard]] inline SceneFile scene_from_json(const std::string& text, const std::string& file,
                                                const ReadOptions& options = {}) {
-  // The parser takes a zero byte for the end.
+  // The parser takes a zero byte for the end of the text.
   if (const std::size_t zero = text.find('\0'); zero != std::string::npos) {
     const auto line = 1 + std::count(text.data(), text.data() + zero, '\n');
     const std::size_t column = zero - std::string_view(text.data(), zero).rfind('\n');  // npos is −1
@@ -475,14 +476,14 @@ inline SceneFile scene_at(const JsonCursor& at) {
   }
   detail::LoadedFiles loaded;
   detail::SceneText scene{.file = file, .options = options, .loaded = &loaded};
-  // Operations on solids may be so deep, each of them an object and an array; and then some.
+  // Operations on solids may nest Csg::most_depth deep, each as an object and an array; 48 more for the rest.
   detail::JsonBuilder builder(scene.tree, scene.file, 2 * std::size_t{Csg::most_depth} + 48);
   nlohmann::json::sax_parse(text, &builder);
   return detail::scene_at(detail::JsonCursor(scene));
 }
 
-/// Reads a scene file. Throws std::system_error if it cannot be read, and SceneError for what is wrong in it,
-/// and if there is not enough memory for it.
+/// Reads a scene file. Throws std::system_error if it cannot be read, and SceneError if it is wrong or if
+/// there is not enough memory for it.
 [[nodiscard]] inline SceneFile read_scene(const std::filesystem::path& path,
                                           const ReadOptions& options = {}) {
   try {

@@ -1,6 +1,6 @@
-// A JSON text as a tree, through nlohmann_json's parser: the values in one row, each before those inside of
-// it. Freeing it takes no memory and no stack, unlike that of nlohmann::json, whose destructor allocates and
-// so ends the program where memory has run out.
+// Stores a JSON text as a tree in one sequence, each value before those inside of it, through nlohmann_json's
+// parser. Freeing it takes no memory and no stack, unlike that of nlohmann::json, whose destructor allocates
+// and thus ends the program if memory has run out.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Reports an error in a scene file: file name, place, the value found and the values allowed.
+/// Error in a scene file: file name, place, the value found and the values allowed.
 struct SceneError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -29,13 +29,14 @@ namespace detail {
 
 using nlohmann::json;
 
-/// The largest size of a scene file, in bytes. A million spheres take half of it.
+/// Largest size of a scene file, in bytes. A million spheres take half of it.
 inline constexpr std::size_t most_bytes = std::size_t{1} << 28;
 
-/// The most values in a scene file, of 16 bytes each, and as many keys. A million spheres have 12 million.
+/// Largest number of values in a scene file, of 16 bytes each, and as many keys. A million spheres have 12
+/// million.
 inline constexpr std::size_t most_values = std::size_t{1} << 24;
 
-/// One more step of a JSON pointer (RFC 6901).
+/// Returns one step of a JSON pointer (RFC 6901).
 inline std::string step(const std::string& key) {
   std::string text = "/";
   for (const char c : beginning(key)) text += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
@@ -43,7 +44,7 @@ inline std::string step(const std::string& key) {
 }
 inline std::string step(std::size_t index) { return "/" + std::to_string(index); }
 
-/// A JSON pointer as a line can show it: of a very long one, the first and the last steps.
+/// Returns a JSON pointer that fits into a line; a very long one keeps its first and last steps.
 inline std::string abridged(const std::string& pointer) {
   constexpr std::size_t most = 300, end = 120;
   if (pointer.size() <= most) return pointer;
@@ -56,7 +57,7 @@ inline std::string abridged(const std::string& pointer) {
   throw SceneError(shown(file + ": " + (pointer.empty() ? "the whole" : abridged(pointer)) + ": " + what));
 }
 
-/// The values of a JSON text by their numbers. That of the whole is 0.
+/// Values of a JSON text by their numbers. The root is number 0.
 class JsonTree {
  public:
   using Node = std::uint32_t;
@@ -70,13 +71,13 @@ class JsonTree {
     return kind(node) == Kind::integer || kind(node) == Kind::natural || kind(node) == Kind::real;
   }
 
-  /// How many values an array or object has.
+  /// Returns the number of elements of an array, or of members of an object.
   [[nodiscard]] std::size_t size(Node node) const { return values_[node].inside.count; }
 
-  /// The first value of an array, or the first key of an object, which is a text: its value comes next.
+  /// Returns the first value of an array, or the first key of an object, a text whose value comes next.
   [[nodiscard]] Node first(Node node) const { return node + 1; }
 
-  /// What comes behind a value and all that is inside of it.
+  /// Returns the node that follows a value and all values inside of it.
   [[nodiscard]] Node behind(Node node) const {
     return is_array(node) || is_object(node) ? values_[node].inside.end : node + 1;
   }
@@ -93,7 +94,7 @@ class JsonTree {
     return std::string_view(texts_).substr(value.range.begin, value.range.size);
   }
 
-  /// A value as JSON writes it, as far as it can be read at a glance.
+  /// Returns a value as JSON writes it, shortened so that it can be read at a glance.
   [[nodiscard]] std::string beginning_of(Node node) const {
     std::string text;
     write(node, text);
@@ -117,13 +118,13 @@ class JsonTree {
       std::int64_t integer;
       std::uint64_t natural;
       double real;
-      Range range;    ///< of a text
-      Inside inside;  ///< of an array or object
+      Range range;    ///< for a text
+      Inside inside;  ///< for an array or object
     };
   };
   static_assert(sizeof(Value) == 16);
 
-  /// Adds to a text until it is too long to be shown.
+  /// Appends a value as JSON to a text, until the text is too long to be shown.
   void write(Node node, std::string& text) const {
     constexpr std::size_t most = 64;
     const Value& value = values_[node];
@@ -160,15 +161,15 @@ class JsonTree {
     }
   }
 
-  std::deque<Value> values_;  // which grows without being copied
+  std::deque<Value> values_;  // a deque grows without copying them
   std::string texts_;
 };
 
-/// Takes what nlohmann's parser reads and makes a tree of it. It refuses what the parser would let pass, a
-/// key that is there twice, and what no scene has: a deep nesting, and very many values.
+/// Handler of the events of nlohmann's parser that builds a JsonTree. It refuses a repeated key, which the
+/// parser would let pass, deep nesting, and too many values, which no scene has.
 class JsonBuilder {
  public:
-  /// The tree is empty at first; most_open are the most arrays and objects inside each other.
+  /// Takes an empty tree; most_open is the largest number of arrays and objects inside each other.
   JsonBuilder(JsonTree& tree, const std::string& file, std::size_t most_open)
       : tree_(tree), file_(file), most_open_(most_open) {}
 
@@ -178,7 +179,7 @@ class JsonBuilder {
   bool number_unsigned(std::uint64_t value) { return add({.kind = Kind::natural, .natural = value}); }
   bool number_float(double value, const std::string&) { return add({.kind = Kind::real, .real = value}); }
   bool string(std::string& value) { return add(text(value)); }
-  bool binary(std::vector<std::uint8_t>&) { return false; }  // JSON has none
+  bool binary(std::vector<std::uint8_t>&) { return false; }  // JSON has no binary values
 
   bool start_object(std::size_t) { return open(Kind::object); }
   bool start_array(std::size_t) { return open(Kind::array); }
@@ -192,7 +193,7 @@ class JsonBuilder {
     return true;
   }
 
-  /// A key is not counted, its value is.
+  /// Adds a key, which does not count as a value.
   bool key(std::string& name) {
     open_.back().key = size();
     tree_.values_.push_back(text(name));
@@ -212,14 +213,14 @@ class JsonBuilder {
   using Node = JsonTree::Node;
   using Value = JsonTree::Value;
 
-  /// An array or object whose end has not come, and of an object the key that came last.
+  /// Array or object whose end has not come, and for an object the key that came last.
   struct Open {
     Node node, key;
   };
 
   [[nodiscard]] Node size() const { return static_cast<Node>(tree_.values_.size()); }
 
-  /// All texts together are no longer than the file, which 32 bits count.
+  /// Stores a text. All texts together are no longer than the file, whose size fits into 32 bits.
   Value text(const std::string& value) {
     const std::size_t begin = tree_.texts_.size();
     tree_.texts_ += value;
@@ -248,7 +249,7 @@ class JsonBuilder {
     return true;
   }
 
-  /// Looks at the keys of the object that ends.
+  /// Throws SceneError if a key is repeated in the object that ends.
   void refuse_repeated_keys() {
     keys_.clear();
     for (Node key = open_.back().node + 1; key != size(); key = tree_.behind(key + 1)) keys_.push_back(key);
@@ -261,7 +262,7 @@ class JsonBuilder {
     refuse(file_, pointer(), "the key is there twice; once is allowed");
   }
 
-  /// The way to the value that comes next.
+  /// Returns the JSON pointer to the next value.
   [[nodiscard]] std::string pointer() const {
     std::string way;
     for (const Open& in : open_) {
@@ -276,7 +277,7 @@ class JsonBuilder {
   const std::string& file_;
   std::size_t most_open_, count_ = 0;
   std::vector<Open> open_;
-  std::vector<Node> keys_;  ///< of the object that ends
+  std::vector<Node> keys_;  ///< keys of the object that ends
 };
 
 }  // namespace detail

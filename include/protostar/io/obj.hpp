@@ -1,11 +1,11 @@
-// Meshes from Wavefront OBJ files, through tinyobjloader. Not part of the core: link protostar::obj.
+// Reads meshes from Wavefront OBJ files, through tinyobjloader. Not part of the core: link protostar::obj.
 #pragma once
 
 #if defined(TINY_OBJ_LOADER_H_)
 #error "include protostar/io/obj.hpp before tiny_obj_loader.h: it needs a copy of its own, in double"
 #endif
 
-// What tiny_obj_loader.h includes, so that it does not do so inside a namespace.
+// Includes the headers of tiny_obj_loader.h first, so that it does not include them inside a namespace.
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -39,7 +39,8 @@
 #include "../surfaces/mesh.hpp"
 #include "text.hpp"
 
-// In a namespace of this translation unit, so that it meets no other copy of tinyobjloader in a program.
+// Compiled in a namespace of this translation unit, where it does not conflict with another copy of
+// tinyobjloader.
 #define TINYOBJLOADER_IMPLEMENTATION
 #define TINYOBJLOADER_USE_DOUBLE
 namespace protostar::inline PROTOSTAR_ABI::detail {
@@ -58,16 +59,16 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// A text as a stream that hands on a line at a time, without its comment, so that it is known which one is
-/// being read. One that ends with a backslash goes on in the next.
+/// Stream of a text that supplies one line at a time, without its comment, so that the current line is known.
+/// A line that ends with a backslash continues in the next.
 class LinesOfText : public std::streambuf {
  public:
-  /// The mark with which some editors begin a text in UTF-8 is no part of its first line.
+  /// Skips a byte order mark, with which some editors begin a text in UTF-8; it is no part of the first line.
   explicit LinesOfText(std::string_view text) : rest_(text) {
     if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
   }
 
-  /// Of the line, from 1; of one that goes on in others, of the first.
+  /// Returns the number of the line, from 1; for one that continues in others, the number of the first.
   [[nodiscard]] std::size_t number() const { return number_; }
   [[nodiscard]] std::string_view line() const { return std::string_view(handed_on_).substr(0, length_); }
 
@@ -83,14 +84,16 @@ class LinesOfText : public std::streambuf {
       if (goes_on) handed_on_.push_back(' ');
     }
     length_ = handed_on_.size();
-    // Of a word alone tinyobjloader sees nothing, nor of a face without corners.
+    // tinyobjloader skips a keyword without a blank behind it, and a face without corners. Therefore it gets
+    // a blank, or a corner that does not exist.
     handed_on_ += is_face_alone() ? " 0\n" : " \n";
     setg(handed_on_.data(), handed_on_.data(), handed_on_.data() + handed_on_.size());
     return traits_type::to_int_type(handed_on_[0]);
   }
 
  private:
-  /// A line ends with \n, \r or \r\n. tinyobjloader looks behind an \r, where the next line would be made.
+  /// Removes and returns the next line, which ends with \n, \r or \r\n. tinyobjloader peeks behind an \r,
+  /// which would already make the next line; hence all are handed on with \n.
   std::string_view taken_line() {
     const std::string_view line = rest_.substr(0, rest_.find_first_of("\r\n"));
     rest_.remove_prefix(line.size());
@@ -107,22 +110,22 @@ class LinesOfText : public std::streambuf {
 
   std::string_view rest_;
   std::string handed_on_;
-  std::size_t length_ = 0;  ///< of the line in what is handed on
+  std::size_t length_ = 0;  ///< length of the line within handed_on_
   std::size_t number_ = 0, next_number_ = 1;
 };
 
-/// Takes what tinyobjloader finds in a file, and refuses what that lets pass.
+/// Builder of a mesh from what tinyobjloader finds in a file; refuses errors that it lets pass.
 ///
-/// It takes what is no number for 0, and other numbers for some that are near; so these are read again, from
-/// the line that is at hand. A corner of a face has a place, and may have a texture place and a normal; each
-/// combination that there is becomes a vertex.
+/// tinyobjloader takes words that are no numbers for 0, and some numbers for others that are near; therefore
+/// they are read again, from the current line. A corner of a face has a position, and may have texture
+/// coordinates and a normal; each combination that occurs becomes a vertex.
 class ObjBuilder {
  public:
   ObjBuilder(std::string_view text, std::string file) : lines_(text), file_(std::move(file)) {}
 
   [[nodiscard]] MeshData build() {
     std::istream stream(&lines_);
-    stream.exceptions(std::ios::badbit);  // else memory that ends would be taken for the end of the file
+    stream.exceptions(std::ios::badbit);  // else memory that runs out would be taken for the end of the file
     tinyobj::callback_t callbacks;
     callbacks.vertex_cb = [](void* self, double, double, double, double) { of(self).add_place(); };
     callbacks.normal_cb = [](void* self, double, double, double) { of(self).add_normal(); };
@@ -138,11 +141,12 @@ class ObjBuilder {
  private:
   static constexpr int none = -1;
 
-  /// Of the vertices in a place, a list has the first. It is walked for each corner, and so it is short;
-  /// where there are more vertices in one place, which few meshes have, they are looked up.
+  /// Maximum length of the list of vertices at a position, which is walked for each corner. Further vertices
+  /// at one position, which few meshes have, are looked up in unlisted_.
   static constexpr int most_listed = 8;
 
-  /// A vertex: a place with what else corners have there, and the next vertex in the list of the place.
+  /// Vertex: indices of its position, texture coordinates and normal, and of the next vertex in the
+  /// position's list.
   struct Vertex {
     int place, uv, normal, next;
   };
@@ -153,7 +157,7 @@ class ObjBuilder {
     throw std::runtime_error(shown(file_ + ": line " + std::to_string(lines_.number()) + ": " + what));
   }
 
-  /// The next word of a line, which is then no more in it; none if there is none.
+  /// Removes and returns the next word of a line; empty if there is none.
   static std::string_view taken_word(std::string_view& line) {
     const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
     const auto begin = std::find_if_not(line.begin(), line.end(), is_blank);
@@ -167,7 +171,7 @@ class ObjBuilder {
            (word.empty() ? " is missing" : " is \"" + beginning(std::string(word)) + "\"");
   }
 
-  /// The numbers of the line behind its first word, `least` of them or more; others are left out.
+  /// Returns the numbers behind the first word of the line, `least` to N of them; others are ignored.
   template <std::size_t N>
   [[nodiscard]] std::array<double, N> numbers(std::size_t least) const {
     std::string_view rest = lines_.line();
@@ -202,7 +206,7 @@ class ObjBuilder {
     normals_.push_back({x, y, z});
   }
 
-  /// In the file, v = 0 is the lower edge of a picture.
+  /// Adds texture coordinates, with v turned over: in the file, v = 0 is the lower edge of a picture.
   void add_uv() {
     const auto [u, v] = numbers<2>(1);
     const Uv place{u, 1 - v};
@@ -211,7 +215,7 @@ class ObjBuilder {
     uvs_.push_back(place);
   }
 
-  /// A polygon, cut into triangles by its diagonals from the first corner.
+  /// Adds a polygon, cut into triangles by its diagonals from the first corner.
   void add_face(std::span<const tinyobj::index_t> corners) {
     const std::size_t count = checked_corners(lines_.line());
     if (count < 3) refuse("a face has 3 corners or more, and this has " + std::to_string(count));
@@ -224,8 +228,8 @@ class ObjBuilder {
     }
   }
 
-  /// How many corners a face has. tinyobjloader takes anything for a number, reads one across a blank, and
-  /// counts on that it is no longer than an int.
+  /// Returns the number of corners of a face, after checking them: tinyobjloader takes anything for a number,
+  /// reads one across a blank, and relies on its fitting into an int.
   [[nodiscard]] std::size_t checked_corners(std::string_view line) const {
     (void)taken_word(line);
     for (std::size_t count = 0;; ++count) {
@@ -259,7 +263,7 @@ class ObjBuilder {
     return take('/') && take_index() && word.empty();
   }
 
-  /// The number from 0 of what the file counts from 1, or if that is negative back from the last.
+  /// Converts an index of the file, which counts from 1 or, if negative, back from the last, to one from 0.
   [[nodiscard]] int index(int given, std::size_t count, const char* what) const {
     const std::int64_t all = static_cast<std::int64_t>(count), i = given < 0 ? all + given : given - 1;
     if (given == 0 || i < 0 || i >= all)
@@ -268,7 +272,8 @@ class ObjBuilder {
     return static_cast<int>(i);
   }
 
-  /// tinyobjloader gives 0 for what a corner does not have.
+  /// Returns the index of a corner's vertex, an old or a new one. tinyobjloader gives 0 for an index that a
+  /// corner does not have.
   [[nodiscard]] std::uint32_t vertex(const tinyobj::index_t& corner) {
     const int place = index(corner.vertex_index, places_.size(), "vertex");
     const int uv =
@@ -293,7 +298,7 @@ class ObjBuilder {
     return static_cast<std::uint32_t>(number);
   }
 
-  /// Texture places and normals only if all vertices have them.
+  /// Returns the mesh, with texture coordinates or normals only if all vertices have them.
   [[nodiscard]] MeshData take() {
     const auto all_have = [&](int Vertex::*what) {
       return std::all_of(vertices_.begin(), vertices_.end(),
@@ -314,21 +319,21 @@ class ObjBuilder {
   std::vector<Point> places_;
   std::vector<Vec3> normals_;
   std::vector<Uv> uvs_;
-  std::vector<int> first_at_;  ///< of each place: the first vertex of its list
+  std::vector<int> first_at_;  ///< first vertex of each position's list
   std::vector<Vertex> vertices_;
-  std::map<std::array<int, 3>, int> unlisted_;  ///< numbers of vertices that are in no list
+  std::map<std::array<int, 3>, int> unlisted_;  ///< indices of vertices that are in no list
   MeshData data_;
 };
 
 }  // namespace detail
 
-/// The mesh that the text of an OBJ file describes; file is its name in what is wrong with it. Polygons are
-/// cut into triangles by their diagonals from the first corner. Normals and texture places are taken if all
-/// corners of all faces have them; groups, materials, lines and points are left out. Throws
-/// std::runtime_error, with the line, where a number is missing or not finite, an index is out of range, or a
-/// face is none, and if there is no face.
+/// Returns the mesh that the text of an OBJ file describes; `file` is its name in error messages. Polygons
+/// are cut into triangles by their diagonals from the first corner. Normals and texture coordinates are taken
+/// if all corners of all faces have them; groups, materials, lines and points are ignored. Throws
+/// std::runtime_error, with the line, if a number is missing or not finite, an index is out of range, or a
+/// face is invalid, and if there is no face.
 [[nodiscard]] inline MeshData mesh_from_obj(std::string_view text, const std::string& file) {
-  // At a zero byte, tinyobjloader takes the line for ended.
+  // tinyobjloader takes a zero byte for the end of the line.
   if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
     std::size_t line = 1;
     for (std::size_t i = 0; i < zero; ++i)
@@ -339,9 +344,9 @@ class ObjBuilder {
   return detail::ObjBuilder(text, file).build();
 }
 
-/// The mesh in an OBJ file. Throws std::system_error if it cannot be read, and std::runtime_error if it is
-/// longer than so many bytes (2^31), so that a file without an end does not fill the memory, and for what is
-/// wrong in it; all name the path.
+/// Returns the mesh in an OBJ file. Throws std::system_error if it cannot be read, and std::runtime_error if
+/// it is longer than most_bytes (2^31), so that a file without an end does not fill the memory, or if it is
+/// wrong; all name the path.
 [[nodiscard]] inline MeshData load_obj(const std::filesystem::path& path,
                                        std::size_t most_bytes = std::size_t{1} << 31) {
   return mesh_from_obj(detail::text_of<std::runtime_error>(path, most_bytes), path.string());

@@ -1,4 +1,4 @@
-// Images as PNG files, through stb_image_write. Not part of the core: link protostar::png.
+// Writes images as PNG files, through stb_image_write. Not part of the core: link protostar::png.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,10 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Throws std::length_error if save_png cannot write an image of this size: rows of more than 2^24 − 1 bytes,
-/// or of more than 954 million in all. PNG has none of these limits; stb_image_write counts in int.
+/// or more than 954 million bytes in all. PNG has neither limit; stb_image_write counts in int.
 inline void check_png_size(int width, int height) {
-  // It adds up a row's bytes, each of at most 128, to choose among filters, and doubles a buffer that holds
-  // up to nine bits for each byte of the rows, which begin with a byte of their own.
+  // stb_image_write adds up the bytes of a row, each at most 128 in magnitude, to choose among filters, and
+  // doubles a buffer that holds up to nine bits for each byte of the rows, which begin with a filter byte.
   constexpr std::int64_t most_in_row = std::numeric_limits<int>::max() / 128;
   constexpr std::int64_t most_bytes = (std::int64_t{1} << 30) / 9 * 8;
   const std::int64_t row_bytes = std::int64_t{width} * 3;
@@ -30,9 +30,9 @@ inline void check_png_size(int width, int height) {
 
 /// Saves an image as PNG with 8 bits per channel, encoded by the transfer and rounded to the nearest code.
 ///
-/// The file is replaced as a whole or not at all (see OutputFile, also for its errors): it is made in memory
-/// first. If stop is asked for while it is written, save_png returns early and leaves the file as it was.
-/// Throws std::length_error for an image that is too large (check_png_size).
+/// Builds the file in memory, then replaces the target as a whole or not at all (see OutputFile, also for its
+/// errors). If stop is requested while it is written, returns early and leaves the target as it was. Throws
+/// std::length_error for an image that is too large (check_png_size).
 inline void save_png(const Image& image, const std::filesystem::path& path, const Transfer& transfer = Srgb{},
                      const StopToken& stop = {}) {
   check_png_size(image.width(), image.height());
@@ -47,7 +47,7 @@ inline void save_png(const Image& image, const std::filesystem::path& path, cons
   std::vector<char> png;
   if (!stbi_write_png_to_func(detail::append_bytes, &png, image.width(), image.height(), 3, codes.data(),
                               static_cast<int>(row_bytes)))
-    throw std::bad_alloc();  // the only reason that it has
+    throw std::bad_alloc();  // stb_image_write fails for no other reason
   detail::save_bytes(png, path, stop);
 }
 

@@ -1,4 +1,4 @@
-// Reads Radiance HDR files (.hdr): linear light, in a pixel three numbers of 8 bits and their exponent.
+// Reads Radiance HDR files (.hdr): linear light, each pixel in three mantissas of 8 bits and their exponent.
 #pragma once
 
 #include <algorithm>
@@ -22,21 +22,21 @@ inline bool is_hdr(std::string_view bytes) {
   return bytes.starts_with("#?RADIANCE\n") || bytes.starts_with("#?RGBE\n");
 }
 
-/// Reads the header of an .hdr, then its scanlines. A scanline is flat, four bytes for each pixel; or its
-/// four channels follow each other, each as runs: a count up to 128 and as many bytes, or 128 more than a
-/// count of up to 127 and the byte that is repeated.
+/// Reader of an .hdr: the constructor reads the header, image() the scanlines. A scanline is flat, with four
+/// bytes for each pixel; or its four channels follow each other, each as runs: a count up to 128 and as many
+/// bytes, or 128 plus a count of up to 127 and the byte that is repeated.
 class HdrReader {
  public:
   HdrReader(const ImageBytes& bytes, std::int64_t most_pixels) : bytes_(bytes) { read_header(most_pixels); }
 
   [[nodiscard]] Image image() {
-    // A scanline takes at least this: flat four bytes a pixel, or four that say that there are runs, and for
-    // each channel two for a run of 127.
+    // Least size of a scanline in bytes: flat, four for each pixel; with runs, four that announce them, and
+    // for each channel two for a run of 127.
     const std::int64_t flat = 4 * std::int64_t{width_},
                        runs = 4 + 4 * 2 * ((std::int64_t{width_} + 126) / 127);
     bytes_.require_bytes(height_ * (may_have_runs() ? std::min(flat, runs) : flat),
                          static_cast<std::int64_t>(bytes_.size() - at_), "pixels");
-    std::array<float, 256> unit{};  // of an exponent; of 0 it is 0, whatever the numbers are
+    std::array<float, 256> unit{};  // by exponent; 0 for exponent 0, with any mantissa
     for (int e = 1; e < 256; ++e) unit[static_cast<std::size_t>(e)] = std::ldexp(1.0f, e - 136);
     Image image(width_, height_);
     std::vector<unsigned char> line(4 * static_cast<std::size_t>(width_));
@@ -52,7 +52,7 @@ class HdrReader {
   }
 
  private:
-  /// The next line of the header.
+  /// Returns the next line of the header and moves past it.
   std::string_view line() {
     const std::size_t end = bytes_.all().find('\n', at_);
     if (end == std::string_view::npos) bytes_.refuse_end("the header");
@@ -62,7 +62,7 @@ class HdrReader {
   }
 
   void read_header(std::int64_t most_pixels) {
-    (void)line();  // is_hdr
+    (void)line();  // checked by is_hdr
     bool has_format = false;
     for (std::string_view text = line(); !text.empty(); text = line()) {
       if (!text.starts_with("FORMAT=")) continue;
@@ -81,7 +81,7 @@ class HdrReader {
     height_ = *height;
   }
 
-  /// Takes an axis and its length from the beginning of a text.
+  /// Removes an axis and its length from the beginning of a text; returns the length, or nullopt without one.
   static std::optional<int> side(std::string_view axis, std::string_view& rest) {
     const auto skip_blanks = [&] { rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size())); };
     if (!rest.starts_with(axis)) return std::nullopt;
@@ -95,7 +95,7 @@ class HdrReader {
     return length;
   }
 
-  /// Scanlines of other widths are flat.
+  /// Returns true if scanlines may have runs; at other widths they are flat.
   [[nodiscard]] bool may_have_runs() const { return 8 <= width_ && width_ < 32768; }
 
   [[nodiscard]] std::string place() const {
@@ -145,7 +145,7 @@ class HdrReader {
   }
 
   ImageBytes bytes_;
-  std::size_t at_ = 0;  ///< the offset of what comes next
+  std::size_t at_ = 0;  ///< offset of the next byte to be read
   int width_ = 0, height_ = 0, row_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// What the reader of a scene file can be told.
+// Options for reading a scene file.
 #pragma once
 
 #include <cstdint>
@@ -7,17 +7,18 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// How a scene file is read.
+/// Options of read_scene and scene_from_json.
 struct ReadOptions {
-  /// Whether images and meshes that the scene names are refused if they lie outside the folder of the scene,
-  /// after links are resolved. For scenes from others, who may name any file that the program can read. The
-  /// folder must not be changed meanwhile.
+  /// True to refuse images and meshes that the scene names if they lie outside the folder of the scene, after
+  /// links are resolved. For untrusted scenes, which may name any file that the program can read. The folder
+  /// must not be changed meanwhile.
   bool confine = false;
 
-  /// The most pixels of all images that the scene names together. Of one it is most_image_pixels.
+  /// Largest number of pixels of all images that the scene names together. Each alone is limited to
+  /// most_image_pixels.
   std::int64_t most_pixels = Image::max_pixels;
 
-  int threads = 0;  ///< for the trees of meshes, on which no tree depends; 0: all cores
+  int threads = 0;  ///< for building the BVHs of meshes, which do not depend on it; 0: all cores
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,5 +1,4 @@
-// What a scene file holds: a scene, a camera, and how the picture is drawn. It says nothing about the file's
-// form.
+// Contents of a scene file, independent of its format: a scene, a camera, and how the picture is drawn.
 #pragma once
 
 #include <algorithm>
@@ -22,18 +21,18 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The integrators that a file can ask for.
+/// Names of the integrators that a file can ask for.
 inline constexpr std::array<std::string_view, 8> integrator_names{
     "binary", "depth", "normal", "color", "diffuse", "transparency", "shadow", "whitted"};
 
-/// The most that a file can ask for.
+/// Largest samples and depth that a file can ask for.
 inline constexpr int most_samples = 1 << 16, most_depth = WhittedIntegrator::most_depth;
 
-/// The most rays that a pixel may take: those of the camera, those that follow them, and those to the lights.
-/// A small scene takes about a second for them. Each sample has an equal share.
+/// Largest number of rays for a pixel: camera rays, their secondary rays, and shadow rays. A small scene
+/// takes about a second for them. Each sample has an equal share.
 inline constexpr std::int64_t most_rays_of_pixel = std::int64_t{1} << 22;
 
-/// The share of each of so many samples in a pixel.
+/// Returns the largest number of rays for each of `samples` samples of a pixel.
 [[nodiscard]] inline std::int64_t most_rays_of_sample(int samples) {
   return most_rays_of_pixel / std::max(samples, 1);
 }
@@ -47,13 +46,13 @@ inline constexpr std::int64_t most_rays_of_pixel = std::int64_t{1} << 22;
          std::to_string(most_rays_of_pixel) + " are allowed";
 }
 
-/// A scene, and the settings of its picture; they begin with what a file need not say.
+/// Scene, camera, and settings of the picture, initialized to the defaults of what a file may leave out.
 struct SceneFile {
   Scene<Sphere, Plane, Parallelogram, AnySurface> scene;
   Camera camera;
   int width = 640, height = 480;       ///< in pixels
-  int samples = 0;                     ///< in a pixel; 0: its center
-  int depth = 10;                      ///< WhittedIntegrator's
+  int samples = 0;                     ///< per pixel; 0: one ray through its center
+  int depth = 10;                      ///< WhittedIntegrator::depth
   std::string integrator = "whitted";  ///< one of integrator_names
   Transfer transfer = Srgb{};
   Tone tone = Tone::clip;

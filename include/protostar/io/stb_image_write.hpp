@@ -1,8 +1,8 @@
-// stb_image_write, for the headers beside this one. Not part of the core: link protostar::png.
+// Includes stb_image_write for the headers beside this one. Not part of the core: link protostar::png.
 #pragma once
 
-// As static functions of this translation unit, so that they meet no other copy of stb_image_write in a
-// program.
+// Compiled as static functions of this translation unit, which do not conflict with another copy of
+// stb_image_write in a program.
 #define STB_IMAGE_WRITE_STATIC
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #include <stb_image_write.h>
@@ -19,14 +19,14 @@
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
-/// What stb_image_write hands a file's bytes to, with a vector<char> as context.
+/// Appends bytes of a file to the vector<char> at `to`; stb_image_write calls it with that as context.
 inline void append_bytes(void* to, void* data, int size) {
   const char* bytes = static_cast<const char*>(data);
   auto& all = *static_cast<std::vector<char>*>(to);
   all.insert(all.end(), bytes, bytes + size);
 }
 
-/// Replaces a file by these bytes, or leaves it as it was if stop is asked for before they are written.
+/// Replaces a file by these bytes, or leaves it as it was if stop is requested before they are written.
 inline void save_bytes(const std::vector<char>& bytes, const std::filesystem::path& path,
                        const StopToken& stop) {
   OutputFile file(path);

@@ -30,8 +30,8 @@
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
 /// Reads the bytes of a file, up to its end, or to the end of the first block after which is_enough(all bytes
-/// so far, the block) holds. Throws std::system_error if they cannot be read, and Error if there are more
-/// than `most`: of a file with a known size before any memory is taken.
+/// read, the block) is true. Throws std::system_error if they cannot be read, and Error if there are more
+/// than `most`; for a file of known size, before any memory is taken.
 template <class Error>
 std::string bytes_of_file(const std::filesystem::path& path, std::size_t most, const auto& is_enough) {
   const auto fail = [&] {
@@ -46,7 +46,7 @@ std::string bytes_of_file(const std::filesystem::path& path, std::size_t most, c
                                                              std::fclose);
   if (!file) fail();
   std::string bytes;
-  std::error_code unknown;  // the size of a pipe or a device
+  std::error_code unknown;  // set if there is no size, as for a pipe or a device
   if (const std::uintmax_t size = std::filesystem::file_size(path, unknown); !unknown) {
     require_at_most(size);
     bytes.reserve(static_cast<std::size_t>(size));
@@ -61,8 +61,8 @@ std::string bytes_of_file(const std::filesystem::path& path, std::size_t most, c
   return bytes;
 }
 
-/// Reads the bytes of a text, up to its end or to the end of a block with a zero byte, which no text has and
-/// its reader has to refuse: so /dev/zero, which has no end, is refused at once.
+/// Reads the bytes of a text file, up to its end or to the end of the first block with a zero byte, which no
+/// text has and the caller has to refuse. Hence /dev/zero, which has no end, is refused at once.
 template <class Error>
 std::string text_of(const std::filesystem::path& path, std::size_t most) {
   return bytes_of_file<Error>(path, most, [](std::string_view, std::string_view block) {
@@ -70,8 +70,8 @@ std::string text_of(const std::filesystem::path& path, std::size_t most) {
   });
 }
 
-/// Reads a number in decimal digits, such as -1.5e3, that a text consists of, rounded to the nearest double;
-/// nothing if it is no such text or beyond the range of double. It may be inf or nan. The locale has no say.
+/// Reads a text that is one decimal number, such as -1.5e3, inf or nan, in any locale; rounds to the nearest
+/// double. Returns nothing for any other text, and for a number beyond the range of double.
 inline std::optional<double> double_of(std::string_view text) {
   double value = 0;
 #if defined(__cpp_lib_to_chars)
@@ -93,7 +93,7 @@ inline std::optional<double> double_of(std::string_view text) {
   return value;
 }
 
-/// The beginning of a text that may be of any length, whole characters of UTF-8.
+/// Returns the beginning of a text in whole UTF-8 characters: at most `most` bytes, and "..." if it is cut.
 inline std::string beginning(const std::string& text, std::size_t most = 60) {
   if (text.size() <= most) return text;
   while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xc0) == 0x80) --most;
