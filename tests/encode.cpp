@@ -168,6 +168,8 @@ TEST_CASE("an encoder is for codes from 0 to at most 65535") {
   CHECK_THROWS_AS(Encoder(Linear{}, 0), std::invalid_argument);
   CHECK_THROWS_AS(Encoder(Linear{}, -1), std::invalid_argument);
   CHECK_THROWS_AS(Encoder(Linear{}, 65536), std::invalid_argument);
+  for (const int even : {2, 256, 65534}) CHECK_THROWS_AS(Encoder(Linear{}, even), std::invalid_argument);
+  CHECK(Encoder(Linear{}, 3)(0.5f) == 2);
   CHECK(Encoder(Linear{}, 1)(0.5f) == 1);
   CHECK(Encoder(Linear{}, 1)(0.49f) == 0);
 }

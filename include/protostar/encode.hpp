@@ -75,11 +75,11 @@ template <class Curve>
 /// 8-bit sRGB no bin has another; in a bin with several, they are searched.
 class Encoder {
  public:
-  /// Computes the thresholds for a max_code of 255, 65535, or another from 1 to 65535. Throws
+  /// Computes the thresholds for a max_code of 255, 65535, or another odd number from 1 to 65535. Throws
   /// std::invalid_argument for any other, and for a gamma that is not finite and greater than 0.
   Encoder(const Transfer& transfer, int max_code) {
-    if (max_code < 1 || max_code > 65535)
-      throw std::invalid_argument("Encoder: max_code must be from 1 to 65535");
+    if (max_code < 1 || max_code > 65535 || max_code % 2 == 0)  // see smallest_float_from
+      throw std::invalid_argument("Encoder: max_code must be an odd number from 1 to 65535");
     if (const auto* gamma = std::get_if<Gamma>(&transfer))
       if (!(gamma->exponent > 0 && std::isfinite(gamma->exponent)))
         throw std::invalid_argument("Gamma: exponent must be finite and greater than 0");
@@ -141,7 +141,7 @@ class Encoder {
   ///
   /// The exact comparison ends, as its sides do not coincide unless p/q is a power of two. If the light at
   /// (2k − 1)/(2 max_code) is a float, then p/q is a fraction whose denominator is a power of two, since a
-  /// power of it is. For odd max_code, such as 255 and 65535, Linear and Gamma have that at ½ alone, where
+  /// power of it is. As max_code is odd, Linear and Gamma have that at ½ alone, where
   /// p/q is a power of two, and sRGB nowhere: 211 and 323 do not cancel for any code.
   static float smallest_float_from(const DecodedLight& light) {
     const DoubleDouble about(light);
