@@ -1,4 +1,4 @@
-// Rays in the space of an instance's surface, which are rounded, and the exact lines that they stand for.
+// Rays in the object space of an instance, which are rounded, and the exact lines that they stand for.
 #pragma once
 
 #include <algorithm>
@@ -11,22 +11,22 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// What a ray is rounded from that an instance has mapped into its surface's space (Ray::transform). It
-/// borrows the ray and the map.
+/// Outer ray and map of a ray that an instance has mapped, with rounding, into its object space
+/// (Ray::transform). It borrows both.
 struct RayTransform {
-  const Ray& outer;  ///< the ray outside of the instance, which may have a transform itself
+  const Ray& outer;  ///< ray outside of the instance, which may have a transform itself
   const AffineInverse& inverse;
   RoundedLine line;
 
   RayTransform(const Ray& ray, const AffineInverse& to_inside);
 
-  /// The line in doubles, with this transform. It departs from nothing.
+  /// Returns the line in doubles as a ray with this transform; it departs from nothing.
   [[nodiscard]] Ray ray() const {
     return {.origin = line.origin, .direction = line.direction, .transform = this};
   }
 };
 
-/// The line of a ray in doubles, with what they are off by.
+/// Returns the line of a ray in doubles, with their errors.
 [[nodiscard]] inline RoundedLine rounded_line(const Ray& ray) {
   if (ray.transform == nullptr) return {.origin = ray.origin, .direction = ray.direction};
   RoundedLine line = ray.transform->line;
@@ -34,7 +34,7 @@ struct RayTransform {
   return line;
 }
 
-/// What the numbers of a line are off by at most, on each axis.
+/// Upper bounds for the errors of a line's numbers on each axis.
 struct LineError {
   double origin = 0, direction = 0;
 };
@@ -47,12 +47,12 @@ struct LineError {
   return {largest(line.origin_error), largest(line.direction_error)};
 }
 
-/// The line of a ray in rounded numbers.
+/// Returns the line of a ray in rounded numbers.
 template <class T>
 requires std::same_as<T, RoundedNumber>
 [[nodiscard]] LineOf<T> line_of(const Ray& ray) { return rounded_line(ray).with_errors(); }
 
-/// The line of a ray without rounding.
+/// Returns the line of a ray without rounding.
 template <class T>
 requires std::same_as<T, ExactNumber>
 [[nodiscard]] LineOf<T> line_of(const Ray& ray) {
@@ -65,7 +65,7 @@ requires std::same_as<T, ExactNumber>
 inline RayTransform::RayTransform(const Ray& ray, const AffineInverse& to_inside)
     : outer(ray), inverse(to_inside), line(to_inside.line(rounded_line(ray))) {}
 
-/// Tests that the numbers of a ray, or of the ray that it is mapped from, are finite, and that its
+/// Tests whether the numbers of a ray, or of the outermost ray that it is mapped from, are finite, and its
 /// direction is not 0; any other ray crosses nothing.
 [[nodiscard]] inline bool is_proper(const Ray& ray) {
   if (ray.transform != nullptr) return is_proper(ray.transform->outer);
@@ -83,13 +83,13 @@ inline RayTransform::RayTransform(const Ray& ray, const AffineInverse& to_inside
     return answer(line_of<ExactNumber>(ray));
 }
 
-/// The roots of a surface's equation(line) along a ray of proper numbers, certified.
+/// Returns the certified roots of a surface's equation(line) along a ray; none if the ray is not proper.
 [[nodiscard]] Roots roots_along(const Ray& ray, const auto& equation) {
   if (!is_proper(ray)) return {};
   return decided(ray, [&](const auto& line) { return roots_of(equation(line)); });
 }
 
-/// The sign of number(line) along a ray.
+/// Returns the sign of number(line) along a ray.
 [[nodiscard]] int sign_along(const Ray& ray, const auto& number) {
   return decided(ray, [&](const auto& line) { return sign_of(number(line)); });
 }

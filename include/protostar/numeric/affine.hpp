@@ -1,4 +1,4 @@
-// Affine maps, which scale, rotate, shear and move, and their inverses.
+// Affine maps (scaling, rotation, shear, translation) and their inverses.
 #pragma once
 
 #include <array>
@@ -14,23 +14,24 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The map p → p.x · x + p.y · y + p.z · z + translation.
+/// Affine map p → p.x · x + p.y · y + p.z · z + translation.
 struct Affine {
-  Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};  ///< where the unit vectors of the axes go
-  Vec3 translation{0};                      ///< where the coordinate origin goes
+  Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};  ///< images of the axes' unit vectors
+  Vec3 translation{0};                      ///< image of the coordinate origin
 
   [[nodiscard]] Vec3 vector(const Vec3& v) const { return v.x * x + v.y * y + v.z * z; }
   [[nodiscard]] Point point(const Point& p) const { return vector(p) + translation; }
 
-  // The same, and then one thing more: Affine{}.scaled_by({2, 1, 1}).rotated_about({0, 1, 0}, 30).
+  // This map followed by another one: Affine{}.scaled_by({2, 1, 1}).rotated_about({0, 1, 0}, 30).
 
   [[nodiscard]] Affine scaled_by(const Vec3& factors) const {
     return {factors * x, factors * y, factors * z, factors * translation};
   }
 
-  /// About an axis through the coordinate origin, of any length but 0: by 90 degrees about z, x goes to y.
+  /// Returns this map followed by a rotation about an axis through the coordinate origin, of any length but
+  /// 0; by 90 degrees about z, x goes to y.
   [[nodiscard]] Affine rotated_about(const Vec3& axis, double degrees) const {
-    // Of v, the part along the unit vector a stays, and the rest turns in its plane:
+    // The part of v along the unit vector a stays, and the rest turns in its plane:
     //   a (a·v) + (v − a (a·v)) cos + (a × v) sin.
     const Vec3 a = normalize(of_moderate_size(axis));
     const double cosine = cosine_of_degrees(degrees), sine = sine_of_degrees(degrees);
@@ -43,13 +44,14 @@ struct Affine {
   [[nodiscard]] Affine moved_by(const Vec3& way) const { return {x, y, z, translation + way}; }
 };
 
-/// A sphere by its center and radius.
+/// Sphere given by its center and radius.
 struct SphereImage {
   Point center;
   double radius;
 };
 
-/// The image of a sphere under a map, where that is a sphere whose numbers are doubles.
+/// Returns the image of a sphere under a map if it is exactly a sphere whose numbers are doubles; else
+/// nothing.
 [[nodiscard, gnu::cold, gnu::noinline]] inline std::optional<SphereImage> image_of_sphere(const Affine& map,
                                                                                           const Point& center,
                                                                                           double radius) {
@@ -70,8 +72,8 @@ struct SphereImage {
                                                                             : std::nullopt;
 }
 
-/// The inverse of an affine map, with the nine numbers of its linear part rounded to the nearest doubles;
-/// they are infinite or NaN for a map that has no inverse. Lines are mapped without rounding as well.
+/// Inverse of an affine map. The nine numbers of its linear part are rounded to the nearest doubles, and are
+/// infinite for a singular map. Lines can also be mapped without rounding.
 class AffineInverse {
  public:
   AffineInverse() = default;
@@ -91,11 +93,11 @@ class AffineInverse {
 
   [[nodiscard]] bool exists() const { return exists_; }
 
-  /// The map itself.
+  /// Returns the map that this is the inverse of.
   [[nodiscard]] const Affine& map() const { return map_; }
 
-  /// Where a direction or a point came from: each component with an error of at most 4u, and 5u, of the sum
-  /// of its terms' sizes.
+  /// Returns the preimage of a direction or of a point. Each component has an error of at most 4u or 5u,
+  /// respectively, of the sum of the magnitudes of its terms (u = 2^-53).
   [[nodiscard]] Vec3 vector(const Vec3& v) const {
     return {dot(rows_[0], v), dot(rows_[1], v), dot(rows_[2], v)};
   }
@@ -103,10 +105,11 @@ class AffineInverse {
 
   /// Maps a line by the inverse, in doubles.
   ///
-  /// With u = 2^-53, an entry of the inverse is off by u of itself, or below 2^-1022 by u of that; so are the
-  /// difference from the translation and each product, and the sum twice: 5u of the sizes of the terms, or 4u
-  /// of those of the direction. The errors that the line has already are mapped as well; 2^-1065 is more than
-  /// what underflows, and the sums here are rounded by less than 2^-40.
+  /// With u = 2^-53, an entry of the inverse has an error of u of itself, or of u · 2^-1022 if it is smaller
+  /// than 2^-1022. The difference from the translation and each product add u each, and the sum 2u: together
+  /// 5u of the magnitudes of the terms of the origin, and 4u of those of the direction. Errors of the given
+  /// line are mapped as well. 2^-1065 exceeds all underflow, and the sums below are rounded by less than
+  /// 2^-40.
   [[nodiscard]] RoundedLine line(const RoundedLine& from) const {
     const Vec3 away = from.origin - map_.translation;
     const Vec3 origin_errors = 5 * 0x1p-53 * abs(away) + from.origin_error,
@@ -120,7 +123,7 @@ class AffineInverse {
     return line;
   }
 
-  /// Maps a line by the inverse without rounding: the cofactors are the inverse times the determinant, and
+  /// Maps a line by the inverse without rounding. The cofactors are the inverse times the determinant, and
   /// the determinant goes into the weight.
   [[nodiscard, gnu::cold, gnu::noinline]] ExactLine line(const ExactLine& line) const {
     const Cofactors cofactors(map_);
@@ -135,15 +138,15 @@ class AffineInverse {
             .weight = line.weight * (turns ? -cofactors.determinant : cofactors.determinant)};
   }
 
-  /// The normal of a surface's image: n · p = n · inverse(q), the rows' sum with the components of n. Not of
-  /// unit length.
+  /// Returns the normal of a surface's image, not of unit length. As n · p = n · inverse(q), it is the sum of
+  /// the rows times the components of n.
   [[nodiscard]] Vec3 mapped_normal(const Vec3& n) const {
     return n.x * rows_[0] + n.y * rows_[1] + n.z * rows_[2];
   }
 
-  /// The equation of the image of the plane n · p = distance, rounded to nearest.
+  /// Returns the equation of the image of the plane n · p = distance, rounded to nearest.
   [[nodiscard, gnu::cold, gnu::noinline]] PlaneEquation mapped_plane(const Vec3& n, double distance) const {
-    // n · inverse(q) = distance, times the determinant.
+    // The equation n · inverse(q) = distance, times the determinant.
     const Cofactors cofactors(map_);
     const ExactVector normal = ExactNumber(n.x) * cofactors.rows[0] + ExactNumber(n.y) * cofactors.rows[1] +
                                ExactNumber(n.z) * cofactors.rows[2];
@@ -152,7 +155,7 @@ class AffineInverse {
   }
 
  private:
-  /// The rows of the inverse of the matrix (x y z) are y × z, z × x and x × y over its determinant.
+  /// Rows of the inverse of the matrix (x y z) times its determinant: y × z, z × x and x × y.
   struct Cofactors {
     std::array<ExactVector, 3> rows;
     ExactNumber determinant;

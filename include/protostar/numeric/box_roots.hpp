@@ -1,10 +1,10 @@
-// Where a line enters a box along the axes and where it leaves it: exactly whether, through which faces, and
-// t as certain as Roots says.
+// Crossings of a line with an axis-aligned box: their existence and faces are exact, and t is certified
+// (Roots).
 //
 // A point origin + t·d of the line is between the box's two faces on axis i from t = (min_i − o_i)/d_i to
 // (max_i − o_i)/d_i, or the other way round for d_i < 0; for d_i = 0, always or never. It is in the box from
-// the last of these entries to the first of the exits. Double decides nearly always; where its error bound
-// does not allow that, the quotients are compared without rounding. docs/numerics.md derives the bound.
+// the last of these entries to the first of the exits. Double nearly always decides; if its error bound does
+// not allow it, the quotients are compared without rounding. docs/numerics.md derives the bound.
 #pragma once
 
 #include <cmath>
@@ -18,35 +18,35 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A face of a box by its number: 2·axis where the coordinate is the smallest, 2·axis + 1 where it is the
-/// largest.
+/// Face of a box. Its number is 2·axis if the coordinate on that axis is the smallest, 2·axis + 1 if it is
+/// the largest.
 struct BoxFace {
   int number;
 
   [[nodiscard]] int axis() const { return number / 2; }
   [[nodiscard]] bool is_upper() const { return number % 2 != 0; }
 
-  /// The coordinate that all its points have on its axis.
+  /// Returns the coordinate on axis() that all points of the face share.
   [[nodiscard]] double place(const Point& min, const Point& max) const {
     return is_upper() ? max[axis()] : min[axis()];
   }
 };
 
-/// The exact knowledge about the start of a line relative to a box.
+/// Exact knowledge about the start of a line relative to a box.
 struct BoxStart {
-  int face = -1;           ///< the face in whose plane it starts, or nearly so; −1: none
-  bool is_at_0 = true;     ///< whether it crosses that plane at t = 0, whatever its digits say
-  bool is_in_box = false;  ///< whether it starts in the box: then it only leaves it
+  int face = -1;           ///< number of the face in whose plane it starts, up to rounding; −1: none
+  bool is_at_0 = true;     ///< true if it crosses that plane at t = 0, regardless of its digits
+  bool is_in_box = false;  ///< true if it starts in the box, which it then only leaves
 };
 
-/// No root, or two: where the line enters the box, and where it leaves it; of one that starts in the box,
-/// where it leaves it.
+/// Roots of a line with a box, and their faces: none; entry and exit; or the exit alone if the line starts in
+/// the box.
 struct BoxRoots {
   Roots roots;
   BoxFace face[2] = {{0}, {0}};
 };
 
-/// The equation of a face's plane in numbers of type T; its slope is 0 where the line is parallel to it.
+/// Returns the equation of a face's plane in numbers of type T; its slope is 0 if the line is parallel to it.
 template <class T>
 [[nodiscard]] LinearEquation<T> face_equation(const LineOf<T>& line, const Point& min, const Point& max,
                                               BoxFace face, const BoxStart& start) {
@@ -56,8 +56,8 @@ template <class T>
           .slope = line.direction[axis]};
 }
 
-/// The roots in numbers of type T; empty where rounded numbers do not tell. Where the line crosses two faces
-/// at once, the one with the lowest number is taken, but for the one in whose plane it starts.
+/// Returns the roots in numbers of type T; empty if rounded numbers do not decide. If the line crosses two
+/// faces at once, the one with the lower number is taken, unless the other is start.face.
 template <class T>
 [[nodiscard, gnu::cold, gnu::noinline]] std::optional<BoxRoots> box_roots_along(const LineOf<T>& line,
                                                                                 const Point& min,
@@ -65,15 +65,15 @@ template <class T>
                                                                                 const BoxStart& start) {
   const auto equation = [&](int face) { return face_equation(line, min, max, {face}, start); };
   int slopes[3];
-  // The sign of a's root less b's: of (h_a s_b − h_b s_a) s_a s_b.
+  // Sign of a's root minus b's root, computed as the sign of (h_a s_b − h_b s_a) s_a s_b.
   const auto order = [&](int a, int b) {
     const auto of_a = equation(a), of_b = equation(b);
     const auto sign = sign_of(of_a.height * of_b.slope - of_b.height * of_a.slope);
     return sign ? std::optional(*sign * slopes[BoxFace{a}.axis()] * slopes[BoxFace{b}.axis()]) : sign;
   };
   int entry = -1, exit = -1;
-  // Takes a face if its root comes after the one that was taken, or for sign = -1 before. False where rounded
-  // numbers do not tell.
+  // Takes a face if its root comes after that of the face taken so far, or for sign = -1 before it. Returns
+  // false if rounded numbers do not decide.
   const auto take = [&](int& taken, int face, int sign) {
     if (taken < 0) {
       taken = face;
@@ -99,7 +99,7 @@ template <class T>
     if (!start.is_in_box && !take(entry, *slope > 0 ? lower : upper, 1)) return std::nullopt;
     if (!take(exit, *slope > 0 ? upper : lower, -1)) return std::nullopt;
   }
-  if (exit < 0) return BoxRoots{};  // a direction of 0
+  if (exit < 0) return BoxRoots{};  // the direction is 0
   const std::optional<Roots> last = roots_of(equation(exit));
   if (!last) return std::nullopt;
   if (start.is_in_box) return BoxRoots{.roots = *last, .face = {{exit}, {exit}}};
@@ -114,7 +114,8 @@ template <class T>
 
 namespace detail {
 
-/// The roots where double does not decide, without rounding. Numbers that are not finite cross nothing.
+/// Returns the roots without rounding, for lines that double does not decide. If a number is not finite,
+/// there is none.
 [[nodiscard, gnu::cold, gnu::noinline]] inline BoxRoots box_roots_in_doubt(const Point& origin,
                                                                            const Vec3& direction,
                                                                            const Point& min, const Point& max,
@@ -124,9 +125,9 @@ namespace detail {
   return *box_roots_along(line_of<ExactNumber>(origin, direction), min, max, start);
 }
 
-/// The last of some quotients, and whether it surely is the last. A quotient of a difference has an error of
-/// at most 2u of itself (u = 2^-53). Of two that are compared, 2^-50 = 8u of each are more than that and the
-/// rounding of the comparison.
+/// Largest of some quotients, and whether it certainly is the largest. A quotient of a rounded difference has
+/// an error of at most 2u of itself (u = 2^-53). In a comparison of two, 2^-50 = 8u of each exceeds these
+/// errors and the rounding of the comparison.
 struct LastQuotient {
   double t = -std::numeric_limits<double>::max();
   int face = -1;
@@ -143,11 +144,11 @@ struct LastQuotient {
 
 }  // namespace detail
 
-/// The roots of a line whose numbers are rounded, and their faces, if double tells.
+/// Returns the roots of a line whose numbers are rounded, and their faces; empty if double does not decide.
 ///
-/// A quotient h/d is off by less than (h_error + |h/d| d_error)/(|d| − d_error) + 2u |h/d|, where h = place −
-/// o is off by the error of o and u |h|. Twice that covers the roundings of the bound. What is as near to
-/// another as both bounds, or less certain than 2^-31 of itself, is left open.
+/// A quotient h/d has an error below (h_error + |h/d| d_error)/(|d| − d_error) + 2u |h/d|, where h = place −
+/// o has the error of o and u |h|. The code takes twice that, which covers the roundings of the bound. Two
+/// quotients closer together than both bounds, or one less accurate than 2^-31 of itself, are not decided.
 [[nodiscard]] inline std::optional<BoxRoots> rounded_box_roots(const RoundedLine& line, const Point& min,
                                                                const Point& max) {
   struct Quotient {
@@ -155,7 +156,7 @@ struct LastQuotient {
     int face;
   };
   Quotient entry{-infinity, 0, -1}, exit{infinity, 0, -1};
-  double next_entry = -infinity, next_exit = infinity;  // the ends of those that are not taken
+  double next_entry = -infinity, next_exit = infinity;  // bounds of the quotients not taken
   for (int axis = 0; axis < 3; ++axis) {
     const double d = line.direction[axis], d_error = line.direction_error[axis];
     const double least = std::abs(d) - d_error;
@@ -190,15 +191,14 @@ struct LastQuotient {
   return BoxRoots{.roots = {entry.t, exit.t}, .face = {{entry.face}, {exit.face}}};
 }
 
-/// The roots, certified, and their faces. A line that touches an edge or a vertex meets the box. Where it
-/// crosses two faces at once, the one with the lowest number is taken, but for the one in whose plane it
-/// starts.
+/// Returns the certified roots and their faces. A line that touches an edge or a vertex meets the box. If it
+/// crosses two faces at once, the one with the lower number is taken, unless the other is start.face.
 [[nodiscard]] inline BoxRoots box_roots(const Point& origin, const Vec3& direction, const Point& min,
                                         const Point& max, const BoxStart& start = {}) {
   using detail::LastQuotient;
-  // Where quotients of such numbers and 0 neither overflow nor vanish. NaN is not in range.
+  // True if quotients of such numbers and 0 neither overflow nor vanish; NaN is not in range.
   const auto in_range = [](double x) { return x == 0 || (0x1p-500 < std::abs(x) && std::abs(x) < 0x1p500); };
-  LastQuotient entry, exit;  // of the exits' negatives: their last is the first exit's
+  LastQuotient entry, exit;  // exit has the exits' negatives; the largest is the first exit's
   bool is_sure = true;
   for (int axis = 0; axis < 3; ++axis) {
     const double below = min[axis] - origin[axis], above = max[axis] - origin[axis], d = direction[axis];

@@ -1,10 +1,10 @@
-// Where a line crosses a disk: exactly whether, and t as certain as Roots says.
+// Crossings of a line with a disk: their existence is exact, and t is certified (Roots).
 //
-// With w = position − origin, a point origin + t·d of the line is in the disk's plane for t = n·w / n·d. From
-// the disk's center it is there at
+// With w = position − origin, a point origin + t·d of the line is in the disk's plane for t = n·w / n·d.
+// Relative to the disk's center it is there at
 //   t·d − w = ((n·w) d − (n·d) w) / n·d = v / n·d   with   v = n × (d × w),
-// and in the disk where |v| ≤ radius · |n·d|. Double decides nearly always; where its error bound does not
-// allow that, everything is evaluated without rounding. docs/numerics.md derives the bounds.
+// and in the disk if |v| ≤ radius · |n·d|. Double nearly always decides; if its error bound does not allow
+// it, everything is evaluated without rounding. docs/numerics.md derives the bounds.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The equation in numbers of type T, with w = weight · position − origin.
+/// Returns the equation in numbers of type T, with w = weight · position − origin.
 template <class T>
 [[nodiscard]] LinearEquation<T> disk_equation(const LineOf<T>& line, const Point& position,
                                               const Vec3& normal, double radius) {
@@ -31,7 +31,8 @@ template <class T>
 
 namespace detail {
 
-/// The root where double does not decide, without rounding. Numbers that are not finite cross nothing.
+/// Returns the root without rounding, for lines that double does not decide. If a number is not finite, there
+/// is none.
 [[nodiscard, gnu::noinline, gnu::cold]] inline Roots disk_roots_in_doubt(const Point& origin,
                                                                          const Vec3& direction,
                                                                          const Point& position,
@@ -43,23 +44,24 @@ namespace detail {
   return roots_of(disk_equation(line_of<ExactNumber>(origin, direction), position, normal, radius));
 }
 
-/// Both parts of t in double, and what is certain: that the line misses the disk, or that it crosses it and t
-/// is good enough.
+/// Numerator and denominator of t in double. misses: the line certainly misses the disk; meets: it certainly
+/// crosses it, and t is accurate enough.
 template <class T, class M>
 struct RoundedDiskEquation {
   T height, slope;
   M misses, meets;
 };
 
-/// With u = 2^-53, and N, W, D the sums of the sizes of the components of n, w and d:
+/// Evaluates the equation in double. With u = 2^-53, and N, W, D the sums of the magnitudes of the components
+/// of n, w and d:
 ///
-/// - height and slope have errors of at most 4u and 3u of the sums of the sizes of their terms. Above 2^-19
-///   of these sums, t is good to 2^-30.
-/// - |v| has an error of at most 7.5u N D W, and radius · |slope| one of 4u N D radius. Compared with each
-///   other, they are good to 7.5u N D (W + radius); E is 8u of it. A line that is found outside misses
-///   whatever the sign of the slope is.
+/// - height and slope have errors of at most 4u and 3u of the sums of the magnitudes of their terms. Above
+///   2^-19 of these sums, t is accurate to 2^-30.
+/// - |v| has an error of at most 7.5u N D W, and radius · |slope| one of 4u N D radius. Comparing them has an
+///   error of at most 7.5u N D (W + radius); E is 8u of it. A line found to be outside misses regardless of
+///   the sign of the slope.
 ///
-/// In the range given, what underflows adds nothing to speak of, and nothing overflows.
+/// In the given range, underflow is negligible and nothing overflows.
 [[nodiscard, gnu::always_inline]] inline auto rounded_disk_equation(const auto& origin, const auto& direction,
                                                                     const Point& position, const Vec3& normal,
                                                                     double radius) {
@@ -93,7 +95,7 @@ struct RoundedDiskEquation {
 
 }  // namespace detail
 
-/// The root, certified.
+/// Returns the certified root.
 [[nodiscard, gnu::always_inline]] inline Roots disk_roots(const Point& origin, const Vec3& direction,
                                                           const Point& position, const Vec3& normal,
                                                           double radius) {
@@ -103,7 +105,7 @@ struct RoundedDiskEquation {
   return detail::disk_roots_in_doubt(origin, direction, position, normal, radius);
 }
 
-/// The roots of several lines at once; see sphere_roots_of_each.
+/// Returns the roots of several lines at once, for the active lanes (wanted); see sphere_roots_of_each.
 [[nodiscard, gnu::always_inline]] inline auto disk_roots_of_each(const auto& origin, const auto& direction,
                                                                  const Point& position, const Vec3& normal,
                                                                  double radius, const auto& wanted) {

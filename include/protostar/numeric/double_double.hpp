@@ -1,4 +1,4 @@
-// Numbers of twice the precision of double, as unevaluated sums of two doubles.
+// Double-double arithmetic: numbers of twice the precision of double, as unevaluated sums of two doubles.
 //
 // u = 2^-53 is the unit roundoff of double. Sources: Dekker 1971, Knuth (TAOCP 2, 4.2.2), and for the bounds
 // Joldes, Muller, Popescu, "Tight and rigorous error bounds for basic building blocks of double-word
@@ -11,9 +11,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The value itself, in a form that a compiler cannot look through. Error-free transforms need each operation
-/// rounded as it is written. A compiler that may contract (g++ does unless told -ffp-contract=off) would fuse
-/// a product with the addition that takes it, and the transform's error term would belong to another sum.
+/// Returns x in a form that a compiler cannot look through. Error-free transforms need each operation rounded
+/// as it is written. A compiler that may contract (g++ does unless told -ffp-contract=off) would fuse a
+/// product with the addition that takes it, and the transform's error term would belong to another sum.
 [[nodiscard]] inline double opaque(double x) {
 #if defined(__GNUC__) && defined(__SSE2__)
   __asm__("" : "+x"(x));
@@ -24,7 +24,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 #endif
 }
 
-/// hi + lo, where hi is the double nearest to the sum: |lo| ≤ u |hi|.
+/// Number hi + lo, where hi is the double nearest to the sum: |lo| ≤ u |hi|.
 struct DoubleDouble {
   double hi = 0, lo = 0;
 
@@ -32,13 +32,13 @@ struct DoubleDouble {
   constexpr DoubleDouble(double value) : hi(value) {}
   constexpr DoubleDouble(double high, double low) : hi(high), lo(low) {}
 
-  /// The nearest double.
+  /// Returns the nearest double.
   constexpr explicit operator double() const { return hi + lo; }
 
   [[nodiscard]] constexpr int sign() const { return hi > 0 ? 1 : hi < 0 ? -1 : 0; }
 };
 
-/// a + b exactly (Knuth), unless it overflows.
+/// Returns a + b exactly (Knuth), unless it overflows.
 [[nodiscard]] inline DoubleDouble two_sum(double a, double b) {
   a = opaque(a), b = opaque(b);
   const double sum = a + b;
@@ -46,14 +46,14 @@ struct DoubleDouble {
   return {sum, (a - (sum - b_part)) + (b - b_part)};
 }
 
-/// a + b exactly (Dekker), where |a| ≥ |b| or a = 0.
+/// Returns a + b exactly (Dekker), for |a| ≥ |b| or a = 0.
 [[nodiscard]] inline DoubleDouble fast_two_sum(double a, double b) {
   a = opaque(a), b = opaque(b);
   const double sum = a + b;
   return {sum, b - (sum - a)};
 }
 
-/// a · b exactly, unless it overflows or its lowest bit lies below 2^-1074.
+/// Returns a · b exactly, unless it overflows or its lowest bit lies below 2^-1074.
 [[nodiscard]] inline DoubleDouble two_product(double a, double b) {
   const double product = opaque(a * b);
   return {product, std::fma(a, b, -product)};
@@ -72,14 +72,14 @@ struct DoubleDouble {
   return fast_two_sum(high.hi, high.lo + std::fma(a.hi, b.lo, a.lo * b.hi));
 }
 [[nodiscard, gnu::noinline]] inline DoubleDouble operator/(DoubleDouble a, DoubleDouble b) {
-  // Long division, two digits of 53 bits and a third to round the second.
+  // Long division: two digits of 53 bits, and a third to round the second.
   const double first = a.hi / b.hi;
   DoubleDouble rest = a - b * first;
   const double second = rest.hi / b.hi;
   rest = rest - b * second;
   return fast_two_sum(first, second) + DoubleDouble(rest.hi / b.hi);
 }
-/// √a for a ≥ 0: the double root s and one Newton step, (a − s²) / 2s.
+/// Returns √a for a ≥ 0: the double root s and one Newton step, (a − s²) / 2s.
 [[nodiscard, gnu::noinline]] inline DoubleDouble sqrt(DoubleDouble a) {
   const double s = std::sqrt(a.hi);
   if (!(s > 0)) return {};

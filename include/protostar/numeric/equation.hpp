@@ -1,8 +1,8 @@
-// The equation of a surface along a line, in numbers of any type, and its roots.
+// Equations of surfaces along a line, in numbers of any type, and their roots.
 //
-// A surface writes its equation once, for numbers of a type T. In rounded numbers (RoundedNumber) it says
-// whether the line crosses, and where, or that the numbers do not tell; without rounding (ExactNumber) it
-// always tells.
+// A surface writes its equation once, for numbers of a type T. In rounded numbers (RoundedNumber) the
+// equation tells whether and where the line crosses, or is undecided; without rounding (ExactNumber) it
+// always decides.
 #pragma once
 
 #include <cmath>
@@ -17,36 +17,36 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The type of a given number beside numbers of type T: beside rounded numbers a double, which is exact and
-/// costs less.
+/// Type of a given number in formulas with numbers of type T: T, or for rounded numbers double, which is
+/// exact and costs less.
 template <class T>
 using Given = std::conditional_t<std::same_as<T, RoundedNumber>, double, T>;
 
-/// A given vector, likewise.
+/// Returns a given vector in numbers of type Given<T>.
 template <class T>
 [[nodiscard]] VectorOf<Given<T>> given(const Vec3& v) {
   return vector_of<Given<T>>(v);
 }
 
-/// The points (origin + t · direction) / weight, with weight > 0; of rounded numbers the weight is 1, so that
-/// products of it and a given number are exact.
+/// Line of the points (origin + t · direction) / weight, with weight > 0. For rounded numbers the weight is
+/// 1, so products of it and a given number are exact.
 template <class T>
 struct LineOf {
   VectorOf<T> origin, direction;
   Given<T> weight;
 };
 
-/// A line without rounding.
+/// Line without rounding.
 using ExactLine = LineOf<ExactNumber>;
 
-/// A line in doubles, each of which is off by at most its error.
+/// Line in doubles, with upper bounds for the error of each.
 struct RoundedLine {
   Point origin{0};
   Vec3 direction{0};
   Vec3 origin_error{0}, direction_error{0};
 
-  /// What each component is off by, and the component itself, in units of 2^-53 of this: so many units that a
-  /// bound for exact components holds if their sizes are replaced by these, and one unit is added for each.
+  /// Returns s = |x| + 2^53 · error for each component x, so that its error is at most 2^-53 s. A bound for
+  /// exact components holds if their magnitudes are replaced by s, and one unit of 2^-53 is added for each.
   [[nodiscard]] Vec3 origin_size() const { return abs(origin) + 0x1p53 * origin_error; }
   [[nodiscard]] Vec3 direction_size() const { return abs(direction) + 0x1p53 * direction_error; }
 
@@ -58,35 +58,35 @@ struct RoundedLine {
   }
 };
 
-/// The line through a point of finite numbers.
+/// Returns the line through a point along a direction, both with finite numbers.
 template <class T>
 [[nodiscard]] LineOf<T> line_of(const Point& origin, const Vec3& direction) {
   return {vector_of<T>(origin), vector_of<T>(direction), Given<T>(1)};
 }
 
-/// slope · t = height; a slope of 0 has no root.
+/// Linear equation slope · t = height; if the slope is 0, it has no root.
 template <class T>
 struct LinearEquation {
   T height, slope;
-  std::optional<bool> is_on_surface = true;  ///< whether the root is one of the surface; empty: undecided
+  std::optional<bool> is_on_surface = true;  ///< true if the root lies on the surface; empty: undecided
 };
 
-/// A t² − 2 b t + c = 0; linear where A is 0.
+/// Quadratic equation A t² − 2 b t + c = 0; linear if A is 0.
 template <class T>
 struct QuadraticEquation {
   T A, b, c;
 
-  /// What remains of the equation of a line that starts on the surface, where c = 0: A t = 2 b.
+  /// Returns A t = 2 b, which is left of the equation if the line starts on the surface, where c = 0.
   [[nodiscard]] LinearEquation<T> without_root_at_0() const { return {.height = b + b, .slope = A}; }
 };
 
-/// The root of an equation without rounding, whose slope is not 0.
+/// Returns the root of an equation without rounding; the slope must not be 0.
 [[nodiscard]] inline ExactRoot exact_root_of(const LinearEquation<ExactNumber>& e, int = 0) {
   const bool turns = e.slope.sign() < 0;
   return {.A = turns ? -e.slope : e.slope, .b = turns ? -e.height : e.height, .D = {}};
 }
 
-/// The near root (0) or the far one (1), which are to exist.
+/// Returns the near root (0) or the far one (1) without rounding; they must exist.
 [[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_root_of(
     const QuadraticEquation<ExactNumber>& e, int root) {
   if (e.A.sign() == 0) return exact_root_of(LinearEquation<ExactNumber>{.height = e.c, .slope = e.b + e.b});
@@ -97,7 +97,7 @@ struct QuadraticEquation {
           .sign = root == 0 ? -1 : 1};
 }
 
-/// The roots without rounding, each converted to the nearest double but for 2^-97 of itself.
+/// Returns the roots without rounding, each converted to the nearest double up to 2^-97 of itself.
 [[nodiscard, gnu::cold, gnu::noinline]] inline Roots roots_of(const LinearEquation<ExactNumber>& e) {
   if (e.slope.sign() == 0 || e.is_on_surface == false) return {};
   return Roots{static_cast<double>(refined(exact_root_of(e)))};
@@ -109,7 +109,7 @@ struct QuadraticEquation {
   return {static_cast<double>(refined(near)), static_cast<double>(refined(exact_root_of(e, 1)))};
 }
 
-/// The roots as certain as Roots says; none where rounded numbers do not tell.
+/// Returns the certified roots; empty if rounded numbers do not decide.
 [[nodiscard]] inline std::optional<Roots> roots_of(const LinearEquation<RoundedNumber>& e) {
   if (e.is_on_surface == false) return Roots{};
   const auto slope = sign_of(e.slope);
@@ -122,8 +122,8 @@ struct QuadraticEquation {
   const auto A = sign_of(e.A), D = sign_of(e.b * e.b - e.A * e.c);
   if (!A || *A == 0 || !D || *D == 0) return std::nullopt;
   if (*D < 0) return Roots{};
-  // Of b ± √D, q is the one that does not cancel. One root is q/A, and the other c/q, since their product is
-  // c/A. Whatever sign b has, these are the roots.
+  // q is the one of b ± √D that does not cancel. One root is q/A, and the other c/q, since their product is
+  // c/A. These are the roots whatever sign b has.
   const RoundedNumber root = sqrt(e.b * e.b - e.A * e.c), q = e.b.middle < 0 ? e.b - root : e.b + root;
   if (sign_of(q).value_or(0) == 0) return std::nullopt;
   const RoundedNumber one = e.c / q, other = q / e.A;

@@ -1,4 +1,4 @@
-// Numbers without rounding, for the sign that no fixed precision decides.
+// Numbers without rounding, for signs that no fixed precision decides.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// Digits of 32 bits, the lowest first: 24 in place, which is what most formulas take, and more in memory of
-/// their own.
+/// Digits of 32 bits, the lowest first. Up to 24, which is enough for most formulas, are stored in place, and
+/// more in allocated memory.
 class Digits {
  public:
   Digits() = default;
@@ -42,7 +42,7 @@ class Digits {
   [[nodiscard]] const std::uint32_t* end() const { return begin() + size_; }
   [[nodiscard]] std::uint32_t operator[](std::size_t i) const { return begin()[i]; }
 
-  /// Removes zeros at the upper end, and at the lower; returns how many there were at the lower.
+  /// Removes zeros at the upper and at the lower end; returns the number removed at the lower end.
   int trim() {
     std::uint32_t* const digits = begin();
     while (size_ > 0 && digits[size_ - 1] == 0) --size_;
@@ -57,22 +57,22 @@ class Digits {
   static constexpr std::size_t few = 24;
   std::size_t size_ = 0;
   std::uint32_t few_[few];
-  std::unique_ptr<std::uint32_t[]> many_;  ///< empty: the digits are in few_
+  std::unique_ptr<std::uint32_t[]> many_;  ///< allocated digits; empty: the digits are in few_
 };
 
 }  // namespace detail
 
-/// An integer times a power of two, of any size: sums, differences and products of finite doubles are exact.
+/// Integer times a power of two, of any size: sums, differences and products of finite doubles are exact.
 ///
-/// The integer is kept in digits of 32 bits, the lowest first, without zeros at either end, so that equal
+/// The integer is stored in digits of 32 bits, the lowest first, without zeros at either end, so that equal
 /// numbers have equal digits. A sum of products of k doubles has at most 66 k digits, the range of double k
-/// times, so that the work for a formula is bounded whatever its numbers are.
+/// times, which bounds the work for a formula whatever its numbers are.
 class ExactNumber {
  public:
-  /// 0.
+  /// Constructs 0.
   ExactNumber() = default;
 
-  /// A finite double; others, which callers exclude, count as 0.
+  /// Converts a finite double; others, which callers exclude, count as 0.
   ExactNumber(double value) : is_negative_(value < 0) {
     if (value == 0 || !std::isfinite(value)) return;
     int exponent = 0;
@@ -87,17 +87,18 @@ class ExactNumber {
     return power;
   }
 
-  /// 1, 0 or -1.
+  /// Returns 1, 0 or -1.
   [[nodiscard]] int sign() const { return digits_.empty() ? 0 : is_negative_ ? -1 : 1; }
 
-  /// A number to 2^-103 of itself, times a power of two that keeps it in the range of double.
+  /// Number value · 2^exponent with an error of at most 2^-103 of itself; the exponent keeps value in the
+  /// range of double.
   struct Approximation {
     DoubleDouble value;  ///< 0, or at least 1 and less than 2^32 in magnitude
     int exponent = 0;
   };
 
-  /// The leading five digits, which are at least 129 bits. Each addition is good to 3u² of its sum, and the
-  /// smaller partial sums together are less than twice the whole: 6u² in all.
+  /// Returns the leading five digits, which are at least 129 bits. Each addition has an error of at most 3u²
+  /// of its sum, and the partial sums together are less than twice the whole: 6u² in all.
   [[nodiscard]] Approximation approximation() const {
     if (digits_.empty()) return {};
     DoubleDouble sum;
@@ -107,7 +108,8 @@ class ExactNumber {
     return {is_negative_ ? -sum : sum, 32 * (lowest_ + static_cast<int>(last))};
   }
 
-  /// The number to 2^-103 of itself; infinite above the range of double, and less precise below 2^-1000.
+  /// Converts to double-double with an error of at most 2^-103 of the number; infinite above the range of
+  /// double, and less precise below 2^-1000.
   explicit operator DoubleDouble() const {
     const auto [value, exponent] = approximation();
     const double high = std::ldexp(value.hi, exponent);
@@ -134,7 +136,7 @@ class ExactNumber {
     product.digits_ = detail::Digits(a.digits_.size() + b.digits_.size());
     std::fill_n(product.digits_.begin(), b.digits_.size(), 0u);  // each row below writes one more
     for (std::size_t i = 0; i < a.digits_.size(); ++i) {
-      // A product of two digits and two more digits are less than 2^64.
+      // A product of two digits plus two more digits is less than 2^64.
       const std::uint64_t digit = a.digits_[i];
       std::uint64_t carry = 0;
       std::uint32_t* to = product.digits_.begin() + i;
@@ -158,17 +160,17 @@ class ExactNumber {
   }
 
  private:
-  /// One past the place of the highest digit.
+  /// Returns one past the place of the highest digit.
   [[nodiscard]] int end() const { return lowest_ + static_cast<int>(digits_.size()); }
 
-  /// The digit at a place, 0 where there is none.
+  /// Returns the digit at a place, or 0 if there is none.
   [[nodiscard]] std::uint32_t digit(int place) const {
     return place < lowest_ || place >= end() ? 0 : digits_[static_cast<std::size_t>(place - lowest_)];
   }
 
   /// Sets the magnitude to bits · 2^exponent.
   void set_digits(std::uint64_t bits, int exponent) {
-    const int shift = exponent & 31;  // 0 to 31, also of negative exponents
+    const int shift = exponent & 31;  // 0 to 31, also for negative exponents
     lowest_ = (exponent - shift) / 32;
     const std::uint64_t low = bits << shift, high = shift == 0 ? 0 : bits >> (64 - shift);
     digits_ = detail::Digits(3);
@@ -178,7 +180,7 @@ class ExactNumber {
     lowest_ += digits_.trim();
   }
 
-  /// Compares magnitudes.
+  /// Tests whether |a| < |b|.
   [[nodiscard]] static bool is_smaller(const ExactNumber& a, const ExactNumber& b) {
     if (a.end() != b.end()) return a.end() < b.end();
     for (int place = a.end() - 1; place >= std::min(a.lowest_, b.lowest_); --place)
@@ -186,7 +188,7 @@ class ExactNumber {
     return false;
   }
 
-  /// a + b, where b is taken with this sign.
+  /// Returns a + b, where b is taken with the given sign.
   [[nodiscard]] static ExactNumber sum(const ExactNumber& a, const ExactNumber& b, bool b_is_negative) {
     if (b.digits_.empty()) return a;
     ExactNumber result;
@@ -214,7 +216,7 @@ class ExactNumber {
     return result;
   }
 
-  detail::Digits digits_;  ///< none of those at either end is 0
+  detail::Digits digits_;  ///< no zeros at either end
   int lowest_ = 0;         ///< the lowest digit counts 2^(32 · lowest_)
   bool is_negative_ = false;
 };

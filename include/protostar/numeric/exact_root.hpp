@@ -1,4 +1,4 @@
-// Roots of equations without rounding, their exact order, and their value in double-double.
+// Roots of equations without rounding, their exact order, and their values in double-double.
 #pragma once
 
 #include <cmath>
@@ -8,28 +8,28 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The number (b + sign·√D) / A with A > 0, D ≥ 0 and a sign of 1 or -1: a root of a quadratic or, with D =
-/// 0, of a linear equation.
+/// Root (b + sign·√D) / A, with A > 0, D ≥ 0 and a sign of 1 or -1, of a quadratic equation or, with D = 0,
+/// of a linear one.
 struct ExactRoot {
   ExactNumber A, b, D;
   int sign = 1;
 };
 
-/// A double as such a number.
+/// Returns a double as an exact root.
 [[nodiscard]] inline ExactRoot exact_root_of(double t) { return {.A = 1.0, .b = t, .D = {}}; }
 
 namespace detail {
 
-/// The sign of P + x√X + y√Y for x and y of 1 or -1, and X, Y ≥ 0.
+/// Returns the sign of P + x√X + y√Y for x and y of 1 or -1, and X, Y ≥ 0.
 [[nodiscard, gnu::cold, gnu::noinline]] inline int sign_of_sum(const ExactNumber& P, int x,
                                                                const ExactNumber& X, int y,
                                                                const ExactNumber& Y) {
   const int p = P.sign();
-  const int u = x == y ? ((X + Y).sign() != 0 ? x : 0) : x * (X - Y).sign();  // of U = x√X + y√Y
+  const int u = x == y ? ((X + Y).sign() != 0 ? x : 0) : x * (X - Y).sign();  // sign of U = x√X + y√Y
   if (u == 0 || u == p) return p;
   if (p == 0) return u;
-  // P and U pull apart, and the larger square wins. U² − P² = R + 2xy √(XY) with R = X + Y − P²: if its two
-  // parts pull apart as well, again the larger square wins.
+  // P and U have opposite signs, and the larger square wins. U² − P² = R + 2xy √(XY) with R = X + Y − P²; if
+  // these two terms have opposite signs as well, again the larger square wins.
   const ExactNumber R = X + Y - P * P, XY = X * Y;
   const int r = R.sign(), v = x * y * XY.sign();
   int wins = r == 0 ? v : r;
@@ -39,20 +39,20 @@ namespace detail {
 
 }  // namespace detail
 
-/// The sign of r − s.
+/// Returns the sign of r − s.
 [[nodiscard, gnu::cold, gnu::noinline]] inline int order(const ExactRoot& r, const ExactRoot& s) {
-  // Roots along one ray mostly have the same A = d·d. Times A > 0, then, the difference is
+  // Roots along one ray mostly have the same A = d·d; then the difference is multiplied by A > 0.
   if (r.A == s.A) return detail::sign_of_sum(r.b - s.b, r.sign, r.D, -s.sign, s.D);
-  // and otherwise, times the product of both,
+  // Otherwise, the difference is multiplied by both A.
   return detail::sign_of_sum(r.b * s.A - s.b * r.A, r.sign, r.D * s.A * s.A, -s.sign, s.D * r.A * r.A);
 }
 
-/// A root in double-double, to 2^-97 of itself; infinite above the range of double, and less precise below
-/// 2^-1000.
+/// Returns a root in double-double, with an error of at most 2^-97 of itself; infinite above the range of
+/// double, and less precise below 2^-1000.
 ///
-/// Where b and sign·√D have different signs, (b + sign·√D) (b − sign·√D) = b² − D keeps digits from
-/// canceling. Approximations are good to 2^-103; √D has half of that and 4u², a sum of two numbers of one
-/// sign 3u² more, a product 5u² and a quotient 10u².
+/// If b and sign·√D have different signs, (b + sign·√D) (b − sign·√D) = b² − D avoids cancellation.
+/// Approximations have an error of 2^-103; √D has half of it and 4u², a sum of two numbers of one sign 3u²
+/// more, a product 5u² and a quotient 10u².
 [[nodiscard, gnu::cold, gnu::noinline]] inline DoubleDouble refined(const ExactRoot& root) {
   using Approximation = ExactNumber::Approximation;
   const auto quotient = [](const Approximation& a, const Approximation& b) {
@@ -70,7 +70,7 @@ namespace detail {
   const int b_sign = root.b.sign();
   if (b_sign < 0) q.value = -q.value;
   if (b_sign != 0) {
-    // Numbers whose exponents differ by more than 1000 are as good as one of them.
+    // If the exponents differ by more than 1000, the sum is as good as the larger number.
     const int gap = b.exponent - q.exponent;
     const auto moved = [](DoubleDouble x, int by) {
       return DoubleDouble(std::ldexp(x.hi, by), std::ldexp(x.lo, by));

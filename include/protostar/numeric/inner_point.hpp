@@ -1,4 +1,4 @@
-// A point strictly inside a triangle next to one that was meant to be there, but is rounded.
+// Finds an exact point strictly inside a triangle, next to a point that should be there but is rounded.
 #pragma once
 
 #include <algorithm>
@@ -13,19 +13,19 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The point a + u (b − a) + v (c − a) without rounding, where u and v are doubles with u > 0, v > 0 and
-/// u + v < 1: it lies in the plane of a, b and c and inside of their triangle, whatever is rounded.
+/// Point a + u (b − a) + v (c − a) without rounding, where u and v are doubles with u > 0, v > 0 and u + v <
+/// 1: it lies in the plane of a, b and c and inside their triangle, regardless of rounding.
 class InnerPoint {
  public:
-  /// The one that is next to a point, as far as double tells: that itself where it surely is inside, and
-  /// otherwise its nearest point of the triangle, to a few units of 2^-53 of the edges.
+  /// Finds the inner point next to a given point, as far as double tells: the given point itself if it
+  /// certainly is inside, and otherwise the triangle's nearest point, to a few units of 2^-53 of the edges.
   InnerPoint(const Point& near, const Point& p, const Point& q, const Point& r) : a_(near) {
     if (surely_holds(near, p, q, r)) return;
     const std::array corners{p, q, r};
     const int size = exponent_of({q - p, r - q, p - r});
     const auto edge = [&](std::size_t i) { return scaled(corners[(i + 1) % 3] - corners[i], -size); };
-    // With a and b at the ends of the longest edge: what is rounded in v, which the ratio of the edges may
-    // make large, then moves the point along that edge, and u makes up for it.
+    // a and b are the ends of the longest edge. The rounding of v, which the ratio of the edges may make
+    // large, then moves the point along that edge, and u compensates for it.
     std::size_t longest = 0;
     for (std::size_t i = 1; i < 3; ++i)
       if (dot(edge(i), edge(i)) > dot(edge(longest), edge(longest))) longest = i;
@@ -34,7 +34,7 @@ class InnerPoint {
     const Vec3 e = edge(longest), f = scaled(c_ - a_, -size), x = scaled(near - a_, -size), n = cross(e, f);
     v_ = dot(cross(e, x), n) / dot(n, n);
     u_ = place_along(e, x - v_ * f);
-    // Beyond an edge, or where nothing can be said, on the edge.
+    // A point beyond an edge, or undecided (NaN), is put on the edge.
     const auto clamped = [](double place) { return std::min(std::max(0.0, place), 1.0); };
     if (!(v_ > 0))
       u_ = clamped(place_along(e, x)), v_ = 0;
@@ -43,24 +43,24 @@ class InnerPoint {
     else if (!(u_ + v_ < 1))
       v_ = clamped(place_along(f - e, x - e)), u_ = 1 - v_;
 
-    // From an edge to the inside. Any number above 0 would do; 2^-60 of the triangle is less than a place on
-    // its edge is rounded by. A sum that comes out as 1 is at most 1 + 2^-53, and so below 1 if both are
-    // 2^-50 smaller.
+    // Move from an edge to the inside. Any number above 0 would do; 2^-60 of the triangle is less than the
+    // rounding of a place on its edge. A computed sum of 1 is at most 1 + 2^-53, and hence below 1 if both
+    // are reduced by 2^-50 of themselves.
     constexpr double least = 0x1p-60;
     if (!(u_ > 0)) u_ = least;
     if (!(v_ > 0)) v_ = least;
     if (u_ + v_ > 1 - 0x1p-50) u_ *= 1 - 0x1p-50, v_ *= 1 - 0x1p-50;
 
-    // Each component of the difference is the sum of three terms, which have four roundings or less each, and
-    // two for the sums: 2^-50 covers 8 units.
+    // Each component of the difference is the sum of three terms with at most four roundings each, and two
+    // for the sums; 2^-50 covers 8 units of 2^-53.
     const Vec3 to_b = b_ - a_, to_c = c_ - a_, way = near - a_, off = abs(way - u_ * to_b - v_ * to_c),
                sizes = abs(way) + abs(to_b) + abs(to_c);
     const auto largest = [](const Vec3& w) { return std::max({w.x, w.y, w.z}); };
-    distance_ = largest(off) + 0x1p-50 * largest(sizes) + 0x1p-1060;  // the last for what underflows
+    distance_ = largest(off) + 0x1p-50 * largest(sizes) + 0x1p-1060;  // 2^-1060 covers underflow
   }
 
-  /// How far the point is at most on each axis from the one that it is next to. Not finite where double holds
-  /// no differences of the numbers given.
+  /// Returns an upper bound, for each axis, of the distance from the given point to this one. It is not
+  /// finite if double cannot hold the differences of the given numbers.
   [[nodiscard]] double distance() const { return distance_; }
 
   [[nodiscard, gnu::cold, gnu::noinline]] ExactVector exact() const {
@@ -70,14 +70,14 @@ class InnerPoint {
   }
 
  private:
-  /// Where along a vector another one ends that is projected to it.
+  /// Returns the projection of x onto a vector, in units of that vector.
   [[nodiscard]] static double place_along(const Vec3& vector, const Vec3& x) {
     return dot(x, vector) / dot(vector, vector);
   }
 
-  /// Whether a point is inside a triangle at a right angle to an axis, and double is sure of it: it lies on
+  /// Returns true if double is certain that a point is inside a triangle perpendicular to an axis: it lies on
   /// the same side of all three edges. A product of two differences has an error of 3 units of 2^-53, and the
-  /// difference of two of them one more.
+  /// difference of two such products one more.
   [[nodiscard]] static bool surely_holds(const Point& point, const Point& p, const Point& q, const Point& r) {
     for (int i = 0; i < 3; ++i) {
       if (p[i] != q[i] || p[i] != r[i] || p[i] != point[i]) continue;
@@ -97,7 +97,7 @@ class InnerPoint {
   }
 
   Point a_, b_{0}, c_{0};
-  double u_ = 0, v_ = 0;  ///< 0 where the point is a
+  double u_ = 0, v_ = 0;  ///< 0 if the point is a
   double distance_ = 0;
 };
 

@@ -1,10 +1,10 @@
-// Where a line crosses a parallelogram: exactly whether, and t as certain as Roots says.
+// Crossings of a line with a parallelogram: their existence is exact, and t is certified (Roots).
 //
 // With w = position − origin, a point origin + t·d of the line is the point position + a·u + b·v of the plane
-// where t·d = w + a·u + b·v. By Cramer's rule, with S = (u × v)·d and m = w × d, that is for
+// if t·d = w + a·u + b·v. By Cramer's rule, with S = (u × v)·d and m = w × d, this holds for
 //   t = (u × v)·w / S,   a = v·m / S,   b = −u·m / S,
-// and it is a point of the parallelogram for 0 ≤ a ≤ 1 and 0 ≤ b ≤ 1. Double decides nearly always; where its
-// error bound does not allow that, everything is evaluated without rounding. docs/numerics.md derives the
+// and the point is in the parallelogram for 0 ≤ a ≤ 1 and 0 ≤ b ≤ 1. Double nearly always decides; if its
+// error bound does not allow it, everything is evaluated without rounding. docs/numerics.md derives the
 // bounds.
 #pragma once
 
@@ -19,7 +19,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The equation in numbers of type T, with w = weight · position − origin: t·d = w + weight · (a·u + b·v).
+/// Returns the equation in numbers of type T: t·d = w + weight · (a·u + b·v) with w = weight · position −
+/// origin.
 template <class T>
 [[nodiscard]] LinearEquation<T> parallelogram_equation(const LineOf<T>& line, const Point& position,
                                                        const Vec3& edge_u, const Vec3& edge_v) {
@@ -28,7 +29,7 @@ template <class T>
   LinearEquation<T> e{.height = dot(n, w), .slope = dot(n, line.direction), .is_on_surface = std::nullopt};
   const auto slope = sign_of(e.slope);
   if (!slope) return e;
-  // a and b, times |S| · weight, and their upper end.
+  // a, b and their upper limit 1, times |S| · weight.
   const Given<T> sign(*slope);
   const T along_u = sign * dot(v, m), along_v = -sign * dot(u, m), end = sign * line.weight * e.slope;
   bool is_decided = true;
@@ -46,7 +47,8 @@ template <class T>
 
 namespace detail {
 
-/// The root where double does not decide, without rounding. Numbers that are not finite cross nothing.
+/// Returns the root without rounding, for lines that double does not decide. If a number is not finite, there
+/// is none.
 [[nodiscard, gnu::noinline, gnu::cold]] inline Roots parallelogram_roots_in_doubt(const Point& origin,
                                                                                   const Vec3& direction,
                                                                                   const Point& position,
@@ -59,23 +61,24 @@ namespace detail {
   return roots_of(parallelogram_equation(line_of<ExactNumber>(origin, direction), position, edge_u, edge_v));
 }
 
-/// Both parts of t in double, and what is certain: that the line misses the parallelogram, or that it crosses
-/// it and t is good enough.
+/// Numerator and denominator of t in double. misses: the line certainly misses the parallelogram; meets: it
+/// certainly crosses it, and t is accurate enough.
 template <class T, class M>
 struct RoundedParallelogramEquation {
   T height, slope;
   M misses, meets;
 };
 
-/// With u = 2^-53, and U, V, W, D the sums of the sizes of the components of u, v, w and d:
+/// Evaluates the equation in double. With u = 2^-53, and U, V, W, D the sums of the magnitudes of the
+/// components of u, v, w and d:
 ///
-/// - height and slope have errors of at most 6u and 5u of the sums of the sizes of their terms. Above 2^-19
-///   of these sums, t is good to 2^-30.
-/// - v·m and u·m have 6u of V W D and U W D, and S has 5u U V D. Compared with each other, a, b and 1, times
-///   S, are good to 7u D (U V + max(U, V) W); E is 8u of it. Where even the sign of S is not sure, |S| is
-///   smaller than E allows for a line that is found to miss.
+/// - height and slope have errors of at most 6u and 5u of the sums of the magnitudes of their terms. Above
+///   2^-19 of these sums, t is accurate to 2^-30.
+/// - v·m and u·m have errors of at most 6u V W D and 6u U W D, and S of 5u U V D. Comparing a, b and 1, times
+///   S, has an error of at most 7u D (U V + max(U, V) W); E is 8u of it. If even the sign of S is in doubt,
+///   |S| is so small that a line found to be outside misses with either sign.
 ///
-/// In the range given, what underflows adds nothing to speak of, and nothing overflows.
+/// In the given range, underflow is negligible and nothing overflows.
 [[nodiscard, gnu::always_inline]] inline auto rounded_parallelogram_equation(const auto& origin,
                                                                              const auto& direction,
                                                                              const Point& position,
@@ -92,7 +95,7 @@ struct RoundedParallelogramEquation {
                         0x1p-200 < D && D < 0x1p200;
 
   const Vec3 n = cross(edge_u, edge_v), p = abs(edge_u), q = abs(edge_v);
-  const Vec3 terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};  // of n
+  const Vec3 terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};  // terms of n
   const auto height = dot(n, w);
   const auto slope = dot(n, direction);
   const auto heights = dot(terms, abs(w));
@@ -113,7 +116,7 @@ struct RoundedParallelogramEquation {
 
 }  // namespace detail
 
-/// The root, certified.
+/// Returns the certified root.
 [[nodiscard, gnu::always_inline]] inline Roots parallelogram_roots(const Point& origin, const Vec3& direction,
                                                                    const Point& position, const Vec3& edge_u,
                                                                    const Vec3& edge_v) {
@@ -123,7 +126,7 @@ struct RoundedParallelogramEquation {
   return detail::parallelogram_roots_in_doubt(origin, direction, position, edge_u, edge_v);
 }
 
-/// The roots of several lines at once; see sphere_roots_of_each.
+/// Returns the roots of several lines at once, for the active lanes (wanted); see sphere_roots_of_each.
 [[nodiscard, gnu::always_inline]] inline auto parallelogram_roots_of_each(
     const auto& origin, const auto& direction, const Point& position, const Vec3& edge_u, const Vec3& edge_v,
     const auto& wanted) {

@@ -1,7 +1,7 @@
-// Where a line crosses a plane, as certain as Roots says.
+// Crossing of a line with a plane, certified (Roots).
 //
 // A point origin + t·d of the line is on the plane normal · x = distance for t = (distance − normal·origin) /
-// normal·d. Double decides nearly always; where its error bound does not allow that, both parts are evaluated
+// normal·d. Double nearly always decides; if its error bound does not allow it, both parts are evaluated
 // without rounding.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The equation in numbers of type T.
+/// Returns the equation in numbers of type T.
 template <class T>
 [[nodiscard]] LinearEquation<T> plane_equation(const LineOf<T>& line, const Vec3& normal, double distance) {
   const auto n = given<T>(normal);
@@ -23,7 +23,8 @@ template <class T>
 
 namespace detail {
 
-/// The root where double does not decide, without rounding. Numbers that are not finite cross nothing.
+/// Returns the root without rounding, for lines that double does not decide. If a number is not finite, there
+/// is none.
 [[nodiscard, gnu::noinline, gnu::cold]] inline Roots plane_roots_in_doubt(const Point& origin,
                                                                           const Vec3& direction,
                                                                           const Vec3& normal,
@@ -38,10 +39,10 @@ namespace detail {
 
 namespace detail {
 
-/// Both parts of the quotient in double, and whether each is good enough.
+/// Numerator and denominator of t in double; certain: both are accurate enough.
 ///
-/// Their errors are at most 4u and 3u (u = 2^-53) of the sums of the sizes of their terms. Above 2^-19 of
-/// these sums, each part is good to 2^-32; in the range given, underflow adds nothing to speak of.
+/// Their errors are at most 4u and 3u (u = 2^-53) of the sums of the magnitudes of their terms. Above 2^-19
+/// of these sums, each is accurate to 2^-32; in the given range, underflow is negligible.
 template <class H, class S, class M>
 struct RoundedPlaneEquation {
   H height;
@@ -65,7 +66,7 @@ struct RoundedPlaneEquation {
 
 }  // namespace detail
 
-/// The root, certified.
+/// Returns the certified root.
 [[nodiscard, gnu::always_inline]] inline Roots plane_roots(const Point& origin, const Vec3& direction,
                                                            const Vec3& normal, double distance) {
   const auto [height, slope, certain] = detail::rounded_plane_equation(origin, direction, normal, distance);
@@ -73,7 +74,7 @@ struct RoundedPlaneEquation {
   return detail::plane_roots_in_doubt(origin, direction, normal, distance);
 }
 
-/// The roots of several lines at once; see sphere_roots_of_each.
+/// Returns the roots of several lines at once, for the active lanes (wanted); see sphere_roots_of_each.
 [[nodiscard, gnu::always_inline]] inline auto plane_roots_of_each(const auto& origin, const auto& direction,
                                                                   const Vec3& normal, double distance,
                                                                   const auto& wanted) {

@@ -1,8 +1,8 @@
-// The plane through a point along two directions: its normal, and the equation that it has in doubles.
+// Planes through a point along two directions: their normals, and their equations in doubles.
 //
-// The normal u × v and the distance of an exact plane are seldom doubles. Where two surfaces have to find out
-// that they lie in one plane, each therefore writes down the same equation: divided by the component of the
-// normal that is the largest, and rounded to the nearest doubles.
+// The normal u × v and the distance of an exact plane are seldom doubles. To let two surfaces find out that
+// they lie in one plane, each writes down the same equation: divided by the largest component of the normal,
+// and rounded to the nearest doubles.
 #pragma once
 
 #include <algorithm>
@@ -21,45 +21,46 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A vector of twice the precision.
+/// Vector in double-double.
 using RefinedVector = std::array<DoubleDouble, 3>;
 
-/// b − a, exactly.
+/// Returns b − a exactly.
 [[nodiscard]] inline RefinedVector refined_difference(const Vec3& b, const Vec3& a) {
   return {two_sum(b.x, -a.x), two_sum(b.y, -a.y), two_sum(b.z, -a.z)};
 }
 
-/// u × v, each component to 2^-104 of itself: the products are exact, and their difference is rounded by
-/// 3u² + 13u³. So a component is 0 only where it is.
+/// Returns u × v, each component with an error of at most 2^-104 of itself: the products are exact, and their
+/// difference is rounded by 3u² + 13u³. Hence a component is 0 only if the exact one is.
 [[nodiscard]] inline RefinedVector cross_product(const Vec3& u, const Vec3& v) {
   const auto component = [&](int j, int k) { return two_product(u[j], v[k]) - two_product(u[k], v[j]); };
   return {component(1, 2), component(2, 0), component(0, 1)};
 }
 
-/// The unit normal along u × v, whatever the sizes of both; NaN where they are parallel.
+/// Returns the unit normal along u × v, whatever the lengths of both; NaN if they are parallel.
 [[nodiscard]] inline Vec3 unit_normal(const Vec3& u, const Vec3& v) {
   const auto n = cross_product(of_moderate_size(u), of_moderate_size(v));
   return normalize(of_moderate_size({n[0].hi, n[1].hi, n[2].hi}));
 }
 
-/// The numbers of normal · x = distance, divided by the largest component of the normal, the first of equals,
-/// and rounded to nearest: normal, then distance. Equal planes have equal ones.
+/// Numbers of the equation normal · x = distance (normal, then distance), divided by the largest component of
+/// the normal, the first of equals, and rounded to nearest. Equal planes have equal numbers.
 using PlaneEquation = std::array<double, 4>;
 
 namespace detail {
 
-/// N/M, rounded as a quotient of doubles is: to nearest, in the middle of two to the one whose last bit is 0.
+/// Returns N/M, rounded like a quotient of doubles: to nearest, ties to even.
 [[nodiscard, gnu::cold, gnu::noinline]] inline double nearest_quotient(const ExactNumber& N,
                                                                        const ExactNumber& M) {
   if (N.sign() == 0) return 0;
-  // Good to 2^-96, so that one of its neighbors may be nearer, and none beyond them.
+  // q is accurate to 2^-96 before it is rounded to a double, so one of its neighbors may be nearer, but
+  // nothing beyond them.
   const ExactNumber::Approximation n = N.approximation(), m = M.approximation();
   const double q = std::ldexp(static_cast<double>(n.value / m.value), n.exponent - m.exponent);
   if (!std::isfinite(q)) return q;
   const bool is_even = (std::bit_cast<std::uint64_t>(q) & 1) == 0;
   for (const int side : {-1, 1}) {
     const double neighbor = std::nextafter(q, side * infinity);
-    // Where N/M is, seen from the middle: on the neighbor's side, in it, or on the side of q.
+    // N/M relative to the middle: on the neighbor's side (1), in it (0), or on the side of q (-1).
     const ExactNumber middle = (ExactNumber(q) + ExactNumber(neighbor)) * M;
     const int beyond = side * M.sign() * (ExactNumber(2) * N - middle).sign();
     if (beyond > 0 || (beyond == 0 && !is_even)) return neighbor;
@@ -67,7 +68,7 @@ namespace detail {
   return q;
 }
 
-/// The equation of the plane n · x = distance, without rounding before the last.
+/// Returns the equation of the plane n · x = distance; only its final numbers are rounded.
 [[nodiscard, gnu::cold, gnu::noinline]] inline PlaneEquation nearest_plane(const ExactVector& n,
                                                                            const ExactNumber& distance) {
   const auto size = [&](std::size_t i) { return n[i].sign() < 0 ? -n[i] : n[i]; };
@@ -88,14 +89,14 @@ namespace detail {
   return exact_plane_at(position, cross(exact_vector(u), exact_vector(v)));
 }
 
-/// The same from double-double, where k is the place of the normal's largest component, unless it does not
-/// tell how a quotient is rounded. The error is one that no number here exceeds: that of a component of the
-/// normal in units of itself, that of a quotient, and that of the distance in units of the sizes of its
-/// terms.
+/// Returns the equation of the plane through a point with a given normal, from double-double; empty if that
+/// does not decide how a quotient is rounded. k is the index of the normal's largest component. The error is
+/// an upper bound for the relative errors of the normal's components and of the quotients, and for that of
+/// the distance relative to the magnitudes of its terms.
 ///
-/// In units of u², a normal with 3 of itself makes a quotient 3 + 3 + 10; the distance 3 + 7 + 3 + 3 of the
-/// sizes of its terms, and its quotient 3 + 10 more. All are below 2^-100 = 64u². With an error that is large
-/// against that, a quotient has twice as much, and the distance as much.
+/// In units of u², a normal with an error of 3 gives quotients 3 + 3 + 10; the distance has 3 + 7 + 3 + 3 of
+/// the magnitudes of its terms, and its quotient 3 + 10 more. All are below 2^-100 = 64u². If the normal's
+/// error is large against that, a quotient has twice as much, and the distance as much.
 [[nodiscard]] inline std::optional<PlaneEquation> refined_plane_at(const Point& position,
                                                                    const RefinedVector& n, std::size_t k,
                                                                    double error) {
@@ -116,7 +117,8 @@ namespace detail {
   return equation;
 }
 
-/// The same of any normal that is not 0, unless it is not clear which component is the largest, either.
+/// Returns the equation of the plane through a point with any normal but 0, from double-double; empty if that
+/// does not decide which component is the largest or how a quotient is rounded.
 [[nodiscard]] inline std::optional<PlaneEquation> refined_plane_at(const Point& position,
                                                                    const RefinedVector& n, double error) {
   std::size_t k = 0;
@@ -128,17 +130,18 @@ namespace detail {
   return refined_plane_at(position, n, k, error);
 }
 
-/// The same of a plane along two directions.
+/// Returns the equation of the plane through a point along two directions, from double-double; empty if that
+/// does not decide how a quotient is rounded.
 [[nodiscard]] inline std::optional<PlaneEquation> refined_plane_through(const Point& position, const Vec3& u,
                                                                         const Vec3& v) {
   return refined_plane_at(position, cross_product(u, v), 0x1p-100);
 }
 
-/// u × v of vectors that are of twice the precision, each component to 2^-82 of itself, and 0 only where it
-/// is. The products are good to 5u², and their difference to 3u²: 8u² = 2^-103 of the sizes of both, and
-/// there is nothing where more than 20 binary digits cancel in one component. Of doubles whose products do
-/// not underflow, as those of differences of floats, it is the sooner cross_product, and whatever cancels
-/// does no harm.
+/// Returns u × v of vectors in double-double, each component with an error of at most 2^-82 of itself, and 0
+/// only if the exact one is; empty if more than 20 binary digits cancel in one component. The products have
+/// errors of 5u², and their difference 3u²: 8u² = 2^-103 of the magnitudes of both. For doubles whose
+/// products do not underflow, such as differences of floats, the faster cross_product is used, and
+/// cancellation does no harm.
 [[nodiscard]] inline std::optional<RefinedVector> refined_cross_product(const RefinedVector& u,
                                                                         const RefinedVector& v) {
   const auto are_doubles = [](const RefinedVector& x) {
@@ -161,10 +164,10 @@ namespace detail {
 
 }  // namespace detail
 
-/// Whether an equation, which may have been rounded, is surely not that of the plane through a point along u
-/// and v. Its numbers are good to u = 2^-53 of themselves and so are u and v, which may be rounded
-/// differences, the scalar product to 3u of the sizes of its terms and the difference to u, together less
-/// than 2^-50 of them; 2^-900 covers what underflows.
+/// Returns true if an equation, which may have been rounded, certainly is not that of the plane through a
+/// point along u and v. Its numbers have errors of u = 2^-53 of themselves and so have u and v, which may be
+/// rounded differences; the scalar product has 3u of the magnitudes of its terms and the difference u,
+/// together less than 2^-50 of them. 2^-900 covers underflow.
 [[nodiscard]] inline bool surely_differs(const PlaneEquation& equation, const Point& position, const Vec3& u,
                                          const Vec3& v) {
   const Vec3 normal{equation[0], equation[1], equation[2]};
@@ -175,8 +178,9 @@ namespace detail {
   return is_off(position, equation[3]) || is_off(u, 0) || is_off(v, 0);
 }
 
-/// The same of the plane through a point at a right angle to a normal, which is not parallel to that of the
-/// equation where a component of their vector product is not 0.
+/// Returns true if an equation, which may have been rounded, certainly is not that of the plane through a
+/// point perpendicular to a normal. The two normals are not parallel if a component of their vector product
+/// is not 0.
 [[nodiscard]] inline bool surely_differs(const PlaneEquation& equation, const Point& position,
                                          const Vec3& normal) {
   const Vec3 n{equation[0], equation[1], equation[2]};
@@ -191,7 +195,7 @@ namespace detail {
   return is_off(dot(n, position) - equation[3], dot(abs(n), abs(position)) + std::abs(equation[3]));
 }
 
-/// The equation of the plane through a point along u and v, which are not parallel.
+/// Returns the equation of the plane through a point along u and v, which must not be parallel.
 [[nodiscard]] inline PlaneEquation plane_through(const Point& position, const Vec3& u, const Vec3& v) {
   const int lengths = exponent_of({position});
   const Point p = scaled(position, -lengths);
@@ -205,7 +209,7 @@ namespace detail {
   return equation;
 }
 
-/// The equation of the plane through a point at a right angle to a normal, which is not 0.
+/// Returns the equation of the plane through a point perpendicular to a normal, which must not be 0.
 [[nodiscard]] inline PlaneEquation plane_at(const Point& position, const Vec3& normal) {
   const int lengths = exponent_of({position});
   const Point p = scaled(position, -lengths);
@@ -220,9 +224,9 @@ namespace detail {
   return equation;
 }
 
-/// Three points, times a power of two that brings the largest of their numbers to about 1.
+/// Three points, divided by a power of two that brings the largest of their numbers to about 1.
 struct ScaledPoints {
-  int exponent;  ///< of the power of two that they were divided by
+  int exponent;  ///< exponent of that power of two
   Point a, b, c;
 
   ScaledPoints(const Point& p, const Point& q, const Point& r)
@@ -236,8 +240,8 @@ struct ScaledPoints {
   }
 };
 
-/// The unit normal along (b − a) × (c − a), however far the points are from the origin; NaN where they are on
-/// one line. More than 20 binary digits that cancel are rare, and then nothing is rounded before the last.
+/// Returns the unit normal along (b − a) × (c − a), however far the points are from the origin; NaN if they
+/// are on one line. More than 20 binary digits rarely cancel; if they do, only the final numbers are rounded.
 [[nodiscard]] inline Vec3 unit_normal_through(const Point& a, const Point& b, const Point& c) {
   const ScaledPoints points(a, b, c);
   if (const auto n = detail::refined_cross_product(refined_difference(points.b, points.a),
@@ -248,8 +252,8 @@ struct ScaledPoints {
   return normalize(of_moderate_size({nearest(n[0]), nearest(n[1]), nearest(n[2])}));
 }
 
-/// The equation of the plane through three points that are not on one line. With the normal good to 2^-82, a
-/// quotient and the distance are to 2^-80.
+/// Returns the equation of the plane through three points that are not on one line. With the normal accurate
+/// to 2^-82, quotients and distance are accurate to 2^-80.
 [[nodiscard]] inline PlaneEquation plane_through_points(const Point& a, const Point& b, const Point& c) {
   const ScaledPoints points(a, b, c);
   std::optional<PlaneEquation> equation;

@@ -1,8 +1,8 @@
 // Powers that are the same on every machine.
 //
-// std::pow differs from one C library to the next, in its last bit and sometimes more. Here nothing is used
-// but what IEEE 754 rounds correctly: x^y = 2^(y log2 x), in double-double where cancellation or a large
-// exponent would show, and in exact arithmetic where a comparison needs more. u = 2^-53.
+// std::pow differs from one C library to the next, in its last bit and sometimes more. This file uses only
+// operations that IEEE 754 rounds correctly: x^y = 2^(y log2 x), in double-double if cancellation or a large
+// exponent would show, and in exact arithmetic if a comparison needs more. u = 2^-53.
 #pragma once
 
 #include <array>
@@ -17,13 +17,13 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-inline constexpr int root_steps = 32;  ///< how many equal ratios lead from 1 to 2
+inline constexpr int root_steps = 32;  ///< number of equal ratios from 1 to 2
 inline constexpr DoubleDouble ln_2{0x1.62e42fefa39efp-1, 0x1.abc9e3b39803fp-56};
 inline constexpr DoubleDouble log2_e{0x1.71547652b82fep+0, 0x1.777d0ffda0d24p-56};
 
-/// 2^(i/32) for i from 0 to 32, products of at most five of √2, √√2, …; 1 and 2 are exact. Each of these
-/// roots has an error below 8u², since a root halves the error of what it is taken from and adds 4u². With
-/// the products' 5u² each, a power is good to 5 · 8u² + 4 · 5u² = 60u² < 2^-100.
+/// Returns 2^(i/32) for i from 0 to 32, products of at most five of √2, √√2, …; 1 and 2 are exact. Each of
+/// these roots has an error below 8u², since a root halves the error of its argument and adds 4u². With the
+/// products' 5u² each, a power has an error below 5 · 8u² + 4 · 5u² = 60u² < 2^-100.
 [[nodiscard]] inline const DoubleDouble& root_power_of_two(int i) {
   static const auto table = [] {
     std::array<DoubleDouble, root_steps + 1> powers;
@@ -39,7 +39,7 @@ inline constexpr DoubleDouble log2_e{0x1.71547652b82fep+0, 0x1.777d0ffda0d24p-56
   return table[static_cast<std::size_t>(i)];
 }
 
-/// c0 + c1 x + c2 x² + ….
+/// Returns c0 + c1 x + c2 x² + ….
 template <std::size_t N>
 [[nodiscard]] double polynomial(const double (&c)[N], double x) {
   double sum = c[N - 1];
@@ -49,27 +49,27 @@ template <std::size_t N>
 
 }  // namespace detail
 
-/// a/b for doubles, with a relative error below 2u²: the remainder of a rounded quotient is a double.
+/// Returns a/b for doubles, with a relative error below 2u²: the remainder of a rounded quotient is a double.
 [[nodiscard]] inline DoubleDouble quotient(double a, double b) {
   const double rounded = a / b;
   return {rounded, std::fma(-rounded, b, a) / b};
 }
 
-/// log2 x where x.hi is positive, finite and not denormal, with a relative error below 2^-65; exact where x
-/// is a power of two.
+/// Returns log2 x for a positive, finite x.hi that is not denormal, with a relative error below 2^-65; exact
+/// if x is a power of two.
 ///
 /// x = 2^n · (1 + z)/(1 − z) for a multiple n of 1/32 within 1/64 + 2^-13 of log2 x, and
 ///   log2 x = n + 2 log2(e) · z · (1 + s/3 + s²/5 + …)   with   s = z² < 2^-15.
-/// The series up to s⁷/15 lacks less than 2^-120 of itself. What follows the 1 in it is below 2^-16.5, so
-/// that 8u of that, for its evaluation in double, is 2^-66.5. All else, in double-double, is below 2^-90:
-/// where n = 0, 1 is exact and z as good as a quotient; elsewhere |log2 x| > 1/65, against which the table's
-/// 60u² have a weight of at most 65.
+/// The series up to s⁷/15 lacks less than 2^-120 of itself. Its terms after the 1 are below 2^-16.5, and
+/// their evaluation in double has an error of 8u of that, 2^-66.5. All else, in double-double, is below
+/// 2^-90: for n = 0, 1 is exact and z as good as a quotient; for other n, |log2 x| > 1/65, against which the
+/// table's 60u² have a weight of at most 65.
 [[nodiscard]] inline DoubleDouble log2(DoubleDouble x) {
   int exponent = 0;
   const double m = std::frexp(x.hi, &exponent);  // in [1/2, 1)
   const DoubleDouble mantissa{m, std::ldexp(x.lo, -exponent)};
 
-  // 32 log2 m, by two terms of the same series from √½ on, where it is −16; they lack at most 0.003.
+  // 32 log2 m, from two terms of the same series around √½, where it is −16; they lack at most 0.003.
   constexpr double middle = 0x1.6a09e667f3bcdp-1;
   const double rough = (m - middle) / (m + middle);
   const double steps =
@@ -77,7 +77,7 @@ template <std::size_t N>
   const DoubleDouble& power = detail::root_power_of_two(detail::root_steps + static_cast<int>(steps));
   const DoubleDouble nearest{power.hi / 2, power.lo / 2};
 
-  // Two digits of a long division, good to 2^-100 as the rounding of the second is.
+  // Two digits of a long division, accurate to 2^-100 like the rounding of the second.
   const DoubleDouble sum = mantissa + nearest, difference = mantissa - nearest;
   const double digit = difference.hi / sum.hi;
   const DoubleDouble z = fast_two_sum(digit, (difference - sum * digit).hi / sum.hi);
@@ -89,12 +89,12 @@ template <std::size_t N>
   return DoubleDouble(exponent + steps / detail::root_steps) + series;
 }
 
-/// 2^x, with a relative error below 2^-63; exact where x is whole. Infinity from 1024 on, 0 below −1000, so
-/// that no bits are lost to the range of double in between.
+/// Returns 2^x, with a relative error below 2^-63; exact if x is an integer. Infinity from 1024 on, 0 below
+/// −1000, so that no bits are lost to the range of double in between.
 ///
 /// 2^x = 2^n · e^t for the multiple n of 1/32 next to x, and t = (x − n) ln 2, |t| < 2^-6.5. The series of
-/// e^t up to t^11/11! lacks less than 2^-103. What follows t in it is below 2^-13.9, so that 4u of that, for
-/// its evaluation in double, is 2^-63.9. All else is double-double.
+/// e^t up to t^11/11! lacks less than 2^-103. Its terms after t are below 2^-13.9, and their evaluation in
+/// double has an error of 4u of that, 2^-64.9. All else is double-double.
 [[nodiscard]] inline DoubleDouble exp2(DoubleDouble x) {
   if (!(x.hi < 1024)) return x.hi >= 1024 ? std::numeric_limits<double>::infinity() : x.hi;
   if (x.hi < -1000) return 0.0;
@@ -110,15 +110,15 @@ template <std::size_t N>
   return {std::ldexp(power.hi, static_cast<int>(whole)), std::ldexp(power.lo, static_cast<int>(whole))};
 }
 
-/// x^y where x.hi is positive, finite and not denormal, as exp2 has it. An error of y log2 x counts in the
-/// power times ln 2, so that the relative error is below 2^-63 + |y log2 x| · 2^-65: 2^-57 for results
-/// between 2^-150 and 2^150, where it is 2^-57.4, and 2^-54 for all others. Exact where x is a power of two
-/// and the result is one.
+/// Returns x^y for a positive, finite x.hi that is not denormal, with the range of exp2. An error of y log2 x
+/// counts in the power times ln 2, so the relative error is below 2^-63 + |y log2 x| · 2^-65: below 2^-57.4
+/// for results between 2^-150 and 2^150, and below 2^-54 for all others. Exact if x is a power of two and the
+/// result is one.
 [[nodiscard]] inline DoubleDouble pow(DoubleDouble x, DoubleDouble y) { return exp2(y * log2(x)); }
 
-/// x^n for 0 ≤ x ≤ 1, or several such numbers, by squaring. Written as n factors x it has n − 1 products,
-/// each with an error of u, so that its relative error is below n u for n < 2^20. What underflows is below
-/// 2^-1000, as x^n is.
+/// Returns x^n for 0 ≤ x ≤ 1, or for several such numbers, by squaring. Written as n factors x it has n − 1
+/// products, each with an error of u, so its relative error is below n u for n < 2^20. If a product
+/// underflows, both it and x^n are below 2^-1000.
 template <class T>
 [[nodiscard]] T whole_power(T x, int n) {
   T power = 1.0;
@@ -131,10 +131,10 @@ template <class T>
 
 namespace detail {
 
-/// log2 x for a double x > 0, to within 2^(1 − 53·(terms − 1)), digit by digit: of a number in [1, 2),
-/// squaring doubles the logarithm, and a square of 2 or more says that the next binary digit is 1. Each
-/// square is cut to so many terms, an error of less than 2^(2 − 53·terms), which counts half as much in each
-/// next digit. Exact where x is a power of two.
+/// Returns log2 x for a double x > 0 with an error of at most 2^(1 − 53·(terms − 1)), digit by digit:
+/// squaring a number in [1, 2) doubles its logarithm, and if the square is 2 or more, the next binary digit
+/// is 1. Each square is cut to that many terms, an error of less than 2^(2 − 53·terms), which counts half as
+/// much in each next digit. Exact if x is a power of two.
 [[nodiscard]] inline ExactNumber log2_digits(double x, int terms) {
   int exponent = 0;
   ExactNumber rest = 2 * std::frexp(x, &exponent);
@@ -157,8 +157,8 @@ namespace detail {
 
 }  // namespace detail
 
-/// Whether (p/q)^y > x^z for positive, finite doubles, by as many digits of y (log2 p − log2 q) and z log2 x
-/// as it takes. The two must not be equal, unless p/q and x are powers of two.
+/// Tests whether (p/q)^y > x^z for positive, finite doubles, by as many digits of y (log2 p − log2 q) and z
+/// log2 x as it takes. The two must not be equal, unless p/q and x are powers of two.
 [[nodiscard]] inline bool power_exceeds(double p, double q, double y, double x, double z) {
   int exponent = 0;
   const auto mantissa = [&](double number) { return std::frexp(number, &exponent); };
@@ -167,7 +167,7 @@ namespace detail {
     const ExactNumber power =
         ExactNumber(y) * (detail::log2_digits(p, terms) - detail::log2_digits(q, terms));
     const double difference = DoubleDouble(power - ExactNumber(z) * detail::log2_digits(x, terms)).hi;
-    // Three logarithms, each off by half of what is allowed here for it, and the rounding of the difference.
+    // Three logarithms, each with half of the error allowed for it here, and the rounding of the difference.
     const double error = (2 * y + z) * std::ldexp(1, 2 - 53 * (terms - 1));
     if (is_exact || std::abs(difference) > error) return difference > 0;
   }

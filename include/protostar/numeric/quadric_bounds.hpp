@@ -1,9 +1,9 @@
-// The box around a quadric that is an ellipsoid.
+// Bounds of a quadric that is an ellipsoid.
 //
-// A quadric p·Mp + 2 l·p + k = 0 is one where M is positive definite; inside, the form is negative. Around
-// its center c = −M⁻¹ l the form is y·My − h, with h = −f(c) = l·M⁻¹ l − k, and the points where that is 0
-// reach to c ± √(h (M⁻¹)ᵢᵢ) along the axis i. With the adjugate matrix N = det M · M⁻¹, whose numbers are
-// sums of products, and H = l·N l − k det M:
+// A quadric p·Mp + 2 l·p + k = 0 is an ellipsoid if M is positive definite; the form is negative inside.
+// Around its center c = −M⁻¹ l the form is y·My − h, with h = −f(c) = l·M⁻¹ l − k, and its zeros reach to c ±
+// √(h (M⁻¹)ᵢᵢ) along the axis i. With the adjugate matrix N = det M · M⁻¹, whose numbers are sums of
+// products, and H = l·N l − k det M:
 //
 //   cᵢ = −(N l)ᵢ / det M,   h = H / det M,   and the reach is √(H Nᵢᵢ) / det M.
 //
@@ -22,9 +22,9 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// The numbers above, in units of length of 2^exponent.
+/// Exact M, l, k, det M, H, N l and diagonal of N of a quadric, in units of length of 2^exponent.
 struct ExactEllipsoid {
-  bool exists = false;  ///< whether M surely is positive definite
+  bool exists = false;  ///< true if M certainly is positive definite
   int exponent = 0;
   ExactVector squares, products, linear;
   ExactNumber constant, determinant, H;
@@ -32,8 +32,8 @@ struct ExactEllipsoid {
 
   [[gnu::cold, gnu::noinline]] explicit ExactEllipsoid(const QuadricForm& form) {
     if (!is_finite(form) || (form.squares == Vec3{0} && form.products == Vec3{0})) return;
-    // As in ExactQuadricEquation, without an origin: no number is larger than 2. Where none is below 2^-100,
-    // all are multiples of 2^-153, and products of six of them, the most there are, are exact.
+    // Scaled so that no number is larger than 2. If none but 0 is below 2^-100, scaling is exact, all are
+    // multiples of 2^-153, and products of six of them, the most there are, stay in the range of double.
     const int quadratic = exponent_of({form.squares, form.products});
     exponent = std::max((exponent_of({{form.constant, 0, 0}}) - quadratic) / 2,
                         exponent_of({form.linear}) - quadratic);
@@ -61,7 +61,7 @@ struct ExactEllipsoid {
     H = dot(l, Nl) - constant * determinant;
   }
 
-  /// The form at a point, in these units.
+  /// Returns the scaled form at a point given in units of 2^exponent.
   [[nodiscard, gnu::cold]] ExactNumber level_at(const ExactVector& o) const {
     const ExactVector &s = squares, &p = products;
     const ExactVector Mo{s[0] * o[0] + p[2] * o[1] + p[1] * o[2], p[2] * o[0] + s[1] * o[1] + p[0] * o[2],
@@ -73,17 +73,18 @@ struct ExactEllipsoid {
 
 }  // namespace detail
 
-/// The box around the points where the form of a quadric is at most 2^-10 h, if M surely is positive
-/// definite; of others it is infinite. These points reach √(1 + 2^-10) times as far from the center as the
-/// ellipsoid.
+/// Returns the box around the points where the form of a quadric is at most 2^-10 h, if M certainly is
+/// positive definite; otherwise the box is infinite. These points reach √(1 + 2^-10) times as far from the
+/// center as the ellipsoid.
 [[nodiscard, gnu::cold, gnu::noinline]] inline Bounds quadric_bounds(const QuadricForm& form) {
   const detail::ExactEllipsoid e(form);
   Bounds bounds{Point{-infinity}, Point{infinity}};
   if (!e.exists) return bounds;
   for (int i = 0; i < 3; ++i) {
     const auto axis = static_cast<std::size_t>(i);
-    // To the nearest, and in double-double: 2^-10 of the reach is far more than both that root and the
-    // roundings of the reach need. The center is off by u of itself, and each end by u of both: 4u are more.
+    // The center is rounded to nearest, and the reach comes from double-double; 2^-10 of the reach is far
+    // more than both √(1 + 2^-10) and its roundings need. The center has an error of u of itself, and each
+    // end of u of both: 4u are more.
     const double center = -detail::nearest_quotient(e.Nl[axis], e.determinant);
     const DoubleDouble square(e.H.sign() > 0 ? e.H * e.N_diagonal[axis] : ExactNumber());
     const double reach = static_cast<double>(sqrt(square) / DoubleDouble(e.determinant)) * (1 + 0x1p-10);
@@ -96,13 +97,15 @@ struct ExactEllipsoid {
 
 namespace detail {
 
-/// Whether the form is at most 2^-10 h at a finite point, without rounding, or the quadric has no bounds.
+/// Tests without rounding whether the form is at most 2^-10 h at a finite point; true also if the quadric has
+/// no bounds.
 [[nodiscard, gnu::cold, gnu::noinline]] inline bool is_in_quadric_bounds_in_doubt(const Point& point,
                                                                                   const QuadricForm& form) {
   const ExactEllipsoid e(form);
   if (!e.exists) return true;
   ++fallbacks.exact;
-  // Nothing reaches as far as 2^400: no number of N is larger than 2, nor H than 20, nor det M below 2^-459.
+  // Nothing reaches as far as 2^400, as no number of N is larger than 2, nor H than 20, nor det M below
+  // 2^-459.
   if (exponent_of({point}) - e.exponent > 400) return false;
   const ExactVector o = exact_vector(scaled(point, -e.exponent));
   return (e.level_at(o) * e.determinant - ExactNumber(0x1p-10) * e.H).sign() <= 0;
@@ -110,11 +113,11 @@ namespace detail {
 
 }  // namespace detail
 
-/// Whether what a line meets again that starts on the quadric, by what it departs from, is in the quadric's
-/// bounds. The digits of the origin may be off the quadric; the form at the other end of the chord is what it
-/// is at the origin, c. In the middle of the chord it is c − b²/A, and nowhere below −h. So c ≤ 2^-11 b²/A is
-/// enough: then h ≥ (1 − 2^-11) b²/A. Of the error of c, 9u, 2^-49 is twice as much, as for that of b²/A
-/// there is 2^-11.
+/// Tests whether the other root of a line that departs from the quadric is in the quadric's bounds. The
+/// digits of the origin may be off the quadric; the form at the other end of the chord is the same as at the
+/// origin, c. In the middle of the chord it is c − b²/A, and nowhere below −h. Hence c ≤ 2^-11 b²/A is
+/// enough, since then h ≥ (1 − 2^-11) b²/A. The error of c, 9u, is covered by 2^-49, nearly twice as much,
+/// and that of b²/A by 2^-11 in place of 2^-10.
 [[nodiscard]] inline bool is_in_quadric_bounds(const Point& origin, const Vec3& direction,
                                                const QuadricForm& form) {
   const detail::RoundedQuadricEquation e(origin, direction, form);

@@ -1,12 +1,12 @@
-// Where a line crosses a quadric: exactly whether, and t as certain as Roots says.
+// Crossings of a line with a quadric: their existence is exact, and t is certified (Roots).
 //
-// A quadric is where f(p) = p·Mp + 2 l·p + k is 0, for a symmetric matrix M. On the points origin + t·d of a
-// line, with g = M·origin + l, half of the gradient at the origin, f is
+// A quadric is the set of zeros of f(p) = p·Mp + 2 l·p + k, for a symmetric matrix M. On the points origin +
+// t·d of a line, with g = M·origin + l, half of the gradient at the origin, f is
 //   A t² − 2 b t + c   with   A = d·Md,  b = −d·g,  c = f(origin) = origin·g + l·origin + k.
-// Where A is 0 that is a linear equation. A line that starts on the quadric has c = 0 by definition, whatever
-// its digits say; its roots are 0 and 2b/A, and only the second is a crossing that it does not come from.
+// If A is 0, the equation is linear. A line that starts on the quadric has c = 0 by definition, whatever its
+// digits say; its roots are 0 and 2b/A, and only the second is a crossing other than the start.
 //
-// Double decides nearly always. Where its error bound does not allow that, everything is evaluated without
+// Double nearly always decides; if its error bound does not allow it, everything is evaluated without
 // rounding. docs/numerics.md derives the bounds, in units of u = 2^-53.
 #pragma once
 
@@ -19,15 +19,15 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The ten numbers of f(p) = squares·(x², y², z²) + 2 products·(yz, zx, xy) + 2 linear·p + constant. They are
-/// those of a symmetric matrix of four rows and columns, the last of which belong to linear and constant.
+/// Ten numbers of f(p) = squares·(x², y², z²) + 2 products·(yz, zx, xy) + 2 linear·p + constant. They form a
+/// symmetric 4×4 matrix, whose last row and column are linear and constant.
 struct QuadricForm {
   Vec3 squares{1};
   Vec3 products{0};
   Vec3 linear{0};
   double constant = -1;
 
-  /// M v.
+  /// Returns M v.
   [[nodiscard]] Vec3 times(const Vec3& v) const {
     return {squares.x * v.x + products.z * v.y + products.y * v.z,
             products.z * v.x + squares.y * v.y + products.x * v.z,
@@ -43,8 +43,8 @@ struct QuadricForm {
          std::isfinite(form.constant);
 }
 
-/// The equation in numbers of type T. With o and d of a line of weight w, that is A = d·Md,
-/// b = −d·(M o + w l) and c = o·(M o + w l) + w l·o + w² k.
+/// Returns the equation in numbers of type T. With o and d of a line of weight w, A = d·Md, b = −d·(M o + w
+/// l) and c = o·(M o + w l) + w l·o + w² k.
 template <class T>
 [[nodiscard]] QuadraticEquation<T> quadric_equation(const LineOf<T>& line, const QuadricForm& form) {
   const auto squares = given<T>(form.squares), products = given<T>(form.products),
@@ -61,8 +61,8 @@ template <class T>
           .c = dot(o, g) + dot(l, o) + line.weight * line.weight * Given<T>(form.constant)};
 }
 
-/// Whether f is negative, in the end, along a line: by the sign of A, or where that is 0 by that of b, or c;
-/// c is 0 where the line starts on the quadric. Empty where rounded numbers do not tell.
+/// Tests whether f is negative along a line for t → ∞: by the sign of A, or if A is 0 by that of b, or of c,
+/// which is 0 if the line starts on the quadric. Empty if rounded numbers do not decide.
 template <class T>
 [[nodiscard]] std::optional<bool> ends_negative(const QuadraticEquation<T>& e, bool starts_on_it) {
   const auto A = sign_of(e.A), b = sign_of(e.b), c = starts_on_it ? std::optional(0) : sign_of(e.c);
@@ -75,8 +75,8 @@ template <class T>
 
 namespace detail {
 
-/// The roots where double does not decide, without rounding: all, or the one that is left where the line
-/// starts on the quadric. Numbers that are not finite, and a direction of 0, cross nothing.
+/// Returns the roots without rounding, for lines that double does not decide: all, or only 2b/A if the line
+/// starts on the quadric (leaves). If a number is not finite or the direction is 0, there are none.
 [[nodiscard, gnu::cold, gnu::noinline]] inline Roots exact_quadric_roots(const Point& origin,
                                                                          const Vec3& direction,
                                                                          const QuadricForm& form,
@@ -87,11 +87,11 @@ namespace detail {
   return leaves ? roots_of(equation.without_root_at_0()) : roots_of(equation);
 }
 
-/// The equation in double. A, b and c have errors of at most 6u, 7u and 9u of their sizes, which are what
-/// they would be if all numbers were positive; of a line that is rounded itself, 8u, 9u and 11u.
+/// Equation in double. A, b and c have errors of at most 6u, 7u and 9u of their sizes, their values with all
+/// numbers made positive; for a rounded line, 8u, 9u and 11u.
 struct RoundedQuadricEquation {
   double A, b, c, A_size, b_size, c_size;
-  bool in_range;  ///< whether nothing overflows, and underflow adds nothing to speak of where E > 2^-348
+  bool in_range;  ///< true if nothing overflows, and underflow is negligible for E > 2^-348
 
   RoundedQuadricEquation(const Point& origin, const Vec3& direction, const QuadricForm& form)
       : RoundedQuadricEquation(origin, direction, abs(origin), abs(direction), form) {}
@@ -100,7 +100,7 @@ struct RoundedQuadricEquation {
       : RoundedQuadricEquation(line.origin, line.direction, line.origin_size(), line.direction_size(), form) {
   }
 
-  /// With o and d, the sizes of the line's numbers.
+  /// Evaluates the equation; o and d are upper bounds for the magnitudes of the line's numbers.
   RoundedQuadricEquation(const Point& origin, const Vec3& direction, const Vec3& o, const Vec3& d,
                          const QuadricForm& form) {
     const Vec3 g = form.times(origin) + form.linear;
@@ -116,17 +116,17 @@ struct RoundedQuadricEquation {
                o.x + o.y + o.z < 0x1p200;
   }
 
-  /// Whether A is so good that a quotient with it is.
+  /// Returns true if A is accurate enough for a quotient with it.
   [[nodiscard]] bool is_A_certain() const { return std::abs(A) > 0x1p-18 * A_size && A_size > 0x1p-400; }
 };
 
 }  // namespace detail
 
-/// The roots in t of an equation in double, if that tells.
+/// Returns the certified roots of an equation in double; empty if double does not decide.
 ///
-/// The error of D is at most 16u b_size² + 17u A_size c_size, or of a rounded line 20u and 21u; E is 32u of
-/// both. That of q is what it is for the sphere: 2^-31.9 |q| from √D, and at most 9u b_size < 2^-31.8 |q|
-/// from b; that of c is at most 11u c_size < 2^-31.5 |c|.
+/// The error of D is at most 16u b_size² + 17u A_size c_size, or for a rounded line 20u and 21u; E is 32u of
+/// both. The error of q is 2^-31.9 |q| from √D, as for the sphere, and at most 9u b_size < 2^-31.8 |q| from
+/// b; the error of c is at most 11u c_size < 2^-31.5 |c|.
 [[nodiscard, gnu::always_inline]] inline std::optional<Roots> roots_if_certain(
     const detail::RoundedQuadricEquation& e) {
   const double D = e.b * e.b - e.A * e.c, E = 0x1p-48 * (e.b_size * e.b_size + e.A_size * e.c_size);
@@ -139,7 +139,7 @@ struct RoundedQuadricEquation {
   return std::nullopt;
 }
 
-/// The roots, certified.
+/// Returns the certified roots.
 [[nodiscard]] inline Roots quadric_roots(const Point& origin, const Vec3& direction,
                                          const QuadricForm& form) {
   if (const auto roots = roots_if_certain(detail::RoundedQuadricEquation(origin, direction, form)))
@@ -147,7 +147,7 @@ struct RoundedQuadricEquation {
   return detail::exact_quadric_roots(origin, direction, form, false);
 }
 
-/// The root of a line that starts on the quadric, certified: the one that it does not come from.
+/// Returns the certified root, other than t = 0, of a line that starts on the quadric.
 [[nodiscard]] inline Roots quadric_root_leaving(const Point& origin, const Vec3& direction,
                                                 const QuadricForm& form) {
   const detail::RoundedQuadricEquation e(origin, direction, form);
@@ -156,8 +156,8 @@ struct RoundedQuadricEquation {
   return detail::exact_quadric_roots(origin, direction, form, true);
 }
 
-/// Whether f is negative, in the end, along a line, from coefficients without rounding; c is 0 where it
-/// starts on the quadric. Numbers that are not finite, and a direction of 0, end nowhere.
+/// Tests without rounding whether f is negative along a line for t → ∞; c is 0 if the line starts on the
+/// quadric. Returns false for numbers that are not finite and for a direction of 0.
 [[nodiscard, gnu::cold, gnu::noinline]] inline bool quadric_ends_negative_in_doubt(const Point& origin,
                                                                                    const Vec3& direction,
                                                                                    const QuadricForm& form,
@@ -167,7 +167,8 @@ struct RoundedQuadricEquation {
   return *ends_negative(quadric_equation(line_of<ExactNumber>(origin, direction), form), starts_on_it);
 }
 
-/// The same, certified: by the sign of A, or where that is 0 by that of b, or c.
+/// Tests whether f is negative along a line for t → ∞, certified: by the sign of A, or if A is 0 by that of
+/// b, or of c.
 [[nodiscard]] inline bool quadric_ends_negative(const Point& origin, const Vec3& direction,
                                                 const QuadricForm& form, bool starts_on_it) {
   const detail::RoundedQuadricEquation e(origin, direction, form);

@@ -1,4 +1,4 @@
-// The crossings of a line with a surface, as roots of its equation, and how sure they are.
+// Crossings of a line with a surface, as roots of its equation, and their accuracy.
 #pragma once
 
 #include <cmath>
@@ -11,10 +11,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// At most two crossings of a line with a surface: near ≤ far; where the line touches, both are the same.
-/// Those of the library's surfaces are certified: which of them exist is exact, and each t has the sign of
-/// the true root, is 0 only where that is 0, and is within 2^-30 |t| of it, as far as the range of double
-/// allows.
+/// At most two crossings of a line with a surface, near ≤ far; if the line touches it, both are equal. The
+/// library's surfaces give certified roots: which of them exist is exact, and each t has the sign of the true
+/// root, is 0 only if the true root is, and is within 2^-30 |t| of it, as far as the range of double allows.
 class Roots {
  public:
   static constexpr double relative_error = 0x1p-30;
@@ -28,7 +27,7 @@ class Roots {
   [[nodiscard]] constexpr const double* begin() const { return t_; }
   [[nodiscard]] constexpr const double* end() const { return t_ + count_; }
 
-  /// The first that lies inside an interval, each t taken as it is.
+  /// Returns the first root inside an interval, by the values of t without their errors.
   [[nodiscard]] constexpr std::optional<double> first_in(Interval range) const {
     for (const double t : *this)
       if (range.contains(t)) return t;
@@ -40,31 +39,31 @@ class Roots {
   int count_ = 0;
 };
 
-/// The first of a line's roots in t > 0, without the others.
+/// First of a line's roots in t > 0, without the others.
 struct FirstRoot {
   enum class Known : std::uint8_t { no_root, root, undecided };
 
-  Known known = Known::no_root;  ///< where it is undecided, only all roots tell
-  double t = infinity;           ///< as in Roots
-  int root = 0;                  ///< its place among all roots
+  Known known = Known::no_root;  ///< if undecided, all roots must be computed
+  double t = infinity;           ///< as accurate as in Roots
+  int root = 0;                  ///< its index among all roots
 };
 
-/// The same of several lines at once.
+/// First root in t > 0 of each of several lines.
 template <class T, class M>
 struct FirstRootOfEach {
   T t;
-  M is_there, in_doubt;  ///< where it is neither, there is no root in t > 0
+  M is_there, in_doubt;  ///< if neither, there is no root in t > 0
 };
 
-/// The roots of A t² − 2 b t + c = 0, given q = b ± √(b² − A c) without cancellation: one is q/A, and the
-/// other c/q, since their product is c/A.
+/// Returns the roots of A t² − 2 b t + c = 0, given q = b ± √(b² − A c) without cancellation: one is q/A, and
+/// the other c/q, since their product is c/A.
 [[nodiscard]] inline Roots roots_from(double A, double c, double q) {
   const double t1 = c / q, t2 = q / A;
   return t1 < t2 ? Roots{t1, t2} : Roots{t2, t1};
 }
 
-/// The roots of A t² − 2 b t + c = 0 with A ≠ 0 (A.1.1, the simplified form), given the discriminant D = b² −
-/// A c: for a surface that takes double as good enough. None where D < 0 or a number is NaN.
+/// Returns the roots of A t² − 2 b t + c = 0 with A ≠ 0 (A.1.1, the simplified form), given the discriminant
+/// D = b² − A c, for surfaces content with the accuracy of double. None if D < 0 or a number is NaN.
 [[nodiscard]] inline Roots quadratic_roots(double A, double b, double c, double D) {
   if (!(D >= 0)) return {};
   const double q = b + std::copysign(std::sqrt(D), b);
@@ -72,39 +71,39 @@ struct FirstRootOfEach {
   return roots_from(A, c, q);
 }
 
-/// The roots of several lines with one surface: each T a number and each M an answer for every line. A line
-/// that neither meets the surface nor is in doubt has none; one that is in doubt has to be asked about by
-/// itself. A root is the quotient that Roots has, and is divided when it is asked for.
+/// Roots of several lines with one surface: each T is a number and each M a mask, with one value for every
+/// line. A line that neither meets the surface nor is in doubt has no root; one in doubt must be traced by
+/// itself. A root is kept as the quotient that Roots has, and is divided on request.
 template <class T, class M>
 struct RootsOfEach {
   T near_over, near_under, far_over, far_under;
   M meets, in_doubt;
-  int count;  ///< 1 or 2; where it is 1, near and far are the same
+  int count;  ///< 1 or 2; if 1, near and far are equal
 
   [[nodiscard]] T near() const { return near_over / near_under; }
   [[nodiscard]] T far() const { return far_over / far_under; }
 };
 
-/// Which of several lines cross a surface in some range of t.
+/// Masks of the lines that cross a surface in some range of t, and of those in doubt.
 template <class M>
 struct CrossedByEach {
   M crossed, in_doubt;
 };
 
-/// A t that no root lies behind which may come before one that is given as t: each is off by 2^-30 of itself,
-/// or where that vanishes by less than the smallest double.
+/// Returns an upper bound for any root that may precede one given as t: each has an error of 2^-30 of itself
+/// or, if that vanishes, of less than the smallest double.
 [[nodiscard]] inline double latest(double t) {
   return t + (4 * Roots::relative_error * std::abs(t) + std::numeric_limits<double>::denorm_min());
 }
 
-/// Counts the questions that double did not decide, in this thread, since it was last set to {}.
+/// Number of decisions that double could not make, in this thread, since it was last set to {}.
 struct Fallbacks {
-  std::uint64_t exact = 0;  ///< answered without rounding
+  std::uint64_t exact = 0;  ///< decided without rounding
 };
 inline thread_local Fallbacks fallbacks;
 
-/// The sign of a − b for two roots with these relative errors, or 0 if they are too near to each other to
-/// tell.
+/// Returns the sign of a − b for two roots with these relative errors, or 0 if they are too near to each
+/// other to decide.
 [[nodiscard]] inline int order(DoubleDouble a, double a_error, DoubleDouble b, double b_error) {
   const DoubleDouble difference = a - b;
   const double uncertain = std::abs(a.hi) * a_error + std::abs(b.hi) * b_error;

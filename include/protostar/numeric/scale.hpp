@@ -11,13 +11,13 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The exponent e that brings the largest component of some vectors, times 2^-e, into [1/2, 1); if all are 0,
-/// less than that of any double.
+/// Returns the exponent e for which the largest component of some vectors, times 2^-e, is in [1/2, 1); if all
+/// are 0, an exponent below that of any double.
 [[nodiscard]] inline int exponent_of(std::initializer_list<Vec3> vectors) {
   double largest = 0;
   for (const Vec3& v : vectors) largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   if (largest == 0) return -2000;
-  // From the bits of the double, where it is neither denormal nor infinite.
+  // Read from the bits of the double, if it is neither denormal nor infinite.
   if (0x1p-1000 < largest && largest < 0x1p1023)
     return static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52) - 1022;
   int exponent = 0;
@@ -25,15 +25,15 @@ namespace protostar::inline PROTOSTAR_ABI {
   return exponent;
 }
 
-/// v · 2^exponent.
+/// Returns v · 2^exponent.
 [[nodiscard]] inline Vec3 scaled(const Vec3& v, int exponent) {
-  if (-1000 < exponent && exponent < 1000)  // that power of two, bit by bit
+  if (-1000 < exponent && exponent < 1000)  // the power of two, built from its bits
     return v * std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
   return {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
 }
 
-/// A vector that is neither so long nor so short that products of a few would leave the range of double; or
-/// else, one of about 1 in its direction.
+/// Returns v if products of a few such vectors stay in the range of double, and otherwise a vector of a
+/// length of about 1 in its direction.
 [[nodiscard]] inline Vec3 of_moderate_size(const Vec3& v) {
   const double size = std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
   return 0x1p-100 < size && size < 0x1p100 ? v : scaled(v, -exponent_of({v}));

@@ -1,12 +1,12 @@
-// Where a line crosses a sphere: exactly whether, and t as certain as Roots says (§2.2.4, A.1.1).
+// Crossings of a line with a sphere: their existence is exact, and t is certified (Roots; §2.2.4, A.1.1).
 //
-// With l = center − origin, a point origin + t·d of the line is on the sphere where |t·d − l|² = r², that is
+// With l = center − origin, a point origin + t·d of the line is on the sphere if |t·d − l|² = r², that is
 //   A t² − 2 b t + c = 0   with   A = d·d,  b = d·l,  c = l·l − r².
 // A line that starts on the sphere has c = 0 by definition, whatever its digits say; its roots are 0 and
-// 2b/A, and only the second is a crossing that it does not come from.
+// 2b/A, and only the second is a crossing other than the start.
 //
-// Double decides nearly always. Where its error bound does not allow that, the same equation is evaluated
-// without rounding. docs/numerics.md derives the bounds, in units of u = 2^-53.
+// Double nearly always decides; if its error bound does not allow it, the same equation is evaluated without
+// rounding. docs/numerics.md derives the bounds, in units of u = 2^-53.
 #pragma once
 
 #include <cmath>
@@ -19,7 +19,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The equation in numbers of type T: with l = weight · center − origin, so that no division is needed.
+/// Returns the equation in numbers of type T, with l = weight · center − origin, so that no division is
+/// needed.
 template <class T>
 [[nodiscard]] QuadraticEquation<T> sphere_equation(const LineOf<T>& line, const Point& center,
                                                    double radius) {
@@ -30,8 +31,8 @@ template <class T>
 
 namespace detail {
 
-/// The roots where double does not decide, without rounding: all, or the one that is left where the line
-/// starts on the sphere. Numbers that are not finite, and a direction of 0, cross nothing.
+/// Returns the roots without rounding, for lines that double does not decide: all, or only 2b/A if the line
+/// starts on the sphere (leaves). If a number is not finite or the direction is 0, there are none.
 [[nodiscard, gnu::cold, gnu::noinline]] inline Roots exact_sphere_roots(const Point& origin,
                                                                         const Vec3& direction,
                                                                         const Point& center, double radius,
@@ -44,23 +45,24 @@ namespace detail {
   return leaves ? roots_of(equation.without_root_at_0()) : roots_of(equation);
 }
 
-/// Added to the error of a discriminant, or of b: more than all underflows together, of 2^-1075 (4A + 3|c| +
-/// 6|b| + 2), wherever A < 2^150 and rounding is not larger still.
+/// Margin added to the error of a discriminant, or of b: more than all underflows together, of 2^-1075 (4A +
+/// 3|c| + 6|b| + 2), wherever A < 2^150 and rounding is not larger still.
 inline constexpr double underflow = 0x1p-900;
 
-/// Whether the square of a direction neither underflows nor takes the products with it out of the range of
+/// Tests whether the square of a direction neither underflows nor takes products with it out of the range of
 /// double.
 template <class T>
 [[nodiscard, gnu::always_inline]] inline auto in_range(const T& A) {
   return 0x1p-150 < A && A < 0x1p150;
 }
 
-/// Errors below this belong to discriminants whose products are all far from overflow.
+/// Upper limit for the error of a discriminant; below it, all products of the discriminant are far from
+/// overflow.
 inline constexpr double overflow = 0x1p900;
 
 }  // namespace detail
 
-/// A line, or several, and what their equations with all spheres have in common.
+/// Line, or several lines, with the terms that their equations with all spheres have in common.
 template <class O, class V>
 struct SphereLine {
   using T = std::remove_cvref_t<decltype(V::x)>;
@@ -68,7 +70,7 @@ struct SphereLine {
   const O& origin;
   const V& direction;
   T A;
-  T scale;  ///< of errors: 2^20 A; infinite where A is not in range, so that nothing is sure there
+  T scale;  ///< scale of errors, 2^20 A; infinite if A is not in range, so that nothing is certain
 
   [[gnu::always_inline]] SphereLine(const O& from, const V& along)
       : origin(from),
@@ -79,9 +81,8 @@ struct SphereLine {
 
 namespace detail {
 
-/// The equation in double. T is the number type: double, or the doubles of several lines or of several
-/// spheres at once, which are rounded alike. Where lines share their origin, c and w are one number: C is
-/// double then.
+/// Equation in double. T is the number type: double, or the doubles of several lines or of several spheres at
+/// once, which are rounded alike. C is double if lines share their origin, since c and w are one number then.
 template <class T, class C>
 struct RoundedSphereEquation {
   T A, b;
@@ -90,23 +91,24 @@ struct RoundedSphereEquation {
 
   [[nodiscard, gnu::always_inline]] auto surely_misses() const { return D < -E; }
 
-  /// Whether the line surely starts outside the sphere and leads away from its center, so that it has no root
-  /// above 0: the errors of b and c are as in surely_meets. Neither is a product that underflow could reach.
+  /// Returns true if the line certainly starts outside the sphere and leads away from its center, so that it
+  /// has no root above 0. The errors of b and c are those in surely_meets; underflow affects neither
+  /// comparison.
   [[nodiscard, gnu::always_inline]] auto surely_recedes() const {
     return in_range(A) && c > 0x1p-50 * w && w > 0x1p-900 && b < 0.0 && b * b > 0x1p-100 * (A * w);
   }
 
-  /// Whether the line surely meets the sphere and b and c surely have the signs that they show: the error of
-  /// c is at most 7u w, and that of b at most 4u √(A w), while c > 0 and D > 4E make |b| larger than 2^-23
-  /// √(A w). Where c < 0, the sign of b does not matter.
+  /// Returns true if the line certainly meets the sphere and b and c certainly have their computed signs: the
+  /// error of c is at most 7u w, and that of b at most 4u √(A w), while c > 0 and D > 4E make |b| larger than
+  /// 2^-24 √(A w). For c < 0, the sign of b does not matter.
   [[nodiscard, gnu::always_inline]] auto surely_meets() const {
     using std::abs;
     return D > 4 * E && abs(c) > 0x1p-18 * w;
   }
 };
 
-/// A bound on the error of D: it is below 21u A w < 2^-48 A w, underflow apart. The product is 2^20 A w, so
-/// that it is infinite before b², A c or a part of them overflows.
+/// Returns an upper bound for the error of D, which is below 21u A w < 2^-48 A w, underflow apart. The
+/// product is 2^20 A w, so it is infinite before b², A c or a part of them overflows.
 [[nodiscard, gnu::always_inline]] inline auto error_of_D(const auto& scale, const auto& w) {
   return 0x1p-68 * (scale * w) + underflow;
 }
@@ -125,18 +127,19 @@ template <class O, class V>
       .A = line.A, .b = b, .c = c, .w = w, .D = b * b - line.A * c, .E = error_of_D(line.scale, w)};
 }
 
-/// The roots of such an equation without cancellation: of b ± √D, q is the one that does not cancel. One root
-/// is q/A, and the other c/q, since their product is c/A.
+/// Roots of a RoundedSphereEquation without cancellation: q is the one of b ± √D that does not cancel. One
+/// root is q/A, and the other c/q, since their product is c/A.
 template <class T, class M>
 struct CertifiedQuotient {
   T q;
-  M certain;  ///< whether q/A and c/q are as good as Roots says
+  M certain;  ///< true if q/A and c/q are as accurate as Roots requires
 };
 
-/// For D > 4E the error of c is below 2^-32 |c|, and that of √D at most E/(1.86 √D), since the true D is at
-/// least ¾ of this one: below 2^-31.8 |q| here. |c| > 2^-18 w also makes q larger than 2^-10 √(A w), so that
-/// the error of b, 4u √(A w), is of no account. And D is that large: √D > 2^31 E/|q|, where |q| ≤ 2 √(A w)
-/// and E ≥ 2^-48 A w, hence D > 2^12 E. (With another E, as Lagrange's form has, D > 4E is to be asked for.)
+/// Returns q, and whether q/A and c/q are certified. The error of c is below 2^-32 |c| for |c| > 2^-18 w. For
+/// D > 4E the error of √D is at most E/(1.86 √D), since the true D is at least ¾ of this one: below 2^-31.8
+/// |q| here. |c| > 2^-18 w also makes |q| larger than 2^-10 √(A w), so the error of b, 4u √(A w), is
+/// negligible. D > 4E holds as well: √D > 2^31 E/|q|, where |q| ≤ 2 √(A w) and E ≥ 2^-48 A w, hence D > 2^12
+/// E. (With another E, as in Lagrange's form, D > 4E must be tested.)
 template <class T, class C>
 [[nodiscard, gnu::always_inline]] inline auto certified_quotient(const RoundedSphereEquation<T, C>& e) {
   using std::abs, std::copysign, std::sqrt;
@@ -146,10 +149,10 @@ template <class T, class C>
   return CertifiedQuotient<T, std::remove_const_t<decltype(certain)>>{q, certain};
 }
 
-/// The roots of a line that starts next to the sphere, where nothing but c cancels: with a c in
-/// double-double, its error is at most 16u² w, below 2^-32 |c| for |c| > 2^-70 w. The rest is as in
-/// certified_quotient: q is larger than 2^-9 √(A w), since |q|² ≥ √D |q| > 2^31 E, so that the errors of b
-/// and √D do not need a large c. Above 2^-900, w is no product that underflow could reach.
+/// Returns the certified roots of a line that starts next to the sphere, where nothing but c cancels; empty
+/// if in doubt. In double-double, the error of c is at most 16u² w, below 2^-32 |c| for |c| > 2^-70 w. The
+/// rest is as in certified_quotient: |q| is larger than 2^-9 √(A w), since |q|² ≥ √D |q| > 2^31 E, so the
+/// errors of b and √D do not need a large c. For w > 2^-900, underflow does not matter.
 [[nodiscard, gnu::noinline, gnu::cold]] inline std::optional<Roots> roots_next_to_sphere(
     const Point& origin, const Vec3& direction, const Point& center, double radius) {
   const auto e = rounded_sphere_equation(SphereLine(origin, direction), center, radius);
@@ -165,15 +168,15 @@ template <class T, class C>
   return roots_from(e.A, c.hi, q);
 }
 
-/// The roots where b² − A c does not tell.
+/// Returns the certified roots if b² − A c is in doubt: by Lagrange's form, a refined c, or without rounding.
 [[nodiscard, gnu::noinline, gnu::cold]] inline Roots sphere_roots_in_doubt(Point origin, Vec3 direction,
                                                                            Point center, double radius) {
   const Vec3 l = center - origin;
   const double A = dot(direction, direction), b = dot(direction, l), ll = dot(l, l), rr = radius * radius;
   if (in_range(A)) {
-    // By Lagrange's identity D = A r² − |l × d|², which does not cancel where the center is far away. A line
-    // that meets the sphere has an error here of at most 9u A r s + 15u² A s², s = |l| + r; one that does
-    // not, comes out no higher.
+    // By Lagrange's identity D = A r² − |l × d|², which does not cancel if the center is far away. For a line
+    // that meets the sphere, its error is at most 9u A r s + 15u² A s², s = |l| + r; for one that misses, the
+    // computed D is no larger than that.
     const Vec3 moment = cross(l, direction);
     const double r = std::abs(radius), size = std::sqrt(ll) + r;
     const double D = A * rr - dot(moment, moment);
@@ -192,7 +195,7 @@ template <class T, class C>
 
 }  // namespace detail
 
-/// The roots, certified.
+/// Returns the certified roots.
 [[nodiscard, gnu::always_inline]] inline Roots sphere_roots(const Point& origin, const Vec3& direction,
                                                             const Point& center, double radius) {
   const auto equation = detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius);
@@ -202,12 +205,13 @@ template <class T, class C>
   return detail::sphere_roots_in_doubt(origin, direction, center, radius);
 }
 
-/// The roots of a line whose numbers are rounded, if double tells; see certified_quotient.
+/// Returns the roots of a line whose numbers are rounded, certified; empty if double does not decide. See
+/// certified_quotient.
 ///
-/// With the sizes of RoundedLine for those of o and d, and l_size = |l| + o_size: l is off by 2u of l_size, b
-/// by 6u of d_size · l_size, c by 9u of w = l_size² + r², A by 5u of d_size² and D by 28u d_size² w, where
-/// for a line that is not rounded it is 21u. So E is large enough, and with c good to 2^-31.8 t is to
-/// 2^-30.6.
+/// With the sizes of RoundedLine for those of o and d, and l_size = |l| + o_size, the errors are: l 2u of
+/// l_size, b 6u of d_size · l_size, c 9u of w = l_size² + r², A 5u of d_size² and D 28u d_size² w, which for
+/// a line that is not rounded is 21u. Hence E is large enough, and with c accurate to 2^-31.8, t is accurate
+/// to 2^-30.6.
 [[nodiscard]] inline std::optional<Roots> rounded_sphere_roots(const RoundedLine& line, const Point& center,
                                                                double radius) {
   const Vec3 l = center - line.origin, l_size = abs(l) + line.origin_size(), d_size = line.direction_size();
@@ -221,19 +225,19 @@ template <class T, class C>
                                                         .D = b * b - A * (dot(l, l) - rr),
                                                         .E = detail::error_of_D(0x1p20 * A_size, w)};
   if (e.surely_misses()) return Roots{};
-  if (!(A > 0x1p-18 * A_size)) return std::nullopt;  // so that A is good to 2^-32
+  if (!(A > 0x1p-18 * A_size)) return std::nullopt;  // otherwise A is accurate to 2^-32
   if (const auto [q, certain] = detail::certified_quotient(e); certain) return roots_from(A, e.c, q);
   return std::nullopt;
 }
 
-/// Whether a line surely has no root above 0, by signs alone.
+/// Returns true if a line certainly has no root above 0, by signs alone.
 [[nodiscard]] inline bool sphere_surely_behind(const Point& origin, const Vec3& direction,
                                                const Point& center, double radius) {
   return detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius).surely_recedes();
 }
 
-/// The first of the roots in t > 0, if double tells which that is. Signs do, so that a sphere behind the
-/// origin costs no square root, and another one division.
+/// Returns the first root in t > 0, if double decides which one it is. Signs decide that, so a sphere behind
+/// the origin costs no square root, and another one only one division.
 [[nodiscard, gnu::always_inline]] inline FirstRoot first_sphere_root(const SphereLine<Point, Vec3>& line,
                                                                      const Point& center, double radius) {
   const auto e = detail::rounded_sphere_equation(line, center, radius);
@@ -250,8 +254,8 @@ template <class T, class C>
   return {.known = FirstRoot::Known::undecided};
 }
 
-/// The same of several lines at once, of those that are wanted. Where they start at one point outside the
-/// sphere, as those of a camera mostly do, the first root is c/q for all of them.
+/// Returns the first root in t > 0 of several lines at once, for the active lanes (wanted). If they start at
+/// one point outside the sphere, as camera rays mostly do, it is c/q for all of them.
 [[nodiscard, gnu::always_inline]] inline auto first_sphere_root_of_each(const auto& origin,
                                                                         const auto& direction,
                                                                         const Point& center, double radius,
@@ -281,9 +285,9 @@ template <class T, class C>
   return first;
 }
 
-/// The roots of several lines at once, in the order near, far, of those that are wanted: the same numbers as
-/// those of sphere_roots, where double decides. Directions are vectors of lanes; the origin is one point, or
-/// one in each lane.
+/// Returns the roots of several lines at once, in the order near, far, for the active lanes (wanted). If
+/// double decides, the numbers are the same as from sphere_roots. Directions are vectors of lanes; the origin
+/// is one point, or one in each lane.
 [[nodiscard, gnu::always_inline]] inline auto sphere_roots_of_each(const auto& origin, const auto& direction,
                                                                    const Point& center, double radius,
                                                                    const auto& wanted) {
@@ -302,7 +306,7 @@ template <class T, class C>
                              .count = 2};
   const auto [q, certain] = detail::certified_quotient(equation);
   const M meets = open && certain;
-  // b and q have one sign. Certified roots are so far apart that rounding does not change their order.
+  // b and q have the same sign. Certified roots are so far apart that rounding does not change their order.
   const auto backwards = q < 0.0;
   return RootsOfEach<T, M>{.near_over = select(backwards, q, c),
                            .near_under = select(backwards, A, q),
@@ -313,8 +317,8 @@ template <class T, class C>
                            .count = 2};
 }
 
-/// Which of several lines surely cross the sphere somewhere in t > 0, by signs alone: there is no root to
-/// work out.
+/// Returns which of several lines certainly cross the sphere in t > 0, by signs alone, without computing a
+/// root.
 [[nodiscard, gnu::always_inline]] inline auto sphere_crossed_by_each(const auto& origin,
                                                                      const auto& direction,
                                                                      const Point& center, double radius,
@@ -327,13 +331,14 @@ template <class T, class C>
                           .in_doubt = open && !sure};
 }
 
-/// Which of several lines surely cross the sphere somewhere in 0 < t < 1, likewise.
+/// Returns which of several lines certainly cross the sphere in 0 < t < 1, by signs alone, without computing
+/// a root.
 ///
-/// At t = 1 the equation has the value f = A − 2b + c and half its slope is A − b. The errors of A, b, c are
+/// At t = 1 the equation has the value f = A − 2b + c, and half its slope is A − b. The errors of A, b, c are
 /// at most 3u A, 4u √(A w) ≤ 2u (A + w) and 7u w, those of the two operations at most 4u (A + w) together, so
-/// that f and A − b are good to 15u (A + w) < 2^-49 (A + w). A line that meets the sphere is inside it
-/// between its roots: from outside, it gets there if it ends inside, or else if its nearest point to the
-/// center is on the way.
+/// f and A − b are accurate to 15u (A + w) < 2^-49 (A + w). A line that meets the sphere is inside it between
+/// its roots: from outside, it gets there if it ends inside, or else if its nearest point to the center comes
+/// before its end.
 [[nodiscard, gnu::always_inline]] inline auto sphere_crossed_by_segments(const auto& origin,
                                                                          const auto& direction,
                                                                          const Point& center, double radius,
@@ -356,8 +361,8 @@ template <class T, class C>
 
 namespace detail {
 
-/// The equation of a line that starts on the sphere, whose root is 2b/A, and whether b is good enough for it:
-/// its error is at most 4u |d||l|, hence below 2^-32 |b| where this is certain.
+/// Equation of a line that starts on the sphere, with the root 2b/A. certain: b is accurate enough for it, as
+/// its error is at most 4u |d||l|, hence below 2^-32 |b|.
 template <class T, class M>
 struct RoundedLeavingEquation {
   T A, b;
@@ -379,7 +384,7 @@ struct RoundedLeavingEquation {
 
 }  // namespace detail
 
-/// The root of a line that starts on the sphere, certified: the one that it does not come from.
+/// Returns the certified root, other than t = 0, of a line that starts on the sphere.
 [[nodiscard]] inline Roots sphere_root_leaving(const Point& origin, const Vec3& direction,
                                                const Point& center, double radius) {
   const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
@@ -387,14 +392,15 @@ struct RoundedLeavingEquation {
   return detail::exact_sphere_roots(origin, direction, center, radius, true);
 }
 
-/// Whether a line that starts on the sphere surely has no root above 0.
+/// Returns true if a line that starts on the sphere certainly has no root above 0.
 [[nodiscard]] inline bool left_sphere_surely_behind(const Point& origin, const Vec3& direction,
                                                     const Point& center, double radius) {
   const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
   return certain && b < 0;
 }
 
-/// The same of several lines at once; see sphere_roots_of_each.
+/// Returns the roots other than t = 0 of several lines that start on the sphere, for the active lanes
+/// (wanted); see sphere_roots_of_each.
 [[nodiscard, gnu::always_inline]] inline auto sphere_root_leaving_of_each(const auto& origin,
                                                                           const auto& direction,
                                                                           const Point& center, double radius,
@@ -412,8 +418,8 @@ struct RoundedLeavingEquation {
                            .count = 1};
 }
 
-/// Which of several lines that start on the sphere surely cross it somewhere in t > 0, or in 0 < t < 1: the
-/// root 2b/A has the sign of b, and is below 1 where 2b < A. Both are good to 2^-31 of themselves.
+/// Returns which of several lines that start on the sphere certainly cross it in t > 0, or in 0 < t < 1: the
+/// root 2b/A has the sign of b, and is below 1 if 2b < A. Both are accurate to 2^-31 of themselves.
 [[nodiscard, gnu::always_inline]] inline auto left_sphere_crossed_by_each(const auto& origin,
                                                                           const auto& direction,
                                                                           const Point& center, double radius,

@@ -1,19 +1,19 @@
-// Where a line crosses a triangle: exactly whether, and t as certain as Roots says.
+// Crossings of a line with a triangle: their existence is exact, and t is certified (Roots).
 //
 // A line from o along d passes the edge from p to q on the side that is the sign of
 //   side(p, q) = d · ((p − o) × (q − o)) = d · (p × q) + o · ((p − q) × d),
 // and it crosses the triangle a, b, c if it passes all three edges, one after the other along the outline, on
-// the same side. Their sum is d·n with n = (b − a) × (c − a), and the plane is crossed at t = n·(a − o) /
-// d·n.
+// the same side. The sum of the sides is d·n with n = (b − a) × (c − a), and the plane is crossed at t = n·(a
+// − o) / d·n.
 //
-// Where a side is 0, the line meets the edge or what it is a part of. The origin is then thought moved by (ε,
-// ε², ε³), with an ε > 0 that is smaller than any number (Edelsbrunner and Mücke, "Simulation of Simplicity",
-// 1990): the sign is that of the first component of (p − q) × d that is not 0. If all are, the edge is
-// parallel to the line, the triangle is seen from its edge, and no side of it counts.
+// If a side is 0, the line meets the edge or its extension. The origin is then regarded as moved by (ε, ε²,
+// ε³), with an ε > 0 that is smaller than any number (Edelsbrunner and Mücke, "Simulation of Simplicity",
+// 1990): the sign is that of the first component of (p − q) × d that is not 0. If all are 0, the edge is
+// parallel to the line, the triangle is seen edge-on, and it is not crossed.
 //
-// So side(q, p) is always −side(p, q), and a line that is aimed at an edge that two triangles share, or at a
-// vertex of many, passes them as a line next to it does: through one of them, and not through two. Double
-// decides nearly always; where its error bound does not allow that, a side is evaluated without rounding.
+// Hence side(q, p) is always −side(p, q), and a line aimed at an edge that two triangles share, or at a
+// vertex of many, passes them like a line next to it: through one of them, and not through two. Double nearly
+// always decides; if its error bound does not allow it, a side is evaluated without rounding.
 // docs/numerics.md derives the bounds.
 #pragma once
 
@@ -30,12 +30,12 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// The side on which a line passes the edge from p to q: 1 or -1, or 0 where it is parallel to the edge;
-/// empty where rounded numbers leave it open. The edge from q to p is passed on the other side.
+/// Returns the side on which a line passes the edge from p to q: 1 or -1, or 0 if it is parallel to the edge;
+/// empty if rounded numbers do not decide. The edge from q to p is passed on the other side.
 template <class T>
 [[nodiscard]] std::optional<int> side_of_edge(const LineOf<T>& line, const Point& p, const Point& q) {
-  // With P = weight · p − origin and Q likewise, d · (P × Q) = weight (q − p) · (d × P), as P drops out of
-  // Q = weight (q − p) + P.
+  // With P = weight · p − origin and Q = weight · q − origin, d · (P × Q) = weight (q − p) · (d × P), as P
+  // drops out of Q = weight (q − p) + P.
   const VectorOf<T> along = vector_of<T>(q) - vector_of<T>(p), &d = line.direction;
   const auto side = sign_of(dot(along, cross(d, line.weight * given<T>(p) - line.origin)));
   if (!side || *side != 0) return side;
@@ -45,31 +45,31 @@ template <class T>
   return 0;
 }
 
-/// Both parts of t in double, the sides by which the line passes the edges, and what is certain: that it
-/// misses the triangle, that it crosses it, and that t is good enough.
+/// Numerator and denominator of t and the sides of the edges, in double. misses and crosses: the line
+/// certainly misses or crosses the triangle; certain: t is accurate enough.
 template <class T, class M>
 struct RoundedTriangleEquation {
   T height, slope;
-  T ab, bc, ca, error;  ///< the sides; in range, each is off by less than the error
+  T ab, bc, ca, error;  ///< sides; in_range: each has an error below error
   M in_range, misses, crosses, certain;
 };
 
-/// With the edges u = b − a and v = c − a, w = a − o and m = w × d,
+/// Evaluates the equation in double. With the edges u = b − a and v = c − a, w = a − o and m = w × d,
 ///   side(a, b) = −u·m,   side(c, a) = v·m,   side(b, c) = n·d − side(a, b) − side(c, a).
-/// In units of 2^-53, and U, V, W, D being the sums of the sizes of the components of u, v, w and d:
+/// In units of 2^-53, and U, V, W, D being the sums of the magnitudes of the components of u, v, w and d:
 ///
 /// - side(a, b) and side(c, a) have errors of at most 7 of U W D and V W D, n·d has 7 of U V D, and side(b,
 ///   c) at most 9 of all three. E is 16 of these.
-/// - n·w and n·d have at most 8 and 7 of the sums of the sizes of their terms. Above 2^-18 of these sums, t
-///   is good to 2^-31.
+/// - n·w and n·d have at most 8 and 7 of the sums of the magnitudes of their terms. Above 2^-18 of these
+///   sums, t is accurate to 2^-31.
 ///
-/// In the range given, what underflows adds nothing to speak of, and nothing overflows.
+/// In the given range, underflow is negligible and nothing overflows.
 ///
-/// Where the numbers of the line are off by errors e of the origin and f of the direction, on each axis, the
-/// slacks are 2^50 of these and are added to the sizes of the components of w and d. Such a line has a side
-/// (p, q) that differs by at most e |q − p|₁ D and f |q − p|₁ W, which E then exceeds sixfold, an n·w that
-/// differs by e of the sizes of the components of n, and an n·d that differs by f of them: 2^-32 of itself
-/// where they are above 2^-18 of these sums. So t is good to 2^-30.
+/// If the numbers of the line have errors e of the origin and f of the direction, on each axis, the slacks
+/// are 2^50 of these and are added to the magnitudes of the components of w and d. Such a line has a side (p,
+/// q) that differs by at most e |q − p|₁ D and f |q − p|₁ W, which E then exceeds sixfold, an n·w that
+/// differs by e of the magnitudes of the components of n, and an n·d that differs by f of them: 2^-32 of
+/// itself if above 2^-18 of these sums. Hence t is accurate to 2^-30.
 [[nodiscard, gnu::always_inline]] inline auto rounded_triangle_equation(const auto& origin,
                                                                         const auto& direction, const auto& a,
                                                                         const auto& b, const auto& c,
@@ -93,7 +93,7 @@ struct RoundedTriangleEquation {
 
   const auto n = cross(u, v), p = abs(u), q = abs(v);
   const std::remove_const_t<decltype(n)> terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z,
-                                               p.x * q.y + p.y * q.x};  // of n
+                                               p.x * q.y + p.y * q.x};  // terms of n
   const auto height = dot(n, w);
   const auto slope = dot(n, direction);
   const auto heights = dot(terms, w_sizes);
@@ -109,10 +109,10 @@ struct RoundedTriangleEquation {
       height, slope, ab, bc, ca, E, in_range, misses, crosses, certain};
 }
 
-/// The slack of a line whose numbers are off by at most an error.
+/// Returns the slack of a line whose numbers have errors of at most error.
 [[nodiscard]] inline double slack_for(double error) { return 0x1p50 * error; }
 
-/// That of a line whose numbers are exact.
+/// Slack of a line whose numbers are exact.
 struct NoSlack {
   template <class T>
   friend T operator+(const T& size, NoSlack) {
@@ -126,7 +126,7 @@ struct NoSlack {
   return rounded_triangle_equation(origin, direction, a, b, c, NoSlack{}, NoSlack{});
 }
 
-/// Whether a line crosses the triangle, where double may not decide; exact_line() is the line.
+/// Tests whether a line crosses the triangle, if double may not decide; exact_line() returns the exact line.
 [[nodiscard, gnu::cold, gnu::noinline]] inline bool crosses_triangle_in_doubt(
     const RoundedTriangleEquation<double, bool>& e, const Point& a, const Point& b, const Point& c,
     const auto& exact_line) {
@@ -140,7 +140,7 @@ struct NoSlack {
 
 }  // namespace detail
 
-/// The equation of the triangle's plane, in numbers of type T.
+/// Returns the equation of the triangle's plane, in numbers of type T.
 template <class T>
 [[nodiscard]] LinearEquation<T> triangle_plane_equation(const LineOf<T>& line, const Point& a, const Point& b,
                                                         const Point& c) {
@@ -148,7 +148,7 @@ template <class T>
   return {.height = dot(n, line.weight * given<T>(a) - line.origin), .slope = dot(n, line.direction)};
 }
 
-/// The equation of the triangle.
+/// Returns the equation of the triangle, in numbers of type T.
 template <class T>
 [[nodiscard]] LinearEquation<T> triangle_equation(const LineOf<T>& line, const Point& a, const Point& b,
                                                   const Point& c) {
@@ -165,7 +165,7 @@ template <class T>
 
 namespace detail {
 
-/// The root where double does not decide. Numbers that are not finite cross nothing.
+/// Returns the root, for lines that double does not decide. If a number is not finite, there is none.
 [[nodiscard, gnu::noinline, gnu::cold]] inline Roots triangle_roots_in_doubt(
     const RoundedTriangleEquation<double, bool>& e, const Point& origin, const Vec3& direction,
     const Point& a, const Point& b, const Point& c) {
@@ -180,7 +180,7 @@ namespace detail {
 
 }  // namespace detail
 
-/// The root, certified.
+/// Returns the certified root.
 [[nodiscard, gnu::always_inline]] inline Roots triangle_roots(const Point& origin, const Vec3& direction,
                                                               const Point& a, const Point& b,
                                                               const Point& c) {
@@ -190,7 +190,7 @@ namespace detail {
   return detail::triangle_roots_in_doubt(e, origin, direction, a, b, c);
 }
 
-/// The roots of several lines at once; see sphere_roots_of_each.
+/// Returns the roots of several lines at once, for the active lanes (wanted); see sphere_roots_of_each.
 [[nodiscard, gnu::always_inline]] inline auto triangle_roots_of_each(const auto& origin,
                                                                      const auto& direction, const Point& a,
                                                                      const Point& b, const Point& c,

@@ -1,9 +1,9 @@
 // Angles that are the same on every machine: sine, cosine and tangent of degrees, arc tangent and arc cosine.
 //
-// The functions of one C library differ from the next one's in their last bits. Here nothing is used but what
-// IEEE 754 rounds correctly, in double-double, so that a result is off by hardly more than its own rounding:
-// below 0.51 units in its last place. The names are not those of <cmath>, with which a program that says
-// `using namespace protostar` would mix them up. u = 2^-53.
+// The functions of C libraries differ in their last bits. This file uses only operations that IEEE 754 rounds
+// correctly, in double-double, so that a result has hardly more error than its own rounding: below 0.51 units
+// in its last place. The names are not those of <cmath>, with which a program that says `using namespace
+// protostar` would mix them up. u = 2^-53.
 #pragma once
 
 #include <algorithm>
@@ -22,9 +22,9 @@ namespace detail {
 
 inline constexpr DoubleDouble pi{0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
 
-/// 1 − s/((n+1)(n+2)) + s²/((n+1)(n+2)(n+3)(n+4)) − …, which with s = θ² is cos θ for n = 0 and sin θ / θ for
-/// n = 1. For |θ| ≤ π/4 the first term left out, s¹¹/22! or less, is below 2^-77; the roundings, of which
-/// each step shrinks those before it, stay below 2^-100.
+/// Returns 1 − s/((n+1)(n+2)) + s²/((n+1)(n+2)(n+3)(n+4)) − …, which with s = θ² is cos θ for n = 0 and sin θ
+/// / θ for n = 1. For |θ| ≤ π/4 the first term left out, s¹¹/22! or less, is below 2^-77; the roundings, of
+/// which each step shrinks the earlier ones, stay below 2^-100.
 [[nodiscard]] inline DoubleDouble alternating_series(DoubleDouble s, int n) {
   DoubleDouble sum = 1;
   for (int k = n + 20; k > n; k -= 2) sum = DoubleDouble(1) - sum * s / DoubleDouble(k * (k - 1));
@@ -35,10 +35,11 @@ struct SineAndCosine {
   DoubleDouble sine, cosine;
 };
 
-/// Each with a relative error below 2^-75; exact where it is 0, 1 or −1.
+/// Returns sine and cosine, each with a relative error below 2^-75; exact if it is 0, 1 or −1. Both are NaN
+/// if degrees is not finite.
 [[nodiscard]] inline SineAndCosine sine_and_cosine_of_degrees(double degrees) {
   if (!std::isfinite(degrees)) return {degrees - degrees, degrees - degrees};
-  // Whole and quarter turns are taken off exactly: what is left has no more digits than there were.
+  // Whole and quarter turns are taken off exactly: the rest has no more digits than degrees.
   const double turned = std::remainder(degrees, 360);
   const double quarters = std::round(turned / 90);
   const DoubleDouble angle = DoubleDouble(turned - 90 * quarters) * pi / DoubleDouble(180);
@@ -56,8 +57,8 @@ struct SineAndCosine {
   }
 }
 
-/// arctan z = z − z³/3 + z⁵/5 − … in double-double for |z| ≤ 1/8: the first term left out is below 2^-116 of
-/// it.
+/// Returns arctan z = z − z³/3 + z⁵/5 − … in double-double for |z| ≤ 1/8: the first term left out is below
+/// 2^-116 of it.
 [[nodiscard]] inline DoubleDouble arc_tangent_series(DoubleDouble z) {
   const DoubleDouble s = z * z;
   DoubleDouble sum;
@@ -65,7 +66,7 @@ struct SineAndCosine {
   return z * sum;
 }
 
-/// arctan(k/8) for k from 0 to 8, each from the one before:
+/// Returns arctan(k/8) for k from 0 to 8, each from the one before:
 ///   arctan a − arctan b = arctan((a − b)/(1 + a b)),   here of (1/8)/(1 + k(k − 1)/64).
 [[nodiscard]] inline const DoubleDouble& arc_tangent_of_eighths(int k) {
   static const auto table = [] {
@@ -78,13 +79,13 @@ struct SineAndCosine {
   return table[static_cast<std::size_t>(k)];
 }
 
-/// The angle between the x axis and (x, y) ≠ 0, of the sign of y, with a relative error below 2^-60. Its
-/// numbers have to be of about 1, or 0: products of theirs must not underflow.
+/// Returns the angle between the x axis and (x, y) ≠ 0, with the sign of y and a relative error below 2^-60.
+/// Its numbers must be about 1, or 0: their products must not underflow.
 ///
 /// In the eighth of the plane between the x axis and the diagonal it is arctan(k/8) for the k/8 next to y/x,
-/// and by the same formula as above the arctan of z = (y − x k/8)/(x + y k/8), |z| ≤ 1/16. Of its series,
-/// what follows the 1 in z (1 − z²/3 + …) is below 2^-9.5, so that 3u of that, for its evaluation in double,
-/// is 2^-61; the series up to z¹⁴/15 lacks less than 2^-68. All else is double-double.
+/// plus, by the formula of arc_tangent_of_eighths, the arctan of z = (y − x k/8)/(x + y k/8), |z| ≤ 1/16. In
+/// its series z (1 − z²/3 + …), the terms after the 1 are below 2^-9.5, and their evaluation in double has an
+/// error of 4u of that, 2^-60.5; the series up to z¹⁴/15 lacks less than 2^-68. All else is double-double.
 [[nodiscard]] inline DoubleDouble angle_of(DoubleDouble y, DoubleDouble x) {
   DoubleDouble low = abs(y), high = abs(x);
   const bool is_steep = low.hi > high.hi;
@@ -103,27 +104,27 @@ struct SineAndCosine {
 
 }  // namespace detail
 
-/// The sine of an angle in degrees; NaN where that is not finite.
+/// Returns the sine of an angle in degrees; NaN if the angle is not finite.
 [[nodiscard]] inline double sine_of_degrees(double degrees) {
   return static_cast<double>(detail::sine_and_cosine_of_degrees(degrees).sine);
 }
 
-/// The cosine of an angle in degrees; NaN where that is not finite.
+/// Returns the cosine of an angle in degrees; NaN if the angle is not finite.
 [[nodiscard]] inline double cosine_of_degrees(double degrees) {
   return static_cast<double>(detail::sine_and_cosine_of_degrees(degrees).cosine);
 }
 
-/// The tangent of an angle in degrees: 1 for 45, infinite for 90, NaN where the angle is not finite. (For 45
-/// sine and cosine agree to 2^-74, and no double but 1 is so near to their quotient.)
+/// Returns the tangent of an angle in degrees: 1 for 45, infinite for 90, NaN if the angle is not finite.
+/// (For 45, sine and cosine agree to 2^-74, and no double but 1 is so near to their quotient.)
 [[nodiscard]] inline double tangent_of_degrees(double degrees) {
   const auto [sine, cosine] = detail::sine_and_cosine_of_degrees(degrees);
   if (cosine.hi == 0) return std::copysign(std::numeric_limits<double>::infinity(), sine.hi);
   return static_cast<double>(sine / cosine);
 }
 
-/// The angle from the x axis to (x, y), in radians: the arc tangent of y/x where x > 0, and from −π to π
-/// everywhere, with the sign of y. Of (0, 0) it is 0, or ±π if the x is a negative zero; NaN where a number
-/// is not finite. Angles below 2^-900 are good to 2^-950 only.
+/// Returns the angle from the x axis to (x, y), in radians from −π to π, with the sign of y; for x > 0, the
+/// arc tangent of y/x. For (0, 0) it is 0, or ±π if x is a negative zero; NaN if a number is not finite.
+/// Angles below 2^-900 are only accurate to 2^-950.
 [[nodiscard]] inline double arc_tangent(double y, double x) {
   if (!std::isfinite(x) || !std::isfinite(y)) return std::numeric_limits<double>::quiet_NaN();
   if (x == 0 && y == 0) return std::copysign(std::signbit(x) ? detail::pi.hi : 0, y);
@@ -131,8 +132,8 @@ struct SineAndCosine {
   return static_cast<double>(detail::angle_of(std::ldexp(y, -exponent), std::ldexp(x, -exponent)));
 }
 
-/// The angle in [0, π], in radians, whose cosine is x. Beyond ±1, where rounding takes the parts of a unit
-/// vector now and then, it is that of ±1.
+/// Returns the angle in [0, π], in radians, whose cosine is x. For x beyond ±1, which rounding now and then
+/// gives to components of a unit vector, it is that of ±1.
 [[nodiscard]] inline double arc_cosine(double x) {
   if (std::isnan(x)) return x;
   const double cosine = std::clamp(x, -1.0, 1.0);

@@ -1,5 +1,4 @@
-// Vectors of numbers of any type: without rounding (ExactNumber), or with a bound of their error
-// (RoundedNumber).
+// Vectors of numbers of any type: without rounding (ExactNumber), or with an error bound (RoundedNumber).
 #pragma once
 
 #include <array>
@@ -13,7 +12,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 template <class T>
 using VectorOf = std::array<T, 3>;
 
-/// A vector without rounding.
+/// Vector without rounding.
 using ExactVector = VectorOf<ExactNumber>;
 
 template <class T>
@@ -21,7 +20,7 @@ template <class T>
   return {T(v.x), T(v.y), T(v.z)};
 }
 
-// Where two types of numbers meet, one of them is double, which is exact (RoundedNumber).
+// If an operation mixes two types of numbers, one of them is double, which is exact (RoundedNumber).
 
 template <class T>
 [[nodiscard]] VectorOf<T> operator+(const VectorOf<T>& a, const VectorOf<T>& b) {
