@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 /// of docs/architecture.md.
 const std::vector<std::vector<std::string>> layers = {
     {"platform.hpp", "version.hpp"},
-    {"stop_token.hpp"},
+    {"bit_cast.hpp", "stop_token.hpp"},
     {"vec3.hpp", "interval.hpp", "render_options.hpp", "shown.hpp", "system_file.hpp",
      "accel/large_pages.hpp", "accel/simd.hpp"},
     {"bounds.hpp", "magnitude.hpp", "parallel.hpp", "numeric/double_double.hpp"},

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "bit_cast.hpp"
 #include "numeric/power.hpp"
 #include "vec3.hpp"
 
@@ -123,7 +123,7 @@ class Encoder {
     std::uint16_t below;   ///< number of thresholds below the bin
     std::uint16_t inside;  ///< number of thresholds inside the bin
   };
-  static std::size_t bin_of(float light) { return std::bit_cast<std::uint32_t>(light) >> 16; }
+  static std::size_t bin_of(float light) { return detail::bit_cast<std::uint32_t>(light) >> 16; }
 
   /// Returns the code of a float in a bin by bisection, with conditional additions: a branch would be
   /// mispredicted half of the time.

@@ -1,6 +1,17 @@
-// Makes text from elsewhere, such as the name of a file, safe to show in a message.
+// Makes text from elsewhere, such as the name of a file, safe to show in a message; and numbers readable
+// there.
 #pragma once
 
+#include <version>
+
+#if defined(__cpp_lib_to_chars)
+#include <charconv>
+#else
+#include <cstdio>
+#include <cstdlib>
+#endif
+
+#include <array>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -58,6 +69,20 @@ inline std::string shown(std::string_view text) {
     text.remove_prefix(size == 0 ? 1 : size);
   }
   return result;
+}
+
+/// Returns a number with so many digits that no other double reads the same, such as 0.1.
+[[nodiscard]] inline std::string shown(double number) {
+  std::array<char, 32> digits{};  // -2.2250738585072014e-308, as long as any, has 24
+#if defined(__cpp_lib_to_chars)
+  std::to_chars(digits.data(), digits.data() + digits.size(), number);
+#else  // libc++ 14; 17 digits tell all doubles apart
+  for (int count = 1; count <= 17; ++count) {
+    std::snprintf(digits.data(), digits.size(), "%.*g", count, number);
+    if (std::strtod(digits.data(), nullptr) == number) break;
+  }
+#endif
+  return digits.data();
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

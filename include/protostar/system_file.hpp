@@ -17,7 +17,8 @@
 #include "platform.hpp"
 
 // A program may define PROTOSTAR_STANDARD_FILES, in all of its translation units, to do without POSIX.
-#if !defined(PROTOSTAR_STANDARD_FILES) && !defined(_WIN32) && __has_include(<dirent.h>) && \
+#if !defined(PROTOSTAR_STANDARD_FILES) && !defined(_WIN32) && !defined(__EMSCRIPTEN__) && \
+    __has_include(<dirent.h>) && \
     __has_include(<fcntl.h>) && __has_include(<poll.h>) && __has_include(<sys/file.h>) && \
     __has_include(<sys/stat.h>) && __has_include(<unistd.h>)
 #define PROTOSTAR_POSIX_FILES

@@ -5,12 +5,12 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 
+#include "../bit_cast.hpp"
 #include "../bounds.hpp"
 #include "../interval.hpp"
 #include "../ray.hpp"
@@ -148,7 +148,7 @@ struct Slabs {
     // instruction that it does not recognize ("internal compiler error: in extract_insn") unless it compiles
     // for AVX-512.
     for (int axis = 0; axis < 3; ++axis)
-      nearer[axis] = static_cast<int>(std::bit_cast<std::uint32_t>(ray.direction[axis]) >> 31);
+      nearer[axis] = static_cast<int>(protostar::detail::bit_cast<std::uint32_t>(ray.direction[axis]) >> 31);
   }
 };
 

@@ -7,12 +7,12 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 
+#include "../bit_cast.hpp"
 #include "../vec3.hpp"
 #include "double_double.hpp"
 #include "roots.hpp"
@@ -57,7 +57,7 @@ namespace detail {
   const ExactNumber::Approximation n = N.approximation(), m = M.approximation();
   const double q = std::ldexp(static_cast<double>(n.value / m.value), n.exponent - m.exponent);
   if (!std::isfinite(q)) return q;
-  const bool is_even = (std::bit_cast<std::uint64_t>(q) & 1) == 0;
+  const bool is_even = (detail::bit_cast<std::uint64_t>(q) & 1) == 0;
   for (const int side : {-1, 1}) {
     const double neighbor = std::nextafter(q, side * infinity);
     // N/M relative to the middle: on the neighbor's side (1), in it (0), or on the side of q (-1).

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
 
+#include "../bit_cast.hpp"
 #include "../vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -19,7 +19,7 @@ namespace protostar::inline PROTOSTAR_ABI {
   if (largest == 0) return -2000;
   // Read from the bits of the double, if it is neither denormal nor infinite.
   if (0x1p-1000 < largest && largest < 0x1p1023)
-    return static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52) - 1022;
+    return static_cast<int>(detail::bit_cast<std::uint64_t>(largest) >> 52) - 1022;
   int exponent = 0;
   std::frexp(largest, &exponent);
   return exponent;
@@ -28,7 +28,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Returns v · 2^exponent.
 [[nodiscard]] inline Vec3 scaled(const Vec3& v, int exponent) {
   if (-1000 < exponent && exponent < 1000)  // the power of two, built from its bits
-    return v * std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
+    return v * detail::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
   return {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
 }
 

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -12,6 +10,7 @@
 
 #include "../magnitude.hpp"
 #include "../numeric/box_roots.hpp"
+#include "../shown.hpp"
 #include "../surface.hpp"
 #include "../transformed_ray.hpp"
 
@@ -106,9 +105,7 @@ struct Box {
  private:
   /// Formats as in "min.x = 0.1", with enough digits to tell the number from any other double.
   [[nodiscard]] static std::string coordinate(const std::string& name, const Point& point, int axis) {
-    std::array<char, 32> digits{};  // the longest, -2.2250738585072014e-308, has 24
-    std::to_chars(digits.data(), digits.data() + digits.size(), point[axis]);
-    return name + '.' + "xyz"[axis] + " = " + digits.data();
+    return name + '.' + "xyz"[axis] + " = " + shown(point[axis]);
   }
 
   [[nodiscard]] static Vec3 outwards(BoxFace face) {
