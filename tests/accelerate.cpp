@@ -22,8 +22,8 @@ using namespace protostar;
 
 namespace {
 
-/// A box as a user writes it: what is met first, a normal, and bounds that are wider than it by far more than
-/// double rounds.
+/// A box as a user may write it: intersect, normal_at, and bounds that exceed the box by far more than
+/// rounding.
 struct Cube {
   Point center{0};
   double half = 1;
@@ -48,7 +48,7 @@ struct Cube {
 };
 static_assert(SurfaceWithBounds<Cube> && !SurfaceWithBounds<Cylinder>);
 
-/// A cube that may be told to know no better box.
+/// A cube whose bounds are another cube, of half-width reach around the coordinate origin.
 struct LooseCube : Cube {
   double reach = 2;
   Bounds bounds() const { return {Point{-reach}, Point{reach}}; }
@@ -56,7 +56,8 @@ struct LooseCube : Cube {
 
 std::uint64_t bits_of(double x) { return std::bit_cast<std::uint64_t>(x); }
 
-/// What a scene answers to a ray, as numbers that are equal only if all bits are; colors tell surfaces apart.
+/// Returns a scene's answers to a ray: closest hit, any hit and all hits, as integers that are equal only if
+/// all bits are. Colors identify the surfaces.
 std::vector<std::uint64_t> answers(const Traceable auto& scene, const Ray& ray, Interval range) {
   std::vector<std::uint64_t> all;
   const auto add = [&](const Intersection& hit) {
@@ -69,7 +70,8 @@ std::vector<std::uint64_t> answers(const Traceable auto& scene, const Ray& ray, 
   return all;
 }
 
-/// Rays in and around a scene, those that its hits leave, and with ranges; returns how many of them hit.
+/// Checks that the accelerated scene answers as the plain one for random rays, with and without ranges, and
+/// for rays that leave their hits. Returns the number of rays that hit.
 template <Surface... S>
 int compare(const Scene<S...>& plain, Random& random, const Point& around, double size, int rays) {
   const auto fast = accelerate(plain, {.threads = 1});
@@ -99,7 +101,7 @@ int compare(const Scene<S...>& plain, Random& random, const Point& around, doubl
   return hits;
 }
 
-/// A color by which a surface is recognized.
+/// Returns a color that identifies surface i.
 Color number(int i) { return Color{static_cast<float>(i)}; }
 
 }  // namespace
@@ -181,7 +183,7 @@ TEST_CASE("rays through points of tangency and along axes get the plain scene's 
       }
 }
 
-TEST_CASE("surfaces of several types, with and without bounds, are met as in the plain scene") {
+TEST_CASE("surfaces of several types, with and without bounds, are hit as in the plain scene") {
   Random random(5);
   Scene<Plane, Sphere, Cylinder, Cube, AnySurface> scene;
   for (int i = 0; i < 30; ++i) {
@@ -203,7 +205,7 @@ TEST_CASE("surfaces of several types, with and without bounds, are met as in the
   CHECK(compare(scene, random, Point{0}, 1.5, 300) > 100);
 }
 
-TEST_CASE("of crossings at equal t the earlier surface's is the first, wherever they stand in the tree") {
+TEST_CASE("at equal t the closest hit is that of the scene's earlier surface, wherever it is in the tree") {
   Scene<AnySurface, Sphere> scene;
   for (int i = 0; i < 50; ++i) scene.add(Sphere{Point{0}, i % 2 ? 1.0 : -1.0}, number(i));
   for (int i = 0; i < 50; ++i) scene.add(Sphere{Point(3, i % 7, 0), 0.5}, number(100 + i));
@@ -214,7 +216,7 @@ TEST_CASE("of crossings at equal t the earlier surface's is the first, wherever 
   CHECK(color({{0, 0, -3}, {0, 0, 1}}) == 200);
 }
 
-TEST_CASE("a ray whose origin is not where its departure says gets the plain scene's answers") {
+TEST_CASE("a ray whose origin is off the surface of its departure gets the plain scene's answers") {
   const int count = GENERATE(3, 8, 9, 100);
   Random random(9);
   Scene<Sphere> scene;
@@ -226,7 +228,7 @@ TEST_CASE("a ray whose origin is not where its departure says gets the plain sce
   const auto fast = accelerate(scene);
   for (int i = 0; i < 2000; ++i) {
     const Sphere& sphere = spheres[random.bits() % spheres.size()];
-    // A little off the sphere, on either side, and in any direction; now and then far off.
+    // The origin is a little off the sphere, on either side, or sometimes far off; any direction.
     const double off = 1 + std::exp2(random.real(-50, i % 10 != 1 ? -20 : 1)) * (i % 2 ? 1 : -0.1);
     const Vec3 normal = random.direction();
     const Ray ray{sphere.center + (off * sphere.radius) * normal,
@@ -265,7 +267,7 @@ TEST_CASE("rays that start next to a sphere, or end there, get the plain scene's
   CHECK(free > 1000);
 }
 
-TEST_CASE("rays that float cannot hold get the plain scene's answers") {
+TEST_CASE("rays that float cannot represent get the plain scene's answers") {
   const int count = GENERATE(5, 50);
   Random random(13);
   Scene<Sphere, Cube> scene;
@@ -283,7 +285,7 @@ TEST_CASE("rays that float cannot hold get the plain scene's answers") {
       CHECK(answers(fast, ray, range) == answers(scene, ray, range));
 }
 
-TEST_CASE("surfaces whose bounds overflow, or nearly do, are met as in the plain scene, and none twice") {
+TEST_CASE("surfaces whose bounds overflow, or nearly do, are hit as in the plain scene, and none twice") {
   Random random(16);
   Scene<Sphere, LooseCube> scene;
   int i = 0;
@@ -294,7 +296,7 @@ TEST_CASE("surfaces whose bounds overflow, or nearly do, are met as in the plain
   CHECK(compare(scene, random, Point{0}, 1.5, 40) > 100);
 }
 
-TEST_CASE("behind a ray's origin, small and far spheres are met as in the plain scene") {
+TEST_CASE("small and distant spheres behind a ray's origin are hit as in the plain scene") {
   Random random(17);
   Scene<Sphere> scene;
   std::vector<Sphere> spheres;
@@ -321,16 +323,16 @@ TEST_CASE("behind a ray's origin, small and far spheres are met as in the plain 
   CHECK(hits > 10000);
 }
 
-TEST_CASE("the tree of many surfaces is built by as many threads as the options say") {
+TEST_CASE("accelerate refuses a negative number of threads for many surfaces and for none") {
   Scene<Sphere> scene;
   for (int i = 0; i < 10000; ++i) scene.add(Sphere{.center = Point(i), .radius = 1}, Color{1});
-  CHECK_NOTHROW(accelerate(scene, {.samples = -1, .threads = 2}));  // which it has no use for
+  CHECK_NOTHROW(accelerate(scene, {.samples = -1, .threads = 2}));  // accelerate takes no samples
   CHECK_THROWS_AS(accelerate(scene, {.threads = -1}), std::invalid_argument);
-  const Scene<Sphere, Plane> few;  // which one thread is enough for
+  const Scene<Sphere, Plane> few;  // built by one thread in any case
   CHECK_THROWS_AS(accelerate(few, {.threads = -1}), std::invalid_argument);
 }
 
-TEST_CASE("an accelerated scene refuses to answer for a scene whose surfaces have become more or fewer") {
+TEST_CASE("an accelerated scene refuses to answer if surfaces were added to its scene or removed") {
   Scene<Sphere, Cylinder> scene;
   scene.add(Sphere{.center = {0, 0, 5}, .radius = 1}, Color{1});
   const auto fast = accelerate(scene);
@@ -369,11 +371,11 @@ TEST_CASE("an accelerated scene refuses to answer for a scene whose surfaces hav
 
   scene = {};
   refuses("the scene had 1, 0 surfaces of its types when it was accelerated, and now has 0, 0");
-  scene.add(Cylinder{}, Color{1});  // as many, of another type
+  scene.add(Cylinder{}, Color{1});  // as many surfaces, of another type
   refuses("the scene had 1, 0 surfaces of its types when it was accelerated, and now has 0, 1");
 }
 
-TEST_CASE("an empty scene, accelerated, is a miss and dark") {
+TEST_CASE("an empty accelerated scene has no hits and occludes nothing") {
   const Scene<Sphere, Plane> scene;
   const auto fast = accelerate(scene);
   CHECK_FALSE(fast.intersect(Ray{}));

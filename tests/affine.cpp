@@ -11,7 +11,7 @@ using namespace protostar;
 
 namespace {
 
-/// A whole number in [-size, size].
+/// Returns a random whole number in [-size, size].
 double whole(Random& random, int size) {
   return static_cast<double>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
 }
@@ -22,7 +22,7 @@ Vec3 whole_vector(Random& random, int size) {
 
 }  // namespace
 
-TEST_CASE("an affine map says where the axes and the coordinate origin go") {
+TEST_CASE("an affine map is given by the images of the axes and of the coordinate origin") {
   const Affine map{{0, 2, 0}, {-3, 0, 0}, {1, 0, 1}, {10, 20, 30}};
   CHECK(map.point({0, 0, 0}) == Point{10, 20, 30});
   CHECK(map.point({1, 0, 0}) == Point{10, 22, 30});
@@ -31,7 +31,7 @@ TEST_CASE("an affine map says where the axes and the coordinate origin go") {
   CHECK(Affine{}.point({1, 2, 3}) == Point{1, 2, 3});
 }
 
-TEST_CASE("one map follows the other in the order in which they are written") {
+TEST_CASE("affine maps are applied in the order in which they are written") {
   CHECK(Affine{}.scaled_by({2, 3, 4}).moved_by({1, 1, 1}).point({1, 1, 1}) == Point{3, 4, 5});
   CHECK(Affine{}.moved_by({1, 1, 1}).scaled_by({2, 3, 4}).point({1, 1, 1}) == Point{4, 6, 8});
   CHECK(Affine{}.scaled_by({2, 1, 1}).rotated_about({0, 0, 5}, 90).point({1, 0, 0}) == Point{0, 2, 0});
@@ -53,7 +53,7 @@ TEST_CASE("a rotation by 90 degrees takes x to y, y to z and z to x, each about 
   }
 }
 
-TEST_CASE("the inverse of whole numbers is their cofactors over the determinant, each rounded once") {
+TEST_CASE("the inverse of a map of whole numbers is its cofactors over the determinant, each rounded once") {
   Random random(62);
   int singular = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -79,20 +79,20 @@ TEST_CASE("the inverse of whole numbers is their cofactors over the determinant,
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a map that takes space to a plane has no way back, however little is missing") {
+TEST_CASE("a singular map has no inverse, and a nearly singular one has") {
   const double almost = 1 - 0x1p-53;
   CHECK(AffineInverse(Affine{{1, 1, 0}, {1, almost, 0}, {0, 0, 1}}).exists());
   CHECK_FALSE(AffineInverse(Affine{{1, 1, 0}, {almost, almost, 0}, {0, 0, 1}}).exists());
   CHECK_FALSE(AffineInverse(Affine{}.scaled_by({1, 0, 1})).exists());
   CHECK(AffineInverse(Affine{}.scaled_by({0x1p1000, 0x1p-1000, 1})).exists());
-  CHECK_FALSE(AffineInverse(Affine{}.scaled_by({1, 0x1p-1070, 1})).exists());  // by way of infinity
+  CHECK_FALSE(AffineInverse(Affine{}.scaled_by({1, 0x1p-1070, 1})).exists());  // its inverse overflows
   for (const double bad : {infinity, std::nan("")}) {
     CHECK_FALSE(AffineInverse(Affine{}.scaled_by({1, bad, 1})).exists());
     CHECK_FALSE(AffineInverse(Affine{}.moved_by({bad, 0, 0})).exists());
   }
 }
 
-TEST_CASE("points and vectors come back to where they came from") {
+TEST_CASE("the inverse of an affine map takes points and vectors back") {
   Random random(63);
   double worst = 0;
   for (int i = 0; i < 5000; ++i) {
@@ -108,7 +108,7 @@ TEST_CASE("points and vectors come back to where they came from") {
   CHECK(worst < 5e-14);
 }
 
-TEST_CASE("a mapped normal is orthogonal to what was orthogonal to it") {
+TEST_CASE("a mapped normal is orthogonal to the mapped tangent vectors") {
   Random random(64);
   double worst = 0;
   for (int i = 0; i < 5000; ++i) {

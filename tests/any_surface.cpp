@@ -31,7 +31,7 @@ struct CountsCopies {
 };
 }  // namespace
 
-TEST_CASE("any surface answers as the surface that it holds") {
+TEST_CASE("AnySurface answers as the surface that it holds") {
   const Sphere sphere{.center = {0, 0, 3}, .radius = -2};
   const AnySurface any = sphere;
   CHECK(any.intersect(along_z) == sphere.intersect(along_z));
@@ -45,10 +45,10 @@ TEST_CASE("any surface answers as the surface that it holds") {
   list.clear();
   any.each_crossing({{0, 2, 0}, {0, 0, 1}}, {},
                     [&](const Crossing& crossing) { list.push_back(crossing.t); });
-  CHECK(list == std::vector<double>{3, 3});  // touching: twice
+  CHECK(list == std::vector<double>{3, 3});  // tangent: a double root
 }
 
-TEST_CASE("any surface is a value: a copy holds a surface of its own, a move none more") {
+TEST_CASE("AnySurface is a value: a copy has a copy of the surface, and a move copies nothing") {
   int copies = 0;
   const AnySurface original{CountsCopies(&copies)};
   CHECK(copies == 0);
@@ -57,7 +57,7 @@ TEST_CASE("any surface is a value: a copy holds a surface of its own, a move non
   AnySurface moved = std::move(copy);
   CHECK(copies == 1);
 
-  copy = Sphere{.center = {0, 0, 3}};  // one that was moved from may be assigned to
+  copy = Sphere{.center = {0, 0, 3}};  // a value that was moved from may be assigned to
   CHECK(copy.intersect(along_z) == 2.0);
   moved = copy;
   copy = Plane{.normal = {0, 0, 1}, .distance = 7};
@@ -68,7 +68,8 @@ TEST_CASE("any surface is a value: a copy holds a surface of its own, a move non
   CHECK(copy.intersect(along_z) == 7.0);
 }
 
-TEST_CASE("a surface that the user made departs as the copy in question, wherever that is moved") {
+TEST_CASE(
+    "the departure of a user-defined surface differs in a copy of its AnySurface, and is kept by a move") {
   AnySurface any = Cylinder{};
   const Departure departure = any.departure();
   const AnySurface copy = any;
@@ -77,14 +78,14 @@ TEST_CASE("a surface that the user made departs as the copy in question, whereve
   CHECK(moved.departure() == departure);
 }
 
-TEST_CASE("any surface refuses what the surface that it holds refuses") {
+TEST_CASE("AnySurface validates the surface that it holds") {
   CHECK_THAT(message_of<std::invalid_argument>([] { AnySurface{Sphere{.radius = 0}}.validate(); }),
              ContainsSubstring("Sphere: radius"));
   CHECK_NOTHROW(AnySurface{Sphere{}}.validate());
   CHECK_NOTHROW(AnySurface{Cylinder{}}.validate());
 }
 
-TEST_CASE("a scene of spheres and planes and a scene of any surfaces agree in all that they answer") {
+TEST_CASE("a scene of AnySurface gives the same answers as a scene of spheres and planes") {
   Random random(10);
   Scene<Sphere, Plane> typed;
   Scene<AnySurface> any;

@@ -58,9 +58,9 @@ struct Judged {
   int face;
 };
 
-/// The crossings by another way than the library's: of all planes of faces that the line crosses, the first
-/// and the last place that is a point of the box; and of the faces there through which the line goes in, or
-/// out, the lowest. Lengths are multiples of a unit.
+/// Computes the crossings in another way than the library. Among the places where the line crosses the plane
+/// of a face and is in the box, these are the first and the last, each with the lowest of the faces through
+/// which the line enters, or leaves, there. Lengths are multiples of a unit.
 std::vector<Judged> judge(const Box& box, const Ray& ray, double unit = 1) {
   const auto number = [&](double x) { return static_cast<Int128>(x / unit); };
   std::vector<Judged> places;
@@ -90,7 +90,7 @@ std::vector<Judged> judge(const Box& box, const Ray& ray, double unit = 1) {
 
 }  // namespace
 
-TEST_CASE("a box is the points from min to max, outline included") {
+TEST_CASE("a box is the set of points from min to max, boundary included") {
   const Box box{.min = {1, 1, 3}, .max = {3, 3, 4}};
   const auto along_z = [](double x, double y) { return Ray{{x, y, 0}, {0, 0, 1}}; };
   struct {
@@ -141,7 +141,7 @@ TEST_CASE("a box is the points from min to max, outline included") {
   }
 }
 
-TEST_CASE("where a ray enters and leaves a box of small whole numbers, and by which faces, is exact") {
+TEST_CASE("t and the face where a ray enters or leaves a box of small whole numbers are exact") {
   Random random(31);
   int hits = 0, touching = 0, wrong = 0;
   for (int i = 0; i < 50000; ++i) {
@@ -163,8 +163,9 @@ TEST_CASE("where a ray enters and leaves a box of small whole numbers, and by wh
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a ray that passes a box's edge, or meets it, by less than double tells is decided exactly") {
-  // The line is next to the middle at t = T, of 52 digits: the differences have up to 101.
+TEST_CASE(
+    "whether a ray hits or misses the edge of a box is decided exactly, also where double cannot tell") {
+  // The line passes next to the middle at t = T, a number of 52 bits: differences have up to 101 bits.
   Random random(32);
   const double unit = 0x1p-40;
   fallbacks = {};
@@ -196,7 +197,7 @@ TEST_CASE("a ray that passes a box's edge, or meets it, by less than double tell
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a hit lies on the face that it names, which the ray enters or leaves") {
+TEST_CASE("a hit on a box lies on the face that it names, which the ray enters or leaves through") {
   Random random(33);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -221,7 +222,7 @@ TEST_CASE("a hit lies on the face that it names, which the ray enters or leaves"
   CHECK(wrong == 0);
 }
 
-TEST_CASE("huge and tiny boxes are met like others, and what is not finite is not met") {
+TEST_CASE("huge and tiny boxes are hit like others, and numbers that are not finite give no hit") {
   for (const double size : {0x1p-900, 0x1p-400, 0x1p-30, 1.0, 0x1p30, 0x1p400, 0x1p900}) {
     CAPTURE(size);
     const Box box{size * Point{1, 1, 3}, size * Point{2, 3, 4}};
@@ -257,7 +258,7 @@ TEST_CASE("huge and tiny boxes are met like others, and what is not finite is no
     }
 }
 
-TEST_CASE("each face has its normal, its plane and its u and v along the next two axes, from min") {
+TEST_CASE("each face of a box has its normal, its plane and its u and v along the next two axes, from min") {
   const Box box{.min = {1, 2, 3}, .max = {5, 7, 9}};
   const Point p{2, 4, 8};
   struct {
@@ -277,7 +278,7 @@ TEST_CASE("each face has its normal, its plane and its u and v along the next tw
   CHECK(box.bounds().max == box.max);
 }
 
-TEST_CASE("a ray that leaves a face inwards nearly along it meets the other end of the box") {
+TEST_CASE("a ray that leaves a face inwards at a grazing angle hits the other end of the box") {
   const Box box;
   Scene<Box> scene;
   scene.add(box, Color{1});
@@ -292,7 +293,9 @@ TEST_CASE("a ray that leaves a face inwards nearly along it meets the other end 
   }
 }
 
-TEST_CASE("a ray that leaves a face inwards meets the box once, next to an edge and far from the origin") {
+TEST_CASE(
+    "a ray that leaves a face inwards hits the box once, also next to an edge and far from the coordinate "
+    "origin") {
   Random random(38);
   int inwards = 0, missed = 0;
   for (const double far : {0.0, 1.0, 1e6, 1e14}) {
@@ -320,7 +323,7 @@ TEST_CASE("a ray that leaves a face inwards meets the box once, next to an edge 
   CHECK(missed == 0);
 }
 
-TEST_CASE("a box that a ray leaves is met again only inwards, and then at the other side") {
+TEST_CASE("a ray that leaves a box hits it again only if it leads inwards, and then at another face") {
   Random random(34);
   int inwards = 0, outwards = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -334,7 +337,7 @@ TEST_CASE("a box that a ray leaves is met again only inwards, and then at the ot
       const bool is_inwards = dot(left.direction, box.normal_at({}, crossing.part)) < 0;
       ++(is_inwards ? inwards : outwards);
       wrong += ahead.size() != (is_inwards ? 1 : 0);
-      // All but that face is as the digits of the origin say.
+      // Except for the face that is left, crossings are those of a ray without a departure.
       if (ahead.size() == 1)
         wrong += ahead[0].part == crossing.part ||
                  ahead[0].t != crossings(box, {left.origin, left.direction}).back().t;
@@ -345,13 +348,14 @@ TEST_CASE("a box that a ray leaves is met again only inwards, and then at the ot
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a ray that leaves a floor, a board or another box does not meet the face in the same plane") {
+TEST_CASE(
+    "a ray that leaves a floor, a board or another box does not hit a face of a box in the same plane") {
   const Box box{.min = {-1, 0, -1}, .max = {1, 1, 1}};
   const Departure floor = Plane{{0, -2, 0}, 0}.departure(),
                   board = Parallelogram{{3, 0, 0}, {1, 0, 0}, {0, 0, 1}}.departure(),
                   below = Box{{0, -1, 0}, {9, 0, 9}}.departure(3);
   for (const Departure& departure : {floor, board, below}) {
-    // The origins are a little above or below the plane, as they are when they are rounded.
+    // The origins are a little above or below the plane, as rounding leaves them.
     for (const double off : {-1e-17, 0.0, 1e-17}) {
       CHECK(crossings(box, {{0, off, 0}, {0.1, 1, 0}, departure}, {}).size() == 1);
       CHECK(crossings(box, {{0, off, 0}, {0.1, 1, 0}, departure}, {})[0].part == 3);
@@ -363,26 +367,26 @@ TEST_CASE("a ray that leaves a floor, a board or another box does not meet the f
       CHECK(beside[0].part == 0);
     }
   }
-  // The origin is in the floor by definition and beside the box by its digits, from where the ray rises into
-  // the box through the face at its side.
+  // By its departure the origin is in the floor, and by its coordinates beside the box; from there the ray
+  // rises into the box through a side face.
   const auto through_side = crossings(box, {{-1 - ulp, -ulp, 0}, {1, 1, 0}, floor}, {});
   REQUIRE(through_side.size() == 2);
   CHECK(through_side[0].part == 0);
   const Departure other = Plane{{0, 1, 0}, 0x1p-60}.departure();
   CHECK(crossings(box, {{0, -1e-17, 0}, {0.1, 1, 0}, other}, {}).size() == 2);
-  // A flat box has both its faces there.
+  // Both faces of a flat box lie in the plane of the floor.
   const Box flat{.min = {-1, 0, -1}, .max = {1, 0, 1}};
   for (const double off : {-1e-17, 1e-17})
     for (const double up : {-1.0, 1.0}) CHECK(crossings(flat, {{0, off, 0}, {0.1, up, 0}, floor}).empty());
 }
 
-TEST_CASE("boxes in a picture are the same plain, accelerated and by tiles, and show no acne on a floor") {
+TEST_CASE("pictures of boxes are the same plain, accelerated and by tiles, and show no acne on a floor") {
   Random random(35);
   const Camera camera{.position = {0, 1.5, -4}};
   Scene<Box, AnySurface> scene;
   scene.add(AnySurface(Plane{{0, 1, 0}, -1}), Material{.texture = Checker{}, .reflect = 0.25});
   const auto glass = [&] { return Material{.diffuse = random.color(), .refract = 0.5, .ior = 1.5}; };
-  for (int i = 0; i < 30; ++i) {  // more of a type than one node of a tree has children
+  for (int i = 0; i < 30; ++i) {  // more of one type than a tree node has children
     const Point corner = Point{random.real(-4, 3), -1, random.real(-1, 7)};
     const Box box{corner, corner + Vec3{random.real(0.1, 1), random.real(0.1, 2), random.real(0.1, 1)}};
     if (i % 3 == 0) scene.add(box, Material{.texture = Checker{.size = 0.25}});
@@ -394,7 +398,7 @@ TEST_CASE("boxes in a picture are the same plain, accelerated and by tiles, and 
   CHECK(drawn.lit > 500);
   CHECK(drawn.different == 0);
 
-  // A box on a floor, where its shadow does not reach.
+  // No point that faces the light is shadowed from a distance below 1e-9 (acne).
   int lit = 0, dark = 0;
   for (int i = 0; i < 2000; ++i) {
     const Ray ray = camera.through_pixel(i % 64, i / 64, 64, 48);
@@ -409,7 +413,7 @@ TEST_CASE("boxes in a picture are the same plain, accelerated and by tiles, and 
   CHECK(dark == 0);
 }
 
-TEST_CASE("a box that makes no sense is refused") {
+TEST_CASE("an invalid box is refused") {
   const auto says = [](const Box& box) { return message_of<std::invalid_argument>([&] { box.validate(); }); };
   for (const auto& [bad, shown] : {std::pair(inf, "inf"), {-inf, "-inf"}, {not_a_number, "nan"}})
     for (int axis = 0; axis < 3; ++axis) {
@@ -432,7 +436,7 @@ TEST_CASE("a box that makes no sense is refused") {
 
 namespace {
 
-/// Counts how often it is asked.
+/// Box that counts the calls of first_crossing.
 struct CountedBox : Box {
   static inline int asked = 0;
 
@@ -444,7 +448,7 @@ struct CountedBox : Box {
 
 }  // namespace
 
-TEST_CASE("by tiles, a surface that is asked ray by ray is asked once for each, whatever is shown of it") {
+TEST_CASE("by tiles, a surface that is intersected ray by ray is queried at most once for each camera ray") {
   Scene<CountedBox, Sphere> scene;
   scene.add(CountedBox{{{-9, -9, 4}, {9, 9, 5}}}, Color{1});
   scene.add(Sphere{.center = {0, 0, 2}, .radius = 0.4}, Color{1});

@@ -35,7 +35,8 @@ std::vector<Bounds> random_bounds(Random& random, int count, double size, const 
   return bounds;
 }
 
-/// What a walk of the tree visits; each thing at most once.
+/// Returns the primitives that a traversal visits, in order of their indices; checks that none is visited
+/// twice.
 std::vector<std::uint32_t> visited(const Bvh& tree, const auto& walk) {
   std::vector<std::uint32_t> found;
   walk([&](Leaf leaf) {
@@ -46,7 +47,7 @@ std::vector<std::uint32_t> visited(const Bvh& tree, const auto& walk) {
   return found;
 }
 
-/// In whichever order.
+/// Returns the primitives visited along a ray in a range; checks that they are the same for each Order.
 std::vector<std::uint32_t> along(const Bvh& tree, const Ray& ray, Interval range) {
   const BoxRay line(ray, tree.space(), 0);
   REQUIRE(line.usable);
@@ -64,8 +65,8 @@ std::vector<std::uint32_t> along(const Bvh& tree, const Ray& ray, Interval range
   return found;
 }
 
-/// Whether a point of the ray's, at one of some t in the range, lies in a box: in long double, which sees
-/// what double rounds.
+/// Tests whether a ray is in a box at some t of the range. Computes in long double, which keeps what double
+/// rounds.
 bool meets(const Ray& ray, Interval range, const Bounds& box) {
   long double from = range.min, until = range.max;
   for (int axis = 0; axis < 3; ++axis) {
@@ -83,10 +84,10 @@ bool meets(const Ray& ray, Interval range, const Bounds& box) {
 
 }  // namespace
 
-TEST_CASE("every leaf whose box a ray meets is visited, and each at most once") {
+TEST_CASE("every leaf whose box a ray hits is visited, and none twice") {
   struct Row {
     int count;
-    double size, away;  // of the boxes, and of the scene from the coordinate origin
+    double size, away;  // size of the boxes, distance of the scene from the coordinate origin
   };
   const auto row = GENERATE(Row{1, 0.5, 0}, Row{3, 0.5, 0}, Row{100, 0.2, 0}, Row{100, 0, 0},
                             Row{9000, 0.02, 0}, Row{3000, 0.05, 65537}, Row{300, 1e-9, 1e9});
@@ -103,7 +104,7 @@ TEST_CASE("every leaf whose box a ray meets is visited, and each at most once") 
       const Bounds& box = bounds[random.bits() % bounds.size()];
       direction = Point{box.min.x, box.max.y, box.min.z} - origin;
     }
-    if (i % 3 == 1) {  // close to one, where float no longer tells the corner from the origin
+    if (i % 3 == 1) {  // close to a corner, where float no longer tells it from the origin
       const Bounds& box = bounds[random.bits() % bounds.size()];
       const Vec3 step = random.direction();
       direction = step;
@@ -122,10 +123,10 @@ TEST_CASE("every leaf whose box a ray meets is visited, and each at most once") 
     }
   }
   CHECK(met > 0);
-  if (row.count >= 3000) CHECK(needless < 600 * row.count / 10);  // it is a tree and not a list
+  if (row.count >= 3000) CHECK(needless < 600 * row.count / 10);  // most boxes that are missed are culled
 }
 
-TEST_CASE("a ray along the face of a box meets it") {
+TEST_CASE("a ray along an edge of a leaf's box visits the leaf") {
   const std::vector<Bounds> bounds{{Point{0}, Point{1}}, {Point{2}, Point{3}}};
   const Bvh tree = tree_of(bounds, {.most = 1});
   const double edge = GENERATE(0.0, 1.0);
@@ -135,11 +136,11 @@ TEST_CASE("a ray along the face of a box meets it") {
   }
 }
 
-TEST_CASE("leaves are visited near to far") {
+TEST_CASE("a ray that is widened to hit all boxes visits all leaves") {
   Random random(1);
   const Bvh tree = tree_of(random_bounds(random, 1000, 0), {.most = 1});
   const Ray ray{.origin = {-5, 0, 0}, .direction = {1, 0, 0}};
-  const BoxRay line(ray, tree.space(), 1);  // so wide that it meets them all
+  const BoxRay line(ray, tree.space(), 1);  // widened by 1, it hits all boxes
   std::uint32_t count = 0;
   double previous = 0;
   tree.each_leaf_along<simd::Order::near_first>(line, {0, line.at_most(infinity)}, [&](Leaf, Reach& reach) {
@@ -152,7 +153,7 @@ TEST_CASE("leaves are visited near to far") {
   CHECK(previous == 1000);
 }
 
-TEST_CASE("a reach that has been shortened ends the walk, and so does a visit that says so") {
+TEST_CASE("traversal ends where a visit has shortened the reach, and when a visit returns true") {
   std::vector<Bounds> bounds;
   for (int i = 0; i < 100; ++i) bounds.push_back({Point(i, 0, 0), Point(i + 0.5, 1, 1)});
   const Bvh tree = tree_of(bounds, {.most = 1});
@@ -173,7 +174,7 @@ TEST_CASE("a reach that has been shortened ends the walk, and so does a visit th
   CHECK(visits == 2);
 }
 
-TEST_CASE("each thing is in one leaf, and no leaf is too large, however things lie") {
+TEST_CASE("each primitive is in one leaf, and no leaf is too large, for any arrangement") {
   const auto leaf_size =
       GENERATE(simd::LeafSize{1}, simd::LeafSize{4}, simd::LeafSize{16}, simd::LeafSize{16, 8});
   const int kind = GENERATE(0, 1, 2, 3, 4, 5, 6, 7);
@@ -217,7 +218,7 @@ TEST_CASE("each thing is in one leaf, and no leaf is too large, however things l
   CHECK(found.size() == bounds.size());
   CHECK(tree.order().size() == bounds.size());
 
-  // A line through a point of the first box visits that.
+  // A ray through a point of the first box visits that box.
   if (!bounds.empty() && kind != 6) {
     const Vec3 direction = random.direction();
     const auto met = along(tree, {bounds[0].max - direction, direction}, {});
@@ -225,7 +226,7 @@ TEST_CASE("each thing is in one leaf, and no leaf is too large, however things l
   }
 }
 
-/// All children of a node, the nearer the larger an unforeseen number of theirs is.
+/// View of a node in which all children are seen, at distances in no particular order.
 struct Unordered {
   simd::Bits seen = 0, in_front = 0;
 
@@ -240,7 +241,7 @@ struct Unordered {
   [[nodiscard]] One operator[](int k) const { return {static_cast<float>((5 * k + 3) % 16)}; }
 };
 
-TEST_CASE("children that an eye sees are visited near to far") {
+TEST_CASE("children that are seen from an eye are visited near to far") {
   Random random(8);
   const Bvh tree = tree_of(random_bounds(random, simd::node_width, 0.1), {.most = 1});
   std::vector<float> visited_nearest;
@@ -256,7 +257,7 @@ TEST_CASE("children that an eye sees are visited near to far") {
   CHECK(std::ranges::is_sorted(visited_nearest, std::greater()));
 }
 
-TEST_CASE("most places of nodes have a child, also where leaves would be a little too large") {
+TEST_CASE("more than nine tenths of all child slots are used, also if leaves would be slightly too large") {
   Random random(9);
   for (const int count : {20'000, 40'000, 70'000}) {
     CAPTURE(count);
@@ -275,7 +276,7 @@ TEST_CASE("most places of nodes have a child, also where leaves would be a littl
   }
 }
 
-TEST_CASE("a million things at one place are a tree like any other") {
+TEST_CASE("a million coincident primitives have a tree like any others") {
   const Bvh tree(1'000'000,
                  [](std::size_t) {
                    return Bounds{Point{1}, Point{1}};
@@ -287,7 +288,7 @@ TEST_CASE("a million things at one place are a tree like any other") {
   CHECK(along(tree, {Point{0}, Vec3{1}}, {}).size() == 1'000'000);
 }
 
-TEST_CASE("things without finite bounds are in no leaf") {
+TEST_CASE("primitives without finite bounds are in no leaf") {
   const std::vector<Bounds> bounds{{Point{0}, Point{1}},
                                    {Point{-infinity}, Point{infinity}},
                                    {Point{0}, Point{1, infinity, 1}},
@@ -298,7 +299,7 @@ TEST_CASE("things without finite bounds are in no leaf") {
   CHECK(visited(tree, [&](const auto& visit) { tree.each_leaf(visit); }) == std::vector<std::uint32_t>{0, 4});
 }
 
-TEST_CASE("the tree is the same for any number of threads") {
+TEST_CASE("a BVH is the same for any number of threads") {
   Random random(3);
   const auto bounds = random_bounds(random, 100000, 0.02);
   const Bvh one = tree_of(bounds, {.most = 4}, 1), several = tree_of(bounds, {.most = 4}, 3);
@@ -307,7 +308,7 @@ TEST_CASE("the tree is the same for any number of threads") {
   one.each_leaf([&](Leaf leaf) { firsts[0].push_back(leaf.first * 32 + leaf.count); });
   several.each_leaf([&](Leaf leaf) { firsts[1].push_back(leaf.first * 32 + leaf.count); });
   CHECK(firsts[0] == firsts[1]);
-  // The boxes, by which leaves rays visit.
+  // The boxes are compared by the leaves that rays visit.
   int differ = 0;
   for (int i = 0; i < 1000; ++i) {
     const Ray ray{random.point(1), random.direction()};
@@ -325,7 +326,7 @@ TEST_CASE("the tree is the same for any number of threads") {
   CHECK(differ == 0);
 }
 
-TEST_CASE("a ray that float cannot hold says so") {
+TEST_CASE("a ray that float cannot represent is marked as not usable") {
   const Bvh tree = tree_of({{Point{-1}, Point{1}}});
   const auto usable = [&](const Ray& ray) { return BoxRay(ray, tree.space(), 0).usable; };
   CHECK(usable({Point{3}, Vec3{1e-50, 0, 0}}));
@@ -347,7 +348,7 @@ TEST_CASE("a sphere's bounds contain it, rounding included") {
                         std::exp2(random.real(-60, 60)) * (i % 2 ? 1 : -1)};
     const Bounds bounds = sphere.bounds();
     for (int axis = 0; axis < 3; ++axis) {
-      // The differences to the center are exact in two numbers.
+      // The differences from the center are exact as double-doubles.
       const DoubleDouble below = two_sum(sphere.center[axis], -bounds.min[axis]);
       const DoubleDouble above = two_sum(bounds.max[axis], -sphere.center[axis]);
       CHECK((below - DoubleDouble(std::abs(sphere.radius))).sign() >= 0);

@@ -13,7 +13,7 @@ namespace {
 constexpr double inf = std::numeric_limits<double>::infinity(),
                  not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-/// How far a ray's direction is from the unit vector along v.
+/// Returns the distance of a ray's direction from the unit vector along v.
 double error(const Ray& ray, const Vec3& v) { return length(ray.direction - v / length(v)); }
 
 bool equal(const Camera& a, const Camera& b) {
@@ -49,7 +49,7 @@ TEST_CASE("rays lead through the pixels' centers, (0, 0) at the top left") {
       {1, 1, 2, 2, {0.5, -0.5, 1}},
       {0, 0, 4, 2, {-1.5, 0.5, 1}},  // a wide film spans [−2, 2]
       {3, 1, 4, 2, {1.5, -0.5, 1}},  //
-      {0, 0, 1, 2, {0, 0.5, 1}},     // a tall one [−1/2, 1/2]
+      {0, 0, 1, 2, {0, 0.5, 1}},     // a tall film spans [−1/2, 1/2]
       {0, 0, 640, 480, {-4.0 / 3 * 639 / 640, 479.0 / 480, 1}},
       {639, 479, 640, 480, {4.0 / 3 * 639 / 640, -479.0 / 480, 1}},
       {320, 240, 640, 480, {4.0 / 3 / 640, -1.0 / 480, 1}},
@@ -63,7 +63,7 @@ TEST_CASE("rays lead through the pixels' centers, (0, 0) at the top left") {
   }
 }
 
-TEST_CASE("the film stands at forward's tip and is spanned by right and up") {
+TEST_CASE("the film is at the tip of forward and is spanned by right and up") {
   const Camera camera{.position = {1, 2, 3}, .right = {0, 0, 2}, .up = {0, 3, 0}, .forward = {4, 0, 1}};
   CHECK(camera(0.5, -1).origin == Point{1, 2, 3});
   CHECK(error(camera(0, 0), {4, 0, 1}) < 1e-15);
@@ -75,7 +75,7 @@ TEST_CASE("the length of forward is the focal length") {
   CHECK(error(tele(1, 0), {1, 0, 10}) < 1e-15);
 }
 
-TEST_CASE("camera rays are unit vectors, so that t is a distance") {
+TEST_CASE("camera rays have unit directions, so that t is a distance") {
   const Camera camera{.right = {3, 1, 0}, .up = {0, 0.1, -2}, .forward = {0.5, 4, 1}};
   for (int y = 0; y < 20; ++y)
     for (int x = 0; x < 30; ++x)
@@ -127,7 +127,7 @@ TEST_CASE("a camera whose directions do not span space is refused") {
   }
 }
 
-TEST_CASE("a camera may be of any scale, oblique, mirrored and almost flat") {
+TEST_CASE("a camera may have any scale, and be oblique, mirrored or almost flat") {
   for (const double scale : {1e-60, 1e-9, 1.0, 1e9, 1e60}) {
     CAPTURE(scale);
     const Camera camera{.right = {scale, 0, 0}, .up = {0, scale, 0}, .forward = {0, 0, scale}};
@@ -140,7 +140,7 @@ TEST_CASE("a camera may be of any scale, oblique, mirrored and almost flat") {
   CHECK_NOTHROW(Camera{.right = {1, 2, 3}, .up = {4, 5, 6}, .forward = {7, 8, 10}}.validate());
 }
 
-TEST_CASE("where the film vectors are not zero, rays start on the film") {
+TEST_CASE("rays start on the film if the film vectors are not zero") {
   const Camera camera{
       .position = {1, 2, 3}, .right = {1, 0, 0}, .film_right = {0, 0, 2}, .film_up = {5, 0, 0}};
   CHECK(camera(0, 0).origin == Point{1, 2, 3});
@@ -150,17 +150,17 @@ TEST_CASE("where the film vectors are not zero, rays start on the film") {
   CHECK_NOTHROW(camera.validate());
 }
 
-TEST_CASE("the perspective camera of 90 degrees is the default one") {
+TEST_CASE("the perspective camera with a field of view of 90 degrees is the default camera") {
   CHECK(equal(Camera::perspective(Point{0}, z_axis, y_axis, 90), Camera{}));
   CHECK(equal(Camera::look_at(Point{0}, {0, 0, 7}, y_axis), Camera{}));
   CHECK(equal(Camera::look_at(Point{0}, {0, 0, 0.3}, {0, 0.1, 55}, 90), Camera{}));
 }
 
-TEST_CASE("a perspective camera sees its field of view between the upper and the lower edge") {
+TEST_CASE("the field of view of a perspective camera is the angle between the upper and the lower edge") {
   struct {
     Vec3 direction, upward;
     double field_of_view;
-    Vec3 right, up;  ///< the directions to the middles of the edges of a square image
+    Vec3 right, up;  ///< directions to the middles of the edges of a square image
   } const rows[] = {
       {z_axis, y_axis, 90, {1, 0, 1}, {0, 1, 1}},
       {{0, 0, 1e-200}, {0, 1e200, 0}, 90, {1, 0, 1}, {0, 1, 1}},
@@ -179,7 +179,7 @@ TEST_CASE("a perspective camera sees its field of view between the upper and the
   }
 }
 
-TEST_CASE("the rays of a sensor start on it and lead away from its focal point") {
+TEST_CASE("rays of a sensor camera start on the sensor and lead away from its focal point") {
   const Camera camera = Camera::sensor({1, 2, 3}, {0, 0, 5}, {0, 2, 0}, 1.5);
   CHECK(!camera.is_pinhole());
   CHECK(camera(0, 0).origin == Point{1, 2, 3});
@@ -193,24 +193,24 @@ TEST_CASE("the rays of a sensor start on it and lead away from its focal point")
       const Point focal_point{1, 2, 1.5};
       CHECK(error(ray, ray.origin - focal_point) < 1e-15);
     }
-  // What is seen under which angle: height 1 at 1.5.
+  // The field of view is the angle of a height of 1 at distance 1.5.
   CHECK(error(camera(0, 1),
               Camera::perspective(Point{0}, z_axis, y_axis, 2 * 18.434948822922011)(0, 1).direction) < 1e-15);
 }
 
-TEST_CASE("the rays of a viewport start on it and lead away from the eye") {
+TEST_CASE("rays of a viewport camera start on the viewport and lead away from the eye") {
   const Camera camera = Camera::viewport({1, 2, 3}, z_axis, y_axis, 3, 1, 2);
   CHECK(camera(0, 0).origin == Point{1, 2, 5});
   CHECK(camera(1, 1).origin == Point{2.5, 2.5, 5});
   CHECK(error(camera(1, 1), {1.5, 0.5, 2}) < 1e-15);
-  // The eye's ray at t = 1 is where this one starts.
+  // The ray starts where the eye's ray is at t = 1.
   const Ray from_eye =
       Camera{.position = {1, 2, 3}, .right = {1.5, 0, 0}, .up = {0, 0.5, 0}, .forward = {0, 0, 2}}(0.3, -0.7);
   CHECK(camera(0.3, -0.7).direction == from_eye.direction);
   CHECK(length(camera(0.3, -0.7).origin - (Point{1, 2, 3} + Vec3{0.45, -0.35, 2})) < 1e-15);
 }
 
-TEST_CASE("the rays of an orthographic camera are parallel, and its film is as high as it says") {
+TEST_CASE("rays of an orthographic camera are parallel, and its film has the given height") {
   const Camera camera = Camera::orthographic({1, 2, 3}, {0, 0, 5}, {0, 2, 0}, 6);
   CHECK(camera.is_orthographic());
   CHECK(!camera.is_pinhole());
@@ -221,7 +221,7 @@ TEST_CASE("the rays of an orthographic camera are parallel, and its film is as h
   CHECK(camera.through_pixel(0, 0, 2, 2).origin == Point{-0.5, 3.5, 3});
 }
 
-TEST_CASE("a camera that looks at a point has it in the middle, and upward above it") {
+TEST_CASE("a camera that looks at a point shows it in the middle of the image, with upward pointing up") {
   struct {
     Point position, target;
     Vec3 upward;
@@ -246,7 +246,7 @@ TEST_CASE("a camera that looks at a point has it in the middle, and upward above
   }
 }
 
-TEST_CASE("what makes no camera is refused, with what was found and what is allowed") {
+TEST_CASE("invalid parameters of a camera are refused, with what was found and what is allowed") {
   const Point o{0};
   struct {
     std::function<Camera()> make;
@@ -317,7 +317,7 @@ TEST_CASE("what makes no camera is refused, with what was found and what is allo
   CHECK_NOTHROW(Camera::perspective(o, z_axis, {0, 1, 0.9e-6}, 90));
 }
 
-TEST_CASE("of a camera whose right and up are zero, film and forward have to span space") {
+TEST_CASE("if right and up of a camera are zero, the film vectors and forward have to span space") {
   const Vec3 none{0};
   CHECK_NOTHROW(Camera{.right = none, .up = none, .film_right = x_axis, .film_up = y_axis}.validate());
   CHECK_NOTHROW(Camera{.right = none, .up = none, .film_right = x_axis, .film_up = {1, 1, 3}}.validate());
@@ -327,7 +327,7 @@ TEST_CASE("of a camera whose right and up are zero, film and forward have to spa
         Camera{.right = none, .up = none, .film_right = x_axis, .film_up = z_axis}})
     CHECK_THAT(message_of<std::invalid_argument>([&] { camera.validate(); }),
                ContainsSubstring("Camera: film_right, film_up and forward"));
-  // One of the two does not make it orthographic.
+  // A right vector of zero alone does not make the camera orthographic.
   CHECK_THAT(message_of<std::invalid_argument>(
                  [&] { Camera{.right = none, .film_right = x_axis, .film_up = y_axis}.validate(); }),
              ContainsSubstring("Camera: right, up and forward"));

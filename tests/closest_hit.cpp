@@ -11,8 +11,8 @@ using namespace protostar;
 
 namespace {
 
-/// A ray, and spheres of which many nearly share a crossing with it: nested, touching one another, equal, or
-/// off by the last digits.
+/// A ray, and spheres many of which cross it at almost the same t: nested, touching each other, equal, or
+/// different in the last digits.
 struct Case {
   Ray ray;
   Interval range;
@@ -33,7 +33,7 @@ Case next_case(Random& random) {
     if (kind > 0.9) next.radius = -next.radius;
     c.spheres.push_back(next);
   }
-  if (random.real(0, 1) < 0.3) {  // it leaves one of them
+  if (random.real(0, 1) < 0.3) {  // the ray leaves one of the spheres
     const Sphere& left = c.spheres[2];
     c.ray.origin = left.center + std::abs(left.radius) * normalize(random.point(1));
     c.ray.departure = left.departure();
@@ -44,7 +44,7 @@ Case next_case(Random& random) {
   return c;
 }
 
-/// From all roots of all spheres.
+/// Returns the first crossing by comparing all roots of all spheres.
 SurfaceCrossing closest_of_all(const Case& c, const Material& material) {
   SurfaceCrossing first;
   for (const Sphere& sphere : c.spheres) {
@@ -85,7 +85,8 @@ TEST_CASE("the closest hit is the first of all roots inside the range", "[closes
   CHECK(limited > 500);
 }
 
-TEST_CASE("what is looked at later is the closest hit only if it comes before", "[closest_hit]") {
+TEST_CASE("a surface that is tested later replaces the closest hit only if its t is smaller",
+          "[closest_hit]") {
   const Ray ray{{0, 0, 0}, {0, 0, 1}};
   const std::vector<Material> materials(1);
   const std::vector spheres{Sphere{{0, 0, 3}, 1}};
@@ -99,7 +100,8 @@ TEST_CASE("what is looked at later is the closest hit only if it comes before", 
   CHECK(first.surface == before.data());
 }
 
-TEST_CASE("a ray that leaves a sphere starts on it, however far its origin is rounded", "[closest_hit]") {
+TEST_CASE("a ray that leaves a sphere counts as starting on it, however far its origin is rounded",
+          "[closest_hit]") {
   const std::vector spheres{Sphere{{1e17, 0, 0}, 1}};
   const std::vector<Material> materials(1);
   const Ray along{.origin = {1e17, 0, 0}, .direction = {0, 0, 1}, .departure = spheres[0].departure()};

@@ -1,4 +1,5 @@
-// The stages as a user runs them: every option, what is refused, what fails, where the picture may go.
+// The stages as a user runs them: options, refused input, failures, and the places where a picture may be
+// written.
 #include <fcntl.h>
 #include <linux/capability.h>
 #include <sched.h>
@@ -45,7 +46,7 @@ const std::vector<StageRow> all_stages {
       {"08_transparency", "transparency"}, {"09_shadow", "shadow"}, {"10_phong", "whitted"},
       {"11_mirror", "whitted"}, {"12_glass", "whitted"}, {"13_whitted", "whitted"},
       {"14_primitives", "shadow"}, {"15_csg", "shadow"}, {"16_environment", "whitted"},
-#if __has_include(<tiny_obj_loader.h>)  // else there is no such stage
+#if __has_include(<tiny_obj_loader.h>)  // otherwise this stage is not built
       {"17_mesh", "shadow"},
 #endif
 };
@@ -57,7 +58,7 @@ Outcome run_stage(const std::string& name, const std::string& arguments, const T
   return run(command);
 }
 
-/// What a picture is drawn as without a word about it: into an empty folder, to be compared with.
+/// Returns the file that a stage draws into an empty folder, without output, to compare with.
 std::string picture(const std::string& name, const std::string& arguments) {
   const TemporaryFolder folder;
   const Outcome outcome = run_stage(name, arguments + " --quiet -o out.ppm", folder);
@@ -67,7 +68,7 @@ std::string picture(const std::string& name, const std::string& arguments) {
   return bytes_of(folder / "out.ppm");
 }
 
-/// The line that a stage prints, with every number of its times as 0.
+/// Returns the line that a stage prints, with every number of its times replaced by 0.
 std::string without_times(const std::string& line) {
   std::string kept = line.substr(0, line.find("rendered"));
   for (std::size_t i = kept.size(); i < line.size(); ++i) {
@@ -82,12 +83,12 @@ std::string cannot_write(const std::string& program, const std::string& path, in
   return program + ": cannot write '" + path + "': " + std::generic_category().message(reason) + "\n";
 }
 
-/// Takes from root, if that is who runs the tests, the right to write where the permissions forbid it.
+/// Takes the right to write where the permissions forbid it from root, in case root runs the tests.
 void respect_permissions() { prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE); }
 
 }  // namespace
 
-TEST_CASE("every stage writes out.ppm, in the size asked for, and says so in one line") {
+TEST_CASE("every stage writes out.ppm in the requested size, and reports it in one line") {
   const StageRow row = GENERATE(from_range(all_stages));
   CAPTURE(row.name);
   const TemporaryFolder folder;
@@ -121,7 +122,7 @@ TEST_CASE("every stage takes every option") {
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("the options --version and --help answer on stdout and draw nothing") {
+TEST_CASE("the options --version and --help print to stdout and draw nothing") {
   const StageRow row = GENERATE(from_range(all_stages));
   CAPTURE(row.name);
   const TemporaryFolder folder;
@@ -143,7 +144,7 @@ TEST_CASE("the options --version and --help answer on stdout and draw nothing") 
   CHECK(folder.count() == 0);
 }
 
-TEST_CASE("the ending of the file, in upper or lower case, chooses its format") {
+TEST_CASE("the extension of the output file, in upper or lower case, selects its format") {
   struct Row {
     std::string file, magic;
   };
@@ -161,7 +162,7 @@ TEST_CASE("the ending of the file, in upper or lower case, chooses its format") 
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("a PFM holds the light itself, whatever the stage's transfer") {
+TEST_CASE("a PFM file holds linear light, whatever the stage's transfer") {
   const TemporaryFolder folder;
   for (const char* transfer : {"", " --transfer linear"}) {
     CHECK(run_stage("08_transparency", std::string("--size 1x1 -o a.pfm") + transfer, folder).status == 0);
@@ -171,8 +172,8 @@ TEST_CASE("a PFM holds the light itself, whatever the stage's transfer") {
   }
 }
 
-TEST_CASE("a tone changes what has 8 or 16 bits, and no file of linear light") {
-  // 13_whitted has highlights above 1, of white light, which keep their hue.
+TEST_CASE("tone mapping changes files of 8 or 16 bits, and no files of linear light") {
+  // 13_whitted has white highlights above 1, whose hue is kept.
   const TemporaryFolder folder;
   CHECK(run_stage("13_whitted", "--size 128x96 -o a.pfm", folder).status == 0);
   CHECK(run_stage("13_whitted", "--size 128x96 -o a.hdr --transfer linear", folder).status == 0);
@@ -200,9 +201,9 @@ TEST_CASE("a tone changes what has 8 or 16 bits, and no file of linear light") {
   CHECK(bytes_of(folder / "a.hdr").starts_with("#?RADIANCE\n"));
 }
 
-TEST_CASE("light is encoded as asked, with 8 or 16 bits") {
+TEST_CASE("light is encoded with the given transfer, with 8 or 16 bits") {
   struct Row {
-    std::string arguments, middle, last;  // of a gradient of three pixels: the codes of light 0.5 and 1
+    std::string arguments, middle, last;  // codes of light 0.5 and 1 in a gradient of three pixels
   };
   const Row row = GENERATE(
       Row{"", "128", "255"}, Row{"--bits 8", "128", "255"}, Row{"--transfer linear", "128", "255"},
@@ -233,12 +234,12 @@ TEST_CASE("a binary PPM has one byte or two per channel, the most significant fi
     };
     const int code8 = byte(narrow, narrow_begin + i);
     const int code16 = 256 * byte(wide, wide_begin + 2 * i) + byte(wide, wide_begin + 2 * i + 1);
-    if (2 * std::abs(257 * code8 - code16) > 257 + 1) ++wrong;  // both round the same light
+    if (2 * std::abs(257 * code8 - code16) > 257 + 1) ++wrong;  // both are rounded from the same light
   }
   CHECK(wrong == 0);
 }
 
-TEST_CASE("rows of whole blocks of pixels are written in full, plain and with 16 bits") {
+TEST_CASE("rows that consist of whole blocks of pixels are written completely, plain and with 16 bits") {
   const std::string file = picture("08_transparency", "--size 8192x2 --bits 16 --plain");
   CHECK(file.starts_with("P3\n8192 2\n65535\n"));
   CHECK(file.ends_with("65535\t65535\t65535\t\t\n"));
@@ -262,7 +263,7 @@ TEST_CASE("a picture may be one pixel wide or high") {
              ContainsSubstring(size.substr(0, size.find('x')) + " " + size.substr(size.find('x') + 1)));
 }
 
-TEST_CASE("what is wrong on the command line is named, with what would be right, and nothing is drawn") {
+TEST_CASE("an error on the command line is reported, with what is allowed, and nothing is drawn") {
   struct Row {
     std::string arguments;
     std::vector<std::string> named;
@@ -298,7 +299,7 @@ TEST_CASE("what is wrong on the command line is named, with what would be right,
       not_allowed("--size", "nanx5", size),
       not_allowed("--size", "40000x40000", size),
       not_allowed("--size", "16385x16384", size),
-      not_allowed("--size", "65536x65536", size),  // whose product is 0 in 32 bits
+      not_allowed("--size", "65536x65536", size),  // the product is 0 in 32 bits
       not_allowed("--size", "99999999999x1", size),
       not_allowed("--threads", "-1", threads),
       not_allowed("--threads", "1.5", threads),
@@ -358,7 +359,7 @@ TEST_CASE("what is wrong on the command line is named, with what would be right,
   }
 }
 
-TEST_CASE("an empty value is no value") {
+TEST_CASE("an empty value of an option is refused") {
   const std::string option = GENERATE("-o", "--size", "--threads", "--bits", "--transfer");
   CAPTURE(option);
   const TemporaryFolder folder;
@@ -368,7 +369,7 @@ TEST_CASE("an empty value is no value") {
   CHECK(folder.count() == 0);
 }
 
-TEST_CASE("a value of any length is named by its beginning and its end") {
+TEST_CASE("long values are shortened to their beginning and end in messages") {
   const TemporaryFolder folder;
   const std::string value = "begin" + std::string(5000, 'x') + "the end";
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
@@ -388,7 +389,7 @@ TEST_CASE("a value of any length is named by its beginning and its end") {
   CHECK(folder.count() == 0);
 }
 
-TEST_CASE("control characters of names and values are shown as \\x and two digits, and not sent") {
+TEST_CASE("control characters in names and values are printed as \\x and two digits") {
   const TemporaryFolder folder;
   const std::string name = "a\x1b[31m\n\x9b\x7f ü.ppm", name_shown = "a\\x1b[31m\\x0a\\x9b\\x7f ü.ppm";
   const auto outcome_of = [&](const std::vector<std::string>& arguments) {
@@ -410,14 +411,14 @@ TEST_CASE("control characters of names and values are shown as \\x and two digit
   CHECK_THAT(outcome_of({"--quiet=" + name}).err, ContainsSubstring("'--quiet=" + name_shown + "'"));
 }
 
-TEST_CASE("an error in usage leaves an old file as it was") {
+TEST_CASE("a usage error leaves an existing file unchanged") {
   const TemporaryFolder folder;
   put_bytes(folder / "out.ppm", "old");
   CHECK(run_stage("09_shadow", "--size 0x0", folder).status == 2);
   CHECK(bytes_of(folder / "out.ppm") == "old");
 }
 
-TEST_CASE("what cannot be written is said with its path and the reason") {
+TEST_CASE("a file that cannot be written is reported with its path and the reason") {
   struct Row {
     std::string path;
     int reason;
@@ -447,7 +448,7 @@ TEST_CASE("what cannot be written is said with its path and the reason") {
   fs::permissions(folder / "locked", fs::perms::owner_all);
 }
 
-TEST_CASE("a picture that cannot be written is not drawn first") {
+TEST_CASE("a picture that cannot be written is refused before it is drawn") {
   const TemporaryFolder folder;
   const auto start = std::chrono::steady_clock::now();
   CHECK(run_stage("09_shadow", "--size 16384x16384 -o missing/a.ppm", folder).status == 1);
@@ -461,7 +462,7 @@ TEST_CASE("a picture that cannot be written is not drawn first") {
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("a file that is a mount point, as one of Docker's, is written in place, and a line says so") {
+TEST_CASE("a file that is a mount point, as with Docker, is written in place, with a notice") {
   const TemporaryFolder folder;
   put_bytes(folder / "of the host.ppm", std::string(1000, 'x'));
   put_bytes(folder / "mounted.ppm", "");
@@ -486,7 +487,7 @@ TEST_CASE("a file that is a mount point, as one of Docker's, is written in place
   CHECK(folder.count() == 2);
   CHECK(run_stage("09_shadow", "--size 3x2 --quiet -o mounted.ppm", folder, mounted).err == "");
 
-  // A render that is stopped before the first byte is written leaves it as it was.
+  // A render that is stopped before the first byte is written leaves the file unchanged.
   put_bytes(folder / "of the host.ppm", "old");
   Command slow = stage("15_csg", words("--size 4000x4000 --threads 1 -o mounted.ppm"), folder / "");
   slow.before = mounted;
@@ -498,7 +499,7 @@ TEST_CASE("a file that is a mount point, as one of Docker's, is written in place
   CHECK(bytes_of(folder / "of the host.ppm") == "old");
 }
 
-TEST_CASE("a file that cannot be completed leaves the old one as it was and no other") {
+TEST_CASE("a file that cannot be completed leaves the old file unchanged and no temporary file") {
   const std::string name = GENERATE("out.ppm", "out.png", "out.pfm", "out.hdr");
   CAPTURE(name);
   const TemporaryFolder folder;
@@ -515,7 +516,7 @@ TEST_CASE("a file that cannot be completed leaves the old one as it was and no o
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("an old file is replaced and keeps its permissions; a link stays a link") {
+TEST_CASE("a file that is replaced keeps its permissions; a symbolic link stays a link") {
   const TemporaryFolder folder;
   put_bytes(folder / "old.ppm", "old");
   fs::permissions(folder / "old.ppm", fs::perms::owner_read | fs::perms::owner_write);
@@ -527,7 +528,7 @@ TEST_CASE("an old file is replaced and keeps its permissions; a link stays a lin
   CHECK(folder.count() == 2);
 }
 
-TEST_CASE("a path may hold spaces, quotes and any letters") {
+TEST_CASE("a path may contain spaces, quotes and any letters") {
   const std::string name = GENERATE("a b.ppm", "Würfel 星.ppm", "it's \"%s\".ppm", "[1,2].ppm", "a,b;c.ppm");
   CAPTURE(name);
   const TemporaryFolder folder;
@@ -537,7 +538,7 @@ TEST_CASE("a path may hold spaces, quotes and any letters") {
   CHECK(bytes_of(folder / name) == picture("09_shadow", "--size 8x8"));
 }
 
-TEST_CASE("stages that run at once in one folder do not disturb each other") {
+TEST_CASE("stages that run at the same time in one folder do not interfere") {
   const TemporaryFolder folder;
   std::vector<std::unique_ptr<Process>> processes;
   for (const char* name : {"a.ppm", "b.ppm", "out.ppm", "out.ppm", "out.ppm"})
@@ -549,7 +550,7 @@ TEST_CASE("stages that run at once in one folder do not disturb each other") {
   CHECK(folder.count() == 3);
 }
 
-TEST_CASE("/dev/stdout takes the picture and nothing else; the line goes to stderr") {
+TEST_CASE("/dev/stdout receives the picture and nothing else; the report line goes to stderr") {
   const TemporaryFolder folder;
   const Outcome outcome = run_stage("09_shadow", "--size 320x240 -o /dev/stdout", folder);
   CHECK(outcome.status == 0);
@@ -561,7 +562,7 @@ TEST_CASE("/dev/stdout takes the picture and nothing else; the line goes to stde
   CHECK(run_stage("09_shadow", "--size 8x8 -o /dev/stdout --plain", folder).out.starts_with("P3\n8 8\n"));
 }
 
-TEST_CASE("/dev/stdout may lead to a file") {
+TEST_CASE("/dev/stdout may be redirected to a file") {
   const TemporaryFolder folder;
   const std::string path = (folder / "redirected").string();
   const Outcome outcome = run_stage("09_shadow", "--size 32x24 -o /dev/stdout", folder, [path] {
@@ -573,7 +574,7 @@ TEST_CASE("/dev/stdout may lead to a file") {
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("a descriptor by its name is written as PPM where it stands, behind what is there") {
+TEST_CASE("a file descriptor given by its path receives a PPM after what was written to it before") {
   struct Row {
     const char* path;
     int number;
@@ -601,7 +602,7 @@ TEST_CASE("a descriptor by its name is written as PPM where it stands, behind wh
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("a descriptor that is open for reading alone is refused before the picture is drawn") {
+TEST_CASE("a read-only file descriptor is refused before the picture is drawn") {
   const TemporaryFolder folder;
   const auto start = std::chrono::steady_clock::now();
   const Outcome outcome = run_stage("09_shadow", "--size 16384x16384 -o /dev/fd/7", folder,
@@ -610,9 +611,9 @@ TEST_CASE("a descriptor that is open for reading alone is refused before the pic
   CHECK(outcome.err == cannot_write("09_shadow", "/dev/fd/7", EBADF));
 }
 
-TEST_CASE("devices and pipes are written directly and stay what they are") {
+TEST_CASE("devices and pipes are written directly and are not replaced") {
   const TemporaryFolder folder;
-  const std::string pipe = (folder / "pipe.png").string();  // whatever its ending
+  const std::string pipe = (folder / "pipe.png").string();  // its extension is ignored
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
   Process process(stage("09_shadow", words("--size 320x240 -o pipe.png"), folder / ""));
   CHECK(bytes_of(pipe) == picture("09_shadow", "--size 320x240"));
@@ -626,7 +627,7 @@ TEST_CASE("devices and pipes are written directly and stay what they are") {
   CHECK(fs::is_character_file("/dev/null"));
 }
 
-TEST_CASE("a line that cannot be printed is an error, though the picture is saved") {
+TEST_CASE("a report line that cannot be printed is an error, though the picture is saved") {
   struct Row {
     int reason;
     void (*before)();
@@ -643,7 +644,7 @@ TEST_CASE("a line that cannot be printed is an error, though the picture is save
   CHECK(run_stage("09_shadow", "--size 8x8 --quiet", folder, row.before).status == 0);
 }
 
-TEST_CASE("a closed stdout is no file to write to") {
+TEST_CASE("a closed stdout is refused as an output file") {
   const TemporaryFolder folder;
   const Outcome outcome =
       run_stage("09_shadow", "--size 8x8 -o /dev/stdout", folder, [] { close(STDOUT_FILENO); });
@@ -652,7 +653,7 @@ TEST_CASE("a closed stdout is no file to write to") {
   CHECK(fs::is_symlink("/dev/stdout"));
 }
 
-TEST_CASE("without a thread to be had a picture is drawn by the one there is, unless more are asked for") {
+TEST_CASE("if no thread can be started the main thread draws the picture, unless more were requested") {
   const TemporaryFolder folder;
   const std::string not_caught =
       "09_shadow: Ctrl-C is not caught, since no thread can be started that waits for it: it ends the "
@@ -678,8 +679,8 @@ TEST_CASE("without a thread to be had a picture is drawn by the one there is, un
   CHECK(folder.count() == 0);
 }
 
-#if !defined(ADDRESS_SANITIZER)  // which itself takes more than the limit
-TEST_CASE("a picture larger than the memory is refused in words") {
+#if !defined(ADDRESS_SANITIZER)  // it alone exceeds the limit
+TEST_CASE("a picture that does not fit into memory is refused with a message") {
   const TemporaryFolder folder;
   const Outcome outcome = run_stage("02_sphere", "--size 268435456x1", folder, [] {
     const rlimit limit{500'000'000, 500'000'000};
@@ -692,7 +693,7 @@ TEST_CASE("a picture larger than the memory is refused in words") {
 }
 #endif
 
-TEST_CASE("progress is shown on a terminal, and cleared, when the work takes longer than a second") {
+TEST_CASE("progress is shown on a terminal, and then cleared, if a render takes longer than a second") {
   if (!has_terminals()) {
     WARN("not tested: this system has no pseudo terminals");
     return;
@@ -707,7 +708,7 @@ TEST_CASE("progress is shown on a terminal, and cleared, when the work takes lon
   CHECK(small.status == 0);
   CHECK(small.err == "");
 
-  // The picture is made larger until it takes that long on this machine.
+  // Doubles the height until the render takes 1.5 s on this machine.
   std::string size;
   double ms = 0;
   for (int height = 400; ms < 1500; height *= 2) {

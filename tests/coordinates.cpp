@@ -18,7 +18,7 @@ namespace {
 bool near(const Uv& a, const Uv& b) { return std::abs(a.x - b.x) < 1e-15 && std::abs(a.y - b.y) < 1e-15; }
 }  // namespace
 
-TEST_CASE("on a sphere u is the longitude, ½ towards z, and v the distance from the top, of 1") {
+TEST_CASE("on a sphere u is the longitude, ½ towards z, and v the angle from the top over π") {
   const double half = std::sqrt(0.5), third = std::sqrt(1.0 / 3);
   struct {
     Vec3 direction;
@@ -42,14 +42,14 @@ TEST_CASE("on a sphere u is the longitude, ½ towards z, and v the distance from
     CHECK(near(direction_uv(row.direction), row.uv));
     const Sphere sphere{.center = {4, -2, 8}, .radius = 2}, inverted{sphere.center, -2};
     const Point point = sphere.center + 2.0 * row.direction;
-    if (std::abs(row.direction.x) != 1e-17) {  // which the sum would lose
+    if (std::abs(row.direction.x) != 1e-17) {  // the sum would lose 1e-17
       CHECK(near(sphere.uv_at(point), row.uv));
       CHECK(sphere.uv_at(point) == inverted.uv_at(point));
     }
   }
 }
 
-TEST_CASE("u and v are those of the mathematical formula") {
+TEST_CASE("u and v of a direction agree with the mathematical formula") {
   Random random(3);
   for (int i = 0; i < 1000; ++i) {
     const Vec3 n = random.direction();
@@ -58,17 +58,17 @@ TEST_CASE("u and v are those of the mathematical formula") {
   }
 }
 
-TEST_CASE("on a plane u and v are lengths from its point nearest the origin") {
+TEST_CASE("on a plane u and v are lengths from its point nearest to the coordinate origin") {
   const double half = std::sqrt(0.5);
   struct {
     Plane plane;
-    Vec3 e1, e2;  // of the contract: e1 along a × n, e2 = n × e1
+    Vec3 e1, e2;  // e1 along a × n, e2 = n × e1, where a is the axis of n's smallest component
   } const rows[] = {
       {{{0, 1, 0}, -1}, {0, 0, 1}, {1, 0, 0}},
       {{{0, 3, 0}, -3}, {0, 0, 1}, {1, 0, 0}},
       {{{0, -1, 0}, 1}, {0, 0, -1}, {1, 0, 0}},
       {{{0, 0, 1}, 5}, {0, -1, 0}, {1, 0, 0}},
-      {{{1, 0, 0}, 2}, {0, 0, -1}, {0, 1, 0}},  // y is the first of the smallest
+      {{{1, 0, 0}, 2}, {0, 0, -1}, {0, 1, 0}},  // y is the first of the smallest components
       {{{1, 1, 0}, 0}, {-half, half, 0}, {0, 0, 1}},
       {{{0, 1, 1}, 7}, {0, -half, half}, {1, 0, 0}},
       {{{1, 1, 1}, 1}, {0, -half, half}, {2 / std::sqrt(6.0), -1 / std::sqrt(6.0), -1 / std::sqrt(6.0)}},
@@ -84,7 +84,7 @@ TEST_CASE("on a plane u and v are lengths from its point nearest the origin") {
   }
 }
 
-TEST_CASE("a hit knows its u and v, and its color is the texture's there") {
+TEST_CASE("a hit has the surface's u and v, and its color is that of the texture there") {
   const auto check = [](auto scene, const auto& surface) {
     Material material{.diffuse = Color{9}};
     material.texture = [](double u, double v) { return Color{u, v, 0.5f}; };
@@ -99,7 +99,7 @@ TEST_CASE("a hit knows its u and v, and its color is the texture's there") {
   check(Scene<AnySurface>{}, AnySurface(ground));
 }
 
-TEST_CASE("a texture is refused on a surface without u and v, which otherwise are 0") {
+TEST_CASE("a texture is refused on a surface without u and v, whose hits have u = v = 0") {
   Scene<Cylinder, AnySurface> scene;
   const Material textured{.texture = Checker{}};
   for (const auto& add :

@@ -28,7 +28,7 @@ namespace {
 
 const Interval everywhere{-infinity, infinity};
 
-/// What is below a plane: a solid without bounds.
+/// The half-space below a plane: a solid without bounds.
 struct HalfSpace {
   Plane plane;
 
@@ -56,7 +56,7 @@ Ray along_x(double x, double y = 0, double z = 0) { return {{x, y, z}, {1, 0, 0}
 Sphere ball(double x, double radius = 1) { return {.center = {x, 0, 0}, .radius = radius}; }
 Box slab(double from, double to) { return {{from, -1, -1}, {to, 1, 1}}; }
 
-// ---- The judge: the same in whole numbers.
+// ---- The judge: crossings computed in whole numbers.
 
 __extension__ using Whole = __int128;
 
@@ -66,7 +66,8 @@ int sign_of(Whole x) { return (x > 0) - (x < 0); }
 struct Surd {
   std::int64_t p, D, q;
   int s;
-  /// Good to 4 roundings, as nothing cancels: where the signs differ, by the product with p − s √D.
+  /// Returns the value, off by at most 4 roundings, since nothing cancels: if p and s √D differ in sign, the
+  /// fraction is extended by p − s √D.
   [[nodiscard]] double value() const {
     const auto over = static_cast<double>(p), under = static_cast<double>(q);
     const double root = s * std::sqrt(static_cast<double>(D));
@@ -75,14 +76,14 @@ struct Surd {
   }
 };
 
-/// The sign of a + s √X.
+/// Returns the sign of a + s √X.
 int sign_of_one(Whole a, int s, Whole X) {
   if (sign_of(a) * s * sign_of(X) >= 0) return a != 0 ? sign_of(a) : s * sign_of(X);
   return sign_of(a) * sign_of(a * a - X);
 }
 
-/// The sign of x − y. With a = x's rational part less y's, it is that of (a + s√X) − t√Y, which squares tell
-/// if the two have one sign.
+/// Returns the sign of x − y. With a = x's rational part minus y's, it is the sign of (a + s√X) − t√Y, which
+/// squares decide if both terms have one sign.
 int compare(const Surd& x, const Surd& y) {
   const Whole a = Whole{x.p} * y.q - Whole{y.p} * x.q;
   const Whole X = Whole{x.D} * y.q * y.q, Y = Whole{y.D} * x.q * x.q;
@@ -91,7 +92,7 @@ int compare(const Surd& x, const Surd& y) {
   return left * sign_of_one(a * a + X - Y, x.s * sign_of(a), 4 * a * a * X);
 }
 
-/// A leaf on a line: the closed interval in which the line is inside of it, if there is one.
+/// The closed interval in which a line is inside a leaf, if there is one.
 struct Stretch {
   bool is_met = false;
   Surd enters{}, leaves{};
@@ -143,7 +144,7 @@ bool is_inside(const JudgedTree& tree, const std::vector<bool>& leaves) {
   return inside(tree.operands[0]) && std::none_of(tree.operands.begin() + 1, tree.operands.end(), inside);
 }
 
-/// A tree of few leaves, of the library and of the judge.
+/// A tree of few leaves, in the form of the library and of the judge.
 struct Grown {
   Csg tree;
   JudgedTree judged;
@@ -189,7 +190,7 @@ Grown grown(Random& random, int depth, std::vector<JudgedLeaf>& leaves) {
   return {Csg(operations[operation], std::move(operands)), std::move(judged)};
 }
 
-/// Where a line crosses the whole.
+/// Returns where a line crosses the tree. Adds the number of coinciding crossings of leaves to *coinciding.
 std::vector<Surd> judged_crossings(const JudgedTree& tree, const std::vector<JudgedLeaf>& leaves,
                                    const Triple& o, const Triple& d, int* coinciding = nullptr) {
   std::vector<Stretch> stretches;
@@ -210,7 +211,7 @@ std::vector<Surd> judged_crossings(const JudgedTree& tree, const std::vector<Jud
       if (coinciding) ++*coinciding;
       continue;
     }
-    // Between this place and the next.
+    // Finds the leaves that contain the line between this place and the next.
     std::vector<bool> inside;
     for (const Stretch& s : stretches)
       inside.push_back(s.is_met && i + 1 < places.size() && compare(s.enters, places[i]) <= 0 &&
@@ -222,7 +223,8 @@ std::vector<Surd> judged_crossings(const JudgedTree& tree, const std::vector<Jud
   return found;
 }
 
-/// t is good to 2^-30.9 of itself (docs/numerics.md, t), and the judge's number to 2^-51: 2^-30.
+/// Compares crossings. The relative error of t is at most 2^-30.9 (docs/numerics.md, t) and the judge's
+/// 2^-51, together below 2^-30.
 bool are_equal(const std::vector<double>& found, const std::vector<Surd>& expected) {
   return std::equal(found.begin(), found.end(), expected.begin(), expected.end(),
                     [](double t, const Surd& s) {
@@ -233,8 +235,8 @@ bool are_equal(const std::vector<double>& found, const std::vector<Surd>& expect
 }  // namespace
 
 TEST_CASE(
-    "a union is what is inside any of its solids, an intersection what is inside all, a difference what is "
-    "inside the first alone") {
+    "a point is in a union if it is in any of the solids, in an intersection if in all, in a difference if "
+    "in the first alone") {
   using Ts = std::vector<double>;
   const Ray ray = along_x(-5);
   struct {
@@ -279,7 +281,7 @@ TEST_CASE(
     INFO(row.what);
     CHECK(crossings(row.tree, ray, everywhere) == row.expected);
     CHECK(row.tree.intersect(ray) == (row.expected.empty() ? std::nullopt : std::optional(row.expected[0])));
-    // Reversed, and from within.
+    // The reversed line, and a ray from x = 0.5.
     Ts reversed;
     for (const double t : row.expected) reversed.insert(reversed.begin(), 20 - t);
     CHECK(crossings(row.tree, {{15, 0, 0}, {-1, 0, 0}}, everywhere) == reversed);
@@ -294,7 +296,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a line that touches a solid goes neither in nor out of it") {
+TEST_CASE("a line that only touches a solid does not cross it") {
   const Ray touching = along_x(-5, 1);
   CHECK(crossings(ball(0), touching).empty());
   CHECK(crossings(union_of({ball(0), ball(3, 2)}), touching).size() == 2);
@@ -303,7 +305,7 @@ TEST_CASE("a line that touches a solid goes neither in nor out of it") {
   CHECK(crossings(difference_of({ball(0, 2), ball(0)}), along_x(-5, 1 + 0x1p-52)).size() == 2);
 }
 
-TEST_CASE("the crossings of trees of whole numbers are those of exact arithmetic") {
+TEST_CASE("crossings of CSG trees of whole numbers agree with exact arithmetic") {
   Random random(81);
   int lines = 0, crossed = 0, coinciding = 0, wrong = 0;
   for (int i = 0; i < 4000; ++i) {
@@ -324,8 +326,8 @@ TEST_CASE("the crossings of trees of whole numbers are those of exact arithmetic
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a ray that leaves a tree of whole numbers meets what exact arithmetic says") {
-  // From those crossings that are points of whole numbers, which need no rounding.
+TEST_CASE("crossings of a ray that leaves a CSG tree of whole numbers agree with exact arithmetic") {
+  // Rays leave only crossings at points of whole numbers, which are not rounded.
   Random random(82);
   int left = 0, wrong = 0;
   for (int i = 0; i < 8000; ++i) {
@@ -346,7 +348,7 @@ TEST_CASE("a ray that leaves a tree of whole numbers meets what exact arithmetic
           if (compare(s, {0, 0, 1, 0}) > 0) expected.push_back(s);
         ++left;
         const Ray ray{vector_of(p), vector_of(onwards), g.tree.departure(crossing.part)};
-        // But for boxes that are left in an edge at the smallest t (Box).
+        // Drops crossings at the smallest t, which a box reports if it is left in an edge (Box).
         std::vector<double> found = crossings(g.tree, ray);
         std::erase(found, std::numeric_limits<double>::denorm_min());
         wrong += !are_equal(found, expected);
@@ -357,7 +359,8 @@ TEST_CASE("a ray that leaves a tree of whole numbers meets what exact arithmetic
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a tree is left outwards into the open and inwards into its inside") {
+TEST_CASE(
+    "a ray that leaves a CSG tree is outside at first if it leads outwards and inside if it leads inwards") {
   const Csg tree =
       difference_of({union_of({Sphere{{0, 0, 0}, 2}, Box{{-1, -3, -1}, {1, 3, 1}}}), Sphere{{0.5, 0, 0}, 1.2},
                      Sphere{{-2, 0, 0}, 1}, Quadric{{.squares = {0, 1, 1}, .constant = -0.25}}});
@@ -380,9 +383,8 @@ TEST_CASE("a tree is left outwards into the open and inwards into its inside") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE(
-    "a ray does not meet a tree where it leaves it, though it leaves but one of the solids that are there") {
-  const Csg tree = difference_of({slab(0, 1), ball(2)});  // which touch
+TEST_CASE("a ray that leaves one solid of a CSG tree does not hit another solid of the tree at its origin") {
+  const Csg tree = difference_of({slab(0, 1), ball(2)});  // the slab and the ball touch
   const Ray ray{{1, 0, 0}, {-1, 0, 0}, ball(2).departure()};
   CHECK(crossings(tree, ray, everywhere) == std::vector<double>{1});
   const Csg both = union_of({slab(0, 1), ball(2)});
@@ -390,7 +392,7 @@ TEST_CASE(
         std::vector<double>{-1, 2});
 }
 
-TEST_CASE("a solid without an end is one like others, in front and behind") {
+TEST_CASE("an unbounded solid works in a CSG tree like others, in front of a ray's origin and behind it") {
   const Quadric along_x_axis{{.squares = {0, 1, 1}, .constant = -0.25}};  // a cylinder of radius 1/2
   const Csg pierced = difference_of({slab(-1, 1), along_x_axis});
   CHECK(crossings(pierced, {{0, -3, 0}, {0, 1, 0}}) == std::vector<double>{2, 2.5, 3.5, 4});
@@ -402,7 +404,7 @@ TEST_CASE("a solid without an end is one like others, in front and behind") {
   CHECK_FALSE(half.ends_inside({{0, 0, 0}, {1, 0, 0}}));
   CHECK(crossings(half, along_x(-3)) == std::vector<double>{3});
   CHECK(crossings(half, along_x(3), everywhere) == std::vector<double>{-3});
-  // From its wall, to the other side, into the slab, and along it.
+  // From the wall of the hole: across it, into the slab, and out through the end of the hole.
   std::optional<Crossing> wall;
   pierced.each_crossing({{0, -3, 0}, {0, 1, 0}}, {}, [&](const Crossing& c) {
     if (c.t == 2.5) wall = c;
@@ -414,7 +416,7 @@ TEST_CASE("a solid without an end is one like others, in front and behind") {
   CHECK(crossings(pierced, {{0, -0.5, 0}, {1, 0.5, 0}, departure}).empty());
 }
 
-TEST_CASE("the normal of a tree leads out of it, also where a solid is taken away") {
+TEST_CASE("the normal of a CSG tree points outwards, also where a solid is subtracted") {
   const Csg shell = difference_of({ball(0, 3), ball(0)});
   std::vector<double> normals;
   const Ray ray = along_x(-5);
@@ -425,7 +427,7 @@ TEST_CASE("the normal of a tree leads out of it, also where a solid is taken awa
   });
   CHECK(normals == std::vector<double>{-1, 1, -1, 1});
 
-  // Along every line, in and out take turns.
+  // Along every line, crossings alternate between in and out.
   Random random(84);
   int seen = 0, wrong = 0;
   for (int i = 0; i < 1000; ++i) {
@@ -436,7 +438,7 @@ TEST_CASE("the normal of a tree leads out of it, also where a solid is taken awa
     bool leads_in = true;
     g.tree.each_crossing(line, everywhere, [&](const Crossing& c) {
       const Vec3 n = g.tree.normal_at(line.at(c.t), c.part);
-      // That of a ball is off by (2^-30 T + u (T + P)) / r + 4u (docs/numerics.md, The normal). Here r is at
+      // A ball's normal is off by (2^-30 T + u (T + P)) / r + 4u (docs/numerics.md, The normal). Here r is at
       // least 2, and all is within 16 of the coordinate origin, so that T + P is below 48. The length rounds
       // by 3u: 24u + 4u + 3u < 2^-48.
       const double off = 0x1p-31 * length(c.t * line.direction) + 0x1p-48;
@@ -450,14 +452,15 @@ TEST_CASE("the normal of a tree leads out of it, also where a solid is taken awa
   CHECK(wrong == 0);
 }
 
-TEST_CASE("parts of a tree are parts of its solids, with their normals, coordinates and departures") {
+TEST_CASE("the parts of a CSG tree are those of its solids, with their normals, coordinates and departures") {
   const Csg tree = union_of({Sphere{}, difference_of({Box{{0, -3, -3}, {4, 3, 3}}, Sphere{{4, 0, 0}, 1}})});
   CHECK(tree.part_count() == 8);
   CHECK(tree.has_uv());
   std::vector<int> parts;
   const Ray ray = along_x(-5);
   tree.each_crossing(ray, {}, [&](const Crossing& c) { parts.push_back(c.part); });
-  // The sphere; then, behind the six faces of the box, the cavity. The face at x = 0 is inside the sphere.
+  // Part 0 is the sphere, 1 to 6 are the faces of the box, and 7 is the cavity. The face at x = 0 is inside
+  // the sphere.
   CHECK(parts == std::vector<int>{0, 7});
   CHECK(tree.departure(0) == Sphere{}.departure());
   CHECK(tree.departure(7) == Sphere{{4, 0, 0}, 1}.departure());
@@ -472,8 +475,9 @@ TEST_CASE("parts of a tree are parts of its solids, with their normals, coordina
   CHECK_FALSE(union_of({Sphere{}, HalfSpace{}}).has_uv());
 }
 
-TEST_CASE("where faces coincide, the face that is seen is one at which the whole begins or ends") {
-  // At x = 1 the line leaves the ball, and enters a slab that counts only inside another, where it is not.
+TEST_CASE("where faces coincide, the hit names a face at which the CSG tree begins or ends") {
+  // At x = 1 the line leaves the ball, and enters a slab that counts only inside another ball, which is
+  // elsewhere.
   const Csg tree = union_of({intersection_of({slab(1, 2), ball(9)}), ball(0)});
   std::vector<Vec3> normals;
   const Ray ray = along_x(-5);
@@ -482,10 +486,10 @@ TEST_CASE("where faces coincide, the face that is seen is one at which the whole
   CHECK(normals == std::vector<Vec3>{{-1, 0, 0}, {1, 0, 0}});
 }
 
-TEST_CASE("a tree of any surfaces, of instances and of a thousand operations is a tree like others") {
+TEST_CASE("a CSG tree may consist of AnySurface, of instances and of a thousand nested operations") {
   CHECK(crossings(union_of({AnySurface(ball(0)), Instance<>(ball(0), Affine{}.moved_by({1, 0, 0}))}),
                   along_x(-5)) == std::vector<double>{4, 7});
-  // Slices of two each taken from what is left.
+  // Each operation subtracts a slice of width 2 from the rest.
   Csg tree = slab(0, 4000);
   for (int i = 0; i < Csg::most_depth; ++i)
     tree = difference_of({std::move(tree), slab(4 * i + 1, 4 * i + 3)});
@@ -501,7 +505,7 @@ TEST_CASE("a tree of any surfaces, of instances and of a thousand operations is 
   CHECK(crossings(union_of(std::move(many)), along_x(-1)).size() == 6000);
 }
 
-TEST_CASE("parts add up, however deep trees and instances of trees are inside each other") {
+TEST_CASE("numbers of parts add up, however deep CSG trees and instances of them are nested") {
   Csg tree = ball(0, 0.5);
   for (int i = 1; i <= 100; ++i)
     tree = union_of({ball(0), Instance<>(std::move(tree), Affine{}.moved_by({4, 0, 0}))});
@@ -520,7 +524,7 @@ TEST_CASE("parts add up, however deep trees and instances of trees are inside ea
   for (int i = 0; i < 202; ++i) CHECK(parts[static_cast<std::size_t>(i)] == i / 2);
 }
 
-TEST_CASE("the bounds of a tree hold what is left of its solids") {
+TEST_CASE("the bounds of a CSG tree contain what is left of its solids") {
   const auto is = [](const Bounds& b, const Point& low, const Point& high) {
     return b.min == low && b.max == high;
   };
@@ -533,7 +537,7 @@ TEST_CASE("the bounds of a tree hold what is left of its solids") {
   CHECK(none.min == none.max);
 }
 
-TEST_CASE("pictures of trees are the same plain, accelerated and by tiles") {
+TEST_CASE("pictures of CSG trees are the same plain, accelerated and by tiles") {
   Random random(85);
   Scene<AnySurface> scene;
   scene.add(Box{{-50, -3, -50}, {50, -2, 50}}, Color{0.6f});
@@ -555,7 +559,7 @@ TEST_CASE("pictures of trees are the same plain, accelerated and by tiles") {
   CHECK(drawn.different == 0);
 }
 
-TEST_CASE("a tree that makes no sense is refused") {
+TEST_CASE("an invalid CSG tree is refused") {
   const auto says = [](const auto& make) { return message_of<std::invalid_argument>([&] { (void)make(); }); };
   CHECK_THAT(says([] { return union_of({}); }), ContainsSubstring("needs a solid"));
   CHECK_THAT(says([] { return union_of({AnySurface(Plane{})}); }), ContainsSubstring("closed solid"));
@@ -567,7 +571,7 @@ TEST_CASE("a tree that makes no sense is refused") {
              ContainsSubstring("Sphere: radius"));
   static_assert(!std::is_constructible_v<Csg, Plane> && !std::is_constructible_v<Csg, TwoPlates>);
 
-  struct Large : HalfSpace {  // with as many parts as it likes
+  struct Large : HalfSpace {  // a solid of 2^30 parts
     Vec3 normal_at(Point p, int) const { return plane.normal_at(p); }
     Departure departure(int) const { return plane.departure(); }
     int part_count() const { return 1 << 30; }

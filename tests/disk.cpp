@@ -31,9 +31,9 @@ Vec3 whole_vector(Random& random, std::int64_t size) {
 
 }  // namespace
 
-TEST_CASE("a disk is the points of a plane that are no farther than radius from its position") {
+TEST_CASE("a disk is the set of points of a plane at most radius away from its position") {
   const Disk disk{.position = {1, 1, 3}, .normal = {0, 0, 2}, .radius = 5};
-  const Disk oblique{.position = {0, 0, 3}, .normal = {0, 3, -4}, .radius = 5};  // its ends: ±(0, 4, 3), ±x
+  const Disk oblique{.position = {0, 0, 3}, .normal = {0, 3, -4}, .radius = 5};  // ends: ±(0, 4, 3), ±5x
   const auto along_z = [](double x, double y) { return Ray{{x, y, 0}, {0, 0, 1}}; };
   struct {
     const char* what;
@@ -84,7 +84,7 @@ TEST_CASE("whether a ray hits a disk of whole numbers, its outline included, is 
     const Disk disk{whole_vector(random, 3), whole_vector(random, 3),
                     static_cast<double>(1 + random.bits() % 5)};
     const Ray ray{whole_vector(random, 3), whole_vector(random, 3)};
-    // In slope times the length: the crossing is at slope · origin + height · direction.
+    // Lengths are times slope: the crossing is at slope · origin + height · direction.
     const double slope = dot(disk.normal, ray.direction),
                  height = dot(disk.normal, disk.position - ray.origin);
     const Vec3 from_center = slope * (ray.origin - disk.position) + height * ray.direction;
@@ -102,9 +102,10 @@ TEST_CASE("whether a ray hits a disk of whole numbers, its outline included, is 
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a ray that passes a disk's outline, or meets it, by less than double tells is decided exactly") {
-  // Points (3k, 4k) of a circle with the radius 5k, from all sides; moving one by as little as 2^-50 k, in or
-  // out, is told apart.
+TEST_CASE(
+    "whether a ray hits or misses the outline of a disk is decided exactly, also where double cannot tell") {
+  // Points (3k, −4k) of a circle with radius 5k, from all sides: a shift by 2^-44, inwards or outwards, makes
+  // a difference.
   Random random(42);
   int wrong = 0, in_doubt = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -141,7 +142,7 @@ TEST_CASE("a hit lies on the disk") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("huge and tiny disks are met like others, and what is not finite is not met") {
+TEST_CASE("huge and tiny disks are hit like others, and numbers that are not finite give no hit") {
   for (const double size : {0x1p-900, 0x1p-400, 0x1p-30, 1.0, 0x1p30, 0x1p400, 0x1p900})
     for (const double tilt : {0x1p-900, 1.0, 0x1p900}) {
       CAPTURE(size, tilt);
@@ -174,7 +175,7 @@ TEST_CASE("huge and tiny disks are met like others, and what is not finite is no
   }
 }
 
-TEST_CASE("u and v of a disk are a plane's, from its position") {
+TEST_CASE("u and v of a disk are those of its plane, measured from its position") {
   Random random(44);
   int wrong = 0;
   for (int i = 0; i < 1000; ++i) {
@@ -189,7 +190,7 @@ TEST_CASE("u and v of a disk are a plane's, from its position") {
   CHECK(floor.uv_at(floor.position) == Uv{0, 0});
 }
 
-TEST_CASE("the bounds of a disk hold its outline, and are tight") {
+TEST_CASE("the bounds of a disk contain its outline, and are tight") {
   Random random(45);
   int outside = 0, loose = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -216,7 +217,7 @@ TEST_CASE("the bounds of a disk hold its outline, and are tight") {
   CHECK(turned.bounds().max.z >= 1e-200);
 }
 
-TEST_CASE("disks of one plane have equal departures, and so have the plane and a parallelogram in it") {
+TEST_CASE("disks in one plane have equal departures, as do the plane and a parallelogram in it") {
   Random random(46);
   int wrong = 0, tilted = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -254,7 +255,7 @@ TEST_CASE("disks of one plane have equal departures, and so have the plane and a
   }
 }
 
-TEST_CASE("a disk is never met again by a ray that leaves it") {
+TEST_CASE("a ray that leaves a disk never hits it again") {
   Random random(47);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -269,14 +270,14 @@ TEST_CASE("a disk is never met again by a ray that leaves it") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("disks in a picture are the same plain, accelerated and by tiles, and show no acne on a floor") {
+TEST_CASE("pictures of disks are the same plain, accelerated and by tiles, and show no acne on a floor") {
   Random random(48);
   const Camera camera{.position = {0, 1.5, -4}};
   const Point light{3, 6, -3};
   Scene<Disk, AnySurface> scene;
   const Material tiled{.texture = Checker{.size = 0.25}, .reflect = 0.25};
   scene.add(AnySurface(Plane{{0, 1, 0}, -1}), tiled);
-  for (int i = 0; i < 30; ++i) {  // more of a type than one node of a tree has children
+  for (int i = 0; i < 30; ++i) {  // more of one type than a tree node has children
     const Point center{random.real(-4, 3), random.real(-1, 2), random.real(-1, 7)};
     const Disk disk{center, random.direction(), random.real(0.2, 1)};
     if (i % 3 == 0) scene.add(disk, tiled);
@@ -300,7 +301,7 @@ TEST_CASE("disks in a picture are the same plain, accelerated and by tiles, and 
   CHECK(acne == 0);
 }
 
-TEST_CASE("a disk that makes no sense is refused with the field's name") {
+TEST_CASE("an invalid disk is refused with the field's name") {
   const auto says = [](const Disk& disk) {
     return message_of<std::invalid_argument>([&] { disk.validate(); });
   };

@@ -1,4 +1,4 @@
-// The documentation says what is there: its code is the code, its links and pictures lead somewhere.
+// Checks of the documentation: its code is that of the sources, and its links and pictures lead to files.
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -31,17 +31,17 @@ std::vector<fs::path> documents() {
   return found;
 }
 
-/// The stages' names, such as 09_shadow.
+/// Returns the names of the stages, such as 09_shadow.
 std::vector<std::string> stages() {
   std::vector<std::string> found;
   for (const auto& entry : fs::directory_iterator(root / "stages"))
-    if (entry.path().extension() == ".cpp" && entry.path().stem() != "render")  // which draws any scene
+    if (entry.path().extension() == ".cpp" && entry.path().stem() != "render")  // it draws any scene
       found.push_back(entry.path().stem().string());
   std::sort(found.begin(), found.end());
   return found;
 }
 
-/// What stands between an opening and the next closing, everywhere in a text.
+/// Returns each text between `open` and the next `close`.
 std::vector<std::string> all_between(const std::string& text, const std::string& open,
                                      const std::string& close) {
   std::vector<std::string> found;
@@ -52,7 +52,7 @@ std::vector<std::string> all_between(const std::string& text, const std::string&
   return found;
 }
 
-/// A document in two parts.
+/// A document, split into prose and fenced blocks.
 struct Document {
   std::string prose;                // all that is not in a fenced block
   std::vector<std::string> fences;  // the languages of the fenced blocks, in order
@@ -78,13 +78,13 @@ std::string quoted(const fs::path& path) {
   return "'" + name + "'";
 }
 
-/// Runs a program through the shell. The exit status.
+/// Runs a program through the shell; returns its exit status, or −1 if it did not exit.
 int run(const fs::path& program, const std::string& arguments) {
   const int status = std::system((quoted(program) + " " + arguments).c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/// A project of its own: one source, one document that shows parts of it, and a copy of the script.
+/// A temporary project: the files that a test writes, and a copy of the script docs/embed_code.
 class Project {
  public:
   Project() {
@@ -96,7 +96,7 @@ class Project {
   void write(const std::string& name, const std::string& text) const { put_bytes(folder_ / name, text); }
   [[nodiscard]] std::string file(const std::string& name) const { return read(folder_ / name); }
 
-  /// Runs the script; what it says goes to said(). The exit status.
+  /// Runs the script, whose output is then in said(); returns its exit status.
   [[nodiscard]] int embed_code(const std::string& argument = "") const {
     return run(folder_ / "docs/embed_code", argument + " > " + quoted(folder_ / "output.txt") + " 2>&1");
   }
@@ -128,7 +128,7 @@ const std::string header =
 
 }  // namespace
 
-TEST_CASE("the code in README.md and docs/ is the code of its source") {
+TEST_CASE("the code in README.md and docs/ is that of its source files") {
   INFO("run docs/embed_code");
   CHECK(run(root / "docs" / "embed_code", "--check") == 0);
 }
@@ -158,7 +158,7 @@ TEST_CASE("docs/embed_code puts a file, a type, a function or a member between i
   }
 }
 
-TEST_CASE("docs/embed_code counts the lines of files where a page says so") {
+TEST_CASE("docs/embed_code updates the line counts of files where a page is marked for it") {
   const Project project;
   project.write("ring.hpp", header);
   const std::string lines = std::to_string(std::count(header.begin(), header.end(), '\n'));
@@ -173,7 +173,7 @@ TEST_CASE("docs/embed_code counts the lines of files where a page says so") {
   CHECK(project.embed_code("--check") == 0);
 }
 
-TEST_CASE("docs/embed_code --check names the file that drifted and leaves it as it is") {
+TEST_CASE("docs/embed_code --check names the file that is out of date and leaves it unchanged") {
   const Project project;
   project.write("ring.hpp", header);
   project.write("docs/good.md", "<!-- code: ring.hpp -->\n<!-- /code -->\n");
@@ -186,7 +186,8 @@ TEST_CASE("docs/embed_code --check names the file that drifted and leaves it as 
   CHECK(project.file("docs/drifted.md") == drifted);
 }
 
-TEST_CASE("docs/embed_code refuses what it cannot embed, says where, and leaves the file as it is") {
+TEST_CASE(
+    "docs/embed_code refuses marks that it cannot fill, names their place, and leaves the file unchanged") {
   const Project project;
   project.write("ring.hpp", header);
   struct Case {
@@ -227,7 +228,7 @@ TEST_CASE("every link and picture in the documentation leads to a file of the pr
   }
 }
 
-TEST_CASE("README.md starts with two sh blocks: to a first picture, and all tests") {
+TEST_CASE("README.md starts with two sh blocks: for a first picture, and for all tests") {
   const auto [prose, blocks] = document(root / "README.md");
   REQUIRE(blocks.size() > 2);
   CHECK(blocks[0] == "sh");
@@ -238,7 +239,7 @@ TEST_CASE("README.md starts with two sh blocks: to a first picture, and all test
   CHECK_THAT(prose, ContainsSubstring("<!-- code: tests/examples/readme.cpp -->"));
 }
 
-TEST_CASE("every stage has a page with its picture and its code, and both lists of stages lead to it") {
+TEST_CASE("every stage has a page with its picture and its code, and both lists of stages link to it") {
   const std::string readme = read(root / "README.md"), index = read(root / "docs" / "stages" / "README.md");
   REQUIRE(stages().size() >= 9);
   for (const std::string& stage : stages()) {

@@ -16,7 +16,7 @@ namespace {
 constexpr float inf = std::numeric_limits<float>::infinity(),
                 not_a_number = std::numeric_limits<float>::quiet_NaN();
 
-/// The code as it is defined, in arithmetic with more digits: the curve itself, where the library inverts it.
+/// Returns the code by definition, in long double: from the transfer curve itself, which the library inverts.
 int defined_code(const Transfer& transfer, int max_code, float light) {
   struct {
     long double x;
@@ -45,9 +45,8 @@ std::string name(const Transfer& transfer) {
 const std::vector<Transfer> transfers{Srgb{},      Linear{},     Gamma{2.2},  Gamma{1},
                                       Gamma{0.45}, Gamma{100.0}, Gamma{0.01}, Gamma{1e-5}};
 
-/// In how many places the codes on either side of a threshold are not those of the definition. Both the codes
-/// and the definition rise with light, so where they agree on both sides of each threshold they agree on all
-/// floats.
+/// Counts deviations from the definition on both sides of each threshold. Codes and definition both rise with
+/// light, so if they agree on both sides of each threshold they agree for all floats.
 int wrong_thresholds(const Transfer& transfer, int max_code) {
   const Encoder encode(transfer, max_code);
   int wrong = 0;
@@ -61,21 +60,21 @@ int wrong_thresholds(const Transfer& transfer, int max_code) {
 }
 }  // namespace
 
-TEST_CASE("each 8-bit code begins at the float where its definition has it") {
+TEST_CASE("each 8-bit code begins at the float that its definition gives") {
   for (const Transfer& transfer : transfers) {
     INFO(name(transfer));
     CHECK(wrong_thresholds(transfer, 255) == 0);
   }
 }
 
-TEST_CASE("each 16-bit code begins at the float where its definition has it") {
+TEST_CASE("each 16-bit code begins at the float that its definition gives") {
   for (const Transfer& transfer : transfers) {
     INFO(name(transfer));
     CHECK(wrong_thresholds(transfer, 65535) == 0);
   }
 }
 
-TEST_CASE("random light is encoded as defined") {
+TEST_CASE("the codes of random light are those of the definition") {
   Random random(14);
   for (const Transfer& transfer : transfers)
     for (const int max_code : {255, 65535}) {
@@ -83,7 +82,7 @@ TEST_CASE("random light is encoded as defined") {
       const Encoder encode(transfer, max_code);
       int wrong = 0;
       for (int i = 0; i < 20000; ++i) {
-        // Half of them spread over [0, 1), half over all floats that there are in it.
+        // Half of the numbers are uniform in [0, 1), half uniform among the floats in it.
         const float light = i % 2 == 0 ? static_cast<float>(random.real(0, 1))
                                        : std::bit_cast<float>(static_cast<std::uint32_t>(
                                              random.bits() % std::bit_cast<std::uint32_t>(1.0f)));
@@ -93,14 +92,14 @@ TEST_CASE("random light is encoded as defined") {
     }
 }
 
-TEST_CASE("codes are known at round values") {
+TEST_CASE("light of round values has the expected codes") {
   struct {
     Transfer transfer;
     int max_code;
     float light;
     int expected;
   } const rows[] = {
-      {Linear{}, 255, 0.5f, 128},  // 127.5: a tie, up
+      {Linear{}, 255, 0.5f, 128},  // 127.5 is a tie, rounded up
       {Linear{}, 255, 0.25f, 64},   {Linear{}, 65535, 0.5f, 32768}, {Srgb{}, 255, 0.5f, 188},
       {Srgb{}, 255, 0.18f, 118},    {Srgb{}, 255, 0.002f, 7},       {Gamma{2.2}, 255, 0.5f, 186},
       {Gamma{2.2}, 255, 0.01f, 31}, {Gamma{1}, 255, 0.25f, 64},     {Gamma{2}, 255, 0.25f, 128},
@@ -112,7 +111,7 @@ TEST_CASE("codes are known at round values") {
   }
 }
 
-TEST_CASE("less than nothing and NaN are 0, more than 1 is the maximum") {
+TEST_CASE("negative light and NaN have code 0, light of 1 and above has the maximum") {
   for (const Transfer& transfer : transfers)
     for (const int max_code : {255, 65535}) {
       INFO(name(transfer) << ", maximum " << max_code);
@@ -128,7 +127,7 @@ TEST_CASE("less than nothing and NaN are 0, more than 1 is the maximum") {
     }
 }
 
-TEST_CASE("the smallest floats above 0 have the codes of their definition") {
+TEST_CASE("the smallest floats above 0 have the codes of the definition") {
   constexpr float tiny = std::numeric_limits<float>::denorm_min();
   CHECK(Encoder(Srgb{}, 65535)(tiny) == 0);
   CHECK(Encoder(Linear{}, 65535)(tiny) == 0);
@@ -138,7 +137,7 @@ TEST_CASE("the smallest floats above 0 have the codes of their definition") {
     CHECK(Encoder(Gamma{100}, 65535)(light) == defined_code(Gamma{100}, 65535, light));
 }
 
-TEST_CASE("decoding inverts the curves") {
+TEST_CASE("decoding inverts the transfer curves") {
   CHECK(decode(Srgb{}, 0) == 0);
   CHECK(std::abs(decode(Srgb{}, 1) - 1) < 1e-15);
   CHECK(std::abs(decode(Srgb{}, 0.5) - 0.21404114048223255) < 1e-15);
@@ -147,7 +146,7 @@ TEST_CASE("decoding inverts the curves") {
   CHECK(decode(Gamma{2}, 0.5) == 0.25);
 }
 
-TEST_CASE("a gamma near the end of double leaves but the brightest light and none") {
+TEST_CASE("with a gamma near the maximum of double all light above 0 has the maximum code") {
   for (const double exponent : {1e300, 1e307, 3e307, 1e308, std::numeric_limits<double>::max()})
     for (const int max_code : {255, 65535}) {
       const Encoder encode(Gamma{exponent}, max_code);
@@ -157,14 +156,14 @@ TEST_CASE("a gamma near the end of double leaves but the brightest light and non
     }
 }
 
-TEST_CASE("an exponent that is not finite and greater than 0 is refused") {
+TEST_CASE("a gamma exponent that is not finite and greater than 0 is refused") {
   constexpr double huge = std::numeric_limits<double>::infinity();
   for (const double bad : {0.0, -0.0, -1.0, huge, -huge, std::numeric_limits<double>::quiet_NaN()})
     CHECK_THAT(message_of<std::invalid_argument>([&] { Encoder(Gamma{bad}, 255); }),
                ContainsSubstring("Gamma: exponent"));
 }
 
-TEST_CASE("an encoder is for codes from 0 to at most 65535") {
+TEST_CASE("the maximum code of an encoder is from 1 to 65535") {
   CHECK_THROWS_AS(Encoder(Linear{}, 0), std::invalid_argument);
   CHECK_THROWS_AS(Encoder(Linear{}, -1), std::invalid_argument);
   CHECK_THROWS_AS(Encoder(Linear{}, 65536), std::invalid_argument);

@@ -1,4 +1,4 @@
-// What rays bring that meet nothing, where that depends on their direction.
+// The environment: radiance of rays that hit nothing, by direction.
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -28,10 +28,10 @@ using namespace protostar;
 
 namespace {
 
-/// The place that it is asked for, as red and green.
+/// Returns u as red and v as green.
 Color place(double u, double v) { return {static_cast<float>(u), static_cast<float>(v), 1}; }
 
-/// Something that is nowhere the same.
+/// Returns a color that differs everywhere.
 Color waves(double u, double v) {
   return Color{Vec3{2 + std::cos(40 * u), 2 + std::cos(50 * v), 2 + std::sin(30 * u * v)} / 3.0};
 }
@@ -43,7 +43,8 @@ Color seen(const auto& integrator, const auto& scene, const Vec3& direction) {
 }  // namespace
 
 TEST_CASE(
-    "what meets nothing brings the environment of its direction, u around the y axis and v from the top") {
+    "a ray that hits nothing has the radiance of the environment in its direction, u around the y axis and v "
+    "from the top") {
   Scene<Sphere> scene;
   scene.set_environment(place);
   struct {
@@ -68,7 +69,7 @@ TEST_CASE(
   CHECK(std::abs(seen(ColorIntegrator{}, scene, {-1e-9, 0, -1}).r) < 1e-6f);
 }
 
-TEST_CASE("a picture as an environment has its left edge at u = 0, and its last row straight down") {
+TEST_CASE("an image as an environment has its left edge at u = 0, and its last row straight down") {
   Image picture(4, 2);
   for (int y = 0; y < 2; ++y)
     for (int x = 0; x < 4; ++x) picture(x, y) = Color{Vec3(x, y, 1)};
@@ -82,7 +83,7 @@ TEST_CASE("a picture as an environment has its left edge at u = 0, and its last 
   CHECK(seen(ColorIntegrator{}, scene, {0, -1, 0}) == Color{2, 1, 1});
 }
 
-TEST_CASE("the evening sky is the same as a file and as a header") {
+TEST_CASE("the evening sky is the same from dusk.hdr and from dusk.hpp") {
   const Image file = load_image(std::filesystem::path(PROTOSTAR_SOURCE_DIR) / "scenes" / "dusk.hdr");
   CHECK(count_pixels(file, [&](int x, int y) {
           const Color light = dusk((x + 0.5) / file.width(), (y + 0.5) / file.height());
@@ -91,7 +92,7 @@ TEST_CASE("the evening sky is the same as a file and as a header") {
   CHECK(file.width() == 1024);
 }
 
-TEST_CASE("integrators of light see the environment, before the sky; others keep to black") {
+TEST_CASE("integrators of light return the environment, even if there is a sky; others return black") {
   Scene<Sphere> scene;
   scene.add(Sphere{.center = {0, 0, -3}}, Color{0.5f});
   scene.set_sky({9, 9, 9});
@@ -113,7 +114,8 @@ TEST_CASE("integrators of light see the environment, before the sky; others keep
 }
 
 TEST_CASE(
-    "a mirror shows the environment of the mirrored direction, and a path that is cut that of its own") {
+    "a mirror shows the environment in the mirrored direction, and beyond the depth limit in the ray's own "
+    "direction") {
   Scene<Plane> scene;
   scene.add(Plane{.normal = {0, 0, 1}, .distance = 2}, Material{.reflect = 1});
   scene.set_environment(place);
@@ -125,7 +127,7 @@ TEST_CASE(
 
 TEST_CASE("pictures with an environment are the same plain, accelerated and by tiles") {
   Random random(91);
-  const int count = GENERATE(0, 3, 40);  // of 40, rays are followed one by one
+  const int count = GENERATE(0, 3, 40);  // with 40 spheres, rays are traced one by one
   const int samples = GENERATE(0, 3);
   CAPTURE(count, samples);
   Scene<Sphere> scene;
@@ -152,7 +154,7 @@ TEST_CASE("pictures with an environment are the same plain, accelerated and by t
   check(WhittedIntegrator{.depth = 4}, Camera::sensor({0, 0, 0}, {0, 0, 1}, {0, 1, 0}, 0.5));
 }
 
-TEST_CASE("an environment that cannot be called is refused") {
+TEST_CASE("an environment without a function is refused") {
   Scene<Sphere> scene;
   CHECK_THAT(message_of<std::invalid_argument>([&] { scene.set_environment({}); }),
              ContainsSubstring("Scene::set_environment"));

@@ -1,5 +1,5 @@
-// The pictures of the stages: each is its golden, byte for byte, and each golden is what exact arithmetic
-// gives.
+// The pictures of the stages: each equals its golden, byte for byte, and each golden agrees with exact
+// arithmetic.
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -29,14 +29,14 @@ std::string golden(const std::string& name) { return source_dir + "/tests/golden
 
 std::string quoted(const std::string& word) { return "'" + word + "'"; }
 
-/// Runs a line of shell in a folder, as a user does; its output goes to output.txt there. The exit status.
+/// Runs a shell command in a folder, with its output in output.txt there; returns its exit status, or −1.
 int run(const TemporaryFolder& folder, const std::string& line) {
   const std::string all = "cd " + quoted((folder / "").string()) + " && (" + line + ") > output.txt 2>&1";
   const int status = std::system(all.c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/// A PPM in decimal numbers, of a maximum value of 255.
+/// Reads a plain PPM with a maximum value of 255.
 Picture read_plain_ppm(const std::string& path) {
   std::ifstream file(path);
   std::string magic;
@@ -62,7 +62,7 @@ void check_equal(const Picture& a, const Picture& b) {
   CHECK(found.pixels == 0);
 }
 
-/// How many pixels differ by more than one level in a channel.
+/// Returns the number of pixels that differ by more than one level in a channel.
 int pixels_beyond_a_level(const Picture& a, const Picture& b) {
   int count = 0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i)
@@ -70,12 +70,12 @@ int pixels_beyond_a_level(const Picture& a, const Picture& b) {
   return count;
 }
 
-/// A golden: the stage that draws it, and what it is according to the reference; nothing for the naive
-/// stages, which are wrong on purpose.
+/// A golden: the stage that draws it, and its reference picture, which naive stages do not have: they are
+/// wrong on purpose.
 struct Golden {
   std::string name, stage, options;
   Picture (*reference)();
-  int undecided = 0;  ///< how many pixels may be more than a level from the reference, which is not exact
+  int undecided = 0;  ///< number of pixels that may be more than a level off the reference, inexact there
 };
 
 template <reference::Vector (*light_along)(reference::Whole)>
@@ -119,7 +119,7 @@ const Golden goldens[] = {
        using namespace reference;
        return picture({{ivory, glass, rubber, mirror}, true});
      },
-     20},  // which look exactly at the lines x = ±4 between squares: rounding decides whose they are
+     20},  // pixels that look exactly at the lines x = ±4 between squares: rounding decides between these
     {"14_primitives", "14_primitives", "", of_scene<reference::primitives_along>},
     {"15_csg", "15_csg", "", of_scene<reference::carved_solids_along>},
     {"16_environment", "16_environment", "",
@@ -127,7 +127,7 @@ const Golden goldens[] = {
        using namespace reference;
        return picture({{ivory, glass, rubber, mirror}, false, true});
      }},
-#if __has_include(<tiny_obj_loader.h>)  // else there is no such stage
+#if __has_include(<tiny_obj_loader.h>)  // otherwise this stage is not built
     {"17_mesh", "17_mesh", "",
      [] { return reference::Knot(source_dir + "/scenes/knot.obj").picture(640, 480); }},
 #endif
@@ -139,7 +139,7 @@ std::string command(const Golden& picture) {
 
 }  // namespace
 
-TEST_CASE("a stage that is run without options leaves its golden in out.ppm") {
+TEST_CASE("each stage writes its golden to out.ppm") {
   for (const Golden& picture : goldens) {
     INFO(picture.name);
     const TemporaryFolder folder;
@@ -150,8 +150,8 @@ TEST_CASE("a stage that is run without options leaves its golden in out.ppm") {
   }
 }
 
-// A single level may come from rounding light to float. That moves it by 2^-24 of itself and so its code, at
-// most 255, by 255/2.2 · 2^-24 = 7e-6 of a level: of the 921,600 codes of a picture, a few cross the middle
+// A single level may come from rounding light to float, which moves it by 2^-24 of itself and its code, at
+// most 255, by 255/2.2 · 2^-24 = 7e-6 of a level: a few of the 921,600 codes of a picture cross the middle
 // between two levels.
 TEST_CASE("no pixel of a golden is more than one level from exact arithmetic") {
   for (const Golden& picture : goldens) {
@@ -166,11 +166,11 @@ TEST_CASE("no pixel of a golden is more than one level from exact arithmetic") {
   }
 }
 
-TEST_CASE("every stage has a golden, and the goldens are PNG files in three channels") {
+TEST_CASE("every stage has a golden, and the goldens are PNG files with three channels") {
   for (const auto& entry : std::filesystem::directory_iterator(source_dir + "/stages")) {
     if (!entry.is_regular_file() || entry.path().extension() != ".cpp") continue;
     const std::string stage = entry.path().stem().string();
-    if (stage == "render") continue;  // its pictures are those of scenes/ (render_program.cpp)
+    if (stage == "render") continue;  // it draws the pictures of scenes/ (render_program.cpp)
     INFO(stage);
     CHECK(std::count_if(std::begin(goldens), std::end(goldens),
                         [&](const Golden& picture) { return picture.name == stage; }) == 1);
@@ -184,7 +184,7 @@ TEST_CASE("every stage has a golden, and the goldens are PNG files in three chan
   }
 }
 
-TEST_CASE("a naive stage counts the pixels that are wrong, which the stage beside it has none of") {
+TEST_CASE("a naive stage reports how many of its pixels differ from those of the exact stage") {
   struct Row {
     std::string stage, options, exact;
   };
@@ -216,12 +216,12 @@ TEST_CASE("the number of threads changes no byte of a picture") {
     for (const std::string threads : {"1", "2", "7"})
       REQUIRE(run(folder, command(picture) + " --threads " + threads + " -o " + threads + ".ppm") == 0);
     const std::string one = bytes_of(folder / "1.ppm");
-    CHECK((one == bytes_of(folder / "2.ppm")));  // in parentheses: a megabyte is not to be printed
+    CHECK((one == bytes_of(folder / "2.ppm")));  // in parentheses, to print no megabyte
     CHECK((one == bytes_of(folder / "7.ppm")));
   }
 }
 
-TEST_CASE("compare_images says how far pictures are apart, and shows where") {
+TEST_CASE("compare_images reports how much pictures differ, and shows where") {
   const TemporaryFolder folder;
   const std::string compare = quoted(binary_dir + "/tests/compare_images") + " ";
   const std::string lit = quoted(golden("07_diffuse")) + " ", shadowed = quoted(golden("09_shadow")) + " ";
@@ -252,8 +252,8 @@ TEST_CASE("compare_images says how far pictures are apart, and shows where") {
   CHECK(run(folder, compare + lit + shadowed + "no/folder.png") == 2);
 }
 
-TEST_CASE("update_golden replaces a golden only for a reason, and keeps the reason") {
-  // A project of its own, with one golden that is wrong and one that is right. Its cmake only notes that it
+TEST_CASE("update_golden replaces a golden only if a reason is given, and records the reason") {
+  // A temporary project, with one golden that is wrong and one that is right. Its cmake only records that it
   // was asked to build.
   const TemporaryFolder folder;
   namespace fs = std::filesystem;
@@ -274,14 +274,14 @@ TEST_CASE("update_golden replaces a golden only for a reason, and keeps the reas
   const auto sphere = [&] { return bytes_of(folder / "tests/golden/02_sphere.png"); };
   const fs::path reasons = folder / "tests/golden/reasons.md";
 
-  CHECK(update("", " 03_scene") == 0);  // nothing to do, nothing to ask
+  CHECK(update("", " 03_scene") == 0);  // nothing has changed, so no question is asked
   CHECK_THAT(bytes_of(folder / "built.txt"), ContainsSubstring("--target stages compare_images"));
 
   for (const std::string answers : {"", "n\\nNo reason.\\n", "y\\n", "y\\n\\n  \\n"}) {
     INFO("answers: " << answers);
     CHECK(update(answers, " 02_sphere 03_scene") == 1);
     CHECK_THAT(bytes_of(folder / "output.txt"), ContainsSubstring("02_sphere.difference.png"));
-    CHECK((sphere() == wrong));  // in parentheses: a PNG is not to be printed
+    CHECK((sphere() == wrong));  // in parentheses, to print no PNG
     CHECK_FALSE(fs::exists(reasons));
   }
 

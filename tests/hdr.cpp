@@ -29,7 +29,7 @@ Image saved_and_loaded(const Image& image) {
 }
 }  // namespace
 
-TEST_CASE("an HDR file says what it is, and of what size") {
+TEST_CASE("an HDR file has a header with its format, and its size") {
   const TemporaryFolder folder;
   save_hdr(Image(3, 2), folder / "a.hdr");
   const std::string bytes = bytes_of(folder / "a.hdr");
@@ -38,7 +38,7 @@ TEST_CASE("an HDR file says what it is, and of what size") {
   CHECK((bytes.ends_with("\n\n-Y 2 +X 3\n" + std::string(4 * 6, '\0'))));
 }
 
-TEST_CASE("light in an HDR file is the nearest that eight bits of the largest channel give") {
+TEST_CASE("light in an HDR file is rounded to eight bits of the largest channel") {
   constexpr float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
   const float most = 255 * 0x1p119f;
   struct {
@@ -49,7 +49,7 @@ TEST_CASE("light in an HDR file is the nearest that eight bits of the largest ch
       {{255, 128, 1}, {255, 128, 1}},
       {{255, 127.4f, 0.6f}, {255, 127, 1}},
       {{255.4f, 0.4f, 2.5f}, {255, 0, 3}},
-      {{255.6f, 3, 5.1f}, {256, 4, 6}},  // the largest takes another bit, and so the others lose one
+      {{255.6f, 3, 5.1f}, {256, 4, 6}},  // the largest takes another bit, so the others lose one
       {{1e4f, 1, 40}, {9984, 0, 64}},    // in steps of 64
       {{0x1p-100f, 0, 0x1p-101f}, {0x1p-100f, 0, 0x1p-101f}},
       {{0.9e-32f, 0, 0}, {0, 0, 0}},
@@ -67,10 +67,10 @@ TEST_CASE("light in an HDR file is the nearest that eight bits of the largest ch
   }
 }
 
-TEST_CASE("every pixel of an HDR file is the image's to 1/256 of its largest channel, in any shape") {
+TEST_CASE("every pixel of an HDR file is within 1/256 of its largest channel, for images of any shape") {
   struct {
     int width, height;
-  } const sizes[] = {{1, 1}, {7, 3}, {8, 3}, {129, 70}, {32767, 1}, {32768, 2}};  // with runs and without
+  } const sizes[] = {{1, 1}, {7, 3}, {8, 3}, {129, 70}, {32767, 1}, {32768, 2}};  // with and without runs
   for (const auto& size : sizes) {
     CAPTURE(size.width, size.height);
     Random random(5);
@@ -90,7 +90,7 @@ TEST_CASE("every pixel of an HDR file is the image's to 1/256 of its largest cha
   }
 }
 
-TEST_CASE("an HDR file that is cut off anywhere is refused, flat or with runs") {
+TEST_CASE("a truncated HDR file is refused, flat or run-length coded") {
   const TemporaryFolder folder;
   for (const std::string name :
        {"tests/fuzz/corpus_image/flat.hdr", "tests/fuzz/corpus_image/narrow.hdr",
@@ -107,9 +107,9 @@ TEST_CASE("an HDR file that is cut off anywhere is refused, flat or with runs") 
   }
 }
 
-TEST_CASE("what is wrong in an HDR file is named with its place, what was found and what is allowed") {
+TEST_CASE("an error in an HDR file is reported with its place, what was found and what is allowed") {
   const std::string start = "#?RADIANCE\n", format = "FORMAT=32-bit_rle_rgbe\n", size = "\n-Y 2 +X 8\n";
-  const std::string line = std::string("\2\2\0\x08", 4) + "\x88\x80\x88\x40\x88\x20\x88\x81";  // of one color
+  const std::string line = std::string("\2\2\0\x08", 4) + "\x88\x80\x88\x40\x88\x20\x88\x81";  // one color
   struct {
     std::string bytes, error;
   } const rows[] = {
@@ -145,7 +145,7 @@ TEST_CASE("what is wrong in an HDR file is named with its place, what was found 
                ContainsSubstring("cannot read '" + (folder / "a.hdr").string() + "': " + row.error));
   }
   put_bytes(folder / "a.hdr", start + format + size + line + std::string(8, '\x80') + line + line);
-  const Image mixed = load_image(folder / "a.hdr");  // a flat scanline beside one of runs
+  const Image mixed = load_image(folder / "a.hdr");  // a flat scanline next to a run-length coded one
   CHECK(mixed(0, 0) == Color{1, 0.5f, 0.25f});
   CHECK(mixed(0, 1) == Color{0.5f, 0.5f, 0.5f});
 }
@@ -163,7 +163,7 @@ TEST_CASE("all light that an HDR file can hold is finite") {
   CHECK(image(0, 0) == Color{0});
 }
 
-TEST_CASE("an HDR file that is stopped or cannot be written leaves the old one as it was") {
+TEST_CASE("saving an HDR file leaves the old file unchanged if it is stopped or fails") {
   const TemporaryFolder folder;
   put_bytes(folder / "a.hdr", "old");
   std::stop_source source;

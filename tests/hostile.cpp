@@ -1,5 +1,5 @@
-// Scenes with hostile numbers: what is accepted has pictures of finite numbers, the same in all ways to draw
-// them, and soon.
+// Scenes with hostile numbers: if accepted, they have finite pictures, equal for all ways of rendering, in
+// bounded time.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -27,7 +27,7 @@ namespace {
 
 const fs::path project = PROTOSTAR_SOURCE_DIR;
 
-/// The scene files in a folder, in the order of their names.
+/// Returns the scene files in a folder, in the order of their names.
 std::vector<fs::path> scenes_in(const fs::path& folder) {
   std::vector<fs::path> paths;
   for (const auto& entry : fs::directory_iterator(folder))
@@ -36,21 +36,21 @@ std::vector<fs::path> scenes_in(const fs::path& folder) {
   return paths;
 }
 
-/// Spheres of glass in each other, in the largest of which the camera is: paths double without an end.
+/// Adds glass spheres inside a large one, which also contains the camera: rays double at every hit.
 void add_glass(auto& scene) {
   const Material glass{.reflect = 0.5, .refract = 0.5, .ior = 1.2};
   for (const double z : {3.0, 3.5, 4.0}) scene.add(Sphere{.center = {0.3, 0.2, z}, .radius = 1.5}, glass);
   scene.add(Sphere{.radius = 100}, glass);
 }
 
-/// The time that this process has worked, in seconds: other processes do not count.
+/// Returns the CPU time of this process in seconds: other processes do not count.
 double seconds_of_work() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 }  // namespace
 
-TEST_CASE("scenes of extreme numbers are drawn in finite numbers, alike by tiles and rays, and soon") {
-  // 256 rays of the camera for each scene. The slowest of them take a few milliseconds each, and under
-  // sanitizers twenty times as long; without bounded arithmetic they took hours.
+TEST_CASE("scenes of extreme numbers have finite pictures, equal by tiles and by rays, in bounded time") {
+  // Each scene takes 256 camera rays. The slowest take a few milliseconds each, and twenty times as long
+  // under sanitizers; without bounded arithmetic they took hours.
   for (const fs::path& path : scenes_in(project / "tests/hostile")) {
     CAPTURE(path);
     const double begin = seconds_of_work();
@@ -60,10 +60,10 @@ TEST_CASE("scenes of extreme numbers are drawn in finite numbers, alike by tiles
   }
 }
 
-TEST_CASE("scenes of which some numbers are replaced by hostile ones are refused or drawn as they should") {
+TEST_CASE("scenes with some numbers replaced by hostile ones are refused or drawn correctly") {
   int accepted = 0;
   for (const char* folder : {"tests/hostile", "scenes"}) {
-    // Beside copies of the files that the scenes name.
+    // The scenes stand next to copies of the files that they name.
     const TemporaryFolder copies;
     fs::copy(project / folder, copies / "scenes");
     for (const fs::path& path : scenes_in(project / folder)) {
@@ -76,7 +76,7 @@ TEST_CASE("scenes of which some numbers are replaced by hostile ones are refused
           CHECK(faults_of_pictures(file, all_integrators()) == "");
           ++accepted;
         } catch (const std::runtime_error& error) {
-          CHECK_THAT(error.what(), ContainsSubstring("hostile.json: /"));  // in words, at a place
+          CHECK_THAT(error.what(), ContainsSubstring("hostile.json: /"));  // the message names a place
         }
       }
     }
@@ -84,7 +84,7 @@ TEST_CASE("scenes of which some numbers are replaced by hostile ones are refused
   CHECK(accepted > 150);
 }
 
-TEST_CASE("light beyond the largest float is held there, by every integrator") {
+TEST_CASE("every integrator clamps light to the largest float") {
   constexpr float most = std::numeric_limits<float>::max();
   Scene<Plane> scene;
   scene.add(Plane{.normal = {0, 0, 1}, .distance = 1e-100},
@@ -113,25 +113,25 @@ TEST_CASE("light beyond the largest float is held there, by every integrator") {
   CHECK(bright(0, 0) == Color{2, most, 0});
 }
 
-TEST_CASE("a mean of samples is held at the largest float") {
+TEST_CASE("the mean of samples is clamped to the largest float") {
   Image image(1, 1);
   render(image, Camera{}, [](const Ray&) { return Color{3e38f, 1, 0}; }, {.samples = 4});
   CHECK(image(0, 0) == Color{std::numeric_limits<float>::max(), 1, 0});
 }
 
-TEST_CASE("a normal is finite where the digits of a point do not tell it") {
+TEST_CASE("a normal is finite even where the coordinates of the point do not determine it") {
   const auto is_short = [](const Vec3& n) { return is_finite(n) && length(n) < 4; };
   const Sphere tiny{.center = {0, 0, 1}, .radius = 0x1p-400};
   CHECK(is_short(tiny.normal_at({0, 0, 1 - 0x1p-30})));
   CHECK(is_short(tiny.normal_at({0x1p450, -0x1p450, 0x1p450})));
   CHECK(is_finite(tiny.uv_at(tiny.center)));
 
-  // The vector product of the edges is 1e-400, beyond the range of double.
+  // The cross product of the edges is 1e-400, below the range of double.
   const Triangle sliver{{1, 0, 0}, {1, 1e-200, 0}, {1, 0, 1e-200}};
   CHECK_NOTHROW(sliver.validate());
   CHECK(sliver.normal_at(sliver.a) == Vec3{1, 0, 0});
 
-  // The square of the vector product of the edges is below the range of double.
+  // The square of the cross product of the edges is below the range of double.
   const Triangle thin{{0, 0, 0}, {1, 0, 0}, {1, 0x1p-540, 0}};
   CHECK_NOTHROW(thin.validate());
   CHECK(is_finite(thin.uv_at(Point{0.5, 0x1p-542, 0})));
@@ -139,7 +139,7 @@ TEST_CASE("a normal is finite where the digits of a point do not tell it") {
   CHECK_NOTHROW(thin_board.validate());
   CHECK(is_finite(thin_board.uv_at(Point{0.5, 0x1p-542, 0})));
 
-  // A point of a small plane in a small plane, in whose space it is beyond the range of double.
+  // In the object space of these nested instances the point is beyond the range of double.
   const Affine small = Affine{}.scaled_by(Vec3{0x1p-399});
   const Instance nested(Instance(Instance(Quadric{}, small), small), small);
   CHECK_NOTHROW(nested.validate());
@@ -147,7 +147,7 @@ TEST_CASE("a normal is finite where the digits of a point do not tell it") {
   CHECK(is_finite(nested.uv_at({0x1p300, 0x1p300, 0})));
 }
 
-TEST_CASE("a point too far away for its coordinates is taken to be 2^440 along its ray") {
+TEST_CASE("a hit too far away for finite coordinates is placed at distance 2^440 along its ray") {
   Scene<Plane> scene;
   scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, Color{1});
   const auto hit = scene.intersect({Point{0}, {0, -1e-200, 1}});
@@ -156,7 +156,7 @@ TEST_CASE("a point too far away for its coordinates is taken to be 2^440 along i
   CHECK(hit->point() == Point{0, -0x1p440 * 1e-200, 0x1p440});
 }
 
-TEST_CASE("paths of more rays than are allowed end a render with an error, and not with a picture") {
+TEST_CASE("a render ends with an error if more rays follow one camera ray than are allowed") {
   Scene<Sphere> scene;
   add_glass(scene);
   for (const bool tiles : {true, false}) {
@@ -171,7 +171,7 @@ TEST_CASE("paths of more rays than are allowed end a render with an error, and n
   }
 }
 
-TEST_CASE("in a scene file, rays that follow each other endlessly are refused soon, and by their number") {
+TEST_CASE("a scene file whose rays multiply without end is refused by their number in bounded time") {
   SceneFile file;
   add_glass(file.scene);
   file.depth = most_depth;
@@ -180,7 +180,7 @@ TEST_CASE("in a scene file, rays that follow each other endlessly are refused so
   CHECK_THROWS_AS(draw(image, file, "whitted", {.samples = 64, .threads = 1}), std::runtime_error);
   CHECK(seconds_of_work() - begin < 60);
 
-  // Samples that the command line asks for beside many lights.
+  // The command line's samples together with many lights.
   for (int i = 0; i < 64; ++i) file.scene.add(PointLight{});
   CHECK_FALSE(refusal_of_samples(1 << 16, 63));
   CHECK_THAT(message_of<std::runtime_error>(

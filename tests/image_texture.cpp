@@ -23,7 +23,7 @@
 using namespace protostar;
 
 namespace {
-/// A picture whose pixels are all different: codes of 1 to 6 of 255.
+/// Returns an image whose pixels are all different: codes 1 to 6 of 255.
 Image six_pixels() {
   Image image(3, 2);
   for (int y = 0; y < 2; ++y)
@@ -35,18 +35,18 @@ namespace fs = std::filesystem;
 
 const fs::path tests = fs::path(PROTOSTAR_SOURCE_DIR) / "tests";
 
-/// Leaves other numbers than 0 where functions that are called next have their variables.
+/// Fills the part of the stack that functions called next use with bytes other than 0.
 void write_on_the_stack() {
   volatile unsigned char there[1 << 16];
   for (volatile unsigned char& byte : there) byte = 0xaa;
 }
 
-/// A message of an error, or nothing, in which the bytes of an image end.
+/// Returns the message of the error in an image's bytes, or an empty string.
 std::string error_in(const std::string& bytes) {
   return message_of<std::runtime_error>([&] { static_cast<void>(image_from_bytes(bytes, "a")); });
 }
 
-/// Four bytes, the highest first.
+/// Returns four bytes, the most significant first.
 std::string big_endian_bytes(std::size_t number) {
   std::string bytes;
   for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(number >> shift & 255u);
@@ -58,7 +58,7 @@ std::string chunk(const std::string& type_and_data) {
          big_endian_bytes(detail::crc_32(type_and_data));
 }
 
-/// A gray PNG of 8 bits.
+/// Returns a gray PNG of 8 bits.
 std::string png(std::size_t width, std::size_t height, std::string rows) {
   int size = 0;
   const std::unique_ptr<unsigned char, void (*)(void*)> packed(
@@ -72,7 +72,7 @@ std::string png(std::size_t width, std::size_t height, std::string rows) {
 
 }  // namespace
 
-TEST_CASE("a texture repeats, and has its picture's left edge at u = 0 and the top row at v = 0") {
+TEST_CASE("an image texture repeats, and has its left edge at u = 0 and its top row at v = 0") {
   const TemporaryFolder folder;
   save_hdr(six_pixels(), folder / "a.hdr");
   const Image pixels = load_image(folder / "a.hdr");
@@ -114,14 +114,14 @@ TEST_CASE("a PNG's codes are decoded from sRGB") {
     CHECK(loaded(x, 0).g == loaded(255 - x, 0).r);
     CHECK(loaded(x, 0).b == loaded(128, 0).r);
   }
-  // What is saved as sRGB comes back with the same codes.
+  // Light saved as sRGB comes back with the same codes.
   save_png(loaded, folder / "b.png", Srgb{});
   CHECK(different_pixels(load_image(folder / "b.png"), loaded) == 0);
 }
 
-TEST_CASE("a JPEG is decoded as well, and a file is what its first bytes say") {
+TEST_CASE("a JPEG is decoded as well, and the format is recognized by the first bytes") {
   const TemporaryFolder folder;
-  const std::string path = (folder / "a.hdr").string();  // whatever its name
+  const std::string path = (folder / "a.hdr").string();  // the extension is ignored
   const unsigned char gray[3 * 64 * 64] = {};
   REQUIRE(stbi_write_jpg(path.c_str(), 64, 64, 3, gray, 90));
   const Image loaded = load_image(path);
@@ -130,7 +130,7 @@ TEST_CASE("a JPEG is decoded as well, and a file is what its first bytes say") {
   CHECK(loaded(5, 50) == Color{0});
 }
 
-TEST_CASE("every prefix of an image's file is refused, or is the whole picture") {
+TEST_CASE("every prefix of an image file is refused, or gives the whole picture") {
   int files = 0;
   for (const char* folder : {"fuzz/corpus_image", "fuzz/pool"})
     for (const auto& entry : fs::directory_iterator(tests / folder)) {
@@ -154,7 +154,7 @@ TEST_CASE("every prefix of an image's file is refused, or is the whole picture")
   CHECK(files > 20);
 }
 
-TEST_CASE("the corpus of the fuzzer, with bytes that are changed at random, is read or refused in words") {
+TEST_CASE("the fuzzing corpus of images, with bytes changed at random, is read or refused with a message") {
   Random random(7);
   for (const auto& entry : fs::directory_iterator(tests / "fuzz/corpus_image")) {
     const std::string bytes = bytes_of(entry.path());
@@ -170,7 +170,7 @@ TEST_CASE("the corpus of the fuzzer, with bytes that are changed at random, is r
   }
 }
 
-TEST_CASE("a JPEG of which a part is missing inside is refused") {
+TEST_CASE("a JPEG with a missing part is refused") {
   const std::string bytes = bytes_of(tests / "fuzz/corpus_image/baseline.jpg");
   const std::string restarts = bytes_of(tests / "fuzz/corpus_image/restarts.jpg");
   const std::string scans = bytes_of(tests / "fuzz/corpus_image/three_scans.jpg");
@@ -207,7 +207,7 @@ TEST_CASE("a JPEG of which a part is missing inside is refused") {
              ContainsSubstring(" bytes of a scan; a picture of this size takes 393216 or more"));
 }
 
-TEST_CASE("a PNG of which a part is missing inside or wrong is refused") {
+TEST_CASE("a PNG with a missing or wrong part is refused") {
   const std::string row(5, '\0'), rows = row + row + row;
   CHECK(error_in(png(4, 3, rows)) == "");
   CHECK_THAT(error_in(png(4, 4, rows)), ContainsSubstring("not enough pixels"));
@@ -228,7 +228,7 @@ TEST_CASE("a PNG of which a part is missing inside or wrong is refused") {
   CHECK_THAT(error_in(png(4, 3, rows).erase(8, 25)), ContainsSubstring("IHDR is the first chunk"));
 }
 
-TEST_CASE("colors that a palette does not have are black") {
+TEST_CASE("colors that are missing in a palette are black") {
   const std::string bytes = bytes_of(tests / "fuzz/corpus_image/palette_outside.png");
   write_on_the_stack();
   const Image image = image_from_bytes(bytes, "a");
@@ -236,7 +236,7 @@ TEST_CASE("colors that a palette does not have are black") {
   CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; }) > 0);
 }
 
-TEST_CASE("the pixels of an image may be limited further") {
+TEST_CASE("load_image accepts a lower limit for the number of pixels") {
   const fs::path path = tests / "fuzz/corpus_image/baseline.jpg";  // 33 × 19
   CHECK(load_image(path, 627).width() == 33);
   CHECK_THAT(message_of<std::runtime_error>([&] { static_cast<void>(load_image(path, 626)); }),
@@ -244,20 +244,20 @@ TEST_CASE("the pixels of an image may be limited further") {
                  "the picture has 33x19 pixels; allowed are sides of at least 1 and at most 626 pixels"));
 }
 
-TEST_CASE("a device without an end is no image") {
+TEST_CASE("an endless device is refused as an image") {
   for (const std::string path : {"/dev/zero", "/dev/urandom"})
     CHECK_THAT(message_of<std::runtime_error>([&] { static_cast<void>(load_image(path)); }),
                ContainsSubstring("cannot read '" + path + "': the file does not begin as"));
 }
 
-TEST_CASE("the name of an image is shown without its control characters") {
+TEST_CASE("messages show the name of an image without control characters") {
   CHECK_THAT(message_of<std::system_error>([&] { static_cast<void>(load_image("a\x1b[31m\n.png")); }),
              ContainsSubstring("cannot read 'a\\x1b[31m\\x0a.png': "));
   CHECK_THAT(message_of<std::runtime_error>([&] { static_cast<void>(image_from_bytes("", "a\x07")); }),
              ContainsSubstring("cannot read 'a\\x07': "));
 }
 
-TEST_CASE("a picture that cannot be read is named, with the reason") {
+TEST_CASE("an image that cannot be read is reported, with its path and the reason") {
   const TemporaryFolder folder;
   put_bytes(folder / "empty.png", "");
   put_bytes(folder / "words.jpg", "no picture at all");

@@ -16,7 +16,7 @@ using simd::Reach;
 
 namespace {
 
-/// Takes note of what it is shown, and is content after so many things.
+/// Query that records the primitives that it is shown, and is done after `enough` of them.
 struct Query {
   Ray ray;
   Interval range;
@@ -39,7 +39,7 @@ std::vector<Bounds> boxes(Random& random, int count) {
   return bounds;
 }
 
-/// What each query sees by itself, and what it sees when they take turns.
+/// Compares the primitives that each query sees by itself with those of the interleaved traversal.
 template <Order order>
 void compare(const simd::Bvh& tree, const std::vector<Query>& queries) {
   const auto visit = [](Query& query, std::uint32_t i) { return query.see(i); };
@@ -63,7 +63,7 @@ void compare(const simd::Bvh& tree, const std::vector<Query>& queries) {
           ++any_seen;
           same_first += query.seen.front() == alone.seen.front();
         }
-        // In another order, and of those that are content after some of them any.
+        // The order may differ, and queries that end early may have seen any of their primitives.
         CHECK(query.seen.size() == alone.seen.size());
         auto in_turns = query.seen;
         std::sort(in_turns.begin(), in_turns.end());
@@ -74,14 +74,15 @@ void compare(const simd::Bvh& tree, const std::vector<Query>& queries) {
       visit, visit_leaf, [&](Leaf) { ++fetched; });
   CHECK(std::all_of(done.begin(), done.end(), [](int times) { return times == 1; }));
   CHECK((seen > 0) == !queries.empty());
-  // The nearest child comes first, and only those that wait have another order.
+  // The nearest child comes first, and only waiting children may have another order.
   CHECK(same_first >= 0.8 * any_seen);
 }
 
 }  // namespace
 
 TEST_CASE(
-    "rays that take turns see what each of them sees by itself, and near ones first if they ask for it") {
+    "interleaved rays visit the primitives that each of them visits by itself, and near ones first if "
+    "requested") {
   const int count = GENERATE(1, 3, 500), without_bounds = GENERATE(0, 2);
   const std::size_t rays = GENERATE(0u, 1u, 16u, 200u);
   CAPTURE(count, without_bounds, rays);
@@ -96,13 +97,13 @@ TEST_CASE(
     queries.push_back({.ray = {origin, target - origin},
                        .range = k % 5 == 1 ? Interval{-1, 1} : Interval{},
                        .enough = k % 3 == 1 ? 2u : 1000u});
-    if (k % 7 == 3) queries.back().ray.origin.x = 1e300;  // boxes do not help
+    if (k % 7 == 3) queries.back().ray.origin.x = 1e300;  // float cannot represent it, so boxes do not help
   }
   compare<Order::near_first>(tree, queries);
   compare<Order::any>(tree, queries);
 }
 
-TEST_CASE("rays that take turns in a tree of nothing see nothing") {
+TEST_CASE("interleaved rays visit nothing in an empty tree") {
   const simd::Bvh tree(0, [](std::size_t) { return Bounds{}; }, {.most = 4}, {.threads = 1});
   int done = 0;
   simd::each_along_in_turns<Order::any>(

@@ -1,5 +1,5 @@
-// An arrow of inclusion points only down the layers of the library (docs/architecture.md), so that whoever
-// reads a header has to know nothing that comes after it.
+// A header includes only headers of lower layers of the library (docs/architecture.md), so that its reader
+// needs to know nothing that comes after it.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A header includes only headers of the lines above its own. A new header gets a place here, and in the list
-/// of docs/architecture.md.
+/// Headers by layers: each includes only headers of the lines above its own. A new header gets a place here,
+/// and in the list of docs/architecture.md.
 const std::vector<std::vector<std::string>> layers = {
     {"platform.hpp", "version.hpp"},
     {"bit_cast.hpp", "stop_token.hpp"},
@@ -55,11 +55,12 @@ const std::vector<std::vector<std::string>> layers = {
      "io/scene_file.hpp", "io/stb_image_write.hpp", "io/text.hpp"},
     {"surfaces/mesh.hpp", "io/json_tree.hpp", "io/check_jpeg.hpp", "io/check_png.hpp", "io/read_hdr.hpp"},
     {"io/image_texture.hpp", "io/json_cursor.hpp", "io/obj.hpp"},
-    // None of these includes another, and nothing in the core any of io/.
+    // None of these includes another, and nothing in the core includes any of io/.
     {"protostar.hpp", "io/hdr.hpp", "io/json_scene.hpp", "io/png.hpp"},
 };
 
-/// The surfaces that a program names by their headers where it has them, with what only they need.
+/// Headers that a program includes itself if it uses them: some surfaces, with the headers that only they
+/// need.
 const std::set<std::string> on_demand = {
     "surfaces/csg.hpp",
     "surfaces/instance.hpp",
@@ -85,8 +86,8 @@ const std::set<std::string> on_demand = {
     "accel/triangles_in_front.hpp",
 };
 
-/// What the core includes from outside: the standard library, and of GLM the smallest part that will do; and
-/// in one header each the processor's instructions, how the system is asked for large pages, and its files.
+/// External headers of the core, besides the standard library: the smallest part of GLM that will do, and in
+/// one header each the processor's instructions, large pages of the system, and its files.
 const std::set<std::string> glm_headers = {"glm/vec2.hpp", "glm/vec3.hpp", "glm/geometric.hpp"};
 const std::set<std::pair<std::string, std::string>> of_the_machine = {
     {"accel/simd.hpp", "immintrin.h"}, {"accel/large_pages.hpp", "sys/mman.h"},
@@ -110,7 +111,7 @@ Headers headers_of_the_library() {
   return headers;
 }
 
-/// What a header includes: names in quotes as paths inside include/protostar, others as they are.
+/// Includes of a header: names in quotes as paths inside include/protostar, others as they are.
 struct Includes {
   std::vector<std::string> own, other, malformed;
 };
@@ -140,7 +141,7 @@ Includes includes_of(const std::string& header, const std::string& text) {
   return includes;
 }
 
-/// The header's line in the table; behind the last one if it has none.
+/// Returns the index of the header's layer, or the number of layers if it has none.
 std::size_t layer_of(const std::string& header) {
   const auto layer = std::find_if(layers.begin(), layers.end(), [&](const auto& names) {
     return std::find(names.begin(), names.end(), header) != names.end();
@@ -148,10 +149,10 @@ std::size_t layer_of(const std::string& header) {
   return static_cast<std::size_t>(layer - layers.begin());
 }
 
-/// A standard header's name has neither a folder nor an ending.
+/// Tests whether a name is that of a standard header: without folder and extension.
 bool in_standard_library(const std::string& name) { return name.find_first_of("/.") == std::string::npos; }
 
-/// The list in docs/architecture.md, as layers are above: all that is `between such marks` in its numbered
+/// Returns the list in docs/architecture.md in the form of `layers`: all names in backquotes in its numbered
 /// lines, and for a folder its headers that no line names.
 std::vector<std::set<std::string>> layers_of_the_page(const Headers& headers) {
   std::istringstream page(bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "architecture.md"));
@@ -178,7 +179,7 @@ std::vector<std::set<std::string>> layers_of_the_page(const Headers& headers) {
 
 bool in_core(const std::string& header) { return !header.starts_with("io/"); }
 
-/// Everything that is wrong with the headers' includes, a line each.
+/// Returns everything that is wrong with the headers' includes, one line each.
 std::vector<std::string> complaints(const Headers& headers) {
   std::vector<std::string> found;
   for (const auto& [header, text] : headers) {
@@ -194,7 +195,7 @@ std::vector<std::string> complaints(const Headers& headers) {
       else if (layer_of(name) >= layer_of(header))
         complain("includes " + name + ", which is not below it");
       if (name.starts_with("accel/") && !header.starts_with("accel/") && header != "render.hpp" &&
-          header != "surfaces/mesh.hpp")  // which has a tree of its own
+          header != "surfaces/mesh.hpp")  // a mesh has its own tree
         complain("includes " + name + ", but that is left to render.hpp");
       if (header == "render.hpp" && name.starts_with("integrators/"))
         complain("includes " + name + ", but render takes any integrator");
@@ -216,7 +217,7 @@ std::vector<std::string> complaints(const Headers& headers) {
 
 }  // namespace
 
-TEST_CASE("a header includes only what lies below it") {
+TEST_CASE("a header includes only headers of lower layers") {
   for (const std::string& complaint : complaints(headers_of_the_library())) FAIL_CHECK(complaint);
 }
 
@@ -229,7 +230,7 @@ TEST_CASE("every header in the table of layers exists") {
     }
 }
 
-TEST_CASE("the layers are those of docs/architecture.md") {
+TEST_CASE("the table of layers agrees with docs/architecture.md") {
   const auto page = layers_of_the_page(headers_of_the_library());
   REQUIRE(page.size() == layers.size());
   for (std::size_t i = 0; i < layers.size(); ++i) {
@@ -238,7 +239,7 @@ TEST_CASE("the layers are those of docs/architecture.md") {
   }
 }
 
-TEST_CASE("protostar.hpp is the whole core but for surfaces on demand, and nothing else") {
+TEST_CASE("protostar.hpp includes the whole core except surfaces on demand, and nothing else") {
   Headers headers = headers_of_the_library();
   std::set<std::string> reached;
   std::vector<std::string> next = {"protostar.hpp"};
@@ -254,26 +255,26 @@ TEST_CASE("protostar.hpp is the whole core but for surfaces on demand, and nothi
   }
 }
 
-TEST_CASE("an include that points the wrong way is found") {
+TEST_CASE("an include that breaks a rule is found") {
   struct Row {
     std::string header, directive;
   };
   const auto row =
       GENERATE(Row{"ray.hpp", R"(#include "scene.hpp")"},                    // a layer above
-               Row{"vec3.hpp", R"(#include "interval.hpp")"},                // beside
-               Row{"render.hpp", R"(#include "integrators/shadow.hpp")"},    // any will do
+               Row{"vec3.hpp", R"(#include "interval.hpp")"},                // its own layer
+               Row{"render.hpp", R"(#include "integrators/shadow.hpp")"},    // render takes any
                Row{"ppm.hpp", R"(#include "protostar.hpp")"},                // everything
                Row{"ppm.hpp", R"(#include "io/png.hpp")"},                   // not the core
-               Row{"surfaces/torus.hpp", R"(#include "../surface.hpp")"},    // has no place
+               Row{"surfaces/torus.hpp", R"(#include "../surface.hpp")"},    // has no layer
                Row{"scene.hpp", R"(#include "../../stages/stage.hpp")"},     // not the library
                Row{"scene.hpp", R"(#include "light.h")"},                    // does not exist
-               Row{"protostar.hpp", R"(#include "accel/bvh.hpp")"},          // render.hpp's business
-               Row{"accel/tile.hpp", "#include <immintrin.h>"},              // simd.hpp's
-               Row{"accel/simd.hpp", "#include <sys/mman.h>"},               // large_pages.hpp's
-               Row{"output_file.hpp", "#include <fcntl.h>"},                 // system_file.hpp's
-               Row{"vec3.hpp", "#include <glm/glm.hpp>"},                    // twice the time
+               Row{"protostar.hpp", R"(#include "accel/bvh.hpp")"},          // only in render.hpp
+               Row{"accel/tile.hpp", "#include <immintrin.h>"},              // only in simd.hpp
+               Row{"accel/simd.hpp", "#include <sys/mman.h>"},               // only in large_pages.hpp
+               Row{"output_file.hpp", "#include <fcntl.h>"},                 // only in system_file.hpp
+               Row{"vec3.hpp", "#include <glm/glm.hpp>"},                    // compiles twice as long
                Row{"ppm.hpp", "#include <stb_image_write.h>"},               // another library
-               Row{"vec3.hpp", "#  include <glm/ext.hpp>"},                  // out of form
+               Row{"vec3.hpp", "#  include <glm/ext.hpp>"},                  // not the usual form
                Row{"vec3.hpp", "#include </usr/include/glm/vec3.hpp>"},      // one machine's path
                Row{"vec3.hpp", R"(#include "/usr/include/glm/vec3.hpp")"});  // one machine's path
   Headers headers = headers_of_the_library();

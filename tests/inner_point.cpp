@@ -18,7 +18,7 @@ ExactVector difference(const ExactVector& x, const ExactVector& y) {
   return {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
 }
 
-/// Whether a point lies in the plane of three others, and strictly on the inner side of all edges.
+/// Tests whether a point lies in the plane of three others, strictly on the inner side of all edges.
 bool is_inside(const ExactVector& point, const Corners& t) {
   const ExactVector n = cross(exact_difference(t.b, t.a), exact_difference(t.c, t.a));
   const auto is_left_of = [&](const Point& p, const Point& q) {
@@ -28,14 +28,14 @@ bool is_inside(const ExactVector& point, const Corners& t) {
          is_left_of(t.b, t.c) && is_left_of(t.c, t.a);
 }
 
-/// Whether no component of a point differs by more than a distance from that of another.
+/// Tests whether each component of a point differs from another's by at most a distance.
 bool is_within(double distance, const ExactVector& point, const Point& other) {
   return std::ranges::all_of(difference(point, exact_vector(other)), [&](const ExactNumber& x) {
     return (ExactNumber(distance) - x).sign() >= 0 && (ExactNumber(distance) + x).sign() >= 0;
   });
 }
 
-/// Places in a triangle, on its border and at its vertices: weights of the second and the third vertex.
+/// Returns a place in a triangle, on its border or at a vertex: weights of the second and the third vertex.
 Uv place(Random& random) {
   const double u = random.real(0, 1), v = random.real(0, 1);
   switch (random.bits() % 4) {
@@ -52,7 +52,7 @@ Uv place(Random& random) {
 
 }  // namespace
 
-TEST_CASE("next to a rounded point of a triangle there is one strictly inside, without rounding") {
+TEST_CASE("InnerPoint is next to a rounded point of a triangle and strictly inside, without rounding") {
   Random random(31);
   int wrong = 0, far = 0;
   for (int i = 0; i < 4000; ++i) {
@@ -65,7 +65,7 @@ TEST_CASE("next to a rounded point of a triangle there is one strictly inside, w
     const Point near = a + at.x * (b - a) + at.y * (c - a);
     const InnerPoint inner(near, a, b, c);
     wrong += !is_inside(inner.exact(), {a, b, c}) || !is_within(inner.distance(), inner.exact(), near);
-    // Some roundings of the coordinates, however thin the triangle is.
+    // The distance is some roundings of the coordinates, however thin the triangle is.
     const auto largest = [](const Vec3& w) { return std::max({w.x, w.y, w.z}); };
     far += inner.distance() > 0x1p-48 * (largest(abs(a)) + largest(abs(b - a)) + largest(abs(c - a)));
   }
@@ -73,13 +73,13 @@ TEST_CASE("next to a rounded point of a triangle there is one strictly inside, w
   CHECK(far == 0);
 }
 
-TEST_CASE("a point that is surely in a triangle at a right angle to an axis is taken as it is") {
+TEST_CASE("InnerPoint is the given point if that is surely in a triangle at a right angle to an axis") {
   const double tiny = 1e-300;
   const Point near{tiny, 2, 5};
   const InnerPoint inner(near, {0, 0, 5}, {0, 4, 5}, {4, 2, 5});
   CHECK(inner.distance() == 0);
   CHECK(is_within(0, inner.exact(), near));
-  // On the edge, and beyond it, the point is not inside.
+  // A point on the edge, or beyond it, is moved to the inside.
   for (const double x : {0.0, -tiny, -0x1p-52}) {
     const Point other{x, 2, 5};
     const InnerPoint next(other, {0, 0, 5}, {0, 4, 5}, {4, 2, 5});
@@ -89,7 +89,7 @@ TEST_CASE("a point that is surely in a triangle at a right angle to an axis is t
   }
 }
 
-TEST_CASE("of a point far beside a triangle, what is next to it is where it is nearest") {
+TEST_CASE("for a point away from the triangle, InnerPoint is next to the triangle's nearest point") {
   const Point a{0, 0, 0}, b{4, 0, 0}, c{0, 2, 0};
   const struct {
     Point near;
@@ -105,7 +105,7 @@ TEST_CASE("of a point far beside a triangle, what is next to it is where it is n
   }
 }
 
-TEST_CASE("there is a point inside of triangles of any size, whatever is asked for") {
+TEST_CASE("InnerPoint is inside triangles of any size, whatever the given point") {
   const double most = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::denorm_min();
   const Corners unit{{0, 0, 0}, {1, 0, 0.25}, {0, 1, 0.5}};
   for (const double scale : {0x1p-1060, 1e-200, 1.0, 1e200, 0x1p1022}) {

@@ -29,7 +29,7 @@ namespace {
 const Interval everywhere{-infinity, infinity};
 const Ray along_z{{0, 0, 0}, {0, 0, 1}};
 
-/// A map that stretches by 1/2 to 2, turns and moves.
+/// Returns a random map that stretches by 1/2 to 2, mirrors, rotates and moves.
 Affine any_placement(Random& random, double far) {
   return Affine{}
       .scaled_by({random.real(0.5, 2), random.real(0.5, 2), random.real(-2, -0.5)})
@@ -39,7 +39,7 @@ Affine any_placement(Random& random, double far) {
 
 }  // namespace
 
-TEST_CASE("an instance is crossed where its surface is, carried along by the map") {
+TEST_CASE("an instance is hit where its surface is, transformed by the map") {
   const auto stretched = Affine{}.scaled_by({1, 1, 2}).moved_by({0, 0, 5});
   struct {
     const char* what;
@@ -77,7 +77,7 @@ TEST_CASE("an instance is crossed where its surface is, carried along by the map
   }
 }
 
-TEST_CASE("what is not finite is not met, by a ray or by an instance") {
+TEST_CASE("rays and instances with numbers that are not finite have no hits") {
   const Instance sound(Sphere{}, Affine{}.moved_by({0, 0, 5}));
   for (const double bad : {infinity, -infinity, std::nan("")})
     for (int axis = 0; axis < 3; ++axis) {
@@ -92,8 +92,8 @@ TEST_CASE("what is not finite is not met, by a ray or by an instance") {
   CHECK_FALSE(sound.intersect({{0, 0, 5}, {0, 0, 0}}, everywhere));
 }
 
-TEST_CASE("whether a ray hits an ellipsoid is exact where the map is of powers of two") {
-  // All numbers are whole in quarters, so that the carried ray is not rounded and plain signs decide.
+TEST_CASE("whether a ray hits an ellipsoid is exact if the map consists of powers of two") {
+  // All numbers are multiples of 1/4, so the transformed ray is not rounded and plain signs decide.
   Random random(71);
   const auto whole = [&](int size) {
     return static_cast<std::int64_t>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
@@ -101,7 +101,7 @@ TEST_CASE("whether a ray hits an ellipsoid is exact where the map is of powers o
   int hits = 0, touching = 0, wrong = 0;
   for (int i = 0; i < 80000; ++i) {
     Vec3 scales, moved, origin, direction;
-    std::int64_t A = 0, b = 0, c = -16;  // in quarters of the sphere's space
+    std::int64_t A = 0, b = 0, c = -16;  // in quarters, in object space
     for (int axis = 0; axis < 3; ++axis) {
       const std::int64_t scale = 1 << (random.bits() % 3), o = whole(4), d = whole(3), m = whole(3);
       const auto to_double = [](std::int64_t x) { return static_cast<double>(x); };
@@ -124,14 +124,15 @@ TEST_CASE("whether a ray hits an ellipsoid is exact where the map is of powers o
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a hit lies on the image of the surface, within the rounding of the carried ray") {
-  // In units of u = 2^-53: the map's inverse stretches by at most 2, so that the terms of a component of what
-  // it carries have sizes of at most twice the vector's length. The origin is within 9√3 of where the map
-  // moves to, and the way t d is below 18 long: it ends before the target, or in the ellipsoid that it starts
-  // in. A component of the carried origin is off by 5 · 2 · 16 = 160, and of the way by 4 · 2 · 18 = 144. The
-  // point in space rounds by 18 + 8, which becomes 52; carried back for the test, a component of it is off by
-  // 5 · 2 · 2 = 20. With √3 for three components, 36 for a t that is rounded and 3 for the length: √3 · 324 +
-  // 52 + 36 + 3 < 2^10.
+TEST_CASE(
+    "a hit on an instance lies on the transformed surface, within the rounding of the transformed ray") {
+  // In units of u = 2^-53: the map's inverse stretches by at most 2, so the terms of a component of a
+  // transformed vector are at most twice the vector's length. The origin is within 9√3 of the map's
+  // translation, and t d is shorter than 18: it ends before the target, or in the ellipsoid in which it
+  // starts. A component of the transformed origin is off by 5 · 2 · 16 = 160, and of t d by 4 · 2 · 18 = 144.
+  // The point in world space rounds by 18 + 8, which becomes 52; transformed back for the test, a component
+  // of it is off by 5 · 2 · 2 = 20. With √3 for three components, 36 for the rounding of t and 3 for the
+  // length: √3 · 324 + 52 + 36 + 3 < 2^10.
   const double rounding = 0x1p-43;
   Random random(72);
   double worst = 0, worst_refined = 0;
@@ -144,7 +145,7 @@ TEST_CASE("a hit lies on the image of the surface, within the rounding of the ca
     REQUIRE(crossing);
     const AffineInverse back(placement);
     const auto off = [&](double t) { return std::abs(length(back.point(ray.at(t))) - 1); };
-    // t is good to 2^-30 of itself, and to one unit in its last place where it is refined.
+    // The relative error of t is at most 2^-30, and one unit in the last place where t is refined.
     const double by_t = Roots::relative_error * length(back.vector(crossing->t * ray.direction));
     worst = std::max(worst, off(crossing->t) - by_t);
     if (i % 16 != 0) continue;
@@ -155,7 +156,7 @@ TEST_CASE("a hit lies on the image of the surface, within the rounding of the ca
   CHECK(worst_refined < rounding);
 }
 
-TEST_CASE("the normal of an instance is a unit vector out of its inside, in a mirror image as well") {
+TEST_CASE("the normal of an instance is a unit vector that points outwards, also in a mirror image") {
   Random random(73);
   double worst = 0;
   int inward = 0;
@@ -174,7 +175,7 @@ TEST_CASE("the normal of an instance is a unit vector out of its inside, in a mi
     CHECK(Instance(Sphere{}, Affine{}.scaled_by({size, 1, 1})).normal_at({0, 0, 1}) == Vec3{0, 0, 1});
 }
 
-TEST_CASE("an instance is left as its surface is: outwards never met again, inwards once") {
+TEST_CASE("a ray that leaves an instance never hits it again outwards, and once inwards") {
   Random random(74);
   int out = 0, in = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -201,14 +202,16 @@ TEST_CASE("an instance is left as its surface is: outwards never met again, inwa
   CHECK(in > 5000);
   CHECK(wrong == 0);
 
-  // What is recognized by its address is met by a ray that leaves its twin.
+  // Ellipsoids are identified by their address, so a ray that leaves one hits its equal twin.
   const Affine stretched = Affine{}.scaled_by({1, 1, 2});
   const Instance<> one(Sphere{}, stretched), other(Sphere{}, stretched);
   CHECK(one.departure() != other.departure());
   CHECK(other.intersect({{0, 0, 2}, {0, 0, -1}, one.departure()}) == 4);
 }
 
-TEST_CASE("an instance of an instance, and of any surface, hands on parts, coordinates and departures") {
+TEST_CASE(
+    "an instance of an instance, or of AnySurface, has the parts, coordinates and departures of its "
+    "surface") {
   const Instance<> plates(Instance(TwoPlates{}, Affine{}.scaled_by({2, 2, 2})), Affine{}.moved_by({0, 0, 4}));
   CHECK(plates.has_parts());
   CHECK(plates.has_uv());
@@ -225,7 +228,7 @@ TEST_CASE("an instance of an instance, and of any surface, hands on parts, coord
   CHECK(plates.intersect({{0, 0, 4}, up, plates.departure(1)}, everywhere) == 0);
   CHECK(plates.intersect({{0, 0, 6}, -up, plates.departure(1)}, everywhere) == 2);
 
-  // By way of a scene: what leaves the lower plate meets the upper.
+  // In a scene, a ray that leaves the lower plate hits the upper one.
   Scene<AnySurface> scene;
   scene.add(plates, Color{1});
   const auto hit = scene.intersect(along_z);
@@ -238,33 +241,33 @@ TEST_CASE("an instance of an instance, and of any surface, hands on parts, coord
   CHECK_FALSE(scene.intersect(next->leave(up)));
 }
 
-TEST_CASE("the order of crossings with instances is that of the carried rays, exactly") {
-  // Two spheres that touch at (0, 0, 1), one of them as an instance.
+TEST_CASE("crossings with instances are ordered exactly by the transformed rays") {
+  // A sphere and an instance, an ellipsoid, that touch at (0, 0, 1).
   Scene<Sphere, Instance<Sphere>> scene;
   scene.add(Sphere{.center = {0, 0, 5}, .radius = 4}, Color{0.25f});
   scene.add(Instance(Sphere{}, Affine{}.scaled_by({1, 1, 4}).moved_by({0, 0, 5})), Color{0.5f});
   const auto middle = scene.intersect(along_z);
   CHECK(middle->t == 1);
-  CHECK(middle->color().r == 0.25f);  // at equal t the first surface
-  const double off = 0x1p-20;         // where the sphere has not fallen back as far
+  CHECK(middle->color().r == 0.25f);  // at equal t the surface that comes first
+  const double off = 0x1p-20;         // off the axis the sphere is nearer
   CHECK(scene.intersect({{off, 0, 0}, {0, 0, 1}})->color().r == 0.25f);
   CHECK(scene.intersect({{off, 0, 9}, {0, 0, -1}}, everywhere)->color().r == 0.25f);
 }
 
-TEST_CASE("every crossing that an instance reports lies in its bounds, from however far it is seen") {
+TEST_CASE("every crossing with an instance lies in its bounds, from any distance") {
   Random random(75);
   int hits = 0, outside = 0, loose = 0;
   for (int i = 0; i < 20000; ++i) {
     const Affine placement = any_placement(random, 100);
     const Instance instance(Sphere{}, placement);
     const Bounds box = instance.bounds();
-    // From so far away all digits of the ray's numbers are needed for the way.
+    // From far away t d needs all digits of the ray's numbers.
     const double far = std::exp2(random.real(0, 60));
     const Point origin = far * random.direction();
     const Ray ray{origin, placement.point(1.1 * random.direction()) - origin};
     instance.each_crossing(ray, everywhere, [&](const Crossing& crossing) {
       ++hits;
-      const DoubleDouble t = refined(instance.exact_root(ray, crossing));  // to 2^-97 of itself
+      const DoubleDouble t = refined(instance.exact_root(ray, crossing));  // relative error 2^-97
       for (int axis = 0; axis < 3; ++axis) {
         const ExactNumber way = (ExactNumber(t.hi) + ExactNumber(t.lo)) * ExactNumber(ray.direction[axis]),
                           x = ExactNumber(ray.origin[axis]) + way,
@@ -274,11 +277,11 @@ TEST_CASE("every crossing that an instance reports lies in its bounds, from howe
       }
     });
     for (int axis = 0; axis < 3; ++axis) {
-      // An ellipsoid reaches as far as the length of the map's row.
+      // An ellipsoid extends along an axis by the length of the map's row.
       const double reach = length(Vec3{placement.x[axis], placement.y[axis], placement.z[axis]});
       outside += !(box.min[axis] < placement.translation[axis] - reach);
       outside += !(box.max[axis] > placement.translation[axis] + reach);
-      loose += !(box.max[axis] - box.min[axis] < 4 * reach);  // at most √3 times, and a little
+      loose += !(box.max[axis] - box.min[axis] < 4 * reach);  // at most √3 times as large, and a little
     }
   }
   CHECK(hits > 10000);
@@ -288,12 +291,14 @@ TEST_CASE("every crossing that an instance reports lies in its bounds, from howe
   CHECK(Instance<>(Plane{}, {}).bounds().min.y == -infinity);
 }
 
-TEST_CASE("faces of instances and spheres that stay spheres are left together with what they coincide with") {
+TEST_CASE(
+    "faces of instances and instances of spheres that stay spheres have the departures of the surfaces that "
+    "they coincide with") {
   Random random(77);
   for (int i = 0; i < 200; ++i) {
     CAPTURE(i);
     const Affine map = any_placement(random, 100), half{0.5 * map.x, map.y, map.z, map.translation};
-    // The same image by two maps; one that is longer; and a board in the face at the bottom.
+    // Two maps with the same image, a longer box, and a board in the bottom face.
     const Instance<Box> box(Box{{0, 0, 0}, {1, 1, 1}}, map), same(Box{{0, 0, 0}, {2, 1, 1}}, half),
         longer(Box{{0, 0, 0}, {2, 1, 1}}, map);
     const Parallelogram board{map.translation, map.x, map.y};
@@ -303,7 +308,7 @@ TEST_CASE("faces of instances and spheres that stay spheres are left together wi
     CHECK(box.departure(4) == board.departure());
     CHECK(board.departure() == box.departure(4));
 
-    // From the board upwards: the bottom is not met, whatever the digits of the origin say.
+    // A ray upwards from the board does not hit the bottom, however its origin is rounded.
     const Point on = map.translation + random.real(0.1, 0.9) * map.x + random.real(0.1, 0.9) * map.y;
     const Vec3 up = map.z + random.real(-0.01, 0.01) * map.x;
     int crossed = 0;
@@ -314,7 +319,7 @@ TEST_CASE("faces of instances and spheres that stay spheres are left together wi
     CHECK(crossed == 1);
     CHECK_FALSE(box.intersect({on, -up, board.departure()}));
   }
-  const Affine turned{{0, 3, 4}, {5, 0, 0}, {0, 4, -3}, {1, 2, 3}};  // five times a rotation
+  const Affine turned{{0, 3, 4}, {5, 0, 0}, {0, 4, -3}, {1, 2, 3}};  // a rotation, scaled by 5
   const Sphere image{.center = {1 + 5, 2 + 3, 3 + 4}, .radius = 10};
   const Instance<> ball(Sphere{.center = {1, 1, 0}, .radius = -2}, turned);
   CHECK(ball.departure() == image.departure());
@@ -323,8 +328,8 @@ TEST_CASE("faces of instances and spheres that stay spheres are left together wi
   CHECK(image.intersect({side, {-1, 0, 0}, ball.departure()}) == 20);
 }
 
-TEST_CASE("solids made of instances that share faces are left without acne") {
-  // A bar of four tilted cubes, end to end, each an instance of its own.
+TEST_CASE("rays that leave solids made of instances with common faces show no acne") {
+  // A bar of four tilted boxes, end to end, each an instance of its own.
   Random random(78);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 50; ++i) {
@@ -354,7 +359,7 @@ TEST_CASE("solids made of instances that share faces are left without acne") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a mesh in an instance is as watertight as the mesh, from however far it is seen") {
+TEST_CASE("an instance of a mesh is as watertight as the mesh, from any distance") {
   Random random(79);
   int met = 0, slipped = 0;
   const Mesh ball(meshes::icosphere(1));
@@ -363,14 +368,14 @@ TEST_CASE("a mesh in an instance is as watertight as the mesh, from however far 
     const Instance<Mesh> instance(ball, placement);
     const Point eye = std::exp2(random.real(0, 50)) * random.direction();
     for (int k = 0; k < 20; ++k) {
-      // To a vertex, or to the middle between two.
+      // Aims at a vertex, or at the middle between two.
       const auto& vertices = ball.data().vertices;
       const auto vertex = [&] {
         return vertices[static_cast<std::size_t>(random.real(0, static_cast<double>(vertices.size())))];
       };
       const Point one = vertex(), other = k % 2 == 0 ? one : vertex();
       const Ray ray{eye, placement.point(0.5 * one + 0.5 * other) - eye};
-      // In and out in turn, by the exact directions.
+      // Checks by exact slopes that crossings alternate between in and out.
       const ExactLine line = AffineInverse(placement).line(line_of<ExactNumber>(ray));
       int count = 0, last = 0;
       bool alternates = true;
@@ -412,7 +417,7 @@ TEST_CASE("pictures of instances are the same plain, accelerated and by tiles") 
   CHECK(drawn.different == 0);
 }
 
-TEST_CASE("an instance that makes no sense is refused") {
+TEST_CASE("an invalid instance is refused") {
   const auto says = [](const auto& instance) {
     return message_of<std::invalid_argument>([&] { instance.validate(); });
   };

@@ -24,7 +24,7 @@ using namespace protostar;
 namespace {
 constexpr float four_pi = 4 * std::numbers::pi_v<float>;
 
-/// A ball of radius 1 around (0, 0, 3) on the ground y = −1.
+/// Returns a ball of radius 1 around (0, 0, 3) on the ground y = −1.
 Scene<Sphere, Plane> ball_on_ground() {
   Scene<Sphere, Plane> scene;
   scene.add(Sphere{.center = {0, 0, 3}, .radius = 1}, Color{1, 0.5f, 0.25f});
@@ -42,7 +42,7 @@ bool near(const Color& a, const Color& b) {
 
 template <Surface S>
 Image picture(const Scene<S>& scene, const Camera& camera, const auto& integrator) {
-  Image image(200, 150);  // ray by ray; what render makes of integrators, tests/render_tiles.cpp asks
+  Image image(200, 150);  // ray by ray; tests/render_tiles.cpp is for integrators in render
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x)
       image(x, y) = integrator.radiance(camera.through_pixel(x, y, image.width(), image.height()), scene);
@@ -57,7 +57,7 @@ TEST_CASE("binary: white where there is a surface, black where there is none") {
   CHECK(BinaryIntegrator{}.radiance(at_nothing, scene) == Color{0});
 }
 
-TEST_CASE("depth: the reciprocal distance") {
+TEST_CASE("depth: the reciprocal of the distance") {
   const auto scene = ball_on_ground();
   CHECK(DepthIntegrator{}.radiance(at_ball, scene) == Color{0.5f});
   CHECK(DepthIntegrator{}.radiance(at_ground, scene) == Color{1});
@@ -66,7 +66,7 @@ TEST_CASE("depth: the reciprocal distance") {
   CHECK(DepthIntegrator{}.radiance(at_nothing, scene) == Color{0});
 }
 
-TEST_CASE("normal: from [−1, 1] to [0, 1], the surface's own also from behind") {
+TEST_CASE("normal: components mapped from [−1, 1] to [0, 1], the surface's own normal also from behind") {
   const auto scene = ball_on_ground();
   CHECK(NormalIntegrator{}.radiance(at_ball, scene) == Color{0.5f, 0.5f, 0});
   CHECK(NormalIntegrator{}.radiance(at_ground, scene) == Color{0.5f, 1, 0.5f});
@@ -75,18 +75,18 @@ TEST_CASE("normal: from [−1, 1] to [0, 1], the surface's own also from behind"
   CHECK(NormalIntegrator{}.radiance(at_nothing, scene) == Color{0});
 }
 
-TEST_CASE("color: flat") {
+TEST_CASE("color: the material's color without shading") {
   const auto scene = ball_on_ground();
   CHECK(ColorIntegrator{}.radiance(at_ball, scene) == Color{1, 0.5f, 0.25f});
   CHECK(ColorIntegrator{}.radiance(at_ground, scene) == Color{0.5f, 1, 0});
   CHECK(ColorIntegrator{}.radiance(at_nothing, scene) == Color{0});
 }
 
-TEST_CASE("diffuse: color times irradiance, a sum over the lights, with no regard to what hides them") {
+TEST_CASE("diffuse: color times irradiance, summed over the lights, without shadows") {
   auto scene = ball_on_ground();
-  scene.add(PointLight{.position = {0, 0, 1}, .power = Color{four_pi}});  // 1 before the ball
+  scene.add(PointLight{.position = {0, 0, 1}, .power = Color{four_pi}});  // 1 in front of the ball
   CHECK(near(DiffuseIntegrator{}.radiance(at_ball, scene), {1, 0.5f, 0.25f}));
-  scene.add(PointLight{.position = {0, 0, 0}, .power = Color{four_pi, 0, 8 * four_pi}});  // 2 before it
+  scene.add(PointLight{.position = {0, 0, 0}, .power = Color{four_pi, 0, 8 * four_pi}});  // 2 in front of it
   CHECK(near(DiffuseIntegrator{}.radiance(at_ball, scene), {1.25f, 0.5f, 0.75f}));
   CHECK(DiffuseIntegrator{}.radiance(at_nothing, scene) == Color{0});
 
@@ -96,7 +96,7 @@ TEST_CASE("diffuse: color times irradiance, a sum over the lights, with no regar
              Color{0.5f, 1, 0} * static_cast<float>(16 * 4 / std::pow(17, 1.5))));
 }
 
-TEST_CASE("diffuse: surfaces are two-sided, and the side that is seen is the one that is lit") {
+TEST_CASE("diffuse: surfaces are two-sided, and only lights on the visible side count") {
   Scene<Plane> scene;
   scene.add(Plane{.normal = {0, 0, 1}, .distance = 2}, Color{1});
   scene.add(PointLight{.position = {0, 0, 0}, .power = Color{4 * four_pi}});
@@ -106,17 +106,17 @@ TEST_CASE("diffuse: surfaces are two-sided, and the side that is seen is the one
   CHECK(ShadowIntegrator{}.radiance({{0, 0, 9}, {0, 0, -1}}, scene) == Color{0});
 }
 
-TEST_CASE("shadow: as diffuse, from the lights that can be seen") {
+TEST_CASE("shadow: as diffuse, from the lights that are not occluded") {
   auto scene = ball_on_ground();
   scene.add(PointLight{.position = {0, 3, 3}, .power = Color{16 * four_pi}});  // above the ball
-  const Ray under_ball{{0, -0.5, 1.5}, {0, -1, 1}};  // meets the ground at (0, −1, 2)
+  const Ray under_ball{{0, -0.5, 1.5}, {0, -1, 1}};  // hits the ground at (0, −1, 2)
   CHECK(DiffuseIntegrator{}.radiance(under_ball, scene) != Color{0});
   CHECK(ShadowIntegrator{}.radiance(under_ball, scene) == Color{0});
   CHECK(ShadowIntegrator{}.radiance(at_ground, scene) == DiffuseIntegrator{}.radiance(at_ground, scene));
   CHECK(ShadowIntegrator{}.radiance(at_ground, scene) != Color{0});
   CHECK(ShadowIntegrator{}.radiance(at_nothing, scene) == Color{0});
 
-  // A second light that sees the place.
+  // A second light, visible from that point.
   scene.add(PointLight{.position = {0, 0, 2}, .power = Color{four_pi}});
   auto alone = ball_on_ground();
   alone.add(scene.lights()[1]);
@@ -124,7 +124,7 @@ TEST_CASE("shadow: as diffuse, from the lights that can be seen") {
   CHECK(ShadowIntegrator{}.radiance(under_ball, alone) == ShadowIntegrator{}.radiance(under_ball, scene));
 }
 
-TEST_CASE("shadow: what is beyond the light casts none, nor does what the light touches") {
+TEST_CASE("shadow: a surface beyond the light casts none, nor does one that the light touches") {
   Scene<Plane> scene;
   scene.add(Plane{.normal = {0, 1, 0}, .distance = 0}, Color{1});
   scene.add(Plane{.normal = {0, 1, 0}, .distance = 2}, Color{1});  // a ceiling
@@ -157,14 +157,14 @@ TEST_CASE("transparency: there is no limit to the number of crossings") {
   const Color light = TransparencyIntegrator{}.radiance({{0, 0, 0}, {0, 0, 1}}, scene);
   CHECK(std::abs(light.r / std::pow(0.995, 200) - 1) < 1e-4);
   CHECK(light.g == 1);
-  CHECK(light.b == std::numeric_limits<float>::max());  // 2^200 is beyond it
+  CHECK(light.b == std::numeric_limits<float>::max());  // 2^200 exceeds float
 
-  scene.add(Sphere{.center = {0, 0, 200}, .radius = 0.5}, Color{1, 1, 0});  // and then black
+  scene.add(Sphere{.center = {0, 0, 200}, .radius = 0.5}, Color{1, 1, 0});  // no blue
   const Color black = TransparencyIntegrator{}.radiance({{0, 0, 0}, {0, 0, 1}}, scene);
   CHECK(black == Color{light.r, light.g, 0});
 }
 
-TEST_CASE("without surfaces or lights every picture is defined") {
+TEST_CASE("every integrator is defined for scenes without surfaces or lights") {
   const auto check_background = [](const auto& empty) {
     CHECK(BinaryIntegrator{}.radiance(at_ball, empty) == Color{0});
     CHECK(DepthIntegrator{}.radiance(at_ball, empty) == Color{0});
@@ -174,14 +174,14 @@ TEST_CASE("without surfaces or lights every picture is defined") {
     CHECK(ShadowIntegrator{}.radiance(at_ball, empty) == Color{0});
     CHECK(TransparencyIntegrator{}.radiance(at_ball, empty) == Color{1});
   };
-  check_background(Scene<>{});  // without so much as a type of surface
+  check_background(Scene<>{});  // not even a type of surface
   check_background(Scene<Sphere>{});
   const auto dark = ball_on_ground();
   CHECK(DiffuseIntegrator{}.radiance(at_ball, dark) == Color{0});
   CHECK(ShadowIntegrator{}.radiance(at_ball, dark) == Color{0});
 }
 
-TEST_CASE("a negative radius changes the picture of the normals and no other") {
+TEST_CASE("a negative radius changes the picture of the normal integrator and of no other") {
   const auto of_radius = [](double sign) {
     Scene<Sphere> scene;
     scene.add(Sphere{.center = {0, 0, 3}, .radius = sign}, Color{0.8f, 0.5f, 0.2f});
@@ -202,7 +202,7 @@ TEST_CASE("a negative radius changes the picture of the normals and no other") {
   CHECK(differences(NormalIntegrator{}) > 1000);
 }
 
-TEST_CASE("every picture of three spheres is the same with any surfaces") {
+TEST_CASE("every picture of three spheres is the same with AnySurface") {
   const auto differences = [](const auto& integrator) {
     return different_pixels(picture(three_spheres(), Camera{}, integrator),
                             picture(three_spheres<AnySurface>(), Camera{}, integrator));
@@ -219,8 +219,8 @@ TEST_CASE("every picture of three spheres is the same with any surfaces") {
 namespace {
 template <Surface S>
 void check_pictures_of_cylinder() {
-  // A cylinder hides no point of its own that faces a light: seen from outside and from inside, what is lit
-  // without shadows is lit with them. One crossing too many or too few would show as a pixel.
+  // A cylinder does not shadow its own points that face a light: from outside and from inside, the pictures
+  // with and without shadows are equal. One crossing too many or too few would change a pixel.
   const Color color{0.5f, 0.25f, 0.75f};
   const auto scene_of = [&](double radius, const Point& light) {
     Scene<S> scene;
@@ -251,8 +251,8 @@ void check_pictures_of_cylinder() {
 }
 }  // namespace
 
-TEST_CASE("the pictures of a surface of the user's own are clean") { check_pictures_of_cylinder<Cylinder>(); }
+TEST_CASE("pictures of a user-defined surface show no acne") { check_pictures_of_cylinder<Cylinder>(); }
 
-TEST_CASE("the pictures of a surface of the user's own are clean among any surfaces") {
+TEST_CASE("pictures of a user-defined surface in AnySurface show no acne") {
   check_pictures_of_cylinder<AnySurface>();
 }

@@ -1,4 +1,4 @@
-// Ctrl-C, as a user of a stage sees it.
+// Ctrl-C and other signals, as a user of a stage sees them.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -18,7 +18,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// Sends a signal and expects the end that belongs to it within half a second.
+/// Sends a signal; checks that the process ends within half a second, with status 128 + signal and without
+/// output.
 void check_ends_at_once(Process& process, int signal) {
   const auto start = std::chrono::steady_clock::now();
   process.send(signal);
@@ -47,7 +48,7 @@ void wait_for_temporary_file(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("a signal ends a render at once, with its status, and leaves no file") {
+TEST_CASE("a signal ends a render at once, with status 128 plus its number, and leaves no file") {
   const int signal = GENERATE(SIGINT, SIGTERM, SIGHUP);
   CAPTURE(signal);
   const TemporaryFolder folder;
@@ -59,7 +60,7 @@ TEST_CASE("a signal ends a render at once, with its status, and leaves no file")
   CHECK(folder.count() == 0);
 }
 
-TEST_CASE("a signal while the picture is written leaves the old file as it was and no other") {
+TEST_CASE("a signal while the picture is written leaves the old file unchanged and no temporary file") {
   const TemporaryFolder folder;
   put_bytes(folder / "out.ppm", "old");
   Process process(stage("01_gradient", words("--size 6000x4000"), folder / ""));
@@ -69,8 +70,8 @@ TEST_CASE("a signal while the picture is written leaves the old file as it was a
   CHECK(bytes_of(folder / "out.ppm") == "old");
 }
 
-TEST_CASE("what a killed stage leaves of a picture is removed by the next that writes it") {
-  const int signal = GENERATE(SIGKILL, SIGQUIT, SIGXCPU, SIGABRT);  // which nobody catches
+TEST_CASE("the temporary file of a killed stage is removed by the next stage that writes the same picture") {
+  const int signal = GENERATE(SIGKILL, SIGQUIT, SIGXCPU, SIGABRT);  // signals that a stage does not catch
   CAPTURE(signal);
   const TemporaryFolder folder;
   put_bytes(folder / "out.ppm", "old");
@@ -92,7 +93,7 @@ TEST_CASE("what a killed stage leaves of a picture is removed by the next that w
   CHECK(bytes_of(folder / "out.ppm").starts_with("P3\n3 1\n"));
 }
 
-TEST_CASE("a stage that is killed takes nothing from one that writes the same picture") {
+TEST_CASE("killing a stage does not affect another that writes the same picture") {
   const TemporaryFolder folder;
   const Command command = stage("01_gradient", words("--size 3000x2000 --quiet"), folder / "");
   Process first(command);
@@ -109,7 +110,7 @@ TEST_CASE("a stage that is killed takes nothing from one that writes the same pi
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("a signal ends a stage at once that has no thread to wait for it") {
+TEST_CASE("a signal ends a stage at once even if it cannot start a thread that waits for signals") {
   const TemporaryFolder folder;
   Command command = stage("15_csg", words("--size 4000x4000 --threads 1 --quiet"), folder / "");
   command.before = forbid_threads;
@@ -137,7 +138,7 @@ TEST_CASE("a signal ends a stage that waits for the reader of a pipe") {
   const TemporaryFolder folder;
   const std::string pipe = (folder / "pipe").string();
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
-  const int reader = opened ? open(pipe.c_str(), O_RDONLY | O_NONBLOCK) : -1;  // which never reads
+  const int reader = opened ? open(pipe.c_str(), O_RDONLY | O_NONBLOCK) : -1;  // it never reads
   Process process(stage("01_gradient", words("-o pipe --size 400x400"), folder / ""));
   process.wait_for_thread();
   std::this_thread::sleep_for(100ms);
@@ -147,7 +148,7 @@ TEST_CASE("a signal ends a stage that waits for the reader of a pipe") {
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("a signal that a stage was started to ignore stays ignored") {
+TEST_CASE("a signal that is ignored when a stage starts stays ignored") {
   const int signal = GENERATE(SIGINT, SIGHUP);  // as after the shell's & and nohup
   CAPTURE(signal);
   const TemporaryFolder folder;

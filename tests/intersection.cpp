@@ -17,7 +17,7 @@ Scene<Sphere, Plane> ball_on_ground() {
 }
 }  // namespace
 
-TEST_CASE("an intersection tells point, normal and color of what was met") {
+TEST_CASE("an intersection has the point, normal and color of the hit") {
   const auto scene = ball_on_ground();
   const auto ball = scene.intersect({{0, 0, 0}, {0, 0, 2}});
   REQUIRE(ball);
@@ -34,7 +34,7 @@ TEST_CASE("an intersection tells point, normal and color of what was met") {
   CHECK(ground->color() == Color{0, 1, 0});
 }
 
-TEST_CASE("the normal is the surface's own, the facing normal looks at where the ray comes from") {
+TEST_CASE("the normal is the surface's own, the facing normal points to the side from which the ray comes") {
   const auto scene = ball_on_ground();
   const auto inside = scene.intersect({{0, 0, 3}, {0, 0, 1}});
   REQUIRE(inside);
@@ -50,7 +50,7 @@ TEST_CASE("the normal is the surface's own, the facing normal looks at where the
   CHECK(below->facing_normal() == Vec3{0, -1, 0});
 }
 
-TEST_CASE("the ray that leaves an intersection starts there and knows what it departs from") {
+TEST_CASE("a ray that leaves an intersection starts at its point and has the departure of its surface") {
   const auto scene = ball_on_ground();
   const auto ball = scene.intersect({{0, 0, 0}, {0, 0, 1}});
   REQUIRE(ball);
@@ -69,7 +69,7 @@ TEST_CASE("the ray that leaves an intersection starts there and knows what it de
   CHECK(ground->t == 1);
 }
 
-TEST_CASE("of crossings at the ray's origin none is before another") {
+TEST_CASE("crossings at the ray's origin have no order") {
   Scene<Sphere, Plane> scene;
   scene.add(Sphere{.center = {-2, 1, -2}, .radius = 3}, Color{1});
   scene.add(Plane{.normal = {0, 2, 1}, .distance = 0}, Color{1});

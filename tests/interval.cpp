@@ -14,14 +14,14 @@ TEST_CASE("an interval is open: neither end belongs to it") {
   CHECK_FALSE(interval.contains(3));
 }
 
-TEST_CASE("the default interval is all that lies ahead") {
+TEST_CASE("the default interval contains all finite t above 0") {
   CHECK(Interval{}.contains(std::numeric_limits<double>::denorm_min()));
   CHECK(Interval{}.contains(std::numeric_limits<double>::max()));
   CHECK_FALSE(Interval{}.contains(0));
   CHECK_FALSE(Interval{}.contains(infinity));
 }
 
-TEST_CASE("NaN belongs to no interval, and nothing to an interval with a NaN end") {
+TEST_CASE("NaN belongs to no interval, and an interval with a NaN end is empty") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CHECK_FALSE(Interval{}.contains(nan));
   CHECK_FALSE(Interval{.min = nan}.contains(1));

@@ -1,4 +1,4 @@
-// Scene files: what they mean, and how each mistake in one is named.
+// Scene files: their meaning, and the message for each kind of error.
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ namespace {
 
 const fs::path scenes = fs::path(PROTOSTAR_SOURCE_DIR) / "scenes";
 
-/// As little as a scene can be, with one of each thing that has to be in it.
+/// The smallest scene, with one of each required item.
 const std::string smallest = R"({
   "settings": {"resolution-x": 8, "resolution-y": 6},
   "camera": {"projection": "perspective", "position": [0, 0, 0], "direction": [0, 0, 1], "upward": [0, 1, 0],
@@ -35,7 +35,7 @@ const std::string smallest = R"({
   "objects": [{"surface": {"type": "sphere", "position": [0, 0, 3], "radius": 1}, "color": [1, 0.5, 0]}]
 })";
 
-/// A scene with one of everything, for mistakes to be made in.
+/// A scene with one of everything, into which tests put errors.
 const std::string everything = R"({
   "settings": {"resolution-x": 8, "resolution-y": 6, "samples": 4, "depth": 3, "integrator": "shadow",
                "transfer": {"gamma": 2.2}, "tone": "scale-pixel", "exposure": 0.5},
@@ -69,7 +69,7 @@ std::string error_of(const std::string& text) {
   return message_of<SceneError>([&] { static_cast<void>(read(text)); });
 }
 
-/// The scene with everything, after a JSON Patch (RFC 6902).
+/// Returns the scene with everything after a JSON Patch (RFC 6902).
 std::string patched(const std::string& patch) {
   return json::parse(everything).patch(json::parse("[" + patch + "]")).dump();
 }
@@ -92,7 +92,7 @@ std::string repeated(const std::string& text, int times) {
   return all;
 }
 
-/// The smallest scene with another surface.
+/// A surface, and functions that replace the surface of the smallest scene.
 const std::string ball = R"({"position":[0,0,3],"radius":1,"type":"sphere"})";
 std::string with_surface(const std::string& surface) {
   const std::string sphere = R"({"type": "sphere", "position": [0, 0, 3], "radius": 1})";
@@ -102,7 +102,7 @@ AnySurface only_surface(const std::string& surface) {
   return read(with_surface(surface)).scene.surfaces<AnySurface>().at(0);
 }
 
-/// Whether two cameras have the same rays.
+/// Tests whether two cameras have the same rays.
 bool same_camera(const Camera& a, const Camera& b) {
   return a.position == b.position && a.right == b.right && a.up == b.up && a.forward == b.forward &&
          a.film_right == b.film_right && a.film_up == b.film_up;
@@ -138,7 +138,7 @@ TEST_CASE("a scene file needs a resolution, a camera and objects; all else has a
   CHECK(material.ior == 1.5);
 }
 
-TEST_CASE("a scene file says everything that a scene is") {
+TEST_CASE("all properties of a scene can be given in a scene file") {
   const SceneFile file = read(everything);
   CHECK(file.samples == 4);
   CHECK(file.depth == 3);
@@ -164,7 +164,7 @@ TEST_CASE("a scene file says everything that a scene is") {
 
   const auto& planes = file.scene.surfaces<Plane>();
   REQUIRE(planes.size() == 1);
-  CHECK(planes[0].normal == Vec3{0, 1, 0});  // normalized first: the distance is one along the unit normal
+  CHECK(planes[0].normal == Vec3{0, 1, 0});  // normalized: the distance is along the unit normal
   CHECK(planes[0].distance == -1);
   const Texture& squares = file.scene.materials<Plane>()[0].texture;
   REQUIRE(squares);
@@ -192,7 +192,7 @@ TEST_CASE("a scene file says everything that a scene is") {
   CHECK(file.scene.ambient() == Color{0.1f, 0.1f, 0.2f});
 }
 
-TEST_CASE("boxes, disks and quadrics are read as they are written") {
+TEST_CASE("boxes, disks and quadrics of a scene file are read correctly") {
   const auto only = [](const std::string& surface) {
     const SceneFile file =
         read(replacing("/objects", R"([{"color": [1, 1, 1], "surface": )" + surface + "}]"));
@@ -215,7 +215,7 @@ TEST_CASE("boxes, disks and quadrics are read as they are written") {
     CHECK(quadric.intersect(ray) == same.intersect(ray));
 }
 
-TEST_CASE("a scene file knows three cameras") {
+TEST_CASE("a scene file may have one of three kinds of cameras") {
   const std::string sensor = R"({"projection": "perspective", "position": [1, 2, 3], "direction": [0, 0, 1],
       "upward": [0, 1, 0], "focal-length": 3})";
   CHECK(same_camera(read(replacing("/camera", sensor)).camera,
@@ -226,7 +226,7 @@ TEST_CASE("a scene file knows three cameras") {
                     Camera::orthographic({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 4)));
 }
 
-TEST_CASE("names in a scene file may be any text, and numbers may be written in any way") {
+TEST_CASE("names in a scene file may be any text, and numbers may have any form of JSON") {
   CHECK(read(replacing("/settings/resolution-x", "8.0")).width == 8);
   CHECK(read(replacing("/settings/resolution-x", "0.8e1")).width == 8);
   CHECK(read(replacing("/settings/transfer", R"("srgb")")).transfer.index() == Transfer(Srgb{}).index());
@@ -240,7 +240,7 @@ TEST_CASE("names in a scene file may be any text, and numbers may be written in 
   CHECK(read("\xef\xbb\xbf" + smallest).width == 8);  // a byte order mark
 }
 
-TEST_CASE("a mistake in a scene file is named with its place, what was found and what is allowed") {
+TEST_CASE("an error in a scene file is reported with its place, what was found and what is allowed") {
   struct Row {
     std::string text, error;
   };
@@ -259,7 +259,7 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
       light =
           "a light: position and intensity, position and power, direction and intensity, "
           "position, direction, angle and power, or ambient";
-  // The value at a pointer replaced by another, which is not what is allowed.
+  // Replaces the value at a pointer by one that is not allowed.
   const auto not_allowed = [](const std::string& pointer, const std::string& value,
                               const std::string& allowed) {
     return Row{replacing(pointer, value), pointer + ": " + value + " is not " + allowed};
@@ -270,7 +270,7 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
   const auto unknown = [](const std::string& pointer, const std::string& allowed) {
     return Row{with(pointer, "1"), pointer + ": is not a key here; allowed are " + allowed};
   };
-  // Another surface.
+  // Replaces a surface by an invalid one.
   const auto surface_row = [](const std::string& surface, const std::string& error) {
     return Row{replacing("/objects/2/surface", surface), "/objects/2/surface" + error};
   };
@@ -407,7 +407,7 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
       not_allowed("/materials", "[]", "an object"),
       not_allowed("/materials/red", "[1,0,0]", "an object"),
       unknown("/materials/red/color", "diffuse, specular, shininess, reflect, refract and ior"),
-      not_allowed("/materials/black", "null", "an object"),  // though nothing is made of it
+      not_allowed("/materials/black", "null", "an object"),  // though no object has it
       not_allowed("/materials/red/diffuse", "\"red\"", color),
       not_allowed("/materials/red/specular", "0.5", color),
       not_allowed("/materials/red/shininess", "-1", shininess),
@@ -435,7 +435,7 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
        R"(/settings: {"resolution-x":16385,"resolution-y":16384} is not a picture of at most 2^28 pixels)"},
       {with("/camera/focal-length", "1"), "/camera/focal-length: 1 is not possible beside a field-of-view"},
       missing("/camera/field-of-view", view_angle + ", and there is no focal-length"),
-      // Magnitudes.
+      // Magnitudes out of range.
       not_allowed("/camera/position", "[0.0,1e+121,0.0]", place),
       not_allowed("/objects/0/surface/position", "[0.0,-1e+121,0.0]", place),
       not_allowed("/objects/0/surface/radius", "1e+121", size),
@@ -461,7 +461,7 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
       not_allowed("/lights/3/position", "[1e+300,0.0,0.0]", place),
       not_allowed("/materials/red/ior", "1e+121", size),
       not_allowed("/materials/squares/diffuse/size", "1e-121", size),
-      // Work.
+      // Too much work.
       {patched(R"({"op": "replace", "path": "/settings/samples", "value": 65536},
                   {"op": "replace", "path": "/lights", "value": [)" +
                repeated(R"({"direction": [0,1,0], "intensity": [1,1,1]},)", 63) +
@@ -475,7 +475,7 @@ TEST_CASE("a mistake in a scene file is named with its place, what was found and
   }
 }
 
-TEST_CASE("lengths that a camera cannot be made of are named with their place") {
+TEST_CASE("invalid lengths of a camera in a scene file are reported with their place") {
   const auto with_camera = [](const std::string& projection, const std::string& key,
                               const std::string& length) {
     return replacing("/camera", R"({"position": [0, 0, 0], "direction": [0, 0, 1], "upward": [0, 1, 0], )"
@@ -495,7 +495,7 @@ TEST_CASE("lengths that a camera cannot be made of are named with their place") 
     CHECK(error_of(with_camera("perspective", "field-of-view", angle)) == "");
 }
 
-TEST_CASE("factors on light that are 0 as float are 0") {
+TEST_CASE("factors on light that underflow in float are read as 0") {
   const SceneFile file = read(patched(R"({"op": "replace", "path": "/materials/red/reflect", "value": 1e-60},
       {"op": "replace", "path": "/materials/red/refract", "value": 1e-60},
       {"op": "replace", "path": "/settings/exposure", "value": 1e-60})"));
@@ -504,13 +504,13 @@ TEST_CASE("factors on light that are 0 as float are 0") {
   CHECK(file.exposure == 0);
 }
 
-TEST_CASE("ambient light is held where the light of others is") {
+TEST_CASE("the sum of ambient lights is clamped to the limit of irradiance") {
   const SceneFile file =
       read(replacing("/lights", R"([{"ambient": [3e38, 1, 0]}, {"ambient": [3e38, 1, 0]}])"));
   CHECK(file.scene.ambient() == Color{most_irradiance, 2, 0});
 }
 
-TEST_CASE("what no double holds is named with its place") {
+TEST_CASE("a number beyond the range of double is reported with its place") {
   for (const std::string& number : std::vector<std::string>{"1e999", "-1e999", "1E400", repeated("9", 400)}) {
     const std::string found = number.size() > 60 ? number.substr(0, 60) + "..." : number;
     std::string text = smallest;
@@ -521,7 +521,7 @@ TEST_CASE("what no double holds is named with its place") {
   CHECK_THAT(error_of(R"({"a": [[1, 2], 1e999]})"), ContainsSubstring("scene.json: /a/1: 1e999 is not "));
 }
 
-TEST_CASE("a key that is there twice is an error at any depth") {
+TEST_CASE("a duplicate key is an error at any depth") {
   CHECK(error_of(R"({"settings": 1, "settings": 2})") ==
         "scene.json: /settings: the key is there twice; once is allowed");
   CHECK(error_of(R"({"a": [0, {"b": 1, "c": {}, "b": 1}]})") ==
@@ -529,7 +529,7 @@ TEST_CASE("a key that is there twice is an error at any depth") {
   CHECK(error_of(R"({"a": {"b": 1}, "c": {"b": 1}})").find("twice") == std::string::npos);
 }
 
-TEST_CASE("what is not JSON is named with its line and column") {
+TEST_CASE("a syntax error in JSON is reported with its line and column") {
   struct Row {
     std::string text, place;
   };
@@ -547,7 +547,7 @@ TEST_CASE("what is not JSON is named with its line and column") {
   CHECK(std::all_of(error.begin(), error.end(), [](char c) { return c >= ' ' && c <= '~'; }));
 }
 
-TEST_CASE("files of any kind and size end in an error of a line") {
+TEST_CASE("invalid scene files of any kind and size give a short error message") {
   const auto check = [](const std::string& text) {
     const std::string error = error_of(text);
     CHECK(error.starts_with("scene.json: "));
@@ -567,7 +567,7 @@ TEST_CASE("files of any kind and size end in an error of a line") {
   for (std::size_t size = 0; size + 1 < everything.size(); size += 7) check(everything.substr(0, size));
 }
 
-TEST_CASE("a scene may be nested as deep as operations on solids may be, and no deeper") {
+TEST_CASE("a scene file may be nested as deep as operations on solids may be, and no deeper") {
   CHECK(error_of(repeated("[", 2049) + repeated("]", 2049)) ==
         "scene.json: " + repeated("/0", 60) + "..." + repeated("/0", 60) +
             ": there are 2049 arrays and objects inside each other; at most 2048 are allowed");
@@ -594,7 +594,7 @@ TEST_CASE("a scene may be nested as deep as operations on solids may be, and no 
   CHECK(only_surface(instances).intersect(Ray{}) == 2002);
 }
 
-TEST_CASE("solids in a scene file are made of solids") {
+TEST_CASE("operations in a scene file combine solids") {
   const auto crossings = [](const std::string& operation, const std::string& others) {
     std::vector<double> all;
     const AnySurface surface = only_surface(R"({"type": "csg", "operation": ")" + operation +
@@ -612,7 +612,7 @@ TEST_CASE("solids in a scene file are made of solids") {
   CHECK(crossings("union", "") == std::vector<double>{2, 4});
 }
 
-TEST_CASE("a surface in a scene file may be scaled, then turned, then moved, or mapped by a matrix") {
+TEST_CASE("an instance in a scene file is scaled, then rotated, then moved, or mapped by a matrix") {
   const auto of = [](const std::string& placement) {
     return only_surface(R"({"type": "instance", "surface": )" + ball + placement + "}");
   };
@@ -628,7 +628,7 @@ TEST_CASE("a surface in a scene file may be scaled, then turned, then moved, or 
       5);
 }
 
-TEST_CASE("a mistake in a surface that holds others is named with its place") {
+TEST_CASE("an error in a nested surface of a scene file is reported with its place") {
   const auto says = [](const std::string& surface, const std::string& error) {
     CHECK(error_of(with_surface(surface)) == "scene.json: /objects/0/surface" + error);
   };
@@ -669,7 +669,7 @@ TEST_CASE("a mistake in a surface that holds others is named with its place") {
        "/matrix: [[1,0,0,5],[0,1,0,5],[1,1,0,5]]" + no_way_back);
   says(instance(R"("scale":0)"), "/scale: 0" + no_way_back);
   says(instance(R"("scale":[1,1,1e-320])"), "/scale: [1,1,1e-320]" + no_way_back);
-  const std::string steep = "[[0.5,5e-324,180,2],[0,0.9,0,1],[0,0,2.2e-308,0]]";  // whose inverse overflows
+  const std::string steep = "[[0.5,5e-324,180,2],[0,0.9,0,1],[0,0,2.2e-308,0]]";  // its inverse overflows
   says(instance("\"matrix\":" + steep), "/matrix: " + steep + no_way_back);
   says(instance(R"("scale":1e-121)"),
        "/scale: 1e-121 is not possible: Instance: the numbers of the inverse of the map must be " + limit);
@@ -683,7 +683,7 @@ TEST_CASE("a mistake in a surface that holds others is named with its place") {
        "/rotate/degrees: is not a key here; allowed are axis and angle");
 }
 
-TEST_CASE("a file that cannot be read is named with the reason") {
+TEST_CASE("a scene file that cannot be read is reported with its path and the reason") {
   const TemporaryFolder folder;
   const auto error_reading = [](const fs::path& path) {
     return message_of<std::system_error>([&] { static_cast<void>(read_scene(path)); });
@@ -699,7 +699,7 @@ TEST_CASE("a file that cannot be read is named with the reason") {
   CHECK(error_reading("") == expected("", ENOENT));
 }
 
-TEST_CASE("an image of a texture is looked for from the folder of the scene") {
+TEST_CASE("the path of a texture's image is relative to the folder of the scene file") {
   const SceneFile file = read_scene(scenes / "image.json");
   const Texture& painting = file.scene.materials<Parallelogram>()[0].texture;
   REQUIRE(painting);
@@ -719,7 +719,7 @@ TEST_CASE("an image of a texture is looked for from the folder of the scene") {
 
 namespace {
 
-/// The scene with everything, in which the two materials and the environment have images of these names.
+/// Returns the scene with everything, in which two materials and the environment have images of these names.
 std::string with_images(const std::string& first, const std::string& second, const std::string& environment) {
   const auto image = [](const std::string& name) { return R"({"image": )" + json(name).dump() + "}"; };
   return patched(R"({"op": "replace", "path": "/materials/red/diffuse", "value": )" + image(first) +
@@ -735,7 +735,7 @@ constexpr std::int64_t pixels_of_image = std::int64_t{33} * 19;
 
 }  // namespace
 
-TEST_CASE("an image that a scene names several times, in any way, is read once and shared") {
+TEST_CASE("an image that a scene file names several times, by any paths, is read once and shared") {
   const TemporaryFolder folder;
   fs::create_directory(folder / "b");
   put_image(folder / "a.jpg");
@@ -760,7 +760,7 @@ TEST_CASE("an image that a scene names several times, in any way, is read once a
                         "': the picture has 33x19 pixels; allowed are sides of at least 1 and at most 626"));
 }
 
-TEST_CASE("a scene may name files anywhere, and if it is confined inside of its folder") {
+TEST_CASE("a scene file may name files anywhere, or only inside its folder if it is confined") {
   const TemporaryFolder folder;
   fs::create_directories(folder / "scene/images");
   fs::create_directory(folder / "scene and more");
@@ -799,7 +799,7 @@ TEST_CASE("a scene may name files anywhere, and if it is confined inside of its 
   }
 }
 
-TEST_CASE("what a scene names is a regular file, so that reading it has an end") {
+TEST_CASE("files that a scene file names must be regular files, so that reading ends") {
   const TemporaryFolder folder;
   REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
   fs::create_directory(folder / "folder");
@@ -823,7 +823,7 @@ TEST_CASE("what a scene names is a regular file, so that reading it has an end")
   }
 }
 
-TEST_CASE("messages show names, keys and values of a file without control characters") {
+TEST_CASE("messages show names, keys and values of a scene file without control characters") {
   const auto is_plain = [](const std::string& text) {
     CAPTURE(text);
     CHECK(std::none_of(text.begin(), text.end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }));
@@ -851,13 +851,13 @@ TEST_CASE("messages show names, keys and values of a file without control charac
   is_plain(message_of<std::system_error>([] { static_cast<void>(read_scene("a\x1b\n")); }));
 }
 
-TEST_CASE("an environment is looked for from the folder of the scene, and stands in the place of the sky") {
+TEST_CASE("the path of an environment is relative to the folder of the scene file, and excludes a sky") {
   const TemporaryFolder folder;
   const auto written = [&](const std::string& world) {
     put_bytes(folder / "a.json", replacing("/world", world));
     return folder / "a.json";
   };
-  // A Radiance file of two pixels, of which a number 128 with the exponent 2^129−128−8 is 1.
+  // A Radiance file of two pixels: 128 with the exponent byte 129 is 128 · 2^(129−128−8) = 1.
   put_bytes(folder / "a.hdr", std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n") +
                                   "\x80\x40\x20\x81" + "\x20\x40\x80\x82");
   const SceneFile file = read_scene(written(R"({"environment": "a.hdr"})"));
@@ -876,7 +876,7 @@ TEST_CASE("an environment is looked for from the folder of the scene, and stands
              ContainsSubstring("/world/sky: [1,1,1] is not possible beside an environment"));
 }
 
-TEST_CASE("an error in a file begins with its path") {
+TEST_CASE("the message of an error in a scene file begins with its path") {
   const TemporaryFolder folder;
   put_bytes(folder / "a.json", "{");
   const std::string path = (folder / "a.json").string();
@@ -899,7 +899,7 @@ TEST_CASE("all scenes of the project can be read") {
   CHECK(count >= 15);
 }
 
-TEST_CASE("the three spheres are the same as a file and as a header") {
+TEST_CASE("the three spheres are the same from the scene file and from the header") {
   const SceneFile file = read_scene(scenes / "three_spheres.json");
   const auto expected = three_spheres();
   CHECK(same_camera(file.camera, Camera{}));
@@ -923,8 +923,8 @@ namespace {
 /// Keys, or words, by the kind of place where they stand.
 using Vocabulary = std::map<std::string, std::set<std::string>>;
 
-/// The kind of place that a JSON pointer leads to: * for the number or the name of one of many. Surfaces that
-/// others hold are where these are.
+/// Returns the kind of place that a JSON pointer leads to: * stands for the index or the name of one of many.
+/// A nested surface has the kind of the surface that contains it.
 std::string kind_of(const std::string& pointer) {
   std::string kind;
   std::istringstream steps(pointer);
@@ -937,7 +937,7 @@ std::string kind_of(const std::string& pointer) {
   return kind;
 }
 
-/// What an error says is allowed, "a, b and c" or "a, b or c".
+/// Returns the names in a message's list, "a, b and c" or "a, b or c".
 std::set<std::string> list_in(const std::string& error) {
   std::set<std::string> names;
   std::string name;
@@ -949,8 +949,8 @@ std::set<std::string> list_in(const std::string& error) {
   return names;
 }
 
-/// Adds to allowed what a file may have in the places that it has, which the reader says when it is given
-/// something else, and to used what it has there.
+/// Adds to `allowed` the keys and words that a file may have at its places, which the reader lists when it is
+/// given others, and to `used` those that the file has there.
 void look_at(const fs::path& path, const std::string& text, Vocabulary& allowed, Vocabulary& used) {
   const json scene = json::parse(text), flat = scene.flatten();
   const auto list_after = [&](const json& wrong, const std::string& before) {
@@ -976,13 +976,13 @@ void look_at(const fs::path& path, const std::string& text, Vocabulary& allowed,
     allowed[kind_of(pointer)].merge(list_after(wrong, "\"?\" is not "));
     used[kind_of(pointer)].insert(value);
   }
-  objects.erase("/materials");  // whose keys are names
+  objects.erase("/materials");  // its keys are names
   for (const std::string& pointer : objects) {
     json wrong = scene;
     wrong[json::json_pointer(pointer)]["?"] = 0;
     std::set<std::string> keys = list_after(wrong, "/?: is not a key here; allowed are ");
-    // A sphere and a plane are kinds of places, as are all that may have the same keys. Not so the lights:
-    // what one may have depends on what it has.
+    // Objects that may have the same keys are one kind of place, as all spheres are. Lights are one kind
+    // together, since the keys that one may have depend on those that it has.
     std::string kind = kind_of(pointer);
     if (kind != "/lights/*")
       for (const std::string& key : keys) kind += ' ' + key;
@@ -1027,7 +1027,7 @@ TEST_CASE("the examples in the documentation of scene files can be read") {
   }
 }
 
-TEST_CASE("the errors and the limits in the documentation of scene files are the reader's") {
+TEST_CASE("the errors and the limits in the documentation of scene files agree with the reader") {
   const std::string docs = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "scene-format.md");
   const std::string sphere =
       R"({"surface": {"type": "sphere", "position": [0, 0, 0], "radius": -1}, "color": [1, 1, 1]})";
@@ -1045,8 +1045,8 @@ TEST_CASE("the errors and the limits in the documentation of scene files are the
   CHECK(ReadOptions{}.most_pixels == 1 << 28);
 }
 
-TEST_CASE("a scene of Luminosity is read unchanged") {
-  // Its keys and their forms, as in the scene that comes with it; the numbers are ours.
+TEST_CASE("a scene file of Luminosity is read without changes") {
+  // Keys and their forms are those of the scene that comes with Luminosity; the numbers are ours.
   const SceneFile file = read(R"({
 	"settings": {"resolution-x": 192, "resolution-y": 108, "samples": 0, "depth": 10},
 	"world": {"sky": [1, 1, 1]},
@@ -1065,13 +1065,13 @@ TEST_CASE("a scene of Luminosity is read unchanged") {
   // The distance is along the unit normal.
   CHECK(file.scene.surfaces<Plane>()[0].distance == -3);
   CHECK(length(file.scene.surfaces<Plane>()[0].normal - Vec3{1, 0, -1} / std::sqrt(2.0)) < 1e-15);
-  // A light of an intensity is as bright at any distance.
+  // A light with an intensity is equally bright at any distance.
   const Vec3 up{0, 1, 0};
   CHECK(file.scene.lights()[0].irradiance(Point{4, 0, -6}, up) == Color{0.9f, 0.9f, 0.8f});
   CHECK(file.scene.lights()[0].irradiance(Point{4, -100, -6}, up) == Color{0.9f, 0.9f, 0.8f});
 }
 
-TEST_CASE("triangles of a scene file are two-sided, and have points") {
+TEST_CASE("triangles of a scene file are given by three points, and are two-sided") {
   const auto surface = [](const std::string& points) {
     return replacing("/objects/2/surface", R"({"type": "triangle", "points": )" + points + "}");
   };
@@ -1085,7 +1085,8 @@ TEST_CASE("triangles of a scene file are two-sided, and have points") {
 }
 
 #if defined(PROTOSTAR_READS_MESHES)
-TEST_CASE("a mesh is looked for from the folder of the scene, and is scaled, then moved") {
+TEST_CASE(
+    "the path of a mesh is relative to the folder of the scene file, and the mesh is scaled, then moved") {
   const TemporaryFolder folder;
   const auto scene = [&](const std::string& more) {
     put_bytes(folder / "a.json",
@@ -1119,7 +1120,8 @@ TEST_CASE("a mesh is looked for from the folder of the scene, and is scaled, the
              ContainsSubstring("/objects/2/surface/file: \"a.obj\" is not possible: cannot read '"));
 }
 
-TEST_CASE("a mesh that a scene names several times is read once, and shared where it is in one place") {
+TEST_CASE(
+    "a mesh that a scene file names several times is read once, and shared if scale and position are equal") {
   const TemporaryFolder folder;
   put_bytes(folder / "a.obj", "v 0 0 1\nv 2 0 1\nv 0 2 1\nf 1 2 3\n");
   fs::create_symlink("a.obj", folder / "b.obj");
@@ -1157,7 +1159,7 @@ TEST_CASE("a mesh in a scene file may be cut with other solids if it is closed")
   std::vector<double> crossings;
   read_cut(mesh).scene.surfaces<AnySurface>().at(0).each_crossing(
       Ray{}, {}, [&](const Crossing& crossing) { crossings.push_back(crossing.t); });
-  CHECK(crossings == std::vector<double>{4, 8});  // from 2 to 4 the ball is taken away
+  CHECK(crossings == std::vector<double>{4, 8});  // from 2 to 4 the ball is subtracted
   put_bytes(folder / "a.obj", open);
   const auto error = [&](const std::string& first) {
     return message_of<SceneError>([&] { (void)read_cut(first); });
@@ -1170,7 +1172,7 @@ TEST_CASE("a mesh in a scene file may be cut with other solids if it is closed")
 }
 #endif
 
-TEST_CASE("the corpus of the fuzzer, like every scene, is read or refused in words") {
+TEST_CASE("the fuzzing corpus of scene files, like every scene, is read or refused with a message") {
   int files = 0;
   for (const fs::path& folder : {fs::path(PROTOSTAR_SOURCE_DIR) / "tests/fuzz/corpus", scenes})
     for (const auto& entry : fs::directory_iterator(folder)) {

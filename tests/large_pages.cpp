@@ -1,4 +1,4 @@
-// Memory in large pages, where the system has them (accel/large_pages.hpp).
+// Tests of memory in large pages, if the system has them (accel/large_pages.hpp).
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 using namespace protostar;
 
-TEST_CASE("a vector in large pages is a vector") {
+TEST_CASE("a vector in large pages can be copied and moved and is aligned to 64 bytes") {
   for (const std::size_t size : {std::size_t{3}, std::size_t{1'000'000}}) {
     simd::LargeVector<std::uint32_t> numbers(size);
     CHECK(reinterpret_cast<std::uintptr_t>(numbers.data()) % 64 == 0);
@@ -28,8 +28,8 @@ TEST_CASE("a vector in large pages is a vector") {
   }
 }
 
-// "hg" is what Linux says of memory for which large pages were asked.
-TEST_CASE("large pages are asked for where a vector fills some, and only there", "[linux]") {
+// Linux marks memory with "hg" if large pages were requested for it.
+TEST_CASE("large pages are requested for a vector that fills some, and for no other", "[linux]") {
   if (!std::filesystem::exists("/sys/kernel/mm/transparent_hugepage") ||
       !std::filesystem::exists("/proc/self/smaps")) {
     WARN("this system does not tell of large pages");

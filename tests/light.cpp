@@ -21,7 +21,7 @@ constexpr double inf = std::numeric_limits<double>::infinity(),
 const Point origin{0};
 const Vec3 up{0, 1, 0};
 
-/// What a light brings to the origin, there to a surface that looks up, and to one that faces the light.
+/// Returns a light's irradiance at the origin, on a surface that faces up and on one that faces the light.
 double lit(const Light& light) { return double{light.irradiance(origin, up).r}; }
 double lit_facing(const Light& light) { return double{light.perpendicular_irradiance(origin).r}; }
 
@@ -32,7 +32,7 @@ std::string refusal(const auto& light) {
 }
 }  // namespace
 
-TEST_CASE("a point light of 4π watts brings 1 W/m² to what faces it at distance 1") {
+TEST_CASE("a point light of 4π watts gives 1 W/m² on a surface that faces it at distance 1") {
   const Light light = PointLight{.position = {0, 1, 0}, .power = Color{four_pi, 2 * four_pi, 0}};
   const Color e = light.irradiance(origin, up);
   CHECK(std::abs(e.r - 1) < 1e-6f);
@@ -58,7 +58,7 @@ TEST_CASE("irradiance falls with the square of the distance and the cosine of th
   }
 }
 
-TEST_CASE("a constant light falls with the cosine alone") {
+TEST_CASE("the irradiance of a constant light depends on the cosine alone") {
   struct {
     Point position;
     double cosine;
@@ -76,7 +76,7 @@ TEST_CASE("a constant light falls with the cosine alone") {
   }
 }
 
-TEST_CASE("a directional light comes from its direction, of any length, at every point") {
+TEST_CASE("a directional light shines from its direction, of any length, at every point") {
   for (const double length : {1.0, 5.0, 1e-200, 1e200}) {
     CAPTURE(length);
     const Light light = DirectionalLight{.direction = length * Vec3{1, 1, 0}, .intensity = Color{2}};
@@ -88,26 +88,26 @@ TEST_CASE("a directional light comes from its direction, of any length, at every
       CHECK(distance(light.towards(point), normalize(Vec3{1, 1, 0})) < 1e-15);
     }
     CHECK(light.way().min == 0);
-    CHECK(light.way().max == inf);  // nothing stands behind it
+    CHECK(light.way().max == inf);  // occluders may be at any distance
   }
 }
 
 TEST_CASE("a spotlight is a point light inside its cone, and dark outside") {
   struct {
-    double degrees;  // from the axis to the place that is lit
+    double degrees;  // from the axis to the point that is lit
     double angle, fade, share;
   } const rows[] = {
       {0, 30, 0, 1},           {29.999, 30, 0, 1},  {30.001, 30, 0, 0},  {90, 30, 0, 0},
       {180, 30, 0, 0},         {0, 30, 10, 1},      {19.999, 30, 10, 1}, {25, 30, 10, 0.5},
       {27.5, 30, 10, 0.15625},  // the smoothstep x²(3 − 2x) of ¼
-      {22.5, 30, 10, 0.84375},  // and of ¾
+      {22.5, 30, 10, 0.84375},  // the smoothstep of ¾
       {30.001, 30, 10, 0},     {0, 30, 30, 1},      {15, 30, 30, 0.5},   {100, 120, 0, 1},
       {125, 120, 0, 0},        {179.99, 180, 0, 1}, {90, 180, 180, 0.5}, {0, 30, 60, 0.5},
   };
   for (const auto& row : rows) {
     CAPTURE(row.degrees, row.angle, row.fade);
     const double radians = row.degrees * std::numbers::pi / 180;
-    // The light is at (0, 2, 0); its axis is turned away from the way down.
+    // The light is at (0, 2, 0), with its axis turned away from straight down.
     const Vec3 axis{std::sin(radians), -std::cos(radians), 0};
     const Light light = SpotLight{.position = {0, 2, 0},
                                   .direction = 3.0 * axis,
@@ -122,8 +122,8 @@ TEST_CASE("a spotlight is a point light inside its cone, and dark outside") {
   }
 }
 
-TEST_CASE("the edge of a spotlight belongs to its cone, unless it fades") {
-  // The cosine of 90° is 0, and that of a direction at a right angle to the axis, exactly.
+TEST_CASE("the edge of a spotlight's cone is lit, unless the light fades") {
+  // The cosines of 90° and of a direction at a right angle to the axis are exactly 0.
   const auto at_edge = [](double fade) {
     return lit(SpotLight{
         .position = {0, 2, 0}, .direction = {1, 0, 0}, .angle = 90, .power = Color{four_pi}, .fade = fade});
@@ -132,7 +132,7 @@ TEST_CASE("the edge of a spotlight belongs to its cone, unless it fades") {
   CHECK(at_edge(10) == 0);
 }
 
-TEST_CASE("a light behind a surface, in its plane or at the point itself brings nothing") {
+TEST_CASE("a light behind a surface, in its plane or at the point itself gives no irradiance") {
   for (const Point& position : {Point{0, -1, 0}, Point{3, -1e-9, 0}, Point{1, 0, 1}, Point{0, 0, 0}}) {
     CHECK(lit(PointLight{position, Color{1}}) == 0);
     CHECK(lit(ConstantLight{position, Color{1}}) == 0);
@@ -141,7 +141,7 @@ TEST_CASE("a light behind a surface, in its plane or at the point itself brings 
   }
 }
 
-TEST_CASE("very near a light its brightness is held at what can be added up") {
+TEST_CASE("the irradiance very near a light is clamped so that sums stay finite") {
   const float most = std::numeric_limits<float>::max();
   for (const Color power : {Color{1, 0, 0.5f}, Color{most, 0, 0.5f * most}, Color{1e-30f, 0, 0.5e-30f}}) {
     const Light light = PointLight{.position = {0, 1e-100, 0}, .power = power};
@@ -151,7 +151,7 @@ TEST_CASE("very near a light its brightness is held at what can be added up") {
     CHECK(near(2 * double{brought.b}, double{brought.r}));
     CHECK(light.perpendicular_irradiance(origin) == brought);
   }
-  // Also that of a light which brings too much by itself, and of one without a color.
+  // A directional light that is too bright is clamped as well, and a light without a color stays dark.
   CHECK(near(lit(DirectionalLight{.intensity = Color{most}}), double{most_irradiance}));
   CHECK(lit(PointLight{.position = {0, 1e-100, 0}}) == 0);
   float sum = 0;
@@ -160,8 +160,8 @@ TEST_CASE("very near a light its brightness is held at what can be added up") {
 }
 
 TEST_CASE("a sphere around a point light receives its power") {
-  // The mean over the sphere of E · 4πR² is Φ, wherever in the sphere the light is. (a property of the
-  // formula that uses neither its cosine nor its distance one by one)
+  // The mean of E · 4πR² over the sphere is Φ, wherever in the sphere the light is: a property of the formula
+  // that tests cosine and distance together.
   Random random(2);
   const Light light = PointLight{.position = {0.5, 0.3, -0.2}, .power = Color{7}};
   double sum = 0;
@@ -174,7 +174,7 @@ TEST_CASE("a sphere around a point light receives its power") {
   CHECK(std::abs(sum / samples * 4 * std::numbers::pi * radius * radius / 7 - 1) < 0.01);
 }
 
-TEST_CASE("a light that makes no sense is refused with the field's name") {
+TEST_CASE("an invalid light is refused with the field's name") {
   const std::string place = ": position must have numbers at most 2^400 (2.6e120) in magnitude";
   for (const double bad : {inf, -inf, not_a_number, 1e121}) {
     CHECK(refusal(PointLight{.position = {0, bad, 0}}) == "PointLight" + place);
@@ -202,7 +202,7 @@ TEST_CASE("a light that makes no sense is refused with the field's name") {
     CHECK(refusal(SpotLight{.angle = bad}) == "SpotLight: angle must be above 0 and at most 180 degrees");
   for (const double bad : {-1.0, inf, not_a_number})
     CHECK(refusal(SpotLight{.angle = 30, .fade = bad}) == "SpotLight: fade must be finite and not negative");
-  // Dark, but lights.
+  // Dark lights are valid.
   CHECK(refusal(PointLight{}).empty());
   CHECK(refusal(ConstantLight{}).empty());
   CHECK(refusal(DirectionalLight{}).empty());

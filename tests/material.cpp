@@ -36,7 +36,7 @@ TEST_CASE("a checker has its first color where 0 < u, v < size, and changes with
       {2, 1.5, 1.5, true},
       {2, 2.5, 1.5, false},
       {0.25, 0.3, 0.1, false},
-      // A line between two squares belongs to the one on its greater side.
+      // A line between two squares belongs to the square on its greater side.
       {1, 0, 0, true},
       {1, 1, 0, false},
       {1, 0, -1, false},
@@ -44,7 +44,7 @@ TEST_CASE("a checker has its first color where 0 < u, v < size, and changes with
       {1, -0.0, 0, true},
       {1, -1e-300, 0.5, false},
       {1, 1 - 0x1p-53, 0.5, true},
-      // Beyond what an integer holds.
+      // Beyond the range of integers.
       {1, 0x1p52 + 1, 0.5, false},
       {1, -0x1p52 - 1, 0.5, false},
       {1, -0x1p52, 0.5, true},
@@ -62,7 +62,7 @@ TEST_CASE("a checker has its first color where 0 < u, v < size, and changes with
   }
 }
 
-TEST_CASE("a material that makes no sense is refused with the field's name") {
+TEST_CASE("an invalid material is refused with the field's name") {
   for (const double bad : {-1.0, inf, not_a_number}) {
     CAPTURE(bad);
     const Color light{0.5f, static_cast<float>(bad), 0};
@@ -82,7 +82,7 @@ TEST_CASE("a material that makes no sense is refused with the field's name") {
             .empty());
 }
 
-TEST_CASE("a checker that makes no sense is refused as a part of its material") {
+TEST_CASE("an invalid checker is refused as a part of its material") {
   for (const double bad : {0.0, -1.0, 0x1p-401, 1e121, inf, not_a_number})
     CHECK(refusal({.texture = Checker{.size = bad}}) ==
           "Checker: size must be from 2^-400 (3.9e-121) to 2^400 (2.6e120)");

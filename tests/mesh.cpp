@@ -26,8 +26,8 @@ const Interval everywhere{-infinity, infinity};
 
 MeshData one_triangle() { return {.vertices = {{0, 0, 3}, {2, 0, 3}, {0, 2, 3}}, .triangles = {{0, 1, 2}}}; }
 
-/// The crossings of all triangles, each by itself, in exact order; of a ray that leaves one of them, from
-/// where it starts there.
+/// Returns the crossings of all triangles, each tested by itself, in exact order. A ray that leaves one of
+/// them starts at a point inside it (StartInTriangle).
 std::vector<Crossing> crossings_of_triangles(const Mesh& mesh, const Ray& ray, Interval range) {
   const MeshData& data = mesh.data();
   const int left = ray.departure.is_planar() ? ray.departure.part : -1;
@@ -57,7 +57,7 @@ bool are_equal(const Crossing& a, const Crossing& b) {
   return a.t == b.t && a.root == b.root && a.part == b.part;
 }
 
-/// Triangles anywhere, some of them twice, some without area.
+/// Returns random triangles, some of them twice, some without area.
 MeshData soup(Random& random, int count) {
   MeshData data;
   for (int i = 0; i < count; ++i) {
@@ -71,7 +71,7 @@ MeshData soup(Random& random, int count) {
   return data;
 }
 
-/// All children of a node, in their order.
+/// View of a node in which all children are seen, in their order.
 struct AllSeen {
   simd::Bits seen, in_front;
 
@@ -88,15 +88,15 @@ struct AllSeen {
 
 }  // namespace
 
-TEST_CASE("a mesh is met where one of its triangles is, whichever way round they turn") {
+TEST_CASE("a mesh is hit where one of its triangles is, whatever their orientation") {
   using Triangles = std::vector<std::array<std::uint32_t, 3>>;
   struct Met {
     double t;
     int part;
     double normal_z;
   };
-  // The corners of a square around (1, 1), and its middle. Along an outline the origin counts as moved by (ε,
-  // ε², ε³): to the right of the diagonal from 0 to 2.
+  // The corners of a square around (1, 1), and its middle. On an edge the ray's origin counts as moved by (ε,
+  // ε², ε³): here to the right of the diagonal from vertex 0 to 2.
   const std::vector<Point> vertices{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 1, 0}};
   const Triangles square{{0, 1, 2}, {0, 2, 3}}, reversed{{0, 2, 1}, {0, 3, 2}}, mixed{{0, 2, 1}, {0, 2, 3}},
       degenerate{{0, 0, 2}, {0, 2, 4}, {4, 4, 4}, {2, 0, 2}}, twice{{0, 1, 2}, {0, 2, 1}};
@@ -156,8 +156,7 @@ TEST_CASE("a mesh is met where one of its triangles is, whichever way round they
   }
 }
 
-TEST_CASE(
-    "a mesh is crossed where its triangles are, in exact order, the earlier of two at one place first") {
+TEST_CASE("a mesh reports the crossings of its triangles in exact order, at equal t the lower index first") {
   Random random(41);
   std::size_t crossings = 0;
   int wrong = 0;
@@ -165,7 +164,7 @@ TEST_CASE(
        {soup(random, 60), meshes::box(2), meshes::icosphere(1), meshes::torus(9, 7), one_triangle()}) {
     const Mesh mesh(data, {.threads = 1});
     for (int i = 0; i < 400; ++i) {
-      const double unit = i % 2 == 0 ? 0.5 : 1e-9;  // many of the first kind meet edges and vertices
+      const double unit = i % 2 == 0 ? 0.5 : 1e-9;  // with 0.5 many rays hit edges and vertices
       const auto place = [&](double size) { return unit * glm::floor(random.point(size) / unit); };
       const Point origin = (i % 4 == 0 ? 1000.0 : 1.0) * place(3), target = place(1);
       Ray ray{origin, target - origin};
@@ -189,7 +188,7 @@ TEST_CASE(
   CHECK(wrong == 0);
 }
 
-TEST_CASE("many rays are answered as each by itself") {
+TEST_CASE("queries of a mesh for many rays answer each ray as a query by itself") {
   Random random(43);
   const auto answer = [](const std::optional<Crossing>& crossing) {
     return crossing ? std::pair(crossing->part, crossing->t) : std::pair(-1, 0.0);
@@ -202,7 +201,7 @@ TEST_CASE("many rays are answered as each by itself") {
         const Point origin = random.point(2);
         rays.push_back({origin, random.point(1) - origin});
       }
-      if (count > 10) rays[3].origin.x = 1e300, rays[7].direction.y = infinity;  // which boxes do not help
+      if (count > 10) rays[3].origin.x = 1e300, rays[7].direction.y = infinity;  // boxes do not help them
       const auto ray = [&](std::size_t k) { return rays[k]; };
       for (const Interval& range : {Interval{}, Interval{0.25, 1.5}, everywhere}) {
         std::vector<std::optional<Crossing>> first(count);
@@ -228,7 +227,7 @@ TEST_CASE("many rays are answered as each by itself") {
   }
 }
 
-TEST_CASE("a ray that leaves a convex mesh outwards never meets it again, and inwards once") {
+TEST_CASE("a ray that leaves a convex mesh hits it again if it leads inwards, and never outwards") {
   Random random(42);
   int hits = 0, wrong = 0;
   for (const MeshData& data : {meshes::box(2), meshes::icosphere(2)})
@@ -244,7 +243,8 @@ TEST_CASE("a ray that leaves a convex mesh outwards never meets it again, and in
         ++hits;
         const Vec3 d = random.direction();
         const auto again = scene.intersect(hit->leave(d));
-        // Next to an edge, the point that a hit is rounded to may be outside another triangle.
+        // Skips flat directions: next to an edge, the rounded hit may be on the outer side of a neighboring
+        // triangle.
         const double slope = dot(d, hit->normal());
         if (std::abs(slope) < 1e-6) continue;
         wrong += again.has_value() != (slope < 0);
@@ -254,7 +254,7 @@ TEST_CASE("a ray that leaves a convex mesh outwards never meets it again, and in
   CHECK(wrong == 0);
 }
 
-TEST_CASE("the normals of vertices are interpolated, and a triangle without them has its own") {
+TEST_CASE("vertex normals are interpolated, and a triangle without them has its own normal") {
   MeshData data = one_triangle();
   const Point middle{0.5, 1, 3};  // u = 1/4, v = 1/2
   CHECK(Mesh(data).normal_at(middle, 0) == Vec3{0, 0, 1});
@@ -263,17 +263,19 @@ TEST_CASE("the normals of vertices are interpolated, and a triangle without them
   CHECK(length(Mesh(data).normal_at(data.vertices[1], 0) - Vec3{1, 0, 0}) < 1e-15);
   for (Vec3& normal : data.normals) normal *= 1e300;
   CHECK(length(Mesh(data).normal_at(middle, 0) - normalize(Vec3{1, -1, 0.5})) < 1e-15);
-  data.normals = {{0, 0, 0}, {0, 0, -1}, {0, 0, 0.5}};  // they cancel
+  data.normals = {{0, 0, 0}, {0, 0, -1}, {0, 0, 0.5}};  // the normals cancel there
   CHECK(Mesh(data).normal_at(middle, 0) == Vec3{0, 0, 1});
 }
 
-TEST_CASE("smooth normals are unit vectors, and the one that faces a ray does so, whatever vertices have") {
+TEST_CASE(
+    "interpolated normals are unit vectors, and the facing normal faces the ray, whatever the vertex "
+    "normals") {
   Random random(45);
   int hits = 0, turned = 0, not_units = 0, wrong = 0;
   for (int round = 0; round < 40; ++round) {
     MeshData data = meshes::icosphere(1);
     for (const Point& p : data.vertices) {
-      // Of any length, and some that lead in; in one of four, all but flat normals.
+      // Normals of any length, some of them inwards; in one round of four, almost those of the sphere.
       const Vec3 normal = round % 4 == 0 ? p + 0x1p-40 * random.direction() : random.direction();
       data.normals.push_back(std::ldexp(1, static_cast<int>(random.bits() % 1000) - 500) * normal);
     }
@@ -285,8 +287,8 @@ TEST_CASE("smooth normals are unit vectors, and the one that faces a ray does so
       if (!hit) continue;
       ++hits;
       const Vec3 normal = hit->normal(), facing = hit->facing_normal();
-      // In units of 2^-53: the squares and their sums are off by 3, which the root halves; it, its inverse
-      // and the product round by 3 more. Measured, the length is off by 3 again: 8 at most.
+      // In units of 2^-53: the squares and their sums are off by 3, which the root halves; the root, its
+      // inverse and the product round by 3 more. Measuring the length adds another 3: at most 8.
       not_units += !(std::abs(length(normal) - 1) <= 0x1p-50);
       wrong += !(dot(facing, hit->direction()) <= 0) || !(facing == normal || facing == -normal);
       turned += facing != normal;
@@ -299,7 +301,7 @@ TEST_CASE("smooth normals are unit vectors, and the one that faces a ray does so
   CHECK(wrong == 0);
 }
 
-TEST_CASE("the texture places of vertices are interpolated, and are barycentric without them") {
+TEST_CASE("texture coordinates of vertices are interpolated, and without them u and v are barycentric") {
   MeshData data = one_triangle();
   const Point middle{0.5, 1, 3};
   CHECK(Mesh(data).uv_at(middle, 0) == Uv{0.25, 0.5});
@@ -307,7 +309,7 @@ TEST_CASE("the texture places of vertices are interpolated, and are barycentric 
   CHECK(Mesh(data).uv_at(middle, 0) == Uv{2, 2});
 }
 
-TEST_CASE("the bounds of a mesh hold its triangles, and not what no triangle names") {
+TEST_CASE("the bounds of a mesh contain its triangles, and not unused vertices") {
   MeshData data = one_triangle();
   data.vertices.push_back({9, 9, 9});
   const Bounds bounds = Mesh(data).bounds();
@@ -315,7 +317,7 @@ TEST_CASE("the bounds of a mesh hold its triangles, and not what no triangle nam
   CHECK(bounds.max == Point{2, 2, 3});
 }
 
-TEST_CASE("triangles of one plane are left together, also by a ray from a plane that they lie in") {
+TEST_CASE("a ray that leaves a plane or a triangle does not hit triangles of a mesh in the same plane") {
   const Mesh box(meshes::box(3), {.threads = 1});
   const Plane side{.normal = {0, 2, 0}, .distance = 6};
   for (const Departure& departure :
@@ -327,13 +329,13 @@ TEST_CASE("triangles of one plane are left together, also by a ray from a plane 
   }
 }
 
-TEST_CASE("copies of a mesh share what it is made of") {
+TEST_CASE("copies of a mesh share its data") {
   const Mesh mesh(meshes::icosphere(1));
   const Mesh copy = mesh;
   CHECK(&copy.data() == &mesh.data());
 }
 
-TEST_CASE("meshes of all sizes are met, and numbers that are not finite meet nothing") {
+TEST_CASE("meshes of all sizes are hit, and rays that are not finite hit nothing") {
   for (const double size : {0x1p-400, 0x1p-30, 1.0, 0x1p30, 0x1p398}) {
     CAPTURE(size);
     const Mesh mesh(meshes::moved(meshes::box(2), size, Vec3{0}));
@@ -353,13 +355,15 @@ TEST_CASE("meshes of all sizes are met, and numbers that are not finite meet not
     }
 }
 
-TEST_CASE("pictures of meshes are the same plain, accelerated and by tiles, and what is met as any surface") {
+TEST_CASE(
+    "pictures of meshes are the same plain, accelerated and by tiles, and hits are the same with "
+    "AnySurface") {
   Random random(43);
   MeshData ball = meshes::moved(meshes::icosphere(2), 0.9, {-0.8, 0, 4});
   for (const Point& p : ball.vertices) ball.normals.push_back(p - Vec3{-0.8, 0, 4});
   const Mesh smooth(ball), ring(meshes::moved(meshes::torus(12, 7), 0.7, {0.9, 0, 4.2})),
       confetti(meshes::moved(soup(random, 20), 0.5, {0, 1, 3}));
-  std::vector<Mesh> beads;  // more than one node of a tree has children, some of them before others
+  std::vector<Mesh> beads;  // more than a tree node has children, some in front of others
   for (int i = 0; i < 20; ++i)
     beads.push_back(Mesh(meshes::moved(meshes::icosphere(0), 0.25, Point{0, 0, 5} + random.point(1))));
   Material checkered;
@@ -398,12 +402,12 @@ TEST_CASE("pictures of meshes are the same plain, accelerated and by tiles, and 
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a mesh of few triangles refuses a negative number of threads, too") {
+TEST_CASE("a mesh of few triangles also refuses a negative number of threads") {
   CHECK_THROWS_AS(Mesh(meshes::box(1), {.threads = -1}), std::invalid_argument);
 }
 
 TEST_CASE("the tree of a mesh is the same for any number of threads") {
-  const double scale = GENERATE(1.0, 1 / 3.0);  // of numbers that float holds, or not
+  const double scale = GENERATE(1.0, 1 / 3.0);  // coordinates that float represents, or not
   MeshData data = meshes::torus(150, 50);
   for (Point& p : data.vertices) p = scale * Point(glm::vec3(p));
   const auto tree = [&](int threads) {
@@ -413,7 +417,7 @@ TEST_CASE("the tree of a mesh is the same for any number of threads") {
   REQUIRE(one.size() == data.triangles.size());
   REQUIRE(several.size() == one.size());
   CHECK(std::ranges::equal(one.order(), several.order()));
-  // What the leaves hold, in the order of the leaves.
+  // Returns the triangles and their indices, in the order of the leaves.
   const auto contents = [](const simd::TriangleTree& of) {
     std::vector<double> numbers;
     const auto take = [&](simd::Leaf leaf) {
@@ -433,11 +437,11 @@ TEST_CASE("the tree of a mesh is the same for any number of threads") {
   CHECK(contents(one) == contents(several));
 }
 
-TEST_CASE("what is sure of the triangles of a leaf is so, and most is") {
+TEST_CASE("certified results for the triangles of a leaf are correct, and most are certified") {
   Random random(44);
   int crossed = 0, surely = 0, wrong = 0;
   for (int round = 0; round < 400; ++round) {
-    // Of all sizes, some of them needles, some nearly edge-on to many rays, some without area.
+    // Triangles of all sizes, some of them needles, some nearly edge-on to many rays, some without area.
     std::vector<Triangle> triangles;
     const double size = std::ldexp(1, -static_cast<int>(random.bits() % 16));
     const Vec3 flat{1, round % 3 == 0 ? 1e-6 : 1, round % 5 == 0 ? 0 : 1};
@@ -445,7 +449,7 @@ TEST_CASE("what is sure of the triangles of a leaf is so, and most is") {
       const Point at = random.point(1);
       const auto near = [&] {
         const Point point = at + size * flat * random.point(1);
-        return round % 2 == 0 ? point : Point(glm::vec3(point));  // numbers that float holds, or not
+        return round % 2 == 0 ? point : Point(glm::vec3(point));  // coordinates that float represents, or not
       };
       triangles.push_back({near(), near(), near()});
       if (i % 8 == 7) triangles.back().c = triangles.back().a;
@@ -486,7 +490,7 @@ TEST_CASE("what is sure of the triangles of a leaf is so, and most is") {
   CHECK(surely > crossed * 9 / 10);
 }
 
-TEST_CASE("a mesh that makes no sense is refused, and says why") {
+TEST_CASE("an invalid mesh is refused, with the reason") {
   const auto says = [](const MeshData& data) {
     return message_of<std::invalid_argument>([&] { Mesh mesh(data); });
   };

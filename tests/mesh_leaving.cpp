@@ -1,4 +1,5 @@
-// Rays that leave a mesh where it has edges and vertices: the rounded origin may be behind a neighbor.
+// Rays that leave a mesh at edges and vertices, where the rounded origin may be behind a neighboring
+// triangle.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -31,14 +32,14 @@ MeshData octahedron() {
       .triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}};
 }
 
-/// The same triangles, every other of which turns the other way.
+/// Returns a mesh with the orientation of every other triangle reversed.
 MeshData turned(MeshData data) {
   for (std::size_t i = 0; i < data.triangles.size(); i += 2)
     std::swap(data.triangles[i][0], data.triangles[i][1]);
   return data;
 }
 
-/// A ray that is aimed at an edge of a mesh, or if it may, in one of four cases at a vertex.
+/// Returns a ray that is aimed at an edge of a mesh, or if at_vertices, in one of four cases at a vertex.
 Ray aimed_at_border(Random& random, const MeshData& data, double scale, bool at_vertices) {
   const auto& corners = data.triangles[random.bits() % data.triangles.size()];
   const std::size_t i = random.bits() % 3;
@@ -48,14 +49,15 @@ Ray aimed_at_border(Random& random, const MeshData& data, double scale, bool at_
   return {origin, target - origin};
 }
 
-/// How often a mesh was left outwards, and how often it was met again where it should not.
+/// Number of rays that left a mesh outwards, and of rays that wrongly hit it again.
 struct Left {
   int outwards = 0, again = 0;
-  int odd = 0;  ///< those with an odd number of crossings ahead
+  int odd = 0;  ///< number of rays with an odd number of crossings ahead
 };
 
-/// Of rays that leave a surface of the mesh's shape at its borders. outwards(point) is on the outer side of
-/// the surface there, and so are normals if need be turned.
+/// Counts rays that leave a surface of the mesh's shape at its edges and vertices. outwards(point) leads to
+/// the outer side of the surface there, to which normals are turned. may_be_met(t / scale, slope) tells
+/// whether a hit is allowed.
 template <Surface S>
 Left left_at_borders(const S& surface, const MeshData& data, double scale, const auto& outwards,
                      const auto& may_be_met, bool at_vertices = true) {
@@ -88,7 +90,7 @@ const auto never = [](double, double) { return false; };
 
 }  // namespace
 
-TEST_CASE("a ray that leaves a convex mesh outwards at an edge or a vertex never meets it again") {
+TEST_CASE("a ray that leaves a convex mesh outwards at an edge or a vertex never hits it again") {
   const Vec3 middle{0.3, -0.2, 0.1};
   for (const MeshData& at_origin : {octahedron(), meshes::icosphere(2), turned(octahedron())})
     for (const double scale : {1.0, 0.7, 1e6}) {
@@ -100,7 +102,7 @@ TEST_CASE("a ray that leaves a convex mesh outwards at an edge or a vertex never
     }
 }
 
-TEST_CASE("of the line of a ray that leaves a convex mesh, all is crossed but where it leaves") {
+TEST_CASE("the line of a ray that leaves a convex mesh crosses it only on the other side") {
   const Mesh mesh(octahedron(), {.threads = 1});
   Scene<Mesh> scene;
   scene.add(mesh, Color{1});
@@ -122,7 +124,8 @@ TEST_CASE("of the line of a ray that leaves a convex mesh, all is crossed but wh
   CHECK(wrong == 0);
 }
 
-TEST_CASE("an instance of a mesh, and a solid made of one, are left as the mesh is") {
+TEST_CASE(
+    "rays that leave an instance of a convex mesh outwards, or a solid made of it, never hit it again") {
   const auto point_itself = [](const Point& point) { return point; };
   const MeshData data = octahedron();
   const Mesh mesh(data, {.threads = 1});
@@ -135,7 +138,9 @@ TEST_CASE("an instance of a mesh, and a solid made of one, are left as the mesh 
   }
 }
 
-TEST_CASE("what a ray meets that leaves a torus outwards at an edge or a vertex is a way in, and then out") {
+TEST_CASE(
+    "a ray that leaves a torus outwards at an edge or a vertex next enters it, and leaves it as often as it "
+    "enters") {
   const double scale = 0.7;
   const Vec3 middle{0.2, -0.1, 0.1};
   const auto outwards = [&](const Point& point) {
@@ -152,7 +157,7 @@ TEST_CASE("what a ray meets that leaves a torus outwards at an edge or a vertex 
   }
 }
 
-TEST_CASE("in a valley the other side is met, however near it is") {
+TEST_CASE("a ray that leaves one side of a valley hits the other, however near it is") {
   const Mesh valley(
       {.vertices = {{0, 0, 0}, {0, 4, 0}, {4, 2, 0}, {0, 2, 4}}, .triangles = {{0, 1, 2}, {1, 0, 3}}});
   Scene<Mesh> scene;
@@ -170,7 +175,7 @@ TEST_CASE("in a valley the other side is met, however near it is") {
 
 namespace {
 
-/// The sign of the number by which a direction leads along (b − a) × (c − a), without rounding.
+/// Returns the sign of the dot product of a direction with (b − a) × (c − a), without rounding.
 int side_led_to(const Vec3& direction, const Triangle& triangle) {
   using exact::Number;
   const auto difference = [&](const Point& p, int i) { return Number(p[i]) - Number(triangle.a[i]); };
@@ -183,14 +188,14 @@ int side_led_to(const Vec3& direction, const Triangle& triangle) {
   return sum.sign();
 }
 
-/// Rotated, so that no plane is at a right angle to an axis.
+/// Returns a mesh rotated so that no plane is at a right angle to an axis.
 MeshData tilted(MeshData data) {
   const Affine turn = Affine{}.rotated_about({1, 2, 3}, 40);
   for (Point& p : data.vertices) p = turn.x * p.x + turn.y * p.y + turn.z * p.z;
   return data;
 }
 
-/// Pyramids on the faces of an icosahedron: a sharp valley between each two of them.
+/// Returns pyramids on the faces of an icosahedron, with a sharp valley between neighbors.
 MeshData star() {
   MeshData data = meshes::icosphere(0);
   const auto faces = std::exchange(data.triangles, {});
@@ -202,19 +207,20 @@ MeshData star() {
   return data;
 }
 
-/// What is outside becomes inside: a room.
+/// Returns a mesh turned inside out: a room.
 MeshData inside_out(MeshData data) {
   for (auto& triangle : data.triangles) std::swap(triangle[0], triangle[1]);
   return data;
 }
 
-/// Two slopes down to the y axis.
+/// Returns two slopes down to the y axis.
 MeshData trench() {
   return {.vertices = {{0, -1, 0}, {0, 1, 0}, {1, 1, 1}, {1, -1, 1}, {-1, 1, 1}, {-1, -1, 1}},
           .triangles = {{0, 3, 2}, {0, 2, 1}, {0, 1, 4}, {0, 4, 5}}};
 }
 
-/// A direction from a triangle: any, or one that leads along it but for 2^-flattest.
+/// Returns a direction from a triangle: any, or one along it up to a normal component of 2^-k with k <
+/// flattest.
 Vec3 direction_from(Random& random, const Triangle& triangle, unsigned flattest) {
   if (random.bits() % 2 == 0) return random.direction();
   const double steep = std::ldexp(1, -static_cast<int>(random.bits() % flattest));
@@ -222,9 +228,9 @@ Vec3 direction_from(Random& random, const Triangle& triangle, unsigned flattest)
          steep * triangle.normal_at(triangle.a);
 }
 
-/// How often rays that leave a closed mesh at its borders do not cross it out and in, or in and out, in turn
-/// until they are outside. A solid made of it has the same crossings, and may name another triangle of those
-/// that meet there.
+/// Counts rays that leave a closed mesh at its edges and vertices and then do not cross it alternately in and
+/// out until they are outside. A solid made of it has the same crossings, and may name another of the
+/// triangles that join there.
 template <Surface S>
 int disordered(const S& surface, const MeshData& data, bool is_room, Random& random, int& left) {
   int wrong = 0;
@@ -266,7 +272,7 @@ int disordered(const S& surface, const MeshData& data, bool is_room, Random& ran
 
 }  // namespace
 
-TEST_CASE("rays that leave a closed mesh next to edges and vertices cross it in and out in turn") {
+TEST_CASE("rays that leave a closed mesh next to edges and vertices cross it alternately in and out") {
   Random random(75);
   const struct {
     MeshData data;
@@ -291,7 +297,7 @@ TEST_CASE("rays that leave a closed mesh next to edges and vertices cross it in 
   CHECK(left > 20'000);
 }
 
-TEST_CASE("from next to a valley, the other side is met by the rays that lead there, and by no others") {
+TEST_CASE("rays from next to the bottom of a valley hit its other side if they lead there, and only then") {
   Random random(76);
   int left = 0, wrong = 0;
   for (const MeshData& at_origin : {trench(), tilted(trench())})
@@ -305,12 +311,13 @@ TEST_CASE("from next to a valley, the other side is met by the rays that lead th
         const Point origin = target + up + 0.9 * random.direction();
         const Ray ray{origin, target - origin};
         const auto hit = mesh.first_crossing(ray, {});
-        if (!hit) continue;  // it has slipped through along the edge, and does not meet the far side
+        if (!hit) continue;  // it has passed along the edge, and hits neither side
         const Triangle from = data.triangle(static_cast<std::size_t>(hit->part)),
                        other = data.triangle(hit->part < 2 ? 2u : 0u);
         const Vec3 direction =
-            direction_from(random, from, 30);  // the halves of a side are one plane to 2^-36
-        // To the upper side of the one, and if to the lower of the other, it is in the way.
+            direction_from(random, from, 30);  // the two triangles of a side are coplanar to 2^-36
+        // Takes directions to the upper side of `from`. The other triangle is hit if they lead to its lower
+        // side.
         if (std::abs(dot(normalize(direction), normalize(along))) > 0.9 || side_led_to(direction, from) <= 0)
           continue;
         ++left;
@@ -326,8 +333,9 @@ TEST_CASE("from next to a valley, the other side is met by the rays that lead th
   CHECK(wrong == 0);
 }
 
-TEST_CASE("what is crossed far away is crossed, also from a border and along the plane that is left") {
-  // A floor, a wall through its plane, and a blade above it that has a corner of the floor.
+TEST_CASE(
+    "triangles far from the origin are hit, also by rays from a border or along the plane that is left") {
+  // A floor, a wall through its plane, and a blade above it that shares a corner with it.
   const MeshData data{.vertices = {{0, 0, 0},
                                    {4, 0, 0},
                                    {0, 4, 0},
@@ -362,9 +370,10 @@ TEST_CASE("what is crossed far away is crossed, also from a border and along the
 }
 
 TEST_CASE(
-    "an accelerated scene finds what is met from a mesh's border, where the origin is rounded out of it") {
-  // Two trenches along the x axis, of which the one ends where the other begins, in the middle of the scene.
-  // The origin is beyond the border by what t of a ray from a few times its size away may be off.
+    "an accelerated scene finds the hits of rays from a mesh's border, also if the origin is rounded off the "
+    "mesh") {
+  // Two trenches along the x axis: one ends at the x where the other begins, in the middle of the scene. The
+  // origin is beyond the border by the possible error of t for a ray from a few times the trench's size away.
   const auto trench_at = [](double x, double y) {
     return Mesh(
         meshes::moved({.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 1}, {0, 1, 1}, {1, -1, 1}, {0, -1, 1}},
@@ -378,7 +387,7 @@ TEST_CASE(
   const auto fast = accelerate(plain, {.threads = 1});
   const Mesh& mesh = plain.surfaces<Mesh>()[1];
   Ray ray{{-0x1p-28, 0.5, 0.5}, {0, -1, 0}, mesh.departure(1)};
-  ray.departure.in_scene = &mesh;  // as Intersection::leave says
+  ray.departure.in_scene = &mesh;  // as Intersection::leave sets it
   for (const auto& hit : {plain.intersect(ray), fast.intersect(ray)}) {
     REQUIRE(hit);
     CHECK(hit->t == 1);
@@ -389,9 +398,9 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "from a mesh, what lies in the plane of another of its triangles is met at equal t, and the earlier one "
-    "first") {
-  // A slope, and a board in its plane, which doubles hold; the ray leaves the ground.
+    "rays from a mesh hit a triangle and a board in its plane at equal t, and the earlier surface is the "
+    "closest hit") {
+  // A slope, and a board in its plane, both exact in double; the ray leaves the ground.
   const Mesh mesh({.vertices = {{-8, -8, 0.3}, {8, -8, -0.2}, {0, 9, 0.1}, {-6, 7, 1}, {6, 7, 1}, {0, 10, 7}},
                    .triangles = {{0, 1, 2}, {3, 4, 5}}},
                   {.threads = 1});
@@ -415,8 +424,10 @@ TEST_CASE(
   CHECK(wrong == 0);
 }
 
-TEST_CASE("what overlaps a triangle in its plane is left together with it, and is not on the ray's line") {
-  // A triangle, itself turned around, one that overlaps it, and one through it.
+TEST_CASE(
+    "a ray that leaves a triangle of a mesh does not cross others that overlap it in its plane, ahead or "
+    "behind") {
+  // A triangle, its reverse, one that overlaps it in its plane, and one that passes through it.
   const Mesh mesh({.vertices = {{0, 0, 0}, {4, 1, 2}, {1, 3, 5}, {8, 2, 4}, {2, 1, -9}, {2, 1, 9}, {1, 9, 2}},
                    .triangles = {{0, 1, 2}, {2, 1, 0}, {0, 3, 2}, {4, 5, 6}}},
                   {.threads = 1});

@@ -1,4 +1,4 @@
-// Meshes as solids, and among those of a tree.
+// Meshes as solids, alone and in CSG trees.
 #include <array>
 #include <cstdint>
 #include <protostar/integrators/shadow.hpp>
@@ -32,7 +32,7 @@ std::vector<double> crossings(const Csg& tree, const Ray& ray, Interval range = 
 
 }  // namespace
 
-TEST_CASE("a mesh is a solid if of each edge as many triangles have it in one direction as in the other") {
+TEST_CASE("a mesh is a solid if each edge belongs to as many triangles in one direction as in the other") {
   for (const MeshData& closed : {meshes::box(2), meshes::icosphere(1), meshes::torus(9, 7)}) {
     CHECK(closed.is_closed());
     MeshData apart = closed;  // each triangle with vertices of its own
@@ -63,14 +63,14 @@ TEST_CASE("a mesh is a solid if of each edge as many triangles have it in one di
   MeshData both_sides = triangle;
   both_sides.triangles.push_back({1, 0, 2});
   CHECK(both_sides.is_closed());
-  MeshData zeros = both_sides;  // −0 is at 0
+  MeshData zeros = both_sides;  // −0 equals 0
   zeros.vertices.push_back({-0.0, -0.0, 3});
   zeros.triangles[1] = {1, 3, 2};
   CHECK(zeros.is_closed());
 }
 
-TEST_CASE("a closed mesh is a solid like others") {
-  const MeshData cube = meshes::box(1);  // as the box from −1 to 1
+TEST_CASE("a closed mesh works in CSG trees like other solids") {
+  const MeshData cube = meshes::box(1);  // equal to the box from −1 to 1
   const Mesh mesh(cube);
   CHECK(is_solid(mesh));
   CHECK(mesh.part_count() == 48);
@@ -90,7 +90,7 @@ TEST_CASE("a closed mesh is a solid like others") {
       const auto expected = crossings(of_box[k], line, everywhere);
       wrong += crossings(of_mesh[k], line, everywhere) != expected;
       crossed += !expected.empty();
-      // And behind the first of them, along any other line.
+      // Compares also the rays that leave the first crossing in any direction.
       const auto first = of_box[k].first_crossing(line, {});
       const auto same = of_mesh[k].first_crossing(line, {});
       if (!first || !same) continue;
@@ -111,7 +111,7 @@ TEST_CASE("a closed mesh is a solid like others") {
              ContainsSubstring("closed solid"));
 }
 
-TEST_CASE("a cube is cut to the same picture as a mesh and as a box") {
+TEST_CASE("a cube that is cut by CSG has the same picture as a mesh and as a box") {
   const auto picture = [](const Csg& cube, bool by_tiles) {
     Scene<Csg, Plane> scene;
     scene.add(difference_of({cube, Sphere{{0.5, 0.5, -1}, 0.9}, Sphere{{-1, 0, 0}, 0.5}}),

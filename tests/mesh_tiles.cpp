@@ -1,4 +1,4 @@
-// Pictures of meshes by tiles, which draw them as a whole, are those drawn ray by ray.
+// Pictures of meshes by tiles, which rasterize them, are those drawn ray by ray.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -24,14 +24,14 @@ using namespace protostar;
 
 namespace {
 
-/// For all tests, since every integrator is compiled anew for each type of scene.
+/// Scene type of all tests, since every integrator is compiled anew for each type of scene.
 using Everything = Scene<Sphere, Mesh>;
 
 int different_bytes(const Image& a, const Image& b) {
   return count_pixels(a, [&](int x, int y) { return std::memcmp(&a(x, y), &b(x, y), sizeof(Color)) != 0; });
 }
 
-/// How many pixels differ between the plain scene, ray by ray, and tiles.
+/// Returns the number of pixels that differ between the plain scene, ray by ray, and tiles.
 int drawn_otherwise(const Everything& scene, const Camera& camera, const auto& integrator,
                     RenderOptions options = {}, int width = 75, int height = 70) {
   Image plain(width, height), tiles(width, height);
@@ -45,7 +45,7 @@ int drawn_otherwise(const Everything& scene, const Camera& camera, const auto& i
 
 Mesh mesh_of(const MeshData& data) { return Mesh(data, {.threads = 1}); }
 
-/// Tells whether it was asked about a hit or about a surface.
+/// Integrator whose color tells whether it shaded a hit or, by shade_anywhere, a material.
 struct Telling {
   using TakesPackets = Telling;
   using ShadesAnywhere = Telling;
@@ -62,7 +62,7 @@ struct Telling {
   [[nodiscard]] Color shade_anywhere(const Material&) const { return anywhere; }
 };
 
-/// Looks at what is met first, and does not say so by a function shade.
+/// Integrator that shades the closest hit by follow, and has no function shade.
 struct Following {
   using TakesPackets = Following;
 
@@ -74,7 +74,8 @@ struct Following {
   }
 };
 
-/// Round meshes, smooth and flat, colored and textured, a mirror and glass, and what else there is.
+/// Returns a scene of meshes, smooth and flat, colored and textured, one of glass that also mirrors, and a
+/// sphere.
 Everything many_things() {
   Everything scene;
   MeshData ball = meshes::moved(meshes::icosphere(3), 0.9, {-0.8, 0, 4});
@@ -86,14 +87,14 @@ Everything many_things() {
   scene.add(mesh_of(meshes::moved(meshes::torus(30, 12), 0.7, {0.9, 0, 4.2})), Color{0.2f, 0.7f, 0.3f});
   Material glass{.diffuse = Color{0.1f}, .reflect = 0.4, .refract = 0.5, .ior = 1.5};
   scene.add(mesh_of(meshes::moved(meshes::icosphere(2), 0.5, {0.2, -0.7, 2.9})), glass);
-  // Once more in the same place, and so on equal t; and a sphere that lies in between.
+  // The torus once more in the same place, hence at equal t, and a sphere in between.
   scene.add(mesh_of(meshes::moved(meshes::torus(30, 12), 0.7, {0.9, 0, 4.2})), Color{1, 0, 0});
   scene.add(Sphere{.center = {0.9, 0, 4.2}, .radius = 0.6}, Color{0.3f, 0.3f, 0.9f});
   scene.add(PointLight{.position = {1, 4, 1}, .power = Color{400}});
   return scene;
 }
 
-/// Triangles of all sizes anywhere around a place, some of them twice, and some again a little aside.
+/// Returns random triangles of all sizes, some of them twice, and some again slightly displaced.
 MeshData soup(Random& random, int count, double size) {
   MeshData data;
   for (int i = 0; i < count; ++i) {
@@ -114,7 +115,7 @@ MeshData soup(Random& random, int count, double size) {
 
 }  // namespace
 
-TEST_CASE("by tiles, meshes among other surfaces look as they do ray by ray") {
+TEST_CASE("by tiles, meshes among other surfaces have the same picture as ray by ray") {
   const Everything scene = many_things();
   const Camera camera{.position = {0, 0.2, 0}};
   CHECK(drawn_otherwise(scene, camera, BinaryIntegrator{}) == 0);
@@ -125,7 +126,9 @@ TEST_CASE("by tiles, meshes among other surfaces look as they do ray by ray") {
   CHECK(drawn_otherwise(scene, camera, Following{}) == 0);
 }
 
-TEST_CASE("by tiles, meshes look as they do ray by ray to any camera, in parts and to several rays a pixel") {
+TEST_CASE(
+    "by tiles, meshes have the same picture as ray by ray for any camera, for crops and for several samples "
+    "a pixel") {
   const Everything scene = many_things();
   const Vec3 ahead{0, 0, 1}, up{0, 1, 0};
   for (const Camera& camera :
@@ -142,8 +145,9 @@ TEST_CASE("by tiles, meshes look as they do ray by ray to any camera, in parts a
     CHECK(drawn_otherwise(scene, Camera{}, NormalIntegrator{}, {.samples = samples}) == 0);
 }
 
-TEST_CASE("by tiles, rays that are aimed at edges and vertices of a mesh meet what they meet ray by ray") {
-  // A pixel's middle is at multiples of 1/32, and so are the vertices that are 1, 2 or 4 away.
+TEST_CASE("by tiles, rays that are aimed at edges and vertices of a mesh have the same hits as ray by ray") {
+  // With 64 × 64 pixels, centers are at odd multiples of 1/64 on the film: at distance 2, rays of this camera
+  // pass through vertices of the grid, and of the straight one through its diagonals.
   const Camera camera{.position = {0.03125, 0.03125, -4}};
   for (const double scale : {0.25, 1.0}) {
     Everything scene, alone;
@@ -173,7 +177,7 @@ TEST_CASE("by tiles, rays that are aimed at edges and vertices of a mesh meet wh
   }
 }
 
-TEST_CASE("by tiles, triangles of any size around a camera look as they do ray by ray") {
+TEST_CASE("by tiles, triangles of any size around a camera have the same picture as ray by ray") {
   Random random(51);
   int drawn = 0;
   std::uint64_t in_doubt = 0;
@@ -195,7 +199,7 @@ TEST_CASE("by tiles, triangles of any size around a camera look as they do ray b
     CAPTURE(round);
     CHECK(different_bytes(plain, tiles) == 0);
     if (round % 4 != 0) in_doubt += taken.in_doubt;
-    // In one color: only whether a pixel meets any is asked.
+    // In one color only coverage is needed, not the closest hit.
     render(tiles, camera, scene, ColorIntegrator{}, {.threads = 1});
     render(plain, camera, scene, ColorIntegrator{}, {.tiles = false});
     CHECK(different_bytes(plain, tiles) == 0);
@@ -205,8 +209,8 @@ TEST_CASE("by tiles, triangles of any size around a camera look as they do ray b
   CHECK(in_doubt < 20000);
 }
 
-TEST_CASE("by tiles, triangles whose edges lead through the middles of pixels look as they do ray by ray") {
-  // As far as double holds that: on which side a middle is can be told by none of the shorter ways.
+TEST_CASE("by tiles, triangles whose edges pass through pixel centers have the same picture as ray by ray") {
+  // Up to rounding in double, edges pass through pixel centers: no filter can decide on which side these are.
   constexpr int size = 80;
   Random random(53);
   int drawn = 0;
@@ -235,7 +239,7 @@ TEST_CASE("by tiles, triangles whose edges lead through the middles of pixels lo
   CHECK(drawn > 10000);
 }
 
-TEST_CASE("by tiles, meshes of sizes that float does not hold look as they do ray by ray") {
+TEST_CASE("by tiles, meshes of sizes beyond the range of float have the same picture as ray by ray") {
   for (const double size : {0x1p-300, 0x1p-100, 0x1p100, 0x1p300}) {
     CAPTURE(size);
     Everything scene;
@@ -246,9 +250,9 @@ TEST_CASE("by tiles, meshes of sizes that float does not hold look as they do ra
   }
 }
 
-TEST_CASE("by tiles, triangles behind the eye are not seen, and others as far as they are in front") {
-  // All in one leaf: a small one in front; one behind, whose mirror image would fill the picture; and one
-  // that begins in front and ends behind.
+TEST_CASE("by tiles, triangles behind the eye are not seen, and others as far as they are in front of it") {
+  // All in one leaf: a small triangle in front; one behind, whose mirror image would fill the picture; and
+  // one that begins in front and ends behind.
   MeshData data;
   data.vertices = {{-1, 0, 3},  {-0.5, 0, 3}, {-0.5, 0.5, 3}, {-9, -9, -2}, {9, -9, -2},
                    {0, 18, -2}, {0.5, -1, 4}, {1.5, -1, 4},   {0.5, -1, -4}};
@@ -268,7 +272,8 @@ TEST_CASE("by tiles, triangles behind the eye are not seen, and others as far as
   }
 }
 
-TEST_CASE("by tiles, more meshes than a tile draws, and many, look as they do ray by ray") {
+TEST_CASE(
+    "by tiles, more meshes than a tile rasterizes, and thousands, have the same picture as ray by ray") {
   Random random(52);
   const MeshData ball = meshes::icosphere(0);
   for (const int count : {30, 2100}) {
@@ -279,7 +284,7 @@ TEST_CASE("by tiles, more meshes than a tile draws, and many, look as they do ra
   }
 }
 
-TEST_CASE("a tile with many more triangles than pixels is left to its rays, and looks the same") {
+TEST_CASE("a tile with many more triangles than pixels is traced ray by ray, with the same picture") {
   Everything scene;
   scene.add(mesh_of(meshes::moved(meshes::icosphere(5), 1, {0, 0, 3})), Color{1});
   for (const int size : {8, 24, 100}) {
@@ -288,8 +293,8 @@ TEST_CASE("a tile with many more triangles than pixels is left to its rays, and 
   }
 }
 
-TEST_CASE("a tile that has more of a mesh than it may try is left to its rays, and looks the same") {
-  // Needles, which hide little of each other, before a large triangle.
+TEST_CASE("a tile that exceeds its limit of tested triangles is traced ray by ray, with the same picture") {
+  // Needles, which hide little of each other, in front of a large triangle.
   MeshData data;
   Random random(9);
   const auto add = [&](const Point& a, const Point& b, const Point& c) {
@@ -312,9 +317,9 @@ TEST_CASE("a tile that has more of a mesh than it may try is left to its rays, a
   CHECK(drawn_otherwise(scene, Camera{}, ColorIntegrator{}, part, 16, 16) == 0);
 }
 
-TEST_CASE("tiles that are drawn one after the other in the same room show nothing of the one before") {
-  // Some see nothing but a mesh, and are only asked whether, some a sphere as well; those at the edges are
-  // smaller.
+TEST_CASE("tiles that are drawn one after the other in the same buffers show nothing of the one before") {
+  // Some tiles see nothing but a mesh, of which only coverage is needed, some a sphere as well; tiles at the
+  // edges are smaller.
   Everything scene;
   scene.add(mesh_of(meshes::moved(meshes::torus(30, 12), 0.7, {0, 0, 3})), Color{0.2f, 0.7f, 0.3f});
   scene.add(Sphere{.center = {0.8, 0.2, 2.5}, .radius = 0.1}, Color{1});
@@ -322,7 +327,7 @@ TEST_CASE("tiles that are drawn one after the other in the same room show nothin
     CHECK(drawn_otherwise(scene, Camera{}, ColorIntegrator{}, {.threads = 1}, width, 270) == 0);
 }
 
-TEST_CASE("triangles that all but touch the eye look as they do ray by ray") {
+TEST_CASE("by tiles triangles that almost touch the eye have the same picture as ray by ray") {
   for (const double size : {1e-310, 1e-300, 1e-200, 1e-100}) {
     MeshData data;
     data.vertices = {{-9, -9, 5},      {9, -9, 5},         {0, 18, 5},
@@ -335,10 +340,11 @@ TEST_CASE("triangles that all but touch the eye look as they do ray by ray") {
   }
 }
 
-TEST_CASE("by tiles, a mesh alone looks as it does ray by ray, in one color, with a texture, under a sky") {
+TEST_CASE(
+    "by tiles, a mesh alone has the same picture as ray by ray, in one color, with a texture, under a sky") {
   const Camera camera{.position = {0.2, 0.1, 0}};
   const Texture checker = Checker{.first = Color{1, 0.5f, 0}, .second = Color{0.1f}, .size = 0.25};
-  // Before an edge of the torus, from far away, and from inside, where nothing is in front of all vertices.
+  // The torus in front of the eye, far away, and around the eye, where some vertices are behind it.
   for (const Point& center : {Point{0.4, 0, 3}, Point{0, 0, 40}, Point{0.9, 0, 0.2}})
     for (const bool has_texture : {false, true})
       for (const int sky : {0, 1, 2}) {
@@ -353,8 +359,7 @@ TEST_CASE("by tiles, a mesh alone looks as it does ray by ray, in one color, wit
       }
 }
 
-TEST_CASE(
-    "what looks the same at all places is not asked where it is, where nothing but a mesh can be seen") {
+TEST_CASE("a tile that sees nothing but a mesh of one color is shaded without hits, by shade_anywhere") {
   const auto counts = [](const Everything& scene) {
     Image image(64, 64);
     render(image, Camera{}, scene, Telling{});
@@ -377,8 +382,8 @@ TEST_CASE(
   CHECK((asked > 10 && alike > 1000 && asked + alike == 64 * 64));
 }
 
-TEST_CASE("by tiles, parts with many surfaces before a mesh look as they do ray by ray") {
-  // In the upper rows of each part; the last row sees nothing but the mesh.
+TEST_CASE("by tiles, parts with many surfaces in front of a mesh have the same picture as ray by ray") {
+  // Spheres in the upper rows of each part of 8 × 8 pixels; its last row sees nothing but the mesh.
   Everything scene;
   MeshData wall;
   wall.vertices = {{-90, -90, 9}, {90, -90, 9}, {0, 180, 9}};
@@ -394,8 +399,9 @@ TEST_CASE("by tiles, parts with many surfaces before a mesh look as they do ray 
   CHECK(drawn_otherwise(scene, camera, ColorIntegrator{}, {}, 64, 64) == 0);
 }
 
-TEST_CASE("by tiles, a needle is as far away as it is ray by ray") {
-  // 2^24 times as long as it is wide: double leaves t in doubt, but not what pixels are before its wide end.
+TEST_CASE("by tiles, a needle has the same depth as ray by ray") {
+  // A needle 2^23 times as long as it is wide: double leaves t in doubt, but not which pixels its wide end
+  // covers.
   const Vec3 ahead = normalize(Vec3{1, 2, 3}), right = normalize(Vec3{2, -1, 0}), up = cross(ahead, right);
   const double width = 0x1p-14;
   MeshData needle;
@@ -410,8 +416,9 @@ TEST_CASE("by tiles, a needle is as far away as it is ray by ray") {
   CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) == Color{1}; }) > 100);
 }
 
-TEST_CASE("by tiles, a floor that is grazed is as far away as it is ray by ray") {
-  // From 1 above it: most pixels see it at angles of 2^-20 and less, where n·d leaves t in doubt.
+TEST_CASE("by tiles, a floor at a grazing angle has the same depth as ray by ray") {
+  // The eye is 1 above the floor: most pixels see it at angles of 2^-20 and less, where n·d leaves t in
+  // doubt.
   const Vec3 up = normalize(Vec3{1, 2, 3}), ahead = normalize(Vec3{2, -1, 0}), right = cross(up, ahead);
   const double far = 0x1p22;
   MeshData floor;
@@ -425,11 +432,11 @@ TEST_CASE("by tiles, a floor that is grazed is as far away as it is ray by ray")
   CHECK(taken.in_doubt > 1000);
 }
 
-TEST_CASE("rays that leave parts of a mesh are no rays with a departure in common") {
+TEST_CASE("rays that leave different parts of a mesh do not convert to rays with a common departure") {
   STATIC_REQUIRE_FALSE(std::is_convertible_v<simd::RaysFromParts, simd::Rays<simd::Vectors>>);
 }
 
-TEST_CASE("a tile that draws a mesh leaves few rays in doubt") {
+TEST_CASE("a tile that rasterizes a mesh leaves few rays in doubt") {
   Everything scene;
   MeshData ring = meshes::torus(300, 60);
   scene.add(mesh_of(ring), Color{1});
@@ -441,7 +448,7 @@ TEST_CASE("a tile that draws a mesh leaves few rays in doubt") {
   CHECK(taken.in_doubt < 320 * 240 / 100);
 }
 
-TEST_CASE("triangles of any size leave hardly any rays where only whether they are met is asked") {
+TEST_CASE("triangles of any size need hardly any camera rays if only coverage is needed") {
   const Camera camera = Camera::look_at({0, -2, 1.5}, {0, 0, 0}, {0, 0, 1}, 60);
   for (const std::uint32_t parts : {6u, 30u, 120u, 300u}) {
     Everything scene;
@@ -454,8 +461,7 @@ TEST_CASE("triangles of any size leave hardly any rays where only whether they a
   }
 }
 
-TEST_CASE(
-    "of rays through a tile that draws a mesh, those that surely miss it are not asked what they cross") {
+TEST_CASE("rays that surely miss a rasterized mesh are not tested for crossings with it") {
   Everything scene, textured;
   const Mesh ring = mesh_of(meshes::torus(300, 60));
   scene.add(ring, Color{0.5f});
@@ -471,14 +477,15 @@ TEST_CASE(
     const auto met = static_cast<std::uint64_t>(
         count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; }));
     CHECK((met > 10000 && met < 320 * 240 / 2));
-    // Both ask the drawing about all, and only one of them goes on with what it says.
+    // Both integrators query the visibility buffer for all rays; only TransparencyIntegrator then tests rays
+    // for crossings.
     const std::uint64_t asked = crossed.surface_tests - whether.surface_tests;
     CHECK((asked >= met && asked < met + 320 * 240 / 100));
   }
 }
 
-TEST_CASE("a floor in whose plane the eye is leaves few rays in doubt, and so do triangles without area") {
-  // Beside the eye, so that it is not in front as a whole; and a wall behind.
+TEST_CASE("a floor whose plane contains the eye leaves few rays in doubt, as do triangles without area") {
+  // The floor reaches behind the eye, so it is not in front as a whole; a wall is behind it.
   const auto in_doubt = [](bool on_a_line) {
     MeshData data;
     data.vertices = {{1, 0, -9}, {19, 0, -9}, {10, 0, 9}, {-9, -9, 12}, {9, -9, 12}, {0, 18, 12}};
@@ -494,8 +501,7 @@ TEST_CASE("a floor in whose plane the eye is leaves few rays in doubt, and so do
   CHECK(in_doubt(true) < 200);
 }
 
-TEST_CASE(
-    "a floor on which the eye all but lies is seen by the rays that lead down, whichever way it turns") {
+TEST_CASE("a floor just below the eye is seen by the rays that lead down, whatever its orientation") {
   for (const double height : {0x1p-30, 0x1p-44, 0x1p-60})
     for (const bool is_turned : {false, true}) {
       MeshData floor;
@@ -509,7 +515,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("no ray is made where a mesh alone looks the same all over, or nothing is seen") {
+TEST_CASE("no camera ray is made where only a mesh of one color is seen, or nothing") {
   Everything scene;
   scene.add(mesh_of(meshes::moved(meshes::torus(30, 12), 0.7, {0.4, 0, 3})), Color{1});
   const auto taken = [&](const auto& integrator, bool skips) {

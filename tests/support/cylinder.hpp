@@ -1,4 +1,4 @@
-// A surface as a user writes one: it knows where it is met and its normal, and nothing else.
+// A user-defined surface: intersect and normal_at, and nothing else.
 #pragma once
 
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <protostar/interval.hpp>
 #include <protostar/ray.hpp>
 
-/// The points at distance radius from the y axis, as school teaches its equation: no care about rounding.
+/// The points at distance radius from the y axis, by the textbook formula, without care for rounding.
 struct Cylinder {
   double radius = 1;
 

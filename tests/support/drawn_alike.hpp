@@ -1,4 +1,4 @@
-// Whether a scene's picture is the same in all ways to draw it.
+// Comparison of a scene's pictures for all ways of rendering.
 #pragma once
 
 #include <protostar/accel/accelerate.hpp>
@@ -7,8 +7,8 @@
 
 #include "pictures.hpp"
 
-/// How many pixels of a scene's picture are not black, and how many differ between ray by ray in the plain
-/// scene, ray by ray in the accelerated one, and by tiles.
+/// Number of pixels of a scene's picture that are not black, and number of those that differ between the
+/// plain scene, ray by ray, and the accelerated one, ray by ray, or tiles.
 struct DrawnAlike {
   int lit = 0, different = 0;
 };
@@ -24,7 +24,7 @@ inline DrawnAlike drawn_alike(const auto& scene, const protostar::Camera& camera
           .different = different_pixels(plain, accelerated) + different_pixels(plain, tiled)};
 }
 
-/// The same, with what mirrors and glass show.
+/// Compares the pictures of a WhittedIntegrator, which shows mirrors and glass.
 inline DrawnAlike drawn_alike(const auto& scene, const protostar::Camera& camera) {
   return drawn_alike(scene, camera, protostar::WhittedIntegrator{.depth = 5});
 }

@@ -1,9 +1,10 @@
-// What an exception says.
+// Messages of exceptions.
 #pragma once
 
 #include <string>
 
-/// The message of the E that an action throws; empty if it throws nothing. Anything else fails the test.
+/// Returns the message of the E that an action throws, or an empty string if it throws nothing. Any other
+/// exception fails the test.
 template <class E>
 std::string message_of(auto&& action) {
   try {

@@ -1,4 +1,4 @@
-// Folders and files for tests that write.
+// Temporary folders and files for tests that write.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 #include <iterator>
 #include <string>
 
-/// An empty folder that vanishes with all that it holds.
+/// A folder, empty at first, that is removed with all its contents.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -25,7 +25,7 @@ class TemporaryFolder {
 
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
-  /// How many files there are, links and folders included.
+  /// Returns the number of files in the folder, links and folders included.
   std::ptrdiff_t count() const {
     return std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator());
   }

@@ -1,4 +1,4 @@
-// Closed meshes, whose triangles a, b, c have (b − a) × (c − a) leading out.
+// Closed meshes, for whose triangles a, b, c the vector (b − a) × (c − a) points outwards.
 #pragma once
 
 #include <array>
@@ -13,7 +13,8 @@ namespace meshes {
 
 using protostar::MeshData, protostar::Point, protostar::Vec3;
 
-/// A cube from −n to n, its faces cut into 2n × 2n squares of whole numbers, and these into two triangles.
+/// Returns a cube from −n to n, its faces cut into 2n × 2n squares of whole numbers, and these into two
+/// triangles.
 inline MeshData box(int n) {
   MeshData mesh;
   std::map<std::array<int, 3>, std::uint32_t> places;
@@ -41,7 +42,7 @@ inline MeshData box(int n) {
   return mesh;
 }
 
-/// The unit sphere: an icosahedron, each of whose triangles is cut into four that many times.
+/// Returns the unit sphere: an icosahedron, each of whose triangles is cut into four that many times.
 inline MeshData icosphere(int times) {
   const double g = std::numbers::phi;
   MeshData mesh;
@@ -49,7 +50,7 @@ inline MeshData icosphere(int times) {
     for (const double y : {-g, g})
       for (const Vec3& p : {Vec3{0, x, y}, Vec3{x, y, 0}, Vec3{y, 0, x}})
         mesh.vertices.push_back(normalize(p));
-  // Of an icosahedron with edges of 2, at radius √(2 + φ).
+  // The edge length of an icosahedron of radius 1, and a little more: edges of 2 belong to radius √(2 + φ).
   const double edge = 2 / std::sqrt(2 + g) * 1.001;
   const auto is_edge = [&](std::uint32_t a, std::uint32_t b) {
     return length(mesh.vertices[a] - mesh.vertices[b]) < edge;
@@ -83,7 +84,7 @@ inline MeshData icosphere(int times) {
   return mesh;
 }
 
-/// A torus around the z axis, of radius 1 and thickness 0.8, cut into n × m quadrangles.
+/// Returns a torus around the z axis, of radius 1 and thickness 0.8, cut into n × m pairs of triangles.
 inline MeshData torus(std::uint32_t n, std::uint32_t m) {
   MeshData mesh;
   for (std::uint32_t i = 0; i < n; ++i)
@@ -98,7 +99,7 @@ inline MeshData torus(std::uint32_t n, std::uint32_t m) {
   return mesh;
 }
 
-/// The same, scaled and moved.
+/// Returns a mesh scaled and moved.
 inline MeshData moved(MeshData mesh, double scale, const Vec3& offset) {
   for (Point& p : mesh.vertices) p = scale * p + offset;
   return mesh;

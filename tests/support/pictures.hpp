@@ -1,9 +1,9 @@
-// Comparing pictures.
+// Comparison of pictures.
 #pragma once
 
 #include <protostar/image.hpp>
 
-/// How many pixels satisfy a condition on (x, y).
+/// Returns the number of pixels that satisfy a condition on (x, y).
 inline int count_pixels(const protostar::Image& image, auto&& condition) {
   int count = 0;
   for (int y = 0; y < image.height(); ++y)
@@ -12,7 +12,7 @@ inline int count_pixels(const protostar::Image& image, auto&& condition) {
   return count;
 }
 
-/// How many pixels of two pictures of one size are not the same.
+/// Returns the number of pixels that differ between two pictures of one size.
 inline int different_pixels(const protostar::Image& a, const protostar::Image& b) {
   return count_pixels(a, [&](int x, int y) { return a(x, y) != b(x, y); });
 }

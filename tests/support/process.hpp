@@ -1,4 +1,4 @@
-// Running a program as a user does, and seeing what comes of it.
+// Runs programs as a user does, and returns what comes of it.
 #pragma once
 
 #include <fcntl.h>
@@ -29,17 +29,17 @@ struct Command {
   std::filesystem::path program;
   std::vector<std::string> arguments;
   std::filesystem::path folder;
-  std::function<void()> before = {};  ///< called in the new process right before it becomes the program
-  bool terminal = false;              ///< whether its stderr is a terminal
+  std::function<void()> before = {};  ///< called in the new process right before exec
+  bool terminal = false;              ///< true if its stderr is a terminal
 };
 
-/// What a program left behind.
+/// Exit status and output of a program.
 struct Outcome {
-  int status = 0;  ///< its exit status; of one that a signal ended, the signal's number, negative
+  int status = 0;  ///< its exit status, or the negative number of the signal that ended it
   std::string out, err;
 };
 
-/// Whether the system can make a pseudo terminal; a bare chroot cannot.
+/// Tests whether the system can make a pseudo terminal; a bare chroot cannot.
 inline bool has_terminals() {
   const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
   if (terminal < 0) return false;
@@ -47,7 +47,7 @@ inline bool has_terminals() {
   return true;
 }
 
-/// A program at work. One that is not done after two minutes is ended by SIGALRM, so that no test hangs.
+/// A running program. SIGALRM ends it after two minutes, so that no test hangs.
 class Process {
  public:
   explicit Process(const Command& command) {
@@ -74,7 +74,7 @@ class Process {
 
   void send(int signal) const { check(kill(pid_, signal)); }
 
-  /// Returns when the program has made a second thread, as a stage does once it listens to signals, or is
+  /// Waits until the program has made a second thread, as a stage does once it listens to signals, or is
   /// done.
   void wait_for_thread() const {
     const std::filesystem::path threads = "/proc/" + std::to_string(pid_) + "/task";
@@ -85,7 +85,7 @@ class Process {
     } while (done.si_pid == 0 && std::distance(std::filesystem::directory_iterator(threads), {}) < 2);
   }
 
-  /// Reads what the program says until it is done.
+  /// Reads the program's output until it is done.
   Outcome wait() {
     Outcome outcome;
     std::array<pollfd, 2> streams{{{out_, POLLIN, 0}, {err_, POLLIN, 0}}};
@@ -106,7 +106,7 @@ class Process {
     return result;
   }
 
-  /// A terminal: what is written to the second end can be read from the first.
+  /// Opens a pseudo terminal: output to the second end can be read from the first.
   static void open_terminal(std::array<int, 2>& ends) {
     ends[0] = check(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
     check(grantpt(ends[0]));
@@ -114,8 +114,8 @@ class Process {
     ends[1] = check(open(ptsname(ends[0]), O_RDWR | O_NOCTTY | O_CLOEXEC));
   }
 
-  /// The rest of the new process. What the tests themselves were started with, such as ignored signals, is
-  /// not passed on.
+  /// Becomes the program, in the new process. Settings with which the tests were started, such as ignored
+  /// signals, are not passed on.
   [[noreturn]] static void become(const Command& command, int out, int err) {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_DFL);
     sigset_t none;
@@ -135,7 +135,7 @@ class Process {
     _exit(127);
   }
 
-  /// Appends what there is. At the end of the stream, which a terminal reports as an error, closes it.
+  /// Appends the available bytes. At the end of the stream, which a terminal reports as an error, closes it.
   static void read_some(int& stream, std::string& text) {
     std::array<char, 1 << 16> bytes{};
     const ssize_t count = read(stream, bytes.data(), bytes.size());
@@ -153,7 +153,7 @@ class Process {
 
 inline Outcome run(const Command& command) { return Process(command).wait(); }
 
-/// A stage of this build, to be run in a folder.
+/// Returns the command for a stage of this build, to be run in a folder.
 inline Command stage(const std::string& name, std::vector<std::string> arguments,
                      const std::filesystem::path& folder) {
   return {.program = std::filesystem::path(PROTOSTAR_BINARY_DIR) / "stages" / name,
@@ -161,7 +161,7 @@ inline Command stage(const std::string& name, std::vector<std::string> arguments
           .folder = folder};
 }
 
-/// The words of a line, separated by spaces.
+/// Returns the words of a line, separated by spaces.
 inline std::vector<std::string> words(const std::string& line) {
   std::vector<std::string> all;
   for (std::size_t end = 0, begin = 0; begin < line.size(); begin = end + 1) {
@@ -171,8 +171,9 @@ inline std::vector<std::string> words(const std::string& line) {
   return all;
 }
 
-/// Lets this process, and the program that it becomes, start no thread, as where a user has as many processes
-/// as the system allows (ulimit -u). Root has no such limit, so that the system calls are refused instead.
+/// Forbids this process, and the program that it becomes, to start threads, as if the user had as many
+/// processes as the system allows (ulimit -u). Root has no such limit, so the system calls are refused
+/// instead.
 inline void forbid_threads() {
   constexpr unsigned char load = BPF_LD | BPF_W | BPF_ABS, if_equal = BPF_JMP | BPF_JEQ | BPF_K,
                           if_set = BPF_JMP | BPF_JSET | BPF_K, answer = BPF_RET | BPF_K;

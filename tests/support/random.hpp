@@ -1,4 +1,4 @@
-// Random numbers that are the same in every run and with every standard library.
+// Random numbers, the same in every run and with every standard library.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@ class Random {
 
   std::uint64_t bits() { return engine_(); }
 
-  /// In [min, max).
+  /// Returns a number in [min, max).
   double real(double min, double max) {
     return min + (max - min) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
   }
 
-  /// In the cube [−size, size)³.
+  /// Returns a point in the cube [−size, size)³.
   protostar::Point point(double size) { return {real(-size, size), real(-size, size), real(-size, size)}; }
 
-  /// A unit vector, no direction more likely than another.
+  /// Returns a unit vector, no direction more likely than another.
   protostar::Vec3 direction() {
     for (;;) {
       const protostar::Vec3 v = point(1);

@@ -1,11 +1,11 @@
-// A picture for tests of files.
+// A test picture for file formats.
 #pragma once
 
 #include <protostar/image.hpp>
 
 #include "random.hpp"
 
-/// Random light, some of it below 0 and above 1.
+/// Returns random light, some of it below 0 and above 1.
 inline protostar::Image random_image(int width, int height, std::uint64_t seed) {
   Random random(seed);
   protostar::Image image(width, height);

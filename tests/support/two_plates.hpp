@@ -1,12 +1,11 @@
-// A surface with parts as a user writes one: two plates, each a disk.
+// A user-defined surface with parts: two plates, each a disk.
 #pragma once
 
 #include <array>
 #include <optional>
 #include <protostar/surface.hpp>
 
-/// The points with z = 0 or z = height inside the cylinder of radius 1 around the z axis; the parts are 0 and
-/// 1.
+/// The points with z = 0 (part 0) or z = height (part 1) inside the cylinder of radius 1 around the z axis.
 struct TwoPlates {
   double height = 1;
 
