@@ -158,21 +158,6 @@ TEST_CASE("docs/embed_code puts a file, a type, a function or a member between i
   }
 }
 
-TEST_CASE("docs/embed_code updates the line counts of files where a page is marked for it") {
-  const Project project;
-  project.write("ring.hpp", header);
-  const std::string lines = std::to_string(std::count(header.begin(), header.end(), '\n'));
-  const auto page = [](const std::string& counted) {
-    return "[a](../ring.hpp) 7\n<!-- lines -->\n| 8 [a](../ring.hpp) " + counted +
-           ", [b](page.md) 6 | 10 |\n[c](x) y\n" + "<!-- /lines -->\n[a](../ring.hpp) 7\n";
-  };
-  project.write("docs/page.md", page("7"));
-  CHECK(project.embed_code("--check") == 1);
-  CHECK(project.embed_code() == 0);
-  CHECK(project.file("docs/page.md") == page(lines));
-  CHECK(project.embed_code("--check") == 0);
-}
-
 TEST_CASE("docs/embed_code --check names the file that is out of date and leaves it unchanged") {
   const Project project;
   project.write("ring.hpp", header);
@@ -200,10 +185,6 @@ TEST_CASE(
            Case{"<!-- code: ring.hpp -->\n", "line 1"},
            Case{"x\n<!-- /code -->\n", "line 2"},
            Case{"<!-- code: ring.hpp -->\n<!-- code: ring.hpp -->\n<!-- /code -->\n", "line 1"},
-           Case{"<!-- lines -->\n[a](none.hpp) 7\n<!-- /lines -->\n", "docs/none.hpp"},
-           Case{"<!-- lines -->\n", "line 1"},
-           Case{"x\n<!-- /lines -->\n", "line 2"},
-           Case{"<!-- lines -->\n<!-- lines -->\n<!-- /lines -->\n", "line 1"},
        }) {
     CAPTURE(text);
     project.write("docs/bad.md", text);
