@@ -24,13 +24,13 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double smallest = std::numeric_limits<double>::denorm_min();
 constexpr double largest = std::numeric_limits<double>::max();
 
-/// A number of any of many sizes.
+/// Returns a random number in (−1, 1) times a random power of two from 2^-60 to 2^59.
 double any(Random& random) {
   const double mantissa = random.real(-1, 1);
   return std::ldexp(mantissa, static_cast<int>(random.bits() % 120) - 60);
 }
 
-/// A random double-double.
+/// Returns a random double-double.
 DoubleDouble any_pair(Random& random) {
   const double high = any(random);
   return fast_two_sum(high, std::ldexp(high * random.real(-1, 1), -53));
@@ -39,7 +39,7 @@ DoubleDouble any_pair(Random& random) {
 Number value(DoubleDouble x) { return Number(x.hi) + Number(x.lo); }
 Number size_of(const Number& x) { return x.sign() < 0 ? -x : x; }
 
-/// Whether |a − b| ≤ bound.
+/// Returns true if |a − b| ≤ |bound|.
 bool within(const Number& a, const Number& b, const Number& bound) {
   return (size_of(a - b) - size_of(bound)).sign() <= 0;
 }
@@ -54,7 +54,7 @@ std::vector<double> list(const Roots& roots) { return {roots.begin(), roots.end(
 
 // ---- Touching
 
-TEST_CASE("a ray that touches a sphere hits it, and one that passes it by 2^-104 does not") {
+TEST_CASE("a tangent ray hits a sphere, and a ray that misses it by 2^-105 does not") {
   const Vec3 ahead{0, 0, 1};
   CHECK(list(unit_sphere.roots({{1, 0, 0}, ahead})) == std::vector<double>{3, 3});
   CHECK(list(unit_sphere.roots({{0, -1, 0}, ahead})) == std::vector<double>{3, 3});
@@ -64,7 +64,7 @@ TEST_CASE("a ray that touches a sphere hits it, and one that passes it by 2^-104
   CHECK(unit_sphere.roots({{std::nextafter(1, 0), 0, 0}, ahead}).count() == 2);
 }
 
-TEST_CASE("touching is decided alike at every scale and for directions of every length") {
+TEST_CASE("tangent rays are recognized at every scale and for directions of every length") {
   for (const int length : {-700, -300, 0, 300, 700})
     for (const int direction : {-700, -300, 0, 300, 700}) {
       CAPTURE(length, direction);
@@ -80,7 +80,7 @@ TEST_CASE("touching is decided alike at every scale and for directions of every 
 
 // ---- Order, and the ends of a range
 
-TEST_CASE("of two spheres that touch from inside, the outer one is met first, however little before") {
+TEST_CASE("the outer of two spheres that touch from inside is hit first, however small the gap is") {
   const Sphere inner = unit_sphere, outer{.center = {0, 0, 3 + 0x1p-50}, .radius = 1 + 0x1p-50};
   // At a distance of x from the axis the gap is about 2^-51 x².
   for (const double x : {0x1p-2, 0x1p-10, 0x1p-20, 0x1p-26, 0x1p-40}) {
@@ -94,7 +94,7 @@ TEST_CASE("of two spheres that touch from inside, the outer one is met first, ho
   }
 }
 
-TEST_CASE("of two crossings at equal t, the earlier surface's is the first") {
+TEST_CASE("the closest hit of several at equal t is that of the earlier surface") {
   Scene<Sphere, Plane> scene;
   scene.add(Plane{.normal = {0, 0, 1}, .distance = 2}, Color{2});
   scene.add(unit_sphere, Color{0});
@@ -104,7 +104,7 @@ TEST_CASE("of two crossings at equal t, the earlier surface's is the first") {
   CHECK(first->color() == Color{0});
 }
 
-TEST_CASE("a surface that a light lies on exactly does not hide it, and one that is 2^-107 before it does") {
+TEST_CASE("a surface through a light does not hide it, and one 2^-107 in front of it does") {
   const Sphere sphere{.center = {0, 0, 0}, .radius = 1};
   const Interval segment{.min = 0.75, .max = 1};  // the near root is 1/2
   CHECK_FALSE(sphere.intersect(Ray{{-3, 0, 0}, {4, 0, 0}}, segment));
@@ -118,7 +118,7 @@ TEST_CASE("a surface that a light lies on exactly does not hide it, and one that
   CHECK_FALSE(plane.intersect(Ray{{0, 0, 0}, {1, std::nextafter(2, 1), 5}}, Interval{0, 1}));
 }
 
-TEST_CASE("planes that differ in the last place of a number are two planes") {
+TEST_CASE("planes that differ in the last place of one number are told apart") {
   const Plane plane{.normal = {0, 3, 0}, .distance = 1.75};
   int apart = 0;
   for (double distance = plane.distance; apart < 8; ++apart) {
@@ -136,8 +136,7 @@ TEST_CASE("planes that differ in the last place of a number are two planes") {
   }
 }
 
-TEST_CASE(
-    "a plane is left by itself and its multiples and by no other plane, whatever the size of its numbers") {
+TEST_CASE("a ray that leaves a plane does not hit it or a multiple of its equation, but hits other planes") {
   for (const double size : {1e-300, 1e-200, 1.0, 1e200, 1e300}) {
     CAPTURE(size);
     const Plane plane{.normal = {0, size, 3 * size}, .distance = size};
@@ -150,7 +149,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("crossings at equal t come by surface, and of one surface by root, also where the ray touches") {
+TEST_CASE("crossings at equal t are ordered by surface and then by root, also for tangent rays") {
   Scene<Sphere> scene;
   for (const int id : {0, 1}) scene.add(unit_sphere, Color{static_cast<float>(id)});
   std::vector<Intersection> crossings;
@@ -184,7 +183,7 @@ TEST_CASE("a ray with a number that is not finite, or with no direction, crosses
   }
 }
 
-TEST_CASE("huge, tiny, far and denormal numbers are crossed like any other") {
+TEST_CASE("spheres of huge, tiny, distant and denormal numbers are crossed like any other") {
   const Vec3 ahead{0, 0, 1};
   struct Row {
     const char* what;
@@ -218,7 +217,7 @@ TEST_CASE("huge, tiny, far and denormal numbers are crossed like any other") {
     for (std::size_t i = 0; i < t.size(); ++i)
       CHECK(std::abs(t[i] - row.t[i]) <= 0x1p-30 * std::abs(row.t[i]));
   }
-  // A root beyond the range of double is none inside of any range.
+  // A root too large for a double lies in no range.
   CHECK_FALSE(Sphere{{0, 0, 3e200}, 1e200}.intersect({{0, 0, 0}, {0, 0, 1e-200}}));
 }
 
@@ -241,24 +240,24 @@ TEST_CASE("a plane is crossed at every scale") {
     REQUIRE(roots.count() == 1);
     CHECK(std::abs(roots[0] - row.t) <= 0x1p-30 * row.t);
   }
-  CHECK(Plane{{1, 1, 0}, 0}.roots({{0, 0, 0}, {1, -1, 5}}).count() == 0);                     // parallel
-  CHECK(Plane{{1, 1, 0}, 0}.roots({{0, 0, 0}, {1, -1 + 0x1p-53, 5}}).count() == 1);           // all but that
+  CHECK(Plane{{1, 1, 0}, 0}.roots({{0, 0, 0}, {1, -1, 5}}).count() == 0);            // parallel
+  CHECK(Plane{{1, 1, 0}, 0}.roots({{0, 0, 0}, {1, -1 + 0x1p-53, 5}}).count() == 1);  // nearly parallel
   CHECK(list(Plane{{1, 1, 0}, 0}.roots({{3, -3, 0}, {1, 2, 5}})) == std::vector<double>{0});  // starts on it
 }
 
 // ---- Refinement, and how often it is needed
 
-TEST_CASE("a refined t is good to one unit in the last place") {
+TEST_CASE("a refined t is accurate to one unit in the last place") {
   Scene<Sphere> scene;
   scene.add(unit_sphere, Color{1});
-  // √(1 − x²) = 2^-20 √(2 − 2^-40): x is 1 − 2^-40.
+  // With x = 1 − 2^-40, √(1 − x²) = 2^-20 √(2 − 2^-40).
   const auto hit = scene.intersect(Ray{{1 - 0x1p-40, 0, 0}, {0, 0, 1}});
   REQUIRE(hit);
   const double truth = static_cast<double>(3 - std::sqrt(2 - 0x1p-40L) * 0x1p-20L);
   CHECK(std::abs(hit->refined() - truth) <= std::nextafter(truth, 4) - truth);
 }
 
-TEST_CASE("the counters tell how often double does not decide") {
+TEST_CASE("the fallback counters count decisions that double leaves in doubt") {
   struct Row {
     const char* what;
     double x;
@@ -278,7 +277,7 @@ TEST_CASE("the counters tell how often double does not decide") {
 
 // ---- Arithmetic
 
-TEST_CASE("the error-free transforms are free of errors") {
+TEST_CASE("the error-free transforms have no rounding error") {
   Random random(1);
   for (int i = 0; i < 100000; ++i) {
     const double a = any(random), b = any(random);
@@ -291,9 +290,9 @@ TEST_CASE("the error-free transforms are free of errors") {
   }
 }
 
-TEST_CASE("double-double keeps to its bounds: sum 3u², product 5u², quotient 10u², root 4u²") {
+TEST_CASE("double-double operations keep their error bounds: sum 3u², product 5u², quotient 10u², root 4u²") {
   Random random(2);
-  const double slack = 1 + 0x1p-48;  // for the terms in u³
+  const double slack = 1 + 0x1p-48;  // allows for terms in u³
   for (int i = 0; i < 100000; ++i) {
     const DoubleDouble a = any_pair(random), near_a = {-a.hi, a.lo * random.real(-1, 1)};
     const DoubleDouble b = i % 2 == 0 ? any_pair(random) : fast_two_sum(near_a.hi, near_a.lo);
@@ -302,16 +301,16 @@ TEST_CASE("double-double keeps to its bounds: sum 3u², product 5u², quotient 1
     REQUIRE(within(value(a * b), A * B, Number(5 * slack * u2) * A * B));
     REQUIRE(within(value(a / b) * B, A, Number(10 * slack * u2) * A));
     const DoubleDouble root = sqrt(abs(a));
-    // |s − √a| ≤ 4u² √a is |s² − a| ≤ 8u² a, but for a term in u⁴.
+    // |s − √a| ≤ 4u² √a is equivalent to |s² − a| ≤ 8u² a, up to a term in u⁴.
     REQUIRE(within(value(root) * value(root), size_of(A), Number(8 * slack * u2) * A));
   }
 }
 
-TEST_CASE("an exact number is what it stands for at any size, and converts to within 2^-103") {
+TEST_CASE("ExactNumber is exact at any size, and converts to double-double within 2^-103") {
   Random random(3);
   for (int i = 0; i < 20000; ++i) {
     const double a = any(random), b = any(random), c = any(random), d = any(random);
-    // ab − cd, and then the same from b (a + c) − c (b + d), which cancels.
+    // ab − cd, and the equal b (a + c) − c (b + d), in which terms cancel.
     const ExactNumber x = ExactNumber(a) * ExactNumber(b) - ExactNumber(c) * ExactNumber(d);
     const ExactNumber y = ExactNumber(b) * (ExactNumber(a) + ExactNumber(c)) -
                           ExactNumber(c) * (ExactNumber(b) + ExactNumber(d));
@@ -336,7 +335,7 @@ TEST_CASE("an exact number is what it stands for at any size, and converts to wi
   CHECK((huge * huge + denormal * denormal - huge * huge) == denormal * denormal);
 }
 
-TEST_CASE("the pictures of glass and of shadows need nothing beyond double") {
+TEST_CASE("pictures of glass and of shadows never need exact arithmetic") {
   const auto scene = three_spheres();
   Image image(320, 240);
   fallbacks = {};

@@ -32,7 +32,7 @@ const std::string corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 }  // namespace
 
-TEST_CASE("the vertices and faces of an OBJ file are read, whatever the lines end with") {
+TEST_CASE("the vertices and faces of an OBJ file are read, with every kind of line ending") {
   for (const std::string end : {"\n", "\r\n", "\r", " \t\n", "\n\n# a comment\n"}) {
     CAPTURE(end);
     std::string text;
@@ -44,23 +44,23 @@ TEST_CASE("the vertices and faces of an OBJ file are read, whatever the lines en
     CHECK(data.normals.empty());
     CHECK(data.uvs.empty());
   }
-  CHECK(read(corners + "f 1 2 3").triangles.size() == 1);  // without a line's end
+  CHECK(read(corners + "f 1 2 3").triangles.size() == 1);  // no line ending after the last line
 }
 
-TEST_CASE("a byte order mark is no part of an OBJ file's first line") {
+TEST_CASE("a byte order mark at the beginning of an OBJ file is skipped") {
   CHECK(read("\xEF\xBB\xBF" + corners + "f 1 2 3").vertices == read(corners + "f 1 2 3").vertices);
   CHECK_THROWS(read(corners + "f 1 2 \xEF\xBB\xBF"
                               "3"));
 }
 
-TEST_CASE("a line of an OBJ file may end with a comment, or go on in the next") {
+TEST_CASE("a line of an OBJ file may end with a comment, or continue on the next line") {
   const Triangles one{{0, 1, 2}};
   CHECK(read(corners + "f 1 2 3 # the first").triangles == one);
   CHECK(read(corners + "f 1 2 3#4").triangles == one);
   CHECK(read(corners + "f 1 2 \\\n3\n").triangles == one);
-  CHECK(read(corners + "f 1\\\r\n2\\\r\n3").triangles == one);  // what is joined has a blank between
-  CHECK(read(corners + "f 1 2 3\\").triangles == one);          // and then there is no next
-  CHECK(read(corners + "# no \\\nf 1 2 3").triangles == one);   // a comment does not go on
+  CHECK(read(corners + "f 1\\\r\n2\\\r\n3").triangles == one);  // joined lines have a blank between them
+  CHECK(read(corners + "f 1 2 3\\").triangles == one);          // no next line to continue on
+  CHECK(read(corners + "# no \\\nf 1 2 3").triangles == one);   // a comment does not continue
   const MeshData data = read("v 0 \\\n 1 2 # x\nv 1 2 3 0.5#\nv \\\n\\\n\\\n1 1 1\nf 1 2 3");
   CHECK(data.vertices == std::vector<Point>{{0, 1, 2}, {1, 2, 3}, {1, 1, 1}});
 }
@@ -78,20 +78,21 @@ TEST_CASE("polygons are cut into triangles by their diagonals from the first cor
   CHECK(read(corners + "v 0 0.5 0\nf 2 3 4 5 1").triangles == Triangles{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}});
 }
 
-TEST_CASE("negative indices count back from the last vertex so far") {
+TEST_CASE("negative indices count back from the last vertex read") {
   const MeshData data = read(corners + "f -4 -3 -2\nv 5 5 5\nf -1 1 2");
   CHECK(data.triangles == Triangles{{0, 1, 2}, {3, 0, 1}});
   CHECK(data.vertices[3] == Point{5, 5, 5});
 }
 
-TEST_CASE("corners in one place with other normals or texture places are other vertices") {
+TEST_CASE(
+    "face corners at one position with different normals or texture coordinates become different vertices") {
   const MeshData data = read(corners +
                              "vn 0 0 1\nvn 0 1 0\nvt 0.25 0.25\nvt 0.5\n"
                              "f 1/1/1 2/1/1 3/1/1\nf 1/1/1 3/1/2 4/2/1\n");
   CHECK(data.triangles == Triangles{{0, 1, 2}, {0, 3, 4}});
   CHECK(data.vertices == std::vector<Point>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 0}, {0, 1, 0}});
   CHECK(data.normals == std::vector<Vec3>{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 1, 0}, {0, 0, 1}});
-  // The lower edge of a picture is at v = 0 there, and at v = 1 here.
+  // The lower edge of a texture is at v = 0 in an OBJ file, and at v = 1 in Protostar.
   CHECK(data.uvs == std::vector<Uv>{{0.25, 0.75}, {0.25, 0.75}, {0.25, 0.75}, {0.25, 0.75}, {0.5, 1}});
 
   const MeshData some = read(corners + "vn 0 0 1\nf 1//1 2//1 3//1\nf 1 3 4");
@@ -99,7 +100,7 @@ TEST_CASE("corners in one place with other normals or texture places are other v
   CHECK(some.triangles.size() == 2);
 }
 
-TEST_CASE("faces that have places in common but nothing else are read as fast as others") {
+TEST_CASE("faces that share positions but not normals are not slow to read") {
   constexpr std::uint32_t count = 30'000;
   const auto read_faces = [](const auto& normal_of) {
     std::string text = corners;
@@ -121,10 +122,10 @@ TEST_CASE("faces that have places in common but nothing else are read as fast as
     wrong += data.normals[3 * i + 2] != Vec3{0, 0, i + 1.0};
   }
   CHECK(wrong == 0);
-  CHECK(time < 10 * usual_time);  // about 3 times; if all in a place were looked at, 35 times or more
+  CHECK(time < 10 * usual_time);  // about 3 times; comparing all vertices at a position: 35 or more
 }
 
-TEST_CASE("where corners in one place are many, those that are alike are one vertex") {
+TEST_CASE("equal face corners become one vertex even if many corners share a position") {
   std::string text = corners;
   for (int i = 1; i <= 20; ++i) text += "vn 0 0 " + std::to_string(i) + "\n";
   for (int round = 0; round < 2; ++round)
@@ -138,7 +139,7 @@ TEST_CASE("where corners in one place are many, those that are alike are one ver
   }
 }
 
-TEST_CASE("what is wrong in an OBJ file is said with its line") {
+TEST_CASE("errors in an OBJ file are reported with their line") {
   struct Row {
     std::string text, error;
   };
@@ -209,10 +210,10 @@ TEST_CASE("what is wrong in an OBJ file is said with its line") {
   }
 }
 
-TEST_CASE("an OBJ file that cannot be read is an error with its path") {
+TEST_CASE("an OBJ file that cannot be read is reported with its path") {
   const TemporaryFolder folder;
   const auto says = [&](const fs::path& path) {
-    return message_of<std::runtime_error>([&] { (void)load_obj(path); });  // of which system_error is one
+    return message_of<std::runtime_error>([&] { (void)load_obj(path); });  // base of std::system_error
   };
   CHECK_THAT(says(folder / "none.obj"), ContainsSubstring("cannot read '" + (folder / "none.obj").string()));
   CHECK_THAT(says(folder / ""), ContainsSubstring("cannot read '"));
@@ -223,7 +224,7 @@ TEST_CASE("an OBJ file that cannot be read is an error with its path") {
   CHECK(load_obj(folder / "good.obj").triangles.size() == 2);
 }
 
-TEST_CASE("an OBJ file that is longer than is allowed is refused") {
+TEST_CASE("an OBJ file longer than the allowed maximum is refused") {
   const TemporaryFolder folder;
   const fs::path path = folder / "a.obj";
   const std::string text = corners + "f 1 2 3";
@@ -237,7 +238,7 @@ TEST_CASE("an OBJ file that is longer than is allowed is refused") {
   CHECK(says(0) == path.string() + ": the file is longer than the 0 bytes that are allowed");
 }
 
-TEST_CASE("the mesh of the scenes is closed") {
+TEST_CASE("the mesh scenes/knot.obj is closed") {
   const Mesh mesh(load_obj(fs::path(PROTOSTAR_SOURCE_DIR) / "scenes/knot.obj"));
   CHECK(mesh.data().triangles.size() == 1600);
   CHECK(mesh.data().vertices.size() == 800);
@@ -255,12 +256,12 @@ TEST_CASE("scenes/make_mesh writes the mesh of the scenes, and the torus of the 
     return run({.program = project / "scenes/make_mesh", .arguments = arguments, .folder = project});
   };
   const Outcome knot = make_mesh({"1600"});
-  if (knot.status == 127) {  // of env, which has not found it
+  if (knot.status == 127) {  // exit status of env if it does not find python3
     WARN("not tested: python3 is not installed");
     return;
   }
-  CHECK((knot.out == bytes_of(project / "scenes/knot.obj")));  // too long to be shown
-  // Triangle by triangle, to the last digit; the reader gives vertices other numbers.
+  CHECK((knot.out == bytes_of(project / "scenes/knot.obj")));  // in parentheses: too long to be printed
+  // Compared triangle by triangle, to the last digit, because the reader renumbers vertices.
   const auto corners_of = [](const MeshData& mesh) {
     std::vector<Point> points;
     for (const auto& triangle : mesh.triangles)
@@ -280,7 +281,7 @@ TEST_CASE("scenes/make_mesh writes the mesh of the scenes, and the torus of the 
   }
 }
 
-TEST_CASE("the corpus of the fuzzer, like every mesh, is read or refused in words") {
+TEST_CASE("each file of the OBJ fuzzing corpus is read or refused with a message") {
   int files = 0;
   for (const auto& entry : fs::directory_iterator(fs::path(PROTOSTAR_SOURCE_DIR) / "tests/fuzz/corpus_obj")) {
     INFO(entry.path());

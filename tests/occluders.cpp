@@ -9,7 +9,7 @@ using simd::Chosen, simd::ConeToLight, simd::Occluders, simd::Rays, simd::Sphere
 
 namespace {
 
-/// Rays from points near a place to a light; t is 1 there.
+/// Returns rays from random points near a place to a light, with t = 1 at the light.
 Rays<Vectors> to_light(Random& random, const Point& light, const Point& place, double spread) {
   Rays<Vectors> rays(Vectors(place), Vectors(Vec3{0}));
   for (int lane = 0; lane < simd::double_lanes; ++lane) {
@@ -21,7 +21,8 @@ Rays<Vectors> to_light(Random& random, const Point& light, const Point& place, d
   return rays;
 }
 
-/// How far apart neighboring rays start. A cone for a single one is no wider than half a degree.
+/// Distance of the origins of neighboring rays. The cone around a single ray has a half-angle of about half a
+/// degree, so they must be closer if a packet has one lane.
 constexpr double apart = simd::double_lanes > 1 ? 1 : 0.15;
 
 bool is_inside(const std::array<simd::HalfSpace, 5>& half_spaces, const SphereAround& around) {
@@ -32,7 +33,7 @@ bool is_inside(const std::array<simd::HalfSpace, 5>& half_spaces, const SphereAr
 
 }  // namespace
 
-TEST_CASE("a cone to a light has all that rays inside it meet") {
+TEST_CASE("a cone to a light keeps every sphere that a ray inside it hits") {
   Random random(11);
   int met = 0, left_out = 0, left_out_within = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -44,7 +45,7 @@ TEST_CASE("a cone to a light has all that rays inside it meet") {
     REQUIRE(cone.is_cone());
     REQUIRE(cone.holds(first, true));
     const auto half_spaces = cone.half_spaces();
-    // Spheres that touch a ray from outside as nearly as numbers allow, and others around it.
+    // Spheres that are hit by 1e-9 of their radius, and others around the ray.
     for (int k = 0; k < 20; ++k) {
       const int lane = k % simd::double_lanes;
       const Chosen alone = simd::mask_of<double, simd::double_lanes>(simd::Bits{1} << lane);
@@ -77,10 +78,10 @@ TEST_CASE("a cone to a light has all that rays inside it meet") {
   }
   CHECK(met > 2000);
   CHECK(left_out > 2000);
-  CHECK(left_out_within > left_out + 200);  // what the cone of one ray has is less
+  CHECK(left_out_within > left_out + 200);  // the cone around a single ray culls more
 }
 
-TEST_CASE("rays that do not end where a cone has its apex, or start beyond it, are not inside") {
+TEST_CASE("rays that do not end at a cone's apex, or start outside the cone, are not inside it") {
   Random random(12);
   const Point light{1, 2, 3};
   const Rays<Vectors> rays = to_light(random, light, {1, 2, 13}, 0.1);
@@ -93,7 +94,7 @@ TEST_CASE("rays that do not end where a cone has its apex, or start beyond it, a
   CHECK_FALSE(ConeToLight().holds(rays, true));
 }
 
-TEST_CASE("what is around the light, or of no size that float holds, is in every direction of a cone") {
+TEST_CASE("spheres around the light, or too large or small for float, are kept by every cone to it") {
   Random random(16);
   const Point light{1, 2, 3};
   const Rays<Vectors> rays = to_light(random, light, {1, 2, 13}, 0.1);
@@ -124,15 +125,14 @@ TEST_CASE("a list of occluders may be of any length") {
   }
 }
 
-TEST_CASE("there is no cone for rays from everywhere") {
+TEST_CASE("there is no cone for rays from all sides") {
   Random random(13);
   if (simd::double_lanes > 1)
     CHECK_FALSE(ConeToLight(to_light(random, {0, 0, 0}, {0, 0, 0}, 5), true).is_cone());
 }
 
 TEST_CASE(
-    "the occluders of neighboring rays are looked for once, and for rays with nothing in common seldom where "
-    "that takes long") {
+    "occluders are searched once for neighboring rays, and seldom for unrelated rays if a search is slow") {
   Random random(14);
   Occluders occluders;
   int searches = 0;
@@ -162,11 +162,11 @@ TEST_CASE(
     }
     return searches;
   };
-  CHECK(searches_for_others(search) > 100);  // it looks at next to nothing
+  CHECK(searches_for_others(search) > 100);  // this search is fast
   CHECK(searches_for_others(search_of_many) < 50);
 }
 
-TEST_CASE("rays that do not end together, or start where they end, go by themselves") {
+TEST_CASE("rays with different ends, or of length 0, get no list of occluders") {
   Random random(15);
   Occluders occluders;
   const auto search = [](const auto&, const auto&) {};
@@ -181,7 +181,7 @@ TEST_CASE("rays that do not end together, or start where they end, go by themsel
   }
 }
 
-TEST_CASE("rays that do not end together leave no list to others") {
+TEST_CASE("rays with different ends leave no wrong list of occluders for later rays") {
   if (simd::double_lanes < 2) return;
   Occluders occluders;
   const auto search = [](const auto&, const auto& visit) { visit(7, SphereAround{{0, 0, 5}, 1}); };

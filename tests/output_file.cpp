@@ -36,7 +36,8 @@ void save(const fs::path& path, const std::string& bytes) {
   file.commit();
 }
 
-/// What an action fails with, as an error number, or 0. The message must name the path and the reason.
+/// Returns the error number that an action fails with, or 0. Checks that the message names the path and the
+/// reason.
 int failure(const fs::path& path, auto&& action) {
   try {
     action();
@@ -49,7 +50,7 @@ int failure(const fs::path& path, auto&& action) {
   return 0;
 }
 
-/// The names in a folder, in order.
+/// Returns the sorted names in a folder.
 std::vector<std::string> names_in(const TemporaryFolder& folder) {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder / "")) names.push_back(entry.path().filename());
@@ -57,7 +58,7 @@ std::vector<std::string> names_in(const TemporaryFolder& folder) {
   return names;
 }
 
-/// The only file of a folder that is a temporary one.
+/// Returns the only temporary file of a folder.
 fs::path temporary_in(const TemporaryFolder& folder) {
   std::vector<fs::path> found;
   for (const std::string& name : names_in(folder))
@@ -72,8 +73,8 @@ mode_t mode_of(const fs::path& path) {
   return status.st_mode & 07777;
 }
 
-/// What an action returns in a process of its own, from 0 to 255; 255 if it throws, and -1 if a signal ends
-/// it.
+/// Returns the result of an action, 0 to 255, run in a process of its own; 255 if it throws, and -1 if a
+/// signal ends it.
 int in_another_process(auto&& action) {
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
@@ -90,7 +91,8 @@ int in_another_process(auto&& action) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/// The same for another user, who is in no group but one of the same number.
+/// Returns the result of an action, run in a process as another user, whose only group has the user's number;
+/// 254 if that fails.
 int as_user(uid_t user, auto&& action) {
   return in_another_process([&] {
     if (::setgroups(0, nullptr) != 0 || ::setgid(user) != 0 || ::setuid(user) != 0) return 254;
@@ -99,7 +101,7 @@ int as_user(uid_t user, auto&& action) {
 }
 }  // namespace
 
-TEST_CASE("a file takes its name when it is committed, and not before") {
+TEST_CASE("a file gets its name when it is committed, and not before") {
   const TemporaryFolder folder;
   OutputFile file(folder / "a");
   file.write("one ");
@@ -110,7 +112,7 @@ TEST_CASE("a file takes its name when it is committed, and not before") {
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("a file that is not committed leaves the old one as it was, and nothing else") {
+TEST_CASE("a file that is not committed leaves the old one unchanged, and no temporary file") {
   const TemporaryFolder folder;
   put_bytes(folder / "a", "old");
   {
@@ -141,14 +143,14 @@ TEST_CASE("a file replaces an old one as a whole and keeps its permissions") {
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("a new file has the permissions that new files have") {
+TEST_CASE("a new file has the default permissions") {
   const TemporaryFolder folder;
   save(folder / "a", "new");
   put_bytes(folder / "b", "the stream library's");
   CHECK(fs::status(folder / "a").permissions() == fs::status(folder / "b").permissions());
 }
 
-TEST_CASE("a link stays a link, and what it leads to is replaced") {
+TEST_CASE("a symbolic link stays a link, and its target is replaced") {
   const TemporaryFolder folder;
   fs::create_directory(folder / "elsewhere");
   put_bytes(folder / "elsewhere/a", "old");
@@ -177,7 +179,7 @@ TEST_CASE("files of one folder may be written at the same time") {
   CHECK(folder.count() == 2);
 }
 
-TEST_CASE("a path without folder is in the current one") {
+TEST_CASE("a path without a folder is in the current folder") {
   const TemporaryFolder folder;
   const fs::path before = fs::current_path();
   fs::current_path(folder / "");
@@ -186,7 +188,7 @@ TEST_CASE("a path without folder is in the current one") {
   CHECK(bytes_of(folder / "a") == "here");
 }
 
-TEST_CASE("what cannot be written is refused with path and reason") {
+TEST_CASE("a path that cannot be written is refused with path and reason") {
   const TemporaryFolder folder;
   put_bytes(folder / "file", "old");
   CHECK(failure(folder / "", [&] { OutputFile(folder / ""); }) == EISDIR);
@@ -201,7 +203,7 @@ TEST_CASE("what cannot be written is refused with path and reason") {
   CHECK(bytes_of(folder / "file") == "old");
 }
 
-TEST_CASE("who may not write to a file or its folder may not replace it") {
+TEST_CASE("a file is not replaced without permission to write to it and to its folder") {
   if (::geteuid() == 0) return;  // root may write everywhere
   const TemporaryFolder folder;
   put_bytes(folder / "a", "old");
@@ -213,7 +215,7 @@ TEST_CASE("who may not write to a file or its folder may not replace it") {
   CHECK(bytes_of(folder / "a") == "old");
 }
 
-TEST_CASE("a full disk is an error, of few bytes and of many") {
+TEST_CASE("a full disk is an error, for few bytes and for many") {
   if (!fs::exists("/dev/full")) return;  // not on every system
   CHECK(failure("/dev/full", [] { save("/dev/full", "x"); }) == ENOSPC);
   CHECK(failure("/dev/full", [] { save("/dev/full", std::string(10000000, 'x')); }) == ENOSPC);
@@ -231,7 +233,7 @@ TEST_CASE("a pipe is written directly and stays a pipe") {
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("a file that nobody but its owner reads is replaced without a set-id or sticky bit") {
+TEST_CASE("a replaced file loses its set-id and sticky bits") {
   const TemporaryFolder folder;
   for (const mode_t mode : {04777u, 02755u, 01644u, 06711u}) {
     put_bytes(folder / "a", "old");
@@ -241,7 +243,7 @@ TEST_CASE("a file that nobody but its owner reads is replaced without a set-id o
   }
 }
 
-TEST_CASE("the name of a temporary file begins with the target's and cannot be foreseen") {
+TEST_CASE("the name of a temporary file begins with the target's and is unpredictable") {
   const TemporaryFolder folder;
   std::set<std::string> names;
   for (int i = 0; i < 20; ++i) {
@@ -256,7 +258,7 @@ TEST_CASE("the name of a temporary file begins with the target's and cannot be f
 TEST_CASE("a target may have a name as long as the system allows") {
   const TemporaryFolder folder;
   std::string stars;
-  while (stars.size() < 252) stars += "★";  // three bytes each, so that a cut could go through one
+  while (stars.size() < 252) stars += "★";  // three bytes each, so that a cut could split one
   for (const std::string& name : {std::string(255, 'x'), stars, "a" + stars, "ab" + stars}) {
     save(folder / name, "new");
     CHECK(bytes_of(folder / name) == "new");
@@ -271,7 +273,7 @@ TEST_CASE("a target may have a name as long as the system allows") {
 
 #if defined(PROTOSTAR_POSIX_FILES)
 
-TEST_CASE("while an old file is replaced, nobody else may read the temporary one") {
+TEST_CASE("while an old file is replaced, only its owner may read the temporary file") {
   const TemporaryFolder folder;
   for (const mode_t mode : {0600u, 0644u, 0666u}) {
     put_bytes(folder / "a", "old");
@@ -285,7 +287,7 @@ TEST_CASE("while an old file is replaced, nobody else may read the temporary one
   }
 }
 
-TEST_CASE("a link that takes the place of a temporary file changes nothing where it leads") {
+TEST_CASE("a symbolic link in the place of the temporary file does not change the link's target") {
   const TemporaryFolder folder;
   put_bytes(folder / "secret", "secret");
   put_bytes(folder / "a", "old");
@@ -303,7 +305,7 @@ TEST_CASE("a link that takes the place of a temporary file changes nothing where
   CHECK(bytes_of(folder / "secret") == "secret");
 }
 
-TEST_CASE("what a killed process left behind is removed by the next that writes the same target") {
+TEST_CASE("the temporary file of a killed process is removed by the next writer of the same target") {
   const TemporaryFolder folder;
   put_bytes(folder / "a", "old");
   CHECK(in_another_process([&]() -> int {
@@ -321,7 +323,7 @@ TEST_CASE("what a killed process left behind is removed by the next that writes 
   CHECK(bytes_of(folder / "a") == "old");
 }
 
-TEST_CASE("what is no leftover of a file is not removed when it is written") {
+TEST_CASE("only leftovers of the same target are removed when it is written") {
   const TemporaryFolder folder;
   put_bytes(folder / ".a.0123456789abcdef.protostar-tmp", "a leftover");
   put_bytes(folder / ".ab.0123456789abcdef.protostar-tmp", "another target's");
@@ -336,7 +338,7 @@ TEST_CASE("what is no leftover of a file is not removed when it is written") {
   CHECK_FALSE(fs::exists(folder / ".a.0123456789abcdef.protostar-tmp"));
 }
 
-TEST_CASE("many that write one target at once leave a whole file, and take nothing from each other") {
+TEST_CASE("several writers of one target leave a whole file, and do not disturb each other") {
   const TemporaryFolder folder;
   constexpr std::size_t size = 100'000;
   std::vector<std::future<int>> writers;
@@ -371,7 +373,7 @@ TEST_CASE("a replaced file keeps its owner and its group") {
   CHECK(mode_of(folder / "a") == 0640);
 }
 
-TEST_CASE("a group that cannot be kept leaves its successor no more rights than others have") {
+TEST_CASE("the new group of a file has no more rights than others if the old group cannot be kept") {
   if (::geteuid() != 0) {
     WARN("not tested: only root may become another user");
     return;
@@ -385,7 +387,7 @@ TEST_CASE("a group that cannot be kept leaves its successor no more rights than 
   CHECK(bytes_of(folder / "a") == "new");
 }
 
-TEST_CASE("a folder that may not be read may be written to") {
+TEST_CASE("a file may be written to a folder that may not be read") {
   if (::geteuid() != 0) {
     WARN("not tested: only root may become another user");
     return;
@@ -398,7 +400,7 @@ TEST_CASE("a folder that may not be read may be written to") {
 
 #if defined(__linux__)
 TEST_CASE("a replaced file keeps its access control list") {
-  // As the kernel has it (linux/posix_acl_xattr.h): a version, and per entry a kind, rights, and who.
+  // Format of the kernel (linux/posix_acl_xattr.h): a version, and per entry a kind, rights, and who.
   struct Entry {
     std::uint16_t kind, rights;
     std::uint32_t who;
@@ -416,7 +418,7 @@ TEST_CASE("a replaced file keeps its access control list") {
     WARN("not tested: this file system has no access control lists");
     return;
   }
-  REQUIRE(mode_of(folder / "a") == 0660);  // the mask stands where the group's rights would, which are none
+  REQUIRE(mode_of(folder / "a") == 0660);  // the mask takes the place of the group's rights, which are none
   save(folder / "a", "new");
   std::array<char, 256> kept{};
   const auto size = ::getxattr((folder / "a").c_str(), name, kept.data(), kept.size());
@@ -442,7 +444,7 @@ TEST_CASE("in a sticky folder only the owners and root may replace a file") {
   CHECK_FALSE(allowed(01777, 0, 0, 3));
 }
 
-TEST_CASE("a file that a sticky folder keeps from being replaced is refused before a byte is written") {
+TEST_CASE("a file that may not be replaced in a sticky folder is refused before a byte is written") {
   if (::geteuid() != 0) {
     WARN("not tested: only root may become another user");
     return;
@@ -466,7 +468,7 @@ TEST_CASE("a file that a sticky folder keeps from being replaced is refused befo
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("a mount point is known by what the system says, or by its device") {
+TEST_CASE("a mount point is recognized by the system's answer, or by its device") {
   const auto is_mounted = [](const fs::path& folder, const std::string& name) {
     const detail::Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     struct stat of_folder {
@@ -484,7 +486,7 @@ TEST_CASE("a mount point is known by what the system says, or by its device") {
     WARN("not tested: no /proc is mounted");
 }
 
-TEST_CASE("a descriptor's name writes on where the descriptor stands") {
+TEST_CASE("writing to a descriptor's name continues at the descriptor's position") {
   const TemporaryFolder folder;
   for (const std::string prefix : {"/dev/fd/", "/proc/self/fd/"}) {
     const detail::Descriptor descriptor(
@@ -504,7 +506,7 @@ TEST_CASE("a descriptor's name writes on where the descriptor stands") {
   }
 }
 
-TEST_CASE("a descriptor that is closed, or open for reading alone, is refused") {
+TEST_CASE("a descriptor that is closed, or open for reading only, is refused") {
   const TemporaryFolder folder;
   put_bytes(folder / "a", "old");
   const detail::Descriptor descriptor(::open((folder / "a").c_str(), O_RDONLY | O_CLOEXEC));
@@ -515,7 +517,7 @@ TEST_CASE("a descriptor that is closed, or open for reading alone, is refused") 
   CHECK(bytes_of(folder / "a") == "old");
 }
 
-TEST_CASE("a pipe that does not block is filled as its reader empties it") {
+TEST_CASE("a non-blocking pipe is filled as its reader empties it") {
   std::array<int, 2> ends{};
   REQUIRE(::pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) == 0);
   const detail::Descriptor from(ends[0]);

@@ -28,7 +28,7 @@ static_assert(simd::SurfaceForPackets<Sphere> && simd::SurfaceForPackets<Plane> 
               simd::SurfaceForPackets<Parallelogram>);
 static_assert(!simd::SurfaceForPackets<Cylinder>);
 
-/// As many rays as a packet takes. All depart from the same geometry.
+/// Rays that fill a packet; all have the same departure.
 using Bundle = std::array<Ray, double_lanes>;
 
 Vectors directions_of(const Bundle& bundle) {
@@ -40,7 +40,7 @@ Vectors directions_of(const Bundle& bundle) {
   return directions;
 }
 
-/// The packet of some rays, each with an origin of its own.
+/// Returns the packet of some rays, each with its own origin.
 Rays<Vectors> packet_of(const Bundle& bundle, Chosen wanted) {
   Vectors origins(Vec3{0});
   for (int i = 0; i < double_lanes; ++i) {
@@ -50,7 +50,7 @@ Rays<Vectors> packet_of(const Bundle& bundle, Chosen wanted) {
   return {origins, directions_of(bundle), wanted, bundle[0].departure};
 }
 
-/// The packet of rays that start together, as the first one does.
+/// Returns the packet of some rays, all starting at the first one's origin.
 Rays<Point> packet_from_one_point(const Bundle& bundle, Chosen wanted) {
   return {bundle[0].origin, directions_of(bundle), wanted, bundle[0].departure};
 }
@@ -62,14 +62,15 @@ bool same_bits(const Vec3& a, const Vec3& b) {
   return same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z);
 }
 
-/// What came of comparing packets with their rays.
+/// Counts from comparing packets with their single rays.
 struct Tally {
   int asked = 0, met = 0, in_doubt = 0, wrong = 0;
 };
 
 bool has(Chosen some, int lane) { return (bits(some) >> lane & 1) != 0; }
 
-/// Asks a surface about a packet and about its rays, for the roots and for what lies inside some ranges.
+/// Compares a surface's answers for a packet with those for its single rays: the roots, and the crossings in
+/// some ranges.
 template <Surface S>
 void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
   const Chosen wanted = rays.wanted;
@@ -117,7 +118,7 @@ void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
   for (const Interval range : {Interval{}, Interval{0, 1}, Interval{-infinity, infinity}, Interval{a, b},
                                Interval{0, b}, Interval{b, a}})
     compare_in(range, false);
-  // Ranges that end at a crossing, or nearly.
+  // Ranges that begin or end at a crossing or close to it.
   const auto somewhere = first_crossing(surface, rays[0], Interval{-infinity, infinity});
   const double t = somewhere ? somewhere->t : 0, nearly = t * (1 + std::ldexp(random.real(-1, 1), -31));
   for (const Interval range :
@@ -125,13 +126,13 @@ void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
     compare_in(range, true);
 }
 
-/// Some lanes, or all.
+/// Returns a mask of some lanes, or of all.
 Chosen some_lanes(Random& random) {
   const Bits all = simd::first_bits(double_lanes), some = static_cast<Bits>(random.bits()) & all;
   return simd::mask_of<double, double_lanes>(random.bits() % 2 ? all : some);
 }
 
-/// What a surface says of packets of rays, of own origins and of one origin, in rounds.
+/// Compares a surface's answers for packets with many origins and with one origin, in a number of rounds.
 Tally compare(const std::function<Ray(Random&)>& ray, const auto& surface_of, int rounds) {
   Tally tally;
   Random random(7);
@@ -146,7 +147,7 @@ Tally compare(const std::function<Ray(Random&)>& ray, const auto& surface_of, in
   return tally;
 }
 
-/// A double of any size, and sometimes 0 or none that can be reckoned with.
+/// Returns a random double of any size, sometimes 0, infinity or NaN.
 double any_size(Random& random) {
   switch (random.bits() % 16) {
     case 0:
@@ -163,13 +164,13 @@ double any_size(Random& random) {
 struct Rows {
   const char* what;
   std::function<Ray(Random&)> ray;
-  double most_in_doubt;  ///< the share of answers
-  double least_met;      ///< the share of questions, of which one in 13 asks for roots
+  double most_in_doubt;  ///< upper bound for the share of answers
+  double least_met;      ///< lower bound for the share of questions, of which one in 13 asks for roots
 };
 
 }  // namespace
 
-TEST_CASE("a packet meets a sphere where each of its rays does, or is in doubt") {
+TEST_CASE("a packet hits a sphere where each of its rays does, or is in doubt") {
   const auto unit = [](Random&) { return Sphere{}; };
   const auto row = GENERATE_COPY(values<Rows>(
       {{"ordinary rays",
@@ -265,7 +266,7 @@ TEST_CASE("a packet meets a sphere where each of its rays does, or is in doubt")
   CHECK(tally.met >= row.least_met * tally.asked);
 }
 
-TEST_CASE("a packet meets spheres of any size and place where each of its rays does, or is in doubt") {
+TEST_CASE("a packet hits spheres of any size and position where each of its rays does, or is in doubt") {
   const auto at = [](double center, double radius) {
     return [=](Random& r) {
       return Sphere{.center = center + r.point(std::abs(radius)),
@@ -295,7 +296,7 @@ TEST_CASE("a packet meets spheres of any size and place where each of its rays d
   CHECK(compare(any_ray, any_sphere, 4000).wrong == 0);
 }
 
-TEST_CASE("a packet meets a plane where each of its rays does, or is in doubt") {
+TEST_CASE("a packet hits a plane where each of its rays does, or is in doubt") {
   const auto ordinary = [](Random& r) { return Ray{r.point(3), r.direction()}; };
   const auto random_plane = [](Random& r) { return Plane{.normal = r.point(2), .distance = r.real(-2, 2)}; };
   const Tally tally = compare(ordinary, random_plane, 4000);
@@ -342,7 +343,7 @@ TEST_CASE("a packet meets a plane where each of its rays does, or is in doubt") 
   CHECK(compare(ordinary, any_plane, 4000).wrong == 0);
 }
 
-TEST_CASE("a packet meets a parallelogram where each of its rays does, or is in doubt") {
+TEST_CASE("a packet hits a parallelogram where each of its rays does, or is in doubt") {
   const auto any_board = [](Random& r) { return Parallelogram{r.point(2), r.point(3), r.point(3)}; };
   const auto level = [](Random&) { return Parallelogram{{-1, -1, -1}, {2, 0, 0}, {0, 0, 2}}; };
   const auto any_ray = [](Random& r) {
@@ -396,7 +397,7 @@ TEST_CASE("a packet meets a parallelogram where each of its rays does, or is in 
   CHECK(compare(any_ray, of_any_numbers, 2000).wrong == 0);
 }
 
-TEST_CASE("a surface that knows single rays only is asked about each of a packet") {
+TEST_CASE("a surface without packet functions is asked about each ray of a packet") {
   const auto ordinary = [](Random& r) { return Ray{r.point(3), r.direction()}; };
   const Tally tally = compare(
       ordinary, [](Random&) { return Cylinder{}; }, 1000);
@@ -404,7 +405,7 @@ TEST_CASE("a surface that knows single rays only is asked about each of a packet
   CHECK(tally.in_doubt == 0);
 }
 
-TEST_CASE("what a packet's hits say is what the hit of each ray says") {
+TEST_CASE("the hits of a packet have the same values as the hits of its single rays") {
   Random random(3);
   const Light light = PointLight{.position = {1, 4, -2}, .power = Color{300, 200, 100}};
   int surfaces = 0, hits = 0, wrong = 0;
@@ -413,7 +414,7 @@ TEST_CASE("what a packet's hits say is what the hit of each ray says") {
     for (Ray& r : bundle) r = {random.point(3), random.direction()};
     const Rays<Vectors> rays = packet_of(bundle, true);
     const simd::FirstCrossings first = first_crossings(surface, rays, true, Interval{});
-    // Every other surface has a texture, which is looked up for each ray.
+    // Every other surface has a texture, which is evaluated for each ray.
     Material material{.diffuse = random.color()};
     if (++surfaces % 2 == 0) material.texture = Checker{random.color(), random.color(), 0.3};
     const simd::Intersections some(rays, first.t, first.met, surface, material);
@@ -451,7 +452,7 @@ TEST_CASE("what a packet's hits say is what the hit of each ray says") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("of a packet's rays, those are asked for that are wanted and chosen") {
+TEST_CASE("only() keeps the lanes that are both active and chosen") {
   const auto mask = [](Bits lanes) { return simd::mask_of<double, double_lanes>(lanes); };
   const Bits all = simd::first_bits(double_lanes);
   for (Bits lanes = 0; lanes <= all; ++lanes) {
@@ -461,7 +462,7 @@ TEST_CASE("of a packet's rays, those are asked for that are wanted and chosen") 
   }
 }
 
-TEST_CASE("a crossing is known by its t and one number below 0") {
+TEST_CASE("number_of and crossing_at convert a crossing without its t to a negative number and back") {
   for (const int root : {0, 1, 7, 2147483647})
     for (const int part : {0, 1, 5, 2147483647, -1, -2147483647}) {
       const std::int64_t number = simd::number_of({.t = 3, .root = root, .part = part});

@@ -22,7 +22,7 @@ constexpr double inf = std::numeric_limits<double>::infinity(),
                  ulp = std::numeric_limits<double>::epsilon();
 const Interval everywhere{-inf, inf};
 
-/// A whole number in [-size, size].
+/// Returns a random whole number in [-size, size].
 std::int64_t whole(Random& random, std::int64_t size) {
   return static_cast<std::int64_t>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
 }
@@ -31,7 +31,7 @@ Vec3 whole_vector(Random& random, std::int64_t size) {
   return {x, y, z};
 }
 
-/// A point whose coordinates have so few digits that sums and whole multiples are not rounded.
+/// Returns a random vector whose components have so few digits that sums and small whole multiples are exact.
 Vec3 short_vector(Random& random) { return 0x1p-20 * whole_vector(random, 1 << 20); }
 
 Vec3 exact_normal(const Parallelogram& s) { return cross(s.edge_u, s.edge_v); }
@@ -94,8 +94,8 @@ TEST_CASE("a parallelogram is the points position + a·edge_u + b·edge_v with a
   }
 }
 
-TEST_CASE("whether a ray hits a parallelogram of whole numbers, its outline included, is exact") {
-  // All determinants are whole numbers that double holds, so that plain signs decide.
+TEST_CASE("hits of parallelograms with whole numbers, on their outlines too, are exact") {
+  // All determinants are whole numbers that double holds, so plain signs decide.
   Random random(21);
   int hits = 0, outline = 0, wrong = 0;
   for (int i = 0; i < 100000; ++i) {
@@ -116,8 +116,8 @@ TEST_CASE("whether a ray hits a parallelogram of whole numbers, its outline incl
   CHECK(wrong == 0);
 }
 
-TEST_CASE("each ray between two parallelograms that share an edge hits at least one") {
-  // To points of the shared edge, as they are rounded. At right angles to it nothing else is there to hit.
+TEST_CASE("a ray to the shared edge of two parallelograms hits at least one of them") {
+  // Rays to rounded points of the shared edge, away from its ends, where there is nothing else to hit.
   Random random(22);
   int both = 0, none = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -133,7 +133,7 @@ TEST_CASE("each ray between two parallelograms that share an edge hits at least 
   CHECK(none == 0);
 }
 
-TEST_CASE("huge and tiny parallelograms are met like others, and what is not finite is not met") {
+TEST_CASE("huge and tiny parallelograms are hit like others, and those that are not finite are not hit") {
   for (const double size : {0x1p-900, 0x1p-400, 0x1p-30, 1.0, 0x1p30, 0x1p400, 0x1p900}) {
     CAPTURE(size);
     const Parallelogram s{size * Point{1, 1, 3}, size * Vec3{2, 0, 1}, size * Vec3{0, 2, 1}};
@@ -173,7 +173,7 @@ TEST_CASE("the normal of a parallelogram is the unit vector along edge_u × edge
     const Parallelogram s{.position = {1, 2, 3}, .edge_u = size * Vec3{2, -1, 0}, .edge_v = {3, 0, -1}};
     CHECK(length(s.normal_at(s.position) - Vec3{1, 2, 3} / std::sqrt(14)) < 1e-15);
   }
-  // Edges that are all but parallel: in plain double, all digits of their product cancel.
+  // Edges that are nearly parallel: in plain double, all digits of their product cancel.
   const Parallelogram thin{.edge_u = {1, 1 + ulp, 0}, .edge_v = {1 - ulp, 1, 0.1}};
   const Vec3 n = thin.normal_at(Point{0});
   CHECK(length(n - normalize(Vec3{1 + ulp, -1, 10 * ulp * ulp})) < 1e-15);
@@ -220,7 +220,7 @@ TEST_CASE("the bounds of a parallelogram hold its vertices, and are tight") {
   CHECK(loose == 0);
 }
 
-TEST_CASE("a parallelogram is never met again by a ray that leaves it") {
+TEST_CASE("a ray that leaves a parallelogram never hits it again") {
   Random random(24);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -240,7 +240,7 @@ TEST_CASE("parallelograms of one plane have equal departures, and so has the pla
   Random random(25);
   int wrong = 0, tilted = 0;
   for (int i = 0; i < 5000; ++i) {
-    // Numbers so short that nothing here is rounded: the first two axes at random, the third from 0 on.
+    // The numbers have so few digits that b and the normals are exact.
     Parallelogram a{short_vector(random), short_vector(random), short_vector(random)};
     const int kind = static_cast<int>(random.bits() % 4);
     if (kind == 0) a.edge_u.y = a.edge_v.y = 0;
@@ -249,7 +249,7 @@ TEST_CASE("parallelograms of one plane have equal departures, and so has the pla
     if (exact_normal(a) == Vec3{0}) continue;
     const double j = static_cast<double>(whole(random, 3)), k = static_cast<double>(whole(random, 3));
     const Parallelogram b{a.position + j * a.edge_u + k * a.edge_v, a.edge_u + j * a.edge_v, -3.0 * a.edge_v};
-    const Vec3 n = exact_normal(a);  // 42 digits
+    const Vec3 n = exact_normal(a);  // 42 binary digits
     const Plane plane{n, dot(n, a.position)};
     const bool is_exact = kind == 1 || a.position == Point{0};
     tilted += a.departure().kind == Departure::Kind::rounded_plane;
@@ -265,12 +265,12 @@ TEST_CASE("parallelograms of one plane have equal departures, and so has the pla
   CHECK(wrong == 0);
 }
 
-TEST_CASE("planes that differ by more than the rounding of their equations are not left together") {
+TEST_CASE("planes that differ by more than the rounding of their equations have different departures") {
   const Parallelogram s{.position = {0, 0.1, 0}, .edge_u = {0.3, 0, 0.7}, .edge_v = {-0.2, 0, 0.6}};
   const Plane same{.normal = {0, 1, 0}, .distance = 0.1}, reversed{{0, -3, 0}, -3 * 0.1};
   CHECK(s.departure() == same.departure());
   CHECK(s.departure() != Plane{.normal = {0, 1, 0}, .distance = 0.1 + ulp / 8}.departure());
-  CHECK(s.departure() != reversed.departure());  // 3 · 0.1 has been rounded
+  CHECK(s.departure() != reversed.departure());  // 3 · 0.1 is rounded
   CHECK(s.departure() != Plane{.normal = {0x1p-60, 1, 0}, .distance = 0.1}.departure());
 
   const Parallelogram tilted{.position = {1, 0, 2}, .edge_u = {2, -1, 0}, .edge_v = {-3, 0, 1}};
@@ -292,7 +292,7 @@ TEST_CASE("planes that differ by more than the rounding of their equations are n
   CHECK(tilted.intersect({Point{0}, {0, -0.5, 2.5}, sphere}));
 }
 
-TEST_CASE("the equation of a plane is rounded to nearest, by double-double as without rounding") {
+TEST_CASE("the equation of a plane is rounded to nearest, in double-double as in exact arithmetic") {
   Random random(26);
   int undecided = 0, wrong = 0;
   for (int i = 0; i < 3000; ++i) {
@@ -305,7 +305,7 @@ TEST_CASE("the equation of a plane is rounded to nearest, by double-double as wi
   CHECK(undecided < 10);
   CHECK(wrong == 0);
 
-  // Quotients next to the middle of two doubles, and in it.
+  // Quotients next to the midpoint of two doubles, and at it.
   const ExactNumber one(1.0), hair(0x1p-200);
   for (const double q : {1.0, 1 + ulp, 1 + 2 * ulp}) {
     const ExactNumber middle = ExactNumber(q) + ExactNumber(ulp / 2);
@@ -331,7 +331,7 @@ namespace {
 
 using BoardsAndFloors = Scene<Parallelogram, Plane>;
 
-/// A picture by tiles, and the same ray by ray.
+/// Returns the picture drawn by tiles, and drawn ray by ray.
 std::vector<Image> pictures_of(const BoardsAndFloors& scene, const Camera& camera) {
   std::vector<Image> pictures(2, Image(96, 64));
   render(pictures[0], camera, scene, ShadowIntegrator{});
@@ -339,8 +339,8 @@ std::vector<Image> pictures_of(const BoardsAndFloors& scene, const Camera& camer
   return pictures;
 }
 
-/// How many pixels a picture has that are not the light that falls on what the camera sees there, without any
-/// shadow; and how many of them there are.
+/// Number of pixels that show a surface, and of those among them that differ from the light that falls there
+/// without any shadow.
 struct Tally {
   int lit = 0, wrong = 0;
 };
@@ -378,8 +378,8 @@ TEST_CASE("a board that lies on a floor shows no acne, and neither does the floo
     }
   }
   SECTION("tilted") {
-    // All in the plane x + 8y − 2z = −14, or in a multiple of its equation. 0.7 times 2, and 0.3 times 4, are
-    // not rounded.
+    // All lie in the plane x + 8y − 2z = −14, or in a multiple of its equation. The products 0.7 · 2 and
+    // 0.3 · 4 are exact.
     const Vec3 across{2, 0, 1}, ahead{0, 1, 4};
     BoardsAndFloors scene;
     scene.add(Plane{.normal = {-3, -24, 6}, .distance = 42}, gray);
@@ -422,7 +422,7 @@ TEST_CASE("a board on a floor, in the floor's color, changes no shadow that fall
   for (std::size_t i = 0; i < found.size(); ++i)
     for (int y = 0; y < found[i].height(); ++y)
       for (int x = 0; x < found[i].width(); ++x) {
-        // t, and with it the point, is rounded otherwise.
+        // The other surface rounds t, and hence the point, differently.
         const float difference = found[i](x, y).r - expected[0](x, y).r;
         wrong += !(std::abs(difference) <= 1e-5f * expected[0](x, y).r);
         dark += y > 32 && expected[0](x, y).r == 0;
@@ -431,7 +431,7 @@ TEST_CASE("a board on a floor, in the floor's color, changes no shadow that fall
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a parallelogram that makes no sense is refused with the field's name") {
+TEST_CASE("an invalid parallelogram is refused with the field's name") {
   const auto says = [](const Parallelogram& s) {
     return message_of<std::invalid_argument>([&] { s.validate(); });
   };

@@ -32,7 +32,7 @@ TEST_CASE("a PFM is its header and the floats as they are, rows from the bottom"
   CHECK(std::memcmp(bytes.data() + header.size(), expected, sizeof expected) == 0);
 }
 
-TEST_CASE("every float of a PFM is the image's, for images of any shape") {
+TEST_CASE("every float of a PFM equals the image's, for images of any shape") {
   struct {
     int width, height;
   } const sizes[] = {{1, 1}, {3, 500}, {65535, 2}, {65536, 2}, {65537, 2}, {140000, 1}};
@@ -53,7 +53,7 @@ TEST_CASE("every float of a PFM is the image's, for images of any shape") {
   }
 }
 
-TEST_CASE("a PFM that is stopped leaves the old file as it was") {
+TEST_CASE("stopping save_pfm leaves the old file unchanged") {
   const TemporaryFolder folder;
   put_bytes(folder / "a.pfm", "old");
   std::stop_source source;

@@ -38,7 +38,7 @@ TEST_CASE("one sample, or none, is the center of the pixel") {
   }
 }
 
-TEST_CASE("of n samples each of n columns and each of n rows has one, in its middle") {
+TEST_CASE("n samples have one in the middle of each of n columns and of each of n rows") {
   for (int n = 2; n < 70; ++n) {
     const auto samples = pixel_samples(n);
     REQUIRE(samples.size() == static_cast<std::size_t>(n));
@@ -53,13 +53,13 @@ TEST_CASE("of n samples each of n columns and each of n rows has one, in its mid
   }
 }
 
-TEST_CASE("four samples are those of Hammersley") {
+TEST_CASE("four samples are the Hammersley points") {
   const auto samples = pixel_samples(4);
   const double rows[] = {0.125, 0.625, 0.375, 0.875};
   for (std::size_t i = 0; i < 4; ++i) CHECK(samples[i].y == rows[i]);
 }
 
-TEST_CASE("a pixel is the mean of its samples, by tiles as ray by ray") {
+TEST_CASE("a pixel is the mean of its samples, by tiles and ray by ray") {
   const auto scene = three_spheres();
   const Image by_tiles = drawn(48, 36, ShadowIntegrator{}, {.samples = 5});
   CHECK(different(drawn(48, 36, ShadowIntegrator{}, {.samples = 5, .tiles = false}), by_tiles, 0, 0) == 0);
@@ -77,7 +77,7 @@ TEST_CASE("a pixel is the mean of its samples, by tiles as ray by ray") {
     }
 }
 
-TEST_CASE("an image that is a part of a picture has its pixels") {
+TEST_CASE("a cropped image has the pixels of the whole picture") {
   for (const int samples : {0, 3})
     for (const bool tiles : {false, true}) {
       const Image whole = drawn(101, 67, ShadowIntegrator{}, {.samples = samples, .tiles = tiles});
@@ -89,7 +89,7 @@ TEST_CASE("an image that is a part of a picture has its pixels") {
     }
 }
 
-TEST_CASE("a crop has to hold the image, and samples are not fewer than none") {
+TEST_CASE("a crop that does not contain the image and a negative number of samples are refused") {
   Image image(8, 6);
   const auto refused = [&](const RenderOptions& options) {
     CHECK_THROWS_AS(render(image, Camera{}, three_spheres(), ShadowIntegrator{}, options),

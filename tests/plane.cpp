@@ -42,7 +42,7 @@ TEST_CASE("a plane is the points x with normal · x = distance") {
   }
 }
 
-TEST_CASE("where a ray meets a plane is on the plane") {
+TEST_CASE("the hit points of a plane lie on the plane") {
   Random random(7);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -69,7 +69,7 @@ TEST_CASE("the normal of a plane is a unit vector, whatever the length it was gi
   }
 }
 
-TEST_CASE("a plane is never met again by a ray that leaves it") {
+TEST_CASE("a ray that leaves a plane never hits it again") {
   Random random(8);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -85,7 +85,7 @@ TEST_CASE("a plane is never met again by a ray that leaves it") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a plane is left together with every multiple of its equation, and with no other") {
+TEST_CASE("a plane has the same departure as every multiple of its equation, and as no other plane") {
   const Plane plane{.normal = {1, -2, 3}, .distance = 5};
   const Ray left{{5, 0, 0}, {1, 1, 1}, plane.departure()};
   for (const double factor : {1.0, -1.0, 2.0, -0.5, 3.0, -7.0, 1e3, 0x1p-900}) {
@@ -121,7 +121,7 @@ TEST_CASE("a ray without direction, or with a number that is not finite, crosses
     }
 }
 
-TEST_CASE("a plane that makes no sense is refused with the field's name") {
+TEST_CASE("an invalid plane is refused with the field's name") {
   for (const Vec3& bad : {Vec3{0}, Vec3{0, not_a_number, 0}, Vec3{0, inf, 0}, Vec3{-inf, 1, 0}})
     CHECK_THAT(message_of<std::invalid_argument>([&] { Plane{.normal = bad}.validate(); }),
                ContainsSubstring("Plane: normal"));

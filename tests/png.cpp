@@ -46,7 +46,7 @@ TEST_CASE("a PNG starts with its signature and decodes to the encoder's codes") 
   }
 }
 
-TEST_CASE("a PNG that cannot be written says so and leaves an old file as it was") {
+TEST_CASE("a PNG that cannot be written is an error and leaves the old file unchanged") {
   const TemporaryFolder folder;
   put_bytes(folder / "a.png", "old");
   CHECK_THAT(message_of<std::invalid_argument>([&] { save_png(Image(1, 1), folder / "a.png", Gamma{-1}); }),
@@ -57,7 +57,7 @@ TEST_CASE("a PNG that cannot be written says so and leaves an old file as it was
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("a PNG may be as large as stb_image_write can count") {
+TEST_CASE("a PNG may be as large as stb_image_write allows") {
   struct {
     int width, height;
     bool allowed;

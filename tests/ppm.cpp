@@ -15,7 +15,7 @@ using namespace protostar;
 using namespace std::string_literals;
 
 namespace {
-/// Red, green / blue, a mixture of black, half and more than white.
+/// Returns an image of red, green / blue, and a mixture of black, half and more than white.
 Image four_pixels() {
   Image image(2, 2);
   image(0, 0) = {1, 0, 0};
@@ -73,7 +73,7 @@ TEST_CASE("a binary PPM is its header and three bytes for each pixel, rows from 
         "\x00\x00\xff\x00\x80\xff"s);
 }
 
-TEST_CASE("a plain PPM is laid out as the tutorial does") {
+TEST_CASE("a plain PPM has the tutorial's layout") {
   CHECK(saved(four_pixels(), Linear{}, {.plain = true}) ==
         "P3\n2 2\n255\n"
         "255\t0\t0\t\t0\t255\t0\t\t\n"
@@ -91,7 +91,7 @@ TEST_CASE("a PPM of 16 bits has the most significant byte first") {
         "0\t0\t65535\t\t0\t32768\t65535\t\t\n");
 }
 
-TEST_CASE("a PPM is encoded by the transfer, sRGB if none is named") {
+TEST_CASE("a PPM is encoded with the given transfer, by default sRGB") {
   Image image(1, 1);
   image(0, 0) = {0.5f, 0.18f, 0.002f};
   CHECK(saved(image, Gamma{2.2}, {.plain = true}) == "P3\n1 1\n255\n186\t117\t15\t\t\n");
@@ -101,7 +101,7 @@ TEST_CASE("a PPM is encoded by the transfer, sRGB if none is named") {
   CHECK(bytes_of(folder / "a.ppm") == "P6\n1 1\n255\n\xbc\x76\x07");
 }
 
-TEST_CASE("every number of a PPM is the encoder's, for images of any shape") {
+TEST_CASE("every code of a PPM equals the encoder's, for images of any shape") {
   struct {
     int width, height;
   } const sizes[] = {{1, 1}, {1, 300}, {300, 1}, {31, 17}, {4095, 2}, {4096, 2}, {4097, 2}, {9000, 1}};
@@ -114,7 +114,7 @@ TEST_CASE("every number of a PPM is the encoder's, for images of any shape") {
       }
 }
 
-TEST_CASE("a row of the longest numbers has room") {
+TEST_CASE("a row of the longest codes is written whole") {
   for (const int width : {4095, 4096, 4097, 8192}) {
     Image white(width, 1);
     for (int x = 0; x < width; ++x) white(x, 0) = Color{1};
@@ -123,7 +123,7 @@ TEST_CASE("a row of the longest numbers has room") {
   }
 }
 
-TEST_CASE("light that is none is written as 0, and too much as the maximum") {
+TEST_CASE("invalid light is written as 0, and light above 1 as the maximum") {
   constexpr float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
   Image image(2, 1);
   image(0, 0) = {nan, -1, -inf};
@@ -131,7 +131,7 @@ TEST_CASE("light that is none is written as 0, and too much as the maximum") {
   CHECK(saved(image, Srgb{}, {.plain = true}) == "P3\n2 1\n255\n0\t0\t0\t\t255\t255\t0\t\t\n");
 }
 
-TEST_CASE("options that make no sense are refused and leave an old file as it was") {
+TEST_CASE("invalid PPM options are refused and leave the old file unchanged") {
   const TemporaryFolder folder;
   put_bytes(folder / "a.ppm", "old");
   const Image image(1, 1);
@@ -145,14 +145,14 @@ TEST_CASE("options that make no sense are refused and leave an old file as it wa
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("rows that equal the one above are written as all others are") {
+TEST_CASE("rows that repeat the row above are written like all others") {
   const TemporaryFolder folder;
   Image image(7, 9);
   Random random(5);
   for (int y = 0; y < 9; ++y)
     for (int x = 0; x < 7; ++x)
       image(x, y) = y % 3 != 0 ? image(x, y - 1) : y == 6 ? Color{0.5f} : random.color();
-  image(6, 8).b += 0.25f;  // and one that nearly does
+  image(6, 8).b += 0.25f;  // a row that nearly repeats
   for (const bool plain : {false, true})
     for (const int bits : {8, 16}) {
       save_ppm(image, folder / "a.ppm", Srgb{}, {.bits = bits, .plain = plain});
@@ -161,7 +161,7 @@ TEST_CASE("rows that equal the one above are written as all others are") {
     }
 }
 
-TEST_CASE("a PPM that is stopped leaves the old file as it was") {
+TEST_CASE("stopping save_ppm leaves the old file unchanged") {
   const TemporaryFolder folder;
   put_bytes(folder / "a.ppm", "old");
   std::stop_source source;

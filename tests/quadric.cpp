@@ -38,7 +38,7 @@ Quadric whole_quadric(Random& random, std::int64_t size) {
 
 __extension__ using Int128 = __int128;
 
-/// The sixteen products of a form of whole numbers, term by term.
+/// Returns (p, p3)ᵀ M (q, q3) for the form's 4 × 4 matrix M, exactly; all numbers must be whole.
 Int128 value(const QuadricForm& form, const Vec3& p, double p3, const Vec3& q, double q3) {
   const double matrix[4][4] = {{form.squares.x, form.products.z, form.products.y, form.linear.x},
                                {form.products.z, form.squares.y, form.products.x, form.linear.y},
@@ -52,7 +52,7 @@ Int128 value(const QuadricForm& form, const Vec3& p, double p3, const Vec3& q, d
   return sum;
 }
 
-/// A t² − 2bt + c of a line in whole numbers, A not negative.
+/// Equation A t² − 2bt + c = 0 of a line and a quadric in whole numbers, with A ≥ 0.
 struct Equation {
   Int128 A, b, c, D;
 
@@ -71,14 +71,14 @@ struct Equation {
     const long double one = q == 0 ? 0 : number(c) / q, other = q / number(A);
     return i == 0 ? std::min(one, other) : std::max(one, other);
   }
-  /// How many roots are below 1: f(1) and its slope there say it.
+  /// Returns the number of roots below 1, from the value and the slope of the equation at t = 1.
   [[nodiscard]] int count_below_1() const {
     const Int128 at_1 = A - 2 * b + c;
     if (A == 0) return b != 0 && (b > 0 ? at_1 < 0 : at_1 > 0);
     if (D < 0) return 0;
     if (at_1 < 0) return 1;
     if (at_1 > 0) return b > A ? 0 : 2;
-    return c < A ? 1 : 0;  // the other root is c/A
+    return c < A ? 1 : 0;  // the roots are 1 and c/A
   }
 };
 
@@ -88,7 +88,7 @@ std::vector<double> crossings(const Quadric& quadric, const Ray& ray, Interval r
   return all;
 }
 
-/// How many answers about a quadric and a ray of whole numbers are wrong.
+/// Returns the number of wrong answers about a quadric and a ray of whole numbers.
 int wrong_answers(const Quadric& quadric, const Ray& ray) {
   const Equation e(ray, quadric.form);
   const auto found = crossings(quadric, ray);
@@ -113,7 +113,7 @@ const Quadric ellipsoid{{.squares = {4, 1, 1}, .linear = {0, 0, -3}, .constant =
 
 }  // namespace
 
-TEST_CASE("a quadric is met where its form is 0") {
+TEST_CASE("a quadric is hit where its form is 0") {
   struct {
     const char* what;
     Quadric quadric;
@@ -155,7 +155,7 @@ TEST_CASE("a quadric is met where its form is 0") {
   }
 }
 
-TEST_CASE("whether a ray of whole numbers meets a quadric of whole numbers, and before t = 1, is exact") {
+TEST_CASE("hits of a quadric by a ray, both of whole numbers, are exact also before t = 1") {
   Random random(51);
   int touching = 0, linear = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -172,13 +172,13 @@ TEST_CASE("whether a ray of whole numbers meets a quadric of whole numbers, and 
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a ray that passes a quadric, or meets it, by less than double tells is decided exactly") {
+TEST_CASE("hits and misses of a quadric that are too close for double are decided exactly") {
   Random random(52);
   int hits = 0, misses = 0, wrong = 0, in_doubt = 0;
   for (int i = 0; i < 20000 && hits + misses < 3000; ++i) {
     Quadric quadric = whole_quadric(random, 2);
     const Ray ray{whole_vector(random, 1 << 24), whole_vector(random, 2)};
-    // The constant that comes nearest to D = 0, or next to that.
+    // Constant that brings D closest to 0, or one next to it.
     Equation e(ray, quadric.form);
     if (e.A == 0 || ray.direction == Vec3{0}) continue;
     const Int128 sign = value(quadric.form, ray.direction, 0, ray.direction, 0) < 0 ? -1 : 1;
@@ -195,7 +195,7 @@ TEST_CASE("a ray that passes a quadric, or meets it, by less than double tells i
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a quadric that is a sphere is met where the sphere is, with its normal, u and v") {
+TEST_CASE("a quadric that is a sphere is hit where the sphere is, with its normal, u and v") {
   Random random(53);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -217,7 +217,7 @@ TEST_CASE("a quadric that is a sphere is met where the sphere is, with its norma
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a hit lies on the quadric, and the normal there is a unit vector that leads outwards") {
+TEST_CASE("a hit lies on the quadric, and the normal there is a unit vector pointing outwards") {
   Random random(54);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -246,14 +246,14 @@ TEST_CASE("a hit lies on the quadric, and the normal there is a unit vector that
   CHECK(length(huge.normal_at({0, 0.6, 0.8}) - Vec3{0, 0.6, 0.8}) < 1e-15);
 }
 
-TEST_CASE("of a quadric that a ray leaves, the other root is left, exactly") {
+TEST_CASE("a ray that leaves a quadric crosses it once more, exactly at the other root") {
   Random random(55);
   int again = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
     Quadric quadric = whole_quadric(random, 3);
     Ray ray{whole_vector(random, 4), whole_vector(random, 4)};
     if (ray.direction == Vec3{0}) continue;
-    // The origin is on the quadric, but for one unit that has been rounded away.
+    // The origin is on the quadric, in every second round up to one unit in the last place of the constant.
     quadric.form.constant -= static_cast<double>(value(quadric.form, ray.origin, 1, ray.origin, 1));
     const Equation e(ray, quadric.form);
     if (i % 2) quadric.form.constant = std::nextafter(quadric.form.constant, 0);
@@ -264,7 +264,7 @@ TEST_CASE("of a quadric that a ray leaves, the other root is left, exactly") {
     wrong += found[0] != static_cast<double>(2 * e.b) / static_cast<double>(e.A);
     again += found[0] > 0;
     wrong += crossings(quadric, ray, {0, 1}).size() != (0 < e.b && 2 * e.b < e.A);
-    // What is at the same place and not the same is met.
+    // An equal quadric at another address counts as a different surface, so the departure does not matter.
     const Quadric other = quadric;
     wrong += crossings(other, {ray.origin, ray.direction}).size() != crossings(other, ray).size();
   }
@@ -287,7 +287,7 @@ TEST_CASE("of a quadric that a ray leaves, the other root is left, exactly") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("whether a ray ends inside a quadric is exact, and fits its crossings") {
+TEST_CASE("ends_inside is exact for a quadric, and consistent with its crossings") {
   Random random(56);
   int inside = 0, along = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -321,7 +321,7 @@ TEST_CASE("whether a ray ends inside a quadric is exact, and fits its crossings"
   CHECK_FALSE(cylinder.ends_inside({{0.5, 0, 0}, {0, not_a_number, 0}}));
 }
 
-TEST_CASE("huge and tiny quadrics are met like others, and what is not finite is not met") {
+TEST_CASE("huge and tiny quadrics are hit like others, and those that are not finite are not hit") {
   for (const double size : {0x1p-400, 0x1p-200, 0x1p-30, 1.0, 0x1p30, 0x1p200, 0x1p400})
     for (const double factor : {0x1p-200, 1.0, 0x1p200})
       for (const double far : {0x1p-60, 1.0, 0x1p60}) {
@@ -360,8 +360,8 @@ TEST_CASE("huge and tiny quadrics are met like others, and what is not finite is
 
 namespace {
 
-/// An ellipsoid with such half axes, turned anyhow: with the columns r of a rotation, M is the sum of r rᵀ
-/// over the squares of the half axes.
+/// Returns an ellipsoid with the given center and half axes h, randomly rotated: M is the sum of r rᵀ / h²
+/// for the columns r of a rotation.
 Quadric turned_ellipsoid(Random& random, const Point& center, const Vec3& half_axes) {
   const Vec3 r0 = random.direction(), r1 = normalize(cross(r0, random.direction()));
   const Vec3 axes[] = {r0, r1, cross(r0, r1)};
@@ -376,8 +376,9 @@ Quadric turned_ellipsoid(Random& random, const Point& center, const Vec3& half_a
   return {form};
 }
 
-/// How far the box reaches on an axis from the center, in both directions, over how far the ellipsoid does,
-/// by the minors of its matrix; 0 for a box that ends on the wrong side of the center.
+/// Ratio of the distances from the center to the ends of the box and of the ellipsoid along an axis, in both
+/// directions, computed from the minors of the matrix; negative if the box ends on the wrong side of the
+/// center.
 struct Excess {
   double below, above;
 
@@ -403,7 +404,7 @@ struct Excess {
   }
 };
 
-/// How many ends of a box a point lies beyond, exactly.
+/// Returns the number of faces of a box beyond which a point of a ray lies, exactly.
 int ends_passed(const Bounds& bounds, const Ray& ray, double t) {
   int count = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -416,7 +417,7 @@ int ends_passed(const Bounds& bounds, const Ray& ray, double t) {
 
 }  // namespace
 
-TEST_CASE("the bounds of an ellipsoid are around it, and hardly larger") {
+TEST_CASE("the bounds of an ellipsoid contain it, and are hardly larger") {
   const auto unit = Quadric{}.bounds();
   for (int axis = 0; axis < 3; ++axis) {
     CHECK((-1.002 < unit.min[axis] && unit.min[axis] < -1));
@@ -450,7 +451,7 @@ TEST_CASE("the bounds of an ellipsoid are around it, and hardly larger") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("what is no ellipsoid has no bounds, and neither has one that is inside outside") {
+TEST_CASE("quadrics other than ellipsoids have no bounds, and neither have inverted ellipsoids") {
   const auto is_everywhere = [](const Quadric& quadric) {
     const Bounds bounds = quadric.bounds();
     return bounds.min == Point{-inf} && bounds.max == Point{inf};
@@ -459,18 +460,18 @@ TEST_CASE("what is no ellipsoid has no bounds, and neither has one that is insid
     CHECK(is_everywhere(quadric));
   CHECK(is_everywhere({{Vec3{-1}, {}, {}, 1}}));
   CHECK(is_everywhere({{.squares = {1, 1, 0}, .linear = {1, 2, 3}}}));
-  CHECK(is_everywhere({{.squares = Vec3{2}, .products = {2, 0, 0}}}));  // y = −z is a way out
+  CHECK(is_everywhere({{.squares = Vec3{2}, .products = {2, 0, 0}}}));  // unbounded along y = −z
   CHECK(is_everywhere({{.squares = Vec3{2}, .products = {2 + ulp, 0, 0}}}));
   CHECK_FALSE(is_everywhere({{.squares = Vec3{2}, .products = {2 - 2 * ulp, 0, 0}}}));
   CHECK(is_everywhere({{.squares = Vec3{1}, .products = {-1, -1, -1}}}));
   CHECK(is_everywhere({{.squares = Vec3{4}, .products = {-2, -2, -2}}}));  // the determinant is 0
   CHECK_FALSE(is_everywhere({{.squares = {1, 1, 0x1p-90}}}));
-  CHECK(is_everywhere({{.squares = {1, 1, 0x1p-200}}}));  // farther below than is looked
+  CHECK(is_everywhere({{.squares = {1, 1, 0x1p-200}}}));  // too small to be decided exactly
   for (const double bad : {inf, -inf, not_a_number}) {
     CHECK(is_everywhere({{.squares = {1, bad, 1}}}));
     CHECK(is_everywhere({{.constant = bad}}));
   }
-  // A point, and nothing.
+  // Quadrics that are a point, or empty.
   CHECK(length(Quadric{{.linear = {-3, 0, 0}, .constant = 9}}.bounds().min - Vec3{3, 0, 0}) < 1e-14);
   CHECK(length(Quadric{{.constant = 1}}.bounds().max) < 1e-14);
   for (const double size : {0x1p-400, 0x1p-200, 1.0, 0x1p200, 0x1p400})
@@ -482,7 +483,7 @@ TEST_CASE("what is no ellipsoid has no bounds, and neither has one that is insid
     }
 }
 
-TEST_CASE("what a ray that leaves an ellipsoid meets of it is in its bounds, wherever the ray begins") {
+TEST_CASE("crossings of a ray that leaves an ellipsoid lie in its bounds, wherever the ray begins") {
   Random random(58);
   int again = 0, none = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -494,7 +495,7 @@ TEST_CASE("what a ray that leaves an ellipsoid meets of it is in its bounds, whe
     if (!t) continue;
     const Point hit = aimed.at(*t);
     const Vec3 n = quadric.normal_at(hit);
-    // Next to where it is left, or well off; and in any direction inwards, or hardly so.
+    // The ray begins at the hit or well off the ellipsoid, in any direction inwards or in one nearly tangent.
     const double off = i % 2 == 0 ? 0 : std::exp2(random.real(-40, 2));
     Vec3 d =
         i % 3 == 0 ? random.direction() : cross(n, random.direction()) - std::exp2(random.real(-40, 0)) * n;
@@ -510,7 +511,7 @@ TEST_CASE("what a ray that leaves an ellipsoid meets of it is in its bounds, whe
   CHECK(wrong == 0);
 }
 
-TEST_CASE("pictures of ellipsoids, which a tree holds, are the same plain, accelerated and by tiles") {
+TEST_CASE("pictures of ellipsoids in a BVH are the same ray by ray, accelerated and by tiles") {
   Random random(59);
   Scene<Quadric, AnySurface> scene;
   const Material glass{.diffuse = Color{0.25f}, .refract = 0.75, .ior = 1.5};
@@ -524,7 +525,7 @@ TEST_CASE("pictures of ellipsoids, which a tree holds, are the same plain, accel
     else
       scene.add(quadric, material);
   }
-  // A hyperboloid behind them, which has no bounds: x² + (z − 12)² = 1 + y².
+  // A hyperboloid behind the ellipsoids, which has no bounds: x² + (z − 12)² = 1 + y².
   scene.add(Quadric{{.squares = {1, -1, 1}, .linear = {0, 0, -12}, .constant = 143}}, Color{0.5f});
   scene.add(PointLight{.position = {3, 6, -6}, .power = Color{3000}});
   const DrawnAlike drawn = drawn_alike(scene, Camera{.position = {0, 0, -1}});
@@ -532,14 +533,14 @@ TEST_CASE("pictures of ellipsoids, which a tree holds, are the same plain, accel
   CHECK(drawn.different == 0);
 }
 
-TEST_CASE("quadrics in a picture are the same plain, accelerated and by tiles, and show no acne") {
+TEST_CASE("pictures of quadrics are the same ray by ray, accelerated and by tiles, and show no acne") {
   const Camera camera{.position = {0, 1, -6}};
   const Point light{3, 6, -6};
   Scene<Quadric, AnySurface> scene;
   const Material squares{.texture = Checker{.size = 0.25}, .reflect = 0.25},
       glass{.diffuse = Color{0.25f}, .refract = 0.75, .ior = 1.5};
   scene.add(AnySurface(Plane{{0, 1, 0}, -1}), squares);
-  scene.add(Quadric{{.squares = {4, 1, 4}, .linear = {8, 0, 0}, .constant = 15}}, squares);  // standing on it
+  scene.add(Quadric{{.squares = {4, 1, 4}, .linear = {8, 0, 0}, .constant = 15}}, squares);  // on the plane
   scene.add(Quadric{{.squares = {8, -1, 8}, .linear = {0, 0, -16}, .constant = 32}}, Color{0.5f});  // a cone
   scene.add(AnySurface(Quadric{{.linear = {-2, 0, 1}, .constant = 4}}), glass);
   scene.add(AnySurface(Quadric{{.squares = {1, 0, 1}, .linear = {-4, 0, -3}, .constant = 24.9}}), squares);
@@ -561,7 +562,7 @@ TEST_CASE("quadrics in a picture are the same plain, accelerated and by tiles, a
   CHECK(acne == 0);
 }
 
-TEST_CASE("a quadric that makes no sense is refused") {
+TEST_CASE("an invalid quadric is refused") {
   const auto says = [](const Quadric& quadric) {
     return message_of<std::invalid_argument>([&] { quadric.validate(); });
   };

@@ -31,7 +31,8 @@ struct Height {
   }
 };
 
-/// A radiance of which the helpers wait until the caller's thread has work, so that it cannot come too late.
+/// Radiance that makes all threads wait until the caller's thread has traced a ray, so that it surely takes
+/// part.
 class CallerTakesPart {
  public:
   Color operator()(const Ray&) const {
@@ -45,7 +46,7 @@ class CallerTakesPart {
   std::shared_ptr<std::atomic<bool>> has_work_ = std::make_shared<std::atomic<bool>>(false);
 };
 
-/// Throws when it is met for the hundredth time.
+/// Surface that throws at its hundredth intersection test.
 struct Fragile {
   std::atomic<int>* count;
   std::optional<double> intersect(const Ray&, Interval) const {
@@ -55,7 +56,7 @@ struct Fragile {
   Vec3 normal_at(Point) const { return {0, 1, 0}; }
 };
 
-/// Cannot be used, and says so.
+/// Integrator and radiance that refuse to be used.
 struct Refusing {
   Color operator()(const Ray&) const { throw std::logic_error("a ray was traced"); }
   Color operator()(const Ray&, const auto&) const { throw std::logic_error("a ray was traced"); }
@@ -90,7 +91,7 @@ TEST_CASE("each pixel gets the radiance of the ray through its center") {
     }
 }
 
-TEST_CASE("the options may be left out") {
+TEST_CASE("the options of render may be left out") {
   Image image(40, 40);
   render(image, Camera{}, [](const Ray&) { return Color{0.5f}; });
   CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0.5f}; }) == 0);
@@ -135,7 +136,7 @@ TEST_CASE("a negative number of threads is refused") {
                                  std::to_string(threads)));
 }
 
-TEST_CASE("an integrator or a function of a ray may refuse to be used, before a ray is traced") {
+TEST_CASE("an integrator or a function of a ray may be refused by its validate(), before a ray is traced") {
   Image image(4, 4);
   CHECK(message_of<std::invalid_argument>([&] { render(image, Camera{}, Refusing{}); }) == "Refusing: never");
   CHECK(message_of<std::invalid_argument>([&] { render(image, Camera{}, three_spheres(), Refusing{}); }) ==
@@ -155,7 +156,7 @@ TEST_CASE("an invalid camera is refused before a ray is traced") {
              ContainsSubstring("Camera"));
 }
 
-TEST_CASE("a render that is asked to stop ends early and leaves the other pixels as they were") {
+TEST_CASE("a render that is stopped ends early and leaves the other pixels unchanged") {
   for (const int threads : {1, 3}) {
     CAPTURE(threads);
     Image image(640, 640);  // 400 tiles
@@ -181,7 +182,7 @@ TEST_CASE("a render that is asked to stop ends early and leaves the other pixels
   CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; }) == 0);
 }
 
-TEST_CASE("progress is told in the caller's thread, a share that rises") {
+TEST_CASE("progress is reported in the caller's thread, as a rising share") {
   for (const int threads : {1, 2, 5}) {
     CAPTURE(threads);
     Image image(320, 200);
@@ -201,7 +202,7 @@ TEST_CASE("progress is told in the caller's thread, a share that rises") {
   }
 }
 
-TEST_CASE("progress of one thread is told after each tile and ends with 1") {
+TEST_CASE("progress of one thread is reported after each tile and ends with 1") {
   Image image(320, 200);
   std::vector<double> shares;
   render(image, Camera{}, direction_as_color,
@@ -243,7 +244,7 @@ TEST_CASE("an exception in the user's code reaches the caller of render, from an
   }
 }
 
-TEST_CASE("an exception in one thread ends the work of the others") {
+TEST_CASE("an exception in one thread stops the other threads") {
   Image image(640, 640);
   std::atomic<int> calls = 0;
   const auto caller = std::this_thread::get_id();

@@ -1,4 +1,4 @@
-// The program `render` as a user runs it: a scene file's picture, its own options, and what is refused.
+// Tests of the program `render` as a user runs it: the picture of a scene file, options, and errors.
 #include <sys/resource.h>
 #include <sys/stat.h>
 
@@ -40,7 +40,7 @@ Outcome run_program(const std::string& name, const std::string& arguments, const
   return run(stage(name, words(arguments), folder / ""));
 }
 
-/// The file that a program writes, without a word about it.
+/// Returns the file that a program writes; checks that it prints nothing.
 std::string picture(const std::string& name, const std::string& arguments,
                     const std::string& file = "out.ppm") {
   const TemporaryFolder folder;
@@ -56,7 +56,7 @@ std::string rendered(const std::string& name, const std::string& options,
   return picture("render", scene(name) + " " + options, file);
 }
 
-/// A binary PPM of 8 bits, or a PFM, as rows from the top of bytes.
+/// Binary PPM of 8 bits, or PFM, as rows of bytes from the top.
 struct Rows {
   int width = 0, height = 0;
   std::vector<std::string> rows;
@@ -83,7 +83,7 @@ Rows rows_of(const std::string& file) {
   return picture;
 }
 
-/// The channels of a PFM, in the order of the file.
+/// Returns the channels of a PFM, rows from the top.
 std::vector<float> light_of(const std::string& file) {
   std::vector<float> light;
   for (const std::string& row : rows_of(file).rows)
@@ -95,14 +95,14 @@ std::vector<float> light_of(const std::string& file) {
   return light;
 }
 
-/// A file of the three spheres, in which a text takes the place of another.
+/// Returns the scene file of the three spheres with one text replaced.
 std::string changed(const std::string& from, const std::string& to) {
   std::string text = bytes_of(scene("three_spheres"));
   REQUIRE(text.find(from) != std::string::npos);
   return text.replace(text.find(from), from.size(), to);
 }
 
-/// A mesh as an OBJ file: a square behind the three spheres, cut into side × side squares.
+/// Returns a mesh as an OBJ file: a square behind the three spheres, cut into side × side squares.
 std::string flat_mesh(int side) {
   std::string mesh;
   for (int y = 0; y <= side; ++y)
@@ -117,14 +117,15 @@ std::string flat_mesh(int side) {
   return mesh;
 }
 
-/// A file of the three spheres and a mesh.
+/// Returns the scene file of the three spheres with a mesh added.
 std::string with_mesh(const std::string& file) {
   return changed(R"("objects": [)", R"("objects": [{"surface": {"type": "mesh", "file": ")" + file +
                                         R"("}, "color": [1, 1, 1]},)");
 }
 
-/// 300 spheres, of radii from 0.002 to 2 in equal ratios, in front of the camera of the tutorial: near if
-/// they are small, so that most are as large as some pixels. All numbers are whole in parts of 2^-16.
+/// Returns a scene of 300 spheres with radii from 0.002 to 2 in equal ratios, in front of the tutorial's
+/// camera; small ones are near, so that most are as large as some pixels. Their centers and radii are
+/// multiples of 2^-16.
 reference::SpheresOnGround random_spheres() {
   const std::int64_t parts = 1 << 16;
   const auto whole = [&](double x) { return std::llround(x * static_cast<double>(parts)); };
@@ -144,7 +145,8 @@ reference::SpheresOnGround random_spheres() {
                              .color = color(),
                              .parts = parts});
   }
-  // Slanted, so that no ray of a picture with even sides runs along it: those are odd, odd, even.
+  // Slanted, so that no ray of a picture with even sides is parallel to it: the components of such directions
+  // are odd, odd and even multiples of one number, so their product with the normal is odd.
   scene.ground = {.normal = {1, 16, -2}, .distance = -1.5, .color = color()};
   scene.light = {3, 5, -1};
   scene.power = {700, 600, 500};
@@ -152,7 +154,7 @@ reference::SpheresOnGround random_spheres() {
   return scene;
 }
 
-/// The scene as a file.
+/// Returns the scene as a file.
 std::string json_of(const reference::SpheresOnGround& scene, double exposure, int width, int height) {
   std::ostringstream text;
   text.precision(17);
@@ -178,7 +180,7 @@ std::string json_of(const reference::SpheresOnGround& scene, double exposure, in
 
 }  // namespace
 
-TEST_CASE("300 random spheres over a plane are the pictures of a long double computation, within a level") {
+TEST_CASE("pictures of 300 random spheres over a plane match a long double computation, within one level") {
   const int width = 160, height = 120;
   const reference::SpheresOnGround scene = random_spheres();
   std::vector<reference::SpheresOnGround::Seen> seen;
@@ -202,7 +204,7 @@ TEST_CASE("300 random spheres over a plane are the pictures of a long double com
     CHECK(difference(drawn, expected).largest <= 1);
   }
 
-  // What is compared is as rich as it is meant to be.
+  // Checks that the comparison covers many spheres and shadows.
   std::set<const reference::Sphere*> visible;
   int in_shadow = 0;
   for (const auto& pixel : seen) {
@@ -213,7 +215,7 @@ TEST_CASE("300 random spheres over a plane are the pictures of a long double com
   CHECK(in_shadow > 1000);
 }
 
-TEST_CASE("the three spheres from a file are the pictures of the stages, to the last byte") {
+TEST_CASE("the scene file of the three spheres gives the pictures of the stages, byte for byte") {
   struct Row {
     std::string integrator, stage;
   };
@@ -227,16 +229,16 @@ TEST_CASE("the three spheres from a file are the pictures of the stages, to the 
         picture(row.stage, "--size 160x120", "out.pfm"));
 }
 
-TEST_CASE("the whole picture of stage 13 is a scene file, too") {
+TEST_CASE("the scene file of stage 13 gives the whole picture of stage 13") {
   CHECK(rendered("whitted", "") == picture("13_whitted", ""));
 }
 
-TEST_CASE("matte surfaces look to Whitted's integrator as they do to that of shadows") {
+TEST_CASE("WhittedIntegrator and ShadowIntegrator draw matte surfaces alike") {
   CHECK(rendered("three_spheres", "--integrator whitted") ==
         rendered("three_spheres", "--integrator shadow"));
 }
 
-TEST_CASE("the file says the size, the integrator and the transfer; options come before it") {
+TEST_CASE("a scene file sets the size, the integrator and the transfer; options override it") {
   const TemporaryFolder folder;
   const Outcome outcome = run_program("render", scene("three_spheres"), folder);
   CHECK(outcome.status == 0);
@@ -251,15 +253,15 @@ TEST_CASE("the file says the size, the integrator and the transfer; options come
   CHECK(bytes_of(folder / "a.ppm") == picture("06_color", "--size 64x48 --transfer linear"));
 }
 
-// After a change that is meant: build/stages/render scenes/NAME.json -o tests/golden/scenes/NAME.png
-TEST_CASE("every scene is the picture that the gallery shows, and is shown there") {
+// After an intended change: build/stages/render scenes/NAME.json -o tests/golden/scenes/NAME.png
+TEST_CASE("every scene file gives its golden picture, and the gallery shows it") {
   const std::string gallery = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "gallery.md");
   for (const auto& entry : fs::directory_iterator(scenes)) {
     if (entry.path().extension() != ".json") continue;
     const std::string name = entry.path().stem().string();
     CAPTURE(name);
     CHECK_THAT(gallery, ContainsSubstring("../scenes/" + name + ".json"));
-    if (name == "three_spheres" || name == "whitted") continue;  // stages draw them, too
+    if (name == "three_spheres" || name == "whitted") continue;  // covered by stages
     const Picture golden = read_image(
         (fs::path(PROTOSTAR_SOURCE_DIR) / "tests" / "golden" / "scenes" / (name + ".png")).string());
     const TemporaryFolder folder;
@@ -270,7 +272,7 @@ TEST_CASE("every scene is the picture that the gallery shows, and is shown there
   }
 }
 
-TEST_CASE("every scene of the project is drawn in any size") {
+TEST_CASE("every scene file of the project is drawn in any size") {
   for (const auto& entry : fs::directory_iterator(scenes)) {
     if (entry.path().extension() != ".json") continue;
     const Rows drawn = rows_of(rendered(entry.path().stem().string(), "--size 40x30 --samples 0"));
@@ -281,7 +283,7 @@ TEST_CASE("every scene of the project is drawn in any size") {
   }
 }
 
-TEST_CASE("a crop has the bytes of that part of the picture") {
+TEST_CASE("a crop has the bytes of the same part of the whole picture") {
   const std::string name =
       GENERATE("whitted", "mirror_walls", "orthographic", "three_spheres", "scale_image");
   const std::string samples = GENERATE("0", "3"), file = GENERATE("a.ppm", "a.pfm");
@@ -308,14 +310,14 @@ TEST_CASE("a crop has the bytes of that part of the picture") {
   }
 }
 
-TEST_CASE("a picture of another shape shows more or less at its sides, and the same height") {
+TEST_CASE("another aspect ratio changes the width of the view, and not its height") {
   const Rows wide = rows_of(rendered("three_spheres", "--size 256x64")),
              narrow = rows_of(rendered("three_spheres", "--size 64x64"));
-  // Sides that are powers of 2: nothing is rounded.
+  // Sides that are powers of 2, so nothing is rounded.
   for (std::size_t y = 0; y < 64; ++y) CHECK(wide.rows[y].substr(96 * 3, 64 * 3) == narrow.rows[y]);
 }
 
-TEST_CASE("exposure is a factor on the light, also of a PFM; tone changes only what is encoded") {
+TEST_CASE("exposure scales the light, also of a PFM; tone changes only encoded values") {
   const std::string size = "--size 64x48";
   const std::vector<float> light = light_of(rendered("clip", size, "a.pfm"));
   CHECK(light_of(rendered("scale_pixel", size, "a.pfm")) == light);
@@ -324,7 +326,7 @@ TEST_CASE("exposure is a factor on the light, also of a PFM; tone changes only w
   REQUIRE(exposed.size() == light.size());
   for (std::size_t i = 0; i < light.size(); ++i) CHECK(exposed[i] == light[i] * 0.2f);
 
-  // Of the linear light, what each file holds.
+  // Compares the codes of each file with the linear light.
   const auto codes = [&](const std::string& name) {
     std::string all;
     for (const std::string& row : rows_of(rendered(name, size)).rows) all += row;
@@ -350,8 +352,9 @@ TEST_CASE("exposure is a factor on the light, also of a PFM; tone changes only w
   CHECK(scaled > 0);
 }
 
-TEST_CASE("light beyond float leaves every pixel a number, and black what sends none on") {
-  // Two surfaces that send on red light alone, or next to none of what a mirror sees, in light of every kind.
+TEST_CASE("light beyond float makes no pixel NaN, and leaves channels black that surfaces do not reflect") {
+  // Surfaces that reflect red light only, and 1e-60 of the light from mirror and refraction rays, in light of
+  // every kind.
   const std::string scene = R"({"settings": {"resolution-x": 33, "resolution-y": 25, "exposure": EXPOSURE},
       "world": {"sky": [3e38, 3e38, 3e38]},
       "camera": {"projection": "perspective", "position": [0, 0, 0], "direction": [0, 0, 1],
@@ -381,14 +384,14 @@ TEST_CASE("light beyond float leaves every pixel a number, and black what sends 
     CAPTURE(light, exposure, integrator);
     CHECK(run_program("render", "scene.json -o a.pfm --integrator " + integrator, folder).status == 0);
     const std::vector<float> pixels = light_of(bytes_of(folder / "a.pfm"));
-    const std::size_t on_sphere = 3 * (12 * 33 + 16);  // before which a light may be
+    const std::size_t on_sphere = 3 * (12 * 33 + 16);  // a light may be in front of it
     CHECK(std::none_of(pixels.begin(), pixels.end(), [](float x) { return std::isnan(x); }));
     CHECK(pixels[on_sphere + 1] == 0);
     CHECK((pixels[on_sphere] > 0) == (exposure == "1"));
   }
 }
 
-TEST_CASE("samples are as many as asked for, and one is the center") {
+TEST_CASE("the option --samples sets the number of samples, and one sample is the pixel's center") {
   const std::string center = rendered("three_spheres", "--size 64x48");
   CHECK(rendered("three_spheres", "--size 64x48 --samples 0") == center);
   CHECK(rendered("three_spheres", "--size 64x48 --samples 1") == center);
@@ -396,12 +399,12 @@ TEST_CASE("samples are as many as asked for, and one is the center") {
   CHECK(rendered("samples", "--size 64x48 --samples 64") == rendered("samples", "--size 64x48"));
 }
 
-TEST_CASE("the picture of a scene does not depend on the number of threads") {
+TEST_CASE("the picture of a scene file does not depend on the number of threads") {
   const std::string expected = rendered("whitted", "--size 130x98 --threads 1");
   CHECK(rendered("whitted", "--size 130x98 --threads 7") == expected);
 }
 
-TEST_CASE("what is wrong in render's options is named, with what would be right, and nothing is drawn") {
+TEST_CASE("wrong options of render are named, with the right ones, and nothing is drawn") {
   struct Row {
     std::string arguments, error;
   };
@@ -451,8 +454,7 @@ TEST_CASE("what is wrong in render's options is named, with what would be right,
   CHECK(folder.count() == 0);
 }
 
-TEST_CASE(
-    "what is wrong in render's options is named before the scene is read, but for a crop that is too large") {
+TEST_CASE("wrong options of render are reported before the scene is read, except a crop that is too large") {
   const TemporaryFolder folder;
   put_bytes(folder / "wrong.json", "{");
   const auto outcome_of = [&](const std::string& path, const std::string& options) {
@@ -477,7 +479,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("the stages do not take the options of scene files") {
+TEST_CASE("the stages refuse render's options for scene files") {
   const TemporaryFolder folder;
   for (const char* arguments : {"--samples 4", "--crop 0,0,1,1", "--integrator color"})
     CHECK(run_program("09_shadow", arguments, folder).status == 2);
@@ -491,7 +493,7 @@ TEST_CASE("render --help names its own options") {
     CHECK_THAT(help.out, ContainsSubstring(text));
 }
 
-TEST_CASE("a scene that is not one ends render with the status 1 and a line that says why") {
+TEST_CASE("an invalid scene ends render with status 1 and one line of explanation") {
   const TemporaryFolder folder;
   const auto check = [&](const std::string& text, const std::string& error) {
     CAPTURE(error);
@@ -522,7 +524,7 @@ TEST_CASE("a scene that is not one ends render with the status 1 and a line that
   check(garbage, "parse error at line 1, column ");
 }
 
-TEST_CASE("a scene that cannot be read ends render with the status 1, its path and the reason") {
+TEST_CASE("a scene that cannot be read ends render with status 1, the path and the reason") {
   struct Row {
     std::string path;
     int reason;
@@ -538,23 +540,23 @@ TEST_CASE("a scene that cannot be read ends render with the status 1, its path a
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("a signal ends render within half a second, whatever it does") {
+TEST_CASE("a signal ends render within half a second, whatever render is doing") {
   using namespace std::chrono_literals;
   struct Row {
     std::string doing, scene, options;
-    int status;  // what it ends with after SIGINT
+    int status;  // exit status after SIGINT, or −SIGINT if the signal kills it
   };
   const TemporaryFolder folder;
   REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
-  put_bytes(folder / "a.obj", flat_mesh(400));  // which takes a second to read
+  put_bytes(folder / "a.obj", flat_mesh(400));  // takes about a second to read
   put_bytes(folder / "mesh.json", with_mesh("a.obj"));
   const Row row = GENERATE_COPY(
-      // All pixels are in one tile, which takes hours: nobody looks at the token.
+      // All pixels are in one tile, which takes hours, during which the stop token is not checked.
       Row{"a tile, alone", scene("whitted"), "--size 64x48 --samples 65536 --threads 1", 128 + SIGINT},
       Row{"a tile, of several threads", scene("whitted"), "--size 64x48 --samples 65536 --threads 3",
           128 + SIGINT},
       Row{"many tiles", scene("three_spheres"), "--size 4000x4000 --samples 64 --threads 1", 128 + SIGINT},
-      // Before the picture is begun there is nothing to be tidied up.
+      // Before the picture is begun, there is nothing to clean up.
       Row{"waiting for a scene", "pipe", "", -SIGINT},
       Row{"reading a scene", "mesh.json", "--size 64x48 --samples 65536", -SIGINT});
   CAPTURE(row.doing);
@@ -566,16 +568,16 @@ TEST_CASE("a signal ends render within half a second, whatever it does") {
   process.send(SIGINT);
   const Outcome outcome = process.wait();
   CHECK(std::chrono::steady_clock::now() - start < 500ms);
-  // A machine that has read the scene by then is drawing it.
+  // A fast machine has read the scene by then and is drawing it.
   const bool is_drawn = row.scene == "mesh.json" && outcome.status == 128 + SIGINT;
   if (!is_drawn) CHECK(outcome.status == row.status);
   CHECK(outcome.out + outcome.err == "");
   CHECK(folder.count() == before);
 }
 
-TEST_CASE("a large mesh needs no thread but the one there is") {
+TEST_CASE("a large mesh is drawn without creating threads if --threads is 1") {
   const TemporaryFolder folder;
-  put_bytes(folder / "a.obj", flat_mesh(80));  // 12800 triangles, whose tree several threads would build
+  put_bytes(folder / "a.obj", flat_mesh(80));  // 12800 triangles: a tree that several threads would build
   put_bytes(folder / "a.json", with_mesh("a.obj"));
   Command command =
       stage("render", words("a.json --size 64x48 --threads 1 --quiet -o alone.ppm"), folder / "");
@@ -588,7 +590,7 @@ TEST_CASE("a large mesh needs no thread but the one there is") {
   CHECK(is_alike);
 }
 
-TEST_CASE("a scene without an end is not read for ever") {
+TEST_CASE("an endless scene file is refused") {
   const TemporaryFolder folder;
   const Outcome zeros = run_program("render", "/dev/zero", folder);
   CHECK(zeros.status == 1);
@@ -608,7 +610,7 @@ void copy_image(const std::string& name, const TemporaryFolder& folder) {
   fs::copy_file(fs::path(PROTOSTAR_SOURCE_DIR) / "tests" / name, folder / fs::path(name).filename().string());
 }
 
-/// A scene of a sphere with an image.
+/// Returns a scene of a sphere with an image as its texture.
 std::string with_image(const std::string& name) {
   return R"({"settings": {"resolution-x": 16, "resolution-y": 12, "integrator": "color"},
       "camera": {"projection": "perspective", "position": [0, 0, -5], "direction": [0, 0, 1],
@@ -620,7 +622,7 @@ std::string with_image(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("an image that is cut off or too large ends render with the status 1 and a line that says why") {
+TEST_CASE("an image that is truncated or too large ends render with status 1 and one line of explanation") {
   struct {
     std::string file, error;
   } const rows[] = {
@@ -642,7 +644,7 @@ TEST_CASE("an image that is cut off or too large ends render with the status 1 a
   }
 }
 
-TEST_CASE("names from a scene reach the terminal without their control characters") {
+TEST_CASE("names from a scene are printed with their control characters escaped") {
   const TemporaryFolder folder;
   put_bytes(folder / "scene.json", with_image("a\\u001b[31m\\u0007red\\nline.png"));
   CHECK(run_program("render", "scene.json", folder).err ==
@@ -660,7 +662,7 @@ TEST_CASE("names from a scene reach the terminal without their control character
   CHECK(drawn.status == 0);
 }
 
-TEST_CASE("render --confine refuses what lies outside of the scene's folder") {
+TEST_CASE("render --confine refuses files outside of the scene's folder") {
   const TemporaryFolder folder;
   fs::create_directory(folder / "scene");
   copy_image("fuzz/pool/a.png", folder);
@@ -682,7 +684,7 @@ TEST_CASE("render --confine refuses what lies outside of the scene's folder") {
 }
 
 TEST_CASE(
-    "render gives up a picture that takes longer than --timeout, by itself ten seconds for each pixel") {
+    "render gives up a picture that takes longer than --timeout, by default ten seconds for each pixel") {
   const TemporaryFolder folder;
   put_bytes(folder / "scene.json", changed("", ""));
   const auto start = std::chrono::steady_clock::now();
@@ -708,7 +710,7 @@ TEST_CASE(
   CHECK(run_program("09_shadow", "--timeout 1", folder).status == 2);
 }
 
-TEST_CASE("the time that a picture may take by itself is ten seconds for each of its pixels") {
+TEST_CASE("the default timeout of render is ten seconds for each pixel") {
   const auto timeout = [](const std::string& arguments) {
     const std::vector<std::string> line = words("render scene.json " + arguments);
     std::vector<const char*> argv;
@@ -726,7 +728,7 @@ TEST_CASE("the time that a picture may take by itself is ten seconds for each of
   CHECK(timeout("--timeout 0") == 0);
 }
 
-TEST_CASE("a pipe that nobody writes to does not keep render waiting where a scene names it") {
+TEST_CASE("render does not wait for a pipe that a scene names") {
   const TemporaryFolder folder;
   REQUIRE(mkfifo((folder / "pipe.png").c_str(), 0600) == 0);
   put_bytes(folder / "scene.json", with_image("pipe.png"));
@@ -736,11 +738,11 @@ TEST_CASE("a pipe that nobody writes to does not keep render waiting where a sce
              ContainsSubstring("\"pipe.png\" is not possible: 'pipe.png' is not a regular file\n"));
 }
 
-#if !defined(ADDRESS_SANITIZER)  // which itself takes more than the limits
+#if !defined(ADDRESS_SANITIZER)  // AddressSanitizer alone takes more than the limits
 
 namespace {
 
-/// render in a folder, by one thread, with at most so many bytes of memory.
+/// Runs render in a folder with one thread and at most the given number of bytes of memory.
 Outcome run_within(rlim_t bytes, const std::string& scene, const TemporaryFolder& folder) {
   Command command = stage("render", {scene, "--threads", "1", "--size", "8x6", "-o", "out.ppm"}, folder / "");
   command.before = [bytes] {
@@ -750,7 +752,7 @@ Outcome run_within(rlim_t bytes, const std::string& scene, const TemporaryFolder
   return run(command);
 }
 
-/// Checks that render has refused a scene in a line, or drawn it.
+/// Checks that render has drawn a scene, or refused it with one line.
 void check_one_line(const Outcome& outcome) {
   CAPTURE(outcome.status, outcome.err);
   CHECK((outcome.status == 0 || outcome.status == 1));
@@ -761,7 +763,7 @@ void check_one_line(const Outcome& outcome) {
 
 }  // namespace
 
-TEST_CASE("small files take little memory") {
+TEST_CASE("small files that promise large images or repeat their files take little memory") {
   const TemporaryFolder folder;
   const rlim_t limit = 200'000'000;
   const auto check_refused = [&](const std::string& scene, const std::string& error) {
@@ -777,7 +779,8 @@ TEST_CASE("small files take little memory") {
   put_bytes(folder / "a.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8000 +X 8000\n");
   check_refused(with_image("a.hdr"), "there are 0 bytes of pixels; a picture of this size takes ");
 
-  // An image of 6 MB in memory, which a hundred materials name, and a mesh of 100,000 triangles likewise.
+  // A hundred materials name one image of 6 MB in memory, and a hundred objects one mesh of 100,000
+  // triangles.
   put_bytes(folder / "a.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 65536 +X 7\n" +
                                   std::string(std::size_t{4} * 7 * 65536, '\x80'));
   std::string mesh = "v 0 0 1\nv 2 0 1\nv 0 2 1\n";
@@ -804,7 +807,7 @@ TEST_CASE("the values of a scene file are counted before they take memory") {
   std::string values = "[";
   values.reserve(std::size_t{1} << 26);
   for (int i = 0; i < 1 << 16; ++i) values += "0,";
-  for (int i = 0; i < 8; ++i) values += values.substr(1);  // now 2^24 zeros; and the array itself
+  for (int i = 0; i < 8; ++i) values += values.substr(1);  // 2^24 zeros, and the array itself
   values.back() = ']';
   put_bytes(folder / "scene.json", values);
   const Outcome refused = run_within(500'000'000, "scene.json", folder);
@@ -818,7 +821,7 @@ TEST_CASE("the values of a scene file are counted before they take memory") {
         "render: scene.json: the whole: an array or object of 16777215 values is not an object\n");
 }
 
-TEST_CASE("memory that ends while a scene is read ends render with the status 1 and a line") {
+TEST_CASE("running out of memory while a scene is read ends render with status 1 and one line") {
   const TemporaryFolder folder;
   const std::string sphere = R"({"surface": {"type": "csg", "operation": "union", "surfaces": [
       {"type": "sphere", "position": [0, 0, 3], "radius": 0.1}]}, "color": [1, 1, 1]},)";
@@ -836,7 +839,7 @@ TEST_CASE("memory that ends while a scene is read ends render with the status 1 
   put_bytes(folder / "image.json", with_image("a.hdr"));
   for (const char* scene : {"spheres.json", "mesh.json", "image.json"}) {
     int refused = 0;
-    // Steps of a sixth, from less than a program takes that does nothing.
+    // Limits grow by a sixth, from less than an idle program takes.
     for (rlim_t limit = 10'000'000; limit < 200'000'000; limit += limit / 6) {
       CAPTURE(scene, limit);
       const Outcome outcome = run_within(limit, scene, folder);

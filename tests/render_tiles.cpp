@@ -27,8 +27,8 @@ using namespace protostar;
 
 namespace {
 
-/// A sphere as a user writes it, who knows a box around it and no more. Its normal is for any point of GLM,
-/// and for nothing else.
+/// User-defined sphere with bounds, but without packet functions. Its normal_at accepts any GLM vector and
+/// nothing else.
 struct Ball {
   Point center{0};
   double radius = 1;
@@ -44,22 +44,22 @@ struct Ball {
 };
 static_assert(SurfaceWithBounds<Ball> && !SurfaceWithBounds<Cylinder>);
 
-/// One that knows no better box than this.
+/// Ball with bounds that are far too large, and beyond float.
 struct BallSomewhere : Ball {
   Bounds bounds() const { return {Point{-1e200}, Point{1e200}}; }
 };
 
-/// One type of scene for nearly all tests, since every integrator is compiled anew for each.
+/// Scene type of nearly all tests, since every integrator is compiled anew for each type.
 using Everything = Scene<Sphere, Plane, AnySurface>;
 
-/// How many pixels of two pictures of one size do not have the same bytes.
+/// Returns the number of pixels whose bytes differ between two pictures of one size.
 int different_bytes(const Image& a, const Image& b) {
   return count_pixels(a, [&](int x, int y) { return std::memcmp(&a(x, y), &b(x, y), sizeof(Color)) != 0; });
 }
 
-/// One for each way through the tiles: whether anything is met, what is met first, by what other rays, and
-/// all that is crossed. Those that are left out shade the first hit as NormalIntegrator does, and each takes
-/// long to compile; the goldens have them.
+/// Calls test(name, integrator) with one integrator for each path through the tiles: any hit, closest hit,
+/// shadow rays, and all hits. The others shade the closest hit as NormalIntegrator does, and each takes long
+/// to compile; the golden pictures cover them.
 void for_each_integrator(const auto& test) {
   test("binary", BinaryIntegrator{});
   test("normal", NormalIntegrator{});
@@ -67,7 +67,7 @@ void for_each_integrator(const auto& test) {
   test("transparency", TransparencyIntegrator{});
 }
 
-/// The picture ray by ray: of a scene, render is told nothing.
+/// Returns the picture drawn ray by ray, without render().
 Image ray_by_ray(const Camera& camera, int width, int height, const auto& scene, const auto& integrator) {
   Image image(width, height);
   for (int y = 0; y < height; ++y)
@@ -76,7 +76,8 @@ Image ray_by_ray(const Camera& camera, int width, int height, const auto& scene,
   return image;
 }
 
-/// Checks an integrator's picture of a scene. What it took is sensible, too.
+/// Checks that the picture of an integrator equals the one drawn ray by ray, and that its statistics are
+/// plausible.
 void check_picture(const auto& scene, const Camera& camera, int width, int height, const auto& integrator) {
   RenderStatistics taken;
   Image image(width, height);
@@ -137,7 +138,7 @@ TEST_CASE("by tiles, pictures of many spheres are those drawn ray by ray") {
   check_pictures(random_spheres(300, 0.002, 2, Point{0}), Camera{}, 101, 67);
   check_pictures(random_spheres(40, 0.1, 1, Point{0}), Camera{}, 131, 70);
   check_pictures(random_spheres(2100, 0.01, 0.3, Point{0}), Camera{}, 70,
-                 33);  // so many are looked for in a tree
+                 33);  // in a tree
 }
 
 TEST_CASE("by tiles, pictures far from the origin are those drawn ray by ray") {
@@ -167,7 +168,7 @@ TEST_CASE("by tiles, pictures of rays that start on a film are those drawn ray b
         Camera::viewport({0, 0, -1}, ahead, up, 6, 6, 5),  // in the midst of the spheres
         Camera::orthographic(Point{0}, ahead, up, 7), Camera::orthographic(inside, {0.6, 0, 0.8}, up, 3),
         Camera::orthographic({0, 0, 1e6}, -ahead, up, 8),
-        // Rays that start on a line, and that cross each other.
+        // Cameras whose rays start on a line, and whose rays cross each other.
         Camera{.position = {0, 0, 1}, .film_right = {3, 0, 0}},
         Camera{.position = {0, 0, 1}, .film_right = {-3, 0, 0}, .film_up = {0, -3, 1}}}) {
     CAPTURE(camera.position.x, camera.position.z, camera.film_right.x);
@@ -198,15 +199,14 @@ TEST_CASE("by tiles, rays that start on a film and only touch a surface are deci
         scene.add(AnySurface(touched), random.color());
       else
         scene.add(touched, random.color());
-      // Rays that start on it or almost.
+      // A sphere on which the ray starts, up to rounding.
       if (i % 10 == 0) scene.add(Sphere{ray.origin + radius * random.direction(), radius}, random.color());
     }
     check_pictures(with_lights(scene), camera, width, height);
   }
 }
 
-TEST_CASE(
-    "a sensor does not see what is between it and its focal point, nor does its picture take any work") {
+TEST_CASE("a sensor does not see surfaces between it and its focal point, and tests none of them") {
   Everything scene;
   scene.add(Sphere{.center = {0, 0, -0.5}, .radius = 0.2}, Color{1});
   const Camera sensor = Camera::sensor(Point{0}, {0, 0, 1}, {0, 1, 0}, 1),
@@ -221,12 +221,12 @@ TEST_CASE(
   CHECK(seen_by(sensor, by_sensor) == 0);
   CHECK(by_sensor.surface_tests == 0);
   CHECK(by_sensor.pixels_skipped == 160 * 120);
-  // What is cut by the sensor is seen from within.
+  // A sphere that the sensor cuts is seen from inside.
   scene.add(Sphere{.center = {0, 0, 0}, .radius = 0.1}, Color{1});
   CHECK(seen_by(sensor, by_sensor) > 300);
 }
 
-TEST_CASE("tiles leave out for any camera what its rays do not meet") {
+TEST_CASE("tiles cull surfaces outside the view of any camera") {
   const Vec3 ahead{0, 0, 1}, up{0, 1, 0};
   for (const Camera& camera :
        {Camera{}, Camera::sensor(Point{0}, ahead, up, 0.5), Camera::orthographic(Point{0}, ahead, up, 10)})
@@ -259,7 +259,7 @@ TEST_CASE("by tiles, surfaces that coincide, touch or lie in each other look as 
   for (int i = 1; i < 4; ++i) add(Plane{.normal = {0, 1.0 * i, 0}, .distance = -1.0 * i});
   add(Plane{.normal = {0, 0, 1}, .distance = 6});
   check_pictures(with_lights(scene), Camera{}, 120, 90);
-  // The rays of the middle row and column of odd pictures run along what is symmetric, and touch.
+  // In pictures of odd sides, rays of the middle row and column lie in planes of symmetry and are tangent.
   check_pictures(with_lights(scene), Camera{}, 41, 31);
 }
 
@@ -279,8 +279,8 @@ TEST_CASE("by tiles, rays that only touch a surface are decided as they are ray 
   check_pictures(with_lights(scene), Camera{}, width, height);
 }
 
-// A tile takes AnySurface for the sphere around its box, so that it looks at the later of the two first.
-TEST_CASE("by tiles, of two surfaces in one place the earlier is seen, whichever is looked at first") {
+// A tile treats AnySurface as the sphere around its bounds, so it tests the later of the two surfaces first.
+TEST_CASE("by tiles, the earlier of two coinciding surfaces is seen, whichever is tested first") {
   Everything scene;
   for (int i = -1; i <= 1; ++i) {
     scene.add(Sphere{.center = {2.0 * i, 0, 5}, .radius = 1}, Color{1, 0, 0});
@@ -318,7 +318,7 @@ TEST_CASE("by tiles, surfaces of any kind look as they do ray by ray") {
 }
 
 TEST_CASE("by tiles, surfaces whose bounds are beyond float, or overflow, look as they do ray by ray") {
-  for (const int others : {5, 2100}) {  // of which a tile's are looked for among all, or in a tree
+  for (const int others : {5, 2100}) {  // candidates are found among all, or in a tree
     Everything scene = random_spheres(others, 0.01, 0.3, Point{0});
     scene.add(Sphere{.center = {1e120, 0, 0}, .radius = 1.7e120}, Color{0.5f, 0.7f, 0.9f});
     scene.add(AnySurface(BallSomewhere{Ball{.center = {0.5, 0.5, 4}, .radius = 0.8}}),
@@ -370,7 +370,8 @@ TEST_CASE("by tiles, textures, lights of every kind, a sky, mirrors and glass lo
 
 namespace {
 
-/// So few surfaces that rays which follow rays stay together; neighbors are of different materials.
+/// Returns a scene of so few surfaces that secondary rays stay together in packets; neighbors differ in
+/// material.
 Everything mirrors_and_glass() {
   const Material chrome{.specular = Color{1}, .shininess = 1425, .reflect = 0.8},
       glass{.specular = Color{0.9f}, .shininess = 125, .reflect = 0.1, .refract = 0.8},
@@ -381,7 +382,7 @@ Everything mirrors_and_glass() {
   Everything scene;
   scene.add(Sphere{.center = {-1, 0, 5}}, chrome);
   scene.add(Sphere{.center = {1, 0.2, 4}}, glass);
-  scene.add(Sphere{.center = {1, 0.2, 4}, .radius = -0.5}, glass);  // its inside is hollow
+  scene.add(Sphere{.center = {1, 0.2, 4}, .radius = -0.5}, glass);  // a hollow inside the glass
   scene.add(Sphere{.center = {0.2, -0.4, 3}, .radius = 0.4}, air);
   scene.add(Sphere{.center = {0, 1.5, 6}, .radius = 0.8}, rubber);
   scene.add(Sphere{.center = {-1, -1.5, 4}, .radius = 0.6}, tiles);
@@ -398,7 +399,7 @@ Everything mirrors_and_glass() {
   return scene;
 }
 
-/// Two mirrors that face each other, and two spheres between them.
+/// Returns a scene of two mirrors that face each other, and two spheres between them.
 Everything hall_of_mirrors() {
   Everything scene;
   const Material mirror{.diffuse = Color{0x1p-8f}, .reflect = 0.95};
@@ -411,7 +412,7 @@ Everything hall_of_mirrors() {
   return scene;
 }
 
-/// How many pixels Whitted's integrator draws by tiles as it does not draw them ray by ray.
+/// Returns the number of pixels that WhittedIntegrator draws differently by tiles and ray by ray.
 int wrong_pixels(const Everything& scene, const Camera& camera, int width, int height, int depth) {
   const WhittedIntegrator whitted{.depth = depth};
   Image image(width, height);
@@ -441,13 +442,13 @@ TEST_CASE("by tiles, mirrors and glass look as they do ray by ray, to any depth"
   draw(by_tiles, 1, {.statistics = &one_ray});
   draw(plain, 5, {.statistics = &five_rays});
   CHECK(different_bytes(by_tiles, plain) > 1000);
-  // Rays that follow rays are tested by packets, too.
+  // Secondary rays are tested in packets, too.
   CHECK(five_rays.surface_tests > 5 * one_ray.surface_tests);
   draw(sky, 0, {});
   CHECK(count_pixels(sky, [&](int x, int y) { return sky(x, y) != *scene.sky(); }) == 0);
 }
 
-TEST_CASE("by tiles, what is reflected totally is decided for each ray") {
+TEST_CASE("by tiles, total reflection is decided for each ray") {
   Everything water;
   water.add(Plane{}, Material{.refract = 1, .ior = 1.33});
   water.set_sky({0.2f, 0.7f, 0.8f});
@@ -459,13 +460,13 @@ TEST_CASE("by tiles, what is reflected totally is decided for each ray") {
   CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) == Color{0}; }) > 1000);
   const int bright = count_pixels(image, [&](int x, int y) { return image(x, y) == *water.sky(); });
   CHECK(bright > 1000);
-  CHECK(taken.other_rays == static_cast<std::uint64_t>(bright));  // no others are followed
+  CHECK(taken.other_rays == static_cast<std::uint64_t>(bright));  // no other rays are followed
 }
 
-TEST_CASE("by tiles, what a mirror shows is decided where double leaves it in doubt") {
+TEST_CASE("by tiles, mirror images that double leaves in doubt are decided exactly") {
   const Material mirror{.diffuse = Color{0.1f}, .reflect = 0.5};
   Everything scene;
-  // The ball is so small that the rays that leave it start next to the ground.
+  // The ball is so small that rays that leave it start next to the ground.
   scene.add(Sphere{.center = {0, -1001, 3}, .radius = 1000}, mirror);
   scene.add(Sphere{.center = {0, -0.9985, 3}, .radius = 0.0015}, mirror);
   scene.add(PointLight{.position = {1, 4, 1}, .power = Color{300}});
@@ -476,8 +477,7 @@ TEST_CASE("by tiles, what a mirror shows is decided where double leaves it in do
   CHECK(wrong_pixels(scene, near_it, 120, 90, 5) == 0);
   CHECK(taken.in_doubt > 100);
 
-  // The later of two balls is larger, by less than what double is sure of. Of a third, in the same place as
-  // that, nothing is seen.
+  // The later of two balls is larger, by less than double resolves. A third ball, equal to it, is never seen.
   Everything balls;
   balls.add(Plane{.normal = {0, 0, 1}, .distance = 3}, Material{.reflect = 1});
   balls.add(Sphere{.center = {0, 0, -4}, .radius = 1}, Color{1, 0, 0});
@@ -491,13 +491,13 @@ TEST_CASE("by tiles, what a mirror shows is decided where double leaves it in do
   CHECK(count_pixels(mirrored, [&](int x, int y) { return mirrored(x, y).r + mirrored(x, y).b > 0; }) == 0);
 }
 
-TEST_CASE("by tiles, long paths look as they do ray by ray, and fit on the stack") {
+TEST_CASE("by tiles, long paths look as they do ray by ray, and do not overflow the stack") {
   const auto hall = hall_of_mirrors();
   for (const int depth : {31, 32, 33, 34, 60}) {
     CAPTURE(depth);
     CHECK(wrong_pixels(hall, Camera{}, 61, 43, depth) == 0);
   }
-  CHECK(wrong_pixels(hall, Camera{}, 9, 7, 1000) == 0);  // as long as a scene file may ask for
+  CHECK(wrong_pixels(hall, Camera{}, 9, 7, 1000) == 0);  // maximum of scene files
 }
 
 TEST_CASE("by tiles, an empty scene is empty") {
@@ -509,7 +509,7 @@ TEST_CASE("by tiles, an empty scene is empty") {
   CHECK(taken.surface_tests == 0);
 }
 
-TEST_CASE("without tiles, or by any number of threads, the picture is the same") {
+TEST_CASE("the picture is the same with and without tiles, and for any number of threads") {
   const auto scene = three_spheres_and_nothing_else();
   for_each_integrator([&](const std::string& name, const auto& integrator) {
     INFO(name);
@@ -539,7 +539,7 @@ TEST_CASE("without tiles, or by any number of threads, the picture is the same")
 
 namespace {
 
-/// Integrators of a user: one that finds and shades, for single rays.
+/// User-defined integrator for single rays, with a shade function.
 struct Headlight {
   Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray);
@@ -550,7 +550,8 @@ struct Headlight {
   }
 };
 
-/// One that sees a sky, and is thus not black where it meets nothing; it asks all questions about all rays.
+/// User-defined integrator with a sky, hence not black for rays that miss; asks for the closest hit, any hit
+/// and all hits, also of secondary rays.
 struct Mirrors {
   Color radiance(const Ray& ray, const Traceable auto& scene) const { return radiance(ray, scene, 3); }
   Color radiance(const Ray& ray, const auto& scene, int left) const {
@@ -563,8 +564,8 @@ struct Mirrors {
   }
 };
 
-/// One that asks for more than the first hit of the pixel's ray: behind some t, beside, and as if it departed
-/// from a surface.
+/// User-defined integrator that asks for more than the closest hit of the camera ray: behind some t, beside
+/// it, and of a ray that departs from a surface.
 struct Curious {
   Color radiance(const Ray& ray, const Traceable auto& scene) const {
     Color color{0};
@@ -581,7 +582,7 @@ struct Curious {
   }
 };
 
-/// One that takes packets.
+/// User-defined integrator that takes packets.
 struct Rings {
   using TakesPackets = Rings;
   Color radiance(const Ray& ray, const Traceable auto& scene) const {
@@ -595,7 +596,8 @@ struct Rings {
   }
 };
 
-/// One that derives from one of the library, which takes packets, and draws something else.
+/// User-defined integrator that derives from one of the library, which takes packets, and draws something
+/// else.
 struct Facets : DepthIntegrator {
   Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray);
@@ -603,7 +605,7 @@ struct Facets : DepthIntegrator {
   }
 };
 
-/// One that takes packets and sees the lights where nothing is in the way.
+/// User-defined integrator that takes packets and sees the lights where nothing is hit.
 struct Glow {
   using TakesPackets = Glow;
   template <class R>
@@ -614,7 +616,8 @@ struct Glow {
   }
 };
 
-/// One that takes packets and casts rays that do not end together, as those to a light do.
+/// User-defined integrator that takes packets and traces shadow rays with different ends, unlike those to a
+/// light.
 struct Bristles {
   using TakesPackets = Bristles;
   Color radiance(const Ray& ray, const Traceable auto& scene) const {
@@ -631,7 +634,7 @@ struct Bristles {
 
 }  // namespace
 
-TEST_CASE("by tiles, a user's integrator draws what it draws ray by ray") {
+TEST_CASE("by tiles, a user's integrator draws the same picture as ray by ray") {
   const auto check = [](const auto& scene, const auto& integrator) {
     for (const Camera& camera : {Camera{}, Camera::sensor({0, 0, 1}, {0, 0, 1}, {0, 1, 0}, 0.6),
                                  Camera::orthographic({0, 0, 2}, {0, 0, 1}, {0, 1, 0}, 3)}) {
@@ -650,7 +653,7 @@ TEST_CASE("by tiles, a user's integrator draws what it draws ray by ray") {
   check(scene, Rings{});
   check(scene, Facets{});
   check(scene, Glow{});
-  Scene<Sphere> crowd;  // of which occluders are looked for in a tree
+  Scene<Sphere> crowd;  // enough for occluders to be found in a tree
   Random random(20);
   for (int i = 0; i < 300; ++i)
     crowd.add(Sphere{Vec3{0, 0, 6} + random.point(3), random.real(0.05, 0.3)}, Color{1});
@@ -675,7 +678,7 @@ TEST_CASE("by tiles, a user's integrator draws what it draws ray by ray") {
   CHECK(different_bytes(by_structure, expected) == 0);
 }
 
-TEST_CASE("where a tile sees nothing, its pixels are what a packet integrator makes of the scene's lights") {
+TEST_CASE("in tiles without candidates, a packet integrator still gets the scene's lights") {
   Scene<Sphere> scene;
   scene.add(Sphere{.center = {0, 0, 9}, .radius = 1}, Color{1});
   scene.add(ConstantLight{.position = {0, 0, 5}, .intensity = Color{1, 2, 3}});
@@ -687,7 +690,7 @@ TEST_CASE("where a tile sees nothing, its pixels are what a packet integrator ma
   CHECK(image(0, 0) == Color{1, 2, 3});
 }
 
-TEST_CASE("by tiles, a function of a ray and any scene may ask for the scene's surfaces") {
+TEST_CASE("by tiles, a function of a ray and any scene may access the scene's surfaces") {
   const auto scene = three_spheres();
   const auto touched = [&](const Ray& ray, const auto& traced) {
     Color color{static_cast<float>(traced.size())};
@@ -703,7 +706,7 @@ TEST_CASE("by tiles, a function of a ray and any scene may ask for the scene's s
   CHECK(count_pixels(without, [&](int x, int y) { return without(x, y) == Color{3}; }) > 90 * 70 / 4);
 }
 
-TEST_CASE("statistics count the work that is needed, and no other") {
+TEST_CASE("statistics count the work that is needed, and no more") {
   Image image(320, 240);
   const auto taken_by = [&](const auto& scene, const auto& integrator, const Camera& camera = {}) {
     RenderStatistics taken;
@@ -713,25 +716,26 @@ TEST_CASE("statistics count the work that is needed, and no other") {
   Everything scene;
   scene.add(Sphere{.center = {0, 0, 5}, .radius = 1}, Color{1});
 
-  // One sphere: each ray near it is tested once, and the others do not exist.
+  // One sphere: each ray near it is tested once, and other rays are not traced.
   const RenderStatistics binary = taken_by(scene, BinaryIntegrator{});
   CHECK(binary.surface_tests == binary.camera_rays);
   CHECK(binary.camera_rays < 320 * 240 / 5);
   CHECK(taken_by(scene, DepthIntegrator{}).surface_tests == binary.surface_tests);
 
-  // The sky above the ground: though the ground reaches to both sides of all tiles there, hardly a ray.
+  // Sky above the ground: almost no ray is traced there, though the ground extends beyond both sides of those
+  // tiles.
   const auto tutorial = three_spheres_and_nothing_else();
   const RenderStatistics outdoors = taken_by(tutorial, BinaryIntegrator{});
   const int sky = count_pixels(image, [&](int x, int y) { return image(x, y) == Color{0}; });
   CHECK(sky > 320 * 240 / 4);
   CHECK(outdoors.pixels_skipped > static_cast<std::uint64_t>(sky) * 3 / 4);
 
-  // Behind the camera: nothing at all.
+  // A sphere behind the camera takes no work at all.
   const RenderStatistics away = taken_by(scene, ShadowIntegrator{}, Camera{.forward = {0, 0, -1}});
   CHECK(away.surface_tests + away.camera_rays + away.other_rays + away.in_doubt == 0);
   CHECK(away.pixels_skipped == 320 * 240);
 
-  // A light behind all that is seen needs no shadow ray, one in front of it just one for each hit.
+  // A light behind all visible points needs no shadow ray, and one in front of them one for each hit.
   scene.add(PointLight{.position = {0, 0, 100}, .power = Color{1}});
   CHECK(taken_by(scene, ShadowIntegrator{}).other_rays == 0);
   scene.add(PointLight{.position = {0, 0, 0}, .power = Color{1}});
@@ -739,13 +743,13 @@ TEST_CASE("statistics count the work that is needed, and no other") {
   const int seen = count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; });
   CHECK(lit.other_rays == static_cast<std::uint64_t>(seen));
 
-  // They go together, and those of an integrator that asks ray by ray do not.
+  // Shadow rays are traced in packets; the rays of an integrator for single rays are not.
   CHECK(lit.rays_alone == 0);
   const RenderStatistics mirrors = taken_by(three_spheres(), Mirrors{});
   CHECK(mirrors.other_rays > 320 * 240);
   CHECK(mirrors.rays_alone == mirrors.other_rays);
 
-  // What is done is added to what there is.
+  // Counts are added to those already there.
   RenderStatistics twice = lit;
   render(image, Camera{}, scene, ShadowIntegrator{}, {.statistics = &twice});
   CHECK(twice.other_rays == 2 * lit.other_rays);
@@ -753,9 +757,10 @@ TEST_CASE("statistics count the work that is needed, and no other") {
   CHECK(twice.pixels_skipped == 2 * lit.pixels_skipped);
 }
 
-TEST_CASE("what tiles skip may be turned off: the picture is the same, and takes more") {
+TEST_CASE("each kind of culling by tiles may be turned off: the picture is the same, and takes more work") {
   Everything few, many;
-  // The ground first, so that what casts a shadow on it is tried first only if it did so before.
+  // The ground is first, so that a sphere that casts a shadow on it is tested first only if it was the last
+  // occluder.
   for (std::size_t i = the_three_spheres.size(); i-- > 0;)
     few.add(the_three_spheres[i].sphere, the_three_spheres[i].color);
   few.add(light_of_the_three_spheres);
@@ -783,7 +788,7 @@ TEST_CASE("what tiles skip may be turned off: the picture is the same, and takes
     CHECK(with({.empty_tiles = false}).surface_tests == all.surface_tests);
     CHECK((with({.passed_surfaces = false}).surface_tests > all.surface_tests) == (scene.size() > 16));
     CHECK(with({.farther_surfaces = false}).surface_tests > all.surface_tests);
-    // Lists of occluders are made as they are used, so that with them it may be fewer tests or more.
+    // Occluder lists are built on demand, so the number of tests may be lower or higher with them.
     const RenderStatistics in_turn = with({.last_occluder = false});
     if (!has_lists) CHECK((in_turn.surface_tests > all.surface_tests + 500) == casts_shadows);
     const RenderStatistics each = with({.occluder_lists = false});
@@ -799,7 +804,7 @@ TEST_CASE("what tiles skip may be turned off: the picture is the same, and takes
   }
 }
 
-TEST_CASE("a packet is in doubt about few of its rays") {
+TEST_CASE("few rays of a packet are in doubt") {
   Image image(320, 240);
   const auto check = [&](const auto& scene) {
     for_each_integrator([&](const std::string& name, const auto& integrator) {

@@ -1,5 +1,5 @@
-// Scenes in right-handed coordinates, as most modeling programs write them: x to the right, y up, and the
-// camera looks along -z. The library's own are left-handed: the default camera looks along z.
+// Tests of scenes in right-handed coordinates, as most modeling programs write them: x to the right, y up,
+// and the camera looks along -z. Protostar's coordinates are left-handed: the default camera looks along z.
 #include <protostar/camera.hpp>
 #include <protostar/integrators/color.hpp>
 #include <protostar/integrators/shadow.hpp>
@@ -21,10 +21,10 @@ namespace {
 
 const Color red{1, 0, 0}, green{0, 1, 0}, blue{0, 0, 1};
 
-/// A point in coordinates whose z is turned, which makes a right-handed scene left-handed and back.
+/// Returns v with its z multiplied by z; −1 turns a right-handed scene into a left-handed one and back.
 Vec3 turned_z(const Vec3& v, double z) { return {v.x, v.y, z * v.z}; }
 
-/// A scene that is not its own mirror image, to be seen from the origin along z for z = 1, along -z for -1.
+/// Returns a scene that is not its own mirror image, seen from the origin along z for z = 1, along -z for −1.
 auto scene_along(double z) {
   Scene<Sphere, Plane, Box, Mesh> scene;
   scene.add(Sphere{.center = turned_z({1.5, 0.25, 4}, z), .radius = 0.5}, red);
@@ -46,7 +46,7 @@ TEST_CASE("a camera for right-handed scenes shows x to the right when it looks a
   CHECK(camera(0, 0).direction == Vec3{0, 0, -1});
   CHECK(camera(1, 0).direction.x > 0.7);
   CHECK(camera(0, 1).direction.y > 0.7);
-  // What looks at the same by look_at is the mirror image.
+  // A camera made by look_at with the same arguments shows the mirror image.
   CHECK(Camera::look_at({0, 0, 0}, {0, 0, -1})(1, 0).direction.x < -0.7);
 
   Scene<Sphere> scene;
@@ -63,7 +63,7 @@ TEST_CASE("a camera for right-handed scenes shows x to the right when it looks a
   }
 }
 
-TEST_CASE("look_at and look_at_right_handed take the same numbers, and refuse the same") {
+TEST_CASE("look_at and look_at_right_handed mirror each other, and refuse the same arguments") {
   const Point position{1, 2, 3}, target{-2, 0.5, -7};
   const Vec3 upward{0.1, 1, 0.2};
   const Camera left = Camera::look_at(position, target, upward, 40);
@@ -77,7 +77,7 @@ TEST_CASE("look_at and look_at_right_handed take the same numbers, and refuse th
   CHECK_THROWS_AS(Camera::look_at_right_handed(position, target, target - position), std::invalid_argument);
 }
 
-TEST_CASE("a right-handed scene has the picture of its left-handed twin, by tiles as ray by ray") {
+TEST_CASE("a right-handed scene has the same picture as its left-handed twin, by tiles and ray by ray") {
   const auto right_handed = scene_along(-1), twin = scene_along(1);
   const Vec3 ahead{0, 0, 1}, back{0, 0, -1}, up{0, 1, 0};
   const Point o{0};
@@ -110,7 +110,7 @@ TEST_CASE("a right-handed scene has the picture of its left-handed twin, by tile
   }
 }
 
-TEST_CASE("a camera mirrored twice is the camera") {
+TEST_CASE("a camera mirrored twice is unchanged") {
   const Camera camera = Camera::viewport({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 2, 1, 3),
                twice = camera.mirrored().mirrored();
   CHECK(twice.right == camera.right);

@@ -13,7 +13,7 @@ namespace {
 std::vector<double> list(const Roots& roots) { return {roots.begin(), roots.end()}; }
 }  // namespace
 
-TEST_CASE("roots come near before far, and the first inside a range counts") {
+TEST_CASE("roots are sorted, and first_in returns the first one inside a range") {
   const Roots roots{1, 3};
   CHECK(list(roots) == std::vector<double>{1, 3});
   CHECK(roots.first_in({}) == 1.0);
@@ -38,7 +38,7 @@ TEST_CASE("a quadratic has two roots, one twice, or none") {
   CHECK(list(quadratic_roots(1, 1, 1, std::numeric_limits<double>::quiet_NaN())).empty());
 }
 
-TEST_CASE("what may be as near as a hit is inside the range that the hit leaves, at any scale") {
+TEST_CASE("latest(t) is an upper bound of the roots that may precede t, at any scale") {
   const double denorm = std::numeric_limits<double>::denorm_min();
   for (const double t : {denorm, 3 * denorm, 1e-310, std::numeric_limits<double>::min(), 1e-30, 1.0, 1e300}) {
     CHECK(latest(t) > t);
@@ -47,11 +47,11 @@ TEST_CASE("what may be as near as a hit is inside the range that the hit leaves,
   }
 }
 
-TEST_CASE("neither root of a quadratic loses digits, however unlike in size the two are") {
+TEST_CASE("neither root of a quadratic loses digits, however different their sizes are") {
   Random random(1);
   double worst = 0;
   for (int i = 0; i < 20000; ++i) {
-    // From roots of like size to roots of which one is 10^11 times the other.
+    // Roots of similar size to roots of which one is 10^11 times the other.
     const double A = random.real(0.5, 2), b = std::exp(random.real(0, 12)), c = random.real(0.1, 0.4);
     const long double D = static_cast<long double>(b) * b - static_cast<long double>(A) * c;
     const long double far = (b + std::sqrt(D)) / A, near = c / (far * A);

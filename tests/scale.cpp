@@ -1,4 +1,4 @@
-// Powers of two that bring numbers to about 1 (numeric/scale.hpp).
+// Tests of powers of two that scale numbers to about 1 (numeric/scale.hpp).
 #include <protostar/numeric/scale.hpp>
 
 #include "support/catch.hpp"
@@ -10,7 +10,7 @@ TEST_CASE("a vector's exponent is that of its largest component, for all doubles
   Random random(61);
   int wrong = 0;
   for (int exponent = -1074; exponent < 1024; ++exponent) {
-    const double size = std::ldexp(random.real(1, 2), exponent);  // or what is left of it below 2^-1022
+    const double size = std::ldexp(random.real(1, 2), exponent);  // with fewer digits below 2^-1022
     Vec3 v = size * 0x1p-1 * random.direction();
     v[(exponent + 1074) % 3] = exponent % 2 ? -size : size;
     int expected = 0;
@@ -22,7 +22,7 @@ TEST_CASE("a vector's exponent is that of its largest component, for all doubles
   CHECK(exponent_of({Vec3{0}}) < -1074);
 }
 
-TEST_CASE("scaled vectors have the bits of ldexp") {
+TEST_CASE("scaled vectors have the same bits as by ldexp") {
   Random random(62);
   int wrong = 0;
   for (int i = 0; i < 20'000; ++i) {
@@ -35,7 +35,7 @@ TEST_CASE("scaled vectors have the bits of ldexp") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a vector of moderate size is as it was or about 1, in its direction") {
+TEST_CASE("of_moderate_size keeps a vector of moderate size, and scales others to about 1") {
   Random random(63);
   for (const double size : {5e-324, 1e-310, 0x1p-101, 0x1p-99, 1.0, 0x1p99, 0x1p101, 0x1p1022}) {
     const Vec3 v = size * Vec3{1, -0.0, 1}, moderate = of_moderate_size(v);

@@ -25,7 +25,7 @@ constexpr double inf = std::numeric_limits<double>::infinity(),
                  not_a_number = std::numeric_limits<double>::quiet_NaN();
 const Ray along_z{{0, 0, 0}, {0, 0, 1}};
 
-/// Colors whose red is a number that tells surfaces apart.
+/// Returns a color whose red identifies a surface.
 Color tag(int number) { return Color{static_cast<float>(number), 0, 0}; }
 int tag_of(const Intersection& hit) { return static_cast<int>(hit.color().r); }
 
@@ -54,7 +54,7 @@ TEST_CASE("a scene without surfaces is a miss for every ray") {
   CHECK(is_empty(Scene<AnySurface>{}));
 }
 
-TEST_CASE("a scene's first crossing is the nearest, whichever type it has and however it was added") {
+TEST_CASE("a scene's closest hit is the nearest crossing, whichever type it has and however it was added") {
   Scene<Sphere, Plane> scene;
   scene.add(Plane{.normal = {0, 0, 1}, .distance = 4}, tag(1));
   scene.add(Sphere{.center = {0, 0, 8}, .radius = 1}, tag(2));
@@ -73,7 +73,7 @@ TEST_CASE("a scene's first crossing is the nearest, whichever type it has and ho
 }
 
 TEST_CASE("at equal t the surface type named first wins, then the surface added first") {
-  // All are met at t = 2.
+  // All are hit at t = 2.
   const Sphere near{.center = {0, 0, 3}, .radius = 1}, far{.center = {0, 0, 4}, .radius = 2};
   const Plane plane{.normal = {0, 0, 1}, .distance = 2};
   const auto first = [&](auto scene, const auto&... surfaces) {
@@ -99,7 +99,7 @@ TEST_CASE("crossings come in the order of the surfaces: by type, then as added, 
     scene.add(Sphere{.center = {0, 0, 10}, .radius = 2}, tag(2));
     scene.add(Sphere{.center = {0, 0, 4}, .radius = 1}, tag(3));
     scene.add(Plane{.normal = {0, 0, 1}, .distance = 0.5}, tag(4));
-    scene.add(Sphere{.center = {1, 0, 6}, .radius = 1}, tag(5));  // touched
+    scene.add(Sphere{.center = {1, 0, 6}, .radius = 1}, tag(5));  // tangent
     return scene;
   };
   const std::vector<Seen> spheres{{2, 8}, {2, 12}, {3, 3}, {3, 5}, {5, 6}, {5, 6}};
@@ -115,7 +115,7 @@ TEST_CASE("crossings come in the order of the surfaces: by type, then as added, 
         std::vector<Seen>{{3, 5}, {5, 6}, {5, 6}});
 }
 
-TEST_CASE("something is in the way exactly where something is met, in every range") {
+TEST_CASE("a ray is occluded exactly if it has a closest hit, in every range") {
   Random random(11);
   Scene<Sphere, Plane, Cylinder> scene;
   for (int i = 0; i < 10; ++i) scene.add(Sphere{random.point(5), random.real(0.5, 2)}, tag(i));
@@ -130,7 +130,7 @@ TEST_CASE("something is in the way exactly where something is met, in every rang
     ++(hit ? hits : misses);
     if (scene.occluded(ray, range) != hit.has_value()) ++wrong;
     if (hit && !range.contains(hit->t)) ++wrong;
-    // The first crossing is the least of all.
+    // The closest hit has the least t of all crossings.
     double least = inf;
     scene.crossings(ray, range, [&](const Intersection& crossing) { least = std::min(least, crossing.t); });
     if (hit ? hit->t != least : least != inf) ++wrong;
@@ -140,7 +140,7 @@ TEST_CASE("something is in the way exactly where something is met, in every rang
   CHECK(wrong == 0);
 }
 
-TEST_CASE("surfaces that coincide are left together") {
+TEST_CASE("a ray that leaves one of several coinciding surfaces leaves all of them") {
   Random random(12);
   Scene<Sphere, Plane> scene;
   scene.add(Sphere{.center = {0.1, 0.2, 0.3}, .radius = 0.7}, tag(1));
@@ -168,7 +168,7 @@ TEST_CASE("surfaces that coincide are left together") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a surface of the user's own stands in any scene like those of the library") {
+TEST_CASE("user-defined surfaces work in any scene like those of the library") {
   const auto fill = [](auto scene) {
     scene.add(Cylinder{.radius = 1}, tag(1));
     scene.add(Cylinder{.radius = 3}, tag(2));
@@ -194,12 +194,12 @@ TEST_CASE("a surface of the user's own stands in any scene like those of the lib
   check(fill(Scene<Sphere, AnySurface>{}));
 }
 
-TEST_CASE("a surface goes to its own type, or to the first type that takes it") {
+TEST_CASE("a surface is stored as its own type, or as the first type that it converts to") {
   Scene<AnySurface, Sphere> scene;
   scene.add(Plane{.normal = {0, 0, 1}, .distance = 2}, tag(1));
   scene.add(Sphere{.center = {0, 0, 3}, .radius = 1}, tag(2));
   scene.add(AnySurface{Sphere{.center = {0, 0, 3}, .radius = 1}}, tag(3));
-  // The sphere is among the spheres, hence the last, although a type that takes it comes before.
+  // The sphere is stored as Sphere, hence last, although AnySurface, which takes it too, comes first.
   CHECK(crossings_of(scene, along_z) == std::vector<Seen>{{1, 2}, {3, 2}, {3, 4}, {2, 2}, {2, 4}});
 }
 
@@ -228,7 +228,7 @@ TEST_CASE("a ray without direction, or with a number that is not finite, crosses
   }
 }
 
-TEST_CASE("what makes no sense is refused when it is added, with the names of type and field") {
+TEST_CASE("invalid surfaces and lights are refused when added, with the names of type and field") {
   Scene<Sphere, Plane> typed;
   Scene<AnySurface> any;
   const auto says = [](auto& scene, const auto&... arguments) {
@@ -257,13 +257,13 @@ TEST_CASE("what makes no sense is refused when it is added, with the names of ty
                ContainsSubstring("PointLight: position"));
   CHECK_THAT(says(any, AnySurface{Sphere{.radius = 0}}, Color{1}), ContainsSubstring("Sphere: radius"));
 
-  // Nothing of it has been added.
+  // No refused surface or light has been added.
   CHECK(crossings_of(typed, along_z, {-inf, inf}).empty());
   CHECK(crossings_of(any, along_z, {-inf, inf}).empty());
   CHECK(typed.lights().empty());
 }
 
-TEST_CASE("a negative radius, black, colors above 1 and a light without power make sense") {
+TEST_CASE("a negative radius, black, colors above 1 and a light without power are valid") {
   Scene<Sphere> scene;
   CHECK_NOTHROW(scene.add(Sphere{.center = {0, 0, 3}, .radius = -1}, Color{0}));
   CHECK_NOTHROW(scene.add(Sphere{.center = {0, 0, 9}, .radius = 1}, Color{5}));
@@ -283,7 +283,7 @@ TEST_CASE("lights stay in the order in which they were added") {
   CHECK(scene.lights()[1].towards(Point{0}) == Vec3{2, 0, 0});
 }
 
-TEST_CASE("a scene is a value") {
+TEST_CASE("a copy of a scene is independent of the original") {
   auto scene = three_spheres();
   const auto copy = scene;
   scene.add(Sphere{.center = {0, 0, 1}, .radius = 0.5}, tag(9));
@@ -292,7 +292,7 @@ TEST_CASE("a scene is a value") {
   CHECK(scene.intersect(along_z)->t == 0.5);
 }
 
-TEST_CASE("a const scene may be asked by several threads at once") {
+TEST_CASE("a const scene may be used by several threads at once") {
   const auto scene = three_spheres<AnySurface>();
   const auto work = [&] {
     Random random(13);
@@ -314,21 +314,21 @@ TEST_CASE("a const scene may be asked by several threads at once") {
 }
 
 namespace {
-/// Answers what it is told to, whatever it is asked.
+/// Surface that returns the given t for every ray and range.
 struct Answers {
   double t;
   std::optional<double> intersect(const Ray&, Interval) const { return t; }
   Vec3 normal_at(Point) const { return {0, 0, 1}; }
 };
 
-/// Becomes a sphere when it is added.
+/// Type that converts to a sphere.
 struct Ball {
   double radius;
   operator Sphere() const { return {.radius = radius}; }
 };
 }  // namespace
 
-TEST_CASE("a surface that answers NaN, or a t outside the range, is not there") {
+TEST_CASE("a surface that returns NaN, or a t outside the range, is not hit") {
   for (const double t : {std::numeric_limits<double>::quiet_NaN(), -5.0, 0.0, 100.0, 1e9, infinity}) {
     CAPTURE(t);
     Scene<Answers> scene;
@@ -347,7 +347,7 @@ TEST_CASE("a surface that answers NaN, or a t outside the range, is not there") 
   }
 }
 
-TEST_CASE("what becomes a surface by a conversion is checked as that surface") {
+TEST_CASE("an object that converts to a surface is validated as that surface") {
   Scene<Sphere> scene;
   CHECK_NOTHROW(scene.add(Ball{2}, Color{1}));
   CHECK_THROWS_AS(scene.add(Ball{0}, Color{1}), std::invalid_argument);
@@ -362,7 +362,7 @@ TEST_CASE("a visitor of crossings may take them by reference") {
   CHECK(visits == 2);
 }
 
-TEST_CASE("ambient light is held, however much there is") {
+TEST_CASE("the sum of ambient lights is clamped, however large it is") {
   Scene<Sphere> scene;
   scene.add(AmbientLight{Color{3e38f, 1, 0}});
   scene.add(AmbientLight{Color{3e38f, 1, 0}});

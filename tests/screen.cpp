@@ -1,4 +1,4 @@
-// Where boxes are on the screen of a tile (accel/screen.hpp).
+// Tests of the positions of boxes on the screen of a tile (accel/screen.hpp).
 #include <limits>
 #include <protostar/accel/screen.hpp>
 #include <vector>
@@ -9,7 +9,7 @@
 using namespace protostar;
 using namespace protostar::simd;
 
-TEST_CASE("the pixels between two places are those whose middles are, and hardly any more") {
+TEST_CASE("PixelsBetween holds the pixels whose centers are between two positions, and hardly any more") {
   constexpr int N = 4;
   using Places = Lanes<float, N>;
   Random random(71);
@@ -18,7 +18,7 @@ TEST_CASE("the pixels between two places are those whose middles are, and hardly
     const int count = 1 + static_cast<int>(random.bits() % 64);
     const auto place = [&] {
       const double x = random.real(-2, count + 2);
-      return static_cast<float>(i % 3 == 0 ? std::round(x) : x);  // or just at a middle
+      return static_cast<float>(i % 3 == 0 ? std::round(x) : x);  // or exactly at a center
     };
     float a = place(), b = i % 7 == 0 ? a + 0.2f : place();
     if (b < a) std::swap(a, b);
@@ -39,17 +39,18 @@ TEST_CASE("the pixels between two places are those whose middles are, and hardly
   const PixelsBetween<N> all(Places{-inf}, Places{inf}, 9), none(Places{inf}, Places{-inf}, 9);
   CHECK((all.first[0] == 0 && all.end[0] == 9 && (bits(all.any) & 1) != 0));
   CHECK(!any(none.any));
-  // What is no number leaves nothing out.
+  // NaN culls no pixel.
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const PixelsBetween<N> unknown(Places{nan}, Places{nan}, 9);
   CHECK((unknown.first[0] == 0 && unknown.end[0] == 9 && (bits(unknown.any) & 1) != 0));
 }
 
-TEST_CASE("what a pixel sees in a box is in the pixels of the box, and no nearer than it begins") {
+TEST_CASE(
+    "points of a box that a pixel sees are in the pixels of the box, and no nearer than its nearest point") {
   Random random(72);
   int wrong = 0, in_front = 0, kept = 0, boxes = 0;
   for (int round = 0; round < 3000; ++round) {
-    // A camera near to or far from a world of any size.
+    // Camera near to or far from a world of any size.
     const double size = std::exp2(random.real(-30, 30)),
                  far = std::exp2(random.real(-12, round % 2 ? 3 : 20));
     const Point center = round % 3 == 0 ? size * 100.0 * random.point(1) : Point{0};
@@ -67,7 +68,7 @@ TEST_CASE("what a pixel sees in a box is in the pixels of the box, and no nearer
     const Tile tile{x0, y0, std::min(x0 + 64, width), y0 + 1 + static_cast<int>(random.bits() % 40)};
     const Screen screen(rays, sample, tile, space);
     if (!screen.usable) continue;
-    // Boxes around what pixels see in the world, if it is in it.
+    // Boxes around points that pixels see, if the boxes are inside the world.
     struct Sight {
       int x, y;
       double k;

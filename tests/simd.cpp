@@ -34,15 +34,15 @@ constexpr int count_of(const Lanes<T, N>&) {
   return N;
 }
 
-/// Whether two numbers have the same bits or neither is a number: which NaN comes of an operation is left
-/// open.
+/// Returns true if two numbers have the same bits or are both NaN; an operation may return any NaN.
 template <class T>
 bool same(T a, T b) {
   using Whole = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
   return std::bit_cast<Whole>(a) == std::bit_cast<Whole>(b) || (std::isnan(a) && std::isnan(b));
 }
 
-/// Numbers at the ends of a type's range and in the middle, among them what is none; then some of any bits.
+/// Returns numbers at the ends and in the middle of a type's range, infinities and NaN; then random bits and
+/// random numbers.
 template <class T>
 std::vector<T> numbers() {
   using Limits = std::numeric_limits<T>;
@@ -63,8 +63,8 @@ std::vector<T> numbers() {
   return all;
 }
 
-/// Checks that f says of lanes what it says of the numbers in them, for every two numbers. An answer is a
-/// number or yes or no.
+/// Checks that f returns for lanes the same as for the numbers in them, for every two numbers. f returns
+/// numbers or truth values.
 template <class T, int N>
 void check_each_pair(const Lanes<T, N>&, const auto& f) {
   const std::vector<T> all = numbers<T>();
@@ -102,7 +102,7 @@ struct Larger {
 
 }  // namespace
 
-TEST_CASE("arithmetic is rounded in every lane as it is for one number") {
+TEST_CASE("lane arithmetic is rounded like that of single numbers") {
   for_each_kind([](const auto& kind) {
     check_each_pair(kind, [](auto a, auto b) { return a + b; });
     check_each_pair(kind, [](auto a, auto b) { return a - b; });
@@ -118,7 +118,7 @@ TEST_CASE("arithmetic is rounded in every lane as it is for one number") {
   });
 }
 
-TEST_CASE("signs and sizes are taken apart and put together in every lane") {
+TEST_CASE("copysign and abs work in every lane") {
   using std::abs, std::copysign;
   for_each_kind([](const auto& kind) {
     check_each_pair(kind, [](auto a, auto b) { return copysign(a, b); });
@@ -139,7 +139,7 @@ TEST_CASE("numbers are compared in every lane, and every comparison with NaN is 
   });
 }
 
-TEST_CASE("answers are negated and joined in every lane") {
+TEST_CASE("masks are negated and combined in every lane") {
   for_each_kind([](const auto& kind) {
     check_each_pair(kind, [](auto a, auto b) { return !(a < b); });
     check_each_pair(kind, [](auto a, auto b) { return a < b && b > 0; });
@@ -147,22 +147,22 @@ TEST_CASE("answers are negated and joined in every lane") {
   });
 }
 
-TEST_CASE("a choice takes one number or the other as it is") {
+TEST_CASE("select returns one number or the other unchanged") {
   for_each_kind(
       [](const auto& kind) { check_each_pair(kind, [](auto a, auto b) { return select(a < 1, b, a); }); });
 }
 
-TEST_CASE("the smaller and the larger are chosen as std::min and std::max choose them") {
+TEST_CASE("min and max choose as std::min and std::max do") {
   for_each_kind([](const auto& kind) {
     check_each_pair(kind, Smaller{});
     check_each_pair(kind, Larger{});
   });
 }
 
-TEST_CASE("doubles become the nearest floats in every lane") {
+TEST_CASE("doubles are converted to the nearest floats in every lane") {
   using D = Lanes<double, simd::double_lanes>;
   std::vector<double> all = numbers<double>();
-  for (const float x : numbers<float>()) all.push_back(static_cast<double>(x) * (1 + 0x1p-24));  // half way
+  for (const float x : numbers<float>()) all.push_back(static_cast<double>(x) * (1 + 0x1p-24));  // halfway
   for (const double x : all) {
     D a(1.0);
     for (int lane = 0; lane < simd::double_lanes; ++lane) {
@@ -173,7 +173,8 @@ TEST_CASE("doubles become the nearest floats in every lane") {
   }
 }
 
-TEST_CASE("whole numbers become floats, wider ones, and come from floats without their fractions") {
+TEST_CASE(
+    "whole numbers are converted to floats and to wider ones, and from floats without their fractions") {
   using Floats = Lanes<float, simd::float_lanes>;
   using Wholes = Lanes<std::int32_t, simd::float_lanes>;
   for (const float x : {0.0f, 0.99999994f, 1.0f, 63.5f, -0.5f, -7.75f, 8388607.5f, -2147483648.0f}) {
@@ -218,7 +219,7 @@ TEST_CASE("a mask is the set of its lanes, for lanes of any type") {
   }
 }
 
-TEST_CASE("whole numbers are chosen and compared in every lane") {
+TEST_CASE("whole numbers are selected and compared in every lane") {
   using Whole = Lanes<std::int64_t, simd::double_lanes>;
   const std::int64_t numbers[] = {-1, 0, 1, 7, std::int64_t{1} << 40, (std::int64_t{1} << 40) + 1};
   for (const std::int64_t a : numbers)
@@ -249,7 +250,7 @@ TEST_CASE("whole numbers as wide as floats are compared in every lane, negative 
   compare(Lanes<std::int32_t, 4>());
 }
 
-TEST_CASE("the first lanes are counted from the lowest bit, up to all") {
+TEST_CASE("first_bits sets the lowest bits, up to all") {
   CHECK(simd::first_bits(0) == 0);
   CHECK(simd::first_bits(1) == 1);
   CHECK(simd::first_bits(5) == 31);
@@ -278,7 +279,8 @@ TEST_CASE("lanes are loaded and stored in order, from any address") {
 TEST_CASE("the chosen lanes are stored side by side, in order") {
   const auto check = []<class T, int N>(const Lanes<T, N>&) {
     for (Bits round = 0; round < Bits{1} << std::min(N, 12); ++round) {
-      const Bits chosen = round * 2654435761U & simd::first_bits(N);  // an odd number: all of few lanes
+      // Because the factor is odd, these are all subsets of up to 12 lanes.
+      const Bits chosen = round * 2654435761U & simd::first_bits(N);
       std::vector<T> to(2 * N + 1, T{-1}), expected{T{-1}};
       for (int i = 0; i < N; ++i)
         if (chosen >> i & 1) expected.push_back(static_cast<T>(i));
@@ -292,7 +294,7 @@ TEST_CASE("the chosen lanes are stored side by side, in order") {
   check(Lanes<std::int32_t, simd::float_lanes>(0));
 }
 
-TEST_CASE("the largest and the smallest number of all lanes are found in any of them") {
+TEST_CASE("largest and smallest find the extreme number in any lane") {
   for_each_kind([]<class T, int N>(const Lanes<T, N>&) {
     for (int i = 0; i < N; ++i) {
       Lanes<T, N> a(T{-3});
@@ -310,7 +312,8 @@ TEST_CASE("the largest and the smallest number of all lanes are found in any of 
   }
 }
 
-TEST_CASE("bits of whole numbers are moved and joined in every lane, and those of any lane are found") {
+TEST_CASE(
+    "bits of whole numbers are shifted and combined in every lane, and bits_of_any finds those of any lane") {
   constexpr int N = simd::double_lanes;
   const auto number = [](int i) { return std::int64_t{0x1234567} + i; };
   const auto a = Lanes<std::int64_t, N>::of_each(number), by = simd::iota<std::int64_t, N>() * 5,

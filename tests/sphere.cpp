@@ -19,7 +19,7 @@ Sphere random_sphere(Random& random) {
   return {.center = random.point(10), .radius = std::exp(random.real(-5, 5))};
 }
 
-/// A ray from anywhere, its direction of any length, towards a point near the sphere or in it.
+/// Returns a ray from anywhere, with a direction of any length, towards a point in or near the sphere.
 Ray random_ray(Random& random, const Sphere& sphere) {
   const Point origin = random.point(20);
   const Point target = sphere.center + 1.5 * sphere.radius * random.point(1);
@@ -29,7 +29,7 @@ Ray random_ray(Random& random, const Sphere& sphere) {
 std::vector<double> list(const Roots& roots) { return {roots.begin(), roots.end()}; }
 }  // namespace
 
-TEST_CASE("a sphere is met first where the ray enters it") {
+TEST_CASE("the closest hit of a sphere is where the ray enters it") {
   const Sphere sphere{.center = {0, 0, 3}, .radius = 1};
   struct {
     const char* what;
@@ -60,7 +60,7 @@ TEST_CASE("a sphere is met first where the ray enters it") {
   }
 }
 
-TEST_CASE("where a ray meets a sphere is on the sphere") {
+TEST_CASE("the hit points of a sphere lie on the sphere") {
   Random random(3);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 50000; ++i) {
@@ -69,7 +69,7 @@ TEST_CASE("where a ray meets a sphere is on the sphere") {
     const double scale = sphere.radius + length(ray.origin - sphere.center);
     for (const double t : sphere.roots(ray)) {
       ++hits;
-      // t is good to 2^-30 of itself, and the point to a few roundings.
+      // t has a relative error of 2^-30, and the point that of a few roundings.
       const double certain = Roots::relative_error * std::abs(t) * length(ray.direction) + 1e-14 * scale;
       if (!(std::abs(length(ray.at(t) - sphere.center) - sphere.radius) < certain)) ++wrong;
     }
@@ -78,13 +78,13 @@ TEST_CASE("where a ray meets a sphere is on the sphere") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("whether and where a ray meets a sphere is what arithmetic with more digits says") {
+TEST_CASE("hits of a sphere agree with arithmetic of more digits") {
   Random random(4);
   int hits = 0, misses = 0, wrong = 0;
   for (int i = 0; i < 50000; ++i) {
     const Sphere sphere = random_sphere(random);
     const Ray ray = random_ray(random, sphere);
-    // The equation as it is first written: a t² + b t + c = 0.
+    // The quadratic equation in its usual form: a t² + b t + c = 0.
     using Real = long double;
     const Real o[] = {Real{ray.origin.x} - sphere.center.x, Real{ray.origin.y} - sphere.center.y,
                       Real{ray.origin.z} - sphere.center.z};
@@ -93,7 +93,7 @@ TEST_CASE("whether and where a ray meets a sphere is what arithmetic with more d
     const Real b = 2 * (o[0] * d[0] + o[1] * d[1] + o[2] * d[2]);
     const Real c = o[0] * o[0] + o[1] * o[1] + o[2] * o[2] - Real{sphere.radius} * sphere.radius;
     const Real discriminant = b * b - 4 * a * c;
-    if (std::abs(discriminant) < 1e-9L * b * b) continue;  // a hair from touching: not for this reference
+    if (std::abs(discriminant) < 1e-9L * b * b) continue;  // too close to tangent for this reference
     Real t = -1;
     if (discriminant > 0) {
       t = (-b - std::sqrt(discriminant)) / (2 * a);
@@ -109,7 +109,7 @@ TEST_CASE("whether and where a ray meets a sphere is what arithmetic with more d
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a sphere that is touched is crossed twice at one t") {
+TEST_CASE("a tangent ray crosses a sphere twice at one t") {
   CHECK(list(Sphere{.center = {0, 0, 3}, .radius = 1}.roots({{0, 1, 0}, {0, 0, 1}})) ==
         std::vector<double>{3, 3});
   CHECK(list(Sphere{.center = {0, 0, 0}, .radius = 2}.roots({{2, -1, 0}, {0, 4, 0}})) ==
@@ -127,7 +127,7 @@ TEST_CASE("the normal of a sphere is a unit vector, outwards; a negative radius 
     REQUIRE(list(sphere.roots(ray)) == list(inverse.roots(ray)));
     for (const double t : sphere.roots(ray)) {
       const Point point = ray.at(t);
-      // The bound of its docstring, for the length.
+      // Bound for the length from the docstring of normal_at.
       const double T = std::abs(t) * length(ray.direction), P = length(point);
       const double bound = (0x1p-30 * T + 0x1p-53 * (T + P)) / sphere.radius + 0x1p-51;
       const Vec3 normal = sphere.normal_at(point);
@@ -139,7 +139,7 @@ TEST_CASE("the normal of a sphere is a unit vector, outwards; a negative radius 
 }
 
 TEST_CASE(
-    "a sphere is never met again by a ray that leaves it outwards, and once by one that leads inwards") {
+    "a ray that leaves a sphere outwards never hits it again, and one that leaves it inwards does once") {
   Random random(6);
   int outwards = 0, inwards = 0, wrong = 0;
   for (int i = 0; i < 50000; ++i) {
@@ -148,7 +148,7 @@ TEST_CASE(
     const auto t = sphere.intersect(ray);
     if (!t) continue;
     const Point point = ray.at(*t);
-    // Every second direction grazes.
+    // Every second direction is nearly tangent.
     Vec3 direction = random.direction();
     if (i % 2 == 0) {
       const Vec3 n = sphere.normal_at(point);
@@ -174,7 +174,7 @@ TEST_CASE(
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a ray that leaves a sphere meets another one as any ray does") {
+TEST_CASE("a ray that leaves a sphere hits another one like any other ray") {
   const Sphere left{.center = {0, 0, 0}, .radius = 1}, other{.center = {0, 0, 0}, .radius = 2};
   CHECK(other.intersect({{1, 0, 0}, {1, 0, 0}, left.departure()}) == 1.0);
   CHECK(other.intersect({{1, 0, 0}, {-1, 0, 0}, left.departure()}) == 3.0);
@@ -203,7 +203,7 @@ TEST_CASE("a ray without direction, or with a number that is not finite, crosses
   }
 }
 
-TEST_CASE("the length of a ray's direction changes t, and not what is met") {
+TEST_CASE("the length of a ray's direction changes t, and not the surface that is hit") {
   const Sphere sphere{.center = {0, 0, 3}, .radius = 1};
   for (const double size : {1e-140, 1e-60, 1e-9, 1.0, 1e9, 1e60, 1e140}) {
     CAPTURE(size);
@@ -214,7 +214,7 @@ TEST_CASE("the length of a ray's direction changes t, and not what is met") {
   }
 }
 
-TEST_CASE("a sphere that makes no sense is refused with the field's name") {
+TEST_CASE("an invalid sphere is refused with the field's name") {
   for (const double bad : {0.0, -0.0, 0x1p-401, -0x1p-401, 1e121, -1e121, inf, -inf, not_a_number})
     CHECK_THAT(message_of<std::invalid_argument>([&] { Sphere{.radius = bad}.validate(); }),
                ContainsSubstring("Sphere: radius"));

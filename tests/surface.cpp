@@ -13,7 +13,7 @@
 using namespace protostar;
 
 namespace {
-/// Horizontal sheets at the heights 0, 1, ..., count − 1, which visit their crossings themselves.
+/// Horizontal sheets at the heights 0, 1, ..., count − 1, which provide all their crossings.
 struct Sheets {
   int count = 3;
   std::optional<double> intersect(const Ray& ray, Interval range) const {
@@ -39,7 +39,7 @@ struct ChangesWhenAsked {
   std::optional<double> intersect(const Ray&, Interval) { return {}; }
   Vec3 normal_at(Point) const { return {}; }
 };
-struct PlainNumber {  // a bare double cannot say "nothing"
+struct PlainNumber {  // a bare double cannot express a miss
   double intersect(const Ray&, Interval) const { return -1; }
   Vec3 normal_at(Point) const { return {}; }
 };
@@ -59,7 +59,7 @@ std::vector<double> crossings_of(const Surface auto& surface, const Ray& ray, In
 }
 }  // namespace
 
-TEST_CASE("a surface that knows only its first crossing is crossed near to far, once each") {
+TEST_CASE("a surface that has only intersect is crossed near to far, once at each crossing") {
   const Cylinder cylinder{.radius = 2};
   CHECK(crossings_of(cylinder, {{-5, 0, 0}, {1, 0, 0}}) == std::vector<double>{3, 7});
   CHECK(crossings_of(cylinder, {{-5, 0, 0}, {1, 0, 0}}, {.max = 5}) == std::vector<double>{3});
@@ -68,13 +68,13 @@ TEST_CASE("a surface that knows only its first crossing is crossed near to far, 
   CHECK(crossings_of(cylinder, {{0, 0, 0}, {0, 1, 0}}).empty());
 }
 
-TEST_CASE("a surface of more than two crossings may visit them itself") {
+TEST_CASE("a surface of more than two crossings may provide them itself") {
   CHECK(crossings_of(Sheets{}, {{0, -1, 0}, {0, 1, 0}}) == std::vector<double>{1, 2, 3});
   CHECK(crossings_of(Sheets{}, {{0, 3, 0}, {0, -1, 0}}, {.max = 3}) == std::vector<double>{1, 2});
   CHECK(crossings_of(AnySurface{Sheets{}}, {{0, -1, 0}, {0, 1, 0}}) == std::vector<double>{1, 2, 3});
 }
 
-TEST_CASE("a surface that knows nothing of departures is recognized by its address") {
+TEST_CASE("a surface without a departure function is recognized by its address") {
   const Cylinder cylinder, twin;
   CHECK(departure_of(cylinder).kind == Departure::Kind::object);
   CHECK(departure_of(cylinder) == departure_of(cylinder));
@@ -83,27 +83,26 @@ TEST_CASE("a surface that knows nothing of departures is recognized by its addre
   CHECK(departure_of(sphere) == sphere.departure());
 }
 
-TEST_CASE(
-    "what a ray departs from is cut off where its root comes out ahead, and nothing where it does not") {
+TEST_CASE("beyond_departure cuts off the departure's root if it is computed ahead, and nothing otherwise") {
   const Cylinder cylinder;
   const auto range_beyond = [&](double offset, double direction) {
     return beyond_departure(cylinder, {{1 + offset, 0, 0}, {direction, 0, 0}, departure_of(cylinder)}, {});
   };
   CHECK(range_beyond(0, 1).min == 0);
   CHECK(range_beyond(0, -1).min == 0);
-  CHECK(range_beyond(0x1p-50, 1).min == 0);    // outwards from a little outside
-  CHECK(range_beyond(-0x1p-50, -1).min == 0);  // inwards from a little inside
-  for (const double inwards : {-1.0, 1.0}) {   // the root 0 comes out ahead
+  CHECK(range_beyond(0x1p-50, 1).min == 0);    // outwards, from slightly outside
+  CHECK(range_beyond(-0x1p-50, -1).min == 0);  // inwards, from slightly inside
+  for (const double inwards : {-1.0, 1.0}) {   // the root 0 is computed ahead
     const double min = range_beyond(-inwards * 0x1p-50, inwards).min;
     CHECK(min > 0);
     CHECK(min < 0x1p-48);
   }
-  // The range's own end stays if it is further on.
+  // The range keeps its own min if that is larger.
   CHECK(beyond_departure(cylinder, {{1 + 0x1p-50, 0, 0}, {-1, 0, 0}}, {.min = 0.5, .max = 3}).min == 0.5);
   CHECK(beyond_departure(cylinder, {{1 + 0x1p-50, 0, 0}, {-1, 0, 0}}, {.min = 0.5, .max = 3}).max == 3);
 }
 
-TEST_CASE("a surface of the user's own is left outwards for good, and inwards with one more crossing") {
+TEST_CASE("a user-defined surface that is left outwards is not hit again, and inwards once more") {
   Random random(9);
   int outwards = 0, inwards = 0, wrong = 0;
   for (int i = 0; i < 50000; ++i) {
@@ -113,7 +112,7 @@ TEST_CASE("a surface of the user's own is left outwards for good, and inwards wi
     if (!t) continue;
     const Ray left{ray.at(*t), random.direction(), departure_of(cylinder)};
     const double slope = dot(left.direction, cylinder.normal_at(left.origin));
-    if (std::abs(slope) < 1e-4) continue;  // grazing, where beyond_departure promises nothing
+    if (std::abs(slope) < 1e-4) continue;  // nearly tangent: beyond_departure guarantees nothing
     ++(slope < 0 ? inwards : outwards);
     const std::size_t expected = slope < 0 ? 1 : 0;
     if (crossings_of(cylinder, left).size() != expected) ++wrong;
@@ -128,7 +127,7 @@ TEST_CASE("a surface of the user's own is left outwards for good, and inwards wi
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a ray that departs from something else meets a surface of the user's own as any ray does") {
+TEST_CASE("a ray that departs from another surface hits a user-defined surface like any other ray") {
   const Cylinder cylinder, twin;
   CHECK(first_crossing(cylinder, {{0, 0, 0}, {1, 0, 0}, departure_of(twin)}, {})->t == 1.0);
   CHECK(first_crossing(cylinder, {{0, 0, 0}, {1, 0, 0}, Sphere{}.departure()}, {})->t == 1.0);

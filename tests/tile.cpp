@@ -35,13 +35,13 @@ Candidates candidates_of(const std::vector<Sphere>& spheres, const Viewpoint& vi
   return candidates;
 }
 
-/// A camera whose three directions are at right angles, and some turned anywhere.
+/// Returns a randomly rotated camera whose three directions are at right angles and have the given lengths.
 Camera turned_camera(Random& random, const Point& position, double right, double up, double forward) {
   const Vec3 f = random.direction(), r = normalize(cross(f, random.direction())), u = cross(r, f);
   return {.position = position, .right = right * r, .up = up * u, .forward = forward * f};
 }
 
-/// A camera as none is built: skewed, with its handedness by chance.
+/// Returns a camera of random directions, neither at right angles nor of one handedness.
 Camera skewed_camera(Random& random, const Point& position, double scale) {
   for (;;) {
     const Camera camera{position, scale * random.point(1), scale * random.point(1), scale * random.point(1)};
@@ -50,27 +50,27 @@ Camera skewed_camera(Random& random, const Point& position, double scale) {
   }
 }
 
-/// The camera with a film in front of its pinhole: k times its directions.
+/// Returns the camera with a film in front of its pinhole, of k times its directions.
 Camera with_film(Camera camera, double k) {
   camera.film_right = k * camera.right, camera.film_up = k * camera.up;
   return camera;
 }
 
-/// The camera with a film of any two vectors, of which rays come from no one point.
+/// Returns the camera with a film of two random vectors, whose rays do not come from one point.
 Camera with_any_film(Random& random, Camera camera, double size) {
   camera.film_right = size * random.point(1), camera.film_up = size * random.point(1);
   return camera;
 }
 
-/// The orthographic camera whose film has the camera's directions.
+/// Returns the orthographic camera whose film has the camera's directions.
 Camera parallel(Camera camera, double size) {
   camera.film_right = size * camera.right, camera.film_up = size * camera.up;
   camera.right = camera.up = Vec3{0};
   return camera;
 }
 
-/// A sphere that the ray through a pixel crosses or nearly does: its center is at t along the ray and, less
-/// or more by a little, its radius away from it.
+/// Returns a sphere that a ray hits or nearly hits: the distance of its center from the point at t is about
+/// its radius.
 Sphere beside(const Ray& ray, double t, double radius, Random& random) {
   const Vec3 away = normalize(cross(ray.direction, random.direction()));
   const double share = 1 + std::ldexp(random.real(-1, 0.25), -static_cast<int>(random.bits() % 40));
@@ -81,13 +81,13 @@ struct Counts {
   int met = 0, kept = 0, all = 0, dropped_though_met = 0, nearer_than_nearest = 0, ruled_out = 0;
 };
 
-/// Whether the first ray of a packet may meet a candidate up to t, as float tells it.
+/// Returns true if the float test says that the first ray of a packet may hit a candidate up to t.
 bool may_be_met(const Candidates& candidates, int i, const simd::Vectors& directions, double t) {
   return (bits(candidates.may_be_met(i, simd::FloatDirections(directions), simd::Doubles(t))) & 1) != 0;
 }
 
-/// Looks whether a tile keeps the spheres that the rays of its pixels meet, and its parts and their blocks
-/// likewise.
+/// Checks that a tile keeps the spheres that the rays of its pixels hit, and that its parts and single pixels
+/// keep them, too.
 void look(const Camera& camera, int width, int height, const std::function<Sphere(const Ray&)>& sphere_beside,
           Random& random, Counts& counts) {
   camera.validate();
@@ -102,7 +102,7 @@ void look(const Camera& camera, int width, int height, const std::function<Spher
   std::vector<Sphere> spheres;
   for (int i = 0; i < 50; ++i) {
     const auto below = [&](int n) { return static_cast<int>(random.bits() % static_cast<unsigned>(n)); };
-    // Most of them at an edge.
+    // Most pixels are at an edge of the tile.
     const int x = i % 3 == 0 ? tile.x0 + below(tile.width()) : i % 3 == 1 ? tile.x0 : tile.x1 - 1;
     const int y = i % 5 == 0 ? tile.y0 : i % 5 == 1 ? tile.y1 - 1 : tile.y0 + below(tile.height());
     pixels.push_back({x, y});
@@ -139,11 +139,11 @@ void look(const Camera& camera, int width, int height, const std::function<Spher
 
 }  // namespace
 
-TEST_CASE("a tile keeps every sphere that the ray through one of its pixels meets") {
+TEST_CASE("a tile keeps every sphere that a ray through one of its pixels hits") {
   struct Row {
     const char* what;
     std::function<Camera(Random&)> camera;
-    double least_size, most_size;  ///< of what is seen, in powers of two
+    double least_size, most_size;  ///< size of the visible spheres, in powers of two
   };
   const Point far_away{65537, -65537, 131074};
   const auto row = GENERATE_COPY(values<Row>({
@@ -226,7 +226,7 @@ TEST_CASE("a tile keeps every sphere that the ray through one of its pixels meet
     look(
         row.camera(random), width, height,
         [&](const Ray& ray) {
-          // Now and then so near that the camera is inside.
+          // Sometimes so near that the camera is inside the sphere.
           const double radius = std::exp2(scale + random.real(-3, 0)),
                        t = std::exp2(scale + random.real(-4, 3));
           return beside(ray, t, radius, random);
@@ -240,8 +240,8 @@ TEST_CASE("a tile keeps every sphere that the ray through one of its pixels meet
   CHECK(counts.ruled_out == 0);
 }
 
-TEST_CASE("a packet's ray rules out what it passes, what is behind it, and what is farther than it may go") {
-  const PixelRays rays(Camera{}, PixelGrid(1, 1), 1, 1);  // whose ray leads along z
+TEST_CASE("a packet's ray rules out spheres that it misses, that are behind it, and that are too far away") {
+  const PixelRays rays(Camera{}, PixelGrid(1, 1), 1, 1);  // one ray, along z
   struct Row {
     Sphere sphere;
     double until;
@@ -255,17 +255,16 @@ TEST_CASE("a packet's ray rules out what it passes, what is behind it, and what 
       {{.center = {0, 0, 5}, .radius = 1}, 3.9999, false},
       {{.center = {0, 0, -5}, .radius = 1}, infinity, false},
       {{.center = {0, 0, -5}, .radius = 6}, infinity, true},
-      {{.center = {0, 0x1p99, 0}, .radius = 0x1p98}, infinity, true},  // whose squares overflow
+      {{.center = {0, 0x1p99, 0}, .radius = 0x1p98}, infinity, true},  // squares overflow
   }));
   CAPTURE(row.sphere.center, row.sphere.radius, row.until);
   const Candidates candidates = candidates_of({row.sphere}, rays.viewpoint());
   CHECK(may_be_met(candidates, 0, rays.directions(0, 0), row.until) == row.may_be_met);
 }
 
-// The rays of the two columns beside the middle are almost opposite to each other then, and the plane between
-// them is hard to tell.
-TEST_CASE(
-    "a tile keeps every sphere that its ray meets where the camera's directions almost lie in a plane") {
+// If the camera's directions almost lie in a plane, the rays of the two columns beside the middle are almost
+// opposite to each other, and the plane between them is hard to determine.
+TEST_CASE("a tile keeps every sphere that its ray hits when the camera's directions almost lie in a plane") {
   Random random(15);
   int met = 0, dropped_though_met = 0;
   for (int round = 0; round < 3000; ++round) {
@@ -290,8 +289,8 @@ TEST_CASE(
   CHECK(dropped_though_met == 0);
 }
 
-// Of all rays of a tile, those at its corners are the farthest from the middle one, around which the cone is.
-// A sphere that touches one of them from beyond is at the very edge of the cone.
+// The rays at a tile's corners are the farthest from its middle ray, the axis of its cone. A sphere that
+// touches one of them from outside is at the very edge of the cone.
 TEST_CASE("a tile keeps every sphere that a ray at one of its corners touches from outside") {
   Random random(18);
   int all = 0, dropped = 0;
@@ -313,7 +312,7 @@ TEST_CASE("a tile keeps every sphere that a ray at one of its corners touches fr
         for (int i = 0; i < 5; ++i) {
           const Ray ray = through(x, y);
           const Vec3 outwards =
-              normalize(ray.direction - dot(ray.direction, middle) * middle);  // and across the ray:
+              normalize(ray.direction - dot(ray.direction, middle) * middle);  // then across the ray:
           const Vec3 away = normalize(outwards - dot(outwards, ray.direction) * ray.direction);
           const double t = std::exp2(random.real(-3, 10)), radius = t * std::exp2(random.real(-10, 10));
           spheres.push_back({.center = ray.at(t) + radius * away, .radius = radius});
@@ -327,7 +326,7 @@ TEST_CASE("a tile keeps every sphere that a ray at one of its corners touches fr
   CHECK(dropped == 0);
 }
 
-TEST_CASE("a tile drops a sphere that fills the view below it, and keeps it where the ground begins") {
+TEST_CASE("a tile above the horizon drops the ground sphere, and a tile below keeps it") {
   const Sphere ground{.center = {0, -1001, 3}, .radius = 1000};
   const PixelRays rays(Camera{}, PixelGrid(640, 480), 640, 480);
   const auto is_kept = [&](const Tile& tile) {
@@ -335,8 +334,9 @@ TEST_CASE("a tile drops a sphere that fills the view below it, and keeps it wher
     in_tile.add(candidates_of({ground}, rays.viewpoint()), Frustum(rays, tile));
     return in_tile.size() == 1;
   };
-  // The horizon is where the line of sight touches: about 2.6° below the middle, between rows 250 and 258.
-  // From some way above it on, the plane under a tile is so steep that the ground reaches through it.
+  // The horizon is where the line of sight is tangent: about 2.6° below the middle, between rows 250 and 258.
+  // Tiles slightly above it may keep the ground, because the plane below them is so steep that the ground
+  // reaches through it.
   for (int x = 0; x < 640; x += 16) {
     int kept = 0;
     for (int y = 0; y < 240; y += 16) kept += is_kept({x, y, x + 16, y + 16});
@@ -345,7 +345,7 @@ TEST_CASE("a tile drops a sphere that fills the view below it, and keeps it wher
   }
 }
 
-TEST_CASE("a tile drops what is beside it and behind the camera") {
+TEST_CASE("a tile drops spheres beside it and behind the camera") {
   Random random(12);
   for (const Camera& camera :
        {Camera{}, Camera{.right = {-1, 0, 0}}, Camera{.up = {0.3, 0.9, 0.1}},
@@ -359,12 +359,13 @@ TEST_CASE("a tile drops what is beside it and behind the camera") {
     std::vector<Sphere> spheres;
     std::vector<int> seen;
     for (int i = 0; i < 500; ++i) {
-      // By i, in one of nine fields around the tile, or behind the camera where there is the tenth.
+      // In one of nine fields, around and on the tile, by i % 10; for 9 behind the camera.
       const int column = i % 10 % 3 - 1, line = i % 10 / 3 - 1;
       const double x = 96 + 100 * column + random.real(-30, 30), y = 96 + 100 * line + random.real(-30, 30);
       const Ray ray = camera(Camera::u_at(x, 320, 240), Camera::v_at(y, 240));
       const double t = random.real(1, 5) * (i % 10 == 9 ? -1 : 1);
-      // Those behind are so large that they reach across the planes at the sides, which meet in the camera.
+      // Spheres behind the camera are so large that they reach across the side planes, which meet in the
+      // camera.
       spheres.push_back({.center = ray.at(t), .radius = i % 10 == 9 ? 0.5 : 1e-5});
       if (i % 10 == 4) seen.push_back(i);
     }
@@ -374,15 +375,14 @@ TEST_CASE("a tile drops what is beside it and behind the camera") {
   }
 }
 
-TEST_CASE(
-    "a tile drops what is between the focal point and the sensor, and keeps what is around the sensor") {
+TEST_CASE("a tile drops spheres between the focal point and the sensor, and keeps those around the sensor") {
   const Camera camera = Camera::sensor({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 4);
   const PixelRays rays(camera, PixelGrid(64, 64), 64, 64);
   const Tile tile{0, 0, 64, 64};
   const std::vector<Sphere> spheres{{{1, 2, 1}, 0.5},     // between, on the axis
-                                    {{1, 2, 2}, 0.999},   // and almost up to the sensor
-                                    {{1, 2, 2}, 1.001},   // and through it
-                                    {{1, 2, 3}, 10},      // around all
+                                    {{1, 2, 2}, 0.999},   // almost up to the sensor
+                                    {{1, 2, 2}, 1.001},   // through the sensor
+                                    {{1, 2, 3}, 10},      // around everything
                                     {{1, 2, -1}, 0.1},    // around the focal point
                                     {{1, 2, 5}, 0.5},     // in front
                                     {{3, 2, 3.1}, 0.5}};  // beside
@@ -391,12 +391,13 @@ TEST_CASE(
   Candidates in_tile;
   in_tile.add(everything, Frustum(rays, tile));
   CHECK(places_of(in_tile) == std::vector<int>{2, 3, 5});
-  // As good as exact, where one ray leads straight ahead: t is 0 or more, and 1.5 for what is in front.
+  // Lower bounds of t are nearly exact, since one ray leads straight ahead: 1.5 for the sphere in front, at
+  // most 0 for one around the sensor.
   CHECK(std::abs(everything.nearest(2) - 1.5) < 1e-3);
   CHECK(everything.nearest(1) <= 0);
 }
 
-TEST_CASE("an orthographic tile drops what is beside it, however near and however far") {
+TEST_CASE("an orthographic tile drops spheres beside it, however near and however far") {
   const PixelRays rays(Camera::orthographic(Point{0}, {0, 0, 1}, {0, 1, 0}, 2), PixelGrid(64, 64), 64, 64);
   const Tile upper_left{0, 0, 32, 32};  // x from −1 to 0, y from 0 to 1
   for (const double z : {0.5, 10.0, 100.0}) {
@@ -417,7 +418,7 @@ TEST_CASE("an orthographic tile drops what is beside it, however near and howeve
   }
 }
 
-TEST_CASE("a tile keeps the order of its candidates and adds to those that it has") {
+TEST_CASE("a tile keeps the order of its candidates and appends to those that it has") {
   std::vector<Sphere> spheres(100, Sphere{.center = {0, 0, 5}});
   const PixelRays rays(Camera{}, PixelGrid(8, 8), 8, 8);
   const Frustum frustum(rays, {0, 0, 8, 8});
@@ -431,14 +432,14 @@ TEST_CASE("a tile keeps the order of its candidates and adds to those that it ha
   CHECK(kept.size() == 0);
 }
 
-TEST_CASE("candidates in the order of their distance are the same ones, and none is nearer than one says") {
+TEST_CASE("ordering candidates by distance keeps all of them, and their nearest stays a lower bound") {
   Random random(13);
   for (const int count : {0, 1, 2, 17, 1000}) {
     CAPTURE(count);
     std::vector<Sphere> spheres;
     for (int i = 0; i < count; ++i)
       spheres.push_back({.center = random.point(20), .radius = std::exp2(random.real(-6, 3))});
-    if (count == 1000) {  // and some that float does not hold, or holds as 0
+    if (count == 1000) {  // also some that float does not hold, or holds as 0
       spheres[3] = {.center = {1e300, 0, 0}, .radius = 1};
       spheres[4] = {.center = {0, 1e200, 0}, .radius = 1e200};
       spheres[5] = {.center = {0, 0, 1e-320}, .radius = 1e-320};
@@ -458,7 +459,7 @@ TEST_CASE("candidates in the order of their distance are the same ones, and none
     CHECK(wrong == 0);
     if (count < 1000) CHECK(far_off == 0);
 
-    // The rows have moved together: a tile sees the same ones as before.
+    // The rows were sorted together, so a tile keeps the same candidates as before.
     const PixelRays rays(Camera{}, PixelGrid(64, 64), 64, 64);
     for (const Tile& tile : {Tile{0, 0, 32, 32}, Tile{40, 8, 48, 16}}) {
       Candidates from_before, from_ordered;
@@ -477,7 +478,7 @@ TEST_CASE("candidates in the order of their distance are the same ones, and none
 
 namespace {
 
-/// How many rays of the packets of a picture are not those through its pixels.
+/// Returns the number of rays in a picture's packets that differ from those through its pixels.
 template <class Origin>
 int wrong_rays(const Camera& camera, int width, int height) {
   const PixelRays rays(camera, PixelGrid(width, height), width, height);

@@ -1,5 +1,5 @@
-// Which tilted planes a ray leaves together: those whose equations, divided by the largest component of the
-// normal, round to the same doubles (docs/numerics.md, The plane that a ray leaves).
+// Tests which tilted planes a ray leaves together: planes whose equations, divided by the largest component
+// of the normal, round to the same doubles (docs/numerics.md, The plane that a ray leaves).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,7 +27,7 @@ Vec3 whole_vector(Random& random, int most) {
   return {whole(), whole(), whole()};
 }
 
-/// n·x − distance of a rounded equation, without rounding.
+/// Returns n·x − distance of a rounded equation, exactly.
 ExactNumber height_over(const PlaneEquation& plane, const Point& x) {
   ExactNumber height = -ExactNumber(plane[3]);
   for (int i = 0; i < 3; ++i) height += ExactNumber(plane[static_cast<std::size_t>(i)]) * ExactNumber(x[i]);
@@ -38,7 +38,7 @@ Plane plane_of(const PlaneEquation& equation) {
   return {.normal = {equation[0], equation[1], equation[2]}, .distance = equation[3]};
 }
 
-/// A parallelogram of any numbers, in a tilted plane that doubles do not hold.
+/// Returns a random parallelogram in a tilted plane whose equation doubles do not hold exactly.
 Parallelogram tilted_board(Random& random) {
   for (;;) {
     const Parallelogram board{random.point(3), random.point(1), random.point(1)};
@@ -52,7 +52,7 @@ Point middle_of(const Parallelogram& board) { return board.position + 0.5 * (boa
 
 }  // namespace
 
-TEST_CASE("surfaces of all kinds in one tilted plane are left together, whichever of them is left") {
+TEST_CASE("a ray that leaves one of several surfaces in one tilted plane leaves all of them, of any kind") {
   Random random(81);
   int planes = 0, wrong = 0;
   while (planes < 500) {
@@ -81,7 +81,7 @@ TEST_CASE("surfaces of all kinds in one tilted plane are left together, whicheve
   CHECK(wrong == 0);
 }
 
-TEST_CASE("planes whose rounded equations differ in the last place of one number are two") {
+TEST_CASE("planes whose rounded equations differ in the last place of one number are told apart") {
   Random random(82);
   int wrong = 0;
   for (int i = 0; i < 500; ++i) {
@@ -94,7 +94,7 @@ TEST_CASE("planes whose rounded equations differ in the last place of one number
         next[k] = std::nextafter(next[k], side);
         const Plane other = plane_of(next);
         wrong += other.departure() == board.departure() || board.departure() == other.departure();
-        // A line that meets both, and leaves one of them: it meets the other.
+        // A line through both planes that departs from one of them crosses the other.
         const Point origin = middle_of(board);
         const Vec3 direction = cross(board.edge_u, board.edge_v) + 0.1 * random.direction();
         wrong += !other.intersect({origin, direction, board.departure()}, whole_line);
@@ -104,9 +104,7 @@ TEST_CASE("planes whose rounded equations differ in the last place of one number
   CHECK(wrong == 0);
 }
 
-TEST_CASE(
-    "planes that differ by less than their equations are rounded are left together, and are met in exact "
-    "order") {
+TEST_CASE("planes with equal rounded equations are left together, and are hit in exact order") {
   Random random(83);
   int wrong = 0, far = 0, misordered = 0, before = 0, behind = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -118,14 +116,15 @@ TEST_CASE(
     wrong += floor.intersect({middle_of(board), ray.direction, board.departure()}, whole_line).has_value();
     wrong += board.intersect({middle_of(board), ray.direction, floor.departure()}, whole_line).has_value();
 
-    // They are no farther apart than 2^-52 of the sizes of the terms, in units of a normal of at least 1.
+    // The distance between both is at most 2^-52 of the sizes of the terms, in units of the normal, whose
+    // length is at least 1.
     const Point p = board.position;
     double terms = std::abs(equation[3]);
     for (int k = 0; k < 3; ++k) terms += std::abs(equation[static_cast<std::size_t>(k)] * p[k]);
     const ExactNumber height = height_over(equation, p), most = 0x1p-52 * 1.01 * terms;
     far += (most - height).sign() < 0 || (most + height).sign() < 0;
 
-    // The order of both is that without rounding, whichever was added first.
+    // Both are ordered as in exact arithmetic, whichever was added first.
     const auto t = board.intersect(ray);
     if (!t || !floor.intersect(ray)) continue;
     const int first = order(board.exact_root(ray, 0), floor.exact_root(ray, 0));
@@ -145,7 +144,7 @@ TEST_CASE(
   CHECK(behind > 100);
 }
 
-TEST_CASE("in planes that are rounded to one there is no acne, and what is farther off casts its shadow") {
+TEST_CASE("surfaces with equal rounded planes show no acne, and surfaces farther off cast their shadow") {
   Random random(84);
   int lit = 0, dark = 0, acne = 0, leaks = 0;
   for (int i = 0; i < 100; ++i) {
@@ -155,7 +154,7 @@ TEST_CASE("in planes that are rounded to one there is no acne, and what is farth
     Scene<Plane, Parallelogram> touching, apart;
     touching.add(floor, Color{1}), touching.add(board, Color{1});
     Parallelogram raised = board;
-    raised.position += 0x1p-46 * up;  // far above what a hit point is rounded by, 2^-51 of its size
+    raised.position += 0x1p-46 * up;  // far above the rounding of a hit point, 2^-51 of its size
     apart.add(floor, Color{1}), apart.add(raised, Color{1});
     for (int k = 0; k < 100; ++k) {
       const Point on_board =
@@ -166,7 +165,7 @@ TEST_CASE("in planes that are rounded to one there is no acne, and what is farth
       REQUIRE(hit);
       ++lit;
       acne += touching.occluded(hit->leave(light - hit->point()), Interval{0, 1});
-      // What is seen from below is the floor, which the raised board hides from a light above.
+      // From below, the floor is visible, which the raised board hides from a light above.
       const Point below = on_board - up + 0.5 * random.direction();
       const auto under = apart.intersect({below, on_board - below});
       REQUIRE(under);

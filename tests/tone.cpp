@@ -28,25 +28,25 @@ void check_tone(Tone tone, const std::vector<Color>& before, const std::vector<C
 }
 }  // namespace
 
-TEST_CASE("clip leaves the light to the encoder") {
+TEST_CASE("the tone clip leaves the light unchanged") {
   const std::vector<Color> light{{0, 0, 0}, {0.5f, 1, 4}, {16, 0, 0}};
   check_tone(Tone::clip, light, light);
 }
 
-TEST_CASE("scale-pixel divides a pixel by its largest channel, where that is above 1") {
+TEST_CASE("scale-pixel divides a pixel by its largest channel, if that is above 1") {
   check_tone(Tone::scale_pixel,
              {{0, 0, 0}, {0.5f, 0.25f, 0}, {0.5f, 1, 0.25f}, {0.5f, 1, 4}, {16, 8, 0}, {2, 2, 2}},
              {{0, 0, 0}, {0.5f, 0.25f, 0}, {0.5f, 1, 0.25f}, {0.125f, 0.25f, 1}, {1, 0.5f, 0}, {1, 1, 1}});
 }
 
-TEST_CASE("scale-image divides all pixels by the largest channel of any") {
+TEST_CASE("scale-image divides all pixels by the largest channel of the image") {
   check_tone(Tone::scale_image, {{0, 0, 0}, {0.5f, 1, 0.25f}, {0.5f, 1, 4}},
              {{0, 0, 0}, {0.125f, 0.25f, 0.0625f}, {0.125f, 0.25f, 1}});
   check_tone(Tone::scale_image, {{0, 0.25f, 0}, {0.125f, 0, 0}}, {{0, 1, 0}, {0.5f, 0, 0}});
   check_tone(Tone::scale_image, {{0, 0, 0}, {0, 0, 0}}, {{0, 0, 0}, {0, 0, 0}});
 }
 
-TEST_CASE("light beyond the largest float is scaled as that is") {
+TEST_CASE("infinite light is scaled like the largest float") {
   const float infinite = std::numeric_limits<float>::infinity(), most = std::numeric_limits<float>::max();
   for (const Tone tone : {Tone::scale_pixel, Tone::scale_image}) {
     Image image(1, 1);
@@ -56,7 +56,7 @@ TEST_CASE("light beyond the largest float is scaled as that is") {
   }
 }
 
-TEST_CASE("a tone sees every pixel") {
+TEST_CASE("a tone is applied to every pixel") {
   for (const Tone tone : {Tone::scale_pixel, Tone::scale_image}) {
     Image image(7, 5);
     for (int y = 0; y < 5; ++y)
@@ -78,13 +78,13 @@ TEST_CASE("exposure is a factor on all light") {
   expose(image, 2.5);
   CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) != 2.5f * before(x, y); }) == 0);
   image(0, 0) = Color{std::numeric_limits<float>::infinity()};
-  expose(image, 1e-60);  // as float, 0
+  expose(image, 1e-60);  // 0 as a float
   CHECK(image(0, 0) == Color{0});
   expose(image, 0);
   CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; }) == 0);
 }
 
-TEST_CASE("an exposure that is no factor of light as float is refused, and the image stays as it is") {
+TEST_CASE("an exposure that is negative or beyond float is refused, and leaves the image unchanged") {
   Image image = random_image(7, 5, 3);
   const Image before = image;
   const double inf = std::numeric_limits<double>::infinity();

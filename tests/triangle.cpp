@@ -34,7 +34,7 @@ Vec3 whole_vector(Random& random, std::int64_t size) {
   return {x, y, z};
 }
 
-// ---- The judge: whole numbers, and an origin that is really moved.
+// ---- Reference: whole numbers, and an origin that is actually moved.
 
 __extension__ using Whole = __int128;
 using WholeVector = std::array<Whole, 3>;
@@ -47,14 +47,14 @@ Whole determinant(const WholeVector& a, const WholeVector& b, const WholeVector&
          a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/// Coordinates of at most 9, in units of 10^-9.
+/// Returns coordinates of at most 9 in units of 10^-9.
 WholeVector in_units(const Vec3& v) {
   const auto units = [](double x) { return static_cast<Whole>(x) * 1000000000; };
   return {units(v.x), units(v.y), units(v.z)};
 }
 
-/// Whether the line crosses the triangle if its origin is moved by (10^-3, 10^-6, 10^-9): sides are whole
-/// numbers, and change by less than 1.
+/// Returns true if the line crosses the triangle with its origin moved by (10^-3, 10^-6, 10^-9): sides are
+/// whole numbers, and change by less than 1.
 bool is_crossed(const Triangle& s, const Ray& ray) {
   WholeVector o = in_units(ray.origin);
   o[0] += 1000000, o[1] += 1000, o[2] += 1;
@@ -64,7 +64,7 @@ bool is_crossed(const Triangle& s, const Ray& ray) {
   return (ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0);
 }
 
-/// The same of any numbers, which is that of stress_numerics.
+/// Returns true if the line crosses the triangle by the equation of stress_numerics, for any numbers.
 bool is_exactly_crossed(const Triangle& s, const Ray& ray) {
   return exact::TriangleEquation<exact::Number>(ray, s).is_crossed().value();
 }
@@ -73,7 +73,8 @@ Vec3 exact_normal(const Triangle& s) { return cross(s.b - s.a, s.c - s.a); }
 
 }  // namespace
 
-TEST_CASE("an edge the other way round is passed on the other side, whatever the sizes of numbers are") {
+TEST_CASE(
+    "an edge in the opposite direction is passed on the opposite side, whatever the sizes of numbers are") {
   Random random(5);
   const auto number = [&] {
     return std::ldexp(random.real(-1, 1), static_cast<int>(random.real(-1070, 1020)));
@@ -100,7 +101,7 @@ TEST_CASE("an edge the other way round is passed on the other side, whatever the
   CHECK(parallel < 5000);
 }
 
-TEST_CASE("a triangle is met where a ray passes all its edges on one side") {
+TEST_CASE("a triangle is hit if a ray passes all its edges on one side") {
   const Triangle right{{1, 1, 3}, {3, 1, 3}, {1, 3, 3}};
   const Triangle oblique{{0, 0, 2}, {4, 0, 2}, {2, 3, 4}};
   const auto along_z = [](double x, double y) { return Ray{{x, y, 0}, {0, 0, 1}}; };
@@ -146,8 +147,7 @@ TEST_CASE("a triangle is met where a ray passes all its edges on one side") {
   }
 }
 
-TEST_CASE(
-    "whether a ray crosses a triangle is exact, and at the outline as for an origin moved by a trifle") {
+TEST_CASE("hits of triangles are exact, and at the outline as for an infinitesimally moved origin") {
   Random random(31);
   int hits = 0, outline = 0, misjudged = 0, wrong = 0;
   for (int i = 0; i < 100000; ++i) {
@@ -165,12 +165,11 @@ TEST_CASE(
   }
   CHECK(hits > 3000);
   CHECK(outline > 1000);
-  CHECK(misjudged == 0);  // the two judges agree
+  CHECK(misjudged == 0);  // both references agree
   CHECK(wrong == 0);
 }
 
-TEST_CASE(
-    "a triangle is the same for all orders of its points, and for all sizes that powers of two give it") {
+TEST_CASE("hits of a triangle do not depend on the order of its vertices, and scale with powers of two") {
   Random random(32);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 5000; ++i) {
@@ -190,7 +189,7 @@ TEST_CASE(
   CHECK(wrong == 0);
 }
 
-TEST_CASE("each ray to an edge of two triangles hits exactly one of them") {
+TEST_CASE("a ray to the shared edge of two triangles hits exactly one of them") {
   Random random(33);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -198,10 +197,10 @@ TEST_CASE("each ray to an edge of two triangles hits exactly one of them") {
     const Point at = size * random.point(100), p = at + size * random.point(1),
                 q = at + size * random.point(1);
     const Vec3 side = size * random.point(1);
-    const Triangle one{p, q, p + side}, other{p, p - side, q};  // both ways along the edge, and only once
+    const Triangle one{p, q, p + side}, other{p, p - side, q};  // the edge in both directions
     const Point origin = at + size * random.point(20);
     const Ray ray{origin, p + random.real(0.01, 0.99) * (q - p) - origin};
-    // Seen from aside, so that one of them is not in front of the other.
+    // Both must face the ray with the same side, so that neither is in front of the other.
     const double seen = dot(ray.direction, exact_normal(one)) * dot(ray.direction, exact_normal(other));
     if (!(seen > 0)) continue;
     ++hits;
@@ -211,7 +210,7 @@ TEST_CASE("each ray to an edge of two triangles hits exactly one of them") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE("whether a ray passes next to an edge or a vertex is exact") {
+TEST_CASE("rays next to an edge or a vertex are decided exactly") {
   Random random(39);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -231,8 +230,7 @@ TEST_CASE("whether a ray passes next to an edge or a vertex is exact") {
   CHECK(wrong == 0);
 }
 
-TEST_CASE(
-    "a hit is as near to the triangle's plane as t says, however flat the ray, and however near its origin") {
+TEST_CASE("t is accurate for triangles, however flat the ray, and however near its origin") {
   Random random(34);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -240,11 +238,11 @@ TEST_CASE(
     Ray ray{random.point(5), random.direction()};
     const Point middle = (s.a + s.b + s.c) / 3.0;
     const double off = std::exp2(random.real(-50, 0));
-    if (i % 3 == 0) {  // flat, next to the plane
+    if (i % 3 == 0) {  // nearly parallel, close to the plane
       ray.origin = middle + 3.0 * (s.b - s.a) + off * random.point(1);
       ray.direction = middle + off * random.point(1) - ray.origin;
     }
-    if (i % 3 == 1) ray.origin = middle + off * random.point(0.1);  // steep, from next to it
+    if (i % 3 == 1) ray.origin = middle + off * random.point(0.1);  // steep, from close to the plane
     const auto t = s.intersect(ray, everywhere);
     if (!t) continue;
     ++hits;
@@ -257,7 +255,7 @@ TEST_CASE(
   CHECK(wrong == 0);
 }
 
-TEST_CASE("a triangle of numbers that are not finite is not met") {
+TEST_CASE("a triangle of numbers that are not finite is not hit") {
   const Triangle sound{{-1, -1, 3}, {1, -1, 3}, {0, 1, 3}};
   const Ray ray;
   REQUIRE(sound.intersect(ray));
@@ -284,8 +282,8 @@ TEST_CASE("the normal of a triangle is the unit vector along (b − a) × (c −
   const Triangle thin{Point{0}, {1, 1 + ulp, 0}, {1 - ulp, 1, 0.1}};
   CHECK(length(thin.normal_at(Point{0}) - normalize(Vec3{1 + ulp, -1, 10 * ulp * ulp})) < 1e-15);
 
-  // Far from the origin, and so thin that all digits of the differences cancel, or some are lost. Whole
-  // numbers of 2^-40 in [1, 2) make products of 82 bits at most.
+  // Far from the origin, and so thin that all digits of the differences cancel, or some are lost. Multiples
+  // of 2^-40 in [1, 2) have products of 82 bits at most.
   Random random(35);
   int wrong = 0;
   for (int i = 0; i < 5000; ++i) {
@@ -328,7 +326,7 @@ TEST_CASE("the bounds of a triangle hold its points, and are tight") {
   CHECK(bounds.max == Point{2, 5, 4});
 }
 
-TEST_CASE("a triangle is never met again by a ray that leaves it") {
+TEST_CASE("a ray that leaves a triangle never hits it again") {
   Random random(36);
   int hits = 0, wrong = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -350,7 +348,7 @@ TEST_CASE("triangles of one plane have equal departures, and so have the plane a
   Random random(37);
   int wrong = 0, tilted = 0, inexact = 0;
   for (int i = 0; i < 5000; ++i) {
-    // Points p + j u + k v of few digits. Those next to the origin have differences from others that do not
+    // Points p + j u + k v of few digits. Differences between points close to the origin and others do not
     // fit into a double.
     const bool is_near = i % 2 == 0;
     const Vec3 u = whole_vector(random, 3), v = whole_vector(random, 3);
@@ -394,7 +392,7 @@ TEST_CASE("triangles of one plane have equal departures, and so have the plane a
   CHECK(Triangle{{0, 0.1, 0}, {1, 0.1, 0}, {0, 0.1, 1}}.departure() == Plane{{0, 1, 0}, 0.1}.departure());
 }
 
-TEST_CASE("a picture of triangles is the same plain, accelerated and by tiles") {
+TEST_CASE("a picture of triangles is the same ray by ray, accelerated and by tiles") {
   Random random(38);
   Scene<Triangle, Plane> scene;
   scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, Color{0.5f});
@@ -410,7 +408,7 @@ TEST_CASE("a picture of triangles is the same plain, accelerated and by tiles") 
   CHECK(drawn.different == 0);
 }
 
-TEST_CASE("a triangle that makes no sense is refused") {
+TEST_CASE("an invalid triangle is refused") {
   const auto says = [](const Triangle& s) {
     return message_of<std::invalid_argument>([&] { s.validate(); });
   };
@@ -427,7 +425,7 @@ TEST_CASE("a triangle that makes no sense is refused") {
   CHECK_THAT(says({Point{0}, {1, 0, 0}, {0, 1e121, 0}}), ContainsSubstring("at most 2^400"));
 }
 
-TEST_CASE("the normal of a tiny sliver is that of exact arithmetic") {
+TEST_CASE("the normal of a tiny sliver equals that of exact arithmetic") {
   const double size = 0x1p-480;  // its square times that of an ulp is just above the least double
   const Triangle sliver{{1, 0, 0}, {1, size * (1 + ulp), size}, {1, size, size * (1 - ulp)}};
   CHECK(sliver.normal_at(sliver.a) == Vec3{-1, 0, 0});  // (1 + ulp) (1 − ulp) < 1

@@ -1,4 +1,4 @@
-// Which pixels triangles in front of the eye cover (accel/triangles_in_front.hpp).
+// Tests which pixels are covered by triangles in front of the eye (accel/triangles_in_front.hpp).
 #include <protostar/accel/triangles_in_front.hpp>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ using namespace protostar::simd;
 
 namespace {
 
-/// A tile of a picture, and where points are seen from its first pixel on.
+/// Tile of a picture, with the positions at which points are seen, relative to its first pixel.
 struct View {
   Camera camera;
   int width, height;
@@ -36,7 +36,7 @@ struct View {
     return {dot(v, screen.across) / z - screen.left, dot(v, screen.down) / z - screen.top};
   }
 
-  /// The point at a distance along the middle ray that is seen at a place.
+  /// Returns the point that is seen at a position, at the given distance along the middle ray.
   [[nodiscard]] Point at(const glm::dvec2& place, double distance) const {
     const Ray first = camera.through_pixel(tile.x0, tile.y0, width, height),
               right = camera.through_pixel(tile.x0 + 1, tile.y0, width, height),
@@ -58,14 +58,14 @@ View random_view(Random& random) {
       height, {x, y, std::min(width, x + 64), std::min(height, y + 64)});
 }
 
-/// The same triangle in all lanes.
+/// Returns one triangle, repeated in all lanes.
 std::array<Vectors, 3> everywhere(const Point& a, const Point& b, const Point& c) {
   return {Vectors(a), Vectors(b), Vectors(c)};
 }
 
 }  // namespace
 
-TEST_CASE("sides of triangles in front are off by less than their error, and that is not too much") {
+TEST_CASE("edge functions of triangles in front keep their error bound, and the bound is not too large") {
   Random random(61);
   int wrong = 0, known = 0;
   float largest = 0;
@@ -128,7 +128,7 @@ TEST_CASE("small triangles in one block cover the same pixels together and one b
     const auto block = triangles.small_in_one_block(some);
     wrong += (block.triangles & ~some) != 0 || (block.surely & ~block.maybe) != 0;
 
-    // Where the first of them begin, all of them are that fit.
+    // The block begins at the first column and row of all small triangles, and holds those that fit into it.
     constexpr int side = TrianglesInFront::Covered::side;
     Bits small = 0;
     int first_x = 1000, first_y = 1000;
@@ -162,7 +162,7 @@ TEST_CASE("small triangles in one block cover the same pixels together and one b
           put(x, y, sure, surely_alone), put(x, y, may, maybe_alone);
         });
     }
-    // From left to right, nothing is told to be covered but what is in the tile.
+    // Horizontally, only pixels inside the tile are reported as covered.
     std::uint64_t in_columns = 0, in_tile = 0;
     for (int row = 0; row < side; ++row) {
       in_columns |= std::uint64_t{first_bits(std::min(side, view.tile.width() - first_x))} << side * row;
@@ -200,12 +200,12 @@ TEST_CASE("corners are near if they are in front, and no more than seven times h
   }
   CHECK(!is_near(places, camera.position));
   CHECK(!is_near(places, Point{std::numeric_limits<double>::quiet_NaN(), 0, 1}));
-  // Of a triangle that is not all near nothing is known, and so it may be in the tile.
+  // Nothing is known of a triangle whose corners are not all near, so it may be in the tile.
   const TrianglesInFront behind(places,
                                 everywhere(view.at({3, 5}, 1), view.at({9, 5}, 1), view.at({3, 9}, -1)));
   CHECK(behind.known == 0);
   CHECK(behind.in_tile == first_bits(double_lanes));
-  // Where directions are known to less than that of a pixel, no corner is.
+  // No corner is near if directions are less accurate than the size of a pixel.
   Camera narrow;
   narrow.right *= 0x1p-22, narrow.up *= 0x1p-22;
   const View far(narrow, 64, 64, {0, 0, 64, 64});

@@ -16,16 +16,16 @@ constexpr double inf = std::numeric_limits<double>::infinity(),
                  not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double pi = std::numbers::pi;
 
-/// Whether long double can judge a double, as on x86.
+/// True if long double has enough digits to judge double, as on x86.
 constexpr bool has_judge = std::numeric_limits<long double>::digits >= 64;
 
-/// How far a number is from another, in units of its last place.
+/// Returns the distance of a number from the expected one, in units of its last place.
 double error(double x, long double expected) {
   const double unit = std::ldexp(1.0, std::max(std::ilogb(x), -1022) - 52);
   return static_cast<double>(std::abs(static_cast<long double>(x) - expected) / unit);
 }
 
-/// Sine and cosine by the C library, once quarter turns are taken off, which long double does exactly.
+/// Sine and cosine by the C library, after quarter turns are subtracted, which is exact in long double.
 struct Judge {
   long double sine, cosine;
   explicit Judge(double degrees) {
@@ -41,7 +41,7 @@ struct Judge {
 
 }  // namespace
 
-TEST_CASE("sine, cosine and tangent of the angles that everybody knows are exact") {
+TEST_CASE("sine, cosine and tangent of common angles are exact") {
   struct {
     double degrees, sine, cosine, tangent;
   } const rows[] = {{0, 0, 1, 0},       {90, 1, 0, inf},     {180, 0, -1, 0},
@@ -65,7 +65,7 @@ TEST_CASE("sine, cosine and tangent of the angles that everybody knows are exact
   }
 }
 
-TEST_CASE("sine, cosine and tangent are off by little more than their rounding") {
+TEST_CASE("sine, cosine and tangent have errors of little more than their rounding") {
   if (!has_judge) return;
   Random random(1);
   double most = 0;
@@ -81,7 +81,7 @@ TEST_CASE("sine, cosine and tangent are off by little more than their rounding")
   CHECK(most < 0.51);
 }
 
-TEST_CASE("the arc tangent knows all quarters, and axes and diagonals exactly") {
+TEST_CASE("the arc tangent covers all quadrants, and is exact on axes and diagonals") {
   struct {
     double y, x, angle;
   } const rows[] = {
@@ -96,7 +96,7 @@ TEST_CASE("the arc tangent knows all quarters, and axes and diagonals exactly") 
   }
 }
 
-TEST_CASE("the arc cosine of 1, 0 and −1 is exact, and beyond ±1 it is that of ±1") {
+TEST_CASE("the arc cosine of 1, 0 and −1 is exact, and beyond ±1 equals that of ±1") {
   CHECK(arc_cosine(1) == 0);
   CHECK(arc_cosine(0) == pi / 2);
   CHECK(arc_cosine(-0.0) == pi / 2);
@@ -107,12 +107,12 @@ TEST_CASE("the arc cosine of 1, 0 and −1 is exact, and beyond ±1 it is that o
   CHECK(arc_cosine(-inf) == pi);
 }
 
-TEST_CASE("arc tangent and arc cosine are off by little more than their rounding") {
+TEST_CASE("arc tangent and arc cosine have errors of little more than their rounding") {
   if (!has_judge) return;
   Random random(2);
   double most = 0;
   for (int i = 0; i < 20000; ++i) {
-    // Of about 1; of any sizes; and both huge or tiny, where sums overflow and products vanish.
+    // Sizes of about 1, of any magnitude, and both huge or tiny, where sums overflow and products vanish.
     const double size = i % 3 == 0 ? 0 : i % 3 == 1 ? random.real(-400, 400) : i % 2 == 0 ? 1023.5 : -1020;
     const double y = random.real(-1, 1) * std::exp2(size),
                  x = random.real(-1, 1) * std::exp2(i % 3 == 1 ? random.real(-400, 400) : size);
@@ -125,7 +125,7 @@ TEST_CASE("arc tangent and arc cosine are off by little more than their rounding
   CHECK(most < 0.51);
 }
 
-TEST_CASE("an angle of what is not finite is not a number") {
+TEST_CASE("angles of numbers that are not finite are NaN") {
   for (const double bad : {inf, -inf, not_a_number}) {
     CHECK(std::isnan(sine_of_degrees(bad)));
     CHECK(std::isnan(cosine_of_degrees(bad)));
@@ -136,7 +136,7 @@ TEST_CASE("an angle of what is not finite is not a number") {
   CHECK(std::isnan(arc_cosine(not_a_number)));
 }
 
-// Where sine, cosine and their like were taken from the C library, these would be the first to tell.
+// These values would differ between machines if the functions came from the C library.
 TEST_CASE("angles have the same bits on every machine") {
   CHECK(tangent_of_degrees(20) == 0x1.74b49cf3902d4p-2);
   CHECK(tangent_of_degrees(26.56505117707799) == 0x1.0000000000000p-1);

@@ -15,7 +15,7 @@ using exact::Number;
 
 namespace {
 
-/// A number in both ways.
+/// Number as a ball and as an exact number.
 struct Both {
   exact::Ball ball;
   Number exact;
@@ -25,13 +25,13 @@ Both operator-(const Both& a, const Both& b) { return {a.ball - b.ball, a.exact 
 Both operator*(const Both& a, const Both& b) { return {a.ball * b.ball, a.exact * b.exact}; }
 Both both(double x) { return {x, x}; }
 
-/// A number of any of many sizes.
+/// Returns a random number in (−1, 1) times a random power of two from 2^-60 to 2^59.
 Both any(Random& random) {
   const double mantissa = random.real(-1, 1);
   return both(std::ldexp(mantissa, static_cast<int>(random.bits() % 120) - 60));
 }
 
-/// What is left of a number that lost its last digits: off by up to as much as it may be.
+/// Returns a number that has lost its last digits, with an error up to its bound.
 Both uncertain(Random& random) {
   const Both large = both(std::ldexp(1, static_cast<int>(random.bits() % 110))), small = any(random);
   return large + small * any(random) - large;
@@ -39,7 +39,7 @@ Both uncertain(Random& random) {
 
 }  // namespace
 
-TEST_CASE("a number of 128 digits is off by no more than it says, or says that it is unknown") {
+TEST_CASE("numbers of 128 digits keep their error bound, or are reported as unknown") {
   Random random(1);
   int known = 0, unknown = 0, wrong = 0;
   const auto look = [&](const Both& x) {
@@ -72,7 +72,7 @@ TEST_CASE("a number of 128 digits is off by no more than it says, or says that i
   CHECK(unknown > 5000);
 }
 
-TEST_CASE("a number of 128 digits of which none is left is unknown, and one that is 0 is 0") {
+TEST_CASE("a number of 128 digits is unknown if none of them is certain, and 0 is known") {
   const exact::Ball one = 1.0, tiny = 0x1p-200, small = 0x1p-100;
   CHECK((one + small - one).is_known());
   CHECK((one + small - one).may_be(0x1p-100));
@@ -87,27 +87,27 @@ TEST_CASE("a number of 128 digits of which none is left is unknown, and one that
   CHECK(exact::Ball(-0x1.fffffffffffffp+1023).may_be(-0x1.fffffffffffffp+1023));
 }
 
-TEST_CASE("what 128 digits cannot tell, exact numbers tell") {
-  // The ray passes the sphere by 2^-200 of its radius, or meets it as deep.
+TEST_CASE("exact numbers decide cases that 128 digits leave in doubt") {
+  // The ray misses the sphere by about 2^-200, or hits it by as much.
   const Sphere sphere{.center = {0, 0, 3}, .radius = 1};
   for (const double off : {-0x1p-200, 0x1p-200}) {
     const Ray ray{.origin = {1, off, 0}, .direction = {off, 0, 1}};
     CHECK_FALSE(exact::first_level(ray, sphere, false));
     CHECK(exact::truth_of(ray, sphere, false).count == (off < 0 ? 2 : 0));
   }
-  // The origin is as near to the plane.
+  // The origin is 2^-200 in front of the plane.
   const Plane plane{.normal = {1, 1, 0}, .distance = 1};
   const Ray ray{.origin = {1, 0x1p-200, 0}, .direction = {0, -1, 0}};
   CHECK_FALSE(exact::first_level(ray, plane, false));
   CHECK(exact::truth_of(ray, plane, false).root[0].t == 0x1p-200L);
-  // The ray passes an edge of the parallelogram, or meets it, as near to that.
+  // The ray misses the parallelogram at an edge by about 2^-200, or hits it by as much.
   const Parallelogram parallelogram{.position = {0, 0, 3}, .edge_u = {1, 0, 0}, .edge_v = {0, 1, 0}};
   for (const double off : {-0x1p-200, 0x1p-200})
     for (const Ray& to_edge : {Ray{{1, 0.5, 0}, {off, 0, 1}}, Ray{{0.5, 1, 0}, {0, off, 1}}}) {
       CHECK_FALSE(exact::first_level(to_edge, parallelogram, false));
       CHECK(exact::truth_of(to_edge, parallelogram, false).count == (off < 0 ? 1 : 0));
     }
-  // And an edge of the triangle.
+  // The ray misses the triangle at an edge by about 2^-200, or hits it by as much.
   const Triangle triangle{{0, 0, 3}, {1, 0, 3}, {0, 1, 3}};
   for (const double off : {-0x1p-200, 0x1p-200}) {
     const Ray to_edge{{0.5, -2.5, 0}, {off, 1, 1}};
@@ -118,7 +118,7 @@ TEST_CASE("what 128 digits cannot tell, exact numbers tell") {
 
 namespace {
 
-/// The true roots of a ray, which both levels have to agree on where the first knows them.
+/// Returns the true roots of a ray; checks that the first level agrees with them where it decides.
 std::vector<double> true_roots(const Ray& ray, const auto& surface, bool leaves = false) {
   CHECK(exact::wrong_in_first_level(ray, surface, leaves) == nullptr);
   std::vector<double> roots;
@@ -129,7 +129,7 @@ std::vector<double> true_roots(const Ray& ray, const auto& surface, bool leaves 
 
 }  // namespace
 
-TEST_CASE("the truth of an instance is that of the surface's image") {
+TEST_CASE("the true roots of an instance are those of the transformed surface") {
   using Roots = std::vector<double>;
   const Affine stretched = Affine{}.scaled_by({1, 1, 2}).moved_by({0, 0, 5});
   const Ray along_z{{0, 0, 0}, {0, 0, 1}};
@@ -142,15 +142,15 @@ TEST_CASE("the truth of an instance is that of the surface's image") {
   CHECK(true_roots({{1, 0, 0}, {0, 0, 1}}, Placed(Plane{{1, 0, 0}, 0}, sheared)) == Roots{4});
 }
 
-TEST_CASE("the truth of a triangle at its outline is that for an origin that is moved a bit") {
+TEST_CASE("the true roots of a triangle at its outline are those for an infinitesimally moved origin") {
   using Roots = std::vector<double>;
   const Triangle right{{0, 0, 3}, {1, 0, 3}, {0, 1, 3}}, turned{right.a, right.c, right.b};
   for (const Triangle& s : {right, turned}) {
     CHECK(true_roots({{0.25, 0.25, 0}, {0, 0, 2}}, s) == Roots{1.5});
     CHECK(true_roots({{0.25, 0.25, 0}, {0, 0, -2}}, s) == Roots{-1.5});
-    CHECK(true_roots({{0, 0.5, 0}, {0, 0, 1}}, s) == Roots{3});  // to the right of an edge
-    CHECK(true_roots({{0.5, 0, 0}, {0, 0, 1}}, s) == Roots{3});  // above one
-    CHECK(true_roots({{0, 0, 0}, {0, 0, 1}}, s) == Roots{3});    // and both
+    CHECK(true_roots({{0, 0.5, 0}, {0, 0, 1}}, s) == Roots{3});  // on the edge x = 0
+    CHECK(true_roots({{0.5, 0, 0}, {0, 0, 1}}, s) == Roots{3});  // on the edge y = 0
+    CHECK(true_roots({{0, 0, 0}, {0, 0, 1}}, s) == Roots{3});    // on both edges
     CHECK(true_roots({{0.5, 0.5, 0}, {0, 0, 1}}, s).empty());
     CHECK(true_roots({{1, 0, 0}, {0, 0, 1}}, s).empty());
     CHECK(true_roots({{0, 1, 0}, {0, 0, 1}}, s).empty());
@@ -160,7 +160,7 @@ TEST_CASE("the truth of a triangle at its outline is that for an origin that is 
   CHECK(true_roots({{0.25, 0.25, 0}, {0, 0, 1}}, Triangle{right.a, right.b, right.b}).empty());
 }
 
-TEST_CASE("the truth of a tree is where its inside ends, and faces in common are none") {
+TEST_CASE("the true roots of a CSG tree are where its inside ends, and not at shared faces") {
   using Roots = std::vector<double>;
   using Operation = Csg::Operation;
   const auto with = [](Operation operation, const SolidTree::Solid& a, const SolidTree::Solid& b) {

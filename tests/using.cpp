@@ -1,4 +1,4 @@
-// What docs/using.md promises of its programs.
+// Tests of the promises that docs/using.md makes about its programs.
 #define main lens_example  // the programs are run as examples
 #include "examples/lens.cpp"
 #undef main
@@ -16,9 +16,9 @@
 
 namespace {
 
-/// Where f(t) = F(origin + t · direction) changes its sign from t = 0 on, as its values at places 0.005 apart
-/// tell for a unit direction and an origin in the box. is_sure, unless they may have missed something: two
-/// crossings between two places, or one next to the origin or to the end of the box.
+/// Sign changes of f(t) = F(origin + t · direction) for t > 0, found from values at steps of 0.005, for a
+/// unit direction and an origin in the box. is_sure unless some may have been missed: two crossings within a
+/// step, or one next to the origin or to the end of the box.
 struct Changes {
   std::vector<double> t;
   bool is_sure = true;
@@ -27,7 +27,7 @@ struct Changes {
 Changes changes_along(const Waves& waves, const Ray& ray, bool leaves) {
   constexpr double step = 0.005;
   const double bend =
-      waves.height * step * step;  // twice of what f deviates from its tangent, since |f''| <= height
+      waves.height * step * step;  // twice the deviation of f from its tangent, since |f''| <= height
   const auto slope_at = [&](double t) { return dot(waves.gradient(ray.at(t)), ray.direction); };
   Changes changes;
   double before = leaves ? slope_at(0) : waves.F(ray.origin);
@@ -51,7 +51,7 @@ Changes changes_along(const Waves& waves, const Ray& ray, bool leaves) {
 }  // namespace
 
 TEST_CASE(
-    "a marched surface is met where its equation changes sign, and left for good or until it does again") {
+    "a marched surface is hit where its equation changes sign, and after leaving it at the next change") {
   Scene<Waves> scene;
   scene.add(Waves{}, Color{1});
   const Waves& waves = scene.surfaces<Waves>()[0];
@@ -80,12 +80,12 @@ TEST_CASE(
     if (const auto hit = scene.intersect(ray))
       check(hit->leave(normalize(random.direction() * Vec3{1, 0.25, 1})), true);
   }
-  // Rays without a crossing, with one, and with more.
+  // Rays without a crossing, with one, and with several.
   for (const auto& row : crossings)
     for (const int rays : row) CHECK(rays > 100);
 }
 
-TEST_CASE("a ray that leaves a marched surface does not meet it where it starts, at any angle") {
+TEST_CASE("a ray that leaves a marched surface does not hit it where it starts, at any angle") {
   Scene<Waves> scene;
   scene.add(Waves{}, Color{1});
   Random random(21);
@@ -94,7 +94,7 @@ TEST_CASE("a ray that leaves a marched surface does not meet it where it starts,
     const auto hit = scene.intersect(
         {.origin = Point{random.real(-9, 9), 2, random.real(-9, 9)}, .direction = {0, -1, 0}});
     REQUIRE(hit);
-    // Up from a crest and down from a trough the waves bend away from their tangent plane.
+    // Above a crest and below a trough, the waves bend away from their tangent plane.
     const Point p = hit->point();
     const bool is_crest = std::sin(p.x) > 0.05 && std::sin(p.z) > 0.05,
                is_trough = std::sin(p.x) < -0.05 && std::sin(p.z) < -0.05;
@@ -102,13 +102,13 @@ TEST_CASE("a ray that leaves a marched surface does not meet it where it starts,
     const Vec3 n = hit->normal(), along = normalize(cross(n, random.direction()));
     const Vec3 direction = along + std::exp2(random.real(-40, 0)) * (is_crest ? n : -n);
     const auto again = scene.intersect(hit->leave(direction));
-    CHECK_FALSE((again && again->t < 0.02));  // so near, it is above the crest or below the trough
+    CHECK_FALSE((again && again->t < 0.02));  // up to there, it is above the crest or below the trough
     ++left;
   }
   CHECK(left > 5000);
 }
 
-TEST_CASE("what is in focus is at one place in all passes of a lens, and tiles draw each pass") {
+TEST_CASE("points in focus are at one place in all passes of a lens, and tiles draw each pass") {
   Random random(22);
   Scene<Sphere, Plane> scene;
   scene.add(Sphere{.center = {0, 0, 5}, .radius = 1}, Material{.diffuse = Color{1}, .reflect = 0.5});

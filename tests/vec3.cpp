@@ -20,7 +20,7 @@ TEST_CASE("vectors are added, scaled and multiplied by component") {
   CHECK(u * v == Vec3{4, -10, 18});
 }
 
-TEST_CASE("the products and the length are those of geometry, and need no prefix") {
+TEST_CASE("products and lengths of vectors are those of geometry, and need no namespace prefix") {
   const Vec3 u{1, 2, 3}, v{4, -5, 6};
   CHECK(dot(u, v) == 12);
   CHECK(cross(Vec3{1, 0, 0}, Vec3{0, 1, 0}) == Vec3{0, 0, 1});
@@ -39,7 +39,7 @@ TEST_CASE("a vector is finite if all of its components are") {
   }
 }
 
-TEST_CASE("light is finite and not negative in every channel") {
+TEST_CASE("is_light accepts only channels that are finite and not negative") {
   const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
   CHECK(is_light(Color{0, 0.5f, 1000}));
   for (const float bad : {inf, -inf, nan, -1e-9f}) {

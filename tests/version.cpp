@@ -3,7 +3,7 @@
 
 #include "support/catch.hpp"
 
-TEST_CASE("the version as text is made of its numbers") {
+TEST_CASE("the version text consists of the version numbers") {
   CHECK(std::string{PROTOSTAR_VERSION} == std::to_string(PROTOSTAR_VERSION_MAJOR) + "." +
                                               std::to_string(PROTOSTAR_VERSION_MINOR) + "." +
                                               std::to_string(PROTOSTAR_VERSION_PATCH));

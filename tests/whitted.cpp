@@ -28,7 +28,7 @@ bool near(const Color& a, const Color& b) {
   return difference.r <= 1e-6f * size.r && difference.g <= 1e-6f * size.g && difference.b <= 1e-6f * size.b;
 }
 
-/// Walls across z, each of a material.
+/// Returns a scene of walls orthogonal to z, each with its material, and a sky.
 Scene<Plane> walls(const std::vector<std::pair<double, Material>>& all) {
   Scene<Plane> scene;
   scene.set_sky(sky);
@@ -36,7 +36,7 @@ Scene<Plane> walls(const std::vector<std::pair<double, Material>>& all) {
   return scene;
 }
 
-/// Something that shines by itself, as ambient light makes it.
+/// Returns the scene with ambient light of 1, in which surfaces shine in their diffuse color.
 Scene<Plane> shining(Scene<Plane> scene) {
   scene.add(AmbientLight{Color{1}});
   return scene;
@@ -46,7 +46,7 @@ Color seen(const auto& scene, int depth = 10, const Ray& ray = ahead) {
   return WhittedIntegrator{.depth = depth}.radiance(ray, scene);
 }
 
-/// Counts the questions that a scene is asked.
+/// Scene that counts its queries.
 struct Counting {
   const Scene<Plane>& scene;
   mutable int rays = 0, shadow_rays = 0;
@@ -65,7 +65,7 @@ struct Counting {
 static_assert(Traceable<Counting>);
 }  // namespace
 
-TEST_CASE("a mirror turns a direction around what is along its normal") {
+TEST_CASE("reflection reverses the component of a direction along the normal") {
   const Vec3 up{0, 1, 0}, slant = normalize(Vec3{1, 1, 0});
   CHECK(reflected({0.6, -0.8, 0}, up) == Vec3{0.6, 0.8, 0});
   CHECK(reflected({0, -1, 0}, up) == Vec3{0, 1, 0});
@@ -80,10 +80,10 @@ TEST_CASE("a mirror turns a direction around what is along its normal") {
   }
 }
 
-TEST_CASE("refraction is Snell's: the sines of the angles are as the indices") {
+TEST_CASE("refraction obeys Snell's law") {
   struct {
-    double degrees, ratio;  // of the angle before the surface, and of the indices
-    double behind;          // the angle behind it; 90 and more: none
+    double degrees, ratio;  // angle of incidence, and ratio of the indices
+    double behind;          // angle of refraction; 90 and more: none
   } const rows[] = {
       {0, 1 / 1.5, 0},
       {30, 1 / 1.5, 19.471220634490691},
@@ -112,47 +112,47 @@ TEST_CASE("refraction is Snell's: the sines of the angles are as the indices") {
   }
 }
 
-TEST_CASE("a mirror adds its share of what it shows") {
+TEST_CASE("a mirror adds its share of the mirrored light") {
   const Material wall{.diffuse = {0.5f, 0.25f, 0}};
   auto scene = shining(walls({{3, {.reflect = 0.5}}, {-2, wall}}));
   CHECK(seen(scene) == 0.5f * wall.diffuse);
   CHECK(seen(walls({{3, {.reflect = 0.5}}})) == 0.5f * sky);
   CHECK(seen(walls({{3, {.reflect = 2}}})) == 2.0f * sky);  // no further weights
-  // What the mirror itself sends is added.
+  // The mirror's own diffuse light is added.
   scene = shining(walls({{3, {.diffuse = {0, 0, 1}, .reflect = 0.5}}, {-2, wall}}));
   CHECK(seen(scene) == Color{0, 0, 1} + 0.5f * wall.diffuse);
 }
 
-TEST_CASE("a share too small for a float is none, however bright the mirror image") {
+TEST_CASE("a share too small for a float counts as 0, however bright the mirror image") {
   const float most = std::numeric_limits<float>::max();
   for (const Material& faint : {Material{.diffuse = Color{0.5f}, .reflect = 1e-60},
                                 Material{.diffuse = Color{0.5f}, .refract = 1e-60, .ior = 1}}) {
-    // Twice the largest float is more than there is.
+    // Ambient light makes the color of the other walls twice the largest float, which overflows.
     Scene<Plane> scene = walls({{2, faint}, {-1, {.diffuse = Color{most}}}, {3, {.diffuse = Color{most}}}});
     scene.add(AmbientLight{Color{2}});
     CHECK(seen(scene) == Color{1});
   }
 }
 
-TEST_CASE("a mirror shows what is where the ray is reflected to") {
+TEST_CASE("a mirror shows the surface that the reflected ray hits") {
   Scene<Plane, Sphere> scene;
   scene.add(AmbientLight{Color{1}});
   scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, Material{.reflect = 1});
   scene.add(Sphere{.center = {4, 2, 0}, .radius = 0.25}, Color{1, 0, 0});
-  // (0, 2, 0) and the mirror image (4, −4, 0) of the center: the way to it meets the ground at (2, −1, 0).
+  // The line from (0, 2, 0) to the mirror image (4, −4, 0) of the center crosses the ground at (2, −1, 0).
   CHECK(seen(scene, 10, {{0, 2, 0}, {4, -6, 0}}) == Color{1, 0, 0});
   CHECK(seen(scene, 10, {{0, 2, 0}, {4, -5, 0}}) == Color{0});
   CHECK(seen(scene, 10, {{0, 2, 0}, {0.004, -0.006, 0}}) == Color{1, 0, 0});
 }
 
 TEST_CASE("glass bends a ray where it enters and where it leaves") {
-  // A ball of glass: a ray at a height h enters at the angle a with sin a = h, goes on at b with
-  // sin b = h/1.5, and has turned by 2(a − b) in all.
+  // Glass ball: a ray at a height h enters at the angle a with sin a = h, continues at b with sin b = h/1.5,
+  // and has turned by 2(a − b) in all.
   const Material glass{.refract = 1};
   for (const double h : {0.0, 0.25, 0.5, 0.9, -0.7}) {
     CAPTURE(h);
     const double a = std::asin(h), b = std::asin(h / 1.5), turned = 2 * (a - b);
-    // Where it leaves, seen from the center, and where to.
+    // Point where the ray leaves, relative to the center, and its direction there.
     const Point out{0, std::sin(2 * b - a), std::cos(2 * b - a)};
     const Vec3 onward{0, -std::sin(turned), std::cos(turned)};
     Scene<Sphere> scene;
@@ -165,8 +165,8 @@ TEST_CASE("glass bends a ray where it enters and where it leaves") {
   }
 }
 
-TEST_CASE("inside and outside are told by the surface's own normal") {
-  // Water below the plane, and a lamp where Snell sends the ray.
+TEST_CASE("the surface's own normal tells inside from outside") {
+  // Water below the plane, and a lamp in the direction given by Snell's law.
   const Material water{.refract = 1, .ior = 1.33};
   const double a = 40 * degree, b = std::asin(std::sin(a) / 1.33);
   const Vec3 above{std::sin(a), -std::cos(a), 0}, below{std::sin(b), -std::cos(b), 0};
@@ -174,7 +174,7 @@ TEST_CASE("inside and outside are told by the surface's own normal") {
     for (const double sign : {1.0, -1.0}) {  // a normal that points down makes the upper side the inside
       const Vec3 d = enters == (sign > 0) ? above : Vec3{below.x, below.y, 0};
       const Vec3 onward = enters == (sign > 0) ? below : above;
-      const double flip = enters ? 1 : -1;  // the same from below
+      const double flip = enters ? 1 : -1;  // mirrored for rays from below
       Scene<Plane, Sphere> scene;
       scene.add(AmbientLight{Color{1}});
       scene.add(Plane{.normal = {0, sign, 0}, .distance = 0}, water);
@@ -186,22 +186,22 @@ TEST_CASE("inside and outside are told by the surface's own normal") {
     }
 }
 
-TEST_CASE("total reflection adds nothing, and what is reflected is the mirror's") {
+TEST_CASE("total reflection refracts no light, and leaves the mirror's share unchanged") {
   Scene<Sphere> scene;
   scene.set_sky(sky);
   scene.add(Sphere{}, Material{.refract = 1, .ior = 1.5});
-  // From within, at an angle whose sine is 0.8 > 1/1.5.
+  // From inside, at an angle whose sine is 0.8 > 1/1.5.
   CHECK(seen(scene, 10, {{0.8, 0, 0}, {0, 0, 1}}) == Color{0});
   CHECK(seen(scene, 10, {{0.6, 0, 0}, {0, 0, 1}}) == sky);
   Scene<Sphere> mirroring;
   mirroring.set_sky(sky);
   mirroring.add(Sphere{}, Material{.reflect = 0.5, .refract = 1, .ior = 1.5});
-  // Along the wall at one angle all the time, so that only the path's end brings light.
+  // Each reflection is at the same angle, and total, so only the path's end brings light.
   CHECK(seen(mirroring, 3, {{0.8, 0, 0}, {0, 0, 1}}) == 0.125f * sky);
 }
 
-TEST_CASE("a path of so many rays is cut, and sees the sky") {
-  // Between two mirrors there is no end.
+TEST_CASE("a path ends after as many rays as depth says, and sees the sky") {
+  // A path between two mirrors never ends.
   const auto scene = walls({{3, {.diffuse = Color{0}, .reflect = 0.5}}, {-2, {.reflect = 0.5}}});
   CHECK(seen(scene, 0) == sky);
   float share = 1;
@@ -209,12 +209,12 @@ TEST_CASE("a path of so many rays is cut, and sees the sky") {
     share /= 2;
     CHECK(seen(scene, depth) == share * sky);
     const Counting counting{scene};
-    CHECK(seen(counting, depth) == Color{0});  // it has no sky
+    CHECK(seen(counting, depth) == Color{0});  // Counting has no sky
     CHECK(counting.rays == depth);
   }
 }
 
-TEST_CASE("a depth that no path can have is refused, by render before the first ray") {
+TEST_CASE("an invalid depth is refused, by render before the first ray") {
   const auto scene = walls({{3, {.reflect = 0.5}}, {-2, {.reflect = 0.5}}});
   for (const int depth : {-3, -1, std::numeric_limits<int>::min(), 1001, 1'000'000}) {
     const WhittedIntegrator integrator{.depth = depth};
@@ -228,7 +228,7 @@ TEST_CASE("a depth that no path can have is refused, by render before the first 
     CHECK(message_of<std::invalid_argument>(
               [&] { render(image, Camera{}, accelerate(scene), integrator); }) == sentence);
     CHECK(image(1, 1) == Color{0});
-    // Without render, a depth below 0 is met where a path ends.
+    // Without render, a depth below 0 is refused where a path ends.
     if (depth < 0) CHECK(message_of<std::invalid_argument>([&] { seen(scene, depth); }) == sentence);
   }
   CHECK_NOTHROW(WhittedIntegrator{.depth = 0}.validate());
@@ -236,7 +236,7 @@ TEST_CASE("a depth that no path can have is refused, by render before the first 
   CHECK(seen(scene, 1000) == Color{0});  // shares of 2^-1000, on the stack of this thread
 }
 
-TEST_CASE("what adds nothing is not asked about") {
+TEST_CASE("rays that cannot add light are not traced") {
   const Point light{0, 0, 1};
   const auto asked = [&](const Material& material, const auto& lamp) {
     auto scene = walls({{3, material}});
@@ -264,7 +264,7 @@ TEST_CASE("what adds nothing is not asked about") {
 }
 
 TEST_CASE("Phong's highlight: E⊥ times the cosine, to a power, between the eye and the reflected light") {
-  // The ray meets the wall at (0, 0, 3) head-on, so that the cosine is that of the light's angle.
+  // The ray hits the wall at (0, 0, 3) head-on, so the cosine is that of the light's angle.
   struct {
     double degrees, shininess;
   } const rows[] = {{0, 50}, {10, 50}, {45, 1},   {45, 2},   {45, 0.5}, {60, 10}, {80, 3},
@@ -279,8 +279,8 @@ TEST_CASE("Phong's highlight: E⊥ times the cosine, to a power, between the eye
     CHECK(near(seen(scene), lobe * Color{3, 1.5f, 1}));
   }
 
-  // At a slant: brightest where the light is in the mirror's direction.
-  const Ray slant{{-3, 0, 0}, {1, 0, 1}};  // meets the wall at (0, 0, 3)
+  // Oblique ray: brightest if the light is in the mirror's direction.
+  const Ray slant{{-3, 0, 0}, {1, 0, 1}};  // hits the wall at (0, 0, 3)
   const auto highlight = [&](const Vec3& to_light) {
     auto scene = walls({{3, {.specular = Color{1}, .shininess = 2}}});
     scene.add(DirectionalLight{.direction = to_light, .intensity = Color{1}});
@@ -294,15 +294,15 @@ TEST_CASE("Phong's highlight: E⊥ times the cosine, to a power, between the eye
   CHECK(highlight({1, 0, 0.5}) == Color{0});     // behind the surface
 }
 
-TEST_CASE("a highlight has the float nearest to the power of its cosine") {
-  // Long double judges where it has more digits than double.
+TEST_CASE("a highlight is the float nearest to the power of its cosine") {
+  // Long double is the reference if it has more digits than double.
   if (std::numeric_limits<long double>::digits < 64) return;
   Random random(5);
   for (const double shininess :
        {0.0, 0.3, 1.0, 2.0, 3.0, 10.0, 12.5, 50.0, 125.0, 1425.0, 60001.0, 65536.0, 65537.0}) {
     CAPTURE(shininess);
     int wrong = 0;
-    // Where the power is much below 1, and double is the least certain, one in thousands is in doubt.
+    // If the power is much below 1, where double is least certain, one in thousands is in doubt.
     for (int i = 0; i < (shininess == 60001 ? 50000 : 500); ++i) {
       const double height = 1 - random.real(0, std::min(1.0, 90 / shininess));
       const DirectionalLight lamp{.direction = {std::sqrt(1 - height * height), 0, -height},
@@ -329,7 +329,7 @@ TEST_CASE("a highlight falls off with a lamp's distance as its light does, witho
 
 TEST_CASE("a light that is hidden adds nothing; ambient light is everywhere") {
   const Material matte{.diffuse = {0.5f, 0.25f, 1}, .specular = Color{1}, .shininess = 0};
-  for (const double z : {2.0, 4.0, 20.0}) {  // of a ball; the light is at z = 1, the wall at z = 3
+  for (const double z : {2.0, 4.0, 20.0}) {  // position of a ball; the light is at z = 1, the wall at z = 3
     Scene<Plane, Sphere> scene;
     scene.add(Plane{.normal = {0, 0, -1}, .distance = -3}, matte);
     scene.add(Sphere{.center = {0, 0, z}, .radius = 0.25}, Color{1});
@@ -365,7 +365,7 @@ TEST_CASE("surfaces without a mirror or glass look as they do under ShadowIntegr
   CHECK(differing == 0);
 }
 
-TEST_CASE("a ray's length changes nothing") {
+TEST_CASE("the length of a ray's direction does not change its light") {
   auto scene = shining(
       walls({{3, {.specular = Color{1}, .shininess = 5, .reflect = 0.5}}, {-2, {.diffuse = {1, 0, 0}}}}));
   scene.add(ConstantLight{.position = {1, 0, 0}, .intensity = Color{1}});

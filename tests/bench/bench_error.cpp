@@ -1,11 +1,11 @@
-// Run time against error: of ways to intersect a sphere, and of pictures.
+// Run time against error, for algorithms to intersect a sphere and for pictures.
 //
 //   bench_error [--runs N] [--threads N] [--csv FILE] [--svg FILE] [--quick]
 //
-// A kernel is judged by exact arithmetic, on cases whose numbers float holds, so that what a kernel in float
-// gets wrong is its own doing. A picture is judged by the light that truly falls on each of 640 × 480 pixels,
-// the average over its area; a picture of fewer pixels is shown in larger ones. "front" marks what nothing
-// beats in both, time and error.
+// A kernel is judged by exact arithmetic, on cases whose numbers float holds, so that all errors of a kernel
+// in float are its own. A picture is judged by the true light on each of 640 × 480 pixels, the average over
+// its area; a picture of fewer pixels is shown in larger ones. "front" marks the Pareto front of time and
+// error.
 #include "bench_error.hpp"
 
 namespace {

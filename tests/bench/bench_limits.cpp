@@ -1,9 +1,9 @@
-// What the time of pictures and rays consists of: roots and quotients, and waiting for memory.
+// Measures what limits the time of pictures and rays: roots and quotients, and waiting for memory.
 //
 //   bench_limits [--runs N] [--csv FILE] [--quick]
 //
-// A picture of first hits needs a square root and a quotient of double for its direction, and another pair
-// for the t of what is met; these are what a processor does slowly. What is asked again at once finds all
+// A picture of closest hits needs a square root and a quotient of double for each direction, and another pair
+// for the t of each hit; these are slow operations of a processor. A query that is repeated at once finds all
 // that it needs in the cache.
 #include <array>
 #include <functional>
@@ -50,19 +50,19 @@ void fill(Image& image, const Camera& camera, const auto& color) {
   }
 }
 
-/// Black pixels.
+/// Writes black pixels.
 struct Written {
   static Vectors direction(const simd::PixelRays&, int, int) { return Vec3{0}; }
   static Colors of(const Vectors& d) { return Colors(d); }
 };
 
-/// Directions as colors: a root and a quotient for each packet.
+/// Writes directions as colors: a root and a quotient for each packet.
 struct Directions {
   static Vectors direction(const simd::PixelRays& rays, int x, int y) { return rays.directions(x, y); }
   static Colors of(const Vectors& d) { return Colors(d); }
 };
 
-/// And another root and another quotient, of numbers as they are for a sphere.
+/// Takes another root and another quotient for each packet, of numbers as they are for a sphere.
 struct Hits : Directions {
   static Colors of(const Vectors& d) {
     const Doubles b = dot(d, Vectors(Vec3{0, 0, 3})), c = 8.0, q = b + sqrt(abs(b * b - c));
@@ -90,8 +90,8 @@ void pictures(const bench::Options& options) {
 
 // ---- Many spheres, and meshes of many triangles
 
-/// A row of works on so many rays: all once, and each part twice in turn. What that takes longer is what the
-/// second time takes, with everything at hand.
+/// Prints a row for a work on a number of rays: all once, and each part twice in turn. The difference is the
+/// time of the second pass, with everything in the cache.
 void row(Table& table, const bench::Options& options, const std::string& name, double rays,
          const std::function<void(int times)>& work) {
   const Times times(options, {[&] { work(1); }, [&] { work(2); }});
@@ -104,8 +104,8 @@ void row(Table& table, const bench::Options& options, const std::string& name, d
   table.row({name, ns(times.seconds(0)), ns(bench::median(again)), number(bench::median(share))});
 }
 
-/// The tiles of a picture, each a picture of its own: up to 2048 surfaces all are looked at anew for each,
-/// which both times take.
+/// Measures the tiles of a picture, each as a picture of its own: up to 2048 surfaces, all are tested anew
+/// for each tile, in both passes.
 void camera_rays(Table& table, const bench::Options& options, const std::string& name, const Camera& camera,
                  const auto& traced, const auto& integrator) {
   constexpr int tile = 64;
@@ -119,8 +119,8 @@ void camera_rays(Table& table, const bench::Options& options, const std::string&
   });
 }
 
-/// Rays of any direction, one by one, in parts of 256; from points inside a box around all surfaces, and from
-/// beyond them, to where nothing is.
+/// Measures rays of any direction, one by one, in parts of 256; from points inside a box around all surfaces,
+/// and from beyond them, to where nothing is.
 void single_rays(Table& table, const bench::Options& options, const std::string& name, const Bounds& box,
                  const auto& first_hit) {
   constexpr std::size_t part = 256;

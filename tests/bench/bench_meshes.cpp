@@ -1,15 +1,15 @@
-// Meshes of many triangles, against Embree's robust ones: camera rays, rays of every direction, occlusion;
-// building.
+// Measures meshes of many triangles against Embree's robust ones: camera rays, rays of every direction,
+// occlusion; building.
 //
 //   bench_meshes [--threads N] [--runs N] [--csv FILE] [--quick] [--mesh FILE]
 //
 // The meshes are toruses, or the one of an OBJ file, which should lie in the cube of ±1.5, where the rays
 // are. Rates are millions of rays a second. Both get the same rays and vertices, which are made of floats;
-// only "render" makes its own rays, in double, where it needs any, and tells what is met from what is missed:
-// pictures by the color integrator, which shows whether the mesh is met, and of the depth, for which t is
-// computed. What is asked ray by ray
-// is "single"; in the rows without the word the mesh gets all rays together. Embree is judged by the best of
-// its three modes. Its answers are in float, so a few differ from ours, which are exact.
+// only "render" makes its own rays, in double, if it needs any, and tells only hits from misses: pictures by
+// the color integrator, which shows whether the mesh is hit, and of the depth, for which t is computed.
+// Queries ray by ray are "single"; in the rows without the word the mesh gets all rays together. Embree is
+// judged by the best of its three modes. Its answers are in float, so a few differ from ours, which are
+// exact.
 #include <algorithm>
 #include <optional>
 #include <protostar/image.hpp>
@@ -103,7 +103,7 @@ class Contest {
     return {.origin = glm::vec3(ray.origin), .direction = glm::vec3(ray.direction)};
   }
 
-  /// A row of rays that go one by one.
+  /// Prints a row of rays that are traced one by one.
   void row_of_single(const std::string& name, const std::vector<FloatRay>& rays, Query query, bool coherent,
                      const auto& answer) {
     std::vector<Index> ours(rays.size());
@@ -115,7 +115,7 @@ class Contest {
     row(name, rays, query, coherent, trace, [&](std::size_t i) { return ours[i]; });
   }
 
-  /// A row of rays that are asked about together.
+  /// Prints a row of rays that are traced together.
   void row_of_many(const std::string& name, const std::vector<FloatRay>& rays, Query query, const auto& ask) {
     std::vector<Index> ours(rays.size());
     const auto trace = [&] {
@@ -128,7 +128,7 @@ class Contest {
     row(name, rays, query, false, trace, [&](std::size_t i) { return ours[i]; });
   }
 
-  /// A row of any work; `answer(i)` is what it has for the i-th ray.
+  /// Prints a row of any work; `answer(i)` is its answer for the i-th ray.
   void row(const std::string& name, const std::vector<FloatRay>& rays, Query query, bool coherent,
            const Work& ours, const auto& answer, bool only_whether = false) {
     std::vector<Index> embrees(rays.size());
@@ -178,7 +178,8 @@ void build(Table& table, const bench::Options& options, const MeshData& data) {
              number(1e3 * times.seconds(1)), both ? number(times.ratio(0, 1)) : "-"});
 }
 
-/// Pictures of one mesh in all sizes: where it has many more triangles than pixels, tiles are not drawn.
+/// Measures pictures of one mesh in all sizes: if it has many more triangles than pixels, tiles are not
+/// rasterized.
 void pictures(Table& table, const bench::Options& options, const MeshData& data) {
   Scene<Mesh> scene;
   scene.add(Mesh(data, {.threads = options.threads}), Color{1});
@@ -199,7 +200,7 @@ void pictures(Table& table, const bench::Options& options, const MeshData& data)
   }
 }
 
-/// The one mesh that the options name, or toruses.
+/// Returns the one mesh that the options name, or toruses.
 std::vector<MeshData> meshes_of(const bench::Options& options) {
   if (options.mesh.empty())
     return options.quick ? std::vector{torus(1000)} : std::vector{torus(100000), torus(1000000)};

@@ -1,9 +1,10 @@
-// How the time of a picture grows with pixels, surfaces, lights and threads, and what an empty pixel costs.
+// Measures how the time of a picture grows with pixels, surfaces, lights and threads, and the cost of an
+// empty pixel.
 //
 //   bench_scaling [--threads N] [--runs N] [--csv FILE] [--quick]
 //
-// The exponent is the slope of log time over log n, fitted by least squares: 1 where time grows with n, 0
-// where it does not, −1 where n threads take an n-th of it.
+// The exponent is the slope of log time over log n, fitted by least squares: 1 if time grows with n, 0 if it
+// does not, −1 if n threads take an n-th of it.
 #include <memory>
 #include <numbers>
 #include <protostar/image.hpp>
@@ -19,7 +20,7 @@ using bench::number, bench::Table, bench::Times, bench::Work;
 
 namespace {
 
-/// The exponent of n in the times.
+/// Returns the exponent of n in the times.
 double exponent(const std::vector<int>& n, const std::vector<double>& seconds) {
   double sum_x = 0, sum_y = 0, sum_xx = 0, sum_xy = 0;
   const double count = static_cast<double>(n.size());
@@ -30,7 +31,7 @@ double exponent(const std::vector<int>& n, const std::vector<double>& seconds) {
   return (count * sum_xy - sum_x * sum_y) / (count * sum_xx - sum_x * sum_x);
 }
 
-/// The rows of a series, a time for each n; the exponent stands in the last.
+/// Prints the rows of a series, a time for each n; the exponent stands in the last.
 void print(Table& table, const std::string& name, const std::vector<int>& n,
            const std::vector<double>& seconds) {
   for (std::size_t i = 0; i < n.size(); ++i)
@@ -38,7 +39,7 @@ void print(Table& table, const std::string& name, const std::vector<int>& n,
                i + 1 == n.size() && i > 0 ? number(exponent(n, seconds), 2) : ""});
 }
 
-/// A series of works, one for each n.
+/// Measures a series of works, one for each n.
 void series(Table& table, const bench::Options& options, const std::string& name, const std::vector<int>& n,
             const std::vector<Work>& works) {
   const Times times(options, works);
@@ -66,7 +67,7 @@ void pixels(Table& table, const bench::Options& options) {
   series(table, options, "pixels, 09_shadow", n, works);
 }
 
-/// Spheres at random that cover the same part of the picture at any count.
+/// Measures random spheres that cover the same part of the picture at any count.
 void surfaces(Table& table, const bench::Options& options) {
   const int most = options.quick ? 100 : bench::is_accelerated ? 1'000'000 : 1000;
   std::vector<int> n;
@@ -80,7 +81,7 @@ void surfaces(Table& table, const bench::Options& options) {
   const int side = options.quick ? 16 : bench::is_accelerated ? 1024 : 128;
   auto pictures = images(n.size(), side, side);
 
-  // Nothing is moved or copied once it is traced.
+  // No scene is moved or copied once it is accelerated.
   using Traced = decltype(bench::traced(scenes[0], 1));
   struct Prepared {
     Traced scene;
@@ -98,7 +99,7 @@ void surfaces(Table& table, const bench::Options& options) {
   series(table, options, "surfaces, color", n, works);
 }
 
-/// Lamps in a circle above the tutorial's scene.
+/// Measures lamps in a circle above the tutorial's scene.
 void lights(Table& table, const bench::Options& options) {
   std::vector<int> n;
   std::vector<Scene<Sphere>> scenes;
@@ -138,8 +139,8 @@ void threads(Table& table, const bench::Options& options) {
   print(table, "threads, 09_shadow, shortest turn", n, seconds);
 }
 
-/// Additions that wait for nothing, by one thread and by as many as there are: two that share a core gain
-/// hardly anything here, and more where they wait for memory.
+/// Measures additions that wait for nothing, by one thread and by as many as there are cores: two threads
+/// that share a core gain hardly anything here, and more if they wait for memory.
 void additions(Table& table, const bench::Options& options) {
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   std::vector<int> n{1};
@@ -161,7 +162,7 @@ void additions(Table& table, const bench::Options& options) {
   print(table, "threads, additions, shortest turn", n, seconds);
 }
 
-/// A pixel that sees nothing against one that is only written.
+/// Measures a pixel that sees nothing against one that is only written.
 void empty_pixels(const bench::Options& options) {
   Scene<Sphere> scene;
   for (const auto& [sphere, color] : the_three_spheres) scene.add(sphere, color);
@@ -170,7 +171,7 @@ void empty_pixels(const bench::Options& options) {
   Color background{0};
   const Times times(options, {[&] { render(drawn, upwards, scene, ColorIntegrator{}, {.threads = 1}); },
                               [&] {
-                                bench::keep(background);  // so that it is not known to be zeros
+                                bench::keep(background);  // hides from the compiler that it is 0
                                 for (int y = 0; y < filled.height(); ++y)
                                   for (int x = 0; x < filled.width(); ++x) filled(x, y) = background;
                                 bench::keep(filled(0, 0));

@@ -1,4 +1,4 @@
-// What is saved by what tiles skip: pictures with all of it, without each, and ray by ray.
+// Measures what tiles save by each kind of culling: pictures with all of them, without each, and ray by ray.
 //
 //   bench_skips [--threads N] [--runs N] [--csv FILE] [--quick]
 #include <protostar/image.hpp>

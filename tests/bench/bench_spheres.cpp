@@ -1,4 +1,5 @@
-// Many spheres, against Embree: camera rays, rays of every direction, occlusion, shadows; building, memory.
+// Measures many spheres against Embree: camera rays, rays of every direction, occlusion, shadows; building,
+// memory.
 //
 //   bench_spheres [--threads N] [--runs N] [--csv FILE] [--quick]
 //
@@ -22,8 +23,8 @@ using bench::Embree, bench::FloatRay, bench::Index, bench::Mode, bench::number, 
 
 namespace {
 
-/// Shows as red which sphere is seen, by the place of its material: like Embree's answer, it does not read
-/// what is there.
+/// Shows as red which sphere is visible, by the address of its material: like Embree's answer, it does not
+/// read the material.
 struct IndexIntegrator {
   using TakesPackets = IndexIntegrator;
 
@@ -51,7 +52,7 @@ struct Answers {
 
 Ray in_double(const FloatRay& ray) { return {Point(ray.origin), Vec3(ray.direction)}; }
 
-/// One scene in the hands of both.
+/// Comparison of both on one scene.
 template <Traceable S>
 class Contest {
  public:
@@ -101,8 +102,8 @@ class Contest {
     return rays;
   }
 
-  /// From every point that the camera sees and that faces the light to the light; in float that needs an
-  /// offset. where says which pixels they belong to.
+  /// Returns rays to the light from every visible point that faces it; in float they need an offset. The
+  /// pixels of the rays are added to where.
   std::vector<FloatRay> to_light(std::vector<std::pair<int, int>>& where) const {
     const float offset = 1e-5f * (work_.spheres.size() == 3 ? 100.0f : 1.0f);
     std::vector<FloatRay> rays;
@@ -120,13 +121,13 @@ class Contest {
     return rays;
   }
 
-  // ---- Our way
+  // ---- The library
 
   void draw(const auto& integrator) {
     render(image_, work_.camera, scene_, integrator, RenderOptions{.threads = options_.threads});
   }
 
-  /// About how long a picture takes, from the tiles that are done when half a second has passed.
+  /// Returns the approximate time of a picture, from the tiles that are done after half a second.
   double image_seconds(const auto& integrator) {
     std::stop_source enough;
     double seconds = 0, share = 0;
@@ -155,7 +156,7 @@ class Contest {
     }
   }
 
-  /// Which sphere it is.
+  /// Returns the index of the sphere that is hit.
   Index index_of(const Intersection& hit) const {
     return static_cast<Index>(&hit.material() - plain_.materials<Sphere>().data());
   }
@@ -175,7 +176,7 @@ class Contest {
                    [this](auto&&... arguments) { closest(arguments...); });
   }
 
-  /// Rays that both are given one by one.
+  /// Compares rays that both are given one by one.
   void compare_single(const std::string& name, const std::vector<FloatRay>& rays, bool coherent, Query query,
                       const auto& ours) {
     std::vector<Index> hits(rays.size());
@@ -191,8 +192,8 @@ class Contest {
         [&](std::vector<Index>& answers) { answers = hits; });
   }
 
-  /// Occlusion from given points, and as the shadow integrator casts its rays: what its picture takes longer
-  /// than one without shadows.
+  /// Compares occlusion from given points, and the shadow rays of the shadow integrator: the time that its
+  /// picture takes longer than one without shadows.
   void shadow_rows() {
     if (too_slow("occlusion and shadow rays", image_seconds(ShadowIntegrator{}))) return;
     std::vector<std::pair<int, int>> where;
@@ -247,10 +248,10 @@ class Contest {
     return works;
   }
 
-  /// The row of a work, in which Embree's modes come first.
+  /// Prints the row of a work, in which Embree's modes come first.
   ///
   /// In float a ray needs an offset to leave a surface, of up to a hundredth of a small sphere, and ours have
-  /// none. So of answers to rays that leave one in fifty may differ, and of others one in a thousand.
+  /// none. Hence one in fifty answers to rays that leave a surface may differ, and one in a thousand others.
   void print(const std::string& name, std::size_t rays, const Times& times, const std::vector<double>& ours,
              const Answers& answers, std::size_t one_in = 1000) {
     const auto rate = [&](double seconds) { return number(static_cast<double>(rays) / seconds * 1e-6); };
@@ -293,14 +294,14 @@ class Contest {
   Image image_;
 };
 
-/// Bytes that the program has allocated.
+/// Returns the number of bytes that the program has allocated.
 double allocated() {
   const auto info = mallinfo2();
   return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
 }
 
-/// Building the hierarchy, and the memory that it adds to the scene's or, for Embree, the device's together
-/// with the spheres that the caller has to keep for it.
+/// Measures the time to build the hierarchy, and the memory that it adds to the scene's or, for Embree, the
+/// device's together with the spheres that the caller has to keep for it.
 void build(Table& table, const bench::Options& options, const bench::Workload& work) {
   const auto scene = bench::scene_of(work);
   const Times times(options, {[&] { bench::keep(Embree(work.spheres, options.threads)); },

@@ -1,4 +1,5 @@
-// The stages against the tutorial's way: time per pixel of render, encode and write, and of whole processes.
+// Measures the stages against the tutorial's way: time per pixel of render, encode and write, and of whole
+// processes.
 //
 //   bench_stages [--threads N] [--runs N] [--csv FILE] [--quick]
 //
@@ -25,7 +26,7 @@ using bench::number, bench::Table, bench::Times, bench::Work;
 
 namespace {
 
-/// One row: a work in both ways. units is how many of the unit the work consists of.
+/// Prints one row: a work in both ways. units is the number of units that the work consists of.
 void compare(Table& table, const bench::Options& options, const std::string& name, const std::string& unit,
              double units, const Work& theirs, const Work& ours) {
   const Times times(options, {theirs, ours});
@@ -35,7 +36,7 @@ void compare(Table& table, const bench::Options& options, const std::string& nam
 
 // ---- Render
 
-/// A picture by both, and the size of both.
+/// Pictures of one size by both.
 struct Pictures {
   tutorial::Image theirs;
   Image ours;
@@ -44,8 +45,8 @@ struct Pictures {
   [[nodiscard]] double pixels() const { return static_cast<double>(ours.width()) * ours.height(); }
 };
 
-/// Throws unless both show the same but for what float and the offset get wrong, which is less than one pixel
-/// in fifty: otherwise their times would not be of the same work.
+/// Throws if both differ in one pixel in fifty or more, which is more than float and the offset get wrong:
+/// then their times would not be of the same work.
 void check(const std::string& name, const Pictures& pictures) {
   int differ = 0;
   for (int y = 0; y < pictures.ours.height(); ++y)
@@ -77,8 +78,8 @@ void renders(Table& table, const bench::Options& options, Pictures& pictures) {
   stage("09_shadow", tutorial::ShadowIntegrator{}, ShadowIntegrator{});
 }
 
-/// Stage 13 as its article has it, and as the article would have it if a mirror or a glass that weighs
-/// nothing took no ray.
+/// Measures stage 13 against its article, and against the article with no rays for mirrors and glass of
+/// weight 0.
 void whitted(Table& table, const bench::Options& options) {
   Pictures pictures(options.quick ? 128 : 1024, options.quick ? 96 : 768);
   auto scene = four_spheres({ivory, glass, red_rubber, mirror});
@@ -96,7 +97,7 @@ void whitted(Table& table, const bench::Options& options) {
   stage("13_whitted, needed rays", {.skips_what_weighs_nothing = true});
 }
 
-/// The stages 08_naive and 09_naive, which keep the tutorial's float and offset but not its virtual
+/// Measures the stages 08_naive and 09_naive, which keep the tutorial's float and offset but not its virtual
 /// functions, in the library's own loop.
 void naive_renders(Table& table, const bench::Options& options, Pictures& pictures) {
   const auto scene = three_spheres();
@@ -171,7 +172,8 @@ void start(std::vector<std::string> words) {
     throw std::runtime_error(words[0] + " failed");
 }
 
-/// 09_shadow as a program against the tutorial's, the start of a process that does nothing taken off both.
+/// Measures 09_shadow as a program against the tutorial's; the start of a process that does nothing is
+/// subtracted from both.
 void processes(Table& table, const bench::Options& options) {
   const TemporaryFolder folder;
   const std::string file = (folder / "out.ppm").string(), threads = std::to_string(options.threads);

@@ -27,14 +27,14 @@
 
 namespace bench {
 
-/// A ray of numbers that float holds.
+/// Ray of numbers that float holds.
 struct FloatRay {
   glm::vec3 origin, direction;
   float max = std::numeric_limits<float>::infinity();
 };
 
-/// The pixels of a square image in tiles of 16 × 16 made of tiles of 4 × 4: neighbors in the picture are
-/// neighbors in the list.
+/// Returns the pixels of a square image in tiles of 16 × 16 made of tiles of 4 × 4, so that neighbors in the
+/// picture are neighbors in the list.
 inline std::vector<std::pair<int, int>> pixels_by_tile(int side) {
   std::vector<std::pair<int, int>> pixels;
   for (int i = 0; i < side * side; ++i) {
@@ -45,16 +45,16 @@ inline std::vector<std::pair<int, int>> pixels_by_tile(int side) {
   return pixels;
 }
 
-/// What a ray meets: the index of a sphere, or nothing.
+/// Index of the sphere that a ray hits, or nothing.
 using Index = std::uint32_t;
 inline constexpr Index nothing = ~Index{0};
 
-/// How Embree takes rays: one by one, sixteen at a time, in streams of 256.
+/// Modes in which Embree takes rays: one by one, sixteen at a time, in streams of 256.
 enum class Mode { single, packet, stream };
 
 #ifdef BENCH_EMBREE
 
-/// The spheres in Embree's own hierarchy.
+/// Surfaces in Embree's own hierarchy.
 class Embree {
  public:
   static constexpr bool is_there = true;
@@ -66,7 +66,7 @@ class Embree {
                                sizeof(FloatSphere), spheres.size());
     build(geometry, RTC_SCENE_FLAG_NONE);
   }
-  /// Triangles, by the numbers of their vertices; robust, that is without gaps between them.
+  /// Takes triangles by the numbers of their vertices; robust, which means without gaps between them.
   Embree(const std::vector<protostar::Point>& vertices,
          const std::vector<std::array<std::uint32_t, 3>>& triangles, int threads)
       : Embree(threads) {
@@ -85,10 +85,10 @@ class Embree {
     rtcReleaseDevice(device_);
   }
 
-  /// What the device has allocated; the caller's spheres are not among it.
+  /// Returns the number of bytes that the device has allocated, without the caller's spheres.
   [[nodiscard]] std::ptrdiff_t bytes() const { return bytes_; }
 
-  /// The first sphere that each ray in [begin, end) meets.
+  /// Finds the closest sphere that each ray in [begin, end) hits.
   void closest(Mode mode, bool coherent, const std::vector<FloatRay>& rays, std::size_t begin,
                std::size_t end, std::vector<Index>& hits) const {
     const FlushDenormals flush;
@@ -130,7 +130,7 @@ class Embree {
     }
   }
 
-  /// Whether each ray in [begin, end) meets anything before its end: 0 if so, nothing if not.
+  /// Tests whether each ray in [begin, end) hits anything before its end: 0 if it does, nothing if not.
   void any(Mode mode, bool coherent, const std::vector<FloatRay>& rays, std::size_t begin, std::size_t end,
            std::vector<Index>& hits) const {
     const FlushDenormals flush;
@@ -182,7 +182,7 @@ class Embree {
     rtcCommitScene(scene_);
   }
 
-  /// As Embree's manual recommends; the library needs denormal numbers, so it ends with Embree's part.
+  /// Flushes denormal numbers while Embree computes, as its manual recommends; the library needs them.
   class FlushDenormals {
    public:
     FlushDenormals() : before_(_mm_getcsr()) {
@@ -197,7 +197,7 @@ class Embree {
     unsigned before_;
   };
 
-  /// Which of sixteen rays there are.
+  /// Active lanes of a packet of sixteen.
   struct Lanes {
     alignas(64) int valid[16];
     std::size_t count;
@@ -227,7 +227,7 @@ class Embree {
     return lanes;
   }
 
-  /// The calls in the words of either version.
+  /// Calls of either version of the interface.
   struct Arguments {
 #if BENCH_EMBREE == 3
     RTCIntersectContext context;
@@ -279,7 +279,7 @@ class Embree {
 
 #else
 
-/// In its place where it is not installed.
+/// Placeholder if Embree is not installed.
 struct Embree {
   static constexpr bool is_there = false, has_streams = false;
   Embree(const std::vector<FloatSphere>&, int) {}

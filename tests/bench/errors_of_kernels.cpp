@@ -1,4 +1,4 @@
-// Ways to intersect a ray and a sphere: time, and what is wrong with the answers.
+// Algorithms to intersect a ray and a sphere: time, and errors of their answers.
 #include <optional>
 #include <protostar/camera.hpp>
 
@@ -18,7 +18,7 @@ namespace {
 
 struct Errors {
   double tests = 0, wrong = 0;
-  std::vector<double> t;  // in ulp of float, of the hits that are right
+  std::vector<double> t;  // in ulp of float, for the hits that are right
 
   [[nodiscard]] double wrong_per_million() const { return 1e6 * wrong / tests; }
   [[nodiscard]] double quantile(double share) const {
@@ -28,7 +28,7 @@ struct Errors {
   }
 };
 
-/// |t − truth| in units of the last place that float has there.
+/// Returns |t − truth| in units of the last place that a float has there.
 double float_ulps(double t, Quad truth) {
   int exponent = 0;
   std::frexp(static_cast<double>(truth), &exponent);
@@ -36,8 +36,8 @@ double float_ulps(double t, Quad truth) {
   return std::ldexp(static_cast<double>(error < 0 ? -error : error), 24 - exponent);
 }
 
-/// Adds an answer, the first t > 0 or infinity. A root is wrong if it is nearer to the other one, unless both
-/// are so near to each other that float hardly tells them apart.
+/// Adds an answer, the first t > 0 or infinity. A root is wrong if it is closer to the other one, unless both
+/// are so close to each other that float hardly tells them apart.
 void judge(Errors& errors, const exact::Roots& roots, double t) {
   const auto size = [](Quad x) { return x < 0 ? -x : x; };
   const auto first =
@@ -58,8 +58,8 @@ void judge(Errors& errors, const exact::Roots& roots, double t) {
   }
 }
 
-/// The nearest float. Through a volatile, since g++ 12 at -O2 drops the rounding of pairs of doubles that are
-/// converted to float and back.
+/// Returns the nearest float. Goes through a volatile, since g++ 12 at -O2 drops the rounding of pairs of
+/// doubles that are converted to float and back.
 double rounded(double x) {
   const volatile float nearest = static_cast<float>(x);
   return nearest;
@@ -77,7 +77,8 @@ usual::Sphere<T> in(const Sphere& sphere) {
 
 // ---- Kernels: time
 
-/// The closest-hit loop of a kernel over a scene, for every ray: how many hit, so that nothing is left out.
+/// Runs the closest-hit loop of a kernel over a scene for every ray. Returns the number of hits, so that no
+/// work is optimized away.
 template <class T, auto kernel>
 int closest_hits(const std::vector<usual::Ray<T>>& rays, const std::vector<usual::Sphere<T>>& spheres) {
   int hits = 0;
@@ -123,7 +124,7 @@ struct Loop {
   }
 };
 
-/// The library's own loop, which decides the order exactly as well.
+/// Runs the library's own loop, which decides the order exactly as well.
 int closest_hits_of_scene(const Loop& loop) {
   int hits = 0;
   for (const Ray& ray : loop.rays) {
@@ -134,7 +135,7 @@ int closest_hits_of_scene(const Loop& loop) {
   return hits;
 }
 
-/// The same with its answer as an Intersection, which knows its ray.
+/// Runs the library's own loop with answers as Intersection, which holds its ray.
 int intersections_of_scene(const Loop& loop) {
   int hits = 0;
   for (const Ray& ray : loop.rays) {
@@ -145,7 +146,7 @@ int intersections_of_scene(const Loop& loop) {
   return hits;
 }
 
-/// The library's roots in the same loop as the others.
+/// Returns the library's root, for the same loop as the other kernels.
 double certified(const usual::Ray<double>& ray, const usual::Sphere<double>& sphere) {
   return sphere_roots(ray.origin, ray.direction, sphere.center, sphere.radius)
       .first_in(Interval{})
@@ -223,7 +224,8 @@ bench::Plot errors_of_kernels(const bench::Options& options) {
               share(half).c_str());
   const Times few_times = times_of(options, few), half_times = times_of(options, half);
 
-  // In the tutorial's scene; and where lines nearly touch, start far away, or on the sphere or next to it.
+  // Cases of the tutorial's scene; and lines that are nearly tangent, start far away, or on the sphere or
+  // next to it.
   const int tests = options.quick ? 100 : 200'000;
   const std::vector<Errors> usual = errors_on({corpora::tutorial}, tests);
   const std::vector<Errors> hard = errors_on({corpora::grazing, corpora::far_away, corpora::origins}, tests);

@@ -1,4 +1,4 @@
-// Pictures of the tutorial's scene over sizes and samples: time, and how far from the light on each pixel.
+// Pictures of the tutorial's scene over sizes and samples: time, and error of the light on each pixel.
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/transparency.hpp>
 #include <protostar/render.hpp>
@@ -15,7 +15,7 @@ struct Size {
   int width, height;
 };
 
-/// An image of larger pixels, each the average of side × side of another's.
+/// Returns an image of larger pixels, each the average of side × side pixels of another image.
 Image averaged(const Image& image, int side) {
   if (side == 1) return image;
   Image result(image.width() / side, image.height() / side);
@@ -29,8 +29,8 @@ Image averaged(const Image& image, int side) {
   return result;
 }
 
-/// The light on each pixel: the average of (4 · shifts)² rays, 4 × 4 a pixel from each of shifts × shifts
-/// cameras, whose films are shifted against each other by parts of their pixels.
+/// Returns the light on each pixel: the average of (4 · shifts)² rays, 4 × 4 a pixel from each of
+/// shifts × shifts cameras, whose films are shifted against each other by parts of their pixels.
 Image light_on_pixels(Size size, int shifts, const auto& scene, const auto& integrator) {
   constexpr int side = 4;
   Image fine(side * size.width, side * size.height), sum(size.width, size.height);
@@ -48,7 +48,8 @@ Image light_on_pixels(Size size, int shifts, const auto& scene, const auto& inte
   return sum;
 }
 
-/// The root mean square over pixels and channels; an image of fewer pixels is shown in larger ones.
+/// Returns the root mean square error over pixels and channels; an image of fewer pixels is shown in larger
+/// ones.
 double rms(const Image& image, const Image& truth) {
   const int side = truth.width() / image.width();
   double squares = 0;
@@ -60,7 +61,7 @@ double rms(const Image& image, const Image& truth) {
   return std::sqrt(squares / (3.0 * truth.width() * truth.height()));
 }
 
-/// One picture over sizes and samples, the library's way and the naive one.
+/// Measures one picture over sizes and samples, in the library's way and the naive one.
 bench::Plot picture_errors(const bench::Options& options, const std::string& name, const auto& integrator,
                            const Radiance auto& naive) {
   struct Row {

@@ -1,4 +1,4 @@
-// A mesh of many triangles, and a camera that looks at it.
+// Meshes of many triangles, and a camera that looks at them.
 #pragma once
 
 #include <cmath>
@@ -11,13 +11,13 @@
 
 namespace bench {
 
-/// The same with vertices that are floats.
+/// Returns a mesh with its vertices rounded to float.
 inline protostar::MeshData in_floats(protostar::MeshData mesh) {
   for (protostar::Point& p : mesh.vertices) p = protostar::Point(glm::vec3(p));
   return mesh;
 }
 
-/// A torus of about that many triangles, with vertices that are floats, as scenes/make_mesh writes it. It
+/// Returns a torus of about count triangles, with vertices that are floats, as scenes/make_mesh writes it. It
 /// lies in the cube of ±1.5.
 inline protostar::MeshData torus(std::size_t count) {
   const auto across = static_cast<std::uint32_t>(std::sqrt(static_cast<double>(count) / 10));

@@ -13,7 +13,8 @@
 
 namespace bench {
 
-/// Which of several (time, error) nothing beats in one without losing in the other: the Pareto front.
+/// Time and error. On the Pareto front of several are those that none beats in one without losing in the
+/// other.
 struct Measure {
   double time, error;
 };
@@ -26,7 +27,7 @@ inline bool is_on_front(const Measure& point, const std::vector<Measure>& all) {
 
 struct Point {
   Measure measure;
-  std::string label;  ///< beside it; empty: none
+  std::string label;  ///< text beside it; empty: none
   bool ours = false;  ///< the library's own, in another color
 };
 
@@ -39,7 +40,7 @@ struct Plot {
 
 namespace detail {
 
-/// A logarithmic axis over some length in pixels, a little longer than its values need.
+/// Logarithmic axis over some length in pixels, a little longer than its values need.
 class Axis {
  public:
   Axis(const std::vector<double>& values, double start, double end) : start_(start), end_(end) {
@@ -53,7 +54,7 @@ class Axis {
     return start_ + (end_ - start_) * (std::log10(value) - first_) / (last_ - first_);
   }
 
-  /// The powers of ten, and on a short axis 2 and 5 times them.
+  /// Returns the powers of ten, and on a short axis 2 and 5 times them.
   [[nodiscard]] std::vector<double> ticks() const {
     std::vector<double> all;
     for (int power = static_cast<int>(std::floor(first_)); power <= last_; ++power)
@@ -92,7 +93,7 @@ class Panel {
     for (const Measure& measure : front) svg_ << time_.at(measure.time) << ',' << height_of(measure) << ' ';
     svg_ << "\"/>\n";
     bool above = true;  // labels in turns above and below, since neighbors would overlap
-    int at_zero = 0;    // there they are stacked
+    int at_zero = 0;    // labels there are stacked
     for (const Point& point : plot_.points) {
       const double x = time_.at(point.measure.time), y = height_of(point.measure);
       const bool near_the_edge = x > right_ - 90;

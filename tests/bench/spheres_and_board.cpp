@@ -9,9 +9,9 @@ namespace tutorial {
 
 namespace {
 
-constexpr int most_rays = 5;        // in a path
-constexpr float offset = 1e-3f;     // of a ray that leaves a surface
-constexpr float full_view = 1.05f;  // of the camera, in radians
+constexpr int most_rays = 5;        // maximum in a path
+constexpr float offset = 1e-3f;     // for a ray that leaves a surface
+constexpr float full_view = 1.05f;  // field of view of the camera, in radians
 
 struct Substance {
   vec3 color;
@@ -23,7 +23,7 @@ struct Ball {
   float radius;
   Substance substance;
 
-  /// The first t > 0, or infinity.
+  /// Returns the first t > 0, or infinity.
   float meet(const Ray& ray) const {
     const vec3 l = center - ray.origin;
     const float along = dot(l, ray.direction), apart = dot(l, l) - along * along;
@@ -52,7 +52,7 @@ struct Found {
   Substance substance{};
 };
 
-/// The board, y = −4 over |x| < 10 and 10 < z < 30, in squares of 2.
+/// Looks at the board, y = −4 over |x| < 10 and 10 < z < 30, in squares of 2; replaces found if it is closer.
 void look_at_board(const Ray& ray, Found& found) {
   if (std::abs(ray.direction.y) <= 1e-3f) return;
   const float t = -(ray.origin.y + 4) / ray.direction.y;
@@ -78,7 +78,7 @@ Found first_met(const Ray& ray) {
 
 vec3 mirror_image(const vec3& d, const vec3& n) { return d - n * (2 * dot(d, n)); }
 
-/// Snell's law; the normal may be on either side.
+/// Returns the direction refracted by Snell's law; the normal may be on either side.
 vec3 bent(const vec3& d, const vec3& n, float before, float behind) {
   const float cosine = -std::clamp(dot(d, n), -1.0f, 1.0f);
   if (cosine < 0) return bent(d, -n, behind, before);
@@ -86,7 +86,7 @@ vec3 bent(const vec3& d, const vec3& n, float before, float behind) {
   return square < 0 ? vec3{1, 0, 0} : d * ratio + n * (ratio * cosine - std::sqrt(square));
 }
 
-/// A ray that starts beside the point, on the side that it leads to.
+/// Returns a ray that starts beside the point, on the side that it leads to.
 Ray leaving(const vec3& point, const vec3& normal, const vec3& direction) {
   return {dot(direction, normal) < 0 ? point - normal * offset : point + normal * offset, direction};
 }

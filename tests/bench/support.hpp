@@ -1,4 +1,4 @@
-// What the benchmarks share: a command line, times taken in turns, tables.
+// Shared parts of the benchmarks: a command line, times taken in turns, tables.
 #pragma once
 
 #include <sys/resource.h>
@@ -21,13 +21,13 @@ namespace bench {
 
 // ---- The command line
 
-/// --csv FILE --threads N --runs N --quick; --svg FILE, for the benchmark that draws; and --mesh FILE, for
-/// that of meshes.
+/// Options --csv FILE --threads N --runs N --quick; --svg FILE, for the benchmark that draws; and --mesh
+/// FILE, for that of meshes.
 struct Options {
   std::string csv, svg, mesh;  ///< empty: no file
   int threads = 1;
-  int runs = 9;        ///< of each work at least; the median counts
-  bool quick = false;  ///< one run of little work: whether the program runs at all, not how fast
+  int runs = 9;        ///< minimum for each work; the median counts
+  bool quick = false;  ///< one run of little work, to test that the program runs at all
 
   Options(int argc, char** argv) {
     for (int i = 1; i < argc; ++i) {
@@ -78,7 +78,7 @@ inline int run(int argc, char** argv, void (*benchmark)(const Options&)) {
 
 using Work = std::function<void()>;
 
-/// What the processors have spent on this program and on those that it started and waited for.
+/// Returns the processor time of this program and of those that it started and waited for.
 inline double processor_seconds() {
   rusage own{}, children{};
   getrusage(RUSAGE_SELF, &own);
@@ -90,7 +90,7 @@ inline double processor_seconds() {
          seconds(children.ru_stime);
 }
 
-/// The time that passes, or that of the processors where it is less: then others kept the program waiting.
+/// Returns the elapsed time, or the processor time if it is less: then others kept the program waiting.
 inline double seconds_of(const Work& work) {
   const double processor = processor_seconds();
   const auto start = std::chrono::steady_clock::now();
@@ -105,12 +105,12 @@ inline double median(std::vector<double> values) {
   return *middle;
 }
 
-/// The times of several works that were run in turns, A B C A B C, so that whatever else the machine does
-/// slows all of them alike. Ratios are taken within a turn, and of those the median.
+/// Times of several works that were run in turns, A B C A B C, so that whatever else the machine does slows
+/// all of them alike. Ratios are taken within a turn; their median counts.
 class Times {
  public:
-  /// As many turns as the options say; more of short works, which are disturbed more easily, and no more than
-  /// three of long ones.
+  /// Runs as many turns as the options say; more of short works, which are disturbed more easily, and no more
+  /// than three of long ones.
   Times(const Options& options, const std::vector<Work>& works) : seconds_(works.size()) {
     for (const Work& work : works) work();  // caches, pages and tables are warm from here on
     constexpr double enough = 0.5, plenty = 10;
@@ -126,15 +126,16 @@ class Times {
       }
   }
 
-  /// Those of one work, a turn each.
+  /// Returns the times of one work, one for each turn.
   [[nodiscard]] const std::vector<double>& operator[](std::size_t i) const { return seconds_[i]; }
 
   [[nodiscard]] double seconds(std::size_t i) const { return median(seconds_[i]); }
 
-  /// The least disturbed turn: where works differ in how much of the machine they need.
+  /// Returns the time of the least disturbed turn, for works that differ in how much of the machine they
+  /// need.
   [[nodiscard]] double shortest(std::size_t i) const { return *std::ranges::min_element(seconds_[i]); }
 
-  /// The time of one work in terms of another's.
+  /// Returns the time of one work relative to another's.
   [[nodiscard]] double ratio(std::size_t i, std::size_t to) const {
     std::vector<double> ratios;
     for (std::size_t run = 0; run < seconds_[i].size(); ++run)
@@ -152,8 +153,8 @@ void keep(const T& value) {
   asm volatile("" : : "g"(&value) : "memory");
 }
 
-/// Calls work(begin, end) for parts of [0, count), by several threads that take what comes next. One thread
-/// is the caller's.
+/// Calls work(begin, end) for parts of [0, count), by several threads that each take the next part. One
+/// thread is the caller's.
 inline void in_parts(std::size_t count, int threads, const auto& work) {
   constexpr std::size_t part = 4096;
   std::atomic<std::size_t> next = 0;
@@ -168,7 +169,7 @@ inline void in_parts(std::size_t count, int threads, const auto& work) {
 
 // ---- Tables
 
-/// A number with some significant digits, without an exponent where it can do without.
+/// Returns a number with some significant digits, without an exponent if possible.
 inline std::string number(double value, int digits = 3) {
   char text[32];
   const double size = std::abs(value);
@@ -179,14 +180,14 @@ inline std::string number(double value, int digits = 3) {
   return text;
 }
 
-/// A table, printed row by row, and the same in a CSV file, where an empty line separates it from the one
-/// before.
+/// Table that is printed row by row, and also written to a CSV file, where an empty line separates it from
+/// the one before.
 class Table {
  public:
   using Cells = std::vector<std::string>;
 
   Table(const Options& options, const Cells& columns) {
-    static bool first = true;  // the file of a program's first table is a new one
+    static bool first = true;  // a program's first table begins a new file
     if (!first) std::printf("\n");
     if (!options.csv.empty()) {
       csv_.open(options.csv, first ? std::ios::trunc : std::ios::app);

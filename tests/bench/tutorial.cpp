@@ -12,14 +12,14 @@ namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
 
-/// Diffuse light of one lamp, unhindered; the normal is the one on the ray's side.
+/// Returns the diffuse light of one lamp, unhindered; the normal is the one on the ray's side.
 vec3 lit_by(const PointLight& light, const vec3& point, const vec3& normal, const vec3& color) {
   const vec3 to_light = light.position - point;
   const float distance = length(to_light), cosine = dot(normal, to_light) / distance;
   return color * light.intensity / (4 * pi) * std::max(0.0f, cosine) / (distance * distance);
 }
 
-/// The normal on the side that the ray comes from.
+/// Returns the normal on the side that the ray comes from.
 vec3 facing_normal(const Intersection& intersection, const vec3& point, const Ray& ray) {
   const vec3 normal = intersection.surface->normal(point);
   return dot(normal, ray.direction) > 0 ? -normal : normal;

@@ -1,5 +1,5 @@
-// The tutorial's way, to be measured against: surfaces and integrators behind virtual functions, float, an
-// offset, a stream.
+// The tutorial's way, to compare with: surfaces and integrators behind virtual functions, float, an offset, a
+// stream.
 //
 // It is written from the tutorial's text and shares no code with the library.
 #pragma once
@@ -17,7 +17,7 @@ using vec3 = glm::vec3;
 
 inline constexpr float infinity = std::numeric_limits<float>::infinity();
 
-/// How far from a surface the next ray starts (§2.3.2).
+/// Distance from a surface at which the next ray starts (§2.3.2).
 inline constexpr float epsilon = 1e-4f;
 
 struct Ray {
@@ -25,7 +25,7 @@ struct Ray {
   vec3 operator()(float t) const { return origin + t * direction; }
 };
 
-/// §2.2.2
+/// Image of linear light (§2.2.2).
 class Image {
  public:
   Image(int width, int height)
@@ -47,27 +47,27 @@ class Image {
   std::vector<vec3> pixels_;
 };
 
-/// §2.2.3
+/// Pinhole camera (§2.2.3).
 struct Camera {
   vec3 origin{0}, right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, 1};
 
   Ray operator()(float u, float v) const;
 };
 
-/// §2.3.1
+/// Base class of surfaces (§2.3.1).
 class Surface {
  public:
   explicit Surface(const vec3& surface_color) : color(surface_color) {}
   virtual ~Surface() = default;
 
-  /// The smallest t between min and max, or infinity.
+  /// Returns the smallest t between min and max, or infinity.
   virtual float intersect(const Ray& ray, float min, float max) const = 0;
   virtual vec3 normal(const vec3& point) const = 0;
 
   vec3 color;
 };
 
-/// §2.2.4
+/// Sphere (§2.2.4).
 class Sphere final : public Surface {
  public:
   Sphere(const vec3& center, float radius, const vec3& sphere_color)
@@ -95,17 +95,17 @@ struct Scene {
   std::vector<std::unique_ptr<Surface>> surfaces;
   std::vector<PointLight> lights;
 
-  /// What is met first.
+  /// Returns the closest hit.
   Intersection intersect(const Ray& ray, float min = 0, float max = infinity) const;
 
-  /// Whether anything is met.
+  /// Returns true if there is any hit.
   bool intersect_any(const Ray& ray, float min, float max) const;
 };
 
-/// The scene of §2.3.1, with the light of the pictures.
+/// Returns the scene of §2.3.1, with the light of the pictures.
 Scene three_spheres();
 
-/// §2.3.2: turns what a ray meets into a color.
+/// Base class of integrators, which compute the color of a ray (§2.3.2).
 class Integrator {
  public:
   virtual ~Integrator() = default;

@@ -1,4 +1,4 @@
-// Stage 09_shadow the tutorial's way, as a program of its own: tutorial_shadow FILE
+// Stage 09_shadow in the tutorial's way, as a program of its own: tutorial_shadow FILE
 #include "tutorial.hpp"
 
 int main(int argc, char** argv) {

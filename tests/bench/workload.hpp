@@ -1,4 +1,4 @@
-// Scenes of many spheres, a camera that looks at them, and how a scene is traced.
+// Scenes of many spheres, cameras that look at them, and their acceleration.
 #pragma once
 
 #include <cmath>
@@ -29,7 +29,7 @@ inline constexpr bool is_accelerated = false;
 inline const auto& traced(const protostar::Scene<protostar::Sphere>& scene, int) { return scene; }
 #endif
 
-/// A sphere of numbers that float holds, laid out as Embree reads it.
+/// Sphere of numbers that float holds, laid out as Embree reads it.
 struct FloatSphere {
   glm::vec3 center;
   float radius;
@@ -39,12 +39,12 @@ struct Workload {
   std::vector<FloatSphere> spheres;
   protostar::Camera camera;
   protostar::PointLight light;
-  glm::vec3 corner, size;  ///< of the box in which incoherent rays start
+  glm::vec3 corner, size;  ///< box in which incoherent rays start
 };
 
-/// count spheres: the tutorial's scene for 3, otherwise at random in the unit cube. The discs that a ray
-/// along an axis sees then cover 2 · 13/12 times the cube's face at any count: π Σ r², where r² = (½ + x)² ·
-/// 2/(πn) with x uniform in [0, 1) has the mean 13/12 · 2/(πn).
+/// Returns count spheres: the tutorial's scene for 3, otherwise random ones in the unit cube. Seen along an
+/// axis, their discs cover 2 · 13/12 times the cube's face at any count: π Σ r², where r² = (½ + x)² · 2/(πn)
+/// with x uniform in [0, 1) has the mean 13/12 · 2/(πn).
 inline Workload workload(std::size_t count) {
   Workload work;
   if (count == 3) {
@@ -69,7 +69,8 @@ inline Workload workload(std::size_t count) {
   return work;
 }
 
-/// The same as a scene. A sphere's red is its index, so that a picture tells which spheres are seen.
+/// Returns a workload as a scene. A sphere's red is its index, so that a picture tells which spheres are
+/// visible.
 inline protostar::Scene<protostar::Sphere> scene_of(const Workload& work) {
   protostar::Scene<protostar::Sphere> scene;
   float index = 0;  // exact up to 2^24

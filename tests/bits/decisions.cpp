@@ -1,5 +1,5 @@
-// Decisions of rays that are the same, even where a compiler fuses multiplications with additions, and so are
-// these. (A picture is not, in its last bits, as the camera's rays are not.)
+// Writes decisions about rays, which are the same even if a compiler fuses multiplications with additions.
+// (The last bits of a picture are not, as those of the camera's rays are not.)
 //
 //   decisions FILE
 
@@ -19,8 +19,8 @@ using namespace protostar;
 
 namespace {
 
-/// Small whole numbers, so that surfaces touch, coincide and are touched by rays again and again; some of
-/// them off by very little. A double can be rounded here only once, which no compiler changes.
+/// Random small whole numbers, so that surfaces often touch and coincide, and rays are often tangent; some
+/// are off by very little. Each double is rounded at most once here, which no compiler changes.
 class Numbers {
  public:
   explicit Numbers(std::uint64_t seed) : engine_(seed) {}
@@ -44,9 +44,8 @@ class Numbers {
   std::mt19937_64 engine_;
 };
 
-/// A few surfaces of three sizes, at the origin and far away from it, and what rays decide among them: what
-/// is first, whether anything is in the way, and what is crossed in which order. A surface's color is its
-/// number.
+/// Writes decisions about rays among a few surfaces, of three sizes, at the origin and far away from it: the
+/// closest hit, any hit in 0 < t < 1, and the order of all crossings. A surface's color is its number.
 void save_decisions(const std::string& path) {
   std::ofstream file(path);
   Numbers numbers(1);

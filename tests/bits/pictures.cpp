@@ -1,5 +1,5 @@
-// Pictures of three scenes through every integrator, by several cameras, and of a mesh: the same bytes,
-// whoever compiled this, for which processor and at which level, and for any number of threads.
+// Draws three scenes with all integrators but Whitted's, by several cameras, and a mesh. The files have the
+// same bytes for every compiler, processor, optimization level and number of threads.
 //
 //   pictures FOLDER THREADS
 
@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A floor, a wall that is the same plane as a board on it, and spheres that stand on the floor, touch and
-/// coincide.
+/// Returns a scene of a floor, which is the same plane twice, walls, and spheres that stand on the floor,
+/// touch and coincide.
 Scene<Sphere, Plane, AnySurface> room() {
   Scene<Sphere, Plane, AnySurface> scene;
   scene.add(Sphere{.center = {0, 0, 4}, .radius = 1}, Color{0.9f, 0.2f, 0.1f});
@@ -39,12 +39,12 @@ Scene<Sphere, Plane, AnySurface> room() {
   return scene;
 }
 
-/// So many spheres that tiles and shadow rays look for them in their own ways.
+/// Returns a scene of so many spheres that tiles and shadow rays find them through their own data structures.
 Scene<Sphere> many() {
   Random random(1);
   Scene<Sphere> scene;
   for (int i = 0; i < 200; ++i) {
-    // One after the other: compilers choose their own order for the arguments of a call.
+    // In separate statements, because compilers evaluate the arguments of a call in different orders.
     const Sphere sphere{.center = Vec3{0, 0, 5} + random.point(3), .radius = random.real(0.05, 0.5)};
     const Color color = random.color();
     scene.add(sphere, color);
@@ -53,7 +53,7 @@ Scene<Sphere> many() {
   return scene;
 }
 
-/// A mesh that looks smooth, and a sphere that it goes through.
+/// Returns a scene of a mesh with smooth normals, and a sphere that intersects it.
 Scene<Mesh, Sphere> smooth() {
   MeshData ball = meshes::icosphere(4);
   ball.normals = ball.vertices;
@@ -83,7 +83,7 @@ void save_pictures(const fs::path& folder, const std::string& name, const auto& 
   save("shadow", ShadowIntegrator{});
 }
 
-/// What the pictures are made of, in double, where a difference shows that they mostly round away.
+/// Writes the hits in double, in which differences show that mostly vanish by rounding in pictures.
 void save_hits(const fs::path& path, const auto& scene) {
   std::vector<double> numbers;
   for (int y = 0; y < 120; ++y)

@@ -1,6 +1,5 @@
-// The error-free transforms are exact however this is compiled: with products that are fused into the sums
-// that take them, at any level of optimization, inlined. Whole numbers of at most 2^124 tell, since 128 bits
-// hold them.
+// Checks that the error-free transforms are exact however they are compiled: with products fused into sums,
+// at any level of optimization, inlined. All numbers are whole and at most 2^124, which 128 bits hold.
 
 #include <cstdint>
 #include <cstdio>
@@ -16,8 +15,8 @@ namespace {
 Whole whole(double x) { return static_cast<Whole>(x); }
 Whole whole(DoubleDouble x) { return whole(x.hi) + whole(x.lo); }
 
-/// Rounded, whatever the compiler makes of the operation. It does not know these operands, so that it cannot
-/// take this product for the one under test, which it would then not fuse.
+/// Returns the rounded product, whatever the compiler makes of the operation. It does not know these
+/// operands, so it cannot take this product for the one under test, which it would then not fuse.
 double rounded_product(double a, double b) {
   const volatile double x = a, y = b, product = x * y;
   return product;
@@ -46,7 +45,7 @@ int main() {
     const DoubleDouble product = two_product(a, b);
     wrong += whole(product) != whole(a) * whole(b) || product.hi != rounded_product(a, b);
 
-    // The product is an argument, and so rounded: no part of it may go into the sum unrounded.
+    // The product is an argument and hence rounded: no part of it may go into the sum unrounded.
     const double ab = rounded_product(a, b), cd = rounded_product(c, d);
     const DoubleDouble one = two_sum(a * b, c), other = two_sum(c, a * b), both = two_sum(a * b, c * d);
     wrong += whole(one) != whole(ab) + whole(c) || one.hi != rounded_sum(ab, c);

@@ -1,10 +1,11 @@
-// Compares two pictures, byte by byte, and draws where they differ.
+// Compares two pictures, byte by byte, and draws their differences.
 //
 //   compare_images A B [DIFF.png]
 //
 // Reads PNG and binary PPM. Prints how many pixels differ and by how many levels at most. DIFF.png, written
-// if any does, is black where the two agree; a channel that differs by n levels is 95 + 10 n there, so that a
-// single level can be seen. The exit status is 0 if they are equal, 1 if they differ, 2 if something failed.
+// if any pixel differs, is black at equal channels; a channel that differs by n levels is 95 + 10 n there, so
+// that a single level is visible. The exit status is 0 if the pictures are equal, 1 if they differ, 2 if
+// something failed.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -34,7 +35,7 @@ Picture difference_image(const Picture& a, const Picture& b) {
   return result;
 }
 
-// To a file that nobody relies on, so stb's own writing is enough, checked as far as it tells.
+// Nothing relies on this file, so stb's own writing is enough, with the errors that it reports.
 void write_png(const std::string& path, const Picture& picture) {
   if (!stbi_write_png(path.c_str(), picture.width, picture.height, 3, picture.pixels.data(),
                       3 * picture.width))

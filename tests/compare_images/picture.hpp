@@ -1,4 +1,4 @@
-// Pictures as files hold them, and how far two are apart.
+// Pictures as files hold them, and the difference of two.
 #pragma once
 
 #include <algorithm>
@@ -19,11 +19,11 @@ inline bool same_size(const Picture& a, const Picture& b) {
 }
 
 struct Difference {
-  int pixels = 0;   ///< that differ in any channel
-  int largest = 0;  ///< the largest difference of a channel, in levels
+  int pixels = 0;   ///< number of pixels that differ in any channel
+  int largest = 0;  ///< largest difference of a channel, in levels
 };
 
-/// The difference of two pictures of the same size.
+/// Returns the difference of two pictures of the same size.
 inline Difference difference(const Picture& a, const Picture& b) {
   Difference result;
   for (std::size_t i = 0; i < a.pixels.size(); ++i) {

@@ -6,7 +6,8 @@
 #include <stdexcept>
 #include <string>
 
-// As static functions of this translation unit, so that they meet no other copy of stb_image in a program.
+// stb_image as static functions of this translation unit, so that they do not conflict with another copy in a
+// program.
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_ONLY_PNG
@@ -15,7 +16,7 @@
 
 #include "picture.hpp"
 
-/// Throws std::runtime_error, with the path and the reason, if there is no such picture.
+/// Reads a picture. Throws std::runtime_error, with the path and the reason, if it cannot be read.
 inline Picture read_image(const std::string& path) {
   Picture picture;
   int channels = 0;

@@ -1,4 +1,4 @@
-// The program of the README, as a user has it.
+// The README's program, as a user compiles it.
 #include <protostar/protostar.hpp>
 using namespace protostar;
 int main() {

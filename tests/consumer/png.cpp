@@ -1,4 +1,4 @@
-// Saves a PNG, with what protostar::png brings.
+// Saves a PNG with protostar::png.
 #include <protostar/io/png.hpp>
 using namespace protostar;
 int main() {

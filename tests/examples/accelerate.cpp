@@ -1,5 +1,4 @@
-// Rays of your own in a scene of many surfaces: what a turning laser scanner measures in a wood of 10,000
-// trees.
+// Your own rays in a scene of many surfaces: a turning laser scanner in a wood of 10,000 trees.
 #include <cstdio>
 #include <protostar/protostar.hpp>
 using namespace protostar;
@@ -12,7 +11,7 @@ int main() {
       wood.add(Sphere{.center = {3.0 * x + 0.1 * (i % 7), 1, 3.0 * z + 0.1 * (i % 11)}, .radius = 0.4},
                Color{0.2f, 0.6f, 0.2f});
 
-  // A tree of boxes, built once. It answers as the scene does, to the last bit, and many threads may ask it.
+  // A BVH, built once. It returns the same hits as the scene, to the last bit, and many threads may use it.
   const auto fast = accelerate(wood);
   const Point scanner{0, 1, 0};
   double farthest = 0;
@@ -23,7 +22,7 @@ int main() {
   }
   std::printf("the farthest tree in sight is %.2f away\n", farthest);
 
-  // What grows in the wood is not in the tree of boxes: it refuses to answer until it is built anew.
+  // A surface that is added to the scene is not in the BVH, which throws until it is built anew.
   wood.add(Sphere{.center = {1, 1, 0}, .radius = 0.5}, Color{1});
   bool refused = false;
   try {

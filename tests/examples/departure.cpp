@@ -1,17 +1,17 @@
-// A surface that says more than it has to: its roots, and how a ray departs from it.
+// A surface with optional functions: its roots, and the departure of a ray from it.
 #include <cmath>
 #include <protostar/protostar.hpp>
 using namespace protostar;
 
-/// The points at distance radius from the y axis.
+/// Points at distance radius from the y axis.
 struct Cylinder {
   double radius = 1;
 
   std::optional<double> intersect(const Ray& ray, Interval range) const { return roots(ray).first_in(range); }
   Vec3 normal_at(Point point) const { return Vec3{point.x, 0, point.z} / radius; }
 
-  /// All crossings of the ray's line. A ray that leaves the cylinder starts with x² + z² = r², so that c = 0
-  /// and one root is 0. That one is left out; the other is 2b/A.
+  /// Returns all crossings of the ray's line. A ray that leaves the cylinder starts with x² + z² = r², so
+  /// c = 0 and one root is 0. It is left out; the other is 2b/A.
   Roots roots(const Ray& ray) const {
     const double dx = ray.direction.x, dz = ray.direction.z, ox = ray.origin.x, oz = ray.origin.z;
     const double A = dx * dx + dz * dz, b = -(dx * ox + dz * oz);
@@ -21,10 +21,10 @@ struct Cylinder {
     return quadratic_roots(A, b, c, b * b - A * c);
   }
 
-  /// This cylinder, recognized by its address.
+  /// Returns the departure from this cylinder, recognized by its address.
   Departure departure() const { return {.kind = Departure::Kind::object, .object = this}; }
 
-  /// Lets Scene::add refuse a cylinder that is none.
+  /// Throws if the cylinder is invalid, so that Scene::add refuses it.
   void validate() const {
     if (!(radius > 0 && std::isfinite(radius)))
       throw std::invalid_argument("Cylinder: radius must be finite and greater than 0");
@@ -36,7 +36,8 @@ int main() {
   Scene<Cylinder> scene;
   scene.add(Cylinder{.radius = 0.5}, Color{0.8f, 0.6f, 0.3f});
 
-  // Leaving outwards, a ray never meets the cylinder again; leaving inwards, once, at the other side.
+  // A ray that leaves outwards never hits the cylinder again; one that leaves inwards hits its other side
+  // once.
   const Ray ray{.origin = {0, 0, -3}, .direction = {0, 0, 1}};
   const auto hit = scene.intersect(ray);
   if (!hit || hit->t != 2.5) return 1;

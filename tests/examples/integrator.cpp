@@ -1,10 +1,10 @@
-// An integrator of your own: a struct with one function. No library file knows of it.
+// An integrator of your own: a struct with one function. No library file depends on it.
 #include <protostar/protostar.hpp>
 
 #include "scenes/three_spheres.hpp"
 using namespace protostar;
 
-/// Light from the camera: each surface in its color, darker where it turns away.
+/// Shows each surface in its color, lit from the camera: darker where it turns away.
 struct HeadlightIntegrator {
   Color radiance(const Ray& ray, const Traceable auto& scene) const {
     const auto hit = scene.intersect(ray, Interval{});
@@ -19,7 +19,7 @@ int main() {
   render(image, Camera{}, scene, HeadlightIntegrator{});
   save_ppm(image, "headlight.ppm");
 
-  // A lambda will do where the integrator is used once.
+  // A lambda is enough if the integrator is used once.
   const auto is_red = [](const Ray& ray, const Traceable auto& traceable) {
     const auto hit = traceable.intersect(ray, Interval{});
     return hit && hit->color().r > 0.5f ? Color{1, 0, 0} : Color{0};

@@ -1,10 +1,10 @@
-// A lens in passes: each is a picture from another place on the lens, and their mean is sharp at one
+// Depth of field in passes: each is a picture from another point on the lens, and their mean is sharp at one
 // distance.
 #include <protostar/protostar.hpp>
 using namespace protostar;
 
-/// The pinhole camera at a place on the lens of another pinhole camera. It has the plane at distance ·
-/// forward in the same place of its picture. There,
+/// Returns the pinhole camera at a point on the lens of another pinhole camera. Both see the plane at
+/// distance · forward in the same pixels:
 ///   position + distance · (u · right + v · up + forward)
 /// is seen from position + offset in the direction of u · right + v · up + (forward − offset / distance).
 Camera through_lens(Camera camera, const Vec3& offset, double distance) {
@@ -24,9 +24,9 @@ int main() {
 
   const Camera camera = Camera::look_at({0, 0, 0}, {0, 0, 1}, {0, 1, 0}, 60);
   const double distance = 6;  // in focus, in lengths of forward, which is 1 here: the third sphere
-  const double radius = 0.1;  // of the lens
+  const double radius = 0.1;  // radius of the lens
 
-  // The places on the lens are those of a grid that lie in it.
+  // The points on the lens are the points of a grid that lie in it.
   Image image(320, 240), pass(320, 240);
   const int n = 4;
   int passes = 0;

@@ -4,16 +4,17 @@
 #include <protostar/protostar.hpp>
 using namespace protostar;
 
-/// Waves on a pond: y = height · (sin x + sin z), as far as x and z are from −size to size.
+/// Waves on a pond: y = height · (sin x + sin z), for x and z from −size to size.
 struct Waves {
   double height = 0.25, size = 10;
 
-  /// F(p) = y − height · (sin x + sin z): 0 on the waves, and greater above them.
+  /// Returns F(p) = y − height · (sin x + sin z), which is 0 on the waves and greater above them.
   double F(const Point& p) const { return p.y - height * (std::sin(p.x) + std::sin(p.z)); }
   Vec3 gradient(const Point& p) const { return {-height * std::cos(p.x), 1, -height * std::cos(p.z)}; }
 
-  /// F(p + v) − F(p), by sin(a + b) − sin a = 2 cos(a + b/2) sin(b/2). The difference of two values of F
-  /// would be noise where v is small; here 0 is a factor of each term, and exact.
+  /// Returns F(p + v) − F(p), by sin(a + b) − sin a = 2 cos(a + b/2) sin(b/2). The difference of two values
+  /// of F would be noise for small v; here each term has a factor that vanishes with v, and is exact for
+  /// v = 0.
   double rise(const Point& p, const Vec3& v) const {
     return v.y -
            2 * height *
@@ -22,13 +23,13 @@ struct Waves {
 
   Vec3 normal_at(Point point) const { return normalize(gradient(point)); }
 
-  /// Marches along f(t) = F(origin + t · direction). |f''| ≤ K = height · (dx² + dz²) everywhere, so that f
-  /// keeps its sign for free_way(|f|, ±f', K) at least. Steps of that length come nearer to the next crossing
-  /// and never go past it, but for rounding; where a step is too small to change t, t is the crossing.
+  /// Marches along f(t) = F(origin + t · direction). Everywhere |f''| ≤ K = height · (dx² + dz²), so f keeps
+  /// its sign at least for free_way(|f|, ±f', K). Steps of that length approach the next crossing and never
+  /// pass it, except by rounding; if a step is too small to change t, t is the crossing.
   ///
-  /// A ray that leaves the waves starts on them, whatever its rounded origin says. So it is followed by
-  /// f(t) = F(origin + t · direction) − F(origin), which has its root at 0: the slope there says on which
-  /// side the ray goes on, and how far it surely stays there. No constant moves it off the waves.
+  /// A ray that leaves the waves starts on them, whatever its rounded origin is. Hence it marches along
+  /// f(t) = F(origin + t · direction) − F(origin), which has a root at 0: the slope there tells on which side
+  /// the ray continues, and how far it surely stays there. No epsilon moves it off the waves.
   std::optional<double> intersect(const Ray& ray, Interval range) const {
     const Vec3& d = ray.direction;
     const Interval inside = part_inside(ray);
@@ -43,8 +44,8 @@ struct Waves {
     double f = f_at(t), slope = slope_at(t);
     double side = std::copysign(1, f);  // 1 above the waves, -1 below
     if (t + free_way(side * f, side * slope, K) == t) {
-      // The range starts at a crossing: where the ray leaves, or at one that is known when the next is asked
-      // for.
+      // The range starts at a crossing: at the point that the ray leaves, or at the previous crossing when
+      // the next one is searched.
       f = 0;
       side = std::copysign(1, slope);
     }
@@ -58,10 +59,10 @@ struct Waves {
     return std::nullopt;
   }
 
-  /// What a ray that leaves the waves says: these waves, recognized by their address.
+  /// Returns the departure from these waves, recognized by their address.
   Departure departure() const { return {.kind = Departure::Kind::object, .object = this}; }
 
-  /// A box that is a thousandth larger than that in which the waves are met, for what is rounded.
+  /// Returns a box that is a thousandth larger than the one in which rays march, to allow for rounding.
   Bounds bounds() const { return {-1.001 * corner(), 1.001 * corner()}; }
 
   void validate() const {
@@ -70,22 +71,23 @@ struct Waves {
   }
 
  private:
-  /// Towards a crossing the steps get shorter as those of Newton's method do, so that some tens are enough. A
-  /// ray that needs as many as these runs along the waves, nearer to them than double can tell, and is taken
-  /// to miss them.
+  /// Maximum number of steps. Near a crossing, steps shrink as those of Newton's method do, so a few tens are
+  /// enough. A ray that needs as many as this runs along the waves, closer than double resolves, and counts
+  /// as a miss.
   static constexpr int most_steps = 10000;
 
-  /// The smallest way > 0 on which f + slope · way − K/2 · way² comes to 0, with f ≥ 0 and K ≥ 0. Of its two
-  /// forms, that is taken in which nothing cancels. NaN, which ends the march, where f and slope are 0.
+  /// Returns the smallest way > 0 at which f + slope · way − K/2 · way² is 0, for f ≥ 0 and K ≥ 0, by the one
+  /// of its two forms in which nothing cancels. Returns NaN, which ends the march, if f and slope are 0.
   static double free_way(double f, double slope, double K) {
     const double root = std::sqrt(slope * slope + 2 * K * f);
     return slope > 0 ? (slope + root) / K : 2 * f / (root - slope);
   }
 
-  /// The waves lie between −2 · height and 2 · height; with more room, their crests are not cut.
+  /// Returns a corner of the box around the waves, which lie between −2 · height and 2 · height; with more
+  /// room, their crests are not cut.
   Vec3 corner() const { return {size, 3 * height, size}; }
 
-  /// Where a ray is inside the box around the waves.
+  /// Returns the range in which a ray is inside the box around the waves.
   Interval part_inside(const Ray& ray) const {
     Interval part{.min = -infinity, .max = infinity};
     for (int axis = 0; axis < 3; ++axis) {
@@ -109,7 +111,7 @@ int main() {
   render(image, camera, scene, ShadowIntegrator{});
   save_ppm(image, "marched.ppm");
 
-  // Straight up from a wave there is nothing but the sphere, and straight down nothing at all.
+  // Rays straight up from a wave hit nothing but the sphere, and rays straight down hit nothing at all.
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x) {
       const auto hit = scene.intersect(camera.through_pixel(x, y, image.width(), image.height()));

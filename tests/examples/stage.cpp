@@ -1,4 +1,4 @@
-// Light from the camera: each surface in its color, darker where it turns away.
+// Draws each surface in its color, lit from the camera: darker where it turns away.
 #include <protostar/render.hpp>
 
 #include "scenes/three_spheres.hpp"

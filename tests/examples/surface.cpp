@@ -3,12 +3,12 @@
 #include <protostar/protostar.hpp>
 using namespace protostar;
 
-/// The points at distance radius from the y axis.
+/// Points at distance radius from the y axis.
 struct Cylinder {
   double radius = 1;
 
-  /// The smallest t inside the range with x² + z² = r². Without y that is a circle, so the equation is a
-  /// quadratic, A t² − 2 b t + c = 0, unless the ray runs along the axis.
+  /// Returns the smallest t inside the range with x² + z² = r². Without y this is a circle, so the equation
+  /// is a quadratic, A t² − 2 b t + c = 0, unless the ray runs along the axis.
   std::optional<double> intersect(const Ray& ray, Interval range) const {
     const double dx = ray.direction.x, dz = ray.direction.z, ox = ray.origin.x, oz = ray.origin.z;
     const double A = dx * dx + dz * dz, b = -(dx * ox + dz * oz), c = ox * ox + oz * oz - radius * radius;

@@ -1,4 +1,4 @@
-// What is fuzzed behind the reader: whatever scene is accepted is drawn, and looks as it should.
+// Fuzzing of rendering: every scene that the reader accepts is drawn, and its pictures are checked.
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,14 @@
 
 #include "stages/support/scene_pictures.hpp"
 
-/// The names of all integrators.
+/// Returns the names of all integrators.
 [[nodiscard]] inline std::vector<std::string> all_integrators() {
   return {protostar::integrator_names.begin(), protostar::integrator_names.end()};
 }
 
 /// Draws a scene with some integrators, by tiles and ray by ray, in 8 × 2 pixels with at most 2 samples and
-/// paths of at most 4 rays, whatever its settings say, so that it is soon done. Returns what is wrong with
-/// the pictures, a line each: pixels that are not finite, and pixels that differ between the two ways.
+/// paths of at most 4 rays, whatever its settings are, to be fast. Returns the faults of the pictures, a line
+/// each: pixels that are not finite, and pixels that differ between the two ways.
 [[nodiscard]] inline std::string faults_of_pictures(protostar::SceneFile& file,
                                                     const std::vector<std::string>& integrators) {
   using namespace protostar;

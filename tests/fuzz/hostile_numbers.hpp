@@ -1,4 +1,4 @@
-// Scenes with hostile numbers: valid ones, of which some numbers are replaced.
+// Scenes with hostile numbers: valid scenes, some of whose numbers are replaced.
 #pragma once
 
 #include <cctype>
@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-/// Numbers at the ends of double and float, at the limits of scene files and just beyond them, and at which
-/// squares, cubes and quotients overflow, vanish or lose all their digits. Most of them are allowed in most
-/// places.
+/// Numbers at the ends of double and float, at the limits of scene files and just beyond them, and numbers
+/// whose squares, cubes and quotients overflow, vanish or lose all their digits. Most of them are allowed in
+/// most places.
 inline constexpr std::string_view hostile_numbers[] = {
     "0", "-0.0", "1", "-1", "0.5", "2", "-3", "1e-3", "1000", "90", "180", "179.99999999999997",
     // double
@@ -22,7 +22,7 @@ inline constexpr std::string_view hostile_numbers[] = {
     // the limits 2^400 and 2^-400
     "2.5822498780869086e120", "-2.5822498780869086e120", "2.5822498780869082e120", "2.5822498780869091e120",
     "3.8725919148493183e-121", "3.8725919148493178e-121", "-3.8725919148493183e-121",
-    // roots of the limits of double, and what is far from 1
+    // roots of the limits of double, and numbers far from 1
     "1e120", "-1e120", "1e-120", "1e102", "1e100", "-1e100", "1e-100", "1e77", "-1e77", "1e-77", "1e60",
     "-1e60", "1e-60", "1e30", "-1e30", "1e-30", "1e20", "-1e20", "1e-20", "1e15", "1e-15", "1e10",
     // float
@@ -32,8 +32,8 @@ inline constexpr std::string_view hostile_numbers[] = {
     // next to 1
     "1.0000000000000002", "0.99999999999999989"};
 
-/// Where the numbers of a JSON text stand: pairs of begin and end. Digits inside of strings count, too, which
-/// does no harm.
+/// Returns the positions of the numbers in a JSON text: pairs of begin and end. Digits inside of strings
+/// count, too, which does no harm.
 inline std::vector<std::pair<std::size_t, std::size_t>> numbers_in(const std::string& text) {
   const auto is_part = [](char c) {
     return (c >= '0' && c <= '9') || c == '-' || c == '+' || c == '.' || c == 'e' || c == 'E';
@@ -50,7 +50,8 @@ inline std::vector<std::pair<std::size_t, std::size_t>> numbers_in(const std::st
   return numbers;
 }
 
-/// The text with so many of its numbers, drawn at random, replaced by hostile ones; the same for equal seeds.
+/// Returns the text with count of its numbers, drawn at random, replaced by hostile ones; equal for equal
+/// seeds.
 inline std::string with_hostile_numbers(std::string text, std::uint32_t seed, int count) {
   std::minstd_rand random(seed + 1);
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random()) / 7 % n; };

@@ -1,5 +1,5 @@
-// What libFuzzer calls with bytes of its own, and how it makes them; tests/json_scene.cpp reads the corpus,
-// and tests/hostile.cpp draws scenes that are made in the same way.
+// Entry point and mutator for libFuzzer; tests/json_scene.cpp reads the corpus, and tests/hostile.cpp draws
+// scenes that are mutated in the same way.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* bytes, std::size_t size, std::size_t max_size);
 
-/// One mutation in four is libFuzzer's; the others replace numbers by hostile ones, since random bytes seldom
-/// leave a scene a scene.
+/// Mutates a scene: one mutation in four is libFuzzer's; the others replace numbers by hostile ones, since
+/// random bytes seldom leave a scene valid.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* bytes, std::size_t size, std::size_t max_size,
                                                unsigned seed) {
   if (seed % 4 != 0) {
@@ -28,7 +28,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* bytes, std::size_t 
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  // Files are looked for beside the scenes that the fuzzer starts from.
+  // Images and meshes are read from the folder of the scenes that the fuzzer starts from.
   auto file =
       read_any_bytes(std::string(bytes, bytes + size), PROTOSTAR_SOURCE_DIR "/tests/hostile/scene.json");
   if (!file) return 0;

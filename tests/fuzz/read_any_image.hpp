@@ -1,4 +1,4 @@
-// What is fuzzed: any bytes are an image, all of whose pixels are finite, or an error in words.
+// Fuzzing of the image reader: any bytes give an image, all of whose pixels are finite, or an error message.
 #pragma once
 
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <string>
 
-/// A PNG whose chunks have the checksums that their bytes ask for, so that changed bytes are not refused for
-/// these alone. Other bytes stay as they are.
+/// Returns a PNG whose chunks have the right checksums, so that changed bytes are not refused for these
+/// alone. Other bytes are returned unchanged.
 inline std::string with_right_checksums(std::string bytes) {
   using namespace protostar::detail;
   if (!is_png(bytes)) return bytes;
@@ -23,7 +23,7 @@ inline std::string with_right_checksums(std::string bytes) {
   return bytes;
 }
 
-/// Reads bytes as an image's file. Ends the program if what it reads or says is not as it should be.
+/// Reads bytes as an image file. Ends the program if the image or the message is not as it should be.
 inline void read_any_image(const std::string& bytes) {
   using namespace protostar;
   constexpr std::int64_t most_pixels = 1 << 18;
@@ -37,7 +37,7 @@ inline void read_any_image(const std::string& bytes) {
         if (std::isinf(pixel.r) || std::isinf(pixel.g) || std::isinf(pixel.b)) __builtin_trap();
       }
   } catch (const std::runtime_error& error) {
-    if (std::string(error.what()).size() > 1000) __builtin_trap();  // no message is as long as the file
+    if (std::string(error.what()).size() > 1000) __builtin_trap();  // a message is shorter than long files
     if (shown(error.what()) != error.what()) __builtin_trap();
   }
 }

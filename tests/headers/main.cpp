@@ -1,5 +1,5 @@
-// A unit that includes every header links into one program with one for each header (each_header), and with a
-// second one in which a function of a header is the same function.
+// Checks that a unit that includes every header links with a unit for each header (each_header) and with a
+// second unit, and that an inline function of a header is the same function in both.
 #include "all_headers.hpp"
 #include "unit.hpp"
 

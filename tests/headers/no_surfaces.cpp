@@ -1,5 +1,5 @@
-// A scene without so much as a type of surface: compiled apart from the precompiled headers of the other
-// tests, in which g++ gives no warnings.
+// Tests a scene without any surface type. Compiled without the precompiled headers of the other tests, in
+// which g++ gives no warnings.
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/transparency.hpp>
 

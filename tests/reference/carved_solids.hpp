@@ -1,7 +1,8 @@
-// The picture of stage 15 once more, in long double and sharing nothing with the library.
+// Reference for the picture of stage 15, in long double and sharing nothing with the library.
 //
-// What is inside a solid along a ray is a few intervals. Between all of their ends in order, the middle of
-// each piece is asked of every solid. Nothing is decided exactly: pixels at an edge may differ.
+// Along a ray, the inside of a solid consists of a few intervals. Between all of their ends in order, the
+// middle of each piece is tested against every solid. Nothing is decided exactly: pixels at an edge may
+// differ.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +18,7 @@
 
 namespace reference {
 
-/// Turns about a unit axis, by v cos + (a × v) sin + a (a·v)(1 − cos).
+/// Returns v rotated about an axis, v cos + (a × v) sin + a (a·v)(1 − cos) for the unit vector a along it.
 inline Vector turned(Vector v, Vector axis, Real degrees) {
   const Real angle = degrees * std::acos(Real{-1}) / 180, c = std::cos(angle), s = std::sin(angle);
   const Vector a = 1 / length(axis) * axis;
@@ -25,7 +26,7 @@ inline Vector turned(Vector v, Vector axis, Real degrees) {
   return c * v + s * across + (1 - c) * dot(a, v) * a;
 }
 
-/// A solid of the second degree, |S (p − center)| ≤ radius, where S leaves out some axes; or a box.
+/// Solid of the second degree, |S (p − center)| ≤ radius, where S = kept leaves out some axes; or a box.
 struct Primitive {
   Vector center, kept;
   Real radius = 0;
@@ -40,7 +41,7 @@ struct Primitive {
     return dot(w, w) <= radius * radius;
   }
 
-  /// Where a line may go in or out.
+  /// Adds the values of t at which a line may go in or out.
   void add_ends(Vector o, Vector d, std::vector<Real>& ends) const {
     if (low) {
       for (const Vector& at : {*low, *high}) {
@@ -57,7 +58,7 @@ struct Primitive {
     ends.push_back((-b + std::sqrt(D)) / a);
   }
 
-  /// Out of it at a point where it ends.
+  /// Returns the outward normal at a point of the boundary.
   [[nodiscard]] Vector normal(Vector p) const {
     if (!low) return 1 / radius * (kept * (p - center));
     Vector n;
@@ -70,7 +71,7 @@ struct Primitive {
     return n;
   }
 
-  /// How far a point is from where it ends, at least to first order.
+  /// Returns the distance of a point from the boundary, at least to first order.
   [[nodiscard]] Real distance(Vector p) const {
     if (!low) return std::abs(length(kept * (p - center)) - radius);
     Real nearest = std::numeric_limits<Real>::infinity();
@@ -80,11 +81,11 @@ struct Primitive {
   }
 };
 
-/// What of the first solids, all together, is in none of the others.
+/// Points that are in all of the first solids and in none of the others.
 struct Carved {
   std::vector<Primitive> all, none;
   Vector color;
-  std::function<Vector(Vector)> to_world;  ///< turns
+  std::function<Vector(Vector)> to_world;  ///< rotation to world directions
   std::function<Vector(Vector)> to_own;
   Vector place;
 
@@ -93,7 +94,7 @@ struct Carved {
     return std::all_of(all.begin(), all.end(), is_in) && std::none_of(none.begin(), none.end(), is_in);
   }
 
-  /// The first t > 0 at which a line from a point outside goes in.
+  /// Returns the first t > 0 at which a line from a point outside goes in.
   [[nodiscard]] std::optional<Real> first(Vector from, Vector direction) const {
     const Vector o = to_own(from - place), d = to_own(direction);
     std::vector<Real> ends;
@@ -107,7 +108,7 @@ struct Carved {
     return std::nullopt;
   }
 
-  /// Out of it: that of the solid whose end is next, into that if it is taken away.
+  /// Returns the outward normal, that of the solid with the nearest boundary, reversed if it is subtracted.
   [[nodiscard]] Vector normal(Vector at) const {
     const Vector p = to_own(at - place);
     Real nearest = std::numeric_limits<Real>::infinity();
@@ -146,8 +147,8 @@ inline std::vector<Carved> carved_solids() {
            {2.5L, -0.5L, 5.5L}}};
 }
 
-/// The light of a lamp and of all around, color · (Φ/(4π) · cos θ / distance² + 0.1), from the first thing
-/// along a ray from the origin through a pixel, for a field of view of 60°.
+/// Returns the light of a lamp and ambient light, color · (Φ/(4π) · cos θ / distance² + 0.1), at the closest
+/// hit of a ray from the origin through a pixel, for a field of view of 60°.
 inline Vector carved_solids_along(Whole pixel) {
   static const std::vector<Carved> solids = carved_solids();
   const Vector whole = pixel.real(), lamp{-2, 4, 0};

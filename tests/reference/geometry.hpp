@@ -1,7 +1,7 @@
-// Rays through pixel centers, and where they cross spheres: once more, from the definitions, sharing nothing
-// with the library.
+// Reference for rays through pixel centers and their crossings with spheres, computed from the definitions
+// and sharing nothing with the library.
 //
-// What decides a pixel, hit or miss, in front or behind, lit or in shadow, is decided exactly or not at all:
+// Decisions about a pixel, hit or miss, in front or behind, lit or in shadow, are made exactly or not at all:
 //   - Rays from the camera are whole numbers and the spheres are whole in parts of a unit, so that their
 //     discriminants are whole. Nothing is rounded before the sign is known, and a point of tangency is D = 0.
 //   - The rest is long double, of 64 bits or more: a rounding is at most u = 2^-64 = 5.4e-20 of the value. A
@@ -20,12 +20,13 @@ namespace reference {
 using Real = long double;
 static_assert(std::numeric_limits<Real>::digits >= 64, "the reference needs more bits than double has");
 
-/// A pixel that the precision at hand cannot decide.
+/// Thrown for a pixel that the precision at hand cannot decide.
 struct Undecided : std::runtime_error {
   Undecided() : std::runtime_error("reference: long double cannot decide this pixel") {}
 };
 
-/// Whether a < b, for numbers whose errors are below 1e-15 of scale.
+/// Returns true if a < b, for numbers whose errors are below 1e-15 of scale. Throws Undecided if they are too
+/// close to each other.
 inline bool is_less(Real a, Real b, Real scale) {
   if (!(std::abs(a - b) > 1e-13L * scale)) throw Undecided();
   return a < b;
@@ -45,7 +46,7 @@ inline Vector cross(Vector a, Vector b) {
 }
 inline Real length(Vector a) { return std::sqrt(dot(a, a)); }
 
-/// A vector of whole numbers. The products below stay under 2^63 for the tutorial's spheres in pictures of up
+/// Vector of whole numbers. The products below stay under 2^63 for the tutorial's spheres in pictures of up
 /// to 2^15 pixels a side, and of up to 640 for spheres whose centers have fewer than 2^20 parts.
 struct Whole {
   std::int64_t x = 0, y = 0, z = 0;
@@ -57,34 +58,35 @@ struct Whole {
 
 inline std::int64_t dot(Whole a, Whole b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// The direction from the camera, at the origin, through the center of pixel (x, y). The tutorial's,
+/// Returns the direction from the camera, at the origin, through the center of pixel (x, y): the tutorial's,
 ///   ((2x + 1 − w)/h, (h − 1 − 2y)/h, 1),
 /// times h, which makes it whole.
 inline Whole through_pixel(int x, int y, int width, int height) {
   return {2 * x + 1 - width, height - 1 - 2 * y, height};
 }
 
-/// A sphere in parts of the scene's unit, in which it is whole; the tutorial's three are in halves.
+/// Sphere whose numbers are whole in parts of the scene's unit; the tutorial's three are in halves.
 struct Sphere {
   Whole center_parts;
   std::int64_t radius_parts = 0;
   Vector color;
-  std::int64_t parts = 2;  ///< of a unit
+  std::int64_t parts = 2;  ///< number of parts in a unit
 
   [[nodiscard]] Vector center() const { return 1 / static_cast<Real>(parts) * center_parts.real(); }
   [[nodiscard]] Real radius() const { return static_cast<Real>(radius_parts) / static_cast<Real>(parts); }
 };
 
-/// Where a ray enters a sphere and where it leaves it, as multiples of its direction; equal in a tangent.
+/// Values of t at which a ray enters and leaves a sphere; equal for a tangent ray.
 struct Crossings {
   Real near = 0, far = 0;
 };
 
-/// The crossings of a ray from the origin, which is outside of the sphere: both lie ahead, or both behind.
+/// Returns the crossings ahead of a ray from the origin. It is outside of the sphere, so both or none are
+/// ahead.
 ///   |t d − C|² = R²   is   A t² − 2 b t + c = 0   with   A = d·d,  b = d·C,  c = C·C − R²,
-/// of which n b and n² c, for n parts, and so n² D = (n b)² − A · n² c, are whole. The far root is (b +
-/// √D)/A; the near one is c/(b + √D), since their product is c/A, and is spared the cancellation of b − √D.
-/// Either has an error of at most 4u.
+/// where n b and n² c, for n parts, and hence n² D = (n b)² − A · n² c, are whole. The far root is
+/// (b + √D)/A; the near one is c/(b + √D), since their product is c/A, which avoids the cancellation of
+/// b − √D. Either has an error of at most 4u.
 inline std::optional<Crossings> crossings(Whole d, const Sphere& sphere) {
   const std::int64_t R2 = sphere.radius_parts * sphere.radius_parts;
   const std::int64_t A = dot(d, d), b = dot(d, sphere.center_parts);
@@ -97,12 +99,12 @@ inline std::optional<Crossings> crossings(Whole d, const Sphere& sphere) {
   return Crossings{.near = static_cast<Real>(c) / (n * sum), .far = sum / (n * static_cast<Real>(A))};
 }
 
-/// Whether a sphere that contains neither of two points is in between: the point of their line that is
-/// nearest to the center lies inside the sphere, and between the two.
+/// Returns true if a sphere that contains neither of two points is between them: the point of their line that
+/// is nearest to the center lies inside the sphere, and between the two.
 ///
-/// The error: a point p that is seen is known to 5u of its distance from the camera, its difference d to the
-/// light, of at least a sixth of that length, to 30u, and h, the vector from the line to the center, to
-/// 200u (|p| + |l|). That is an error of 400u (|p| + |l|) |h| in h², or 2.2e-17 of that.
+/// Errors: a visible point p is known to 5u of its distance from the camera, its difference d to the light,
+/// of at least a sixth of that length, to 30u, and h, the vector from the line to the center, to 200u
+/// (|p| + |l|). Hence h² has an error of 400u (|p| + |l|) |h|, which is 2.2e-17 of (|p| + |l|) |h|.
 inline bool is_between(const Sphere& sphere, Vector from, Vector to) {
   const Vector d = to - from, l = sphere.center() - from;
   const Real nearest = dot(d, l) / dot(d, d);
@@ -112,9 +114,9 @@ inline bool is_between(const Sphere& sphere, Vector from, Vector to) {
   return is_less(h2, R2, scale) && is_less(0, nearest, 1) && is_less(nearest, 1, 1);
 }
 
-/// Whether a sphere stands between a point of its own and another. The root t = 0 is the point itself and
-/// does not count. With it c = 0, and the other root is 2b/A with b = d·(C − from): the sphere is met again
-/// where that lies in (0, 1).
+/// Returns true if a sphere is between a point on it and another point. The root t = 0 is the point itself
+/// and does not count. With it c = 0, and the other root is 2b/A with b = d·(C − from): the sphere is hit
+/// again if this lies in (0, 1).
 inline bool is_between_from_surface(const Sphere& sphere, Vector from, Vector to) {
   const Vector d = to - from;
   const Real other = 2 * dot(d, sphere.center() - from) / dot(d, d);

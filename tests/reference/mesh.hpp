@@ -1,8 +1,9 @@
-// The picture of stage 17, once more from the formulas, in long double and sharing nothing with the library.
+// Reference for the picture of stage 17, from the formulas, in long double and sharing nothing with the
+// library.
 //
-// The file is read as scenes/make_mesh writes it. Which triangle is seen and what is in shadow is decided by
-// numbers that are off by less than 1e-15, and not exactly: a pixel that looks at an edge, or at the edge of
-// a shadow, might differ for that.
+// The file is read as scenes/make_mesh writes it. Visible triangles and shadows are decided by numbers that
+// are off by less than 1e-15, and not exactly: hence a pixel at an edge, or at the edge of a shadow, might
+// differ.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +23,7 @@
 
 namespace reference {
 
-/// A knot above a floor, y = −1.75, in the light of one lamp and a little from everywhere.
+/// Scene of a knot above a floor, y = −1.75, in the light of one lamp and a little ambient light.
 class Knot {
  public:
   explicit Knot(const std::string& path) {
@@ -33,7 +34,7 @@ class Knot {
       words >> kind;
       double x = 0, y = 0, z = 0;
       if (kind == "v" || kind == "vn") words >> x >> y >> z;
-      // Places are doubles in the library, so they are these doubles here.
+      // Vertices are doubles in the library, hence these doubles here.
       if (kind == "v") places_.push_back({0.5 * x, 0.5 * y + 0.25, 0.5 * z + 2.75});
       if (kind == "vn") normals_.push_back({x, y, z});
       if (kind != "f") continue;
@@ -42,7 +43,7 @@ class Knot {
       for (std::size_t i = 2; i < corners.size(); ++i)
         triangles_.push_back({corners[0], corners[i - 1], corners[i]});
     }
-    // Around each few triangles, which stand next to each other in the file, a sphere.
+    // Encloses each few triangles, which are neighbors in the file, in a sphere.
     for (std::size_t first = 0; first < triangles_.size(); first += few) {
       Group group{places_.at(triangles_[first][0]), 0};
       for (std::size_t i = first; i < std::min(first + few, triangles_.size()); ++i)
@@ -53,7 +54,7 @@ class Knot {
   }
 
   [[nodiscard]] Picture picture(int width, int height) const {
-    // Each triangle is asked about the pixels around its projection.
+    // Each triangle is intersected with the rays of the pixels around its projection.
     std::vector<Met> met(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
       const auto pixel = [&](Real along, int size, int sign) {
@@ -87,7 +88,7 @@ class Knot {
  private:
   static constexpr std::size_t few = 32, nothing = std::numeric_limits<std::size_t>::max();
 
-  /// A triangle, and where in it: a (1 − u − v) + b u + c v.
+  /// Hit of a triangle at a (1 − u − v) + b u + c v.
   struct Met {
     std::size_t triangle = nothing;
     Real t = std::numeric_limits<Real>::infinity(), u = 0, v = 0;
@@ -98,7 +99,8 @@ class Knot {
     Real radius;
   };
 
-  /// By Cramer's rule, from o + t d = a + u (b − a) + v (c − a).
+  /// Returns the crossing of a line with a triangle by Cramer's rule, from o + t d = a + u (b − a) + v
+  /// (c − a).
   [[nodiscard]] Met crossing(std::size_t i, Vector o, Vector d) const {
     const auto& [a, b, c] = triangles_[i];
     const Vector e = places_[b] - places_[a], f = places_[c] - places_[a], s = o - places_[a];
@@ -109,7 +111,7 @@ class Knot {
     return {i, dot(f, q) / determinant, u, v};
   }
 
-  /// Whether a triangle, other than the one that is left, is between two points.
+  /// Returns true if a triangle, other than the one that is left, is between two points.
   [[nodiscard]] bool is_hidden(Vector from, Vector to, std::size_t left) const {
     const Vector d = to - from;
     for (std::size_t g = 0; g < groups_.size(); ++g) {

@@ -1,7 +1,7 @@
-// The pictures of stages 01 to 09 as exact arithmetic gives them, to compare the goldens with.
+// Reference pictures of stages 01 to 09, as exact arithmetic gives them, to compare the golden pictures with.
 //
-// Every picture is a function from the pixel's ray to linear light, which is encoded at the end. See
-// geometry.hpp for what is exact; light has an error of less than 1e-16, and codes are 255 levels.
+// Every picture is a function from the pixel's ray to linear light, which is encoded at the end. Decisions
+// are exact (geometry.hpp); light has an error of less than 1e-16, and codes are 255 levels.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,7 @@
 
 namespace reference {
 
-// The tutorial's scene. Colors and the light's power are floats in the library, so they are these floats
-// here.
+// The tutorial's scene. Colors and the light's power are floats in the library, hence these floats here.
 inline const std::vector<Sphere> three_spheres{
     {.center_parts = {0, 0, 6}, .radius_parts = 2, .color = {1, 0.3f, 0}},
     {.center_parts = {-3, 0, 10}, .radius_parts = 2, .color = {0.2f, 0.7f, 0.1f}},
@@ -28,14 +27,14 @@ inline const Vector light{0, 3, 0};
 inline const Real pi = std::numbers::pi_v<Real>;
 inline const Real power = 4 * std::numbers::pi_v<float> * 10;
 
-/// What a ray sees: the sphere, and where.
+/// Closest hit of a ray: the sphere and the point.
 struct Seen {
   const Sphere* sphere = nullptr;
   Vector point;
 };
 
-/// The first crossing of all. The camera is outside of every sphere, so that it is a near one, and the
-/// outward normal is on the camera's side.
+/// Returns the closest hit. The camera is outside of every sphere, so it is a near crossing, and the outward
+/// normal is on the camera's side.
 inline std::optional<Seen> first(Whole direction, const std::vector<Sphere>& spheres) {
   const Sphere* nearest = nullptr;
   Real t = 0;
@@ -53,7 +52,7 @@ inline Vector normal(const Seen& seen) {
   return 1 / seen.sphere->radius() * (seen.point - seen.sphere->center());
 }
 
-/// color · Φ/(4π) · cos θ / distance², with cos θ = n·l/|l| and distance = |l|.
+/// Returns color · Φ/(4π) · cos θ / distance², with cos θ = n·l/|l| and distance = |l|.
 inline Vector lit(const Seen& seen) {
   const Vector l = light - seen.point;
   const Real cosine = dot(normal(seen), l) / length(l);
@@ -61,7 +60,7 @@ inline Vector lit(const Seen& seen) {
   return irradiance * seen.sphere->color;
 }
 
-/// Whether any sphere hides the light, the point's own included.
+/// Returns true if any sphere hides the light, the point's own included.
 inline bool in_shadow(const Seen& seen) {
   return std::any_of(three_spheres.begin(), three_spheres.end(), [&](const Sphere& sphere) {
     return &sphere == seen.sphere ? is_between_from_surface(sphere, seen.point, light)
@@ -98,7 +97,7 @@ inline Vector diffuse(Whole ray) {
 inline Vector transparency(Whole ray) {
   Vector product{1, 1, 1};
   for (const Sphere& sphere : three_spheres)
-    if (crossings(ray, sphere))  // in, and out: also where both are one point
+    if (crossings(ray, sphere))  // entering and leaving, also if both are one point
       product = product * sphere.color * sphere.color;
   return product;
 }
@@ -110,7 +109,7 @@ inline Vector shadow(Whole ray) {
 
 // ---- From light to the bytes of a file.
 
-/// 255 · x^(1/gamma), rounded to the nearest.
+/// Returns 255 · x^(1/gamma), rounded to nearest.
 inline std::uint8_t encode(Real x, Real gamma) {
   return static_cast<std::uint8_t>(std::lround(255 * std::pow(std::clamp<Real>(x, 0, 1), 1 / gamma)));
 }
@@ -126,7 +125,7 @@ inline Picture picture(int width, int height, Vector (*light_along)(Whole), Real
   return result;
 }
 
-/// §2.2.2: x/(width − 1), not encoded.
+/// Returns the picture of §2.2.2: x/(width − 1), not encoded.
 inline Picture gradient(int width, int height) {
   Picture result{width, height, {}};
   for (int y = 0; y < height; ++y)

@@ -1,4 +1,4 @@
-// The picture of stage 14 once more, in long double and sharing nothing with the library.
+// Reference for the picture of stage 14, in long double and sharing nothing with the library.
 //
 // Nothing is decided exactly: pixels at an edge or at a line between squares may differ.
 #pragma once
@@ -14,7 +14,7 @@
 
 namespace reference {
 
-/// The first crossing of a ray so far, and its normal, of any length and on any side.
+/// Closest hit of a ray so far, and a normal of any length and on any side.
 struct FirstCrossing {
   Vector from, direction;
   Real t = std::numeric_limits<Real>::infinity();
@@ -22,7 +22,8 @@ struct FirstCrossing {
 
   [[nodiscard]] Vector point(Real at) const { return from + at * direction; }
 
-  /// Whether it is the first. The point that a ray starts from is about 1e-18 from its surface.
+  /// Takes a crossing if it is the closest so far; returns true if it is. The point that a ray starts from is
+  /// about 1e-18 from its surface, and is excluded by t > 1e-12.
   bool take(Real at, Vector its_normal) {
     if (!(at > 1e-12L && at < t)) return false;
     t = at;
@@ -30,7 +31,7 @@ struct FirstCrossing {
     return true;
   }
 
-  /// w·Sw + 2 l·w + k = 0 for w = p − center and a diagonal S.
+  /// Intersects the quadric w·Sw + 2 l·w + k = 0 for w = p − center and a diagonal S.
   bool meet_quadric(Vector center, Vector squares, Vector linear, Real constant) {
     const Vector o = from - center, gradient = squares * o + linear;
     const Real a = dot(direction, squares * direction), b = dot(direction, gradient);
@@ -47,7 +48,7 @@ struct FirstCrossing {
     return contains(point(at)) && take(at, its_normal);
   }
 
-  /// The corners go around it; what is inside lies on one side of all its outlines.
+  /// Intersects a polygon whose corners are in order around it; points inside are on one side of all edges.
   bool meet_polygon(const std::vector<Vector>& corners) {
     const Vector n = cross(corners[1] - corners[0], corners[2] - corners[0]);
     return meet_flat(corners[0], n, [&](Vector p) {
@@ -74,7 +75,7 @@ struct FirstCrossing {
   }
 };
 
-/// The color of what a ray meets first, black if that is nothing.
+/// Returns the color of the closest hit, black if there is none.
 inline Vector meet_primitives(FirstCrossing& ray) {
   Vector color;
   if (ray.meet_flat({}, {0, 1, 0}, [](Vector) { return true; })) {
@@ -94,8 +95,8 @@ inline Vector meet_primitives(FirstCrossing& ray) {
   return color;
 }
 
-/// The light of a lamp and of all around, color · (Φ/(4π) · cos θ / distance² + 0.1), from the first thing
-/// along a ray from (0, 4, −6) along (0, −0.6, 0.8) through a pixel, for a field of view of 60°.
+/// Returns the light of a lamp and ambient light, color · (Φ/(4π) · cos θ / distance² + 0.1), at the closest
+/// hit of a ray from (0, 4, −6) along (0, −0.6, 0.8) through a pixel, for a field of view of 60°.
 inline Vector primitives_along(Whole pixel) {
   const Vector whole = pixel.real(), lamp{-3, 6, -4};
   const Real half = std::tan(std::acos(Real{-1}) / 6), right = half * whole.x, up = half * whole.y;

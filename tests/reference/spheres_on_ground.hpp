@@ -1,5 +1,5 @@
-// A point light over spheres on a plane, seen from the origin by a field of view of 90°: every picture of
-// them, as exactly as those of pictures.hpp.
+// Reference pictures of spheres on a plane under a point light, seen from the origin with a field of view of
+// 90°, as exact as those of pictures.hpp.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@
 
 namespace reference {
 
-/// x with n·x = distance, for the unit vector n along normal; above it are the origin, so that the distance
-/// is negative, and the light. So it hides nothing of what is seen from the light.
+/// Plane n·x = distance, for the unit vector n along normal. The origin is above it, hence the distance is
+/// negative, and so is the light, hence the plane casts no shadow on visible points.
 struct Ground {
   Whole normal;
   Real distance = -1;
@@ -26,7 +26,8 @@ struct Ground {
 
   [[nodiscard]] Vector unit_normal() const { return 1 / length(normal.real()) * normal.real(); }
 
-  /// Where a ray from the origin meets it, n·(t d) = distance; nowhere, if it does not lead down.
+  /// Returns t of the crossing of a ray from the origin, n·(t d) = distance, or nothing if it does not lead
+  /// down.
   [[nodiscard]] std::optional<Real> crossing(Whole d) const {
     const std::int64_t down = -dot(normal, d);
     if (down <= 0) return std::nullopt;
@@ -39,10 +40,10 @@ struct SpheresOnGround {
   Ground ground;
   Vector light, power, sky;
 
-  /// What a ray brings for each of the integrators.
+  /// Colors of a ray for each of the integrators.
   struct Seen {
     Vector binary = {}, depth = {}, normal = {}, color, diffuse, transparency, shadow;
-    const Sphere* sphere = nullptr;  ///< that is seen, or none
+    const Sphere* sphere = nullptr;  ///< visible sphere, or none
   };
 
   [[nodiscard]] Seen along(Whole ray) const {
@@ -52,7 +53,7 @@ struct SpheresOnGround {
     for (const Sphere& sphere : spheres) {
       const auto crossed = crossings(ray, sphere);
       if (!crossed) continue;
-      seen.transparency = seen.transparency * sphere.color * sphere.color;  // in, and out
+      seen.transparency = seen.transparency * sphere.color * sphere.color;  // entering and leaving
       if (any && !is_less(crossed->near, t, t)) continue;
       any = true;
       t = crossed->near;
@@ -88,7 +89,7 @@ struct SpheresOnGround {
   }
 };
 
-/// The integrators, by name.
+/// Integrators by name.
 inline const std::array<std::pair<std::string, Vector SpheresOnGround::Seen::*>, 7> lights_along{{
     {"binary", &SpheresOnGround::Seen::binary},
     {"depth", &SpheresOnGround::Seen::depth},
@@ -99,7 +100,7 @@ inline const std::array<std::pair<std::string, Vector SpheresOnGround::Seen::*>,
     {"shadow", &SpheresOnGround::Seen::shadow},
 }};
 
-/// 255 times the piecewise curve of sRGB, rounded to the nearest.
+/// Returns 255 times the piecewise curve of sRGB, rounded to nearest.
 inline std::uint8_t encode_srgb(Real x) {
   const Real light = std::clamp<Real>(x, 0, 1);
   const Real code = light <= 0.0031308L ? 12.92L * light : 1.055L * std::pow(light, 1 / 2.4L) - 0.055L;

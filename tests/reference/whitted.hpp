@@ -1,9 +1,9 @@
-// The pictures of stages 10 to 13, and 16, once more from the formulas, in long double and sharing nothing
-// with the library.
+// Reference for the pictures of stages 10 to 13, and 16, from the formulas, in long double and sharing
+// nothing with the library.
 //
-// Rays that are reflected and refracted start where no number is whole, so nothing here is decided exactly. A
-// rounding is at most 2^-64, and grows by about the ratio of a distance to a radius at every bounce: of a
-// path of five rays it stays below 1e-12 but for rays that graze. Pixels at an edge may differ for that.
+// Reflected and refracted rays start at points that are not whole, so nothing here is decided exactly. A
+// rounding is at most 2^-64, and grows by about the ratio of a distance to a radius at every bounce: in a
+// path of five rays it stays below 1e-12, except for nearly tangent rays. Hence pixels at an edge may differ.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 
 namespace reference {
 
-/// What a surface is made of. Colors are floats in the library, so they are these floats here.
+/// Material of a surface. Colors are floats in the library, hence these floats here.
 struct Stuff {
   Vector diffuse, specular;
   Real shininess = 1, reflect = 0, refract = 0;
@@ -32,12 +32,12 @@ inline const Stuff glass{{}, {0.9f, 0.9f, 0.9f}, 125, 0.1L, 0.8L};
 inline const Stuff rubber{{0.42f, 0.14f, 0.14f}, {0.3f, 0.3f, 0.3f}, 10, 0, 0};
 inline const Stuff mirror{{}, {16, 16, 16}, 1425, 0.8L, 0};
 
-/// The four balls, with what they are made of, and whether there is a floor: y = −4 over |x| < 10,
-/// 10 < z < 30, in squares of 2.
+/// Scene of four balls, each with its material, and optionally a floor: y = −4 over |x| < 10, 10 < z < 30, in
+/// squares of 2.
 struct FourSpheres {
   std::array<Stuff, 4> stuff;
   bool has_floor = false;
-  bool has_dusk = false;  ///< all around, in the place of a sky of one color
+  bool has_dusk = false;  ///< environment of stage 16, instead of a sky of one color
   int most_rays = 5;
 
   [[nodiscard]] Vector light_along(Vector direction) const {
@@ -67,7 +67,7 @@ struct FourSpheres {
     Real t = std::numeric_limits<Real>::infinity();
   };
 
-  /// What a ray from a point, which lies on the thing that is left, meets first.
+  /// Returns the closest hit of a ray from a point, which lies on the surface left.
   [[nodiscard]] Met first(Vector from, Vector d, int left) const {
     Met met;
     const auto consider = [&](int what, Real t) {
@@ -77,7 +77,7 @@ struct FourSpheres {
       // |from + t d − C|² = R²  is  t² d·d + 2 t d·(from − C) + |from − C|² − R² = 0.
       const Vector v = from - center(i);
       const Real a = dot(d, d), b = dot(d, v);
-      if (i == left) {  // then the last two terms cancel: t = 0 or this
+      if (i == left) {  // from is on it, so |from − C|² = R²: t = 0 or this
         consider(i, -2 * b / a);
         continue;
       }
@@ -96,16 +96,17 @@ struct FourSpheres {
 
   [[nodiscard]] Stuff stuff_at(int what, Vector p) const {
     if (what != floor) return stuff[static_cast<std::size_t>(what)];
-    const auto square = [](Real x) { return static_cast<int>(x / 2); };  // of what is not negative
+    const auto square = [](Real x) { return static_cast<int>(x / 2); };  // x ≥ 0
     const bool odd = (square(p.x + 10) + square(p.z - 10)) % 2 != 0;
     Stuff board;
     board.diffuse = odd ? Vector{0.6f, 0.6f, 0.6f} : Vector{0.6f, 0.4f, 0.2f};
     return board;
   }
 
-  /// The light that comes along a ray of unit direction, from the point where it starts, as
+  /// Returns the light along a ray of unit direction that starts on the surface left:
   ///   Σ (diffuse · n·l + specular · (r·v)^shininess) + reflect · mirrored + refract · refracted
-  /// over the lights, each 1, that are seen, where l leads to the light, r is l mirrored, v leads to the eye.
+  /// with the sum over the visible lights, each of 1, where l leads to the light, r is l mirrored, v leads to
+  /// the eye.
   [[nodiscard]] Vector light_along(Vector from, Vector d, int left, int rays) const {
     const Met met = rays > 0 ? first(from, d, left) : Met{};
     if (met.what < 0) return has_dusk ? dusk_along(d) : Vector{0.2f, 0.7f, 0.8f};
@@ -126,7 +127,7 @@ struct FourSpheres {
     }
     if (is.reflect > 0) sum = sum + is.reflect * light_along(p, d - 2 * dot(n, d) * n, met.what, rays - 1);
     if (is.refract > 0) {
-      // What is along the surface is divided by the index, and what is left of length 1 goes on across it.
+      // The tangential part is divided by the index, and the normal part completes it to length 1.
       const Real index = from_outside ? 1.5L : 1 / 1.5L;
       const Vector along = 1 / index * (d - dot(n, d) * n);
       const Real across = 1 - dot(along, along);
@@ -137,7 +138,7 @@ struct FourSpheres {
   }
 };
 
-/// Linear light, a pixel divided by its largest channel where that is above 1.
+/// Returns the picture of linear light, each pixel divided by its largest channel if that is above 1.
 inline Picture picture(const FourSpheres& scene, int width = 1024, int height = 768) {
   const Real half = std::tan(60.16056848873644L * std::acos(Real{-1}) / 360);
   Picture result{width, height, {}};

@@ -1,5 +1,5 @@
-// Numbers with 128 binary digits that know how far off they may be: enough to judge nearly every case by, and
-// much faster than exact ones. Nothing here comes from the library.
+// Ball arithmetic: numbers of 128 binary digits with an error bound, enough to judge nearly every case, and
+// much faster than exact numbers. Nothing here comes from the library.
 #pragma once
 
 #include <bit>
@@ -11,11 +11,11 @@
 
 namespace exact {
 
-/// ± (digits ± error) · 2^exponent, the highest of the 128 digits a 1; or 0, exactly; or unknown.
+/// Number ± (digits ± error) · 2^exponent, whose highest of 128 digits is 1; or 0, exactly; or unknown.
 ///
-/// A double is exact, and so is what has no more than 128 digits. The error counts units of the last digit.
-/// One that exceeds 2^56, as what is left by two numbers that all but cancel may have, makes a number
-/// unknown. So a known one has a certain sign, and is good to 2^-71.
+/// Doubles are exact, and so are results of at most 128 digits. The error counts units of the last digit. If
+/// it exceeds 2^56, as it may when two numbers nearly cancel, the number is unknown. Hence a known number has
+/// a certain sign, and a relative error of at most 2^-71.
 class Ball {
  public:
   Ball() = default;
@@ -34,7 +34,7 @@ class Ball {
   }
 
   [[nodiscard]] bool is_known() const { return error_ <= largest_error; }
-  /// Of a known number.
+  /// Returns the sign of a known number.
   [[nodiscard]] int sign() const { return digits_ == 0 ? 0 : negative_ ? -1 : 1; }
 
   friend Ball operator-(Ball a) {
@@ -50,8 +50,8 @@ class Ball {
     const Ball& large = in_order ? a : b;
     const Ball& small = in_order ? b : a;
 
-    // In units of the larger one's last digit. What is cut off the smaller is less than one of them; of its
-    // error, likewise.
+    // In units of the larger number's last digit. Less than one unit is cut off the smaller number, and less
+    // than one off its error.
     const int shift = large.exponent_ - small.exponent_;
     const Uint128 moved = shift < 128 ? small.digits_ >> shift : 0;
     const bool is_cut = shift > 0 && (shift >= 128 || small.digits_ << (128 - shift) != 0);
@@ -60,7 +60,7 @@ class Ball {
 
     if (a.negative_ == b.negative_) {
       sum.digits_ += moved;
-      if (sum.digits_ < moved) {  // a digit more, so that the last is cut off
+      if (sum.digits_ < moved) {  // one digit more, so the last is cut off
         sum.error_ = (sum.error_ + 1) / 2 + (sum.digits_ & 1);
         sum.digits_ = sum.digits_ >> 1 | highest;
         ++sum.exponent_;
@@ -91,8 +91,8 @@ class Ball {
     product.exponent_ = a.exponent_ + b.exponent_ + 128;
     product.digits_ = a1 * b1 + (outer >> 64) + (inner >> 64) + (middle >> 64);
     Uint128 rest = middle << 64 | low(last);
-    // (x ± e)(y ± f) is off by at most xf + ye + ef. With x, y < 2^128, and ef < 2^112, that is at most e + f
-    // + 1 units of 2^128.
+    // (x ± e)(y ± f) is off by at most xf + ye + ef. With x, y < 2^128, and ef < 2^112, this is at most
+    // e + f + 1 units of 2^128.
     product.error_ = a.error_ + b.error_ + (a.error_ + b.error_ > 0);
     if ((product.digits_ & highest) == 0) {
       product.digits_ = product.digits_ << 1 | rest >> 127;
@@ -104,13 +104,13 @@ class Ball {
     return product.is_known() ? product : unknown();
   }
 
-  /// The value of a known number, off by less than 2^-62 of itself: the first 64 digits.
+  /// Returns the value of a known number from its first 64 digits, with a relative error below 2^-62.
   explicit operator long double() const {
     const auto value = static_cast<long double>(static_cast<std::uint64_t>(digits_ >> 64));
     return std::ldexp(negative_ ? -value : value, exponent_ + 64);
   }
 
-  /// Whether the number, as far as it is known, may be this one.
+  /// Returns true if the exact number is within the error of this one, or this one is unknown.
   [[nodiscard]] bool may_be(const Number& exact) const {
     if (!is_known()) return true;
     const Number unit = power_of_two(exponent_), off = exact - whole(digits_) * (negative_ ? -unit : unit);

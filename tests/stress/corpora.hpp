@@ -1,4 +1,4 @@
-// Rays and surfaces that are hard, of one kind in each corpus.
+// Corpora of rays and surfaces that are hard cases, each of one kind.
 #pragma once
 
 #include <protostar/camera.hpp>
@@ -28,7 +28,7 @@ struct Corpus {
 };
 
 // The order in which the operands of a sum or the arguments of a call are evaluated is the compiler's choice,
-// so that a statement draws no more than one random number, unless braces set the order.
+// so a statement draws no more than one random number, unless braces set the order.
 namespace corpora {
 
 using protostar::Affine, protostar::Box, protostar::Csg, protostar::Disk, protostar::Parallelogram,
@@ -50,22 +50,22 @@ inline int whole(Random& random, int min, int max) {
 }
 inline bool coin(Random& random) { return (random.bits() & 1) != 0; }
 
-/// A number whose logarithm is uniform: 2^min to 2^max.
+/// Returns a number whose logarithm is uniform, from 2^min to 2^max.
 inline double size(Random& random, int min, int max) {
   const double mantissa = random.real(1, 2);
   return std::ldexp(mantissa, whole(random, min, max - 1));
 }
 
-/// ± 2^-k with k in [min, max].
+/// Returns ± 2^-k with k in [min, max].
 inline double tiny(Random& random, int min, int max) {
   const double sign = coin(random) ? 1 : -1;
   return std::ldexp(sign, -whole(random, min, max));
 }
 
-/// A unit vector at a right angle to another, to within rounding.
+/// Returns a unit vector at a right angle to d, to within rounding.
 inline Vec3 across(Random& random, const Vec3& d) { return normalize(cross(random.direction(), d)); }
 
-/// A ray of unit direction that passes the center at a distance of impact, after about t = ahead.
+/// Returns a ray of unit direction that passes the center at a distance of impact, after about t = ahead.
 inline Ray passing(Random& random, const Point& center, double impact, double ahead) {
   const Vec3 d = random.direction();
   const Point origin = center + impact * across(random, d) - ahead * d;
@@ -80,14 +80,14 @@ inline SphereCase tutorial(Random& random) {
   return {protostar::Camera{}.through_pixel(x, y, 640, 480), spheres[whole(random, 0, 2)]};
 }
 
-/// Radius and distance of any size, each apart from the other.
+/// Returns a sphere and a ray, with radius and distance of any size, independent of each other.
 inline SphereCase scales(Random& random) {
   const double r = size(random, -100, 100), distance = size(random, -100, 100);
   const double impact = r * random.real(0, 1.2);
   return {passing(random, Point{0}, impact, coin(random) ? distance : -distance), {Point{0}, r}};
 }
 
-/// An impact parameter of r (1 ± 2^-k).
+/// Returns a nearly tangent ray, with an impact parameter of r (1 ± 2^-k).
 inline SphereCase grazing(Random& random) {
   const double r = size(random, -10, 10), ahead = r * size(random, -3, 10);
   const Point center = coin(random) ? Point{0} : random.point(r);
@@ -95,7 +95,7 @@ inline SphereCase grazing(Random& random) {
   return {passing(random, center, impact, ahead), {center, r}};
 }
 
-/// Inside, on and next to the sphere.
+/// Returns a ray that starts inside, on or next to the sphere.
 inline SphereCase origins(Random& random) {
   const double r = size(random, -10, 10);
   const Sphere sphere{coin(random) ? Point{0} : random.point(r), r};
@@ -121,13 +121,13 @@ inline Vec3 turned(const Vec3& v, int times) {
   return times == 0 ? v : times == 1 ? Vec3{v.y, v.z, v.x} : Vec3{v.z, v.x, v.y};
 }
 
-/// One coordinate moved by one unit in the last place, now and then.
+/// Moves one coordinate by one unit in the last place, in one of three calls.
 inline void nudge(Random& random, Point& point) {
   double& moved = point[whole(random, 0, 2)];
   if (moved != 0 && whole(random, 0, 2) == 0) moved = std::nextafter(moved, coin(random) ? 1e9 : -1e9);
 }
 
-/// Whole numbers that make the line touch exactly, but for a nudge.
+/// Returns whole numbers for which the line is exactly tangent, except for a nudge.
 inline SphereCase tangents(Random& random) {
   const int k = whole(random, 1, 50), times = whole(random, 0, 2);
   // (3, 4, 0) is 5 long and at a right angle to (-4, 3, z).
@@ -140,7 +140,7 @@ inline SphereCase tangents(Random& random) {
   return {{unit * origin, std::ldexp(1, whole(random, -30, 30)) * d}, {unit * center, unit * (5 * k)}};
 }
 
-/// Directions that are not of unit length.
+/// Returns a ray whose direction is not of unit length.
 inline SphereCase directions(Random& random) {
   SphereCase c = grazing(random);
   c.surface.radius *= random.real(0.8, 1.2);
@@ -148,7 +148,7 @@ inline SphereCase directions(Random& random) {
   return c;
 }
 
-/// Rays to a point of the sphere: t = 1 to within rounding.
+/// Returns a ray to a point of the sphere: t = 1 to within rounding.
 inline SphereCase ends(Random& random) {
   const double r = size(random, -10, 10);
   const Sphere sphere{coin(random) ? Point{0} : random.point(10 * r), r};
@@ -157,7 +157,8 @@ inline SphereCase ends(Random& random) {
   return {{origin, target - origin}, sphere};
 }
 
-/// Rays to a whole point of the sphere: t = 1 exactly, but for a nudge; across, it moves t by about 2^-100.
+/// Returns a ray to a whole point of the sphere: t = 1 exactly, except for a nudge; across, it moves t by
+/// about 2^-100.
 inline SphereCase whole_ends(Random& random) {
   const int k = whole(random, 1, 50), times = whole(random, 0, 2);
   const Point center = whole_vector(random, -99, 99);
@@ -169,7 +170,7 @@ inline SphereCase whole_ends(Random& random) {
   return {{origin, target - origin}, {center, 5.0 * k}};
 }
 
-/// Rays that leave the sphere, outwards, inwards and along it.
+/// Returns a ray that leaves the sphere, outwards, inwards or along it.
 inline SphereCase leaving(Random& random) {
   const double r = size(random, -20, 20), far = r * size(random, 0, 20), slope = tiny(random, 1, 60);
   const Sphere sphere{coin(random) ? Point{0} : random.point(far), r};
@@ -178,7 +179,7 @@ inline SphereCase leaving(Random& random) {
   return {{sphere.center + r * normal, size(random, -10, 10) * d, sphere.departure()}, sphere};
 }
 
-/// Sizes whose squares or products leave the range of double.
+/// Returns a case of sizes whose squares or products leave the range of double.
 inline SphereCase exponents(Random& random) {
   SphereCase c = coin(random) ? grazing(random) : coin(random) ? tangents(random) : far_away(random);
   const int lengths = whole(random, -950, 950), lengthened = whole(random, -900, 900);
@@ -197,7 +198,7 @@ inline PlaneCase planes(Random& random) {
   return {{origin, direction}, {normal, random.real(-10, 10)}};
 }
 
-/// Directions that are all but parallel to the plane.
+/// Returns a ray that is nearly parallel to the plane.
 inline PlaneCase planes_grazing(Random& random) {
   PlaneCase c = planes(random);
   const double length = size(random, -10, 10), slope = tiny(random, 1, 60);
@@ -205,7 +206,7 @@ inline PlaneCase planes_grazing(Random& random) {
   return c;
 }
 
-/// Origins far from the coordinate origin, on and next to the plane.
+/// Returns a ray whose origin is far from the coordinate origin, on or next to the plane.
 inline PlaneCase planes_far(Random& random) {
   PlaneCase c = planes(random);
   const double far = size(random, 0, 40), off = tiny(random, 10, 54);
@@ -214,7 +215,7 @@ inline PlaneCase planes_far(Random& random) {
   return c;
 }
 
-/// Small whole numbers: origins in the plane, directions along it, and t = 1; but for a nudge.
+/// Returns small whole numbers: origins in the plane, directions along it, and t = 1; except for nudges.
 inline PlaneCase planes_whole(Random& random) {
   PlaneCase c{{whole_vector(random, -2, 2), whole_vector(random, -2, 2)}, {whole_vector(random, -2, 2), 0}};
   c.surface.distance = whole(random, -2, 2);
@@ -244,7 +245,8 @@ inline PlaneCase planes_exponents(Random& random) {
 
 // ---- Parallelograms
 
-/// Of any size, with edges at any angle, and a ray to a point in the plane, in it or beside it.
+/// Returns a parallelogram of any size, with edges at any angle, and a ray to a point in its plane, inside or
+/// beside it.
 inline ParallelogramCase parallelograms(Random& random) {
   const double u = size(random, -10, 10), v = size(random, -10, 10), far = size(random, -10, 10);
   const Point position = random.point(far), origin = random.point(far);
@@ -254,7 +256,7 @@ inline ParallelogramCase parallelograms(Random& random) {
   return {{origin, length * (s.position + a * s.edge_u + b * s.edge_v - origin)}, s};
 }
 
-/// Rays to the outline and next to it.
+/// Returns a ray to the outline or next to it.
 inline ParallelogramCase parallelograms_outline(Random& random) {
   ParallelogramCase c = parallelograms(random);
   const double off = coin(random) ? 0 : tiny(random, 20, 60);
@@ -265,7 +267,7 @@ inline ParallelogramCase parallelograms_outline(Random& random) {
   return c;
 }
 
-/// Rays that start next to the plane, or run all but along it.
+/// Returns a ray that starts next to the plane, or runs nearly along it.
 inline ParallelogramCase parallelograms_grazing(Random& random) {
   ParallelogramCase c = parallelograms(random);
   const Parallelogram& s = c.surface;
@@ -282,7 +284,8 @@ inline ParallelogramCase parallelograms_grazing(Random& random) {
   return c;
 }
 
-/// Small whole numbers: rays through edges and vertices, along the plane and in it; but for a nudge.
+/// Returns small whole numbers: rays through edges and vertices, along the plane and in it; except for
+/// nudges.
 inline ParallelogramCase parallelograms_whole(Random& random) {
   ParallelogramCase c;
   c.surface = {whole_vector(random, -2, 2), whole_vector(random, -2, 2), whole_vector(random, -2, 2)};
@@ -295,7 +298,7 @@ inline ParallelogramCase parallelograms_whole(Random& random) {
   return c;
 }
 
-/// Edges that are all but parallel, or of very different lengths.
+/// Returns a parallelogram whose edges are nearly parallel, or of very different lengths.
 inline ParallelogramCase parallelograms_thin(Random& random) {
   ParallelogramCase c = parallelograms(random);
   Parallelogram& s = c.surface;
@@ -319,12 +322,13 @@ inline ParallelogramCase parallelograms_exponents(Random& random) {
 
 // ---- Triangles
 
-/// The place a + u (b − a) + v (c − a).
+/// Returns the point a + u (b − a) + v (c − a).
 inline Point place_in(const Triangle& s, double u, double v) {
   return s.a + u * (s.b - s.a) + v * (s.c - s.a);
 }
 
-/// Of any size, with edges at any angle, and a ray to a point in the plane, in it or beside it.
+/// Returns a triangle of any size, with edges at any angle, and a ray to a point in its plane, inside or
+/// beside it.
 inline TriangleCase triangles(Random& random) {
   const double to_b = size(random, -10, 10), to_c = size(random, -10, 10), far = size(random, -10, 10);
   const Point a = random.point(far), origin = random.point(far);
@@ -334,7 +338,7 @@ inline TriangleCase triangles(Random& random) {
   return {{origin, size(random, -10, 10) * (place_in(s, u, v) - origin)}, s};
 }
 
-/// Rays to edges and vertices, and next to them.
+/// Returns a ray to an edge or a vertex, or next to it.
 inline TriangleCase triangles_edges(Random& random) {
   TriangleCase c = triangles(random);
   const int first = whole(random, 0, 2);
@@ -345,7 +349,7 @@ inline TriangleCase triangles_edges(Random& random) {
   return c;
 }
 
-/// Rays that start next to the plane, or run all but along it.
+/// Returns a ray that starts next to the plane, or runs nearly along it.
 inline TriangleCase triangles_grazing(Random& random) {
   TriangleCase c = triangles(random);
   const Triangle& s = c.surface;
@@ -362,8 +366,8 @@ inline TriangleCase triangles_grazing(Random& random) {
   return c;
 }
 
-/// Small whole numbers: rays through edges and vertices, along the plane and in it, triangles without area;
-/// but for a nudge.
+/// Returns small whole numbers: rays through edges and vertices, along the plane and in it, triangles without
+/// area; except for nudges.
 inline TriangleCase triangles_whole(Random& random) {
   TriangleCase c;
   c.surface = {whole_vector(random, -2, 2), whole_vector(random, -2, 2), whole_vector(random, -2, 2)};
@@ -376,7 +380,7 @@ inline TriangleCase triangles_whole(Random& random) {
   return c;
 }
 
-/// Slivers: a point all but on the line through the others, or all but one of them.
+/// Returns a sliver: a vertex is nearly on the line through the others, or nearly equal to one of them.
 inline TriangleCase triangles_thin(Random& random) {
   TriangleCase c = triangles(random);
   Triangle& s = c.surface;
@@ -400,7 +404,7 @@ inline TriangleCase triangles_exponents(Random& random) {
 
 // ---- Disks
 
-/// Of any size, at any angle, and a ray to a point in the plane, in it or beside it.
+/// Returns a disk of any size, at any angle, and a ray to a point in its plane, inside or beside it.
 inline DiskCase disks(Random& random) {
   const double radius = size(random, -10, 10), tilt = size(random, -10, 10), far = size(random, -10, 10);
   const Point position = random.point(far), origin = random.point(far);
@@ -409,7 +413,7 @@ inline DiskCase disks(Random& random) {
   return {{origin, length * (disk.position + off * across(random, disk.normal) - origin)}, disk};
 }
 
-/// Rays to the outline and next to it.
+/// Returns a ray to the outline or next to it.
 inline DiskCase disks_outline(Random& random) {
   DiskCase c = disks(random);
   const double off = coin(random) ? 0 : tiny(random, 20, 60);
@@ -418,7 +422,7 @@ inline DiskCase disks_outline(Random& random) {
   return c;
 }
 
-/// Rays that start next to the plane, or run all but along it.
+/// Returns a ray that starts next to the plane, or runs nearly along it.
 inline DiskCase disks_grazing(Random& random) {
   DiskCase c = disks(random);
   const double off = tiny(random, 1, 60), from_center = c.surface.radius * random.real(0, 1.5);
@@ -432,8 +436,8 @@ inline DiskCase disks_grazing(Random& random) {
   return c;
 }
 
-/// Small whole numbers: rays to the points (3k, 4k) of an outline, along the plane and in it; but for a
-/// nudge.
+/// Returns small whole numbers: rays to the points (3k, 4k) of an outline, along the plane and in it; except
+/// for nudges.
 inline DiskCase disks_whole(Random& random) {
   const int k = whole(random, 1, 9), times = whole(random, 0, 2);
   DiskCase c{{whole_vector(random, -9, 9), whole_vector(random, -9, 9)},
@@ -459,13 +463,13 @@ inline DiskCase disks_exponents(Random& random) {
 
 inline Box box_around(const Point& a, const Point& b) { return {glm::min(a, b), glm::max(a, b)}; }
 
-/// A point between the two ends, or at one of them.
+/// Returns a number between the two ends, or one of them.
 inline double between(Random& random, double a, double b, bool at_an_end) {
   const double share = random.real(0, 1);
   return !at_an_end ? a + share * (b - a) : coin(random) ? a : b;
 }
 
-/// Of any size and shape, and a ray to a point in it or beside it.
+/// Returns a box of any size and shape, and a ray to a point in it or beside it.
 inline BoxCase boxes(Random& random) {
   const double far = size(random, -10, 10), wide = size(random, -10, 10), high = size(random, -10, 10);
   const Point corner = random.point(far), origin = random.point(far);
@@ -475,7 +479,7 @@ inline BoxCase boxes(Random& random) {
   return {{origin, length * (box.min + share * (box.max - box.min) - origin)}, box};
 }
 
-/// Rays to points of edges and vertices, and next to them.
+/// Returns a ray to a point of an edge or a vertex, or next to it.
 inline BoxCase boxes_edges(Random& random) {
   BoxCase c = boxes(random);
   const int along = whole(random, 0, 3);
@@ -486,7 +490,8 @@ inline BoxCase boxes_edges(Random& random) {
   return c;
 }
 
-/// Small whole numbers: rays along faces and through edges and vertices, flat boxes; but for a nudge.
+/// Returns small whole numbers: rays along faces and through edges and vertices, flat boxes; except for
+/// nudges.
 inline BoxCase boxes_whole(Random& random) {
   const Point a = whole_vector(random, -2, 2), b = whole_vector(random, -2, 2);
   BoxCase c{{whole_vector(random, -3, 3), whole_vector(random, -2, 2)}, box_around(a, b)};
@@ -494,7 +499,7 @@ inline BoxCase boxes_whole(Random& random) {
   return c;
 }
 
-/// Thin ones, far away.
+/// Returns a thin box, far away.
 inline BoxCase boxes_thin(Random& random) {
   BoxCase c = boxes(random);
   const int axis = whole(random, 0, 2);
@@ -507,8 +512,8 @@ inline BoxCase boxes_thin(Random& random) {
   return c;
 }
 
-/// Rays that leave a face, or something else in its plane from beside it as well, in any direction and along
-/// the face.
+/// Returns a ray that leaves a face, or another surface in its plane, then also from beside the face, in any
+/// direction and along the face.
 inline BoxCase boxes_leaving(Random& random) {
   BoxCase c = boxes(random);
   const int face = whole(random, 0, 5);
@@ -542,7 +547,7 @@ inline QuadricForm any_form(Random& random) {
   return {squares, products, linear, random.real(-1, 1)};
 }
 
-/// Of any kind and any size.
+/// Returns a quadric of any kind and any size.
 inline QuadricCase quadrics(Random& random) {
   const double unit = size(random, -10, 10), far = unit * size(random, -3, 3), factor = size(random, -10, 10);
   QuadricForm form = any_form(random);
@@ -552,8 +557,8 @@ inline QuadricCase quadrics(Random& random) {
   return {{origin, size(random, -10, 10) * random.direction()}, {form}};
 }
 
-/// Ellipsoids and hyperboloids around a point that is far from the coordinate origin, so that nearly all
-/// digits cancel.
+/// Returns an ellipsoid or hyperboloid around a point that is far from the coordinate origin, so that nearly
+/// all digits cancel.
 inline QuadricCase quadrics_far(Random& random) {
   const double far = size(random, 0, 20);
   const Point center = random.point(far);
@@ -564,7 +569,7 @@ inline QuadricCase quadrics_far(Random& random) {
   return {passing(random, center, random.real(0, 1.2), ahead), {form}};
 }
 
-/// Rays that touch, but for a small part: the constant makes it so.
+/// Returns a nearly tangent ray, by the choice of the constant.
 inline QuadricCase quadrics_tangent(Random& random) {
   QuadricCase c = quadrics(random);
   QuadricForm& form = c.surface.form;
@@ -575,7 +580,7 @@ inline QuadricCase quadrics_tangent(Random& random) {
   return c;
 }
 
-/// Directions in which the form is all but linear.
+/// Returns a direction in which the form is linear or nearly so.
 inline QuadricCase quadrics_linear(Random& random) {
   QuadricCase c = quadrics(random);
   QuadricForm& form = c.surface.form;
@@ -585,7 +590,7 @@ inline QuadricCase quadrics_linear(Random& random) {
   return c;
 }
 
-/// Small whole numbers: touching, linear, in the quadric; but for a nudge.
+/// Returns small whole numbers: tangent rays, linear forms, rays in the quadric; except for nudges.
 inline QuadricCase quadrics_whole(Random& random) {
   const Vec3 squares = whole_vector(random, -2, 2), products = whole_vector(random, -1, 1),
              linear = whole_vector(random, -2, 2);
@@ -595,7 +600,7 @@ inline QuadricCase quadrics_whole(Random& random) {
   return c;
 }
 
-/// Rays that leave the quadric, in any direction and along it.
+/// Returns a ray that leaves the quadric, in any direction and along it.
 inline QuadricCase quadrics_leaving(Random& random) {
   QuadricCase c = coin(random) ? quadrics(random) : quadrics_whole(random);
   QuadricForm& form = c.surface.form;
@@ -623,7 +628,8 @@ inline QuadricCase quadrics_exponents(Random& random) {
 
 // ---- Instances
 
-/// A map that stretches each axis by 2^-4 to 2^4, turns, shears by up to 1/2, and moves far.
+/// Returns a map that stretches each axis by 2^-4 to 2^4, mirrors, rotates, shears by up to 1/2, and moves
+/// far.
 inline Affine any_map(Random& random) {
   const double far = size(random, -10, 20), unit = size(random, -10, 10), angle = random.real(0, 360);
   const Vec3 stretches{size(random, -4, 4), size(random, -4, 4), -size(random, -4, 4)},
@@ -636,7 +642,7 @@ inline Ray carried(const Ray& ray, const Affine& map) {
   return {map.point(ray.origin), map.vector(ray.direction)};
 }
 
-/// Rays clear of the outline, and past it by any part of the radius.
+/// Returns a ray that is clear of the sphere's outline, inside or outside by any part of the radius.
 inline PlacedSphereCase instances(Random& random) {
   const double r = size(random, -10, 10);
   const Sphere own{random.point(10 * r), r};
@@ -653,7 +659,7 @@ inline PlacedSphereCase instances(Random& random) {
   return {{there.origin, length * there.direction}, Placed(own, map)};
 }
 
-/// The same of planes, at any slope.
+/// Returns a ray at any slope to an instance of a plane.
 inline PlacedPlaneCase instances_of_planes(Random& random) {
   const Vec3 n = random.direction(), d = random.direction();
   const Point target = random.point(10);
@@ -664,8 +670,8 @@ inline PlacedPlaneCase instances_of_planes(Random& random) {
   return {{there.origin, length * there.direction}, Placed(Plane{factor * n, factor * dot(n, target)}, map)};
 }
 
-/// A map of small whole numbers, and its inverse too: a few times, one axis goes to itself and a multiple of
-/// another; then, powers of two along the axes.
+/// Returns a map of few digits, whose inverse has few digits, too: a few times, a multiple of one axis is
+/// added to another; then, powers of two along the axes.
 inline Affine whole_map(Random& random) {
   Vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (int i = 0; i < 3; ++i) {
@@ -676,8 +682,9 @@ inline Affine whole_map(Random& random) {
   return {axes[0], axes[1], axes[2], whole_vector(random, -99, 99)};
 }
 
-/// Whole numbers that make the line touch exactly, but for a nudge that leaves all that is carried exact;
-/// times powers of two, some so large or small that squares or products leave the range of double.
+/// Returns whole numbers for which the line is exactly tangent, except for a nudge that leaves all mapped
+/// numbers exact; times powers of two, some so large or small that squares or products leave the range of
+/// double.
 inline PlacedSphereCase instances_whole(Random& random) {
   const int k = whole(random, 1, 50), times = whole(random, 0, 2);
   const Vec3 d = turned({-4, 3, whole(random, -9, 9)}, times), radius = turned({3 * k, 4 * k, 0}, times);
@@ -702,7 +709,7 @@ inline PlacedPlaneCase instances_of_planes_whole(Random& random) {
   return {carried({origin, direction}, map), Placed(own, map)};
 }
 
-/// Rays that leave a whole point of the image of a sphere, in any whole direction and along it.
+/// Returns a ray that leaves a whole point of the image of a sphere, in any whole direction and along it.
 inline PlacedSphereCase instances_leaving(Random& random) {
   const int k = whole(random, 1, 50), times = whole(random, 0, 2);
   const Point center = whole_vector(random, -99, 99);
@@ -716,7 +723,7 @@ inline PlacedSphereCase instances_leaving(Random& random) {
 
 // ---- Solids made of solids
 
-/// An operation on two to four solids, or on one and another operation.
+/// Returns an operation on count solids, or on one and another operation.
 template <class NextSolid>
 SolidTree tree_of(Random& random, const NextSolid& next, int count) {
   using Operation = Csg::Operation;
@@ -759,7 +766,7 @@ inline MadeCase solids(Random& random) {
   return {{origin, size(random, -3, 3) * (target - origin)}, Made(std::move(tree))};
 }
 
-/// Small whole numbers, so that solids touch and have faces in common.
+/// Returns a solid of small whole numbers, so that solids touch and have faces in common.
 inline SolidTree::Solid whole_solid(Random& random) {
   const Point center = whole_vector(random, -2, 2), other = whole_vector(random, -2, 2);
   switch (whole(random, 0, 7)) {
@@ -775,7 +782,7 @@ inline SolidTree::Solid whole_solid(Random& random) {
   }
 }
 
-/// Now and then, the ray leaves the plane of a box's face, from the face or from beside it.
+/// Returns a tree and a ray, which often leaves the plane of a box's face, from the face or from beside it.
 inline MadeCase solids_whole(Random& random) {
   const int count = whole(random, 2, 4);
   SolidTree tree = tree_of(random, whole_solid, count);

@@ -1,8 +1,8 @@
-// Exact numbers, to judge the library by. Nothing here comes from the library.
+// Exact numbers as a reference for the library. Nothing here comes from the library.
 //
 // Every double is a whole number times a power of two, so sums, differences and products of doubles are
-// numbers that can be written down to the last bit; here in digits of base 2^64. Only a quotient or a root
-// has to be rounded, to the 113 bits of Quad.
+// numbers of finitely many digits; here of base 2^64. Only a quotient or a root has to be rounded, to the 113
+// bits of Quad.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ __extension__ using Quad = __float128;  // g++ and clang on x86-64
 #endif
 __extension__ using Uint128 = unsigned __int128;
 
-/// factor · 2^(64 n).
+/// Returns factor · 2^(64 n).
 inline Quad times_digits(Quad factor, int n) {
   Quad base = n < 0 ? Quad(0x1p-64) : Quad(0x1p64);
   for (unsigned left = static_cast<unsigned>(std::abs(n)); left > 0; left >>= 1, base *= base)
@@ -28,7 +28,7 @@ inline Quad times_digits(Quad factor, int n) {
   return factor;
 }
 
-/// ± (digits[0] + digits[1] · 2^64 + …) · 2^(64 exponent), neither the first nor the last digit 0.
+/// Number ± (digits[0] + digits[1] · 2^64 + …) · 2^(64 exponent); neither the first nor the last digit is 0.
 class Number {
  public:
   Number() = default;
@@ -91,10 +91,10 @@ class Number {
     return product;
   }
 
-  /// The value, good to 2^-111: three digits hold at least 129 bits.
+  /// Returns the value to 2^-111: three digits hold at least 129 bits.
   explicit operator Quad() const { return times_digits(leading(), exponent_ + dropped()); }
 
-  /// The root of a number that is not negative, good to 2^-110.
+  /// Returns the square root of a number that is not negative, to 2^-110.
   [[nodiscard]] Quad sqrt() const {
     if (sign() < 0) throw std::domain_error("exact: the root of a negative number");
     if (sign() == 0) return 0;
@@ -125,7 +125,7 @@ class Number {
     exponent_ += zeros;
   }
 
-  /// The digit that counts units of 2^(64 place).
+  /// Returns the digit that counts units of 2^(64 place).
   [[nodiscard]] std::uint64_t digit(int place) const {
     const int i = place - exponent_;
     return i >= 0 && i < size_ ? digits_[i] : 0;
@@ -184,16 +184,16 @@ class Number {
 
 inline Number square(const Number& x) { return x * x; }
 
-/// The sign of a + i √x + k √y, where i and k are -1, 0 or 1 and x, y ≥ 0; decided without a root, by
-/// squaring only what has a known sign.
+/// Returns the sign of a + i √x + k √y, where i and k are -1, 0 or 1 and x, y ≥ 0; decided without a root, by
+/// squaring only terms of known sign.
 inline int sign_of_sum(const Number& a, int i, const Number& x, int k, const Number& y) {
   if (x.sign() == 0) i = 0;
   if (y.sign() == 0) k = 0;
   const int roots = i == 0 || k == 0 || i == k ? (i != 0 ? i : k) : i * (x - y).sign();
   if (roots == 0 || a.sign() == 0 || a.sign() == roots) return a.sign() != 0 ? a.sign() : roots;
-  // The two parts have opposite signs, so the larger decides: of a² and x + y + 2ik √(xy).
+  // Both parts have opposite signs, so the larger of a² and x + y + 2ik √(xy) decides.
   if (i == 0 || k == 0) return a.sign() * (square(a) - (i != 0 ? x : y)).sign();
-  const Number rest = square(a) - x - y, twice = Number(4) * x * y;  // rest against 2ik √(xy)
+  const Number rest = square(a) - x - y, twice = Number(4) * x * y;  // compared with 2ik √(xy)
   const int wanted = i * k;
   const int larger = rest.sign() * wanted <= 0 ? (rest.sign() != 0 ? rest.sign() : -wanted)
                                                : wanted * (square(rest) - twice).sign();

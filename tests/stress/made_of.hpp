@@ -1,4 +1,4 @@
-// Surfaces that are made of others, with what they are made of at hand for a judge.
+// Surfaces that are made of others, and keep their components for the reference computations.
 #pragma once
 
 #include <protostar/numeric/affine.hpp>
@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-/// An instance of a surface.
+/// Instance of a surface that keeps the surface and its map.
 template <class S>
 struct Placed : protostar::Instance<S> {
   S own;
@@ -21,7 +21,7 @@ struct Placed : protostar::Instance<S> {
       : protostar::Instance<S>(surface, map), own(surface), placement(map) {}
 };
 
-/// A solid, or an operation on some.
+/// Solid, or an operation on several.
 struct SolidTree {
   using Solid = std::variant<protostar::Sphere, protostar::Box, protostar::Quadric, Placed<protostar::Sphere>,
                              Placed<protostar::Box>>;
@@ -45,7 +45,7 @@ struct SolidTree {
   }
 };
 
-/// The solid that a tree makes.
+/// Solid that is made by a tree, and keeps it.
 struct Made : protostar::Csg {
   SolidTree tree;
 

@@ -1,4 +1,4 @@
-// The command lines of the stress programs that take numbers: --name value, nothing else.
+// Command lines of the stress programs that take numbers: --name value, nothing else.
 #pragma once
 
 #include <cstdint>

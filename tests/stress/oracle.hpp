@@ -1,4 +1,4 @@
-// Where a ray crosses a surface, and in which order: exactly, for the ray as it is given in doubles.
+// Exact crossings of rays and surfaces, and their order, for rays and surfaces as they are given in doubles.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@
 
 namespace exact {
 
-/// T is the type of number.
+/// Vector of numbers of type T.
 template <class T>
 struct Vector {
   T x, y, z;
@@ -46,9 +46,9 @@ T dot(const Vector<T>& a, const Vector<T>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/// The points (origin + t · direction) / weight, with a weight that is not 0: a ray, or the line that meets a
-/// surface where a ray meets its image. The inverse of a map's matrix has the cross products of its columns
-/// for rows, over its determinant, which goes into the weight.
+/// Points (origin + t · direction) / weight, with a weight that is not 0: a ray, or the line that crosses a
+/// surface where a ray crosses the surface's image. The rows of a matrix's inverse are the cross products of
+/// its columns over its determinant, which goes into the weight.
 template <class T>
 struct Line {
   Vector<T> origin, direction;
@@ -58,7 +58,7 @@ struct Line {
   Line(const Line& line, const protostar::Affine& map)
       : Line(line, Vector<T>(map.translation), Vector<T>(map.x), Vector<T>(map.y), Vector<T>(map.z)) {}
 
-  /// weight times a point, less the origin.
+  /// Returns weight times a point, minus the origin.
   [[nodiscard]] Vector<T> to(const protostar::Point& p) const {
     return Vector<T>(weight * p.x, weight * p.y, weight * p.z) - origin;
   }
@@ -75,7 +75,7 @@ struct Line {
   }
 };
 
-/// A t² − 2bt + c = 0; of a ray that leaves the sphere c is 0, and t = 0 is left out.
+/// Equation A t² − 2bt + c = 0; for a ray that leaves the sphere c is 0, and t = 0 is left out.
 template <class T>
 struct SphereEquation {
   T A, b, c;
@@ -87,7 +87,7 @@ struct SphereEquation {
   [[nodiscard]] T discriminant() const { return square(b) - A * c; }
 };
 
-/// slope · t = height, with slope = n·d and height = distance − n·o.
+/// Equation slope · t = height, with slope = n·d and height = distance − n·o.
 template <class T>
 struct PlaneEquation {
   T slope, height;
@@ -99,15 +99,16 @@ struct PlaneEquation {
   }
 };
 
-/// slope · t = height is where the line crosses the parallelogram's plane: with n = u × v and g = position −
-/// origin, slope = n·d and height = n·g. Seen from the origin it is at t d. That is to the left of an edge w
-/// through p where w × (t d − p) has the direction of n, so where its product with d has the slope's sign:
+/// Equation slope · t = height of the crossing with the parallelogram's plane: with n = u × v and
+/// g = position − origin, slope = n·d and height = n·g. Relative to the origin the crossing is at t d. It is
+/// to the left of an edge w through p if w × (t d − p) has the direction of n, and hence its product with d
+/// the slope's sign:
 ///   d·(w × (t d − p)) = d·(p × w) = (d × p)·w.
 /// The parallelogram is to the left of its outline: along u from g, v from g + u, −u from g + v, −v from g.
 template <class T>
 struct ParallelogramEquation {
   T slope, height;
-  T left[4];  ///< these products; 0 on the line through an edge
+  T left[4];  ///< the products; 0 on the line through an edge
 
   ParallelogramEquation(const protostar::Ray& ray, const protostar::Parallelogram& parallelogram) {
     const Vector<T> u(parallelogram.edge_u), v(parallelogram.edge_v), n = cross(u, v);
@@ -117,21 +118,21 @@ struct ParallelogramEquation {
     left[0] = dot(m, u), left[1] = dot(m, v) + slope;  // (d × u)·v = n·d
     left[2] = slope - left[0], left[3] = -dot(m, v);
   }
-  /// Whether the crossing is in the parallelogram, if the slope is not 0.
+  /// Returns true if the crossing is in the parallelogram; the slope must not be 0.
   [[nodiscard]] bool is_inside() const {
     return std::all_of(left, left + 4, [&](const T& x) { return x.sign() * slope.sign() >= 0; });
   }
 };
 
-/// slope · t = height is where the line crosses the triangle's plane: with n = (b − a) × (c − a), slope = n·d
-/// and height = n·(a − origin). The line passes the edge from p to q on the side that is the sign of d · ((p
-/// − o) × (q − o)). Where that is 0, the origin counts as moved by (ε, ε², ε³), which makes it the sign of
-/// the first component of (p − q) × d that is not 0. The three sides add up to the slope, and these
-/// components to 0, so that sides that are all of one sign are not all 0, and the slope has that sign too.
+/// Equation slope · t = height of the crossing with the triangle's plane: with n = (b − a) × (c − a),
+/// slope = n·d and height = n·(a − origin). The line passes the edge from p to q on the side that is the sign
+/// of d · ((p − o) × (q − o)). If it is 0, the origin counts as moved by (ε, ε², ε³), which makes it the sign
+/// of the first component of (p − q) × d that is not 0. The three sides add up to the slope, and these
+/// components to 0, so sides that are all of one sign are not all 0, and the slope has their sign, too.
 template <class T>
 struct TriangleEquation {
   T slope, height;
-  T side[3][4];  ///< of each edge: the product, and the components
+  T side[3][4];  ///< for each edge: the product, and the components
 
   TriangleEquation(const protostar::Ray& ray, const protostar::Triangle& s) {
     const Vector<T> o(ray.origin), d(ray.direction),
@@ -145,7 +146,7 @@ struct TriangleEquation {
       side[i][1] = moved.x, side[i][2] = moved.y, side[i][3] = moved.z;
     }
   }
-  /// Whether the line passes all edges on one side, if 128 digits tell.
+  /// Returns true if the line passes all edges on one side; nothing if 128 digits do not decide.
   [[nodiscard]] std::optional<bool> is_crossed() const {
     int signs[3] = {0, 0, 0};
     for (int i = 0; i < 3; ++i)
@@ -158,8 +159,9 @@ struct TriangleEquation {
   }
 };
 
-/// slope · t = height is where the line crosses the disk's plane; times the slope, it is (origin − position)
-/// · slope + d · height from the center there. beyond is the square of that, less that of radius · slope.
+/// Equation slope · t = height of the crossing with the disk's plane. Its vector from the center, times the
+/// slope, is (origin − position) · slope + d · height; beyond is the square of this vector minus that of
+/// radius · slope.
 template <class T>
 struct DiskEquation {
   T slope, height, beyond;
@@ -172,8 +174,8 @@ struct DiskEquation {
   }
 };
 
-/// A t² − 2bt + c = 0 by the sixteen products of the form's matrix; of a ray that leaves the quadric c is 0,
-/// and t = 0 is left out.
+/// Equation A t² − 2bt + c = 0 from the sixteen products of the form's matrix; for a ray that leaves the
+/// quadric c is 0, and t = 0 is left out.
 template <class T>
 struct QuadricEquation {
   T A, b, c;
@@ -195,20 +197,20 @@ struct QuadricEquation {
   [[nodiscard]] T discriminant() const { return square(b) - A * c; }
 };
 
-/// What of a surface a ray leaves: a part of its own, −1 if none.
+/// Part of the surface that a ray leaves, −1 if none.
 struct Left {
   int part = -1;
 };
 
-/// What of a box a ray leaves: the face in whose plane it starts, −1 if there is none, and whether that is on
-/// this box.
+/// Face of a box in whose plane a ray starts by its departure, −1 if none; is_own if it leaves this box's
+/// face.
 struct LeftOfBox {
   int face = -1;
   bool is_own = false;
 };
 
-/// slope · t = height is where the line crosses the plane of a box's face. A line that leaves the face is
-/// there at t = 0, whatever its digits say.
+/// Equation slope · t = height of the crossing with the plane of a box's face. A line that leaves the face
+/// crosses it at t = 0, whatever its digits are.
 template <class T>
 struct FaceEquation {
   T slope, height;
@@ -222,13 +224,14 @@ struct FaceEquation {
     height = face == left.face ? T(0.0) : face / 2 == 0 ? from.x : face / 2 == 1 ? from.y : from.z;
   }
 
-  /// Whether that is a point of the box, if 128 digits tell: on no side of it outside of the other faces. On
-  /// the inner side of the face that is left is what comes after t = 0, if the line leads inwards there.
+  /// Returns true if the crossing is a point of the box, on the outer side of no other face; nothing if 128
+  /// digits do not decide. Points with t > 0 are on the inner side of the face that is left, if the line
+  /// leads inwards there.
   [[nodiscard]] std::optional<bool> is_in_box(const Line<T>& line, const protostar::Box& box,
                                               const LeftOfBox& left = {}) const {
     for (int other = 0; other < 6; ++other) {
       const FaceEquation of_other(line, box, other);
-      // (place of the face − place of the point) · weight · slope, where positive is inside of an upper face.
+      // (position of the face − position of the point) · weight · slope; positive is inside of an upper face.
       T beyond = of_other.height * slope - of_other.slope * height;
       if (other % 2 == 0) beyond = -beyond;
       if (other == left.face) beyond = height;
@@ -241,7 +244,7 @@ struct FaceEquation {
   }
 };
 
-/// Whether a line's slope along a face's normal leads through the box from there, if 128 digits tell.
+/// Returns true if a line leads from a face through the box; nothing if 128 digits do not decide.
 template <class T>
 std::optional<bool> leads_inwards(const Line<T>& line, const protostar::Box& box, int face) {
   const FaceEquation<T> e(line, box, face);
@@ -251,10 +254,10 @@ std::optional<bool> leads_inwards(const Line<T>& line, const protostar::Box& box
   return !is_flat && e.slope.sign() * line.weight.sign() * (face % 2 ? -1 : 1) > 0;
 }
 
-/// The faces through which a line enters and leaves a box, if 128 digits tell: those that it crosses in one
-/// direction, in a point of the box; of some, the first. A ray that leaves a face of the box and leads
-/// inwards is in the box, so that it only leaves it: through that of the faces that it leads out of whose
-/// plane it crosses before the others'.
+/// Returns the faces through which a line enters and leaves a box, or nothing if 128 digits do not decide:
+/// for each direction, the first face that it crosses in a point of the box. A ray that leaves a face of the
+/// box inwards is in the box and only leaves it: through the face whose plane it crosses first among the
+/// faces that it leads out of.
 template <class T>
 std::optional<std::vector<int>> faces_crossed(const Line<T>& line, const protostar::Box& box,
                                               const LeftOfBox& left) {
@@ -264,7 +267,7 @@ std::optional<std::vector<int>> faces_crossed(const Line<T>& line, const protost
     if (!inwards) return std::nullopt;
     if (!*inwards) return crossed;
   }
-  int signs[6];  // 1 where the face is entered, -1 where it is left
+  int signs[6];  // 1 if the face is entered, -1 if it is left
   for (int face = 0; face < 6; ++face) {
     const FaceEquation<T> e(line, box, face);
     if constexpr (requires { e.slope.is_known(); })
@@ -300,20 +303,21 @@ std::optional<std::vector<int>> faces_crossed(const Line<T>& line, const protost
   return crossed;
 }
 
-/// Where all solids of a tree are crossed, in places of equal t from near to far: how often each solid is, in
-/// each place; and which of them a ray is inside of in the end.
+/// Crossings of all solids of a tree, in places of equal t from near to far: the number of crossings of each
+/// solid in each place, and for each solid whether a ray ends inside.
 struct SolidsAlong {
   std::vector<std::vector<int>> times;
   std::vector<bool> ends_inside;
 
-  /// Whether a line is inside of a tree behind a place; −1 is before all.
+  /// Returns true if a line is inside a tree behind a place; −1 is before all.
   [[nodiscard]] bool is_inside(const SolidTree& tree, int place) const {
     std::size_t next = 0;
     return is_inside(tree, place, next);
   }
 
  private:
-  /// The same, where next is the number of the tree's first solid, and then of the first behind it.
+  /// Returns true if a line is inside a tree behind a place. next is the number of the tree's first solid,
+  /// and afterwards of the first solid behind the tree.
   [[nodiscard]] bool is_inside(const SolidTree& tree, int place, std::size_t& next) const {
     using Operation = protostar::Csg::Operation;
     if (tree.operation == Operation::none) return is_inside_solid(next++, place);
@@ -335,7 +339,8 @@ struct SolidsAlong {
   }
 };
 
-/// Whether a ray is inside of a solid in the end, if 128 digits tell: the sign of A, or that of −b, or c.
+/// Returns true if a ray ends inside a solid, by the first sign of A, −b and c that is not 0; nothing if 128
+/// digits do not decide. Bounded solids: false.
 template <class T>
 std::optional<bool> ends_inside(const Line<T>&, const auto&) {
   return false;
@@ -351,30 +356,30 @@ std::optional<bool> ends_inside(const Line<T>& line, const protostar::Quadric& q
   return false;
 }
 
-/// A crossing's parameter: (p + side · √D) / A with A > 0, side -1, 0 or 1; and that rounded to Quad, good to
-/// 2^-100.
+/// Parameter of a crossing: (p + side · √D) / A with A > 0, side -1, 0 or 1; t is its value, rounded to Quad
+/// and accurate to 2^-100.
 struct Root {
   Number p, D, A;
   int side;
   Quad t;
 };
 
-/// A double as a root, to compare one with.
+/// Returns a double as a root, for comparisons.
 inline Root root_at(double t) { return {t, {}, 1.0, 0, Quad(t)}; }
 
-/// The sign of a − b.
+/// Returns the sign of a − b.
 inline int compare(const Root& a, const Root& b) {
   const Quad larger = std::max(a.t < 0 ? -a.t : a.t, b.t < 0 ? -b.t : b.t);
   if (a.t - b.t > Quad(0x1p-90) * larger) return 1;
   if (b.t - a.t > Quad(0x1p-90) * larger) return -1;
-  // Over the product of both denominators.
+  // Numerator over the product of both denominators.
   return sign_of_sum(a.p * b.A - b.p * a.A, a.side, a.D * square(b.A), -b.side, b.D * square(a.A));
 }
 
-/// The crossings of a ray's line with a surface, near before far; a point of tangency twice.
+/// Crossings of a ray's line with a surface, near before far; a point of tangency counts twice.
 using Roots = std::vector<Root>;
 
-/// Those of A t² − 2bt + c = 0 with A > 0.
+/// Returns the roots of A t² − 2bt + c = 0 with A > 0.
 inline Roots both_roots(const Number& A, const Number& b, const Number& c, const Number& D) {
   if (D.sign() < 0) return {};
   const Quad root = D.sqrt();
@@ -397,14 +402,14 @@ inline Roots roots(const protostar::Ray& ray, const protostar::Sphere& sphere, b
   return roots(Line<Number>(ray), sphere, leaves);
 }
 
-/// The root of slope · t = height, with a slope that is not 0.
+/// Returns the root of slope · t = height, with a slope that is not 0.
 inline Root only_root(const Number& slope, const Number& height) {
   const bool falls = slope.sign() < 0;
   const Number p = falls ? -height : height, A = falls ? -slope : slope;
   return {p, {}, A, 0, Quad(p) / Quad(A)};
 }
 
-/// A ray that leaves a plane does not come back.
+/// Returns the crossing with a plane; a ray that leaves the plane does not come back.
 inline Roots roots(const protostar::Ray& ray, const protostar::Plane& plane, bool leaves) {
   if (leaves) return {};
   const PlaneEquation<Number> e(ray, plane);
@@ -431,8 +436,8 @@ inline Roots roots(const protostar::Ray& ray, const protostar::Disk& disk, bool 
   if (e.slope.sign() == 0 || e.beyond.sign() > 0) return {};
   return {only_root(e.slope, e.height)};
 }
-/// A ray that leaves a face of the box and leads inwards leaves the box at t > 0: at the smallest, if its
-/// digits have that at 0 or before.
+/// Returns the crossings with a box. A ray that leaves a face of the box inwards leaves the box at t > 0: at
+/// the smallest double, if its digits give 0 or less.
 inline Roots roots(const Line<Number>& line, const protostar::Box& box, const LeftOfBox& left) {
   Roots all;
   const std::vector<int> faces = faces_crossed<Number>(line, box, left).value();
@@ -445,9 +450,9 @@ inline Roots roots(const Line<Number>& line, const protostar::Box& box, const Le
   return all;
 }
 
-/// Whether a ray that leaves a quadric meets it again in the quadric's bounds: one that is no ellipsoid with
-/// its inside within has none; in those of others its form, which at both places is the c of the origin, is
-/// at most 2^-10 of what it is below 0 in the center.
+/// Returns true if a ray that leaves a quadric crosses it again in the quadric's bounds. A quadric that is
+/// not an ellipsoid with its inside within has none; in the bounds of an ellipsoid the form, which is c at
+/// both crossings, is at most 2^-10 of its depth below 0 at the center.
 inline bool meets_again(const protostar::QuadricForm& form, const Number& c) {
   const Number m[3][3] = {{form.squares.x, form.products.z, form.products.y},
                           {form.products.z, form.squares.y, form.products.x},
@@ -489,8 +494,8 @@ inline Roots roots(const protostar::Ray& ray, const Placed<protostar::Plane>& pl
   return {only_root(e.slope, e.height)};
 }
 
-/// The double nearest to N/M, in the middle of two the one whose last bit is 0: of the quotient's digits as a
-/// Quad, and its neighbors, the one with the least |N − x M|, without rounding.
+/// Returns the double nearest to N/M, and the one with an even last bit if two are: the one with the least
+/// |N − x M|, without rounding, among the quotient of Quads, rounded, and its neighbors.
 inline double nearest_quotient(const Number& N, const Number& M) {
   const double q = static_cast<double>(Quad(N) / Quad(M));
   double best = q;
@@ -506,8 +511,8 @@ inline double nearest_quotient(const Number& N, const Number& M) {
   return best;
 }
 
-/// The equation of a plane as surfaces in one plane recognize each other: divided by the largest component of
-/// the normal, the first of equals, and rounded.
+/// Returns the equation of a plane by which surfaces in one plane recognize each other: divided by the
+/// largest component of the normal, the first of equals, and rounded.
 inline std::array<double, 4> rounded_equation(const Vector<Number>& n, const Number& distance) {
   const Number numbers[] = {n.x, n.y, n.z, distance};
   int k = 0;
@@ -518,8 +523,8 @@ inline std::array<double, 4> rounded_equation(const Vector<Number>& n, const Num
   return rounded;
 }
 
-/// Whether a ray departs from the plane n · x = distance. Exactly, where its departure says so and doubles
-/// hold the plane's equation.
+/// Returns true if a ray departs from the plane n · x = distance: by the exact equations if its departure has
+/// one and doubles hold the plane's, else by the rounded ones.
 inline bool departs_from(const protostar::Departure& left, const Vector<Number>& n, const Number& distance,
                          bool is_exact) {
   using Kind = protostar::Departure::Kind;
@@ -539,7 +544,7 @@ inline bool departs_from(const protostar::Departure& left, const Vector<Number>&
   return of_ray == rounded_equation(n, distance);
 }
 
-/// The face of a box in whose plane a ray starts by what it departs from, −1 if it is none.
+/// Returns the face of a box in whose plane a ray starts by its departure, −1 if none.
 inline int face_left(const protostar::Departure& left, const protostar::Box& box) {
   for (int face = 0; face < 6; ++face) {
     protostar::Vec3 normal{0};
@@ -553,7 +558,8 @@ inline int face_left(const protostar::Ray& ray, const protostar::Box& box) {
   return face_left(ray.departure, box);
 }
 
-/// The same of a box's image: the normal of a face is a row of the inverse.
+/// Returns the face of a box's image in whose plane a ray starts, −1 if none: the normal of a face is a row
+/// of the inverse.
 inline int face_left(const protostar::Departure& left, const Placed<protostar::Box>& placed) {
   const Vector<Number> x(placed.placement.x), y(placed.placement.y), z(placed.placement.z),
       at(placed.placement.translation);
@@ -567,7 +573,7 @@ inline int face_left(const protostar::Departure& left, const Placed<protostar::B
   return -1;
 }
 
-/// Whether a ray departs from this sphere, or from the image of a sphere, if that is one.
+/// Returns true if a ray departs from this sphere, or from the image of a sphere, if it is a sphere.
 inline bool departs_from(const protostar::Departure& left, const protostar::Sphere& sphere) {
   const auto& g = left.geometry;
   return left.kind == protostar::Departure::Kind::sphere && sphere.center.x == g[0] &&
@@ -592,8 +598,8 @@ inline bool departs_from(const protostar::Departure& left, const Placed<protosta
          is_0(k * square(Number(placed.own.radius)) - square(Number(g[3])));
 }
 
-/// The crossings of a ray's line with a solid of which it leaves a part, −1 for none; it may leave another
-/// surface together with it.
+/// Returns the crossings of a ray's line with a solid, of which the ray leaves a part, −1 for none; it may
+/// leave another surface that coincides with it.
 inline Roots roots(const protostar::Ray& ray, const protostar::Sphere& sphere, const Left& left) {
   return roots(Line<Number>(ray), sphere, left.part >= 0 || departs_from(ray.departure, sphere));
 }
@@ -610,7 +616,7 @@ inline Roots roots(const protostar::Ray& ray, const protostar::Box& box, const L
 inline Roots roots(const protostar::Ray& ray, const Placed<protostar::Box>& placed, const Left& left) {
   return roots(Line<Number>(Line<Number>(ray), placed.placement), placed.own, left_of(ray, placed, left));
 }
-/// No ray here leaves a quadric of a tree.
+/// Returns the crossings with a quadric of a tree, which no ray here leaves.
 inline Roots roots(const protostar::Ray& ray, const protostar::Quadric& quadric, const Left&) {
   return roots(Line<Number>(ray), quadric, false);
 }
@@ -623,15 +629,15 @@ int parts_of(const Placed<S>& placed) {
   return parts_of(placed.own);
 }
 
-/// Whether a ray is inside of a solid in the end.
+/// Returns true if a ray ends inside a solid.
 inline bool ends_inside_of(const protostar::Ray&, const auto&) { return false; }
 inline bool ends_inside_of(const protostar::Ray& ray, const protostar::Quadric& quadric) {
   return ends_inside<Number>(Line<Number>(ray), quadric).value();
 }
 
-/// Those at which the inside of a tree turns over, of the solids that each_solid(visit) visits. A solid that
-/// is left has lost one at t = 0 if it has not an even number with both ends outside; what is left there is
-/// not met.
+/// Returns the crossings at which a ray enters or leaves a tree, whose solids each_solid(visit) visits. If
+/// the number of a solid's crossings does not fit its two ends, the solid is left and lacks the crossing at
+/// t = 0; then the tree is not crossed at t = 0.
 inline Roots roots_of_tree(const protostar::Ray& ray, const SolidTree& tree, const Left& left,
                            const auto& each_solid) {
   struct OfSolid {
@@ -677,8 +683,8 @@ inline Roots roots(const protostar::Ray& ray, const Made& made, const Left& left
     made.tree.each_solid([&](const SolidTree::Solid& held) { std::visit(visit, held); });
   });
 }
-/// A solid of the image of a tree: what it has in common with the part that a ray leaves, it has before it is
-/// mapped as well.
+/// Solid of the image of a tree. It coincides with the part that a ray leaves also if both do before they are
+/// mapped.
 template <class S>
 struct PlacedInTree : Placed<S> {
   protostar::Departure left_inside;
@@ -695,7 +701,7 @@ inline Roots roots(const protostar::Ray& ray, const PlacedInTree<protostar::Box>
   return roots(Line<Number>(Line<Number>(ray), solid.placement), solid.own, face);
 }
 
-/// The image of a tree is a tree of images.
+/// Returns the crossings of the image of a tree, which is a tree of images.
 inline Roots roots(const protostar::Ray& ray, const Placed<Made>& placed, const Left& left) {
   const auto each_image = [&](const auto& visit) {
     placed.own.tree.each_solid([&](const SolidTree::Solid& held) {
@@ -710,7 +716,7 @@ inline Roots roots(const protostar::Ray& ray, const Placed<Made>& placed, const 
           held);
     });
   };
-  // What the ray leaves, before it is mapped.
+  // Departure from the part that the ray leaves, before it is mapped.
   protostar::Departure left_inside;
   int first_part = 0;
   each_image([&](const auto& image) {
@@ -727,7 +733,7 @@ inline Roots roots(const protostar::Ray& ray, const Placed<Made>& placed, const 
   });
 }
 
-/// The part of a tree that a ray leaves, which has the same departure.
+/// Returns the part of a tree that has the departure of a ray, −1 if none.
 inline int own_part(const Made& made, const protostar::Departure& left) {
   for (int part = 0; part < made.part_count(); ++part) {
     const protostar::Departure of_part = made.departure(part);
@@ -736,7 +742,8 @@ inline int own_part(const Made& made, const protostar::Departure& left) {
   return -1;
 }
 
-/// Of a ray whose departure names the box, or the tree's part, that it leaves, or only a plane.
+/// Returns the crossings of a ray whose departure names the box, or the tree's part, that it leaves, or only
+/// a plane.
 inline Roots roots(const protostar::Ray& ray, const protostar::Box& box, bool) {
   return roots(ray, box, Left{ray.departure.object != nullptr ? ray.departure.part : -1});
 }
@@ -744,7 +751,7 @@ inline Roots roots(const protostar::Ray& ray, const Made& made, bool) {
   return roots(ray, made, Left{own_part(made, ray.departure)});
 }
 
-/// A crossing with one surface of a scene, by its number.
+/// Crossing with one surface of a scene, which is given by its number.
 struct Hit {
   Root root;
   int surface;
@@ -759,13 +766,13 @@ void add_hits(std::vector<Hit>& hits, const protostar::Ray& ray, const S& surfac
       hits.push_back({root, number});
 }
 
-/// Puts crossings in the order in which the ray meets them; what is met at once stays as it was.
+/// Sorts crossings in the order of t; crossings at equal t keep their order.
 inline void sort(std::vector<Hit>& hits) {
   std::stable_sort(hits.begin(), hits.end(),
                    [](const Hit& a, const Hit& b) { return compare(a.root, b.root) < 0; });
 }
 
-/// Whether two surfaces are the same points.
+/// Returns true if two surfaces are the same points.
 inline bool coincide(const protostar::Sphere& a, const protostar::Sphere& b) {
   return a.center == b.center && std::abs(a.radius) == std::abs(b.radius);
 }
@@ -791,7 +798,7 @@ inline std::array<double, 4> rounded_equation(const protostar::Disk& s) {
 inline bool coincide(const protostar::Parallelogram& a, const protostar::Parallelogram& b) {
   return rounded_equation(a) == rounded_equation(b);
 }
-/// Exactly, where the parallelogram is at a right angle to an axis.
+/// Returns true if both are in one plane, exactly if the parallelogram is orthogonal to an axis.
 inline bool coincide(const protostar::Parallelogram& a, const protostar::Plane& b) {
   for (int i = 0; i < 3; ++i)
     if (a.edge_u[i] == 0 && a.edge_v[i] == 0) {
@@ -818,8 +825,8 @@ inline bool coincide(const protostar::Disk& a, const protostar::Plane& b) {
   return rounded_equation(a) == rounded_equation(b);
 }
 
-/// Whether a ray that leaves something else leaves this as well: in one plane, exactly where that is at a
-/// right angle to an axis, or of one rounded equation.
+/// Returns true if a ray that leaves another surface leaves this one as well: if both are in one plane, by
+/// the exact equations if it is orthogonal to an axis, else by the rounded ones.
 inline bool is_left_with(const protostar::Ray& ray, const protostar::Disk& disk) {
   const Vector<Number> n(disk.normal);
   const bool is_exact = (disk.normal.x != 0) + (disk.normal.y != 0) + (disk.normal.z != 0) == 1;

@@ -1,10 +1,10 @@
-// The codes of light against their definition, in long double, and what they cost.
+// Compares the codes of light with their definition, in long double, and measures their cost.
 //
 //   stress_encode [--all]
 //
-// The short form looks at both sides of every code's threshold, at random powers, and at powers so near to a
-// float that double-double does not tell which side they are on. --all evaluates the definition at every
-// float from 0 to 1, for minutes. Exits with 1 if a single code or comparison is wrong.
+// The short form checks both sides of every code's threshold, random powers, and powers so close to a float
+// that double-double leaves them in doubt. --all evaluates the definition at every float from 0 to 1, for
+// minutes. Exits with 1 if a single code or comparison is wrong.
 
 #include <algorithm>
 #include <bit>
@@ -33,7 +33,7 @@ void check(bool right, const char* what, double at) {
 
 // ---- The definition
 
-/// What light is encoded as, from 0 to 1, with 11 bits more than double has.
+/// Returns the value that light is encoded as, from 0 to 1, with 11 bits more than double has.
 long double encoded(const Transfer& transfer, float light) {
   struct {
     long double x;
@@ -48,8 +48,8 @@ long double encoded(const Transfer& transfer, float light) {
   return std::visit(curve, transfer);
 }
 
-/// The nearest code. A value is told from the middle between two codes where the error of long double allows:
-/// as it always does, with room to spare, but for the middle of the scale, which is exact.
+/// Returns the nearest code. Checks that the error of long double tells a value from the midpoint between two
+/// codes: it always does, with room to spare, except at the middle of the scale, which is exact.
 int nearest_code(long double value, int max_code) {
   const long double x = max_code * value + 0.5L, code = std::floor(x);
   check(value == 0.5L || std::min(x - code, code + 1 - x) > 0x1p-58L * max_code, "no room to tell",
@@ -64,8 +64,8 @@ struct Named {
   Transfer transfer;
 };
 
-/// Codes and their definition rise with light, so where they agree on both sides of each threshold they agree
-/// on all floats.
+/// Checks both sides of each threshold. Codes and their definition rise with light, so if they agree there,
+/// they agree at all floats.
 void check_thresholds(const Named& named, int max_code) {
   const Encoder encode(named.transfer, max_code);
   int undecided = 0;
@@ -84,7 +84,7 @@ void check_thresholds(const Named& named, int max_code) {
               undecided);
 }
 
-/// The definition itself, at every float.
+/// Checks the definition itself, at every float.
 void check_all_floats(const Named& named) {
   const Encoder narrow(named.transfer, 255), wide(named.transfer, 65535);
   constexpr auto last = std::bit_cast<std::uint32_t>(1.0f);
@@ -99,7 +99,8 @@ void check_all_floats(const Named& named) {
 
 // ---- Powers
 
-/// x^y in long double has an error of about 2^-63 (1 + |y log2 x|), which is what limits this.
+/// Checks powers by long double, whose x^y has an error of about 2^-63 (1 + |y log2 x|), which limits this
+/// check.
 void check_powers() {
   Random random(5);
   long double largest = 0;
@@ -122,8 +123,8 @@ void check_powers() {
   std::printf("powers: largest relative error 2^%.1f, of 2^-57\n", static_cast<double>(std::log2(largest)));
 }
 
-/// (a²)^(1/2 + e) against a, and (a^2)^(3/2 + e) against a³, for an e of one ulp: their order is known, and
-/// they differ by as little as 2^-76 of themselves.
+/// Checks (a²)^(1/2 + e) against a, and (a²)^(3/2 + e) against a³, for an e of one ulp: their order is known,
+/// and they differ by as little as 2^-76 of themselves.
 void check_close_comparisons() {
   Random random(6);
   for (int i = 0; i < 300; ++i) {
@@ -146,7 +147,7 @@ void check_close_comparisons() {
   std::printf("comparisons that double-double cannot make\n");
 }
 
-/// ln x to 100 bits, by the series of the inverse hyperbolic tangent.
+/// Returns ln x to 100 bits, by the series of the inverse hyperbolic tangent.
 exact::Quad logarithm(exact::Quad x) {
   const auto series = [](exact::Quad z) {
     exact::Quad sum = 0, power = z;
@@ -158,8 +159,8 @@ exact::Quad logarithm(exact::Quad x) {
   return series((x - 1) / (x + 1)) - halvings * series(exact::Quad(1) / 3);
 }
 
-/// Exponents for which the light of a code is next to a float: so near that double-double does not tell on
-/// which side, and so near that some of its guesses would be wrong.
+/// Checks exponents for which the light of a code is so close to a float that double-double leaves in doubt
+/// on which side it is, and would guess some sides wrong.
 void check_close_exponents() {
   Random random(8);
   int near_by = 0, guessed_wrongly = 0;
@@ -186,7 +187,8 @@ void check_close_exponents() {
 
 // ---- Time
 
-/// A million values, most of them in [0, 1]; the least of many runs, since others use the machine as well.
+/// Measures a million values, most of them in [0, 1]: the least time of many runs, since others use the
+/// machine as well.
 void measure() {
   Random random(7);
   std::vector<float> light(1 << 20);
@@ -199,7 +201,7 @@ void measure() {
   };
   for (const int max_code : {255, 65535}) {
     double table = 1e12, value = 1e12;
-    unsigned sum = 0;  // looked at, so that the work has to be done
+    unsigned sum = 0;  // printed, so that the work is not optimized away
     for (int run = 0; run < 10; ++run)
       table = std::min(table, nanoseconds([&] { sum += Encoder(Srgb{}, max_code)(0.5f); }));
     const Encoder encode(Srgb{}, max_code);

@@ -1,16 +1,16 @@
-// Closed meshes, and rays that are aimed at their edges and vertices: does one slip through, or is a crossing
-// counted twice?
+// Checks closed meshes with rays that are aimed at their edges and vertices: none may slip through, and no
+// crossing may be counted twice.
 //
 //   stress_mesh [--tests N] [--seed S] [--threads N]
 //
-// N rays (60,000). Along each, which starts outside, crossings have to lead in and out in turn, as the exact
-// signs of d·n say; what is crossed at exactly equal t may come in any order. And where all triangles around
-// what it is aimed at are seen from one side, exactly one of them has to be crossed. The first crossings of
-// many rays at once have to be those that each has. For one ray in eight, a range is cut just before, at or
-// behind a crossing: what is asked of that range has to be what of the crossings lies in it. From where each
-// ray meets the mesh first, another one leaves, which has to cross it in and out in turn as well: from the
-// inside where it leaves to there. Exits with 1 if that is not so, and prints the ray in hexadecimal. The
-// counts do not depend on the number of threads (1; 0: all cores).
+// Traces N rays (60,000). Along each, which starts outside, crossings must lead in and out in turn, by the
+// exact signs of d·n; crossings at exactly equal t may come in any order. If all triangles around its target
+// are seen from one side, exactly one of them must be crossed. The first crossings of many rays at once must
+// be equal to those of each ray. For one ray in eight, a range begins or ends just before, at or behind a
+// crossing: the answers for that range must contain exactly the crossings that lie in it. From the closest
+// hit of each ray, another ray leaves, which must cross the mesh in and out in turn as well, beginning inside
+// if it leaves inwards. Exits with 1 if anything is wrong, and prints the ray in hexadecimal. The counts do
+// not depend on the number of threads (1; 0: all cores).
 
 #include <algorithm>
 #include <atomic>
@@ -35,7 +35,7 @@ namespace {
 struct Family {
   const char* name;
   MeshData (*mesh)();
-  double radius;  ///< of a sphere around it
+  double radius;  ///< radius of a sphere around it
 };
 
 const Family families[] = {
@@ -53,12 +53,12 @@ const Family families[] = {
      1},
 };
 
-/// A mesh of a family, and what is around its edges and vertices.
+/// Mesh of a family, and the triangles around its vertices.
 struct Shape {
   const char* name;
   double radius;
   MeshData mesh;
-  std::vector<std::vector<int>> around;  ///< of each vertex: the triangles that have it
+  std::vector<std::vector<int>> around;  ///< for each vertex: the triangles that have it
 
   explicit Shape(const Family& family)
       : name(family.name), radius(family.radius), mesh(family.mesh()), around(mesh.vertices.size()) {
@@ -67,7 +67,7 @@ struct Shape {
   }
 };
 
-/// A shape in its place.
+/// Shape, scaled and moved.
 struct Model {
   const Shape& shape;
   double scale;
@@ -78,13 +78,13 @@ struct Model {
       : shape(of), scale(by), offset(to), mesh(meshes::moved(of.mesh, by, to), {.threads = 1}) {}
 };
 
-/// A ray, and the triangles around what it is aimed at.
+/// Ray, and the triangles around its target, if they are known.
 struct Aimed {
   Ray ray;
   std::vector<int> at;
 };
 
-/// An origin outside the sphere around the mesh.
+/// Returns an origin outside the sphere around the mesh.
 Point origin_outside(Random& random, const Model& model) {
   const double radius = model.shape.radius;
   for (;;) {
@@ -105,23 +105,23 @@ Aimed aim(Random& random, const Model& model) {
       const Point origin = origin_outside(random, model);
       return {{origin, p - origin}, model.shape.around[from]};
     }
-    case 1: {  // a place on an edge, some of them in the middle or nearly at its end
+    case 1: {  // a point on an edge, sometimes in the middle or nearly at its end
       const Point origin = origin_outside(random, model);
       const double s = coin(random) ? random.real(0, 1) : std::ldexp(1, -whole(random, 1, 50));
       std::vector<int> of_both;  // rounding may lead past the end of an edge
       std::ranges::set_union(model.shape.around[from], model.shape.around[to], std::back_inserter(of_both));
       return {{origin, p + s * (q - p) - origin}, of_both};
     }
-    case 2: {  // one that is looked at along an axis
+    case 2: {  // a vertex, along an axis
       Vec3 d{0};
       d[whole(random, 0, 2)] = coin(random) ? 4 : -4;
       return {{p - model.scale * model.shape.radius * d, d}, model.shape.around[from]};
     }
-    case 3: {  // along the edge
+    case 3: {  // along an edge
       const double far = 4 * model.scale * model.shape.radius / length(q - p);
       return {{p - std::ceil(far) * (q - p), q - p}, {}};
     }
-    default: {  // to a place next to a vertex
+    default: {  // a point next to a vertex
       const Point origin = origin_outside(random, model);
       const double near = std::ldexp(model.scale, -whole(random, 20, 60));
       return {{origin, p + near * random.direction() - origin}, {}};
@@ -133,14 +133,14 @@ Aimed aim(Random& random, const Model& model) {
 
 using exact::Number;
 
-/// slope · t = height is where the line crosses the plane of a triangle. With the edges u = b − a and v = c −
-/// a, n = u × v and w = a − o, slope = n·d and height = n·w.
+/// Equation slope · t = height of the crossing with a triangle's plane. With the edges u = b − a and
+/// v = c − a, n = u × v and w = a − o, slope = n·d and height = n·w.
 ///
-/// Both are rounded; where their error may reach a sign, it is that of exact numbers. In units of u = 2^-53
-/// of the sum of the sizes of its terms, u, v and w are wrong by 1, a component of n by 1 + 1 + 1 + 1 = 4,
-/// the slope by 4 + 1 + 2 = 7 and the height by 4 + 1 + 1 + 2 = 8. The code takes 16, which covers what is
-/// rounded in that sum and the second order. The numbers here are 0 or from 2^-200 to 2^100: only products of
-/// slopes and heights may underflow, by less than 2^-900.
+/// Both are rounded; if their error may reach a sign, exact numbers decide it. In units of u = 2^-53 of the
+/// sum of the sizes of its terms, u, v and w are wrong by 1, a component of n by 1 + 1 + 1 + 1 = 4, the slope
+/// by 4 + 1 + 2 = 7 and the height by 4 + 1 + 1 + 2 = 8. The code takes 16, which covers the rounding of that
+/// sum and the second order. The numbers here are 0 or from 2^-200 to 2^100: only products of slopes and
+/// heights may underflow, by less than 2^-900.
 class Plumb {
  public:
   Plumb(const Ray& ray, const Triangle& s) : ray_(ray), triangle_(s) {
@@ -151,14 +151,14 @@ class Plumb {
     height_ = dot(n, w), height_terms_ = dot(terms, abs(w));
   }
 
-  /// The sign of the slope: 1 where the triangle is seen from behind.
+  /// Returns the sign of the slope: 1 if the triangle is seen from behind.
   [[nodiscard]] int side() const {
     const auto sign = sign_of(slope_, 0x1p-49 * slope_terms_);
     return sign ? *sign : exactly().slope.sign();
   }
 
-  /// The sign of t − other.t. Each product is wrong by 8 + 7 + 1 of that of both sums, and the difference
-  /// rounds once more: 17, for which the code takes 32.
+  /// Returns the sign of t − other.t. Each product is wrong by 8 + 7 + 1 of that of both sums, and the
+  /// difference rounds once more: 17, for which the code takes 32.
   [[nodiscard]] int order(const Plumb& other) const {
     const auto sign =
         sign_of(height_ * other.slope_ - other.height_ * slope_,
@@ -166,7 +166,8 @@ class Plumb {
     return (sign ? *sign : exact_order(exactly(), other.exactly())) * side() * other.side();
   }
 
-  /// The sign of t − end. The height is wrong by 8, the product by 7 + 1, and the difference rounds: 9.
+  /// Returns the sign of t − end. The height is wrong by 8, the product by 7 + 1, and the difference rounds:
+  /// 9.
   [[nodiscard]] int order(double end) const {
     const auto sign =
         sign_of(height_ - end * slope_, 0x1p-49 * (height_terms_ + std::abs(end) * slope_terms_));
@@ -178,7 +179,7 @@ class Plumb {
     Number slope, height;
   };
 
-  /// Unless a number that is off by less than the error may be 0.
+  /// Returns the sign of a number that is off by less than the error, or nothing if the number may be 0.
   static std::optional<int> sign_of(double rounded, double error) {
     if (std::abs(rounded) <= error + 0x1p-900) return std::nullopt;
     return rounded > 0 ? 1 : -1;
@@ -223,14 +224,14 @@ class Judge {
     mesh_.each_crossing(aimed.ray, {}, [&](const Crossing& crossing) { crossings_.push_back(crossing); });
   }
 
-  /// Whether crossings lead in and out in turn.
+  /// Checks that crossings lead in and out in turn.
   void judge_order(Tally& tally) const {
     ++tally.rays;
     tally.crossings += crossings_.size();
     int inside = 0;
     for (std::size_t i = 0; i < crossings_.size();) {
       const Plumb here = plumb(crossings_[i].part);
-      if (here.side() == 0) ++tally.disordered;  // what is seen from its edge leads nowhere
+      if (here.side() == 0) ++tally.disordered;  // a triangle that is seen edge-on leads nowhere
       inside -= here.side();
       for (++i; i < crossings_.size(); ++i) {
         const Plumb next = plumb(crossings_[i].part);
@@ -245,7 +246,7 @@ class Judge {
     if (inside != 0) ++tally.slipped;
   }
 
-  /// Whether one of the triangles that a ray is aimed at is crossed, if all are seen from one side.
+  /// Checks that exactly one of the triangles around the target is crossed, if all are seen from one side.
   void judge_aim(Tally& tally) const {
     if (aimed_.at.empty()) return;
     const auto side = [&](int part) { return plumb(part).side(); };
@@ -258,13 +259,13 @@ class Judge {
     if (crossed > 1) ++tally.twice;
   }
 
-  /// Whether an answer is the first of the crossings.
+  /// Checks that an answer is the first of the crossings.
   void judge_first(Tally& tally, const std::optional<Crossing>& first) const {
     if (!is_first(first, crossings_)) ++tally.misjudged;
   }
 
-  /// Whether what is asked of a range is what of all crossings lies in it: before or behind a number near a
-  /// crossing, or near the place that the ray is aimed at.
+  /// Checks that the answers for a range contain exactly the crossings that lie in it, before or behind a
+  /// number near a crossing, or near the target.
   void judge_range(Tally& tally, Random& random) const {
     const std::size_t some = random.bits() % (crossings_.size() + 1);
     const double end = nudged(random, some < crossings_.size() ? crossings_[some].t : 1);
@@ -314,8 +315,8 @@ class Judge {
   std::vector<Crossing> crossings_;
 };
 
-/// A ray that leaves a mesh where another one meets it: in any direction, nearly along the triangle, or to a
-/// place on another one's edge.
+/// Returns a ray that leaves a mesh at the hit of another one: in any direction, nearly along the triangle,
+/// or to a point on another triangle's edge.
 Ray leaving_ray(Random& random, const Mesh& mesh, const Ray& ray, const Crossing& met) {
   const Triangle left = mesh.data().triangle(static_cast<std::size_t>(met.part));
   const Point from = ray.at(met.t);
@@ -330,14 +331,14 @@ Ray leaving_ray(Random& random, const Mesh& mesh, const Ray& ray, const Crossing
   return {from, direction, mesh.departure(met.part)};
 }
 
-/// Whether a ray that leaves a mesh crosses it in and out in turn, and is outside in the end. Where crossings
-/// have one t, as those of triangles that meet there, they may be in any order.
+/// Checks that a ray that leaves a mesh crosses it in and out in turn, and is outside in the end. Crossings
+/// at equal t, as of triangles that meet there, may be in any order.
 void judge_leaving(Tally& tally, const Mesh& mesh, const Ray& ray) {
   const auto side = [&](int part) {
     return Plumb(ray, mesh.data().triangle(static_cast<std::size_t>(part))).side();
   };
   const int from = side(ray.departure.part);
-  if (from == 0) return;  // along the plane, it leaves to neither side
+  if (from == 0) return;  // in the triangle's plane, it leaves to neither side
   ++tally.leaving;
   std::vector<Crossing> crossings;
   mesh.each_crossing(ray, {}, [&](const Crossing& crossing) { crossings.push_back(crossing); });
@@ -362,7 +363,8 @@ void report(const Model& model, const Ray& ray) {
                ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z);
 }
 
-/// Scales of 1e-3 to 1e6, and offsets of up to 1e4 times that; powers of two and whole numbers, or any.
+/// Returns a model at a scale of 1e-3 to 1e6, with an offset of up to 1e4 times that; powers of two and whole
+/// numbers, or any.
 Model placed(const Shape& shape, Random& random) {
   const bool is_whole = coin(random);
   const double scale = is_whole ? std::ldexp(1, whole(random, -10, 20)) : size(random, -10, 20);
@@ -371,7 +373,7 @@ Model placed(const Shape& shape, Random& random) {
   return {shape, scale, scale * offset};
 }
 
-/// So many rays at a model.
+/// Returns the tally of count rays at a model.
 Tally judged(const Shape& shape, Random& random, std::uint64_t count) {
   Tally tally;
   fallbacks = {};

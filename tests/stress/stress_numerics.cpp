@@ -1,15 +1,16 @@
-// Rays against single surfaces, by the library and in the usual ways, judged by exact arithmetic.
+// Intersects rays with single surfaces, by the library and by usual algorithms, and judges them by exact
+// arithmetic.
 //
 //   stress_numerics [--tests N] [--seed S] [--threads N] [--kernel K] [--csv FILE]
 //   stress_numerics --judge N [--seed S] [--threads N]
 //
-// N cases (2,000,000) are shared out among the corpora. Half of the cases consist of numbers that float
-// holds; kernels in float get only those, so that what they get wrong is their own doing. t is in units of
-// the last place of double. Exits with 1 if the library was wrong once, and prints the case in hexadecimal.
-// The counts and errors do not depend on the number of threads (1; 0: all cores).
+// Distributes N cases (2,000,000) among the corpora. Half of the cases consist of numbers that float holds;
+// kernels in float get only these, so that all their errors are their own. The error of t is in units of the
+// last place of double. Exits with 1 if the library was wrong once, and prints the case in hexadecimal. The
+// counts and errors do not depend on the number of threads (1; 0: all cores).
 //
-// With --judge the judge is judged: what it says with 128 digits of N such cases is compared with exact
-// numbers.
+// With --judge the reference itself is checked: its answers with 128 digits to N such cases are compared with
+// exact numbers.
 
 #include <algorithm>
 #include <atomic>
@@ -34,7 +35,7 @@ using exact::Truth, exact::TrueRoot;
 
 namespace {
 
-// ---- A batch of cases, in double and in float, with what is true of them
+// ---- A batch of cases, in double and in float, with their true crossings
 
 template <class T>
 usual::Vector<T> converted(const Vec3& v) {
@@ -73,7 +74,7 @@ usual::Quadric<T> converted(const Quadric& s) {
   return {converted<T>(s.form.squares), converted<T>(s.form.products), converted<T>(s.form.linear),
           static_cast<T>(s.form.constant)};
 }
-/// The inverse's rows by cofactors, as usual.
+/// Returns the map with its inverse's rows by cofactors, as usual.
 template <class T, class S>
 auto converted(const Placed<S>& s) {
   const Affine& map = s.placement;
@@ -85,7 +86,7 @@ auto converted(const Placed<S>& s) {
        converted<T>(cross(map.x, map.y) / determinant)},
       converted<T>(map.translation)};
 }
-/// There is no usual way with solids made of solids.
+/// Returns a placeholder: there is no usual algorithm for solids made of solids.
 template <class T>
 int converted(const Made&) {
   return 0;
@@ -93,8 +94,8 @@ int converted(const Made&) {
 template <class T, class S>
 using Converted = decltype(converted<T>(S()));
 
-/// The nearest float. Through a volatile, since g++ 12 at -O2 drops the rounding of pairs of doubles that are
-/// converted to float and back.
+/// Returns the nearest float. Goes through a volatile, since g++ 12 at -O2 drops the rounding of pairs of
+/// doubles that are converted to float and back.
 double rounded(double x) {
   const volatile float nearest = static_cast<float>(x);
   return nearest;
@@ -147,7 +148,7 @@ bool is_sound(const auto& s) {
   }
 }
 
-/// What a ray departs from that leaves another surface where this one is left.
+/// Returns the departure from a surface that corresponds to that of a case's ray from the case's surface.
 Departure departure_like(const auto& s, const Case<std::remove_cvref_t<decltype(s)>>&) {
   return s.departure();
 }
@@ -157,10 +158,10 @@ Departure departure_like(const Box& s, const Case<Box>& c) {
   return departure;
 }
 
-/// A plane stays that plane, since the numbers are small and whole.
+/// Returns the departure of the case: a plane remains the same, since the numbers are small and whole.
 Departure departure_like(const Made&, const Case<Made>& c) { return c.ray.departure; }
 
-/// The case with every number rounded to float, if it stays one.
+/// Returns the case with every number rounded to float, if it remains valid.
 template <class S>
 std::optional<Case<S>> in_floats(const Case<S>& c) {
   Case<S> near{{rounded(c.ray.origin), rounded(c.ray.direction)}, rounded(c.surface)};
@@ -173,7 +174,7 @@ bool leaves(const Case<S>& c) {
   return c.ray.departure.kind != Departure::Kind::none;
 }
 
-/// The next case of a corpus, and whether float holds its numbers.
+/// Returns the next valid case of a corpus, and whether float holds its numbers.
 template <class S>
 std::pair<Case<S>, bool> sound_case(const Corpus<S>& corpus, Random& random) {
   for (;;) {
@@ -197,7 +198,7 @@ struct Batch {
     while (cases.size() < count) {
       const auto [c, in_float] = sound_case(corpus, random);
       cases.push_back(c);
-      // A surface that is recognized by its address has another one now.
+      // A surface that is recognized by its address has a new address now.
       if (c.ray.departure.object != nullptr)
         cases.back().ray.departure = departure_like(cases.back().surface, c);
       doubles.emplace_back(converted<double>(c.ray), converted<double>(c.surface));
@@ -210,7 +211,7 @@ struct Batch {
 
 // ---- The kernels
 
-/// Calculates the first t > 0 of every case, infinity for a miss.
+/// Algorithm that calculates the first t > 0 of every case, infinity for a miss.
 template <class S>
 struct Kernel {
   const char* name;
@@ -270,9 +271,9 @@ const std::vector<Kernel<Placed<Plane>>> placed_plane_kernels{
     {"double", false, in_double<usual::carried<usual::quotient<double>, usual::Plane<double>, double>>}};
 const std::vector<Kernel<Made>> tree_kernels{{"library", false, run_library<Made>}};
 
-// ---- What is counted
+// ---- Counts
 
-/// How many values there were of each size, in steps of 2^(1/8).
+/// Histogram of values by size, in steps of 2^(1/8).
 class Quantiles {
  public:
   void add(double value) {
@@ -280,7 +281,7 @@ class Quantiles {
     const double step = value > 0 ? std::floor(8 * std::log2(value)) : -offset;
     ++counts_[static_cast<std::size_t>(std::clamp(step + offset, 0.0, 2 * offset))];
   }
-  /// The value that a share of all do not exceed, to the next step.
+  /// Returns the value that a share of all values do not exceed, to the next step.
   [[nodiscard]] double at(double share) const {
     std::uint64_t left = static_cast<std::uint64_t>(share * static_cast<double>(total_));
     std::size_t i = 0;
@@ -324,7 +325,7 @@ T size_of(T x) {
   return x < 0 ? -x : x;
 }
 
-/// |t − truth| in units of the last place of truth.
+/// Returns |t − truth| in units of the last place of truth.
 template <class T>
 double ulps(double t, T truth) {
   int exponent = 0;
@@ -333,7 +334,7 @@ double ulps(double t, T truth) {
   return static_cast<double>(size_of(T(t) - truth) / T(ulp));
 }
 
-/// The first root ahead of the origin.
+/// Returns the first root ahead of the origin, or nullptr.
 const TrueRoot<long double>* first_ahead(const Truth<>& truth) {
   for (const auto& root : truth)
     if (root.t > 0) return &root;
@@ -346,7 +347,7 @@ double length(const exact::Vector<T>& v) {
   return std::sqrt(square(v.x) + square(v.y) + square(v.z));
 }
 
-/// The normal where the line has the parameter t, which is a root.
+/// Returns the normal at the root t of the line.
 template <class T>
 exact::Vector<T> true_normal(const Case<Sphere>& c, T t) {
   const auto component = [&](int i) {
@@ -355,7 +356,7 @@ exact::Vector<T> true_normal(const Case<Sphere>& c, T t) {
   return {component(0), component(1), component(2)};
 }
 
-/// That of a kernel's normal, from its own t and in its own precision.
+/// Returns the error of a kernel's normal, from its own t and in its own precision.
 template <class T>
 double normal_error(const Case<Sphere>& c, double t, long double truth) {
   const auto ray = converted<T>(c.ray);
@@ -367,9 +368,9 @@ double normal_error(const Case<Sphere>& c, double t, long double truth) {
 
 // ---- The library's promises beyond hit and miss
 
-/// Whether the normal at a t with this relative error is as near to the true one as Sphere::normal_at says,
-/// and no more turned: to a part of the bound. (The true one of a ray that leaves the sphere is not of unit
-/// length, as its origin is rounded.)
+/// Returns true if the normal at a t with this relative error is as close to the true one as
+/// Sphere::normal_at promises, and no more turned: within part of the bound. (The true normal of a ray that
+/// leaves the sphere is not of unit length, as its origin is rounded.)
 template <class T>
 bool is_within_bound(const Case<Sphere>& c, double t, double relative_error, T true_t, double part) {
   const Vec3 way = t * c.ray.direction;
@@ -382,7 +383,7 @@ bool is_within_bound(const Case<Sphere>& c, double t, double relative_error, T t
   const exact::Vector<T> normal(c.surface.normal_at(point)), n = true_normal(c, true_t);
   const exact::Vector<T> cross{normal.y * n.z - normal.z * n.y, normal.z * n.x - normal.x * n.z,
                                normal.x * n.y - normal.y * n.x};
-  // The sine, times both lengths: from further than the bound says anything about, the normal may be 0.
+  // The sine, times both lengths, since the normal may be 0 at distances for which the bound is void.
   const bool is_turned_no_more = length(cross) <= bound * length(normal) * length(n);
   return length(normal - n) <= bound && (is_turned_no_more || c.ray.departure == c.surface.departure());
 }
@@ -391,14 +392,14 @@ bool is_within_bound(const Case<S>&, double, double, T, double) {
   return true;
 }
 
-/// Whether a root lies inside a range with ends at 0, 1 or infinity.
+/// Returns true if a root lies inside a range with ends at 0, 1 or infinity.
 template <class T>
 bool contains(Interval range, const TrueRoot<T>& root) {
   return (range.min != 0 || root.t > 0) && (range.min != 1 || root.beyond_one > 0) &&
          (range.max != 1 || root.beyond_one < 0);
 }
 
-/// All crossings of the ray's line.
+/// Returns all crossings of the ray's line.
 template <class S>
 std::vector<Crossing> crossings(const Case<S>& c) {
   std::vector<Crossing> all;
@@ -411,13 +412,13 @@ std::vector<Crossing> crossings(const Case<S>& c) {
   return all;
 }
 
-/// The first promise that is broken, if any is; of bounds no more than a part is granted.
+/// Returns the first broken promise, or nullptr; part is the share of each bound that is allowed.
 template <class S, class T>
 const char* broken_promise(const Case<S>& c, const Truth<T>& truth, double part) {
   const auto is_good = [&](double t, T true_t) {
     return size_of(T(t) - true_t) <= T(part * 0x1p-30) * size_of(true_t);
   };
-  // The roots of a ray of a tangency may be given once or twice, those of two crossings not.
+  // A point of tangency counts twice in both.
   int i = 0;
   const std::vector<Crossing> all = crossings(c);
   if (static_cast<int>(all.size()) != truth.count) return "the number of roots";
@@ -444,10 +445,11 @@ const char* broken_promise(const Case<S>& c, const Truth<T>& truth, double part)
   return nullptr;
 }
 
-/// The same, where the truth may be off by a small part of a bound. The smallest bound on t is 1 ulp ≥ 2^-53
-/// and t is true to 2^-60; a true normal is off by (2^-60 T + 2^-63 (T + P)) / |radius| + 2^-62 at most, with
-/// T and P as at Sphere::normal_at, where the bound is 2^8 times that. So whatever is within all but 2^-7 of
-/// a bound is within it; what is not, exact numbers and Quad have to judge.
+/// Returns the first broken promise, or nullptr, where the truth may be off by a small part of a bound. The
+/// smallest bound on t is 1 ulp ≥ 2^-53 and t is true to 2^-60; a true normal is off by (2^-60 T + 2^-63
+/// (T + P)) / |radius| + 2^-62 at most, with T and P as in Sphere::normal_at, where the bound is 2^8 times
+/// that. Hence whatever is within all but 2^-7 of a bound is within it; exact numbers and Quad judge the
+/// rest.
 template <class S>
 const char* broken_promise(const Case<S>& c, const Truth<>& truth) {
   if (!broken_promise(c, truth, 1 - 0x1p-7)) return nullptr;
@@ -507,7 +509,7 @@ void report(const char* corpus, const char* what, const Case<S>& c, const Truth<
 
 // ---- Judging
 
-/// What is wrong with an answer; adds it to the tally.
+/// Returns the error of an answer, or nullptr, and adds it to the tally.
 template <class S>
 const char* judge(Tally& tally, const Kernel<S>& kernel, const Case<S>& c, const Truth<>& truth, double t) {
   const auto* first = first_ahead(truth);
@@ -517,7 +519,7 @@ const char* judge(Tally& tally, const Kernel<S>& kernel, const Case<S>& c, const
   if (hit && !first) return ++tally.false_hits, "a false hit";
   if (!hit && first) return ++tally.false_misses, "a false miss";
   if (!hit) return nullptr;
-  // Roots so near to each other that the kernel's numbers hardly tell them apart may stand for each other.
+  // Roots so close to each other that the kernel's numbers hardly tell them apart may be exchanged.
   const long double apart = (kernel.in_float ? 0x1p-20 : 0x1p-30) * first->t;
   for (const auto& other : truth)
     if (std::abs(other.t - first->t) > apart && std::abs(t - other.t) < std::abs(t - first->t))
@@ -529,7 +531,7 @@ const char* judge(Tally& tally, const Kernel<S>& kernel, const Case<S>& c, const
   return nullptr;
 }
 
-/// The library's answer against all that it promises.
+/// Checks the library's answer against all that it promises.
 template <class S>
 void judge_promises(Tally& tally, const char* corpus, const char* wrong, const Case<S>& c,
                     const Truth<>& truth) {
@@ -540,7 +542,7 @@ void judge_promises(Tally& tally, const char* corpus, const char* wrong, const C
   if (wrong) report(corpus, wrong, c, truth);
 }
 
-/// One kernel on one batch.
+/// Runs one kernel on one batch.
 template <class S>
 void run(Tally& tally, const Kernel<S>& kernel, const char* corpus, const Batch<S>& batch) {
   using Clock = std::chrono::steady_clock;
@@ -613,7 +615,8 @@ struct Totals {
 
 constexpr std::uint64_t chunk_size = 8192;
 
-/// Every chosen kernel on every corpus of one kind of surface; what the library did is added to the totals.
+/// Runs every chosen kernel on every corpus of one kind of surface, and adds the library's results to the
+/// totals.
 template <class S>
 void run(const std::vector<Corpus<S>>& all, const std::vector<Kernel<S>>& kernels, const std::string& only,
          Work& work, Table& table, Totals& library) {
@@ -639,7 +642,8 @@ void run(const std::vector<Corpus<S>>& all, const std::vector<Kernel<S>>& kernel
   }
 }
 
-/// How often 128 digits say something else than exact numbers, on every corpus of one kind of surface.
+/// Returns the number of cases in which 128 digits contradict exact numbers, on every corpus of one kind of
+/// surface.
 template <class S>
 std::uint64_t judge_the_judge(const std::vector<Corpus<S>>& all, Work& work) {
   std::uint64_t all_wrong = 0;

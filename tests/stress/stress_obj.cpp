@@ -1,10 +1,10 @@
-// A long OBJ file: is all of it read, and how long does that take?
+// Checks that a long OBJ file is read completely, and measures the time.
 //
 //   stress_obj [--lines N]
 //
-// N lines (200,000) in a file in the system's folder for such: a grid whose last column and row are joined to
-// the first, each place with a normal and a texture place, and as many quadrangles. Exits with 1 if a vertex
-// or a triangle is not what was written.
+// Writes N lines (200,000) to a temporary file: a grid whose last column and row are joined to the first,
+// each point with a normal and texture coordinates, and as many quadrangles. Exits with 1 if a vertex or a
+// triangle is not read as it was written.
 
 #include <algorithm>
 #include <array>
@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::uint32_t width = 100;
 
-/// The corners of the quadrangle at a place, as numbers of places.
+/// Returns the corners of the quadrangle at a grid point, as numbers of grid points.
 std::array<std::uint32_t, 4> corners_at(std::uint32_t place, std::uint32_t height) {
   const std::uint32_t x = place % width, y = place / width;
   const std::uint32_t next_x = (x + 1) % width, next_y = (y + 1) % height;
@@ -49,8 +49,8 @@ void write(const std::filesystem::path& path, std::uint32_t height) {
   if (!file) throw std::runtime_error("cannot write " + path.string());
 }
 
-/// How many vertices and triangles are not as they were written. The number of a vertex is free: its normal
-/// tells the place.
+/// Returns the number of triangle corners that are not as they were written. A vertex may have any number:
+/// its normal tells the grid point.
 std::size_t wrong_in(const MeshData& data, std::uint32_t height) {
   const std::size_t places = std::size_t{width} * height;
   if (data.vertices.size() != places || data.normals.size() != places || data.uvs.size() != places ||
@@ -75,8 +75,8 @@ std::size_t wrong_in(const MeshData& data, std::uint32_t height) {
 int main(int argc, char** argv) {
   try {
     const std::uint64_t lines = Options(argc, argv, {"--lines"}).number("--lines", 200'000);
-    const std::uint64_t rows = std::max<std::uint64_t>(lines / (4 * width), 3);  // of four lines for a place
-    if (rows > 125'000)  // 2 GB, of which load_obj takes 2^31 bytes
+    const std::uint64_t rows = std::max<std::uint64_t>(lines / (4 * width), 3);  // four lines a grid point
+    if (rows > 125'000)  // 2 GB; load_obj reads up to 2^31 bytes
       throw std::invalid_argument("--lines: at most 50,000,000");
     const auto height = static_cast<std::uint32_t>(rows);
 

@@ -1,13 +1,13 @@
-// The tutorial's scene at other scales and in other places: transparency and shadow as exact arithmetic gives
-// them.
+// Checks the tutorial's scene at other scales and positions: transparency and shadow are compared with exact
+// arithmetic.
 //
 //   stress_pictures [--every N]
 //
-// Looks at every Nth pixel (13th) of 640×480 for each scale and offset, and of 3840×2160 for some. What the
-// integrators ask of the scene is judged by exact arithmetic for the ray, and the shadow segment, as they are
-// given in doubles. What they make of it is compared with the picture of tests/reference/, which is that of
-// the scene as the tutorial has it: a scale or an offset is to change nothing. Exits with 1 if a single
-// answer is wrong, or a pixel is more than one level of 255 off, as gamma 2.2 encodes it.
+// Checks every Nth pixel (13th) of 640×480 for each scale and offset, and of 3840×2160 for some. The answers
+// of the scene to the integrators are judged by exact arithmetic for the ray, and the shadow segment, as they
+// are given in doubles. The resulting pixels are compared with the picture of tests/reference/, which shows
+// the scene of the tutorial: a scale or an offset must change nothing. Exits with 1 if a single answer is
+// wrong, or a pixel is off by more than one level of 255, encoded with gamma 2.2.
 
 #include <algorithm>
 #include <array>
@@ -44,26 +44,27 @@ struct Tally {
 
 // ---- The scene
 
-/// What is at p in the tutorial is at scale · p + offset, on all three axes.
+/// Map of a point p of the tutorial to scale · p + offset, on all three axes.
 struct Placement {
   double scale, offset;
 
   [[nodiscard]] Point of(const Point& p) const { return scale * p + Vec3{offset}; }
 };
 
-/// The scene, its spheres in the order of the tutorial, and the camera.
+/// Scene, its spheres in the order of the tutorial, and its camera.
 struct Model {
   std::vector<Sphere> spheres;
   Scene<Sphere> scene;
   Camera camera;
 };
 
-/// The light's power grows with the square of the distances, so that the picture stays as bright as it is.
+/// Returns the model at a placement. The light's power grows with the square of the distances, so the picture
+/// keeps its brightness.
 Model placed(const Placement& placement) {
   Model model;
   for (const auto& [sphere, color] : the_three_spheres)
     model.spheres.push_back({placement.of(sphere.center), placement.scale * sphere.radius});
-  // From back to front, so that what is met first is not what is looked at first.
+  // From back to front, so that the closest hit is not the sphere that is tested first.
   for (std::size_t i = model.spheres.size(); i-- > 0;)
     model.scene.add(model.spheres[i], the_three_spheres[i].color);
   const auto& [position, power] = light_of_the_three_spheres;
@@ -73,7 +74,7 @@ Model placed(const Placement& placement) {
   return model;
 }
 
-/// The number of a hit's sphere, which is known by its color.
+/// Returns the number of a hit's sphere, which is identified by its color.
 int sphere_of(const Intersection& hit) {
   const auto found = std::find_if(the_three_spheres.begin(), the_three_spheres.end(),
                                   [&](const ColoredSphere& each) { return each.color == hit.color(); });
@@ -82,8 +83,7 @@ int sphere_of(const Intersection& hit) {
 
 // ---- The answers
 
-/// The scene as an integrator sees it that is asked what a camera ray brings. Each answer is the scene's, and
-/// is judged.
+/// Scene for an integrator that traces one camera ray. It returns the answers of the scene, and judges each.
 class Judge {
  public:
   Judge(const Model& model, const Ray& ray, Tally& tally)
@@ -107,7 +107,7 @@ class Judge {
                       [](const Intersection& a, const exact::Hit& b) { return sphere_of(a) == b.surface; }));
   }
 
-  /// The segment from what the camera ray has met first to the light.
+  /// Returns whether the segment from the camera ray's closest hit to the light is occluded.
   [[nodiscard]] bool occluded(const Ray& segment, Interval range) const {
     ++tally_.segments;
     const bool answer = model_.scene.occluded(segment, range);
@@ -118,7 +118,8 @@ class Judge {
   [[nodiscard]] const std::vector<Light>& lights() const { return model_.scene.lights(); }
 
  private:
-  /// What a ray crosses with 0 < t < end, in its order; of a ray that leaves a sphere, if left is not -1.
+  /// Returns the crossings of a ray with 0 < t < end, in order of t; the ray leaves sphere left, if that is
+  /// not -1.
   [[nodiscard]] std::vector<exact::Hit> hits(const Ray& ray, int left, double end) const {
     std::vector<exact::Hit> result;
     for (int i = 0; i < static_cast<int>(model_.spheres.size()); ++i)
@@ -132,7 +133,7 @@ class Judge {
   }
 
   const Model& model_;
-  std::vector<exact::Hit> truth_;  ///< of the camera ray
+  std::vector<exact::Hit> truth_;  ///< true hits of the camera ray
   Tally& tally_;
 };
 static_assert(Traceable<Judge>);
@@ -156,7 +157,7 @@ Codes codes(const reference::Vector& light) {
   return {code(light.x), code(light.y), code(light.z)};
 }
 
-/// A pixel of both pictures according to the reference.
+/// Pixel of both pictures according to the reference.
 struct Pixel {
   int x, y;
   Codes transparency, shadow;

@@ -1,13 +1,12 @@
-// Random scenes: whole sequences of crossings and the decisions of shadow segments, judged by exact
+// Checks random scenes: sequences of crossings, and the decisions of shadow segments, are judged by exact
 // arithmetic.
 //
 //   stress_scenes [--tests N] [--seed S] [--threads N]
 //
-// N rays (20,000), each judged with all that follows from it: its crossings with all surfaces in their order,
-// the first of them, and the rays that leave from there towards lights and onwards. Instances are judged by
-// their exact images. Exits with 1 if the library was wrong about one of them, and prints that scene in
-// hexadecimal. The counts do not depend on the number of threads
-// (1; 0: all cores).
+// Traces N rays (20,000), each judged with all that follows from it: its crossings with all surfaces in their
+// order, the closest hit, and the rays that leave from there towards lights and onwards. Instances are judged
+// by their exact images. Exits with 1 if the library was wrong about one of them, and prints that scene in
+// hexadecimal. The counts do not depend on the number of threads (1; 0: all cores).
 
 #include <cinttypes>
 #include <cstdio>
@@ -28,7 +27,7 @@ namespace {
 
 // ---- Scenes
 
-/// A scene's surfaces, and points at which something special happens.
+/// Surfaces of a scene, and points at which something special happens.
 struct Model {
   std::vector<Sphere> spheres;
   std::vector<Plane> planes;
@@ -43,7 +42,7 @@ struct Model {
   std::vector<Point> special;
 };
 
-/// All lists of surfaces, in the order in which a scene has them.
+/// Returns all lists of surfaces, in the order in which a scene has them.
 auto surfaces_of(auto& model) {
   return std::tie(model.spheres, model.planes, model.boards, model.disks, model.boxes, model.quadrics,
                   model.trees, model.placed_spheres, model.placed_boxes, model.placed_trees);
@@ -55,7 +54,7 @@ struct Family {
   Model (*next)(Random&);
 };
 
-/// One in another, around one center or not.
+/// Returns spheres in each other, around one center or not.
 Model nested(Random& random) {
   Model model;
   const Point center = whole_vector(random, -5, 5);
@@ -67,7 +66,7 @@ Model nested(Random& random) {
   return model;
 }
 
-/// Spheres and planes of small whole numbers that touch in one point, from inside and outside.
+/// Returns spheres and planes of small whole numbers that touch in one point, from inside and outside.
 Model tangent(Random& random) {
   Model model;
   const Point contact = whole_vector(random, -5, 5);
@@ -82,8 +81,8 @@ Model tangent(Random& random) {
   return model;
 }
 
-/// The same sphere twice, turned inside out; planes whose equations are multiples of each other, and such
-/// that are all but that.
+/// Returns pairs of equal spheres, some turned inside out, and of planes whose equations are multiples of
+/// each other, or nearly so.
 Model coincident(Random& random) {
   Model model;
   for (int i = whole(random, 1, 2); i > 0; --i) {
@@ -119,7 +118,8 @@ Model overlapping(Random& random) {
   return model;
 }
 
-/// Boards that lie in one plane and overlap, the plane itself, and others that stand on it or cross it.
+/// Returns boards that lie in one plane and overlap, the plane itself, and others that stand on it or cross
+/// it.
 Model boards(Random& random) {
   Model model;
   const Point corner = whole_vector(random, -3, 3);
@@ -141,8 +141,8 @@ Model boards(Random& random) {
   return model;
 }
 
-/// Boxes of small whole numbers that stand on a floor, side by side and on each other, disks that lie on what
-/// is there, and quadrics that touch it.
+/// Returns boxes of small whole numbers that stand on a floor, side by side and on each other, disks that lie
+/// on them, and quadrics that touch them.
 Model solids(Random& random) {
   Model model;
   const int axis = whole(random, 0, 2);
@@ -162,7 +162,7 @@ Model solids(Random& random) {
   if (coin(random)) model.disks.push_back({top.min, whole_vector(random, -2, 2) + Vec3{0.5}, 1});
   if (coin(random)) model.spheres.push_back({top.max + up / up[axis], 1});
   if (coin(random)) {
-    // An ellipsoid, a cylinder or a hyperboloid with its middle above a vertex, one unit above the floor.
+    // An ellipsoid, a cylinder or a hyperboloid with its center one unit above a vertex.
     const Point middle = top.max + up / up[axis];
     Vec3 squares{4};
     squares[axis] = whole(random, 0, 2) * 4 - 4;
@@ -207,14 +207,14 @@ void each_special(const Placed<Made>& s, const auto& visit) {
   each_special(s.own, [&](const Point& point) { visit(s.placement.point(point)); });
 }
 
-/// A surface with its special points.
+/// Adds a surface with its special points.
 template <class S>
 void add(Model& model, std::vector<S>& surfaces, const S& surface) {
   surfaces.push_back(surface);
   each_special(surface, [&](const Point& point) { model.special.push_back(point); });
 }
 
-/// What whole solids may touch, or have a face in common with.
+/// Adds surfaces that whole solids may touch, or have a face in common with.
 void add_neighbors(Random& random, Model& model) {
   Vec3 up{0};
   up[whole(random, 0, 2)] = coin(random) ? 1 : -2;
@@ -223,7 +223,7 @@ void add_neighbors(Random& random, Model& model) {
   if (coin(random)) add(model, model.boxes, whole_box(random));
 }
 
-/// Solids made of balls and boxes of small whole numbers.
+/// Returns solids made of balls and boxes of small whole numbers.
 Model trees(Random& random) {
   Model model;
   for (int i = whole(random, 1, 2); i > 0; --i) add(model, model.trees, whole_tree(random));
@@ -231,7 +231,8 @@ Model trees(Random& random) {
   return model;
 }
 
-/// Images of such balls, boxes and solids, by maps of small whole numbers and powers of two.
+/// Returns images of balls, boxes and solids of whole numbers, by maps of small whole numbers and powers of
+/// two.
 Model instances(Random& random) {
   Model model;
   for (int i = whole(random, 1, 3); i > 0; --i) {
@@ -252,7 +253,8 @@ Model instances(Random& random) {
   return model;
 }
 
-/// Solids made of images of balls and boxes, next to each other in one lattice that is stretched or sheared.
+/// Returns solids made of images of balls and boxes, next to each other in one lattice that is stretched or
+/// sheared.
 Model trees_of_instances(Random& random) {
   Model model;
   Affine map = coin(random) ? corpora::whole_map(random) : Affine{};
@@ -272,7 +274,7 @@ Model trees_of_instances(Random& random) {
   return model;
 }
 
-/// The same, scaled and moved.
+/// Returns a surface, scaled and moved.
 Sphere moved(const Sphere& s, double scale, const Vec3& offset) {
   return {scale * s.center + offset, scale * s.radius};
 }
@@ -288,7 +290,7 @@ Disk moved(const Disk& s, double scale, const Vec3& offset) {
 Box moved(const Box& s, double scale, const Vec3& offset) {
   return {scale * s.min + offset, scale * s.max + offset};
 }
-/// By no offset.
+/// Returns a quadric, scaled; its offset must be 0.
 Quadric moved(const Quadric& s, double scale, const Vec3&) {
   return {{.squares = s.form.squares,
            .products = s.form.products,
@@ -314,8 +316,8 @@ Model moved(Model model, double scale, const Vec3& offset) {
   return model;
 }
 
-/// Scales of 1e-4 to 1e6, and offsets of up to 1e4 times that; powers of two and whole numbers, which keep
-/// what touches and coincides, or any.
+/// Returns a model at a scale of 1e-4 to 1e6, with an offset of up to 1e4 times that: powers of two and whole
+/// numbers, which keep contacts and coincidences, or any numbers.
 Model transformed(const Model& model, Random& random) {
   const int choice = whole(random, 0, 2);
   if (choice == 0) return model;
@@ -331,7 +333,7 @@ const std::vector<Family> families{
     {"overlapping", overlapping}, {"boards", boards},       {"solids", solids},
     {"solids of solids", trees},  {"instances", instances}, {"made of instances", trees_of_instances}};
 
-/// How large a scene is, for the places of eyes and lights.
+/// Returns the size of a scene, for the positions of eyes and lights.
 double extent(const Model& model) {
   double largest = 1e-9;
   const auto take = [&](double size_of_it) { largest = std::max(largest, size_of_it); };
@@ -383,7 +385,7 @@ void each_surface(const Model& model, const auto& visit) {
   std::apply([&](const auto&... lists) { (visit_all(lists), ...); }, surfaces_of(model));
 }
 
-/// Whether two of the model's surfaces are left together: the same points, or in one plane.
+/// Returns true if two of the model's surfaces are left together: they are the same points, or in one plane.
 bool coincide(const Model& model, int a, int b) {
   bool found = false;
   each_surface(model, [&](const auto& s, int i) {
@@ -395,7 +397,7 @@ bool coincide(const Model& model, int a, int b) {
   return found;
 }
 
-/// What a ray leaves: a surface of the model, −1 for none, and which of its parts.
+/// Surface of the model that a ray leaves, −1 for none, and the part of it.
 struct Leaves {
   int surface = -1;
   int part = 0;
@@ -406,8 +408,8 @@ template <class S>
 void add_crossings(std::vector<Hit>& hits, const Model& model, const Ray& ray, const S& surface, int id,
                    const Leaves& left, double end) {
   if constexpr (requires { exact::roots(ray, surface, exact::Left{}); } && !std::same_as<S, Quadric>) {
-    // What leaves another surface may leave this one's plane or sphere with it, which exact::roots looks
-    // into.
+    // A ray that leaves another surface may leave this one's plane or sphere with it, which exact::roots
+    // tests.
     add_hits(hits, ray, surface, id, exact::Left{id == left.surface ? left.part : -1}, end);
   } else {
     const bool leaves =
@@ -417,7 +419,7 @@ void add_crossings(std::vector<Hit>& hits, const Model& model, const Ray& ray, c
   }
 }
 
-/// The crossings with 0 < t < end, in their order; of a ray that leaves a surface, if left is not -1.
+/// Returns the crossings with 0 < t < end, in order of t, for a ray that leaves left.
 std::vector<Hit> crossings(const Model& model, const Ray& ray, const Leaves& left, double end) {
   std::vector<Hit> hits;
   each_surface(model,
@@ -428,7 +430,7 @@ std::vector<Hit> crossings(const Model& model, const Ray& ray, const Leaves& lef
 
 // ---- The library
 
-/// The surface's number, which is its color.
+/// Returns the number of a surface, which is its color.
 int surface_of(const Intersection& hit) { return static_cast<int>(hit.color().r); }
 
 template <class S>
@@ -487,7 +489,7 @@ void report(const char* family, const char* what, const Model& model, const Ray&
   std::fprintf(stderr, "\n");
 }
 
-/// Whether the library crosses the scene as it should; left is the surface that the ray leaves, or -1.
+/// Returns true if the library's crossings of a ray that leaves left, and its closest hit, are right.
 template <class S>
 bool is_right(const char* family, const Model& model, const S& scene, const Ray& ray, const Leaves& left) {
   const std::vector<Hit> expected = crossings(model, ray, left, infinity);
@@ -505,7 +507,7 @@ bool is_right(const char* family, const Model& model, const S& scene, const Ray&
   return same && same_first;
 }
 
-/// Whether a shadow segment, from t = 0 to 1, is decided as it should.
+/// Returns true if a shadow segment, from t = 0 to 1, is decided right.
 template <class S>
 bool is_shadow_right(const char* family, const Model& model, const S& scene, const Ray& ray,
                      const Leaves& left) {
@@ -525,7 +527,7 @@ struct Tally {
   }
 };
 
-/// A ray and all that follows from it.
+/// Judges a ray and all that follows from it.
 template <class S>
 void judge(Tally& tally, const char* family, const Model& model, const S& scene, Random& random) {
   const Ray ray = ray_through(random, model);
@@ -545,7 +547,7 @@ void judge(Tally& tally, const char* family, const Model& model, const S& scene,
   if (!right) ++tally.wrong;
 }
 
-/// So many rays, a few in each scene.
+/// Returns the tally of the given number of rays, a few in each scene.
 Tally judged(const Family& family, Random& random, std::uint64_t rays) {
   constexpr std::uint64_t rays_of_a_scene = 20;
   Tally tally;

@@ -1,4 +1,4 @@
-// What is true of one ray and one surface, and as much of it in numbers as the library is judged by.
+// True crossings of one ray and one surface, with as many digits as are needed to judge the library.
 #pragma once
 
 #include <cfloat>
@@ -11,7 +11,7 @@ namespace exact {
 
 static_assert(LDBL_MANT_DIG >= 64);
 
-/// A crossing's parameter. Its sign and that of t − 1 are certain; t is off by less than 2^-60 of itself or,
+/// Parameter t of a crossing. Its sign and that of t − 1 are certain; t has a relative error below 2^-60 or,
 /// as a Quad, 2^-100.
 template <class T>
 struct TrueRoot {
@@ -19,8 +19,8 @@ struct TrueRoot {
   int beyond_one;  ///< the sign of t − 1
 };
 
-/// The crossings of a ray's line with a surface, near before far; a point of tangency twice. A tree of up to
-/// four solids has the most.
+/// Crossings of a ray's line with a surface, near before far; a point of tangency counts twice. A tree of up
+/// to four solids has the most.
 template <class T = long double>
 struct Truth {
   int count = 0;
@@ -30,9 +30,9 @@ struct Truth {
   [[nodiscard]] const TrueRoot<T>* end() const { return root + count; }
 };
 
-/// The root (p + side · √D) / A with A > 0, of which t is a good approximation. Far enough from 1 that tells
-/// the sign of t − 1. Otherwise it is that of u + side · √D with u = p − A, and where the two pull apart, the
-/// larger square wins.
+/// Returns the root (p + side · √D) / A with A > 0, approximated well by t, or nothing if 128 digits do not
+/// decide. If t is far enough from 1, it tells the sign of t − 1. Otherwise this is the sign of u + side · √D
+/// with u = p − A; if both terms have opposite signs, the larger square decides.
 inline std::optional<TrueRoot<long double>> true_root(const Ball& p, int side, const Ball& D, const Ball& A,
                                                       long double t) {
   if (t > 1 + 0x1p-59L) return TrueRoot<long double>{t, 1};
@@ -46,7 +46,7 @@ inline std::optional<TrueRoot<long double>> true_root(const Ball& p, int side, c
   return TrueRoot<long double>{t, u.sign() * squares.sign()};
 }
 
-/// The only root p/A, A ≠ 0.
+/// Returns the only root p/A, A ≠ 0, or nothing if 128 digits do not decide.
 inline std::optional<Truth<>> first_level(const Ball& p, const Ball& A) {
   if (!p.is_known() || !A.is_known()) return std::nullopt;
   if (A.sign() < 0) return first_level(-p, -A);
@@ -54,12 +54,13 @@ inline std::optional<Truth<>> first_level(const Ball& p, const Ball& A) {
   return root ? std::optional(Truth<>{1, {*root, {}}}) : std::nullopt;
 }
 
-/// The two roots of an equation with A > 0, as far as 128 digits tell. The numbers that t is computed from
-/// are good to 2^-62 each, and every operation adds 2^-64. Of the error of D half remains in √D; q, where
-/// nothing cancels, is off by less than 2^-62 + 2^-63, and q/A and c/q by less than 2^-60.
+/// Returns the two roots of an equation with A > 0, or nothing if 128 digits do not decide. The numbers that
+/// t is computed from have errors of 2^-62 each, and every operation adds 2^-64. Half of the error of D
+/// remains in √D; q, in which nothing cancels, is off by less than 2^-62 + 2^-63, and q/A and c/q by less
+/// than 2^-60.
 inline std::optional<Truth<>> both_roots(const auto& e) {
   const Ball D = e.discriminant();
-  if (!D.is_known()) return std::nullopt;  // it is, only if A, b and c are
+  if (!D.is_known()) return std::nullopt;  // D is known only if A, b and c are
   if (D.sign() < 0) return Truth<>{};
   const auto A = static_cast<long double>(e.A), b = static_cast<long double>(e.b),
              c = static_cast<long double>(e.c), root = std::sqrt(static_cast<long double>(D));
@@ -71,7 +72,7 @@ inline std::optional<Truth<>> both_roots(const auto& e) {
   return near && far ? std::optional(Truth<>{2, {*near, *far}}) : std::nullopt;
 }
 
-/// The truth, as far as 128 digits tell.
+/// Returns the true crossings, or nothing if 128 digits do not decide.
 inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const protostar::Sphere& sphere,
                                           bool leaves) {
   const SphereEquation<Ball> e(ray, sphere);
@@ -141,7 +142,7 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const proto
   if (!e.A.is_known() || !e.b.is_known()) return std::nullopt;
   if (leaves && e.A.sign() == 0) return Truth<>{};
   if (leaves) {
-    // In the middle of the chord the form is c − b²/A, and in the center no more than that (meets_again).
+    // In the middle of the chord the form is c − b²/A, and in the center at most as much (meets_again).
     const Ball rest = Ball(2048) * e.c * e.A - square(e.b);
     if (e.A.sign() > 0 && !(rest.is_known() && rest.sign() <= 0)) return std::nullopt;
     return first_level(Ball(2) * e.b, e.A);
@@ -169,13 +170,13 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const Place
   return first_level(e.height, e.slope);
 }
 
-/// Of the image of a box, exact numbers tell.
+/// Returns nothing: images of boxes are left to exact numbers.
 inline std::optional<Truth<>> first_level(const protostar::Ray&, const Placed<protostar::Box>&, bool) {
   return std::nullopt;
 }
 
-/// Of a tree, if the crossings of all its solids are known, and are far enough from each other that their
-/// order is; nothing of a ray that leaves.
+/// Returns the true crossings of a tree, if those of all its solids are known and far enough apart for their
+/// order to be known; nothing for a ray that leaves it.
 inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const Made& made, bool leaves) {
   if (leaves) return std::nullopt;
   struct OfSolid {
@@ -212,7 +213,7 @@ inline std::optional<Truth<>> first_level(const protostar::Ray& ray, const Made&
   return crossings;
 }
 
-/// The truth, from exact numbers.
+/// Returns the true crossings, from exact numbers.
 template <class T = long double, class S>
 Truth<T> second_level(const protostar::Ray& ray, const S& surface, bool leaves) {
   Truth<T> truth;
@@ -227,7 +228,7 @@ Truth<> truth_of(const protostar::Ray& ray, const S& surface, bool leaves) {
   return truth ? *truth : second_level(ray, surface, leaves);
 }
 
-/// Why the first level must not be trusted, if it is wrong: what is wrong in its equation.
+/// Returns the name of a coefficient that is wrong in the equation of the first level, or nullptr.
 inline const char* wrong_in_quadratic(const auto& e, const auto& truth) {
   if (!e.A.may_be(truth.A)) return "A";
   if (!e.b.may_be(truth.b)) return "b";
@@ -276,7 +277,7 @@ inline const char* wrong_coefficient(const protostar::Ray& ray, const Placed<pro
       PlaneEquation<Ball>(Line<Ball>(Line<Ball>(ray), placed.placement), placed.own),
       PlaneEquation<Number>(Line<Number>(Line<Number>(ray), placed.placement), placed.own));
 }
-/// A tree has no equation but those of its solids.
+/// Returns nullptr: a tree has no equations but those of its solids.
 inline const char* wrong_coefficient(const protostar::Ray&, const Made&) { return nullptr; }
 inline const char* wrong_coefficient(const protostar::Ray& ray,
                                      const protostar::Parallelogram& parallelogram) {
@@ -297,7 +298,7 @@ inline const char* wrong_coefficient(const protostar::Ray& ray, const protostar:
   return wrong_in_linear(e, truth);
 }
 
-/// What a truth of the first level says that exact numbers do not, if anything.
+/// Returns the name of a difference between a truth of the first level and exact numbers, or nullptr.
 inline const char* difference(const Truth<>& truth, const Roots& exact) {
   if (truth.count != static_cast<int>(exact.size())) return "the number of roots";
   for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -310,7 +311,7 @@ inline const char* difference(const Truth<>& truth, const Roots& exact) {
   return nullptr;
 }
 
-/// What is wrong with the first level, if anything is.
+/// Returns the name of an error of the first level, or nullptr.
 template <class S>
 const char* wrong_in_first_level(const protostar::Ray& ray, const S& surface, bool leaves) {
   if (const char* wrong = wrong_coefficient(ray, surface)) return wrong;

@@ -1,6 +1,6 @@
-// How a ray and a surface are usually intersected: what the library is compared with.
+// Usual algorithms to intersect a ray with a surface, which the library is compared with.
 //
-// Each gives the first t > 0, or infinity for a miss. l = center − origin.
+// Each returns the smallest t > 0, or infinity for a miss. l = center − origin.
 #pragma once
 
 #include <cmath>
@@ -53,7 +53,7 @@ struct Quadric {
   T constant;
 };
 
-/// A surface, and the way back from where a map takes it: its inverse's rows, and how far it moves.
+/// Surface with a map: the rows of the map's inverse matrix, and its translation.
 template <class S, class T>
 struct Placed {
   S own;
@@ -68,7 +68,7 @@ T first_ahead(T near, T far) {
   return near > 0 ? near : far > 0 ? far : miss<T>;
 }
 
-/// The tutorial's (§2.2.4): the quadratic formula for a direction of unit length, A = 1.
+/// Intersects as the tutorial does (§2.2.4): by the quadratic formula for a direction of unit length, A = 1.
 template <class T>
 T quadratic(const Ray<T>& ray, const Sphere<T>& sphere) {
   const Vector<T> l = sphere.center - ray.origin;
@@ -78,7 +78,8 @@ T quadratic(const Ray<T>& ray, const Sphere<T>& sphere) {
   return first_ahead(b - std::sqrt(D), b + std::sqrt(D));
 }
 
-/// tinyraytracer's: the foot of the perpendicular from the center, and Pythagoras twice. Unit directions.
+/// Intersects as tinyraytracer does: by the foot of the perpendicular from the center, and Pythagoras twice.
+/// Directions are of unit length.
 inline float geometric(const Ray<float>& ray, const Sphere<float>& sphere) {
   const glm::vec3 l = sphere.center - ray.origin;
   const float foot = dot(ray.direction, l), distance2 = dot(l, l) - foot * foot;
@@ -88,8 +89,8 @@ inline float geometric(const Ray<float>& ray, const Sphere<float>& sphere) {
   return first_ahead(foot - half_chord, foot + half_chord);
 }
 
-/// Ray Tracing Gems, chapter 7: the discriminant from the vector between center and foot, and the root that
-/// would cancel from the product of both.
+/// Intersects as in Ray Tracing Gems, chapter 7: the discriminant from the vector between center and foot,
+/// and the root that would cancel from the product of both.
 inline float gems(const Ray<float>& ray, const Sphere<float>& sphere) {
   const glm::vec3 l = sphere.center - ray.origin;
   const float A = dot(ray.direction, ray.direction), b = dot(ray.direction, l);
@@ -115,7 +116,7 @@ T in_circle(const Ray<T>& ray, const Disk<T>& disk) {
   return dot(from_center, from_center) <= disk.radius * disk.radius ? t : miss<T>;
 }
 
-/// Kay and Kajiya's slabs.
+/// Intersects by Kay and Kajiya's slabs.
 template <class T>
 T slabs(const Ray<T>& ray, const Box<T>& box) {
   T near = -miss<T>, far = miss<T>;
@@ -127,7 +128,7 @@ T slabs(const Ray<T>& ray, const Box<T>& box) {
   return near <= far ? first_ahead(near, far) : miss<T>;
 }
 
-/// The school's formula.
+/// Intersects by the textbook formula.
 template <class T>
 T school(const Ray<T>& ray, const Quadric<T>& q) {
   const auto times = [&](const Vector<T>& v) {
@@ -145,7 +146,7 @@ T school(const Ray<T>& ray, const Quadric<T>& q) {
   return A > 0 ? first_ahead(one, other) : first_ahead(other, one);
 }
 
-/// Möller and Trumbore's: t, and the place position + a u + b v in the plane of two edges.
+/// Möller and Trumbore's solution: t, and the point position + a u + b v in the plane of two edges.
 template <class T>
 struct Determinants {
   T a, b, t;
@@ -164,14 +165,14 @@ T in_triangle(const Ray<T>& ray, const Triangle<T>& s) {
   return x.t_if(0 <= x.a && 0 <= x.b && x.a + x.b <= 1);
 }
 
-/// Two triangles at once.
+/// Intersects two triangles at once.
 template <class T>
 T in_parallelogram(const Ray<T>& ray, const Parallelogram<T>& s) {
   const Determinants<T> x(ray, s.position, s.edge_u, s.edge_v);
   return x.t_if(0 <= x.a && x.a <= 1 && 0 <= x.b && x.b <= 1);
 }
 
-/// Any of these on a placed surface: by a ray that is carried back, its direction made a unit.
+/// Intersects a placed surface by kernel, with the ray mapped back and its direction normalized.
 template <auto kernel, class S, class T>
 T carried(const Ray<T>& ray, const Placed<S, T>& placed) {
   const auto back = [&](const Vector<T>& v) {

@@ -1,4 +1,4 @@
-// What a stress program judges, in chunks that several threads share.
+// Cases of a stress program, in chunks that several threads share.
 #pragma once
 
 #include <algorithm>
@@ -9,20 +9,21 @@
 #include "options.hpp"
 #include "support/random.hpp"
 
-/// How many cases of each kind are judged, by how many threads; the seeds.
+/// Number of cases of each kind, number of threads, and the seeds.
 struct Work {
   std::uint64_t cases;
   int threads;
   Random seeds;
 
-  /// As --threads and --seed say, 1 of both if they do not; of cases, so many of all kinds together.
+  /// Takes threads and seed from --threads and --seed, by default 1; all_cases is the number for all kinds
+  /// together.
   Work(const Options& options, std::uint64_t all_cases, std::uint64_t kinds)
       : cases((all_cases + kinds - 1) / kinds),
         threads(static_cast<int>(options.number("--threads", 1))),
         seeds(options.number("--seed", 1)) {}
 
-  /// The cases of a kind in chunks, each with random numbers of its own, so that nothing depends on how many
-  /// threads there are: visit(random, count).
+  /// Calls visit(random, count) for the cases of a kind in chunks, each with its own random numbers, so that
+  /// nothing depends on the number of threads.
   void in_chunks(std::uint64_t size, const auto& visit) {
     const std::uint64_t seed = seeds.bits();
     const auto chunks = static_cast<int>((cases + size - 1) / size);
@@ -33,7 +34,7 @@ struct Work {
     });
   }
 
-  /// The sum of what judged(random, count) says of each chunk.
+  /// Returns the sum of judged(random, count) over all chunks.
   template <class Tally>
   Tally summed(std::uint64_t size, const auto& judged) {
     Tally sum;

@@ -1,4 +1,4 @@
-// A program of a dozen lines, as a user compiles it by hand: .ci/run does, at -O3 without -march and in
+// Program of a dozen lines, as a user compiles it by hand: .ci/run compiles it at -O3 without -march, and in
 // Debug.
 #include <protostar/protostar.hpp>
 using namespace protostar;

@@ -1,5 +1,5 @@
-// Two units of one program, compiled for different instruction sets, must not share code, or the one would
-// run the other's instructions; and they must draw the same picture.
+// Checks that two units of one program, compiled for different instruction sets, share no code, or one would
+// run the other's instructions, and that they draw the same picture.
 #include <cstdio>
 #include <cstring>
 

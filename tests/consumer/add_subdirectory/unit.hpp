@@ -1,4 +1,4 @@
-// The same few functions, compiled for two instruction sets, each in a namespace of its own.
+// Functions that are compiled for two instruction sets, each time in a namespace of their own.
 #pragma once
 
 #include <protostar/protostar.hpp>
