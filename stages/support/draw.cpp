@@ -18,16 +18,11 @@ namespace {
 
 /// Integrator that stands for each that shades the closest hit. Most of the code finds the hit, and is thus
 /// compiled once.
-struct FirstHitIntegrator {
-  using TakesPackets = FirstHitIntegrator;
+struct ChosenIntegrator : FirstHit<ChosenIntegrator> {
+  using TakesPackets = ChosenIntegrator;
 
   std::variant<ColorIntegrator, DepthIntegrator, DiffuseIntegrator, NormalIntegrator, ShadowIntegrator>
       shading;
-
-  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
-    const auto hit = scene.intersect(ray, Interval{});
-    return hit ? shade(*hit, scene) : background(ray, scene);
-  }
 
   template <class R>
   [[nodiscard]] typename R::Light background(const R& ray, const auto& scene) const {
@@ -46,11 +41,11 @@ struct FirstHitIntegrator {
 
 void draw(Image& image, const SceneFile& file, const std::string& integrator, const RenderOptions& options) {
   const auto draw_with = [&](const auto& chosen) { render(image, file.camera, file.scene, chosen, options); };
-  static const std::map<std::string, FirstHitIntegrator> first_hits{{"color", {ColorIntegrator{}}},
-                                                                    {"depth", {DepthIntegrator{}}},
-                                                                    {"diffuse", {DiffuseIntegrator{}}},
-                                                                    {"normal", {NormalIntegrator{}}},
-                                                                    {"shadow", {ShadowIntegrator{}}}};
+  static const std::map<std::string, ChosenIntegrator> first_hits{{"color", {{}, ColorIntegrator{}}},
+                                                                  {"depth", {{}, DepthIntegrator{}}},
+                                                                  {"diffuse", {{}, DiffuseIntegrator{}}},
+                                                                  {"normal", {{}, NormalIntegrator{}}},
+                                                                  {"shadow", {{}, ShadowIntegrator{}}}};
   // The command line may ask for other samples than the scene file, which were checked when it was read.
   if (const auto refusal = refusal_of_samples(options.samples, file.scene.lights().size()))
     throw std::runtime_error("--samples: " + *refusal);

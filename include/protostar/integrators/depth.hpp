@@ -1,19 +1,14 @@
 // Shows the reciprocal distance of surfaces (§2.3.2, Fig. 9).
 #pragma once
 
-#include "../scene.hpp"
+#include "first_hit.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Integrator that returns 1/t of the closest hit, with t the distance in scene units for rays of unit
 /// direction; black if there is none, as for a surface infinitely far away.
-struct DepthIntegrator {
+struct DepthIntegrator : FirstHit<DepthIntegrator> {
   using TakesPackets = DepthIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
-
-  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
-    const auto hit = scene.intersect(ray, Interval{});
-    return hit ? shade(*hit, scene) : background(ray, scene);
-  }
 
   [[nodiscard]] Color background(const auto&, const auto&) const { return Color{0}; }
 

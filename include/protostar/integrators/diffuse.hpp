@@ -1,25 +1,15 @@
 // Shows diffuse surfaces under the lights of the scene, without shadows (§2.3.2, Figs. 14 and 15).
 #pragma once
 
-#include "../scene.hpp"
+#include "first_hit.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Integrator of diffuse surfaces without shadows: their radiance towards the ray's origin is the color times
 /// the irradiance of all lights on the side that the ray sees. The sky, or black, if there is no hit. Nothing
 /// occludes a light.
-struct DiffuseIntegrator {
+struct DiffuseIntegrator : FirstHit<DiffuseIntegrator> {
   using TakesPackets = DiffuseIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
-
-  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
-    const auto hit = scene.intersect(ray, Interval{});
-    return hit ? shade(*hit, scene) : background(ray, scene);
-  }
-
-  template <class R>
-  [[nodiscard]] typename R::Light background(const R& ray, const auto& scene) const {
-    return sky_of(ray, scene, Color{0});
-  }
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {

@@ -1,19 +1,14 @@
 // Shows the normals of surfaces as colors (§2.3.2, Fig. 10).
 #pragma once
 
-#include "../scene.hpp"
+#include "first_hit.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Integrator that maps the surface's own unit normal from [−1, 1]³ to [0, 1]³, x, y, z to red, green, blue;
 /// black if there is no hit.
-struct NormalIntegrator {
+struct NormalIntegrator : FirstHit<NormalIntegrator> {
   using TakesPackets = NormalIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
-
-  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
-    const auto hit = scene.intersect(ray, Interval{});
-    return hit ? shade(*hit, scene) : background(ray, scene);
-  }
 
   [[nodiscard]] Color background(const auto&, const auto&) const { return Color{0}; }
 

@@ -1,24 +1,14 @@
 // Shows diffuse surfaces under the lights of the scene, with shadows: Appel's picture (§2.3.2, Fig. 20).
 #pragma once
 
-#include "../scene.hpp"
+#include "first_hit.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Integrator of diffuse surfaces with shadows: their radiance towards the ray's origin, from the lights that
 /// are not occluded. The sky, or black, if there is no hit.
-struct ShadowIntegrator {
+struct ShadowIntegrator : FirstHit<ShadowIntegrator> {
   using TakesPackets = ShadowIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
-
-  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
-    const auto hit = scene.intersect(ray, Interval{});
-    return hit ? shade(*hit, scene) : background(ray, scene);
-  }
-
-  template <class R>
-  [[nodiscard]] typename R::Light background(const R& ray, const auto& scene) const {
-    return sky_of(ray, scene, Color{0});
-  }
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
