@@ -39,10 +39,8 @@ const std::set<std::string> on_demand = {
     "surfaces/quadric.hpp",
     "accel/in_turns.hpp",
     "accel/screen.hpp",
-    "accel/coverage.hpp",
     "accel/triangles_on_screen.hpp",
     "accel/pixel_block.hpp",
-    "accel/triangles_in_front.hpp",
 };
 
 /// External headers of the core, besides the standard library: the smallest part of GLM that will do, and in

@@ -199,7 +199,7 @@ TEST_CASE("by tiles, triangles of any size around a camera have the same picture
     CAPTURE(round);
     CHECK(different_bytes(plain, tiles) == 0);
     if (round % 4 != 0) in_doubt += taken.in_doubt;
-    // In one color only coverage is needed, not the closest hit.
+    // In one color no t is needed.
     render(tiles, camera, scene, ColorIntegrator{}, {.threads = 1});
     render(plain, camera, scene, ColorIntegrator{}, {.tiles = false});
     CHECK(different_bytes(plain, tiles) == 0);
@@ -318,7 +318,7 @@ TEST_CASE("a tile that exceeds its limit of tested triangles is traced ray by ra
 }
 
 TEST_CASE("tiles that are drawn one after the other in the same buffers show nothing of the one before") {
-  // Some tiles see nothing but a mesh, of which only coverage is needed, some a sphere as well; tiles at the
+  // Some tiles see nothing but a mesh, of which no t is needed, some a sphere as well; tiles at the
   // edges are smaller.
   Everything scene;
   scene.add(mesh_of(meshes::moved(meshes::torus(30, 12), 0.7, {0, 0, 3})), Color{0.2f, 0.7f, 0.3f});
@@ -448,7 +448,7 @@ TEST_CASE("a tile that rasterizes a mesh leaves few rays in doubt") {
   CHECK(taken.in_doubt < 320 * 240 / 100);
 }
 
-TEST_CASE("triangles of any size need hardly any camera rays if only coverage is needed") {
+TEST_CASE("triangles of any size in one color need few camera rays") {
   const Camera camera = Camera::look_at({0, -2, 1.5}, {0, 0, 0}, {0, 0, 1}, 60);
   for (const std::uint32_t parts : {6u, 30u, 120u, 300u}) {
     Everything scene;
@@ -457,7 +457,7 @@ TEST_CASE("triangles of any size need hardly any camera rays if only coverage is
     RenderStatistics taken;
     render(image, camera, scene, ColorIntegrator{}, {.statistics = &taken});
     CAPTURE(parts);
-    CHECK(taken.camera_rays < 320 * 240 / 2000);
+    CHECK(taken.camera_rays < 320 * 240 / 100);  // next to edges, where two triangles are equally near
   }
 }
 

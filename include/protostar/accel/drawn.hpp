@@ -13,18 +13,16 @@
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
 /// Surface with many primitives that is rasterized into a tile. It has a type Drawn, a visibility buffer, and
-/// draw(drawn, rays, sample, frustum, tile, asked) fills one, for one ray of each pixel. If is_drawn() is
-/// true then, seen(wanted, x, y) returns which of the rays from pixel (x, y) on hit the surface, and which
-/// are in doubt. If tells_where(), as asked, `which` is the entry ≥ 0 of the buffer that each ray hits first:
-/// crossing 0 of the primitive part(which). If some rays hit, t(which, met, directions) returns their t, bit
-/// for bit that of first_crossing.
+/// draw(drawn, rays, sample, frustum, tile) fills one, for one ray of each pixel. If is_drawn() is true then,
+/// seen(wanted, x, y) returns which of the rays from pixel (x, y) on hit the surface, and which are in doubt;
+/// `which` is the entry ≥ 0 of the buffer that each ray hits first: crossing 0 of the primitive part(which).
+/// If some rays hit, t(which, met, directions) returns their t, bit for bit that of first_crossing.
 template <class S>
 concept SurfaceForTiles = SurfaceWithParts<S> &&
     requires(const S& surface, typename S::Drawn& drawn, const PixelRays& rays, const Frustum& frustum,
              const Tile& tile, const Chosen& chosen, const Indices& which, const Vectors& directions) {
-  surface.draw(drawn, rays, 0, frustum, tile, Asked::where);
+  surface.draw(drawn, rays, 0, frustum, tile);
   { drawn.is_drawn() } -> std::same_as<bool>;
-  { drawn.tells_where() } -> std::same_as<bool>;
   { drawn.seen(chosen, 0, 0).met } -> std::same_as<Chosen&&>;
   { drawn.seen(chosen, 0, 0).in_doubt } -> std::same_as<Chosen&&>;
   { drawn.seen(chosen, 0, 0).which } -> std::same_as<Indices&&>;

@@ -168,26 +168,20 @@ class TileRenderer {
     return ShadingIntegrator<I, View> && ShadesAnywhere<I> && nothing_is_alike() && !material.texture;
   }
 
-  /// Rasterizes the candidates that can be. An integrator that does not shade closest hits seldom needs them,
-  /// and if so, traces the surface itself.
+  /// Rasterizes the candidates that can be.
   void draw(const Candidates& candidates, const Frustum& frustum, const Tile& tile, Work& work) const {
     const int samples = rays_.pixels().samples();
-    const bool is_alone = candidates.size() == 1 && unbounded_.empty() && samples == 1;
-    const auto visit = [&]<class T>(const DrawnOf<T>&, const T& surface, const Material& material,
-                                    int place) {
-      const bool nowhere = !ShadingIntegrator<I, View> || (is_alone && is_alike(material));
-      const Asked asked = nowhere ? Asked::whether : Asked::where;
+    const auto visit = [&]<class T>(const DrawnOf<T>&, const T& surface, int place) {
       if constexpr (SurfaceForTiles<T>)
         for (int i = 0; i < samples; ++i)
           if (auto* const drawn = std::get<DrawnOf<T>>(work.drawn).add(place, i))
-            surface.draw(*drawn, rays_, i, frustum, tile, asked);
+            surface.draw(*drawn, rays_, i, frustum, tile);
     };
     for (int i = 0; i < candidates.size(); ++i) {
       auto at = static_cast<std::size_t>(candidates.place(i));
       const auto visit_group = [&]<class T>(const DrawnOf<T>& group) {
         const auto& surfaces = scene_.scene().template surfaces<T>();
-        const auto& materials = scene_.scene().template materials<T>();
-        if (at < surfaces.size()) return visit(group, surfaces[at], materials[at], candidates.place(i)), true;
+        if (at < surfaces.size()) return visit(group, surfaces[at], candidates.place(i)), true;
         return at -= surfaces.size(), false;
       };
       static_cast<void>((visit_group(DrawnOf<S>{}) || ...));

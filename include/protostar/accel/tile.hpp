@@ -22,9 +22,6 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Result wanted from a surface rasterized into a tile: only its coverage, or the closest hits as well.
-enum class Asked { whether, where };
-
 /// Origin of the rays of a picture, as culling uses it.
 struct Viewpoint {
   /// Point from which centers are measured. Each ray, shifted by at most drift, is a part of a ray from here,

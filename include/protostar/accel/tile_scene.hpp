@@ -365,7 +365,7 @@ class TileScene {
   template <Surface T>
   void consider(const T& surface, int place, const auto& rays, Closest& closest, Chosen& in_doubt) const {
     if constexpr (SurfaceForTiles<T> && are_of_pinhole<decltype(rays)>)
-      if (const auto* const drawn = drawn_at<T>(place); drawn && drawn->tells_where()) {
+      if (const auto* const drawn = drawn_at<T>(place)) {
         const auto seen = drawn->seen(rays.wanted, first_x_, first_y_);
         FirstCrossings first{.t = infinity, .met = seen.met, .in_doubt = seen.in_doubt};
         if (any(seen.met))

@@ -1,5 +1,4 @@
-// Visibility buffer of a tile: many triangles are rasterized, and each pixel keeps the nearest, or only
-// whether there is any.
+// Visibility buffer of a tile: many triangles are rasterized, and each pixel keeps the nearest.
 #pragma once
 
 #include <algorithm>
@@ -10,13 +9,11 @@
 #include <limits>
 #include <vector>
 
-#include "coverage.hpp"
 #include "packet.hpp"
 #include "pixel_block.hpp"
 #include "screen.hpp"
 #include "tile.hpp"
 #include "triangle_tree.hpp"
-#include "triangles_in_front.hpp"
 #include "triangles_on_screen.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
@@ -27,40 +24,26 @@ class TrianglesInTile {
   /// Rasterizes the triangles into a tile of at most 64 × 64 pixels, as the rays through a sample of each
   /// pixel see them. If that is not possible, or if triangles are so small that tracing rays is faster,
   /// nothing is drawn: this is found before, for all triangles, or on the way, for the triangles in this
-  /// tile. Order, t() and part() are only available for Asked::where.
+  /// tile.
   void draw(const TriangleTree& tree, const PixelRays& rays, int sample, const Frustum& frustum,
-            const Tile& tile, Asked asked) {
+            const Tile& tile) {
     tree_ = &tree;
     tile_ = tile;
-    asked_ = asked;
     const Screen screen(rays, sample, tile, tree.space());
     usable_ = screen.usable && tree.has_all() && tile.width() <= side && tile.height() <= side &&
               static_cast<double>(tree.size()) <= most_a_pixel * screen.pixels_of_all;
-    if (!usable_) return;
-    if (asked == Asked::whether)
-      cover(screen, frustum);
-    else
-      find_nearest(screen, frustum);
+    if (usable_) find_nearest(screen, frustum);
   }
 
   [[nodiscard]] bool is_drawn() const { return usable_; }
-  [[nodiscard]] bool tells_where() const { return asked_ == Asked::where; }
 
   /// Visibility for the rays of a packet, from a pixel on to the right: lanes that surely hit, with the entry
-  /// of the closest triangle for t() and part() if tells_where(), and lanes in doubt, which may hit.
+  /// of the closest triangle for t() and part(), and lanes in doubt, which may hit.
   struct Seen {
     Chosen met, in_doubt;
     Indices which = -1;
   };
   [[nodiscard, gnu::always_inline]] Seen seen(const Chosen& wanted, int x, int y) const {
-    if (!tells_where()) {
-      const Coverage::Row& row = rows_[static_cast<std::size_t>(y - tile_.y0)];
-      const auto from_x_on = [&](std::uint64_t pixels) {
-        return mask_of<double, double_lanes>(static_cast<Bits>(pixels >> (x - tile_.x0)));
-      };
-      return {.met = wanted && from_x_on(row.surely),
-              .in_doubt = wanted && from_x_on(row.in_doubt & ~row.surely)};
-    }
     const Indices which =
         widened(Lanes<std::int32_t, double_lanes>::load(&seen_[index(x - tile_.x0, y - tile_.y0)]));
     const Chosen doubtful = mask_for<double>(which == Indices(in_doubt)),
@@ -165,27 +148,6 @@ class TrianglesInTile {
     usable_ = budget >= 0;
   }
 
-  /// Finds the pixels that see any triangle.
-  void cover(const Screen& screen, const Frustum& frustum) {
-    const TrianglesInFront::Places places(screen);
-    Coverage coverage;
-    coverage.clear();
-    each_in_tile(
-        screen, frustum, [&](const BoxOnScreen& box) { return coverage.hides(box); },
-        [&](Leaf leaf, std::uint32_t i, Bits left) {
-          const auto corners = tree_->leaves().corners(leaf, i);
-          const TrianglesInFront in_front(places, corners);
-          left &= in_front.in_tile;
-          coverage.add(in_front, left & in_front.known);
-          left &= ~in_front.known;
-          if (left == 0) return;
-          const TrianglesOnScreen others(screen, corners, Asked::whether);
-          for (left &= others.in_tile; left != 0; left &= left - 1)
-            coverage.add(others, static_cast<std::size_t>(std::countr_zero(left)));
-        });
-    for (int y = 0; y < tile_.height(); ++y) rows_[static_cast<std::size_t>(y)] = coverage.row(y);
-  }
-
   /// Finds the closest triangle of each pixel.
   void find_nearest(const Screen& screen, const Frustum& frustum) {
     clear();
@@ -193,7 +155,7 @@ class TrianglesInTile {
         screen, frustum, [&](const BoxOnScreen& box) { return is_hidden(box); },
         [&](Leaf leaf, std::uint32_t i, Bits there) {
           const auto corners = tree_->leaves().corners(leaf, i);
-          const TrianglesOnScreen triangles(screen, corners, Asked::where);
+          const TrianglesOnScreen triangles(screen, corners);
           Bits some = there & triangles.in_tile;
           if (some == 0) return;
           const auto first = static_cast<std::int32_t>(drawn_.size() * double_lanes);
@@ -260,8 +222,6 @@ class TrianglesInTile {
   const TriangleTree* tree_ = nullptr;
   Tile tile_{};
   bool usable_ = false;
-  Asked asked_ = Asked::where;
-  std::array<Coverage::Row, side> rows_;  ///< if it does not tell where
   std::array<Block, PixelBlock::in_tile> blocks_;
   std::array<std::int32_t, side * side + double_lanes> seen_{};  ///< with room for reads behind the last
   std::vector<Planes> drawn_;  ///< indexed by `nearest`, one entry for each double_lanes triangles

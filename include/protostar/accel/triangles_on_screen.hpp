@@ -49,8 +49,8 @@ class TrianglesOnScreen {
   Bits in_tile;    ///< triangles that may be in any pixel of the tile
   Bits is_signed;  ///< triangles whose sides are positive inside, where k > 0; signs of others are not known
 
-  /// Prepares some triangles for a tile; nearness() only if asked is Asked::where.
-  TrianglesOnScreen(const Screen& screen, const std::array<Vectors, 3>& corners, Asked asked)
+  /// Prepares some triangles for a tile.
+  TrianglesOnScreen(const Screen& screen, const std::array<Vectors, 3>& corners)
       : left_(static_cast<float>(screen.left)), top_(static_cast<float>(screen.top)) {
     const auto corner = [&](const Vectors& p) {
       return Corner(screen, Doubles(screen.scale) * (p - Vectors(screen.eye)));
@@ -79,18 +79,16 @@ class TrianglesOnScreen {
     edge_[0] = turned(ab, a, b), edge_[1] = turned(bc, b, c), edge_[2] = turned(ca, c, a);
 
     const Doubles za = 1 / a.z, zb = 1 / b.z, zc = 1 / c.z;
-    if (asked == Asked::where) {
-      const Doubles of_det = 1 / det;
-      const Linear nearness_at = of_det * (ab + bc + ca);
-      const Doubles K = nearness_at.most(T), uncertain = 2 * (off + K * e) * abs(of_det) + 0x1p-20 * K;
-      const Chosen known = faces && uncertain < 0x1p60 && K < 0x1p60 && K > 0x1p-60;
-      nearness_ = Linear{select(known, nearness_at.x, 0.0), select(known, nearness_at.y, 0.0),
-                         select(known, nearness_at.one, 0.0)};
-      to_float(select(known, uncertain, Doubles(infinity))).store(error_.data());
-      const Doubles farthest = min(za, min(zb, zc)), nearest = max(za, max(zb, zc));
-      to_float(select(in_front, min((1 - 0x1p-11) * farthest, 0x1p100), 0.0)).store(least_.data());
-      to_float(select(in_front && nearest < 0x1p100, (1 + 0x1p-11) * nearest, infinity)).store(most_.data());
-    }
+    const Doubles of_det = 1 / det;
+    const Linear nearness_at = of_det * (ab + bc + ca);
+    const Doubles K = nearness_at.most(T), uncertain = 2 * (off + K * e) * abs(of_det) + 0x1p-20 * K;
+    const Chosen known = faces && uncertain < 0x1p60 && K < 0x1p60 && K > 0x1p-60;
+    nearness_ = Linear{select(known, nearness_at.x, 0.0), select(known, nearness_at.y, 0.0),
+                       select(known, nearness_at.one, 0.0)};
+    to_float(select(known, uncertain, Doubles(infinity))).store(error_.data());
+    const Doubles farthest = min(za, min(zb, zc)), nearest = max(za, max(zb, zc));
+    to_float(select(in_front, min((1 - 0x1p-11) * farthest, 0x1p100), 0.0)).store(least_.data());
+    to_float(select(in_front && nearest < 0x1p100, (1 + 0x1p-11) * nearest, infinity)).store(most_.data());
 
     const auto pixels = [&](Doubles u, Doubles v, Doubles w, double start, int count) {
       return PixelsBetween<double_lanes>(to_float(select(in_front, min(u, min(v, w)) - start, 0.0)),
@@ -109,7 +107,7 @@ class TrianglesOnScreen {
 
   /// Calls visit(x, y, inside, nearness) for the blocks of pixels that the i-th triangle may be in: `inside`
   /// is how far each pixel of the block at (x, y) is inside, give or take error_of_sides, and nearness()
-  /// returns the bounds of k if they were prepared.
+  /// returns the bounds of k.
   [[gnu::always_inline]] void each_block(std::size_t i, const auto& visit) const {
     const auto inside_block = [&](const LinearInFloat& f) {
       return Pixels(f.x[i]) * PixelBlock::across() + Pixels(f.y[i]) * PixelBlock::down();

@@ -274,8 +274,8 @@ class Mesh {
   /// Visibility buffer of a tile, filled for all pixels at once (SurfaceForTiles).
   using Drawn = simd::TrianglesInTile;
   void draw(Drawn& drawn, const simd::PixelRays& rays, int sample, const simd::Frustum& frustum,
-            const Tile& tile, simd::Asked asked) const {
-    drawn.draw(contents_->tree, rays, sample, frustum, tile, asked);
+            const Tile& tile) const {
+    drawn.draw(contents_->tree, rays, sample, frustum, tile);
   }
 #endif
 
