@@ -40,7 +40,6 @@ struct Crop {
 struct Skips {
   bool empty_tiles = true;       ///< rays through pixels that see nothing, or the same everywhere
   bool farther_surfaces = true;  ///< tests of camera rays with surfaces surely behind their closest hits
-  bool last_occluder = true;     ///< tests of shadow rays with others, if the last occluder occludes again
   bool occluder_lists = true;    ///< traversals of shadow rays, if a list of occluders serves their packet
   bool passed_surfaces = true;   ///< tests of camera rays with surfaces that they surely miss by float
 };

@@ -26,9 +26,8 @@ const Way ways[] = {
     {"no empty_tiles", {.empty_tiles = false}},
     {"no passed_surfaces", {.passed_surfaces = false}},
     {"no farther_surfaces", {.farther_surfaces = false}},
-    {"no last_occluder", {.last_occluder = false}},
     {"no occluder_lists", {.occluder_lists = false}},
-    {"no skips", {false, false, false, false, false}},
+    {"no skips", {false, false, false, false}},
     {"tiles = false", {}, false},
 };
 

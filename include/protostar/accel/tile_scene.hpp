@@ -264,18 +264,18 @@ class TileScene {
     return found;
   }
 
-  /// Returns which other rays have any hit in the range. The last occluder is tested first; in a scene of
-  /// many surfaces, the others tested are those in a cone to the light, or each ray is traced alone.
+  /// Returns which other rays have any hit in the range. In a scene of many surfaces, those tested are the
+  /// ones in a cone to the light, or each ray is traced alone.
   template <class Origin>
   [[nodiscard]] Chosen occluded(const Rays<Origin>& rays, Interval range) const {
     Chosen found = false, left = rays.wanted;
     statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
-    const bool is_small = scene_.size() <= few;
-    const int last = skips_.last_occluder ? last_occluder_ : -1,
-              end = is_small ? static_cast<int>(scene_.size()) : 0;
-    for (int place = last >= 0 ? -1 : 0; place < end && any(left); ++place)
-      if (place != last) test(place < 0 ? last : place, rays, range, found, left);
-    if (!is_small && any(left)) look_for_occluders(rays, range, found, left);
+    if (scene_.size() > few) {
+      look_for_occluders(rays, range, found, left);
+      return found;
+    }
+    for (int place = 0; place < static_cast<int>(scene_.size()) && any(left); ++place)
+      test(place, rays, range, found, left);
     return found;
   }
 
@@ -586,7 +586,6 @@ class TileScene {
       Chosen crossed = tested.crossed;
       if (any(tested.in_doubt)) crossed = crossed || decide(surface, rays, tested.in_doubt, range);
       if (!any(crossed)) return;
-      last_occluder_ = place;
       found = found || crossed;
       left = left && !crossed;
     });
@@ -673,7 +672,6 @@ class TileScene {
   RenderStatistics& statistics_;
   Ray pixel_;
   int one_drawing_ = -1;  ///< index of the only surface that can be hit, if it is rasterized; or −1
-  mutable int last_occluder_ = -1;
   mutable int first_x_ = 0, first_y_ = 0, sample_ = 0;
 };
 
