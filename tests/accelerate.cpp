@@ -1,6 +1,6 @@
 #include <protostar/accel/accelerate.hpp>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/shadow.hpp>
-#include <protostar/render.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/disk.hpp>

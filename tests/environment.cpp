@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <protostar/accel/accelerate.hpp>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/binary.hpp>
 #include <protostar/integrators/color.hpp>
 #include <protostar/integrators/depth.hpp>
@@ -13,7 +14,6 @@
 #include <protostar/integrators/whitted.hpp>
 #include <protostar/io/hdr.hpp>
 #include <protostar/io/image_texture.hpp>
-#include <protostar/render.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <stdexcept>

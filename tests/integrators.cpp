@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/binary.hpp>
 #include <protostar/integrators/color.hpp>
 #include <protostar/integrators/depth.hpp>
@@ -8,7 +9,6 @@
 #include <protostar/integrators/normal.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/transparency.hpp>
-#include <protostar/render.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>

@@ -1,8 +1,8 @@
 // Meshes as solids, alone and in CSG trees.
 #include <array>
 #include <cstdint>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/shadow.hpp>
-#include <protostar/render.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/csg.hpp>
 #include <protostar/surfaces/mesh.hpp>

@@ -2,13 +2,13 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/binary.hpp>
 #include <protostar/integrators/color.hpp>
 #include <protostar/integrators/depth.hpp>
 #include <protostar/integrators/normal.hpp>
 #include <protostar/integrators/transparency.hpp>
 #include <protostar/integrators/whitted.hpp>
-#include <protostar/render.hpp>
 #include <protostar/surfaces/mesh.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <string>

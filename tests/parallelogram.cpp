@@ -2,8 +2,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/shadow.hpp>
-#include <protostar/render.hpp>
 #include <protostar/surfaces/parallelogram.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <stdexcept>

@@ -1,4 +1,5 @@
 #include <protostar/accel/accelerate.hpp>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/binary.hpp>
 #include <protostar/integrators/color.hpp>
 #include <protostar/integrators/depth.hpp>
@@ -7,7 +8,6 @@
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/transparency.hpp>
 #include <protostar/integrators/whitted.hpp>
-#include <protostar/render.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>

@@ -1,9 +1,9 @@
 // Tests of scenes in right-handed coordinates, as most modeling programs write them: x to the right, y up,
 // and the camera looks along -z. Protostar's coordinates are left-handed: the default camera looks along z.
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/camera.hpp>
 #include <protostar/integrators/color.hpp>
 #include <protostar/integrators/shadow.hpp>
-#include <protostar/render.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/mesh.hpp>
 #include <protostar/surfaces/plane.hpp>

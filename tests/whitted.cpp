@@ -2,9 +2,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/whitted.hpp>
-#include <protostar/render.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <stdexcept>

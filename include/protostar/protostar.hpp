@@ -1,6 +1,7 @@
 // Includes the whole core. Headers that need a library besides GLM are in io/.
 #pragma once
 
+#include "accel/render_tiles.hpp"
 #include "bounds.hpp"
 #include "camera.hpp"
 #include "encode.hpp"

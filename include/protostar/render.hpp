@@ -1,7 +1,9 @@
-// The loop over the pixels (§2.2.5), in tiles, by several threads.
+// The loop over the pixels (§2.2.5), ray by ray, in tiles that several threads share.
+//
+// accel/render_tiles.hpp overloads render for scenes and gives the same bytes faster; protostar.hpp includes
+// both.
 #pragma once
 
-#include "accel/render_tiles.hpp"  // without this line every picture is the same, only slower
 #include "integrator.hpp"
 #include "parallel.hpp"
 
@@ -15,18 +17,19 @@ void fill_tiles(const Image& image, int side, const RenderOptions& options, cons
   for_each_in_parallel(all.count(side), options, [&](int i) { fill(all.part(i, side)); });
 }
 
-}  // namespace detail
-
-/// Returns a function that fills a tile of an image with the view of a camera; here by the plain path, ray by
-/// ray. For scenes, accel/ has an overload that gives the same bytes faster.
-template <class S, class I>
-auto tile_filler(Image& image, const Camera& camera, const S& scene, const I& integrator,
-                 const RenderOptions& options) {
-  return [&, pixels = PixelGrid(image.width(), image.height(), options)](const Tile& tile) {
-    detail::fill_pixels(image, tile, camera, pixels,
-                        [&](const Ray& ray) { return detail::radiance_of(integrator, ray, scene); });
-  };
+/// Returns the function radiance(ray) of an integrator in a scene.
+[[nodiscard]] auto radiance_in(const auto& scene, const auto& integrator) {
+  return [&](const Ray& ray) { return radiance_of(integrator, ray, scene); };
 }
+
+/// Fills an image with the mean radiance of each pixel's rays, radiance(ray) for each.
+void fill_ray_by_ray(Image& image, const Camera& camera, const RenderOptions& options, const auto& radiance) {
+  const PixelGrid pixels(image.width(), image.height(), options);
+  fill_tiles(image, 32, options,
+             [&](const Tile& tile) { fill_pixels(image, tile, camera, pixels, radiance); });
+}
+
+}  // namespace detail
 
 /// Fills an image with the view of a camera, one ray through each pixel's center unless the options say
 /// otherwise; radiance(ray) returns the radiance along a ray, and is called from several threads at once. The
@@ -39,9 +42,7 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
             const RenderOptions& options = {}) {
   camera.validate();
   detail::validate(radiance);
-  const PixelGrid pixels(image.width(), image.height(), options);
-  detail::fill_tiles(image, 32, options,
-                     [&](const Tile& tile) { detail::fill_pixels(image, tile, camera, pixels, radiance); });
+  detail::fill_ray_by_ray(image, camera, options, radiance);
 }
 
 /// Fills an image with the view of a camera in a scene, by an integrator. Throws as the render of a Radiance
@@ -51,7 +52,7 @@ void render(Image& image, const Camera& camera, const S& scene, const I& integra
             const RenderOptions& options = {}) {
   camera.validate();
   detail::validate(integrator);
-  detail::fill_tiles(image, 64, options, tile_filler(image, camera, scene, integrator, options));
+  detail::fill_ray_by_ray(image, camera, options, detail::radiance_in(scene, integrator));
 }
 
 /// Stops the compiler with a sentence on why the arguments cannot be rendered.

@@ -2,8 +2,8 @@
 // (support/pictures.cpp).
 #pragma once
 
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/shadow.hpp>
-#include <protostar/render.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/csg.hpp>

@@ -4,8 +4,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/shadow.hpp>
-#include <protostar/render.hpp>
 #include <protostar/surfaces/mesh.hpp>
 #include <protostar/surfaces/plane.hpp>
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/io/read_options.hpp>
 #include <protostar/io/scene_file.hpp>
-#include <protostar/render.hpp>
 #include <string>
 
 /// Reads a scene file, as protostar::read_scene does.

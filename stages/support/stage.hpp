@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <functional>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/image.hpp>
 #include <protostar/render.hpp>
 #include <string>

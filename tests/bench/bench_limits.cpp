@@ -7,12 +7,12 @@
 // that it needs in the cache.
 #include <array>
 #include <functional>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/accel/tile.hpp>
 #include <protostar/image.hpp>
 #include <protostar/integrators/binary.hpp>
 #include <protostar/integrators/color.hpp>
 #include <protostar/integrators/depth.hpp>
-#include <protostar/render.hpp>
 #include <protostar/surfaces/mesh.hpp>
 
 #include "mesh_workload.hpp"

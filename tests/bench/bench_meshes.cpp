@@ -12,10 +12,10 @@
 // exact.
 #include <algorithm>
 #include <optional>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/image.hpp>
 #include <protostar/integrators/color.hpp>
 #include <protostar/integrators/depth.hpp>
-#include <protostar/render.hpp>
 #include <protostar/surfaces/mesh.hpp>
 #include <stdexcept>
 #include <vector>

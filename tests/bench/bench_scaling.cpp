@@ -7,10 +7,10 @@
 // does not, −1 if n threads take an n-th of it.
 #include <memory>
 #include <numbers>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/image.hpp>
 #include <protostar/integrators/color.hpp>
 #include <protostar/integrators/shadow.hpp>
-#include <protostar/render.hpp>
 
 #include "support.hpp"
 #include "workload.hpp"

@@ -1,9 +1,9 @@
 // Measures what tiles save by each kind of culling: pictures with all of them, without each, and ray by ray.
 //
 //   bench_skips [--threads N] [--runs N] [--csv FILE] [--quick]
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/image.hpp>
 #include <protostar/integrators/shadow.hpp>
-#include <protostar/render.hpp>
 #include <stdexcept>
 
 #include "support.hpp"

@@ -9,10 +9,10 @@
 #include <malloc.h>
 
 #include <optional>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/image.hpp>
 #include <protostar/integrators/diffuse.hpp>
 #include <protostar/integrators/shadow.hpp>
-#include <protostar/render.hpp>
 
 #include "embree.hpp"
 #include "support.hpp"

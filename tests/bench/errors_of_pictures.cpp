@@ -1,7 +1,7 @@
 // Pictures of the tutorial's scene over sizes and samples: time, and error of the light on each pixel.
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/transparency.hpp>
-#include <protostar/render.hpp>
 
 #include "bench_error.hpp"
 #include "stages/naive.hpp"

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <protostar/accel/accelerate.hpp>
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/whitted.hpp>
-#include <protostar/render.hpp>
 
 #include "pictures.hpp"
 

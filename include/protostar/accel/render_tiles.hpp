@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "../integrator.hpp"
+#include "../render.hpp"
 #include "accelerate.hpp"
 #include "packet.hpp"
 #include "tile.hpp"
@@ -439,44 +439,13 @@ class TileRenderer {
   std::vector<int> unbounded_;  ///< indices of surfaces without bounds, which any tile may see
 };
 
-/// Function object that fills tiles of a picture of a scene, and owns the BVH. Its functions are not inline,
-/// so that a program may compile them once for the scenes and integrators that it uses in several units:
-/// `extern template class`.
+/// Fills an image by tiles, in a function of its own that is not inline, so that a program may compile it
+/// once for the scenes and integrators that it uses in several units: `extern template`.
 template <class I, Surface... S>
-class SceneTiles {
- public:
-  SceneTiles(Image& image, const Camera& camera, const Scene<S...>& scene, const I& integrator,
-             const RenderOptions& options);
-
-  void operator()(const Tile& tile) const;
-
- private:
-  struct Plain {
-    Image& image;
-    const Camera& camera;
-    const Scene<S...>& scene;
-    const I& integrator;
-    PixelGrid pixels;
-  } plain_;
-  bool by_tiles_;
-  Accelerated<Scene<S...>> scene_;
-  TileRenderer<I, S...> tiles_;
-};
-
-template <class I, Surface... S>
-SceneTiles<I, S...>::SceneTiles(Image& image, const Camera& camera, const Scene<S...>& scene,
-                                const I& integrator, const RenderOptions& options)
-    : plain_{image, camera, scene, integrator, PixelGrid(image.width(), image.height(), options)},
-      by_tiles_(options.tiles),
-      scene_(scene, options),
-      tiles_(image, camera, scene_, integrator, options) {}
-
-template <class I, Surface... S>
-void SceneTiles<I, S...>::operator()(const Tile& tile) const {
-  if (by_tiles_) return tiles_(tile);
-  protostar::detail::fill_pixels(plain_.image, tile, plain_.camera, plain_.pixels, [&](const Ray& ray) {
-    return protostar::detail::radiance_of(plain_.integrator, ray, plain_.scene);
-  });
+void fill_by_tiles(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& scene,
+                   const I& integrator, const RenderOptions& options) {
+  const TileRenderer<I, S...> tiles(image, camera, scene, integrator, options);
+  protostar::detail::fill_tiles(image, 64, options, tiles);
 }
 
 /// Integrator that takes packets, or a scene of any type.
@@ -489,25 +458,26 @@ concept TileIntegrator = PacketIntegrator<I> ||
 
 }  // namespace simd
 
-/// Returns a function that fills a tile of an image with the view of a camera into a scene, with the same
-/// bytes as the plain path in render.hpp, but faster.
+/// Fills an image with the view of a camera in a scene, with the bytes of the render of render.hpp, but
+/// faster.
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
-auto tile_filler(Image& image, const Camera& camera, const Scene<S...>& scene, const I& integrator,
-                 const RenderOptions& options) {
-  return simd::SceneTiles<I, S...>(image, camera, scene, integrator, options);
+void render(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& scene, const I& integrator,
+            const RenderOptions& options = {}) {
+  camera.validate();
+  detail::validate(integrator);
+  if (!options.tiles)
+    return detail::fill_ray_by_ray(image, camera, options, detail::radiance_in(scene, integrator));
+  scene.require_same_surfaces();  // tiles find its surfaces by the BVH
+  simd::fill_by_tiles<I, S...>(image, camera, scene, integrator, options);
 }
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
-auto tile_filler(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& scene,
-                 const I& integrator, const RenderOptions& options) {
-  scene.require_same_surfaces();  // tiles find its surfaces by the BVH
-  const auto tiles =
-      std::make_shared<const simd::TileRenderer<I, S...>>(image, camera, scene, integrator, options);
-  return [&, tiles, pixels = PixelGrid(image.width(), image.height(), options),
-          by_tiles = options.tiles](const Tile& tile) {
-    if (by_tiles) return (*tiles)(tile);
-    detail::fill_pixels(image, tile, camera, pixels,
-                        [&](const Ray& ray) { return detail::radiance_of(integrator, ray, scene); });
-  };
+void render(Image& image, const Camera& camera, const Scene<S...>& scene, const I& integrator,
+            const RenderOptions& options = {}) {
+  camera.validate();
+  detail::validate(integrator);
+  if (!options.tiles)
+    return detail::fill_ray_by_ray(image, camera, options, detail::radiance_in(scene, integrator));
+  simd::fill_by_tiles<I, S...>(image, camera, Accelerated<Scene<S...>>(scene, options), integrator, options);
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI
