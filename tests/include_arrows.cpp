@@ -37,7 +37,7 @@ const std::set<std::string> on_demand = {
     "numeric/quadric_bounds.hpp",
     "surfaces/disk.hpp",
     "surfaces/quadric.hpp",
-    "accel/in_turns.hpp",
+    "accel/interleaved.hpp",
     "accel/screen.hpp",
     "accel/triangles_on_screen.hpp",
     "accel/pixel_block.hpp",

@@ -148,7 +148,7 @@ TEST_CASE("a mesh is hit where one of its triangles is, whatever their orientati
     const Mesh mesh({.vertices = vertices, .triangles = row.triangles}, {.threads = 1});
     const auto first = mesh.first_crossing(row.ray, {});
     REQUIRE(first.has_value() == row.expected.has_value());
-    CHECK(mesh.is_met(row.ray, {}) == row.expected.has_value());
+    CHECK(mesh.any_hit(row.ray, {}) == row.expected.has_value());
     if (!first) continue;
     CHECK(first->t == row.expected->t);
     CHECK(first->part == row.expected->part);
@@ -176,7 +176,7 @@ TEST_CASE("a mesh reports the crossings of its triangles in exact order, at equa
         wrong += !std::equal(found.begin(), found.end(), expected.begin(), expected.end(), are_equal);
         const auto first = mesh.first_crossing(ray, range);
         wrong += first ? expected.empty() || !are_equal(*first, expected[0]) : !expected.empty();
-        wrong += mesh.is_met(ray, range) == expected.empty();
+        wrong += mesh.any_hit(ray, range) == expected.empty();
         crossings += expected.size();
         if (!first) break;
         ray = {ray.at(first->t), place(2), mesh.departure(first->part)};
@@ -205,21 +205,21 @@ TEST_CASE("queries of a mesh for many rays answer each ray as a query by itself"
       const auto ray = [&](std::size_t k) { return rays[k]; };
       for (const Interval& range : {Interval{}, Interval{0.25, 1.5}, everywhere}) {
         std::vector<std::optional<Crossing>> first(count);
-        std::vector<int> is_met(count), told(count);
+        std::vector<int> any_hit(count), told(count);
         mesh.first_crossings(count, ray, range, [&](std::size_t k, const std::optional<Crossing>& crossing) {
           first[k] = crossing;
           ++told[k];
         });
         mesh.are_met(count, ray, range, [&](std::size_t k, bool met) {
-          is_met[k] = met;
+          any_hit[k] = met;
           ++told[k];
         });
         int hits = 0;
         for (std::size_t k = 0; k < count; ++k) {
           CHECK(told[k] == 2);
           CHECK(answer(first[k]) == answer(mesh.first_crossing(rays[k], range)));
-          CHECK((is_met[k] != 0) == mesh.is_met(rays[k], range));
-          hits += is_met[k];
+          CHECK((any_hit[k] != 0) == mesh.any_hit(rays[k], range));
+          hits += any_hit[k];
         }
         if (count == 100 && data.triangles.size() > 1) CHECK((hits > 10 && hits < 90));
       }

@@ -56,11 +56,11 @@ struct Left {
 };
 
 /// Counts rays that leave a surface of the mesh's shape at its edges and vertices. outwards(point) leads to
-/// the outer side of the surface there, to which normals are turned. may_be_met(t / scale, slope) tells
+/// the outer side of the surface there, to which normals are turned. may_be_hit(t / scale, slope) tells
 /// whether a hit is allowed.
 template <Surface S>
 Left left_at_borders(const S& surface, const MeshData& data, double scale, const auto& outwards,
-                     const auto& may_be_met, bool at_vertices = true) {
+                     const auto& may_be_hit, bool at_vertices = true) {
   Scene<S> scene;
   scene.add(surface, Color{1});
   Random random(71);
@@ -76,7 +76,7 @@ Left left_at_borders(const S& surface, const MeshData& data, double scale, const
     ++left.outwards;
     const Ray ray = hit->leave(direction);
     const auto again = scene.intersect(ray);
-    if (again && !may_be_met(again->t / scale, slope_at(*again))) ++left.again;
+    if (again && !may_be_hit(again->t / scale, slope_at(*again))) ++left.again;
     int crossings = 0;
     scene.crossings(ray, Interval{}, [&](const Intersection&) { ++crossings; });
     CHECK(again.has_value() == scene.occluded(ray, Interval{}));
@@ -263,7 +263,7 @@ int disordered(const S& surface, const MeshData& data, bool is_room, Random& ran
       is_wrong |= inside != 0;
       const auto first = surface.first_crossing(leaving, {});
       is_wrong |= first ? crossings.empty() || first->part != crossings[0].part : !crossings.empty();
-      is_wrong |= surface.is_met(leaving, {}) == crossings.empty();
+      is_wrong |= surface.any_hit(leaving, {}) == crossings.empty();
     }
     wrong += is_wrong;
   }
@@ -322,7 +322,7 @@ TEST_CASE("rays from next to the bottom of a valley hit its other side if they l
           continue;
         ++left;
         const Ray leaving{ray.at(hit->t), direction, mesh.departure(hit->part)};
-        wrong += mesh.is_met(leaving, {}) != (side_led_to(direction, other) < 0);
+        wrong += mesh.any_hit(leaving, {}) != (side_led_to(direction, other) < 0);
         const auto next = mesh.first_crossing(leaving, {});
         wrong += next.has_value() != (side_led_to(direction, other) < 0);
         wrong += next && (next->part < 2) == (hit->part < 2);

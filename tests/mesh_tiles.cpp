@@ -433,7 +433,7 @@ TEST_CASE("by tiles, a floor at a grazing angle has the same depth as ray by ray
 }
 
 TEST_CASE("rays that leave different parts of a mesh do not convert to rays with a common departure") {
-  STATIC_REQUIRE_FALSE(std::is_convertible_v<simd::RaysFromParts, simd::Rays<simd::Vectors>>);
+  STATIC_REQUIRE_FALSE(std::is_convertible_v<simd::PacketFromPrimitives, simd::RayPacket<simd::Vectors>>);
 }
 
 TEST_CASE("a tile that rasterizes a mesh leaves few rays in doubt") {

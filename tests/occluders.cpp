@@ -5,13 +5,13 @@
 #include "support/random.hpp"
 
 using namespace protostar;
-using simd::Chosen, simd::ConeToLight, simd::Occluders, simd::Rays, simd::SphereAround, simd::Vectors;
+using simd::LaneMask, simd::ConeToLight, simd::Occluders, simd::RayPacket, simd::SphereAround, simd::Vectors;
 
 namespace {
 
 /// Returns rays from random points near a place to a light, with t = 1 at the light.
-Rays<Vectors> to_light(Random& random, const Point& light, const Point& place, double spread) {
-  Rays<Vectors> rays(Vectors(place), Vectors(Vec3{0}));
+RayPacket<Vectors> to_light(Random& random, const Point& light, const Point& place, double spread) {
+  RayPacket<Vectors> rays(Vectors(place), Vectors(Vec3{0}));
   for (int lane = 0; lane < simd::double_lanes; ++lane) {
     const Point from = place + random.point(spread);
     const Vec3 way = light - from;
@@ -39,8 +39,8 @@ TEST_CASE("a cone to a light keeps every sphere that a ray inside it hits") {
   for (int i = 0; i < 3000; ++i) {
     const double far = i % 3 == 0 ? 1e6 : 10;
     const Point light = random.point(far), place = light + 10.0 * random.direction();
-    const Rays<Vectors> first = to_light(random, light, place, 0.2),
-                        others = to_light(random, light, place, 1.2 * apart * apart);
+    const RayPacket<Vectors> first = to_light(random, light, place, 0.2),
+                             others = to_light(random, light, place, 1.2 * apart * apart);
     const ConeToLight cone(first, true);
     REQUIRE(cone.is_cone());
     REQUIRE(cone.holds(first, true));
@@ -48,7 +48,7 @@ TEST_CASE("a cone to a light keeps every sphere that a ray inside it hits") {
     // Spheres that are hit by 1e-9 of their radius, and others around the ray.
     for (int k = 0; k < 20; ++k) {
       const int lane = k % simd::double_lanes;
-      const Chosen alone = simd::mask_of<double, simd::double_lanes>(simd::Bits{1} << lane);
+      const LaneMask alone = simd::mask_of<double, simd::double_lanes>(simd::Bits{1} << lane);
       if (!cone.holds(others, alone)) continue;
       const Ray ray = others[lane];
       const double radius = std::pow(10, random.real(-3, 1));
@@ -84,7 +84,7 @@ TEST_CASE("a cone to a light keeps every sphere that a ray inside it hits") {
 TEST_CASE("rays that do not end at a cone's apex, or start outside the cone, are not inside it") {
   Random random(12);
   const Point light{1, 2, 3};
-  const Rays<Vectors> rays = to_light(random, light, {1, 2, 13}, 0.1);
+  const RayPacket<Vectors> rays = to_light(random, light, {1, 2, 13}, 0.1);
   const ConeToLight cone(rays, true);
   CHECK(cone.holds(rays, true));
   CHECK_FALSE(cone.holds(to_light(random, light + Vec3{1e-6, 0, 0}, {1, 2, 13}, 0.1), true));
@@ -97,7 +97,7 @@ TEST_CASE("rays that do not end at a cone's apex, or start outside the cone, are
 TEST_CASE("spheres around the light, or too large or small for float, are kept by every cone to it") {
   Random random(16);
   const Point light{1, 2, 3};
-  const Rays<Vectors> rays = to_light(random, light, {1, 2, 13}, 0.1);
+  const RayPacket<Vectors> rays = to_light(random, light, {1, 2, 13}, 0.1);
   const ConeToLight cone(rays, true);
   simd::InCone in_cone;
   in_cone.add(0, cone.seen({Point{0}, infinity}));
@@ -112,7 +112,7 @@ TEST_CASE("spheres around the light, or too large or small for float, are kept b
 
 TEST_CASE("a list of occluders may be of any length") {
   Random random(17);
-  const Rays<Vectors> rays = to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1);
+  const RayPacket<Vectors> rays = to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1);
   const ConeToLight cone(rays, true);
   for (int count = 0; count < 70; ++count) {
     simd::InCone in_cone;
@@ -171,7 +171,7 @@ TEST_CASE("rays with different ends, or of length 0, get no list of occluders") 
   Occluders occluders;
   const auto search = [](const auto&, const auto&) {};
   for (int i = 0; i < 200; ++i) {
-    Rays<Vectors> rays = to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1);
+    RayPacket<Vectors> rays = to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1);
     const Vec3 aside = random.direction();
     rays.direction.x.set(simd::double_lanes - 1, aside.x),
         rays.direction.y.set(simd::double_lanes - 1, aside.y);
@@ -185,7 +185,7 @@ TEST_CASE("rays with different ends leave no wrong list of occluders for later r
   if (simd::double_lanes < 2) return;
   Occluders occluders;
   const auto search = [](const auto&, const auto& visit) { visit(7, SphereAround{{0, 0, 5}, 1}); };
-  Rays<Vectors> rays(Vectors(Point{0, 0, 10}), Vectors(Vec3{0, 0, -10}));
+  RayPacket<Vectors> rays(Vectors(Point{0, 0, 10}), Vectors(Vec3{0, 0, -10}));
   rays.direction.x.set(simd::double_lanes - 1, 1);
   CHECK(occluders.between(rays, true, search) == nullptr);
   const auto* const places = occluders.between(rays, simd::mask_of<double, simd::double_lanes>(1), search);

@@ -17,9 +17,9 @@
 
 using namespace protostar;
 using simd::Bits;
-using simd::Chosen;
 using simd::double_lanes;
-using simd::Rays;
+using simd::LaneMask;
+using simd::RayPacket;
 using simd::Vectors;
 
 namespace {
@@ -41,18 +41,18 @@ Vectors directions_of(const Bundle& bundle) {
 }
 
 /// Returns the packet of some rays, each with its own origin.
-Rays<Vectors> packet_of(const Bundle& bundle, Chosen wanted) {
+RayPacket<Vectors> packet_of(const Bundle& bundle, LaneMask active) {
   Vectors origins(Vec3{0});
   for (int i = 0; i < double_lanes; ++i) {
     const Point& o = bundle[static_cast<std::size_t>(i)].origin;
     origins.x.set(i, o.x), origins.y.set(i, o.y), origins.z.set(i, o.z);
   }
-  return {origins, directions_of(bundle), wanted, bundle[0].departure};
+  return {origins, directions_of(bundle), active, bundle[0].departure};
 }
 
 /// Returns the packet of some rays, all starting at the first one's origin.
-Rays<Point> packet_from_one_point(const Bundle& bundle, Chosen wanted) {
-  return {bundle[0].origin, directions_of(bundle), wanted, bundle[0].departure};
+RayPacket<Point> packet_from_one_point(const Bundle& bundle, LaneMask active) {
+  return {bundle[0].origin, directions_of(bundle), active, bundle[0].departure};
 }
 
 bool same_bits(double a, double b) {
@@ -67,19 +67,19 @@ struct Tally {
   int asked = 0, met = 0, in_doubt = 0, wrong = 0;
 };
 
-bool has(Chosen some, int lane) { return (bits(some) >> lane & 1) != 0; }
+bool has(LaneMask some, int lane) { return (bits(some) >> lane & 1) != 0; }
 
 /// Compares a surface's answers for a packet with those for its single rays: the roots, and the crossings in
 /// some ranges.
 template <Surface S>
 void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
-  const Chosen wanted = rays.wanted;
+  const LaneMask active = rays.active;
   if constexpr (simd::SurfaceForPackets<S>) {
-    const auto roots = surface.roots_of_each(rays, wanted);
+    const auto roots = surface.roots_of_each(rays, active);
     const simd::Doubles near = roots.near(), far = roots.far();
     for (int i = 0; i < double_lanes; ++i) {
       const bool meets = has(roots.meets, i), in_doubt = has(roots.in_doubt, i);
-      if (!has(wanted, i)) {
+      if (!has(active, i)) {
         tally.wrong += meets || in_doubt;
         continue;
       }
@@ -95,10 +95,10 @@ void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
     }
   }
   const auto compare_in = [&](Interval range, bool may_be_in_doubt) {
-    const simd::FirstCrossings first = first_crossings(surface, rays, wanted, range);
-    const auto crossed = crossed_by_each(surface, rays, wanted, range);
+    const simd::ClosestCrossings first = first_crossings(surface, rays, active, range);
+    const auto crossed = crossed_by_each(surface, rays, active, range);
     for (int i = 0; i < double_lanes; ++i) {
-      if (!has(wanted, i)) {
+      if (!has(active, i)) {
         tally.wrong += has(first.met, i) || has(first.in_doubt, i) || has(crossed.crossed, i) ||
                        has(crossed.in_doubt, i);
         continue;
@@ -127,7 +127,7 @@ void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
 }
 
 /// Returns a mask of some lanes, or of all.
-Chosen some_lanes(Random& random) {
+LaneMask some_lanes(Random& random) {
   const Bits all = simd::first_bits(double_lanes), some = static_cast<Bits>(random.bits()) & all;
   return simd::mask_of<double, double_lanes>(random.bits() % 2 ? all : some);
 }
@@ -412,17 +412,17 @@ TEST_CASE("the hits of a packet have the same values as the hits of its single r
   const auto compare_hits = [&](const auto& surface) {
     Bundle bundle;
     for (Ray& r : bundle) r = {random.point(3), random.direction()};
-    const Rays<Vectors> rays = packet_of(bundle, true);
-    const simd::FirstCrossings first = first_crossings(surface, rays, true, Interval{});
+    const RayPacket<Vectors> rays = packet_of(bundle, true);
+    const simd::ClosestCrossings first = first_crossings(surface, rays, true, Interval{});
     // Every other surface has a texture, which is evaluated for each ray.
     Material material{.diffuse = random.color()};
     if (++surfaces % 2 == 0) material.texture = Checker{random.color(), random.color(), 0.3};
-    const simd::Intersections some(rays, first.t, first.met, surface, material);
+    const simd::HitPacket some(rays, first.t, first.met, surface, material);
     const Vectors normals = some.normal(), facing = some.facing_normal(), points = some.point();
     const simd::Colors lights = light.irradiance(points, facing), colors = some.color();
     const simd::Uvs places = some.uv();
-    const Rays<Vectors> left = some.leave(light.towards(points)), turned = left.turned(normals);
-    wrong += bits(turned.wanted) != bits(left.wanted);
+    const RayPacket<Vectors> left = some.leave(light.towards(points)), turned = left.turned(normals);
+    wrong += bits(turned.active) != bits(left.active);
     for (int i = 0; i < double_lanes; ++i) {
       if (!has(first.met && !first.in_doubt, i)) continue;
       ++hits;
@@ -434,10 +434,10 @@ TEST_CASE("the hits of a packet have the same values as the hits of its single r
                !same_bits(one.facing_normal(), facing[i]) || one.uv() != Uv{places.x[i], places.y[i]} ||
                one.direction() != some.direction()[i] ||
                one.color() != Color{colors.r[i], colors.g[i], colors.b[i]} ||
-               lit != Color{lights.r[i], lights.g[i], lights.b[i]} || !has(left.wanted, i) ||
+               lit != Color{lights.r[i], lights.g[i], lights.b[i]} || !has(left.active, i) ||
                !same_bits(leaving.origin, left[i].origin) ||
                !same_bits(leaving.direction, left[i].direction) || leaving.departure != left[i].departure ||
-               !has(turned.wanted, i) || !same_bits(leaving.origin, turned[i].origin) ||
+               !has(turned.active, i) || !same_bits(leaving.origin, turned[i].origin) ||
                !same_bits(leaving.turned(one.normal()).direction, turned[i].direction) ||
                leaving.departure != turned[i].departure;
     }
@@ -456,9 +456,9 @@ TEST_CASE("only() keeps the lanes that are both active and chosen") {
   const auto mask = [](Bits lanes) { return simd::mask_of<double, double_lanes>(lanes); };
   const Bits all = simd::first_bits(double_lanes);
   for (Bits lanes = 0; lanes <= all; ++lanes) {
-    Rays<Point> rays(Point{0}, Vec3{0, 0, 1}, mask(lanes));
-    const Rays<Point> chosen = only(mask(all & 5), std::move(rays));
-    CHECK(bits(chosen.wanted) == (lanes & 5));
+    RayPacket<Point> rays(Point{0}, Vec3{0, 0, 1}, mask(lanes));
+    const RayPacket<Point> chosen = only(mask(all & 5), std::move(rays));
+    CHECK(bits(chosen.active) == (lanes & 5));
   }
 }
 

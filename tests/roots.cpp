@@ -41,9 +41,9 @@ TEST_CASE("a quadratic has two roots, one twice, or none") {
 TEST_CASE("latest(t) is an upper bound of the roots that may precede t, at any scale") {
   const double denorm = std::numeric_limits<double>::denorm_min();
   for (const double t : {denorm, 3 * denorm, 1e-310, std::numeric_limits<double>::min(), 1e-30, 1.0, 1e300}) {
-    CHECK(latest(t) > t);
-    CHECK(latest(t) >= (1 + 2 * Roots::relative_error) * t);
-    CHECK(latest(-t) > -t);
+    CHECK(upper_bound_of(t) > t);
+    CHECK(upper_bound_of(t) >= (1 + 2 * Roots::relative_error) * t);
+    CHECK(upper_bound_of(-t) > -t);
   }
 }
 

@@ -82,8 +82,8 @@ struct Counts {
 };
 
 /// Returns true if the float test says that the first ray of a packet may hit a candidate up to t.
-bool may_be_met(const Candidates& candidates, int i, const simd::Vectors& directions, double t) {
-  return (bits(candidates.may_be_met(i, simd::FloatDirections(directions), simd::Doubles(t))) & 1) != 0;
+bool may_be_hit(const Candidates& candidates, int i, const simd::Vectors& directions, double t) {
+  return (bits(candidates.may_be_hit(i, simd::FloatDirections(directions), simd::Doubles(t))) & 1) != 0;
 }
 
 /// Checks that a tile keeps the spheres that the rays of its pixels hit, and that its parts and single pixels
@@ -132,7 +132,7 @@ void look(const Camera& camera, int width, int height, const std::function<Spher
     else if (!(in_block.nearest(static_cast<int>(found - places.begin())) <= *t))
       ++counts.nearer_than_nearest;
     else if (rays.is_pinhole() &&
-             !may_be_met(in_block, static_cast<int>(found - places.begin()), rays.directions(x, y), *t))
+             !may_be_hit(in_block, static_cast<int>(found - places.begin()), rays.directions(x, y), *t))
       ++counts.ruled_out;
   }
 }
@@ -245,7 +245,7 @@ TEST_CASE("a packet's ray rules out spheres that it misses, that are behind it, 
   struct Row {
     Sphere sphere;
     double until;
-    bool may_be_met;
+    bool may_be_hit;
   };
   const auto row = GENERATE(values<Row>({
       {{.center = {0, 0, 5}, .radius = 1}, infinity, true},
@@ -259,7 +259,7 @@ TEST_CASE("a packet's ray rules out spheres that it misses, that are behind it, 
   }));
   CAPTURE(row.sphere.center, row.sphere.radius, row.until);
   const Candidates candidates = candidates_of({row.sphere}, rays.viewpoint());
-  CHECK(may_be_met(candidates, 0, rays.directions(0, 0), row.until) == row.may_be_met);
+  CHECK(may_be_hit(candidates, 0, rays.directions(0, 0), row.until) == row.may_be_hit);
 }
 
 // If the camera's directions almost lie in a plane, the rays of the two columns beside the middle are almost
@@ -487,7 +487,7 @@ int wrong_rays(const Camera& camera, int width, int height) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; x += simd::double_lanes) {
       const auto packet = rays.packet<Origin>(tile, x, y);
-      wrong += bits(packet.wanted) != simd::first_bits(std::min(width - x, simd::double_lanes));
+      wrong += bits(packet.active) != simd::first_bits(std::min(width - x, simd::double_lanes));
       for (int i = 0; i < std::min(width - x, simd::double_lanes); ++i) {
         const Ray ray = camera.through_pixel(x + i, y, width, height);
         wrong += packet[i].origin != ray.origin || packet[i].direction != ray.direction ||

@@ -40,7 +40,7 @@ class ClosestHit {
     const SurfaceCrossing candidate = crossing_on(surface, *crossing, material);
     if (first.surface != nullptr && !precedes(ray, candidate, first)) return range.max;
     first = candidate;
-    return std::min(range.max, latest(crossing->t));
+    return std::min(range.max, upper_bound_of(crossing->t));
   }
 
   template <Surface T>

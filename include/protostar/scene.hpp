@@ -285,7 +285,7 @@ class Scene<S...> {
 
     [[nodiscard]] bool occluded(const Ray& ray, Interval range) const {
       for (const T& surface : surfaces)
-        if (is_met(surface, ray, range)) return true;
+        if (any_hit(surface, ray, range)) return true;
       return false;
     }
   };

@@ -311,11 +311,11 @@ template <Surface S>
 }
 
 /// Returns true if a ray has any hit on a surface inside a range. A surface made of many primitives may know
-/// that sooner than its closest hit, and offers is_met(ray, range).
+/// that sooner than its closest hit, and offers any_hit(ray, range).
 template <Surface S>
-[[nodiscard]] bool is_met(const S& surface, const Ray& ray, Interval range) {
-  if constexpr (requires { surface.is_met(ray, range); })
-    return surface.is_met(ray, range);
+[[nodiscard]] bool any_hit(const S& surface, const Ray& ray, Interval range) {
+  if constexpr (requires { surface.any_hit(ray, range); })
+    return surface.any_hit(ray, range);
   else
     return first_crossing(surface, ray, range).has_value();
 }

@@ -77,7 +77,7 @@ class Contest {
     };
     row_of_single("primary, single", camera_rays, &Embree::closest, true, first);
     const auto is_met = [&](const FloatRay& ray) {
-      return mesh_.is_met(in_double(ray), {0, 1}) ? Index{0} : bench::nothing;
+      return mesh_.any_hit(in_double(ray), {0, 1}) ? Index{0} : bench::nothing;
     };
     row_of_single("incoherent, single", incoherent, &Embree::closest, false, first);
     row_of_single("occlusion, single", segments, &Embree::any, false, is_met);

@@ -304,7 +304,7 @@ class Judge {
   }
   [[nodiscard]] bool finds(const Interval& range, const std::vector<Crossing>& all) const {
     return is_first(mesh_.first_crossing(aimed_.ray, range), all) &&
-           mesh_.is_met(aimed_.ray, range) == !all.empty();
+           mesh_.any_hit(aimed_.ray, range) == !all.empty();
   }
   static bool are_same(const std::vector<Crossing>& some, const std::vector<Crossing>& others) {
     return std::ranges::equal(some, others, {}, &Crossing::part, &Crossing::part);
@@ -350,7 +350,7 @@ void judge_leaving(Tally& tally, const Mesh& mesh, const Ray& ray) {
     inside -= side(crossings[i].part);
   }
   const auto first = mesh.first_crossing(ray, {});
-  is_lost |= inside != 0 || mesh.is_met(ray, {}) == crossings.empty() ||
+  is_lost |= inside != 0 || mesh.any_hit(ray, {}) == crossings.empty() ||
              (first ? crossings.empty() || first->part != crossings[0].part : !crossings.empty());
   tally.lost += is_lost;
 }
@@ -388,8 +388,8 @@ Tally judged(const Shape& shape, Random& random, std::uint64_t count) {
   const auto ray = [&](std::size_t i) { return rays[i]; };
   model.mesh.first_crossings(rays.size(), ray, {},
                              [&](std::size_t i, const auto& first) { firsts[i] = first; });
-  const auto compare = [&](std::size_t i, bool is_met) {
-    if (is_met == firsts[i].has_value()) return;
+  const auto compare = [&](std::size_t i, bool any_hit) {
+    if (any_hit == firsts[i].has_value()) return;
     ++tally.misjudged;
     report(model, rays[i]);
   };

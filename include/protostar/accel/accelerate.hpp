@@ -56,7 +56,7 @@ class Finder {
 
   /// Calls visit(Numbers, Bits, SpheresAround) for some lanes at a time, so that each surface that has bounds
   /// and may reach into every one of the half-spaces is in a lane whose bit is set.
-  void some_in(std::span<const HalfSpace>, const auto&) const {}
+  void frustum_query(std::span<const HalfSpace>, const auto&) const {}
 
   /// Calls visit(i) for each surface without bounds, in order.
   void each_unbounded(const auto& visit) const {
@@ -106,7 +106,7 @@ class Finder<T> {
                                   });
   }
 
-  void some_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {
+  void frustum_query(std::span<const HalfSpace> half_spaces, const auto& visit) const {
     bvh_.each_leaf_in(in_box_space(half_spaces, bvh_), [&](Leaf leaf) {
       const std::uint32_t i = bvh_.order()[leaf.first];
       visit(Numbers(i), Bits{1}, SpheresAround(sphere_around((*surfaces_)[i])));
@@ -193,7 +193,7 @@ class Finder<Sphere> {
     if (waiting_near < infinite) visit(bvh_.order()[waiting]);
   }
 
-  void some_in(std::span<const HalfSpace> half_spaces, const auto& visit) const {
+  void frustum_query(std::span<const HalfSpace> half_spaces, const auto& visit) const {
     const auto sides = in_box_space(half_spaces, bvh_);
     const auto visit_leaf = [&](Leaf leaf) {
       Bits within = 0;
@@ -309,8 +309,8 @@ class Accelerated<Scene<S...>> {
   /// Calls visit(Numbers, Bits, SpheresAround) for some surfaces of one type at a time, in any order, so that
   /// each that has bounds and may reach into every one of the half-spaces is in a lane whose bit is set.
   template <class T>
-  void some_in(std::span<const simd::HalfSpace> half_spaces, const auto& visit) const {
-    finder<T>().some_in(half_spaces, visit);
+  void frustum_query(std::span<const simd::HalfSpace> half_spaces, const auto& visit) const {
+    finder<T>().frustum_query(half_spaces, visit);
   }
 
   /// Calls visit(i) for each surface of one type that has no bounds, in order.
@@ -348,7 +348,7 @@ class Accelerated<Scene<S...>> {
       first = candidate;
       first_index = i;
       // Crossings that may precede this one, given its error, stay in range.
-      range.max = std::min(range.max, latest(crossing->t));
+      range.max = std::min(range.max, upper_bound_of(crossing->t));
     };
     const std::uint32_t left = left_by<T>(ray);
     if (left != none) look_at(left);
@@ -361,12 +361,12 @@ class Accelerated<Scene<S...>> {
   [[nodiscard]] bool occluded_by(const Ray& ray, const Interval& range) const {
     const auto& surfaces = scene_->template surfaces<T>();
     const std::uint32_t left = left_by<T>(ray);
-    if (left != none && is_met(surfaces[left], ray, range)) return true;
+    if (left != none && any_hit(surfaces[left], ray, range)) return true;
     return finder<T>().any_crossed(ray, range, [&](std::uint32_t i) {
       if (i == left) return false;
       if constexpr (requires { surfaces[i].is_surely_behind(ray); })
         if (range.min >= 0 && surfaces[i].is_surely_behind(ray)) return false;
-      return is_met(surfaces[i], ray, range);
+      return any_hit(surfaces[i], ray, range);
     });
   }
 

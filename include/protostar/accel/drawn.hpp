@@ -14,17 +14,17 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 
 /// Surface with many primitives that is rasterized into a tile. It has a type Drawn, a visibility buffer, and
 /// draw(drawn, rays, sample, frustum, tile) fills one, for one ray of each pixel. If is_drawn() is true then,
-/// seen(wanted, x, y) returns which of the rays from pixel (x, y) on hit the surface, and which are in doubt;
+/// seen(active, x, y) returns which of the rays from pixel (x, y) on hit the surface, and which are in doubt;
 /// `which` is the entry ≥ 0 of the buffer that each ray hits first: crossing 0 of the primitive part(which).
 /// If some rays hit, t(which, met, directions) returns their t, bit for bit that of first_crossing.
 template <class S>
-concept SurfaceForTiles = SurfaceWithParts<S> &&
+concept RasterizedSurface = SurfaceWithParts<S> &&
     requires(const S& surface, typename S::Drawn& drawn, const PixelRays& rays, const Frustum& frustum,
-             const Tile& tile, const Chosen& chosen, const Indices& which, const Vectors& directions) {
+             const Tile& tile, const LaneMask& chosen, const Indices& which, const Vectors& directions) {
   surface.draw(drawn, rays, 0, frustum, tile);
   { drawn.is_drawn() } -> std::same_as<bool>;
-  { drawn.seen(chosen, 0, 0).met } -> std::same_as<Chosen&&>;
-  { drawn.seen(chosen, 0, 0).in_doubt } -> std::same_as<Chosen&&>;
+  { drawn.seen(chosen, 0, 0).met } -> std::same_as<LaneMask&&>;
+  { drawn.seen(chosen, 0, 0).in_doubt } -> std::same_as<LaneMask&&>;
   { drawn.seen(chosen, 0, 0).which } -> std::same_as<Indices&&>;
   { drawn.t(which, chosen, directions) } -> std::same_as<Doubles>;
   { drawn.part(std::int64_t{0}) } -> std::same_as<int>;
@@ -32,11 +32,11 @@ concept SurfaceForTiles = SurfaceWithParts<S> &&
 
 /// Visibility buffers of all surfaces of one type in a tile; empty if the type is not rasterized.
 template <class S>
-struct DrawnOf {
+struct VisibilityBuffers {
   void clear() {}
 };
-template <SurfaceForTiles S>
-struct DrawnOf<S> {
+template <RasterizedSurface S>
+struct VisibilityBuffers<S> {
   /// Largest number of buffers of a tile; further surfaces are traced ray by ray.
   static constexpr std::size_t most = 32;
 
@@ -68,7 +68,7 @@ struct DrawnOf<S> {
 
 /// Index of the primitive that each ray hits, from a visibility buffer.
 template <class Drawn>
-struct PartsSeen {
+struct PrimitivesSeen {
   const Drawn& drawn;
   const Indices& which;
 

@@ -17,7 +17,7 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 using Doubles = Lanes<double, double_lanes>;
 using Floats = Lanes<float, double_lanes>;
 using Indices = Lanes<std::int64_t, double_lanes>;
-using Chosen = Mask<double, double_lanes>;  ///< mask of some rays of a packet
+using LaneMask = Mask<double, double_lanes>;  ///< mask of some rays of a packet
 
 /// Returns f(number) in each lane.
 [[nodiscard]] Doubles of_each(Doubles x, const auto& f) {
@@ -50,7 +50,7 @@ struct Vectors {
   friend Doubles length(const Vectors& a) { return sqrt(dot(a, a)); }
   friend Vectors normalize(const Vectors& a) { return a * (1 / length(a)); }
   friend Vectors abs(const Vectors& a) { return {abs(a.x), abs(a.y), abs(a.z)}; }
-  friend Vectors select(Chosen which, const Vectors& a, const Vectors& b) {
+  friend Vectors select(LaneMask which, const Vectors& a, const Vectors& b) {
     return {select(which, a.x, b.x), select(which, a.y, b.y), select(which, a.z, b.z)};
   }
 };
@@ -89,7 +89,7 @@ struct Colors {
   void set(int lane, const Color& c) { r.set(lane, c.r), g.set(lane, c.g), b.set(lane, c.b); }
   Colors& operator*=(const Colors& other) { return *this = *this * other; }
   Colors& operator+=(const Colors& other) { return *this = *this + other; }
-  friend Chosen is_black(const Colors& c) {
+  friend LaneMask is_black(const Colors& c) {
     return mask_for<double>(c.r == 0.0f && c.g == 0.0f && c.b == 0.0f);
   }
   template <class M>
@@ -105,28 +105,30 @@ struct Colors {
 }
 
 inline Colors operator*(const Color& color, Floats share) { return Colors(color) * share; }
-inline Colors select(Chosen which, const Color& a, const Color& b) {
+inline Colors select(LaneMask which, const Color& a, const Color& b) {
   return select(which, Colors(a), Colors(b));
 }
-inline Doubles select(Chosen which, double a, double b) { return select(which, Doubles(a), Doubles(b)); }
+inline Doubles select(LaneMask which, double a, double b) { return select(which, Doubles(a), Doubles(b)); }
 
 /// Rays of a packet. Origin is Point for rays that start together, as those of a pinhole do, and Vectors for
 /// others. All depart from the same geometry.
 template <class Origin>
-struct Rays {
+struct RayPacket {
   using Light = Colors;  ///< type of their radiance
 
   Origin origin;
   Vectors direction;
-  Chosen wanted = true;  ///< active lanes; results in the others do not matter
+  LaneMask active = true;  ///< active lanes; results in the others do not matter
   Departure departure;
 
   /// Sets the members; a constructor, since g++ clears an aggregate as a whole before it fills it.
-  Rays(const Origin& from, const Vectors& along, Chosen asked_for = true, const Departure& left = {})
-      : origin(from), direction(along.x, along.y, along.z), wanted(asked_for), departure(left) {}
+  RayPacket(const Origin& from, const Vectors& along, LaneMask asked_for = true, const Departure& left = {})
+      : origin(from), direction(along.x, along.y, along.z), active(asked_for), departure(left) {}
 
   [[nodiscard]] Vectors at(Doubles t) const { return origin + t * direction; }
-  [[nodiscard]] Rays turned(const Vectors& towards) const { return {origin, towards, wanted, departure}; }
+  [[nodiscard]] RayPacket turned(const Vectors& towards) const {
+    return {origin, towards, active, departure};
+  }
 
   /// Returns the ray in a lane.
   [[nodiscard]] Ray operator[](int lane) const {
@@ -137,8 +139,8 @@ struct Rays {
   }
 
   /// Returns the rays with only those lanes active that were so and are chosen.
-  friend Rays&& only(Chosen chosen, Rays&& rays) {
-    rays.wanted = rays.wanted && chosen;
+  friend RayPacket&& only(LaneMask chosen, RayPacket&& rays) {
+    rays.active = rays.active && chosen;
     return std::move(rays);
   }
 };
@@ -146,8 +148,8 @@ struct Rays {
 /// Rays of a camera through some pixels. They have a type of their own, since they meet only what has been
 /// listed for their tile (accel/tile_scene.hpp).
 template <class Origin>
-struct CameraRays : Rays<Origin> {
-  using Rays<Origin>::Rays;
+struct CameraPacket : RayPacket<Origin> {
+  using RayPacket<Origin>::RayPacket;
 };
 
 /// Returns the radiance that rays bring from an environment, which is asked ray by ray.
@@ -155,7 +157,7 @@ template <class R>
 requires std::same_as<typename R::Light, Colors>
 [[nodiscard, gnu::noinline]] Colors light_from(const Texture& environment, const R& rays) {
   Colors colors(Color{0});
-  for (Bits left = bits(rays.wanted); left != 0; left &= left - 1) {
+  for (Bits left = bits(rays.active); left != 0; left &= left - 1) {
     const int lane = std::countr_zero(left);
     colors.set(lane, light_from(environment, rays[lane]));
   }
@@ -163,26 +165,27 @@ requires std::same_as<typename R::Light, Colors>
 }
 
 /// Closest hit of each ray of a packet with a surface inside a range.
-struct FirstCrossings {
+struct ClosestCrossings {
   Doubles t;
-  Chosen met, in_doubt;  ///< a ray in doubt has to be traced by itself
+  LaneMask met, in_doubt;  ///< a ray in doubt has to be traced by itself
 };
 
 /// A surface that answers for several rays at once, and whose normal_at takes their points.
 template <class S>
-concept SurfaceForPackets = Surface<S> && requires(const S& surface, const Rays<Point>& rays, Chosen wanted) {
-  { surface.roots_of_each(rays, wanted) } -> std::same_as<RootsOfEach<Doubles, Chosen>>;
+concept SurfaceForPackets = Surface<S> &&
+    requires(const S& surface, const RayPacket<Point>& rays, LaneMask active) {
+  { surface.roots_of_each(rays, active) } -> std::same_as<RootsOfEach<Doubles, LaneMask>>;
 };
 
 /// Lanes whose t lies inside a range, surely or maybe, as lies_inside decides. Roots have the sign of the
 /// true ones, so that at 0 nothing is in doubt; a root beyond the range of double is infinity and lies inside
 /// no range.
 struct Inside {
-  Chosen surely, maybe;
+  LaneMask surely, maybe;
 };
 [[nodiscard]] inline Inside lies_inside(Doubles t, Interval range) {
   if (range.min == 0 && range.max == infinity) {
-    const Chosen inside = t > 0.0 && t < infinity;
+    const LaneMask inside = t > 0.0 && t < infinity;
     return {.surely = inside, .maybe = inside};
   }
   const Doubles margin = 2 * Roots::relative_error * abs(t);
@@ -198,14 +201,14 @@ struct Inside {
   return {.t = t, .root = static_cast<int>(~number >> 32), .part = static_cast<int>(~number & 0xffffffff)};
 }
 
-/// Returns first_crossing of the wanted rays of a packet, one by one, and sets `numbers` to number_of these
+/// Returns first_crossing of the active rays of a packet, one by one, and sets `numbers` to number_of these
 /// crossings.
 template <Surface S>
-[[nodiscard, gnu::noinline]] FirstCrossings first_crossings_by_itself(const S& surface, const auto& rays,
-                                                                      Chosen wanted, Interval range,
-                                                                      Indices& numbers) {
-  FirstCrossings first{.t = infinity, .met = false, .in_doubt = false};
-  for (Bits left = bits(wanted); left != 0; left &= left - 1) {
+[[nodiscard, gnu::noinline]] ClosestCrossings first_crossings_by_itself(const S& surface, const auto& rays,
+                                                                        LaneMask active, Interval range,
+                                                                        Indices& numbers) {
+  ClosestCrossings first{.t = infinity, .met = false, .in_doubt = false};
+  for (Bits left = bits(active); left != 0; left &= left - 1) {
     const int lane = std::countr_zero(left);
     if (const auto crossing = first_crossing(surface, rays[lane], range)) {
       first.t.set(lane, crossing->t);
@@ -216,27 +219,27 @@ template <Surface S>
   return first;
 }
 
-/// Returns first_crossing of the wanted rays of a packet.
+/// Returns first_crossing of the active rays of a packet.
 template <Surface S>
-[[nodiscard]] FirstCrossings first_crossings(const S& surface, const auto& rays, Chosen wanted,
-                                             Interval range) {
+[[nodiscard]] ClosestCrossings first_crossings(const S& surface, const auto& rays, LaneMask active,
+                                               Interval range) {
   if constexpr (!SurfaceForPackets<S>) {
     Indices numbers = -1;
-    return first_crossings_by_itself(surface, rays, wanted, range, numbers);
+    return first_crossings_by_itself(surface, rays, active, range, numbers);
   } else {
-    if constexpr (requires { surface.first_root_of_each(rays, wanted); })
+    if constexpr (requires { surface.first_root_of_each(rays, active); })
       if (range.min == 0 && range.max == infinity && rays.departure.kind == Departure::Kind::none) {
-        const FirstRootOfEach<Doubles, Chosen> root = surface.first_root_of_each(rays, wanted);
+        const FirstRootOfEach<Doubles, LaneMask> root = surface.first_root_of_each(rays, active);
         return {.t = root.t, .met = root.is_there, .in_doubt = root.in_doubt};
       }
-    FirstCrossings first{.t = infinity, .met = false, .in_doubt = false};
-    const RootsOfEach<Doubles, Chosen> roots = surface.roots_of_each(rays, wanted);
+    ClosestCrossings first{.t = infinity, .met = false, .in_doubt = false};
+    const RootsOfEach<Doubles, LaneMask> roots = surface.roots_of_each(rays, active);
     first.in_doubt = roots.in_doubt;
     if (!any(roots.meets)) return first;
     first.t = roots.near();
     const Inside near = lies_inside(first.t, range);
     first.met = roots.meets && near.surely;
-    const Chosen others = roots.meets && !near.surely;
+    const LaneMask others = roots.meets && !near.surely;
     if (!any(others)) return first;
     const Doubles far_t = roots.far();
     const Inside far = lies_inside(far_t, range);
@@ -247,36 +250,36 @@ template <Surface S>
   }
 }
 
-/// Returns which of the wanted rays of a packet cross a surface inside a range.
+/// Returns which of the active rays of a packet cross a surface inside a range.
 template <Surface S>
-[[nodiscard]] CrossedByEach<Chosen> crossed_by_each(const S& surface, const auto& rays, Chosen wanted,
-                                                    Interval range) {
-  if constexpr (requires { surface.crossed_by_segments(rays, wanted); }) {
-    if (range.min == 0 && range.max == 1) return surface.crossed_by_segments(rays, wanted);
-    if (range.min == 0 && range.max == infinity) return surface.crossed_by_each(rays, wanted);
+[[nodiscard]] CrossedByEach<LaneMask> crossed_by_each(const S& surface, const auto& rays, LaneMask active,
+                                                      Interval range) {
+  if constexpr (requires { surface.crossed_by_segments(rays, active); }) {
+    if (range.min == 0 && range.max == 1) return surface.crossed_by_segments(rays, active);
+    if (range.min == 0 && range.max == infinity) return surface.crossed_by_each(rays, active);
   }
-  const FirstCrossings first = first_crossings(surface, rays, wanted, range);
+  const ClosestCrossings first = first_crossings(surface, rays, active, range);
   return {.crossed = first.met, .in_doubt = first.in_doubt};
 }
 
-/// Rays that leave parts of a surface, each its own, and hence have no common departure, which Rays must
-/// have.
-struct RaysFromParts {
+/// Rays that leave parts of a surface, each its own, and hence have no common departure, which a RayPacket
+/// must have.
+struct PacketFromPrimitives {
   using Light = Colors;
 
   Vectors origin, direction;
-  Chosen wanted;
+  LaneMask active;
   SurfaceCrossing left;  ///< the surface
   Indices parts;
 
-  [[nodiscard]] RaysFromParts turned(const Vectors& towards) const {
-    return {origin, towards, wanted, left, parts};
+  [[nodiscard]] PacketFromPrimitives turned(const Vectors& towards) const {
+    return {origin, towards, active, left, parts};
   }
   [[nodiscard]] Ray operator[](int lane) const {
     return {origin[lane], direction[lane], left.departure(static_cast<int>(parts[lane]))};
   }
-  friend RaysFromParts&& only(Chosen chosen, RaysFromParts&& rays) {
-    rays.wanted = rays.wanted && chosen;
+  friend PacketFromPrimitives&& only(LaneMask chosen, PacketFromPrimitives&& rays) {
+    rays.active = rays.active && chosen;
     return std::move(rays);
   }
 };
@@ -289,14 +292,14 @@ struct NoParts {
 /// Hits of some rays of a packet on one surface, each possibly on its own part of it: Intersection, with a
 /// lane for each ray.
 template <Surface S, class Origin, class Parts = NoParts>
-class Intersections {
+class HitPacket {
  public:
   using Light = Colors;
 
   Doubles t;
 
-  Intersections(const Rays<Origin>& rays, Doubles at, Chosen which, const S& surface,
-                const Material& material, const Parts& parts = {})
+  HitPacket(const RayPacket<Origin>& rays, Doubles at, LaneMask which, const S& surface,
+            const Material& material, const Parts& parts = {})
       : t(at), rays_(rays), which_(which), surface_(surface), material_(material), parts_(parts) {}
 
   [[nodiscard]] Vectors point() const { return rays_.at(min(t, farthest_point)); }
@@ -339,9 +342,9 @@ class Intersections {
 
   [[nodiscard]] auto leave(const Vectors& direction) const {
     if constexpr (std::same_as<Parts, NoParts>)
-      return Rays<Vectors>{point(), direction, which_, departure_of(surface_)};
+      return RayPacket<Vectors>{point(), direction, which_, departure_of(surface_)};
     else
-      return RaysFromParts{point(), direction, which_, crossing_on(surface_, {}, material_), parts()};
+      return PacketFromPrimitives{point(), direction, which_, crossing_on(surface_, {}, material_), parts()};
   }
 
  private:
@@ -377,8 +380,8 @@ class Intersections {
     return colors;
   }
 
-  const Rays<Origin>& rays_;
-  Chosen which_;
+  const RayPacket<Origin>& rays_;
+  LaneMask which_;
   const S& surface_;
   const Material& material_;
   [[no_unique_address]] Parts parts_;

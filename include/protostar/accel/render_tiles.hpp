@@ -85,9 +85,9 @@ class TileRenderer {
     }
     if constexpr (by_packets && View::draws)
       if (rays_.is_pinhole()) draw(in_tile, frustum, tile, work);
-    if (can_be_left(in_tile))
-      leave_empty(tile, work);
-    else if (!fill_from_drawing(tile, in_tile, work))
+    if (sees_background_only(in_tile))
+      fill_with_background(tile, work);
+    else if (!fill_from_buffer(tile, in_tile, work))
       fill_parts(tile, in_tile, 0, work);
     if constexpr (View::draws) give_back(std::move(work.drawn));
     if (statistics_) {
@@ -139,7 +139,7 @@ class TileRenderer {
   /// surface, and becomes that of the next type's.
   template <Surface T>
   void add_found(const Frustum& frustum, int& first, Candidates& found) const {
-    scene_.template some_in<T>(
+    scene_.template frustum_query<T>(
         frustum.side, [&](const Numbers& numbers, Bits some, const SpheresAround& around) {
           found.add(numbers + Numbers(static_cast<std::uint32_t>(first)), some, rays_.viewpoint(), around);
         });
@@ -152,7 +152,7 @@ class TileRenderer {
     if (room_.empty()) return {};
     typename View::Drawn room = std::move(room_.back());
     room_.pop_back();
-    (std::get<DrawnOf<S>>(room).clear(), ...);
+    (std::get<VisibilityBuffers<S>>(room).clear(), ...);
     return room;
   }
   void give_back(typename View::Drawn&& room) const {
@@ -171,20 +171,20 @@ class TileRenderer {
   /// Rasterizes the candidates that can be.
   void draw(const Candidates& candidates, const Frustum& frustum, const Tile& tile, Work& work) const {
     const int samples = rays_.pixels().samples();
-    const auto visit = [&]<class T>(const DrawnOf<T>&, const T& surface, int place) {
-      if constexpr (SurfaceForTiles<T>)
+    const auto visit = [&]<class T>(const VisibilityBuffers<T>&, const T& surface, int place) {
+      if constexpr (RasterizedSurface<T>)
         for (int i = 0; i < samples; ++i)
-          if (auto* const drawn = std::get<DrawnOf<T>>(work.drawn).add(place, i))
+          if (auto* const drawn = std::get<VisibilityBuffers<T>>(work.drawn).add(place, i))
             surface.draw(*drawn, rays_, i, frustum, tile);
     };
     for (int i = 0; i < candidates.size(); ++i) {
       auto at = static_cast<std::size_t>(candidates.place(i));
-      const auto visit_group = [&]<class T>(const DrawnOf<T>& group) {
+      const auto visit_group = [&]<class T>(const VisibilityBuffers<T>& group) {
         const auto& surfaces = scene_.scene().template surfaces<T>();
         if (at < surfaces.size()) return visit(group, surfaces[at], candidates.place(i)), true;
         return at -= surfaces.size(), false;
       };
-      static_cast<void>((visit_group(DrawnOf<S>{}) || ...));
+      static_cast<void>((visit_group(VisibilityBuffers<S>{}) || ...));
     }
   }
 
@@ -195,7 +195,7 @@ class TileRenderer {
 
   /// Returns true if a tile with these candidates sees nothing, and the same background everywhere, so that
   /// one packet stands for all of its rays.
-  [[nodiscard]] bool can_be_left(const Candidates& candidates) const {
+  [[nodiscard]] bool sees_background_only(const Candidates& candidates) const {
     return by_packets && skips_.empty_tiles && candidates.size() == 0 && unbounded_.empty() &&
            !scene_.scene().environment();
   }
@@ -208,8 +208,8 @@ class TileRenderer {
         const Tile part{x, y, std::min(x + width, tile.x1), std::min(y + height, tile.y1)};
         in_part.clear();
         in_part.add(candidates, Frustum(rays_, part));
-        if (can_be_left(in_part))
-          leave_empty(part, work);
+        if (sees_background_only(in_part))
+          fill_with_background(part, work);
         else if (in_part.size() <= most || division + 1 == std::size(divisions))
           fill(part, in_part, work);
         else
@@ -217,7 +217,7 @@ class TileRenderer {
       }
   }
 
-  void leave_empty(const Tile& tile, Work& work) const {
+  void fill_with_background(const Tile& tile, Work& work) const {
     if constexpr (by_packets) {
       work.taken.pixels_skipped +=
           static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
@@ -236,11 +236,11 @@ class TileRenderer {
 
   /// Fills a tile that can see only one surface, if that is rasterized and pixels have one sample; returns
   /// false if not. Packets of rays are made only if a ray is in doubt, or colors vary from point to point.
-  bool fill_from_drawing(const Tile& tile, const Candidates& candidates, Work& work) const {
+  bool fill_from_buffer(const Tile& tile, const Candidates& candidates, Work& work) const {
     if constexpr (by_packets && View::draws && ShadingIntegrator<I, View>) {
       const View view(scene_, candidates, unbounded_, skips_, work.occluders, work.drawn, work.taken);
-      if (!view.sees_one_drawing() || rays_.pixels().samples() > 1) return false;
-      view.with_drawing([&](const auto& drawn, const Material& material) {
+      if (!view.sees_one_buffer() || rays_.pixels().samples() > 1) return false;
+      view.with_buffer([&](const auto& drawn, const Material& material) {
         const bool all_is_alike = is_alike(material), has_background = nothing_is_alike();
         Colors surface(Color{0}), background(Color{0});
         view.set_first_pixel(tile.x0, tile.y0);
@@ -252,17 +252,17 @@ class TileRenderer {
         const PacketOfColors of_surface = pixels_of(surface), of_background = pixels_of(background);
         std::uint64_t skipped = 0;
         each_packet(tile, [&](std::size_t, int x, int y) {
-          fetch_below(tile, x, y);
-          const Chosen wanted = rays_.wanted(tile, x);
-          const auto seen = drawn.seen(wanted, x, y);
+          prefetch_below(tile, x, y);
+          const LaneMask active = rays_.active(tile, x);
+          const auto seen = drawn.seen(active, x, y);
           if (!any(seen.in_doubt) && (all_is_alike || (has_background && !any(seen.met)))) {
-            skipped += static_cast<std::uint64_t>(std::popcount(bits(wanted)));
+            skipped += static_cast<std::uint64_t>(std::popcount(bits(active)));
             if (!any(seen.met)) return write(tile, x, y, of_background);
             if (!any(!seen.met)) return write(tile, x, y, of_surface);
             return write(tile, x, y, select(seen.met, surface, background));
           }
           view.set_first_pixel(x, y);
-          const CameraRays<Point> rays = rays_.packet(tile, x, y);
+          const CameraPacket<Point> rays = rays_.packet(tile, x, y);
           const auto closest = view.closest(rays, seen);
           write(
               tile, x, y,
@@ -295,7 +295,7 @@ class TileRenderer {
   template <class Origin>
   void fill_from(const Tile& tile, const Candidates& candidates, Work& work) const {
     if constexpr (std::same_as<Origin, Point>)
-      if (fill_from_drawing(tile, candidates, work)) return;
+      if (fill_from_buffer(tile, candidates, work)) return;
     const PixelGrid& pixels = rays_.pixels();
     work.taken.camera_rays += static_cast<std::uint64_t>(tile.width()) *
                               static_cast<std::uint64_t>(tile.height()) *
@@ -373,7 +373,7 @@ class TileRenderer {
   [[nodiscard, gnu::noinline]] Colors mean_radiance(const Tile& tile, int x, int y, const View& view) const {
     return rays_.pixels().mean([&](int i) {
       view.set_first_pixel(x, y, i);
-      const CameraRays<Origin> rays = rays_.template packet<Origin>(tile, x, y, i);
+      const CameraPacket<Origin> rays = rays_.template packet<Origin>(tile, x, y, i);
       return radiance(rays, view);
     });
   }
@@ -411,7 +411,7 @@ class TileRenderer {
 
   /// Prefetches, for writing, the pixels of a packet a few rows below. Rows of a tile are too short for the
   /// processor to foresee where the next one is.
-  void fetch_below(const Tile& tile, int x, int y) const {
+  void prefetch_below(const Tile& tile, int x, int y) const {
     constexpr int rows = 4;
     if (y + rows >= tile.y1) return;
     Color* const pixels = &image_(x, y + rows);

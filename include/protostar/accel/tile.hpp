@@ -59,17 +59,17 @@ class PixelRays {
   /// Returns the packet of these rays, of which rays in the tile are active. Rays of a pinhole have one Point
   /// as origin, and rays of any other camera have Vectors.
   template <class Origin = Point>
-  [[nodiscard]] CameraRays<Origin> packet(const Tile& tile, int x, int y, const Vectors& directions,
-                                          int i = 0) const {
-    return {origin<Origin>(samples_[static_cast<std::size_t>(i)], x, y), directions, wanted(tile, x)};
+  [[nodiscard]] CameraPacket<Origin> packet(const Tile& tile, int x, int y, const Vectors& directions,
+                                            int i = 0) const {
+    return {origin<Origin>(samples_[static_cast<std::size_t>(i)], x, y), directions, active(tile, x)};
   }
   /// Returns the active lanes of a packet that begins in column x: the pixels in the tile.
-  [[nodiscard]] static Chosen wanted(const Tile& tile, int x) {
-    return x + double_lanes <= tile.x1 ? Chosen(true)
+  [[nodiscard]] static LaneMask active(const Tile& tile, int x) {
+    return x + double_lanes <= tile.x1 ? LaneMask(true)
                                        : mask_of<double, double_lanes>(first_bits(tile.x1 - x));
   }
   template <class Origin = Point>
-  [[nodiscard]] CameraRays<Origin> packet(const Tile& tile, int x, int y, int i = 0) const {
+  [[nodiscard]] CameraPacket<Origin> packet(const Tile& tile, int x, int y, int i = 0) const {
     return packet<Origin>(tile, x, y, directions(x, y, i), i);
   }
 
@@ -333,7 +333,7 @@ class Candidates {
     const Doubles error = 0x1p-20 * (distance + radius) + 0x1p-140;
     some &= bits(!(depth < -(radius + error)));
     make_room(size_ + double_lanes);
-    const Chosen fits = distance + radius + abs(depth) < 0x1p120;
+    const LaneMask fits = distance + radius + abs(depth) < 0x1p120;
     const auto store = [&](auto& row, const Doubles& numbers, double otherwise) {
       store_chosen(row.data() + size_, some, to_float(select(fits, numbers, Doubles(otherwise))));
     };
@@ -386,7 +386,7 @@ class Candidates {
   /// ray that meets the sphere has |p| ≤ r and first meets it at b − r or later. The 16u (|l| + r) by which
   /// reach exceeds r cover all of that, and 2^-120 covers underflow of the squares. Raising `until` by 2^-22
   /// of it covers its rounding to float; if that underflows, the 2^-140 of reach do.
-  [[nodiscard]] Mask<float, double_lanes> may_be_met(int i, const FloatDirections& d,
+  [[nodiscard]] Mask<float, double_lanes> may_be_hit(int i, const FloatDirections& d,
                                                      const Doubles& until) const {
     const std::size_t at = index(i);
     const Floats x = x_[at], y = y_[at], z = z_[at];

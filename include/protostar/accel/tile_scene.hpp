@@ -18,21 +18,21 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// Float test of which of many candidates a packet of a pinhole may hit; the others are not tested in double.
 /// For other cameras, or few candidates, it rules out nothing.
 template <class Origin>
-class Trial {
+class CandidateFilter {
  public:
   /// Borrows the candidates.
-  Trial(const Candidates& candidates, const CameraRays<Origin>& rays, const Skips& skips)
+  CandidateFilter(const Candidates& candidates, const CameraPacket<Origin>& rays, const Skips& skips)
       : candidates_(candidates),
         is_useful_(std::same_as<Origin, Point> && candidates.size() > untried && skips.passed_surfaces) {
-    if (is_useful_) directions_ = FloatDirections(rays.direction), wanted_ = mask_for<float>(rays.wanted);
+    if (is_useful_) directions_ = FloatDirections(rays.direction), wanted_ = mask_for<float>(rays.active);
   }
 
   [[nodiscard]] bool is_useful() const { return is_useful_; }
 
   /// Returns true if surely no active ray hits the i-th candidate at a t of at most `until`. Surfaces without
   /// bounds, i < 0, are never ruled out.
-  [[nodiscard, gnu::always_inline]] bool rules_out(int i, const Doubles& until = infinity) const {
-    return is_useful_ && i >= 0 && !any(wanted_ && candidates_.may_be_met(i, directions_, until));
+  [[nodiscard, gnu::always_inline]] bool excludes(int i, const Doubles& until = infinity) const {
+    return is_useful_ && i >= 0 && !any(wanted_ && candidates_.may_be_hit(i, directions_, until));
   }
 
  private:
@@ -45,15 +45,15 @@ class Trial {
   Mask<float, double_lanes> wanted_;
 };
 
-/// View of a scene from one tile of a camera. Camera rays, as packets of CameraRays or as the pixel's single
-/// ray, can hit only the candidates and surfaces without bounds; all other rays query the whole scene. It is
-/// Traceable, for packets too: a surface is tested with all rays of a packet at once, and a ray that is left
-/// in doubt is then traced alone.
+/// View of a scene from one tile of a camera. Camera rays, as packets of CameraPacket or as the pixel's
+/// single ray, can hit only the candidates and surfaces without bounds; all other rays query the whole scene.
+/// It is Traceable, for packets too: a surface is tested with all rays of a packet at once, and a ray that is
+/// left in doubt is then traced alone.
 template <Surface... S>
 class TileScene {
  public:
-  using Drawn = std::tuple<DrawnOf<S>...>;
-  static constexpr bool draws = (SurfaceForTiles<S> || ...);           ///< true if any type can be rasterized
+  using Drawn = std::tuple<VisibilityBuffers<S>...>;
+  static constexpr bool draws = (RasterizedSurface<S> || ...);         ///< true if any type can be rasterized
   static constexpr bool has_crossings = (SurfaceWithParts<S> || ...);  ///< true if any type has primitives
 
   TileScene(const Accelerated<Scene<S...>>& everything, const Candidates& candidates,
@@ -71,8 +71,8 @@ class TileScene {
       if (candidates.size() == 1 && unbounded.empty()) {
         const int place = candidates.place(0);
         visit(place, [&]<class T>(const T&, const Material&) {
-          if constexpr (SurfaceForTiles<T>)
-            if (drawn_at<T>(place)) one_drawing_ = place;
+          if constexpr (RasterizedSurface<T>)
+            if (buffer_at<T>(place)) only_buffer_ = place;
         });
       }
   }
@@ -142,27 +142,28 @@ class TileScene {
 
   /// Returns the closest hits of camera rays among the candidates.
   template <class Origin>
-  [[nodiscard]] Closest closest(const CameraRays<Origin>& rays) const {
+  [[nodiscard]] Closest closest(const CameraPacket<Origin>& rays) const {
     if constexpr (are_of_pinhole<decltype(rays)>)
-      if (const Trial trial(candidates_, rays, skips_); trial.is_useful()) return closest_after(trial, rays);
+      if (const CandidateFilter trial(candidates_, rays, skips_); trial.is_useful())
+        return closest_after(trial, rays);
     return closest_of_candidates(rays, [](int, const Doubles&) { return false; });
   }
 
-  /// Returns true if only one surface can be hit, and that is rasterized; with_drawing(f) then calls
+  /// Returns true if only one surface can be hit, and that is rasterized; with_buffer(f) then calls
   /// f(visibility buffer, material).
-  [[nodiscard]] bool sees_one_drawing() const { return one_drawing_ >= 0; }
-  void with_drawing(const auto& f) const {
-    visit(one_drawing_, [&]<class T>(const T&, const Material& material) {
-      if constexpr (SurfaceForTiles<T>) f(*drawn_at<T>(one_drawing_), material);
+  [[nodiscard]] bool sees_one_buffer() const { return only_buffer_ >= 0; }
+  void with_buffer(const auto& f) const {
+    visit(only_buffer_, [&]<class T>(const T&, const Material& material) {
+      if constexpr (RasterizedSurface<T>) f(*buffer_at<T>(only_buffer_), material);
     });
   }
 
   /// Returns the closest hits of camera rays, given what the only visibility buffer tells of them. A certain
   /// hit gets t = 0, since it is compared with no other.
-  [[nodiscard]] Closest closest(const CameraRays<Point>& rays, const auto& seen) const {
+  [[nodiscard]] Closest closest(const CameraPacket<Point>& rays, const auto& seen) const {
     count_tests(seen.met || seen.in_doubt);
     const Closest closest{.t = select(seen.met, Doubles(0.0), infinity),
-                          .place = select(seen.met, Indices(one_drawing_), -1),
+                          .place = select(seen.met, Indices(only_buffer_), -1),
                           .which = select(seen.met, seen.which, -1)};
     if (!any(seen.in_doubt)) return closest;
     return decided(rays, seen.in_doubt, closest,
@@ -171,13 +172,13 @@ class TileScene {
 
   /// Returns the closest hits of other rays among all surfaces.
   template <class Origin>
-  [[nodiscard]] Closest closest(const Rays<Origin>& rays) const {
+  [[nodiscard]] Closest closest(const RayPacket<Origin>& rays) const {
     Closest closest{.t = infinity, .place = -1};
-    Chosen in_doubt = false;
+    LaneMask in_doubt = false;
     int count = 0;
     const auto look_at_all = [&](const auto& surfaces_of_type) {
       for (const auto& surface : surfaces_of_type) {
-        count_tests(rays.wanted);
+        count_tests(rays.active);
         consider(surface, count++, rays, closest, in_doubt);
       }
     };
@@ -206,45 +207,45 @@ class TileScene {
   [[nodiscard]] Colors shade(const auto& rays, const Closest& closest, const auto& background,
                              const auto& shade_hits) const {
     const std::int64_t place = closest.place[wanted_lane(rays)];
-    if (any(rays.wanted && !mask_for<double>(closest.place == Indices(place))))
+    if (any(rays.active && !mask_for<double>(closest.place == Indices(place))))
       return shade_each(rays, closest, background, shade_hits);
     if (place < 0) return Colors(background());
     Colors result(Color{0});
     visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
-      result = shade_on(surface, material, rays, closest, rays.wanted, shade_hits);
+      result = shade_on(surface, material, rays, closest, rays.active, shade_hits);
     });
     return result;
   }
 
   /// Traces camera rays; returns shade_hits(hits), or background() for rays that miss.
   template <class Origin>
-  [[nodiscard]] Colors follow(const CameraRays<Origin>& rays, const auto& background,
+  [[nodiscard]] Colors follow(const CameraPacket<Origin>& rays, const auto& background,
                               const auto& shade_hits) const {
     return shade(rays, closest(rays), background, shade_hits);
   }
 
   /// Traces other rays; in a scene of many surfaces, each ray alone.
   template <class Origin>
-  [[nodiscard]] Colors follow(const Rays<Origin>& rays, const auto& background,
+  [[nodiscard]] Colors follow(const RayPacket<Origin>& rays, const auto& background,
                               const auto& shade_hits) const {
     if (scene_.size() > few) return follow_each(rays, background, shade_hits);
-    statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.wanted)));
+    statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.active)));
     return shade(rays, closest(rays), background, shade_hits);
   }
 
   /// Traces rays that leave different primitives, each ray alone.
-  [[nodiscard]] Colors follow(const RaysFromParts& rays, const auto& background,
+  [[nodiscard]] Colors follow(const PacketFromPrimitives& rays, const auto& background,
                               const auto& shade_hits) const {
     return follow_each(rays, background, shade_hits);
   }
 
   /// Traces each active ray alone; returns shade_hits(hit), or background() for rays that miss.
   template <class R>
-  requires requires(R rays) { rays.wanted; }
+  requires requires(R rays) { rays.active; }
   [[nodiscard, gnu::noinline]] Colors follow_each(const R& rays, const auto& background,
                                                   const auto& shade_hits) const {
     Colors result(background());
-    for (Bits alone = bits(rays.wanted); alone != 0; alone &= alone - 1) {
+    for (Bits alone = bits(rays.active); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       count_alone();
       if (const auto hit = everything_.intersect(rays[lane], Interval{})) {
@@ -256,19 +257,19 @@ class TileScene {
 
   /// Returns which camera rays have any hit in the range.
   template <class Origin>
-  [[nodiscard]] Chosen occluded(const CameraRays<Origin>& rays, Interval range) const {
-    const Trial trial(candidates_, rays, skips_);
-    Chosen found = false, left = rays.wanted;
+  [[nodiscard]] LaneMask occluded(const CameraPacket<Origin>& rays, Interval range) const {
+    const CandidateFilter trial(candidates_, rays, skips_);
+    LaneMask found = false, left = rays.active;
     for (int i = -unbounded(); i < candidates_.size() && any(left); ++i)
-      if (!trial.rules_out(i)) test(place_of(i), rays, range, found, left);
+      if (!trial.excludes(i)) test(place_of(i), rays, range, found, left);
     return found;
   }
 
   /// Returns which other rays have any hit in the range. In a scene of many surfaces, those tested are the
   /// ones in a cone to the light, or each ray is traced alone.
   template <class Origin>
-  [[nodiscard]] Chosen occluded(const Rays<Origin>& rays, Interval range) const {
-    Chosen found = false, left = rays.wanted;
+  [[nodiscard]] LaneMask occluded(const RayPacket<Origin>& rays, Interval range) const {
+    LaneMask found = false, left = rays.active;
     statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
     if (scene_.size() > few) {
       look_for_occluders(rays, range, found, left);
@@ -279,29 +280,29 @@ class TileScene {
     return found;
   }
 
-  [[nodiscard]] Chosen occluded(const RaysFromParts& rays, Interval range) const {
-    statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.wanted)));
-    return occluded_each_by_itself(rays, rays.wanted, range);
+  [[nodiscard]] LaneMask occluded(const PacketFromPrimitives& rays, Interval range) const {
+    statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.active)));
+    return occluded_each_by_itself(rays, rays.active, range);
   }
 
   /// Calls visit_crossing for all hits of camera rays, as Scene::crossings does. Its argument has a color()
   /// for each ray: the surface's, or white, which leaves a product as it is, for rays that do not cross the
   /// surface.
   template <class Origin>
-  void crossings(const CameraRays<Origin>& rays, Interval range, auto&& visit_crossing) const {
-    const Trial trial(candidates_, rays, skips_);
+  void crossings(const CameraPacket<Origin>& rays, Interval range, auto&& visit_crossing) const {
+    const CandidateFilter trial(candidates_, rays, skips_);
     // Surfaces without bounds are in the scene's order, and so are candidates unless the integrator shades
     // closest hits; hence so are the visits.
     for (int k = -unbounded(), i = 0; k < 0 || i < candidates_.size();) {
       const bool is_candidate = k == 0 || (i < candidates_.size() && place_of(i) < place_of(k));
       const int next = is_candidate ? i++ : k++;
-      if (trial.rules_out(next)) continue;
+      if (trial.excludes(next)) continue;
       visit(place_of(next), [&](const auto& surface, const Material& material) {
-        const Chosen maybe = may_cross(surface, place_of(next), rays, range);
+        const LaneMask maybe = may_cross(surface, place_of(next), rays, range);
         count_tests(maybe);
         if (material.texture)
           return each_textured_crossing(surface, material, rays, maybe, range, visit_crossing);
-        each_crossing_of(surface, rays, maybe, range, [&](Chosen which, Doubles) {
+        each_crossing_of(surface, rays, maybe, range, [&](LaneMask which, Doubles) {
           if (any(which)) visit_crossing(SomeCross{which, material.diffuse});
         });
       });
@@ -319,19 +320,19 @@ class TileScene {
   static constexpr std::size_t few = 16;
 
   struct SomeCross {
-    Chosen which;
+    LaneMask which;
     Colors surface_color;
     [[nodiscard]] Colors color() const { return select(which, surface_color, Color{1}); }
   };
 
   /// Returns the lane of an active ray; a camera packet begins with one.
   template <class Origin>
-  static int wanted_lane(const CameraRays<Origin>&) {
+  static int wanted_lane(const CameraPacket<Origin>&) {
     return 0;
   }
   template <class Origin>
-  static int wanted_lane(const Rays<Origin>& rays) {
-    return std::countr_zero(bits(rays.wanted)) % double_lanes;  // % tells g++ that the lane exists
+  static int wanted_lane(const RayPacket<Origin>& rays) {
+    return std::countr_zero(bits(rays.active)) % double_lanes;  // % tells g++ that the lane exists
   }
 
   /// Returns the index, in the scene's order, of the i-th candidate, or for i < 0 of a surface without
@@ -341,11 +342,11 @@ class TileScene {
   }
   [[nodiscard]] int unbounded() const { return static_cast<int>(unbounded_.size()); }
 
-  static Chosen one(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
+  static LaneMask one(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
 
   void count_alone() const { ++statistics_.other_rays, ++statistics_.rays_alone; }
 
-  void count_tests(Chosen which) const {
+  void count_tests(LaneMask which) const {
     statistics_.surface_tests += static_cast<std::uint64_t>(std::popcount(bits(which)));
   }
 
@@ -363,35 +364,35 @@ class TileScene {
 
   /// Updates the closest hits with those of one surface, and in_doubt with the rays that it leaves in doubt.
   template <Surface T>
-  void consider(const T& surface, int place, const auto& rays, Closest& closest, Chosen& in_doubt) const {
-    if constexpr (SurfaceForTiles<T> && are_of_pinhole<decltype(rays)>)
-      if (const auto* const drawn = drawn_at<T>(place)) {
-        const auto seen = drawn->seen(rays.wanted, first_x_, first_y_);
-        FirstCrossings first{.t = infinity, .met = seen.met, .in_doubt = seen.in_doubt};
+  void consider(const T& surface, int place, const auto& rays, Closest& closest, LaneMask& in_doubt) const {
+    if constexpr (RasterizedSurface<T> && are_of_pinhole<decltype(rays)>)
+      if (const auto* const drawn = buffer_at<T>(place)) {
+        const auto seen = drawn->seen(rays.active, first_x_, first_y_);
+        ClosestCrossings first{.t = infinity, .met = seen.met, .in_doubt = seen.in_doubt};
         if (any(seen.met))
           first.t = select(seen.met, drawn->t(seen.which, seen.met, rays.direction), first.t);
-        const Chosen sooner = take(first, place, closest, in_doubt);
+        const LaneMask sooner = take(first, place, closest, in_doubt);
         closest.which = select(sooner, seen.which, closest.which);
         return;
       }
     if constexpr (SurfaceWithParts<T>)
       if (has_parts(surface)) {
         Indices numbers = -1;
-        const FirstCrossings first =
-            first_crossings_by_itself(surface, rays, rays.wanted, Interval{}, numbers);
-        const Chosen sooner = take(first, place, closest, in_doubt);
+        const ClosestCrossings first =
+            first_crossings_by_itself(surface, rays, rays.active, Interval{}, numbers);
+        const LaneMask sooner = take(first, place, closest, in_doubt);
         closest.which = select(sooner, numbers, closest.which);
         return;
       }
-    take(first_crossings(surface, rays, rays.wanted, Interval{}), place, closest, in_doubt);
+    take(first_crossings(surface, rays, rays.active, Interval{}), place, closest, in_doubt);
   }
 
   /// Replaces closest hits by those that surely precede them, and returns their rays; rays with hits in an
   /// uncertain order become in_doubt.
-  Chosen take(const FirstCrossings& first, int place, Closest& closest, Chosen& in_doubt) const {
+  LaneMask take(const ClosestCrossings& first, int place, Closest& closest, LaneMask& in_doubt) const {
     // The order is certified if the errors of both t, 2^-30 of each, do not overlap.
-    const Chosen sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
-    const Chosen later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
+    const LaneMask sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
+    const LaneMask later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
     in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
     if (!any(sooner)) return sooner;
     closest.t = select(sooner, first.t, closest.t);
@@ -400,33 +401,33 @@ class TileScene {
   }
 
   template <class R>
-  static constexpr bool are_of_pinhole = std::same_as<std::remove_cvref_t<R>, CameraRays<Point>>;
+  static constexpr bool are_of_pinhole = std::same_as<std::remove_cvref_t<R>, CameraPacket<Point>>;
 
   /// Returns the visibility buffer of the surface with this index; null if it has none.
-  template <SurfaceForTiles T>
-  [[nodiscard]] const typename T::Drawn* drawn_at(int place) const {
-    return std::get<DrawnOf<T>>(drawn_).at(place, sample_);
+  template <RasterizedSurface T>
+  [[nodiscard]] const typename T::Drawn* buffer_at(int place) const {
+    return std::get<VisibilityBuffers<T>>(drawn_).at(place, sample_);
   }
 
   /// Returns the radiance of rays that hit one surface, though perhaps different primitives of it.
   template <Surface T>
   [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const auto& rays,
-                                const Closest& closest, Chosen which, const auto& shade_hits) const {
-    if constexpr (SurfaceForTiles<T>)
+                                const Closest& closest, LaneMask which, const auto& shade_hits) const {
+    if constexpr (RasterizedSurface<T>)
       if (!any(which && mask_for<double>(closest.which < Indices(0)))) {
-        const auto& drawn = *drawn_at<T>(static_cast<int>(closest.place[std::countr_zero(bits(which))]));
-        const Doubles t = sees_one_drawing() ? drawn.t(closest.which, which, rays.direction) : closest.t;
-        return Colors(shade_hits(Intersections(rays, t, which, surface, material,
-                                               PartsSeen<typename T::Drawn>{drawn, closest.which})));
+        const auto& drawn = *buffer_at<T>(static_cast<int>(closest.place[std::countr_zero(bits(which))]));
+        const Doubles t = sees_one_buffer() ? drawn.t(closest.which, which, rays.direction) : closest.t;
+        return Colors(shade_hits(HitPacket(rays, t, which, surface, material,
+                                           PrimitivesSeen<typename T::Drawn>{drawn, closest.which})));
       }
     if constexpr (SurfaceWithParts<T>)
       if (has_parts(surface)) return shade_by_itself(surface, material, rays, closest, which, shade_hits);
-    return Colors(shade_hits(Intersections(rays, closest.t, which, surface, material)));
+    return Colors(shade_hits(HitPacket(rays, closest.t, which, surface, material)));
   }
   template <Surface T>
   [[nodiscard, gnu::noinline]] Colors shade_by_itself(const T& surface, const Material& material,
-                                                      const auto& rays, const Closest& closest, Chosen which,
-                                                      const auto& shade_hits) const {
+                                                      const auto& rays, const Closest& closest,
+                                                      LaneMask which, const auto& shade_hits) const {
     Colors result(Color{0});
     for (Bits left = bits(which); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
@@ -443,10 +444,10 @@ class TileScene {
   [[nodiscard, gnu::noinline]] Colors shade_each(const auto& rays, const Closest& closest,
                                                  const auto& background, const auto& shade_hits) const {
     Colors result(background());
-    Chosen left = rays.wanted && closest.t < infinity;
+    LaneMask left = rays.active && closest.t < infinity;
     for (Bits some = bits(left); some != 0; some = bits(left)) {
       const std::int64_t place = closest.place[std::countr_zero(some)];
-      const Chosen here = left && mask_for<double>(closest.place == Indices(place));
+      const LaneMask here = left && mask_for<double>(closest.place == Indices(place));
       visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
         result = select(here, shade_on(surface, material, rays, closest, here, shade_hits), result);
       });
@@ -455,16 +456,16 @@ class TileScene {
     return result;
   }
 
-  /// Returns the closest hits of camera rays among the candidates, but for those that rules_out(i, t).
-  [[nodiscard]] Closest closest_of_candidates(const auto& rays, const auto& rules_out) const {
+  /// Returns the closest hits of camera rays among the candidates, but for those that excludes(i, t).
+  [[nodiscard]] Closest closest_of_candidates(const auto& rays, const auto& excludes) const {
     Closest closest{.t = infinity, .place = -1};
-    Chosen in_doubt = false;
+    LaneMask in_doubt = false;
     for (int i = -unbounded(); i < candidates_.size(); ++i) {
       // If no ray can reach a candidate before its closest hit, none can reach those that follow.
-      if (i > 0 && !any(rays.wanted && closest.t >= Doubles(candidates_.nearest(i)))) break;
-      if (rules_out(i, closest.t)) continue;
+      if (i > 0 && !any(rays.active && closest.t >= Doubles(candidates_.nearest(i)))) break;
+      if (excludes(i, closest.t)) continue;
       const int place = place_of(i);
-      count_tests(rays.wanted);
+      count_tests(rays.active);
       visit(place,
             [&](const auto& surface, const Material&) { consider(surface, place, rays, closest, in_doubt); });
     }
@@ -472,11 +473,11 @@ class TileScene {
       return decided(rays, in_doubt, closest, [&](const auto& visit_place) { each_candidate(visit_place); });
     return closest;
   }
-  [[nodiscard, gnu::noinline]] Closest closest_after(const Trial<Point>& trial,
-                                                     const CameraRays<Point>& rays) const {
+  [[nodiscard, gnu::noinline]] Closest closest_after(const CandidateFilter<Point>& trial,
+                                                     const CameraPacket<Point>& rays) const {
     const bool leaves_out_farther = skips_.farther_surfaces;
     return closest_of_candidates(rays, [&](int i, const Doubles& t) {
-      return trial.rules_out(i, leaves_out_farther ? t : Doubles(infinity));
+      return trial.excludes(i, leaves_out_farther ? t : Doubles(infinity));
     });
   }
 
@@ -487,8 +488,8 @@ class TileScene {
 
   /// Returns the closest hits, with each ray in doubt traced alone. `closest` is passed by value, so that
   /// what double decides can stay in registers.
-  [[nodiscard, gnu::noinline, gnu::cold]] Closest decided(const auto& rays, Chosen in_doubt, Closest closest,
-                                                          const auto& each_place) const {
+  [[nodiscard, gnu::noinline, gnu::cold]] Closest decided(const auto& rays, LaneMask in_doubt,
+                                                          Closest closest, const auto& each_place) const {
     for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       ++statistics_.in_doubt;
@@ -503,13 +504,13 @@ class TileScene {
 
   /// Returns those of the rays in doubt that cross a surface inside the range.
   template <Surface T>
-  [[gnu::noinline, gnu::cold]] Chosen decide(const T& surface, const auto& rays, Chosen in_doubt,
-                                             Interval range) const {
-    Chosen crossed = false;
+  [[gnu::noinline, gnu::cold]] LaneMask decide(const T& surface, const auto& rays, LaneMask in_doubt,
+                                               Interval range) const {
+    LaneMask crossed = false;
     for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       ++statistics_.in_doubt;
-      if (is_met(surface, rays[lane], range)) crossed = crossed || one(lane);
+      if (any_hit(surface, rays[lane], range)) crossed = crossed || one(lane);
     }
     return crossed;
   }
@@ -534,8 +535,8 @@ class TileScene {
     return first;
   }
 
-  [[gnu::noinline]] void look_for_occluders(const Rays<Vectors>& rays, Interval range, Chosen& found,
-                                            Chosen left) const {
+  [[gnu::noinline]] void look_for_occluders(const RayPacket<Vectors>& rays, Interval range, LaneMask& found,
+                                            LaneMask left) const {
     const std::vector<int>* places = nullptr;
     if (skips_.occluder_lists && range.min == 0 && range.max == 1)
       places = occluders_.between(rays, left, [&](const auto& half_spaces, const auto& visit_place) {
@@ -557,20 +558,20 @@ class TileScene {
   /// is the index of the type's first surface, and becomes that of the next type's.
   template <Surface T>
   void search(const auto& half_spaces, int& first, const auto& visit_place) const {
-    everything_.template some_in<T>(half_spaces,
-                                    [&](const Numbers& numbers, Bits some, const SpheresAround& around) {
-                                      for (; some != 0; some &= some - 1) {
-                                        const int lane = std::countr_zero(some);
-                                        visit_place(first + static_cast<int>(numbers[lane]), around[lane]);
-                                      }
-                                    });
+    everything_.template frustum_query<T>(
+        half_spaces, [&](const Numbers& numbers, Bits some, const SpheresAround& around) {
+          for (; some != 0; some &= some - 1) {
+            const int lane = std::countr_zero(some);
+            visit_place(first + static_cast<int>(numbers[lane]), around[lane]);
+          }
+        });
     first += static_cast<int>(scene_.template surfaces<T>().size());
   }
 
-  [[nodiscard, gnu::noinline]] Chosen occluded_each_by_itself(const auto& rays, Chosen wanted,
-                                                              Interval range) const {
-    Chosen found = false;
-    for (Bits alone = bits(wanted); alone != 0; alone &= alone - 1) {
+  [[nodiscard, gnu::noinline]] LaneMask occluded_each_by_itself(const auto& rays, LaneMask active,
+                                                                Interval range) const {
+    LaneMask found = false;
+    for (Bits alone = bits(active); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       ++statistics_.rays_alone;
       if (everything_.occluded(rays[lane], range)) found = found || one(lane);
@@ -579,11 +580,11 @@ class TileScene {
   }
 
   /// Moves the rays that cross a surface inside the range from left to found.
-  void test(int place, const auto& rays, Interval range, Chosen& found, Chosen& left) const {
+  void test(int place, const auto& rays, Interval range, LaneMask& found, LaneMask& left) const {
     count_tests(left);
     visit(place, [&](const auto& surface, const Material&) {
-      const CrossedByEach<Chosen> tested = crossed(surface, place, rays, left, range);
-      Chosen crossed = tested.crossed;
+      const CrossedByEach<LaneMask> tested = crossed(surface, place, rays, left, range);
+      LaneMask crossed = tested.crossed;
       if (any(tested.in_doubt)) crossed = crossed || decide(surface, rays, tested.in_doubt, range);
       if (!any(crossed)) return;
       found = found || crossed;
@@ -593,10 +594,10 @@ class TileScene {
 
   /// Returns which of the remaining rays cross a surface inside the range.
   template <Surface T>
-  [[nodiscard]] CrossedByEach<Chosen> crossed(const T& surface, [[maybe_unused]] int place, const auto& rays,
-                                              Chosen left, Interval range) const {
-    if constexpr (SurfaceForTiles<T> && are_of_pinhole<decltype(rays)>)
-      if (const auto* const drawn = drawn_at<T>(place); drawn && range.min == 0 && range.max == infinity) {
+  [[nodiscard]] CrossedByEach<LaneMask> crossed(const T& surface, [[maybe_unused]] int place,
+                                                const auto& rays, LaneMask left, Interval range) const {
+    if constexpr (RasterizedSurface<T> && are_of_pinhole<decltype(rays)>)
+      if (const auto* const drawn = buffer_at<T>(place); drawn && range.min == 0 && range.max == infinity) {
         const auto seen = drawn->seen(left, first_x_, first_y_);
         return {.crossed = seen.met, .in_doubt = seen.in_doubt};
       }
@@ -605,28 +606,28 @@ class TileScene {
 
   /// Returns which rays may cross a surface inside the range, as far as its visibility buffer tells.
   template <Surface T>
-  [[nodiscard]] Chosen may_cross(const T&, [[maybe_unused]] int place, const auto& rays,
-                                 [[maybe_unused]] Interval range) const {
-    if constexpr (SurfaceForTiles<T> && are_of_pinhole<decltype(rays)>)
-      if (const auto* const drawn = drawn_at<T>(place); drawn && range.min >= 0) {
-        count_tests(rays.wanted);
-        const auto seen = drawn->seen(rays.wanted, first_x_, first_y_);
+  [[nodiscard]] LaneMask may_cross(const T&, [[maybe_unused]] int place, const auto& rays,
+                                   [[maybe_unused]] Interval range) const {
+    if constexpr (RasterizedSurface<T> && are_of_pinhole<decltype(rays)>)
+      if (const auto* const drawn = buffer_at<T>(place); drawn && range.min >= 0) {
+        count_tests(rays.active);
+        const auto seen = drawn->seen(rays.active, first_x_, first_y_);
         return seen.met || seen.in_doubt;
       }
-    return rays.wanted;
+    return rays.active;
   }
 
   /// Calls tell(mask, t) for the crossings of some rays with one surface, near before far, with the mask of
   /// the rays that have one.
   template <Surface T>
-  void each_crossing_of(const T& surface, const auto& rays, Chosen some, Interval range,
+  void each_crossing_of(const T& surface, const auto& rays, LaneMask some, Interval range,
                         const auto& tell) const {
-    Chosen alone = some;
+    LaneMask alone = some;
     if constexpr (SurfaceForPackets<T>) {
-      const RootsOfEach<Doubles, Chosen> roots = surface.roots_of_each(rays, some);
+      const RootsOfEach<Doubles, LaneMask> roots = surface.roots_of_each(rays, some);
       const Inside near = lies_inside(roots.near(), range), far = lies_inside(roots.far(), range);
       alone = roots.in_doubt || (roots.meets && ((near.maybe && !near.surely) || (far.maybe && !far.surely)));
-      const Chosen sure = roots.meets && !alone;
+      const LaneMask sure = roots.meets && !alone;
       tell(sure && near.surely, roots.near());
       if (roots.count > 1) tell(sure && far.surely, roots.far());
       statistics_.in_doubt += static_cast<std::uint64_t>(std::popcount(bits(alone)));
@@ -639,7 +640,7 @@ class TileScene {
   /// Visits the crossings of some rays with a textured surface, each with its color.
   template <Surface T>
   [[gnu::noinline]] void each_textured_crossing(const T& surface, const Material& material, const auto& rays,
-                                                Chosen some, Interval range,
+                                                LaneMask some, Interval range,
                                                 const auto& visit_crossing) const {
     if (has_parts(surface))
       each_crossing_by_itself(surface, rays, some, range, [&](int lane, const Crossing& crossing) {
@@ -647,14 +648,14 @@ class TileScene {
         visit_crossing(SomeCross{one(lane), hit.color()});
       });
     else
-      each_crossing_of(surface, rays, some, range, [&](Chosen which, Doubles t) {
-        const Intersections crossings(rays, t, which, surface, material);
+      each_crossing_of(surface, rays, some, range, [&](LaneMask which, Doubles t) {
+        const HitPacket crossings(rays, t, which, surface, material);
         if (any(which)) visit_crossing(SomeCross{which, crossings.color()});
       });
   }
 
   [[gnu::noinline, gnu::cold]] void each_crossing_by_itself(const auto& surface, const auto& rays,
-                                                            Chosen alone, Interval range,
+                                                            LaneMask alone, Interval range,
                                                             const auto& tell) const {
     for (Bits left = bits(alone); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
@@ -671,7 +672,7 @@ class TileScene {
   const Drawn& drawn_;
   RenderStatistics& statistics_;
   Ray pixel_;
-  int one_drawing_ = -1;  ///< index of the only surface that can be hit, if it is rasterized; or −1
+  int only_buffer_ = -1;  ///< index of the only surface that can be hit, if it is rasterized; or −1
   mutable int first_x_ = 0, first_y_ = 0, sample_ = 0;
 };
 

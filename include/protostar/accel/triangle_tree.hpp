@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bvh.hpp"
-#include "in_turns.hpp"
+#include "interleaved.hpp"
 #include "triangle_leaves.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
@@ -52,7 +52,7 @@ class TriangleTree {
   /// order. While the ray of one waits for memory, others go on.
   void answer_each(std::size_t count, const auto& make, const auto& done, const auto& triangle) const {
     constexpr Order order = order_for<decltype(make(std::size_t{0}))>;
-    each_along_in_turns<order>(
+    each_along_interleaved<order>(
         bvh_, count, make, done, [&](auto& query, std::uint32_t i) { return query.maybe(triangle(i), i); },
         [&](auto& query, const BoxRay& line, Leaf leaf, Reach& left) {
           return show<order>(query, line, leaf, left);

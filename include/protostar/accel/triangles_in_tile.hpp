@@ -40,20 +40,20 @@ class TrianglesInTile {
   /// Visibility for the rays of a packet, from a pixel on to the right: lanes that surely hit, with the entry
   /// of the closest triangle for t() and part(), and lanes in doubt, which may hit.
   struct Seen {
-    Chosen met, in_doubt;
+    LaneMask met, in_doubt;
     Indices which = -1;
   };
-  [[nodiscard, gnu::always_inline]] Seen seen(const Chosen& wanted, int x, int y) const {
+  [[nodiscard, gnu::always_inline]] Seen seen(const LaneMask& active, int x, int y) const {
     const Indices which =
         widened(Lanes<std::int32_t, double_lanes>::load(&seen_[index(x - tile_.x0, y - tile_.y0)]));
-    const Chosen doubtful = mask_for<double>(which == Indices(in_doubt)),
-                 none = mask_for<double>(which == Indices(nothing));
-    return {.met = wanted && !doubtful && !none, .in_doubt = wanted && doubtful, .which = which};
+    const LaneMask doubtful = mask_for<double>(which == Indices(in_doubt)),
+                   none = mask_for<double>(which == Indices(nothing));
+    return {.met = active && !doubtful && !none, .in_doubt = active && doubtful, .which = which};
   }
 
   /// Returns t of rays in direction d with the triangles that they hit, by `which` of seen(); any number in
   /// other lanes. At least one ray must hit.
-  [[nodiscard, gnu::always_inline]] Doubles t(const Indices& which, const Chosen& met,
+  [[nodiscard, gnu::always_inline]] Doubles t(const Indices& which, const LaneMask& met,
                                               const Vectors& d) const {
     const double* planes[double_lanes];
     const auto any_lane = std::countr_zero(bits(met)) % double_lanes;  // stands in for lanes without a hit
@@ -120,8 +120,8 @@ class TrianglesInTile {
                     terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
       const Doubles U = sum_of(p), V = sum_of(q), heights = dot(terms, w),
                     height = Doubles::load(numbers + 3 * double_lanes);
-      const Chosen known = U > 0x1p-200 && U < 0x1p200 && V > 0x1p-200 && V < 0x1p200 &&
-                           sum_of(w) < 0x1p200 && abs(height) > 0x1p-18 * heights && heights > 0x1p-800;
+      const LaneMask known = U > 0x1p-200 && U < 0x1p200 && V > 0x1p-200 && V < 0x1p200 &&
+                             sum_of(w) < 0x1p200 && abs(height) > 0x1p-18 * heights && heights > 0x1p-800;
       const Doubles least = max(0x1p-17 * max(terms.x, max(terms.y, terms.z)), 0x1p-500),
                     floor = least * (screen.longest / screen.scale) / abs(height);
       return to_float(select(known && floor < 0x1p100, floor, Doubles(infinity)));

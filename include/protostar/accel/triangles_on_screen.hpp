@@ -65,15 +65,15 @@ class TrianglesOnScreen {
     const Doubles e =
         12 * gamma / T *
         (a.size * b.extent * c.extent + a.extent * b.size * c.extent + a.extent * b.extent * c.size);
-    const Chosen faces = e < 0.5 * abs(det) && abs(det) > 0x1p-900;
+    const LaneMask faces = e < 0.5 * abs(det) && abs(det) > 0x1p-900;
     const Doubles turn = select(faces, det, 1.0);
     is_signed = bits(faces);
-    const Chosen in_front = a.is_in_front && b.is_in_front && c.is_in_front;
+    const LaneMask in_front = a.is_in_front && b.is_in_front && c.is_in_front;
     Doubles off = 0.0;
     const auto turned = [&](const Linear& s, const Corner& p, const Corner& q) {
       const Doubles w = 8 * gamma * (p.size * q.extent + q.size * p.extent), M = s.most(T);
       off = off + w;
-      const Chosen known = w <= 0x1p-23 * M && M > 0x1p-900;
+      const LaneMask known = w <= 0x1p-23 * M && M > 0x1p-900;
       return select(known, copysign(1 / M, turn), Doubles(0.0)) * s;
     };
     edge_[0] = turned(ab, a, b), edge_[1] = turned(bc, b, c), edge_[2] = turned(ca, c, a);
@@ -82,7 +82,7 @@ class TrianglesOnScreen {
     const Doubles of_det = 1 / det;
     const Linear nearness_at = of_det * (ab + bc + ca);
     const Doubles K = nearness_at.most(T), uncertain = 2 * (off + K * e) * abs(of_det) + 0x1p-20 * K;
-    const Chosen known = faces && uncertain < 0x1p60 && K < 0x1p60 && K > 0x1p-60;
+    const LaneMask known = faces && uncertain < 0x1p60 && K < 0x1p60 && K > 0x1p-60;
     nearness_ = Linear{select(known, nearness_at.x, 0.0), select(known, nearness_at.y, 0.0),
                        select(known, nearness_at.one, 0.0)};
     to_float(select(known, uncertain, Doubles(infinity))).store(error_.data());
@@ -162,7 +162,7 @@ class TrianglesOnScreen {
   /// Points on the screen, given in box space from the eye.
   struct Corner {
     Doubles x, y, z, size, extent;  ///< X, Y, Z, |p| and L
-    Chosen is_in_front;             ///< surely
+    LaneMask is_in_front;           ///< surely
 
     Corner(const Screen& screen, const Vectors& p)
         : x(dot(p, Vectors(screen.across))),

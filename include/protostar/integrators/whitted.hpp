@@ -86,7 +86,7 @@ struct WhittedIntegrator {
 
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     detail::whitted_rays_left = most_rays;
-    return seen_along(ray, scene, depth);
+    return trace_path(ray, scene, depth);
   }
 
   template <class R>
@@ -111,8 +111,8 @@ struct WhittedIntegrator {
 
   /// Returns the number of active rays of a packet, or 1 for a single ray: the factor on most_rays.
   static int count_of(const auto& rays) {
-    if constexpr (requires { rays.wanted; })
-      return std::popcount(bits(rays.wanted));
+    if constexpr (requires { rays.active; })
+      return std::popcount(bits(rays.active));
     else
       return 1;
   }
@@ -120,7 +120,7 @@ struct WhittedIntegrator {
   /// Traces the ray; returns the radiance from its closest hit, or of the sky. The path takes at most `rays`
   /// rays, this one included.
   template <class R>
-  [[nodiscard]] typename R::Light seen_along(const R& ray, const auto& scene, int rays) const {
+  [[nodiscard]] typename R::Light trace_path(const R& ray, const auto& scene, int rays) const {
     if (rays < 1) return end_of_path(ray, scene);
     const auto sky = [&] { return background(ray, scene); };
     const auto shade_hit = [&](const auto& hit) { return from_hit(hit, scene, rays); };
@@ -134,18 +134,18 @@ struct WhittedIntegrator {
   /// Returns the radiance of a hit along its ray.
   template <class Hit>
   [[nodiscard]] typename Hit::Light from_hit(const Hit& hit, const auto& scene, int rays) const {
-    return sent_back(hit.leave(normalize(hit.direction())), hit.normal(), hit.color(), hit.material(), scene,
-                     rays);
+    return outgoing_radiance(hit.leave(normalize(hit.direction())), hit.normal(), hit.color(), hit.material(),
+                             scene, rays);
   }
 
   /// Returns the radiance that a surface sends back along a ray, given the ray as it would go on from the
   /// hit, with a unit direction. No type of surface is left in it, so that it is compiled once for all of
   /// them.
   template <class R>
-  [[nodiscard, gnu::noinline]] typename R::Light sent_back(const R& onward, const auto& outside,
-                                                           const typename R::Light& color,
-                                                           const Material& material, const auto& scene,
-                                                           int rays) const {
+  [[nodiscard, gnu::noinline]] typename R::Light outgoing_radiance(const R& onward, const auto& outside,
+                                                                   const typename R::Light& color,
+                                                                   const Material& material,
+                                                                   const auto& scene, int rays) const {
     // Counts the ray that led here and one to each light, at the most; a packet counts as one ray.
     if ((detail::whitted_rays_left -= 1 + light_count(scene)) < 0) detail::refuse_paths(most_rays, depth);
     const auto& direction = onward.direction;
@@ -153,15 +153,15 @@ struct WhittedIntegrator {
     const auto normal = select(enters, outside, -outside);
 
     const R mirrored = onward.turned(reflected(direction, normal));
-    auto result = from_lights(mirrored, normal, color, material, scene);
+    auto result = direct_radiance(mirrored, normal, color, material, scene);
     // Shares are floats: a share that rounds to 0 adds nothing, whatever is in the mirror.
     const float reflect = to_float(material.reflect), refract = to_float(material.refract);
-    if (reflect > 0) result += reflect * seen_along(mirrored, scene, rays - 1);
+    if (reflect > 0) result += reflect * trace_path(mirrored, scene, rays - 1);
     if (refract > 0) {
       const auto ratio = select(enters, 1 / material.ior, material.ior);
       const auto [passes, bent] = refracted(direction, normal, ratio);
       if (any(passes)) {
-        const auto seen = seen_along(only(passes, onward.turned(bent)), scene, rays - 1);
+        const auto seen = trace_path(only(passes, onward.turned(bent)), scene, rays - 1);
         result = select(passes, result + refract * seen, result);
       }
     }
@@ -179,10 +179,10 @@ struct WhittedIntegrator {
   /// the light and the direction to the eye is that between the direction to the light and the mirrored ray,
   /// which is used.
   template <class R>
-  [[nodiscard, gnu::noinline]] static typename R::Light from_lights(const R& mirrored, const auto& normal,
-                                                                    const typename R::Light& color,
-                                                                    const Material& material,
-                                                                    const auto& scene) {
+  [[nodiscard, gnu::noinline]] static typename R::Light direct_radiance(const R& mirrored, const auto& normal,
+                                                                        const typename R::Light& color,
+                                                                        const Material& material,
+                                                                        const auto& scene) {
     typename R::Light result = color * ambient_of(scene);
     const auto lit = !is_black(color) || !is_black(material.specular);
     if (!any(lit)) return result;  // no light can be reflected here

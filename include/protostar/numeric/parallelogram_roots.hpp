@@ -126,19 +126,19 @@ struct RoundedParallelogramEquation {
   return detail::parallelogram_roots_in_doubt(origin, direction, position, edge_u, edge_v);
 }
 
-/// Returns the roots of several lines at once, for the active lanes (wanted); see sphere_roots_of_each.
+/// Returns the roots of several lines at once, for the active lanes (active); see sphere_roots_of_each.
 [[nodiscard, gnu::always_inline]] inline auto parallelogram_roots_of_each(
     const auto& origin, const auto& direction, const Point& position, const Vec3& edge_u, const Vec3& edge_v,
-    const auto& wanted) {
-  using M = std::remove_cvref_t<decltype(wanted)>;
+    const auto& active) {
+  using M = std::remove_cvref_t<decltype(active)>;
   using T = std::remove_cvref_t<decltype(direction.x)>;
-  if (!any(wanted))
+  if (!any(active))
     return RootsOfEach<T, M>{.near_over = 0.0,
                              .near_under = 1.0,
                              .far_over = 0.0,
                              .far_under = 1.0,
-                             .meets = wanted,
-                             .in_doubt = wanted,
+                             .meets = active,
+                             .in_doubt = active,
                              .count = 1};
   const auto e = detail::rounded_parallelogram_equation(origin, direction, position, edge_u, edge_v);
   const T height = e.height;
@@ -146,8 +146,8 @@ struct RoundedParallelogramEquation {
                            .near_under = e.slope,
                            .far_over = height,
                            .far_under = e.slope,
-                           .meets = wanted && e.meets,
-                           .in_doubt = wanted && !e.misses && !e.meets,
+                           .meets = active && e.meets,
+                           .in_doubt = active && !e.misses && !e.meets,
                            .count = 1};
 }
 

@@ -92,7 +92,7 @@ struct CrossedByEach {
 
 /// Returns an upper bound for any root that may precede one given as t: each has an error of 2^-30 of itself
 /// or, if that vanishes, of less than the smallest double.
-[[nodiscard]] inline double latest(double t) {
+[[nodiscard]] inline double upper_bound_of(double t) {
   return t + (4 * Roots::relative_error * std::abs(t) + std::numeric_limits<double>::denorm_min());
 }
 

@@ -254,18 +254,18 @@ template <class T, class C>
   return {.known = FirstRoot::Known::undecided};
 }
 
-/// Returns the first root in t > 0 of several lines at once, for the active lanes (wanted). If they start at
+/// Returns the first root in t > 0 of several lines at once, for the active lanes (active). If they start at
 /// one point outside the sphere, as camera rays mostly do, it is c/q for all of them.
 [[nodiscard, gnu::always_inline]] inline auto first_sphere_root_of_each(const auto& origin,
                                                                         const auto& direction,
                                                                         const Point& center, double radius,
-                                                                        const auto& wanted) {
+                                                                        const auto& active) {
   using std::sqrt;
   const auto e = detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius);
   using T = std::remove_const_t<decltype(e.b)>;
-  using M = std::remove_cvref_t<decltype(wanted)>;
+  using M = std::remove_cvref_t<decltype(active)>;
   FirstRootOfEach<T, M> first{.t = infinity, .is_there = false, .in_doubt = false};
-  const M open = wanted && !e.surely_misses();
+  const M open = active && !e.surely_misses();
   if (!any(open)) return first;
   const auto find = [&](const T& t, const M& certain, const M& recedes) {
     first.t = t;
@@ -285,16 +285,16 @@ template <class T, class C>
   return first;
 }
 
-/// Returns the roots of several lines at once, in the order near, far, for the active lanes (wanted). If
+/// Returns the roots of several lines at once, in the order near, far, for the active lanes (active). If
 /// double decides, the numbers are the same as from sphere_roots. Directions are vectors of lanes; the origin
 /// is one point, or one in each lane.
 [[nodiscard, gnu::always_inline]] inline auto sphere_roots_of_each(const auto& origin, const auto& direction,
                                                                    const Point& center, double radius,
-                                                                   const auto& wanted) {
+                                                                   const auto& active) {
   const auto equation = detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius);
   using T = std::remove_const_t<decltype(equation.A)>;
-  using M = std::remove_cvref_t<decltype(wanted)>;
-  const M open = wanted && !equation.surely_misses();
+  using M = std::remove_cvref_t<decltype(active)>;
+  const M open = active && !equation.surely_misses();
   const T A = equation.A, c(equation.c);
   if (!any(open))
     return RootsOfEach<T, M>{.near_over = c,
@@ -322,10 +322,10 @@ template <class T, class C>
 [[nodiscard, gnu::always_inline]] inline auto sphere_crossed_by_each(const auto& origin,
                                                                      const auto& direction,
                                                                      const Point& center, double radius,
-                                                                     const auto& wanted) {
+                                                                     const auto& active) {
   const auto equation = detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius);
-  using M = std::remove_cvref_t<decltype(wanted)>;
-  const M open = wanted && !equation.surely_misses();
+  using M = std::remove_cvref_t<decltype(active)>;
+  const M open = active && !equation.surely_misses();
   const M sure = open && equation.surely_meets();
   return CrossedByEach<M>{.crossed = sure && (equation.b > 0.0 || equation.c < 0.0),
                           .in_doubt = open && !sure};
@@ -342,10 +342,10 @@ template <class T, class C>
 [[nodiscard, gnu::always_inline]] inline auto sphere_crossed_by_segments(const auto& origin,
                                                                          const auto& direction,
                                                                          const Point& center, double radius,
-                                                                         const auto& wanted) {
+                                                                         const auto& active) {
   const auto e = detail::rounded_sphere_equation(SphereLine(origin, direction), center, radius);
-  using M = std::remove_cvref_t<decltype(wanted)>;
-  const M open = wanted && !e.surely_misses();
+  using M = std::remove_cvref_t<decltype(active)>;
+  const M open = active && !e.surely_misses();
   if (!any(open)) return CrossedByEach<M>{.crossed = open, .in_doubt = open};
   const auto f = e.A - 2 * e.b + e.c, slope = e.A - e.b, error = 0x1p-49 * (e.A + e.w);
   const auto starts_outside = e.c > 0.0;
@@ -400,12 +400,12 @@ struct RoundedLeavingEquation {
 }
 
 /// Returns the roots other than t = 0 of several lines that start on the sphere, for the active lanes
-/// (wanted); see sphere_roots_of_each.
+/// (active); see sphere_roots_of_each.
 [[nodiscard, gnu::always_inline]] inline auto sphere_root_leaving_of_each(const auto& origin,
                                                                           const auto& direction,
                                                                           const Point& center, double radius,
-                                                                          const auto& wanted) {
-  using M = std::remove_cvref_t<decltype(wanted)>;
+                                                                          const auto& active) {
+  using M = std::remove_cvref_t<decltype(active)>;
   const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
   using T = std::remove_cvref_t<decltype(b)>;
   const T over = 2 * b;
@@ -413,8 +413,8 @@ struct RoundedLeavingEquation {
                            .near_under = A,
                            .far_over = over,
                            .far_under = A,
-                           .meets = wanted && certain,
-                           .in_doubt = wanted && !certain,
+                           .meets = active && certain,
+                           .in_doubt = active && !certain,
                            .count = 1};
 }
 
@@ -423,20 +423,20 @@ struct RoundedLeavingEquation {
 [[nodiscard, gnu::always_inline]] inline auto left_sphere_crossed_by_each(const auto& origin,
                                                                           const auto& direction,
                                                                           const Point& center, double radius,
-                                                                          const auto& wanted) {
-  using M = std::remove_cvref_t<decltype(wanted)>;
+                                                                          const auto& active) {
+  using M = std::remove_cvref_t<decltype(active)>;
   const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
-  return CrossedByEach<M>{.crossed = wanted && certain && b > 0.0, .in_doubt = wanted && !certain};
+  return CrossedByEach<M>{.crossed = active && certain && b > 0.0, .in_doubt = active && !certain};
 }
 [[nodiscard, gnu::always_inline]] inline auto left_sphere_crossed_by_segments(
-    const auto& origin, const auto& direction, const Point& center, double radius, const auto& wanted) {
-  using M = std::remove_cvref_t<decltype(wanted)>;
+    const auto& origin, const auto& direction, const Point& center, double radius, const auto& active) {
+  using M = std::remove_cvref_t<decltype(active)>;
   const auto [A, b, certain] = detail::rounded_leaving_equation(origin, direction, center, radius);
   const auto over = 2 * b;
   const auto before_end = over < (1 - 0x1p-29) * A;
   const auto behind_end = over > (1 + 0x1p-29) * A;
-  const M sure = wanted && certain && (b < 0.0 || before_end || behind_end);
-  return CrossedByEach<M>{.crossed = sure && b > 0.0 && before_end, .in_doubt = wanted && !sure};
+  const M sure = active && certain && (b < 0.0 || before_end || behind_end);
+  return CrossedByEach<M>{.crossed = sure && b > 0.0 && before_end, .in_doubt = active && !sure};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -190,20 +190,20 @@ namespace detail {
   return detail::triangle_roots_in_doubt(e, origin, direction, a, b, c);
 }
 
-/// Returns the roots of several lines at once, for the active lanes (wanted); see sphere_roots_of_each.
+/// Returns the roots of several lines at once, for the active lanes (active); see sphere_roots_of_each.
 [[nodiscard, gnu::always_inline]] inline auto triangle_roots_of_each(const auto& origin,
                                                                      const auto& direction, const Point& a,
                                                                      const Point& b, const Point& c,
-                                                                     const auto& wanted) {
-  using M = std::remove_cvref_t<decltype(wanted)>;
+                                                                     const auto& active) {
+  using M = std::remove_cvref_t<decltype(active)>;
   using T = std::remove_cvref_t<decltype(direction.x)>;
-  if (!any(wanted))
+  if (!any(active))
     return RootsOfEach<T, M>{.near_over = 0.0,
                              .near_under = 1.0,
                              .far_over = 0.0,
                              .far_under = 1.0,
-                             .meets = wanted,
-                             .in_doubt = wanted,
+                             .meets = active,
+                             .in_doubt = active,
                              .count = 1};
   const auto e = detail::rounded_triangle_equation(origin, direction, a, b, c);
   const T height = e.height;
@@ -212,8 +212,8 @@ namespace detail {
                            .near_under = e.slope,
                            .far_over = height,
                            .far_under = e.slope,
-                           .meets = wanted && meets,
-                           .in_doubt = wanted && !e.misses && !meets,
+                           .meets = active && meets,
+                           .in_doubt = active && !e.misses && !meets,
                            .count = 1};
 }
 

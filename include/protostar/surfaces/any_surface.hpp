@@ -51,7 +51,7 @@ class AnySurface {
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
     return held_->first_crossing(ray, range);
   }
-  [[nodiscard]] bool is_met(const Ray& ray, Interval range) const { return held_->is_met(ray, range); }
+  [[nodiscard]] bool any_hit(const Ray& ray, Interval range) const { return held_->any_hit(ray, range); }
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
     using Visit = std::remove_reference_t<decltype(visit)>;
     held_->each_crossing(
@@ -75,7 +75,7 @@ class AnySurface {
     virtual ~Holder() = default;
     virtual std::unique_ptr<Holder> copy() const = 0;
     virtual std::optional<Crossing> first_crossing(const Ray&, Interval) const = 0;
-    virtual bool is_met(const Ray&, Interval) const = 0;
+    virtual bool any_hit(const Ray&, Interval) const = 0;
     virtual void each_crossing(const Ray&, Interval, const Visitor&) const = 0;
     virtual ExactRoot exact_root(const Ray&, const Crossing&) const = 0;
     virtual bool has_parts() const = 0;
@@ -99,8 +99,8 @@ class AnySurface {
     std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const override {
       return protostar::first_crossing(surface, ray, range);
     }
-    bool is_met(const Ray& ray, Interval range) const override {
-      return protostar::is_met(surface, ray, range);
+    bool any_hit(const Ray& ray, Interval range) const override {
+      return protostar::any_hit(surface, ray, range);
     }
     void each_crossing(const Ray& ray, Interval range, const Visitor& visit) const override {
       protostar::each_crossing(surface, ray, range, visit);

@@ -52,10 +52,10 @@ struct Disk {
     return disk_roots(ray.origin, ray.direction, position, normal, radius);
   }
 
-  /// Returns the roots of several rays at once, in the lanes of `wanted`.
-  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
+  /// Returns the roots of several rays at once, in the lanes of `active`.
+  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& active) const {
     return disk_roots_of_each(rays.origin, rays.direction, position, normal, radius,
-                              wanted && !is_left_by(rays));
+                              active && !is_left_by(rays));
   }
 
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {

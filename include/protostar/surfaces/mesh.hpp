@@ -218,10 +218,10 @@ class Mesh {
   }
 
   /// Returns true if there is any hit in the range.
-  [[nodiscard]] bool is_met(const Ray& ray, Interval range) const {
+  [[nodiscard]] bool any_hit(const Ray& ray, Interval range) const {
     Any<const Ray&> any{{ray, range, start_of(ray)}, *this};
     contents_->tree.answer(any, data().triangle_of());
-    return any.is_met;
+    return any.any_hit;
   }
 
   /// Finds first_crossing of many rays, the k-th of `count` being ray(k), and calls tell(k,
@@ -238,7 +238,7 @@ class Mesh {
         [&](std::size_t k, const auto& first) { tell(k, first.crossing); }, data().triangle_of());
   }
 
-  /// Finds is_met of many rays, interleaved like first_crossings, and calls tell(k, bool) for each.
+  /// Finds any_hit of many rays, interleaved like first_crossings, and calls tell(k, bool) for each.
   void are_met(std::size_t count, const auto& ray, Interval range, const auto& tell) const {
     contents_->tree.answer_each(
         count,
@@ -246,7 +246,7 @@ class Mesh {
           const Ray& one = ray(k);
           return Any<Ray>{{one, range, start_of(one)}, *this};
         },
-        [&](std::size_t k, const auto& any) { tell(k, any.is_met); }, data().triangle_of());
+        [&](std::size_t k, const auto& any) { tell(k, any.any_hit); }, data().triangle_of());
   }
 
   /// Calls visit(const Crossing&) for every crossing in the range, near to far.
@@ -271,7 +271,7 @@ class Mesh {
   }
 
 #if defined(PROTOSTAR_MESH_TREE)
-  /// Visibility buffer of a tile, filled for all pixels at once (SurfaceForTiles).
+  /// Visibility buffer of a tile, filled for all pixels at once (RasterizedSurface).
   using Drawn = simd::TrianglesInTile;
   void draw(Drawn& drawn, const simd::PixelRays& rays, int sample, const simd::Frustum& frustum,
             const Tile& tile) const {
@@ -328,7 +328,7 @@ class Mesh {
       if (crossing && !mesh.comes_before(ray, start, other, *crossing)) return;
       crossing = other;
       // Crossings that may come before it, given its error, stay in the range.
-      range.max = std::min(range.max, latest(other.t));
+      range.max = std::min(range.max, upper_bound_of(other.t));
     }
   };
 
@@ -339,11 +339,11 @@ class Mesh {
     using Query<R>::ray, Query<R>::range, Query<R>::start;
 
     const Mesh& mesh;
-    bool is_met = false;
+    bool any_hit = false;
 
-    bool found(double, std::uint32_t) { return is_met = true; }
+    bool found(double, std::uint32_t) { return any_hit = true; }
     bool maybe(const Triangle& triangle, std::uint32_t i) {
-      return is_met = mesh.crossing_with(triangle, i, ray, start, range).has_value();
+      return any_hit = mesh.crossing_with(triangle, i, ray, start, range).has_value();
     }
   };
 

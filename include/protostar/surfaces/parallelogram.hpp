@@ -52,10 +52,10 @@ struct Parallelogram {
     return parallelogram_roots(ray.origin, ray.direction, position, edge_u, edge_v);
   }
 
-  /// Returns the roots of several rays at once, in the lanes of `wanted`.
-  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
+  /// Returns the roots of several rays at once, in the lanes of `active`.
+  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& active) const {
     return parallelogram_roots_of_each(rays.origin, rays.direction, position, edge_u, edge_v,
-                                       wanted && !is_left_by(rays));
+                                       active && !is_left_by(rays));
   }
 
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {

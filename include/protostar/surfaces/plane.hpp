@@ -50,9 +50,9 @@ struct Plane {
     return plane_roots(ray.origin, ray.direction, normal, distance);
   }
 
-  /// Returns the roots of several rays at once, in the lanes of `wanted`.
-  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
-    return plane_roots_of_each(rays.origin, rays.direction, normal, distance, wanted && !is_left_by(rays));
+  /// Returns the roots of several rays at once, in the lanes of `active`.
+  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& active) const {
+    return plane_roots_of_each(rays.origin, rays.direction, normal, distance, active && !is_left_by(rays));
   }
 
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {

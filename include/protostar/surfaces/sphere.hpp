@@ -71,28 +71,28 @@ struct Sphere {
     return first_sphere_root(line, center, radius);
   }
 
-  /// Returns the roots of several rays at once, in the lanes of `wanted`.
-  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
+  /// Returns the roots of several rays at once, in the lanes of `active`.
+  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& active) const {
     if (is_left_by(rays))
-      return sphere_root_leaving_of_each(rays.origin, rays.direction, center, radius, wanted);
-    return sphere_roots_of_each(rays.origin, rays.direction, center, radius, wanted);
+      return sphere_root_leaving_of_each(rays.origin, rays.direction, center, radius, active);
+    return sphere_roots_of_each(rays.origin, rays.direction, center, radius, active);
   }
 
   /// Returns the first root in t > 0 of each of several rays that depart from nothing.
-  [[nodiscard]] auto first_root_of_each(const auto& rays, const auto& wanted) const {
-    return first_sphere_root_of_each(rays.origin, rays.direction, center, radius, wanted);
+  [[nodiscard]] auto first_root_of_each(const auto& rays, const auto& active) const {
+    return first_sphere_root_of_each(rays.origin, rays.direction, center, radius, active);
   }
 
   /// Tests which of several rays cross the sphere in t > 0, or, as segments, in 0 < t < 1.
-  [[nodiscard]] auto crossed_by_each(const auto& rays, const auto& wanted) const {
+  [[nodiscard]] auto crossed_by_each(const auto& rays, const auto& active) const {
     if (is_left_by(rays))
-      return left_sphere_crossed_by_each(rays.origin, rays.direction, center, radius, wanted);
-    return sphere_crossed_by_each(rays.origin, rays.direction, center, radius, wanted);
+      return left_sphere_crossed_by_each(rays.origin, rays.direction, center, radius, active);
+    return sphere_crossed_by_each(rays.origin, rays.direction, center, radius, active);
   }
-  [[nodiscard]] auto crossed_by_segments(const auto& rays, const auto& wanted) const {
+  [[nodiscard]] auto crossed_by_segments(const auto& rays, const auto& active) const {
     if (is_left_by(rays))
-      return left_sphere_crossed_by_segments(rays.origin, rays.direction, center, radius, wanted);
-    return sphere_crossed_by_segments(rays.origin, rays.direction, center, radius, wanted);
+      return left_sphere_crossed_by_segments(rays.origin, rays.direction, center, radius, active);
+    return sphere_crossed_by_segments(rays.origin, rays.direction, center, radius, active);
   }
 
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, int root) const {

@@ -75,9 +75,9 @@ struct Triangle {
     return triangle_roots(ray.origin, ray.direction, a, b, c);
   }
 
-  /// Returns the roots of several rays at once, in the lanes of `wanted`.
-  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& wanted) const {
-    return triangle_roots_of_each(rays.origin, rays.direction, a, b, c, wanted && !is_left_by(rays));
+  /// Returns the roots of several rays at once, in the lanes of `active`.
+  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& active) const {
+    return triangle_roots_of_each(rays.origin, rays.direction, a, b, c, active && !is_left_by(rays));
   }
 
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {

@@ -13,8 +13,8 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// a range, and is the first argument of visit and visit_leaf. Calls done(k, query) when the traversal of the
 /// k-th has ended: all was visited, or a visit returned true.
 template <Order order>
-void each_along_in_turns(const Bvh& bvh, std::size_t count, const auto& make, const auto& done,
-                         const auto& visit, const auto& visit_leaf, const auto& soon) {
+void each_along_interleaved(const Bvh& bvh, std::size_t count, const auto& make, const auto& done,
+                            const auto& visit, const auto& visit_leaf, const auto& soon) {
   using Query = decltype(make(std::size_t{0}));
   struct Traveller {
     std::size_t number;

@@ -1,4 +1,4 @@
-#include <protostar/accel/in_turns.hpp>
+#include <protostar/accel/interleaved.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -51,7 +51,7 @@ void compare(const simd::Bvh& tree, const std::vector<Query>& queries) {
   std::vector<int> done(queries.size());
   std::size_t fetched = 0, seen = 0;
   int any_seen = 0, same_first = 0;
-  simd::each_along_in_turns<order>(
+  simd::each_along_interleaved<order>(
       tree, queries.size(), [&](std::size_t k) { return queries[k]; },
       [&](std::size_t k, const Query& query) {
         ++done[k];
@@ -65,10 +65,10 @@ void compare(const simd::Bvh& tree, const std::vector<Query>& queries) {
         }
         // The order may differ, and queries that end early may have seen any of their primitives.
         CHECK(query.seen.size() == alone.seen.size());
-        auto in_turns = query.seen;
-        std::sort(in_turns.begin(), in_turns.end());
+        auto interleaved = query.seen;
+        std::sort(interleaved.begin(), interleaved.end());
         std::sort(alone.seen.begin(), alone.seen.end());
-        CHECK((in_turns == alone.seen || query.seen.size() == query.enough));
+        CHECK((interleaved == alone.seen || query.seen.size() == query.enough));
         seen += query.seen.size();
       },
       visit, visit_leaf, [&](Leaf) { ++fetched; });
@@ -106,7 +106,7 @@ TEST_CASE(
 TEST_CASE("interleaved rays visit nothing in an empty tree") {
   const simd::Bvh tree(0, [](std::size_t) { return Bounds{}; }, {.most = 4}, {.threads = 1});
   int done = 0;
-  simd::each_along_in_turns<Order::any>(
+  simd::each_along_interleaved<Order::any>(
       tree, 20,
       [](std::size_t) {
         return Query{.ray = {{}, {1, 0, 0}}, .range = {}, .enough = 1};
