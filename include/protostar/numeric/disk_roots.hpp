@@ -105,21 +105,14 @@ struct RoundedDiskEquation {
   return detail::disk_roots_in_doubt(origin, direction, position, normal, radius);
 }
 
-/// Returns the roots of several lines at once, for the active lanes (active); see sphere_roots_of_each.
+/// Returns the roots of several lines at once, for the active lanes; see sphere_roots_of_each.
 [[nodiscard, gnu::always_inline]] inline auto disk_roots_of_each(const auto& origin, const auto& direction,
                                                                  const Point& position, const Vec3& normal,
                                                                  double radius, const auto& active) {
   using M = std::remove_cvref_t<decltype(active)>;
   const auto e = detail::rounded_disk_equation(origin, direction, position, normal, radius);
   using T = std::remove_cvref_t<decltype(e.slope)>;
-  const T height = e.height;
-  return RootsOfEach<T, M>{.near_over = height,
-                           .near_under = e.slope,
-                           .far_over = height,
-                           .far_under = e.slope,
-                           .meets = active && e.meets,
-                           .in_doubt = active && !e.misses && !e.meets,
-                           .count = 1};
+  return linear_roots_of_each<T, M>(e.height, e.slope, active, e.meets, e.misses);
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -126,29 +126,15 @@ struct RoundedParallelogramEquation {
   return detail::parallelogram_roots_in_doubt(origin, direction, position, edge_u, edge_v);
 }
 
-/// Returns the roots of several lines at once, for the active lanes (active); see sphere_roots_of_each.
+/// Returns the roots of several lines at once, for the active lanes; see sphere_roots_of_each.
 [[nodiscard, gnu::always_inline]] inline auto parallelogram_roots_of_each(
     const auto& origin, const auto& direction, const Point& position, const Vec3& edge_u, const Vec3& edge_v,
     const auto& active) {
   using M = std::remove_cvref_t<decltype(active)>;
   using T = std::remove_cvref_t<decltype(direction.x)>;
-  if (!any(active))
-    return RootsOfEach<T, M>{.near_over = 0.0,
-                             .near_under = 1.0,
-                             .far_over = 0.0,
-                             .far_under = 1.0,
-                             .meets = active,
-                             .in_doubt = active,
-                             .count = 1};
+  if (!any(active)) return linear_roots_of_each<T, M>(0.0, 1.0, active, active, active);
   const auto e = detail::rounded_parallelogram_equation(origin, direction, position, edge_u, edge_v);
-  const T height = e.height;
-  return RootsOfEach<T, M>{.near_over = height,
-                           .near_under = e.slope,
-                           .far_over = height,
-                           .far_under = e.slope,
-                           .meets = active && e.meets,
-                           .in_doubt = active && !e.misses && !e.meets,
-                           .count = 1};
+  return linear_roots_of_each<T, M>(e.height, e.slope, active, e.meets, e.misses);
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

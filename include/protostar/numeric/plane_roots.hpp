@@ -74,20 +74,14 @@ struct RoundedPlaneEquation {
   return detail::plane_roots_in_doubt(origin, direction, normal, distance);
 }
 
-/// Returns the roots of several lines at once, for the active lanes (active); see sphere_roots_of_each.
+/// Returns the roots of several lines at once, for the active lanes; see sphere_roots_of_each.
 [[nodiscard, gnu::always_inline]] inline auto plane_roots_of_each(const auto& origin, const auto& direction,
                                                                   const Vec3& normal, double distance,
                                                                   const auto& active) {
   using M = std::remove_cvref_t<decltype(active)>;
   const auto [height, slope, certain] = detail::rounded_plane_equation(origin, direction, normal, distance);
   using T = std::remove_cvref_t<decltype(slope)>;
-  return RootsOfEach<T, M>{.near_over = height,
-                           .near_under = slope,
-                           .far_over = height,
-                           .far_under = slope,
-                           .meets = active && certain,
-                           .in_doubt = active && !certain,
-                           .count = 1};
+  return linear_roots_of_each<T, M>(height, slope, active, certain, false);
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

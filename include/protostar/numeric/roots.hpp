@@ -84,6 +84,20 @@ struct RootsOfEach {
   [[nodiscard]] T far() const { return far_over / far_under; }
 };
 
+/// Returns the root height / slope of several lines, of which some surely meet and some surely miss the
+/// surface; other active ones are in doubt.
+template <class T, class M>
+[[nodiscard, gnu::always_inline]] inline RootsOfEach<T, M> linear_roots_of_each(
+    const T& height, const T& slope, const M& active, const M& meets, const M& misses) {
+  return {.near_over = height,
+          .near_under = slope,
+          .far_over = height,
+          .far_under = slope,
+          .meets = active && meets,
+          .in_doubt = active && !misses && !meets,
+          .count = 1};
+}
+
 /// Masks of the lines that cross a surface in some range of t, and of those in doubt.
 template <class M>
 struct CrossedByEach {
