@@ -465,9 +465,9 @@ void render(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& 
             const RenderOptions& options = {}) {
   camera.validate();
   detail::validate(integrator);
+  scene.require_same_surfaces();
   if (!options.tiles)
     return detail::fill_ray_by_ray(image, camera, options, detail::radiance_in(scene, integrator));
-  scene.require_same_surfaces();  // tiles find its surfaces by the BVH
   simd::fill_by_tiles<I, S...>(image, camera, scene, integrator, options);
 }
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
