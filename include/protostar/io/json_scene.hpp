@@ -1,9 +1,8 @@
 // Reads scene files (docs/scene-format.md), through nlohmann_json. Not part of the core: link
 // protostar::json.
 //
-// A JsonCursor, which knows the path to its value, checks everything where it is read. To add a type of
-// surface, write a function that reads one, beside sphere_at, and add a row to surface_types; a type that
-// SceneFile::scene does not list is held as AnySurface.
+// A JsonCursor, which knows the path to its value, checks everything where it is read. Surfaces have a header
+// of their own, json_surfaces.hpp.
 #pragma once
 
 #include <algorithm>
@@ -16,249 +15,26 @@
 #include <map>
 #include <memory>
 #include <new>
-#include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "../image.hpp"
-#include "../magnitude.hpp"
-#include "../surfaces/box.hpp"
+#include "../shown.hpp"
 #include "../surfaces/csg.hpp"
-#include "../surfaces/disk.hpp"
-#include "../surfaces/instance.hpp"
-#include "../surfaces/quadric.hpp"
-#include "../surfaces/triangle.hpp"
 #include "image_texture.hpp"
 #include "json_cursor.hpp"
+#include "json_surfaces.hpp"
+#include "json_tree.hpp"
+#include "loaded_files.hpp"
 #include "read_options.hpp"
 #include "scene_file.hpp"
 #include "text.hpp"
 
-// Meshes can be read if tinyobjloader is found.
-#if __has_include(<tiny_obj_loader.h>)
-#include "obj.hpp"
-#define PROTOSTAR_READS_MESHES 1
-#endif
-
 namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
-
-/// Files that a scene names, by canonical path; a file that is named twice is read once, and shared.
-struct LoadedFiles {
-  std::map<std::filesystem::path, std::shared_ptr<const Image>> images;
-  std::int64_t pixels = 0;  ///< total of all images
-#if defined(PROTOSTAR_READS_MESHES)
-  struct MeshFile {
-    std::shared_ptr<const MeshData> data;
-    std::map<std::array<double, 4>, std::optional<Mesh>> placed;  ///< by scale and position
-  };
-  std::map<std::filesystem::path, MeshFile> meshes;
-#endif
-};
-
-// ---- Surfaces.
-
-inline Sphere sphere_at(const JsonCursor& at) {
-  at.with_keys({"type", "position", "radius"});
-  return {.center = at["position"].point(), .radius = at["radius"].size()};
-}
-
-inline Plane plane_at(const JsonCursor& at) {
-  at.with_keys({"type", "normal", "distance"});
-  return {.normal = at["normal"].direction(), .distance = at["distance"].coordinate()};
-}
-
-inline Parallelogram parallelogram_at(const JsonCursor& at) {
-  at.with_keys({"type", "position", "edges"});
-  const auto edges = at["edges"].elements(2, "an array of two vectors");
-  const Parallelogram board{
-      .position = at["position"].point(), .edge_u = edges[0].point(), .edge_v = edges[1].point()};
-  at["edges"].checked([&] { board.validate(); });
-  return board;
-}
-
-inline Triangle triangle_at(const JsonCursor& at) {
-  at.with_keys({"type", "points"});
-  const auto points = at["points"].elements(3, "an array of three points");
-  const Triangle triangle{.a = points[0].point(), .b = points[1].point(), .c = points[2].point()};
-  at["points"].checked([&] { triangle.validate(); });
-  return triangle;
-}
-
-#if defined(PROTOSTAR_READS_MESHES)
-inline Mesh mesh_at(const JsonCursor& at) {
-  at.with_keys({"type", "file", "position", "scale"});
-  const Vec3 position = at.has("position") ? at["position"].point() : Vec3{0};
-  const double scale = at.has("scale") ? at["scale"].size() : 1;
-  const NamedFile file = at["file"].named_file();
-  LoadedFiles::MeshFile& mesh = at.loaded().meshes[file.canonical];
-  if (!mesh.data)
-    mesh.data = at["file"].checked([&] { return std::make_shared<MeshData>(load_obj(file.path)); });
-  const auto [placed, is_new] = mesh.placed.try_emplace({scale, position.x, position.y, position.z});
-  if (!is_new) return *placed->second;
-  MeshData data = *mesh.data;
-  for (Point& vertex : data.vertices) {
-    const Vec3 from_position = scale * vertex;
-    vertex = position + from_position;
-    const char* const cause = is_coordinate(from_position) ? "position" : "scale";
-    if (!is_coordinate(vertex) && at.has(cause))
-      at[cause].refuse(std::string("one that leaves the numbers of all vertices ").append(coordinate_rule));
-  }
-  placed->second.emplace(
-      at["file"].checked([&] { return Mesh(std::move(data), {.threads = at.options().threads}); }));
-  return *placed->second;
-}
-#else
-inline Sphere mesh_at(const JsonCursor& at) {
-  return at["file"].checked([]() -> Sphere {
-    throw std::runtime_error(
-        "this program was built without tinyobjloader, which reads meshes (Debian: libtinyobjloader-dev)");
-  });
-}
-#endif
-
-inline Box box_at(const JsonCursor& at) {
-  at.with_keys({"type", "min", "max"});
-  const Box box{.min = at["min"].point(), .max = at["max"].point()};
-  at["max"].checked([&] { box.validate(); });
-  return box;
-}
-
-inline Disk disk_at(const JsonCursor& at) {
-  at.with_keys({"type", "position", "normal", "radius"});
-  const Disk disk{
-      .position = at["position"].point(), .normal = at["normal"].vector(), .radius = at["radius"].size()};
-  at["normal"].checked([&] { disk.validate(); });
-  return disk;
-}
-
-inline Quadric quadric_at(const JsonCursor& at) {
-  at.with_keys({"type", "matrix"});
-  const std::string allowed = "a symmetric matrix, an array of four rows of four numbers";
-  const auto rows = at["matrix"].elements(4, allowed);
-  double m[4][4] = {};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto row = rows[i].elements(4, "a row of four numbers");
-    for (std::size_t j = 0; j < 4; ++j) {
-      m[i][j] = row[j].coordinate();
-      if (j < i && m[i][j] != m[j][i])
-        row[j].refuse("the number on the other side of the diagonal, " + json(m[j][i]).dump());
-    }
-  }
-  const Quadric quadric{{.squares = {m[0][0], m[1][1], m[2][2]},
-                         .products = {m[1][2], m[2][0], m[0][1]},
-                         .linear = {m[0][3], m[1][3], m[2][3]},
-                         .constant = m[3][3]}};
-  at["matrix"].checked([&] { quadric.validate(); });
-  return quadric;
-}
-
-AnySurface surface_at(const JsonCursor& at);
-
-/// Returns the solid of a value: an operation on solids, or one closed surface.
-inline Csg solid_at(const JsonCursor& at);
-
-inline Csg csg_at(const JsonCursor& at) {
-  at.with_keys({"type", "operation", "surfaces"});
-  using Operation = Csg::Operation;
-  const auto operation =
-      at["operation"].one_of(std::array{std::pair{std::string_view("union"), Operation::either},
-                                        std::pair{std::string_view("intersection"), Operation::all},
-                                        std::pair{std::string_view("difference"), Operation::first_alone}});
-  std::vector<Csg> solids;
-  for (const JsonCursor& operand : at["surfaces"].elements()) solids.push_back(solid_at(operand));
-  return at["surfaces"].checked([&] { return Csg(operation, std::move(solids)); });
-}
-
-/// Throws SceneError about the value that makes a surface no closed solid.
-[[noreturn]] inline void refuse_as_solid(const JsonCursor& at) {
-  if (at["type"].is("instance")) refuse_as_solid(at["surface"]);
-  if (at["type"].is("mesh"))
-    at["file"].refuse("the file of a closed mesh, whose triangles share each edge, in opposite directions");
-  at["type"].refuse("the type of a closed solid");
-}
-
-inline Csg solid_at(const JsonCursor& at) {
-  if (at.has("type") && at["type"].is("csg")) return csg_at(at);
-  AnySurface surface = surface_at(at);
-  try {
-    return Csg(std::move(surface));  // checks is_solid, which visits all edges of a mesh; no test before
-  } catch (const std::invalid_argument&) {
-    refuse_as_solid(at);
-  }
-}
-
-/// Returns the map of three rows of four numbers: the linear part, followed by the translation.
-inline Affine matrix_at(const JsonCursor& at) {
-  const auto rows = at.elements(3, "an array of three rows");
-  Affine map;
-  for (int i = 0; i < 3; ++i) {
-    const auto row = rows[static_cast<std::size_t>(i)].elements(4, "a row, an array of four numbers");
-    map.x[i] = row[0].coordinate(), map.y[i] = row[1].coordinate(), map.z[i] = row[2].coordinate();
-    map.translation[i] = row[3].coordinate();
-  }
-  return map;
-}
-
-inline Affine placement_at(const JsonCursor& at) {
-  if (at.has("matrix")) return matrix_at(at.with_keys({"type", "surface", "matrix"})["matrix"]);
-  at.with_keys({"type", "surface", "scale", "rotate", "translate"});
-  Affine map;
-  if (at.has("scale")) {
-    const JsonCursor scale = at["scale"];
-    map = map.scaled_by(scale.is_array() ? scale.point() : Vec3(scale.coordinate("a number or a vector")));
-  }
-  if (at.has("rotate")) {
-    const JsonCursor rotate = at["rotate"].with_keys({"axis", "angle"});
-    map = map.rotated_about(rotate["axis"].direction(), rotate["angle"].number("a number of degrees"));
-  }
-  if (at.has("translate")) map = map.moved_by(at["translate"].point());
-  return map;
-}
-
-inline Instance<> instance_at(const JsonCursor& at) {
-  const Affine placement = placement_at(at);
-  at[at.has("matrix") ? "matrix" : "scale"].checked([&] {
-    if (!AffineInverse(placement).exists())
-      throw std::invalid_argument("it takes space to a plane or less, or beyond the range of double");
-    Instance<Sphere>({}, placement).validate();
-  });
-  return {surface_at(at["surface"]), placement};
-}
-
-/// Functions that read a type of surface: add() into a scene, make() to be held by another surface.
-struct SurfaceReader {
-  void (*add)(const JsonCursor&, const Material&, SceneFile&);
-  AnySurface (*make)(const JsonCursor&);
-};
-template <auto some_surface_at>
-inline constexpr SurfaceReader read_by{
-    .add =
-        [](const JsonCursor& at, const Material& material, SceneFile& file) {
-          const auto surface = some_surface_at(at);
-          at.checked([&] { file.scene.add(surface, material); });
-        },
-    .make = [](const JsonCursor& at) -> AnySurface { return some_surface_at(at); }};
-
-inline const std::vector<std::pair<std::string_view, SurfaceReader>> surface_types{
-    {"sphere", read_by<sphere_at>},
-    {"plane", read_by<plane_at>},
-    {"parallelogram", read_by<parallelogram_at>},
-    {"triangle", read_by<triangle_at>},
-    {"mesh", read_by<mesh_at>},
-    {"box", read_by<box_at>},
-    {"disk", read_by<disk_at>},
-    {"quadric", read_by<quadric_at>},
-    {"csg", read_by<csg_at>},
-    {"instance", read_by<instance_at>},
-};
-
-/// Returns a surface of any type, to be held by another.
-inline AnySurface surface_at(const JsonCursor& at) { return at["type"].one_of(surface_types).make(at); }
 
 // ---- Materials.
 

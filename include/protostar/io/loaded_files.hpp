@@ -1,0 +1,34 @@
+// Files that a scene file names, kept while it is read: its images, and its meshes, which can be read if
+// tinyobjloader is found.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "../image.hpp"
+
+#if __has_include(<tiny_obj_loader.h>)
+#include "../surfaces/mesh.hpp"
+#define PROTOSTAR_READS_MESHES 1
+#endif
+
+namespace protostar::inline PROTOSTAR_ABI::detail {
+
+/// Files that a scene names, by canonical path; a file that is named twice is read once, and shared.
+struct LoadedFiles {
+  std::map<std::filesystem::path, std::shared_ptr<const Image>> images;
+  std::int64_t pixels = 0;  ///< total of all images
+#if defined(PROTOSTAR_READS_MESHES)
+  struct MeshFile {
+    std::shared_ptr<const MeshData> data;
+    std::map<std::array<double, 4>, std::optional<Mesh>> placed;  ///< by scale and position
+  };
+  std::map<std::filesystem::path, MeshFile> meshes;
+#endif
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::detail
