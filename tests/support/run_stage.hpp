@@ -1,0 +1,48 @@
+// Runs a stage in a folder, and takes apart what it writes and prints.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "catch.hpp"
+#include "files.hpp"
+#include "process.hpp"
+
+namespace stages {
+
+inline Outcome run_stage(const std::string& name, const std::string& arguments, const TemporaryFolder& folder,
+                         std::function<void()> before = {}) {
+  Command command = stage(name, words(arguments), folder / "");
+  command.before = std::move(before);
+  return run(command);
+}
+
+/// Returns the file that a stage draws into an empty folder, without output, to compare with.
+inline std::string picture(const std::string& name, const std::string& arguments) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_stage(name, arguments + " --quiet -o out.ppm", folder);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out + outcome.err == "");
+  CHECK(folder.count() == 1);
+  return bytes_of(folder / "out.ppm");
+}
+
+/// Returns the line that a stage prints, with every number of its times replaced by 0.
+inline std::string without_times(const std::string& line) {
+  std::string kept = line.substr(0, line.find("rendered"));
+  for (std::size_t i = kept.size(); i < line.size(); ++i) {
+    const bool digit = line[i] >= '0' && line[i] <= '9';
+    if (!digit) kept += line[i];
+    if (digit && kept.back() != '0') kept += '0';
+  }
+  return kept;
+}
+
+inline std::string cannot_write(const std::string& program, const std::string& path, int reason) {
+  return program + ": cannot write '" + path + "': " + std::generic_category().message(reason) + "\n";
+}
+
+}  // namespace stages
