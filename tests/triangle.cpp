@@ -10,7 +10,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "stress/oracle.hpp"
+#include "stress/exact.hpp"
+#include "stress/oracle/equations.hpp"
 #include "support/catch.hpp"
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"

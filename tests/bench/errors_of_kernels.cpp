@@ -4,7 +4,8 @@
 
 #include "bench_error.hpp"
 #include "stress/corpora.hpp"
-#include "stress/oracle.hpp"
+#include "stress/exact.hpp"
+#include "stress/oracle/surface_roots.hpp"
 #include "stress/usual.hpp"
 #include "workload.hpp"
 

@@ -23,7 +23,8 @@
 #include <vector>
 
 #include "corpora.hpp"
-#include "oracle.hpp"
+#include "exact.hpp"
+#include "oracle/equations.hpp"
 #include "support/meshes.hpp"
 #include "work.hpp"
 

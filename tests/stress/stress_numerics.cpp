@@ -26,6 +26,8 @@
 #include <string>
 
 #include "corpora.hpp"
+#include "oracle/departures.hpp"
+#include "oracle/equations.hpp"
 #include "truth.hpp"
 #include "usual.hpp"
 #include "work.hpp"

@@ -24,7 +24,7 @@
 #include <vector>
 
 #include "options.hpp"
-#include "oracle.hpp"
+#include "oracle/sorted_hits.hpp"
 #include "reference/pictures.hpp"
 #include "scenes/three_spheres.hpp"
 

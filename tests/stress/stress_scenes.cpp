@@ -17,7 +17,12 @@
 #include <tuple>
 
 #include "corpora.hpp"
-#include "oracle.hpp"
+#include "made_of.hpp"
+#include "oracle/coincide.hpp"
+#include "oracle/departures.hpp"
+#include "oracle/sorted_hits.hpp"
+#include "oracle/surface_roots.hpp"
+#include "oracle/tree_roots.hpp"
 #include "work.hpp"
 
 using namespace protostar;

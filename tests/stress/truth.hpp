@@ -1,11 +1,30 @@
 // True crossings of one ray and one surface, with as many digits as are needed to judge the library.
 #pragma once
 
+#include <algorithm>
 #include <cfloat>
+#include <cmath>
+#include <cstddef>
 #include <optional>
+#include <protostar/ray.hpp>
+#include <protostar/surfaces/box.hpp>
+#include <protostar/surfaces/disk.hpp>
+#include <protostar/surfaces/parallelogram.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/quadric.hpp>
+#include <protostar/surfaces/sphere.hpp>
+#include <protostar/surfaces/triangle.hpp>
+#include <variant>
+#include <vector>
 
 #include "ball.hpp"
-#include "oracle.hpp"
+#include "exact.hpp"
+#include "made_of.hpp"
+#include "oracle/box_faces.hpp"
+#include "oracle/equations.hpp"
+#include "oracle/solids_along.hpp"
+#include "oracle/surface_roots.hpp"
+#include "oracle/tree_roots.hpp"
 
 namespace exact {
 
