@@ -3,7 +3,8 @@
 #include <protostar/camera.hpp>
 
 #include "bench_error.hpp"
-#include "stress/corpora.hpp"
+#include "stress/corpora/corpus.hpp"
+#include "stress/corpora/spheres.hpp"
 #include "stress/exact.hpp"
 #include "stress/oracle/surface_roots.hpp"
 #include "stress/usual.hpp"

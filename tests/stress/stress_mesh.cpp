@@ -22,7 +22,7 @@
 #include <span>
 #include <vector>
 
-#include "corpora.hpp"
+#include "corpora/draws.hpp"
 #include "exact.hpp"
 #include "oracle/equations.hpp"
 #include "support/meshes.hpp"

@@ -25,7 +25,17 @@
 #include <protostar/scene.hpp>
 #include <string>
 
-#include "corpora.hpp"
+#include "corpora/boxes.hpp"
+#include "corpora/corpus.hpp"
+#include "corpora/disks.hpp"
+#include "corpora/draws.hpp"
+#include "corpora/instances.hpp"
+#include "corpora/parallelograms.hpp"
+#include "corpora/planes.hpp"
+#include "corpora/quadrics.hpp"
+#include "corpora/solids.hpp"
+#include "corpora/spheres.hpp"
+#include "corpora/triangles.hpp"
 #include "oracle/departures.hpp"
 #include "oracle/equations.hpp"
 #include "truth.hpp"

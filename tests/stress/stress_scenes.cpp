@@ -16,7 +16,10 @@
 #include <protostar/surfaces/any_surface.hpp>
 #include <tuple>
 
-#include "corpora.hpp"
+#include "corpora/boxes.hpp"
+#include "corpora/draws.hpp"
+#include "corpora/instances.hpp"
+#include "corpora/solids.hpp"
 #include "made_of.hpp"
 #include "oracle/coincide.hpp"
 #include "oracle/departures.hpp"
