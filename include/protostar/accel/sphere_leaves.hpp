@@ -31,6 +31,7 @@
 #include <span>
 #include <vector>
 
+#include "../numeric/sphere_equation.hpp"
 #include "../surfaces/sphere.hpp"
 #include "bvh.hpp"
 #include "packet.hpp"

@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "../magnitude.hpp"
+#include "../numeric/sphere_equation.hpp"
 #include "../numeric/sphere_roots.hpp"
+#include "../numeric/sphere_roots_of_each.hpp"
 #include "../surface.hpp"
 #include "../transformed_ray.hpp"
 #include "coordinates.hpp"
