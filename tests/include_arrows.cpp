@@ -29,6 +29,8 @@ const std::set<std::string> on_demand = {
     "numeric/inner_point.hpp",
     "numeric/triangle_roots.hpp",
     "surfaces/mesh.hpp",
+    "surfaces/mesh_data.hpp",
+    "surfaces/mesh_tree.hpp",
     "surfaces/triangle.hpp",
     "numeric/box_roots.hpp",
     "numeric/disk_roots.hpp",
@@ -136,7 +138,7 @@ std::vector<std::string> complaints(const Headers& headers) {
       if (name == "protostar.hpp") complain("includes " + name + ", which is for programs");
       if (in_core(header) && !in_core(name)) complain("includes " + name + ", which is not in the core");
       if (name.starts_with("accel/") && !header.starts_with("accel/") && header != "protostar.hpp" &&
-          header != "surfaces/mesh.hpp")  // a mesh has its own tree
+          header != "surfaces/mesh_tree.hpp")  // a mesh has its own tree
         complain("includes " + name + ", but that is left to protostar.hpp");
       if (header == "render.hpp" && name.starts_with("integrators/"))
         complain("includes " + name + ", but render takes any integrator");
