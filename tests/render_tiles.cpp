@@ -3,7 +3,6 @@
 #include <protostar/integrators/binary.hpp>
 #include <protostar/integrators/color.hpp>
 #include <protostar/integrators/depth.hpp>
-#include <protostar/integrators/diffuse.hpp>
 #include <protostar/integrators/normal.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/transparency.hpp>
@@ -13,15 +12,18 @@
 #include <protostar/surfaces/sphere.hpp>
 
 #include <cmath>
-#include <cstring>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <type_traits>
+#include <utility>
 
-#include "scenes/three_spheres.hpp"
 #include "support/catch.hpp"
 #include "support/cylinder.hpp"
+#include "support/everything.hpp"
 #include "support/pictures.hpp"
 #include "support/random.hpp"
+#include "support/ray_by_ray.hpp"
 
 using namespace protostar;
 
@@ -49,14 +51,6 @@ struct BallSomewhere : Ball {
   Bounds bounds() const { return {Point{-1e200}, Point{1e200}}; }
 };
 
-/// Scene type of nearly all tests, since every integrator is compiled anew for each type.
-using Everything = Scene<Sphere, Plane, AnySurface>;
-
-/// Returns the number of pixels whose bytes differ between two pictures of one size.
-int different_bytes(const Image& a, const Image& b) {
-  return count_pixels(a, [&](int x, int y) { return std::memcmp(&a(x, y), &b(x, y), sizeof(Color)) != 0; });
-}
-
 /// Calls test(name, integrator) with one integrator for each path through the tiles: any hit, closest hit,
 /// shadow rays, and all hits. The others shade the closest hit as NormalIntegrator does, and each takes long
 /// to compile; the golden pictures cover them.
@@ -65,15 +59,6 @@ void for_each_integrator(const auto& test) {
   test("normal", NormalIntegrator{});
   test("shadow", ShadowIntegrator{});
   test("transparency", TransparencyIntegrator{});
-}
-
-/// Returns the picture drawn ray by ray, without render().
-Image ray_by_ray(const Camera& camera, int width, int height, const auto& scene, const auto& integrator) {
-  Image image(width, height);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      image(x, y) = integrator.radiance(camera.through_pixel(x, y, width, height), scene);
-  return image;
 }
 
 /// Checks that the picture of an integrator equals the one drawn ray by ray, and that its statistics are
@@ -99,13 +84,6 @@ S with_lights(S scene, const Point& around = Point{0}) {
   scene.add(PointLight{.position = around + Vec3{1, 4, -2}, .power = Color{300, 200, 100}});
   scene.add(PointLight{.position = around + Vec3{-5, 2, 1}, .power = Color{50, 100, 300}});
   scene.add(PointLight{.position = around + Vec3{0, 0.1, 3}, .power = Color{10}});
-  return scene;
-}
-
-Everything three_spheres_and_nothing_else() {
-  Everything scene;
-  for (const auto& [sphere, color] : the_three_spheres) scene.add(sphere, color);
-  scene.add(light_of_the_three_spheres);
   return scene;
 }
 
@@ -204,46 +182,6 @@ TEST_CASE("by tiles, rays that start on a film and only touch a surface are deci
     }
     check_pictures(with_lights(scene), camera, width, height);
   }
-}
-
-TEST_CASE("a sensor does not see surfaces between it and its focal point, and tests none of them") {
-  Everything scene;
-  scene.add(Sphere{.center = {0, 0, -0.5}, .radius = 0.2}, Color{1});
-  const Camera sensor = Camera::sensor(Point{0}, {0, 0, 1}, {0, 1, 0}, 1),
-               pinhole{.position = {0, 0, -1}, .right = sensor.right, .up = sensor.up};
-  const auto seen_by = [&](const Camera& camera, RenderStatistics& taken) {
-    Image image(160, 120);
-    render(image, camera, scene, BinaryIntegrator{}, {.statistics = &taken});
-    return count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; });
-  };
-  RenderStatistics by_sensor, by_pinhole;
-  CHECK(seen_by(pinhole, by_pinhole) > 1000);
-  CHECK(seen_by(sensor, by_sensor) == 0);
-  CHECK(by_sensor.surface_tests == 0);
-  CHECK(by_sensor.pixels_skipped == 160 * 120);
-  // A sphere that the sensor cuts is seen from inside.
-  scene.add(Sphere{.center = {0, 0, 0}, .radius = 0.1}, Color{1});
-  CHECK(seen_by(sensor, by_sensor) > 300);
-}
-
-TEST_CASE("tiles cull surfaces outside the view of any camera") {
-  const Vec3 ahead{0, 0, 1}, up{0, 1, 0};
-  for (const Camera& camera :
-       {Camera{}, Camera::sensor(Point{0}, ahead, up, 0.5), Camera::orthographic(Point{0}, ahead, up, 10)})
-    for (const int count : {60, 3000}) {
-      Everything scene;
-      Random random(10);
-      for (int i = 0; i < count; ++i)
-        scene.add(Sphere{Vec3{0, 0, 6} + random.point(5), 2 / std::sqrt(count)}, random.color());
-      RenderStatistics taken;
-      Image image(320, 240);
-      render(image, camera, scene, BinaryIntegrator{}, {.statistics = &taken});
-      CAPTURE(count, camera.film_right.x, taken.camera_rays, taken.surface_tests);
-      const auto seen = count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; });
-      CHECK(seen > 4000);
-      CHECK(taken.camera_rays < 320 * 240);
-      CHECK(taken.surface_tests < 5 * taken.camera_rays);
-    }
 }
 
 TEST_CASE("by tiles, surfaces that coincide, touch or lie in each other look as they do ray by ray") {
@@ -368,138 +306,6 @@ TEST_CASE("by tiles, textures, lights of every kind, a sky, mirrors and glass lo
   }
 }
 
-namespace {
-
-/// Returns a scene of so few surfaces that secondary rays stay together in packets; neighbors differ in
-/// material.
-Everything mirrors_and_glass() {
-  const Material chrome{.specular = Color{1}, .shininess = 1425, .reflect = 0.8},
-      glass{.specular = Color{0.9f}, .shininess = 125, .reflect = 0.1, .refract = 0.8},
-      air{.reflect = 0.2, .refract = 0.7, .ior = 1 / 1.5},
-      rubber{.diffuse = {0.4f, 0.1f, 0.1f}, .specular = Color{0.3f}, .shininess = 12.5},
-      tiles{.texture = Checker{{0.6f, 0.4f, 0.2f}, Color{0.6f}, 0.7}, .reflect = 0.25},
-      water{.diffuse = {0, 0.1f, 0.2f}, .reflect = 0.3, .refract = 0.9, .ior = 1.33};
-  Everything scene;
-  scene.add(Sphere{.center = {-1, 0, 5}}, chrome);
-  scene.add(Sphere{.center = {1, 0.2, 4}}, glass);
-  scene.add(Sphere{.center = {1, 0.2, 4}, .radius = -0.5}, glass);  // a hollow inside the glass
-  scene.add(Sphere{.center = {0.2, -0.4, 3}, .radius = 0.4}, air);
-  scene.add(Sphere{.center = {0, 1.5, 6}, .radius = 0.8}, rubber);
-  scene.add(Sphere{.center = {-1, -1.5, 4}, .radius = 0.6}, tiles);
-  scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, water);
-  scene.add(Plane{.normal = {0, 2, 0.1}, .distance = -6}, tiles);
-  scene.add(AnySurface(Sphere{.center = {2.5, 0.5, 6}}), chrome);
-  scene.add(AnySurface(Plane{.normal = {0, 0, 1}, .distance = 12}), tiles);
-  scene.add(AnySurface(Cylinder{.radius = 9}), chrome);
-  scene.set_sky({0.2f, 0.7f, 0.8f});
-  scene.add(PointLight{.position = {1, 4, -2}, .power = Color{300, 200, 100}});
-  scene.add(DirectionalLight{.direction = {1, 2, -1}, .intensity = {0.2f, 0.1f, 0.1f}});
-  scene.add(SpotLight{.position = {0, 4, 4}, .direction = {0, -1, 0}, .angle = 35, .power = Color{200}});
-  scene.add(AmbientLight{{0.02f, 0.01f, 0.03f}});
-  return scene;
-}
-
-/// Returns a scene of two mirrors that face each other, and two spheres between them.
-Everything hall_of_mirrors() {
-  Everything scene;
-  const Material mirror{.diffuse = Color{0x1p-8f}, .reflect = 0.95};
-  scene.add(Plane{.normal = {0, 0, 1}, .distance = 3}, mirror);
-  scene.add(Plane{.normal = {0, 0, 1}, .distance = -2}, mirror);
-  scene.add(Sphere{.center = {0.8, 0, 2}, .radius = 0.5}, mirror);
-  scene.add(Sphere{.center = {-0.8, 0.2, 1}, .radius = 0.4}, Color{1, 0.5f, 0});
-  scene.add(AmbientLight{Color{1}});
-  scene.set_sky({0.2f, 0.7f, 0.8f});
-  return scene;
-}
-
-/// Returns the number of pixels that WhittedIntegrator draws differently by tiles and ray by ray.
-int wrong_pixels(const Everything& scene, const Camera& camera, int width, int height, int depth) {
-  const WhittedIntegrator whitted{.depth = depth};
-  Image image(width, height);
-  render(image, camera, scene, whitted, {.threads = 2});
-  return different_bytes(image, ray_by_ray(camera, width, height, scene, whitted));
-}
-
-}  // namespace
-
-TEST_CASE("by tiles, mirrors and glass look as they do ray by ray, to any depth") {
-  const auto scene = mirrors_and_glass();
-  for (const Camera& camera : {Camera{}, Camera{.position = {0, -2, 0}},  // under water
-                               Camera{.position = scene.surfaces<Sphere>()[1].center},
-                               Camera::orthographic(Point{0}, {0, 0, 1}, {0, 1, 0}, 5)})
-    for (const int depth : {0, 1, 2, 3, 5}) {
-      CAPTURE(camera.position.y, camera.film_right.x, depth);
-      CHECK(wrong_pixels(scene, camera, 93, 70, depth) == 0);
-    }
-  Image by_tiles(61, 43), plain(61, 43), sky(61, 43);
-  const auto draw = [&](Image& image, int depth, const RenderOptions& options) {
-    render(image, Camera{}, scene, WhittedIntegrator{.depth = depth}, options);
-  };
-  draw(by_tiles, 4, {.samples = 3});
-  draw(plain, 4, {.samples = 3, .tiles = false});
-  CHECK(different_bytes(by_tiles, plain) == 0);
-  RenderStatistics one_ray, five_rays;
-  draw(by_tiles, 1, {.statistics = &one_ray});
-  draw(plain, 5, {.statistics = &five_rays});
-  CHECK(different_bytes(by_tiles, plain) > 1000);
-  // Secondary rays are tested in packets, too.
-  CHECK(five_rays.surface_tests > 5 * one_ray.surface_tests);
-  draw(sky, 0, {});
-  CHECK(count_pixels(sky, [&](int x, int y) { return sky(x, y) != *scene.sky(); }) == 0);
-}
-
-TEST_CASE("by tiles, total reflection is decided for each ray") {
-  Everything water;
-  water.add(Plane{}, Material{.refract = 1, .ior = 1.33});
-  water.set_sky({0.2f, 0.7f, 0.8f});
-  const Camera under_water{.position = {0, -1, 0}, .up = {0, -0.5, 1}, .forward = {0, 1, 0.5}};
-  CHECK(wrong_pixels(water, under_water, 90, 70, 5) == 0);
-  Image image(90, 70);
-  RenderStatistics taken;
-  render(image, under_water, water, WhittedIntegrator{}, {.statistics = &taken});
-  CHECK(count_pixels(image, [&](int x, int y) { return image(x, y) == Color{0}; }) > 1000);
-  const int bright = count_pixels(image, [&](int x, int y) { return image(x, y) == *water.sky(); });
-  CHECK(bright > 1000);
-  CHECK(taken.other_rays == static_cast<std::uint64_t>(bright));  // no other rays are followed
-}
-
-TEST_CASE("by tiles, mirror images that double leaves in doubt are decided exactly") {
-  const Material mirror{.diffuse = Color{0.1f}, .reflect = 0.5};
-  Everything scene;
-  // The ball is so small that rays that leave it start next to the ground.
-  scene.add(Sphere{.center = {0, -1001, 3}, .radius = 1000}, mirror);
-  scene.add(Sphere{.center = {0, -0.9985, 3}, .radius = 0.0015}, mirror);
-  scene.add(PointLight{.position = {1, 4, 1}, .power = Color{300}});
-  const Camera near_it{.position = {0, -0.997, 2.995}};
-  RenderStatistics taken;
-  Image image(120, 90);
-  render(image, near_it, scene, WhittedIntegrator{.depth = 5}, {.statistics = &taken});
-  CHECK(wrong_pixels(scene, near_it, 120, 90, 5) == 0);
-  CHECK(taken.in_doubt > 100);
-
-  // The later of two balls is larger, by less than double resolves. A third ball, equal to it, is never seen.
-  Everything balls;
-  balls.add(Plane{.normal = {0, 0, 1}, .distance = 3}, Material{.reflect = 1});
-  balls.add(Sphere{.center = {0, 0, -4}, .radius = 1}, Color{1, 0, 0});
-  balls.add(Sphere{.center = {0, 0, -4}, .radius = 1 + 0x1p-36}, Color{0, 1, 0});
-  balls.add(AnySurface(Sphere{.center = {0, 0, -4}, .radius = 1 + 0x1p-36}), Color{0, 0, 1});
-  balls.add(AmbientLight{Color{1}});
-  CHECK(wrong_pixels(balls, Camera{}, 90, 70, 2) == 0);
-  Image mirrored(90, 70);
-  render(mirrored, Camera{}, balls, WhittedIntegrator{});
-  CHECK(count_pixels(mirrored, [&](int x, int y) { return mirrored(x, y) == Color{0, 1, 0}; }) > 20);
-  CHECK(count_pixels(mirrored, [&](int x, int y) { return mirrored(x, y).r + mirrored(x, y).b > 0; }) == 0);
-}
-
-TEST_CASE("by tiles, long paths look as they do ray by ray, and do not overflow the stack") {
-  const auto hall = hall_of_mirrors();
-  for (const int depth : {31, 32, 33, 34, 60}) {
-    CAPTURE(depth);
-    CHECK(wrong_pixels(hall, Camera{}, 61, 43, depth) == 0);
-  }
-  CHECK(wrong_pixels(hall, Camera{}, 9, 7, 1000) == 0);  // maximum of scene files
-}
-
 TEST_CASE("by tiles, an empty scene is empty") {
   check_pictures(Everything{}, Camera{}, 33, 20);
   RenderStatistics taken;
@@ -535,271 +341,6 @@ TEST_CASE("the picture is the same with and without tiles, and for any number of
       CHECK(taken.exact == first.exact);
     }
   });
-}
-
-namespace {
-
-/// User-defined integrator for single rays, with a shade function.
-struct Headlight {
-  Color radiance(const Ray& ray, const Traceable auto& scene) const {
-    const auto hit = scene.intersect(ray);
-    return hit ? shade(*hit, scene) : Color{0};
-  }
-  Color shade(const Intersection& hit, const auto&) const {
-    return hit.color() * static_cast<float>(std::abs(hit.normal().z));
-  }
-};
-
-/// User-defined integrator with a sky, hence not black for rays that miss; asks for the closest hit, any hit
-/// and all hits, also of secondary rays.
-struct Mirrors {
-  Color radiance(const Ray& ray, const Traceable auto& scene) const { return radiance(ray, scene, 3); }
-  Color radiance(const Ray& ray, const auto& scene, int left) const {
-    const auto hit = scene.intersect(ray);
-    Color color{Vec3{0.5 + 0.5 * ray.direction.y}};
-    scene.crossings(ray, Interval{0, 4}, [&](const Intersection& crossing) { color *= crossing.color(); });
-    if (!hit || left == 0 || scene.occluded(ray, Interval{0, 0.5})) return color;
-    const Vec3 n = hit->facing_normal(), d = ray.direction;
-    return hit->color() * radiance(hit->leave(d - 2 * dot(d, n) * n), scene, left - 1) + 0.1f * color;
-  }
-};
-
-/// User-defined integrator that asks for more than the closest hit of the camera ray: behind some t, beside
-/// it, and of a ray that departs from a surface.
-struct Curious {
-  Color radiance(const Ray& ray, const Traceable auto& scene) const {
-    Color color{0};
-    const auto look = [&](const Ray& along, Interval range) {
-      const auto hit = scene.intersect(along, range);
-      color = 0.5f * color + (hit ? hit->color() : Color{1});
-    };
-    look(ray, {3, infinity});
-    look(ray, {0, 3});
-    look({ray.origin, ray.direction + Vec3{0.4, 0.1, 0}}, {});
-    look({ray.origin + Vec3{0.4, 0.1, 0}, ray.direction}, {});
-    look({ray.origin, ray.direction, the_three_spheres[0].sphere.departure()}, {});
-    return color;
-  }
-};
-
-/// User-defined integrator that takes packets.
-struct Rings {
-  using TakesPackets = Rings;
-  Color radiance(const Ray& ray, const Traceable auto& scene) const {
-    const auto hit = scene.intersect(ray);
-    return hit ? shade(*hit, scene) : background(ray, scene);
-  }
-  Color background(const auto&, const auto&) const { return {0, 0, 0.125f}; }
-  template <class Hit>
-  typename Hit::Light shade(const Hit& hit, const auto&) const {
-    return hit.color() * to_float(1 / (1 + hit.t * hit.t));
-  }
-};
-
-/// User-defined integrator that derives from one of the library, which takes packets, and draws something
-/// else.
-struct Facets : DepthIntegrator {
-  Color radiance(const Ray& ray, const Traceable auto& scene) const {
-    const auto hit = scene.intersect(ray);
-    return hit ? 0.25f * Color{floor(4.0 * hit->normal())} : Color{0.5f};
-  }
-};
-
-/// User-defined integrator that takes packets and sees the lights where nothing is hit.
-struct Glow {
-  using TakesPackets = Glow;
-  template <class R>
-  typename R::Light radiance(const R& ray, const auto& scene) const {
-    Color glow{0};
-    for (const Light& light : scene.lights()) glow += light.irradiance(Point{0}, Vec3{0, 0, 1});
-    return select(scene.occluded(ray, Interval{}), Color{0}, glow);
-  }
-};
-
-/// User-defined integrator that takes packets and traces shadow rays with different ends, unlike those to a
-/// light.
-struct Bristles {
-  using TakesPackets = Bristles;
-  Color radiance(const Ray& ray, const Traceable auto& scene) const {
-    const auto hit = scene.intersect(ray, Interval{});
-    return hit ? shade(*hit, scene) : background(ray, scene);
-  }
-  Color background(const auto&, const auto&) const { return Color{0.5f}; }
-  template <class Hit>
-  typename Hit::Light shade(const Hit& hit, const auto& scene) const {
-    const auto bristle = 4.0 * hit.facing_normal();
-    return select(scene.occluded(hit.leave(bristle), Interval{0, 1}), Color{0}, Color{1});
-  }
-};
-
-}  // namespace
-
-TEST_CASE("by tiles, a user's integrator draws the same picture as ray by ray") {
-  const auto check = [](const auto& scene, const auto& integrator) {
-    for (const Camera& camera : {Camera{}, Camera::sensor({0, 0, 1}, {0, 0, 1}, {0, 1, 0}, 0.6),
-                                 Camera::orthographic({0, 0, 2}, {0, 0, 1}, {0, 1, 0}, 3)}) {
-      const Image expected = ray_by_ray(camera, 90, 70, scene, integrator);
-      for (const bool tiles : {true, false}) {
-        Image image(90, 70);
-        render(image, camera, scene, integrator, {.threads = 2, .tiles = tiles});
-        CHECK(different_bytes(image, expected) == 0);
-      }
-    }
-  };
-  const auto scene = three_spheres();
-  check(scene, Headlight{});
-  check(scene, Mirrors{});
-  check(scene, Curious{});
-  check(scene, Rings{});
-  check(scene, Facets{});
-  check(scene, Glow{});
-  Scene<Sphere> crowd;  // enough for occluders to be found in a tree
-  Random random(20);
-  for (int i = 0; i < 300; ++i)
-    crowd.add(Sphere{Vec3{0, 0, 6} + random.point(3), random.real(0.05, 0.3)}, Color{1});
-  check(crowd, Bristles{});
-
-  const auto lambda = [](const Ray& ray, const auto& traced) { return Mirrors{}.radiance(ray, traced); };
-  const auto typed = [](const Ray& ray, const Scene<Sphere>& traced) {
-    return Mirrors{}.radiance(ray, traced);
-  };
-  const Image expected = ray_by_ray(Camera{}, 90, 70, scene, Mirrors{});
-  Image by_lambda(90, 70), by_typed(90, 70), by_structure(90, 70);
-  render(by_lambda, Camera{}, scene, lambda);
-  render(by_typed, Camera{}, scene, typed);
-  struct Typed {
-    Color radiance(const Ray& ray, const Scene<Sphere>& traced) const {
-      return Mirrors{}.radiance(ray, traced);
-    }
-  };
-  render(by_structure, Camera{}, scene, Typed{});
-  CHECK(different_bytes(by_lambda, expected) == 0);
-  CHECK(different_bytes(by_typed, expected) == 0);
-  CHECK(different_bytes(by_structure, expected) == 0);
-}
-
-TEST_CASE("in tiles without candidates, a packet integrator still gets the scene's lights") {
-  Scene<Sphere> scene;
-  scene.add(Sphere{.center = {0, 0, 9}, .radius = 1}, Color{1});
-  scene.add(ConstantLight{.position = {0, 0, 5}, .intensity = Color{1, 2, 3}});
-  RenderStatistics taken;
-  Image image(90, 70);
-  render(image, Camera{}, scene, Glow{}, {.statistics = &taken});
-  CHECK(different_bytes(image, ray_by_ray(Camera{}, 90, 70, scene, Glow{})) == 0);
-  CHECK(taken.pixels_skipped > 90 * 70 / 2);
-  CHECK(image(0, 0) == Color{1, 2, 3});
-}
-
-TEST_CASE("by tiles, a function of a ray and any scene may access the scene's surfaces") {
-  const auto scene = three_spheres();
-  const auto touched = [&](const Ray& ray, const auto& traced) {
-    Color color{static_cast<float>(traced.size())};
-    for (std::size_t i = 0; i < traced.template surfaces<Sphere>().size(); ++i)
-      if (traced.template surfaces<Sphere>()[i].intersect(ray))
-        color *= traced.template materials<Sphere>()[i].diffuse;
-    return color;
-  };
-  Image by_tiles(90, 70), without(90, 70);
-  render(by_tiles, Camera{}, scene, touched);
-  render(without, Camera{}, scene, touched, {.tiles = false});
-  CHECK(different_bytes(by_tiles, without) == 0);
-  CHECK(count_pixels(without, [&](int x, int y) { return without(x, y) == Color{3}; }) > 90 * 70 / 4);
-}
-
-TEST_CASE("statistics count the work that is needed, and no more") {
-  Image image(320, 240);
-  const auto taken_by = [&](const auto& scene, const auto& integrator, const Camera& camera = {}) {
-    RenderStatistics taken;
-    render(image, camera, scene, integrator, {.statistics = &taken});
-    return taken;
-  };
-  Everything scene;
-  scene.add(Sphere{.center = {0, 0, 5}, .radius = 1}, Color{1});
-
-  // One sphere: each ray near it is tested once, and other rays are not traced.
-  const RenderStatistics binary = taken_by(scene, BinaryIntegrator{});
-  CHECK(binary.surface_tests == binary.camera_rays);
-  CHECK(binary.camera_rays < 320 * 240 / 5);
-  CHECK(taken_by(scene, DepthIntegrator{}).surface_tests == binary.surface_tests);
-
-  // Sky above the ground: almost no ray is traced there, though the ground extends beyond both sides of those
-  // tiles.
-  const auto tutorial = three_spheres_and_nothing_else();
-  const RenderStatistics outdoors = taken_by(tutorial, BinaryIntegrator{});
-  const int sky = count_pixels(image, [&](int x, int y) { return image(x, y) == Color{0}; });
-  CHECK(sky > 320 * 240 / 4);
-  CHECK(outdoors.pixels_skipped > static_cast<std::uint64_t>(sky) * 3 / 4);
-
-  // A sphere behind the camera takes no work at all.
-  const RenderStatistics away = taken_by(scene, ShadowIntegrator{}, Camera{.forward = {0, 0, -1}});
-  CHECK(away.surface_tests + away.camera_rays + away.other_rays + away.in_doubt == 0);
-  CHECK(away.pixels_skipped == 320 * 240);
-
-  // A light behind all visible points needs no shadow ray, and one in front of them one for each hit.
-  scene.add(PointLight{.position = {0, 0, 100}, .power = Color{1}});
-  CHECK(taken_by(scene, ShadowIntegrator{}).other_rays == 0);
-  scene.add(PointLight{.position = {0, 0, 0}, .power = Color{1}});
-  const RenderStatistics lit = taken_by(scene, ShadowIntegrator{});
-  const int seen = count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; });
-  CHECK(lit.other_rays == static_cast<std::uint64_t>(seen));
-
-  // Shadow rays are traced in packets; the rays of an integrator for single rays are not.
-  CHECK(lit.rays_alone == 0);
-  const RenderStatistics mirrors = taken_by(three_spheres(), Mirrors{});
-  CHECK(mirrors.other_rays > 320 * 240);
-  CHECK(mirrors.rays_alone == mirrors.other_rays);
-
-  // Counts are added to those already there.
-  RenderStatistics twice = lit;
-  render(image, Camera{}, scene, ShadowIntegrator{}, {.statistics = &twice});
-  CHECK(twice.other_rays == 2 * lit.other_rays);
-  CHECK(twice.surface_tests == 2 * lit.surface_tests);
-  CHECK(twice.pixels_skipped == 2 * lit.pixels_skipped);
-}
-
-TEST_CASE("each kind of culling by tiles may be turned off: the picture is the same, and takes more work") {
-  Everything few, many;
-  // The ground is first, so that a sphere that casts a shadow on it is tested first only if it was the last
-  // occluder.
-  for (std::size_t i = the_three_spheres.size(); i-- > 0;)
-    few.add(the_three_spheres[i].sphere, the_three_spheres[i].color);
-  few.add(light_of_the_three_spheres);
-  Random random(21);
-  for (int i = 0; i < 200; ++i)
-    many.add(Sphere{Vec3{0, 0, 6} + random.point(3), random.real(0.1, 0.4)}, random.color());
-  many.add(PointLight{.position = {3, 6, 0}, .power = Color{300}});
-
-  const auto check = [](const Everything& scene, const auto& integrator, bool casts_shadows) {
-    const bool has_lists = casts_shadows && scene.size() > 16;
-    Image expected(200, 150), image(200, 150);
-    RenderStatistics all;
-    render(expected, Camera{}, scene, integrator, {.statistics = &all});
-    const auto with = [&](const Skips& skips) {
-      RenderStatistics taken;
-      render(image, Camera{}, scene, integrator, {.skips = skips, .statistics = &taken});
-      CHECK(different_bytes(image, expected) == 0);
-      CHECK(taken.other_rays == all.other_rays);
-      CHECK(taken.camera_rays == (skips.empty_tiles ? all.camera_rays : 200 * 150));
-      CHECK(taken.pixels_skipped + taken.camera_rays == 200 * 150);
-      return taken;
-    };
-    CHECK(all.pixels_skipped > 10000);
-    CHECK((all.other_rays > 4000) == casts_shadows);
-    CHECK(with({.empty_tiles = false}).surface_tests == all.surface_tests);
-    CHECK((with({.passed_surfaces = false}).surface_tests > all.surface_tests) == (scene.size() > 16));
-    CHECK(with({.farther_surfaces = false}).surface_tests > all.surface_tests);
-    // Occluder lists are built on demand, so the number of tests may be lower or higher with them.
-    const RenderStatistics each = with({.occluder_lists = false});
-    CHECK((each.rays_alone > all.rays_alone) == has_lists);
-    CHECK(each.rays_alone == (has_lists ? all.other_rays : 0));
-    const RenderStatistics nothing_skipped = with({false, false, false, false});
-    if (!has_lists) CHECK(nothing_skipped.surface_tests > all.surface_tests);
-    CHECK(nothing_skipped.rays_alone == each.rays_alone);
-  };
-  for (const Everything* const scene : {&few, &many}) {
-    check(*scene, ColorIntegrator{}, false);
-    check(*scene, ShadowIntegrator{}, true);
-  }
 }
 
 TEST_CASE("few rays of a packet are in doubt") {

@@ -1,0 +1,171 @@
+// A user's integrators in render by tiles: the pictures drawn ray by ray.
+#include <protostar/accel/render_tiles.hpp>
+#include <protostar/integrators/depth.hpp>
+#include <protostar/surfaces/sphere.hpp>
+
+#include <cmath>
+#include <cstddef>
+
+#include "scenes/three_spheres.hpp"
+#include "support/catch.hpp"
+#include "support/mirrors.hpp"
+#include "support/pictures.hpp"
+#include "support/random.hpp"
+#include "support/ray_by_ray.hpp"
+
+using namespace protostar;
+
+namespace {
+
+/// User-defined integrator for single rays, with a shade function.
+struct Headlight {
+  Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray);
+    return hit ? shade(*hit, scene) : Color{0};
+  }
+  Color shade(const Intersection& hit, const auto&) const {
+    return hit.color() * static_cast<float>(std::abs(hit.normal().z));
+  }
+};
+
+/// User-defined integrator that asks for more than the closest hit of the camera ray: behind some t, beside
+/// it, and of a ray that departs from a surface.
+struct Curious {
+  Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    Color color{0};
+    const auto look = [&](const Ray& along, Interval range) {
+      const auto hit = scene.intersect(along, range);
+      color = 0.5f * color + (hit ? hit->color() : Color{1});
+    };
+    look(ray, {3, infinity});
+    look(ray, {0, 3});
+    look({ray.origin, ray.direction + Vec3{0.4, 0.1, 0}}, {});
+    look({ray.origin + Vec3{0.4, 0.1, 0}, ray.direction}, {});
+    look({ray.origin, ray.direction, the_three_spheres[0].sphere.departure()}, {});
+    return color;
+  }
+};
+
+/// User-defined integrator that takes packets.
+struct Rings {
+  using TakesPackets = Rings;
+  Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray);
+    return hit ? shade(*hit, scene) : background(ray, scene);
+  }
+  Color background(const auto&, const auto&) const { return {0, 0, 0.125f}; }
+  template <class Hit>
+  typename Hit::Light shade(const Hit& hit, const auto&) const {
+    return hit.color() * to_float(1 / (1 + hit.t * hit.t));
+  }
+};
+
+/// User-defined integrator that derives from one of the library, which takes packets, and draws something
+/// else.
+struct Facets : DepthIntegrator {
+  Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray);
+    return hit ? 0.25f * Color{floor(4.0 * hit->normal())} : Color{0.5f};
+  }
+};
+
+/// User-defined integrator that takes packets and sees the lights where nothing is hit.
+struct Glow {
+  using TakesPackets = Glow;
+  template <class R>
+  typename R::Light radiance(const R& ray, const auto& scene) const {
+    Color glow{0};
+    for (const Light& light : scene.lights()) glow += light.irradiance(Point{0}, Vec3{0, 0, 1});
+    return select(scene.occluded(ray, Interval{}), Color{0}, glow);
+  }
+};
+
+/// User-defined integrator that takes packets and traces shadow rays with different ends, unlike those to a
+/// light.
+struct Bristles {
+  using TakesPackets = Bristles;
+  Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray, Interval{});
+    return hit ? shade(*hit, scene) : background(ray, scene);
+  }
+  Color background(const auto&, const auto&) const { return Color{0.5f}; }
+  template <class Hit>
+  typename Hit::Light shade(const Hit& hit, const auto& scene) const {
+    const auto bristle = 4.0 * hit.facing_normal();
+    return select(scene.occluded(hit.leave(bristle), Interval{0, 1}), Color{0}, Color{1});
+  }
+};
+
+}  // namespace
+
+TEST_CASE("by tiles, a user's integrator draws the same picture as ray by ray") {
+  const auto check = [](const auto& scene, const auto& integrator) {
+    for (const Camera& camera : {Camera{}, Camera::sensor({0, 0, 1}, {0, 0, 1}, {0, 1, 0}, 0.6),
+                                 Camera::orthographic({0, 0, 2}, {0, 0, 1}, {0, 1, 0}, 3)}) {
+      const Image expected = ray_by_ray(camera, 90, 70, scene, integrator);
+      for (const bool tiles : {true, false}) {
+        Image image(90, 70);
+        render(image, camera, scene, integrator, {.threads = 2, .tiles = tiles});
+        CHECK(different_bytes(image, expected) == 0);
+      }
+    }
+  };
+  const auto scene = three_spheres();
+  check(scene, Headlight{});
+  check(scene, Mirrors{});
+  check(scene, Curious{});
+  check(scene, Rings{});
+  check(scene, Facets{});
+  check(scene, Glow{});
+  Scene<Sphere> crowd;  // enough for occluders to be found in a tree
+  Random random(20);
+  for (int i = 0; i < 300; ++i)
+    crowd.add(Sphere{Vec3{0, 0, 6} + random.point(3), random.real(0.05, 0.3)}, Color{1});
+  check(crowd, Bristles{});
+
+  const auto lambda = [](const Ray& ray, const auto& traced) { return Mirrors{}.radiance(ray, traced); };
+  const auto typed = [](const Ray& ray, const Scene<Sphere>& traced) {
+    return Mirrors{}.radiance(ray, traced);
+  };
+  const Image expected = ray_by_ray(Camera{}, 90, 70, scene, Mirrors{});
+  Image by_lambda(90, 70), by_typed(90, 70), by_structure(90, 70);
+  render(by_lambda, Camera{}, scene, lambda);
+  render(by_typed, Camera{}, scene, typed);
+  struct Typed {
+    Color radiance(const Ray& ray, const Scene<Sphere>& traced) const {
+      return Mirrors{}.radiance(ray, traced);
+    }
+  };
+  render(by_structure, Camera{}, scene, Typed{});
+  CHECK(different_bytes(by_lambda, expected) == 0);
+  CHECK(different_bytes(by_typed, expected) == 0);
+  CHECK(different_bytes(by_structure, expected) == 0);
+}
+
+TEST_CASE("in tiles without candidates, a packet integrator still gets the scene's lights") {
+  Scene<Sphere> scene;
+  scene.add(Sphere{.center = {0, 0, 9}, .radius = 1}, Color{1});
+  scene.add(ConstantLight{.position = {0, 0, 5}, .intensity = Color{1, 2, 3}});
+  RenderStatistics taken;
+  Image image(90, 70);
+  render(image, Camera{}, scene, Glow{}, {.statistics = &taken});
+  CHECK(different_bytes(image, ray_by_ray(Camera{}, 90, 70, scene, Glow{})) == 0);
+  CHECK(taken.pixels_skipped > 90 * 70 / 2);
+  CHECK(image(0, 0) == Color{1, 2, 3});
+}
+
+TEST_CASE("by tiles, a function of a ray and any scene may access the scene's surfaces") {
+  const auto scene = three_spheres();
+  const auto touched = [&](const Ray& ray, const auto& traced) {
+    Color color{static_cast<float>(traced.size())};
+    for (std::size_t i = 0; i < traced.template surfaces<Sphere>().size(); ++i)
+      if (traced.template surfaces<Sphere>()[i].intersect(ray))
+        color *= traced.template materials<Sphere>()[i].diffuse;
+    return color;
+  };
+  Image by_tiles(90, 70), without(90, 70);
+  render(by_tiles, Camera{}, scene, touched);
+  render(without, Camera{}, scene, touched, {.tiles = false});
+  CHECK(different_bytes(by_tiles, without) == 0);
+  CHECK(count_pixels(without, [&](int x, int y) { return without(x, y) == Color{3}; }) > 90 * 70 / 4);
+}
