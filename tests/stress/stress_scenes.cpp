@@ -62,6 +62,12 @@ struct Leaves {
   int part = 0;
 };
 
+// Without their headers, the tests of requires below would judge otherwise.
+static_assert(requires(const Ray& ray, const Sphere& sphere) {
+  exact::coincide(sphere, sphere);
+  exact::roots(ray, sphere, exact::Left{});
+});
+
 /// Adds the crossings of a ray with a surface.
 template <class S>
 void add_crossings(std::vector<Hit>& hits, const Model& model, const Ray& ray, const S& surface, int id,
