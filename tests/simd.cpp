@@ -1,5 +1,6 @@
 #include <protostar/accel/bvh_build.hpp>
 #include <protostar/accel/simd.hpp>
+#include <protostar/accel/store_lanes.hpp>
 #include <protostar/vec3.hpp>
 
 #include <algorithm>

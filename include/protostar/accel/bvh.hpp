@@ -16,6 +16,9 @@
 #include "../transformed_ray.hpp"
 #include "box_space.hpp"
 #include "bvh_build.hpp"
+#include "prefetch.hpp"
+#include "simd.hpp"
+#include "store_lanes.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

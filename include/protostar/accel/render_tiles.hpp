@@ -20,6 +20,8 @@
 #include "../render.hpp"
 #include "accelerate.hpp"
 #include "packet.hpp"
+#include "prefetch.hpp"
+#include "store_lanes.hpp"
 #include "tile.hpp"
 #include "tile_scene.hpp"
 

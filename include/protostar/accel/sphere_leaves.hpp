@@ -35,6 +35,7 @@
 #include "../surfaces/sphere.hpp"
 #include "bvh.hpp"
 #include "packet.hpp"
+#include "prefetch.hpp"
 #include "sphere_around.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {

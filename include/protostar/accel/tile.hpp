@@ -19,6 +19,7 @@
 #include "packet.hpp"
 #include "simd.hpp"
 #include "sphere_leaves.hpp"
+#include "store_lanes.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

@@ -11,6 +11,7 @@
 #include "drawn.hpp"
 #include "occluders.hpp"
 #include "packet.hpp"
+#include "prefetch.hpp"
 #include "tile.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {

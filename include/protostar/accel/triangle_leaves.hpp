@@ -17,6 +17,7 @@
 #include "../surfaces/triangle.hpp"
 #include "bvh.hpp"
 #include "packet.hpp"
+#include "prefetch.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

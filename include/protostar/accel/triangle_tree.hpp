@@ -9,6 +9,7 @@
 
 #include "bvh.hpp"
 #include "interleaved.hpp"
+#include "prefetch.hpp"
 #include "triangle_leaves.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
