@@ -1,5 +1,6 @@
 // Tests of the positions of boxes on the screen of a tile (accel/screen.hpp).
 #include <limits>
+#include <protostar/accel/pixel_rays.hpp>
 #include <protostar/accel/screen.hpp>
 #include <vector>
 

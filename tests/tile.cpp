@@ -1,3 +1,4 @@
+#include <protostar/accel/pixel_rays.hpp>
 #include <protostar/accel/tile.hpp>
 #include <protostar/surfaces/sphere.hpp>
 

@@ -7,8 +7,8 @@
 // that it needs in the cache.
 #include <array>
 #include <functional>
+#include <protostar/accel/pixel_rays.hpp>
 #include <protostar/accel/render_tiles.hpp>
-#include <protostar/accel/tile.hpp>
 #include <protostar/image.hpp>
 #include <protostar/integrators/binary.hpp>
 #include <protostar/integrators/color.hpp>

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "packet.hpp"
+#include "pixel_rays.hpp"
 #include "tile.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {

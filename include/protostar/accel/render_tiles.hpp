@@ -20,6 +20,7 @@
 #include "../render.hpp"
 #include "accelerate.hpp"
 #include "packet.hpp"
+#include "pixel_rays.hpp"
 #include "prefetch.hpp"
 #include "store_lanes.hpp"
 #include "tile.hpp"

@@ -18,10 +18,13 @@
 #include <limits>
 #include <numbers>
 
+#include "../camera.hpp"
+#include "../image.hpp"
+#include "../pixels.hpp"
 #include "box_space.hpp"
 #include "bvh_build.hpp"
+#include "pixel_rays.hpp"
 #include "simd.hpp"
-#include "tile.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

@@ -11,6 +11,7 @@
 
 #include "packet.hpp"
 #include "pixel_block.hpp"
+#include "pixel_rays.hpp"
 #include "screen.hpp"
 #include "tile.hpp"
 #include "triangle_tree.hpp"
