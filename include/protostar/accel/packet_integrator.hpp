@@ -1,0 +1,40 @@
+// Requirements of integrators whose pictures are made of tiles and packets.
+#pragma once
+
+#include <concepts>
+#include <type_traits>
+
+#include "../image.hpp"
+#include "../intersection.hpp"
+#include "../ray.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// Integrator whose functions take packets as well as single rays. It declares this for its own type only,
+/// since a type derived from it may have changed a function. All rays that miss have the same radiance,
+/// unless there is an environment.
+template <class I>
+concept PacketIntegrator = std::same_as<typename I::TakesPackets, I>;
+
+/// Integrator that shades the closest hit of a ray, and has a background for a ray that misses.
+template <class I, class S>
+concept ShadingIntegrator = requires(const I& integrator, const Ray& ray, const Intersection& hit,
+                                     const S& scene) {
+  { integrator.shade(hit, scene) } -> std::convertible_to<Color>;
+  { integrator.background(ray, scene) } -> std::convertible_to<Color>;
+};
+
+/// Integrator whose color of a surface without a texture is the same at all points: shade_anywhere(material).
+/// It declares this for its own type only.
+template <class I>
+concept ShadesAnywhere = std::same_as<typename I::ShadesAnywhere, I>;
+
+/// Integrator that takes packets, or a scene of any type.
+template <class I, class View>
+concept TileIntegrator = PacketIntegrator<I> ||
+    std::is_invocable_r_v<Color, const I&, const Ray&, const View&> ||
+    requires(const I& integrator, const Ray& ray, const View& view) {
+  { integrator.radiance(ray, view) } -> std::convertible_to<Color>;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd
