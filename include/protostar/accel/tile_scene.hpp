@@ -272,6 +272,7 @@ class TileScene {
   [[nodiscard]] LaneMask occluded(const RayPacket<Origin>& rays, Interval range) const {
     LaneMask found = false, left = rays.active;
     statistics_.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
+    if (!any(left)) return found;
     if (scene_.size() > few) {
       look_for_occluders(rays, range, found, left);
       return found;
