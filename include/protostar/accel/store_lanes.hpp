@@ -1,4 +1,4 @@
-// Stores lanes in another order than they have: those of three vectors in turn, or only the chosen ones.
+// Stores lanes in another order than they have: the numbers of three vectors in turn, or only chosen lanes.
 #pragma once
 
 #include <array>
