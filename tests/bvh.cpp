@@ -1,4 +1,5 @@
 #include <protostar/accel/bvh.hpp>
+#include <protostar/accel/bvh_node.hpp>
 #include <protostar/surfaces/sphere.hpp>
 
 #include <algorithm>

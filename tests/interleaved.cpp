@@ -1,3 +1,4 @@
+#include <protostar/accel/bvh_node.hpp>
 #include <protostar/accel/interleaved.hpp>
 
 #include <algorithm>

@@ -3,6 +3,7 @@
 #include <limits>
 #include <optional>
 #include <protostar/accel/accelerate.hpp>
+#include <protostar/accel/bvh_node.hpp>
 #include <protostar/accel/triangle_leaves.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/surfaces/any_surface.hpp>

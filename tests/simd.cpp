@@ -1,4 +1,4 @@
-#include <protostar/accel/bvh_build.hpp>
+#include <protostar/accel/bvh_node.hpp>
 #include <protostar/accel/simd.hpp>
 #include <protostar/accel/store_lanes.hpp>
 #include <protostar/vec3.hpp>

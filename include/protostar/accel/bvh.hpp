@@ -16,6 +16,7 @@
 #include "../transformed_ray.hpp"
 #include "box_space.hpp"
 #include "bvh_build.hpp"
+#include "bvh_node.hpp"
 #include "prefetch.hpp"
 #include "simd.hpp"
 #include "store_lanes.hpp"

@@ -22,64 +22,14 @@
 #include <vector>
 
 #include "../parallel.hpp"
+#include "../render_options.hpp"
+#include "box_slices.hpp"
 #include "box_space.hpp"
+#include "bvh_node.hpp"
 #include "large_pages.hpp"
+#include "simd.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
-
-/// Number of children of a node.
-inline constexpr int node_width = float_lanes < 4 ? 4 : float_lanes;
-
-/// Largest number of primitives in a leaf, and in a tree.
-inline constexpr std::uint32_t largest_leaf = 16, largest_tree = 1u << 27;
-
-/// Primitives at consecutive positions.
-struct Leaf {
-  std::uint32_t first, count;
-};
-
-/// Content of one box of a node: another node, or a leaf.
-class Child {
- public:
-  Child() = default;
-  static Child node(std::uint32_t index) { return Child(index); }
-  static Child leaf(Leaf leaf) { return Child(leaf_bit | leaf.first << 4 | (leaf.count - 1)); }
-
-  [[nodiscard]] bool is_leaf() const { return (bits_ & leaf_bit) != 0; }
-  [[nodiscard]] std::uint32_t node() const { return bits_; }
-  [[nodiscard]] Leaf leaf() const { return {(bits_ & ~leaf_bit) >> 4, (bits_ & 15) + 1}; }
-
-  /// Returns a number from which Child(bits) makes the same child.
-  [[nodiscard]] std::uint32_t bits() const { return bits_; }
-  explicit Child(std::uint32_t bits) : bits_(bits) {}
-
- private:
-  static constexpr std::uint32_t leaf_bit = 1u << 31;
-  std::uint32_t bits_;
-};
-
-/// Boxes of up to node_width children, axis by axis. An unused box contains nothing, and no ray meets it.
-struct alignas(64) Node {
-  float end[2][3][node_width];  ///< 0 is min, 1 max
-  std::uint32_t children[node_width];
-
-  [[nodiscard]] Child child(int k) const { return Child(children[k]); }
-
-  [[nodiscard]] bool has(int k) const { return end[0][0][k] <= end[1][0][k]; }
-};
-
-/// A BVH over boxes; primitives are stored in the order of the leaves.
-struct Tree {
-  Child root = Child(0);  ///< any value if the tree is empty
-  LargeVector<Node> nodes;
-  LargeVector<std::uint32_t> order;  ///< index of the primitive at each position
-};
-
-/// Number of levels that are cut by cost; below them, ranges are cut into halves. All levels are then at most
-/// these and log(largest_tree) to the base node_width, which a tree of very unequal boxes could otherwise
-/// exceed.
-inline constexpr int levels_by_cost = 16;
-inline constexpr int most_levels = levels_by_cost + (node_width < 8 ? 14 : 10);
 
 /// Numbers of primitives in leaves: at most `most`; if a node has free places, its leaves of more than
 /// `enough` are cut further. For triangles `enough` is the number tested at once.
@@ -283,46 +233,6 @@ class TreeBuilder {
       node.end[1][axis][k] = box.max[axis];
     }
   }
-
-  struct Slice {
-    Box box;
-    std::uint32_t count;
-
-    static Slice nothing() { return {Box::nothing(), 0}; }
-    void add(const Slice& other) {
-      box.add(other.box);
-      count += other.count;
-    }
-  };
-  static constexpr int most_slices = 16;
-  struct Slices {
-    int count;  ///< number on each axis
-    Slice on[3][most_slices];
-
-    Slices() = default;
-    explicit Slices(int slices) : count(slices) {
-      for (auto& slice : on) std::fill(slice, slice + count, Slice::nothing());
-    }
-    void add(const Slices& other) {
-      for (int axis = 0; axis < 3; ++axis)
-        for (int k = 0; k < count; ++k) on[axis][k].add(other.on[axis][k]);
-    }
-  };
-
-  /// Position of middles among the slices. It is finite: the step is 0 if they are no farther apart than
-  /// 2^-100.
-  struct Slicing {
-    int count;
-    Float4 start, step;
-
-    Slicing(const Box& middles, int slices) : count(slices), start(middles.min) {
-      const Float4 size = middles.max - middles.min;
-      // A little less than the number of slices, so that the largest middle falls into the last slice.
-      const Float4 most = static_cast<float>(slices) * (1 - 0x1p-20f);
-      step = select(size > Float4(0x1p-100f), most / size, Float4(0));
-    }
-    [[nodiscard]] Float4 place(const Box& box) const { return (box.middle() - start) * step; }
-  };
 
   [[nodiscard]] Slices sliced(const Slicing& slicing, std::size_t first, std::size_t last) const {
     Slices slices(slicing.count);

@@ -22,7 +22,7 @@
 #include "../image.hpp"
 #include "../pixels.hpp"
 #include "box_space.hpp"
-#include "bvh_build.hpp"
+#include "bvh_node.hpp"
 #include "pixel_rays.hpp"
 #include "simd.hpp"
 

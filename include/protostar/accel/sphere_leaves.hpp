@@ -34,6 +34,7 @@
 #include "../numeric/sphere_equation.hpp"
 #include "../surfaces/sphere.hpp"
 #include "bvh.hpp"
+#include "bvh_node.hpp"
 #include "packet.hpp"
 #include "prefetch.hpp"
 #include "sphere_around.hpp"

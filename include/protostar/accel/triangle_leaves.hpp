@@ -16,6 +16,7 @@
 
 #include "../surfaces/triangle.hpp"
 #include "bvh.hpp"
+#include "bvh_node.hpp"
 #include "packet.hpp"
 #include "prefetch.hpp"
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bvh.hpp"
+#include "bvh_node.hpp"
 #include "interleaved.hpp"
 #include "prefetch.hpp"
 #include "triangle_leaves.hpp"

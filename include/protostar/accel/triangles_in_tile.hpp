@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "bvh_node.hpp"
 #include "packet.hpp"
 #include "pixel_block.hpp"
 #include "pixel_rays.hpp"
