@@ -1,5 +1,6 @@
 #include <protostar/accel/bvh_node.hpp>
 #include <protostar/accel/interleaved.hpp>
+#include <protostar/accel/ray_in_bvh.hpp>
 
 #include <algorithm>
 #include <cstddef>

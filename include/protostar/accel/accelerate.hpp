@@ -17,6 +17,7 @@
 #include "../scene.hpp"
 #include "../surfaces/sphere.hpp"
 #include "bvh.hpp"
+#include "ray_in_bvh.hpp"
 #include "sphere_leaves.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "bvh.hpp"
+#include "ray_in_bvh.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

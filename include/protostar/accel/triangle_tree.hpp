@@ -11,6 +11,7 @@
 #include "bvh_node.hpp"
 #include "interleaved.hpp"
 #include "prefetch.hpp"
+#include "ray_in_bvh.hpp"
 #include "triangle_leaves.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
