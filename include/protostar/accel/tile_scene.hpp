@@ -9,6 +9,7 @@
 
 #include "accelerate.hpp"
 #include "drawn.hpp"
+#include "finder.hpp"
 #include "occluders.hpp"
 #include "packet.hpp"
 #include "prefetch.hpp"

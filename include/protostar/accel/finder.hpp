@@ -1,0 +1,250 @@
+// Finders: for each type of surfaces, those that a ray may meet or that may reach into a frustum.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "../interval.hpp"
+#include "../ray.hpp"
+#include "../render_options.hpp"
+#include "../surface.hpp"
+#include "../surfaces/sphere.hpp"
+#include "box_space.hpp"
+#include "bvh.hpp"
+#include "bvh_node.hpp"
+#include "ray_in_bvh.hpp"
+#include "simd.hpp"
+#include "sphere_around.hpp"
+#include "sphere_leaves.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// Indices of surfaces among those of their type, one in each lane.
+using Numbers = Lanes<std::uint32_t, double_lanes>;
+
+/// Finds the surfaces of one type that a ray may meet. This template is for types without bounds and visits
+/// all surfaces.
+template <Surface T>
+class Finder {
+ public:
+  Finder(const std::vector<T>& surfaces, const RenderOptions&)
+      : count_(static_cast<std::uint32_t>(surfaces.size())) {}
+
+  /// Calls visit(i) for each surface that a ray may cross inside the range, in any order, until a call
+  /// returns true; returns true if one did.
+  bool each_crossed(const Ray&, const Interval&, const auto& visit) const {
+    for (std::uint32_t i = 0; i < count_; ++i)
+      if (visit(i)) return true;
+    return false;
+  }
+
+  /// Returns true if a ray crosses any surface inside the range; visit(i) decides for one surface if bounds
+  /// do not.
+  bool any_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
+    return each_crossed(ray, range, visit);
+  }
+
+  /// Calls visit(i) for the surface of the closest hit inside the range, and for others. A visit may shorten
+  /// the range.
+  void each_first(const Ray&, const Interval&, const auto& visit) const {
+    for (std::uint32_t i = 0; i < count_; ++i) visit(i);
+  }
+
+  /// Calls visit(Numbers, Bits, SpheresAround) for some lanes at a time, so that each surface that has bounds
+  /// and may reach into every one of the half-spaces is in a lane whose bit is set.
+  void frustum_query(std::span<const HalfSpace>, const auto&) const {}
+
+  /// Calls visit(i) for each surface without bounds, in order.
+  void each_unbounded(const auto& visit) const {
+    for (std::uint32_t i = 0; i < count_; ++i) visit(i);
+  }
+
+ private:
+  std::uint32_t count_;
+};
+
+[[nodiscard]] inline std::vector<BoxHalfSpace> in_box_space(std::span<const HalfSpace> half_spaces,
+                                                            const Bvh& bvh) {
+  std::vector<BoxHalfSpace> seen;
+  for (const HalfSpace& half_space : half_spaces) seen.emplace_back(half_space, bvh.space());
+  return seen;
+}
+
+/// Finds surfaces with bounds: in a BVH with one surface in each leaf.
+template <SurfaceWithBounds T>
+class Finder<T> {
+ public:
+  Finder(const std::vector<T>& surfaces, const RenderOptions& options)
+      : surfaces_(&surfaces),
+        bvh_(
+            surfaces.size(), [&](std::size_t i) { return surfaces[i].bounds(); }, {.most = 1}, options) {}
+
+  bool each_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
+    return each_along<Order::any>(bvh_, ray, range, visit, [&](const BoxRay&, Leaf leaf, Reach&) {
+      return visit(bvh_.order()[leaf.first]);
+    });
+  }
+
+  bool any_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
+    return each_crossed(ray, range, visit);
+  }
+
+  void each_first(const Ray& ray, const Interval& range, const auto& visit) const {
+    const auto visit_one = [&](std::uint32_t i) {
+      visit(i);
+      return false;
+    };
+    each_along<Order::near_first>(bvh_, ray, range, visit_one,
+                                  [&](const BoxRay& line, Leaf leaf, Reach& left) {
+                                    visit(bvh_.order()[leaf.first]);
+                                    left.until = line.at_most(range.max);
+                                    return false;
+                                  });
+  }
+
+  void frustum_query(std::span<const HalfSpace> half_spaces, const auto& visit) const {
+    bvh_.each_leaf_in(in_box_space(half_spaces, bvh_), [&](Leaf leaf) {
+      const std::uint32_t i = bvh_.order()[leaf.first];
+      visit(Numbers(i), Bits{1}, SpheresAround(sphere_around((*surfaces_)[i])));
+    });
+  }
+
+  void each_unbounded(const auto& visit) const {
+    for (const std::uint32_t i : bvh_.unbounded()) visit(i);
+  }
+
+ private:
+  const std::vector<T>* surfaces_;
+  Bvh bvh_;
+};
+
+/// Finds spheres: in a BVH whose leaves have as many as are tested at once, in float.
+template <>
+class Finder<Sphere> {
+ public:
+  Finder(const std::vector<Sphere>& spheres, const RenderOptions& options)
+      : bvh_(
+            spheres.size(), [&](std::size_t i) { return spheres[i].bounds(); }, {.most = node_width},
+            options),
+        leaves_(
+            bvh_, [&](std::size_t i) -> auto& { return spheres[i]; }, options),
+        few_(spheres) {}
+
+  bool each_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
+    if (few_.has_all()) return each_of_few(ray, range, visit);
+    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
+      for (std::uint32_t i = 0; i < leaf.count; i += float_lanes)
+        if (any_of(leaves_.crossed(leaf, i, line, left).maybe, leaf.first + i, visit)) return true;
+      return false;
+    };
+    return each_along<Order::any>(bvh_, ray, range, visit, visit_leaf, soon());
+  }
+
+  bool any_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
+    if (few_.has_all()) return each_of_few(ray, range, visit);
+    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
+      for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
+        const auto [maybe, surely] = leaves_.crossed(leaf, i, line, left);
+        if (surely || any_of(maybe, leaf.first + i, visit)) return true;
+      }
+      return false;
+    };
+    return each_along<Order::any>(bvh_, ray, range, visit, visit_leaf, soon());
+  }
+
+  /// Calls visit(i) for the sphere of the closest hit inside the range, and for others. A sphere that is
+  /// surely entered before all known ones is visited last: mostly a nearer one is found until then, or there
+  /// is no other.
+  void each_first(const Ray& ray, const Interval& range, const auto& visit) const {
+    const auto visit_one = [&](std::uint32_t i) {
+      visit(i);
+      return false;
+    };
+    if (few_.has_all()) {
+      each_of_few(ray, range, visit_one);
+      return;
+    }
+    std::uint32_t waiting = 0;
+    float waiting_near = infinite;
+    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
+      for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
+        const auto entered = leaves_.entered(leaf, i, line, left);
+        for (Bits spheres = entered.maybe; spheres != 0; spheres &= spheres - 1) {
+          const int k = std::countr_zero(spheres);
+          if (entered.near[k] > left.until) continue;
+          const std::uint32_t place = leaf.first + i + static_cast<std::uint32_t>(k);
+          if ((entered.surely >> k & 1) != 0 && entered.far[k] < waiting_near) {
+            waiting = place;
+            waiting_near = entered.near[k];
+            left.until = std::min(left.until, entered.far[k]);
+          } else {
+            visit(bvh_.order()[place]);
+            left.until = std::min(left.until, line.at_most(range.max));
+          }
+        }
+      }
+      return false;
+    };
+    each_along<Order::near_first>(bvh_, ray, range, visit_one, visit_leaf, soon());
+    if (waiting_near < infinite) visit(bvh_.order()[waiting]);
+  }
+
+  void frustum_query(std::span<const HalfSpace> half_spaces, const auto& visit) const {
+    const auto sides = in_box_space(half_spaces, bvh_);
+    const auto visit_leaf = [&](Leaf leaf) {
+      Bits within = 0;
+      for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
+        if (i % float_lanes == 0) within = leaves_.within(leaf, i, sides);
+        if (const Bits some = within & first_bits(double_lanes); some != 0)
+          visit(numbers(leaf.first + i), some, leaves_.around(leaf, i, bvh_.space()));
+        within >>= double_lanes;
+      }
+    };
+    bvh_.each_leaf_in(sides, visit_leaf, soon());
+  }
+
+  void each_unbounded(const auto& visit) const {
+    for (const std::uint32_t i : bvh_.unbounded()) visit(i);
+  }
+
+ private:
+  static constexpr float infinite = std::numeric_limits<float>::infinity();
+
+  struct Fetch {
+    const SphereLeaves& leaves;
+    void operator()(Leaf leaf) const { leaves.fetch(leaf); }
+  };
+  [[nodiscard]] Fetch soon() const { return {leaves_}; }
+
+  /// Returns the surfaces in the order of the leaves from a position on.
+  [[nodiscard]] Numbers numbers(std::size_t from) const {
+    const auto& order = bvh_.order();
+    if (from + double_lanes <= order.size()) return Numbers::load(&order[from]);
+    return Numbers::of_each(
+        [&](int lane) { return order[std::min(from + static_cast<std::size_t>(lane), order.size() - 1)]; });
+  }
+
+  bool each_of_few(const Ray& ray, const Interval& range, const auto& visit) const {
+    for (Bits met = few_.met(ray, range); met != 0; met &= met - 1)
+      if (visit(static_cast<std::uint32_t>(std::countr_zero(met)))) return true;
+    return false;
+  }
+
+  /// Returns true if visit(i) is true for any of some spheres in a leaf, bit k being at position first + k.
+  bool any_of(Bits spheres, std::uint32_t first, const auto& visit) const {
+    for (; spheres != 0; spheres &= spheres - 1)
+      if (visit(bvh_.order()[first + static_cast<std::uint32_t>(std::countr_zero(spheres))])) return true;
+    return false;
+  }
+
+  Bvh bvh_;
+  SphereLeaves leaves_;
+  FewSpheres few_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd
