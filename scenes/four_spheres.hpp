@@ -1,4 +1,4 @@
-// Four spheres between three lights, by themselves or before a checker board: ivory, glass, red rubber and a
+// Four spheres between three lights, by themselves or above a checker board: ivory, glass, red rubber and a
 // mirror, with the numbers of Dmitry V. Sokolov's tinyraytracer. Its z axis runs towards the camera, ours
 // away.
 #pragma once
