@@ -151,7 +151,8 @@ class JsonCursor {
         number_between(0, std::numeric_limits<float>::max(), "a number from 0 to 3.4e38"))};
   }
 
-  /// Returns a length that a camera is made of, far inside the limits of Camera::validate.
+  /// Returns a length that a camera is made of. A determinant of a camera is a product of three lengths: with
+  /// these limits it is from 1e-300 to 1e300, which double holds as normal numbers (2.3e-308 to 1.7e308).
   [[nodiscard]] double camera_length() const {
     return number_between(1e-100, 1e100, "a number from 1e-100 to 1e100");
   }
