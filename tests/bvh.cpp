@@ -1,5 +1,5 @@
-#include <protostar/accel/bvh.hpp>
-#include <protostar/accel/bvh_node.hpp>
+#include <protostar/bvh/bvh.hpp>
+#include <protostar/bvh/node.hpp>
 #include <protostar/surfaces/sphere.hpp>
 
 #include <algorithm>

@@ -23,8 +23,7 @@ namespace fs = std::filesystem;
 const std::set<std::string> on_demand = {
     "surfaces/csg.hpp",
     "surfaces/instance.hpp",
-    "accel/triangle_leaves.hpp",
-    "accel/triangle_tree.hpp",
+    "surfaces/mesh_leaves.hpp",
     "accel/triangles_in_tile.hpp",
     "numeric/inner_point.hpp",
     "numeric/triangle_roots.hpp",
@@ -39,7 +38,7 @@ const std::set<std::string> on_demand = {
     "numeric/quadric_bounds.hpp",
     "surfaces/disk.hpp",
     "surfaces/quadric.hpp",
-    "accel/interleaved.hpp",
+    "bvh/interleaved.hpp",
     "accel/screen.hpp",
     "accel/triangles_on_screen.hpp",
     "accel/pixel_block.hpp",
@@ -49,8 +48,8 @@ const std::set<std::string> on_demand = {
 /// one header each the processor's instructions, large pages of the system, and its files.
 const std::set<std::string> glm_headers = {"glm/vec2.hpp", "glm/vec3.hpp", "glm/geometric.hpp"};
 const std::set<std::pair<std::string, std::string>> of_the_machine = {
-    {"accel/vector_registers.hpp", "immintrin.h"},
-    {"accel/large_pages.hpp", "sys/mman.h"},
+    {"simd/vector_registers.hpp", "immintrin.h"},
+    {"bvh/large_pages.hpp", "sys/mman.h"},
     {"system_file.hpp", "dirent.h"},
     {"system_file.hpp", "fcntl.h"},
     {"system_file.hpp", "poll.h"},
@@ -107,6 +106,20 @@ Includes includes_of(const std::string& header, const std::string& text) {
 /// Tests whether a name is that of a standard header: without folder and extension.
 bool in_standard_library(const std::string& name) { return name.find_first_of("/.") == std::string::npos; }
 
+/// Returns the folder of a header, which is empty for headers that are in none.
+std::string room_of(const std::string& header) { return fs::path(header).parent_path().generic_string(); }
+
+/// Tests whether a header may include another by the rooms of both, as far as simd/ and bvh/ are concerned:
+/// these know numbers and boxes, and no surface.
+bool may_include(const std::string& header, const std::string& name) {
+  const std::string room = room_of(header), other = room_of(name);
+  if (room == "simd") return other == "simd" || name == "platform.hpp" || name == "vec3.hpp";
+  if (room == "bvh")
+    return other == "bvh" || other == "simd" ||
+           (other.empty() && name != "surface.hpp" && name != "scene.hpp");
+  return true;
+}
+
 bool in_core(const std::string& header) { return !header.starts_with("io/"); }
 
 /// Returns a header that is included by way of itself, or an empty text if there is none.
@@ -141,8 +154,9 @@ std::vector<std::string> complaints(const Headers& headers) {
       if (!headers.contains(name)) complain("includes " + name + ", which is not a header of the library");
       if (name == "protostar.hpp") complain("includes " + name + ", which is for programs");
       if (in_core(header) && !in_core(name)) complain("includes " + name + ", which is not in the core");
+      if (!may_include(header, name)) complain("includes " + name + ", which stands above its room");
       if (name.starts_with("accel/") && !header.starts_with("accel/") && header != "protostar.hpp" &&
-          header != "surfaces/mesh_tree.hpp")  // a mesh has its own tree
+          header != "surfaces/mesh.hpp")  // a mesh is rasterized into tiles
         complain("includes " + name + ", but that is left to protostar.hpp");
       if (header == "render.hpp" && name.starts_with("integrators/"))
         complain("includes " + name + ", but render takes any integrator");
@@ -199,7 +213,7 @@ TEST_CASE("an include that breaks a rule is found") {
                Row{"scene.hpp", R"(#include "light.h")"},                    // does not exist
                Row{"render.hpp", R"(#include "accel/render_tiles.hpp")"},    // only in protostar.hpp
                Row{"accel/tile.hpp", "#include <immintrin.h>"},              // only in vector_registers.hpp
-               Row{"accel/simd.hpp", "#include <sys/mman.h>"},               // only in large_pages.hpp
+               Row{"simd/simd.hpp", "#include <sys/mman.h>"},                // only in large_pages.hpp
                Row{"output_file.hpp", "#include <fcntl.h>"},                 // only in system_file.hpp
                Row{"vec3.hpp", "#include <glm/glm.hpp>"},                    // compiles twice as long
                Row{"ppm.hpp", "#include <stb_image_write.h>"},               // another library

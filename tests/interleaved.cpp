@@ -1,6 +1,6 @@
-#include <protostar/accel/bvh_node.hpp>
-#include <protostar/accel/interleaved.hpp>
-#include <protostar/accel/ray_in_bvh.hpp>
+#include <protostar/bvh/interleaved.hpp>
+#include <protostar/bvh/node.hpp>
+#include <protostar/bvh/ray_in_bvh.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -1,11 +1,11 @@
-// Tests of memory in large pages, if the system has them (accel/large_pages.hpp).
+// Tests of memory in large pages, if the system has them (bvh/large_pages.hpp).
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
-#include <protostar/accel/large_pages.hpp>
+#include <protostar/bvh/large_pages.hpp>
 #include <sstream>
 #include <string>
 #include <utility>

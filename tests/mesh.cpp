@@ -3,11 +3,11 @@
 #include <limits>
 #include <optional>
 #include <protostar/accel/accelerate.hpp>
-#include <protostar/accel/bvh_node.hpp>
-#include <protostar/accel/triangle_leaves.hpp>
+#include <protostar/bvh/node.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/mesh.hpp>
+#include <protostar/surfaces/mesh_leaves.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <stdexcept>
 #include <utility>

@@ -1,6 +1,6 @@
-#include <protostar/accel/bvh_node.hpp>
-#include <protostar/accel/simd.hpp>
-#include <protostar/accel/store_lanes.hpp>
+#include <protostar/bvh/node.hpp>
+#include <protostar/simd/simd.hpp>
+#include <protostar/simd/store_lanes.hpp>
 #include <protostar/vec3.hpp>
 
 #include <algorithm>

@@ -13,10 +13,10 @@
 #include <tuple>
 #include <vector>
 
+#include "../bvh/box_space.hpp"
 #include "../parallel.hpp"
 #include "../render_options.hpp"
 #include "../scene.hpp"
-#include "box_space.hpp"
 #include "finder.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {

@@ -9,16 +9,16 @@
 #include <span>
 #include <vector>
 
+#include "../bvh/box_space.hpp"
+#include "../bvh/bvh.hpp"
+#include "../bvh/node.hpp"
+#include "../bvh/ray_in_bvh.hpp"
 #include "../interval.hpp"
 #include "../ray.hpp"
 #include "../render_options.hpp"
+#include "../simd/simd.hpp"
 #include "../surface.hpp"
 #include "../surfaces/sphere.hpp"
-#include "box_space.hpp"
-#include "bvh.hpp"
-#include "bvh_node.hpp"
-#include "ray_in_bvh.hpp"
-#include "simd.hpp"
 #include "sphere_around.hpp"
 #include "sphere_leaves.hpp"
 

@@ -12,7 +12,7 @@
 #include <limits>
 #include <vector>
 
-#include "bvh.hpp"
+#include "../bvh/bvh.hpp"
 #include "packet.hpp"
 #include "sphere_around.hpp"
 

@@ -9,60 +9,10 @@
 #include <utility>
 
 #include "../scene.hpp"
-#include "simd.hpp"
+#include "../simd/simd.hpp"
+#include "../simd/vectors.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
-
-/// Numbers of a packet, one in each lane: as many as the processor computes at once in double.
-using Doubles = Lanes<double, double_lanes>;
-using Floats = Lanes<float, double_lanes>;
-using Indices = Lanes<std::int64_t, double_lanes>;
-using LaneMask = Mask<double, double_lanes>;  ///< mask of some rays of a packet
-
-/// Returns f(number) in each lane.
-[[nodiscard]] Doubles of_each(Doubles x, const auto& f) {
-  for (int lane = 0; lane < double_lanes; ++lane) x.set(lane, f(x[lane]));
-  return x;
-}
-
-/// A vector in each lane.
-struct Vectors {
-  Doubles x, y, z;
-
-  Vectors() = default;
-  Vectors(Doubles first, Doubles second, Doubles third) : x(first), y(second), z(third) {}
-  Vectors(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
-
-  [[nodiscard]] Vec3 operator[](int lane) const { return {x[lane], y[lane], z[lane]}; }
-
-  friend Vectors operator+(const Vectors& a, const Vectors& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend Vectors operator-(const Vectors& a, const Vectors& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend Vectors operator-(const Vectors& a) { return {-a.x, -a.y, -a.z}; }
-  friend Vectors operator*(const Vectors& a, Doubles b) { return {a.x * b, a.y * b, a.z * b}; }
-  friend Vectors operator*(Doubles a, const Vectors& b) { return b * a; }
-  friend Vectors operator/(const Vectors& a, Doubles b) { return {a.x / b, a.y / b, a.z / b}; }
-  friend Vectors operator+(const Vectors& a, double b) { return {a.x + b, a.y + b, a.z + b}; }
-
-  friend Doubles dot(const Vectors& a, const Vectors& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-  friend Vectors cross(const Vectors& a, const Vectors& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-  }
-  friend Doubles length(const Vectors& a) { return sqrt(dot(a, a)); }
-  friend Vectors normalize(const Vectors& a) { return a * (1 / length(a)); }
-  friend Vectors abs(const Vectors& a) { return {abs(a.x), abs(a.y), abs(a.z)}; }
-  friend Vectors select(LaneMask which, const Vectors& a, const Vectors& b) {
-    return {select(which, a.x, b.x), select(which, a.y, b.y), select(which, a.z, b.z)};
-  }
-};
-
-/// Returns t · d with one direction for all lanes.
-inline Vectors operator*(Doubles t, const Vec3& d) { return t * Vectors(d); }
-
-/// Clamps each component to between -most and most.
-[[nodiscard]] inline Vectors within(const Vectors& v, double most) {
-  const auto one = [&](Doubles x) { return min(max(x, -most), most); };
-  return {one(v.x), one(v.y), one(v.z)};
-}
 
 /// Coordinates of a point on a surface, in each lane.
 struct Uvs {

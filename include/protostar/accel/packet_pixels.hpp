@@ -6,10 +6,10 @@
 #include <cstddef>
 
 #include "../image.hpp"
+#include "../simd/prefetch.hpp"
+#include "../simd/simd.hpp"
+#include "../simd/store_lanes.hpp"
 #include "packet.hpp"
-#include "prefetch.hpp"
-#include "simd.hpp"
-#include "store_lanes.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

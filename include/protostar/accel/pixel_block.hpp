@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "../simd/simd.hpp"
 #include "screen.hpp"
-#include "simd.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

@@ -12,8 +12,8 @@
 #include "../camera.hpp"
 #include "../image.hpp"
 #include "../pixels.hpp"
+#include "../simd/simd.hpp"
 #include "packet.hpp"
-#include "simd.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

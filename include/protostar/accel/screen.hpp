@@ -18,13 +18,13 @@
 #include <limits>
 #include <numbers>
 
+#include "../bvh/box_space.hpp"
+#include "../bvh/node.hpp"
 #include "../camera.hpp"
 #include "../image.hpp"
 #include "../pixels.hpp"
-#include "box_space.hpp"
-#include "bvh_node.hpp"
+#include "../simd/simd.hpp"
 #include "pixel_rays.hpp"
-#include "simd.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

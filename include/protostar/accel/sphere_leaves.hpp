@@ -31,12 +31,12 @@
 #include <span>
 #include <vector>
 
+#include "../bvh/bvh.hpp"
+#include "../bvh/node.hpp"
 #include "../numeric/sphere_equation.hpp"
+#include "../simd/prefetch.hpp"
 #include "../surfaces/sphere.hpp"
-#include "bvh.hpp"
-#include "bvh_node.hpp"
 #include "packet.hpp"
-#include "prefetch.hpp"
 #include "sphere_around.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {

@@ -14,16 +14,16 @@
 #include <utility>
 #include <vector>
 
+#include "../bvh/box_space.hpp"
 #include "../camera.hpp"
 #include "../image.hpp"
 #include "../interval.hpp"
-#include "box_space.hpp"
+#include "../simd/simd.hpp"
+#include "../simd/store_lanes.hpp"
 #include "packet.hpp"
 #include "pixel_rays.hpp"
-#include "simd.hpp"
 #include "sphere_around.hpp"
 #include "sphere_leaves.hpp"
-#include "store_lanes.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

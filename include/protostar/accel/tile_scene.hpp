@@ -7,12 +7,12 @@
 #include <type_traits>
 #include <vector>
 
+#include "../simd/prefetch.hpp"
 #include "accelerate.hpp"
 #include "drawn.hpp"
 #include "finder.hpp"
 #include "occluders.hpp"
 #include "packet.hpp"
-#include "prefetch.hpp"
 #include "tile.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {

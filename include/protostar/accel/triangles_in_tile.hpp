@@ -9,13 +9,13 @@
 #include <limits>
 #include <vector>
 
-#include "bvh_node.hpp"
+#include "../bvh/node.hpp"
+#include "../surfaces/mesh_tree.hpp"
 #include "packet.hpp"
 #include "pixel_block.hpp"
 #include "pixel_rays.hpp"
 #include "screen.hpp"
 #include "tile.hpp"
-#include "triangle_tree.hpp"
 #include "triangles_on_screen.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {

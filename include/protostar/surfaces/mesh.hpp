@@ -16,6 +16,11 @@
 #include "mesh_tree.hpp"
 #include "triangle.hpp"
 
+#if __has_include("../accel/triangles_in_tile.hpp")
+#include "../accel/triangles_in_tile.hpp"
+#define PROTOSTAR_RASTERIZED_MESHES 1  // with accel/, meshes are rasterized into tiles
+#endif
+
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// A mesh, whose copies share their data. Its parts are its triangles, in the order in which they are given.
@@ -141,7 +146,7 @@ class Mesh {
     for (const Crossing& crossing : crossings) visit(crossing);
   }
 
-#if defined(PROTOSTAR_MESH_TREE)
+#if defined(PROTOSTAR_RASTERIZED_MESHES)
   /// Visibility buffer of a tile, filled for all pixels at once (RasterizedSurface).
   using Drawn = simd::TrianglesInTile;
   void draw(Drawn& drawn, const simd::PixelRays& rays, int sample, const simd::Frustum& frustum,
@@ -238,7 +243,7 @@ class Mesh {
   /// Data that copies share.
   struct Contents {
     MeshData data;
-    detail::TriangleTree tree;
+    simd::TriangleTree tree;
     Bounds bounds{Point{infinity}, Point{-infinity}};
 
     Contents(MeshData given, const RenderOptions& options)

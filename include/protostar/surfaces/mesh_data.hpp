@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "../bvh/node.hpp"
 #include "../magnitude.hpp"
 #include "../vec3.hpp"
-#include "mesh_tree.hpp"
 #include "triangle.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -63,7 +63,7 @@ struct MeshData {
       if (!holds) throw std::invalid_argument("Mesh: " + std::string(rule));
     };
     check(!triangles.empty(), "there is no triangle");
-    check(triangles.size() <= detail::TriangleTree::most, "there are more than 2^27 triangles");
+    check(triangles.size() <= simd::largest_tree, "there are more than 2^27 triangles");
     const auto check_each = [&](const auto& all, const auto& holds, const std::string& name,
                                 const std::string& rule) {
       for (std::size_t i = 0; i < all.size(); ++i)

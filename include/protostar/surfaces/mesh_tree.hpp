@@ -1,50 +1,119 @@
-// BVH over the triangles of a mesh, from accel/, or a list in a library without that folder.
-//
-// PROTOSTAR_MESH_TREE is defined if there is accel/, and a mesh can then be rasterized into a tile.
+// A BVH over triangles, which answers queries about rays.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <vector>
 
-#include "../render_options.hpp"
+#include "../bvh/bvh.hpp"
+#include "../bvh/interleaved.hpp"
+#include "../bvh/node.hpp"
+#include "../bvh/ray_in_bvh.hpp"
+#include "../simd/prefetch.hpp"
+#include "mesh_leaves.hpp"
 
-#if __has_include("../accel/triangles_in_tile.hpp")
-#include "../accel/triangles_in_tile.hpp"
-#define PROTOSTAR_MESH_TREE 1
-#endif
+namespace protostar::inline PROTOSTAR_ABI::simd {
 
-namespace protostar::inline PROTOSTAR_ABI {
-
-namespace detail {
-
-#if defined(PROTOSTAR_MESH_TREE)
-using simd::TriangleTree;
-#else
-/// Stands in for the BVH without accel/: tries all triangles in turn.
+/// A BVH over triangles that others hold. The argument `triangle` of its functions is the one of the
+/// constructor.
+///
+/// A query asks which triangles a ray crosses inside a range. It has the members
+///
+///   ray, range            the query may shorten the range on the way, if near_first is true
+///   distance()            upper bound of how far the ray starts from its origin, on each axis, as it may
+///                         leave a triangle
+///   error()               upper bound of the errors of the numbers of its line (LineError)
+///   near_first            true if near triangles are to come mostly before far ones
+///   found(t, i)           tells that the i-th triangle is crossed at t
+///   maybe(triangle, i)    tells that it may be crossed, which double does not decide
+///
+/// The last two return true if nothing more is asked for.
 class TriangleTree {
  public:
-  static constexpr std::size_t most = std::size_t{1} << 27;
+  /// Builds the tree of `count` triangles; triangle(i) returns the i-th.
+  TriangleTree(std::size_t count, const auto& triangle, const RenderOptions& options)
+      : bvh_(
+            count, [&](std::size_t i) { return triangle(i).bounds(); }, leaf_size, options),
+        leaves_(bvh_, triangle, options) {}
 
-  TriangleTree(std::size_t count, const auto&, const RenderOptions&)
-      : count_(static_cast<std::uint32_t>(count)) {}
-
-  void answer(auto& query, const auto& triangle) const {
-    for (std::uint32_t i = 0; i < count_; ++i)
-      if (query.maybe(triangle(i), i)) return;
+  /// Tells a query which triangles its ray crosses, until it asks for nothing more.
+  template <class Query>
+  void answer(Query& query, const auto& triangle) const {
+    constexpr Order order = order_for<Query>;
+    each_along<order>(
+        bvh_, BoxRay(query.ray, space(), widening(query, space())), query.range,
+        [&](std::uint32_t i) { return query.maybe(triangle(i), i); },
+        [&](const BoxRay& line, Leaf leaf, Reach& left) { return show<order>(query, line, leaf, left); },
+        [&](Leaf leaf) { leaves_.fetch<Read::soon>(leaf); });
   }
+
+  /// Answers `count` queries, the k-th of which make(k) makes, and calls done(k, query) for each, in any
+  /// order. While the ray of one waits for memory, others go on.
   void answer_each(std::size_t count, const auto& make, const auto& done, const auto& triangle) const {
-    for (std::size_t k = 0; k < count; ++k) {
-      auto query = make(k);
-      answer(query, triangle);
-      done(k, query);
-    }
+    constexpr Order order = order_for<decltype(make(std::size_t{0}))>;
+    each_along_interleaved<order>(
+        bvh_, count, make, done, [&](auto& query, std::uint32_t i) { return query.maybe(triangle(i), i); },
+        [&](auto& query, const BoxRay& line, Leaf leaf, Reach& left) {
+          return show<order>(query, line, leaf, left);
+        },
+        [&](Leaf leaf) { leaves_.fetch<Read::later>(leaf); });
   }
+
+  [[nodiscard]] const BoxSpace& space() const { return bvh_.space(); }
+
+  /// Calls Bvh::each_leaf_ahead.
+  void each_leaf_ahead(std::span<const HalfSpace> half_spaces, const auto& look, const auto& is_hidden,
+                       const auto& visit) const {
+    std::vector<BoxHalfSpace> seen;
+    for (const HalfSpace& half_space : half_spaces) seen.emplace_back(half_space, space());
+    bvh_.each_leaf_ahead(seen, look, is_hidden, visit, [&](Leaf leaf) { leaves_.fetch<Read::later>(leaf); });
+  }
+
+  [[nodiscard]] const TriangleLeaves& leaves() const { return leaves_; }
+
+  /// Returns the indices of the triangles in the leaves, one after another.
+  [[nodiscard]] std::span<const std::uint32_t> order() const { return bvh_.order(); }
+
+  /// Returns the number of triangles in leaves.
+  [[nodiscard]] std::size_t size() const { return bvh_.order().size(); }
+
+  /// Returns true if all triangles are in leaves.
+  [[nodiscard]] bool has_all() const { return bvh_.unbounded().empty(); }
 
  private:
-  std::uint32_t count_;
+  template <class Query>
+  static constexpr Order order_for = Query::near_first ? Order::near_first : Order::any;
+
+  /// Tells a query about the triangles of a leaf; returns true if it asks for nothing more.
+  template <Order order>
+  [[gnu::always_inline]] bool show(auto& query, const BoxRay& line, Leaf leaf, Reach& left) const {
+    bool any = false;
+    for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
+      const auto [crossed, in_doubt, t] = leaves_.tried(leaf, i, query.ray, query.range, query.error());
+      if ((crossed | in_doubt) == 0) continue;
+      any = true;
+      const auto place = [&](int k) { return leaves_.place(leaf, i + static_cast<std::uint32_t>(k)); };
+      for (Bits some = crossed; some != 0; some &= some - 1) {
+        const int k = std::countr_zero(some);
+        if (query.found(t[k], leaves_.number(place(k)))) return true;
+      }
+      for (Bits some = in_doubt; some != 0; some &= some - 1) {
+        const TriangleLeaves::Place one = place(std::countr_zero(some));
+        if (query.maybe(leaves_.triangle(one), leaves_.number(one))) return true;
+      }
+    }
+    if constexpr (order == Order::near_first)
+      if (any) left.until = line.at_most(query.range.max);
+    return false;
+  }
+
+  /// Sizes of leaves: triangles that are tested at once take the time of one.
+  static constexpr LeafSize leaf_size{.most = node_width, .enough = double_lanes < 2 ? 2 : double_lanes};
+
+  Bvh bvh_;
+  TriangleLeaves leaves_;
 };
-#endif
 
-}  // namespace detail
-
-}  // namespace protostar::inline PROTOSTAR_ABI
+}  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -23,11 +23,11 @@
 
 #include "../parallel.hpp"
 #include "../render_options.hpp"
+#include "../simd/simd.hpp"
 #include "box_slices.hpp"
 #include "box_space.hpp"
-#include "bvh_node.hpp"
 #include "large_pages.hpp"
-#include "simd.hpp"
+#include "node.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

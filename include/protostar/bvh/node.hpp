@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "../platform.hpp"
+#include "../simd/vector_registers.hpp"
 #include "large_pages.hpp"
-#include "vector_registers.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

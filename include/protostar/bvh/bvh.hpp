@@ -15,14 +15,14 @@
 #include "../interval.hpp"
 #include "../parallel.hpp"
 #include "../render_options.hpp"
+#include "../simd/prefetch.hpp"
+#include "../simd/simd.hpp"
+#include "../simd/store_lanes.hpp"
 #include "../vec3.hpp"
 #include "box_space.hpp"
-#include "bvh_build.hpp"
-#include "bvh_node.hpp"
+#include "build.hpp"
 #include "large_pages.hpp"
-#include "prefetch.hpp"
-#include "simd.hpp"
-#include "store_lanes.hpp"
+#include "node.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

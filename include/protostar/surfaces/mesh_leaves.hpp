@@ -14,11 +14,12 @@
 #include <cstdint>
 #include <cstring>
 
-#include "../surfaces/triangle.hpp"
-#include "bvh.hpp"
-#include "bvh_node.hpp"
-#include "packet.hpp"
-#include "prefetch.hpp"
+#include "../bvh/bvh.hpp"
+#include "../bvh/node.hpp"
+#include "../simd/prefetch.hpp"
+#include "../simd/simd.hpp"
+#include "../simd/vectors.hpp"
+#include "triangle.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

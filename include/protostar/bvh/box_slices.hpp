@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "../platform.hpp"
+#include "../simd/simd.hpp"
 #include "box_space.hpp"
-#include "simd.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

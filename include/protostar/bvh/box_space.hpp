@@ -14,7 +14,7 @@
 #include "../bounds.hpp"
 #include "../interval.hpp"
 #include "../ray.hpp"
-#include "simd.hpp"
+#include "../simd/simd.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
