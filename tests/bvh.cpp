@@ -1,5 +1,7 @@
 #include <protostar/bvh/bvh.hpp>
 #include <protostar/bvh/node.hpp>
+#include <protostar/bvh/ray_in_bvh.hpp>
+#include <protostar/bvh/traversal.hpp>
 #include <protostar/surfaces/sphere.hpp>
 
 #include <algorithm>
@@ -15,9 +17,11 @@
 #include "support/random.hpp"
 
 using namespace protostar;
+using simd::AlongRay;
 using simd::BoxRay;
 using simd::Bvh;
 using simd::Leaf;
+using simd::Order;
 using simd::Reach;
 
 namespace {
@@ -55,7 +59,7 @@ std::vector<std::uint32_t> along(const Bvh& tree, const Ray& ray, Interval range
   const Reach reach{line.at_least(range.min), line.at_most(range.max)};
   const auto in_order = [&]<simd::Order order>(std::integral_constant<simd::Order, order>) {
     return visited(tree, [&](const auto& visit) {
-      tree.each_leaf_along<order>(line, reach, [&](Leaf leaf, Reach&) {
+      simd::traverse(tree, AlongRay<order>(tree, line, reach), [&](Leaf leaf) {
         visit(leaf);
         return false;
       });
@@ -142,16 +146,10 @@ TEST_CASE("a ray that is widened to hit all boxes visits all leaves") {
   const Bvh tree = tree_of(random_bounds(random, 1000, 0), {.most = 1});
   const Ray ray{.origin = {-5, 0, 0}, .direction = {1, 0, 0}};
   const BoxRay line(ray, tree.space(), 1);  // widened by 1, it hits all boxes
-  std::uint32_t count = 0;
-  double previous = 0;
-  tree.each_leaf_along<simd::Order::near_first>(line, {0, line.at_most(infinity)}, [&](Leaf, Reach& reach) {
-    ++count;
-    CHECK(reach.from <= reach.until);
-    previous = count;
-    return false;
-  });
+  int count = 0;
+  simd::traverse(tree, AlongRay<Order::near_first>(tree, line, {0, line.at_most(infinity)}),
+                 [&](Leaf) { return ++count > 1000; });
   CHECK(count == 1000);
-  CHECK(previous == 1000);
 }
 
 TEST_CASE("traversal ends where a visit has shortened the reach, and when a visit returns true") {
@@ -161,17 +159,17 @@ TEST_CASE("traversal ends where a visit has shortened the reach, and when a visi
   const Ray ray{.origin = {-1, 0.5, 0.5}, .direction = {1, 0, 0}};
   const BoxRay line(ray, tree.space(), 0);
   std::vector<std::uint32_t> found;
-  tree.each_leaf_along<simd::Order::near_first>(
-      line, {0, line.at_most(infinity)}, [&](Leaf leaf, Reach& reach) {
-        found.push_back(tree.order()[leaf.first]);
-        if (found.size() == 3) reach.until = line.at_most(4.25);  // inside the fourth box
-        return false;
-      });
+  AlongRay<Order::near_first> search(tree, line, {0, line.at_most(infinity)});
+  simd::traverse(tree, search, [&](Leaf leaf) {
+    found.push_back(tree.order()[leaf.first]);
+    if (found.size() == 3) search.reach.until = line.at_most(4.25);  // inside the fourth box
+    return false;
+  });
   CHECK(found == std::vector<std::uint32_t>{0, 1, 2, 3});
 
   int visits = 0;
-  CHECK(tree.each_leaf_along<simd::Order::any>(line, {0, line.at_most(infinity)},
-                                               [&](Leaf, Reach&) { return ++visits == 2; }));
+  CHECK(simd::traverse(tree, AlongRay<Order::any>(tree, line, {0, line.at_most(infinity)}),
+                       [&](Leaf) { return ++visits == 2; }));
   CHECK(visits == 2);
 }
 
@@ -227,35 +225,45 @@ TEST_CASE("each primitive is in one leaf, and no leaf is too large, for any arra
   }
 }
 
-/// View of a node in which all children are seen, at distances in no particular order.
+/// Search for all leaves, with the children of each node at distances in no particular order. It counts the
+/// nodes and children that it looks at, and keeps the distance of the last child that was not hidden.
 struct Unordered {
-  simd::Bits seen = 0, in_front = 0;
+  using Key = int;
 
-  explicit Unordered(const simd::Node& node) {
-    for (int k = 0; k < simd::node_width; ++k)
-      if (node.has(k)) seen |= simd::Bits{1} << k;
-    in_front = seen;
-  }
-  struct One {
-    float nearest;
+  struct Children {
+    simd::Bits met = 0;
+    int operator[](int k) const { return (5 * k + 3) % 16; }
   };
-  [[nodiscard]] One operator[](int k) const { return {static_cast<float>((5 * k + 3) % 16)}; }
+  [[nodiscard]] Children look(const simd::Node& node) const {
+    Children all;
+    for (int k = 0; k < simd::node_width; ++k)
+      if (node.has(k)) all.met |= simd::Bits{1} << k;
+    ++nodes, children += std::popcount(all.met);
+    return all;
+  }
+  [[nodiscard]] bool precedes(int a, int b) const { return a < b; }
+  [[nodiscard]] bool is_hidden(int key) const { return last = key, key > farthest; }
+
+  int farthest = 15;
+  mutable int nodes = 0, children = 0, last = 0;
 };
 
-TEST_CASE("children that are seen from an eye are visited near to far") {
+TEST_CASE("children are visited near to far, and hidden ones not at all") {
   Random random(8);
   const Bvh tree = tree_of(random_bounds(random, simd::node_width, 0.1), {.most = 1});
-  std::vector<float> visited_nearest;
-  float last = 0;
-  tree.each_leaf_ahead(
-      {}, [](const simd::Node& node) { return Unordered(node); },
-      [&](const Unordered::One& one) {
-        last = one.nearest;
-        return false;
-      },
-      [&](Leaf) { visited_nearest.push_back(last); }, [](Leaf) {});
-  CHECK(visited_nearest.size() == simd::node_width);
-  CHECK(std::ranges::is_sorted(visited_nearest, std::greater()));
+  Unordered search;
+  std::vector<int> found;
+  simd::traverse(tree, search, [&](Leaf) {
+    found.push_back(search.last);
+    if (found.size() == 2) search.farthest = 9;
+    return false;
+  });
+  CHECK(search.nodes == 1);
+  std::vector<int> expected;
+  for (int k = 0; k < simd::node_width; ++k)
+    if (const int key = Unordered::Children{}[k]; key <= 9) expected.push_back(key);
+  std::ranges::sort(expected);
+  CHECK(found == expected);
 }
 
 TEST_CASE("more than nine tenths of all child slots are used, also if leaves would be slightly too large") {
@@ -263,17 +271,11 @@ TEST_CASE("more than nine tenths of all child slots are used, also if leaves wou
   for (const int count : {20'000, 40'000, 70'000}) {
     CAPTURE(count);
     const Bvh tree = tree_of(random_bounds(random, count, 0.02), {.most = simd::node_width});
-    int nodes = 0, children = 0, leaves = 0;
-    tree.each_leaf_ahead(
-        {},
-        [&](const simd::Node& node) {
-          const Unordered all(node);
-          ++nodes, children += std::popcount(all.seen);
-          return all;
-        },
-        [](const auto&) { return false; }, [&](Leaf) { ++leaves; }, [](Leaf) {});
-    CHECK(children == nodes - 1 + leaves);
-    CHECK(children > nodes * simd::node_width * 9 / 10);
+    const Unordered search;
+    int leaves = 0;
+    simd::traverse(tree, search, [&](Leaf) { return ++leaves, false; });
+    CHECK(search.children == search.nodes - 1 + leaves);
+    CHECK(search.children > search.nodes * simd::node_width * 9 / 10);
   }
 }
 
@@ -315,11 +317,12 @@ TEST_CASE("a BVH is the same for any number of threads") {
     const Ray ray{random.point(1), random.direction()};
     const auto leaves = [&](const Bvh& tree) {
       std::vector<std::uint32_t> along;
-      tree.each_leaf_along<simd::Order::near_first>(
-          BoxRay(ray, tree.space(), 0), {0, std::numeric_limits<float>::infinity()}, [&](Leaf leaf, auto&) {
-            along.push_back(leaf.first);
-            return false;
-          });
+      const Reach everywhere{0, std::numeric_limits<float>::infinity()};
+      simd::traverse(tree, AlongRay<Order::near_first>(tree, BoxRay(ray, tree.space(), 0), everywhere),
+                     [&](Leaf leaf) {
+                       along.push_back(leaf.first);
+                       return false;
+                     });
       return along;
     };
     differ += leaves(one) != leaves(several);

@@ -38,7 +38,6 @@ const std::set<std::string> on_demand = {
     "numeric/quadric_bounds.hpp",
     "surfaces/disk.hpp",
     "surfaces/quadric.hpp",
-    "bvh/interleaved.hpp",
     "accel/screen.hpp",
     "accel/triangles_on_screen.hpp",
     "accel/pixel_block.hpp",

@@ -1,4 +1,3 @@
-#include <protostar/bvh/interleaved.hpp>
 #include <protostar/bvh/node.hpp>
 #include <protostar/bvh/ray_in_bvh.hpp>
 

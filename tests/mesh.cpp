@@ -72,19 +72,16 @@ MeshData soup(Random& random, int count) {
   return data;
 }
 
-/// View of a node in which all children are seen, in their order.
-struct AllSeen {
-  simd::Bits seen, in_front;
+/// Search for all leaves.
+struct AllLeaves {
+  using Key = simd::NoKey;
 
-  explicit AllSeen(const simd::Node& node) : seen(0), in_front(0) {
+  [[nodiscard]] simd::Met look(const simd::Node& node) const {
+    simd::Bits met = 0;
     for (int k = 0; k < simd::node_width; ++k)
-      if (node.has(k)) seen |= simd::Bits{1} << k;
-    in_front = seen;
+      if (node.has(k)) met |= simd::Bits{1} << k;
+    return {met};
   }
-  struct One {
-    float nearest = 0;
-  };
-  [[nodiscard]] One operator[](int) const { return {}; }
 };
 
 }  // namespace
@@ -415,9 +412,9 @@ TEST_CASE("the tree of a mesh is the same for any number of threads") {
     return simd::TriangleTree(data.triangles.size(), data.triangle_of(), {.threads = threads});
   };
   const auto one = tree(1), several = tree(3);
-  REQUIRE(one.size() == data.triangles.size());
-  REQUIRE(several.size() == one.size());
-  CHECK(std::ranges::equal(one.order(), several.order()));
+  REQUIRE(one.bvh().order().size() == data.triangles.size());
+  REQUIRE(several.bvh().order().size() == one.bvh().order().size());
+  CHECK(std::ranges::equal(one.bvh().order(), several.bvh().order()));
   // Returns the triangles and their indices, in the order of the leaves.
   const auto contents = [](const simd::TriangleTree& of) {
     std::vector<double> numbers;
@@ -430,11 +427,10 @@ TEST_CASE("the tree of a mesh is the same for any number of threads") {
         numbers.push_back(of.leaves().number(place));
       }
     };
-    of.each_leaf_ahead(
-        {}, [](const simd::Node& node) { return AllSeen(node); }, [](const auto&) { return false; }, take);
+    of.each_leaf(AllLeaves{}, take);
     return numbers;
   };
-  CHECK(contents(one).size() == 10 * one.size());
+  CHECK(contents(one).size() == 10 * one.bvh().order().size());
   CHECK(contents(one) == contents(several));
 }
 

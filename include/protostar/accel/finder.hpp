@@ -108,9 +108,10 @@ class Finder<T> {
   }
 
   void frustum_query(std::span<const HalfSpace> half_spaces, const auto& visit) const {
-    bvh_.each_leaf_in(in_box_space(half_spaces, bvh_), [&](Leaf leaf) {
+    traverse(bvh_, InHalfSpaces{in_box_space(half_spaces, bvh_)}, [&](Leaf leaf) {
       const std::uint32_t i = bvh_.order()[leaf.first];
       visit(Numbers(i), Bits{1}, SpheresAround(sphere_around((*surfaces_)[i])));
+      return false;
     });
   }
 
@@ -204,8 +205,10 @@ class Finder<Sphere> {
           visit(numbers(leaf.first + i), some, leaves_.around(leaf, i, bvh_.space()));
         within >>= double_lanes;
       }
+      return false;
     };
-    bvh_.each_leaf_in(sides, visit_leaf, soon());
+    const auto fetch = soon();
+    traverse(bvh_, InHalfSpaces{sides}, visit_leaf, FetchChild<Read::soon, Fetch>{bvh_, fetch});
   }
 
   void each_unbounded(const auto& visit) const {

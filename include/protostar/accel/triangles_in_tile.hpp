@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "../bvh/node.hpp"
+#include "../bvh/traversal.hpp"
 #include "../surfaces/mesh_tree.hpp"
 #include "packet.hpp"
 #include "pixel_block.hpp"
@@ -31,9 +32,10 @@ class TrianglesInTile {
             const Tile& tile) {
     tree_ = &tree;
     tile_ = tile;
-    const Screen screen(rays, sample, tile, tree.space());
-    usable_ = screen.usable && tree.has_all() && tile.width() <= side && tile.height() <= side &&
-              static_cast<double>(tree.size()) <= most_a_pixel * screen.pixels_of_all;
+    const Screen screen(rays, sample, tile, tree.bvh().space());
+    usable_ = screen.usable && tree.bvh().unbounded().empty() && tile.width() <= side &&
+              tile.height() <= side &&
+              static_cast<double>(tree.bvh().order().size()) <= most_a_pixel * screen.pixels_of_all;
     if (usable_) find_nearest(screen, frustum);
   }
 
@@ -134,19 +136,47 @@ class TrianglesInTile {
   [[nodiscard]] Block& block(int x, int y) { return blocks_[PixelBlock::index(x, y)]; }
   [[nodiscard]] const Block& block(int x, int y) const { return blocks_[PixelBlock::index(x, y)]; }
 
+  /// Search for the leaves that a tile sees, near ones mostly before far ones, unless `hidden` is true for
+  /// their boxes by then.
+  template <class Hidden>
+  struct SeenOnScreen {
+    using Key = BoxOnScreen;
+
+    const Screen& screen;
+    InHalfSpaces sides;
+    const Hidden& hidden;
+
+    struct Children {
+      BoxesOnScreen boxes;
+      Bits met;
+      BoxOnScreen operator[](int k) const { return boxes[k]; }
+    };
+    /// Decides by the sides of the tile unless all boxes that are seen are surely in front of the eye.
+    [[nodiscard]] Children look(const Node& node) const {
+      Children children{BoxesOnScreen(screen, node), 0};
+      children.met = children.boxes.seen;
+      if ((children.met & ~children.boxes.in_front) != 0) children.met &= sides.look(node).met;
+      return children;
+    }
+    [[nodiscard]] bool precedes(const BoxOnScreen& a, const BoxOnScreen& b) const {
+      return a.nearest > b.nearest;
+    }
+    [[nodiscard]] bool is_hidden(const BoxOnScreen& box) const { return hidden(box); }
+  };
+
   /// Calls visit(leaf, i, there) for the leaves that the tile may see, except in boxes that are hidden by
   /// then: for the triangles from the i-th on, as many as a vector holds, with a bit in `there` for each that
   /// exists.
   void each_in_tile(const Screen& screen, const Frustum& frustum, const auto& is_hidden, const auto& visit) {
     int budget = most_tried_a_pixel * tile_.width() * tile_.height();  // boxes and triangles
-    tree_->each_leaf_ahead(
-        frustum.side, [&](const Node& node) { return BoxesOnScreen(screen, node); },
-        [&](const BoxOnScreen& box) { return --budget < 0 || is_hidden(box); },
-        [&](Leaf leaf) {
-          budget -= static_cast<int>(leaf.count);
-          for (std::uint32_t i = 0; i < leaf.count; i += double_lanes)
-            visit(leaf, i, first_bits(static_cast<int>(leaf.count - i)));
-        });
+    std::vector<BoxHalfSpace> sides;
+    for (const HalfSpace& half_space : frustum.side) sides.emplace_back(half_space, tree_->bvh().space());
+    const auto hidden = [&](const BoxOnScreen& box) { return --budget < 0 || is_hidden(box); };
+    tree_->each_leaf(SeenOnScreen<decltype(hidden)>{screen, {sides}, hidden}, [&](Leaf leaf) {
+      budget -= static_cast<int>(leaf.count);
+      for (std::uint32_t i = 0; i < leaf.count; i += double_lanes)
+        visit(leaf, i, first_bits(static_cast<int>(leaf.count - i)));
+    });
     usable_ = budget >= 0;
   }
 

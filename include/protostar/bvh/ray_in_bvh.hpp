@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "../interval.hpp"
@@ -13,6 +14,7 @@
 #include "../transformed_ray.hpp"
 #include "box_space.hpp"
 #include "bvh.hpp"
+#include "traversal.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -69,23 +71,94 @@ bool any_of(std::span<const std::uint32_t> things, const auto& visit) {
   return line.usable && range.min >= 0;
 }
 
-/// Calls visit(i) for all primitives that are in no leaf of a tree, and visit_leaf(BoxRay, leaf, reach) for
-/// every leaf that a ray may meet inside the range, until a call returns true; returns true if one did. If
-/// boxes do not help, it calls visit(i) for all primitives instead.
-template <Order order, class Soon = Ignore>
-bool each_along(const Bvh& bvh, const BoxRay& line, const Interval& range, const auto& visit,
-                const auto& visit_leaf, const Soon& soon = {}) {
+/// Calls visit(i) for the primitives that are in no leaf of a tree, or for all primitives if boxes do not
+/// help. Returns true if a visit did, false if all primitives were visited, or nothing if the leaves are left
+/// to be visited.
+std::optional<bool> each_without_box(const Bvh& bvh, const BoxRay& line, const Interval& range,
+                                     const auto& visit) {
   if (any_of(bvh.unbounded(), visit)) return true;
   if (!helps(line, range)) return any_of(bvh.order(), visit);
-  return bvh.each_leaf_along<order>(
-      line, {line.at_least(range.min), line.at_most(range.max)},
-      [&](Leaf leaf, Reach& left) { return visit_leaf(line, leaf, left); }, soon);
+  if (bvh.order().empty()) return false;
+  return std::nullopt;
 }
-template <Order order, class Soon = Ignore>
+
+/// Returns the search for the leaves that a ray may meet inside a range.
+template <Order order>
+AlongRay<order> search_along(const Bvh& bvh, const BoxRay& line, const Interval& range) {
+  return {bvh, line, {line.at_least(range.min), line.at_most(range.max)}};
+}
+
+/// Calls visit(i) for the primitives that boxes tell nothing of, and visit_leaf(BoxRay, leaf, reach) for
+/// every leaf that a ray may meet inside the range, until a call returns true; returns true if one did. A
+/// visit may shorten the reach if near leaves come first. Calls fetch(leaf) for leaves that have to wait.
+template <Order order, class Fetch = Ignore>
+bool each_along(const Bvh& bvh, const BoxRay& line, const Interval& range, const auto& visit,
+                const auto& visit_leaf, const Fetch& fetch = {}) {
+  if (const auto found = each_without_box(bvh, line, range, visit)) return *found;
+  auto search = search_along<order>(bvh, line, range);
+  return traverse(
+      bvh, search, [&](Leaf leaf) { return visit_leaf(line, leaf, search.reach); },
+      FetchChild<Read::soon, Fetch>{bvh, fetch});
+}
+
+template <Order order, class Fetch = Ignore>
 bool each_along(const Bvh& bvh, const Ray& ray, const Interval& range, const auto& visit,
-                const auto& visit_leaf, const Soon& soon = {}) {
+                const auto& visit_leaf, const Fetch& fetch = {}) {
   return each_along<order>(bvh, BoxRay(ray, bvh.space(), widening(ray, bvh.space())), range, visit,
-                           visit_leaf, soon);
+                           visit_leaf, fetch);
+}
+
+/// Does what each_along does for one ray, for `count` queries that take turns: while one waits for memory,
+/// others go on. make(k) makes the k-th; a query has a ray and a range, and is the first argument of visit
+/// and visit_leaf. Calls done(k, query) when the traversal of the k-th has ended.
+template <Order order, class Fetch>
+void each_along_interleaved(const Bvh& bvh, std::size_t count, const auto& make, const auto& done,
+                            const auto& visit, const auto& visit_leaf, const Fetch& fetch) {
+  struct Traveller {
+    std::size_t number;
+    decltype(make(std::size_t{0})) query;
+    BoxRay line;
+    AlongRay<order> search;
+    Traversal<AlongRay<order>> traversal;
+
+    Traveller(const Bvh& in, std::size_t k, decltype(make) make_query)
+        : number(k),
+          query(make_query(k)),  // made in place, since a ray is large
+          line(query.ray, in.space(), widening(query, in.space())),
+          search(search_along<order>(in, line, query.range)),
+          traversal(in) {}
+  };
+  // Enough for prefetched data to have mostly arrived by a ray's next turn.
+  constexpr std::size_t at_a_time = 16;
+  std::optional<Traveller> travellers[at_a_time];
+
+  // Replaces a query that is done by the next one that has nodes or leaves to visit.
+  std::size_t next = 0, on_the_way = at_a_time;
+  const auto start = [&](std::optional<Traveller>& traveller) {
+    while (next < count) {
+      Traveller& one = traveller.emplace(bvh, next++, make);
+      if (!each_without_box(bvh, one.line, one.query.range,
+                            [&](std::uint32_t i) { return visit(one.query, i); }))
+        return;
+      done(one.number, one.query);
+    }
+    traveller.reset();
+    --on_the_way;
+  };
+  for (std::optional<Traveller>& traveller : travellers) start(traveller);
+
+  const FetchChild<Read::later, Fetch> fetch_next{bvh, fetch};
+  while (on_the_way > 0)
+    for (std::optional<Traveller>& traveller : travellers) {
+      if (!traveller) continue;
+      auto& [number, query, line, search, traversal] = *traveller;
+      if (!traversal.step(search, [&](Leaf leaf) { return visit_leaf(query, line, leaf, search.reach); })) {
+        done(number, query);
+        start(traveller);
+        if (!traveller) continue;
+      }
+      fetch_next(traversal.next());
+    }
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

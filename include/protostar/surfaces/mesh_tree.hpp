@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "../bvh/bvh.hpp"
-#include "../bvh/interleaved.hpp"
 #include "../bvh/node.hpp"
 #include "../bvh/ray_in_bvh.hpp"
+#include "../bvh/traversal.hpp"
 #include "../simd/prefetch.hpp"
 #include "mesh_leaves.hpp"
 
@@ -43,7 +43,7 @@ class TriangleTree {
   void answer(Query& query, const auto& triangle) const {
     constexpr Order order = order_for<Query>;
     each_along<order>(
-        bvh_, BoxRay(query.ray, space(), widening(query, space())), query.range,
+        bvh_, BoxRay(query.ray, bvh_.space(), widening(query, bvh_.space())), query.range,
         [&](std::uint32_t i) { return query.maybe(triangle(i), i); },
         [&](const BoxRay& line, Leaf leaf, Reach& left) { return show<order>(query, line, leaf, left); },
         [&](Leaf leaf) { leaves_.fetch<Read::soon>(leaf); });
@@ -61,26 +61,20 @@ class TriangleTree {
         [&](Leaf leaf) { leaves_.fetch<Read::later>(leaf); });
   }
 
-  [[nodiscard]] const BoxSpace& space() const { return bvh_.space(); }
-
-  /// Calls Bvh::each_leaf_ahead.
-  void each_leaf_ahead(std::span<const HalfSpace> half_spaces, const auto& look, const auto& is_hidden,
-                       const auto& visit) const {
-    std::vector<BoxHalfSpace> seen;
-    for (const HalfSpace& half_space : half_spaces) seen.emplace_back(half_space, space());
-    bvh_.each_leaf_ahead(seen, look, is_hidden, visit, [&](Leaf leaf) { leaves_.fetch<Read::later>(leaf); });
+  /// Calls visit(leaf) for the leaves that a search wants (Traversal).
+  void each_leaf(const auto& search, const auto& visit) const {
+    const auto fetch_leaf = [&](Leaf leaf) { leaves_.fetch<Read::later>(leaf); };
+    traverse(
+        bvh_, search,
+        [&](Leaf leaf) {
+          visit(leaf);
+          return false;
+        },
+        FetchChild<Read::later, decltype(fetch_leaf)>{bvh_, fetch_leaf});
   }
 
+  [[nodiscard]] const Bvh& bvh() const { return bvh_; }
   [[nodiscard]] const TriangleLeaves& leaves() const { return leaves_; }
-
-  /// Returns the indices of the triangles in the leaves, one after another.
-  [[nodiscard]] std::span<const std::uint32_t> order() const { return bvh_.order(); }
-
-  /// Returns the number of triangles in leaves.
-  [[nodiscard]] std::size_t size() const { return bvh_.order().size(); }
-
-  /// Returns true if all triangles are in leaves.
-  [[nodiscard]] bool has_all() const { return bvh_.unbounded().empty(); }
 
  private:
   template <class Query>

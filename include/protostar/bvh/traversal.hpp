@@ -1,0 +1,215 @@
+// Traversal of a BVH: from node to node, and to the leaves that a search wants.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+#include "../platform.hpp"
+#include "../simd/prefetch.hpp"
+#include "../simd/simd.hpp"
+#include "../simd/store_lanes.hpp"
+#include "box_space.hpp"
+#include "bvh.hpp"
+#include "node.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// Order in which leaves are visited.
+enum class Order { near_first, any };
+
+/// Prefetching of children, or of leaves, that does nothing.
+struct Ignore {
+  void operator()(const auto&) const {}
+};
+
+/// Prefetches children of nodes that are likely to be visited; fetch_leaf(leaf) does so for a leaf.
+template <Read read, class FetchLeaf>
+struct FetchChild {
+  const Bvh& bvh;
+  const FetchLeaf& fetch_leaf;
+
+  void operator()(Child child) const {
+    if (child.is_leaf()) return fetch_leaf(child.leaf());
+    const Node& node = bvh.nodes()[child.node()];
+    for (const auto& ends : node.end)
+      for (const auto& of_axis : ends) prefetch<read>(of_axis);
+    prefetch<read>(node.children);
+  }
+};
+
+/// Key of children that are visited in any order, and the children that are wanted.
+struct NoKey {};
+struct Met {
+  Bits met;
+};
+
+/// Traversal of one BVH by one search, step by step, so that several searches can take turns.
+///
+/// A search has a type Key, by which children are ordered, or NoKey for any order. Its look(node) returns the
+/// children of a node that are wanted: the set `met`, and with keys the key of child k as operator[](k). With
+/// keys, precedes(a, b) returns true if the child of key a is visited before that of key b, and
+/// is_hidden(key) if the child of that key is not wanted any more, by what was found meanwhile.
+template <class Search>
+class Traversal {
+ public:
+  /// Begins at the root of a tree that is not empty.
+  explicit Traversal(const Bvh& bvh) : nodes_(bvh.nodes().data()), next_(bvh.root()) {}
+
+  /// Returns what the next step opens or visits.
+  [[nodiscard]] Child next() const { return next_; }
+
+  /// Opens a node, or calls visit(leaf), which returns true to end the traversal. Calls fetch(child) for
+  /// children that have to wait. Returns false if the traversal has ended.
+  template <class Fetch = Ignore>
+  [[gnu::always_inline]] bool step(const Search& search, const auto& visit, const Fetch& fetch = {}) {
+    if (!next_.is_leaf()) return open(search, fetch);
+    return !visit(next_.leaf()) && go_on(search);
+  }
+
+ private:
+  using Children = decltype(std::declval<const Search&>().look(std::declval<const Node&>()));
+
+  using Key = typename Search::Key;
+  static constexpr bool has_keys = !std::is_same_v<Key, NoKey>;
+
+  /// Goes on to a child of a node that is wanted, the nearest if there are keys, and has the others wait.
+  template <class Fetch>
+  [[gnu::always_inline]] bool open(const Search& search, const Fetch& fetch) {
+    const Node& node = nodes_[next_.node()];
+    const Children children = search.look(node);
+    Bits met = children.met;
+    if (met == 0) return go_on(search);
+    int next = std::countr_zero(met);
+    met &= met - 1;
+    const int below = top_;
+    if constexpr (has_keys) {
+      // The branches that sort children are predicted: the processor goes on before it knows the nearest.
+      Key nearest = children[next];
+      for (; met != 0; met &= met - 1) {
+        int other = std::countr_zero(met);
+        Key key = children[other];
+        if (search.precedes(key, nearest)) std::swap(key, nearest), std::swap(other, next);
+        fetch(node.child(other));
+        int place = top_++;
+        for (; place > below && search.precedes(keys_[place - 1], key); --place)
+          keys_[place] = keys_[place - 1], waiting_[place] = waiting_[place - 1];
+        keys_[place] = key, waiting_[place] = node.children[other];
+      }
+      next_ = node.child(next);
+      return !search.is_hidden(nearest) || go_on(search);
+    } else {
+      // How many children wait is as good as random, and therefore no branch.
+      top_ += store_chosen(waiting_ + top_, met, Lanes<std::uint32_t, node_width>::load(node.children));
+      if constexpr (!std::is_same_v<Fetch, Ignore>)
+        for (int i = below; i < top_; ++i) fetch(Child(waiting_[i]));
+      next_ = node.child(next);
+      return true;
+    }
+  }
+
+  /// Goes on to the next child that waits and is still wanted; returns false if there is none.
+  [[gnu::always_inline]] bool go_on([[maybe_unused]] const Search& search) {
+    do {
+      if (top_ == 0) return false;
+      --top_;
+    } while (is_hidden(search, top_));
+    next_ = Child(waiting_[top_]);
+    return true;
+  }
+
+  [[nodiscard]] bool is_hidden([[maybe_unused]] const Search& search, [[maybe_unused]] int i) const {
+    if constexpr (has_keys)
+      return search.is_hidden(keys_[i]);
+    else
+      return false;
+  }
+
+  static constexpr int most_waiting = most_levels * node_width;
+
+  const Node* nodes_;
+  Child next_;
+  int top_ = 0;
+  std::uint32_t waiting_[most_waiting];  ///< Child::bits()
+  Key keys_[most_waiting];
+};
+
+/// Visits the leaves that a search wants, until visit(leaf) returns true; returns true if one did. Calls
+/// fetch(child) for children that have to wait.
+template <class Search, class Fetch = Ignore>
+bool traverse(const Bvh& bvh, const Search& search, const auto& visit, const Fetch& fetch = {}) {
+  if (bvh.order().empty()) return false;
+  bool has_ended = false;
+  Traversal<Search> traversal(bvh);
+  while (traversal.step(
+      search, [&](Leaf leaf) { return has_ended = visit(leaf); }, fetch)) {
+  }
+  return has_ended;
+}
+
+/// Search for the leaves whose boxes a ray may meet within a reach, which may be shortened on the way if near
+/// ones come first.
+template <Order order>
+struct AlongRay {
+  using Floats = Lanes<float, node_width>;
+
+  using Key = std::conditional_t<order == Order::near_first, float, NoKey>;
+
+  Slabs slabs;
+  Reach reach;
+
+  AlongRay(const Bvh& bvh, const BoxRay& ray, Reach within)
+      : slabs(bvh.root().is_leaf() ? Slabs() : Slabs(ray)), reach(within) {}
+
+  /// Distances at which a ray enters boxes, to within the errors that Slabs has.
+  struct Distances {
+    Bits met;
+    alignas(64) float near[node_width];
+    float operator[](int k) const { return near[k]; }
+  };
+
+  [[nodiscard]] auto look(const Node& node) const {
+    Floats near = reach.from, far = reach.until;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int nearer = slabs.nearer[axis];
+      const Floats from = Floats::load(node.end[nearer][axis]), to = Floats::load(node.end[1 - nearer][axis]);
+      near = max((from - Floats(slabs.near_origin[axis])) * Floats(slabs.inverse[axis]), near);
+      far = min((to - Floats(slabs.far_origin[axis])) * Floats(slabs.far_inverse[axis]), far);
+    }
+    const Bits met = bits(near <= far);
+    if constexpr (order == Order::any) {
+      return Met{met};
+    } else {
+      Distances distances;
+      distances.met = met;
+      near.store(distances.near);
+      return distances;
+    }
+  }
+  [[nodiscard]] bool precedes(float near, float other) const { return near < other; }
+  [[nodiscard]] bool is_hidden(float near) const { return near > reach.until; }
+};
+
+/// Search for the leaves whose boxes may reach into every one of some half-spaces.
+struct InHalfSpaces {
+  using Key = NoKey;
+
+  std::span<const BoxHalfSpace> half_spaces;
+
+  /// Decides by the corner of each box that is farthest along the normal.
+  [[nodiscard]] Met look(const Node& node) const {
+    using Floats = Lanes<float, node_width>;
+    auto within = Floats::load(node.end[0][0]) <= Floats::load(node.end[1][0]);  // children that are used
+    for (const auto& [normal, from] : half_spaces) {
+      Floats reach = 0.0f;
+      for (int axis = 0; axis < 3; ++axis)
+        reach += Floats::load(node.end[normal[axis] > 0][axis]) * Floats(normal[axis]);
+      within = within && !(reach < Floats(from));
+    }
+    return {bits(within)};
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd
