@@ -119,6 +119,24 @@ TEST_CASE("lane arithmetic is rounded like that of single numbers") {
   });
 }
 
+TEST_CASE("reciprocals of square roots are off by less than 2^-21 of themselves, in every lane") {
+  const auto check = []<int n>(std::integral_constant<int, n>) {
+    Random random(5);
+    double largest = 0;
+    for (int i = 0; i < 100000; ++i) {
+      const auto a = Lanes<float, n>::of_each([&](int) {
+        return static_cast<float>(std::exp2(i < 1000 ? random.real(-100, 100) : random.real(0, 2)));
+      });
+      const auto root = reciprocal_sqrt(a);
+      for (int lane = 0; lane < n; ++lane)
+        largest = std::max(largest, std::abs(root[lane] * std::sqrt(static_cast<double>(a[lane])) - 1));
+    }
+    CHECK(largest < 0x1p-21);
+  };
+  check(std::integral_constant<int, simd::float_lanes>());
+  check(std::integral_constant<int, simd::double_lanes>());
+}
+
 TEST_CASE("copysign and abs work in every lane") {
   using std::abs, std::copysign;
   for_each_kind([](const auto& kind) {
