@@ -71,10 +71,14 @@ TEST_CASE("statistics count the work that is needed, and no more") {
   scene.add(Sphere{.center = {0, 0, 5}, .radius = 1}, Color{1});
 
   // One sphere: each ray near it is tested once, and other rays are not traced.
+  const RenderStatistics depth = taken_by(scene, DepthIntegrator{});
+  CHECK(depth.surface_tests == depth.camera_rays);
+  CHECK(depth.camera_rays < 320 * 240 / 5);
+  // Whether it is hit float tells, but for rays at its outline.
   const RenderStatistics binary = taken_by(scene, BinaryIntegrator{});
+  CHECK(binary.float_tests >= depth.surface_tests);
   CHECK(binary.surface_tests == binary.camera_rays);
-  CHECK(binary.camera_rays < 320 * 240 / 5);
-  CHECK(taken_by(scene, DepthIntegrator{}).surface_tests == binary.surface_tests);
+  CHECK(binary.camera_rays < depth.camera_rays / 20);
 
   // Sky above the ground: almost no ray is traced there, though the ground extends beyond both sides of those
   // tiles.
@@ -133,15 +137,19 @@ TEST_CASE("each kind of culling by tiles may be turned off: the picture is the s
       render(image, Camera{}, scene, integrator, {.skips = skips, .statistics = &taken});
       CHECK(different_bytes(image, expected) == 0);
       CHECK(taken.other_rays == all.other_rays);
-      CHECK(taken.camera_rays == (skips.empty_tiles ? all.camera_rays : 200 * 150));
+      CHECK(taken.camera_rays >= all.camera_rays);
+      if (!skips.empty_tiles) CHECK(taken.camera_rays == 200 * 150);
       CHECK(taken.pixels_skipped + taken.camera_rays == 200 * 150);
       return taken;
     };
     CHECK(all.pixels_skipped > 10000);
     CHECK((all.other_rays > 4000) == casts_shadows);
-    CHECK(with({.empty_tiles = false}).surface_tests == all.surface_tests);
-    CHECK((with({.passed_surfaces = false}).surface_tests > all.surface_tests) == (scene.size() > 16));
-    CHECK(with({.farther_surfaces = false}).surface_tests > all.surface_tests);
+    CHECK(with({.empty_tiles = false}).surface_tests >= all.surface_tests);
+    // Of few surfaces, t is as soon computed in double, but colors are sure in float.
+    CHECK((with({.sure_in_float = false}).surface_tests > all.surface_tests) ==
+          (scene.size() > 16 || !casts_shadows));
+    const RenderStatistics farther = with({.farther_surfaces = false});
+    CHECK(farther.surface_tests + farther.float_tests > all.surface_tests + all.float_tests);
     // Occluder lists are built on demand, so the number of tests may be lower or higher with them.
     const RenderStatistics each = with({.occluder_lists = false});
     CHECK((each.rays_alone > all.rays_alone) == has_lists);

@@ -1,5 +1,7 @@
+#include <protostar/accel/candidates.hpp>
+#include <protostar/accel/frustum.hpp>
 #include <protostar/accel/pixel_rays.hpp>
-#include <protostar/accel/tile.hpp>
+#include <protostar/accel/visibility.hpp>
 #include <protostar/surfaces/sphere.hpp>
 
 #include <algorithm>
@@ -79,12 +81,28 @@ Sphere beside(const Ray& ray, double t, double radius, Random& random) {
 }
 
 struct Counts {
-  int met = 0, kept = 0, all = 0, dropped_though_met = 0, nearer_than_nearest = 0, ruled_out = 0;
+  int met = 0, kept = 0, all = 0, dropped_though_met = 0, nearer_than_nearest = 0;
+  int of_pinholes = 0, ruled_out = 0, surely_met = 0, wrongly_sure = 0, outside_bounds = 0;
 };
 
-/// Returns true if the float test says that the first ray of a packet may hit a candidate up to t.
-bool may_be_hit(const Candidates& candidates, int i, const simd::Vectors& directions, double t) {
-  return (bits(candidates.may_be_hit(i, simd::FloatDirections(directions), simd::Doubles(t))) & 1) != 0;
+/// What float tells of a pixel's ray that passes a candidate.
+struct Passed {
+  bool maybe, surely;
+  double from, until;  ///< bounds of t at the first hit
+  double from_roughly, until_roughly;
+};
+Passed passed_by(const PixelRays& rays, int x, int y, const simd::CandidateSphere& sphere) {
+  constexpr int w = simd::RayBlock::width, h = simd::RayBlock::height;
+  const simd::PassedBy passed(sphere, rays.block_directions(x - x % w, y - y % h));
+  const int lane = y % h * w + x % w;
+  const auto is = [&](const auto& mask) { return (bits(mask) >> lane & 1) != 0; };
+  const auto entry = passed.entry(), roughly = passed.entry_roughly();
+  return {.maybe = is(passed.maybe()),
+          .surely = is(passed.maybe()) && is(passed.surely()),
+          .from = entry.from[lane],
+          .until = entry.until[lane],
+          .from_roughly = roughly.from[lane],
+          .until_roughly = roughly.until[lane]};
 }
 
 /// Checks that a tile keeps the spheres that the rays of its pixels hit, and that its parts and single pixels
@@ -117,6 +135,16 @@ void look(const Camera& camera, int width, int height, const std::function<Spher
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     const auto [x, y] = pixels[i];
     const auto t = spheres[i].intersect(camera.through_pixel(x, y, width, height));
+    if (rays.is_pinhole()) {
+      const Candidates alone = candidates_of({spheres[i]}, rays.viewpoint());
+      const Passed passed = passed_by(rays, x, y, alone.sphere(0));
+      ++counts.of_pinholes;
+      counts.surely_met += passed.surely;
+      counts.wrongly_sure += passed.surely && !t;
+      counts.ruled_out += t && !passed.maybe;
+      counts.outside_bounds += t && !(passed.from_roughly <= *t && passed.from <= *t);
+      counts.outside_bounds += t && passed.surely && !(*t <= passed.until && *t <= passed.until_roughly);
+    }
     if (!t) continue;
     ++counts.met;
     Candidates in_part, in_block;
@@ -132,9 +160,6 @@ void look(const Camera& camera, int width, int height, const std::function<Spher
       ++counts.dropped_though_met;
     else if (!(in_block.nearest(static_cast<int>(found - places.begin())) <= *t))
       ++counts.nearer_than_nearest;
-    else if (rays.is_pinhole() &&
-             !may_be_hit(in_block, static_cast<int>(found - places.begin()), rays.directions(x, y), *t))
-      ++counts.ruled_out;
   }
 }
 
@@ -234,33 +259,44 @@ TEST_CASE("a tile keeps every sphere that a ray through one of its pixels hits")
         },
         random, counts);
   }
-  CAPTURE(counts.met, counts.kept, counts.all);
+  CAPTURE(counts.met, counts.kept, counts.all, counts.surely_met);
   CHECK(counts.met > 3000);
   CHECK(counts.dropped_though_met == 0);
   CHECK(counts.nearer_than_nearest == 0);
   CHECK(counts.ruled_out == 0);
+  CHECK(counts.wrongly_sure == 0);
+  CHECK(counts.outside_bounds == 0);
+  const bool has_squares_in_float = -50 < row.least_size && row.most_size < 50;
+  if (counts.of_pinholes > 0 && has_squares_in_float) CHECK(counts.surely_met > counts.met / 4);
 }
 
-TEST_CASE("a packet's ray rules out spheres that it misses, that are behind it, and that are too far away") {
+TEST_CASE("float tells of a pixel which spheres it misses, which it surely sees, and how far away they are") {
   const PixelRays rays(Camera{}, PixelGrid(1, 1), 1, 1);  // one ray, along z
   struct Row {
     Sphere sphere;
-    double until;
-    bool may_be_hit;
+    bool maybe, surely;
   };
   const auto row = GENERATE(values<Row>({
-      {{.center = {0, 0, 5}, .radius = 1}, infinity, true},
-      {{.center = {1.0001, 0, 5}, .radius = 1}, infinity, false},
-      {{.center = {0, -0.9999, 5}, .radius = 1}, infinity, true},
-      {{.center = {0, 0, 5}, .radius = 1}, 4.0001, true},
-      {{.center = {0, 0, 5}, .radius = 1}, 3.9999, false},
-      {{.center = {0, 0, -5}, .radius = 1}, infinity, false},
-      {{.center = {0, 0, -5}, .radius = 6}, infinity, true},
-      {{.center = {0, 0x1p99, 0}, .radius = 0x1p98}, infinity, true},  // squares overflow
+      {{.center = {0, 0, 5}, .radius = 1}, true, true},
+      {{.center = {1.0001, 0, 5}, .radius = 1}, false, false},
+      {{.center = {0, -0.9999, 5}, .radius = 1}, true, true},
+      {{.center = {1, 0, 5}, .radius = 1}, true, false},               // a tangent
+      {{.center = {0, 0, -5}, .radius = 1}, false, false},             // behind the camera
+      {{.center = {0.9, 0, -0.6}, .radius = 1}, true, false},          // behind it, and beside its back
+      {{.center = {0, 0, -5}, .radius = 6}, true, false},              // around the camera
+      {{.center = {0, 0, 0x1p99}, .radius = 0x1p98}, true, false},     // squares overflow
+      {{.center = {0, 0, 0x1p-99}, .radius = 0x1p-100}, true, false},  // squares underflow
+      {{.center = {0, 0, 5}, .radius = 0x1p-30}, true, false},         // smaller than float can tell
   }));
-  CAPTURE(row.sphere.center, row.sphere.radius, row.until);
-  const Candidates candidates = candidates_of({row.sphere}, rays.viewpoint());
-  CHECK(may_be_hit(candidates, 0, rays.directions(0, 0), row.until) == row.may_be_hit);
+  CAPTURE(row.sphere.center, row.sphere.radius);
+  const Passed passed = passed_by(rays, 0, 0, candidates_of({row.sphere}, rays.viewpoint()).sphere(0));
+  CHECK(passed.maybe == row.maybe);
+  CHECK(passed.surely == row.surely);
+  if (!row.surely) return;
+  const double t = row.sphere.intersect(Ray{Point{0}, {0, 0, 1}}).value();
+  CHECK((passed.from <= t && t <= passed.until));
+  // Next to the outline, where the chord is short, the bounds are as wide as the error of its square allows.
+  CHECK(passed.until - passed.from < 1e-2);
 }
 
 // If the camera's directions almost lie in a plane, the rays of the two columns beside the middle are almost

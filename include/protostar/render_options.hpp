@@ -13,6 +13,7 @@ struct RenderStatistics {
   std::uint64_t camera_rays = 0;     ///< camera rays, through pixels that may see anything
   std::uint64_t other_rays = 0;      ///< rays that integrators cast: shadow, mirrored and refracted ones
   std::uint64_t rays_alone = 0;      ///< other_rays that were traced by themselves, not in a packet
+  std::uint64_t float_tests = 0;     ///< tests of camera rays with surfaces in float
   std::uint64_t surface_tests = 0;   ///< tests of rays with surfaces in double, or with visibility buffers
   std::uint64_t in_doubt = 0;        ///< tests in packets that double left in doubt, decided ray by ray
   std::uint64_t exact = 0;           ///< decisions that double left in doubt, made without rounding
@@ -21,7 +22,8 @@ struct RenderStatistics {
   RenderStatistics& operator+=(const RenderStatistics& other) {
     camera_rays += other.camera_rays, other_rays += other.other_rays;
     rays_alone += other.rays_alone;
-    surface_tests += other.surface_tests, in_doubt += other.in_doubt;
+    float_tests += other.float_tests, surface_tests += other.surface_tests;
+    in_doubt += other.in_doubt;
     exact += other.exact;
     pixels_skipped += other.pixels_skipped;
     return *this;
@@ -41,7 +43,7 @@ struct Skips {
   bool empty_tiles = true;       ///< rays through pixels that see nothing, or the same everywhere
   bool farther_surfaces = true;  ///< tests of camera rays with surfaces surely behind their closest hits
   bool occluder_lists = true;    ///< traversals of shadow rays, if a list of occluders serves their packet
-  bool passed_surfaces = true;   ///< tests of camera rays with surfaces that they surely miss by float
+  bool sure_in_float = true;     ///< tests in double of camera rays, where float is sure what they see
 };
 
 /// Options of render. An exception that progress throws ends the render and reaches its caller; after a stop,

@@ -7,22 +7,24 @@
 #include <memory>
 #include <vector>
 
+#include "frustum.hpp"
 #include "packet.hpp"
 #include "pixel_rays.hpp"
-#include "tile.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
 /// Surface with many primitives that is rasterized into a tile. It has a type Drawn, a visibility buffer, and
-/// draw(drawn, rays, sample, frustum, tile) fills one, for one ray of each pixel. If is_drawn() is true then,
-/// seen(active, x, y) returns which of the rays from pixel (x, y) on hit the surface, and which are in doubt;
-/// `which` is the entry ≥ 0 of the buffer that each ray hits first: crossing 0 of the primitive part(which).
-/// If some rays hit, t(which, met, directions) returns their t, bit for bit that of first_crossing.
+/// draw(drawn, rays, sample, half_spaces, tile) fills one, for one ray of each pixel. If is_drawn() is true
+/// then, seen(active, x, y) returns which of the rays from pixel (x, y) on hit the surface, and which are in
+/// doubt; `which` is the entry ≥ 0 of the buffer that each ray hits first: crossing 0 of the primitive
+/// part(which). If some rays hit, t(which, met, directions) returns their t, bit for bit that of
+/// first_crossing.
 template <class S>
 concept RasterizedSurface = SurfaceWithParts<S> &&
-    requires(const S& surface, typename S::Drawn& drawn, const PixelRays& rays, const Frustum& frustum,
-             const Tile& tile, const LaneMask& chosen, const Indices& which, const Vectors& directions) {
-  surface.draw(drawn, rays, 0, frustum, tile);
+    requires(const S& surface, typename S::Drawn& drawn, const PixelRays& rays,
+             const TileHalfSpaces& half_spaces, const Tile& tile, const LaneMask& chosen,
+             const Indices& which, const Vectors& directions) {
+  surface.draw(drawn, rays, 0, half_spaces, tile);
   { drawn.is_drawn() } -> std::same_as<bool>;
   { drawn.seen(chosen, 0, 0).met } -> std::same_as<LaneMask&&>;
   { drawn.seen(chosen, 0, 0).in_doubt } -> std::same_as<LaneMask&&>;

@@ -29,6 +29,11 @@ concept ShadingIntegrator = requires(const I& integrator, const Ray& ray, const 
 template <class I>
 concept ShadesAnywhere = std::same_as<typename I::ShadesAnywhere, I>;
 
+/// Integrator that asks a scene for the crossings of a ray, in t from 0 to infinity, and for its sky, and
+/// reads nothing of the ray. It declares this for its own type only.
+template <class I>
+concept AsksForCrossings = std::same_as<typename I::AsksForCrossings, I>;
+
 /// Integrator that takes packets, or a scene of any type.
 template <class I, class View>
 concept TileIntegrator = PacketIntegrator<I> ||

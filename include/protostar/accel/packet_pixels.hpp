@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstring>
 
 #include "../image.hpp"
 #include "../simd/prefetch.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/store_lanes.hpp"
 #include "packet.hpp"
+#include "pixel_rays.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -20,12 +22,47 @@ inline void each_packet(const Tile& tile, const auto& visit) {
     for (int x = tile.x0; x < tile.x1; x += double_lanes) visit(i++, x, y);
 }
 
+/// Calls visit(block) for the blocks of rays of a part of a tile, row by row: as far as their pixels are in
+/// it.
+inline void each_block(const Tile& part, const auto& visit) {
+  for (int y = part.y0; y < part.y1; y += RayBlock::height)
+    for (int x = part.x0; x < part.x1; x += RayBlock::width)
+      visit(Tile{x, y, std::min(x + RayBlock::width, part.x1), std::min(y + RayBlock::height, part.y1)});
+}
+
 /// Writes the colors of a packet that begins at pixel (x, y), as far as its pixels are in the tile.
 inline void write_packet(Image& image, const Tile& tile, int x, int y, const Colors& colors) {
   static_assert(sizeof(Color) == 3 * sizeof(float));
   Color* const pixels = &image(x, y);
   if (x + double_lanes <= tile.x1) return store_in_turn(pixels, colors.r, colors.g, colors.b);
   for (int i = 0; x + i < tile.x1; ++i) pixels[i] = {colors.r[i], colors.g[i], colors.b[i]};
+}
+
+/// Writes the colors of a block of rays, given by lanes, as far as its pixels are in a tile: `block`.
+[[gnu::always_inline]] inline void write_block(Image& image, const Tile& block, const BlockFloats& r,
+                                               const BlockFloats& g, const BlockFloats& b) {
+  constexpr int width = RayBlock::width;
+  using Row = Lanes<float, width>;
+  float reds[float_lanes], greens[float_lanes], blues[float_lanes];
+  r.store(reds), g.store(greens), b.store(blues);
+  for (int y = block.y0, first = 0; y < block.y1; ++y, first += width) {
+    Color* const pixels = &image(block.x0, y);
+    if (block.width() == width)
+      store_in_turn(pixels, Row::load(reds + first), Row::load(greens + first), Row::load(blues + first));
+    else
+      for (int i = 0; i < block.width(); ++i)
+        pixels[i] = {reds[first + i], greens[first + i], blues[first + i]};
+  }
+}
+
+/// Colors of a row of a block, one pixel after the other.
+using RowOfColors = std::array<Color, RayBlock::width>;
+[[gnu::always_inline]] inline void write_rows(Image& image, const Tile& block, const RowOfColors& colors) {
+  for (int y = block.y0; y < block.y1; ++y)
+    if (block.width() == RayBlock::width)
+      std::memcpy(static_cast<void*>(&image(block.x0, y)), &colors, sizeof(colors));
+    else
+      std::copy_n(colors.begin(), block.width(), &image(block.x0, y));
 }
 
 /// Colors of a packet, one pixel after the other.

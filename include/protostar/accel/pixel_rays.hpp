@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -30,6 +31,21 @@ struct Viewpoint {
   Vec3 ahead{0};
 };
 
+/// Block of as many pixels as a vector has floats. It begins at a multiple of its width and of its height.
+struct RayBlock {
+  static constexpr int width = std::min(8, float_lanes), height = float_lanes / width;
+};
+
+/// Numbers, one for each pixel of a block, row by row.
+using BlockFloats = Lanes<float, float_lanes>;
+using BlockIndices = Lanes<std::int32_t, float_lanes>;
+using BlockMask = Mask<float, float_lanes>;
+
+/// Directions of the rays of a block.
+struct BlockDirections {
+  BlockFloats x, y, z;
+};
+
 /// Rays of a camera through the pixels of an image: PixelGrid::ray, with the terms that the pixels of a
 /// column or a row share computed once.
 class PixelRays {
@@ -39,16 +55,35 @@ class PixelRays {
         pixels_(pixels),
         is_pinhole_(camera.is_pinhole()),
         hand_(hand_of(camera)),
+        has_float_sums_(allows_float_sums(camera, pixels.largest_u())),
         viewpoint_(is_pinhole_ ? Viewpoint{.apex = camera.position} : viewpoint_of_film()) {
     for (int i = 0; i < pixels.samples(); ++i) samples_.push_back(tables(pixels.sample(i), width, height));
-    for (int x = 0; x <= width; x += edge_step) right_of_.push_back(computed_right_of(x));
-    for (int y = 0; y <= height; y += edge_step) below_.push_back(computed_below(y));
+    for (int x = 0; x <= width; x += edge_step) column_edges_.push_back(computed_column_edge(x));
+    for (int y = 0; y <= height; y += edge_step) row_edges_.push_back(computed_row_edge(y));
   }
 
   /// Returns the directions of the rays through the i-th samples of the pixels from (x, y) on to the right.
   [[nodiscard]] Vectors directions(int x, int y, int i = 0) const {
     const Tables& sample = samples_[static_cast<std::size_t>(i)];
-    return camera_.direction(sample.along.some(x), Vectors(sample.up[y]));
+    return camera_.direction(sample.along.some<Vectors>(x), Vectors(sample.up[y]));
+  }
+
+  /// Returns approximate directions of a pinhole's rays through the i-th samples of the block that begins at
+  /// (x, y). With u = 2^-24 and d the direction of a ray, they are (1 + δ) d + ε with |δ| ≤ 11u, |ε| ≤ 8u.
+  ///
+  /// A direction before it is normalized, D, is the sum of a column's and a row's vector. If the unit vectors
+  /// of the camera span a volume above 1/2, the column's is at most 2|D| long and the row's, a sum of two, at
+  /// most 4|D| (hand()). Rounding these and their sum makes an error of 7u|D|. The length, from its square
+  /// with an error of 3u of it, is off by 1.5u, its reciprocal by 8u, and products by u, which also turns d
+  /// by at most u. Other cameras get directions that are computed in double and rounded once.
+  [[nodiscard, gnu::always_inline]] BlockDirections block_directions(int x, int y, int i = 0) const {
+    if (!has_float_sums_) return rounded_directions(x, y, i);
+    const Tables& sample = samples_[static_cast<std::size_t>(i)];
+    const auto along = sample.block_along.some<BlockDirections>(x * RayBlock::height),
+               row = sample.block_row.some<BlockDirections>(y * RayBlock::width);
+    const auto dx = along.x + row.x, dy = along.y + row.y, dz = along.z + row.z;
+    const auto scale = reciprocal_sqrt(dx * dx + dy * dy + dz * dz);
+    return {dx * scale, dy * scale, dz * scale};
   }
 
   /// Returns the packet of these rays, of which rays in the tile are active. Rays of a pinhole have one Point
@@ -68,14 +103,27 @@ class PixelRays {
     return packet<Origin>(tile, x, y, directions(x, y, i), i);
   }
 
-  /// Returns the unit normal, to the right, of the plane through the left edge of column x; below(y) returns
-  /// the downward one of the plane through the upper edge of row y. The planes pass through the camera's
-  /// apex, unless rays are parallel. A normal that is not certain is 0.
-  [[nodiscard]] Vec3 right_of(int x) const {
-    return x % edge_step == 0 ? right_of_[static_cast<std::size_t>(x / edge_step)] : computed_right_of(x);
+  /// Vector of three floats, each rounded once.
+  using FloatNormal = std::array<float, 3>;
+  static FloatNormal rounded(const Vec3& v) {
+    return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
   }
-  [[nodiscard]] Vec3 below(int y) const {
-    return y % edge_step == 0 ? below_[static_cast<std::size_t>(y / edge_step)] : computed_below(y);
+
+  /// Left edge of a column of pixels, or upper edge of a row.
+  struct Edge {
+    Vec3 shift;   ///< u · right, or v · up
+    Vec3 normal;  ///< unit normal, to the right or downward, of the plane through the edge; 0 if not certain
+    FloatNormal inwards = rounded(normal), outwards = rounded(-normal);  ///< the same in float
+  };
+
+  /// Returns the left edge of column x; row_edge(y) returns the upper one of row y. Their planes pass through
+  /// the camera's apex, unless rays are parallel.
+  [[nodiscard]] Edge column_edge(int x) const {
+    return x % edge_step == 0 ? column_edges_[static_cast<std::size_t>(x / edge_step)]
+                              : computed_column_edge(x);
+  }
+  [[nodiscard]] Edge row_edge(int y) const {
+    return y % edge_step == 0 ? row_edges_[static_cast<std::size_t>(y / edge_step)] : computed_row_edge(y);
   }
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
@@ -95,50 +143,88 @@ class PixelRays {
  private:
   static constexpr int edge_step = 8;  ///< most tiles begin and end at multiples of this
 
-  /// Returns the normal of a plane that contains the directions forward + u · right + v · up with u, or v,
-  /// fixed; if these are all forward, of the plane that contains forward and the edge of the film.
-  [[nodiscard]] Vec3 computed_right_of(int x) const {
+  /// Returns an edge with the normal of a plane that contains the directions forward + u · right + v · up
+  /// with u, or v, fixed; if these are all forward, of the plane that contains forward and the edge of the
+  /// film.
+  [[nodiscard]] Edge computed_column_edge(int x) const {
     const Vec3& upwards = camera_.is_orthographic() ? camera_.film_up : camera_.up;
-    return unit(hand_ * cross(upwards, camera_.forward + pixels_.u(x, 0) * camera_.right));
+    const Vec3 shift = pixels_.u(x, 0) * camera_.right;
+    return Edge{.shift = shift, .normal = unit(hand_ * cross(upwards, camera_.forward + shift))};
   }
-  [[nodiscard]] Vec3 computed_below(int y) const {
+  [[nodiscard]] Edge computed_row_edge(int y) const {
     const Vec3& across = camera_.is_orthographic() ? camera_.film_right : camera_.right;
-    return unit(hand_ * cross(across, camera_.forward + pixels_.v(y, 0) * camera_.up));
+    const Vec3 shift = pixels_.v(y, 0) * camera_.up;
+    return Edge{.shift = shift, .normal = unit(hand_ * cross(across, camera_.forward + shift))};
   }
   static Vec3 unit(const Vec3& v) {
     const double size = length(v);  // within these bounds, squares neither overflow nor vanish
     return 0x1p-500 < size && size < 0x1p500 ? v / size : Vec3{0};
   }
 
-  /// Vectors, stored as one row for each component.
+  /// Vectors of numbers of type T, stored as one row for each component.
+  template <class T>
   class Table {
    public:
     explicit Table(int size) : x_(index(size)), y_(index(size)), z_(index(size)) {}
 
-    void set(int i, const Vec3& v) { x_[index(i)] = v.x, y_[index(i)] = v.y, z_[index(i)] = v.z; }
+    void set(int i, const Vec3& v) {
+      x_[index(i)] = static_cast<T>(v.x), y_[index(i)] = static_cast<T>(v.y);
+      z_[index(i)] = static_cast<T>(v.z);
+    }
     [[nodiscard]] Vec3 operator[](int i) const { return {x_[index(i)], y_[index(i)], z_[index(i)]}; }
-    [[nodiscard]] Vectors some(int first) const {
-      return {Doubles::load(&x_[index(first)]), Doubles::load(&y_[index(first)]),
-              Doubles::load(&z_[index(first)])};
+
+    /// Returns V{x, y, z} with the components of the vectors from `first` on in the lanes.
+    template <class V>
+    [[nodiscard]] V some(int first) const {
+      using L = decltype(V::x);
+      return {L::load(&x_[index(first)]), L::load(&y_[index(first)]), L::load(&z_[index(first)])};
     }
 
    private:
     static std::size_t index(int i) { return static_cast<std::size_t>(i); }
-    std::vector<double> x_, y_, z_;
+    std::vector<T> x_, y_, z_;
   };
 
   /// Terms that the rays through one sample of all pixels share.
   struct Tables {
-    Table along, up;            ///< u · right of each column and v · up of each row
-    Table film_along, film_up;  ///< u · film_right and v · film_up; empty for a pinhole
+    Table<double> along, up;            ///< u · right of each column and v · up of each row
+    Table<double> film_along, film_up;  ///< u · film_right and v · film_up; empty for a pinhole
+
+    /// For a pinhole, u · right and forward + v · up of each pixel of a block: of the first row of blocks,
+    /// and of the first column (block_directions).
+    Table<float> block_along, block_row;
   };
 
-  static double hand_of(const Camera& camera) {
+  /// Returns the volume that the unit directions of a camera span, with the sign of its orientation.
+  static double volume_of(const Camera& camera) {
     const bool parallel = camera.is_orthographic();
     const Vec3 &right = parallel ? camera.film_right : camera.right,
                &up = parallel ? camera.film_up : camera.up;
-    const double volume = dot(cross(normalize(right), normalize(up)), normalize(camera.forward));
+    return dot(cross(normalize(right), normalize(up)), normalize(camera.forward));
+  }
+  static double hand_of(const Camera& camera) {
+    const double volume = volume_of(camera);
     return std::abs(volume) > 0x1p-24 ? std::copysign(1, volume) : 0;
+  }
+
+  /// Returns true if the directions of a camera may be added up in float (float_directions). Before they are
+  /// normalized, they are at least half as long as forward and no longer than the sum of all three vectors,
+  /// so that squares stay between 2^-100 and 2^100.
+  static bool allows_float_sums(const Camera& camera, double largest_u) {
+    const double longest = length(camera.forward) + largest_u * length(camera.right) + length(camera.up);
+    return camera.is_pinhole() && std::abs(volume_of(camera)) > 0.5 + 0x1p-20 &&
+           length(camera.forward) > 0x1p-40 && longest < 0x1p40;
+  }
+  [[nodiscard, gnu::noinline]] BlockDirections rounded_directions(int x, int y, int i) const {
+    static_assert(RayBlock::width % double_lanes == 0);
+    float numbers[3][float_lanes];
+    for (int k = 0; k < float_lanes; k += double_lanes) {
+      const Vectors d = directions(x + k % RayBlock::width, y + k / RayBlock::width, i);
+      to_float(d.x).store(numbers[0] + k), to_float(d.y).store(numbers[1] + k);
+      to_float(d.z).store(numbers[2] + k);
+    }
+    const auto lanes = [&](int axis) { return BlockFloats::load(numbers[axis]); };
+    return {lanes(0), lanes(1), lanes(2)};
   }
 
   template <class Origin>
@@ -146,7 +232,7 @@ class PixelRays {
     if constexpr (std::same_as<Origin, Point>)
       return camera_.position;
     else
-      return camera_.origin(sample.film_along.some(x), Vectors(sample.film_up[y]));
+      return camera_.origin(sample.film_along.template some<Vectors>(x), Vectors(sample.film_up[y]));
   }
 
   /// Returns the viewpoint of a camera whose rays start on a film. With position P, film vectors F, G and
@@ -189,20 +275,34 @@ class PixelRays {
   }
 
   [[nodiscard]] Tables tables(const PixelSample& sample, int width, int height) const {
-    const bool is_film = !is_pinhole_;
-    Tables tables{.along = Table(width + double_lanes),
-                  .up = Table(height),
-                  .film_along = Table(is_film ? width + double_lanes : 0),
-                  .film_up = Table(is_film ? height : 0)};
+    // Packets and blocks are read whole, also where only their first pixels are in the image.
+    const int columns = width + RayBlock::width + double_lanes, rows = height + RayBlock::height;
+    const int film_columns = is_pinhole_ ? 0 : columns, film_rows = is_pinhole_ ? 0 : rows;
+    Tables tables{.along = Table<double>(columns),
+                  .up = Table<double>(rows),
+                  .film_along = Table<double>(film_columns),
+                  .film_up = Table<double>(film_rows),
+                  .block_along = Table<float>(is_pinhole_ ? columns * RayBlock::height : 0),
+                  .block_row = Table<float>(is_pinhole_ ? rows * RayBlock::width : 0)};
     for (int x = 0; x < width; ++x) {
       const double u = pixels_.u(x, sample.x);
       tables.along.set(x, u * camera_.right);
-      if (is_film) tables.film_along.set(x, u * camera_.film_right);
+      if (is_pinhole_)
+        for (int k = 0; k < RayBlock::height; ++k)
+          tables.block_along.set(
+              x / RayBlock::width * float_lanes + k * RayBlock::width + x % RayBlock::width,
+              u * camera_.right);
+      else
+        tables.film_along.set(x, u * camera_.film_right);
     }
     for (int y = 0; y < height; ++y) {
       const double v = pixels_.v(y, sample.y);
       tables.up.set(y, v * camera_.up);
-      if (is_film) tables.film_up.set(y, v * camera_.film_up);
+      if (is_pinhole_)
+        for (int k = 0; k < RayBlock::width; ++k)
+          tables.block_row.set(y * RayBlock::width + k, camera_.forward + v * camera_.up);
+      else
+        tables.film_up.set(y, v * camera_.film_up);
     }
     return tables;
   }
@@ -211,9 +311,10 @@ class PixelRays {
   PixelGrid pixels_;
   bool is_pinhole_;
   double hand_;
+  bool has_float_sums_;
   Viewpoint viewpoint_;
   std::vector<Tables> samples_;
-  std::vector<Vec3> right_of_, below_;  ///< normals at each edge_step-th column and row
+  std::vector<Edge> column_edges_, row_edges_;  ///< of each edge_step-th column and row
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -13,6 +13,10 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 struct SphereAround {
   Point center;
   double radius;  ///< infinite if the surface has no bounds
+
+  /// Radius of a sphere around center that no ray from outside enters before it enters the surface; below 0
+  /// if there is none.
+  double inner = -1;
 };
 
 /// Returns true if a surface has finite bounds. The leaves of a BVH hold just these surfaces.
@@ -30,7 +34,7 @@ template <Surface S>
 template <Surface S>
 [[nodiscard]] SphereAround sphere_around(const S& surface) {
   if constexpr (std::same_as<S, Sphere>) {
-    return {surface.center, std::abs(surface.radius)};
+    return {surface.center, std::abs(surface.radius), std::abs(surface.radius)};
   } else if constexpr (!SurfaceWithBounds<S>) {
     return {Point{0}, infinity};
   } else {

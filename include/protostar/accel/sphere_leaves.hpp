@@ -44,12 +44,13 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// Spheres that contain surfaces, one in each lane.
 struct SpheresAround {
   Vectors center;
-  Doubles radius;
+  Doubles radius, inner;
 
-  SpheresAround(const Vectors& centers, const Doubles& radii) : center(centers), radius(radii) {}
-  SpheresAround(const SphereAround& one) : center(one.center), radius(one.radius) {}
+  SpheresAround(const Vectors& centers, const Doubles& radii, const Doubles& inner_radii)
+      : center(centers), radius(radii), inner(inner_radii) {}
+  SpheresAround(const SphereAround& one) : center(one.center), radius(one.radius), inner(one.inner) {}
 
-  [[nodiscard]] SphereAround operator[](int lane) const { return {center[lane], radius[lane]}; }
+  [[nodiscard]] SphereAround operator[](int lane) const { return {center[lane], radius[lane], inner[lane]}; }
 };
 
 class SphereLeaves {
@@ -132,8 +133,9 @@ class SphereLeaves {
     return bits(within) & first_bits(static_cast<int>(leaf.count - i));
   }
 
-  /// Returns spheres in world space that surely contain those from the i-th of a leaf on. A float is off by
-  /// 2^-24 of itself or by 2^-150, and the center in the world by two roundings of double.
+  /// Returns spheres in world space that surely contain those from the i-th of a leaf on, with inner ones
+  /// that these surely contain. A float is off by 2^-24 of itself or by 2^-150, and the center in the world
+  /// by two roundings of double.
   [[nodiscard]] SpheresAround around(Leaf leaf, std::uint32_t i, const BoxSpace& space) const {
     const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
     const auto load = [&](std::uint32_t k) { return to_double(simd::Floats::load(row + k * leaf.count)); };
@@ -141,8 +143,9 @@ class SphereLeaves {
     const double unit = 1 / space.scale;  // exact: a power of two
     const Doubles r = load(3), size = abs(c.x) + abs(c.y) + abs(c.z);
     const Vectors center = Vectors(space.center) + c * Doubles(unit);
-    const Doubles rounding = 0x1p-50 * (abs(center.x) + abs(center.y) + abs(center.z));
-    return {center, (r + 0x1p-23 * (r + size) + 0x1p-140) * unit + rounding};
+    const Doubles error =
+        (0x1p-23 * (r + size) + 0x1p-140) * unit + 0x1p-50 * (abs(center.x) + abs(center.y) + abs(center.z));
+    return {center, r * unit + error, r * unit - error};
   }
 
  private:

@@ -12,11 +12,11 @@
 #include "../bvh/node.hpp"
 #include "../bvh/traversal.hpp"
 #include "../surfaces/mesh_tree.hpp"
+#include "frustum.hpp"
 #include "packet.hpp"
 #include "pixel_block.hpp"
 #include "pixel_rays.hpp"
 #include "screen.hpp"
-#include "tile.hpp"
 #include "triangles_on_screen.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
@@ -28,7 +28,7 @@ class TrianglesInTile {
   /// pixel see them. If that is not possible, or if triangles are so small that tracing rays is faster,
   /// nothing is drawn: this is found before, for all triangles, or on the way, for the triangles in this
   /// tile.
-  void draw(const TriangleTree& tree, const PixelRays& rays, int sample, const Frustum& frustum,
+  void draw(const TriangleTree& tree, const PixelRays& rays, int sample, const TileHalfSpaces& half_spaces,
             const Tile& tile) {
     tree_ = &tree;
     tile_ = tile;
@@ -36,7 +36,7 @@ class TrianglesInTile {
     usable_ = screen.usable && tree.bvh().unbounded().empty() && tile.width() <= side &&
               tile.height() <= side &&
               static_cast<double>(tree.bvh().order().size()) <= most_a_pixel * screen.pixels_of_all;
-    if (usable_) find_nearest(screen, frustum);
+    if (usable_) find_nearest(screen, half_spaces);
   }
 
   [[nodiscard]] bool is_drawn() const { return usable_; }
@@ -167,10 +167,11 @@ class TrianglesInTile {
   /// Calls visit(leaf, i, there) for the leaves that the tile may see, except in boxes that are hidden by
   /// then: for the triangles from the i-th on, as many as a vector holds, with a bit in `there` for each that
   /// exists.
-  void each_in_tile(const Screen& screen, const Frustum& frustum, const auto& is_hidden, const auto& visit) {
+  void each_in_tile(const Screen& screen, const TileHalfSpaces& half_spaces, const auto& is_hidden,
+                    const auto& visit) {
     int budget = most_tried_a_pixel * tile_.width() * tile_.height();  // boxes and triangles
     std::vector<BoxHalfSpace> sides;
-    for (const HalfSpace& half_space : frustum.side) sides.emplace_back(half_space, tree_->bvh().space());
+    for (const HalfSpace& half_space : half_spaces.side) sides.emplace_back(half_space, tree_->bvh().space());
     const auto hidden = [&](const BoxOnScreen& box) { return --budget < 0 || is_hidden(box); };
     tree_->each_leaf(SeenOnScreen<decltype(hidden)>{screen, {sides}, hidden}, [&](Leaf leaf) {
       budget -= static_cast<int>(leaf.count);
@@ -181,10 +182,10 @@ class TrianglesInTile {
   }
 
   /// Finds the closest triangle of each pixel.
-  void find_nearest(const Screen& screen, const Frustum& frustum) {
+  void find_nearest(const Screen& screen, const TileHalfSpaces& half_spaces) {
     clear();
     each_in_tile(
-        screen, frustum, [&](const BoxOnScreen& box) { return is_hidden(box); },
+        screen, half_spaces, [&](const BoxOnScreen& box) { return is_hidden(box); },
         [&](Leaf leaf, std::uint32_t i, Bits there) {
           const auto corners = tree_->leaves().corners(leaf, i);
           const TrianglesOnScreen triangles(screen, corners);

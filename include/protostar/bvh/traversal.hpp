@@ -17,6 +17,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
+/// Numbers, one for each child of a node.
+using NodeFloats = Lanes<float, node_width>;
+
 /// Order in which leaves are visited.
 enum class Order { near_first, any };
 
@@ -153,8 +156,6 @@ bool traverse(const Bvh& bvh, const Search& search, const auto& visit, const Fet
 /// ones come first.
 template <Order order>
 struct AlongRay {
-  using Floats = Lanes<float, node_width>;
-
   using Key = std::conditional_t<order == Order::near_first, float, NoKey>;
 
   Slabs slabs;
@@ -171,12 +172,13 @@ struct AlongRay {
   };
 
   [[nodiscard]] auto look(const Node& node) const {
-    Floats near = reach.from, far = reach.until;
+    NodeFloats near = reach.from, far = reach.until;
     for (int axis = 0; axis < 3; ++axis) {
       const int nearer = slabs.nearer[axis];
-      const Floats from = Floats::load(node.end[nearer][axis]), to = Floats::load(node.end[1 - nearer][axis]);
-      near = max((from - Floats(slabs.near_origin[axis])) * Floats(slabs.inverse[axis]), near);
-      far = min((to - Floats(slabs.far_origin[axis])) * Floats(slabs.far_inverse[axis]), far);
+      const NodeFloats from = NodeFloats::load(node.end[nearer][axis]),
+                       to = NodeFloats::load(node.end[1 - nearer][axis]);
+      near = max((from - NodeFloats(slabs.near_origin[axis])) * NodeFloats(slabs.inverse[axis]), near);
+      far = min((to - NodeFloats(slabs.far_origin[axis])) * NodeFloats(slabs.far_inverse[axis]), far);
     }
     const Bits met = bits(near <= far);
     if constexpr (order == Order::any) {
@@ -200,13 +202,13 @@ struct InHalfSpaces {
 
   /// Decides by the corner of each box that is farthest along the normal.
   [[nodiscard]] Met look(const Node& node) const {
-    using Floats = Lanes<float, node_width>;
-    auto within = Floats::load(node.end[0][0]) <= Floats::load(node.end[1][0]);  // children that are used
+    auto within =
+        NodeFloats::load(node.end[0][0]) <= NodeFloats::load(node.end[1][0]);  // children that are used
     for (const auto& [normal, from] : half_spaces) {
-      Floats reach = 0.0f;
+      NodeFloats reach = 0.0f;
       for (int axis = 0; axis < 3; ++axis)
-        reach += Floats::load(node.end[normal[axis] > 0][axis]) * Floats(normal[axis]);
-      within = within && !(reach < Floats(from));
+        reach += NodeFloats::load(node.end[normal[axis] > 0][axis]) * NodeFloats(normal[axis]);
+      within = within && !(reach < NodeFloats(from));
     }
     return {bits(within)};
   }

@@ -10,7 +10,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// all hits, so the work grows with their number and not with its square, and there is no limit to them. The
 /// product is taken in the order of the surfaces.
 struct TransparencyIntegrator {
-  using TakesPackets = TransparencyIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
+  using TakesPackets = TransparencyIntegrator;      ///< takes packets as well as rays (accel/packet.hpp)
+  using AsksForCrossings = TransparencyIntegrator;  ///< reads nothing of the ray
 
   template <class R = Ray>
   [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {

@@ -149,9 +149,9 @@ class Mesh {
 #if defined(PROTOSTAR_RASTERIZED_MESHES)
   /// Visibility buffer of a tile, filled for all pixels at once (RasterizedSurface).
   using Drawn = simd::TrianglesInTile;
-  void draw(Drawn& drawn, const simd::PixelRays& rays, int sample, const simd::Frustum& frustum,
+  void draw(Drawn& drawn, const simd::PixelRays& rays, int sample, const simd::TileHalfSpaces& half_spaces,
             const Tile& tile) const {
-    drawn.draw(contents_->tree, rays, sample, frustum, tile);
+    drawn.draw(contents_->tree, rays, sample, half_spaces, tile);
   }
 #endif
 

@@ -14,90 +14,28 @@
 #include <utility>
 #include <vector>
 
-#include "../bvh/box_space.hpp"
-#include "../camera.hpp"
-#include "../image.hpp"
 #include "../interval.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/store_lanes.hpp"
-#include "packet.hpp"
+#include "../simd/vectors.hpp"
+#include "frustum.hpp"
 #include "pixel_rays.hpp"
 #include "sphere_around.hpp"
 #include "sphere_leaves.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Region that contains the rays of a tile: four planes, one for each side, as unit normals to the inside,
-/// and a cone around the middle ray. They pass through the camera's apex; parallel rays have no apex and no
-/// cone. The planes fit a tile better, and the cone tells the sky from a sphere that fills the view below it.
-/// A normal that is not certain is 0, so that all points are inside.
-struct Frustum {
-  HalfSpace side[5];     ///< the four sides, and one that excludes what lies behind
-  float normal[5][3];    ///< normals of the four sides, and the axis of the cone
-  float offset[4] = {};  ///< normal · x for the points x of a side, measured from the apex
-  float cosine, sine;    ///< cosine and sine of the cone's half-angle; 0 and 1 if not certain, or above 60°
-
-  [[gnu::noinline]] Frustum(const PixelRays& rays, const Tile& tile) {
-    const Camera& camera = rays.camera();
-    const Point& apex = rays.viewpoint().apex;
-    set(0, apex, rays.right_of(tile.x0));
-    set(1, apex, -rays.right_of(tile.x1));
-    set(2, apex, -rays.below(tile.y1));
-    set(3, apex, rays.below(tile.y0));
-    // Directions within an angle below 90° of an axis form a convex cone, so one that contains the corners'
-    // rays contains all between them.
-    const double us[] = {rays.pixels().u(tile.x0, 0), rays.pixels().u(tile.x1, 0)},
-                 vs[] = {rays.pixels().v(tile.y0, 0), rays.pixels().v(tile.y1, 0)};
-    const Vec3 middle =
-        camera.direction(0.5 * (us[0] + us[1]) * camera.right, 0.5 * (vs[0] + vs[1]) * camera.up);
-    double least_square = rays.hand() != 0 && !camera.is_orthographic() ? 1 : 0;  // squared cosine
-    for (const double u : us)
-      for (const double v : vs) {
-        const Vec3 corner = camera.forward + u * camera.right + v * camera.up;
-        const double along = std::max(0.0, dot(middle, corner));
-        least_square = std::min(along * along / dot(corner, corner), least_square);  // NaN stays NaN
-      }
-    const double least = std::sqrt(least_square);
-    const bool sure = least > 0.5;
-    set(4, apex, least > 0.1 ? middle : Vec3{0});
-    cosine = sure ? static_cast<float>(least) : 0;
-    sine = sure ? static_cast<float>(std::sqrt(1 - least * least)) : 1;
-    if (!rays.is_pinhole()) start_on_film(rays, camera(us[0], vs[0]).origin, camera(us[1], vs[1]).origin);
-  }
-
- private:
-  void set(int i, const Point& apex, const Vec3& inwards) {
-    side[i] = {apex, inwards};
-    for (int k = 0; k < 3; ++k) normal[i][k] = static_cast<float>(side[i].normal[k]);
-  }
-
-  /// Adapts the half-spaces to rays that start on a film, between two corners in this tile. The last
-  /// half-space is then the one ahead of the film. Sides of parallel rays pass through a corner, each through
-  /// one of the two; no candidate that float holds is as far out as 2^120. Every half-space is moved out by
-  /// drift, by which candidates are larger.
-  void start_on_film(const PixelRays& rays, const Point& upper_left, const Point& lower_right) {
-    const Viewpoint& viewpoint = rays.viewpoint();
-    side[4] = {viewpoint.film, viewpoint.ahead};
-    if (rays.camera().is_orthographic())
-      for (const int i : {0, 1, 2, 3}) {
-        side[i].on = i == 0 || i == 3 ? upper_left : lower_right;
-        const double from_apex = dot(side[i].normal, side[i].on - viewpoint.apex);
-        offset[i] = static_cast<float>(std::clamp(from_apex, -0x1p120, 0x1p120));
-      }
-    for (HalfSpace& half_space : side) half_space.on -= viewpoint.drift * half_space.normal;
-  }
+/// A surface as rays of a pinhole see it: the sphere that contains it, with the center measured from the
+/// apex, in float.
+struct CandidateSphere {
+  float x, y, z;  ///< center
+  float reach;    ///< radius, larger by what float may be off
+  float inner;    ///< radius within which a line surely meets the surface; below 0 if there is none
+  float margin;   ///< 2^-19 of distance and radius, or infinity
 };
 
-/// Unit directions of a pinhole's packet in float, each component rounded once.
-struct FloatDirections {
-  Floats x, y, z;
-
-  FloatDirections() = default;
-  explicit FloatDirections(const Vectors& d) : x(to_float(d.x)), y(to_float(d.y)), z(to_float(d.z)) {}
-};
-
-/// Surfaces that a camera may see, as float spheres with centers measured from its apex; stored as one row
-/// for each number, so that several are tested at once.
+/// Surfaces that a camera may see, as spheres that contain them; stored as one row for each number, so that
+/// several are tested at once.
 class Candidates {
  public:
   using Places = Lanes<std::uint32_t, double_lanes>;  ///< indices of surfaces in the scene's order
@@ -117,10 +55,10 @@ class Candidates {
   ///
   /// With u = 2^-24: the center from the apex, l, is off by at most u|l| in float, a normal by u, and their
   /// product by 3u|l| more; in double, normals and rays have been turned by less than u. Hence the distance
-  /// from a plane is accurate to 6u|l|, and the radius to u r. The margin added to the radius,
-  /// 2^-20 (|l| + r) = 16u (|l| + r), is more; 2^-140 covers underflow. A sphere so large that the sums might
-  /// overflow is taken to be everywhere. The distance of the center from the film, computed in double, is
-  /// accurate to that margin as well.
+  /// from a plane is accurate to 6u|l|, and the radius to u r. The radius is raised by 2^-20 (|l| + r) = 16u
+  /// (|l| + r), which is more, and a little further as lines in float need it (Visibility); 2^-140 covers
+  /// underflow. A sphere so large that the sums might overflow is taken to be everywhere. The distance of the
+  /// center from the film, computed in double, is accurate to that as well.
   ///
   /// Seen from outside, the sphere has an angular radius ψ with sin ψ = r/|l|. A cone of half-angle φ around
   /// an axis a misses it if l is at more than φ + ψ from a, that is if
@@ -131,6 +69,9 @@ class Candidates {
   ///
   /// The sphere is met at no t below |l| − r, measured from the apex; a ray lacks at most the first `start`
   /// of that. Nor is it met at a t less than its distance from the film.
+  ///
+  /// There is no inner radius if the apex may be inside the sphere, or if squares might leave the range of
+  /// float.
   void add(const Places& places, Bits some, const Viewpoint& viewpoint, const SpheresAround& around) {
     const Vectors l = around.center - Vectors(viewpoint.apex);
     const Doubles radius = around.radius + viewpoint.drift;
@@ -144,11 +85,16 @@ class Candidates {
       store_chosen(row.data() + size_, some, to_float(select(fits, numbers, Doubles(otherwise))));
     };
     store(x_, l.x, 0), store(y_, l.y, 0), store(z_, l.z, 0);
-    store(reach_, radius + error, infinity);
+    const Doubles along = 0x3p-20 * distance;
+    store(reach_, sqrt((radius + error) * (radius + error) + along * along), infinity);
     const Doubles square = distance * distance - radius * radius;
     const Doubles sure_square = square - 0x1p-49 * (distance * distance + radius * radius);
     store(horizon_, select(sure_square > 0.0, sqrt(sure_square) - 4 * error, Doubles(-infinity)), -infinity);
     store(nearest_, max(distance - viewpoint.start, depth) - radius - error, 0);
+    store(margin_, 2 * error, infinity);
+    const Doubles inner = around.inner - error;
+    const LaneMask is_sure = inner > 0x1p-60 && inner < 0x1p60 && distance > radius + error;
+    store(inner_, select(is_sure, inner, Doubles(-1.0)), -1);
     size_ += store_chosen(place_.data() + size_, some, places);
   }
   void add(int place, const Viewpoint& viewpoint, const SphereAround& around) {
@@ -181,26 +127,16 @@ class Candidates {
       store_chosen(to(reach_), seen, reach);
       store_chosen(to(horizon_), seen, horizon);
       store_chosen(to(nearest_), seen, Wide::load(at(others.nearest_)));
+      store_chosen(to(margin_), seen, Wide::load(at(others.margin_)));
+      store_chosen(to(inner_), seen, Wide::load(at(others.inner_)));
       size_ += store_chosen(to(place_), seen, Lanes<std::uint32_t, float_lanes>::load(at(others.place_)));
     }
   }
 
-  /// Returns which rays of a pinhole may hit the i-th surface, each at a t of at most `until`.
-  ///
-  /// b = d·l, at which a ray is nearest to the center, is accurate to 5u|l|, from d, l, three products and
-  /// two sums; hence p = l − b d, from that point to the center, to 9u|l|, and |p|² to 3u of itself more. A
-  /// ray that meets the sphere has |p| ≤ r and first meets it at b − r or later. The 16u (|l| + r) by which
-  /// reach exceeds r cover all of that, and 2^-120 covers underflow of the squares. Raising `until` by 2^-22
-  /// of it covers its rounding to float; if that underflows, the 2^-140 of reach do.
-  [[nodiscard]] Mask<float, double_lanes> may_be_hit(int i, const FloatDirections& d,
-                                                     const Doubles& until) const {
-    const std::size_t at = index(i);
-    const Floats x = x_[at], y = y_[at], z = z_[at];
-    const float reach = reach_[at];
-    const Floats b = d.x * x + d.y * y + d.z * z;
-    const Floats px = x - b * d.x, py = y - b * d.y, pz = z - b * d.z;
-    return px * px + py * py + pz * pz <= Floats(reach * reach + 0x1p-120f) && b >= Floats(-reach) &&
-           b - Floats(reach) <= to_float(until) * Floats(1 + 0x1p-22f);
+  /// Returns the sphere that contains the i-th surface.
+  [[nodiscard]] CandidateSphere sphere(int i) const {
+    const std::size_t k = index(i);
+    return {x_[k], y_[k], z_[k], reach_[k], inner_[k], margin_[k]};
   }
 
   void clear() { size_ = 0; }
@@ -249,7 +185,8 @@ class Candidates {
       for (std::size_t i = 0; i < order.size(); ++i) moved[i] = row[order[i]];
       row = std::move(moved);
     };
-    move(x_), move(y_), move(z_), move(reach_), move(horizon_), move(nearest_), move(place_);
+    move(x_), move(y_), move(z_), move(reach_), move(horizon_), move(nearest_), move(margin_), move(inner_),
+        move(place_);
   }
 
   /// Makes room for count surfaces, and for the lanes that a store of a whole vector writes behind them.
@@ -257,12 +194,12 @@ class Candidates {
     const std::size_t needed = index(count + float_lanes);
     if (x_.size() >= needed) return;
     const std::size_t room = std::max(needed, 2 * x_.size());
-    for (auto* row : {&x_, &y_, &z_, &reach_, &horizon_, &nearest_}) row->resize(room);
+    for (auto* row : {&x_, &y_, &z_, &reach_, &horizon_, &nearest_, &margin_, &inner_}) row->resize(room);
     place_.resize(room);
   }
 
   int size_ = 0;
-  std::vector<float> x_, y_, z_, reach_, horizon_, nearest_;
+  std::vector<float> x_, y_, z_, reach_, horizon_, nearest_, margin_, inner_;
   std::vector<std::uint32_t> place_;
 };
 

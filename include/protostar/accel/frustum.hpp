@@ -1,0 +1,108 @@
+// The region that contains the rays of a tile: planes between its pixels and others, and a cone.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "../bvh/box_space.hpp"
+#include "../camera.hpp"
+#include "../image.hpp"
+#include "pixel_rays.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// Cone around the middle ray of a tile, with its tip in the apex, that contains the rays of the tile.
+struct TileCone {
+  Vec3 axis{0};              ///< unit vector; 0 if not certain to be at less than 85° from all rays
+  double cosine_square = 0;  ///< square of the half-angle's cosine; 0 if not certain
+
+  TileCone(const PixelRays& rays, const Tile& tile) {
+    const Camera& camera = rays.camera();
+    if (rays.hand() == 0 || camera.is_orthographic()) return;
+    const Vec3 columns[] = {rays.column_edge(tile.x0).shift, rays.column_edge(tile.x1).shift},
+               rows[] = {rays.row_edge(tile.y0).shift, rays.row_edge(tile.y1).shift};
+    const Vec3 middle = camera.forward + 0.5 * (columns[0] + columns[1]) + 0.5 * (rows[0] + rows[1]);
+    const double square = dot(middle, middle);
+    if (!(0x1p-200 < square && square < 0x1p200)) return;
+    // Directions within an angle below 90° of an axis form a convex cone, so one that contains the corners'
+    // rays contains all between them.
+    cosine_square = 1;
+    for (const Vec3& column : columns)
+      for (const Vec3& row : rows) {
+        const Vec3 corner = camera.forward + column + row;
+        const double along = std::max(0.0, dot(middle, corner));
+        const double of_corner = along * along / (square * dot(corner, corner));
+        if (!(of_corner >= cosine_square))
+          cosine_square = of_corner > 0 ? of_corner : 0;  // NaN is not certain
+      }
+    if (cosine_square > 0.01) axis = middle / std::sqrt(square);
+  }
+};
+
+/// Half-spaces that contain the rays of a tile: its four sides, and one that excludes what lies behind. A
+/// normal that is not certain is 0, so that all points are inside.
+struct TileHalfSpaces {
+  HalfSpace side[5];
+
+  TileHalfSpaces(const PixelRays& rays, const Tile& tile) {
+    const Point& apex = rays.viewpoint().apex;
+    side[0] = {apex, rays.column_edge(tile.x0).normal};
+    side[1] = {apex, -rays.column_edge(tile.x1).normal};
+    side[2] = {apex, -rays.row_edge(tile.y1).normal};
+    side[3] = {apex, rays.row_edge(tile.y0).normal};
+    side[4] = {apex, TileCone(rays, tile).axis};
+    if (!rays.is_pinhole()) start_on_film(rays, tile);
+  }
+
+ private:
+  /// Adapts the half-spaces to rays that start on a film, between two corners in this tile. The last
+  /// half-space is then the one ahead of the film. Sides of parallel rays pass through a corner, each through
+  /// one of the two. Every half-space is moved out by drift, by which candidates are larger.
+  void start_on_film(const PixelRays& rays, const Tile& tile) {
+    const Viewpoint& viewpoint = rays.viewpoint();
+    side[4] = {viewpoint.film, viewpoint.ahead};
+    if (rays.camera().is_orthographic()) {
+      const auto start = [&](int x, int y) {
+        return rays.camera()(rays.pixels().u(x, 0), rays.pixels().v(y, 0)).origin;
+      };
+      side[0].on = side[3].on = start(tile.x0, tile.y0);
+      side[1].on = side[2].on = start(tile.x1, tile.y1);
+    }
+    for (HalfSpace& half_space : side) half_space.on -= viewpoint.drift * half_space.normal;
+  }
+};
+
+/// Region that contains the rays of a tile, in float: four planes, one for each side, as unit normals to the
+/// inside, and a cone around the middle ray. They pass through the camera's apex; parallel rays have no apex
+/// and no cone. The planes fit a tile better, and the cone tells the sky from a sphere that fills the view
+/// below it. A normal that is not certain is 0, so that all points are inside.
+struct Frustum {
+  using Normal = PixelRays::FloatNormal;
+
+  Normal normal[5];      ///< normals of the four sides, and the axis of the cone
+  float offset[4] = {};  ///< normal · x for the points x of a side, measured from the apex
+  float cosine, sine;    ///< cosine and sine of the cone's half-angle; 0 and 1 if not certain, or above 60°
+
+  [[gnu::noinline]] Frustum(const PixelRays& rays, const Tile& tile)
+      : normal{rays.column_edge(tile.x0).inwards, rays.column_edge(tile.x1).outwards,
+               rays.row_edge(tile.y1).outwards, rays.row_edge(tile.y0).inwards} {
+    const TileCone cone(rays, tile);
+    const bool sure = cone.cosine_square > 0.25;
+    normal[4] = PixelRays::rounded(cone.axis);
+    cosine = sure ? static_cast<float>(std::sqrt(cone.cosine_square)) : 0;
+    sine = sure ? static_cast<float>(std::sqrt(1 - cone.cosine_square)) : 1;
+    if (rays.camera().is_orthographic()) set_offsets(TileHalfSpaces(rays, tile), rays.viewpoint());
+  }
+
+ private:
+  /// Sets the offsets of parallel rays. No candidate that float holds is as far out as 2^120.
+  void set_offsets(const TileHalfSpaces& half_spaces, const Viewpoint& viewpoint) {
+    for (int i = 0; i < 4; ++i) {
+      const HalfSpace& side = half_spaces.side[i];
+      const double from_apex = dot(side.normal, side.on + viewpoint.drift * side.normal - viewpoint.apex);
+      offset[i] = static_cast<float>(std::clamp(from_apex, -0x1p120, 0x1p120));
+    }
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd

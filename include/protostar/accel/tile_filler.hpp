@@ -1,0 +1,394 @@
+// Filler of the parts of a picture's tiles, given the surfaces that they may see: by packets of rays, or,
+// where float tells what pixels see, with less.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "../integrator.hpp"
+#include "../render_options.hpp"
+#include "accelerate.hpp"
+#include "candidates.hpp"
+#include "crossing_packet.hpp"
+#include "frustum.hpp"
+#include "occluders.hpp"
+#include "packet.hpp"
+#include "packet_integrator.hpp"
+#include "packet_pixels.hpp"
+#include "pixel_rays.hpp"
+#include "tile_scene.hpp"
+#include "visibility.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// Buffers that the parts of a tile use one after the other.
+template <class View>
+struct TileWork {
+  Candidates of_row;  ///< candidates of a row of blocks
+  Visibility visibility;
+  std::vector<CrossingPacket::Crossed> crossed;
+  std::optional<RowOfColors> background;  ///< radiance of rays that miss, once it is known and if it is one
+  Occluders occluders;
+  typename View::Drawn drawn;
+  RenderStatistics taken;
+};
+
+/// Filler of parts of tiles, of at most 16 x 16 pixels, with the radiance that an integrator computes.
+template <class I, Surface... S>
+class TileFiller {
+ public:
+  using View = TileScene<S...>;
+  using Work = TileWork<View>;
+
+  static constexpr bool by_packets = PacketIntegrator<I>;
+
+  /// Largest number of candidates that all rows of a part share; of more, each row of blocks has its own.
+  static constexpr int most_for_all_rows = 16;
+
+  /// Borrows all but the skips. `unbounded` are the indices of surfaces without bounds.
+  TileFiller(Image& image, const Accelerated<Scene<S...>>& scene, const I& integrator, const PixelRays& rays,
+             const std::vector<int>& unbounded, const Skips& skips)
+      : image_(image),
+        scene_(scene),
+        integrator_(integrator),
+        rays_(rays),
+        unbounded_(unbounded),
+        skips_(skips) {}
+
+  /// Returns true if a tile with these candidates sees nothing, and the same background everywhere, so that
+  /// one packet stands for all of its rays.
+  [[nodiscard]] bool sees_background_only(const Candidates& candidates) const {
+    return by_packets && skips_.empty_tiles && candidates.size() == 0 && unbounded_.empty() &&
+           !scene_.scene().environment();
+  }
+
+  /// Fills a part, or a whole tile, that sees only the background.
+  void fill_with_background(const Tile& tile, Work& work) const {
+    if constexpr (by_packets) {
+      work.taken.pixels_skipped +=
+          static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
+      const Color color = rays_.pixels().mean([&](int) { return color_of_nothing(work)->front(); });
+      const auto row = [&](int y) { return &image_(tile.x0, y); };
+      std::fill_n(row(tile.y0), tile.width(), color);
+      for (int y = tile.y0 + 1; y < tile.y1; ++y) std::copy_n(row(tile.y0), tile.width(), row(y));
+    }
+  }
+
+  /// Fills a tile that can see only one surface, if that is rasterized and pixels have one sample; returns
+  /// false if not. Packets of rays are made only if a ray is in doubt, or colors vary from point to point.
+  bool fill_from_buffer(const Tile& tile, const Candidates& candidates, Work& work) const {
+    if constexpr (by_packets && View::draws && ShadingIntegrator<I, View>) {
+      const View view(scene_, candidates, unbounded_, skips_, work.occluders, work.drawn, work.taken);
+      if (!view.sees_one_buffer() || rays_.pixels().samples() > 1) return false;
+      view.with_buffer([&](const auto& drawn, const Material& material) {
+        const bool all_is_alike = is_alike(material);
+        const RowOfColors* const row = color_of_nothing(work);
+        Colors surface(Color{0}), background(row ? row->front() : Color{0});
+        if constexpr (ShadesAnywhere<I>)
+          if (all_is_alike) surface = Colors(integrator_.shade_anywhere(material));
+        // Most packets have one of these two colors, and are sooner copied than put together.
+        const PacketOfColors of_surface = pixels_of(surface), of_background = pixels_of(background);
+        std::uint64_t skipped = 0;
+        each_packet(tile, [&](std::size_t, int x, int y) {
+          prefetch_below(image_, tile, x, y);
+          const LaneMask active = rays_.active(tile, x);
+          const auto seen = drawn.seen(active, x, y);
+          if (!any(seen.in_doubt) && (all_is_alike || (row && !any(seen.met)))) {
+            skipped += static_cast<std::uint64_t>(std::popcount(bits(active)));
+            if (!any(seen.met)) return write_packet(image_, tile, x, y, of_background);
+            if (!any(!seen.met)) return write_packet(image_, tile, x, y, of_surface);
+            return write_packet(image_, tile, x, y, select(seen.met, surface, background));
+          }
+          view.set_first_pixel(x, y);
+          const CameraPacket<Point> rays = rays_.packet(tile, x, y);
+          const auto closest = view.closest(rays, seen);
+          write_packet(
+              image_, tile, x, y,
+              all_is_alike ? select(closest.t < infinity, surface, background) : shaded(rays, closest, view));
+        });
+        work.taken.pixels_skipped += skipped;
+        work.taken.camera_rays +=
+            static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height()) - skipped;
+      });
+      return true;
+    }
+    return false;
+  }
+
+  /// Fills a part with the candidates that it may see.
+  void fill(const Tile& tile, const Candidates& candidates, Work& work) const {
+    if constexpr (!by_packets)  // ray by ray, with any origin
+      fill_from<Point>(tile, candidates, work);
+    else if (rays_.is_pinhole())
+      fill_from_point(tile, candidates, work);
+    else
+      fill_from<Vectors>(tile, candidates, work);
+  }
+
+ private:
+  /// Returns true if there are so many surfaces that their numbers are not in a cache.
+  [[nodiscard]] bool is_large() const { return scene_.scene().size() > 2048; }
+
+  /// Returns true if all rays that miss have the same radiance, and may be skipped.
+  [[nodiscard]] bool nothing_is_alike() const { return skips_.empty_tiles && !scene_.scene().environment(); }
+  /// Returns true if all rays that miss have one radiance, and all that hit this material have one, so that
+  /// no hit point is needed.
+  [[nodiscard]] bool is_alike(const Material& material) const {
+    return ShadingIntegrator<I, View> && ShadesAnywhere<I> && nothing_is_alike() && !material.texture;
+  }
+
+  /// Computes the packets of a pinhole, the most frequent camera, with all calls inlined. Other cameras share
+  /// the functions as they are, which keeps the code small.
+  [[gnu::flatten]] void fill_from_point(const Tile& tile, const Candidates& candidates, Work& work) const {
+    fill_from<Point>(tile, candidates, work);
+  }
+
+  template <class Origin>
+  void fill_from(const Tile& tile, const Candidates& candidates, Work& work) const {
+    if constexpr (std::same_as<Origin, Point>)
+      if (fill_from_buffer(tile, candidates, work)) return;
+    const PixelGrid& pixels = rays_.pixels();
+    work.taken.camera_rays += static_cast<std::uint64_t>(tile.width() * tile.height()) *
+                              static_cast<std::uint64_t>(pixels.samples());
+    const bool by_rows = candidates.size() > most_for_all_rows;
+    work.of_row.clear();
+    View view(scene_, by_rows ? work.of_row : candidates, unbounded_, skips_, work.occluders, work.drawn,
+              work.taken);
+    if (is_large()) view.fetch(candidates);
+    int row = -1;  // the row of blocks that of_row is for
+    const auto begin_packet = [&](int, int y) {
+      if (!by_rows || y / RayBlock::height == row) return;
+      row = y / RayBlock::height;
+      const int first = row * RayBlock::height, last = std::min(first + RayBlock::height, tile.y1);
+      work.of_row.clear();
+      work.of_row.add(candidates, Frustum(rays_, {tile.x0, first, tile.x1, last}));
+    };
+    if constexpr (!by_packets) {
+      for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x) {
+          begin_packet(x, y);
+          image_(x, y) = pixels.mean([&](int i) {
+            const Ray ray = pixels.ray(rays_.camera(), x, y, i);
+            view.set_pixel(ray);
+            return protostar::detail::radiance_of(integrator_, ray, view);
+          });
+        }
+    } else if (pixels.samples() > 1) {
+      each_packet(tile, [&](std::size_t, int x, int y) {
+        begin_packet(x, y);
+        write_packet(image_, tile, x, y, mean_radiance<Origin>(tile, x, y, view));
+      });
+    } else {
+      if constexpr (std::same_as<Origin, Point> && ShadingIntegrator<I, View>)
+        if (skips_.sure_in_float && unbounded_.empty() &&
+            (ShadesAnywhere<I> || candidates.size() > as_fast_in_double))
+          return fill_visible(tile, view, by_rows ? work.of_row : candidates, begin_packet, work);
+      if constexpr (std::same_as<Origin, Point> && AsksForCrossings<I>)
+        if (skips_.sure_in_float && unbounded_.empty())
+          return fill_crossed(tile, view, by_rows ? work.of_row : candidates, begin_packet, work);
+      fill_in_steps<Origin>(tile, view, begin_packet);
+    }
+  }
+
+  /// Fills a part of a tile of a pinhole, for an integrator that asks for crossings alone. Packets in which
+  /// float does not tell which there are, or of which colors differ from point to point, are made of rays.
+  void fill_crossed(const Tile& part, const View& view, const Candidates& candidates,
+                    const auto& begin_packet, Work& work) const {
+    const RowOfColors* const background = color_of_nothing(work);
+    const auto has_texture = [&](int place) { return view.has_texture(place); };
+    std::uint64_t float_tests = 0, skipped = 0;
+    each_block(part, [&](const Tile& block) {
+      begin_packet(block.x0, block.y0);
+      float_tests += static_cast<std::uint64_t>(candidates.size() * float_lanes);
+      const bool is_sure = background && find_crossed(rays_.block_directions(block.x0, block.y0), candidates,
+                                                      has_texture, work.crossed);
+      if (is_sure) skipped += static_cast<std::uint64_t>(block.width() * block.height());
+      if (is_sure && work.crossed.empty()) return write_rows(image_, block, *background);
+      each_packet(block, [&](std::size_t, int x, int y) {
+        const int lane = (y - block.y0) * RayBlock::width + (x - block.x0);
+        const auto write = [&](const auto& rays) {
+          write_packet(image_, block, x, y, integrator_.radiance(rays, view));
+        };
+        view.set_first_pixel(x, y);
+        if (is_sure)
+          write(CrossingPacket{work.crossed, lane, rays_, x, y});
+        else
+          write(rays_.packet(block, x, y));
+      });
+    });
+    work.taken.float_tests += float_tests;
+    work.taken.pixels_skipped += skipped, work.taken.camera_rays -= skipped;
+  }
+
+  /// Largest number of candidates that are tested in double as fast as in float, for colors that need t.
+  static constexpr int as_fast_in_double = 3;
+
+  /// Start of a packet in the image.
+  struct PacketStart {
+    int x, y;
+  };
+  static constexpr std::size_t most_packets = 16 * ((16 + double_lanes - 1) / double_lanes);
+
+  /// Fills a part of a tile of a pinhole. Float tells what blocks of pixels see. Where that does not tell
+  /// their colors, packets of rays go through one step after the other, as in fill_in_steps.
+  void fill_visible(const Tile& part, const View& view, const Candidates& candidates,
+                    const auto& begin_packet, Work& work) const {
+    std::array<PacketStart, most_packets> open;
+    std::size_t count = 0;
+    const RowOfColors* const background = color_of_nothing(work);
+    ColorSeen last;
+    std::uint64_t float_tests = 0, skipped = 0;
+    each_block(part, [&](const Tile& block) {
+      begin_packet(block.x0, block.y0);
+      const auto [places, tested] = seen_by(rays_.block_directions(block.x0, block.y0), candidates);
+      float_tests += static_cast<std::uint64_t>(tested);
+      if (write_what_is_seen(block, places, view, background, last)) {
+        skipped += static_cast<std::uint64_t>(block.width() * block.height());
+      } else {
+        work.visibility.set_block(block.x0, block.y0, places);
+        each_packet(block, [&](std::size_t, int x, int y) { open[count++] = {x, y}; });
+      }
+    });
+    work.taken.float_tests += float_tests;
+    work.taken.pixels_skipped += skipped, work.taken.camera_rays -= skipped;
+    std::array<Vectors, most_packets> directions;
+    std::array<typename View::Closest, most_packets> closest;
+    for (std::size_t i = 0; i < count; ++i) directions[i] = rays_.directions(open[i].x, open[i].y);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto [x, y] = open[i];
+      begin_packet(x, y);
+      view.set_first_pixel(x, y);
+      closest[i] = view.closest(rays_.packet(part, x, y, directions[i]), work.visibility(x, y));
+      if (is_large()) view.fetch(closest[i]);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto [x, y] = open[i];
+      view.set_first_pixel(x, y);
+      write_packet(image_, part, x, y, shaded(rays_.packet(part, x, y, directions[i]), closest[i], view));
+    }
+  }
+
+  /// Color of all pixels that see one surface.
+  struct ColorSeen {
+    std::int32_t place = is_in_doubt;
+    bool is_known = false;  ///< true if there is such a color
+    RowOfColors row{};      ///< that color, for a row of a block
+  };
+
+  /// Writes the pixels of a block if what they see tells their colors; returns false if not. `last` is the
+  /// surface that was seen last.
+  [[nodiscard, gnu::always_inline]] bool write_what_is_seen(const Tile& block, const BlockIndices& places,
+                                                            const View& view, const RowOfColors* background,
+                                                            ColorSeen& last) const {
+    constexpr Bits all = first_bits(float_lanes);
+    BlockFloats r = 0.0f, g = 0.0f, b = 0.0f;
+    for (Bits left = all; left != 0;) {
+      const std::int32_t place = places[std::countr_zero(left)];
+      if (place != sees_nothing && place != last.place) find_color(place, view, last);
+      const RowOfColors* const row = place == sees_nothing ? background : last.is_known ? &last.row : nullptr;
+      if (!row) return false;
+      const auto here = places == BlockIndices(place);
+      if (bits(here) == all) {
+        write_rows(image_, block, *row);
+        break;
+      }
+      const Color& color = row->front();
+      r = select(here, BlockFloats(color.r), r), g = select(here, BlockFloats(color.g), g);
+      b = select(here, BlockFloats(color.b), b);
+      left &= ~bits(here);
+      if (left == 0) write_block(image_, block, r, g, b);
+    }
+    return true;
+  }
+
+  /// Sets the color of pixels that surely see a surface, if there is one for all.
+  [[gnu::noinline]] void find_color(std::int32_t place, const View& view, ColorSeen& seen) const {
+    seen.place = place, seen.is_known = false;
+    if constexpr (ShadesAnywhere<I>)
+      if (place >= 0)
+        view.visit(place, [&](const auto&, const Material& material) {
+          if (is_alike(material)) seen.row.fill(integrator_.shade_anywhere(material)), seen.is_known = true;
+        });
+  }
+
+  /// Returns the color of pixels that see nothing, for a row of a block; null if they are not alike.
+  [[nodiscard]] const RowOfColors* color_of_nothing(Work& work) const {
+    if (!nothing_is_alike()) return nullptr;
+    if (!work.background) {
+      // All rays that miss have the same radiance, that of a ray without candidates.
+      const Candidates none;
+      const View empty(scene_, none, unbounded_, skips_, work.occluders, work.drawn, work.taken);
+      const Colors colors = radiance(rays_.packet({0, 0, 1, 1}, 0, 0), empty);
+      work.background.emplace().fill({colors.r[0], colors.g[0], colors.b[0]});
+    }
+    return &*work.background;
+  }
+
+  /// Takes all packets of a tile through one step after the other: directions, closest hits, colors. Each
+  /// step waits for a square root and a division; these waits of many packets overlap.
+  template <class Origin>
+  void fill_in_steps(const Tile& tile, const View& view, const auto& begin_packet) const {
+    std::array<Vectors, most_packets> directions;
+    each_packet(tile, [&](std::size_t i, int x, int y) { directions[i] = rays_.directions(x, y); });
+    const auto rays = [&](std::size_t i, int x, int y) {
+      return rays_.template packet<Origin>(tile, x, y, directions[i]);
+    };
+    if constexpr (ShadingIntegrator<I, View>) {
+      std::array<typename View::Closest, most_packets> closest;
+      each_packet(tile, [&](std::size_t i, int x, int y) {
+        begin_packet(x, y);
+        view.set_first_pixel(x, y);
+        closest[i] = view.closest(rays(i, x, y));
+        if (is_large()) view.fetch(closest[i]);
+      });
+      each_packet(tile, [&](std::size_t i, int x, int y) {
+        view.set_first_pixel(x, y);
+        write_packet(image_, tile, x, y, shaded(rays(i, x, y), closest[i], view));
+      });
+    } else {
+      each_packet(tile, [&](std::size_t i, int x, int y) {
+        begin_packet(x, y);
+        view.set_first_pixel(x, y);
+        write_packet(image_, tile, x, y, integrator_.radiance(rays(i, x, y), view));
+      });
+    }
+  }
+
+  template <class Origin>
+  [[nodiscard, gnu::noinline]] Colors mean_radiance(const Tile& tile, int x, int y, const View& view) const {
+    return rays_.pixels().mean([&](int i) {
+      view.set_first_pixel(x, y, i);
+      const CameraPacket<Origin> rays = rays_.template packet<Origin>(tile, x, y, i);
+      return radiance(rays, view);
+    });
+  }
+
+  [[nodiscard]] Colors radiance(const auto& rays, const View& view) const {
+    if constexpr (ShadingIntegrator<I, View>)
+      return shaded(rays, view.closest(rays), view);
+    else
+      return integrator_.radiance(rays, view);
+  }
+
+  [[nodiscard]] Colors shaded(const auto& rays, const typename View::Closest& closest,
+                              const View& view) const {
+    return view.shade(
+        rays, closest, [&] { return integrator_.background(rays, view); },
+        [&](const auto& hits) { return integrator_.shade(hits, view); });
+  }
+
+  Image& image_;
+  const Accelerated<Scene<S...>>& scene_;
+  const I& integrator_;
+  const PixelRays& rays_;
+  const std::vector<int>& unbounded_;
+  Skips skips_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd
