@@ -223,7 +223,7 @@ std::vector<Surd> judged_crossings(const JudgedTree& tree, const std::vector<Jud
   return found;
 }
 
-/// Compares crossings. The relative error of t is at most 2^-30.9 (docs/numerics.md, t) and the judge's
+/// Compares crossings. The relative error of t is at most 2^-30.9 (docs/derivations.md, t) and the judge's
 /// 2^-51, together below 2^-30.
 bool are_equal(const std::vector<double>& found, const std::vector<Surd>& expected) {
   return std::equal(found.begin(), found.end(), expected.begin(), expected.end(),
@@ -438,9 +438,9 @@ TEST_CASE("the normal of a CSG tree points outwards, also where a solid is subtr
     bool leads_in = true;
     g.tree.each_crossing(line, everywhere, [&](const Crossing& c) {
       const Vec3 n = g.tree.normal_at(line.at(c.t), c.part);
-      // A ball's normal is off by (2^-30 T + u (T + P)) / r + 4u (docs/numerics.md, The normal). Here r is at
-      // least 2, and all is within 16 of the coordinate origin, so that T + P is below 48. The length rounds
-      // by 3u: 24u + 4u + 3u < 2^-48.
+      // A ball's normal is off by (2^-30 T + u (T + P)) / r + 4u (docs/derivations.md, The normal). Here r is
+      // at least 2, and all is within 16 of the coordinate origin, so that T + P is below 48. The length
+      // rounds by 3u: 24u + 4u + 3u < 2^-48.
       const double off = 0x1p-31 * length(c.t * line.direction) + 0x1p-48;
       wrong += (dot(n, line.direction) < 0) != leads_in || std::abs(length(n) - 1) > off;
       leads_in = !leads_in;

@@ -1,5 +1,5 @@
 // Tests which tilted planes a ray leaves together: planes whose equations, divided by the largest component
-// of the normal, round to the same doubles (docs/numerics.md, The plane that a ray leaves).
+// of the normal, round to the same doubles (docs/derivations.md, The plane that a ray leaves).
 #include <algorithm>
 #include <array>
 #include <cmath>

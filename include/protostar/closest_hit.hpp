@@ -54,7 +54,7 @@ class ClosestHit {
 
   /// Tests surfaces by their first roots: if double decides the order, each takes a few comparisons. A root
   /// below `sooner` surely precedes the closest hit so far and lies in the range; one not below `later`
-  /// surely does not (docs/numerics.md, Which comes first).
+  /// surely does not (docs/derivations.md, Which comes first).
   template <Surface T>
   void look_for_first_roots(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
     const typename T::Line line(ray_);

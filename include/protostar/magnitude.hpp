@@ -1,7 +1,7 @@
 // Limits for the magnitudes of the numbers of a scene.
 //
 // One rule holds for all numbers that place or measure something in a scene, and with it no formula of a
-// picture leaves the range of double, which ends near 2^±1024 (docs/numerics.md, Range). The validate() of
+// picture leaves the range of double, which ends near 2^±1024 (docs/derivations.md, Range). The validate() of
 // each type made for a scene refuses numbers that break the rule.
 #pragma once
 

@@ -4,7 +4,7 @@
 // A point origin + t·d of the line is between the box's two faces on axis i from t = (min_i − o_i)/d_i to
 // (max_i − o_i)/d_i, or the other way round for d_i < 0; for d_i = 0, always or never. It is in the box from
 // the last of these entries to the first of the exits. Double nearly always decides; if its error bound does
-// not allow it, the quotients are compared without rounding. docs/numerics.md derives the bound.
+// not allow it, the quotients are compared without rounding. docs/derivations.md derives the bound.
 #pragma once
 
 #include <cmath>

@@ -4,7 +4,7 @@
 // Relative to the disk's center it is there at
 //   t·d − w = ((n·w) d − (n·d) w) / n·d = v / n·d   with   v = n × (d × w),
 // and in the disk if |v| ≤ radius · |n·d|. Double nearly always decides; if its error bound does not allow
-// it, everything is evaluated without rounding. docs/numerics.md derives the bounds.
+// it, everything is evaluated without rounding. docs/derivations.md derives the bounds.
 #pragma once
 
 #include <cmath>

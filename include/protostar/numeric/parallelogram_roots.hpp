@@ -4,7 +4,7 @@
 // if t·d = w + a·u + b·v. By Cramer's rule, with S = (u × v)·d and m = w × d, this holds for
 //   t = (u × v)·w / S,   a = v·m / S,   b = −u·m / S,
 // and the point is in the parallelogram for 0 ≤ a ≤ 1 and 0 ≤ b ≤ 1. Double nearly always decides; if its
-// error bound does not allow it, everything is evaluated without rounding. docs/numerics.md derives the
+// error bound does not allow it, everything is evaluated without rounding. docs/derivations.md derives the
 // bounds.
 #pragma once
 

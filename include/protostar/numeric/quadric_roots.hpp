@@ -7,7 +7,7 @@
 // digits say; its roots are 0 and 2b/A, and only the second is a crossing other than the start.
 //
 // Double nearly always decides; if its error bound does not allow it, everything is evaluated without
-// rounding. docs/numerics.md derives the bounds, in units of u = 2^-53.
+// rounding. docs/derivations.md derives the bounds, in units of u = 2^-53.
 #pragma once
 
 #include <cmath>

@@ -5,7 +5,7 @@
 // A line that starts on the sphere has c = 0 by definition, whatever its digits say; its roots are 0 and
 // 2b/A, and only the second is a crossing other than the start.
 //
-// docs/numerics.md derives the bounds, in units of u = 2^-53.
+// docs/derivations.md derives the bounds, in units of u = 2^-53.
 #pragma once
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // Crossings of a line with a sphere: their existence is exact, and t is certified (Roots; §2.2.4, A.1.1).
 //
 // Double nearly always decides; if its error bound does not allow it, the same equation is evaluated without
-// rounding (sphere_equation.hpp). docs/numerics.md derives the bounds, in units of u = 2^-53.
+// rounding (sphere_equation.hpp). docs/derivations.md derives the bounds, in units of u = 2^-53.
 #pragma once
 
 #include <cmath>

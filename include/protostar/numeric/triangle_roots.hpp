@@ -14,7 +14,7 @@
 // Hence side(q, p) is always −side(p, q), and a line aimed at an edge that two triangles share, or at a
 // vertex of many, passes them like a line next to it: through one of them, and not through two. Double nearly
 // always decides; if its error bound does not allow it, a side is evaluated without rounding.
-// docs/numerics.md derives the bounds.
+// docs/derivations.md derives the bounds.
 #pragma once
 
 #include <algorithm>

@@ -130,8 +130,8 @@ static_assert(SurfaceWithExactRoots<Triangle> && SurfaceWithDeparture<Triangle> 
 /// The ray's origin is rounded: it lies beside the triangle, and near an edge it may lie behind the neighbor.
 /// Therefore the ray starts at the point inside the triangle that is next to its origin, without rounding.
 /// Its line crosses that triangle there, at t = 0. All other triangles are tested against this one line, so
-/// it crosses a closed mesh in and out in turn, beginning with the side to which it leaves (docs/numerics.md,
-/// Leaving a mesh).
+/// it crosses a closed mesh in and out in turn, beginning with the side to which it leaves
+/// (docs/derivations.md, Leaving a mesh).
 class StartInTriangle {
  public:
   StartInTriangle(const Ray& ray, const Triangle& left)
