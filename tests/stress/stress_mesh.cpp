@@ -1,7 +1,7 @@
 // Checks closed meshes with rays that are aimed at their edges and vertices: none may slip through, and no
 // crossing may be counted twice.
 //
-//   stress_mesh [--tests N] [--seed S] [--threads N]
+//   stress_mesh [--tests N] [--seed S] [--threads N] [--csv FILE]
 //
 // Traces N rays (60,000). Along each, which starts outside, crossings must lead in and out in turn, by the
 // exact signs of d·n; crossings at exactly equal t may come in any order. If all triangles around its target
@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "corpora/draws.hpp"
+#include "csv.hpp"
 #include "exact.hpp"
 #include "oracle/equations.hpp"
 #include "support/meshes.hpp"
@@ -418,10 +419,11 @@ Tally judged(const Shape& shape, Random& random, std::uint64_t count) {
 }
 
 int stress(int argc, char** argv) {
-  const Options options(argc, argv, {"--tests", "--seed", "--threads"});
+  const Options options(argc, argv, {"--tests", "--seed", "--threads", "--csv"});
   constexpr std::uint64_t rays_of_a_model = 512;
   Work work(options, options.number("--tests", 60'000), std::size(families));
   Tally all;
+  CsvFile csv(options.text("--csv"), "meshes,rays,crossings,ranges,slipped,twice,disordered,misjudged");
   std::printf("%-13s%12s%12s%12s%12s%12s%12s%12s\n", "meshes", "rays", "crossings", "ranges", "slipped",
               "twice", "disordered", "misjudged");
   for (const Family& family : families) {
@@ -432,6 +434,8 @@ int stress(int argc, char** argv) {
                 "%12" PRIu64 "\n",
                 family.name, tally.rays, tally.crossings, tally.ranges, tally.slipped, tally.twice,
                 tally.disordered, tally.misjudged);
+    csv.row(family.name, tally.rays, tally.crossings, tally.ranges, tally.slipped, tally.twice,
+            tally.disordered, tally.misjudged);
     std::fflush(stdout);
     all.add(tally);
   }

@@ -22,7 +22,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <exception>
-#include <fstream>
 #include <mutex>
 #include <protostar/scene.hpp>
 #include <stdexcept>
@@ -40,6 +39,7 @@
 #include "corpora/solids.hpp"
 #include "corpora/spheres.hpp"
 #include "corpora/triangles.hpp"
+#include "csv.hpp"
 #include "numerics/kernels.hpp"
 #include "numerics/promises.hpp"
 #include "numerics/report.hpp"
@@ -130,14 +130,10 @@ void run(Tally& tally, const Kernel<S>& kernel, const char* corpus, const Batch<
 
 class Table {
  public:
-  explicit Table(const std::string& csv) {
-    if (!csv.empty()) {
-      csv_.open(csv);
-      if (!csv_) throw std::runtime_error(csv + ": cannot be written");
-      csv_
-          << "corpus,kernel,tests,hits,false hits,false misses,wrong roots,broken promises,t p50 ulp,t p99.9 "
-             "ulp,t max ulp,normal p99.9,normal max,ns per test\n";
-    }
+  explicit Table(const std::string& csv)
+      : csv_(csv,
+             "corpus,kernel,tests,hits,false hits,false misses,wrong roots,broken promises,t p50 ulp,t p99.9 "
+             "ulp,t max ulp,normal p99.9,normal max,ns per test") {
     std::printf("%-17s%-10s%10s%10s%9s%9s%9s%8s%10s%10s%10s%10s%10s%8s\n", "corpus", "kernel", "tests",
                 "hits", "f. hits", "f. miss", "w. root", "broken", "t p50", "t p99.9", "t max", "n p99.9",
                 "n max", "ns");
@@ -152,21 +148,12 @@ class Table {
                 corpus, kernel, x.tests, x.hits, x.false_hits, x.false_misses, x.wrong_roots, x.broken,
                 t.at(0.5), t.at(0.999), t.largest(), n.at(0.999), n.largest(), ns);
     std::fflush(stdout);
-    if (csv_.is_open())
-      csv_ << corpus << ',' << kernel << ',' << x.tests << ',' << x.hits << ',' << x.false_hits << ','
-           << x.false_misses << ',' << x.wrong_roots << ',' << x.broken << ',' << t.at(0.5) << ','
-           << t.at(0.999) << ',' << t.largest() << ',' << n.at(0.999) << ',' << n.largest() << ',' << ns
-           << '\n';
-  }
-
-  void close() {
-    if (!csv_.is_open()) return;
-    csv_.close();
-    if (!csv_) throw std::runtime_error("--csv: the file could not be written");
+    csv_.row(corpus, kernel, x.tests, x.hits, x.false_hits, x.false_misses, x.wrong_roots, x.broken,
+             t.at(0.5), t.at(0.999), t.largest(), n.at(0.999), n.largest(), ns);
   }
 
  private:
-  std::ofstream csv_;
+  CsvFile csv_;
 };
 
 struct Totals {
@@ -277,7 +264,6 @@ int stress(int argc, char** argv) {
   run(corpora::of_placed_spheres, placed_sphere_kernels, only, work, table, library);
   run(corpora::of_placed_planes, placed_plane_kernels, only, work, table, library);
   run(corpora::of_trees, tree_kernels, only, work, table, library);
-  table.close();
   std::printf("library: wrong %" PRIu64 " of %" PRIu64 "; answered without rounding %" PRIu64 "\n",
               library.wrong, library.tests, library.fallbacks.exact);
   return library.wrong > 0 ? 1 : 0;

@@ -1,7 +1,7 @@
 // Checks the tutorial's scene at other scales and positions: transparency and shadow are compared with exact
 // arithmetic.
 //
-//   stress_pictures [--every N]
+//   stress_pictures [--every N] [--csv FILE]
 //
 // Checks every Nth pixel (13th) of 640×480 for each scale and offset, and of 3840×2160 for some. The answers
 // of the scene to the integrators are judged by exact arithmetic for the ray, and the shadow segment, as they
@@ -23,6 +23,7 @@
 #include <protostar/integrators/transparency.hpp>
 #include <vector>
 
+#include "csv.hpp"
 #include "options.hpp"
 #include "oracle/sorted_hits.hpp"
 #include "reference/pictures.hpp"
@@ -201,14 +202,21 @@ void print(const Tally& tally) {
 }
 
 int stress(int argc, char** argv) {
-  const Options options(argc, argv, {"--every"});
+  const Options options(argc, argv, {"--every", "--csv"});
   const std::uint64_t step = std::max<std::uint64_t>(options.number("--every", 13), 1);
   Tally all;
+  CsvFile csv(options.text("--csv"),
+              "scale,offset,size,pixels,crossings,segments,wrong answers,off by one,by more");
+  const auto write = [&](const auto& scale, const auto& offset, const std::string& size, const Tally& tally) {
+    csv.row(scale, offset, size, tally.pixels, tally.crossings, tally.segments, tally.wrong_answers,
+            tally.off_by_one, tally.off_by_more);
+  };
   const auto report = [&](const Placement& placement, const std::vector<Pixel>& pixels, int width,
                           int height) {
     const Tally tally = judge(placement, pixels, width, height);
     std::printf("%-9g%-8g%4dx%-4d", placement.scale, placement.offset, width, height);
     print(tally);
+    write(placement.scale, placement.offset, std::to_string(width) + "x" + std::to_string(height), tally);
     all.add(tally);
   };
 
@@ -222,6 +230,7 @@ int stress(int argc, char** argv) {
     report(placement, large, 3840, 2160);
   std::printf("%-26s", "all");
   print(all);
+  write("all", "", "", all);
   return all.wrong_answers > 0 || all.off_by_more > 0 ? 1 : 0;
 }
 

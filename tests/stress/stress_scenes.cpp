@@ -1,7 +1,7 @@
 // Checks random scenes: sequences of crossings, and the decisions of shadow segments, are judged by exact
 // arithmetic.
 //
-//   stress_scenes [--tests N] [--seed S] [--threads N]
+//   stress_scenes [--tests N] [--seed S] [--threads N] [--csv FILE]
 //
 // Traces N rays (20,000), each judged with all that follows from it: its crossings with all surfaces in their
 // order, the closest hit, and the rays that leave from there towards lights and onwards. Instances are judged
@@ -17,6 +17,7 @@
 #include <tuple>
 
 #include "corpora/draws.hpp"
+#include "csv.hpp"
 #include "made_of.hpp"
 #include "oracle/coincide.hpp"
 #include "oracle/departures.hpp"
@@ -236,16 +237,18 @@ Tally judged(const Family& family, Random& random, std::uint64_t rays) {
 }
 
 int stress(int argc, char** argv) {
-  const Options options(argc, argv, {"--tests", "--seed", "--threads"});
+  const Options options(argc, argv, {"--tests", "--seed", "--threads", "--csv"});
   constexpr std::uint64_t chunk_size = 2000;
   Work work(options, options.number("--tests", 20'000), families.size());
   Tally all;
+  CsvFile csv(options.text("--csv"), "scenes,rays,hits,shadow rays,wrong rays");
   std::printf("%-17s%12s%12s%12s%12s\n", "scenes", "rays", "hits", "shadow rays", "wrong rays");
   for (const Family& family : families) {
     const auto tally = work.summed<Tally>(
         chunk_size, [&](Random& random, std::uint64_t rays) { return judged(family, random, rays); });
     std::printf("%-17s%12" PRIu64 "%12" PRIu64 "%12" PRIu64 "%12" PRIu64 "\n", family.name, tally.rays,
                 tally.crossings, tally.shadows, tally.wrong);
+    csv.row(family.name, tally.rays, tally.crossings, tally.shadows, tally.wrong);
     std::fflush(stdout);
     all.add(tally);
   }
