@@ -1,0 +1,67 @@
+// Draws the figures of the pages in docs/.
+//
+//   draw_figures FOLDER           writes them into the folder, docs/figures, which has the tables that they
+//   show draw_figures --check FOLDER   changes nothing, and exits with 1 if a figure differs from the one
+//   there
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "figures.hpp"
+
+namespace {
+
+struct Figure {
+  std::string name, text;
+};
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void save(const std::string& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) throw std::runtime_error(path + ": cannot be written");
+}
+
+int draw(const std::string& folder, bool checks) {
+  const std::vector<Figure> all{{"epsilon", figures::epsilon()},
+                                {"decision", figures::decision()},
+                                {"tile", figures::tile()},
+                                {"wrong_decisions", figures::wrong_decisions(folder)}};
+  int differ = 0;
+  for (const Figure& figure : all) {
+    const std::string path = folder + '/' + figure.name + ".svg";
+    if (!checks) {
+      save(path, figure.text);
+    } else if (bytes_of(path) != figure.text) {
+      std::fprintf(stderr, "%s is not what the program draws: run draw_figures docs/figures\n", path.c_str());
+      ++differ;
+    }
+  }
+  return differ == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  const bool checks = !words.empty() && words[0] == "--check";
+  if (words.size() != (checks ? 2u : 1u)) {
+    std::fprintf(stderr, "usage: draw_figures [--check] FOLDER\n");
+    return 2;
+  }
+  try {
+    return draw(words.back(), checks);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "draw_figures: %s\n", error.what());
+    return 2;
+  }
+}

@@ -1,0 +1,20 @@
+// Figures of the pages in docs/: each function returns the text of an SVG file.
+#pragma once
+
+#include <string>
+
+namespace figures {
+
+/// Shows the start of a shadow ray on a sphere, with an epsilon that is too small and one that is too large.
+std::string epsilon();
+
+/// Shows the discriminants of three lines with the bound of their error, and the decisions that follow.
+std::string decision();
+
+/// Shows which surfaces the rays of a tile may meet, and what its pixels see.
+std::string tile();
+
+/// Draws the numbers of CSV files in a folder.
+std::string wrong_decisions(const std::string& folder);
+
+}  // namespace figures
