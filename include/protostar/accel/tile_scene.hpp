@@ -152,11 +152,11 @@ class TileScene : public TileHits<S...> {
   }
 
   void crossings(const CrossingPacket& rays, Interval, auto&& visit_crossing) const {
-    for (const auto& [place, lanes] : rays.crossed)
-      visit(place, [&](const auto&, const Material& material) {
-        const SomeCross some{mask_of<double, double_lanes>(lanes >> rays.first_lane), material.diffuse};
-        visit_crossing(some);
-        visit_crossing(some);
+    for (const CrossingPacket::Crossed& crossed : rays.crossed)
+      visit(crossed.place, [&](const auto&, const Material& material) {
+        const auto which = mask_of<double, double_lanes>(crossed.lanes >> rays.first_lane);
+        visit_crossing(SomeCross{which, material.diffuse});  // on the way in,
+        visit_crossing(SomeCross{which, material.diffuse});  // and out
       });
   }
 

@@ -151,13 +151,16 @@ void each_along_interleaved(const Bvh& bvh, std::size_t count, const auto& make,
   while (on_the_way > 0)
     for (std::optional<Traveller>& traveller : travellers) {
       if (!traveller) continue;
-      auto& [number, query, line, search, traversal] = *traveller;
-      if (!traversal.step(search, [&](Leaf leaf) { return visit_leaf(query, line, leaf, search.reach); })) {
-        done(number, query);
+      Traveller& one = *traveller;
+      const auto visit_one = [&](Leaf leaf) {
+        return visit_leaf(one.query, one.line, leaf, one.search.reach);
+      };
+      if (!one.traversal.step(one.search, visit_one)) {
+        done(one.number, one.query);
         start(traveller);
         if (!traveller) continue;
       }
-      fetch_next(traversal.next());
+      fetch_next(traveller->traversal.next());
     }
 }
 
