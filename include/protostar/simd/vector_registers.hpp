@@ -14,8 +14,10 @@
 
 #if defined(__GNUC__) && !defined(PROTOSTAR_SCALAR)
 #define PROTOSTAR_VECTORS 1
-#if defined(__SSE2__)
-#include <immintrin.h>
+#if defined(__AVX__)
+#include <immintrin.h>  // 40,000 lines, which no other processor needs
+#elif defined(__SSE2__)
+#include <emmintrin.h>
 #endif
 #if defined(__AVX512VL__)
 #define PROTOSTAR_BIT_MASKS 1
