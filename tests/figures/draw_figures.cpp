@@ -32,10 +32,11 @@ void save(const std::string& path, const std::string& text) {
 }
 
 int draw(const std::string& folder, bool checks) {
-  const std::vector<Figure> all{{"epsilon", figures::epsilon()},
-                                {"decision", figures::decision()},
-                                {"tile", figures::tile()},
-                                {"wrong_decisions", figures::wrong_decisions(folder)}};
+  const std::vector<Figure> all{
+      {"epsilon", figures::epsilon()},     {"decision", figures::decision()},
+      {"tile", figures::tile()},           {"wrong_decisions", figures::wrong_decisions(folder)},
+      {"stages", figures::stages(folder)}, {"spheres", figures::spheres(folder)},
+      {"meshes", figures::meshes(folder)}, {"growth", figures::growth(folder)}};
   int differ = 0;
   for (const Figure& figure : all) {
     const std::string path = folder + '/' + figure.name + ".svg";

@@ -14,7 +14,11 @@ std::string decision();
 /// Shows which surfaces the rays of a tile may meet, and what its pixels see.
 std::string tile();
 
-/// Draws the numbers of CSV files in a folder.
+// Plots of the tables in a folder.
 std::string wrong_decisions(const std::string& folder);
+std::string stages(const std::string& folder);
+std::string spheres(const std::string& folder);
+std::string meshes(const std::string& folder);
+std::string growth(const std::string& folder);
 
 }  // namespace figures

@@ -23,7 +23,6 @@ std::string wrong_decisions(const std::string& folder) {
   BarChart chart{.title = "Wrong answers of the usual formulas in float",
                  .axis = "% of the cases of each kind",
                  .ticks = {0, 10, 20, 30},
-                 .labels = 190,
                  .bars = {}};
   const auto wrong = [&](std::size_t row) {
     double sum = 0;
@@ -45,6 +44,74 @@ std::string wrong_decisions(const std::string& folder) {
         chart.bars.push_back({label, share, text(share), Paint::red});
     }
   chart.bars.push_back({"the library", of_library, text(of_library) + " in all of these", Paint::blue});
+  return chart.drawn();
+}
+
+std::string stages(const std::string& folder) {
+  BarChart chart{.title = "Stages: times faster than the tutorial's way",
+                 .axis = "times; orange: against the naive stages",
+                 .ticks = {0, 5, 10, 15, 20, 25},
+                 .bars = {}};
+  Paint paint = Paint::blue;
+  for (const CsvTable& table : read_csv(folder + "/stages.csv")) {
+    for (std::size_t i = 0; i < table.size(); ++i)
+      chart.bars.push_back(
+          {table.name(i), table.number(i, "times faster"), table.text(i, "times faster"), paint});
+    paint = Paint::orange;
+  }
+  return chart.drawn();
+}
+
+namespace {
+
+/// Draws the times that rays are faster than Embree's best; those that are slower in another color.
+std::string against_embree(const std::string& path, const std::string& title) {
+  BarChart chart{.title = title,
+                 .axis = "times faster than Embree's best mode; orange: slower",
+                 .base = 1,
+                 .ticks = {0.5, 1, 2, 5, 10},
+                 .bars = {}};
+  const CsvTable table = read_csv(path).at(0);
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (table.text(i, "times faster") == "-") continue;  // measured without Embree
+    const double times = table.number(i, "times faster");
+    chart.bars.push_back(
+        {table.name(i), times, table.text(i, "times faster"), times < 1 ? Paint::orange : Paint::blue});
+  }
+  return chart.drawn();
+}
+
+}  // namespace
+
+std::string spheres(const std::string& folder) {
+  return against_embree(folder + "/spheres.csv", "Rays and spheres");
+}
+std::string meshes(const std::string& folder) {
+  return against_embree(folder + "/meshes.csv", "Rays and triangles of a mesh");
+}
+
+std::string growth(const std::string& folder) {
+  const CsvTable table = read_csv(folder + "/scaling.csv").at(0);
+  const std::vector<Series> shown{{"pixels, 09_shadow", {}, Paint::blue},
+                                  {"surfaces, color", {}, Paint::green},
+                                  {"lights, shadow", {}, Paint::orange},
+                                  {"threads, 09_shadow, shortest turn", {}, Paint::red}};
+  LineChart chart{.title = "Growth of the time of a picture",
+                  .to_the_right = "times as many",
+                  .upwards = "times as long",
+                  .ticks_right = {1, 10, 100, 1000, 10000, 100000},
+                  .ticks_up = {0.5, 1, 10, 100},
+                  .series = {{"as n", {{1, 1}, {100, 100}}, Paint::gray}}};
+  for (Series series : shown) {
+    double first = 0;
+    for (std::size_t i = 0; i < table.size(); ++i) {
+      if (table.name(i) != series.words) continue;
+      if (first == 0) first = table.number(i, "n");
+      series.points.push_back({table.number(i, "n") / first, table.number(i, "to the first")});
+    }
+    series.words.resize(series.words.find(','));
+    chart.series.push_back(series);
+  }
   return chart.drawn();
 }
 

@@ -18,13 +18,13 @@ constexpr int image_size = 48;
 constexpr Tile middle{16, 16, 32, 32};
 
 /// Spheres with their centers in the plane y = 0, which is seen from above; the two in the middle first.
-const Sphere spheres[] = {
+const Sphere all_spheres[] = {
     {.center = {-0.55, 0, 4.4}, .radius = 0.75}, {.center = {0.3, 0, 7.2}, .radius = 1.1},
     {.center = {-3, 0, 5.4}, .radius = 0.9},     {.center = {3.3, 0, 6.4}, .radius = 0.8},
     {.center = {2.6, 0, 3.6}, .radius = 0.6},    {.center = {-1.9, 0, 2.6}, .radius = 0.5},
     {.center = {-0.9, 0, -0.6}, .radius = 0.4}};
 const Box box{.min = {0.65, -0.35, 3.9}, .max = {1.15, 0.35, 4.4}};
-constexpr int place_of_box = std::size(spheres);
+constexpr int place_of_box = std::size(all_spheres);
 
 constexpr Paint paints[] = {Paint::blue, Paint::green};
 
@@ -33,7 +33,7 @@ Place from_above(const Point& p) { return {196 + 46 * p.x, 432 - 46 * p.z}; }
 double in_pixels(double length) { return 46 * length; }
 
 void draw_from_above(Drawing& drawing, const simd::Candidates& kept, const simd::PixelRays& rays) {
-  std::array<bool, std::size(spheres) + 1> is_kept{};
+  std::array<bool, std::size(all_spheres) + 1> is_kept{};
   for (int i = 0; i < kept.size(); ++i) is_kept.at(static_cast<std::size_t>(kept.place(i))) = true;
 
   // A side of the frustum runs through the apex, at a right angle to its normal.
@@ -45,8 +45,8 @@ void draw_from_above(Drawing& drawing, const simd::Candidates& kept, const simd:
   const Point apex = rays.camera().position;
   const Point left = apex + 9.0 * side(middle.x0), right = apex + 9.0 * side(middle.x1);
   drawing.polygon({from_above(apex), from_above(left), from_above(right)}, Paint::orange, Fill::soft);
-  for (std::size_t i = 0; i < std::size(spheres); ++i)
-    drawing.circle(from_above(spheres[i].center), in_pixels(spheres[i].radius),
+  for (std::size_t i = 0; i < std::size(all_spheres); ++i)
+    drawing.circle(from_above(all_spheres[i].center), in_pixels(all_spheres[i].radius),
                    !is_kept[i] ? Paint::gray : paints[i], is_kept[i] ? Fill::soft : Fill::none,
                    is_kept[i] ? Stroke::thin : Stroke::dashed);
   const simd::SphereAround around = simd::sphere_around(box);
@@ -100,8 +100,8 @@ std::string tile() {
   const Camera camera;
   const simd::PixelRays rays(camera, PixelGrid(image_size, image_size), image_size, image_size);
   simd::Candidates all, kept;
-  for (std::size_t i = 0; i < std::size(spheres); ++i)
-    all.add(static_cast<int>(i), rays.viewpoint(), simd::sphere_around(spheres[i]));
+  for (std::size_t i = 0; i < std::size(all_spheres); ++i)
+    all.add(static_cast<int>(i), rays.viewpoint(), simd::sphere_around(all_spheres[i]));
   all.add(place_of_box, rays.viewpoint(), simd::sphere_around(box));
   kept.add(all, simd::Frustum(rays, middle));
   kept.order_by_distance();
