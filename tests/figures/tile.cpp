@@ -65,20 +65,25 @@ void draw_from_above(Drawing& drawing, const simd::Candidates& kept, const simd:
 void draw_pixels(Drawing& drawing, const simd::Candidates& kept, const simd::PixelRays& rays) {
   using simd::RayBlock;
   constexpr double left = 410, top = 40, size = 14;
+  constexpr std::size_t side = 16;
+  std::array<std::array<int, side>, side> seen{};  // block by block, the size of which is the machine's
   for (int y = middle.y0; y < middle.y1; y += RayBlock::height)
     for (int x = middle.x0; x < middle.x1; x += RayBlock::width) {
       const simd::BlockIndices places = simd::seen_by(rays.block_directions(x, y), kept).places;
-      for (int i = 0; i < simd::float_lanes; ++i) {
-        const int place = places[i];
-        const Place corner{left + size * (x + i % RayBlock::width - middle.x0),
-                           top + size * (y + i / RayBlock::width - middle.y0)};
-        if (place == simd::sees_nothing)
-          drawing.rectangle(corner, size, size, Paint::gray, Fill::none);
-        else
-          drawing.rectangle(corner, size, size,
-                            place == simd::is_in_doubt ? Paint::red : paints[static_cast<std::size_t>(place)],
-                            Fill::soft);
-      }
+      for (int i = 0; i < simd::float_lanes; ++i)
+        seen.at(static_cast<std::size_t>(y + i / RayBlock::width - middle.y0))
+            .at(static_cast<std::size_t>(x + i % RayBlock::width - middle.x0)) = places[i];
+    }
+  for (std::size_t y = 0; y < side; ++y)
+    for (std::size_t x = 0; x < side; ++x) {
+      const int place = seen[y][x];
+      const bool is_nothing = place == simd::sees_nothing;
+      drawing.rectangle({left + size * static_cast<double>(x), top + size * static_cast<double>(y)}, size,
+                        size,
+                        is_nothing                   ? Paint::gray
+                        : place == simd::is_in_doubt ? Paint::red
+                                                     : paints[static_cast<std::size_t>(place)],
+                        is_nothing ? Fill::none : Fill::soft);
     }
   drawing.words({left + 8 * size, 24}, "Visibility buffer", Anchor::middle, Paint::ink, true);
   double y = top + 16 * size + 22;
