@@ -183,7 +183,10 @@ inline void save_svg(const std::string& path, const std::vector<Plot>& plots) {
       << "<style>text{font:12px sans-serif;fill:#222}.title text{font-size:14px;font-weight:bold}"
          "line{stroke:#ddd}circle{fill:#fff;stroke-width:1.5}.ours{stroke:#c2410c}.theirs{stroke:#1d4ed8}"
          ".ours.on{fill:#c2410c}.theirs.on{fill:#1d4ed8}.front{fill:none;stroke:#999;stroke-dasharray:4 3}"
-         "</style>\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
+         ".paper{fill:#fff}\n@media(prefers-color-scheme:dark){text{fill:#e6edf3}line{stroke:#30363d}"
+         ".paper,circle{fill:#0d1117}.ours{stroke:#f0883e}.theirs{stroke:#58a6ff}.ours.on{fill:#f0883e}"
+         ".theirs.on{fill:#58a6ff}}\n"
+         "</style>\n<rect class=\"paper\" width=\"100%\" height=\"100%\"/>\n";
   for (std::size_t i = 0; i < plots.size(); ++i)
     detail::Panel(svg, plots[i], detail::Panel::width * static_cast<double>(i)).draw();
   svg << "<g transform=\"translate(" << width / 2 << ' ' << height - 12
