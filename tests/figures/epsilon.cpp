@@ -66,7 +66,7 @@ void draw_too_small(Drawing& drawing, const View& view) {
   const Place start = view.of(stored), met = view.of(to_light.at(again));
   drawing.words({start.x + 12, start.y + 16}, "hit, as rounded:", Anchor::start, Paint::red);
   drawing.words({start.x + 12, start.y + 36}, "below the surface", Anchor::start, Paint::red);
-  drawing.words({met.x - 28, met.y + 26}, "meets what it left", Anchor::start, Paint::red);
+  drawing.words({met.x - 10, met.y + 26}, "meets what it left", Anchor::start, Paint::red);
 }
 
 /// Draws a shadow ray that starts beyond a small sphere on the ground.

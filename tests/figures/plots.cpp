@@ -101,7 +101,7 @@ std::string growth(const std::string& folder) {
                   .upwards = "times as long",
                   .ticks_right = {1, 10, 100, 1000, 10000, 100000},
                   .ticks_up = {0.5, 1, 10, 100},
-                  .series = {{"as n", {{1, 1}, {100, 100}}, Paint::gray}}};
+                  .series = {{"as n", {{1, 1}, {70, 70}}, Paint::gray}}};
   for (Series series : shown) {
     double first = 0;
     for (std::size_t i = 0; i < table.size(); ++i) {

@@ -130,7 +130,9 @@ class Drawing {
     };
     return colors({"#1f2328", "#8c959f", "#0969da", "#cf222e", "#1a7f37", "#bc4c00"}, "#ffffff") +
            "text{font:" + number(letters) +
-           "px sans-serif;stroke-width:4;paint-order:stroke}.title{font-weight:bold}.none{fill:none}"
+           "px "
+           "sans-serif;stroke-width:4;stroke-linejoin:round;paint-order:stroke}.title{font-weight:bold}.none{"
+           "fill:none}"
            "line,polyline,circle,rect,polygon{stroke-width:1.5}"
            ".bold{stroke-width:3}.dashed{stroke-dasharray:6 4}\n"
            "@media(prefers-color-scheme:dark){\n" +
