@@ -93,7 +93,7 @@ struct Passed {
 };
 Passed passed_by(const PixelRays& rays, int x, int y, const simd::CandidateSphere& sphere) {
   constexpr int w = simd::RayBlock::width, h = simd::RayBlock::height;
-  const simd::PassedBy passed(sphere, rays.block_directions(x - x % w, y - y % h));
+  const simd::SpherePass passed = simd::pass(sphere, rays.block_directions(x - x % w, y - y % h));
   const int lane = y % h * w + x % w;
   const auto is = [&](const auto& mask) { return (bits(mask) >> lane & 1) != 0; };
   const auto entry = passed.entry(), roughly = passed.entry_roughly();

@@ -69,7 +69,7 @@ void draw_pixels(Drawing& drawing, const simd::Candidates& kept, const simd::Pix
   std::array<std::array<int, side>, side> seen{};  // block by block, the size of which is the machine's
   for (int y = middle.y0; y < middle.y1; y += RayBlock::height)
     for (int x = middle.x0; x < middle.x1; x += RayBlock::width) {
-      const simd::BlockIndices places = simd::seen_by(rays.block_directions(x, y), kept).places;
+      const simd::WideIndices places = simd::seen_by(rays.block_directions(x, y), kept).places;
       for (int i = 0; i < simd::float_lanes; ++i)
         seen.at(static_cast<std::size_t>(y + i / RayBlock::width - middle.y0))
             .at(static_cast<std::size_t>(x + i % RayBlock::width - middle.x0)) = places[i];

@@ -37,14 +37,14 @@ struct CrossingPacket {
 };
 /// Lists the surfaces that rays of a block cross; returns false if float is not sure, or if the color of one
 /// differs from point to point: has_texture(index).
-[[nodiscard, gnu::always_inline]] inline bool find_crossed(const BlockDirections& directions,
+[[nodiscard, gnu::always_inline]] inline bool find_crossed(const WideVectors& directions,
                                                            const Candidates& candidates,
                                                            const auto& has_texture,
                                                            std::vector<CrossingPacket::Crossed>& crossed) {
   crossed.clear();
   for (int k = 0; k < candidates.size(); ++k) {
     const CandidateSphere sphere = candidates.sphere(k);
-    const PassedBy passed(sphere, directions);
+    const SpherePass passed = pass(sphere, directions);
     const Bits maybe = bits(passed.maybe());
     if (maybe == 0) continue;
     if (maybe != (bits(passed.surely()) & maybe) || has_texture(candidates.place(k))) return false;

@@ -140,7 +140,7 @@ class Finder<Sphere> {
     if (few_.has_all()) return each_of_few(ray, range, visit);
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes)
-        if (any_of(leaves_.crossed(leaf, i, line, left).maybe, leaf.first + i, visit)) return true;
+        if (any_of(leaves_.met(leaf, i, line, left).maybe, leaf.first + i, visit)) return true;
       return false;
     };
     return each_along<Order::any>(bvh_, ray, range, visit, visit_leaf, soon());
@@ -150,8 +150,9 @@ class Finder<Sphere> {
     if (few_.has_all()) return each_of_few(ray, range, visit);
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
-        const auto [maybe, surely] = leaves_.crossed(leaf, i, line, left);
-        if (surely || any_of(maybe, leaf.first + i, visit)) return true;
+        const auto met = leaves_.met(leaf, i, line, left);
+        const Bits surely = met.surely & bits(met.until < WideFloats(left.until * (1 - 0x1p-18f)));
+        if ((met.maybe & surely) != 0 || any_of(met.maybe, leaf.first + i, visit)) return true;
       }
       return false;
     };
@@ -174,15 +175,15 @@ class Finder<Sphere> {
     float waiting_near = infinite;
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
-        const auto entered = leaves_.entered(leaf, i, line, left);
-        for (Bits spheres = entered.maybe; spheres != 0; spheres &= spheres - 1) {
+        const auto met = leaves_.met(leaf, i, line, left);
+        for (Bits spheres = met.maybe; spheres != 0; spheres &= spheres - 1) {
           const int k = std::countr_zero(spheres);
-          if (entered.near[k] > left.until) continue;
+          if (met.near[k] > left.until) continue;
           const std::uint32_t place = leaf.first + i + static_cast<std::uint32_t>(k);
-          if ((entered.surely >> k & 1) != 0 && entered.far[k] < waiting_near) {
+          if ((met.surely >> k & 1) != 0 && met.until[k] < waiting_near) {
             waiting = place;
-            waiting_near = entered.near[k];
-            left.until = std::min(left.until, entered.far[k]);
+            waiting_near = met.near[k];
+            left.until = std::min(left.until, met.until[k]);
           } else {
             visit(bvh_.order()[place]);
             left.until = std::min(left.until, line.at_most(range.max));

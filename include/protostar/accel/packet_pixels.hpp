@@ -39,8 +39,8 @@ inline void write_packet(Image& image, const Tile& tile, int x, int y, const Col
 }
 
 /// Writes the colors of a block of rays, given by lanes, as far as its pixels are in a tile: `block`.
-[[gnu::always_inline]] inline void write_block(Image& image, const Tile& block, const BlockFloats& r,
-                                               const BlockFloats& g, const BlockFloats& b) {
+[[gnu::always_inline]] inline void write_block(Image& image, const Tile& block, const WideFloats& r,
+                                               const WideFloats& g, const WideFloats& b) {
   constexpr int width = RayBlock::width;
   using Row = Lanes<float, width>;
   float reds[float_lanes], greens[float_lanes], blues[float_lanes];

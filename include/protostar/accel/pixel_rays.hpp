@@ -14,6 +14,7 @@
 #include "../image.hpp"
 #include "../pixels.hpp"
 #include "../simd/simd.hpp"
+#include "../simd/vectors.hpp"
 #include "packet.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
@@ -34,16 +35,6 @@ struct Viewpoint {
 /// Block of as many pixels as a vector has floats. It begins at a multiple of its width and of its height.
 struct RayBlock {
   static constexpr int width = std::min(8, float_lanes), height = float_lanes / width;
-};
-
-/// Numbers, one for each pixel of a block, row by row.
-using BlockFloats = Lanes<float, float_lanes>;
-using BlockIndices = Lanes<std::int32_t, float_lanes>;
-using BlockMask = Mask<float, float_lanes>;
-
-/// Directions of the rays of a block.
-struct BlockDirections {
-  BlockFloats x, y, z;
 };
 
 /// Rays of a camera through the pixels of an image: PixelGrid::ray, with the terms that the pixels of a
@@ -76,11 +67,11 @@ class PixelRays {
   /// most 4|D| (hand()). Rounding these and their sum makes an error of 7u|D|. The length, from its square
   /// with an error of 3u of it, is off by 1.5u, its reciprocal by 8u, and products by u, which also turns d
   /// by at most u. Other cameras get directions that are computed in double and rounded once.
-  [[nodiscard, gnu::always_inline]] BlockDirections block_directions(int x, int y, int i = 0) const {
+  [[nodiscard, gnu::always_inline]] WideVectors block_directions(int x, int y, int i = 0) const {
     if (!has_float_sums_) return rounded_directions(x, y, i);
     const Tables& sample = samples_[static_cast<std::size_t>(i)];
-    const auto along = sample.block_along.some<BlockDirections>(x * RayBlock::height),
-               row = sample.block_row.some<BlockDirections>(y * RayBlock::width);
+    const auto along = sample.block_along.some<WideVectors>(x * RayBlock::height),
+               row = sample.block_row.some<WideVectors>(y * RayBlock::width);
     const auto dx = along.x + row.x, dy = along.y + row.y, dz = along.z + row.z;
     const auto scale = reciprocal_sqrt(dx * dx + dy * dy + dz * dz);
     return {dx * scale, dy * scale, dz * scale};
@@ -215,7 +206,7 @@ class PixelRays {
     return camera.is_pinhole() && std::abs(volume_of(camera)) > 0.5 + 0x1p-20 &&
            length(camera.forward) > 0x1p-40 && longest < 0x1p40;
   }
-  [[nodiscard, gnu::noinline]] BlockDirections rounded_directions(int x, int y, int i) const {
+  [[nodiscard, gnu::noinline]] WideVectors rounded_directions(int x, int y, int i) const {
     static_assert(RayBlock::width % double_lanes == 0);
     float numbers[3][float_lanes];
     for (int k = 0; k < float_lanes; k += double_lanes) {
@@ -223,7 +214,7 @@ class PixelRays {
       to_float(d.x).store(numbers[0] + k), to_float(d.y).store(numbers[1] + k);
       to_float(d.z).store(numbers[2] + k);
     }
-    const auto lanes = [&](int axis) { return BlockFloats::load(numbers[axis]); };
+    const auto lanes = [&](int axis) { return WideFloats::load(numbers[axis]); };
     return {lanes(0), lanes(1), lanes(2)};
   }
 

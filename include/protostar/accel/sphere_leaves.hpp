@@ -1,8 +1,7 @@
 // The spheres in the leaves of a BVH, tested in float: which a ray surely misses, and which it surely meets.
 //
-// In box space let l = center − origin and d the direction, of length 1. The line passes the center at the
-// distance b = d·l from the origin, and at p = l − b d from the center. It meets the sphere if |p| ≤ r, from
-// b − √(r² − p²) to b + √(r² − p²). Errors in float, with u = 2^-24 and o the origin:
+// In box space let o be the origin of a ray, l = c − o for the center c of a sphere, and d the direction, of
+// length 1. With u = 2^-24, what sphere_filter.hpp computes is off by at most
 //
 //   l   rounding the center, the origin and the difference: u (|c| + |o| + |l|) ≤ 2u (|o| + |l|)
 //   b   the error of l, u |l| for that of d, 3u |l| for products and sums: u (2|o| + 6|l|)
@@ -10,19 +9,13 @@
 //
 // A line that meets the sphere, or seems to in float, has |l| ≤ |b| + r, these errors apart. Hence the errors
 // of b and p are together at most u (6|o| + 17|b| + 17r), and e = 32u (|o| + |b| + r) leaves 15u of each term
-// for the rounding of r, of squares and of sums. Let R = r + e and q = R² − p², as computed in float.
+// for the rounding of r, of squares and of sums, and for distances to boxes, which are off by 4u of
+// themselves (Slabs). So the reach is R = r + e, the inner radius i = r − e, and the margin m = e. That p is
+// off by less than e/2, and what follows for R and i, is proved in tests/proofs/leaves.gappa and
+// leaves_radii.gappa.
 //
-// A line that meets the sphere has q ≥ 0; it meets the sphere nowhere before b − √q − e or after b + √q + e.
-//
-// A ray that starts inside the sphere, or on it, has b² ≤ q, since b² + p² is off by less than 2r (e_b + e_p)
-// and R² is larger than r² by 2r e. Therefore a ray with b² > q starts outside; it meets the sphere only if b
-// > 0, and up to a distance s < b only if (b − s)² ≤ q, since the point there is no nearer to the center than
-// R. If p² < (r − e)², e < b < s − e and b² > q, it surely meets the sphere before s: it starts outside, and
-// its point nearest to the center is inside.
-//
-// If R < 4√q and 64e < R, it meets the sphere no later than at b − √q + 17e: with r − e ≥ R − 2e and |p| + e,
-// its half chord is at least √((R − 2e − |p|)(R − 2e + |p|)) > √(q − 4eR) ≥ √q − 4eR/√q > √q − 16e. The code
-// uses 31e, which exceeds all errors of distances to boxes (Slabs).
+// A ray that starts inside of a sphere or on it has a lower bound of the first hit that is not above 0, since
+// its line meets the sphere at a t ≤ 0.
 #pragma once
 
 #include <algorithm>
@@ -38,6 +31,7 @@
 #include "../surfaces/sphere.hpp"
 #include "packet.hpp"
 #include "sphere_around.hpp"
+#include "sphere_filter.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -53,18 +47,13 @@ struct SpheresAround {
   [[nodiscard]] SphereAround operator[](int lane) const { return {center[lane], radius[lane], inner[lane]}; }
 };
 
+/// Spheres of the leaves of a BVH, or spheres around its surfaces, as rows of floats in box space.
 class SphereLeaves {
  public:
-  using Floats = Lanes<float, float_lanes>;
-
-  /// Spheres that a ray may enter: bit and lane k are the k-th of those tested.
-  struct Entered {
-    Bits maybe, surely;  ///< may be met; and are surely entered, between near and far
-    Floats near, far;    ///< lower bound of where it is met, and upper bound of where it is entered
-  };
-  struct Crossed {
-    Bits maybe;   ///< spheres that may be crossed
-    bool surely;  ///< true if one of them surely is
+  /// Spheres that a ray may meet: bit and lane k are the k-th of those tested.
+  struct Met {
+    Bits maybe, surely;      ///< may be met; and are surely entered
+    WideFloats near, until;  ///< lower bound of where it is met, and upper bound of where it is entered
   };
 
   SphereLeaves() = default;
@@ -91,45 +80,29 @@ class SphereLeaves {
     prefetch(row + 16);
   }
 
-  /// Tests where the ray first meets the spheres from the i-th of a leaf on, as many as a vector holds,
-  /// within a reach. The ends of the reach may be off by 2^-19 of themselves.
-  [[nodiscard]] Entered entered(Leaf leaf, std::uint32_t i, const BoxRay& ray, Reach reach) const {
-    const Passed passed(*this, leaf, i, ray);
-    if (passed.close == 0) return {.maybe = 0, .surely = 0, .near = {}, .far = {}};
-    const auto& [close, b, pp, r, e, R, q] = passed;
-    const Floats s = sqrt(q), near = b - s - e;
-    return {
-        .maybe = close & bits(near <= Floats(reach.until) && b + s + e >= Floats(reach.from)),
-        .surely = bits(near > Floats(reach.from * (1 + 0x1p-18f)) && R < Floats(4) * s && Floats(64) * e < R),
-        .near = near,
-        .far = near + Floats(32) * e};
-  }
-
-  /// Tests whether the ray crosses the spheres from the i-th of a leaf on within a reach. No crossing is
-  /// certain in a reach that does not begin at the origin.
-  [[nodiscard]] Crossed crossed(Leaf leaf, std::uint32_t i, const BoxRay& ray, Reach reach) const {
-    const Passed passed(*this, leaf, i, ray);
-    if (passed.close == 0) return {.maybe = 0, .surely = false};
-    const auto& [close, b, pp, r, e, R, q] = passed;
-    const auto starts_outside = b * b > q, approaches = b > Floats(0);
-    const float until = reach.from == 0 ? reach.until * (1 - 0x1p-18f) : -1;
-    const Floats inner = r - e, beyond = b - Floats(reach.until);
-    const auto surely =
-        starts_outside && b > e && b + e < Floats(until) && inner > Floats(0) && pp < inner * inner;
-    const auto ends_before = beyond > Floats(0) && beyond * beyond > q;
-    return {.maybe = close & bits(!starts_outside || (approaches && !ends_before)),
-            .surely = (close & bits(surely)) != 0};
+  /// Tests the spheres from the i-th of a leaf on, as many as a vector holds, with a ray within a reach. The
+  /// ends of the reach may be off by 2^-19 of themselves.
+  [[nodiscard]] Met met(Leaf leaf, std::uint32_t i, const BoxRay& ray, Reach reach) const {
+    const SpherePass passed = pass(leaf, i, ray);
+    const Bits close = bits(passed.maybe()) & first_bits(static_cast<int>(leaf.count - i));
+    if (close == 0) return {.maybe = 0, .surely = 0, .near = {}, .until = {}};
+    const auto [near, until] = passed.entry();
+    return {.maybe = close & bits(near <= WideFloats(reach.until) && passed.exit() >= WideFloats(reach.from)),
+            .surely = bits(passed.surely() && near > WideFloats(reach.from * (1 + 0x1p-18f))),
+            .near = near,
+            .until = until};
   }
 
   /// Returns which spheres, from the i-th of a leaf on, may reach into every one of the half-spaces.
   [[nodiscard]] Bits within(Leaf leaf, std::uint32_t i, std::span<const BoxHalfSpace> half_spaces) const {
     const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
-    const Floats x = Floats::load(row), y = Floats::load(row + leaf.count),
-                 z = Floats::load(row + 2 * leaf.count), r = Floats::load(row + 3 * leaf.count);
-    Mask<float, float_lanes> within = true;
+    const WideFloats x = WideFloats::load(row), y = WideFloats::load(row + leaf.count),
+                     z = WideFloats::load(row + 2 * leaf.count), r = WideFloats::load(row + 3 * leaf.count);
+    WideMask within = true;
     for (const auto& [normal, from] : half_spaces)
-      within = within && !(x * Floats(normal[0]) + y * Floats(normal[1]) + z * Floats(normal[2]) + r <
-                           Floats(from));  // NaN is not outside
+      within =
+          within && !(x * WideFloats(normal[0]) + y * WideFloats(normal[1]) + z * WideFloats(normal[2]) + r <
+                      WideFloats(from));  // NaN is not outside
     return bits(within) & first_bits(static_cast<int>(leaf.count - i));
   }
 
@@ -138,7 +111,7 @@ class SphereLeaves {
   /// by two roundings of double.
   [[nodiscard]] SpheresAround around(Leaf leaf, std::uint32_t i, const BoxSpace& space) const {
     const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
-    const auto load = [&](std::uint32_t k) { return to_double(simd::Floats::load(row + k * leaf.count)); };
+    const auto load = [&](std::uint32_t k) { return to_double(Floats::load(row + k * leaf.count)); };
     const Vectors c{load(0), load(1), load(2)};
     const double unit = 1 / space.scale;  // exact: a power of two
     const Doubles r = load(3), size = abs(c.x) + abs(c.y) + abs(c.z);
@@ -149,28 +122,18 @@ class SphereLeaves {
   }
 
  private:
-  /// Numbers of a line that passes spheres, named as at the top of this file; `close` has the spheres that it
-  /// may meet.
-  struct Passed {
-    Bits close;
-    Floats b, pp, r, e, R, q;
-
-    Passed(const SphereLeaves& leaves, Leaf leaf, std::uint32_t i, const BoxRay& ray) {
-      const float* const row = &leaves.rows_[4 * std::size_t{leaf.first} + i];
-      const Floats dx = ray.direction[0], dy = ray.direction[1], dz = ray.direction[2];
-      const Floats lx = Floats::load(row) - Floats(ray.origin[0]);
-      const Floats ly = Floats::load(row + leaf.count) - Floats(ray.origin[1]);
-      const Floats lz = Floats::load(row + 2 * leaf.count) - Floats(ray.origin[2]);
-      r = Floats::load(row + 3 * leaf.count);
-      b = dx * lx + dy * ly + dz * lz;
-      const Floats px = lx - b * dx, py = ly - b * dy, pz = lz - b * dz;
-      pp = px * px + py * py + pz * pz;
-      e = Floats(0x1p-19f) * (abs(b) + r) + Floats(0x1p-19f * ray.distance + ray.widening);
-      R = r + e;
-      q = R * R - pp;
-      close = bits(q >= Floats(0)) & first_bits(static_cast<int>(leaf.count - i));
-    }
-  };
+  [[nodiscard, gnu::always_inline]] SpherePass pass(Leaf leaf, std::uint32_t i, const BoxRay& ray) const {
+    const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
+    const auto from_origin = [&](std::uint32_t axis) {
+      return WideFloats::load(row + axis * leaf.count) - WideFloats(ray.origin[axis]);
+    };
+    const LinePass line({ray.direction[0], ray.direction[1], ray.direction[2]},
+                        {from_origin(0), from_origin(1), from_origin(2)});
+    const WideFloats r = WideFloats::load(row + 3 * leaf.count);
+    const WideFloats e =
+        WideFloats(0x1p-19f) * (abs(line.along) + r) + WideFloats(0x1p-19f * ray.distance + ray.widening);
+    return {line, r + e, r - e, e};
+  }
 
   /// Numbers of each leaf, from 4 · first on: all x, all y, all z of the centers, and the radii.
   LargeVector<float> rows_;

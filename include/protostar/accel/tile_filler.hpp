@@ -283,24 +283,24 @@ class TileFiller {
 
   /// Writes the pixels of a block if what they see tells their colors; returns false if not. `last` is the
   /// surface that was seen last.
-  [[nodiscard, gnu::always_inline]] bool write_what_is_seen(const Tile& block, const BlockIndices& places,
+  [[nodiscard, gnu::always_inline]] bool write_what_is_seen(const Tile& block, const WideIndices& places,
                                                             const View& view, const RowOfColors* background,
                                                             ColorSeen& last) const {
     constexpr Bits all = first_bits(float_lanes);
-    BlockFloats r = 0.0f, g = 0.0f, b = 0.0f;
+    WideFloats r = 0.0f, g = 0.0f, b = 0.0f;
     for (Bits left = all; left != 0;) {
       const std::int32_t place = places[std::countr_zero(left)];
       if (place != sees_nothing && place != last.place) find_color(place, view, last);
       const RowOfColors* const row = place == sees_nothing ? background : last.is_known ? &last.row : nullptr;
       if (!row) return false;
-      const auto here = places == BlockIndices(place);
+      const auto here = places == WideIndices(place);
       if (bits(here) == all) {
         write_rows(image_, block, *row);
         break;
       }
       const Color& color = row->front();
-      r = select(here, BlockFloats(color.r), r), g = select(here, BlockFloats(color.g), g);
-      b = select(here, BlockFloats(color.b), b);
+      r = select(here, WideFloats(color.r), r), g = select(here, WideFloats(color.g), g);
+      b = select(here, WideFloats(color.b), b);
       left &= ~bits(here);
       if (left == 0) write_block(image_, block, r, g, b);
     }

@@ -15,11 +15,21 @@ using Floats = Lanes<float, double_lanes>;
 using Indices = Lanes<std::int64_t, double_lanes>;
 using LaneMask = Mask<double, double_lanes>;  ///< mask of some lanes
 
+/// Numbers, one in each lane: as many as the processor computes at once in float.
+using WideFloats = Lanes<float, float_lanes>;
+using WideIndices = Lanes<std::int32_t, float_lanes>;
+using WideMask = Mask<float, float_lanes>;
+
 /// Returns f(number) in each lane.
 [[nodiscard]] Doubles of_each(Doubles x, const auto& f) {
   for (int lane = 0; lane < double_lanes; ++lane) x.set(lane, f(x[lane]));
   return x;
 }
+
+/// A vector of floats in each lane.
+struct WideVectors {
+  WideFloats x, y, z;
+};
 
 /// A vector in each lane.
 struct Vectors {

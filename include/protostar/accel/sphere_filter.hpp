@@ -1,0 +1,71 @@
+// Filter of spheres in float: which lines surely miss a sphere, which surely meet it, and from where to
+// where.
+//
+// Let l be the vector from a ray's origin to the center, r the radius, and d the direction, of length 1. The
+// line passes the center at b = d·l from the origin, and at p = l − b d from the center. It meets the sphere
+// if |p| ≤ r, from b − h to b + h with h = √(r² − |p|²).
+//
+// In float, p and b are off by some errors (at the top of visibility.hpp and of sphere_leaves.hpp). Three
+// numbers that cover these are enough for all that is said here:
+//
+//   reach R   a line that meets the sphere has |p| ≤ R as computed, and R² − |p|² ≥ h²
+//   inner i   a line with |p| < i as computed passes the center nearer than r, and i² − |p|² ≤ h²
+//   margin m  is more than the errors of b, of roots and of sums
+//
+// Missed: with |p| > R, or b < −R − m, the ray does not meet the sphere.
+//
+// Met: with |p| < i and b > m, the line meets the sphere, whose center is ahead. A ray that starts outside
+// enters the sphere.
+//
+// First hit: it is at t ≥ b − √(R² − |p|²) − m, and if the sphere is surely met by a ray that starts outside,
+// at t ≤ b − √(i² − |p|²) + m. No hit is beyond b + √(R² − |p|²) + m. Bounds that need no root are
+// b − R − m and b + m.
+#pragma once
+
+#include "../simd/simd.hpp"
+#include "../simd/vectors.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// Lines of directions d that pass centers l.
+struct LinePass {
+  WideFloats along, squared;  ///< b and |p|², as at the top of this file
+
+  LinePass(const WideVectors& d, const WideVectors& l) {
+    along = d.x * l.x + d.y * l.y + d.z * l.z;
+    const WideFloats px = l.x - along * d.x, py = l.y - along * d.y, pz = l.z - along * d.z;
+    squared = px * px + py * py + pz * pz;
+  }
+};
+
+/// Lines that pass spheres: lines in lanes and one sphere, or one line and spheres in lanes.
+struct SpherePass : LinePass {
+  WideFloats reach, inner, margin;  ///< R, i and m
+
+  /// Returns where a ray may meet a sphere; 2^-120 covers underflow of squares.
+  [[nodiscard]] WideMask maybe() const {
+    return squared <= reach * reach + WideFloats(0x1p-120f) && along >= -reach - margin;
+  }
+  /// Returns where a line surely meets a sphere whose center is ahead.
+  [[nodiscard]] WideMask surely() const {
+    return inner > WideFloats(0.0f) && squared < inner * inner && along > margin;
+  }
+
+  /// Bounds of t at the first hit: a lower one if there may be a hit, an upper one if there surely is.
+  struct Entry {
+    WideFloats from, until;
+  };
+  [[nodiscard]] Entry entry() const {
+    return {along - half_chord(reach) - margin, along - half_chord(inner) + margin};
+  }
+  [[nodiscard]] Entry entry_roughly() const { return {along - reach - margin, along + margin}; }
+  /// Returns an upper bound of t at any hit.
+  [[nodiscard]] WideFloats exit() const { return along + half_chord(reach) + margin; }
+
+ private:
+  [[nodiscard]] WideFloats half_chord(const WideFloats& radius) const {
+    return sqrt(max(radius * radius - squared, WideFloats(0.0f)));
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd
