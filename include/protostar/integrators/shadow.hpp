@@ -2,6 +2,7 @@
 #pragma once
 
 #include "first_hit.hpp"
+#include "visibility.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -12,19 +13,8 @@ struct ShadowIntegrator : FirstHit<ShadowIntegrator> {
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
-    const auto point = hit.point();
-    const auto normal = hit.facing_normal();
     typename Hit::Light irradiance(ambient_of(scene));
-    for (const Light& light : scene.lights()) {
-      const auto to_light = light.towards(point);
-      const auto height = dot(normal, to_light);
-      const auto in_front = height > 0.0;
-      if (!any(in_front)) continue;  // a light behind the surface needs no shadow ray
-      // The shadow ray is not normalized: it is at a near light for t = 1, so occluders lie in (0, 1).
-      const auto visible = in_front && !scene.occluded(only(in_front, hit.leave(to_light)), light.way());
-      if (!any(visible)) continue;
-      irradiance += select(visible, light.received(to_light, height), typename Hit::Light(0));
-    }
+    for (const Light& light : scene.lights()) irradiance += visible_irradiance(scene, hit, light);
     return held(hit.color() * irradiance);
   }
 };

@@ -1,0 +1,24 @@
+// Visibility of lights: which of a hit's irradiance arrives (§2.3.2).
+#pragma once
+
+#include "../light.hpp"
+#include "../ray.hpp"
+#include "../scene.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Returns V · E for a light: E is its irradiance of the surface at the hit, and V, the visibility, is 1 if
+/// nothing is between, else 0. A light behind the surface has E = 0, and no shadow ray is traced to it.
+template <class Hit>
+[[nodiscard]] typename Hit::Light visible_irradiance(const auto& scene, const Hit& hit, const Light& light) {
+  const auto to_light = light.towards(hit.point());
+  const auto height = dot(hit.facing_normal(), to_light);
+  const auto in_front = height > 0.0;
+  if (!any(in_front)) return typename Hit::Light(0);
+  // The shadow ray is not normalized: it is at a near light for t = 1, so occluders lie in (0, 1).
+  const auto visible = in_front && !scene.occluded(only(in_front, hit.leave(to_light)), light.way());
+  if (!any(visible)) return typename Hit::Light(0);
+  return select(visible, light.received(to_light, height), typename Hit::Light(0));
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI
