@@ -96,7 +96,9 @@ Passed passed_by(const PixelRays& rays, int x, int y, const simd::CandidateSpher
   const simd::SpherePass passed = simd::pass(sphere, rays.block_directions(x - x % w, y - y % h));
   const int lane = y % h * w + x % w;
   const auto is = [&](const auto& mask) { return (bits(mask) >> lane & 1) != 0; };
-  const auto entry = passed.entry(), roughly = passed.entry_roughly();
+  // As in seen_by: roots need squares that neither underflow nor overflow.
+  const auto roughly = passed.entry_roughly(),
+             entry = simd::detail::has_squares(sphere) ? passed.entry() : roughly;
   return {.maybe = is(passed.maybe()),
           .surely = is(passed.maybe()) && is(passed.surely()),
           .from = entry.from[lane],
