@@ -139,6 +139,25 @@ class Candidates {
     return {x_[k], y_[k], z_[k], reach_[k], inner_[k], margin_[k]};
   }
 
+  /// Returns true if all rays of a pinhole in a frustum surely meet the i-th surface, by the frustum's cone.
+  ///
+  /// A ray meets a sphere of angular radius ψ if it is at less than ψ from its center l. Rays at up to φ ≤ ψ
+  /// from an axis a all do if l is at less than ψ − φ from a, that is if
+  ///   a·l > |l| cos(ψ − φ) = h cos φ + i sin φ   with the inner radius i = |l| sin ψ and h = √(|l|² − i²).
+  /// With u = 2^-24: l and a are off by u|l| and u in float, and rays have been turned by less than u, so a·l
+  /// is off by 3u|l|. For |l| stands a number that is not below it, since h grows with it. cos φ and sin φ
+  /// are off by 2u, and their products by 2u (|l| + i). The margin, 32u (|l| + r), covers all of these.
+  [[nodiscard]] bool fills(int i, const Frustum& frustum) const {
+    const CandidateSphere s = sphere(i);
+    const double x = s.x, y = s.y, z = s.z, inner = s.inner, margin = s.margin;
+    const auto& axis = frustum.normal[4];
+    const double square = (x * x + y * y + z * z) * (1 + 0x1p-20);
+    const double horizon = std::sqrt(square - inner * inner);
+    return inner - margin > std::sqrt(square) * frustum.sine &&
+           axis[0] * x + axis[1] * y + axis[2] * z - margin >
+               horizon * frustum.cosine + inner * frustum.sine;  // NaN fills nothing
+  }
+
   void clear() { size_ = 0; }
 
   /// Sorts by nearest(), roughly, near first; then lowers each nearest(i) to the least from i on.

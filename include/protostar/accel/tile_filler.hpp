@@ -22,63 +22,25 @@
 #include "packet_integrator.hpp"
 #include "packet_pixels.hpp"
 #include "pixel_rays.hpp"
+#include "tile_colors.hpp"
 #include "tile_scene.hpp"
 #include "visibility.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Buffers that the parts of a tile use one after the other.
-template <class View>
-struct TileWork {
-  Candidates of_row;  ///< candidates of a row of blocks
-  Visibility visibility;
-  std::vector<CrossingPacket::Crossed> crossed;
-  std::optional<RowOfColors> background;  ///< radiance of rays that miss, once it is known and if it is one
-  Occluders occluders;
-  typename View::Drawn drawn;
-  RenderStatistics taken;
-};
-
 /// Filler of parts of tiles, of at most 16 x 16 pixels, with the radiance that an integrator computes.
 template <class I, Surface... S>
-class TileFiller {
- public:
-  using View = TileScene<S...>;
-  using Work = TileWork<View>;
+class TileFiller : public TileColors<I, S...> {
+  using Base = TileColors<I, S...>;
 
-  static constexpr bool by_packets = PacketIntegrator<I>;
+ public:
+  using Base::by_packets;
+  using typename Base::View, typename Base::Work;
 
   /// Largest number of candidates that all rows of a part share; of more, each row of blocks has its own.
   static constexpr int most_for_all_rows = 16;
 
-  /// Borrows all but the skips. `unbounded` are the indices of surfaces without bounds.
-  TileFiller(Image& image, const Accelerated<Scene<S...>>& scene, const I& integrator, const PixelRays& rays,
-             const std::vector<int>& unbounded, const Skips& skips)
-      : image_(image),
-        scene_(scene),
-        integrator_(integrator),
-        rays_(rays),
-        unbounded_(unbounded),
-        skips_(skips) {}
-
-  /// Returns true if a tile with these candidates sees nothing, and the same background everywhere, so that
-  /// one packet stands for all of its rays.
-  [[nodiscard]] bool sees_background_only(const Candidates& candidates) const {
-    return by_packets && skips_.empty_tiles && candidates.size() == 0 && unbounded_.empty() &&
-           !scene_.scene().environment();
-  }
-
-  /// Fills a part, or a whole tile, that sees only the background.
-  void fill_with_background(const Tile& tile, Work& work) const {
-    if constexpr (by_packets) {
-      work.taken.pixels_skipped +=
-          static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
-      const Color color = rays_.pixels().mean([&](int) { return color_of_nothing(work)->front(); });
-      const auto row = [&](int y) { return &image_(tile.x0, y); };
-      std::fill_n(row(tile.y0), tile.width(), color);
-      for (int y = tile.y0 + 1; y < tile.y1; ++y) std::copy_n(row(tile.y0), tile.width(), row(y));
-    }
-  }
+  using Base::Base;
 
   /// Fills a tile that can see only one surface, if that is rasterized and pixels have one sample; returns
   /// false if not. Packets of rays are made only if a ray is in doubt, or colors vary from point to point.
@@ -132,16 +94,12 @@ class TileFiller {
   }
 
  private:
+  using Base::color_of_nothing, Base::find_color, Base::is_alike, Base::radiance, Base::shaded;
+  using Base::image_, Base::integrator_, Base::rays_, Base::scene_, Base::skips_, Base::unbounded_;
+  using typename Base::ColorSeen;
+
   /// Returns true if there are so many surfaces that their numbers are not in a cache.
   [[nodiscard]] bool is_large() const { return scene_.scene().size() > 2048; }
-
-  /// Returns true if all rays that miss have the same radiance, and may be skipped.
-  [[nodiscard]] bool nothing_is_alike() const { return skips_.empty_tiles && !scene_.scene().environment(); }
-  /// Returns true if all rays that miss have one radiance, and all that hit this material have one, so that
-  /// no hit point is needed.
-  [[nodiscard]] bool is_alike(const Material& material) const {
-    return ShadingIntegrator<I, View> && ShadesAnywhere<I> && nothing_is_alike() && !material.texture;
-  }
 
   /// Computes the packets of a pinhole, the most frequent camera, with all calls inlined. Other cameras share
   /// the functions as they are, which keeps the code small.
@@ -274,13 +232,6 @@ class TileFiller {
     }
   }
 
-  /// Color of all pixels that see one surface.
-  struct ColorSeen {
-    std::int32_t place = is_in_doubt;
-    bool is_known = false;  ///< true if there is such a color
-    RowOfColors row{};      ///< that color, for a row of a block
-  };
-
   /// Writes the pixels of a block if what they see tells their colors; returns false if not. `last` is the
   /// surface that was seen last.
   [[nodiscard, gnu::always_inline]] bool write_what_is_seen(const Tile& block, const WideIndices& places,
@@ -305,29 +256,6 @@ class TileFiller {
       if (left == 0) write_block(image_, block, r, g, b);
     }
     return true;
-  }
-
-  /// Sets the color of pixels that surely see a surface, if there is one for all.
-  [[gnu::noinline]] void find_color(std::int32_t place, const View& view, ColorSeen& seen) const {
-    seen.place = place, seen.is_known = false;
-    if constexpr (ShadesAnywhere<I>)
-      if (place >= 0)
-        view.visit(place, [&](const auto&, const Material& material) {
-          if (is_alike(material)) seen.row.fill(integrator_.shade_anywhere(material)), seen.is_known = true;
-        });
-  }
-
-  /// Returns the color of pixels that see nothing, for a row of a block; null if they are not alike.
-  [[nodiscard]] const RowOfColors* color_of_nothing(Work& work) const {
-    if (!nothing_is_alike()) return nullptr;
-    if (!work.background) {
-      // All rays that miss have the same radiance, that of a ray without candidates.
-      const Candidates none;
-      const View empty(scene_, none, unbounded_, skips_, work.occluders, work.drawn, work.taken);
-      const Colors colors = radiance(rays_.packet({0, 0, 1, 1}, 0, 0), empty);
-      work.background.emplace().fill({colors.r[0], colors.g[0], colors.b[0]});
-    }
-    return &*work.background;
   }
 
   /// Takes all packets of a tile through one step after the other: directions, closest hits, colors. Each
@@ -368,27 +296,6 @@ class TileFiller {
       return radiance(rays, view);
     });
   }
-
-  [[nodiscard]] Colors radiance(const auto& rays, const View& view) const {
-    if constexpr (ShadingIntegrator<I, View>)
-      return shaded(rays, view.closest(rays), view);
-    else
-      return integrator_.radiance(rays, view);
-  }
-
-  [[nodiscard]] Colors shaded(const auto& rays, const typename View::Closest& closest,
-                              const View& view) const {
-    return view.shade(
-        rays, closest, [&] { return integrator_.background(rays, view); },
-        [&](const auto& hits) { return integrator_.shade(hits, view); });
-  }
-
-  Image& image_;
-  const Accelerated<Scene<S...>>& scene_;
-  const I& integrator_;
-  const PixelRays& rays_;
-  const std::vector<int>& unbounded_;
-  Skips skips_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

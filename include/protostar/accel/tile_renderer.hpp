@@ -70,9 +70,7 @@ class TileRenderer {
     }
     if constexpr (by_packets && View::draws)
       if (rays_.is_pinhole()) draw(in_tile, tile, work);
-    if (filler_.sees_background_only(in_tile))
-      filler_.fill_with_background(tile, work);
-    else if (!filler_.fill_from_buffer(tile, in_tile, work))
+    if (!filler_.fill_at_once(tile, in_tile, frustum, work) && !filler_.fill_from_buffer(tile, in_tile, work))
       fill_parts(tile, in_tile, 0, work);
     if constexpr (View::draws) give_back(std::move(work.drawn));
     if (statistics_) {
@@ -174,11 +172,11 @@ class TileRenderer {
     for (int y = tile.y0; y < tile.y1; y += height)
       for (int x = tile.x0; x < tile.x1; x += width) {
         const Tile part{x, y, std::min(x + width, tile.x1), std::min(y + height, tile.y1)};
+        const Frustum frustum(rays_, part);
         in_part.clear();
-        in_part.add(candidates, Frustum(rays_, part));
-        if (filler_.sees_background_only(in_part))
-          filler_.fill_with_background(part, work);
-        else if (in_part.size() <= most || division + 1 == std::size(divisions))
+        in_part.add(candidates, frustum);
+        if (filler_.fill_at_once(part, in_part, frustum, work)) continue;
+        if (in_part.size() <= most || division + 1 == std::size(divisions))
           filler_.fill(part, in_part, work);
         else
           fill_parts(part, in_part, division + 1, work);
