@@ -11,6 +11,7 @@
 
 #include "support/catch.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 using simd::Candidates;
@@ -81,8 +82,16 @@ Sphere beside(const Ray& ray, double t, double radius, Random& random) {
 }
 
 struct Counts {
-  int met = 0, kept = 0, all = 0, dropped_though_met = 0, nearer_than_nearest = 0;
-  int of_pinholes = 0, ruled_out = 0, surely_met = 0, wrongly_sure = 0, outside_bounds = 0;
+  explicit Counts(const Random& random)
+      : dropped_though_met(random),
+        nearer_than_nearest(random),
+        ruled_out(random),
+        wrongly_sure(random),
+        before_bounds(random),
+        behind_bounds(random) {}
+
+  int met = 0, kept = 0, all = 0, of_pinholes = 0, surely_met = 0;
+  WrongCases dropped_though_met, nearer_than_nearest, ruled_out, wrongly_sure, before_bounds, behind_bounds;
 };
 
 /// What float tells of a pixel's ray that passes a candidate.
@@ -137,15 +146,20 @@ void look(const Camera& camera, int width, int height, const std::function<Spher
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     const auto [x, y] = pixels[i];
     const auto t = spheres[i].intersect(camera.through_pixel(x, y, width, height));
+    const auto wrong_if = [&, x = x, y = y](bool is_wrong, WrongCases& cases, const auto&... values) {
+      cases.add(is_wrong, camera, "size", width, height, "pixel", x, y, spheres[i], "t", t, values...);
+    };
     if (rays.is_pinhole()) {
       const Candidates alone = candidates_of({spheres[i]}, rays.viewpoint());
       const Passed passed = passed_by(rays, x, y, alone.sphere(0));
       ++counts.of_pinholes;
       counts.surely_met += passed.surely;
-      counts.wrongly_sure += passed.surely && !t;
-      counts.ruled_out += t && !passed.maybe;
-      counts.outside_bounds += t && !(passed.from_roughly <= *t && passed.from <= *t);
-      counts.outside_bounds += t && passed.surely && !(*t <= passed.until && *t <= passed.until_roughly);
+      wrong_if(passed.surely && !t, counts.wrongly_sure);
+      wrong_if(t && !passed.maybe, counts.ruled_out);
+      wrong_if(t && !(passed.from_roughly <= *t && passed.from <= *t), counts.before_bounds, "from",
+               passed.from_roughly, passed.from);
+      wrong_if(t && passed.surely && !(*t <= passed.until && *t <= passed.until_roughly),
+               counts.behind_bounds, "until", passed.until_roughly, passed.until);
     }
     if (!t) continue;
     ++counts.met;
@@ -158,10 +172,10 @@ void look(const Camera& camera, int width, int height, const std::function<Spher
     in_block.add(in_part, Frustum(rays, {x, y, x + 1, y + 1}));
     const auto places = places_of(in_block);
     const auto found = std::find(places.begin(), places.end(), static_cast<int>(i));
-    if (found == places.end())
-      ++counts.dropped_though_met;
-    else if (!(in_block.nearest(static_cast<int>(found - places.begin())) <= *t))
-      ++counts.nearer_than_nearest;
+    wrong_if(found == places.end(), counts.dropped_though_met);
+    if (found == places.end()) continue;
+    const double nearest = in_block.nearest(static_cast<int>(found - places.begin()));
+    wrong_if(!(nearest <= *t), counts.nearer_than_nearest, "nearest", nearest);
   }
 }
 
@@ -246,7 +260,7 @@ TEST_CASE("a tile keeps every sphere that a ray through one of its pixels hits")
   }));
   CAPTURE(row.what);
   Random random(11);
-  Counts counts;
+  Counts counts(random);
   for (int round = 0; round < 300; ++round) {
     const int width = 1 + static_cast<int>(random.bits() % 200),
               height = 1 + static_cast<int>(random.bits() % 150);
@@ -267,7 +281,8 @@ TEST_CASE("a tile keeps every sphere that a ray through one of its pixels hits")
   CHECK(counts.nearer_than_nearest == 0);
   CHECK(counts.ruled_out == 0);
   CHECK(counts.wrongly_sure == 0);
-  CHECK(counts.outside_bounds == 0);
+  CHECK(counts.before_bounds == 0);
+  CHECK(counts.behind_bounds == 0);
   const bool has_squares_in_float = -50 < row.least_size && row.most_size < 50;
   if (counts.of_pinholes > 0 && has_squares_in_float) CHECK(counts.surely_met > counts.met / 4);
 }
@@ -305,7 +320,8 @@ TEST_CASE("float tells of a pixel which spheres it misses, which it surely sees,
 // opposite to each other, and the plane between them is hard to determine.
 TEST_CASE("a tile keeps every sphere that its ray hits when the camera's directions almost lie in a plane") {
   Random random(15);
-  int met = 0, dropped_though_met = 0;
+  int met = 0;
+  WrongCases dropped_though_met(random);
   for (int round = 0; round < 3000; ++round) {
     const double flatness = std::exp2(random.real(-48, -10));
     Camera camera = turned_camera(random, Point{0}, random.bits() % 2 ? 1 : -1, 1, flatness);
@@ -321,7 +337,7 @@ TEST_CASE("a tile keeps every sphere that its ray hits when the camera's directi
       ++met;
       Candidates in_tile;
       in_tile.add(candidates_of(sphere, rays.viewpoint()), Frustum(rays, {x, y, x + 1, y + 1}));
-      dropped_though_met += in_tile.size() == 0;
+      dropped_though_met.add(in_tile.size() == 0, camera, "height", height, "pixel", x, y, sphere[0]);
     }
   }
   CHECK(met > 10000);
@@ -332,7 +348,8 @@ TEST_CASE("a tile keeps every sphere that its ray hits when the camera's directi
 // touches one of them from outside is at the very edge of the cone.
 TEST_CASE("a tile keeps every sphere that a ray at one of its corners touches from outside") {
   Random random(18);
-  int all = 0, dropped = 0;
+  int all = 0;
+  WrongCases dropped(random);
   for (int round = 0; round < 2000; ++round) {
     const double field = std::exp2(random.real(-20, 0));
     const Camera camera = turned_camera(random, random.point(2), field, field, 1);
@@ -358,8 +375,11 @@ TEST_CASE("a tile keeps every sphere that a ray at one of its corners touches fr
         }
     Candidates in_tile;
     in_tile.add(candidates_of(spheres, rays.viewpoint()), Frustum(rays, tile));
+    const std::vector<int> places = places_of(in_tile);
     all += static_cast<int>(spheres.size());
-    dropped += static_cast<int>(spheres.size()) - in_tile.size();
+    for (std::size_t i = 0; i < spheres.size(); ++i)
+      dropped.add(std::ranges::count(places, static_cast<int>(i)) == 0, camera, "tile", tile.x0, tile.y0,
+                  "side", side, spheres[i]);
   }
   CHECK(all == 40000);
   CHECK(dropped == 0);
@@ -488,12 +508,14 @@ TEST_CASE("ordering candidates by distance keeps all of them, and their nearest 
     Candidates ordered = before;
     ordered.order_by_distance();
     CHECK(sorted(places_of(ordered)) == places_of(before));
-    int wrong = 0, far_off = 0;
+    WrongCases wrong(random), far_off(random);
     for (int i = 0; i < ordered.size(); ++i) {
       for (int k = i; k < ordered.size(); ++k)
-        wrong += !(ordered.nearest(i) <= before.nearest(ordered.place(k)));
-      wrong += !(ordered.nearest(i) < 1e10);
-      far_off += before.nearest(ordered.place(i)) > ordered.nearest(i) + 1;
+        wrong.add(!(ordered.nearest(i) <= before.nearest(ordered.place(k))), i, k, ordered.nearest(i),
+                  before.nearest(ordered.place(k)));
+      wrong.add(!(ordered.nearest(i) < 1e10), i, ordered.nearest(i));
+      far_off.add(before.nearest(ordered.place(i)) > ordered.nearest(i) + 1, i, ordered.nearest(i),
+                  before.nearest(ordered.place(i)));
     }
     CHECK(wrong == 0);
     if (count < 1000) CHECK(far_off == 0);
@@ -510,27 +532,29 @@ TEST_CASE("ordering candidates by distance keeps all of them, and their nearest 
     }
 
     ordered.bring_near();
-    for (int i = 0; i < ordered.size(); ++i) wrong += ordered.nearest(i) != 0;
+    for (int i = 0; i < ordered.size(); ++i) wrong.add(ordered.nearest(i) != 0, i, ordered.nearest(i));
     CHECK(wrong == 0);
   }
 }
 
 namespace {
 
-/// Returns the number of rays in a picture's packets that differ from those through its pixels.
+/// Counts the rays in a picture's packets that differ from those through its pixels.
 template <class Origin>
-int wrong_rays(const Camera& camera, int width, int height) {
+WrongCases wrong_rays(const Random& random, const Camera& camera, int width, int height) {
   const PixelRays rays(camera, PixelGrid(width, height), width, height);
   const Tile tile{0, 0, width, height};
-  int wrong = 0;
+  WrongCases wrong(random);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; x += simd::double_lanes) {
       const auto packet = rays.packet<Origin>(tile, x, y);
-      wrong += bits(packet.active) != simd::first_bits(std::min(width - x, simd::double_lanes));
+      wrong.add(bits(packet.active) != simd::first_bits(std::min(width - x, simd::double_lanes)), "active at",
+                x, y);
       for (int i = 0; i < std::min(width - x, simd::double_lanes); ++i) {
         const Ray ray = camera.through_pixel(x + i, y, width, height);
-        wrong += packet[i].origin != ray.origin || packet[i].direction != ray.direction ||
-                 packet[i].departure.kind != Departure::Kind::none;
+        wrong.add(packet[i].origin != ray.origin || packet[i].direction != ray.direction ||
+                      packet[i].departure.kind != Departure::Kind::none,
+                  "pixel", x + i, y, "of", width, height, packet[i].origin, packet[i].direction, "not", ray);
       }
     }
   return wrong;
@@ -544,9 +568,9 @@ TEST_CASE("the rays of a packet are those through its pixels") {
     const Camera camera = skewed_camera(random, random.point(2), 1);
     const int width = 1 + static_cast<int>(random.bits() % 40),
               height = 1 + static_cast<int>(random.bits() % 30);
-    CHECK(wrong_rays<Point>(camera, width, height) == 0);
-    CHECK(wrong_rays<simd::Vectors>(with_film(camera, 0.3), width, height) == 0);
-    CHECK(wrong_rays<simd::Vectors>(with_any_film(random, camera, 1), width, height) == 0);
-    CHECK(wrong_rays<simd::Vectors>(parallel(camera, 0.7), width, height) == 0);
+    CHECK(wrong_rays<Point>(random, camera, width, height) == 0);
+    CHECK(wrong_rays<simd::Vectors>(random, with_film(camera, 0.3), width, height) == 0);
+    CHECK(wrong_rays<simd::Vectors>(random, with_any_film(random, camera, 1), width, height) == 0);
+    CHECK(wrong_rays<simd::Vectors>(random, parallel(camera, 0.7), width, height) == 0);
   }
 }

@@ -8,13 +8,18 @@
 
 class Random {
  public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  explicit Random(std::uint64_t seed) : engine_(seed), seed_(seed) {}
 
-  std::uint64_t bits() { return engine_(); }
+  std::uint64_t bits() { return ++drawn_, engine_(); }
+
+  std::uint64_t seed() const { return seed_; }
+
+  /// Returns how many numbers have been drawn so far.
+  std::uint64_t drawn() const { return drawn_; }
 
   /// Returns a number in [min, max).
   double real(double min, double max) {
-    return min + (max - min) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
+    return min + (max - min) * (static_cast<double>(bits() >> 11) * 0x1p-53);
   }
 
   /// Returns a point in the cube [−size, size)³.
@@ -32,4 +37,5 @@ class Random {
 
  private:
   std::mt19937_64 engine_;
+  std::uint64_t seed_, drawn_ = 0;
 };
