@@ -87,11 +87,13 @@ struct Counts {
         nearer_than_nearest(random),
         ruled_out(random),
         wrongly_sure(random),
+        wrongly_filled(random),
         before_bounds(random),
         behind_bounds(random) {}
 
-  int met = 0, kept = 0, all = 0, of_pinholes = 0, surely_met = 0;
-  WrongCases dropped_though_met, nearer_than_nearest, ruled_out, wrongly_sure, before_bounds, behind_bounds;
+  int met = 0, kept = 0, all = 0, of_pinholes = 0, surely_met = 0, with_cone = 0, filled = 0;
+  WrongCases dropped_though_met, nearer_than_nearest, ruled_out, wrongly_sure, wrongly_filled, before_bounds,
+      behind_bounds;
 };
 
 /// What float tells of a pixel's ray that passes a candidate.
@@ -114,6 +116,14 @@ Passed passed_by(const PixelRays& rays, int x, int y, const simd::CandidateSpher
           .until = entry.until[lane],
           .from_roughly = roughly.from[lane],
           .until_roughly = roughly.until[lane]};
+}
+
+/// Returns true if the rays through all corners of a pixel meet a sphere.
+bool meets_corners_of_pixel(const Sphere& sphere, const PixelRays& rays, int x, int y) {
+  for (const int column : {x, x + 1})
+    for (const int row : {y, y + 1})
+      if (!sphere.intersect(rays.camera()(rays.pixels().u(column, 0), rays.pixels().v(row, 0)))) return false;
+  return true;
 }
 
 /// Checks that a tile keeps the spheres that the rays of its pixels hit, and that its parts and single pixels
@@ -156,6 +166,11 @@ void look(const Camera& camera, int width, int height, const std::function<Spher
       counts.surely_met += passed.surely;
       wrong_if(passed.surely && !t, counts.wrongly_sure);
       wrong_if(t && !passed.maybe, counts.ruled_out);
+      const Frustum frustum(rays, {x, y, x + 1, y + 1});
+      const bool fills = alone.fills(0, frustum);
+      counts.with_cone += frustum.sine < 1;
+      counts.filled += fills;
+      wrong_if(fills && !meets_corners_of_pixel(spheres[i], rays, x, y), counts.wrongly_filled);
       wrong_if(t && !(passed.from_roughly <= *t && passed.from <= *t), counts.before_bounds, "from",
                passed.from_roughly, passed.from);
       wrong_if(t && passed.surely && !(*t <= passed.until && *t <= passed.until_roughly),
@@ -275,16 +290,20 @@ TEST_CASE("a tile keeps every sphere that a ray through one of its pixels hits")
         },
         random, counts);
   }
-  CAPTURE(counts.met, counts.kept, counts.all, counts.surely_met);
+  CAPTURE(counts.met, counts.kept, counts.all, counts.surely_met, counts.filled);
   CHECK(counts.met > 3000);
   CHECK(counts.dropped_though_met == 0);
   CHECK(counts.nearer_than_nearest == 0);
   CHECK(counts.ruled_out == 0);
   CHECK(counts.wrongly_sure == 0);
+  CHECK(counts.wrongly_filled == 0);
   CHECK(counts.before_bounds == 0);
   CHECK(counts.behind_bounds == 0);
   const bool has_squares_in_float = -50 < row.least_size && row.most_size < 50;
-  if (counts.of_pinholes > 0 && has_squares_in_float) CHECK(counts.surely_met > counts.met / 4);
+  if (counts.of_pinholes > 0 && has_squares_in_float) {
+    CHECK(counts.surely_met > counts.met / 4);
+    CHECK(counts.filled >= counts.with_cone / 20);
+  }
 }
 
 TEST_CASE("float tells of a pixel which spheres it misses, which it surely sees, and how far away they are") {
