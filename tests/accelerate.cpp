@@ -17,6 +17,7 @@
 #include "support/cylinder.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -248,7 +249,8 @@ TEST_CASE("rays that start next to a sphere, or end there, get the plain scene's
     scene.add(spheres.back(), number(i));
   }
   const auto fast = accelerate(scene);
-  int wrong = 0, occluded = 0, free = 0;
+  int occluded = 0, free = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 4000; ++i) {
     const Sphere& sphere = spheres[random.bits() % spheres.size()];
     const double off = std::exp2(random.real(-52, -8)) * (i % 2 ? 1 : -1);
@@ -258,7 +260,7 @@ TEST_CASE("rays that start next to a sphere, or end there, get the plain scene's
     const Vec3 way = i % 5 ? other - point : sphere.radius * cross(normal, random.direction());
     for (const Ray& ray : {Ray{point, way}, Ray{point + way, -way}})
       for (const Interval range : {Interval{0, 1}, Interval{}, Interval{0.5, 2}, Interval{1e-300, 1}}) {
-        wrong += answers(fast, ray, range) != answers(scene, ray, range);
+        wrong.add(answers(fast, ray, range) != answers(scene, ray, range), sphere, ray, range);
         ++(scene.occluded(ray, range) ? occluded : free);
       }
   }
@@ -305,7 +307,8 @@ TEST_CASE("small and distant spheres behind a ray's origin are hit as in the pla
     scene.add(spheres.back(), number(i));
   }
   const auto fast = accelerate(scene);
-  int wrong = 0, hits = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (const Sphere& sphere : spheres)
     for (int i = 0; i < 10; ++i) {
       const Point target = sphere.center + (0.9 * sphere.radius) * random.direction();
@@ -315,7 +318,7 @@ TEST_CASE("small and distant spheres behind a ray's origin are hit as in the pla
       for (const Interval range :
            {Interval{-infinity, infinity}, {-infinity, 0}, {-infinity, 0.5 * t}, {2 * t, 0.5 * t}}) {
         const auto expected = answers(scene, ray, range);
-        wrong += answers(fast, ray, range) != expected;
+        wrong.add(answers(fast, ray, range) != expected, sphere, ray, range);
         hits += expected.size() > 1;
       }
     }

@@ -6,6 +6,7 @@
 
 #include "support/catch.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -55,7 +56,8 @@ TEST_CASE("a rotation by 90 degrees takes x to y, y to z and z to x, each about 
 
 TEST_CASE("the inverse of a map of whole numbers is its cofactors over the determinant, each rounded once") {
   Random random(62);
-  int singular = 0, wrong = 0;
+  int singular = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const int sizes[] = {static_cast<int>(random.bits() % 800) - 400,
                          static_cast<int>(random.bits() % 800) - 400,
@@ -65,14 +67,15 @@ TEST_CASE("the inverse of a map of whole numbers is its cofactors over the deter
     const AffineInverse inverse(map);
     const double determinant = dot(x, cross(y, z));
     singular += determinant == 0;
-    wrong += inverse.exists() != (determinant != 0);
+    wrong.add(inverse.exists() != (determinant != 0), map, determinant);
     if (determinant == 0) continue;
     const Vec3 rows[] = {cross(y, z), cross(z, x), cross(x, y)};
     for (int k = 0; k < 3; ++k) {
       Vec3 unit{0};
       unit[k] = 1;
       for (int r = 0; r < 3; ++r)
-        wrong += inverse.vector(unit)[r] != std::ldexp(rows[r][k] / determinant, -sizes[r]);
+        wrong.add(inverse.vector(unit)[r] != std::ldexp(rows[r][k] / determinant, -sizes[r]), map,
+                  determinant, unit);
     }
   }
   CHECK(singular > 300);

@@ -10,6 +10,7 @@
 #include "support/cylinder.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -98,25 +99,27 @@ TEST_CASE("a scene of AnySurface gives the same answers as a scene of spheres an
   add(Sphere{.center = {0, -1000, 0}, .radius = 999});
   for (int i = 0; i < 4; ++i) add(Plane{.normal = random.direction(), .distance = random.real(-8, 8)});
 
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     Ray ray{random.point(6), std::exp(random.real(-3, 3)) * random.direction()};
     for (int depth = 0; depth < 2; ++depth) {
       const auto a = typed.intersect(ray), b = any.intersect(ray);
-      if (a.has_value() != b.has_value() || typed.occluded(ray) != a.has_value() ||
-          any.occluded(ray) != a.has_value())
-        ++wrong;
+      wrong.add(a.has_value() != b.has_value() || typed.occluded(ray) != a.has_value() ||
+                    any.occluded(ray) != a.has_value(),
+                ray);
       std::vector<std::pair<double, float>> list, other;
       typed.crossings(ray, {}, [&](const Intersection& hit) { list.emplace_back(hit.t, hit.color().r); });
       any.crossings(ray, {}, [&](const Intersection& hit) { other.emplace_back(hit.t, hit.color().r); });
-      if (list != other) ++wrong;
+      wrong.add(list != other, ray);
       if (!a || !b) break;
       ++hits;
-      if (a->t != b->t || a->point() != b->point() || a->normal() != b->normal() || a->color() != b->color())
-        ++wrong;
+      wrong.add(
+          a->t != b->t || a->point() != b->point() || a->normal() != b->normal() || a->color() != b->color(),
+          ray);
       const Vec3 on = random.direction();
       const Ray left = a->leave(on), other_left = b->leave(on);
-      if (left.departure != other_left.departure || left.origin != other_left.origin) ++wrong;
+      wrong.add(left.departure != other_left.departure || left.origin != other_left.origin, ray, left);
       ray = left;
     }
   }

@@ -14,6 +14,7 @@
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -143,19 +144,20 @@ TEST_CASE("a box is the set of points from min to max, boundary included") {
 
 TEST_CASE("t and the face where a ray enters or leaves a box of small whole numbers are exact") {
   Random random(31);
-  int hits = 0, touching = 0, wrong = 0;
+  int hits = 0, touching = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 50000; ++i) {
     const Box box = box_around(whole_vector(random, 3), whole_vector(random, 3));
     const Ray ray{whole_vector(random, 4), whole_vector(random, 3)};
     const auto expected = judge(box, ray);
     const auto found = crossings(box, ray);
-    if (found.size() != expected.size()) ++wrong;
+    wrong.add(found.size() != expected.size(), box, ray);
     if (found.size() != 2 || expected.size() != 2) continue;
     ++hits;
     touching += expected[0].t == expected[1].t;
     for (std::size_t end = 0; end < 2; ++end) {
-      wrong += found[end].part != expected[end].face;
-      wrong += found[end].t != expected[end].t.rounded();
+      wrong.add(found[end].part != expected[end].face, box, ray);
+      wrong.add(found[end].t != expected[end].t.rounded(), box, ray);
     }
   }
   CHECK(hits > 5000);
@@ -169,7 +171,8 @@ TEST_CASE(
   Random random(32);
   const double unit = 0x1p-40;
   fallbacks = {};
-  int hits = 0, misses = 0, wrong = 0;
+  int hits = 0, misses = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 5000; ++i) {
     const Vec3 direction = whole_vector(random, 1 << 9);
     const std::int64_t T = whole(random, std::int64_t{1} << 52);
@@ -185,11 +188,10 @@ TEST_CASE(
     const auto expected = judge(box, ray, unit);
     const auto found = crossings(box, ray);
     ++(expected.empty() ? misses : hits);
-    if (found.size() != expected.size()) {
-      ++wrong;
-    } else {
-      for (std::size_t end = 0; end < found.size(); ++end) wrong += found[end].part != expected[end].face;
-    }
+    wrong.add(found.size() != expected.size(), box, ray);
+    if (found.size() != expected.size()) continue;
+    for (std::size_t end = 0; end < found.size(); ++end)
+      wrong.add(found[end].part != expected[end].face, box, ray);
   }
   CHECK(hits > 1000);
   CHECK(misses > 1000);
@@ -199,7 +201,8 @@ TEST_CASE(
 
 TEST_CASE("a hit on a box lies on the face that it names, which the ray enters or leaves through") {
   Random random(33);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Box box = box_around(random.point(3), random.point(3));
     const Ray ray{random.point(5), std::exp(random.real(-3, 3)) * random.direction()};
@@ -207,15 +210,17 @@ TEST_CASE("a hit on a box lies on the face that it names, which the ray enters o
     if (found.empty()) continue;
     ++hits;
     const auto [entry, exit] = std::pair{found.at(0), found.at(1)};
-    wrong += !(entry.t <= exit.t);
-    wrong += !(dot(box.normal_at({}, entry.part), ray.direction) < 0);
-    wrong += !(dot(box.normal_at({}, exit.part), ray.direction) > 0);
+    wrong.add(!(entry.t <= exit.t), box, ray);
+    wrong.add(!(dot(box.normal_at({}, entry.part), ray.direction) < 0), box, ray);
+    wrong.add(!(dot(box.normal_at({}, exit.part), ray.direction) > 0), box, ray);
     for (const Crossing& crossing : found) {
       const Point point = ray.at(crossing.t);
       const int axis = crossing.part / 2;
-      wrong += !(std::abs(point[axis] - (crossing.part % 2 ? box.max : box.min)[axis]) < 16 * ulp);
+      wrong.add(!(std::abs(point[axis] - (crossing.part % 2 ? box.max : box.min)[axis]) < 16 * ulp), box, ray,
+                point);
       for (int other = 0; other < 3; ++other)
-        wrong += !(box.min[other] - 16 * ulp < point[other] && point[other] < box.max[other] + 16 * ulp);
+        wrong.add(!(box.min[other] - 16 * ulp < point[other] && point[other] < box.max[other] + 16 * ulp),
+                  box, ray, point);
     }
   }
   CHECK(hits > 1000);
@@ -297,7 +302,8 @@ TEST_CASE(
     "a ray that leaves a face inwards hits the box once, also next to an edge and far from the coordinate "
     "origin") {
   Random random(38);
-  int inwards = 0, missed = 0;
+  int inwards = 0;
+  WrongCases missed(random);
   for (const double far : {0.0, 1.0, 1e6, 1e14}) {
     Scene<Box> scene;
     scene.add(Box{{far - 1, -far - 1, -1}, {far + 1, -far + 1, 1}}, Color{1});
@@ -314,9 +320,9 @@ TEST_CASE(
       const Ray left = hit->leave(direction);
       const bool is_inwards = dot(hit->normal(), direction) < 0;
       inwards += is_inwards;
-      missed += scene.intersect(left).has_value() != is_inwards;
-      missed += tree.intersect(left).has_value() != is_inwards;
-      missed += tree.occluded(left) != is_inwards;
+      missed.add(scene.intersect(left).has_value() != is_inwards, ray, left);
+      missed.add(tree.intersect(left).has_value() != is_inwards, ray, left);
+      missed.add(tree.occluded(left) != is_inwards, ray, left);
     }
   }
   CHECK(inwards > 10000);
@@ -325,7 +331,8 @@ TEST_CASE(
 
 TEST_CASE("a ray that leaves a box hits it again only if it leads inwards, and then at another face") {
   Random random(34);
-  int inwards = 0, outwards = 0, wrong = 0;
+  int inwards = 0, outwards = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Point far = random.point(i % 2 ? 1 : 1e6);
     const Box box = box_around(far + random.point(3), far + random.point(3));
@@ -336,11 +343,12 @@ TEST_CASE("a ray that leaves a box hits it again only if it leads inwards, and t
       const auto ahead = crossings(box, left, {});
       const bool is_inwards = dot(left.direction, box.normal_at({}, crossing.part)) < 0;
       ++(is_inwards ? inwards : outwards);
-      wrong += ahead.size() != (is_inwards ? 1 : 0);
+      wrong.add(ahead.size() != (is_inwards ? 1 : 0), box, ray, left);
       // Except for the face that is left, crossings are those of a ray without a departure.
       if (ahead.size() == 1)
-        wrong += ahead[0].part == crossing.part ||
-                 ahead[0].t != crossings(box, {left.origin, left.direction}).back().t;
+        wrong.add(ahead[0].part == crossing.part ||
+                      ahead[0].t != crossings(box, {left.origin, left.direction}).back().t,
+                  box, ray, left);
     }
   }
   CHECK(inwards > 10000);
@@ -399,7 +407,8 @@ TEST_CASE("pictures of boxes are the same plain, accelerated and by tiles, and s
   CHECK(drawn.different == 0);
 
   // No point that faces the light is shadowed from a distance below 1e-9 (acne).
-  int lit = 0, dark = 0;
+  int lit = 0;
+  WrongCases dark(random);
   for (int i = 0; i < 2000; ++i) {
     const Ray ray = camera.through_pixel(i % 64, i / 64, 64, 48);
     const auto hit = scene.intersect(ray);
@@ -407,7 +416,7 @@ TEST_CASE("pictures of boxes are the same plain, accelerated and by tiles, and s
     const Ray to_light = hit->leave(Point{3, 6, -3} - hit->point());
     ++lit;
     if (const auto shadow = scene.intersect(to_light, {0, 1}))
-      dark += length(shadow->point() - to_light.origin) < 1e-9;
+      dark.add(length(shadow->point() - to_light.origin) < 1e-9, ray, to_light);
   }
   CHECK(lit > 300);
   CHECK(dark == 0);

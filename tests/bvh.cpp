@@ -15,6 +15,7 @@
 
 #include "support/catch.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 using simd::AlongRay;
@@ -312,7 +313,7 @@ TEST_CASE("a BVH is the same for any number of threads") {
   several.each_leaf([&](Leaf leaf) { firsts[1].push_back(leaf.first * 32 + leaf.count); });
   CHECK(firsts[0] == firsts[1]);
   // The boxes are compared by the leaves that rays visit.
-  int differ = 0;
+  WrongCases differ(random);
   for (int i = 0; i < 1000; ++i) {
     const Ray ray{random.point(1), random.direction()};
     const auto leaves = [&](const Bvh& tree) {
@@ -325,7 +326,7 @@ TEST_CASE("a BVH is the same for any number of threads") {
                      });
       return along;
     };
-    differ += leaves(one) != leaves(several);
+    differ.add(leaves(one) != leaves(several), ray);
   }
   CHECK(differ == 0);
 }

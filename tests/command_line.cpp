@@ -20,6 +20,7 @@
 #include "support/process.hpp"
 #include "support/run_stage.hpp"
 #include "support/sanitizers.hpp"
+#include "support/wrong_cases.hpp"
 
 namespace fs = std::filesystem;
 using namespace stages;
@@ -138,7 +139,8 @@ TEST_CASE("tone mapping changes files of 8 or 16 bits, and no files of linear li
   const std::string codes = picture("13_whitted", "--size 128x96");
   const std::string codes_header = "P6\n128 96\n255\n";
   REQUIRE(codes.size() == codes_header.size() + 128 * 96 * 3);
-  int above_1 = 0, wrong = 0;
+  int above_1 = 0;
+  WrongCases wrong;
   for (std::size_t y = 0; y < 96; ++y)
     for (std::size_t x = 0; x < 128; ++x) {
       std::array<float, 3> light{};
@@ -148,7 +150,8 @@ TEST_CASE("tone mapping changes files of 8 or 16 bits, and no files of linear li
       if (largest > 1) ++above_1;
       for (std::size_t c = 0; c < 3; ++c) {
         const auto code = static_cast<unsigned char>(codes[codes_header.size() + (y * 128 + x) * 3 + c]);
-        if (std::abs(static_cast<float>(code) - 255 * light[c] / largest) > 0.51f) ++wrong;
+        wrong.add(std::abs(static_cast<float>(code) - 255 * light[c] / largest) > 0.51f, light, "channel", c,
+                  "has code", code);
       }
     }
   CHECK(above_1 > 100);
@@ -182,14 +185,15 @@ TEST_CASE("a binary PPM has one byte or two per channel, the most significant fi
   CHECK(wide.size() - std::string("P6\n100 50\n65535\n").size() == 100 * 50 * 6);
   const std::size_t narrow_begin = std::string("P6\n100 50\n255\n").size();
   const std::size_t wide_begin = std::string("P6\n100 50\n65535\n").size();
-  int wrong = 0;
+  WrongCases wrong;
   for (std::size_t i = 0; i < std::size_t{100 * 50 * 3}; ++i) {
     const auto byte = [](const std::string& file, std::size_t at) {
       return static_cast<int>(static_cast<unsigned char>(file[at]));
     };
     const int code8 = byte(narrow, narrow_begin + i);
     const int code16 = 256 * byte(wide, wide_begin + 2 * i) + byte(wide, wide_begin + 2 * i + 1);
-    if (2 * std::abs(257 * code8 - code16) > 257 + 1) ++wrong;  // both are rounded from the same light
+    wrong.add(2 * std::abs(257 * code8 - code16) > 257 + 1, "codes", code8,
+              code16);  // both are rounded from the same light
   }
   CHECK(wrong == 0);
 }

@@ -21,6 +21,7 @@
 #include "support/errors.hpp"
 #include "support/random.hpp"
 #include "support/two_plates.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -307,7 +308,8 @@ TEST_CASE("a line that only touches a solid does not cross it") {
 
 TEST_CASE("crossings of CSG trees of whole numbers agree with exact arithmetic") {
   Random random(81);
-  int lines = 0, crossed = 0, coinciding = 0, wrong = 0;
+  int lines = 0, crossed = 0, coinciding = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 4000; ++i) {
     std::vector<JudgedLeaf> leaves;
     const Grown g = grown(random, 3, leaves);
@@ -317,7 +319,7 @@ TEST_CASE("crossings of CSG trees of whole numbers agree with exact arithmetic")
       const std::vector<Surd> expected = judged_crossings(g.judged, leaves, o, d, &coinciding);
       const std::vector<double> found = crossings(g.tree, {vector_of(o), vector_of(d)}, everywhere);
       ++lines, crossed += !expected.empty();
-      wrong += !are_equal(found, expected);
+      wrong.add(!are_equal(found, expected), "from", vector_of(o), "along", vector_of(d), found);
     }
   }
   CHECK(lines > 20000);
@@ -329,7 +331,8 @@ TEST_CASE("crossings of CSG trees of whole numbers agree with exact arithmetic")
 TEST_CASE("crossings of a ray that leaves a CSG tree of whole numbers agree with exact arithmetic") {
   // Rays leave only crossings at points of whole numbers, which are not rounded.
   Random random(82);
-  int left = 0, wrong = 0;
+  int left = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 8000; ++i) {
     std::vector<JudgedLeaf> leaves;
     const Grown g = grown(random, 3, leaves);
@@ -351,7 +354,7 @@ TEST_CASE("crossings of a ray that leaves a CSG tree of whole numbers agree with
         // Drops crossings at the smallest t, which a box reports if it is left in an edge (Box).
         std::vector<double> found = crossings(g.tree, ray);
         std::erase(found, std::numeric_limits<double>::denorm_min());
-        wrong += !are_equal(found, expected);
+        wrong.add(!are_equal(found, expected), ray, found);
       }
     });
   }
@@ -365,7 +368,8 @@ TEST_CASE(
       difference_of({union_of({Sphere{{0, 0, 0}, 2}, Box{{-1, -3, -1}, {1, 3, 1}}}), Sphere{{0.5, 0, 0}, 1.2},
                      Sphere{{-2, 0, 0}, 1}, Quadric{{.squares = {0, 1, 1}, .constant = -0.25}}});
   Random random(83);
-  int in = 0, out = 0, wrong = 0;
+  int in = 0, out = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Point origin = random.point(4);
     const Ray ray{origin, random.point(2) - origin};
@@ -376,7 +380,8 @@ TEST_CASE(
     const double slope = dot(onwards, normal);
     if (std::abs(slope) < 1e-6) continue;
     in += slope<0, out += slope> 0;
-    wrong += crossings(tree, {p, onwards, tree.departure(crossing->part)}).size() % 2 != (slope < 0 ? 1 : 0);
+    wrong.add(crossings(tree, {p, onwards, tree.departure(crossing->part)}).size() % 2 != (slope < 0 ? 1 : 0),
+              ray, p, slope);
   }
   CHECK(in > 3000);
   CHECK(out > 3000);
@@ -429,7 +434,8 @@ TEST_CASE("the normal of a CSG tree points outwards, also where a solid is subtr
 
   // Along every line, crossings alternate between in and out.
   Random random(84);
-  int seen = 0, wrong = 0;
+  int seen = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 1000; ++i) {
     std::vector<JudgedLeaf> leaves;
     const Grown g = grown(random, 4, leaves);
@@ -442,11 +448,11 @@ TEST_CASE("the normal of a CSG tree points outwards, also where a solid is subtr
       // at least 2, and all is within 16 of the coordinate origin, so that T + P is below 48. The length
       // rounds by 3u: 24u + 4u + 3u < 2^-48.
       const double off = 0x1p-31 * length(c.t * line.direction) + 0x1p-48;
-      wrong += (dot(n, line.direction) < 0) != leads_in || std::abs(length(n) - 1) > off;
+      wrong.add((dot(n, line.direction) < 0) != leads_in || std::abs(length(n) - 1) > off, ray, line, n, off);
       leads_in = !leads_in;
       ++seen;
     });
-    wrong += !leads_in;
+    wrong.add(!leads_in, ray, line);
   }
   CHECK(seen > 500);
   CHECK(wrong == 0);

@@ -11,6 +11,7 @@
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -79,7 +80,8 @@ TEST_CASE("whether a ray hits a disk of whole numbers, its outline included, is 
   // All products are whole numbers that double holds.
   Random random(41);
   fallbacks = {};
-  int hits = 0, outline = 0, wrong = 0;
+  int hits = 0, outline = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 50000; ++i) {
     const Disk disk{whole_vector(random, 3), whole_vector(random, 3),
                     static_cast<double>(1 + random.bits() % 5)};
@@ -93,8 +95,8 @@ TEST_CASE("whether a ray hits a disk of whole numbers, its outline included, is 
     const auto t = disk.intersect(ray, everywhere);
     hits += expected;
     outline += expected && beyond == 0;
-    wrong += t.has_value() != expected;
-    if (t && expected) wrong += *t != height / slope;
+    wrong.add(t.has_value() != expected, disk, ray);
+    if (t && expected) wrong.add(*t != height / slope, disk, ray, slope);
   }
   CHECK(hits > 10000);
   CHECK(outline > 250);
@@ -107,7 +109,8 @@ TEST_CASE(
   // Points (3k, −4k) of a circle with radius 5k, from all sides: a shift by 2^-44, inwards or outwards, makes
   // a difference.
   Random random(42);
-  int wrong = 0, in_doubt = 0;
+  int in_doubt = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 3000; ++i) {
     const double k = static_cast<double>(1 + random.bits() % 9), off = static_cast<double>(whole(random, 1));
     const Disk disk{.position = whole_vector(random, 99), .normal = {0, 0, 3}, .radius = 5 * k};
@@ -116,8 +119,8 @@ TEST_CASE(
     fallbacks = {};
     const auto t = disk.intersect({target + above, -above});
     in_doubt += fallbacks.exact > 0;
-    wrong += t.has_value() != (off <= 0);
-    wrong += t && *t != 1;
+    wrong.add(t.has_value() != (off <= 0), disk);
+    wrong.add(t && *t != 1, disk);
   }
   CHECK(wrong == 0);
   CHECK(in_doubt > 2500);
@@ -125,7 +128,8 @@ TEST_CASE(
 
 TEST_CASE("a hit lies on the disk") {
   Random random(43);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Disk disk{random.point(3), std::exp(random.real(-9, 9)) * random.direction(), random.real(1, 3)};
     const Ray ray{random.point(5), std::exp(random.real(-3, 3)) * random.direction()};
@@ -133,10 +137,12 @@ TEST_CASE("a hit lies on the disk") {
     if (!t) continue;
     ++hits;
     const Vec3 from_center = ray.at(*t) - disk.position, n = disk.normal_at(ray.at(*t));
-    wrong +=
-        !(std::abs(length(n) - 1) < 4 * ulp && length(cross(n, disk.normal)) < 4 * ulp * length(disk.normal));
+    wrong.add(
+        !(std::abs(length(n) - 1) < 4 * ulp && length(cross(n, disk.normal)) < 4 * ulp * length(disk.normal)),
+        disk, ray);
     const double allowed = 0x1p-30 * length(ray.direction) * *t + 64 * ulp;
-    wrong += !(std::abs(dot(n, from_center)) < allowed && length(from_center) < disk.radius + allowed);
+    wrong.add(!(std::abs(dot(n, from_center)) < allowed && length(from_center) < disk.radius + allowed), disk,
+              ray, from_center, allowed);
   }
   CHECK(hits > 500);
   CHECK(wrong == 0);
@@ -177,12 +183,12 @@ TEST_CASE("huge and tiny disks are hit like others, and numbers that are not fin
 
 TEST_CASE("u and v of a disk are those of its plane, measured from its position") {
   Random random(44);
-  int wrong = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 1000; ++i) {
     const Disk disk{random.point(3), random.direction(), 2};
     const Point p = disk.position + random.point(1);
     const Uv from_origin = Plane{disk.normal, 0}.uv_at(p - disk.position);
-    wrong += !(length(Vec3(disk.uv_at(p) - from_origin, 0)) < 8 * ulp);
+    wrong.add(!(length(Vec3(disk.uv_at(p) - from_origin, 0)) < 8 * ulp), disk, p, from_origin);
   }
   CHECK(wrong == 0);
   const Disk floor{.position = {1, 2, 3}, .normal = {0, 7, 0}};
@@ -192,7 +198,7 @@ TEST_CASE("u and v of a disk are those of its plane, measured from its position"
 
 TEST_CASE("the bounds of a disk contain its outline, and are tight") {
   Random random(45);
-  int outside = 0, loose = 0;
+  WrongCases outside(random), loose(random);
   for (int i = 0; i < 2000; ++i) {
     const Disk disk{random.point(1e3), i % 5 == 0 ? whole_vector(random, 1) : random.direction(),
                     random.real(0, 9)};
@@ -205,10 +211,12 @@ TEST_CASE("the bounds of a disk contain its outline, and are tight") {
       along[axis] = 1;
       const double reach = disk.radius * length(cross(cross(n, along), n));
       const double rounding = 8 * ulp * (1e3 + reach);
-      outside += !(max[axis] - disk.position[axis] >= reach - rounding &&
-                   disk.position[axis] - min[axis] >= reach - rounding);
-      loose += !(max[axis] - disk.position[axis] <= reach + rounding &&
-                 disk.position[axis] - min[axis] <= reach + rounding);
+      outside.add(!(max[axis] - disk.position[axis] >= reach - rounding &&
+                    disk.position[axis] - min[axis] >= reach - rounding),
+                  disk, reach, rounding);
+      loose.add(!(max[axis] - disk.position[axis] <= reach + rounding &&
+                  disk.position[axis] - min[axis] <= reach + rounding),
+                disk, reach, rounding);
     }
   }
   CHECK(outside == 0);
@@ -219,7 +227,8 @@ TEST_CASE("the bounds of a disk contain its outline, and are tight") {
 
 TEST_CASE("disks in one plane have equal departures, as do the plane and a parallelogram in it") {
   Random random(46);
-  int wrong = 0, tilted = 0;
+  int tilted = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 3000; ++i) {
     const Vec3 u = whole_vector(random, 9), v = whole_vector(random, 9), n = cross(u, v);
     if (n == Vec3{0}) continue;
@@ -230,14 +239,17 @@ TEST_CASE("disks in one plane have equal departures, as do the plane and a paral
     const Parallelogram board{p, u, v};
     tilted += one.departure().kind == Departure::Kind::rounded_plane;
     for (const Departure& departure : {other.departure(), plane.departure(), board.departure()}) {
-      wrong += one.departure() != departure;
-      wrong += one.intersect({p, random.direction(), departure}, everywhere).has_value();
+      wrong.add(one.departure() != departure, one, plane, board);
+      wrong.add(one.intersect({p, random.direction(), departure}, everywhere).has_value(), one, plane, board,
+                p);
     }
-    wrong += plane.intersect({p, random.direction(), one.departure()}, everywhere).has_value();
-    wrong += board.intersect({p, random.direction(), one.departure()}, everywhere).has_value();
+    wrong.add(plane.intersect({p, random.direction(), one.departure()}, everywhere).has_value(), one, plane,
+              board, p);
+    wrong.add(board.intersect({p, random.direction(), one.departure()}, everywhere).has_value(), one, plane,
+              board, p);
     const Disk apart{p + 0.25 * n, n, 2};
-    wrong += apart.departure() == one.departure();
-    wrong += !apart.intersect({p, n, one.departure()});
+    wrong.add(apart.departure() == one.departure(), one, plane, board, apart);
+    wrong.add(!apart.intersect({p, n, one.departure()}), one, plane, board, apart, p);
   }
   CHECK(tilted > 2000);
   CHECK(wrong == 0);
@@ -257,14 +269,16 @@ TEST_CASE("disks in one plane have equal departures, as do the plane and a paral
 
 TEST_CASE("a ray that leaves a disk never hits it again") {
   Random random(47);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Disk disk{random.point(2), random.direction(), 3};
     const Ray ray{random.point(5), random.direction()};
     const auto t = disk.intersect(ray);
     if (!t) continue;
     ++hits;
-    wrong += disk.intersect({ray.at(*t), random.direction(), disk.departure()}, everywhere).has_value();
+    wrong.add(disk.intersect({ray.at(*t), random.direction(), disk.departure()}, everywhere).has_value(),
+              disk, ray);
   }
   CHECK(hits > 1000);
   CHECK(wrong == 0);
@@ -289,13 +303,14 @@ TEST_CASE("pictures of disks are the same plain, accelerated and by tiles, and s
   CHECK(drawn.lit > 500);
   CHECK(drawn.different == 0);
 
-  int lit = 0, acne = 0;
+  int lit = 0;
+  WrongCases acne(random);
   for (int i = 0; i < 64 * 48; ++i) {
     const auto hit = scene.intersect(camera.through_pixel(i % 64, i / 64, 64, 48));
     if (!hit) continue;
     ++lit;
     const Ray to_light = hit->leave(light - hit->point());
-    if (const auto shadow = scene.intersect(to_light, {0, 1})) acne += shadow->t < 1e-9;
+    if (const auto shadow = scene.intersect(to_light, {0, 1})) acne.add(shadow->t < 1e-9, to_light);
   }
   CHECK(lit > 1000);
   CHECK(acne == 0);

@@ -9,6 +9,7 @@
 #include "support/catch.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -47,14 +48,15 @@ const std::vector<Transfer> transfers{Srgb{},      Linear{},     Gamma{2.2},  Ga
 
 /// Counts deviations from the definition on both sides of each threshold. Codes and definition both rise with
 /// light, so if they agree on both sides of each threshold they agree for all floats.
-int wrong_thresholds(const Transfer& transfer, int max_code) {
+WrongCases wrong_thresholds(const Transfer& transfer, int max_code) {
   const Encoder encode(transfer, max_code);
-  int wrong = 0;
+  WrongCases wrong;
   for (int code = 1; code <= max_code; ++code) {
     const float at = encode.threshold(code), below = std::nextafter(at, -1.0f);
-    if (encode(at) != defined_code(transfer, max_code, at)) ++wrong;
-    if (encode(below) != defined_code(transfer, max_code, below)) ++wrong;
-    if (!(encode(below) < code && code <= encode(at))) ++wrong;
+    for (const float light : {at, below})
+      wrong.add(encode(light) != defined_code(transfer, max_code, light), "light", light, "has code",
+                encode(light));
+    wrong.add(!(encode(below) < code && code <= encode(at)), "code", code, "begins at", at);
   }
   return wrong;
 }
@@ -80,13 +82,13 @@ TEST_CASE("the codes of random light are those of the definition") {
     for (const int max_code : {255, 65535}) {
       INFO(name(transfer) << ", maximum " << max_code);
       const Encoder encode(transfer, max_code);
-      int wrong = 0;
+      WrongCases wrong(random);
       for (int i = 0; i < 20000; ++i) {
         // Half of the numbers are uniform in [0, 1), half uniform among the floats in it.
         const float light = i % 2 == 0 ? static_cast<float>(random.real(0, 1))
                                        : std::bit_cast<float>(static_cast<std::uint32_t>(
                                              random.bits() % std::bit_cast<std::uint32_t>(1.0f)));
-        if (encode(light) != defined_code(transfer, max_code, light)) ++wrong;
+        wrong.add(encode(light) != defined_code(transfer, max_code, light), light);
       }
       CHECK(wrong == 0);
     }

@@ -20,6 +20,7 @@
 #include "reference/whitted.hpp"
 #include "support/catch.hpp"
 #include "support/files.hpp"
+#include "support/wrong_cases.hpp"
 
 namespace {
 
@@ -234,11 +235,13 @@ TEST_CASE("compare_images reports how much pictures differ, and shows where") {
   const Picture a = read_image(golden("07_diffuse")), b = read_image(golden("09_shadow"));
   const Picture shown = read_image((folder / "difference.png").string());
   REQUIRE(same_size(shown, a));
-  int differing = 0, wrong = 0;
+  int differing = 0;
+  WrongCases wrong;
   for (std::size_t i = 0; i < a.pixels.size(); ++i) {
     if (a.pixels[i] != b.pixels[i]) ++differing;
     for (std::size_t c = 0; c < 3; ++c)
-      if (a.pixels[i][c] == b.pixels[i][c] ? shown.pixels[i][c] != 0 : shown.pixels[i][c] < 96) ++wrong;
+      wrong.add(a.pixels[i][c] == b.pixels[i][c] ? shown.pixels[i][c] != 0 : shown.pixels[i][c] < 96, "pixel",
+                i, "channel", c);
   }
   CHECK(wrong == 0);
   CHECK_THAT(bytes_of(folder / "output.txt"),

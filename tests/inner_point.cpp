@@ -5,6 +5,7 @@
 
 #include "support/catch.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -54,7 +55,7 @@ Uv place(Random& random) {
 
 TEST_CASE("InnerPoint is next to a rounded point of a triangle and strictly inside, without rounding") {
   Random random(31);
-  int wrong = 0, far = 0;
+  WrongCases wrong(random), far(random);
   for (int i = 0; i < 4000; ++i) {
     const Point offset = random.point(i % 5 == 0 ? 1000 : 1);
     const double size = std::ldexp(1, static_cast<int>(random.bits() % 20) - 10),
@@ -64,10 +65,12 @@ TEST_CASE("InnerPoint is next to a rounded point of a triangle and strictly insi
     const Uv at = place(random);
     const Point near = a + at.x * (b - a) + at.y * (c - a);
     const InnerPoint inner(near, a, b, c);
-    wrong += !is_inside(inner.exact(), {a, b, c}) || !is_within(inner.distance(), inner.exact(), near);
+    wrong.add(!is_inside(inner.exact(), {a, b, c}) || !is_within(inner.distance(), inner.exact(), near), a, b,
+              c, near);
     // The distance is some roundings of the coordinates, however thin the triangle is.
     const auto largest = [](const Vec3& w) { return std::max({w.x, w.y, w.z}); };
-    far += inner.distance() > 0x1p-48 * (largest(abs(a)) + largest(abs(b - a)) + largest(abs(c - a)));
+    far.add(inner.distance() > 0x1p-48 * (largest(abs(a)) + largest(abs(b - a)) + largest(abs(c - a))), a, b,
+            c, near);
   }
   CHECK(wrong == 0);
   CHECK(far == 0);

@@ -21,6 +21,7 @@
 #include "support/meshes.hpp"
 #include "support/random.hpp"
 #include "support/two_plates.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -98,7 +99,8 @@ TEST_CASE("whether a ray hits an ellipsoid is exact if the map consists of power
   const auto whole = [&](int size) {
     return static_cast<std::int64_t>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
   };
-  int hits = 0, touching = 0, wrong = 0;
+  int hits = 0, touching = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 80000; ++i) {
     Vec3 scales, moved, origin, direction;
     std::int64_t A = 0, b = 0, c = -16;  // in quarters, in object space
@@ -117,7 +119,7 @@ TEST_CASE("whether a ray hits an ellipsoid is exact if the map consists of power
     const bool expected = A > 0 && D >= 0;
     hits += expected;
     touching += expected && D == 0;
-    wrong += crossings != (expected ? 2 : 0);
+    wrong.add(crossings != (expected ? 2 : 0), scales, moved, origin, direction);
   }
   CHECK(hits > 10000);
   CHECK(touching > 500);
@@ -159,14 +161,14 @@ TEST_CASE(
 TEST_CASE("the normal of an instance is a unit vector that points outwards, also in a mirror image") {
   Random random(73);
   double worst = 0;
-  int inward = 0;
+  WrongCases inward(random);
   for (int i = 0; i < 5000; ++i) {
     const Affine placement = any_placement(random, 3);
     const Instance instance(Sphere{}, placement);
     const Vec3 n = random.direction(), along = normalize(cross(n, random.direction()));
     const Vec3 normal = instance.normal_at(placement.point(n));
     worst = std::max({worst, std::abs(length(normal) - 1), std::abs(dot(normal, placement.vector(along)))});
-    inward += dot(normal, placement.vector(n)) <= 0;
+    inward.add(dot(normal, placement.vector(n)) <= 0, placement, n, normal);
   }
   CHECK(worst < 1e-13);
   CHECK(inward == 0);
@@ -177,7 +179,8 @@ TEST_CASE("the normal of an instance is a unit vector that points outwards, also
 
 TEST_CASE("a ray that leaves an instance never hits it again outwards, and once inwards") {
   Random random(74);
-  int out = 0, in = 0, wrong = 0;
+  int out = 0, in = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Affine placement = any_placement(random, 10);
     const Instance<> instance(Sphere{}, placement);
@@ -193,10 +196,10 @@ TEST_CASE("a ray that leaves an instance never hits it again outwards, and once 
     int ahead = 0, all = 0;
     instance.each_crossing(left, {}, [&](const Crossing&) { ++ahead; });
     instance.each_crossing(left, everywhere, [&](const Crossing&) { ++all; });
-    wrong += all != 1;
+    wrong.add(all != 1, placement, ray, left);
     if (std::abs(slope) < 1e-12) continue;
     out += slope > 0, in += slope < 0;
-    wrong += ahead != (slope < 0);
+    wrong.add(ahead != (slope < 0), placement, ray, left, slope);
   }
   CHECK(out > 5000);
   CHECK(in > 5000);
@@ -256,7 +259,8 @@ TEST_CASE("crossings with instances are ordered exactly by the transformed rays"
 
 TEST_CASE("every crossing with an instance lies in its bounds, from any distance") {
   Random random(75);
-  int hits = 0, outside = 0, loose = 0;
+  int hits = 0;
+  WrongCases outside(random), loose(random);
   for (int i = 0; i < 20000; ++i) {
     const Affine placement = any_placement(random, 100);
     const Instance instance(Sphere{}, placement);
@@ -272,16 +276,17 @@ TEST_CASE("every crossing with an instance lies in its bounds, from any distance
         const ExactNumber way = (ExactNumber(t.hi) + ExactNumber(t.lo)) * ExactNumber(ray.direction[axis]),
                           x = ExactNumber(ray.origin[axis]) + way,
                           off = ExactNumber(0x1p-97) * (way.sign() < 0 ? -way : way);
-        outside += (x + off - ExactNumber(box.min[axis])).sign() < 0;
-        outside += (ExactNumber(box.max[axis]) - x + off).sign() < 0;
+        outside.add((x + off - ExactNumber(box.min[axis])).sign() < 0, placement, ray);
+        outside.add((ExactNumber(box.max[axis]) - x + off).sign() < 0, placement, ray);
       }
     });
     for (int axis = 0; axis < 3; ++axis) {
       // An ellipsoid extends along an axis by the length of the map's row.
       const double reach = length(Vec3{placement.x[axis], placement.y[axis], placement.z[axis]});
-      outside += !(box.min[axis] < placement.translation[axis] - reach);
-      outside += !(box.max[axis] > placement.translation[axis] + reach);
-      loose += !(box.max[axis] - box.min[axis] < 4 * reach);  // at most √3 times as large, and a little
+      outside.add(!(box.min[axis] < placement.translation[axis] - reach), placement, ray, reach);
+      outside.add(!(box.max[axis] > placement.translation[axis] + reach), placement, ray, reach);
+      // They are at most √3 times as large, and a little.
+      loose.add(!(box.max[axis] - box.min[axis] < 4 * reach), placement, ray, reach);
     }
   }
   CHECK(hits > 10000);
@@ -331,7 +336,8 @@ TEST_CASE(
 TEST_CASE("rays that leave solids made of instances with common faces show no acne") {
   // A bar of four tilted boxes, end to end, each an instance of its own.
   Random random(78);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 50; ++i) {
     const Affine map = any_placement(random, 1000);
     std::vector<Csg> cubes;
@@ -346,13 +352,13 @@ TEST_CASE("rays that leave solids made of instances with common faces show no ac
       if (!hit) continue;
       ++hits;
       const Ray on = hit->leave(hit->direction()), back = hit->leave(eye - target);
-      wrong += !scene.intersect(on) || scene.intersect(back).has_value();
-      wrong += !tree.intersect(on) || tree.intersect(back).has_value();
+      wrong.add(!scene.intersect(on) || scene.intersect(back).has_value(), map, on);
+      wrong.add(!tree.intersect(on) || tree.intersect(back).has_value(), map, on);
       if (const auto out = scene.intersect(on))
-        wrong += scene.intersect(out->leave(out->direction())).has_value();
+        wrong.add(scene.intersect(out->leave(out->direction())).has_value(), map, on);
       int crossed = 0;
       scene.crossings({eye, target - eye}, Interval{}, [&](const Intersection&) { ++crossed; });
-      wrong += crossed != 2;
+      wrong.add(crossed != 2, map, on);
     }
   }
   CHECK(hits > 3000);
@@ -361,7 +367,8 @@ TEST_CASE("rays that leave solids made of instances with common faces show no ac
 
 TEST_CASE("an instance of a mesh is as watertight as the mesh, from any distance") {
   Random random(79);
-  int met = 0, slipped = 0;
+  int met = 0;
+  WrongCases slipped(random);
   const Mesh ball(meshes::icosphere(1));
   for (int i = 0; i < 500; ++i) {
     const Affine placement = any_placement(random, 100);
@@ -387,7 +394,7 @@ TEST_CASE("an instance of a mesh is as watertight as the mesh, from any distance
         ++count;
       });
       met += count > 0;
-      slipped += count % 2 != 0 || !alternates;
+      slipped.add(count % 2 != 0 || !alternates, placement, ray);
     }
   }
   CHECK(met > 2000);

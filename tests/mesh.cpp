@@ -18,6 +18,7 @@
 #include "support/errors.hpp"
 #include "support/meshes.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -157,7 +158,7 @@ TEST_CASE("a mesh is hit where one of its triangles is, whatever their orientati
 TEST_CASE("a mesh reports the crossings of its triangles in exact order, at equal t the lower index first") {
   Random random(41);
   std::size_t crossings = 0;
-  int wrong = 0;
+  WrongCases wrong(random);
   for (const MeshData& data :
        {soup(random, 60), meshes::box(2), meshes::icosphere(1), meshes::torus(9, 7), one_triangle()}) {
     const Mesh mesh(data, {.threads = 1});
@@ -171,10 +172,12 @@ TEST_CASE("a mesh reports the crossings of its triangles in exact order, at equa
         const auto expected = crossings_of_triangles(mesh, ray, range);
         std::vector<Crossing> found;
         mesh.each_crossing(ray, range, [&](const Crossing& crossing) { found.push_back(crossing); });
-        wrong += !std::equal(found.begin(), found.end(), expected.begin(), expected.end(), are_equal);
+        wrong.add(!std::equal(found.begin(), found.end(), expected.begin(), expected.end(), are_equal), ray,
+                  range);
         const auto first = mesh.first_crossing(ray, range);
-        wrong += first ? expected.empty() || !are_equal(*first, expected[0]) : !expected.empty();
-        wrong += mesh.any_hit(ray, range) == expected.empty();
+        wrong.add(first ? expected.empty() || !are_equal(*first, expected[0]) : !expected.empty(), ray,
+                  range);
+        wrong.add(mesh.any_hit(ray, range) == expected.empty(), ray, range);
         crossings += expected.size();
         if (!first) break;
         ray = {ray.at(first->t), place(2), mesh.departure(first->part)};
@@ -227,7 +230,8 @@ TEST_CASE("queries of a mesh for many rays answer each ray as a query by itself"
 
 TEST_CASE("a ray that leaves a convex mesh hits it again if it leads inwards, and never outwards") {
   Random random(42);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (const MeshData& data : {meshes::box(2), meshes::icosphere(2)})
     for (const double scale : {1e-3, 1.0, 1e6}) {
       const Mesh mesh(meshes::moved(data, scale, scale * Vec3{100, 20, -30}), {.threads = 1});
@@ -245,7 +249,7 @@ TEST_CASE("a ray that leaves a convex mesh hits it again if it leads inwards, an
         // triangle.
         const double slope = dot(d, hit->normal());
         if (std::abs(slope) < 1e-6) continue;
-        wrong += again.has_value() != (slope < 0);
+        wrong.add(again.has_value() != (slope < 0), origin, target, d, slope);
       }
     }
   CHECK(hits > 1500);
@@ -269,7 +273,8 @@ TEST_CASE(
     "interpolated normals are unit vectors, and the facing normal faces the ray, whatever the vertex "
     "normals") {
   Random random(45);
-  int hits = 0, turned = 0, not_units = 0, wrong = 0;
+  int hits = 0, turned = 0;
+  WrongCases not_units(random), wrong(random);
   for (int round = 0; round < 40; ++round) {
     MeshData data = meshes::icosphere(1);
     for (const Point& p : data.vertices) {
@@ -287,8 +292,9 @@ TEST_CASE(
       const Vec3 normal = hit->normal(), facing = hit->facing_normal();
       // In units of 2^-53: the squares and their sums are off by 3, which the root halves; the root, its
       // inverse and the product round by 3 more. Measuring the length adds another 3: at most 8.
-      not_units += !(std::abs(length(normal) - 1) <= 0x1p-50);
-      wrong += !(dot(facing, hit->direction()) <= 0) || !(facing == normal || facing == -normal);
+      not_units.add(!(std::abs(length(normal) - 1) <= 0x1p-50), origin, normal);
+      wrong.add(!(dot(facing, hit->direction()) <= 0) || !(facing == normal || facing == -normal), origin,
+                normal);
       turned += facing != normal;
     }
   }
@@ -381,20 +387,21 @@ TEST_CASE(
   CHECK(drawn.different == 0);
 
   const auto fast = accelerate(scene);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 2000; ++i) {
     const Point target = Point{0, 0, 4} + random.point(1);
     const Ray ray{random.point(1), target};
     const auto a = scene.intersect(ray), b = any.intersect(ray), c = fast.intersect(ray);
-    wrong += a.has_value() != b.has_value() || a.has_value() != c.has_value();
+    wrong.add(a.has_value() != b.has_value() || a.has_value() != c.has_value(), ray);
     if (!a || !b || !c) continue;
     ++hits;
     for (const auto& other : {b, c})
-      wrong += other->t != a->t || other->normal() != a->normal() || other->uv() != a->uv();
+      wrong.add(other->t != a->t || other->normal() != a->normal() || other->uv() != a->uv(), ray);
     const Vec3 to_light = Point{1, 4, 1} - a->point();
     const bool dark = scene.occluded(a->leave(to_light), {0, 1});
-    wrong += any.occluded(b->leave(to_light), {0, 1}) != dark;
-    wrong += fast.occluded(c->leave(to_light), {0, 1}) != dark;
+    wrong.add(any.occluded(b->leave(to_light), {0, 1}) != dark, ray, to_light);
+    wrong.add(fast.occluded(c->leave(to_light), {0, 1}) != dark, ray, to_light);
   }
   CHECK(hits > 500);
   CHECK(wrong == 0);
@@ -436,7 +443,8 @@ TEST_CASE("the tree of a mesh is the same for any number of threads") {
 
 TEST_CASE("certified results for the triangles of a leaf are correct, and most are certified") {
   Random random(44);
-  int crossed = 0, surely = 0, wrong = 0;
+  int crossed = 0, surely = 0;
+  WrongCases wrong(random);
   for (int round = 0; round < 400; ++round) {
     // Triangles of all sizes, some of them needles, some nearly edge-on to many rays, some without area.
     std::vector<Triangle> triangles;
@@ -471,12 +479,12 @@ TEST_CASE("certified results for the triangles of a leaf are correct, and most a
           const std::uint32_t number = leaves.number(place);
           const Triangle& triangle = triangles[number];
           const auto copy = leaves.triangle(place);
-          wrong += number != bvh.order()[leaf.first + k];
-          wrong += copy.a != triangle.a || copy.b != triangle.b || copy.c != triangle.c;
+          wrong.add(number != bvh.order()[leaf.first + k], aim, triangle, ray);
+          wrong.add(copy.a != triangle.a || copy.b != triangle.b || copy.c != triangle.c, aim, triangle, ray);
           const auto t = triangle.intersect(ray, {0, end});
           const bool sure = (tried.crossed >> lane & 1) != 0, doubt = (tried.in_doubt >> lane & 1) != 0;
-          wrong += (t && !sure && !doubt) || (sure && doubt);
-          wrong += sure && !(t && *t == tried.t[lane]);
+          wrong.add((t && !sure && !doubt) || (sure && doubt), aim, triangle, ray);
+          wrong.add(sure && !(t && *t == tried.t[lane]), aim, triangle, ray);
           crossed += t && !ray.departure.is_planar(), surely += sure;
         }
       });

@@ -21,6 +21,7 @@
 #include "support/catch.hpp"
 #include "support/meshes.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -107,7 +108,8 @@ TEST_CASE("the line of a ray that leaves a convex mesh crosses it only on the ot
   Scene<Mesh> scene;
   scene.add(mesh, Color{1});
   Random random(73);
-  int left = 0, wrong = 0;
+  int left = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 1000; ++i) {
     const Point origin = 3.0 * random.direction();
     const auto hit = scene.intersect({origin, random.point(0.5) - origin});
@@ -118,7 +120,7 @@ TEST_CASE("the line of a ray that leaves a convex mesh crosses it only on the ot
     mesh.each_crossing(hit->leave(direction), {-infinity, infinity},
                        [&](const Crossing& crossing) { ++(crossing.t > 0 ? ahead : behind); });
     const bool is_outwards = dot(hit->normal(), direction) > 0;
-    wrong += ahead != (is_outwards ? 0 : 1) || behind != (is_outwards ? 1 : 0);
+    wrong.add(ahead != (is_outwards ? 0 : 1) || behind != (is_outwards ? 1 : 0), origin, direction);
   }
   CHECK(left > 500);
   CHECK(wrong == 0);
@@ -232,8 +234,8 @@ Vec3 direction_from(Random& random, const Triangle& triangle, unsigned flattest)
 /// out until they are outside. A solid made of it has the same crossings, and may name another of the
 /// triangles that join there.
 template <Surface S>
-int disordered(const S& surface, const MeshData& data, bool is_room, Random& random, int& left) {
-  int wrong = 0;
+WrongCases disordered(const S& surface, const MeshData& data, bool is_room, Random& random, int& left) {
+  WrongCases wrong(random);
   const auto side = [&](const Vec3& direction, int part) {
     return side_led_to(direction, data.triangle(static_cast<std::size_t>(part))) * (is_room ? -1 : 1);
   };
@@ -265,7 +267,7 @@ int disordered(const S& surface, const MeshData& data, bool is_room, Random& ran
       is_wrong |= first ? crossings.empty() || first->part != crossings[0].part : !crossings.empty();
       is_wrong |= surface.any_hit(leaving, {}) == crossings.empty();
     }
-    wrong += is_wrong;
+    wrong.add(is_wrong, leaving, "part", hit->part);
   }
   return wrong;
 }
@@ -299,7 +301,8 @@ TEST_CASE("rays that leave a closed mesh next to edges and vertices cross it alt
 
 TEST_CASE("rays from next to the bottom of a valley hit its other side if they lead there, and only then") {
   Random random(76);
-  int left = 0, wrong = 0;
+  int left = 0;
+  WrongCases wrong(random);
   for (const MeshData& at_origin : {trench(), tilted(trench())})
     for (const double far : {0.0, 1.0, 1e5}) {
       const MeshData data = meshes::moved(at_origin, 1, far * Vec3{0.3, -0.7, 0.2});
@@ -322,11 +325,12 @@ TEST_CASE("rays from next to the bottom of a valley hit its other side if they l
           continue;
         ++left;
         const Ray leaving{ray.at(hit->t), direction, mesh.departure(hit->part)};
-        wrong += mesh.any_hit(leaving, {}) != (side_led_to(direction, other) < 0);
+        wrong.add(mesh.any_hit(leaving, {}) != (side_led_to(direction, other) < 0), from, ray, leaving,
+                  direction);
         const auto next = mesh.first_crossing(leaving, {});
-        wrong += next.has_value() != (side_led_to(direction, other) < 0);
-        wrong += next && (next->part < 2) == (hit->part < 2);
-        wrong += next && !(next->t > 0);
+        wrong.add(next.has_value() != (side_led_to(direction, other) < 0), from, ray, leaving, direction);
+        wrong.add(next && (next->part < 2) == (hit->part < 2), from, ray, leaving);
+        wrong.add(next && !(next->t > 0), from, ray, leaving);
       }
     }
   CHECK(left > 4000);
@@ -354,7 +358,8 @@ TEST_CASE(
   REQUIRE(wall);
   CHECK((wall->t == 1 && wall->part == 1));
   Random random(74);
-  int met = 0, wrong = 0;
+  int met = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 2000; ++i) {  // from the floor's edge opposite to the corner, rounded
     const double f = random.real(0.1, 0.9);
     const Ray ray{data.vertices[1] + f * (data.vertices[2] - data.vertices[1]),
@@ -363,7 +368,7 @@ TEST_CASE(
     met += blade.has_value();
     int crossings = 0;
     mesh.each_crossing(ray, Interval{}, [&](const Crossing& crossing) { crossings += crossing.part == 2; });
-    wrong += crossings != (blade ? 1 : 0);
+    wrong.add(crossings != (blade ? 1 : 0), ray);
   }
   CHECK(met > 500);
   CHECK(wrong == 0);
@@ -410,7 +415,7 @@ TEST_CASE(
   mesh_first.add(mesh, Color{0}), mesh_first.add(board, Color{1});
   board_first.add(board, Color{1}), board_first.add(mesh, Color{0});
   Random random(77);
-  int wrong = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 2000; ++i) {
     const Point eye = random.point(1) + Vec3{0, -3, 4}, seen{random.real(-2, 2), random.real(-4, 2), 0};
     const auto hit = mesh_first.intersect({eye, seen - eye});
@@ -419,7 +424,7 @@ TEST_CASE(
         Point{0, 8, 3} + random.real(-1, 1) * Vec3{2, 0, 0} + random.real(-0.3, 0.3) * Vec3{0, 1, 2};
     const Ray ray = hit->leave(target - hit->point());
     const auto one = mesh_first.intersect(ray), other = board_first.intersect(ray);
-    wrong += !one || one->color() != Color{0} || !other || other->color() != Color{1};
+    wrong.add(!one || one->color() != Color{0} || !other || other->color() != Color{1}, board, ray);
   }
   CHECK(wrong == 0);
 }
@@ -436,9 +441,9 @@ TEST_CASE(
     const double u = random.real(0.2, 0.4), v = random.real(0.2, 0.4);
     const Point place = u * Point{4, 1, 2} + v * Point{1, 3, 5};
     for (int part = 0; part < 3; ++part) {
-      int on_plane = 0;
+      WrongCases on_plane(random);
       mesh.each_crossing({place, random.direction(), mesh.departure(part)}, {-infinity, infinity},
-                         [&](const Crossing& crossing) { on_plane += crossing.part < 3; });
+                         [&](const Crossing& crossing) { on_plane.add(crossing.part < 3, place); });
       CHECK(on_plane == 0);
     }
   }

@@ -17,6 +17,7 @@
 #include "support/meshes.hpp"
 #include "support/pictures.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -76,7 +77,8 @@ TEST_CASE("a closed mesh works in CSG trees like other solids") {
   CHECK(mesh.part_count() == 48);
   const Box box{Point{-1}, Point{1}};
   Random random(86);
-  int crossed = 0, wrong = 0;
+  int crossed = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 3000; ++i) {
     const Sphere cut{random.point(1), random.real(0.3, 1.2)};
     const auto with = [&](const Csg& solid) {
@@ -88,7 +90,7 @@ TEST_CASE("a closed mesh works in CSG trees like other solids") {
     const Ray line{origin, random.point(1) - origin};
     for (std::size_t k = 0; k < of_box.size(); ++k) {
       const auto expected = crossings(of_box[k], line, everywhere);
-      wrong += crossings(of_mesh[k], line, everywhere) != expected;
+      wrong.add(crossings(of_mesh[k], line, everywhere) != expected, box, cut, line);
       crossed += !expected.empty();
       // Compares also the rays that leave the first crossing in any direction.
       const auto first = of_box[k].first_crossing(line, {});
@@ -96,9 +98,11 @@ TEST_CASE("a closed mesh works in CSG trees like other solids") {
       if (!first || !same) continue;
       const Vec3 on = random.direction();
       const Point p = line.at(first->t);
-      wrong += of_mesh[k].normal_at(p, same->part) != of_box[k].normal_at(p, first->part);
-      wrong += crossings(of_mesh[k], {p, on, of_mesh[k].departure(same->part)}) !=
-               crossings(of_box[k], {p, on, of_box[k].departure(first->part)});
+      wrong.add(of_mesh[k].normal_at(p, same->part) != of_box[k].normal_at(p, first->part), box, cut, line,
+                p);
+      wrong.add(crossings(of_mesh[k], {p, on, of_mesh[k].departure(same->part)}) !=
+                    crossings(of_box[k], {p, on, of_box[k].departure(first->part)}),
+                box, cut, line, on, p);
     }
   }
   CHECK(crossed > 3000);

@@ -14,6 +14,7 @@
 #include "support/errors.hpp"
 #include "support/files.hpp"
 #include "support/process.hpp"
+#include "support/wrong_cases.hpp"
 
 namespace fs = std::filesystem;
 using namespace protostar;
@@ -116,10 +117,10 @@ TEST_CASE("faces that share positions but not normals are not slow to read") {
   CHECK(alike.vertices.size() == 3);
   const auto [data, time] = read_faces([](std::uint32_t i) { return i; });
   REQUIRE(data.vertices.size() == 3 * count);
-  std::uint32_t wrong = 0;
+  WrongCases wrong;
   for (std::uint32_t i = 0; i < count; ++i) {
-    wrong += data.triangles[i] != std::array{3 * i, 3 * i + 1, 3 * i + 2};
-    wrong += data.normals[3 * i + 2] != Vec3{0, 0, i + 1.0};
+    wrong.add(data.triangles[i] != std::array{3 * i, 3 * i + 1, 3 * i + 2}, "triangle", i, data.triangles[i]);
+    wrong.add(data.normals[3 * i + 2] != Vec3{0, 0, i + 1.0}, "normal", 3 * i + 2, data.normals[3 * i + 2]);
   }
   CHECK(wrong == 0);
   CHECK(time < 10 * usual_time);  // about 3 times; comparing all vertices at a position: 35 or more

@@ -14,6 +14,7 @@
 #include "support/catch.hpp"
 #include "support/cylinder.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 using simd::Bits;
@@ -64,7 +65,8 @@ bool same_bits(const Vec3& a, const Vec3& b) {
 
 /// Counts from comparing packets with their single rays.
 struct Tally {
-  int asked = 0, met = 0, in_doubt = 0, wrong = 0;
+  int asked = 0, met = 0, in_doubt = 0;
+  WrongCases wrong;
 };
 
 bool has(LaneMask some, int lane) { return (bits(some) >> lane & 1) != 0; }
@@ -80,7 +82,7 @@ void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
     for (int i = 0; i < double_lanes; ++i) {
       const bool meets = has(roots.meets, i), in_doubt = has(roots.in_doubt, i);
       if (!has(active, i)) {
-        tally.wrong += meets || in_doubt;
+        tally.wrong.add(meets || in_doubt, surface, "inactive lane", i);
         continue;
       }
       ++tally.asked;
@@ -88,10 +90,12 @@ void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
       tally.in_doubt += in_doubt;
       if (in_doubt) continue;
       const Roots expected = surface.roots(rays[i]);
-      tally.wrong += meets != (expected.count() > 0);
+      tally.wrong.add(meets != (expected.count() > 0), surface, rays[i]);
       if (!meets) continue;
-      tally.wrong += !same_bits(near[i], expected[0]) || !same_bits(far[i], expected[expected.count() - 1]) ||
-                     roots.count != expected.count();
+      tally.wrong.add(!same_bits(near[i], expected[0]) ||
+                          !same_bits(far[i], expected[expected.count() - 1]) ||
+                          roots.count != expected.count(),
+                      surface, rays[i], near[i], far[i]);
     }
   }
   const auto compare_in = [&](Interval range, bool may_be_in_doubt) {
@@ -99,8 +103,9 @@ void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
     const auto crossed = crossed_by_each(surface, rays, active, range);
     for (int i = 0; i < double_lanes; ++i) {
       if (!has(active, i)) {
-        tally.wrong += has(first.met, i) || has(first.in_doubt, i) || has(crossed.crossed, i) ||
-                       has(crossed.in_doubt, i);
+        tally.wrong.add(has(first.met, i) || has(first.in_doubt, i) || has(crossed.crossed, i) ||
+                            has(crossed.in_doubt, i),
+                        surface, "inactive lane", i, range);
         continue;
       }
       const auto expected = first_crossing(surface, rays[i], range);
@@ -109,9 +114,11 @@ void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
         tally.in_doubt += has(first.in_doubt, i) + has(crossed.in_doubt, i);
       }
       if (!has(first.in_doubt, i))
-        tally.wrong +=
-            has(first.met, i) != expected.has_value() || (expected && !same_bits(first.t[i], expected->t));
-      if (!has(crossed.in_doubt, i)) tally.wrong += has(crossed.crossed, i) != expected.has_value();
+        tally.wrong.add(
+            has(first.met, i) != expected.has_value() || (expected && !same_bits(first.t[i], expected->t)),
+            surface, rays[i], range, first.t[i]);
+      if (!has(crossed.in_doubt, i))
+        tally.wrong.add(has(crossed.crossed, i) != expected.has_value(), surface, rays[i], range);
     }
   };
   const double a = random.real(-3, 3), b = a + random.real(0, 3);
@@ -408,7 +415,8 @@ TEST_CASE("a surface without packet functions is asked about each ray of a packe
 TEST_CASE("the hits of a packet have the same values as the hits of its single rays") {
   Random random(3);
   const Light light = PointLight{.position = {1, 4, -2}, .power = Color{300, 200, 100}};
-  int surfaces = 0, hits = 0, wrong = 0;
+  int surfaces = 0, hits = 0;
+  WrongCases wrong(random);
   const auto compare_hits = [&](const auto& surface) {
     Bundle bundle;
     for (Ray& r : bundle) r = {random.point(3), random.direction()};
@@ -422,7 +430,7 @@ TEST_CASE("the hits of a packet have the same values as the hits of its single r
     const simd::Colors lights = light.irradiance(points, facing), colors = some.color();
     const simd::Uvs places = some.uv();
     const RayPacket<Vectors> left = some.leave(light.towards(points)), turned = left.turned(normals);
-    wrong += bits(turned.active) != bits(left.active);
+    wrong.add(bits(turned.active) != bits(left.active), surface);
     for (int i = 0; i < double_lanes; ++i) {
       if (!has(first.met && !first.in_doubt, i)) continue;
       ++hits;
@@ -430,16 +438,18 @@ TEST_CASE("the hits of a packet have the same values as the hits of its single r
       const Intersection one(bundle[static_cast<std::size_t>(i)], crossing_on(surface, *crossing, material));
       const Color lit = light.irradiance(one.point(), one.facing_normal());
       const Ray leaving = one.leave(light.towards(one.point()));
-      wrong += !same_bits(one.point(), points[i]) || !same_bits(one.normal(), normals[i]) ||
-               !same_bits(one.facing_normal(), facing[i]) || one.uv() != Uv{places.x[i], places.y[i]} ||
-               one.direction() != some.direction()[i] ||
-               one.color() != Color{colors.r[i], colors.g[i], colors.b[i]} ||
-               lit != Color{lights.r[i], lights.g[i], lights.b[i]} || !has(left.active, i) ||
-               !same_bits(leaving.origin, left[i].origin) ||
-               !same_bits(leaving.direction, left[i].direction) || leaving.departure != left[i].departure ||
-               !has(turned.active, i) || !same_bits(leaving.origin, turned[i].origin) ||
-               !same_bits(leaving.turned(one.normal()).direction, turned[i].direction) ||
-               leaving.departure != turned[i].departure;
+      wrong.add(!same_bits(one.point(), points[i]) || !same_bits(one.normal(), normals[i]) ||
+                    !same_bits(one.facing_normal(), facing[i]) || one.uv() != Uv{places.x[i], places.y[i]} ||
+                    one.direction() != some.direction()[i] ||
+                    one.color() != Color{colors.r[i], colors.g[i], colors.b[i]} ||
+                    lit != Color{lights.r[i], lights.g[i], lights.b[i]} || !has(left.active, i) ||
+                    !same_bits(leaving.origin, left[i].origin) ||
+                    !same_bits(leaving.direction, left[i].direction) ||
+                    leaving.departure != left[i].departure || !has(turned.active, i) ||
+                    !same_bits(leaving.origin, turned[i].origin) ||
+                    !same_bits(leaving.turned(one.normal()).direction, turned[i].direction) ||
+                    leaving.departure != turned[i].departure,
+                surface, leaving);
     }
   };
   for (int round = 0; round < 1000; ++round) {

@@ -12,6 +12,7 @@
 #include "support/catch.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -97,7 +98,8 @@ TEST_CASE("a parallelogram is the points position + a·edge_u + b·edge_v with a
 TEST_CASE("hits of parallelograms with whole numbers, on their outlines too, are exact") {
   // All determinants are whole numbers that double holds, so plain signs decide.
   Random random(21);
-  int hits = 0, outline = 0, wrong = 0;
+  int hits = 0, outline = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 100000; ++i) {
     const Parallelogram s{whole_vector(random, 3), whole_vector(random, 3), whole_vector(random, 3)};
     const Ray ray{whole_vector(random, 3), whole_vector(random, 3)};
@@ -108,8 +110,8 @@ TEST_CASE("hits of parallelograms with whole numbers, on their outlines too, are
     const auto t = s.intersect(ray, everywhere);
     hits += expected;
     outline += expected && (a == 0 || a == end || b == 0 || b == end);
-    wrong += t.has_value() != expected;
-    if (t && expected) wrong += *t != dot(exact_normal(s), w) / S;
+    wrong.add(t.has_value() != expected, s, ray);
+    if (t && expected) wrong.add(*t != dot(exact_normal(s), w) / S, s, ray, w, S);
   }
   CHECK(hits > 5000);
   CHECK(outline > 2000);
@@ -119,7 +121,8 @@ TEST_CASE("hits of parallelograms with whole numbers, on their outlines too, are
 TEST_CASE("a ray to the shared edge of two parallelograms hits at least one of them") {
   // Rays to rounded points of the shared edge, away from its ends, where there is nothing else to hit.
   Random random(22);
-  int both = 0, none = 0;
+  int both = 0;
+  WrongCases none(random);
   for (int i = 0; i < 20000; ++i) {
     const Vec3 p = short_vector(random), edge = short_vector(random), side = short_vector(random);
     const Parallelogram one{p, edge, side}, other{p, edge, -side};
@@ -127,7 +130,7 @@ TEST_CASE("a ray to the shared edge of two parallelograms hits at least one of t
     const Ray ray{origin, p + random.real(0.01, 0.99) * edge - origin};
     const bool first = one.intersect(ray).has_value(), second = other.intersect(ray).has_value();
     both += first && second;
-    none += !first && !second;
+    none.add(!first && !second, one, ray);
   }
   CHECK(both < 20000);
   CHECK(none == 0);
@@ -197,7 +200,8 @@ TEST_CASE("u and v are lengths along the edges, from position") {
 
 TEST_CASE("the bounds of a parallelogram hold its vertices, and are tight") {
   Random random(23);
-  int outside = 0, loose = 0;
+  int outside = 0;
+  WrongCases loose(random);
   for (int i = 0; i < 5000; ++i) {
     const Parallelogram s{random.point(1e3), random.point(1e-3), random.point(1e3)};
     const auto [min, max] = s.bounds();
@@ -213,7 +217,7 @@ TEST_CASE("the bounds of a parallelogram hold its vertices, and are tight") {
           const double rounded = static_cast<double>(DoubleDouble(vertex));
           least = std::min(least, rounded), most = std::max(most, rounded);
         }
-      loose += !(max[axis] - most < 1e-11 && least - min[axis] < 1e-11);
+      loose.add(!(max[axis] - most < 1e-11 && least - min[axis] < 1e-11), s, least);
     }
   }
   CHECK(outside == 0);
@@ -222,7 +226,8 @@ TEST_CASE("the bounds of a parallelogram hold its vertices, and are tight") {
 
 TEST_CASE("a ray that leaves a parallelogram never hits it again") {
   Random random(24);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Parallelogram s{random.point(2), random.point(5), random.point(5)};
     const Point origin = random.point(5);
@@ -230,7 +235,7 @@ TEST_CASE("a ray that leaves a parallelogram never hits it again") {
     const auto t = s.intersect(ray);
     if (!t) continue;
     ++hits;
-    wrong += s.intersect({ray.at(*t), random.direction(), s.departure()}, everywhere).has_value();
+    wrong.add(s.intersect({ray.at(*t), random.direction(), s.departure()}, everywhere).has_value(), s, ray);
   }
   CHECK(hits > 15000);
   CHECK(wrong == 0);
@@ -238,7 +243,8 @@ TEST_CASE("a ray that leaves a parallelogram never hits it again") {
 
 TEST_CASE("parallelograms of one plane have equal departures, and so has the plane") {
   Random random(25);
-  int wrong = 0, tilted = 0;
+  int tilted = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 5000; ++i) {
     // The numbers have so few digits that b and the normals are exact.
     Parallelogram a{short_vector(random), short_vector(random), short_vector(random)};
@@ -253,13 +259,14 @@ TEST_CASE("parallelograms of one plane have equal departures, and so has the pla
     const Plane plane{n, dot(n, a.position)};
     const bool is_exact = kind == 1 || a.position == Point{0};
     tilted += a.departure().kind == Departure::Kind::rounded_plane;
-    wrong += a.departure() != b.departure() || b.departure() != a.departure();
+    wrong.add(a.departure() != b.departure() || b.departure() != a.departure(), a, b, plane);
     const Ray left{b.position, random.direction(), a.departure()};
-    wrong += b.intersect(left, everywhere).has_value();
+    wrong.add(b.intersect(left, everywhere).has_value(), a, b, plane, left);
     if (!is_exact) continue;
-    wrong += a.departure() != plane.departure() || plane.departure() != b.departure();
-    wrong += plane.intersect(left, everywhere).has_value();
-    wrong += a.intersect({b.position, random.direction(), plane.departure()}, everywhere).has_value();
+    wrong.add(a.departure() != plane.departure() || plane.departure() != b.departure(), a, b, plane, left);
+    wrong.add(plane.intersect(left, everywhere).has_value(), a, b, plane, left);
+    wrong.add(a.intersect({b.position, random.direction(), plane.departure()}, everywhere).has_value(), a, b,
+              plane, left);
   }
   CHECK(tilted > 2000);
   CHECK(wrong == 0);
@@ -294,13 +301,14 @@ TEST_CASE("planes that differ by more than the rounding of their equations have 
 
 TEST_CASE("the equation of a plane is rounded to nearest, in double-double as in exact arithmetic") {
   Random random(26);
-  int undecided = 0, wrong = 0;
+  int undecided = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 3000; ++i) {
     const Point p = random.point(1);
     const Vec3 u = random.point(1), v = i % 3 == 0 ? u + 1e-9 * random.point(1) : random.point(1);
     const auto refined = detail::refined_plane_through(p, u, v);
     undecided += !refined;
-    wrong += refined && *refined != detail::exact_plane_through(p, u, v);
+    wrong.add(refined && *refined != detail::exact_plane_through(p, u, v), p, u);
   }
   CHECK(undecided < 10);
   CHECK(wrong == 0);
@@ -318,11 +326,11 @@ TEST_CASE("the equation of a plane is rounded to nearest, in double-double as in
     CHECK(detail::nearest_quotient(hair - middle, -one) == q);
   }
   CHECK(detail::nearest_quotient(ExactNumber(), one) == 0);
-  int off = 0;
+  WrongCases off(random);
   for (int i = 0; i < 3000; ++i) {
     const double leading = random.real(1, 2), more = random.real(-1, 1), last = random.real(-1, 1);
     const ExactNumber M = ExactNumber(leading) + ExactNumber(0x1p-60 * more) + ExactNumber(0x1p-120 * last);
-    off += detail::nearest_quotient((ExactNumber(1 + ulp) + ExactNumber(ulp / 2)) * M, M) != 1 + 2 * ulp;
+    off.add(detail::nearest_quotient((ExactNumber(1 + ulp) + ExactNumber(ulp / 2)) * M, M) != 1 + 2 * ulp, i);
   }
   CHECK(off == 0);
 }
@@ -342,7 +350,8 @@ std::vector<Image> pictures_of(const BoardsAndFloors& scene, const Camera& camer
 /// Number of pixels that show a surface, and of those among them that differ from the light that falls there
 /// without any shadow.
 struct Tally {
-  int lit = 0, wrong = 0;
+  int lit = 0;
+  WrongCases wrong;
 };
 Tally count_shadowed(const BoardsAndFloors& scene, const Camera& camera) {
   Tally tally;
@@ -353,7 +362,8 @@ Tally count_shadowed(const BoardsAndFloors& scene, const Camera& camera) {
         if (!hit) continue;
         const Color light = scene.lights()[0].irradiance(hit->point(), hit->facing_normal());
         ++tally.lit;
-        tally.wrong += picture(x, y) != hit->color() * light || light == Color{0};
+        tally.wrong.add(picture(x, y) != hit->color() * light || light == Color{0}, "pixel", x, y, "is",
+                        picture(x, y), "in light", light);
       }
   return tally;
 }
@@ -418,13 +428,14 @@ TEST_CASE("a board on a floor, in the floor's color, changes no shadow that fall
   for (auto* scene : {&without, &with}) scene->add(floor, gray), scene->add(above, gray), scene->add(light);
   with.add(board, gray);
   const auto expected = pictures_of(without, Camera{}), found = pictures_of(with, Camera{});
-  int dark = 0, wrong = 0;
+  int dark = 0;
+  WrongCases wrong;
   for (std::size_t i = 0; i < found.size(); ++i)
     for (int y = 0; y < found[i].height(); ++y)
       for (int x = 0; x < found[i].width(); ++x) {
         // The other surface rounds t, and hence the point, differently.
         const float difference = found[i](x, y).r - expected[0](x, y).r;
-        wrong += !(std::abs(difference) <= 1e-5f * expected[0](x, y).r);
+        wrong.add(!(std::abs(difference) <= 1e-5f * expected[0](x, y).r), floor, board, above, difference);
         dark += y > 32 && expected[0](x, y).r == 0;
       }
   CHECK(dark > 150);

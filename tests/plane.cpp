@@ -7,6 +7,7 @@
 #include "support/catch.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -44,7 +45,8 @@ TEST_CASE("a plane is the points x with normal · x = distance") {
 
 TEST_CASE("the hit points of a plane lie on the plane") {
   Random random(7);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Plane plane{.normal = std::exp(random.real(-20, 20)) * random.direction(),
                       .distance = random.real(-10, 10)};
@@ -54,9 +56,9 @@ TEST_CASE("the hit points of a plane lie on the plane") {
     ++hits;
     const Point p = ray.at(*t);
     const double error = std::abs(dot(plane.normal, p) - plane.distance);
-    if (!(error <=
-          1e-14 * (length(plane.normal) * (length(p) + length(ray.origin)) + std::abs(plane.distance))))
-      ++wrong;
+    wrong.add(!(error <=
+                1e-14 * (length(plane.normal) * (length(p) + length(ray.origin)) + std::abs(plane.distance))),
+              plane, ray, p, error);
   }
   CHECK(hits > 5000);
   CHECK(wrong == 0);
@@ -71,7 +73,8 @@ TEST_CASE("the normal of a plane is a unit vector, whatever the length it was gi
 
 TEST_CASE("a ray that leaves a plane never hits it again") {
   Random random(8);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Plane plane{.normal = random.direction(), .distance = random.real(-10, 10)};
     const Ray ray{random.point(10), random.direction()};
@@ -79,7 +82,7 @@ TEST_CASE("a ray that leaves a plane never hits it again") {
     if (!hit) continue;
     ++hits;
     const Ray left{ray.at(*hit), random.direction(), plane.departure()};
-    if (plane.intersect(left, {-inf, inf})) ++wrong;
+    wrong.add(plane.intersect(left, {-inf, inf}).has_value(), plane, ray, left);
   }
   CHECK(hits > 2000);
   CHECK(wrong == 0);

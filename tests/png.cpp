@@ -15,6 +15,7 @@
 #include "support/errors.hpp"
 #include "support/files.hpp"
 #include "support/test_image.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -37,11 +38,11 @@ TEST_CASE("a PNG starts with its signature and decodes to the encoder's codes") 
     REQUIRE(height == 23);
     REQUIRE(channels == 3);
     const Encoder encode(transfer, 255);
-    int wrong = 0;
+    WrongCases wrong;
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
         for (int channel = 0; channel < 3; ++channel)
-          if (codes.get()[(y * width + x) * 3 + channel] != encode(image(x, y)[channel])) ++wrong;
+          wrong.add(codes.get()[(y * width + x) * 3 + channel] != encode(image(x, y)[channel]), y, x);
     CHECK(wrong == 0);
   }
 }

@@ -10,6 +10,7 @@
 #include "support/files.hpp"
 #include "support/random.hpp"
 #include "support/test_image.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 using namespace std::string_literals;
@@ -33,7 +34,7 @@ std::string saved(const Image& image, const Transfer& transfer, const PpmOptions
 }
 
 /// Reads the numbers of a file's pixels back and counts those that are not the encoder's.
-int wrong_codes(const Image& image, const Transfer& transfer, const PpmOptions& options) {
+WrongCases wrong_codes(const Image& image, const Transfer& transfer, const PpmOptions& options) {
   const std::string bytes = saved(image, transfer, options);
   std::istringstream file(bytes);
   std::string magic;
@@ -55,11 +56,14 @@ int wrong_codes(const Image& image, const Transfer& transfer, const PpmOptions& 
       code = file.get() * 256, code += file.get();  // the most significant byte first
     return code;
   };
-  int wrong = 0;
+  WrongCases wrong;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      for (int channel = 0; channel < 3; ++channel)
-        if (next() != encode(image(x, y)[channel])) ++wrong;
+      for (int channel = 0; channel < 3; ++channel) {
+        const int code = next();
+        wrong.add(code != encode(image(x, y)[channel]), "pixel", x, y, image(x, y), "channel", channel,
+                  "has code", code);
+      }
   if (options.plain) file >> std::ws;
   CHECK(file.peek() == std::istringstream::traits_type::eof());
   return wrong;

@@ -13,6 +13,7 @@
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -88,18 +89,17 @@ std::vector<double> crossings(const Quadric& quadric, const Ray& ray, Interval r
   return all;
 }
 
-/// Returns the number of wrong answers about a quadric and a ray of whole numbers.
-int wrong_answers(const Quadric& quadric, const Ray& ray) {
+/// Returns whether an answer about a quadric and a ray of whole numbers is wrong.
+bool is_wrong(const Quadric& quadric, const Ray& ray) {
   const Equation e(ray, quadric.form);
   const auto found = crossings(quadric, ray);
-  int wrong = static_cast<int>(found.size()) != e.count();
-  wrong += static_cast<int>(crossings(quadric, ray, {-inf, 1}).size()) != e.count_below_1();
-  if (wrong == 0)
-    for (int i = 0; i < e.count(); ++i) {
-      const long double t = found[static_cast<std::size_t>(i)], truth = e.root(i);
-      wrong += !(std::abs(t - truth) <= 0x1p-30L * std::abs(truth));
-    }
-  return wrong;
+  if (static_cast<int>(found.size()) != e.count()) return true;
+  if (static_cast<int>(crossings(quadric, ray, {-inf, 1}).size()) != e.count_below_1()) return true;
+  for (int i = 0; i < e.count(); ++i) {
+    const long double t = found[static_cast<std::size_t>(i)], truth = e.root(i);
+    if (!(std::abs(t - truth) <= 0x1p-30L * std::abs(truth))) return true;
+  }
+  return false;
 }
 
 const Quadric cylinder{{.squares = {1, 0, 1}}};                                        // x² + z² = 1
@@ -157,7 +157,8 @@ TEST_CASE("a quadric is hit where its form is 0") {
 
 TEST_CASE("hits of a quadric by a ray, both of whole numbers, are exact also before t = 1") {
   Random random(51);
-  int touching = 0, linear = 0, wrong = 0;
+  int touching = 0, linear = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Quadric quadric = whole_quadric(random, 2);
     const Ray ray{whole_vector(random, 2), whole_vector(random, 2)};
@@ -165,7 +166,7 @@ TEST_CASE("hits of a quadric by a ray, both of whole numbers, are exact also bef
     const Equation e(ray, quadric.form);
     touching += e.A != 0 && e.D == 0;
     linear += e.A == 0;
-    wrong += wrong_answers(quadric, ray);
+    wrong.add(is_wrong(quadric, ray), quadric, ray);
   }
   CHECK(touching > 200);
   CHECK(linear > 500);
@@ -174,7 +175,8 @@ TEST_CASE("hits of a quadric by a ray, both of whole numbers, are exact also bef
 
 TEST_CASE("hits and misses of a quadric that are too close for double are decided exactly") {
   Random random(52);
-  int hits = 0, misses = 0, wrong = 0, in_doubt = 0;
+  int hits = 0, misses = 0, in_doubt = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000 && hits + misses < 3000; ++i) {
     Quadric quadric = whole_quadric(random, 2);
     const Ray ray{whole_vector(random, 1 << 24), whole_vector(random, 2)};
@@ -186,7 +188,7 @@ TEST_CASE("hits and misses of a quadric that are too close for double are decide
     if (std::abs(quadric.form.constant) > 0x1p53) continue;
     ++(Equation(ray, quadric.form).D < 0 ? misses : hits);
     fallbacks = {};
-    wrong += wrong_answers(quadric, ray);
+    wrong.add(is_wrong(quadric, ray), quadric, ray);
     in_doubt += fallbacks.exact > 0;
   }
   CHECK(hits > 1000);
@@ -197,7 +199,8 @@ TEST_CASE("hits and misses of a quadric that are too close for double are decide
 
 TEST_CASE("a quadric that is a sphere is hit where the sphere is, with its normal, u and v") {
   Random random(53);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Point center = whole_vector(random, i % 2 ? 9 : 999);
     const double radius = static_cast<double>(1 + random.bits() % 9);
@@ -205,13 +208,13 @@ TEST_CASE("a quadric that is a sphere is hit where the sphere is, with its norma
     const Quadric quadric{{.linear = -center, .constant = dot(center, center) - radius * radius}};
     const Ray ray{center + random.point(15), std::exp(random.real(-2, 2)) * random.direction()};
     const auto expected = sphere.intersect(ray), found = quadric.intersect(ray);
-    wrong += expected.has_value() != found.has_value();
+    wrong.add(expected.has_value() != found.has_value(), sphere, quadric, ray);
     if (!expected || !found) continue;
     ++hits;
-    wrong += !(std::abs(*expected - *found) <= 0x1p-29 * *expected);
+    wrong.add(!(std::abs(*expected - *found) <= 0x1p-29 * *expected), sphere, quadric, ray);
     const Point p = ray.at(*expected);
-    wrong += !(length(quadric.normal_at(p) - sphere.normal_at(p)) < 1e-12);
-    wrong += !(length(Vec3(quadric.uv_at(p) - sphere.uv_at(p), 0)) < 1e-9);
+    wrong.add(!(length(quadric.normal_at(p) - sphere.normal_at(p)) < 1e-12), sphere, quadric, ray, p);
+    wrong.add(!(length(Vec3(quadric.uv_at(p) - sphere.uv_at(p), 0)) < 1e-9), sphere, quadric, ray, p);
   }
   CHECK(hits > 1000);
   CHECK(wrong == 0);
@@ -219,7 +222,8 @@ TEST_CASE("a quadric that is a sphere is hit where the sphere is, with its norma
 
 TEST_CASE("a hit lies on the quadric, and the normal there is a unit vector pointing outwards") {
   Random random(54);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Quadric quadric{{random.point(1), random.point(1), random.point(1), random.real(-1, 1)}};
     const Ray ray{random.point(3), std::exp(random.real(-3, 3)) * random.direction()};
@@ -232,10 +236,11 @@ TEST_CASE("a hit lies on the quadric, and the normal there is a unit vector poin
     const Point p = ray.at(*t);
     const Vec3 n = quadric.normal_at(p), gradient = 2.0 * (quadric.form.times(p) + quadric.form.linear);
     const double size = 3 * dot(p, p) + 4 * length(p) + 1;
-    wrong += !(std::abs(f(p)) <= 0x1p-30 * length(gradient) * *t * length(ray.direction) + 64 * ulp * size);
-    wrong += !(std::abs(length(n) - 1) < 4 * ulp);
+    wrong.add(!(std::abs(f(p)) <= 0x1p-30 * length(gradient) * *t * length(ray.direction) + 64 * ulp * size),
+              quadric, ray, p, size);
+    wrong.add(!(std::abs(length(n) - 1) < 4 * ulp), quadric, ray, n);
     const double off = 1e-4 * length(gradient);
-    if (off > 1e-5) wrong += !(f(p + off * n) > 0 && f(p - off * n) < 0);
+    if (off > 1e-5) wrong.add(!(f(p + off * n) > 0 && f(p - off * n) < 0), quadric, ray, p, n, off);
   }
   CHECK(hits > 5000);
   CHECK(wrong == 0);
@@ -248,7 +253,8 @@ TEST_CASE("a hit lies on the quadric, and the normal there is a unit vector poin
 
 TEST_CASE("a ray that leaves a quadric crosses it once more, exactly at the other root") {
   Random random(55);
-  int again = 0, wrong = 0;
+  int again = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     Quadric quadric = whole_quadric(random, 3);
     Ray ray{whole_vector(random, 4), whole_vector(random, 4)};
@@ -259,14 +265,15 @@ TEST_CASE("a ray that leaves a quadric crosses it once more, exactly at the othe
     if (i % 2) quadric.form.constant = std::nextafter(quadric.form.constant, 0);
     ray.departure = quadric.departure();
     const auto found = crossings(quadric, ray);
-    wrong += found.size() != (e.A == 0 ? 0 : 1);
+    wrong.add(found.size() != (e.A == 0 ? 0 : 1), quadric, ray);
     if (e.A == 0 || found.size() != 1) continue;
-    wrong += found[0] != static_cast<double>(2 * e.b) / static_cast<double>(e.A);
+    wrong.add(found[0] != static_cast<double>(2 * e.b) / static_cast<double>(e.A), quadric, ray);
     again += found[0] > 0;
-    wrong += crossings(quadric, ray, {0, 1}).size() != (0 < e.b && 2 * e.b < e.A);
+    wrong.add(crossings(quadric, ray, {0, 1}).size() != (0 < e.b && 2 * e.b < e.A), quadric, ray);
     // An equal quadric at another address counts as a different surface, so the departure does not matter.
     const Quadric other = quadric;
-    wrong += crossings(other, {ray.origin, ray.direction}).size() != crossings(other, ray).size();
+    wrong.add(crossings(other, {ray.origin, ray.direction}).size() != crossings(other, ray).size(), quadric,
+              other, ray);
   }
   CHECK(again > 5000);
   CHECK(wrong == 0);
@@ -281,7 +288,7 @@ TEST_CASE("a ray that leaves a quadric crosses it once more, exactly at the othe
     ++hits;
     const Ray left{ray.at(*t), random.direction(), round.departure()};
     const bool is_inwards = dot(left.direction, round.normal_at(left.origin)) < 0;
-    wrong += crossings(round, left, {}).size() != is_inwards;
+    wrong.add(crossings(round, left, {}).size() != is_inwards, round, ray, left);
   }
   CHECK(hits > 1000);
   CHECK(wrong == 0);
@@ -289,7 +296,8 @@ TEST_CASE("a ray that leaves a quadric crosses it once more, exactly at the othe
 
 TEST_CASE("ends_inside is exact for a quadric, and consistent with its crossings") {
   Random random(56);
-  int inside = 0, along = 0, wrong = 0;
+  int inside = 0, along = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Quadric quadric = whole_quadric(random, 2);
     const Ray ray{whole_vector(random, 2), whole_vector(random, 2)};
@@ -298,14 +306,15 @@ TEST_CASE("ends_inside is exact for a quadric, and consistent with its crossings
                  b = -value(quadric.form, ray.direction, 0, ray.origin, 1),
                  c = value(quadric.form, ray.origin, 1, ray.origin, 1);
     const bool expected = A != 0 ? A < 0 : b != 0 ? b > 0 : c < 0;
-    wrong += quadric.ends_inside(ray) != expected;
+    wrong.add(quadric.ends_inside(ray) != expected, quadric, ray);
     inside += expected;
     along += A == 0 && b == 0;
     // Each crossing ahead takes the ray from one side to the other.
-    if (c != 0) wrong += (crossings(quadric, ray, {}).size() % 2 != 0) != ((c < 0) != expected);
+    if (c != 0)
+      wrong.add((crossings(quadric, ray, {}).size() % 2 != 0) != ((c < 0) != expected), quadric, ray);
     Ray left = ray;
     left.departure = quadric.departure();
-    wrong += quadric.ends_inside(left) != (A != 0 ? A < 0 : b > 0);
+    wrong.add(quadric.ends_inside(left) != (A != 0 ? A < 0 : b > 0), quadric, ray, left);
   }
   CHECK(inside > 5000);
   CHECK(along > 100);
@@ -425,7 +434,8 @@ TEST_CASE("the bounds of an ellipsoid contain it, and are hardly larger") {
   }
   Random random(57);
   double least = 2, most = 0;
-  int crossed = 0, wrong = 0;
+  int crossed = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 4000; ++i) {
     const double size = std::exp2(random.real(-20, 20)),
                  far = i % 2 ? 0 : size * std::exp2(random.real(0, 16));
@@ -442,7 +452,7 @@ TEST_CASE("the bounds of an ellipsoid contain it, and are hardly larger") {
     const Ray aimed{ray.origin, center + random.point(0.5 * size) - ray.origin};
     each_crossing(quadric, aimed, everywhere, [&](const Crossing& crossing) {
       ++crossed;
-      wrong += ends_passed(bounds, aimed, crossing.t) > 0;
+      wrong.add(ends_passed(bounds, aimed, crossing.t) > 0, quadric, ray, aimed);
     });
   }
   CHECK(least > 1 + 0x1p-11);
@@ -485,7 +495,8 @@ TEST_CASE("quadrics other than ellipsoids have no bounds, and neither have inver
 
 TEST_CASE("crossings of a ray that leaves an ellipsoid lie in its bounds, wherever the ray begins") {
   Random random(58);
-  int again = 0, none = 0, wrong = 0;
+  int again = 0, none = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Point center = random.point(3);
     const Quadric quadric = turned_ellipsoid(random, center, {1, random.real(0.1, 1), random.real(0.1, 1)});
@@ -502,9 +513,10 @@ TEST_CASE("crossings of a ray that leaves an ellipsoid lie in its bounds, wherev
     if (dot(d, n) > 0) d = -d;
     const Ray left{hit + off * n, d, quadric.departure()};
     const auto found = crossings(quadric, left);
-    wrong += found.size() > 1 || (off == 0 && found.size() != 1);
+    wrong.add(found.size() > 1 || (off == 0 && found.size() != 1), quadric, ray, aimed, left, off);
     none += found.empty(), again += !found.empty();
-    for (const double other : found) wrong += ends_passed(quadric.bounds(), left, other) > 0;
+    for (const double other : found)
+      wrong.add(ends_passed(quadric.bounds(), left, other) > 0, quadric, ray, aimed, left, other);
   }
   CHECK(again > 4000);
   CHECK(none > 500);
@@ -549,14 +561,15 @@ TEST_CASE("pictures of quadrics are the same ray by ray, accelerated and by tile
   CHECK(drawn.lit > 500);
   CHECK(drawn.different == 0);
 
-  int lit = 0, acne = 0;
+  int lit = 0;
+  WrongCases acne;
   for (int i = 0; i < 64 * 48; ++i) {
     const auto hit = scene.intersect(camera.through_pixel(i % 64, i / 64, 64, 48));
     if (!hit) continue;
     ++lit;
     const Ray to_light = hit->leave(light - hit->point());
     if (!(dot(hit->facing_normal(), to_light.direction) > 0)) continue;
-    if (const auto shadow = scene.intersect(to_light, {0, 1})) acne += shadow->t < 1e-9;
+    if (const auto shadow = scene.intersect(to_light, {0, 1})) acne.add(shadow->t < 1e-9, to_light);
   }
   CHECK(lit > 1000);
   CHECK(acne == 0);

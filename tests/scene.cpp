@@ -14,6 +14,7 @@
 #include "support/cylinder.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -121,19 +122,20 @@ TEST_CASE("a ray is occluded exactly if it has a closest hit, in every range") {
   for (int i = 0; i < 10; ++i) scene.add(Sphere{random.point(5), random.real(0.5, 2)}, tag(i));
   scene.add(Plane{.normal = random.direction(), .distance = 6}, tag(10));
   scene.add(Cylinder{.radius = 0.5}, tag(11));
-  int hits = 0, misses = 0, wrong = 0;
+  int hits = 0, misses = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 30000; ++i) {
     const Ray ray{random.point(6), random.direction()};
     const double min = random.real(0, 3);
     const Interval range{.min = min, .max = min + random.real(0, 5)};
     const auto hit = scene.intersect(ray, range);
     ++(hit ? hits : misses);
-    if (scene.occluded(ray, range) != hit.has_value()) ++wrong;
-    if (hit && !range.contains(hit->t)) ++wrong;
+    wrong.add(scene.occluded(ray, range) != hit.has_value(), ray, range);
+    wrong.add(hit && !range.contains(hit->t), ray, range);
     // The closest hit has the least t of all crossings.
     double least = inf;
     scene.crossings(ray, range, [&](const Intersection& crossing) { least = std::min(least, crossing.t); });
-    if (hit ? hit->t != least : least != inf) ++wrong;
+    wrong.add(hit ? hit->t != least : least != inf, ray, range, least);
   }
   CHECK(hits > 3000);
   CHECK(misses > 5000);
@@ -149,7 +151,8 @@ TEST_CASE("a ray that leaves one of several coinciding surfaces leaves all of th
   scene.add(Plane{.normal = {1, 2, 3}, .distance = 7}, tag(4));
   scene.add(Plane{.normal = {1, 2, 3}, .distance = 7}, tag(5));
   scene.add(Plane{.normal = {-3, -6, -9}, .distance = -21}, tag(6));
-  int spheres = 0, planes = 0, wrong = 0;
+  int spheres = 0, planes = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Ray ray{0.8 * random.direction(), random.direction()};
     const auto hit = scene.intersect(ray);
@@ -159,9 +162,9 @@ TEST_CASE("a ray that leaves one of several coinciding surfaces leaves all of th
     const bool is_sphere = tag_of(*hit) <= 3;
     ++(is_sphere ? spheres : planes);
     for (const auto& [number, t] : crossings_of(scene, left)) own += (number <= 3) == is_sphere ? 1 : 0;
-    if (!is_sphere && own != 0) ++wrong;
+    wrong.add(!is_sphere && own != 0, ray, left);
     const bool inwards = dot(left.direction, Point{0.1, 0.2, 0.3} - left.origin) > 0;
-    if (is_sphere && own != (inwards ? 3 : 0)) ++wrong;
+    wrong.add(is_sphere && own != (inwards ? 3 : 0), ray, left);
   }
   CHECK(spheres > 2000);
   CHECK(planes > 2000);

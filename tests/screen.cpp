@@ -6,6 +6,7 @@
 
 #include "support/catch.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 using namespace protostar::simd;
@@ -14,7 +15,8 @@ TEST_CASE("PixelsBetween holds the pixels whose centers are between two position
   constexpr int N = 4;
   using Places = Lanes<float, N>;
   Random random(71);
-  int wrong = 0, found = 0;
+  int found = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20'000; ++i) {
     const int count = 1 + static_cast<int>(random.bits() % 64);
     const auto place = [&] {
@@ -29,10 +31,10 @@ TEST_CASE("PixelsBetween holds the pixels whose centers are between two position
       const bool is_between = a <= static_cast<float>(x) && static_cast<float>(x) <= b;
       const bool is_near = a - 0.002f < static_cast<float>(x) && static_cast<float>(x) < b + 0.002f;
       const bool is_told = any && pixels.first[0] <= x && x < pixels.end[0];
-      wrong += (is_between && !is_told) || (is_told && !is_near);
+      wrong.add((is_between && !is_told) || (is_told && !is_near), a, b, "pixel", x);
       found += is_told;
     }
-    wrong += pixels.first[0] < 0 || pixels.end[0] > count;
+    wrong.add(pixels.first[0] < 0 || pixels.end[0] > count, a, b, "of", count);
   }
   CHECK(found > 100'000);
   CHECK(wrong == 0);
@@ -49,7 +51,8 @@ TEST_CASE("PixelsBetween holds the pixels whose centers are between two position
 TEST_CASE(
     "points of a box that a pixel sees are in the pixels of the box, and no nearer than its nearest point") {
   Random random(72);
-  int wrong = 0, in_front = 0, kept = 0, boxes = 0;
+  int in_front = 0, kept = 0, boxes = 0;
+  WrongCases wrong(random);
   for (int round = 0; round < 3000; ++round) {
     // Camera near to or far from a world of any size.
     const double size = std::exp2(random.real(-30, 30)),
@@ -102,13 +105,14 @@ TEST_CASE(
       const auto [x, y, nearness] = sights[static_cast<std::size_t>(k)];
       const bool is_seen = (on_screen.seen >> k & 1) != 0;
       if (nearness == 0) {
-        wrong += is_seen;
+        wrong.add(is_seen, center);
         continue;
       }
       ++boxes;
       const BoxOnScreen box = on_screen[k];
-      wrong += !is_seen || x < box.x0 || x >= box.x1 || y < box.y0 || y >= box.y1 ||
-               nearness * (1 - 0x1p-40) > static_cast<double>(box.nearest);
+      wrong.add(!is_seen || x < box.x0 || x >= box.x1 || y < box.y0 || y >= box.y1 ||
+                    nearness * (1 - 0x1p-40) > static_cast<double>(box.nearest),
+                center);
       in_front += (on_screen.in_front >> k & 1) != 0;
       kept += (box.x1 - box.x0) * (box.y1 - box.y0) < tile.width() * tile.height() / 4;
     }

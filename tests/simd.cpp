@@ -14,6 +14,7 @@
 
 #include "support/catch.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 using simd::Bits;
@@ -70,7 +71,7 @@ template <class T, int N>
 void check_each_pair(const Lanes<T, N>&, const auto& f) {
   const std::vector<T> all = numbers<T>();
   const std::size_t n = all.size();
-  int wrong = 0;
+  WrongCases wrong;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t k = 0; k < n; ++k) {
       Lanes<T, N> a, b;
@@ -82,9 +83,9 @@ void check_each_pair(const Lanes<T, N>&, const auto& f) {
       for (int lane = 0; lane < N; ++lane) {
         const auto expected = f(a[lane], b[lane]);
         if constexpr (std::is_same_v<decltype(answers), const Mask<T, N>>)
-          wrong += ((bits(answers) >> lane) & 1) != (expected ? 1U : 0U);
+          wrong.add(((bits(answers) >> lane) & 1) != (expected ? 1U : 0U), a[lane], b[lane]);
         else
-          wrong += !same(answers[lane], expected);
+          wrong.add(!same(answers[lane], expected), a[lane], b[lane], answers[lane]);
       }
     }
   CHECK(wrong == 0);

@@ -8,6 +8,7 @@
 #include "support/catch.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -62,7 +63,8 @@ TEST_CASE("the closest hit of a sphere is where the ray enters it") {
 
 TEST_CASE("the hit points of a sphere lie on the sphere") {
   Random random(3);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 50000; ++i) {
     const Sphere sphere = random_sphere(random);
     const Ray ray = random_ray(random, sphere);
@@ -71,7 +73,8 @@ TEST_CASE("the hit points of a sphere lie on the sphere") {
       ++hits;
       // t has a relative error of 2^-30, and the point that of a few roundings.
       const double certain = Roots::relative_error * std::abs(t) * length(ray.direction) + 1e-14 * scale;
-      if (!(std::abs(length(ray.at(t) - sphere.center) - sphere.radius) < certain)) ++wrong;
+      wrong.add(!(std::abs(length(ray.at(t) - sphere.center) - sphere.radius) < certain), sphere, ray, t,
+                certain);
     }
   }
   CHECK(hits > 50000);
@@ -80,7 +83,8 @@ TEST_CASE("the hit points of a sphere lie on the sphere") {
 
 TEST_CASE("hits of a sphere agree with arithmetic of more digits") {
   Random random(4);
-  int hits = 0, misses = 0, wrong = 0;
+  int hits = 0, misses = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 50000; ++i) {
     const Sphere sphere = random_sphere(random);
     const Ray ray = random_ray(random, sphere);
@@ -100,8 +104,8 @@ TEST_CASE("hits of a sphere agree with arithmetic of more digits") {
       if (!(t > 0)) t = (-b + std::sqrt(discriminant)) / (2 * a);
     }
     const auto found = sphere.intersect(ray);
-    if (found.has_value() != (t > 0)) ++wrong;
-    if (found && !(std::abs(*found - t) <= 1e-9L * t)) ++wrong;
+    wrong.add(found.has_value() != (t > 0), sphere, ray);
+    wrong.add(found && !(std::abs(*found - t) <= 1e-9L * t), sphere, ray);
     ++(found ? hits : misses);
   }
   CHECK(hits > 10000);
@@ -141,7 +145,8 @@ TEST_CASE("the normal of a sphere is a unit vector, outwards; a negative radius 
 TEST_CASE(
     "a ray that leaves a sphere outwards never hits it again, and one that leaves it inwards does once") {
   Random random(6);
-  int outwards = 0, inwards = 0, wrong = 0;
+  int outwards = 0, inwards = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 50000; ++i) {
     const Sphere sphere = random_sphere(random);
     const Ray ray = random_ray(random, sphere);
@@ -160,13 +165,13 @@ TEST_CASE(
     each_crossing(sphere, left, {}, [&](const Crossing&) { ++crossings; });
     const bool is_inwards = dot(left.direction, sphere.center - point) > 0;
     ++(is_inwards ? inwards : outwards);
-    if (crossings != (is_inwards ? 1 : 0)) ++wrong;
-    if (first_crossing(sphere, left, {}).has_value() != is_inwards) ++wrong;
+    wrong.add(crossings != (is_inwards ? 1 : 0), sphere, ray, left);
+    wrong.add(first_crossing(sphere, left, {}).has_value() != is_inwards, sphere, ray, left);
     if (is_inwards) {
       const Point other = left.at(first_crossing(sphere, left, {})->t);
-      if (!(std::abs(length(other - sphere.center) / sphere.radius - 1) <
-            4 * Roots::relative_error * (1 + length(ray.origin) / sphere.radius)))
-        ++wrong;
+      wrong.add(!(std::abs(length(other - sphere.center) / sphere.radius - 1) <
+                  4 * Roots::relative_error * (1 + length(ray.origin) / sphere.radius)),
+                sphere, ray, left, other);
     }
   }
   CHECK(outwards > 5000);

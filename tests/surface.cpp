@@ -9,6 +9,7 @@
 #include "support/catch.hpp"
 #include "support/cylinder.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -104,7 +105,8 @@ TEST_CASE("beyond_departure cuts off the departure's root if it is computed ahea
 
 TEST_CASE("a user-defined surface that is left outwards is not hit again, and inwards once more") {
   Random random(9);
-  int outwards = 0, inwards = 0, wrong = 0;
+  int outwards = 0, inwards = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 50000; ++i) {
     const Cylinder cylinder{.radius = std::exp(random.real(-4, 4))};
     const Ray ray{random.point(20), random.direction()};
@@ -115,12 +117,12 @@ TEST_CASE("a user-defined surface that is left outwards is not hit again, and in
     if (std::abs(slope) < 1e-4) continue;  // nearly tangent: beyond_departure guarantees nothing
     ++(slope < 0 ? inwards : outwards);
     const std::size_t expected = slope < 0 ? 1 : 0;
-    if (crossings_of(cylinder, left).size() != expected) ++wrong;
-    if (first_crossing(cylinder, left, {}).has_value() != (expected == 1)) ++wrong;
+    wrong.add(crossings_of(cylinder, left).size() != expected, cylinder, ray, left);
+    wrong.add(first_crossing(cylinder, left, {}).has_value() != (expected == 1), cylinder, ray, left);
     // AnySurface recognizes the copy that it holds.
     const AnySurface any = cylinder;
     const Ray left_any{left.origin, left.direction, departure_of(any)};
-    if (crossings_of(any, left_any) != crossings_of(cylinder, left)) ++wrong;
+    wrong.add(crossings_of(any, left_any) != crossings_of(cylinder, left), cylinder, ray, left, left_any);
   }
   CHECK(outwards > 1000);
   CHECK(inwards > 1000);

@@ -15,6 +15,7 @@
 
 #include "support/catch.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -54,7 +55,8 @@ Point middle_of(const Parallelogram& board) { return board.position + 0.5 * (boa
 
 TEST_CASE("a ray that leaves one of several surfaces in one tilted plane leaves all of them, of any kind") {
   Random random(81);
-  int planes = 0, wrong = 0;
+  int planes = 0;
+  WrongCases wrong(random);
   while (planes < 500) {
     // Whole numbers so small that the plane of each surface is exact.
     const Vec3 n = whole_vector(random, 20);
@@ -73,9 +75,9 @@ TEST_CASE("a ray that leaves one of several surfaces in one tilted plane leaves 
     surfaces.emplace_back(Disk{.position = p - v, .normal = -7.0 * n, .radius = 60});
     for (const AnySurface& left : surfaces)
       for (const AnySurface& other : surfaces) {
-        wrong += !(left.departure(0) == other.departure(0));
+        wrong.add(!(left.departure(0) == other.departure(0)), n, u, p);
         const Ray ray{p + 0.25 * u + 0.25 * v, random.direction(), left.departure(0)};
-        wrong += first_crossing(other, ray, whole_line).has_value();
+        wrong.add(first_crossing(other, ray, whole_line).has_value(), ray);
       }
   }
   CHECK(wrong == 0);
@@ -83,22 +85,25 @@ TEST_CASE("a ray that leaves one of several surfaces in one tilted plane leaves 
 
 TEST_CASE("planes whose rounded equations differ in the last place of one number are told apart") {
   Random random(82);
-  int wrong = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 500; ++i) {
     const Parallelogram board = tilted_board(random);
     const PlaneEquation equation = board.departure().geometry;
-    wrong += !(plane_of(equation).departure() == board.departure());
+    wrong.add(!(plane_of(equation).departure() == board.departure()), board);
     for (std::size_t k = 0; k < 4; ++k)
       for (const double side : {-infinity, infinity}) {
         PlaneEquation next = equation;
         next[k] = std::nextafter(next[k], side);
         const Plane other = plane_of(next);
-        wrong += other.departure() == board.departure() || board.departure() == other.departure();
+        wrong.add(other.departure() == board.departure() || board.departure() == other.departure(), board,
+                  other);
         // A line through both planes that departs from one of them crosses the other.
         const Point origin = middle_of(board);
         const Vec3 direction = cross(board.edge_u, board.edge_v) + 0.1 * random.direction();
-        wrong += !other.intersect({origin, direction, board.departure()}, whole_line);
-        wrong += !board.intersect({origin - direction, direction, other.departure()}, whole_line);
+        wrong.add(!other.intersect({origin, direction, board.departure()}, whole_line), board, other, origin,
+                  direction);
+        wrong.add(!board.intersect({origin - direction, direction, other.departure()}, whole_line), board,
+                  other, origin, direction);
       }
   }
   CHECK(wrong == 0);
@@ -106,15 +111,18 @@ TEST_CASE("planes whose rounded equations differ in the last place of one number
 
 TEST_CASE("planes with equal rounded equations are left together, and are hit in exact order") {
   Random random(83);
-  int wrong = 0, far = 0, misordered = 0, before = 0, behind = 0;
+  int misordered = 0, before = 0, behind = 0;
+  WrongCases wrong(random), far(random);
   for (int i = 0; i < 2000; ++i) {
     const Parallelogram board = tilted_board(random);
     const PlaneEquation equation = board.departure().geometry;
     const Plane floor = plane_of(equation);
     const Point origin = middle_of(board) + random.direction();
     const Ray ray{origin, middle_of(board) + 0.2 * random.point(1) - origin};
-    wrong += floor.intersect({middle_of(board), ray.direction, board.departure()}, whole_line).has_value();
-    wrong += board.intersect({middle_of(board), ray.direction, floor.departure()}, whole_line).has_value();
+    wrong.add(floor.intersect({middle_of(board), ray.direction, board.departure()}, whole_line).has_value(),
+              board, floor, ray);
+    wrong.add(board.intersect({middle_of(board), ray.direction, floor.departure()}, whole_line).has_value(),
+              board, floor, ray);
 
     // The distance between both is at most 2^-52 of the sizes of the terms, in units of the normal, whose
     // length is at least 1.
@@ -122,7 +130,7 @@ TEST_CASE("planes with equal rounded equations are left together, and are hit in
     double terms = std::abs(equation[3]);
     for (int k = 0; k < 3; ++k) terms += std::abs(equation[static_cast<std::size_t>(k)] * p[k]);
     const ExactNumber height = height_over(equation, p), most = 0x1p-52 * 1.01 * terms;
-    far += (most - height).sign() < 0 || (most + height).sign() < 0;
+    far.add((most - height).sign() < 0 || (most + height).sign() < 0, board, floor, ray);
 
     // Both are ordered as in exact arithmetic, whichever was added first.
     const auto t = board.intersect(ray);
@@ -146,7 +154,8 @@ TEST_CASE("planes with equal rounded equations are left together, and are hit in
 
 TEST_CASE("surfaces with equal rounded planes show no acne, and surfaces farther off cast their shadow") {
   Random random(84);
-  int lit = 0, dark = 0, acne = 0, leaks = 0;
+  int lit = 0, dark = 0;
+  WrongCases acne(random), leaks(random);
   for (int i = 0; i < 100; ++i) {
     const Parallelogram board = tilted_board(random);
     const Plane floor = plane_of(board.departure().geometry);
@@ -164,7 +173,8 @@ TEST_CASE("surfaces with equal rounded planes show no acne, and surfaces farther
       const auto hit = touching.intersect({eye, on_board - eye});
       REQUIRE(hit);
       ++lit;
-      acne += touching.occluded(hit->leave(light - hit->point()), Interval{0, 1});
+      acne.add(touching.occluded(hit->leave(light - hit->point()), Interval{0, 1}), board, floor, raised,
+               light);
       // From below, the floor is visible, which the raised board hides from a light above.
       const Point below = on_board - up + 0.5 * random.direction();
       const auto under = apart.intersect({below, on_board - below});
@@ -173,7 +183,7 @@ TEST_CASE("surfaces with equal rounded planes show no acne, and surfaces farther
       const Plane* const is_floor = &apart.template surfaces<Plane>()[0];
       REQUIRE(under->leave(up).departure == is_floor->departure());
       ++dark;
-      leaks += !apart.occluded(to_light, Interval{0, 1});
+      leaks.add(!apart.occluded(to_light, Interval{0, 1}), board, floor, raised, to_light);
     }
   }
   CHECK(acne == 0);

@@ -16,6 +16,7 @@
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -84,7 +85,8 @@ TEST_CASE(
     const double x = number(), y = number(), z = number();
     return Vec3{x, y, z};
   };
-  int wrong = 0, parallel = 0;
+  int parallel = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Point origin = vector(), p = vector();
     const Vec3 direction = vector();
@@ -95,7 +97,7 @@ TEST_CASE(
       q = vector();
     const auto line = line_of<ExactNumber>(origin, direction);
     const int side = *detail::side_of_edge(line, p, q);
-    wrong += detail::side_of_edge(line, q, p) != -side;
+    wrong.add(detail::side_of_edge(line, q, p) != -side, origin, direction, q);
     parallel += side == 0;
   }
   CHECK(wrong == 0);
@@ -150,19 +152,21 @@ TEST_CASE("a triangle is hit if a ray passes all its edges on one side") {
 
 TEST_CASE("hits of triangles are exact, and at the outline as for an infinitesimally moved origin") {
   Random random(31);
-  int hits = 0, outline = 0, misjudged = 0, wrong = 0;
+  int hits = 0, outline = 0;
+  WrongCases misjudged(random), wrong(random);
   for (int i = 0; i < 100000; ++i) {
     const Triangle s{whole_vector(random, 3), whole_vector(random, 3), whole_vector(random, 3)};
     const Ray ray{whole_vector(random, 3), whole_vector(random, 3)};
     const Vec3 a = s.a - ray.origin, b = s.b - ray.origin, c = s.c - ray.origin;
     const bool expected = is_crossed(s, ray);
-    if (i % 16 == 0) misjudged += is_exactly_crossed(s, ray) != expected;
+    if (i % 16 == 0) misjudged.add(is_exactly_crossed(s, ray) != expected, s, ray);
     const auto t = s.intersect(ray, everywhere);
     hits += expected;
     outline += expected && (dot(ray.direction, cross(a, b)) == 0 || dot(ray.direction, cross(b, c)) == 0 ||
                             dot(ray.direction, cross(c, a)) == 0);
-    wrong += t.has_value() != expected;
-    if (t && expected) wrong += *t != dot(exact_normal(s), a) / dot(exact_normal(s), ray.direction);
+    wrong.add(t.has_value() != expected, s, ray);
+    if (t && expected)
+      wrong.add(*t != dot(exact_normal(s), a) / dot(exact_normal(s), ray.direction), s, ray, a);
   }
   CHECK(hits > 3000);
   CHECK(outline > 1000);
@@ -172,18 +176,20 @@ TEST_CASE("hits of triangles are exact, and at the outline as for an infinitesim
 
 TEST_CASE("hits of a triangle do not depend on the order of its vertices, and scale with powers of two") {
   Random random(32);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 5000; ++i) {
     const Triangle s{whole_vector(random, 4), whole_vector(random, 4), whole_vector(random, 4)};
     const Ray ray{whole_vector(random, 4), whole_vector(random, 4)};
     const auto t = s.intersect(ray, everywhere);
     hits += t.has_value();
     for (const Triangle& other : {Triangle{s.b, s.c, s.a}, Triangle{s.a, s.c, s.b}})
-      wrong += other.intersect(ray, everywhere) != t;
+      wrong.add(other.intersect(ray, everywhere) != t, s, other, ray);
     for (const double size : {0x1p-900, 0x1p-300, 0x1p-30, 0x1p30, 0x1p300, 0x1p900}) {
       const Triangle scaled{size * s.a, size * s.b, size * s.c};
       const auto found = scaled.intersect({size * ray.origin, 0x1p-50 * ray.direction}, everywhere);
-      wrong += found.has_value() != t.has_value() || (t && *found != std::ldexp(*t * size, 50));
+      wrong.add(found.has_value() != t.has_value() || (t && *found != std::ldexp(*t * size, 50)), s, size,
+                ray);
     }
   }
   CHECK(hits > 200);
@@ -192,7 +198,8 @@ TEST_CASE("hits of a triangle do not depend on the order of its vertices, and sc
 
 TEST_CASE("a ray to the shared edge of two triangles hits exactly one of them") {
   Random random(33);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const double size = std::exp2(random.real(-10, 20));
     const Point at = size * random.point(100), p = at + size * random.point(1),
@@ -205,7 +212,7 @@ TEST_CASE("a ray to the shared edge of two triangles hits exactly one of them") 
     const double seen = dot(ray.direction, exact_normal(one)) * dot(ray.direction, exact_normal(other));
     if (!(seen > 0)) continue;
     ++hits;
-    wrong += one.intersect(ray).has_value() == other.intersect(ray).has_value();
+    wrong.add(one.intersect(ray).has_value() == other.intersect(ray).has_value(), one, ray);
   }
   CHECK(hits > 10000);
   CHECK(wrong == 0);
@@ -213,7 +220,8 @@ TEST_CASE("a ray to the shared edge of two triangles hits exactly one of them") 
 
 TEST_CASE("rays next to an edge or a vertex are decided exactly") {
   Random random(39);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Vec3 far = i % 3 == 0 ? random.point(1e4) : Vec3{0};
     const Triangle s{far + random.point(1), far + random.point(1), far + random.point(1)};
@@ -224,7 +232,7 @@ TEST_CASE("rays next to an edge or a vertex are decided exactly") {
     const Ray ray{origin, target - origin};
     const bool expected = is_exactly_crossed(s, ray);
     hits += expected;
-    wrong += s.intersect(ray, everywhere).has_value() != expected;
+    wrong.add(s.intersect(ray, everywhere).has_value() != expected, s, ray);
   }
   CHECK(hits > 7000);
   CHECK(hits < 13000);
@@ -233,7 +241,8 @@ TEST_CASE("rays next to an edge or a vertex are decided exactly") {
 
 TEST_CASE("t is accurate for triangles, however flat the ray, and however near its origin") {
   Random random(34);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Triangle s{random.point(2), random.point(2), random.point(2)};
     Ray ray{random.point(5), random.direction()};
@@ -249,8 +258,8 @@ TEST_CASE("t is accurate for triangles, however flat the ray, and however near i
     ++hits;
     const ExactRoot exact = s.exact_root(ray, 0);
     const DoubleDouble root = refined(exact);
-    wrong += !(std::abs((root - DoubleDouble(*t)).hi) <= Roots::relative_error * std::abs(root.hi));
-    wrong += !s.roots(ray).count();
+    wrong.add(!(std::abs((root - DoubleDouble(*t)).hi) <= Roots::relative_error * std::abs(root.hi)), s, ray);
+    wrong.add(!s.roots(ray).count(), s, ray);
   }
   CHECK(hits > 200);
   CHECK(wrong == 0);
@@ -286,7 +295,7 @@ TEST_CASE("the normal of a triangle is the unit vector along (b − a) × (c −
   // Far from the origin, and so thin that all digits of the differences cancel, or some are lost. Multiples
   // of 2^-40 in [1, 2) have products of 82 bits at most.
   Random random(35);
-  int wrong = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 5000; ++i) {
     const auto place = [&] { return Vec3{1.5} + 0x1p-40 * whole_vector(random, std::int64_t{1} << 39); };
     Triangle s{place(), place(), place()};
@@ -301,7 +310,7 @@ TEST_CASE("the normal of a triangle is the unit vector along (b − a) × (c −
     };
     const Vec3 n{minor(1, 2), minor(2, 0), minor(0, 1)};
     if (n == Vec3{0}) continue;
-    wrong += !(length(s.normal_at(s.a) - normalize(n)) < 1e-15);
+    wrong.add(!(length(s.normal_at(s.a) - normalize(n)) < 1e-15), thin, s, n);
   }
   CHECK(wrong == 0);
 }
@@ -329,7 +338,8 @@ TEST_CASE("the bounds of a triangle hold its points, and are tight") {
 
 TEST_CASE("a ray that leaves a triangle never hits it again") {
   Random random(36);
-  int hits = 0, wrong = 0;
+  int hits = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     Triangle s{random.point(2), random.point(5), random.point(5)};
     if (i % 4 == 0) s.a.y = s.b.y = s.c.y;
@@ -338,8 +348,8 @@ TEST_CASE("a ray that leaves a triangle never hits it again") {
     const auto t = s.intersect(ray);
     if (!t) continue;
     ++hits;
-    wrong += s.intersect({ray.at(*t), random.direction(), s.departure()}, everywhere).has_value();
-    wrong += s.intersect({ray.at(*t), s.b - ray.at(*t), s.departure()}, everywhere).has_value();
+    wrong.add(s.intersect({ray.at(*t), random.direction(), s.departure()}, everywhere).has_value(), s, ray);
+    wrong.add(s.intersect({ray.at(*t), s.b - ray.at(*t), s.departure()}, everywhere).has_value(), s, ray);
   }
   CHECK(hits > 15000);
   CHECK(wrong == 0);
@@ -347,7 +357,8 @@ TEST_CASE("a ray that leaves a triangle never hits it again") {
 
 TEST_CASE("triangles of one plane have equal departures, and so have the plane and a parallelogram in it") {
   Random random(37);
-  int wrong = 0, tilted = 0, inexact = 0;
+  int tilted = 0, inexact = 0;
+  WrongCases wrong(random);
   for (int i = 0; i < 5000; ++i) {
     // Points p + j u + k v of few digits. Differences between points close to the origin and others do not
     // fit into a double.
@@ -365,25 +376,25 @@ TEST_CASE("triangles of one plane have equal departures, and so have the plane a
     if (!has_area(a) || !has_area(b)) continue;
     for (int axis = 0; axis < 3; ++axis) inexact += two_sum(a.b[axis], -a.a[axis]).lo != 0;
     tilted += a.departure().kind == Departure::Kind::rounded_plane;
-    wrong += a.departure() != b.departure() || b.departure() != a.departure();
-    wrong += b.intersect({b.a, random.direction(), a.departure()}, everywhere).has_value();
+    wrong.add(a.departure() != b.departure() || b.departure() != a.departure(), a, b);
+    wrong.add(b.intersect({b.a, random.direction(), a.departure()}, everywhere).has_value(), a, b);
     const Parallelogram board{p, u, v};
-    wrong += a.departure() != board.departure();
+    wrong.add(a.departure() != board.departure(), a, b, board);
     const Plane plane{cross(u, v), dot(cross(u, v), p)};
-    wrong += a.departure() != plane.departure() || plane.departure() != a.departure();
+    wrong.add(a.departure() != plane.departure() || plane.departure() != a.departure(), a, b, board, plane);
   }
   CHECK(tilted > 2000);
   CHECK(inexact > 1000);
   CHECK(wrong == 0);
 
   // The equation is that of the exact plane, however thin the triangle and wherever it is.
-  int off = 0;
+  WrongCases off(random);
   for (int i = 0; i < 3000; ++i) {
     const Point p = random.point(1), q = random.point(1);
     const Point r =
         i % 3 == 0 ? 0.5 * (p + q) + std::exp2(random.real(-50, -20)) * random.point(1) : random.point(1);
     const ExactVector n = cross(exact_difference(q, p), exact_difference(r, p));
-    off += plane_through_points(p, q, r) != detail::exact_plane_at(p, n);
+    off.add(plane_through_points(p, q, r) != detail::exact_plane_at(p, n), p, r);
   }
   CHECK(off == 0);
 

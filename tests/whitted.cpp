@@ -14,6 +14,7 @@
 #include "support/catch.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -301,7 +302,7 @@ TEST_CASE("a highlight is the float nearest to the power of its cosine") {
   for (const double shininess :
        {0.0, 0.3, 1.0, 2.0, 3.0, 10.0, 12.5, 50.0, 125.0, 1425.0, 60001.0, 65536.0, 65537.0}) {
     CAPTURE(shininess);
-    int wrong = 0;
+    WrongCases wrong(random);
     // If the power is much below 1, where double is least certain, one in thousands is in doubt.
     for (int i = 0; i < (shininess == 60001 ? 50000 : 500); ++i) {
       const double height = 1 - random.real(0, std::min(1.0, 90 / shininess));
@@ -313,7 +314,7 @@ TEST_CASE("a highlight is the float nearest to the power of its cosine") {
       const double cosine = -to_light.z / length(to_light);
       const long double power =
           std::pow(static_cast<long double>(cosine), static_cast<long double>(shininess));
-      wrong += seen(scene) != Color{static_cast<float>(power)};
+      wrong.add(seen(scene) != Color{static_cast<float>(power)}, to_light, power);
     }
     CHECK(wrong == 0);
   }
@@ -357,10 +358,10 @@ TEST_CASE("surfaces without a mirror or glass look as they do under ShadowIntegr
   scene.add(AmbientLight{Color{0.125f}});
   scene.set_sky(sky);
   Random random(8);
-  int differing = 0;
+  WrongCases differing(random);
   for (int i = 0; i < 2000; ++i) {
     const Ray ray{{0, 0, -1}, normalize(Vec3{random.real(-1, 1), random.real(-1, 1), 1})};
-    if (!near(seen(scene, 1, ray), ShadowIntegrator{}.radiance(ray, scene))) ++differing;
+    differing.add(!near(seen(scene, 1, ray), ShadowIntegrator{}.radiance(ray, scene)), ray);
   }
   CHECK(differing == 0);
 }
