@@ -40,9 +40,9 @@ class TileRenderer {
                const RenderOptions& options)
       : scene_(scene),
         rays_(camera, PixelGrid(image.width(), image.height(), options), image.width(), image.height()),
-        skips_(options.skips),
+        skips_(worthwhile(options, image, scene.scene().size())),
         statistics_(options.statistics),
-        filler_(image, scene, integrator, rays_, unbounded_, options.skips) {
+        filler_(image, scene, integrator, rays_, unbounded_, skips_) {
     int place = 0;
     (add_group<S>(place), ...);
     if constexpr (nearest_first) put_nearest_first(candidates_);
@@ -97,6 +97,17 @@ class TileRenderer {
   struct Work : TileWork<View> {
     Candidates lists[std::size(divisions)];
   };
+
+  /// Returns the skips of the options, without lists of occluders in a picture of fewer than 64 pixels for
+  /// each surface: there a list serves so few rays that its search costs more than it saves.
+  static Skips worthwhile(const RenderOptions& options, const Image& image, std::size_t surfaces) {
+    const Crop& crop = options.crop;
+    const auto pixels =
+        crop.width > 0 ? 1.0 * crop.width * crop.height : 1.0 * image.width() * image.height();
+    Skips skips = options.skips;
+    skips.occluder_lists = skips.occluder_lists && pixels >= 64.0 * static_cast<double>(surfaces);
+    return skips;
+  }
 
   /// Returns true if there are so many surfaces that each tile traverses the BVH for its own, instead of
   /// testing all.
