@@ -74,9 +74,11 @@ TEST_CASE("statistics count the work that is needed, and no more") {
   const RenderStatistics depth = taken_by(scene, DepthIntegrator{});
   CHECK(depth.surface_tests == depth.camera_rays);
   CHECK(depth.camera_rays < 320 * 240 / 5);
-  // Whether it is hit float tells, but for rays at its outline.
+  // Float tells whether it is hit, but for rays at its outline; for parts of tiles inside of the outline, it
+  // tells for all rays at once.
   const RenderStatistics binary = taken_by(scene, BinaryIntegrator{});
-  CHECK(binary.float_tests >= depth.surface_tests);
+  CHECK(binary.float_tests < depth.surface_tests);
+  CHECK(binary.float_tests > depth.surface_tests / 2);
   CHECK(binary.surface_tests == binary.camera_rays);
   CHECK(binary.camera_rays < depth.camera_rays / 20);
 
@@ -162,4 +164,13 @@ TEST_CASE("each kind of culling by tiles may be turned off: the picture is the s
     check(*scene, ColorIntegrator{}, false);
     check(*scene, ShadowIntegrator{}, true);
   }
+
+  // In a picture of fewer than 64 pixels for each surface, no shadow ray gets a list of occluders.
+  Image small(100, 75);
+  RenderStatistics taken;
+  render(small, Camera{}, many, ShadowIntegrator{}, {.statistics = &taken});
+  CHECK(taken.other_rays > 1000);
+  CHECK(taken.rays_alone == taken.other_rays);
+  render(small, Camera{}, many, ShadowIntegrator{}, {.crop = {50, 37, 200, 150}, .statistics = &taken});
+  CHECK(taken.rays_alone < taken.other_rays);
 }
