@@ -1,6 +1,6 @@
 // Run time against error, for algorithms to intersect a sphere and for pictures.
 //
-//   bench_error [--runs N] [--threads N] [--csv FILE] [--svg FILE] [--quick]
+//   bench_error [--runs N] [--threads N] [--csv FILE] [--quick]
 //
 // A kernel is judged by exact arithmetic, on cases whose numbers float holds, so that all errors of a kernel
 // in float are its own. A picture is judged by the true light on each of 640 × 480 pixels, the average over
@@ -8,14 +8,9 @@
 // error.
 #include "bench_error.hpp"
 
-namespace {
-
-void errors(const bench::Options& options) {
-  std::vector<bench::Plot> plots{errors_of_kernels(options)};
-  for (bench::Plot& plot : errors_of_pictures(options)) plots.push_back(std::move(plot));
-  if (!options.svg.empty()) bench::save_svg(options.svg, plots);
+int main(int argc, char** argv) {
+  return bench::run(argc, argv, [](const bench::Options& options) {
+    errors_of_kernels(options);
+    errors_of_pictures(options);
+  });
 }
-
-}  // namespace
-
-int main(int argc, char** argv) { return bench::run(argc, argv, errors); }

@@ -214,7 +214,7 @@ Times times_of(const bench::Options& options, const Loop& loop) {
 
 }  // namespace
 
-bench::Plot errors_of_kernels(const bench::Options& options) {
+void errors_of_kernels(const bench::Options& options) {
   bench::Workload sparse = bench::workload(100);
   for (bench::FloatSphere& sphere : sparse.spheres) sphere.radius *= 0.2f;
   const Loop few(sparse, options.quick ? 16 : 160, options.quick ? 12 : 120);
@@ -242,15 +242,11 @@ bench::Plot errors_of_kernels(const bench::Options& options) {
   Table table(options,
               {"kernel", "few: ns/test", "to float", "half: ns/test", "to float", "tutorial: wrong/M",
                "t p99.9", "t max", "hard: wrong/M", "t p99.9", "t max", "front"});
-  bench::Plot plot{"Ray and sphere", "ns per test, half of the rays hit", "wrong decisions per million", {}};
-  for (std::size_t k = 0; k < kernels.size(); ++k) {
+  for (std::size_t k = 0; k < kernels.size(); ++k)
     table.row({kernels[k].name, number(1e9 * few_times.seconds(k) / few.tests()),
                number(few_times.ratio(k, 0)), number(all[k].time), number(half_times.ratio(k, 0)),
                number(usual[k].wrong_per_million()), number(usual[k].quantile(0.999), 2),
                number(usual[k].quantile(1), 2), number(hard[k].wrong_per_million()),
                number(hard[k].quantile(0.999), 2), number(hard[k].quantile(1), 2),
                bench::is_on_front(all[k], all) ? "yes" : ""});
-    plot.points.push_back({all[k], kernels[k].name, k + 3 >= kernels.size()});
-  }
-  return plot;
 }

@@ -62,8 +62,8 @@ double rms(const Image& image, const Image& truth) {
 }
 
 /// Measures one picture over sizes and samples, in the library's way and the naive one.
-bench::Plot picture_errors(const bench::Options& options, const std::string& name, const auto& integrator,
-                           const Radiance auto& naive) {
+void picture_errors(const bench::Options& options, const std::string& name, const auto& integrator,
+                    const Radiance auto& naive) {
   struct Row {
     std::string setting;
     bench::Measure naive, exact;
@@ -97,7 +97,6 @@ bench::Plot picture_errors(const bench::Options& options, const std::string& nam
 
   std::vector<bench::Measure> all;
   for (const Row& row : rows) all.insert(all.end(), {row.naive, row.exact});
-  bench::Plot plot{name, "ms per picture", "RMS error of light", {}};
   Table table(options,
               {"picture", "naive ms", "exact ms", "times faster", "naive error", "exact error", "front"});
   for (const Row& row : rows) {
@@ -108,17 +107,14 @@ bench::Plot picture_errors(const bench::Options& options, const std::string& nam
                : first         ? "naive"
                : second        ? "exact"
                                : ""});
-    plot.points.push_back({row.naive, "", false});
-    plot.points.push_back({row.exact, "", true});
   }
-  return plot;
 }
 
 }  // namespace
 
-std::vector<bench::Plot> errors_of_pictures(const bench::Options& options) {
-  return {picture_errors(options, "transparency", TransparencyIntegrator{},
-                         [](const Ray& ray) { return naive::transparency(naive::Ray(ray), 1e-4f); }),
-          picture_errors(options, "shadow", ShadowIntegrator{},
-                         [](const Ray& ray) { return naive::shadow(naive::Ray(ray), 1e-4f); })};
+void errors_of_pictures(const bench::Options& options) {
+  picture_errors(options, "transparency", TransparencyIntegrator{},
+                 [](const Ray& ray) { return naive::transparency(naive::Ray(ray), 1e-4f); });
+  picture_errors(options, "shadow", ShadowIntegrator{},
+                 [](const Ray& ray) { return naive::shadow(naive::Ray(ray), 1e-4f); });
 }

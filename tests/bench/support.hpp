@@ -21,10 +21,10 @@ namespace bench {
 
 // ---- The command line
 
-/// Options --csv FILE --threads N --runs N --quick; --svg FILE, for the benchmark that draws; and --mesh
+/// Options --csv FILE --threads N --runs N --quick; and --mesh
 /// FILE, for that of meshes.
 struct Options {
-  std::string csv, svg, mesh;  ///< empty: no file
+  std::string csv, mesh;  ///< empty: no file
   int threads = 1;
   int runs = 9;        ///< minimum for each work; the median counts
   bool quick = false;  ///< one run of little work, to test that the program runs at all
@@ -41,8 +41,6 @@ struct Options {
       const std::string value = argv[++i];
       if (name == "--csv")
         csv = value;
-      else if (name == "--svg")
-        svg = value;
       else if (name == "--mesh")
         mesh = value;
       else if (name == "--threads")

@@ -34,14 +34,18 @@ struct BarChart {
     drawing.words({width / 2, 24}, title, Anchor::middle, Paint::ink, true);
     const auto measure = [&](double value) { return base > 0 ? std::log10(value) : value; };
     // A letter is 10 pixels wide or less.
-    double labels = 0;
-    for (const Bar& bar : bars) labels = std::max(labels, 10.0 * static_cast<double>(bar.label.size()));
+    double labels = 0, longest = 0, numbers = 50;
+    for (const Bar& bar : bars) {
+      labels = std::max(labels, 10.0 * static_cast<double>(bar.label.size()));
+      if (bar.value < longest) continue;
+      longest = bar.value, numbers = std::max(50.0, 10.0 * static_cast<double>(bar.number.size()));
+    }
     double least = measure(base > 0 ? base : 0), most = least;
     for (const Bar& bar : bars)
       least = std::min(least, measure(bar.value)), most = std::max(most, measure(bar.value));
     for (const double tick : ticks)
       least = std::min(least, measure(tick)), most = std::max(most, measure(tick));
-    const double left = labels + 12, right = width - 64;
+    const double left = labels + 12, right = width - numbers - 14;
     const auto at = [&](double value) {
       return left + (right - left) * (measure(value) - least) / (most - least);
     };
@@ -65,7 +69,7 @@ struct BarChart {
   }
 };
 
-/// Points that are joined; the words stand at the last.
+/// Points that are joined, and words of their color.
 struct Series {
   std::string words;
   std::vector<Place> points;
@@ -77,9 +81,10 @@ struct LineChart {
   std::string title, to_the_right, upwards;
   std::vector<double> ticks_right, ticks_up;
   std::vector<Series> series;
+  bool has_legend = false;  ///< true: words at the lower left; false: at the last point of each series
 
   [[nodiscard]] std::string drawn() const {
-    constexpr double width = 640, height = 440, left = 64, right = width - 24, top = 68, bottom = height - 70;
+    constexpr double width = 640, height = 440, left = 76, right = width - 24, top = 68, bottom = height - 70;
     Drawing drawing(width, height, title);
     drawing.words({width / 2, 24}, title, Anchor::middle, Paint::ink, true);
     drawing.words({8, 50}, upwards);
@@ -107,11 +112,17 @@ struct LineChart {
       drawing.line({left, y}, {right, y}, Paint::gray, Stroke::dashed);
       drawing.words({left - 8, y + 6}, number(tick), Anchor::end);
     }
+    double legend = bottom - 22.0 * static_cast<double>(series.size()) + 10;
     for (const auto& [words, points, paint] : series) {
       std::vector<Place> places;
       for (const Place& point : points) places.push_back(at(point));
       drawing.polyline(places, paint, Stroke::bold);
       for (const Place& place : places) drawing.circle(place, 4, paint, Fill::full);
+      if (has_legend) {
+        drawing.words({left + 12, legend}, words, Anchor::start, paint);
+        legend += 22;
+        continue;
+      }
       const Place& last = places.back();
       const bool is_far_right = last.x > width / 2;
       drawing.words({last.x + (is_far_right ? -10 : 10), last.y - (is_far_right ? 12 : 0)}, words,

@@ -36,7 +36,8 @@ int draw(const std::string& folder, bool checks) {
       {"epsilon", figures::epsilon()},     {"decision", figures::decision()},
       {"tile", figures::tile()},           {"wrong_decisions", figures::wrong_decisions(folder)},
       {"stages", figures::stages(folder)}, {"spheres", figures::spheres(folder)},
-      {"meshes", figures::meshes(folder)}, {"growth", figures::growth(folder)}};
+      {"meshes", figures::meshes(folder)}, {"growth", figures::growth(folder)},
+      {"error", figures::error(folder)},   {"kernels", figures::kernels(folder)}};
   int differ = 0;
   for (const Figure& figure : all) {
     const std::string path = folder + '/' + figure.name + ".svg";

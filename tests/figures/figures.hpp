@@ -20,5 +20,7 @@ std::string stages(const std::string& folder);
 std::string spheres(const std::string& folder);
 std::string meshes(const std::string& folder);
 std::string growth(const std::string& folder);
+std::string error(const std::string& folder);
+std::string kernels(const std::string& folder);
 
 }  // namespace figures

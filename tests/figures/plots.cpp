@@ -1,4 +1,5 @@
 // Plots of the tables in docs/figures.
+#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <utility>
@@ -90,6 +91,19 @@ std::string meshes(const std::string& folder) {
   return against_embree(folder + "/meshes.csv", "Rays and triangles of a mesh");
 }
 
+namespace {
+
+/// Returns the points than which none is both further left and lower, from left to right.
+std::vector<Place> front_of(std::vector<Place> points) {
+  std::sort(points.begin(), points.end(), [](const Place& a, const Place& b) { return a.x < b.x; });
+  std::vector<Place> front;
+  for (const Place& point : points)
+    if (front.empty() || point.y < front.back().y) front.push_back(point);
+  return front;
+}
+
+}  // namespace
+
 std::string growth(const std::string& folder) {
   const CsvTable table = read_csv(folder + "/scaling.csv").at(0);
   const std::vector<Series> shown{{"pixels, 09_shadow", {}, Paint::blue},
@@ -111,6 +125,42 @@ std::string growth(const std::string& folder) {
     }
     series.words.resize(series.words.find(','));
     chart.series.push_back(series);
+  }
+  return chart.drawn();
+}
+
+std::string error(const std::string& folder) {
+  LineChart chart{.title = "Error of a picture against its time",
+                  .to_the_right = "ms for a picture; each point has more pixels or samples",
+                  .upwards = "error of light, RMS",
+                  .ticks_right = {0.01, 0.1, 1, 10, 100, 1000},
+                  .ticks_up = {0.0001, 0.001, 0.01, 0.1},
+                  .series = {},
+                  .has_legend = true};
+  const std::vector<CsvTable> tables = read_csv(folder + "/error.csv");
+  const auto add = [&](const CsvTable& table, const std::string& way, const std::string& words, Paint paint) {
+    std::vector<Place> points;
+    for (std::size_t i = 0; i < table.size(); ++i)
+      points.push_back({table.number(i, way + " ms"), table.number(i, way + " error")});
+    chart.series.push_back({words, front_of(std::move(points)), paint});
+  };
+  add(tables.at(1), "naive", "transparency, usual way", Paint::orange);
+  add(tables.at(1), "exact", "transparency", Paint::blue);
+  add(tables.at(2), "naive", "shadow, usual way", Paint::red);
+  add(tables.at(2), "exact", "shadow", Paint::green);
+  return chart.drawn();
+}
+
+std::string kernels(const std::string& folder) {
+  BarChart chart{.title = "Ray and sphere: wrong decisions in a million hard cases",
+                 .axis = "wrong decisions; beside the name, ns for a test",
+                 .ticks = {0, 50000, 100000, 150000},
+                 .bars = {}};
+  const CsvTable table = read_csv(folder + "/error.csv").at(0);
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const std::string& wrong = table.text(i, "hard: wrong/M");
+    chart.bars.push_back({table.name(i) + ", " + table.text(i, "half: ns/test") + " ns", std::stod(wrong),
+                          wrong, wrong == "0" ? Paint::blue : Paint::red});
   }
   return chart.drawn();
 }
