@@ -39,7 +39,7 @@ Case next_case(Random& random) {
     c.ray.departure = left.departure();
   }
   if (random.real(0, 1) < 0.3)  // the range ends next to a crossing, or at it
-    if (const Roots roots = c.spheres[3].roots(c.ray); roots.count() > 0)
+    if (const Roots roots = roots_of(c.spheres[3], c.ray); roots.count() > 0)
       c.range.max = std::nextafter(roots[0], random.real(0, 2 * roots[0]));
   return c;
 }
@@ -48,7 +48,7 @@ Case next_case(Random& random) {
 SurfaceCrossing closest_of_all(const Case& c, const Material& material) {
   SurfaceCrossing first;
   for (const Sphere& sphere : c.spheres) {
-    const Roots roots = sphere.roots(c.ray);
+    const Roots roots = roots_of(sphere, c.ray);
     for (int i = 0; i < roots.count(); ++i) {
       if (!lies_inside(sphere, c.ray, {roots[i], i}, c.range)) continue;
       const SurfaceCrossing crossing = crossing_on(sphere, {roots[i], i}, material);

@@ -37,15 +37,16 @@ struct HalfSpace {
     return plane.intersect(ray, range);
   }
   Vec3 normal_at(Point p) const { return plane.normal_at(p); }
-  Roots roots(const Ray& ray) const { return plane.roots(ray); }
-  ExactRoot exact_root(const Ray& ray, int root) const { return plane.exact_root(ray, root); }
+  auto equation(const Ray& ray) const { return plane.equation(ray); }
+  auto exact(const auto& line) const { return plane.exact(line); }
+  bool is_left_by(const Ray& ray) const { return plane.is_left_by(ray); }
   Departure departure() const { return plane.departure(); }
   bool ends_inside(const Ray& ray) const {
     const double slope = dot(plane.normal, ray.direction);
     return slope < 0 || (slope == 0 && dot(plane.normal, ray.origin) <= plane.distance);
   }
 };
-static_assert(Solid<HalfSpace> && SurfaceWithExactRoots<HalfSpace>);
+static_assert(Solid<HalfSpace> && SurfaceWithEquation<HalfSpace>);
 
 std::vector<double> crossings(const Csg& tree, const Ray& ray, Interval range = {}) {
   std::vector<double> all;

@@ -56,12 +56,12 @@ std::vector<double> list(const Roots& roots) { return {roots.begin(), roots.end(
 
 TEST_CASE("a tangent ray hits a sphere, and a ray that misses it by 2^-105 does not") {
   const Vec3 ahead{0, 0, 1};
-  CHECK(list(unit_sphere.roots({{1, 0, 0}, ahead})) == std::vector<double>{3, 3});
-  CHECK(list(unit_sphere.roots({{0, -1, 0}, ahead})) == std::vector<double>{3, 3});
-  CHECK(list(unit_sphere.roots({{1, 0x1p-52, 0}, ahead})).empty());
-  CHECK(list(unit_sphere.roots({{1, 0x1p-200, 0}, ahead})).empty());
-  CHECK(list(unit_sphere.roots({{std::nextafter(1, 2), 0, 0}, ahead})).empty());
-  CHECK(unit_sphere.roots({{std::nextafter(1, 0), 0, 0}, ahead}).count() == 2);
+  CHECK(list(roots_of(unit_sphere, {{1, 0, 0}, ahead})) == std::vector<double>{3, 3});
+  CHECK(list(roots_of(unit_sphere, {{0, -1, 0}, ahead})) == std::vector<double>{3, 3});
+  CHECK(list(roots_of(unit_sphere, {{1, 0x1p-52, 0}, ahead})).empty());
+  CHECK(list(roots_of(unit_sphere, {{1, 0x1p-200, 0}, ahead})).empty());
+  CHECK(list(roots_of(unit_sphere, {{std::nextafter(1, 2), 0, 0}, ahead})).empty());
+  CHECK(roots_of(unit_sphere, {{std::nextafter(1, 0), 0, 0}, ahead}).count() == 2);
 }
 
 TEST_CASE("tangent rays are recognized at every scale and for directions of every length") {
@@ -72,9 +72,9 @@ TEST_CASE("tangent rays are recognized at every scale and for directions of ever
       const double unit = std::ldexp(1, length);
       const Vec3 d{0, 0, std::ldexp(1, direction)};
       const Sphere sphere{unit * unit_sphere.center, unit};
-      CHECK(list(sphere.roots({{unit, 0, 0}, d})) ==
+      CHECK(list(roots_of(sphere, {{unit, 0, 0}, d})) ==
             std::vector<double>(2, std::ldexp(3, length - direction)));
-      CHECK(list(sphere.roots({{unit, 0x1p-52 * unit, 0}, d})).empty());
+      CHECK(list(roots_of(sphere, {{unit, 0x1p-52 * unit, 0}, d})).empty());
     }
 }
 
@@ -131,7 +131,7 @@ TEST_CASE("planes that differ in the last place of one number are told apart") {
     const auto first = scene.intersect(Ray{{0, -1, 0}, {0, 1, 0}});
     REQUIRE(first);
     CHECK(first->color() == Color{0});
-    CHECK(behind.roots({{0, distance / 3, 0}, {0, 1, 0}, before.departure()}).count() == 1);
+    CHECK(roots_of(behind, {{0, distance / 3, 0}, {0, 1, 0}, before.departure()}).count() == 1);
     distance = next;
   }
 }
@@ -143,9 +143,9 @@ TEST_CASE("a ray that leaves a plane does not hit it or a multiple of its equati
     const Plane multiple{.normal = -4.0 * plane.normal, .distance = -4 * plane.distance};
     const Plane other{.normal = plane.normal, .distance = 2 * size};
     const Ray leaving{{0, 1, 0}, {1, 1, 1}, plane.departure()};
-    CHECK(plane.roots(leaving).count() == 0);
-    CHECK(multiple.roots(leaving).count() == 0);
-    CHECK(other.roots(leaving).count() == 1);
+    CHECK(roots_of(plane, leaving).count() == 0);
+    CHECK(roots_of(multiple, leaving).count() == 0);
+    CHECK(roots_of(other, leaving).count() == 1);
   }
 }
 
@@ -172,12 +172,12 @@ TEST_CASE("a ray with a number that is not finite, or with no direction, crosses
       bad[bad.size() - 1].origin[axis] = x;
       bad[bad.size() - 2].direction[axis] = x;
     }
-  REQUIRE(unit_sphere.roots(good).count() == 2);
-  REQUIRE(plane.roots(good).count() == 1);
+  REQUIRE(roots_of(unit_sphere, good).count() == 2);
+  REQUIRE(roots_of(plane, good).count() == 1);
   for (Ray ray : bad) {
     CAPTURE(ray.origin.x, ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z);
-    CHECK(unit_sphere.roots(ray).count() == 0);
-    CHECK(plane.roots(ray).count() == 0);
+    CHECK(roots_of(unit_sphere, ray).count() == 0);
+    CHECK(roots_of(plane, ray).count() == 0);
     ray.departure = unit_sphere.departure();
     CHECK_FALSE(unit_sphere.intersect(ray));
   }
@@ -212,7 +212,7 @@ TEST_CASE("spheres of huge, tiny, distant and denormal numbers are crossed like 
   };
   for (const Row& row : rows) {
     CAPTURE(row.what);
-    const std::vector<double> t = list(row.sphere.roots(row.ray));
+    const std::vector<double> t = list(roots_of(row.sphere, row.ray));
     REQUIRE(t.size() == row.t.size());
     for (std::size_t i = 0; i < t.size(); ++i)
       CHECK(std::abs(t[i] - row.t[i]) <= 0x1p-30 * std::abs(row.t[i]));
@@ -236,13 +236,14 @@ TEST_CASE("a plane is crossed at every scale") {
   };
   for (const Row& row : rows) {
     CAPTURE(row.t);
-    const Roots roots = row.plane.roots(row.ray);
+    const Roots roots = roots_of(row.plane, row.ray);
     REQUIRE(roots.count() == 1);
     CHECK(std::abs(roots[0] - row.t) <= 0x1p-30 * row.t);
   }
-  CHECK(Plane{{1, 1, 0}, 0}.roots({{0, 0, 0}, {1, -1, 5}}).count() == 0);            // parallel
-  CHECK(Plane{{1, 1, 0}, 0}.roots({{0, 0, 0}, {1, -1 + 0x1p-53, 5}}).count() == 1);  // nearly parallel
-  CHECK(list(Plane{{1, 1, 0}, 0}.roots({{3, -3, 0}, {1, 2, 5}})) == std::vector<double>{0});  // starts on it
+  CHECK(roots_of(Plane{{1, 1, 0}, 0}, {{0, 0, 0}, {1, -1, 5}}).count() == 0);            // parallel
+  CHECK(roots_of(Plane{{1, 1, 0}, 0}, {{0, 0, 0}, {1, -1 + 0x1p-53, 5}}).count() == 1);  // nearly parallel
+  CHECK(list(roots_of(Plane{{1, 1, 0}, 0}, {{3, -3, 0}, {1, 2, 5}})) ==
+        std::vector<double>{0});  // starts on it
 }
 
 // ---- Refinement, and how often it is needed
@@ -270,7 +271,7 @@ TEST_CASE("the fallback counters count decisions that double leaves in doubt") {
   for (const Row& row : rows) {
     CAPTURE(row.what);
     fallbacks = {};
-    (void)unit_sphere.roots({{row.x, 0, 0}, {0, 0, 1}});
+    (void)roots_of(unit_sphere, {{row.x, 0, 0}, {0, 0, 1}});
     CHECK(fallbacks.exact == row.exact);
   }
 }

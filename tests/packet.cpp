@@ -25,9 +25,9 @@ using simd::Vectors;
 
 namespace {
 
-static_assert(simd::SurfaceForPackets<Sphere> && simd::SurfaceForPackets<Plane> &&
-              simd::SurfaceForPackets<Parallelogram>);
-static_assert(!simd::SurfaceForPackets<Cylinder>);
+static_assert(simd::takes_packets<Sphere> && simd::takes_packets<Plane> &&
+              simd::takes_packets<Parallelogram>);
+static_assert(!simd::takes_packets<Cylinder>);
 
 /// Rays that fill a packet; all have the same departure.
 using Bundle = std::array<Ray, double_lanes>;
@@ -76,8 +76,8 @@ bool has(LaneMask some, int lane) { return (bits(some) >> lane & 1) != 0; }
 template <Surface S>
 void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
   const LaneMask active = rays.active;
-  if constexpr (simd::SurfaceForPackets<S>) {
-    const auto roots = surface.roots_of_each(rays, active);
+  if constexpr (simd::takes_packets<S>) {
+    const auto roots = roots_of_each(surface, rays, active);
     const simd::Doubles near = roots.near(), far = roots.far();
     for (int i = 0; i < double_lanes; ++i) {
       const bool meets = has(roots.meets, i), in_doubt = has(roots.in_doubt, i);
@@ -89,7 +89,7 @@ void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
       tally.met += meets;
       tally.in_doubt += in_doubt;
       if (in_doubt) continue;
-      const Roots expected = surface.roots(rays[i]);
+      const Roots expected = roots_of(surface, rays[i]);
       tally.wrong.add(meets != (expected.count() > 0), surface, rays[i]);
       if (!meets) continue;
       tally.wrong.add(!same_bits(near[i], expected[0]) ||
@@ -100,7 +100,7 @@ void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
   }
   const auto compare_in = [&](Interval range, bool may_be_in_doubt) {
     const simd::ClosestCrossings first = first_crossings(surface, rays, active, range);
-    const auto crossed = crossed_by_each(surface, rays, active, range);
+    const auto crossed = crossed_in(surface, rays, active, range);
     for (int i = 0; i < double_lanes; ++i) {
       if (!has(active, i)) {
         tally.wrong.add(has(first.met, i) || has(first.in_doubt, i) || has(crossed.crossed, i) ||
@@ -124,7 +124,7 @@ void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
   const double a = random.real(-3, 3), b = a + random.real(0, 3);
   for (const Interval range : {Interval{}, Interval{0, 1}, Interval{-infinity, infinity}, Interval{a, b},
                                Interval{0, b}, Interval{b, a}})
-    compare_in(range, false);
+    compare_in(range, range.min != 0);
   // Ranges that begin or end at a crossing or close to it.
   const auto somewhere = first_crossing(surface, rays[0], Interval{-infinity, infinity});
   const double t = somewhere ? somewhere->t : 0, nearly = t * (1 + std::ldexp(random.real(-1, 1), -31));

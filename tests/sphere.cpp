@@ -69,7 +69,7 @@ TEST_CASE("the hit points of a sphere lie on the sphere") {
     const Sphere sphere = random_sphere(random);
     const Ray ray = random_ray(random, sphere);
     const double scale = sphere.radius + length(ray.origin - sphere.center);
-    for (const double t : sphere.roots(ray)) {
+    for (const double t : roots_of(sphere, ray)) {
       ++hits;
       // t has a relative error of 2^-30, and the point that of a few roundings.
       const double certain = Roots::relative_error * std::abs(t) * length(ray.direction) + 1e-14 * scale;
@@ -114,11 +114,11 @@ TEST_CASE("hits of a sphere agree with arithmetic of more digits") {
 }
 
 TEST_CASE("a tangent ray crosses a sphere twice at one t") {
-  CHECK(list(Sphere{.center = {0, 0, 3}, .radius = 1}.roots({{0, 1, 0}, {0, 0, 1}})) ==
+  CHECK(list(roots_of(Sphere{.center = {0, 0, 3}, .radius = 1}, {{0, 1, 0}, {0, 0, 1}})) ==
         std::vector<double>{3, 3});
-  CHECK(list(Sphere{.center = {0, 0, 0}, .radius = 2}.roots({{2, -1, 0}, {0, 4, 0}})) ==
+  CHECK(list(roots_of(Sphere{.center = {0, 0, 0}, .radius = 2}, {{2, -1, 0}, {0, 4, 0}})) ==
         std::vector<double>{0.25, 0.25});
-  CHECK(list(Sphere{.center = {0, 0, 3}, .radius = 1}.roots({{0, 1, 3}, {0, 0, 1}})) ==
+  CHECK(list(roots_of(Sphere{.center = {0, 0, 3}, .radius = 1}, {{0, 1, 3}, {0, 0, 1}})) ==
         std::vector<double>{0, 0});
 }
 
@@ -128,8 +128,8 @@ TEST_CASE("the normal of a sphere is a unit vector, outwards; a negative radius 
     const Sphere sphere = random_sphere(random);
     const Sphere inverse{.center = sphere.center, .radius = -sphere.radius};
     const Ray ray = random_ray(random, sphere);
-    REQUIRE(list(sphere.roots(ray)) == list(inverse.roots(ray)));
-    for (const double t : sphere.roots(ray)) {
+    REQUIRE(list(roots_of(sphere, ray)) == list(roots_of(inverse, ray)));
+    for (const double t : roots_of(sphere, ray)) {
       const Point point = ray.at(t);
       // Bound for the length from the docstring of normal_at.
       const double T = std::abs(t) * length(ray.direction), P = length(point);

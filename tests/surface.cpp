@@ -48,10 +48,9 @@ struct PlainNumber {  // a bare double cannot express a miss
 static_assert(Surface<Cylinder> && Surface<Sheets> && Surface<Sphere> && Surface<Plane> &&
               Surface<AnySurface>);
 static_assert(!Surface<NoNormal> && !Surface<ChangesWhenAsked> && !Surface<PlainNumber> && !Surface<int>);
-static_assert(!SurfaceWithDeparture<Cylinder> && !SurfaceWithRoots<Cylinder> && !CompositeSurface<Cylinder> &&
-              !SurfaceWithValidation<Cylinder>);
-static_assert(CompositeSurface<AnySurface> && SurfaceWithExactRoots<Sphere> && SurfaceWithExactRoots<Plane>);
-static_assert(SurfaceWithValidation<Sphere> && SurfaceWithValidation<Plane>);
+static_assert(!knows_departure<Cylinder> && !SurfaceWithRoots<Cylinder> && !CompositeSurface<Cylinder> &&
+              !SurfaceWithEquation<Cylinder>);
+static_assert(CompositeSurface<AnySurface> && SurfaceWithEquation<Sphere> && SurfaceWithEquation<Plane>);
 
 std::vector<double> crossings_of(const Surface auto& surface, const Ray& ray, Interval range = {}) {
   std::vector<double> list;

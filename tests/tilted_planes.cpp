@@ -135,7 +135,7 @@ TEST_CASE("planes with equal rounded equations are left together, and are hit in
     // Both are ordered as in exact arithmetic, whichever was added first.
     const auto t = board.intersect(ray);
     if (!t || !floor.intersect(ray)) continue;
-    const int first = order(board.exact_root(ray, 0), floor.exact_root(ray, 0));
+    const int first = order(exact_root_of(board, ray, 0), exact_root_of(floor, ray, 0));
     before += first<0, behind += first> 0;
     Scene<Parallelogram, Plane> boards_first;
     Scene<Plane, Parallelogram> floors_first;

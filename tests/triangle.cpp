@@ -256,10 +256,10 @@ TEST_CASE("t is accurate for triangles, however flat the ray, and however near i
     const auto t = s.intersect(ray, everywhere);
     if (!t) continue;
     ++hits;
-    const ExactRoot exact = s.exact_root(ray, 0);
+    const ExactRoot exact = exact_root_of(s, ray, 0);
     const DoubleDouble root = refined(exact);
     wrong.add(!(std::abs((root - DoubleDouble(*t)).hi) <= Roots::relative_error * std::abs(root.hi)), s, ray);
-    wrong.add(!s.roots(ray).count(), s, ray);
+    wrong.add(!roots_of(s, ray).count(), s, ray);
   }
   CHECK(hits > 200);
   CHECK(wrong == 0);

@@ -22,8 +22,8 @@ class ClosestHit {
   /// Tests all surfaces of one type.
   template <Surface T>
   void look_at_all(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
-    if constexpr (SurfaceWithFirstRoot<T>)
-      if (begin_ == 0) return look_for_first_roots(surfaces, materials);
+    if constexpr (SurfaceWithEquation<T> && !SurfaceWithRoots<T>)
+      if (begin_ == 0 && ray_.transform == nullptr) return look_for_first_roots(surfaces, materials);
     end_ = look_at_each(surfaces, materials, ray_, begin_, end_, first_);
   }
 
@@ -57,16 +57,21 @@ class ClosestHit {
   /// surely does not (docs/derivations.md, Which comes first).
   template <Surface T>
   void look_for_first_roots(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
-    const typename T::Line line(ray_);
+    // The ray without its departure, copied: what its equation has in common with all surfaces is computed
+    // once.
+    const struct {
+      Point origin;
+      Vec3 direction;
+    } line{ray_.origin, ray_.direction};
+    const bool departs = ray_.departure.kind != Departure::Kind::none;
     double sooner = (1 - 8 * error) * end_, later = (1 + 2 * error) * end_;
     for (const T& surface : std::span(surfaces)) {
-      const FirstRoot root = surface.first_root(line);
-      if (root.known == FirstRoot::Known::no_root) continue;
-      const bool is_known = root.known == FirstRoot::Known::root;
-      if (is_known && root.t >= later) continue;
+      const auto root = first_root_of_each(surface.equation(line), true);
+      const bool is_known = !root.in_doubt && !(departs && surface.is_left_by(ray_));
+      if (is_known && !(root.is_there && root.t < later)) continue;
       const Material& material = materials[static_cast<std::size_t>(&surface - surfaces.data())];
       if (is_known && root.t < sooner) {
-        first_ = crossing_on(surface, {root.t, root.root}, material);
+        first_ = crossing_on(surface, {root.t, root.is_far}, material);
         end_ = (1 + 4 * error) * root.t;  // less than before
       } else {
         end_ = look_closer_at(surface, material, ray_, end_, first_);

@@ -274,7 +274,7 @@ class Scene<S...> {
     std::vector<Material> materials;
 
     void add(T surface, Material material) {
-      if constexpr (SurfaceWithValidation<T>) surface.validate();
+      if constexpr (requires { surface.validate(); }) surface.validate();
       if (material.texture && !has_uv(surface))
         throw std::invalid_argument("Scene::add: a texture needs a surface with coordinates, uv_at(point)");
       // If memory runs out, it does so before one of the vectors has grown.

@@ -1,8 +1,8 @@
 // Surface concepts, and functions that intersect rays with a surface of any type.
 //
 // A surface must know its first crossing with a ray, and its normal. It may know more, and then more is
-// exact: its roots, their refinement, its departure. The functions below ask for what it offers and derive
-// the rest.
+// exact: its departure, its roots, its equation. The functions below ask for what it offers and derive the
+// rest.
 #pragma once
 
 #include <cmath>
@@ -15,6 +15,7 @@
 #include "interval.hpp"
 #include "numeric/roots.hpp"
 #include "ray.hpp"
+#include "surface_roots.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -40,64 +41,6 @@ concept Surface = std::copy_constructible<S> &&
   };
 };
 
-/// Surface made of primitives.
-template <class S>
-concept SurfaceWithParts = Surface<S> && requires(const S& surface, Point point) {
-  { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
-  { surface.departure(0) } -> std::same_as<Departure>;
-};
-
-/// Surface that offers its roots, all crossings with the ray's line, as certain as Roots says. A point of
-/// tangency counts as two. If the roots can be refined, the test of each against an interval is exact.
-template <class S>
-concept SurfaceWithRoots = Surface<S> && requires(const S& surface, const Ray& ray) {
-  { surface.roots(ray) } -> std::same_as<Roots>;
-};
-
-/// Surface with roots that mostly finds the first one in t > 0 sooner than all of them. Its type Line holds
-/// values that are the same for all surfaces of the type, and is computed once for a ray.
-template <class S>
-concept SurfaceWithFirstRoot = SurfaceWithRoots<S> &&
-    requires(const S& surface, const typename S::Line& line) {
-  requires std::constructible_from<typename S::Line, const Ray&>;
-  { surface.first_root(line) } -> std::same_as<FirstRoot>;
-};
-
-/// Surface that knows its roots without rounding: the order of its crossings and others' is then exact.
-template <class S>
-concept SurfaceWithExactRoots = SurfaceWithRoots<S> && requires(const S& surface, const Ray& ray) {
-  { surface.exact_root(ray, 0) } -> std::same_as<ExactRoot>;
-};
-
-/// Surface that says which geometry a ray leaving it departs from, and that omits the root t = 0 for a ray
-/// with that departure.
-template <class S>
-concept SurfaceWithDeparture = SurfaceWithParts<S> ||(Surface<S>&& requires(const S& surface) {
-  { surface.departure() } -> std::same_as<Departure>;
-});
-
-/// Surface that bounds the error of its t at the origin of a ray that leaves it. The range of such a ray
-/// starts beyond that bound.
-template <class S>
-concept SurfaceWithError = Surface<S> && requires(const S& surface, const Ray& ray) {
-  { surface.departure_error(ray) } -> std::same_as<double>;
-};
-
-/// Surface made of others that hands on what they offer, departures included.
-template <class S>
-concept CompositeSurface = Surface<S> && SurfaceWithDeparture<S> &&
-    requires(const S& surface, const Ray& ray, Interval range, const Crossing& crossing) {
-  { surface.first_crossing(ray, range) } -> std::same_as<std::optional<Crossing>>;
-  surface.each_crossing(ray, range, [](const Crossing&) {});
-  { surface.exact_root(ray, crossing) } -> std::same_as<ExactRoot>;
-};
-
-/// Surface whose fields can be checked: validate() throws std::invalid_argument if they make no sense.
-template <class S>
-concept SurfaceWithValidation = Surface<S> && requires(const S& surface) {
-  surface.validate();
-};
-
 /// Surface with bounds: every crossing that it reports is inside them, and the traversal finds it through
 /// them. Bounds that are rounded must be widened (outward).
 template <class S>
@@ -105,15 +48,32 @@ concept SurfaceWithBounds = Surface<S> && requires(const S& surface) {
   { surface.bounds() } -> std::same_as<Bounds>;
 };
 
-/// Surface with coordinates of its own, for textures.
+/// Surface that offers its roots, all crossings with the ray's line, and its departure; it omits the root t =
+/// 0 for a ray with that departure. A point of tangency counts as two.
 template <class S>
-concept SurfaceWithUv = (Surface<S> &&
-                         requires(const S& surface, const Point& point) {
-                           { surface.uv_at(point) } -> std::same_as<Uv>;
-                         }) ||
-                        (SurfaceWithParts<S> && requires(const S& surface, const Point& point) {
-                          { surface.uv_at(point, 0) } -> std::same_as<Uv>;
-                        });
+concept SurfaceWithRoots = Surface<S> && requires(const S& surface, const Ray& ray) {
+  { surface.roots(ray) } -> std::same_as<Roots>;
+};
+
+/// Surface that writes down its equation, from which its roots are derived (surface_roots.hpp). They are
+/// certified, their test against a range is exact, and so is the order of its crossings and others'.
+template <class S>
+concept SurfaceWithEquation = Surface<S> &&
+    requires(const S& surface, const Ray& ray, const ExactLine& line) {
+  surface.equation(ray);
+  exact_root_of(surface.exact(line), 0);
+  { surface.is_left_by(ray) } -> std::same_as<bool>;
+};
+
+/// Surface made of others, or of primitives, that finds its crossings itself, with departures and exact
+/// roots.
+template <class S>
+concept CompositeSurface = Surface<S> &&
+    requires(const S& surface, const Ray& ray, Interval range, const Crossing& crossing) {
+  { surface.first_crossing(ray, range) } -> std::same_as<std::optional<Crossing>>;
+  surface.each_crossing(ray, range, [](const Crossing&) {});
+  { surface.exact_root(ray, crossing) } -> std::same_as<ExactRoot>;
+};
 
 /// Boundary of a closed solid: each crossing of a line leads into it or out of it, and a tangent line has two
 /// crossings where it touches. ends_inside tells if the far end of a ray, t → ∞, is inside, which is never so
@@ -121,8 +81,33 @@ concept SurfaceWithUv = (Surface<S> &&
 template <class S>
 concept Solid = Surface<S> && requires(const S& surface, const Ray& ray) {
   { surface.ends_inside(ray) } -> std::same_as<bool>;
-} &&(!SurfaceWithParts<S> || requires(const S& surface) {
-  { surface.part_count() } -> std::same_as<int>;
+} &&(
+    !requires(const S& surface) { surface.departure(0); } ||
+    requires(const S& surface) {
+      { surface.part_count() } -> std::same_as<int>;
+    });
+
+/// True for a surface made of primitives: its functions take the index of one.
+template <class S>
+inline constexpr bool is_made_of_parts = Surface<S>&& requires(const S& surface, Point point) {
+  { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
+  { surface.departure(0) } -> std::same_as<Departure>;
+};
+
+/// True for a surface that says which geometry a ray leaving it departs from, and that omits the root t = 0
+/// for a ray with that departure.
+template <class S>
+inline constexpr bool knows_departure = is_made_of_parts<S> || requires(const S& surface) {
+  { surface.departure() } -> std::same_as<Departure>;
+};
+
+/// True for a surface with coordinates of its own, for textures.
+template <class S>
+inline constexpr bool knows_uv = requires(const S& surface, const Point& point) {
+  { surface.uv_at(point) } -> std::same_as<Uv>;
+}
+|| (is_made_of_parts<S> && requires(const S& surface, const Point& point) {
+  { surface.uv_at(point, 0) } -> std::same_as<Uv>;
 });
 
 /// Returns true if a surface has coordinates. A type that holds other surfaces may tell for each object, by
@@ -132,7 +117,7 @@ template <Surface S>
   if constexpr (requires { surface.has_uv(); })
     return surface.has_uv();
   else
-    return SurfaceWithUv<S>;
+    return knows_uv<S>;
 }
 
 /// Returns true if the crossings of a surface are on primitives of it. A type that holds other surfaces may
@@ -142,7 +127,7 @@ template <Surface S>
   if constexpr (requires { surface.has_parts(); })
     return surface.has_parts();
   else
-    return SurfaceWithParts<S>;
+    return is_made_of_parts<S>;
 }
 
 /// Returns true if the normal is the same at all points of a primitive, so that it is computed once for all
@@ -186,7 +171,7 @@ template <Surface S>
 /// Returns the unit normal at a point of a surface, or of a primitive of it.
 template <Surface S>
 [[nodiscard]] Vec3 normal_at(const S& surface, const Point& point, int part) {
-  if constexpr (SurfaceWithParts<S>)
+  if constexpr (is_made_of_parts<S>)
     return surface.normal_at(point, part);
   else
     return surface.normal_at(point);
@@ -195,9 +180,9 @@ template <Surface S>
 /// Returns the coordinates of a point of a surface, or of a primitive of it; 0 and 0 if it has none.
 template <Surface S>
 [[nodiscard]] Uv uv_at(const S& surface, const Point& point, int part) {
-  if constexpr (SurfaceWithUv<S> && SurfaceWithParts<S>)
+  if constexpr (knows_uv<S> && is_made_of_parts<S>)
     return surface.uv_at(point, part);
-  else if constexpr (SurfaceWithUv<S>)
+  else if constexpr (knows_uv<S>)
     return surface.uv_at(point);
   else
     return Uv{0};
@@ -207,9 +192,9 @@ template <Surface S>
 /// or else the object itself.
 template <Surface S>
 [[nodiscard]] Departure departure_of(const S& surface, int part = 0) {
-  if constexpr (SurfaceWithParts<S>)
+  if constexpr (is_made_of_parts<S>)
     return surface.departure(part);
-  else if constexpr (SurfaceWithDeparture<S>)
+  else if constexpr (knows_departure<S>)
     return surface.departure();
   else
     return {.kind = Departure::Kind::object, .object = &surface};
@@ -220,8 +205,8 @@ template <Surface S>
 [[nodiscard]] ExactRoot exact_root(const S& surface, const Ray& ray, const Crossing& crossing) {
   if constexpr (CompositeSurface<S>)
     return surface.exact_root(ray, crossing);
-  else if constexpr (SurfaceWithExactRoots<S>)
-    return surface.exact_root(ray, crossing.root);
+  else if constexpr (SurfaceWithEquation<S>)
+    return exact_root_of(surface, ray, crossing.root);
   else
     return exact_root_of(crossing.t);
 }
@@ -252,38 +237,40 @@ template <Surface S>
 
 /// Returns the part of the range that is left for a ray that departs from a surface without departure().
 ///
-/// The crossing at t = 0 is computed and comes out as a little more or less. A surface that knows its error
-/// says where others begin. Otherwise, the line's crossing nearest to the origin is taken for the one that is
-/// left: one that lies ahead is cut off, one behind or at the origin is outside a forward ray as it is. This
-/// fails if the surface has another crossing so near that the error of t reaches it: along a ray that leaves
-/// at a grazing angle, or at a sharp edge. A surface that knows its roots should offer roots() and
-/// departure().
+/// The crossing at t = 0 is computed and comes out as a little more or less. The line's crossing nearest to
+/// the origin is taken for it: one that lies ahead is cut off, one behind or at the origin is outside a
+/// forward ray as it is. This fails if the surface has another crossing so near that the error of t reaches
+/// it: along a ray that leaves at a grazing angle, or at a sharp edge. A surface that knows its roots should
+/// offer roots() and departure().
 template <Surface S>
 [[nodiscard]] Interval beyond_departure(const S& surface, const Ray& ray, Interval range) {
-  const auto from = [&](double t) {
-    return Interval{.min = range.min < t ? t : range.min, .max = range.max};
-  };
-  if constexpr (SurfaceWithError<S>) {
-    return from(surface.departure_error(ray));
-  } else {
-    constexpr double tiny =
-        std::numeric_limits<double>::denorm_min();  // the open interval (-tiny, tiny) holds 0 alone
-    if (surface.intersect(ray, Interval{-tiny, tiny})) return range;
-    const auto ahead = surface.intersect(ray, Interval{});
-    if (!ahead) return range;
-    const auto behind = surface.intersect(Ray{ray.origin, -ray.direction}, Interval{});
-    return behind && *behind < *ahead ? range : from(*ahead);
-  }
+  constexpr double tiny =
+      std::numeric_limits<double>::denorm_min();  // the open interval (-tiny, tiny) holds 0 alone
+  if (surface.intersect(ray, Interval{-tiny, tiny})) return range;
+  const auto ahead = surface.intersect(ray, Interval{});
+  if (!ahead) return range;
+  const auto behind = surface.intersect(Ray{ray.origin, -ray.direction}, Interval{});
+  if (!(behind && *behind < *ahead) && range.min < *ahead) range.min = *ahead;
+  return range;
 }
 
 /// Returns the range in which to intersect a surface: shortened if the ray departs from this surface, which
 /// takes no account of departures itself.
 template <Surface S>
 [[nodiscard]] Interval range_for(const S& surface, const Ray& ray, Interval range) {
-  if constexpr (!SurfaceWithDeparture<S>)
+  if constexpr (!knows_departure<S>)
     if (ray.departure.kind == Departure::Kind::object && ray.departure.object == &surface)
       return beyond_departure(surface, ray, range);
   return range;
+}
+
+/// Returns all roots of a ray's line: those of a surface's own function, or those of its equation.
+template <Surface S>
+[[nodiscard]] Roots roots_of(const S& surface, const Ray& ray) {
+  if constexpr (SurfaceWithRoots<S>)
+    return surface.roots(ray);
+  else
+    return certified_roots(surface, ray);
 }
 
 /// Returns the first crossing of a ray with a surface inside a range, if there is one.
@@ -292,15 +279,15 @@ template <Surface S>
   range = range_for(surface, ray, range);
   if constexpr (CompositeSurface<S>) {
     return surface.first_crossing(ray, range);
-  } else if constexpr (SurfaceWithRoots<S>) {
-    if constexpr (SurfaceWithFirstRoot<S>)
-      if (range.min == 0)
-        if (const FirstRoot first = surface.first_root(typename S::Line(ray));
-            first.known != FirstRoot::Known::undecided) {
-          const Crossing crossing{first.t, first.root};
-          return lies_inside(surface, ray, crossing, range) ? std::optional(crossing) : std::nullopt;
+  } else if constexpr (SurfaceWithRoots<S> || SurfaceWithEquation<S>) {
+    if constexpr (!SurfaceWithRoots<S>)
+      if (range.min == 0 && ray.transform == nullptr)
+        if (const auto first = first_root_of_each(surface, ray, true); !first.in_doubt) {
+          const Crossing crossing{first.t, first.is_far};
+          return first.is_there && lies_inside(surface, ray, crossing, range) ? std::optional(crossing)
+                                                                              : std::nullopt;
         }
-    const Roots roots = surface.roots(ray);
+    const Roots roots = roots_of(surface, ray);
     for (int i = 0; i < roots.count(); ++i)
       if (const Crossing crossing{roots[i], i}; lies_inside(surface, ray, crossing, range)) return crossing;
     return std::nullopt;
@@ -310,14 +297,26 @@ template <Surface S>
   }
 }
 
+/// Returns t of the first crossing of a ray with a surface inside a range, if there is one.
+template <Surface S>
+[[nodiscard]] std::optional<double> first_t(const S& surface, const Ray& ray, Interval range) {
+  const auto crossing = first_crossing(surface, ray, range);
+  return crossing ? std::optional(crossing->t) : std::nullopt;
+}
+
 /// Returns true if a ray has any hit on a surface inside a range. A surface made of many primitives may know
 /// that sooner than its closest hit, and offers any_hit(ray, range).
 template <Surface S>
 [[nodiscard]] bool any_hit(const S& surface, const Ray& ray, Interval range) {
-  if constexpr (requires { surface.any_hit(ray, range); })
+  if constexpr (requires { surface.any_hit(ray, range); }) {
     return surface.any_hit(ray, range);
-  else
+  } else {
+    if constexpr (SurfaceWithEquation<S> && !SurfaceWithRoots<S>)
+      if (range.min == 0 && (range.max == 1 || range.max == infinity) && ray.transform == nullptr)
+        if (const auto known = crossed_by_each(surface, ray, true, range.max == 1); !known.in_doubt)
+          return known.crossed;
     return first_crossing(surface, ray, range).has_value();
+  }
 }
 
 /// Calls visit(const Crossing&) for every crossing inside a range, near to far. A surface that offers its
@@ -328,8 +327,8 @@ void each_crossing(const S& surface, const Ray& ray, Interval range, auto&& visi
   range = range_for(surface, ray, range);
   if constexpr (CompositeSurface<S>) {
     surface.each_crossing(ray, range, visit);
-  } else if constexpr (SurfaceWithRoots<S>) {
-    const Roots roots = surface.roots(ray);
+  } else if constexpr (SurfaceWithRoots<S> || SurfaceWithEquation<S>) {
+    const Roots roots = roots_of(surface, ray);
     for (int i = 0; i < roots.count(); ++i)
       if (const Crossing crossing{roots[i], i}; lies_inside(surface, ray, crossing, range)) visit(crossing);
   } else {

@@ -63,19 +63,16 @@ struct SurfaceOffers : SurfaceRequirements<S> {
       SurfaceWithRoots<S> || !requires(S surface, const Ray& ray) { surface.roots(ray); },
       "Surface: roots(const Ray&) is not const or does not return Roots");
   static_assert(
-      SurfaceWithDeparture<S> || !requires(S surface) { surface.departure(); },
+      knows_departure<S> || !requires(S surface) { surface.departure(); },
       "Surface: departure() is not const or does not return a Departure");
   static_assert(
-      SurfaceWithError<S> || !requires(S surface, const Ray& ray) { surface.departure_error(ray); },
-      "Surface: departure_error(const Ray&) is not const or does not return double");
-  static_assert(
-      SurfaceWithValidation<S> || !requires(S surface) { surface.validate(); },
+      !requires(S surface) { surface.validate(); } || requires(const S surface) { surface.validate(); },
       "Surface: validate() is not const");
   static_assert(
       SurfaceWithBounds<S> || !requires(S surface) { surface.bounds(); },
       "Surface: bounds() is not const or does not return Bounds");
   static_assert(
-      SurfaceWithUv<S> || !requires(S surface, Point point) { surface.uv_at(point); },
+      knows_uv<S> || !requires(S surface, Point point) { surface.uv_at(point); },
       "Surface: uv_at(Point) is not const or does not return a Uv");
   static_assert(
       Solid<S> || !requires(S surface, const Ray& ray) { surface.ends_inside(ray); },
@@ -94,7 +91,7 @@ struct SolidRequirements : SurfaceRequirements<S> {
   };
   static_assert(knows_its_inside || !Surface<S>,
                 "Solid: the surface has no bool ends_inside(const Ray&) const");
-  static_assert(counts_its_parts || !SurfaceWithParts<S>,
+  static_assert(counts_its_parts || !is_made_of_parts<S>,
                 "Solid: the surface has parts, but no int part_count() const");
 };
 

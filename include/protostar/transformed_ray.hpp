@@ -39,12 +39,14 @@ struct LineError {
   double origin = 0, direction = 0;
 };
 
+[[nodiscard]] inline LineError error_of(const RoundedLine& line) {
+  const auto largest = [](const Vec3& v) { return std::max({v.x, v.y, v.z}); };
+  return {largest(line.origin_error), largest(line.direction_error)};
+}
+
 /// Returns the LineError of a ray; it is 0 unless an instance has mapped the ray.
 [[nodiscard]] inline LineError line_error(const Ray& ray) {
-  if (ray.transform == nullptr) return {};
-  const auto largest = [](const Vec3& v) { return std::max({v.x, v.y, v.z}); };
-  const RoundedLine& line = ray.transform->line;
-  return {largest(line.origin_error), largest(line.direction_error)};
+  return ray.transform == nullptr ? LineError{} : error_of(ray.transform->line);
 }
 
 /// Returns the line of a ray in rounded numbers.

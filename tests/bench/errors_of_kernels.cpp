@@ -150,7 +150,7 @@ int intersections_of_scene(const Loop& loop) {
 
 /// Returns the library's root, for the same loop as the other kernels.
 double certified(const usual::Ray<double>& ray, const usual::Sphere<double>& sphere) {
-  return sphere_roots(ray.origin, ray.direction, sphere.center, sphere.radius)
+  return certified_roots(Sphere{sphere.center, sphere.radius}, Ray{ray.origin, ray.direction})
       .first_in(Interval{})
       .value_or(infinity);
 }

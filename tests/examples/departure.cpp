@@ -30,7 +30,7 @@ struct Cylinder {
       throw std::invalid_argument("Cylinder: radius must be finite and greater than 0");
   }
 };
-static_assert(SurfaceWithRoots<Cylinder> && SurfaceWithDeparture<Cylinder>);
+static_assert(SurfaceWithRoots<Cylinder>);
 
 int main() {
   Scene<Cylinder> scene;

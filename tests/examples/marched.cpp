@@ -99,7 +99,7 @@ struct Waves {
     return part;
   }
 };
-static_assert(SurfaceWithDeparture<Waves> && SurfaceWithBounds<Waves> && SurfaceWithValidation<Waves>);
+static_assert(SurfaceWithBounds<Waves>);
 
 int main() {
   Scene<Waves, Sphere> scene;

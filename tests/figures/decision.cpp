@@ -20,7 +20,7 @@ struct Passing {
   explicit Passing(double distance) {
     const Point origin{distance, 0, -3}, center{0};
     const Vec3 direction{0, 0, 1};
-    const auto e = detail::rounded_sphere_equation(SphereLine(origin, direction), center, 1.0);
+    const auto e = sphere_equation(origin, direction, center, 1.0);
     computed = e.D, error = e.E;
     const auto without_rounding = sphere_equation(line_of<ExactNumber>(origin, direction), center, 1);
     exact = static_cast<double>(static_cast<DoubleDouble>(without_rounding.b * without_rounding.b -

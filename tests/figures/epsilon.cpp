@@ -82,7 +82,7 @@ void draw_too_large(Drawing& drawing, const View& view) {
   const Point point = hit.value().point();
   const Ray exact = hit.value().leave({-0.1, 0.995, 0}),
             lifted{.origin = point + offset * ground.normal_at(point), .direction = exact.direction};
-  const Roots skipped = resting.roots(exact);
+  const Roots skipped = roots_of(resting, exact);
   expect(scene.occluded(exact, {}) && !scene.occluded(lifted, {}) && skipped.count() == 2);
 
   draw_ground(drawing, view);

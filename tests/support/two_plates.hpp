@@ -43,4 +43,4 @@ struct TwoPlates {
   }
   protostar::Bounds bounds() const { return {{-1, -1, 0}, {1, 1, height}}; }
 };
-static_assert(protostar::SurfaceWithParts<TwoPlates> && protostar::CompositeSurface<TwoPlates>);
+static_assert(protostar::is_made_of_parts<TwoPlates> && protostar::CompositeSurface<TwoPlates>);

@@ -135,12 +135,8 @@ class Accelerated<Scene<S...>> {
     const auto& surfaces = scene_->template surfaces<T>();
     const std::uint32_t left = left_by<T>(ray);
     if (left != none && any_hit(surfaces[left], ray, range)) return true;
-    return finder<T>().any_crossed(ray, range, [&](std::uint32_t i) {
-      if (i == left) return false;
-      if constexpr (requires { surfaces[i].is_surely_behind(ray); })
-        if (range.min >= 0 && surfaces[i].is_surely_behind(ray)) return false;
-      return any_hit(surfaces[i], ray, range);
-    });
+    return finder<T>().any_crossed(
+        ray, range, [&](std::uint32_t i) { return i != left && any_hit(surfaces[i], ray, range); });
   }
 
   template <class T>
@@ -168,7 +164,7 @@ class Accelerated<Scene<S...>> {
   /// tested, since the digits of the origin may lie outside of its bounds.
   template <class T>
   [[nodiscard]] std::uint32_t left_by([[maybe_unused]] const Ray& ray) const {
-    if constexpr (SurfaceWithParts<T>) {
+    if constexpr (is_made_of_parts<T>) {
       const auto& surfaces = scene_->template surfaces<T>();
       const auto* const left = static_cast<const T*>(ray.departure.in_scene);
       const std::less<const T*> before;

@@ -20,7 +20,7 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// part(which). If some rays hit, t(which, met, directions) returns their t, bit for bit that of
 /// first_crossing.
 template <class S>
-concept RasterizedSurface = SurfaceWithParts<S> &&
+concept RasterizedSurface = is_made_of_parts<S> &&
     requires(const S& surface, typename S::Drawn& drawn, const PixelRays& rays,
              const TileHalfSpaces& half_spaces, const Tile& tile, const LaneMask& chosen,
              const Indices& which, const Vectors& directions) {

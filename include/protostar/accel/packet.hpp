@@ -120,11 +120,11 @@ struct ClosestCrossings {
   LaneMask met, in_doubt;  ///< a ray in doubt has to be traced by itself
 };
 
-/// A surface that answers for several rays at once, and whose normal_at takes their points.
+/// True for a surface whose equation, and normal_at, take several rays at once.
 template <class S>
-concept SurfaceForPackets = Surface<S> &&
-    requires(const S& surface, const RayPacket<Point>& rays, LaneMask active) {
-  { surface.roots_of_each(rays, active) } -> std::same_as<RootsOfEach<Doubles, LaneMask>>;
+inline constexpr bool takes_packets = SurfaceWithEquation<S> && !SurfaceWithRoots<S> &&
+                                      requires(const S& surface, const RayPacket<Point>& rays) {
+  surface.equation(rays);
 };
 
 /// Lanes whose t lies inside a range, surely or maybe, as lies_inside decides. Roots have the sign of the
@@ -169,45 +169,32 @@ template <Surface S>
   return first;
 }
 
-/// Returns first_crossing of the active rays of a packet.
+/// Returns first_crossing of the active rays of a packet. In a range that does not start at 0, all rays are
+/// in doubt.
 template <Surface S>
 [[nodiscard]] ClosestCrossings first_crossings(const S& surface, const auto& rays, LaneMask active,
                                                Interval range) {
-  if constexpr (!SurfaceForPackets<S>) {
+  if constexpr (!takes_packets<S>) {
     Indices numbers = -1;
     return first_crossings_by_itself(surface, rays, active, range, numbers);
   } else {
-    if constexpr (requires { surface.first_root_of_each(rays, active); })
-      if (range.min == 0 && range.max == infinity && rays.departure.kind == Departure::Kind::none) {
-        const FirstRootOfEach<Doubles, LaneMask> root = surface.first_root_of_each(rays, active);
-        return {.t = root.t, .met = root.is_there, .in_doubt = root.in_doubt};
-      }
-    ClosestCrossings first{.t = infinity, .met = false, .in_doubt = false};
-    const RootsOfEach<Doubles, LaneMask> roots = surface.roots_of_each(rays, active);
-    first.in_doubt = roots.in_doubt;
-    if (!any(roots.meets)) return first;
-    first.t = roots.near();
-    const Inside near = lies_inside(first.t, range);
-    first.met = roots.meets && near.surely;
-    const LaneMask others = roots.meets && !near.surely;
-    if (!any(others)) return first;
-    const Doubles far_t = roots.far();
-    const Inside far = lies_inside(far_t, range);
-    first.t = select(near.surely, first.t, far_t);
-    first.met = first.met || (others && !near.maybe && far.surely);
-    first.in_doubt = first.in_doubt || (others && (near.maybe || (far.maybe && !far.surely)));
-    return first;
+    if (range.min != 0) return {.t = infinity, .met = false, .in_doubt = active};
+    const FirstRootOfEach<Doubles, LaneMask> root = first_root_of_each(surface, rays, active);
+    if (range.max == infinity) return {.t = root.t, .met = root.is_there, .in_doubt = root.in_doubt};
+    const Inside inside = lies_inside(root.t, range);
+    return {.t = root.t,
+            .met = root.is_there && inside.surely,
+            .in_doubt = root.in_doubt || (root.is_there && inside.maybe && !inside.surely)};
   }
 }
 
 /// Returns which of the active rays of a packet cross a surface inside a range.
 template <Surface S>
-[[nodiscard]] CrossedByEach<LaneMask> crossed_by_each(const S& surface, const auto& rays, LaneMask active,
-                                                      Interval range) {
-  if constexpr (requires { surface.crossed_by_segments(rays, active); }) {
-    if (range.min == 0 && range.max == 1) return surface.crossed_by_segments(rays, active);
-    if (range.min == 0 && range.max == infinity) return surface.crossed_by_each(rays, active);
-  }
+[[nodiscard]] CrossedByEach<LaneMask> crossed_in(const S& surface, const auto& rays, LaneMask active,
+                                                 Interval range) {
+  if constexpr (takes_packets<S>)
+    if (range.min == 0 && (range.max == 1 || range.max == infinity))
+      return crossed_by_each(surface, rays, active, range.max == 1);
   const ClosestCrossings first = first_crossings(surface, rays, active, range);
   return {.crossed = first.met, .in_doubt = first.in_doubt};
 }
@@ -258,7 +245,7 @@ class HitPacket {
   [[nodiscard]] const Vectors& direction() const { return rays_.direction; }
 
   [[nodiscard]] Vectors normal() const {
-    if constexpr (SurfaceForPackets<S>)
+    if constexpr (takes_packets<S>)
       return surface_.normal_at(point());
     else
       return normals_by_itself();

@@ -155,19 +155,17 @@ class FewSpheres {
   /// Returns true if it holds all spheres that there are.
   [[nodiscard]] bool has_all() const { return count_ <= most; }
 
-  /// Returns the spheres that the ray does not surely miss, by the bounds of sphere_roots and
-  /// is_surely_behind. A sphere that the ray departs from is always among them: its departure decides, not
-  /// the digits of its origin.
+  /// Returns the spheres that the ray does not surely miss, by the bounds of its equation. A sphere that the
+  /// ray departs from is always among them: its departure decides, not the digits of its origin.
   [[nodiscard]] Bits met(const Ray& ray, const Interval& range) const {
     Bits met = 0;
-    const SphereLine line(ray.origin, ray.direction);
     for (std::size_t i = 0; i < count_; i += double_lanes) {
       const auto load = [&](const double* numbers) { return Doubles::load(numbers + i); };
       const Vectors center{load(x_), load(y_), load(z_)};
       const Doubles r = load(r_);
-      const auto e = protostar::detail::rounded_sphere_equation(line, center, r);
+      const auto e = sphere_equation(ray.origin, ray.direction, center, r);
       auto missed = e.surely_misses();
-      if (range.min >= 0) missed = missed || e.surely_recedes();
+      if (range.min >= 0) missed = missed || surely_recedes(e);
       if (ray.departure.kind == Departure::Kind::sphere) {
         const auto& [x, y, z, radius] = ray.departure.geometry;
         missed = missed && !(center.x == x && center.y == y && center.z == z && r == radius);

@@ -170,7 +170,7 @@ class TileHits : public TileSurfaces<S...> {
         closest.which = select(sooner, seen.which, closest.which);
         return;
       }
-    if constexpr (SurfaceWithParts<T>)
+    if constexpr (is_made_of_parts<T>)
       if (has_parts(surface)) {
         Indices numbers = -1;
         const ClosestCrossings first =
@@ -207,7 +207,7 @@ class TileHits : public TileSurfaces<S...> {
         return Colors(shade_hits(HitPacket(rays, t, which, surface, material,
                                            PrimitivesSeen<typename T::Drawn>{drawn, closest.which})));
       }
-    if constexpr (SurfaceWithParts<T>)
+    if constexpr (is_made_of_parts<T>)
       if (has_parts(surface)) return shade_by_itself(surface, material, rays, closest, which, shade_hits);
     return Colors(shade_hits(HitPacket(rays, closest.t, which, surface, material)));
   }

@@ -258,7 +258,7 @@ class TileScene : public TileHits<S...> {
         const auto seen = drawn->seen(left, first_x_, first_y_);
         return {.crossed = seen.met, .in_doubt = seen.in_doubt};
       }
-    return crossed_by_each(surface, rays, left, range);
+    return crossed_in(surface, rays, left, range);
   }
 
   /// Returns which rays may cross a surface inside the range, as far as its visibility buffer tells.
@@ -280,8 +280,8 @@ class TileScene : public TileHits<S...> {
   void each_crossing_of(const T& surface, const auto& rays, LaneMask some, Interval range,
                         const auto& tell) const {
     LaneMask alone = some;
-    if constexpr (SurfaceForPackets<T>) {
-      const RootsOfEach<Doubles, LaneMask> roots = surface.roots_of_each(rays, some);
+    if constexpr (takes_packets<T>) {
+      const RootsOfEach<Doubles, LaneMask> roots = roots_of_each(surface, rays, some);
       const Inside near = lies_inside(roots.near(), range), far = lies_inside(roots.far(), range);
       alone = roots.in_doubt || (roots.meets && ((near.maybe && !near.surely) || (far.maybe && !far.surely)));
       const LaneMask sure = roots.meets && !alone;

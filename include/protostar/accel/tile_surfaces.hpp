@@ -22,7 +22,7 @@ class TileSurfaces {
  public:
   using Drawn = std::tuple<VisibilityBuffers<S>...>;
   static constexpr bool draws = (RasterizedSurface<S> || ...);         ///< true if any type can be rasterized
-  static constexpr bool has_crossings = (SurfaceWithParts<S> || ...);  ///< true if any type has primitives
+  static constexpr bool has_crossings = (is_made_of_parts<S> || ...);  ///< true if any type has primitives
 
   TileSurfaces(const Scene<S...>& scene, const Candidates& candidates, const std::vector<int>& unbounded,
                const Drawn& drawn, RenderStatistics& statistics)

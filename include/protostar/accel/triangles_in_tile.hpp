@@ -113,7 +113,7 @@ class TrianglesInTile {
     }
 
     /// Returns lower bounds of k above which t is certain. By the method and the bounds of
-    /// rounded_triangle_equation, t is certain if |n·d| > 2^-18 of the sizes of its terms, which sum up to no
+    /// triangle_equation, t is certain if |n·d| > 2^-18 of the sizes of its terms, which sum up to no
     /// more than the largest term of n times |d|₁, d being a unit vector: 2^-17 of that largest covers √3 and
     /// the roundings here. As the plane is crossed at o + D/k in box space, n·D is height · k · scale, and
     /// |D| at most `longest`.

@@ -5,10 +5,10 @@
 //
 //   side(p, q) = (X_p − x Z_p) (Y_q − y Z_q) − (Y_p − y Z_p) (X_q − x Z_q)
 //
-// tells on which side D(x, y) passes an edge (numeric/triangle_roots.hpp, up to a factor that is the same for
-// all), and the ray crosses the plane at o + D/k with k = (side(a, b) + side(b, c) + side(c, a)) / det(a, b,
-// c): the larger k, the nearer. Sides and k are linear in x and y; pixels are tested against these functions
-// in float. With L = |X| + |Y| + T |Z|, the errors in double are less than
+// tells on which side D(x, y) passes an edge (numeric/triangle_equation.hpp, up to a factor that is the same
+// for all), and the ray crosses the plane at o + D/k with k = (side(a, b) + side(b, c) + side(c, a)) / det(a,
+// b, c): the larger k, the nearer. Sides and k are linear in x and y; pixels are tested against these
+// functions in float. With L = |X| + |Y| + T |Z|, the errors in double are less than
 //
 //   w = 8γ (|p| L_q + |q| L_p)                                for a side
 //   e = 12γ (|a| L_b L_c + L_a |b| L_c + L_a L_b |c|) / T     for det, a sum of products

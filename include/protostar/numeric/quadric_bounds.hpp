@@ -15,7 +15,7 @@
 
 #include "../bounds.hpp"
 #include "plane_through.hpp"
-#include "quadric_roots.hpp"
+#include "quadric_equation.hpp"
 #include "scale.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -120,7 +120,7 @@ namespace detail {
 /// and that of b²/A by 2^-11 in place of 2^-10.
 [[nodiscard]] inline bool is_in_quadric_bounds(const Point& origin, const Vec3& direction,
                                                const QuadricForm& form) {
-  const detail::RoundedQuadricEquation e(origin, direction, form);
+  const RoundedQuadricEquation e(origin, direction, form);
   if (e.in_range && e.is_A_certain()) {
     if (e.A < 0) return true;
     const bool is_b_certain = std::abs(e.b) > 0x1p-18 * e.b_size && e.b_size > 0x1p-400;

@@ -39,22 +39,6 @@ class Roots {
   int count_ = 0;
 };
 
-/// First of a line's roots in t > 0, without the others.
-struct FirstRoot {
-  enum class Known : std::uint8_t { no_root, root, undecided };
-
-  Known known = Known::no_root;  ///< if undecided, all roots must be computed
-  double t = infinity;           ///< as accurate as in Roots
-  int root = 0;                  ///< its index among all roots
-};
-
-/// First root in t > 0 of each of several lines.
-template <class T, class M>
-struct FirstRootOfEach {
-  T t;
-  M is_there, in_doubt;  ///< if neither, there is no root in t > 0
-};
-
 /// Returns the roots of A t² − 2 b t + c = 0, given q = b ± √(b² − A c) without cancellation: one is q/A, and
 /// the other c/q, since their product is c/A.
 [[nodiscard]] inline Roots roots_from(double A, double c, double q) {
@@ -70,39 +54,6 @@ struct FirstRootOfEach {
   if (q == 0) return {0, 0};  // b = 0 and D = 0, so c = 0 too: the line touches at its origin
   return roots_from(A, c, q);
 }
-
-/// Roots of several lines with one surface: each T is a number and each M a mask, with one value for every
-/// line. A line that neither meets the surface nor is in doubt has no root; one in doubt must be traced by
-/// itself. A root is kept as the quotient that Roots has, and is divided on request.
-template <class T, class M>
-struct RootsOfEach {
-  T near_over, near_under, far_over, far_under;
-  M meets, in_doubt;
-  int count;  ///< 1 or 2; if 1, near and far are equal
-
-  [[nodiscard]] T near() const { return near_over / near_under; }
-  [[nodiscard]] T far() const { return far_over / far_under; }
-};
-
-/// Returns the root height / slope of several lines, of which some surely meet and some surely miss the
-/// surface; other active ones are in doubt.
-template <class T, class M>
-[[nodiscard, gnu::always_inline]] inline RootsOfEach<T, M> linear_roots_of_each(
-    const T& height, const T& slope, const M& active, const M& meets, const M& misses) {
-  return {.near_over = height,
-          .near_under = slope,
-          .far_over = height,
-          .far_under = slope,
-          .meets = active && meets,
-          .in_doubt = active && !misses && !meets,
-          .count = 1};
-}
-
-/// Masks of the lines that cross a surface in some range of t, and of those in doubt.
-template <class M>
-struct CrossedByEach {
-  M crossed, in_doubt;
-};
 
 /// Returns an upper bound for any root that may precede one given as t: each has an error of 2^-30 of itself
 /// or, if that vanishes, of less than the smallest double.

@@ -9,11 +9,14 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <type_traits>
 
 #include "../interval.hpp"
 #include "../vec3.hpp"
+#include "double_double.hpp"
 #include "equation.hpp"
+#include "rounded_equation.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -29,8 +32,8 @@ template <class T>
 
 namespace detail {
 
-/// Margin added to the error of a discriminant, or of b: more than all underflows together, of 2^-1075 (4A +
-/// 3|c| + 6|b| + 2), wherever A < 2^150 and rounding is not larger still.
+/// Margin added to the error of a discriminant: more than all underflows together, of 2^-1075 (4A + 3|c| +
+/// 6|b| + 2), wherever A < 2^150 and rounding is not larger still.
 inline constexpr double underflow = 0x1p-900;
 
 /// Tests whether the square of a direction neither underflows nor takes products with it out of the range of
@@ -40,120 +43,97 @@ template <class T>
   return 0x1p-150 < A && A < 0x1p150;
 }
 
-/// Upper limit for the error of a discriminant; below it, all products of the discriminant are far from
-/// overflow.
-inline constexpr double overflow = 0x1p900;
+/// Returns an upper bound for the error of D, which is below 21u A w < 2^-48 A w, underflow apart. The
+/// product is 2^20 A w, so it is infinite before b², A c or a part of them overflows. It is infinite also if
+/// A is not in range.
+template <class T>
+[[nodiscard, gnu::always_inline]] inline T error_of_D(const T& A, const auto& w) {
+  return 0x1p-68 * (select(in_range(A), 0x1p20 * A, T(infinity)) * w) + underflow;
+}
 
 }  // namespace detail
 
-/// Line, or several lines, with the terms that their equations with all spheres have in common.
-template <class O, class V>
-struct SphereLine {
-  using T = std::remove_cvref_t<decltype(V::x)>;
-
-  const O& origin;
-  const V& direction;
-  T A;
-  T scale;  ///< scale of errors, 2^20 A; infinite if A is not in range, so that nothing is certain
-
-  [[gnu::always_inline]] SphereLine(const O& from, const V& along)
-      : origin(from),
-        direction(along),
-        A(dot(along, along)),
-        scale(select(detail::in_range(A), 0x1p20 * A, T(infinity))) {}
-};
-
-namespace detail {
-
-/// Equation in double. T is the number type: double, or the doubles of several lines or of several spheres at
-/// once, which are rounded alike. C is double if lines share their origin, since c and w are one number then.
-template <class T, class C>
-struct RoundedSphereEquation {
-  T A, b;
-  C c, w;  ///< w = |l|² + r²
-  T D, E;  ///< D = b² − A c has an error of at most E
-
-  [[nodiscard, gnu::always_inline]] auto surely_misses() const { return D < -E; }
-
-  /// Returns true if the line certainly starts outside the sphere and leads away from its center, so that it
-  /// has no root above 0. The errors of b and c are those in surely_meets; underflow affects neither
-  /// comparison.
-  [[nodiscard, gnu::always_inline]] auto surely_recedes() const {
-    return in_range(A) && c > 0x1p-50 * w && w > 0x1p-900 && b < 0.0 && b * b > 0x1p-100 * (A * w);
-  }
-
-  /// Returns true if the line certainly meets the sphere and b and c certainly have their computed signs: the
-  /// error of c is at most 7u w, and that of b at most 4u √(A w), while c > 0 and D > 4E make |b| larger than
-  /// 2^-24 √(A w). For c < 0, the sign of b does not matter.
-  [[nodiscard, gnu::always_inline]] auto surely_meets() const {
-    using std::abs;
-    return D > 4 * E && abs(c) > 0x1p-18 * w;
-  }
-};
-
-/// Returns an upper bound for the error of D, which is below 21u A w < 2^-48 A w, underflow apart. The
-/// product is 2^20 A w, so it is infinite before b², A c or a part of them overflows.
-[[nodiscard, gnu::always_inline]] inline auto error_of_D(const auto& scale, const auto& w) {
-  return 0x1p-68 * (scale * w) + underflow;
-}
-
-template <class O, class V>
-[[nodiscard, gnu::always_inline]] inline auto rounded_sphere_equation(const SphereLine<O, V>& line,
-                                                                      const auto& center,
-                                                                      const auto& radius) {
-  const auto l = center - line.origin;
-  const auto b = dot(line.direction, l);
+/// Returns the equation in double, of one or more lines and one or more spheres.
+[[nodiscard, gnu::always_inline]] inline auto sphere_equation(const auto& origin, const auto& direction,
+                                                              const auto& center, const auto& radius) {
+  const auto l = center - origin;
+  const auto A = dot(direction, direction);
+  const auto b = dot(direction, l);
   const auto ll = dot(l, l);
   const auto rr = radius * radius;
   const auto c = ll - rr, w = ll + rr;
   using T = std::remove_const_t<decltype(b)>;
-  return RoundedSphereEquation<T, std::remove_const_t<decltype(c)>>{
-      .A = line.A, .b = b, .c = c, .w = w, .D = b * b - line.A * c, .E = error_of_D(line.scale, w)};
+  return RoundedQuadratic<T, std::remove_const_t<decltype(c)>>{
+      .A = A, .b = b, .c = c, .w = w, .D = b * b - A * c, .E = detail::error_of_D(T(A), w)};
 }
 
-/// Roots of a RoundedSphereEquation without cancellation: q is the one of b ± √D that does not cancel. One
-/// root is q/A, and the other c/q, since their product is c/A.
-template <class T, class M>
-struct CertifiedQuotient {
-  T q;
-  M certain;  ///< true if q/A and c/q are as accurate as Roots requires
-};
+/// Returns the equation of a line whose numbers are rounded.
+///
+/// With the sizes of RoundedLine for those of o and d, and l_size = |l| + o_size, the errors are: l 2u of
+/// l_size, b 6u of d_size · l_size, c 9u of w = l_size² + r², A 5u of d_size² and D 28u d_size² w, which for
+/// a line that is not rounded is 21u. Hence E is large enough, and with c accurate to 2^-31.8 and A to 2^-32,
+/// t is accurate to 2^-30.6.
+[[nodiscard]] inline RoundedQuadratic<double, double> sphere_equation(const RoundedLine& line,
+                                                                      const Point& center, double radius) {
+  const Vec3 l = center - line.origin, l_size = abs(l) + line.origin_size(), d_size = line.direction_size();
+  const double A_size = dot(d_size, d_size), rr = radius * radius;
+  auto e = sphere_equation(line.origin, line.direction, center, radius);
+  e.w = dot(l_size, l_size) + rr;
+  e.E = e.A > 0x1p-18 * A_size ? detail::error_of_D(A_size, e.w) : infinity;
+  return e;
+}
 
-/// Returns q, and whether q/A and c/q are certified. The error of c is below 2^-32 |c| for |c| > 2^-18 w. For
-/// D > 4E the error of √D is at most E/(1.86 √D), since the true D is at least ¾ of this one: below 2^-31.8
-/// |q| here. |c| > 2^-18 w also makes |q| larger than 2^-10 √(A w), so the error of b, 4u √(A w), is
-/// negligible. D > 4E holds as well: √D > 2^31 E/|q|, where |q| ≤ 2 √(A w) and E ≥ 2^-48 A w, hence D > 2^12
-/// E. (With another E, as in Lagrange's form, D > 4E must be tested.)
+/// Tests whether a line certainly starts outside the sphere and leads away from its center, so that it has no
+/// root above 0. The errors of b and c are at most 4u √(A w) and 7u w; underflow affects neither comparison.
 template <class T, class C>
-[[nodiscard, gnu::always_inline]] inline auto certified_quotient(const RoundedSphereEquation<T, C>& e) {
-  using std::abs, std::copysign, std::sqrt;
-  const T root = sqrt(e.D);
-  const T q = e.b + copysign(root, e.b);
-  const auto certain = root * abs(q) > 0x1p31 * e.E && abs(e.c) > 0x1p-18 * e.w;
-  return CertifiedQuotient<T, std::remove_const_t<decltype(certain)>>{q, certain};
+[[nodiscard, gnu::always_inline]] inline auto surely_recedes(const RoundedQuadratic<T, C>& e) {
+  return detail::in_range(e.A) && e.c > 0x1p-50 * e.w && e.w > 0x1p-900 && e.b < 0.0 &&
+         e.b * e.b > 0x1p-100 * (e.A * e.w);
 }
 
-/// Equation of a line that starts on the sphere, with the root 2b/A. certain: b is accurate enough for it, as
-/// its error is at most 4u |d||l|, hence below 2^-32 |b|.
-template <class T, class M>
-struct RoundedLeavingEquation {
-  T A, b;
-  M certain;
-};
+namespace detail {
 
-[[nodiscard, gnu::always_inline]] inline auto rounded_leaving_equation(const auto& origin,
-                                                                       const auto& direction,
-                                                                       const Point& center, double radius) {
-  using std::abs;
-  const auto l = center - origin;
-  const auto size = abs(l.x) + abs(l.y) + abs(l.z) + std::abs(radius);
-  const auto sum = abs(direction.x) + abs(direction.y) + abs(direction.z);
-  const auto A = dot(direction, direction), b = dot(direction, l);
-  const auto certain = abs(b) > 0x1p-19 * sum * size + underflow && abs(b) < overflow && in_range(A);
-  return RoundedLeavingEquation<std::remove_const_t<decltype(A)>, std::remove_const_t<decltype(certain)>>{
-      A, b, certain};
+/// Returns the certified roots of a line that starts next to the sphere, where nothing but c cancels; empty
+/// if in doubt. In double-double, the error of c is at most 16u² w, below 2^-32 |c| for |c| > 2^-70 w. The
+/// rest is as in certified_quotient: |q| is larger than 2^-9 √(A w), since |q|² ≥ √D |q| > 2^31 E, so the
+/// errors of b and √D do not need a large c. For w > 2^-900, underflow does not matter.
+[[nodiscard, gnu::noinline, gnu::cold]] inline std::optional<Roots> roots_next_to_sphere(
+    const Point& origin, const Vec3& direction, const Point& center, double radius) {
+  const auto e = sphere_equation(origin, direction, center, radius);
+  if (!(e.D > 4 * e.E && e.w > 0x1p-900)) return std::nullopt;
+  const double root = std::sqrt(e.D), q = e.b + std::copysign(root, e.b);
+  if (!(root * std::abs(q) > 0x1p31 * e.E)) return std::nullopt;
+  DoubleDouble c = -two_product(radius, radius);
+  for (int i = 0; i < 3; ++i) {
+    const DoubleDouble l = two_sum(center[i], -origin[i]);
+    c = c + l * l;
+  }
+  if (!(std::abs(c.hi) > 0x1p-70 * e.w)) return std::nullopt;
+  return roots_from(e.A, c.hi, q);
 }
 
 }  // namespace detail
+
+/// Returns the certified roots if b² − A c is in doubt, by Lagrange's form or a refined c; empty if these do
+/// not decide.
+[[nodiscard, gnu::noinline, gnu::cold]] inline std::optional<Roots> refined_sphere_roots(
+    const Point& origin, const Vec3& direction, const Point& center, double radius) {
+  auto e = sphere_equation(origin, direction, center, radius);
+  if (detail::in_range(e.A)) {
+    // By Lagrange's identity D = A r² − |l × d|², which does not cancel if the center is far away. For a line
+    // that meets the sphere, its error is at most 9u A r s + 15u² A s², s = |l| + r; for one that misses, the
+    // computed D is no larger than that.
+    const Vec3 l = center - origin, moment = cross(l, direction);
+    const double r = std::abs(radius), size = std::sqrt(dot(l, l)) + r;
+    e.D = e.A * (radius * radius) - dot(moment, moment);
+    e.E = 0x1p-49 * e.A * size * (r + 0x1p-45 * size) + detail::underflow;
+    if (e.E < 0x1p900) {  // all products of D are far from overflow
+      if (e.surely_misses()) return Roots{};
+      if (e.D > 4 * e.E)
+        if (const auto [q, certain] = detail::certified_quotient(e); certain) return roots_from(e.A, e.c, q);
+    }
+  }
+  return detail::roots_next_to_sphere(origin, direction, center, radius);
+}
 
 }  // namespace protostar::inline PROTOSTAR_ABI

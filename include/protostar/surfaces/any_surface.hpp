@@ -32,8 +32,7 @@ class AnySurface {
   ~AnySurface() = default;
 
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
-    const auto crossing = first_crossing(ray, range);
-    return crossing ? std::optional(crossing->t) : std::nullopt;
+    return first_t(*this, ray, range);
   }
   [[nodiscard]] bool has_parts() const { return held_->has_parts(); }
   [[nodiscard]] Vec3 normal_at(const Point& point, int part = 0) const {
@@ -125,7 +124,7 @@ class AnySurface {
         return {.min = Point{-infinity}, .max = Point{infinity}};
     }
     void validate() const override {
-      if constexpr (SurfaceWithValidation<S>) surface.validate();
+      if constexpr (requires { surface.validate(); }) surface.validate();
     }
 
     S surface;
@@ -138,6 +137,6 @@ template <class S>
 requires(!std::same_as<S, AnySurface> && Surface<S>) AnySurface::AnySurface(S surface)
     : held_(std::make_unique<Held<S>>(std::move(surface))) {}
 
-static_assert(CompositeSurface<AnySurface> && SurfaceWithParts<AnySurface> && Solid<AnySurface>);
+static_assert(CompositeSurface<AnySurface> && is_made_of_parts<AnySurface> && Solid<AnySurface>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

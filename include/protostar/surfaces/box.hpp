@@ -35,8 +35,7 @@ struct Box {
   /// counts. A ray that departs from the plane of a face does not hit that face, and if it does not lead to
   /// the box's side of the plane, it does not hit the box.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
-    const auto crossing = first_crossing(ray, range);
-    return crossing ? std::optional(crossing->t) : std::nullopt;
+    return first_t(*this, ray, range);
   }
 
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
@@ -159,6 +158,6 @@ struct Box {
   }
 };
 
-static_assert(CompositeSurface<Box> && SurfaceWithParts<Box> && SurfaceWithBounds<Box> && Solid<Box>);
+static_assert(CompositeSurface<Box> && is_made_of_parts<Box> && SurfaceWithBounds<Box> && Solid<Box>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

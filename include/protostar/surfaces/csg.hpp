@@ -68,8 +68,7 @@ class Csg {
   }
 
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
-    const auto crossing = first_crossing(ray, range);
-    return crossing ? std::optional(crossing->t) : std::nullopt;
+    return first_t(*this, ray, range);
   }
 
   /// Returns the unit normal out of the whole, which on a subtracted solid points into that solid.
@@ -366,6 +365,6 @@ struct CsgOperand {
   return difference_of(detail::trees(solids));
 }
 
-static_assert(CompositeSurface<Csg> && SurfaceWithParts<Csg> && SurfaceWithBounds<Csg> && Solid<Csg>);
+static_assert(CompositeSurface<Csg> && is_made_of_parts<Csg> && SurfaceWithBounds<Csg> && Solid<Csg>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

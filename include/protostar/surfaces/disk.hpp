@@ -6,11 +6,10 @@
 #include <stdexcept>
 
 #include "../magnitude.hpp"
-#include "../numeric/disk_roots.hpp"
-#include "../numeric/plane_through.hpp"
+#include "../numeric/disk_equation.hpp"
 #include "../surface.hpp"
-#include "../transformed_ray.hpp"
 #include "coordinates.hpp"
+#include "planar.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -24,8 +23,7 @@ struct Disk {
   /// Returns t of the ray's crossing with the disk if that is in the range. A ray parallel to its plane does
   /// not cross it, even in that plane, nor does one that departs from the plane.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
-    const auto crossing = first_crossing(*this, ray, range);
-    return crossing ? std::optional(crossing->t) : std::nullopt;
+    return first_t(*this, ray, range);
   }
 
   /// Returns the unit normal, the same at every point.
@@ -43,23 +41,18 @@ struct Disk {
     return plane_uv(normal_at(point), from_center);
   }
 
-  /// Returns the crossing of the ray's line; none if the ray departs from the disk's plane.
-  [[nodiscard]] Roots roots(const Ray& ray) const {
-    if (is_left_by(ray)) return {};
-    if (ray.transform != nullptr)
-      return roots_along(ray,
-                         [&](const auto& line) { return disk_equation(line, position, normal, radius); });
-    return disk_roots(ray.origin, ray.direction, position, normal, radius);
+  [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
+    return disk_equation(rays.origin, rays.direction, position, normal, radius);
   }
-
-  /// Returns the roots of several rays at once, in the lanes of `active`.
-  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& active) const {
-    return disk_roots_of_each(rays.origin, rays.direction, position, normal, radius,
-                              active && !is_left_by(rays));
+  [[nodiscard]] bool has_finite_numbers() const {
+    return is_finite(position) && is_finite(normal) && std::isfinite(radius);
   }
+  [[nodiscard]] auto exact(const auto& line) const { return disk_equation(line, position, normal, radius); }
 
-  [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {
-    return exact_root_of(disk_equation(line_of<ExactNumber>(ray), position, normal, radius));
+  /// Returns true if a ray, or the rays of a packet, depart from the plane of the disk.
+  [[nodiscard]] bool is_left_by(const auto& rays) const {
+    return rays.departure.is_planar() && !surely_differs(rays.departure.geometry, position, normal) &&
+           rays.departure == departure();
   }
 
   /// Returns the box that reaches from the center by √(n_j² + n_k²) · radius on each axis i, for the unit
@@ -73,16 +66,11 @@ struct Disk {
     return outward({position - half, position + half});
   }
 
-  /// Returns the disk's plane; surfaces in one plane are left together. The plane is exact if it is
-  /// perpendicular to an axis; if not, equal planes still have equal departures.
+  /// Returns the disk's plane; surfaces in one plane are left together.
   [[nodiscard]] Departure departure() const {
-    for (int i = 0; i < 3; ++i)
-      if (normal[(i + 1) % 3] == 0 && normal[(i + 2) % 3] == 0) {
-        Departure departure{.kind = Departure::Kind::plane};
-        departure.geometry[static_cast<std::size_t>(i)] = 1, departure.geometry[3] = position[i];
-        return departure;
-      }
-    return {.kind = Departure::Kind::rounded_plane, .geometry = plane_at(position, normal)};
+    return departure_of_plane(
+        position, [&](int i) { return normal[(i + 1) % 3] == 0 && normal[(i + 2) % 3] == 0; },
+        [&] { return plane_at(position, normal); });
   }
 
   /// Throws std::invalid_argument if the position is not made of coordinates, the radius is not a size
@@ -93,14 +81,8 @@ struct Disk {
       throw std::invalid_argument("Disk: normal must be finite and not zero");
     require_rule(is_size(radius), "Disk: radius must be", size_rule);
   }
-
- private:
-  [[nodiscard]] bool is_left_by(const auto& ray) const {
-    return ray.departure.is_planar() && !surely_differs(ray.departure.geometry, position, normal) &&
-           ray.departure == departure();
-  }
 };
 
-static_assert(SurfaceWithExactRoots<Disk> && SurfaceWithDeparture<Disk> && SurfaceWithBounds<Disk>);
+static_assert(SurfaceWithEquation<Disk> && SurfaceWithBounds<Disk>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -59,8 +59,7 @@ class Instance<S> {
   }
 
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
-    const auto crossing = first_crossing(ray, range);
-    return crossing ? std::optional(crossing->t) : std::nullopt;
+    return first_t(*this, ray, range);
   }
 
   /// Returns the unit normal on the surface's outside.
@@ -114,7 +113,7 @@ class Instance<S> {
   /// Throws std::invalid_argument if the surface is not valid, the map has no inverse, or a number of the
   /// inverse is not a coordinate (magnitude.hpp).
   void validate() const {
-    if constexpr (SurfaceWithValidation<S>) surface_.validate();
+    if constexpr (requires { surface_.validate(); }) surface_.validate();
     if (!inverse_.exists())
       throw std::invalid_argument("Instance: the map must be finite, and not take space to a plane or less");
     for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
@@ -217,6 +216,6 @@ class Instance : public detail::NoSurface {
   Instance(const S&, const Affine&) {}
 };
 
-static_assert(CompositeSurface<Instance<>> && SurfaceWithParts<Instance<>> && Solid<Instance<>>);
+static_assert(CompositeSurface<Instance<>> && is_made_of_parts<Instance<>> && Solid<Instance<>>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

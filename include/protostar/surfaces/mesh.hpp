@@ -49,8 +49,7 @@ class Mesh {
 
   /// Returns t of the closest hit in the range.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
-    const auto crossing = first_crossing(ray, range);
-    return crossing ? std::optional(crossing->t) : std::nullopt;
+    return first_t(*this, ray, range);
   }
 
   /// Returns the unit normal at a point of a triangle: the vertex normals, interpolated, or the triangle's
@@ -158,7 +157,7 @@ class Mesh {
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
     const Triangle one = triangle(crossing.part);
     if (const Start start = start_of(ray)) return start->exact_root(ray, one);
-    return one.exact_root(ray, crossing.root);
+    return exact_root_of(one, ray, crossing.root);
   }
 
  private:
@@ -308,7 +307,7 @@ class Mesh {
   std::shared_ptr<const Contents> contents_;
 };
 
-static_assert(CompositeSurface<Mesh> && SurfaceWithParts<Mesh> && SurfaceWithBounds<Mesh> &&
-              SurfaceWithUv<Mesh> && Solid<Mesh>);
+static_assert(CompositeSurface<Mesh> && is_made_of_parts<Mesh> && SurfaceWithBounds<Mesh> && knows_uv<Mesh> &&
+              Solid<Mesh>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

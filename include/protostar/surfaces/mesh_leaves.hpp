@@ -1,5 +1,5 @@
 // The triangles in the leaves of a BVH, tested in double, as many at once as a vector holds: which of them a
-// ray surely misses, which it surely crosses, and where (numeric/triangle_roots.hpp).
+// ray surely misses, which it surely crosses, and where (numeric/triangle_equation.hpp).
 //
 // A ray meets few leaves, and fetching one from far away takes nearly all of the time. Therefore a leaf has
 // all numbers of its triangles in one place. If float holds all numbers of the tree, as those of files mostly
@@ -104,15 +104,13 @@ class TriangleLeaves {
   [[nodiscard, gnu::always_inline]] Tried tried(Leaf leaf, std::uint32_t i, const Ray& ray,
                                                 const Interval& range, const LineError& error = {}) const {
     const auto [a, b, c] = corners(leaf, i);
-    const auto e =
-        protostar::detail::rounded_triangle_equation(Vectors(ray.origin), Vectors(ray.direction), a, b, c,
-                                                     Doubles(protostar::detail::slack_for(error.origin)),
-                                                     Doubles(protostar::detail::slack_for(error.direction)));
+    const auto e = triangle_equation(Vectors(ray.origin), Vectors(ray.direction), a, b, c,
+                                     Doubles(slack_for(error.origin)), Doubles(slack_for(error.direction)));
     const Bits passed = bits(!e.misses) & first_bits(static_cast<int>(leaf.count - i));
     if (passed == 0) return {.crossed = 0, .in_doubt = 0, .t = {}};
     // The margin is that of lies_inside.
     const Doubles t = e.height / e.slope, margin = 2 * Roots::relative_error * abs(t);
-    const auto known = e.crosses && e.certain && margin < Doubles(infinity);
+    const auto known = e.crosses && e.is_certain && margin < Doubles(infinity);
     const auto inside = known && t - margin > Doubles(range.min) && t + margin < Doubles(range.max);
     const auto outside = known && !(t + margin > Doubles(range.min) && t - margin < Doubles(range.max));
     const Bits crossed = ray.departure.is_planar() ? 0 : passed & bits(inside);

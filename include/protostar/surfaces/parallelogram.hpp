@@ -6,10 +6,9 @@
 #include <stdexcept>
 
 #include "../magnitude.hpp"
-#include "../numeric/parallelogram_roots.hpp"
-#include "../numeric/plane_through.hpp"
+#include "../numeric/parallelogram_equation.hpp"
 #include "../surface.hpp"
-#include "../transformed_ray.hpp"
+#include "planar.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -22,8 +21,7 @@ struct Parallelogram {
   /// Returns t of the ray's crossing with the parallelogram if that is in the range. A ray parallel to its
   /// plane does not cross it, even in that plane, nor does one that departs from the plane.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
-    const auto crossing = first_crossing(*this, ray, range);
-    return crossing ? std::optional(crossing->t) : std::nullopt;
+    return first_t(*this, ray, range);
   }
 
   /// Returns the unit normal along edge_u × edge_v, the same at every point.
@@ -43,23 +41,20 @@ struct Parallelogram {
     return uv_of(dot(cross(w, v), n) / dot(n, n), dot(cross(u, w), n) / dot(n, n));
   }
 
-  /// Returns the crossing of the ray's line; none if the ray departs from the parallelogram's plane.
-  [[nodiscard]] Roots roots(const Ray& ray) const {
-    if (is_left_by(ray)) return {};
-    if (ray.transform != nullptr)
-      return roots_along(
-          ray, [&](const auto& line) { return parallelogram_equation(line, position, edge_u, edge_v); });
-    return parallelogram_roots(ray.origin, ray.direction, position, edge_u, edge_v);
+  [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
+    return parallelogram_equation(rays.origin, rays.direction, position, edge_u, edge_v);
+  }
+  [[nodiscard]] bool has_finite_numbers() const {
+    return is_finite(position) && is_finite(edge_u) && is_finite(edge_v);
+  }
+  [[nodiscard]] auto exact(const auto& line) const {
+    return parallelogram_equation(line, position, edge_u, edge_v);
   }
 
-  /// Returns the roots of several rays at once, in the lanes of `active`.
-  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& active) const {
-    return parallelogram_roots_of_each(rays.origin, rays.direction, position, edge_u, edge_v,
-                                       active && !is_left_by(rays));
-  }
-
-  [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {
-    return exact_root_of(parallelogram_equation(line_of<ExactNumber>(ray), position, edge_u, edge_v));
+  /// Returns true if a ray, or the rays of a packet, depart from the plane of the parallelogram.
+  [[nodiscard]] bool is_left_by(const auto& rays) const {
+    return rays.departure.is_planar() && !surely_differs(rays.departure.geometry, position, edge_u, edge_v) &&
+           rays.departure == departure();
   }
 
   [[nodiscard]] Bounds bounds() const {
@@ -67,16 +62,11 @@ struct Parallelogram {
     return outward({edge.min + min(edge_v, 0.0), edge.max + max(edge_v, 0.0)});
   }
 
-  /// Returns the parallelogram's plane; surfaces in one plane are left together. The plane is exact if it is
-  /// perpendicular to an axis; if not, equal planes still have equal departures.
+  /// Returns the parallelogram's plane; surfaces in one plane are left together.
   [[nodiscard]] Departure departure() const {
-    for (int i = 0; i < 3; ++i)
-      if (edge_u[i] == 0 && edge_v[i] == 0) {
-        Departure departure{.kind = Departure::Kind::plane};
-        departure.geometry[static_cast<std::size_t>(i)] = 1, departure.geometry[3] = position[i];
-        return departure;
-      }
-    return {.kind = Departure::Kind::rounded_plane, .geometry = plane_through(position, edge_u, edge_v)};
+    return departure_of_plane(
+        position, [&](int i) { return edge_u[i] == 0 && edge_v[i] == 0; },
+        [&] { return plane_through(position, edge_u, edge_v); });
   }
 
   /// Throws std::invalid_argument if the edges are parallel or 0, a number is not a coordinate, or an edge's
@@ -94,15 +84,8 @@ struct Parallelogram {
     require_rule(has_size(edge_u) && has_size(edge_v),
                  "Parallelogram: edge_u and edge_v must have largest components", size_rule);
   }
-
- private:
-  [[nodiscard]] bool is_left_by(const auto& ray) const {
-    return ray.departure.is_planar() && !surely_differs(ray.departure.geometry, position, edge_u, edge_v) &&
-           ray.departure == departure();
-  }
 };
 
-static_assert(SurfaceWithExactRoots<Parallelogram> && SurfaceWithDeparture<Parallelogram> &&
-              SurfaceWithBounds<Parallelogram>);
+static_assert(SurfaceWithEquation<Parallelogram> && SurfaceWithBounds<Parallelogram>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

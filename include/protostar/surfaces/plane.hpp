@@ -6,9 +6,8 @@
 #include <stdexcept>
 
 #include "../magnitude.hpp"
-#include "../numeric/plane_roots.hpp"
+#include "../numeric/plane_equation.hpp"
 #include "../surface.hpp"
-#include "../transformed_ray.hpp"
 #include "coordinates.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -22,8 +21,7 @@ struct Plane {
   /// Returns t of the ray's crossing with the plane if that is in the range. A ray parallel to the plane does
   /// not cross it, even in the plane, nor does one that departs from it.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
-    const auto crossing = first_crossing(*this, ray, range);
-    return crossing ? std::optional(crossing->t) : std::nullopt;
+    return first_t(*this, ray, range);
   }
 
   /// Returns the unit normal, the same at every point.
@@ -42,21 +40,15 @@ struct Plane {
     return plane_uv(normal_at(point), point);
   }
 
-  /// Returns the crossing of the ray's line; none if the ray departs from the plane.
-  [[nodiscard]] Roots roots(const Ray& ray) const {
-    if (is_left_by(ray)) return {};
-    if (ray.transform != nullptr)
-      return roots_along(ray, [&](const auto& line) { return plane_equation(line, normal, distance); });
-    return plane_roots(ray.origin, ray.direction, normal, distance);
+  [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
+    return plane_equation(rays.origin, rays.direction, normal, distance);
   }
+  [[nodiscard]] bool has_finite_numbers() const { return is_finite(normal) && std::isfinite(distance); }
+  [[nodiscard]] auto exact(const auto& line) const { return plane_equation(line, normal, distance); }
 
-  /// Returns the roots of several rays at once, in the lanes of `active`.
-  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& active) const {
-    return plane_roots_of_each(rays.origin, rays.direction, normal, distance, active && !is_left_by(rays));
-  }
-
-  [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {
-    return exact_root_of(plane_equation(line_of<ExactNumber>(ray), normal, distance));
+  /// Returns true if a ray, or the rays of a packet, depart from the plane.
+  [[nodiscard]] bool is_left_by(const auto& rays) const {
+    return rays.departure.is_planar() && rays.departure == departure();
   }
 
   /// Returns the plane. Planes whose equations are equal, or multiples of each other, are left together, with
@@ -74,13 +66,8 @@ struct Plane {
     require_rule(is_coordinate(distance / std::max({size.x, size.y, size.z})),
                  "Plane: distance must, over the largest component of normal, be", coordinate_rule);
   }
-
- private:
-  [[nodiscard]] bool is_left_by(const auto& ray) const {
-    return ray.departure.is_planar() && ray.departure == departure();
-  }
 };
 
-static_assert(SurfaceWithExactRoots<Plane> && SurfaceWithDeparture<Plane>);
+static_assert(SurfaceWithEquation<Plane>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

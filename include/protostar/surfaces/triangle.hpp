@@ -8,10 +8,10 @@
 
 #include "../magnitude.hpp"
 #include "../numeric/inner_point.hpp"
-#include "../numeric/plane_through.hpp"
-#include "../numeric/triangle_roots.hpp"
+#include "../numeric/triangle_equation.hpp"
 #include "../surface.hpp"
 #include "../transformed_ray.hpp"
+#include "planar.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -46,8 +46,7 @@ struct Triangle {
   /// Returns t of the ray's crossing with the triangle if that is in the range. A ray parallel to its plane
   /// does not cross it, even in that plane, nor does one that departs from the plane.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
-    const auto crossing = first_crossing(*this, ray, range);
-    return crossing ? std::optional(crossing->t) : std::nullopt;
+    return first_t(*this, ray, range);
   }
 
   /// Returns the unit normal along (b − a) × (c − a), the same at every point.
@@ -68,34 +67,30 @@ struct Triangle {
     return uv_of(dot(cross(w, f), n) / dot(n, n), dot(cross(e, w), n) / dot(n, n));
   }
 
-  /// Returns the crossing of the ray's line; none if the ray departs from the triangle's plane.
-  [[nodiscard]] Roots roots(const Ray& ray) const {
-    if (is_left_by(ray)) return {};
-    if (ray.transform != nullptr) return transformed_roots(ray);
-    return triangle_roots(ray.origin, ray.direction, a, b, c);
+  [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
+    return triangle_equation(rays.origin, rays.direction, a, b, c, NoSlack{}, NoSlack{});
   }
-
-  /// Returns the roots of several rays at once, in the lanes of `active`.
-  [[nodiscard]] auto roots_of_each(const auto& rays, const auto& active) const {
-    return triangle_roots_of_each(rays.origin, rays.direction, a, b, c, active && !is_left_by(rays));
+  [[nodiscard]] auto rounded_equation(const RoundedLine& line) const {
+    const LineError off = error_of(line);
+    return triangle_equation(line.origin, line.direction, a, b, c, slack_for(off.origin),
+                             slack_for(off.direction));
   }
+  [[nodiscard]] bool has_finite_numbers() const { return is_finite(a) && is_finite(b) && is_finite(c); }
+  [[nodiscard]] auto exact(const auto& line) const { return triangle_equation(line, a, b, c); }
 
-  [[nodiscard]] ExactRoot exact_root(const Ray& ray, int) const {
-    return exact_root_of(triangle_plane_equation(line_of<ExactNumber>(ray), a, b, c));
+  /// Returns true if a ray, or the rays of a packet, depart from the plane of the triangle.
+  [[nodiscard]] bool is_left_by(const auto& rays) const {
+    return rays.departure.is_planar() && !surely_differs(rays.departure.geometry, a, b - a, c - a) &&
+           rays.departure == departure();
   }
 
   [[nodiscard]] Bounds bounds() const { return {min(a, min(b, c)), max(a, max(b, c))}; }
 
-  /// Returns the triangle's plane; surfaces in one plane are left together. The plane is exact if it is
-  /// perpendicular to an axis; if not, equal planes still have equal departures.
+  /// Returns the triangle's plane; surfaces in one plane are left together.
   [[nodiscard]] Departure departure() const {
-    for (int i = 0; i < 3; ++i)
-      if (a[i] == b[i] && a[i] == c[i]) {
-        Departure departure{.kind = Departure::Kind::plane};
-        departure.geometry[static_cast<std::size_t>(i)] = 1, departure.geometry[3] = a[i];
-        return departure;
-      }
-    return {.kind = Departure::Kind::rounded_plane, .geometry = plane_through_points(a, b, c)};
+    return departure_of_plane(
+        a, [&](int i) { return a[i] == b[i] && a[i] == c[i]; },
+        [&] { return plane_through_points(a, b, c); });
   }
 
   /// Throws std::invalid_argument if the points are on one line, or a number is not a coordinate
@@ -105,25 +100,9 @@ struct Triangle {
                  "Triangle: a, b and c must have numbers", coordinate_rule);
     if (!is_finite(normal_at(a))) throw std::invalid_argument("Triangle: a, b and c must not be on one line");
   }
-
- private:
-  [[nodiscard, gnu::noinline]] Roots transformed_roots(const Ray& ray) const {
-    const LineError off = line_error(ray);
-    const auto e = detail::rounded_triangle_equation(
-        ray.origin, ray.direction, a, b, c, detail::slack_for(off.origin), detail::slack_for(off.direction));
-    if (e.misses) return {};
-    if (e.crosses && e.certain) return Roots{e.height / e.slope};
-    return roots_along(ray, [&](const auto& line) { return triangle_equation(line, a, b, c); });
-  }
-
-  [[nodiscard]] bool is_left_by(const auto& ray) const {
-    return ray.departure.is_planar() && !surely_differs(ray.departure.geometry, a, b - a, c - a) &&
-           ray.departure == departure();
-  }
 };
 
-static_assert(SurfaceWithExactRoots<Triangle> && SurfaceWithDeparture<Triangle> &&
-              SurfaceWithBounds<Triangle>);
+static_assert(SurfaceWithEquation<Triangle> && SurfaceWithBounds<Triangle>);
 
 /// Start of a ray that leaves a triangle of a mesh, and its crossings with the mesh's other triangles.
 ///
@@ -150,18 +129,19 @@ class StartInTriangle {
   /// Returns the crossing of the line with another triangle, as certain as Roots says; none if that triangle
   /// lies in the plane that the ray leaves.
   [[nodiscard]] Roots roots(const Ray& ray, const Triangle& other) const {
-    const Equation e = rounded_equation(ray, other);
+    const auto e = rounded_equation(ray, other);
     if (e.misses) return {};
-    if (e.crosses && e.certain) return Roots{e.height / e.slope};
-    return roots_in_doubt(e, ray, other);
+    if (e.crosses && e.is_certain) return Roots{e.height / e.slope};
+    return roots_in_doubt(ray, other);
   }
 
   /// Returns the crossing with another triangle without rounding. If the crossings of the given ray and of
   /// the line surely differ by less than 2^-32 of t, it is the given ray's, which is at the same t as its
   /// crossing with another surface in the triangle's plane.
   [[nodiscard, gnu::cold, gnu::noinline]] ExactRoot exact_root(const Ray& ray, const Triangle& other) const {
-    return rounded_equation(ray, other).certain ? other.exact_root(ray, 0)
-                                                : exact_root_of(equation_from_start(ray, other));
+    const ExactLine line =
+        rounded_equation(ray, other).is_certain ? line_of<ExactNumber>(ray) : line_from_start(ray);
+    return exact_root_of(other.exact(line));
   }
 
   /// Returns the order of two triangles that are crossed at t_a and t_b: the sign of the difference of t on
@@ -171,15 +151,16 @@ class StartInTriangle {
     const double gap = t_a - t_b, larger = std::max(std::abs(t_a), std::abs(t_b));
     if (std::abs(gap) > 4 * Roots::relative_error * larger + (shift(ray, a) + shift(ray, b)))
       return gap > 0 ? 1 : -1;
-    return order(exact_root_of(equation_from_start(ray, a)), exact_root_of(equation_from_start(ray, b)));
+    const ExactLine line = line_from_start(ray);
+    return order(exact_root_of(a.exact(line)), exact_root_of(b.exact(line)));
   }
 
   /// Returns an upper bound for the difference between t of a crossing on the given ray and on the line,
   /// n·(P − o) / n·d. In double, n·d is good to 2^-31 of itself if it is above 2^-18 of the sizes of its
-  /// terms (rounded_triangle_equation); if not, the bound is infinite.
+  /// terms (triangle_equation); if not, the bound is infinite.
   [[nodiscard]] double shift(const Ray& ray, const Triangle& other) const {
     const LineError off = error(ray);
-    const double slack = detail::slack_for(off.direction);
+    const double slack = slack_for(off.direction);
     const Vec3 u = other.b - other.a, v = other.c - other.a, p = abs(u), q = abs(v),
                terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
     const double slope = std::abs(dot(cross(u, v), ray.direction)),
@@ -189,25 +170,20 @@ class StartInTriangle {
   }
 
  private:
-  using Equation = detail::RoundedTriangleEquation<double, bool>;
-
-  [[nodiscard]] Equation rounded_equation(const Ray& ray, const Triangle& other) const {
+  [[nodiscard]] RoundedLinear<double, bool> rounded_equation(const Ray& ray, const Triangle& other) const {
     const LineError off = error(ray);
-    return detail::rounded_triangle_equation(ray.origin, ray.direction, other.a, other.b, other.c,
-                                             detail::slack_for(off.origin), detail::slack_for(off.direction));
+    return triangle_equation(ray.origin, ray.direction, other.a, other.b, other.c, slack_for(off.origin),
+                             slack_for(off.direction));
   }
 
-  [[nodiscard, gnu::cold, gnu::noinline]] Roots roots_in_doubt(const Equation& e, const Ray& ray,
-                                                               const Triangle& other) const {
-    const auto& [a, b, c] = other;
+  [[nodiscard, gnu::cold, gnu::noinline]] Roots roots_in_doubt(const Ray& ray, const Triangle& other) const {
     if (!is_proper(ray)) return {};
     ++fallbacks.exact;
-    const auto line = [&] { return line_from_start(ray); };
-    if (!e.crosses && !detail::crosses_triangle_in_doubt(e, a, b, c, line)) return {};
-    if (e.certain) return Roots{e.height / e.slope};
-    const LinearEquation<ExactNumber> equation = equation_from_start(ray, other);
-    if (equation.height.sign() == 0 && is_parallel_to(other)) return {};
-    return roots_of(equation);
+    const auto exact = other.exact(line_from_start(ray));
+    if (exact.is_on_surface != true) return {};
+    if (const auto e = rounded_equation(ray, other); e.is_certain) return Roots{e.height / e.slope};
+    if (exact.height.sign() == 0 && is_parallel_to(other)) return {};
+    return roots_of(exact);
   }
 
   /// Returns the line from the start, without rounding.
@@ -215,9 +191,6 @@ class StartInTriangle {
     ExactLine line = line_of<ExactNumber>(ray);
     line.origin = line.weight * start_.exact();
     return line;
-  }
-  [[nodiscard]] LinearEquation<ExactNumber> equation_from_start(const Ray& ray, const Triangle& other) const {
-    return triangle_plane_equation(line_from_start(ray), other.a, other.b, other.c);
   }
 
   [[nodiscard]] bool is_parallel_to(const Triangle& other) const {

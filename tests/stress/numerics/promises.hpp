@@ -22,7 +22,8 @@ namespace numerics {
 
 using exact::Truth, exact::TrueRoot;
 using protostar::Crossing, protostar::Intersection, protostar::Interval, protostar::Material,
-    protostar::Point, protostar::Sphere, protostar::SurfaceWithRoots, protostar::Vec3, protostar::infinity;
+    protostar::Point, protostar::Sphere, protostar::SurfaceWithEquation, protostar::SurfaceWithRoots,
+    protostar::Vec3, protostar::infinity;
 
 template <class T>
 T size_of(T x) {
@@ -88,8 +89,9 @@ bool contains(Interval range, const TrueRoot<T>& root) {
 template <class S>
 std::vector<Crossing> crossings(const Case<S>& c) {
   std::vector<Crossing> all;
-  if constexpr (SurfaceWithRoots<S>) {
-    for (const double t : c.surface.roots(c.ray)) all.push_back({t, static_cast<int>(all.size())});
+  if constexpr (SurfaceWithRoots<S> || SurfaceWithEquation<S>) {
+    for (const double t : protostar::roots_of(c.surface, c.ray))
+      all.push_back({t, static_cast<int>(all.size())});
   } else {
     each_crossing(c.surface, c.ray, {-infinity, infinity},
                   [&](const Crossing& crossing) { all.push_back(crossing); });

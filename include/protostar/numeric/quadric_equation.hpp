@@ -15,7 +15,7 @@
 
 #include "../vec3.hpp"
 #include "equation.hpp"
-#include "roots.hpp"
+#include "rounded_equation.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -73,20 +73,6 @@ template <class T>
   return c ? std::optional(*c < 0) : std::nullopt;
 }
 
-namespace detail {
-
-/// Returns the roots without rounding, for lines that double does not decide: all, or only 2b/A if the line
-/// starts on the quadric (leaves). If a number is not finite or the direction is 0, there are none.
-[[nodiscard, gnu::cold, gnu::noinline]] inline Roots exact_quadric_roots(const Point& origin,
-                                                                         const Vec3& direction,
-                                                                         const QuadricForm& form,
-                                                                         bool leaves) {
-  if (!is_finite(origin) || !is_finite(direction) || !is_finite(form) || direction == Vec3{0}) return {};
-  ++fallbacks.exact;
-  const auto equation = quadric_equation(line_of<ExactNumber>(origin, direction), form);
-  return leaves ? roots_of(equation.without_root_at_0()) : roots_of(equation);
-}
-
 /// Equation in double. A, b and c have errors of at most 6u, 7u and 9u of their sizes, their values with all
 /// numbers made positive; for a rounded line, 8u, 9u and 11u.
 struct RoundedQuadricEquation {
@@ -118,62 +104,23 @@ struct RoundedQuadricEquation {
 
   /// Returns true if A is accurate enough for a quotient with it.
   [[nodiscard]] bool is_A_certain() const { return std::abs(A) > 0x1p-18 * A_size && A_size > 0x1p-400; }
-};
 
-}  // namespace detail
-
-/// Returns the certified roots of an equation in double; empty if double does not decide.
-///
-/// The error of D is at most 16u b_size² + 17u A_size c_size, or for a rounded line 20u and 21u; E is 32u of
-/// both. The error of q is 2^-31.9 |q| from √D, as for the sphere, and at most 9u b_size < 2^-31.8 |q| from
-/// b; the error of c is at most 11u c_size < 2^-31.5 |c|.
-[[nodiscard, gnu::always_inline]] inline std::optional<Roots> roots_if_certain(
-    const detail::RoundedQuadricEquation& e) {
-  const double D = e.b * e.b - e.A * e.c, E = 0x1p-48 * (e.b_size * e.b_size + e.A_size * e.c_size);
-  if (!e.in_range || !(E > 0x1p-348)) return std::nullopt;
-  if (D < -E) return Roots{};
-  if (D > 4 * E && e.is_A_certain() && std::abs(e.c) > 0x1p-18 * e.c_size && e.c_size > 0x1p-400) {
-    const double root = std::sqrt(D), q = e.b + std::copysign(root, e.b);
-    if (root * std::abs(q) > 0x1p31 * E && std::abs(q) > 0x1p-18 * e.b_size) return roots_from(e.A, e.c, q);
+  /// Returns the equation with A > 0, and with its bounds.
+  ///
+  /// The error of D is at most 16u b_size² + 17u A_size c_size, or for a rounded line 20u and 21u; E is 32u
+  /// of both. The error of q is 2^-31.9 |q| from √D, as for the sphere; √D |q| > 2^31 E makes |q| > 2^-9
+  /// b_size, so the error of b, at most 9u b_size, is negligible. The error of c is at most 11u c_size <
+  /// 2^-31.5 |c|. b² > 2^12 E makes |b| > 2^-18 b_size, so its error is below 2^-32.1 |b|.
+  [[nodiscard]] RoundedQuadratic<double, double> with_positive_A() const {
+    const double E = 0x1p-48 * (b_size * b_size + A_size * c_size), sign = A < 0 ? -1 : 1;
+    const bool is_known = in_range && E > 0x1p-348 && is_A_certain();
+    return {.A = sign * A,
+            .b = sign * b,
+            .c = sign * c,
+            .w = c_size > 0x1p-400 ? c_size : infinity,
+            .D = b * b - A * c,
+            .E = is_known ? E : infinity};
   }
-  return std::nullopt;
-}
-
-/// Returns the certified roots.
-[[nodiscard]] inline Roots quadric_roots(const Point& origin, const Vec3& direction,
-                                         const QuadricForm& form) {
-  if (const auto roots = roots_if_certain(detail::RoundedQuadricEquation(origin, direction, form)))
-    return *roots;
-  return detail::exact_quadric_roots(origin, direction, form, false);
-}
-
-/// Returns the certified root, other than t = 0, of a line that starts on the quadric.
-[[nodiscard]] inline Roots quadric_root_leaving(const Point& origin, const Vec3& direction,
-                                                const QuadricForm& form) {
-  const detail::RoundedQuadricEquation e(origin, direction, form);
-  if (e.in_range && e.is_A_certain() && std::abs(e.b) > 0x1p-18 * e.b_size && e.b_size > 0x1p-400)
-    return Roots{2 * e.b / e.A};
-  return detail::exact_quadric_roots(origin, direction, form, true);
-}
-
-/// Tests without rounding whether f is negative along a line for t → ∞; c is 0 if the line starts on the
-/// quadric. Returns false for numbers that are not finite and for a direction of 0.
-[[nodiscard, gnu::cold, gnu::noinline]] inline bool quadric_ends_negative_in_doubt(const Point& origin,
-                                                                                   const Vec3& direction,
-                                                                                   const QuadricForm& form,
-                                                                                   bool starts_on_it) {
-  if (!is_finite(origin) || !is_finite(direction) || !is_finite(form) || direction == Vec3{0}) return false;
-  ++fallbacks.exact;
-  return *ends_negative(quadric_equation(line_of<ExactNumber>(origin, direction), form), starts_on_it);
-}
-
-/// Tests whether f is negative along a line for t → ∞, certified: by the sign of A, or if A is 0 by that of
-/// b, or of c.
-[[nodiscard]] inline bool quadric_ends_negative(const Point& origin, const Vec3& direction,
-                                                const QuadricForm& form, bool starts_on_it) {
-  const detail::RoundedQuadricEquation e(origin, direction, form);
-  if (e.in_range && e.is_A_certain()) return e.A < 0;
-  return quadric_ends_negative_in_doubt(origin, direction, form, starts_on_it);
-}
+};
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -13,7 +13,7 @@
 
 #include "../vec3.hpp"
 #include "equation.hpp"
-#include "roots.hpp"
+#include "rounded_equation.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -29,31 +29,8 @@ template <class T>
   return e;
 }
 
-namespace detail {
-
-/// Returns the root without rounding, for lines that double does not decide. If a number is not finite, there
-/// is none.
-[[nodiscard, gnu::noinline, gnu::cold]] inline Roots disk_roots_in_doubt(const Point& origin,
-                                                                         const Vec3& direction,
-                                                                         const Point& position,
-                                                                         const Vec3& normal, double radius) {
-  if (!is_finite(origin) || !is_finite(direction) || !is_finite(position) || !is_finite(normal) ||
-      !std::isfinite(radius))
-    return {};
-  ++fallbacks.exact;
-  return roots_of(disk_equation(line_of<ExactNumber>(origin, direction), position, normal, radius));
-}
-
-/// Numerator and denominator of t in double. misses: the line certainly misses the disk; meets: it certainly
-/// crosses it, and t is accurate enough.
-template <class T, class M>
-struct RoundedDiskEquation {
-  T height, slope;
-  M misses, meets;
-};
-
-/// Evaluates the equation in double. With u = 2^-53, and N, W, D the sums of the magnitudes of the components
-/// of n, w and d:
+/// Returns the equation in double, of one or more lines. With u = 2^-53, and N, W, D the sums of the
+/// magnitudes of the components of n, w and d:
 ///
 /// - height and slope have errors of at most 4u and 3u of the sums of the magnitudes of their terms. Above
 ///   2^-19 of these sums, t is accurate to 2^-30.
@@ -62,9 +39,9 @@ struct RoundedDiskEquation {
 ///   the sign of the slope.
 ///
 /// In the given range, underflow is negligible and nothing overflows.
-[[nodiscard, gnu::always_inline]] inline auto rounded_disk_equation(const auto& origin, const auto& direction,
-                                                                    const Point& position, const Vec3& normal,
-                                                                    double radius) {
+[[nodiscard, gnu::always_inline]] inline auto disk_equation(const auto& origin, const auto& direction,
+                                                            const Point& position, const Vec3& normal,
+                                                            double radius) {
   using std::abs, std::sqrt;
   const auto sum_of_sizes = [](const auto& v) { return abs(v.x) + abs(v.y) + abs(v.z); };
   const auto w = position - origin;
@@ -89,30 +66,7 @@ struct RoundedDiskEquation {
   const auto E = 0x1p-50 * N * D * (W + radius);
   const auto misses = in_range && from_center > reach + E,
              meets = in_range && from_center < reach - E && certain;
-  return RoundedDiskEquation<std::remove_const_t<decltype(slope)>, std::remove_const_t<decltype(misses)>>{
-      height, slope, misses, meets};
-}
-
-}  // namespace detail
-
-/// Returns the certified root.
-[[nodiscard, gnu::always_inline]] inline Roots disk_roots(const Point& origin, const Vec3& direction,
-                                                          const Point& position, const Vec3& normal,
-                                                          double radius) {
-  const auto e = detail::rounded_disk_equation(origin, direction, position, normal, radius);
-  if (e.misses) return {};
-  if (e.meets) return Roots{e.height / e.slope};
-  return detail::disk_roots_in_doubt(origin, direction, position, normal, radius);
-}
-
-/// Returns the roots of several lines at once, for the active lanes; see sphere_roots_of_each.
-[[nodiscard, gnu::always_inline]] inline auto disk_roots_of_each(const auto& origin, const auto& direction,
-                                                                 const Point& position, const Vec3& normal,
-                                                                 double radius, const auto& active) {
-  using M = std::remove_cvref_t<decltype(active)>;
-  const auto e = detail::rounded_disk_equation(origin, direction, position, normal, radius);
-  using T = std::remove_cvref_t<decltype(e.slope)>;
-  return linear_roots_of_each<T, M>(e.height, e.slope, active, e.meets, e.misses);
+  return RoundedLinear{height, slope, misses, meets, meets};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

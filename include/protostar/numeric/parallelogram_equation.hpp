@@ -15,7 +15,7 @@
 
 #include "../vec3.hpp"
 #include "equation.hpp"
-#include "roots.hpp"
+#include "rounded_equation.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -45,32 +45,8 @@ template <class T>
   return e;
 }
 
-namespace detail {
-
-/// Returns the root without rounding, for lines that double does not decide. If a number is not finite, there
-/// is none.
-[[nodiscard, gnu::noinline, gnu::cold]] inline Roots parallelogram_roots_in_doubt(const Point& origin,
-                                                                                  const Vec3& direction,
-                                                                                  const Point& position,
-                                                                                  const Vec3& edge_u,
-                                                                                  const Vec3& edge_v) {
-  if (!is_finite(origin) || !is_finite(direction) || !is_finite(position) || !is_finite(edge_u) ||
-      !is_finite(edge_v))
-    return {};
-  ++fallbacks.exact;
-  return roots_of(parallelogram_equation(line_of<ExactNumber>(origin, direction), position, edge_u, edge_v));
-}
-
-/// Numerator and denominator of t in double. misses: the line certainly misses the parallelogram; meets: it
-/// certainly crosses it, and t is accurate enough.
-template <class T, class M>
-struct RoundedParallelogramEquation {
-  T height, slope;
-  M misses, meets;
-};
-
-/// Evaluates the equation in double. With u = 2^-53, and U, V, W, D the sums of the magnitudes of the
-/// components of u, v, w and d:
+/// Returns the equation in double, of one or more lines. With u = 2^-53, and U, V, W, D the sums of the
+/// magnitudes of the components of u, v, w and d:
 ///
 /// - height and slope have errors of at most 6u and 5u of the sums of the magnitudes of their terms. Above
 ///   2^-19 of these sums, t is accurate to 2^-30.
@@ -79,11 +55,10 @@ struct RoundedParallelogramEquation {
 ///   |S| is so small that a line found to be outside misses with either sign.
 ///
 /// In the given range, underflow is negligible and nothing overflows.
-[[nodiscard, gnu::always_inline]] inline auto rounded_parallelogram_equation(const auto& origin,
-                                                                             const auto& direction,
-                                                                             const Point& position,
-                                                                             const Vec3& edge_u,
-                                                                             const Vec3& edge_v) {
+[[nodiscard, gnu::always_inline]] inline auto parallelogram_equation(const auto& origin,
+                                                                     const auto& direction,
+                                                                     const Point& position,
+                                                                     const Vec3& edge_u, const Vec3& edge_v) {
   using std::abs;
   const auto sum_of_sizes = [](const auto& v) { return abs(v.x) + abs(v.y) + abs(v.z); };
   const auto w = position - origin;
@@ -110,31 +85,7 @@ struct RoundedParallelogramEquation {
   const auto outside = along_u < -E || along_v < -E || along_u > end + E || along_v > end + E;
   const auto inside = along_u > E && along_v > E && along_u < end - E && along_v < end - E;
   const auto misses = in_range && outside, meets = in_range && inside && certain;
-  return RoundedParallelogramEquation<std::remove_const_t<decltype(slope)>,
-                                      std::remove_const_t<decltype(misses)>>{height, slope, misses, meets};
-}
-
-}  // namespace detail
-
-/// Returns the certified root.
-[[nodiscard, gnu::always_inline]] inline Roots parallelogram_roots(const Point& origin, const Vec3& direction,
-                                                                   const Point& position, const Vec3& edge_u,
-                                                                   const Vec3& edge_v) {
-  const auto e = detail::rounded_parallelogram_equation(origin, direction, position, edge_u, edge_v);
-  if (e.misses) return {};
-  if (e.meets) return Roots{e.height / e.slope};
-  return detail::parallelogram_roots_in_doubt(origin, direction, position, edge_u, edge_v);
-}
-
-/// Returns the roots of several lines at once, for the active lanes; see sphere_roots_of_each.
-[[nodiscard, gnu::always_inline]] inline auto parallelogram_roots_of_each(
-    const auto& origin, const auto& direction, const Point& position, const Vec3& edge_u, const Vec3& edge_v,
-    const auto& active) {
-  using M = std::remove_cvref_t<decltype(active)>;
-  using T = std::remove_cvref_t<decltype(direction.x)>;
-  if (!any(active)) return linear_roots_of_each<T, M>(0.0, 1.0, active, active, active);
-  const auto e = detail::rounded_parallelogram_equation(origin, direction, position, edge_u, edge_v);
-  return linear_roots_of_each<T, M>(e.height, e.slope, active, e.meets, e.misses);
+  return RoundedLinear{height, slope, misses, meets, meets};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,257 @@
+// Equations of surfaces in double, with bounds of their errors, and what these tell about the roots.
+//
+// T is the number of one line, double, or the doubles of several lines, which are rounded alike; M is a truth
+// value, or one for each line. Hence each of several lines has the roots that it has alone, to the last bit.
+// A line in doubt needs more digits (surface_roots.hpp). docs/derivations.md derives the bounds, in units of
+// u = 2^-53.
+#pragma once
+
+#include <cmath>
+#include <type_traits>
+
+#include "../interval.hpp"
+#include "../vec3.hpp"
+#include "roots.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Equation slope · t = height of a surface that lies in a plane.
+template <class T, class M>
+struct RoundedLinear {
+  T height, slope;
+  M misses, crosses;  ///< true if the line surely misses or surely crosses the surface
+  M is_certain;       ///< true if height / slope is as accurate as Roots requires
+};
+template <class H, class T, class M>
+RoundedLinear(H, T, M, M, M) -> RoundedLinear<T, M>;
+
+/// Equation A t² − 2 b t + c = 0 with A > 0. C is double if lines share their origin, and hence c. An
+/// infinite E says that nothing is certain.
+template <class T, class C>
+struct RoundedQuadratic {
+  T A, b;
+  C c, w;  ///< w is the sum of the magnitudes of the terms of c
+  T D, E;  ///< D = b² − A c has an error of at most E
+
+  [[nodiscard, gnu::always_inline]] auto surely_misses() const { return D < -E; }
+
+  /// Returns the equation of the other root, 2b/A, of a line that starts on the surface: c and one root are
+  /// 0. The error of b is at most 7u of the sum of the magnitudes of its terms, and that sum is below 2^24
+  /// √E.
+  [[nodiscard, gnu::always_inline]] auto without_root_at_0() const {
+    const auto is_certain = b * b > 0x1p12 * E;
+    using M = std::remove_const_t<decltype(is_certain)>;
+    return RoundedLinear<T, M>{2 * b, A, M(false), is_certain, is_certain};
+  }
+};
+
+namespace detail {
+
+/// Roots of a RoundedQuadratic without cancellation: q is the one of b ± √D that does not cancel. One root is
+/// q/A, and the other c/q, since their product is c/A.
+template <class T, class M>
+struct CertifiedQuotient {
+  T q;
+  M certain;  ///< true if q/A and c/q are as accurate as Roots requires
+};
+
+/// Returns q, and whether q/A and c/q are certified. The error of c is below 2^-32 |c| for |c| > 2^-18 w. For
+/// D > 4E the error of √D is at most E/(1.86 √D), since the true D is at least ¾ of this one: below 2^-31.8
+/// |q| here. |c| > 2^-18 w also makes |q| larger than 2^-10 √(A w), so the error of b, 4u √(A w), is
+/// negligible. D > 4E holds as well: √D > 2^31 E/|q|, where |q| ≤ 2 √(A w) and E ≥ 2^-48 A w, hence D > 2^12
+/// E. (With another E, as in Lagrange's form, D > 4E must be tested.)
+template <class T, class C>
+[[nodiscard, gnu::always_inline]] inline auto certified_quotient(const RoundedQuadratic<T, C>& e) {
+  using std::abs, std::copysign, std::sqrt;
+  const T root = sqrt(e.D);
+  const T q = e.b + copysign(root, e.b);
+  const auto certain = root * abs(q) > 0x1p31 * e.E && abs(e.c) > 0x1p-18 * e.w;
+  return CertifiedQuotient<T, std::remove_const_t<decltype(certain)>>{q, certain};
+}
+
+}  // namespace detail
+
+/// Roots of several lines with one surface, or of one line. A line that neither meets the surface nor is in
+/// doubt has no root. A root is kept as a quotient, and is divided on request.
+template <class T, class M>
+struct RootsOfEach {
+  T near_over, near_under, far_over, far_under;
+  M meets, in_doubt;
+  int count;  ///< 1 or 2; if 1, near and far are equal
+
+  [[nodiscard]] T near() const { return near_over / near_under; }
+  [[nodiscard]] T far() const { return far_over / far_under; }
+};
+
+/// Returns the roots of the active lines, near before far.
+template <class T, class L, class M>
+[[nodiscard, gnu::always_inline]] inline RootsOfEach<T, M> roots_of_each(const RoundedLinear<T, L>& e,
+                                                                         const M& active) {
+  const M meets = active && e.crosses && e.is_certain;
+  return {.near_over = e.height,
+          .near_under = e.slope,
+          .far_over = e.height,
+          .far_under = e.slope,
+          .meets = meets,
+          .in_doubt = active && !e.misses && !meets,
+          .count = 1};
+}
+template <class T, class C, class M>
+[[nodiscard, gnu::always_inline]] inline RootsOfEach<T, M> roots_of_each(const RoundedQuadratic<T, C>& e,
+                                                                         const M& active) {
+  const M open = active && !e.surely_misses();
+  const T c(e.c);
+  if (!any(open))
+    return {.near_over = c,
+            .near_under = c,
+            .far_over = c,
+            .far_under = c,
+            .meets = open,
+            .in_doubt = open,
+            .count = 2};
+  const auto [q, certain] = detail::certified_quotient(e);
+  const M meets = open && certain;
+  // b and q have the same sign. Certified roots are so far apart that rounding does not change their order.
+  const auto backwards = q < 0.0;
+  return {.near_over = select(backwards, q, c),
+          .near_under = select(backwards, e.A, q),
+          .far_over = select(backwards, c, q),
+          .far_under = select(backwards, q, e.A),
+          .meets = meets,
+          .in_doubt = open && !meets,
+          .count = 2};
+}
+
+/// First root in t > 0 of several lines, or of one line.
+template <class T, class M>
+struct FirstRootOfEach {
+  T t;
+  M is_there, in_doubt;  ///< if neither, there is no root in t > 0
+  M is_far = false;      ///< true if the root has index 1 among all roots of its line
+};
+
+/// Returns the first root in t > 0 of the active lines.
+template <class T, class L, class M>
+[[nodiscard, gnu::always_inline]] inline FirstRootOfEach<T, M> first_root_of_each(
+    const RoundedLinear<T, L>& e, const M& active) {
+  const M meets = active && e.crosses && e.is_certain;
+  const T t = e.height / e.slope;
+  return {.t = t, .is_there = meets && t > 0.0 && t < infinity, .in_doubt = active && !e.misses && !meets};
+}
+
+/// Returns the first root in t > 0 of the active lines. Signs decide which root that is, so that one division
+/// is enough. From outside, where c > 0, it is c/q if b > 0; if lines start at one point outside, as camera
+/// rays mostly do, this holds for all of them.
+template <class T, class C, class M>
+[[nodiscard, gnu::always_inline]] inline FirstRootOfEach<T, M> first_root_of_each(
+    const RoundedQuadratic<T, C>& e, const M& active) {
+  using std::sqrt;
+  FirstRootOfEach<T, M> first{.t = infinity, .is_there = false, .in_doubt = false};
+  const M open = active && !e.surely_misses();
+  if (!any(open)) return first;
+  const auto find = [&](const T& t, const M& certain, const M& recedes) {
+    first.t = t;
+    first.is_there = open && certain && !recedes && t > 0.0 && t < infinity;
+    first.in_doubt = open && !certain && !(recedes && e.D > 4 * e.E);
+  };
+  const auto is_outside = e.c > 0x1p-18 * e.w;
+  if constexpr (std::is_same_v<decltype(is_outside), const bool>)
+    if (is_outside) {
+      const T root = sqrt(e.D), q = e.b + root;
+      find(e.c / q, root * q > 0x1p31 * e.E && e.b >= 0.0, e.b < 0.0);
+      return first;
+    }
+  const auto [q, certain] = detail::certified_quotient(e);
+  const M is_q_over_A = M(!is_outside) && q >= 0.0;
+  find(select(is_q_over_A, q, T(e.c)) / select(is_q_over_A, e.A, q), certain, M(is_outside) && q < 0.0);
+  return first;
+}
+
+/// Returns the first root in t > 0 of one line. A surface behind its origin costs no square root.
+[[nodiscard, gnu::always_inline]] inline FirstRootOfEach<double, bool> first_root_of_each(
+    const RoundedQuadratic<double, double>& e, bool) {
+  if (e.surely_misses()) return {.t = infinity, .is_there = false, .in_doubt = false};
+  double t = infinity;
+  bool is_certain = false;
+  const double least = 0x1p-18 * e.w;
+  if (e.c > least) {
+    if (e.b < 0) {
+      is_certain = e.D > 4 * e.E;
+    } else {
+      const double root = std::sqrt(e.D), q = e.b + root;
+      is_certain = root * q > 0x1p31 * e.E;
+      t = e.c / q;
+    }
+  } else if (e.c < -least) {
+    const auto [q, certain] = detail::certified_quotient(e);
+    is_certain = certain;
+    t = q < 0 ? e.c / q : q / e.A;
+  }
+  const bool is_there = is_certain && 0 < t && t < infinity;
+  return {.t = t, .is_there = is_there, .in_doubt = !is_certain, .is_far = e.c < 0};
+}
+
+/// Lines that cross a surface in 0 < t < 1 or in t > 0, and lines in doubt.
+template <class M>
+struct CrossedByEach {
+  M crossed, in_doubt;
+};
+
+/// Returns which of the active lines cross the surface in 0 < t < 1 if they are segments, else in t > 0.
+template <class T, class L, class M>
+[[nodiscard, gnu::always_inline]] inline CrossedByEach<M> crossed_by_each(const RoundedLinear<T, L>& e,
+                                                                          const M& active,
+                                                                          bool are_segments) {
+  const auto root = first_root_of_each(e, active);
+  if (!are_segments) return {.crossed = root.is_there, .in_doubt = root.in_doubt};
+  const M crossed = root.is_there && root.t<1 - 0x1p-29, behind = root.t> 1 + 0x1p-29;
+  return {.crossed = crossed, .in_doubt = root.in_doubt || (root.is_there && !crossed && !behind)};
+}
+
+/// Returns which of the active lines cross a sphere in 0 < t < 1 if they are segments, else in t > 0, by
+/// signs alone.
+///
+/// For D > 4E and |c| > 2^-18 w a line meets the sphere, and c has its sign: its error is at most 7u w. So
+/// has b if c > 0, since |b| is then larger than 2^-24 √(A w), and its error is at most 4u √(A w).
+///
+/// At t = 1 the equation has the value f = A − 2b + c, and half its slope is A − b. The errors of A, b, c are
+/// at most 3u A, 4u √(A w) ≤ 2u (A + w) and 7u w, those of the two operations at most 4u (A + w) together, so
+/// f and A − b are accurate to 15u (A + w) < 2^-49 (A + w). A line that meets the sphere is inside it between
+/// its roots: from outside, it gets there if it ends inside, or else if its nearest point to the center comes
+/// before its end.
+template <class T, class C, class M>
+[[nodiscard, gnu::always_inline]] inline CrossedByEach<M> crossed_by_each(const RoundedQuadratic<T, C>& e,
+                                                                          const M& active,
+                                                                          bool are_segments) {
+  using std::abs;
+  const M open = active && !e.surely_misses();
+  if (!any(open)) return {.crossed = open, .in_doubt = open};
+  const M meets = open && e.D > 4 * e.E && abs(e.c) > 0x1p-18 * e.w;
+  const auto approaches = e.b > 0.0;
+  const auto starts_outside = e.c > 0.0;
+  if (!are_segments) return {.crossed = meets && (approaches || !starts_outside), .in_doubt = open && !meets};
+  const auto f = e.A - 2 * e.b + e.c, slope = e.A - e.b, error = 0x1p-49 * (e.A + e.w);
+  const auto ends_outside = f > error, ends_inside = f<-error, recedes = slope> error;
+  const M sure = meets && (ends_inside ||
+                           (ends_outside && (!starts_outside || !approaches || recedes || slope < -error)));
+  const M crossed = sure && ((starts_outside && approaches && (ends_inside || recedes)) ||
+                             (!starts_outside && ends_outside));
+  return {.crossed = crossed, .in_doubt = open && !sure};
+}
+
+/// Returns the certified roots of one line, or in_doubt() if double does not decide.
+template <class M>
+[[nodiscard, gnu::always_inline]] inline Roots roots_of(const RoundedLinear<double, M>& e,
+                                                        const auto& in_doubt) {
+  if (e.misses) return {};
+  if (e.crosses && e.is_certain) return Roots{e.height / e.slope};
+  return in_doubt();
+}
+[[nodiscard, gnu::always_inline]] inline Roots roots_of(const RoundedQuadratic<double, double>& e,
+                                                        const auto& in_doubt) {
+  if (e.surely_misses()) return {};
+  if (const auto [q, certain] = detail::certified_quotient(e); certain) return roots_from(e.A, e.c, q);
+  return in_doubt();
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI
