@@ -79,27 +79,23 @@ namespace detail {
   return {nearest_quotient(n[0], n[k]), nearest_quotient(n[1], n[k]), nearest_quotient(n[2], n[k]),
           nearest_quotient(distance, n[k])};
 }
-[[nodiscard, gnu::cold, gnu::noinline]] inline PlaneEquation exact_plane_at(const Point& position,
-                                                                            const ExactVector& n) {
-  return nearest_plane(n, dot(n, exact_vector(position)));
-}
-[[nodiscard, gnu::cold, gnu::noinline]] inline PlaneEquation exact_plane_through(const Point& position,
-                                                                                 const Vec3& u,
-                                                                                 const Vec3& v) {
-  return exact_plane_at(position, cross(exact_vector(u), exact_vector(v)));
-}
 
 /// Returns the equation of the plane through a point with a given normal, from double-double; empty if that
-/// does not decide how a quotient is rounded. k is the index of the normal's largest component. The error is
-/// an upper bound for the relative errors of the normal's components and of the quotients, and for that of
-/// the distance relative to the magnitudes of its terms.
+/// does not decide which component is the largest or how a quotient is rounded. The error is an upper bound
+/// for the relative errors of the normal's components: 0, or at least 2^-100.
 ///
-/// In units of u², a normal with an error of 3 gives quotients 3 + 3 + 10; the distance has 3 + 7 + 3 + 3 of
-/// the magnitudes of its terms, and its quotient 3 + 10 more. All are below 2^-100 = 64u². If the normal's
-/// error is large against that, a quotient has twice as much, and the distance as much.
+/// In units of u², an exact normal, or one with an error of 3, gives quotients 3 + 3 + 10; the distance has 3
+/// + 7 + 3 + 3 of the magnitudes of its terms, and its quotient 3 + 10 more. All are below 2^-100 = 64u². If
+/// the normal's error is large against that, a quotient has twice as much, and the distance as much.
 [[nodiscard]] inline std::optional<PlaneEquation> refined_plane_at(const Point& position,
-                                                                   const RefinedVector& n, std::size_t k,
-                                                                   double error) {
+                                                                   const RefinedVector& n, double error) {
+  std::size_t k = 0;
+  for (std::size_t i = 1; i < 3; ++i) {
+    const int sign = order(abs(n[i]), error, abs(n[k]), error);
+    if (sign == 0 && error != 0) return std::nullopt;
+    if (sign > 0) k = i;
+  }
+  error = std::max(error, 0x1p-100);
   PlaneEquation equation;
   const auto is_rounded = [&](std::size_t i, DoubleDouble q, double uncertain) {
     equation[i] = q.hi;
@@ -115,26 +111,6 @@ namespace detail {
   }
   if (!is_rounded(3, distance / n[k], error * (terms / std::abs(n[k].hi)))) return std::nullopt;
   return equation;
-}
-
-/// Returns the equation of the plane through a point with any normal but 0, from double-double; empty if that
-/// does not decide which component is the largest or how a quotient is rounded.
-[[nodiscard]] inline std::optional<PlaneEquation> refined_plane_at(const Point& position,
-                                                                   const RefinedVector& n, double error) {
-  std::size_t k = 0;
-  for (std::size_t i = 1; i < 3; ++i) {
-    const int sign = order(abs(n[i]), error, abs(n[k]), error);
-    if (sign == 0) return std::nullopt;
-    if (sign > 0) k = i;
-  }
-  return refined_plane_at(position, n, k, error);
-}
-
-/// Returns the equation of the plane through a point along two directions, from double-double; empty if that
-/// does not decide how a quotient is rounded.
-[[nodiscard]] inline std::optional<PlaneEquation> refined_plane_through(const Point& position, const Vec3& u,
-                                                                        const Vec3& v) {
-  return refined_plane_at(position, cross_product(u, v), 0x1p-100);
 }
 
 /// Returns u × v of vectors in double-double, each component with an error of at most 2^-82 of itself, and 0
@@ -160,6 +136,22 @@ namespace detail {
     if (terms != 0 && !(std::abs(n[i].hi) > 0x1p-20 * terms)) return std::nullopt;
   }
   return n;
+}
+
+/// Returns the equation of the plane through a point with a given normal, whose components have relative
+/// errors of at most `error`; without rounding it is exact_normal().
+[[nodiscard]] PlaneEquation plane_at(const Point& position, const std::optional<RefinedVector>& normal,
+                                     double error, const auto& exact_normal) {
+  const int lengths = exponent_of({position});
+  const Point p = scaled(position, -lengths);
+  std::optional<PlaneEquation> equation;
+  if (normal) equation = refined_plane_at(p, *normal, error);
+  if (!equation) {
+    const ExactVector n = exact_normal();
+    equation = nearest_plane(n, dot(n, exact_vector(p)));
+  }
+  (*equation)[3] = std::ldexp((*equation)[3], lengths);
+  return *equation;
 }
 
 }  // namespace detail
@@ -197,31 +189,15 @@ namespace detail {
 
 /// Returns the equation of the plane through a point along u and v, which must not be parallel.
 [[nodiscard]] inline PlaneEquation plane_through(const Point& position, const Vec3& u, const Vec3& v) {
-  const int lengths = exponent_of({position});
-  const Point p = scaled(position, -lengths);
   const Vec3 a = of_moderate_size(u), b = of_moderate_size(v);
-  PlaneEquation equation;
-  if (const auto refined = detail::refined_plane_through(p, a, b))
-    equation = *refined;
-  else
-    equation = detail::exact_plane_through(p, a, b);
-  equation[3] = std::ldexp(equation[3], lengths);
-  return equation;
+  return detail::plane_at(position, cross_product(a, b), 0x1p-100,
+                          [&] { return cross(exact_vector(a), exact_vector(b)); });
 }
 
 /// Returns the equation of the plane through a point perpendicular to a normal, which must not be 0.
 [[nodiscard]] inline PlaneEquation plane_at(const Point& position, const Vec3& normal) {
-  const int lengths = exponent_of({position});
-  const Point p = scaled(position, -lengths);
-  const Vec3 n = of_moderate_size(normal), size = abs(n);
-  const std::size_t k = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  PlaneEquation equation;
-  if (const auto refined = detail::refined_plane_at(p, {n.x, n.y, n.z}, k, 0x1p-100))
-    equation = *refined;
-  else
-    equation = detail::exact_plane_at(p, exact_vector(n));
-  equation[3] = std::ldexp(equation[3], lengths);
-  return equation;
+  const Vec3 n = of_moderate_size(normal);
+  return detail::plane_at(position, RefinedVector{n.x, n.y, n.z}, 0, [&] { return exact_vector(n); });
 }
 
 /// Three points, divided by a power of two that brings the largest of their numbers to about 1.
@@ -235,6 +211,11 @@ struct ScaledPoints {
         b(scaled(q, -exponent)),
         c(scaled(r, -exponent)) {}
 
+  /// Returns (b − a) × (c − a), each component with an error of at most 2^-82 of itself, if it is known so
+  /// well.
+  [[nodiscard]] std::optional<RefinedVector> refined_normal() const {
+    return detail::refined_cross_product(refined_difference(b, a), refined_difference(c, a));
+  }
   [[nodiscard, gnu::cold, gnu::noinline]] ExactVector exact_normal() const {
     return cross(exact_difference(b, a), exact_difference(c, a));
   }
@@ -244,8 +225,7 @@ struct ScaledPoints {
 /// are on one line. More than 20 binary digits rarely cancel; if they do, only the final numbers are rounded.
 [[nodiscard]] inline Vec3 unit_normal_through(const Point& a, const Point& b, const Point& c) {
   const ScaledPoints points(a, b, c);
-  if (const auto n = detail::refined_cross_product(refined_difference(points.b, points.a),
-                                                   refined_difference(points.c, points.a)))
+  if (const auto n = points.refined_normal())
     return normalize(of_moderate_size({(*n)[0].hi, (*n)[1].hi, (*n)[2].hi}));
   const ExactVector n = points.exact_normal();
   const auto nearest = [](const ExactNumber& x) { return static_cast<double>(DoubleDouble(x)); };
@@ -256,13 +236,10 @@ struct ScaledPoints {
 /// to 2^-82, quotients and distance are accurate to 2^-80.
 [[nodiscard]] inline PlaneEquation plane_through_points(const Point& a, const Point& b, const Point& c) {
   const ScaledPoints points(a, b, c);
-  std::optional<PlaneEquation> equation;
-  if (const auto n = detail::refined_cross_product(refined_difference(points.b, points.a),
-                                                   refined_difference(points.c, points.a)))
-    equation = detail::refined_plane_at(points.a, *n, 0x1p-80);
-  if (!equation) equation = detail::exact_plane_at(points.a, points.exact_normal());
-  (*equation)[3] = std::ldexp((*equation)[3], points.exponent);
-  return *equation;
+  PlaneEquation equation =
+      detail::plane_at(points.a, points.refined_normal(), 0x1p-80, [&] { return points.exact_normal(); });
+  equation[3] = std::ldexp(equation[3], points.exponent);
+  return equation;
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI
