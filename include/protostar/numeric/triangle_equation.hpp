@@ -55,18 +55,22 @@ template <class T>
   return {.height = dot(n, line.weight * given<T>(a) - line.origin), .slope = dot(n, line.direction)};
 }
 
-/// Returns the equation of the triangle, in numbers of type T.
+/// Returns the equation of the triangle, in numbers of type T; 0 t = 0 if the line certainly misses it.
 template <class T>
 [[nodiscard]] LinearEquation<T> triangle_equation(const LineOf<T>& line, const Point& a, const Point& b,
                                                   const Point& c) {
+  const Point* const corners[] = {&a, &b, &c, &a};
+  std::optional<int> first;
+  bool is_decided = true;
+  for (int i = 0; i < 3; ++i) {
+    const auto side = detail::side_of_edge(line, *corners[i], *corners[i + 1]);
+    if (side == 0 || (side && first && *side != *first))
+      return {.height = T(0.0), .slope = T(0.0), .is_on_surface = false};
+    is_decided = is_decided && side;
+    if (!first) first = side;
+  }
   LinearEquation<T> e = triangle_plane_equation(line, a, b, c);
-  const auto ab = detail::side_of_edge(line, a, b), bc = detail::side_of_edge(line, b, c),
-             ca = detail::side_of_edge(line, c, a);
-  const auto differ = [](const auto& one, const auto& other) { return one && other && *one != *other; };
-  if (ab == 0 || bc == 0 || ca == 0 || differ(ab, bc) || differ(bc, ca) || differ(ca, ab))
-    e.is_on_surface = false;
-  else if (!ab || !bc || !ca)
-    e.is_on_surface = std::nullopt;
+  if (!is_decided) e.is_on_surface = std::nullopt;
   return e;
 }
 

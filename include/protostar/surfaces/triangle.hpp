@@ -139,9 +139,8 @@ class StartInTriangle {
   /// the line surely differ by less than 2^-32 of t, it is the given ray's, which is at the same t as its
   /// crossing with another surface in the triangle's plane.
   [[nodiscard, gnu::cold, gnu::noinline]] ExactRoot exact_root(const Ray& ray, const Triangle& other) const {
-    const ExactLine line =
-        rounded_equation(ray, other).is_certain ? line_of<ExactNumber>(ray) : line_from_start(ray);
-    return exact_root_of(other.exact(line));
+    return exact_root_on(
+        other, rounded_equation(ray, other).is_certain ? line_of<ExactNumber>(ray) : line_from_start(ray));
   }
 
   /// Returns the order of two triangles that are crossed at t_a and t_b: the sign of the difference of t on
@@ -152,7 +151,7 @@ class StartInTriangle {
     if (std::abs(gap) > 4 * Roots::relative_error * larger + (shift(ray, a) + shift(ray, b)))
       return gap > 0 ? 1 : -1;
     const ExactLine line = line_from_start(ray);
-    return order(exact_root_of(a.exact(line)), exact_root_of(b.exact(line)));
+    return order(exact_root_on(a, line), exact_root_on(b, line));
   }
 
   /// Returns an upper bound for the difference between t of a crossing on the given ray and on the line,
@@ -184,6 +183,10 @@ class StartInTriangle {
     if (const auto e = rounded_equation(ray, other); e.is_certain) return Roots{e.height / e.slope};
     if (exact.height.sign() == 0 && is_parallel_to(other)) return {};
     return roots_of(exact);
+  }
+
+  [[nodiscard]] static ExactRoot exact_root_on(const Triangle& other, const ExactLine& line) {
+    return exact_root_of(triangle_plane_equation(line, other.a, other.b, other.c));
   }
 
   /// Returns the line from the start, without rounding.
