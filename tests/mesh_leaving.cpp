@@ -50,10 +50,11 @@ Ray aimed_at_border(Random& random, const MeshData& data, double scale, bool at_
   return {origin, target - origin};
 }
 
-/// Number of rays that left a mesh outwards, and of rays that wrongly hit it again.
+/// Number of rays that left a mesh outwards, those of them that wrongly hit it again, and those with an odd
+/// number of crossings ahead.
 struct Left {
-  int outwards = 0, again = 0;
-  int odd = 0;  ///< number of rays with an odd number of crossings ahead
+  int outwards = 0;
+  WrongCases again, odd;
 };
 
 /// Counts rays that leave a surface of the mesh's shape at its edges and vertices. outwards(point) leads to
@@ -65,7 +66,7 @@ Left left_at_borders(const S& surface, const MeshData& data, double scale, const
   Scene<S> scene;
   scene.add(surface, Color{1});
   Random random(71);
-  Left left;
+  Left left{.outwards = 0, .again = WrongCases(random), .odd = WrongCases(random)};
   for (int i = 0; i < 1200; ++i) {
     const auto hit = scene.intersect(aimed_at_border(random, data, scale, at_vertices));
     const Vec3 direction = random.direction();
@@ -77,12 +78,12 @@ Left left_at_borders(const S& surface, const MeshData& data, double scale, const
     ++left.outwards;
     const Ray ray = hit->leave(direction);
     const auto again = scene.intersect(ray);
-    if (again && !may_be_hit(again->t / scale, slope_at(*again))) ++left.again;
+    left.again.add(again && !may_be_hit(again->t / scale, slope_at(*again)), ray);
     int crossings = 0;
     scene.crossings(ray, Interval{}, [&](const Intersection&) { ++crossings; });
     CHECK(again.has_value() == scene.occluded(ray, Interval{}));
     CHECK(again.has_value() == (crossings > 0));
-    left.odd += crossings % 2;
+    left.odd.add(crossings % 2 != 0, ray);
   }
   return left;
 }

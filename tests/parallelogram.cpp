@@ -200,8 +200,7 @@ TEST_CASE("u and v are lengths along the edges, from position") {
 
 TEST_CASE("the bounds of a parallelogram hold its vertices, and are tight") {
   Random random(23);
-  int outside = 0;
-  WrongCases loose(random);
+  WrongCases outside(random), loose(random);
   for (int i = 0; i < 5000; ++i) {
     const Parallelogram s{random.point(1e3), random.point(1e-3), random.point(1e3)};
     const auto [min, max] = s.bounds();
@@ -212,8 +211,9 @@ TEST_CASE("the bounds of a parallelogram hold its vertices, and are tight") {
         for (const double b : {0.0, 1.0}) {
           const ExactNumber vertex = ExactNumber(s.position[axis]) + ExactNumber(a * s.edge_u[axis]) +
                                      ExactNumber(b * s.edge_v[axis]);
-          outside +=
-              (vertex - ExactNumber(min[axis])).sign() < 0 || (vertex - ExactNumber(max[axis])).sign() > 0;
+          outside.add(
+              (vertex - ExactNumber(min[axis])).sign() < 0 || (vertex - ExactNumber(max[axis])).sign() > 0,
+              s);
           const double rounded = static_cast<double>(DoubleDouble(vertex));
           least = std::min(least, rounded), most = std::max(most, rounded);
         }

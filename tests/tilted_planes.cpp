@@ -111,8 +111,8 @@ TEST_CASE("planes whose rounded equations differ in the last place of one number
 
 TEST_CASE("planes with equal rounded equations are left together, and are hit in exact order") {
   Random random(83);
-  int misordered = 0, before = 0, behind = 0;
-  WrongCases wrong(random), far(random);
+  int before = 0, behind = 0;
+  WrongCases wrong(random), far(random), misordered(random);
   for (int i = 0; i < 2000; ++i) {
     const Parallelogram board = tilted_board(random);
     const PlaneEquation equation = board.departure().geometry;
@@ -142,8 +142,9 @@ TEST_CASE("planes with equal rounded equations are left together, and are hit in
     boards_first.add(board, Color{1}), boards_first.add(floor, Color{0});
     floors_first.add(floor, Color{0}), floors_first.add(board, Color{1});
     const auto sees_board = [&](const auto& scene) { return scene.intersect(ray)->color() == Color{1}; };
-    misordered +=
-        first != 0 && (sees_board(boards_first) != (first < 0) || sees_board(floors_first) != (first < 0));
+    misordered.add(
+        first != 0 && (sees_board(boards_first) != (first < 0) || sees_board(floors_first) != (first < 0)),
+        board, floor, ray);
   }
   CHECK(wrong == 0);
   CHECK(far == 0);

@@ -181,10 +181,14 @@ Tally judge(const Placement& placement, const std::vector<Pixel>& pixels, int wi
   for (const Pixel& pixel : pixels) {
     const Ray ray = model.camera.through_pixel(pixel.x, pixel.y, width, height);
     const Judge scene(model, ray, tally);
+    const std::uint64_t wrong_before = tally.wrong_answers;
     const int off =
         std::max(distance(codes(TransparencyIntegrator{}.radiance(ray, scene)), pixel.transparency),
                  distance(codes(ShadowIntegrator{}.radiance(ray, scene)), pixel.shadow));
     ++tally.pixels;
+    if (tally.wrong_answers > wrong_before)
+      std::fprintf(stderr, "scale %g, offset %g, %dx%d: pixel (%d, %d) has wrong answers\n", placement.scale,
+                   placement.offset, width, height, pixel.x, pixel.y);
     if (off == 1) ++tally.off_by_one;
     if (off > 1) {
       ++tally.off_by_more;
