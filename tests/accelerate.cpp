@@ -13,6 +13,7 @@
 #include <functional>
 #include <vector>
 
+#include "support/cases.hpp"
 #include "support/catch.hpp"
 #include "support/cylinder.hpp"
 #include "support/errors.hpp"
@@ -251,7 +252,7 @@ TEST_CASE("rays that start next to a sphere, or end there, get the plain scene's
   const auto fast = accelerate(scene);
   int occluded = 0, free = 0;
   WrongCases wrong(random);
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < cases(1000, 4000); ++i) {
     const Sphere& sphere = spheres[random.bits() % spheres.size()];
     const double off = std::exp2(random.real(-52, -8)) * (i % 2 ? 1 : -1);
     const Vec3 normal = random.direction();
@@ -265,8 +266,8 @@ TEST_CASE("rays that start next to a sphere, or end there, get the plain scene's
       }
   }
   CHECK(wrong == 0);
-  CHECK(occluded > 1000);
-  CHECK(free > 1000);
+  CHECK(occluded > cases(250, 1000));
+  CHECK(free > cases(250, 1000));
 }
 
 TEST_CASE("rays that float cannot represent get the plain scene's answers") {
@@ -295,7 +296,7 @@ TEST_CASE("surfaces whose bounds overflow, or nearly do, are hit as in the plain
   scene.add(Sphere{.center = {1e120, 0, 0}, .radius = 1.7e120}, number(i++));
   for (; i < 2150; ++i) scene.add(LooseCube{{random.point(1), random.real(0.05, 0.3)}}, number(i));
   scene.add(LooseCube{{Point{0}, 0.5}, 1e200}, number(i));
-  CHECK(compare(scene, random, Point{0}, 1.5, 40) > 100);
+  CHECK(compare(scene, random, Point{0}, 1.5, cases(10, 40)) > cases(25, 100));
 }
 
 TEST_CASE("small and distant spheres behind a ray's origin are hit as in the plain scene") {

@@ -280,7 +280,7 @@ TEST_CASE("more than nine tenths of all child slots are used, also if leaves wou
   }
 }
 
-TEST_CASE("a million coincident primitives have a tree like any others") {
+TEST_CASE("a million coincident primitives have a tree like any others", "[long]") {
   const Bvh tree(1'000'000,
                  [](std::size_t) {
                    return Bounds{Point{1}, Point{1}};

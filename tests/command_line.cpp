@@ -417,7 +417,8 @@ TEST_CASE("a picture that does not fit into memory is refused with a message") {
 }
 #endif
 
-TEST_CASE("progress is shown on a terminal, and then cleared, if a render takes longer than a second") {
+TEST_CASE("progress is shown on a terminal, and then cleared, if a render takes longer than a second",
+          "[long]") {
   if (!has_terminals()) {
     WARN("not tested: this system has no pseudo terminals");
     return;

@@ -188,7 +188,7 @@ void check_one_line(const Outcome& outcome) {
 
 }  // namespace
 
-TEST_CASE("small files that promise large images or repeat their files take little memory") {
+TEST_CASE("small files that promise large images or repeat their files take little memory", "[long]") {
   const TemporaryFolder folder;
   const rlim_t limit = 200'000'000;
   const auto check_refused = [&](const std::string& scene, const std::string& error) {
@@ -227,7 +227,7 @@ TEST_CASE("small files that promise large images or repeat their files take litt
   CHECK(shared.status == 0);
 }
 
-TEST_CASE("the values of a scene file are counted before they take memory") {
+TEST_CASE("the values of a scene file are counted before they take memory", "[long]") {
   const TemporaryFolder folder;
   std::string values = "[";
   values.reserve(std::size_t{1} << 26);
@@ -246,7 +246,7 @@ TEST_CASE("the values of a scene file are counted before they take memory") {
         "render: scene.json: the whole: an array or object of 16777215 values is not an object\n");
 }
 
-TEST_CASE("running out of memory while a scene is read ends render with status 1 and one line") {
+TEST_CASE("running out of memory while a scene is read ends render with status 1 and one line", "[long]") {
   const TemporaryFolder folder;
   const std::string sphere = R"({"surface": {"type": "csg", "operation": "union", "surfaces": [
       {"type": "sphere", "position": [0, 0, 3], "radius": 0.1}]}, "color": [1, 1, 1]},)";

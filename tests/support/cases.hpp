@@ -1,0 +1,6 @@
+// Numbers of cases of tests that have a short and a long form.
+#pragma once
+
+/// Returns how many cases a test looks at: some, or all of them where long tests are asked for
+/// (PROTOSTAR_LONG_TESTS).
+constexpr int cases(int some, int all) { return PROTOSTAR_LONG_FORMS ? all : some; }
