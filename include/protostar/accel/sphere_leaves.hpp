@@ -124,8 +124,9 @@ class SphereLeaves {
  private:
   [[nodiscard, gnu::always_inline]] SpherePass pass(Leaf leaf, std::uint32_t i, const BoxRay& ray) const {
     const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
-    const auto from_origin = [&](std::uint32_t axis) {
-      return WideFloats::load(row + axis * leaf.count) - WideFloats(ray.origin[axis]);
+    const auto from_origin = [&](int axis) {
+      return WideFloats::load(row + static_cast<std::uint32_t>(axis) * leaf.count) -
+             WideFloats(ray.origin[axis]);
     };
     const LinePass line({ray.direction[0], ray.direction[1], ray.direction[2]},
                         {from_origin(0), from_origin(1), from_origin(2)});

@@ -140,8 +140,9 @@ namespace detail {
 
 /// Returns the equation of the plane through a point with a given normal, whose components have relative
 /// errors of at most `error`; without rounding it is exact_normal().
-[[nodiscard]] PlaneEquation plane_at(const Point& position, const std::optional<RefinedVector>& normal,
-                                     double error, const auto& exact_normal) {
+[[nodiscard]] PlaneEquation rounded_plane_at(const Point& position,
+                                             const std::optional<RefinedVector>& normal, double error,
+                                             const auto& exact_normal) {
   const int lengths = exponent_of({position});
   const Point p = scaled(position, -lengths);
   std::optional<PlaneEquation> equation;
@@ -190,14 +191,14 @@ namespace detail {
 /// Returns the equation of the plane through a point along u and v, which must not be parallel.
 [[nodiscard]] inline PlaneEquation plane_through(const Point& position, const Vec3& u, const Vec3& v) {
   const Vec3 a = of_moderate_size(u), b = of_moderate_size(v);
-  return detail::plane_at(position, cross_product(a, b), 0x1p-100,
-                          [&] { return cross(exact_vector(a), exact_vector(b)); });
+  return detail::rounded_plane_at(position, cross_product(a, b), 0x1p-100,
+                                  [&] { return cross(exact_vector(a), exact_vector(b)); });
 }
 
 /// Returns the equation of the plane through a point perpendicular to a normal, which must not be 0.
 [[nodiscard]] inline PlaneEquation plane_at(const Point& position, const Vec3& normal) {
   const Vec3 n = of_moderate_size(normal);
-  return detail::plane_at(position, RefinedVector{n.x, n.y, n.z}, 0, [&] { return exact_vector(n); });
+  return detail::rounded_plane_at(position, RefinedVector{n.x, n.y, n.z}, 0, [&] { return exact_vector(n); });
 }
 
 /// Three points, divided by a power of two that brings the largest of their numbers to about 1.
@@ -236,8 +237,8 @@ struct ScaledPoints {
 /// to 2^-82, quotients and distance are accurate to 2^-80.
 [[nodiscard]] inline PlaneEquation plane_through_points(const Point& a, const Point& b, const Point& c) {
   const ScaledPoints points(a, b, c);
-  PlaneEquation equation =
-      detail::plane_at(points.a, points.refined_normal(), 0x1p-80, [&] { return points.exact_normal(); });
+  PlaneEquation equation = detail::rounded_plane_at(points.a, points.refined_normal(), 0x1p-80,
+                                                    [&] { return points.exact_normal(); });
   equation[3] = std::ldexp(equation[3], points.exponent);
   return equation;
 }
