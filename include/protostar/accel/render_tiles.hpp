@@ -1,8 +1,8 @@
 // Fills an image of a scene tile by tile.
 //
 // This is the fast path of render, and gives the same bytes as the plain path: surfaces that a tile cannot
-// see are culled by certified bounds (accel/tile.hpp), and the others are decided by the certified roots of
-// numeric/.
+// see are culled by certified bounds (accel/candidates.hpp), and the others are decided by the certified
+// roots of numeric/.
 #pragma once
 
 #include "../render.hpp"
