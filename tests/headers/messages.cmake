@@ -97,14 +97,12 @@ Scene<Parts> parts;
 expect_refusal(scene.hpp [[
 struct Rounded : Good { std::pair<double, double> roots(const Ray&) const { return {1, 2}; } };
 struct Departing : Good { Departure departure() { return {}; } };
-struct Mistaken : Good { float departure_error(const Ray&) const { return 0; } };
 struct Unsure : Good { void validate() {} };
 struct Bounded : Good { Bounds bounds() { return {}; } };
 struct Textured : Good { double uv_at(Point) const { return 0; } };
 struct Filled : Good { bool ends_inside(const Ray&) { return false; } };
 Scene<Rounded> rounded;
 Scene<Departing> departing;
-Scene<Mistaken> mistaken;
 Scene<Unsure> unsure;
 Scene<Bounded> bounded;
 Scene<Textured> textured;
@@ -112,7 +110,6 @@ Scene<Filled> filled;
 ]]
   Rounded "Surface: roots(const Ray&) is not const or does not return Roots"
   Departing "Surface: departure() is not const or does not return a Departure"
-  Mistaken "Surface: departure_error(const Ray&) is not const or does not return double"
   Unsure "Surface: validate() is not const"
   Bounded "Surface: bounds() is not const or does not return Bounds"
   Textured "Surface: uv_at(Point) is not const or does not return a Uv"

@@ -204,7 +204,7 @@ template <class T, class L, class M>
                                                                           bool are_segments) {
   const auto root = first_root_of_each(e, active);
   if (!are_segments) return {.crossed = root.is_there, .in_doubt = root.in_doubt};
-  const M crossed = root.is_there && root.t<1 - 0x1p-29, behind = root.t> 1 + 0x1p-29;
+  const M crossed = root.is_there && (root.t < 1 - 0x1p-29), behind = (root.t > 1 + 0x1p-29);
   return {.crossed = crossed, .in_doubt = root.in_doubt || (root.is_there && !crossed && !behind)};
 }
 
@@ -231,7 +231,7 @@ template <class T, class C, class M>
   const auto starts_outside = e.c > 0.0;
   if (!are_segments) return {.crossed = meets && (approaches || !starts_outside), .in_doubt = open && !meets};
   const auto f = e.A - 2 * e.b + e.c, slope = e.A - e.b, error = 0x1p-49 * (e.A + e.w);
-  const auto ends_outside = f > error, ends_inside = f<-error, recedes = slope> error;
+  const auto ends_outside = (f > error), ends_inside = (f < -error), recedes = (slope > error);
   const M sure = meets && (ends_inside ||
                            (ends_outside && (!starts_outside || !approaches || recedes || slope < -error)));
   const M crossed = sure && ((starts_outside && approaches && (ends_inside || recedes)) ||
