@@ -46,6 +46,19 @@ struct Curious {
   }
 };
 
+/// User-defined integrator that takes packets, and shades the closest hit by follow, without a function
+/// shade.
+struct Following {
+  using TakesPackets = Following;
+
+  template <class R>
+  [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {
+    return follow(
+        ray, scene, [] { return Color{0.5f}; },
+        [](const auto& hit) { return hit.color() * to_float(1 / hit.t); });
+  }
+};
+
 /// User-defined integrator that takes packets.
 struct Rings {
   using TakesPackets = Rings;
@@ -140,6 +153,16 @@ TEST_CASE("by tiles, a user's integrator draws the same picture as ray by ray") 
   CHECK(different_bytes(by_lambda, expected) == 0);
   CHECK(different_bytes(by_typed, expected) == 0);
   CHECK(different_bytes(by_structure, expected) == 0);
+}
+
+TEST_CASE("an integrator that follows rays sees the closest of surfaces in any order") {
+  Scene<Sphere> scene;
+  // The second is behind the first hit, and the third in front of it.
+  for (const double z : {6.0, 12.0, 4.0}) scene.add(Sphere{{0, 0, z}, 1}, Color{static_cast<float>(z), 1, 0});
+  Image image(256, 192);  // with packets of which all rays meet all three
+  render(image, Camera{}, scene, Following{});
+  CHECK(different_bytes(image, ray_by_ray(Camera{}, 256, 192, scene, Following{})) == 0);
+  CHECK(image(128, 96).r > 1.3f);  // 4 of the third at t = 3, and not 6 of the first at t = 5
 }
 
 TEST_CASE("in tiles without candidates, a packet integrator still gets the scene's lights") {

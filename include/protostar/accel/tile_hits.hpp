@@ -34,7 +34,9 @@ class TileHits : public TileSurfaces<S...> {
     [[no_unique_address]] std::conditional_t<has_crossings, Indices, Nothing> which = -1;
   };
 
-  /// Returns the closest hits of camera rays among the candidates.
+  /// Returns the closest hits of camera rays among the candidates and the surfaces without bounds. It stops
+  /// at the first candidate whose nearest() is behind all hits: candidates are ordered by distance, or their
+  /// nearest() is 0.
   template <class Origin>
   [[nodiscard]] Closest closest(const CameraPacket<Origin>& rays) const {
     Closest closest{.t = infinity, .place = -1};

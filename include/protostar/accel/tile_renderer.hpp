@@ -45,7 +45,7 @@ class TileRenderer {
         filler_(image, scene, integrator, rays_, unbounded_, skips_) {
     int place = 0;
     (add_group<S>(place), ...);
-    if constexpr (nearest_first) put_nearest_first(candidates_);
+    put_in_order(candidates_);
   }
 
   /// Fills a tile.
@@ -60,10 +60,8 @@ class TileRenderer {
       int first = 0;
       const TileHalfSpaces half_spaces(rays_, tile);
       (add_found<S>(half_spaces, first, found), ...);
-      if constexpr (nearest_first)
-        put_nearest_first(found);
-      else
-        found.order_by_place();
+      if constexpr (!nearest_first) found.order_by_place();
+      put_in_order(found);
       in_tile.add(found, frustum);
     } else {
       in_tile.add(candidates_, frustum);
@@ -172,9 +170,11 @@ class TileRenderer {
     }
   }
 
-  void put_nearest_first(Candidates& candidates) const {
-    candidates.order_by_distance();
-    if (!skips_.farther_surfaces) candidates.bring_near();
+  /// Orders candidates near to far for integrators that shade closest hits. For others, which may ask for
+  /// crossings in the scene's order, they keep that order, and none is left out for its distance.
+  void put_in_order(Candidates& candidates) const {
+    if constexpr (nearest_first) candidates.order_by_distance();
+    if (!nearest_first || !skips_.farther_surfaces) candidates.bring_near();
   }
 
   void fill_parts(const Tile& tile, const Candidates& candidates, std::size_t division, Work& work) const {
