@@ -362,12 +362,15 @@ TEST_CASE("a packet hits a parallelogram where each of its rays does, or is in d
   CHECK(tally.in_doubt < 1e-3 * tally.asked);
 
   const auto on_it = [](Random& r) { return Point{r.real(-1, 1), -1, r.real(-1, 1)}; };
+  // Of seven questions, two have a range that ends where a ray hits. Of packets with one origin, which are
+  // half of all, only the first ray does so.
+  const double at_the_end = 2.0 / 7 * (1 + 1.0 / double_lanes) / 2;
   for (const Rows& row : {Rows{"to a point of it",
                                [&](Random& r) {
                                  const Point from = r.point(3);
                                  return Ray{from, on_it(r) - from};
                                },
-                               0.16, 0.03},
+                               at_the_end + 0.001, 0.03},
                           Rows{"to its outline",
                                [&](Random& r) {
                                  const Point from = r.point(3);
