@@ -30,8 +30,8 @@ class ClosestHit {
  private:
   static constexpr double error = Roots::relative_error;
 
-  /// Tests one surface, and returns the new end of the range. Each hit shortens the range, so the last hit is
-  /// the closest. Roots that may precede it, given the error of t, stay in the range.
+  /// Tests one surface. If its first crossing precedes `first`, stores it there. Returns the new end of the
+  /// range: crossings that may still precede `first`, given the error of t, lie before it.
   template <Surface T>
   static double look_at(const T& surface, const Material& material, const Ray& ray, Interval range,
                         SurfaceCrossing& first) {
@@ -52,9 +52,10 @@ class ClosestHit {
     return end;
   }
 
-  /// Tests surfaces by their first roots: if double decides the order, each takes a few comparisons. A root
-  /// below `sooner` surely precedes the closest hit so far and lies in the range; one not below `later`
-  /// surely does not (docs/derivations.md, Which comes first).
+  /// Tests surfaces with an equation by their first roots, for a ray that no instance has mapped and a range
+  /// that begins at 0: if double decides the order, each takes a few comparisons. A root below `sooner`
+  /// surely precedes the closest hit so far and lies in the range; one not below `later` surely does not
+  /// (docs/derivations.md, Which comes first).
   template <Surface T>
   void look_for_first_roots(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
     // The ray without its departure, copied: what its equation has in common with all surfaces is computed

@@ -20,7 +20,8 @@ inline constexpr bool is_quadratic = requires(const S& surface, const ExactLine&
   surface.exact(line).without_root_at_0();
 };
 
-/// Returns answer(e) for the equation e of rays with a surface, without the root 0 if they depart from it.
+/// Calls answer(e) with the equation e of rays and a surface, and returns its result. If the rays depart from
+/// the surface, e lacks the root 0: a quadratic equation becomes linear, and a linear one surely misses.
 [[nodiscard, gnu::always_inline]] inline auto by_equation(const auto& surface, const auto& rays,
                                                           const auto& answer) {
   using Equation = decltype(surface.equation(rays));
@@ -33,9 +34,10 @@ inline constexpr bool is_quadratic = requires(const S& surface, const ExactLine&
         Equation{.height = 0.0, .slope = 1.0, .misses = true, .crosses = false, .is_certain = false});
 }
 
-/// Returns the roots of a ray that double leaves in doubt. A surface may offer refined_roots(ray), which
-/// decides some with fewer digits than all. There are none if the direction is 0, or a number of the ray or
-/// of the surface is not finite, which a surface may tell by has_finite_numbers().
+/// Returns the certified roots of a ray that double leaves in doubt: by the surface's refined_roots(ray), in
+/// double-double, if it has such a function and that decides; otherwise without rounding, which
+/// fallbacks.exact counts. There are none if the direction is 0, or if a number of the ray or of the surface
+/// is not finite, which a surface may tell by has_finite_numbers().
 template <class S>
 [[nodiscard, gnu::noinline, gnu::cold]] Roots roots_in_doubt(const S& surface, const Ray& ray) {
   if (!is_proper(ray)) return {};
@@ -56,8 +58,9 @@ template <class S>
   }
 }
 
-/// Returns the roots of a ray that an instance has mapped. A surface may offer rounded_equation(line), its
-/// equation in double for a line whose numbers have errors.
+/// Returns the certified roots of a ray that an instance has mapped into its space, and whose numbers are
+/// rounded: by the surface's rounded_equation(line), in double with larger bounds, if it has such a function
+/// and that decides; otherwise without rounding.
 template <class S>
 [[nodiscard, gnu::noinline]] Roots transformed_roots(const S& surface, const Ray& ray) {
   if (surface.is_left_by(ray)) {

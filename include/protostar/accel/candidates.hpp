@@ -1,4 +1,4 @@
-// Culls the surfaces that the pixels of a tile may see: lists that get shorter from a tile to a smaller one.
+// Lists of the surfaces that the pixels of a tile may see; a part of the tile has a shorter list.
 //
 // A surface is represented by a sphere that contains it. The rays of a tile lie between four planes; a
 // surface outside one of them is not seen. This is tested in float, several surfaces at once, and drops a
@@ -180,7 +180,8 @@ class Candidates {
       nearest_[index(i)] = std::min(nearest_[index(i)], nearest_[index(i + 1)]);
   }
 
-  /// Sets all nearest() to 0, so that no surface is left out for its distance.
+  /// Sets all nearest() to 0, so that no surface is left out for its distance, whatever the order of the
+  /// list.
   void bring_near() { std::fill(nearest_.begin(), nearest_.end(), 0.0f); }
 
   /// Sorts by index in the scene's order.

@@ -49,8 +49,8 @@ class Finder {
     return each_crossed(ray, range, visit);
   }
 
-  /// Calls visit(i) for the surface of the closest hit inside the range, and for others. A visit may shorten
-  /// the range.
+  /// Calls visit(i) for the surface of the closest hit inside the range, and for others. `range` refers to a
+  /// variable of the caller, which a visit may shorten: it is read again after each.
   void each_first(const Ray&, const Interval&, const auto& visit) const {
     for (std::uint32_t i = 0; i < count_; ++i) visit(i);
   }

@@ -73,7 +73,8 @@ class TileColors {
   }
 
  protected:
-  /// Returns true if all rays that miss have the same radiance, and may be skipped.
+  /// Returns true if all rays that miss have the same radiance, as there is no environment, and may be
+  /// skipped.
   [[nodiscard]] bool nothing_is_alike() const { return skips_.empty_tiles && !scene_.scene().environment(); }
   /// Returns true if all rays that miss have one radiance, and all that hit this material have one, so that
   /// no hit point is needed.
@@ -81,7 +82,7 @@ class TileColors {
     return ShadingIntegrator<I, View> && ShadesAnywhere<I> && nothing_is_alike() && !material.texture;
   }
 
-  /// Color of all pixels that see one surface.
+  /// Color of all pixels that see one surface, the last that was looked for.
   struct ColorSeen {
     std::int32_t place = is_in_doubt;
     bool is_known = false;  ///< true if there is such a color
@@ -98,7 +99,8 @@ class TileColors {
         });
   }
 
-  /// Returns the color of pixels that see nothing, for a row of a block; null if they are not alike.
+  /// Returns the color of pixels that see nothing, for a row of a block; null if they are not alike. No
+  /// surface may be without bounds. The color is computed once for a tile.
   [[nodiscard]] const RowOfColors* color_of_nothing(Work& work) const {
     if (!nothing_is_alike()) return nullptr;
     if (!work.background) {
@@ -111,6 +113,7 @@ class TileColors {
     return &*work.background;
   }
 
+  /// Returns the radiance of camera rays, of which nothing is known yet.
   [[nodiscard]] Colors radiance(const auto& rays, const View& view) const {
     if constexpr (ShadingIntegrator<I, View>)
       return shaded(rays, view.closest(rays), view);
@@ -118,6 +121,7 @@ class TileColors {
       return integrator_.radiance(rays, view);
   }
 
+  /// Returns the radiance of rays whose closest hits are known.
   [[nodiscard]] Colors shaded(const auto& rays, const typename View::Closest& closest,
                               const View& view) const {
     return view.shade(

@@ -28,7 +28,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Filler of parts of tiles, of at most 16 x 16 pixels, with the radiance that an integrator computes.
+/// Filler of parts of tiles with the radiance that an integrator computes. A part has at most 16 × 16 pixels.
 template <class I, Surface... S>
 class TileFiller : public TileColors<I, S...> {
   using Base = TileColors<I, S...>;
@@ -42,8 +42,9 @@ class TileFiller : public TileColors<I, S...> {
 
   using Base::Base;
 
-  /// Fills a tile that can see only one surface, if that is rasterized and pixels have one sample; returns
-  /// false if not. Packets of rays are made only if a ray is in doubt, or colors vary from point to point.
+  /// Fills a tile, of any size, that can see only one surface, if that is rasterized and pixels have one
+  /// sample; returns false, and writes nothing, if not. Packets of rays are made only if a ray is in doubt,
+  /// or colors vary from point to point.
   bool fill_from_buffer(const Tile& tile, const Candidates& candidates, Work& work) const {
     if constexpr (by_packets && View::draws && ShadingIntegrator<I, View>) {
       const View view(scene_, candidates, unbounded_, skips_, work.occluders, work.drawn, work.taken);
@@ -120,6 +121,7 @@ class TileFiller : public TileColors<I, S...> {
               work.taken);
     if (is_large()) view.fetch(candidates);
     int row = -1;  // the row of blocks that of_row is for
+    // Lists the candidates of the row of blocks at y, if the part has too many for one list.
     const auto begin_packet = [&](int, int y) {
       if (!by_rows || y / RayBlock::height == row) return;
       row = y / RayBlock::height;

@@ -87,8 +87,9 @@ class TileHits : public TileSurfaces<S...> {
     return closest;
   }
 
-  /// Returns the closest hits of camera rays, given what the only visibility buffer tells of them. A certain
-  /// hit gets t = 0, since it is compared with no other.
+  /// Returns the closest hits of camera rays, given what the only visibility buffer tells of them
+  /// (sees_one_buffer). t is 0 for a certain hit, which is compared with no other, until shade computes it;
+  /// rays in doubt have their own.
   [[nodiscard]] Closest closest(const CameraPacket<Point>& rays, const auto& seen) const {
     count_tests(seen.met || seen.in_doubt);
     const Closest closest{.t = select(seen.met, Doubles(0.0), infinity),
@@ -99,7 +100,7 @@ class TileHits : public TileSurfaces<S...> {
                    [&](const auto& visit_place) { this->each_candidate(visit_place); });
   }
 
-  /// Returns the closest hits of other rays among all surfaces.
+  /// Returns the closest hits of other rays, by tests of all surfaces of the scene: for few surfaces.
   template <class Origin>
   [[nodiscard]] Closest closest(const RayPacket<Origin>& rays) const {
     Closest closest{.t = infinity, .place = -1};

@@ -135,7 +135,7 @@ class TileRenderer {
     first += static_cast<int>(scene_.scene().template surfaces<T>().size());
   }
 
-  /// Returns visibility buffers, which are large, of an earlier tile, or new ones.
+  /// Returns empty visibility buffers: those of an earlier tile, or new ones. They are large.
   [[nodiscard]] typename View::Drawn take_room() const {
     const std::lock_guard lock(sharing_);
     if (room_.empty()) return {};
@@ -177,6 +177,7 @@ class TileRenderer {
     if (!nearest_first || !skips_.farther_surfaces) candidates.bring_near();
   }
 
+  /// Divides a tile into parts, culls its candidates for each, and fills it or divides it further.
   void fill_parts(const Tile& tile, const Candidates& candidates, std::size_t division, Work& work) const {
     const auto [width, height, most] = divisions[division];
     Candidates& in_part = work.lists[division];

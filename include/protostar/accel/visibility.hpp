@@ -48,7 +48,7 @@ struct FirstSeen {
   int tested;
 };
 
-/// Returns true if squares neither underflow nor overflow.
+/// Returns true if the squares of a sphere's radii neither underflow nor overflow in float.
 inline bool has_squares(const CandidateSphere& sphere) {
   return 0x1p-40f < sphere.reach && sphere.reach < 0x1p60f;
 }
@@ -86,7 +86,8 @@ struct SeenByBlock {
   int tested;  ///< number of tests of a ray with a candidate
 };
 
-/// Finds what the rays of a block see first among candidates, which may be sorted near to far.
+/// Finds what the rays of a block see first, as far as float tells. The candidates are sorted near to far, or
+/// their nearest() is 0.
 [[nodiscard, gnu::always_inline]] inline SeenByBlock seen_by(const WideVectors& directions,
                                                              const Candidates& candidates) {
   detail::FirstSeen seen = detail::first_seen<false>(candidates, directions);
@@ -98,7 +99,8 @@ struct SeenByBlock {
   return {select(seen.in_doubt, WideIndices(is_in_doubt), seen.places), tested * float_lanes};
 }
 
-/// What the pixels of a part of a tile see. A part begins at a multiple of the size of a block.
+/// What each pixel of a part of a tile sees first: the index of a surface, sees_nothing or is_in_doubt. A
+/// part has at most 16 × 16 pixels, and begins at a multiple of the size of a block.
 class Visibility {
  public:
   using Places = Lanes<std::int32_t, double_lanes>;

@@ -15,7 +15,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Equation slope · t = height of a surface that lies in a plane.
+/// Equation slope · t = height, so that t = height / slope. For a plane, height is distance − normal · origin
+/// and slope is normal · direction; for a quadratic equation without its root 0 they are 2 b and A.
 template <class T, class M>
 struct RoundedLinear {
   T height, slope;
@@ -25,8 +26,9 @@ struct RoundedLinear {
 template <class H, class T, class M>
 RoundedLinear(H, T, M, M, M) -> RoundedLinear<T, M>;
 
-/// Equation A t² − 2 b t + c = 0 with A > 0. C is double if lines share their origin, and hence c. An
-/// infinite E says that nothing is certain.
+/// Equation A t² − 2 b t + c = 0 with A > 0: b is −½ of the usual coefficient of t, and D = b² − A c is ¼ of
+/// the usual discriminant. C is double if all lines share their origin, and hence c; otherwise it is T. If E
+/// is infinite, nothing is certain.
 template <class T, class C>
 struct RoundedQuadratic {
   T A, b;
@@ -35,9 +37,10 @@ struct RoundedQuadratic {
 
   [[nodiscard, gnu::always_inline]] auto surely_misses() const { return D < -E; }
 
-  /// Returns the equation of the other root, 2b/A, of a line that starts on the surface: c and one root are
-  /// 0. The error of b is at most 7u of the sum of the magnitudes of its terms, and that sum is below 2^24
-  /// √E.
+  /// Returns the equation A t = 2 b of the other root of a line that starts on the surface, where c and one
+  /// root are 0. The root is certain if b² > 2^12 E; otherwise the line is in doubt, and never surely misses.
+  /// The error of b is at most 7u (for quadrics 9u) of the sum of the magnitudes of its terms, and that sum
+  /// is below 2^24 √E.
   [[nodiscard, gnu::always_inline]] auto without_root_at_0() const {
     const auto is_certain = b * b > 0x1p12 * E;
     using M = std::remove_const_t<decltype(is_certain)>;
@@ -71,8 +74,9 @@ template <class T, class C>
 
 }  // namespace detail
 
-/// Roots of several lines with one surface, or of one line. A line that neither meets the surface nor is in
-/// doubt has no root. A root is kept as a quotient, and is divided on request.
+/// Roots of several lines with one surface, or of one line, as quotients that near() and far() divide. They
+/// are valid where `meets` is true. A line that neither meets the surface nor is in doubt has no root, or is
+/// not active.
 template <class T, class M>
 struct RootsOfEach {
   T near_over, near_under, far_over, far_under;
@@ -127,7 +131,7 @@ template <class T, class M>
 struct FirstRootOfEach {
   T t;
   M is_there, in_doubt;  ///< if neither, there is no root in t > 0
-  M is_far = false;      ///< true if the root has index 1 among all roots of its line
+  M is_far = false;      ///< true if it is the second root of its line; told for one line only
 };
 
 /// Returns the first root in t > 0 of the active lines.
@@ -167,7 +171,8 @@ template <class T, class C, class M>
   return first;
 }
 
-/// Returns the first root in t > 0 of one line. A surface behind its origin costs no square root.
+/// Returns the first root in t > 0 of one line, which counts as active, and tells whether it is the second of
+/// all. A surface behind the origin of the line (c > 0 and b < 0) costs no square root.
 [[nodiscard, gnu::always_inline]] inline FirstRootOfEach<double, bool> first_root_of_each(
     const RoundedQuadratic<double, double>& e, bool) {
   if (e.surely_misses()) return {.t = infinity, .is_there = false, .in_doubt = false};
@@ -209,10 +214,11 @@ template <class T, class L, class M>
 }
 
 /// Returns which of the active lines cross a sphere in 0 < t < 1 if they are segments, else in t > 0, by
-/// signs alone.
+/// signs alone: without a root or a division. The bounds are those of a sphere's equation.
 ///
-/// For D > 4E and |c| > 2^-18 w a line meets the sphere, and c has its sign: its error is at most 7u w. So
-/// has b if c > 0, since |b| is then larger than 2^-24 √(A w), and its error is at most 4u √(A w).
+/// If D > 4E and |c| > 2^-18 w, a line meets the sphere, and the computed c has the sign of the exact one,
+/// since its error is at most 7u w. If also c > 0, the computed b has the sign of the exact one: |b| is then
+/// larger than 2^-24 √(A w), and its error is at most 4u √(A w).
 ///
 /// At t = 1 the equation has the value f = A − 2b + c, and half its slope is A − b. The errors of A, b, c are
 /// at most 3u A, 4u √(A w) ≤ 2u (A + w) and 7u w, those of the two operations at most 4u (A + w) together, so

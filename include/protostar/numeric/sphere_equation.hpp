@@ -93,10 +93,10 @@ template <class T, class C>
 
 namespace detail {
 
-/// Returns the certified roots of a line that starts next to the sphere, where nothing but c cancels; empty
-/// if in doubt. In double-double, the error of c is at most 16u² w, below 2^-32 |c| for |c| > 2^-70 w. The
-/// rest is as in certified_quotient: |q| is larger than 2^-9 √(A w), since |q|² ≥ √D |q| > 2^31 E, so the
-/// errors of b and √D do not need a large c. For w > 2^-900, underflow does not matter.
+/// Returns the certified roots of a line whose origin is close to the sphere, so that c alone cancels;
+/// std::nullopt if that does not decide. In double-double, the error of c is at most 16u² w, below 2^-32 |c|
+/// for |c| > 2^-70 w. The rest is as in certified_quotient: |q| is larger than 2^-9 √(A w), since |q|² ≥ √D
+/// |q| > 2^31 E, so the errors of b and √D do not need a large c. For w > 2^-900, underflow does not matter.
 [[nodiscard, gnu::noinline, gnu::cold]] inline std::optional<Roots> roots_next_to_sphere(
     const Point& origin, const Vec3& direction, const Point& center, double radius) {
   const auto e = sphere_equation(origin, direction, center, radius);
@@ -114,8 +114,8 @@ namespace detail {
 
 }  // namespace detail
 
-/// Returns the certified roots if b² − A c is in doubt, by Lagrange's form or a refined c; empty if these do
-/// not decide.
+/// Returns the certified roots where b² − A c leaves a line in doubt: by Lagrange's form of D, or by c in
+/// double-double. Roots{} says that the line surely misses, std::nullopt that these do not decide either.
 [[nodiscard, gnu::noinline, gnu::cold]] inline std::optional<Roots> refined_sphere_roots(
     const Point& origin, const Vec3& direction, const Point& center, double radius) {
   auto e = sphere_equation(origin, direction, center, radius);
