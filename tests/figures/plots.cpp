@@ -51,7 +51,7 @@ std::string wrong_decisions(const std::string& folder) {
 std::string stages(const std::string& folder) {
   BarChart chart{.title = "Stages: times faster than the tutorial's way",
                  .axis = "times; orange: against the naive stages",
-                 .ticks = {0, 5, 10, 15, 20, 25},
+                 .ticks = {0, 10, 20, 30},
                  .bars = {}};
   Paint paint = Paint::blue;
   for (const CsvTable& table : read_csv(folder + "/stages.csv")) {
