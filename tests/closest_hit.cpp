@@ -69,7 +69,7 @@ TEST_CASE("the closest hit is the first of all roots inside the range", "[closes
     const SurfaceCrossing expected = closest_of_all(c, materials[0]);
     SurfaceCrossing first;
     ClosestHit search(c.ray, c.range, first);
-    search.look_at_all(c.spheres, materials);
+    search.test_all(c.spheres, materials);
     REQUIRE(first.surface == expected.surface);
     if (first.surface == nullptr) continue;
     REQUIRE(first.crossing.t == expected.crossing.t);
@@ -93,10 +93,10 @@ TEST_CASE("a surface that is tested later replaces the closest hit only if its t
   const std::vector touching{Plane{{0, 0, 1}, 2}}, before{Plane{{0, 0, 1}, std::nextafter(2, 0)}};
   SurfaceCrossing first;
   ClosestHit search(ray, Interval{}, first);
-  search.look_at_all(spheres, materials);
-  search.look_at_all(touching, materials);
+  search.test_all(spheres, materials);
+  search.test_all(touching, materials);
   CHECK(first.surface == spheres.data());
-  search.look_at_all(before, materials);
+  search.test_all(before, materials);
   CHECK(first.surface == before.data());
 }
 
@@ -106,6 +106,6 @@ TEST_CASE("a ray that leaves a sphere counts as starting on it, however far its 
   const std::vector<Material> materials(1);
   const Ray along{.origin = {1e17, 0, 0}, .direction = {0, 0, 1}, .departure = spheres[0].departure()};
   SurfaceCrossing first;
-  ClosestHit(along, Interval{}, first).look_at_all(spheres, materials);
+  ClosestHit(along, Interval{}, first).test_all(spheres, materials);
   CHECK(first.surface == nullptr);
 }

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "support/catch.hpp"
+#include "support/following.hpp"
 #include "support/meshes.hpp"
 #include "support/pictures.hpp"
 #include "support/random.hpp"
@@ -60,18 +61,6 @@ struct Telling {
     return typename Hit::Light(somewhere);
   }
   [[nodiscard]] Color shade_anywhere(const Material&) const { return anywhere; }
-};
-
-/// Integrator that shades the closest hit by follow, and has no function shade.
-struct Following {
-  using TakesPackets = Following;
-
-  template <class R>
-  [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {
-    return follow(
-        ray, scene, [] { return Color{0.5f}; },
-        [](const auto& hit) { return hit.color() * to_float(1 / hit.t); });
-  }
 };
 
 /// Returns a scene of meshes, smooth and flat, colored and textured, one of glass that also mirrors, and a

@@ -8,6 +8,7 @@
 
 #include "scenes/three_spheres.hpp"
 #include "support/catch.hpp"
+#include "support/following.hpp"
 #include "support/mirrors.hpp"
 #include "support/pictures.hpp"
 #include "support/random.hpp"
@@ -43,19 +44,6 @@ struct Curious {
     look({ray.origin + Vec3{0.4, 0.1, 0}, ray.direction}, {});
     look({ray.origin, ray.direction, the_three_spheres[0].sphere.departure()}, {});
     return color;
-  }
-};
-
-/// User-defined integrator that takes packets, and shades the closest hit by follow, without a function
-/// shade.
-struct Following {
-  using TakesPackets = Following;
-
-  template <class R>
-  [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {
-    return follow(
-        ray, scene, [] { return Color{0.5f}; },
-        [](const auto& hit) { return hit.color() * to_float(1 / hit.t); });
   }
 };
 
