@@ -21,10 +21,10 @@ class ClosestHit {
 
   /// Tests all surfaces of one type.
   template <Surface T>
-  void look_at_all(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
+  void test_all(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
     if constexpr (SurfaceWithEquation<T> && !SurfaceWithRoots<T>)
-      if (begin_ == 0 && ray_.transform == nullptr) return look_for_first_roots(surfaces, materials);
-    end_ = look_at_each(surfaces, materials, ray_, begin_, end_, first_);
+      if (begin_ == 0 && ray_.transform == nullptr) return test_first_roots(surfaces, materials);
+    end_ = test_each(surfaces, materials, ray_, begin_, end_, first_);
   }
 
  private:
@@ -33,8 +33,8 @@ class ClosestHit {
   /// Tests one surface. If its first crossing precedes `first`, stores it there. Returns the new end of the
   /// range: crossings that may still precede `first`, given the error of t, lie before it.
   template <Surface T>
-  static double look_at(const T& surface, const Material& material, const Ray& ray, Interval range,
-                        SurfaceCrossing& first) {
+  static double test_one(const T& surface, const Material& material, const Ray& ray, Interval range,
+                         SurfaceCrossing& first) {
     const auto crossing = first_crossing(surface, ray, range);
     if (!crossing) return range.max;
     const SurfaceCrossing candidate = crossing_on(surface, *crossing, material);
@@ -44,11 +44,11 @@ class ClosestHit {
   }
 
   template <Surface T>
-  [[gnu::noinline]] static double look_at_each(const std::vector<T>& surfaces,
-                                               const std::vector<Material>& materials, const Ray& ray,
-                                               double begin, double end, SurfaceCrossing& first) {
+  [[gnu::noinline]] static double test_each(const std::vector<T>& surfaces,
+                                            const std::vector<Material>& materials, const Ray& ray,
+                                            double begin, double end, SurfaceCrossing& first) {
     for (std::size_t i = 0; i < surfaces.size(); ++i)
-      end = look_at(surfaces[i], materials[i], ray, {begin, end}, first);
+      end = test_one(surfaces[i], materials[i], ray, {begin, end}, first);
     return end;
   }
 
@@ -57,7 +57,7 @@ class ClosestHit {
   /// surely precedes the closest hit so far and lies in the range; one not below `later` surely does not
   /// (docs/derivations.md, Which comes first).
   template <Surface T>
-  void look_for_first_roots(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
+  void test_first_roots(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
     // The ray without its departure, copied: what its equation has in common with all surfaces is computed
     // once.
     const struct {
@@ -75,16 +75,15 @@ class ClosestHit {
         first_ = crossing_on(surface, {root.t, root.is_far}, material);
         end_ = (1 + 4 * error) * root.t;  // less than before
       } else {
-        end_ = look_closer_at(surface, material, ray_, end_, first_);
+        end_ = test_closer(surface, material, ray_, end_, first_);
       }
       sooner = (1 - 8 * error) * end_, later = (1 + 2 * error) * end_;
     }
   }
 
-  [[gnu::noinline, gnu::cold]] static double look_closer_at(const auto& surface, const Material& material,
-                                                            const Ray& ray, double end,
-                                                            SurfaceCrossing& first) {
-    return look_at(surface, material, ray, {0, end}, first);
+  [[gnu::noinline, gnu::cold]] static double test_closer(const auto& surface, const Material& material,
+                                                         const Ray& ray, double end, SurfaceCrossing& first) {
+    return test_one(surface, material, ray, {0, end}, first);
   }
 
   const Ray& ray_;

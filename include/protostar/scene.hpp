@@ -221,7 +221,7 @@ class Scene<S...> {
   [[nodiscard]] SurfaceCrossing closest_hit(const Ray& ray, Interval range = {}) const {
     SurfaceCrossing first;
     ClosestHit search(ray, range, first);
-    (search.look_at_all(surfaces<S>(), materials<S>()), ...);
+    (search.test_all(surfaces<S>(), materials<S>()), ...);
     return first;
   }
 

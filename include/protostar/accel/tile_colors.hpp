@@ -58,7 +58,7 @@ class TileColors {
   [[nodiscard, gnu::noinline]] bool fill_at_once(const Tile& tile, const Candidates& candidates,
                                                  const Frustum& frustum, Work& work) const {
     if constexpr (by_packets) {
-      if (!nothing_is_alike() || !unbounded_.empty()) return false;
+      if (!has_one_background() || !unbounded_.empty()) return false;
       const std::optional<Color> color = color_of_all(candidates, frustum, work);
       if (!color) return false;
       const Color mean = rays_.pixels().mean([&](int) { return *color; });
@@ -75,11 +75,13 @@ class TileColors {
  protected:
   /// Returns true if all rays that miss have the same radiance, as there is no environment, and may be
   /// skipped.
-  [[nodiscard]] bool nothing_is_alike() const { return skips_.empty_tiles && !scene_.scene().environment(); }
+  [[nodiscard]] bool has_one_background() const {
+    return skips_.empty_tiles && !scene_.scene().environment();
+  }
   /// Returns true if all rays that miss have one radiance, and all that hit this material have one, so that
   /// no hit point is needed.
-  [[nodiscard]] bool is_alike(const Material& material) const {
-    return ShadingIntegrator<I, View> && ShadesAnywhere<I> && nothing_is_alike() && !material.texture;
+  [[nodiscard]] bool has_one_color(const Material& material) const {
+    return ShadingIntegrator<I, View> && ShadesAnywhere<I> && has_one_background() && !material.texture;
   }
 
   /// Color of all pixels that see one surface, the last that was looked for.
@@ -95,14 +97,15 @@ class TileColors {
     if constexpr (ShadesAnywhere<I>)
       if (place >= 0)
         view.visit(place, [&](const auto&, const Material& material) {
-          if (is_alike(material)) seen.row.fill(integrator_.shade_anywhere(material)), seen.is_known = true;
+          if (has_one_color(material))
+            seen.row.fill(integrator_.shade_anywhere(material)), seen.is_known = true;
         });
   }
 
   /// Returns the color of pixels that see nothing, for a row of a block; null if they are not alike. No
   /// surface may be without bounds. The color is computed once for a tile.
-  [[nodiscard]] const RowOfColors* color_of_nothing(Work& work) const {
-    if (!nothing_is_alike()) return nullptr;
+  [[nodiscard]] const RowOfColors* background_color(Work& work) const {
+    if (!has_one_background()) return nullptr;
     if (!work.background) {
       // All rays that miss have the same radiance, that of a ray without candidates.
       const Candidates none;
@@ -144,7 +147,7 @@ class TileColors {
   /// Returns the radiance of all rays in a frustum, if these candidates tell it.
   [[nodiscard]] std::optional<Color> color_of_all(const Candidates& candidates, const Frustum& frustum,
                                                   Work& work) const {
-    if (candidates.size() == 0) return color_of_nothing(work)->front();
+    if (candidates.size() == 0) return background_color(work)->front();
     if constexpr (!is_told_by_surface) return std::nullopt;
     if (!rays_.is_pinhole() || !skips_.sure_in_float) return std::nullopt;
     const View view(scene_, candidates, unbounded_, skips_, work.occluders, work.drawn, work.taken);

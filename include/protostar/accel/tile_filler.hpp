@@ -50,11 +50,11 @@ class TileFiller : public TileColors<I, S...> {
       const View view(scene_, candidates, unbounded_, skips_, work.occluders, work.drawn, work.taken);
       if (!view.sees_one_buffer() || rays_.pixels().samples() > 1) return false;
       view.with_buffer([&](const auto& drawn, const Material& material) {
-        const bool all_is_alike = is_alike(material);
-        const RowOfColors* const row = color_of_nothing(work);
+        const bool all_have_one_color = has_one_color(material);
+        const RowOfColors* const row = background_color(work);
         Colors surface(Color{0}), background(row ? row->front() : Color{0});
         if constexpr (ShadesAnywhere<I>)
-          if (all_is_alike) surface = Colors(integrator_.shade_anywhere(material));
+          if (all_have_one_color) surface = Colors(integrator_.shade_anywhere(material));
         // Most packets have one of these two colors, and are sooner copied than put together.
         const PacketOfColors of_surface = pixels_of(surface), of_background = pixels_of(background);
         std::uint64_t skipped = 0;
@@ -62,7 +62,7 @@ class TileFiller : public TileColors<I, S...> {
           prefetch_below(image_, tile, x, y);
           const LaneMask active = rays_.active(tile, x);
           const auto seen = drawn.seen(active, x, y);
-          if (!any(seen.in_doubt) && (all_is_alike || (row && !any(seen.met)))) {
+          if (!any(seen.in_doubt) && (all_have_one_color || (row && !any(seen.met)))) {
             skipped += static_cast<std::uint64_t>(std::popcount(bits(active)));
             if (!any(seen.met)) return write_packet(image_, tile, x, y, of_background);
             if (!any(!seen.met)) return write_packet(image_, tile, x, y, of_surface);
@@ -71,9 +71,9 @@ class TileFiller : public TileColors<I, S...> {
           view.set_first_pixel(x, y);
           const CameraPacket<Point> rays = rays_.packet(tile, x, y);
           const auto closest = view.closest(rays, seen);
-          write_packet(
-              image_, tile, x, y,
-              all_is_alike ? select(closest.t < infinity, surface, background) : shaded(rays, closest, view));
+          write_packet(image_, tile, x, y,
+                       all_have_one_color ? select(closest.t < infinity, surface, background)
+                                          : shaded(rays, closest, view));
         });
         work.taken.pixels_skipped += skipped;
         work.taken.camera_rays +=
@@ -95,7 +95,7 @@ class TileFiller : public TileColors<I, S...> {
   }
 
  private:
-  using Base::color_of_nothing, Base::find_color, Base::is_alike, Base::radiance, Base::shaded;
+  using Base::background_color, Base::find_color, Base::has_one_color, Base::radiance, Base::shaded;
   using Base::image_, Base::integrator_, Base::rays_, Base::scene_, Base::skips_, Base::unbounded_;
   using typename Base::ColorSeen;
 
@@ -122,7 +122,7 @@ class TileFiller : public TileColors<I, S...> {
     if (is_large()) view.fetch(candidates);
     int row = -1;  // the row of blocks that of_row is for
     // Lists the candidates of the row of blocks at y, if the part has too many for one list.
-    const auto begin_packet = [&](int, int y) {
+    const auto use_row = [&](int y) {
       if (!by_rows || y / RayBlock::height == row) return;
       row = y / RayBlock::height;
       const int first = row * RayBlock::height, last = std::min(first + RayBlock::height, tile.y1);
@@ -132,7 +132,7 @@ class TileFiller : public TileColors<I, S...> {
     if constexpr (!by_packets) {
       for (int y = tile.y0; y < tile.y1; ++y)
         for (int x = tile.x0; x < tile.x1; ++x) {
-          begin_packet(x, y);
+          use_row(y);
           image_(x, y) = pixels.mean([&](int i) {
             const Ray ray = pixels.ray(rays_.camera(), x, y, i);
             view.set_pixel(ray);
@@ -141,30 +141,30 @@ class TileFiller : public TileColors<I, S...> {
         }
     } else if (pixels.samples() > 1) {
       each_packet(tile, [&](std::size_t, int x, int y) {
-        begin_packet(x, y);
+        use_row(y);
         write_packet(image_, tile, x, y, mean_radiance<Origin>(tile, x, y, view));
       });
     } else {
       if constexpr (std::same_as<Origin, Point> && ShadingIntegrator<I, View>)
         if (skips_.sure_in_float && unbounded_.empty() &&
             (ShadesAnywhere<I> || candidates.size() > as_fast_in_double))
-          return fill_visible(tile, view, by_rows ? work.of_row : candidates, begin_packet, work);
+          return fill_visible(tile, view, by_rows ? work.of_row : candidates, use_row, work);
       if constexpr (std::same_as<Origin, Point> && AsksForCrossings<I>)
         if (skips_.sure_in_float && unbounded_.empty())
-          return fill_crossed(tile, view, by_rows ? work.of_row : candidates, begin_packet, work);
-      fill_in_steps<Origin>(tile, view, begin_packet);
+          return fill_crossed(tile, view, by_rows ? work.of_row : candidates, use_row, work);
+      fill_in_steps<Origin>(tile, view, use_row);
     }
   }
 
   /// Fills a part of a tile of a pinhole, for an integrator that asks for crossings alone. Packets in which
   /// float does not tell which there are, or of which colors differ from point to point, are made of rays.
-  void fill_crossed(const Tile& part, const View& view, const Candidates& candidates,
-                    const auto& begin_packet, Work& work) const {
-    const RowOfColors* const background = color_of_nothing(work);
+  void fill_crossed(const Tile& part, const View& view, const Candidates& candidates, const auto& use_row,
+                    Work& work) const {
+    const RowOfColors* const background = background_color(work);
     const auto has_texture = [&](int place) { return view.has_texture(place); };
     std::uint64_t float_tests = 0, skipped = 0;
     each_block(part, [&](const Tile& block) {
-      begin_packet(block.x0, block.y0);
+      use_row(block.y0);
       float_tests += static_cast<std::uint64_t>(candidates.size() * float_lanes);
       const bool is_sure = background && find_crossed(rays_.block_directions(block.x0, block.y0), candidates,
                                                       has_texture, work.crossed);
@@ -197,15 +197,15 @@ class TileFiller : public TileColors<I, S...> {
 
   /// Fills a part of a tile of a pinhole. Float tells what blocks of pixels see. Where that does not tell
   /// their colors, packets of rays go through one step after the other, as in fill_in_steps.
-  void fill_visible(const Tile& part, const View& view, const Candidates& candidates,
-                    const auto& begin_packet, Work& work) const {
+  void fill_visible(const Tile& part, const View& view, const Candidates& candidates, const auto& use_row,
+                    Work& work) const {
     std::array<PacketStart, most_packets> open;
     std::size_t count = 0;
-    const RowOfColors* const background = color_of_nothing(work);
+    const RowOfColors* const background = background_color(work);
     ColorSeen last;
     std::uint64_t float_tests = 0, skipped = 0;
     each_block(part, [&](const Tile& block) {
-      begin_packet(block.x0, block.y0);
+      use_row(block.y0);
       const auto [places, tested] = seen_by(rays_.block_directions(block.x0, block.y0), candidates);
       float_tests += static_cast<std::uint64_t>(tested);
       if (write_what_is_seen(block, places, view, background, last)) {
@@ -222,7 +222,7 @@ class TileFiller : public TileColors<I, S...> {
     for (std::size_t i = 0; i < count; ++i) directions[i] = rays_.directions(open[i].x, open[i].y);
     for (std::size_t i = 0; i < count; ++i) {
       const auto [x, y] = open[i];
-      begin_packet(x, y);
+      use_row(y);
       view.set_first_pixel(x, y);
       closest[i] = view.closest(rays_.packet(part, x, y, directions[i]), work.visibility(x, y));
       if (is_large()) view.fetch(closest[i]);
@@ -263,7 +263,7 @@ class TileFiller : public TileColors<I, S...> {
   /// Takes all packets of a tile through one step after the other: directions, closest hits, colors. Each
   /// step waits for a square root and a division; these waits of many packets overlap.
   template <class Origin>
-  void fill_in_steps(const Tile& tile, const View& view, const auto& begin_packet) const {
+  void fill_in_steps(const Tile& tile, const View& view, const auto& use_row) const {
     std::array<Vectors, most_packets> directions;
     each_packet(tile, [&](std::size_t i, int x, int y) { directions[i] = rays_.directions(x, y); });
     const auto rays = [&](std::size_t i, int x, int y) {
@@ -272,7 +272,7 @@ class TileFiller : public TileColors<I, S...> {
     if constexpr (ShadingIntegrator<I, View>) {
       std::array<typename View::Closest, most_packets> closest;
       each_packet(tile, [&](std::size_t i, int x, int y) {
-        begin_packet(x, y);
+        use_row(y);
         view.set_first_pixel(x, y);
         closest[i] = view.closest(rays(i, x, y));
         if (is_large()) view.fetch(closest[i]);
@@ -283,7 +283,7 @@ class TileFiller : public TileColors<I, S...> {
       });
     } else {
       each_packet(tile, [&](std::size_t i, int x, int y) {
-        begin_packet(x, y);
+        use_row(y);
         view.set_first_pixel(x, y);
         write_packet(image_, tile, x, y, integrator_.radiance(rays(i, x, y), view));
       });

@@ -52,7 +52,7 @@ class TileRenderer {
   void operator()(const Tile& tile) const {
     const Fallbacks before = fallbacks;
     Work work;
-    if constexpr (View::draws) work.drawn = take_room();
+    if constexpr (View::draws) work.drawn = take_buffers();
     Candidates in_tile;
     const Frustum frustum(rays_, tile);
     if (is_large()) {
@@ -70,7 +70,7 @@ class TileRenderer {
       if (rays_.is_pinhole()) draw(in_tile, tile, work);
     if (!filler_.fill_at_once(tile, in_tile, frustum, work) && !filler_.fill_from_buffer(tile, in_tile, work))
       fill_parts(tile, in_tile, 0, work);
-    if constexpr (View::draws) give_back(std::move(work.drawn));
+    if constexpr (View::draws) return_buffers(std::move(work.drawn));
     if (statistics_) {
       work.taken.exact = fallbacks.exact - before.exact;
       const std::lock_guard lock(sharing_);
@@ -136,17 +136,17 @@ class TileRenderer {
   }
 
   /// Returns empty visibility buffers: those of an earlier tile, or new ones. They are large.
-  [[nodiscard]] typename View::Drawn take_room() const {
+  [[nodiscard]] typename View::Drawn take_buffers() const {
     const std::lock_guard lock(sharing_);
-    if (room_.empty()) return {};
-    typename View::Drawn room = std::move(room_.back());
-    room_.pop_back();
-    (std::get<VisibilityBuffers<S>>(room).clear(), ...);
-    return room;
+    if (spare_buffers_.empty()) return {};
+    typename View::Drawn buffers = std::move(spare_buffers_.back());
+    spare_buffers_.pop_back();
+    (std::get<VisibilityBuffers<S>>(buffers).clear(), ...);
+    return buffers;
   }
-  void give_back(typename View::Drawn&& room) const {
+  void return_buffers(typename View::Drawn&& buffers) const {
     const std::lock_guard lock(sharing_);
-    room_.push_back(std::move(room));
+    spare_buffers_.push_back(std::move(buffers));
   }
 
   /// Rasterizes the candidates that can be.
@@ -199,8 +199,8 @@ class TileRenderer {
   PixelRays rays_;
   Skips skips_;
   RenderStatistics* statistics_;
-  mutable std::mutex sharing_;                      ///< guards *statistics_ and room_
-  mutable std::vector<typename View::Drawn> room_;  ///< visibility buffers that no tile uses
+  mutable std::mutex sharing_;                               ///< guards *statistics_ and spare_buffers_
+  mutable std::vector<typename View::Drawn> spare_buffers_;  ///< visibility buffers that no tile uses
   Candidates candidates_;       ///< in the scene's order, or near to far if only closest hits are needed
   std::vector<int> unbounded_;  ///< indices of surfaces without bounds, which any tile may see
   TileFiller<I, S...> filler_;

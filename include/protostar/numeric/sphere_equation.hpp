@@ -20,16 +20,6 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Returns the equation in numbers of type T, with l = weight · center − origin, so that no division is
-/// needed.
-template <class T>
-[[nodiscard]] QuadraticEquation<T> sphere_equation(const LineOf<T>& line, const Point& center,
-                                                   double radius) {
-  const VectorOf<T> l = line.weight * given<T>(center) - line.origin;
-  const T r = line.weight * Given<T>(radius);
-  return {.A = dot(line.direction, line.direction), .b = dot(line.direction, l), .c = dot(l, l) - r * r};
-}
-
 namespace detail {
 
 /// Margin added to the error of a discriminant: more than all underflows together, of 2^-1075 (4A + 3|c| +
@@ -65,6 +55,16 @@ template <class T>
   using T = std::remove_const_t<decltype(b)>;
   return RoundedQuadratic<T, std::remove_const_t<decltype(c)>>{
       .A = A, .b = b, .c = c, .w = w, .D = b * b - A * c, .E = detail::error_of_D(T(A), w)};
+}
+
+/// Returns the equation in numbers of type T, with l = weight · center − origin, so that no division is
+/// needed.
+template <class T>
+[[nodiscard]] QuadraticEquation<T> sphere_equation(const LineOf<T>& line, const Point& center,
+                                                   double radius) {
+  const VectorOf<T> l = line.weight * given<T>(center) - line.origin;
+  const T r = line.weight * Given<T>(radius);
+  return {.A = dot(line.direction, line.direction), .b = dot(line.direction, l), .c = dot(l, l) - r * r};
 }
 
 /// Returns the equation of a line whose numbers are rounded.
