@@ -383,7 +383,7 @@ TEST_CASE("an instance of a mesh is as watertight as the mesh, from any distance
       const Point one = vertex(), other = k % 2 == 0 ? one : vertex();
       const Ray ray{eye, placement.point(0.5 * one + 0.5 * other) - eye};
       // Checks by exact slopes that crossings alternate between in and out.
-      const ExactLine line = AffineInverse(placement).line(line_of<ExactNumber>(ray));
+      const ExactLine line = AffineInverse(placement).line(exact_line(ray));
       int count = 0, last = 0;
       bool alternates = true;
       instance.each_crossing(ray, everywhere, [&](const Crossing& crossing) {

@@ -474,7 +474,7 @@ TEST_CASE("certified results for the triangles of a leaf are correct, and most a
         for (std::uint32_t k = 0; k < leaf.count; ++k) {
           const std::uint32_t first = k / simd::double_lanes * simd::double_lanes;
           const auto lane = static_cast<int>(k - first);
-          const auto tried = leaves.tried(leaf, first, ray, {0, end});
+          const auto tried = leaves.tried(leaf, first, ray, rounded_line(ray), {0, end});
           const auto place = leaves.place(leaf, k);
           const std::uint32_t number = leaves.number(place);
           const Triangle& triangle = triangles[number];

@@ -95,8 +95,8 @@ TEST_CASE(
       q[i / 2 % 3] = number();
     else
       q = vector();
-    const auto line = line_of<ExactNumber>(origin, direction);
-    const int side = *detail::side_of_edge(line, p, q);
+    const auto line = exact_line(origin, direction);
+    const int side = detail::side_of_edge(line, p, q);
     wrong.add(detail::side_of_edge(line, q, p) != -side, origin, direction, q);
     parallel += side == 0;
   }

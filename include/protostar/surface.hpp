@@ -48,6 +48,15 @@ concept SurfaceWithBounds = Surface<S> && requires(const S& surface) {
   { surface.bounds() } -> std::same_as<Bounds>;
 };
 
+/// Returns the bounds of a surface; infinite for one without.
+template <Surface S>
+[[nodiscard]] Bounds bounds_of(const S& surface) {
+  if constexpr (SurfaceWithBounds<S>)
+    return surface.bounds();
+  else
+    return {Point{-infinity}, Point{infinity}};
+}
+
 /// Surface that offers its roots, all crossings with the ray's line, and its departure; it omits the root t =
 /// 0 for a ray with that departure. A point of tangency counts as two.
 template <class S>
@@ -61,7 +70,7 @@ template <class S>
 concept SurfaceWithEquation = Surface<S> &&
     requires(const S& surface, const Ray& ray, const ExactLine& line) {
   surface.equation(ray);
-  exact_root_of(surface.exact(line), 0);
+  exact_root_of(surface.equation(line), 0);
   { surface.is_left_by(ray) } -> std::same_as<bool>;
 };
 

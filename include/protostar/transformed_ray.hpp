@@ -1,12 +1,9 @@
 // Rays in the object space of an instance, which are rounded, and the exact lines that they stand for.
 #pragma once
 
-#include <algorithm>
-#include <concepts>
-#include <optional>
-
 #include "numeric/affine.hpp"
 #include "numeric/equation.hpp"
+#include "numeric/rounded_equation.hpp"
 #include "ray.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -34,33 +31,11 @@ struct RayTransform {
   return line;
 }
 
-/// Upper bounds for the errors of a line's numbers on each axis.
-struct LineError {
-  double origin = 0, direction = 0;
-};
-
-[[nodiscard]] inline LineError error_of(const RoundedLine& line) {
-  const auto largest = [](const Vec3& v) { return std::max({v.x, v.y, v.z}); };
-  return {largest(line.origin_error), largest(line.direction_error)};
-}
-
-/// Returns the LineError of a ray; it is 0 unless an instance has mapped the ray.
-[[nodiscard]] inline LineError line_error(const Ray& ray) {
-  return ray.transform == nullptr ? LineError{} : error_of(ray.transform->line);
-}
-
-/// Returns the line of a ray in rounded numbers.
-template <class T>
-requires std::same_as<T, RoundedNumber>
-[[nodiscard]] LineOf<T> line_of(const Ray& ray) { return rounded_line(ray).with_errors(); }
-
 /// Returns the line of a ray without rounding.
-template <class T>
-requires std::same_as<T, ExactNumber>
-[[nodiscard]] LineOf<T> line_of(const Ray& ray) {
-  if (ray.transform == nullptr) return line_of<T>(ray.origin, ray.direction);
-  ExactLine line = ray.transform->inverse.line(line_of<T>(ray.transform->outer));
-  if (ray.is_reversed) line.direction = -line.direction;
+[[nodiscard]] inline ExactLine exact_line(const Ray& ray) {
+  if (ray.transform == nullptr) return exact_line(ray.origin, ray.direction);
+  ExactLine line = ray.transform->inverse.line(exact_line(ray.transform->outer));
+  if (ray.is_reversed) line.direction = ExactNumber(-1) * line.direction;
   return line;
 }
 
@@ -72,28 +47,6 @@ inline RayTransform::RayTransform(const Ray& ray, const AffineInverse& to_inside
 [[nodiscard]] inline bool is_proper(const Ray& ray) {
   if (ray.transform != nullptr) return is_proper(ray.transform->outer);
   return is_finite(ray.origin) && is_finite(ray.direction) && ray.direction != Vec3{0};
-}
-
-/// Returns answer(line) for the ray's line, in rounded numbers if these decide it, else without rounding.
-/// answer(line) is an std::optional for a line of rounded numbers.
-[[nodiscard]] auto decided(const Ray& ray, const auto& answer) {
-  if (const auto in_rounded_numbers = answer(line_of<RoundedNumber>(ray))) return *in_rounded_numbers;
-  ++fallbacks.exact;
-  if constexpr (requires { *answer(line_of<ExactNumber>(ray)); })
-    return *answer(line_of<ExactNumber>(ray));
-  else
-    return answer(line_of<ExactNumber>(ray));
-}
-
-/// Returns the certified roots of a surface's equation(line) along a ray; none if the ray is not proper.
-[[nodiscard]] Roots roots_along(const Ray& ray, const auto& equation) {
-  if (!is_proper(ray)) return {};
-  return decided(ray, [&](const auto& line) { return roots_of(equation(line)); });
-}
-
-/// Returns the sign of number(line) along a ray.
-[[nodiscard]] int sign_along(const Ray& ray, const auto& number) {
-  return decided(ray, [&](const auto& line) { return sign_of(number(line)); });
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -18,11 +18,11 @@ struct Passing {
   double exact;            ///< D without rounding
 
   explicit Passing(double distance) {
-    const Point origin{distance, 0, -3}, center{0};
-    const Vec3 direction{0, 0, 1};
-    const auto e = sphere_equation(origin, direction, center, 1.0);
+    const Ray ray{.origin = {distance, 0, -3}};
+    const Point center{0};
+    const auto e = sphere_equation(ray, center, 1.0);
     computed = e.D, error = e.E;
-    const auto without_rounding = sphere_equation(line_of<ExactNumber>(origin, direction), center, 1);
+    const auto without_rounding = sphere_equation(exact_line(ray), center, 1);
     exact = static_cast<double>(static_cast<DoubleDouble>(without_rounding.b * without_rounding.b -
                                                           without_rounding.A * without_rounding.c));
   }

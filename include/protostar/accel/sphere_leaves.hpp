@@ -164,7 +164,7 @@ class FewSpheres {
       const auto load = [&](const double* numbers) { return Doubles::load(numbers + i); };
       const Vectors center{load(x_), load(y_), load(z_)};
       const Doubles r = load(r_);
-      const auto e = sphere_equation(ray.origin, ray.direction, center, r);
+      const auto e = sphere_equation(ray, center, r);
       auto missed = e.surely_misses();
       if (range.min >= 0) missed = missed || surely_recedes(e);
       if (ray.departure.kind == Departure::Kind::sphere) {

@@ -5,7 +5,7 @@
 //
 //   side(p, q) = (X_p − x Z_p) (Y_q − y Z_q) − (Y_p − y Z_p) (X_q − x Z_q)
 //
-// tells on which side D(x, y) passes an edge (numeric/triangle_equation.hpp, up to a factor that is the same
+// tells on which side D(x, y) passes an edge (numeric/planar_equation.hpp, up to a factor that is the same
 // for all), and the ray crosses the plane at o + D/k with k = (side(a, b) + side(b, c) + side(c, a)) / det(a,
 // b, c): the larger k, the nearer. Sides and k are linear in x and y; pixels are tested against these
 // functions in float. With L = |X| + |Y| + T |Z|, the errors in double are less than

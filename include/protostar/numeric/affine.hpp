@@ -9,6 +9,7 @@
 #include "../vec3.hpp"
 #include "equation.hpp"
 #include "plane_through.hpp"
+#include "rounded_equation.hpp"
 #include "scale.hpp"
 #include "trigonometry.hpp"
 
@@ -127,15 +128,14 @@ class AffineInverse {
   /// the determinant goes into the weight.
   [[nodiscard, gnu::cold, gnu::noinline]] ExactLine line(const ExactLine& line) const {
     const Cofactors cofactors(map_);
-    const bool turns = cofactors.determinant.sign() < 0;
-    const auto mapped = [&](const ExactVector& v) -> ExactVector {
-      const ExactVector product{dot(cofactors.rows[0], v), dot(cofactors.rows[1], v),
-                                dot(cofactors.rows[2], v)};
-      return turns ? -product : product;
+    const ExactNumber sign = cofactors.determinant.sign();
+    const auto mapped = [&](const ExactVector& v) {
+      return sign *
+             ExactVector{dot(cofactors.rows[0], v), dot(cofactors.rows[1], v), dot(cofactors.rows[2], v)};
     };
     return {.origin = mapped(line.origin - line.weight * exact_vector(map_.translation)),
             .direction = mapped(line.direction),
-            .weight = line.weight * (turns ? -cofactors.determinant : cofactors.determinant)};
+            .weight = line.weight * sign * cofactors.determinant};
   }
 
   /// Returns the normal of a surface's image, not of unit length. As n · p = n · inverse(q), it is the sum of

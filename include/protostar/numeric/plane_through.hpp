@@ -15,9 +15,9 @@
 #include "../bit_cast.hpp"
 #include "../vec3.hpp"
 #include "double_double.hpp"
+#include "exact_vector.hpp"
 #include "roots.hpp"
 #include "scale.hpp"
-#include "vector_of.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 

@@ -15,6 +15,34 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+/// Line in doubles, with upper bounds for the error of each.
+///
+/// A number x with an error e is given the size |x| + 2^53 e, so that its error is at most u of its size. A
+/// bound for exact numbers holds if their magnitudes are replaced by sizes, and one unit of u is added for
+/// each.
+struct RoundedLine {
+  Point origin{0};
+  Vec3 direction{0};
+  Vec3 origin_error{0}, direction_error{0};
+};
+
+/// Returns the sizes of a vector that differs from the origin of some rays by exact numbers: its magnitudes,
+/// plus 2^53 times the errors of the origin if the rays have errors, as a RoundedLine has.
+[[nodiscard, gnu::always_inline]] inline auto origin_sizes(const auto& rays, const auto& v) {
+  if constexpr (requires { rays.origin_error; })
+    return abs(v) + 0x1p53 * rays.origin_error;
+  else
+    return abs(v);
+}
+
+/// Returns the sizes of the direction of some rays.
+[[nodiscard, gnu::always_inline]] inline auto direction_sizes(const auto& rays) {
+  if constexpr (requires { rays.direction_error; })
+    return abs(rays.direction) + 0x1p53 * rays.direction_error;
+  else
+    return abs(rays.direction);
+}
+
 /// Equation slope · t = height, so that t = height / slope. For a plane, height is distance − normal · origin
 /// and slope is normal · direction; for a quadratic equation without its root 0 they are 2 b and A.
 template <class T, class M>

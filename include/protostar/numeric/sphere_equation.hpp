@@ -44,11 +44,11 @@ template <class T>
 }  // namespace detail
 
 /// Returns the equation in double, of one or more lines and one or more spheres.
-[[nodiscard, gnu::always_inline]] inline auto sphere_equation(const auto& origin, const auto& direction,
-                                                              const auto& center, const auto& radius) {
-  const auto l = center - origin;
-  const auto A = dot(direction, direction);
-  const auto b = dot(direction, l);
+[[nodiscard, gnu::always_inline]] inline auto sphere_equation(const auto& rays, const auto& center,
+                                                              const auto& radius) {
+  const auto l = center - rays.origin;
+  const auto A = dot(rays.direction, rays.direction);
+  const auto b = dot(rays.direction, l);
   const auto ll = dot(l, l);
   const auto rr = radius * radius;
   const auto c = ll - rr, w = ll + rr;
@@ -57,28 +57,25 @@ template <class T>
       .A = A, .b = b, .c = c, .w = w, .D = b * b - A * c, .E = detail::error_of_D(T(A), w)};
 }
 
-/// Returns the equation in numbers of type T, with l = weight · center − origin, so that no division is
-/// needed.
-template <class T>
-[[nodiscard]] QuadraticEquation<T> sphere_equation(const LineOf<T>& line, const Point& center,
-                                                   double radius) {
-  const VectorOf<T> l = line.weight * given<T>(center) - line.origin;
-  const T r = line.weight * Given<T>(radius);
+/// Returns the equation without rounding, with l = weight · center − origin, so that no division is needed.
+[[nodiscard]] inline ExactQuadratic sphere_equation(const ExactLine& line, const Point& center,
+                                                    double radius) {
+  const ExactVector l = line.weight * exact_vector(center) - line.origin;
+  const ExactNumber r = line.weight * radius;
   return {.A = dot(line.direction, line.direction), .b = dot(line.direction, l), .c = dot(l, l) - r * r};
 }
 
 /// Returns the equation of a line whose numbers are rounded.
 ///
-/// With the sizes of RoundedLine for those of o and d, and l_size = |l| + o_size, the errors are: l 2u of
-/// l_size, b 6u of d_size · l_size, c 9u of w = l_size² + r², A 5u of d_size² and D 28u d_size² w, which for
-/// a line that is not rounded is 21u. Hence E is large enough, and with c accurate to 2^-31.8 and A to 2^-32,
-/// t is accurate to 2^-30.6.
+/// With the sizes of l and d (RoundedLine), the errors are: l 2u of l_size, b 6u of d_size · l_size, c 9u of
+/// w = l_size² + r², A 5u of d_size² and D 28u d_size² w, which for a line that is not rounded is 21u. Hence
+/// E is large enough, and with c accurate to 2^-31.8 and A to 2^-32, t is accurate to 2^-30.6.
 [[nodiscard]] inline RoundedQuadratic<double, double> sphere_equation(const RoundedLine& line,
                                                                       const Point& center, double radius) {
-  const Vec3 l = center - line.origin, l_size = abs(l) + line.origin_size(), d_size = line.direction_size();
-  const double A_size = dot(d_size, d_size), rr = radius * radius;
-  auto e = sphere_equation(line.origin, line.direction, center, radius);
-  e.w = dot(l_size, l_size) + rr;
+  const Vec3 l_size = origin_sizes(line, center - line.origin), d_size = direction_sizes(line);
+  const double A_size = dot(d_size, d_size);
+  auto e = sphere_equation<RoundedLine>(line, center, radius);
+  e.w = dot(l_size, l_size) + radius * radius;
   e.E = e.A > 0x1p-18 * A_size ? detail::error_of_D(A_size, e.w) : infinity;
   return e;
 }
@@ -91,49 +88,40 @@ template <class T, class C>
          e.b * e.b > 0x1p-100 * (e.A * e.w);
 }
 
-namespace detail {
-
-/// Returns the certified roots of a line whose origin is close to the sphere, so that c alone cancels;
-/// std::nullopt if that does not decide. In double-double, the error of c is at most 16u² w, below 2^-32 |c|
-/// for |c| > 2^-70 w. The rest is as in certified_quotient: |q| is larger than 2^-9 √(A w), since |q|² ≥ √D
-/// |q| > 2^31 E, so the errors of b and √D do not need a large c. For w > 2^-900, underflow does not matter.
-[[nodiscard, gnu::noinline, gnu::cold]] inline std::optional<Roots> roots_next_to_sphere(
-    const Point& origin, const Vec3& direction, const Point& center, double radius) {
-  const auto e = sphere_equation(origin, direction, center, radius);
+/// Returns the certified roots where b² − A c leaves a line in doubt: by Lagrange's form of D, or by c in
+/// double-double. Roots{} says that the line surely misses, std::nullopt that these do not decide either.
+[[nodiscard, gnu::noinline, gnu::cold]] inline std::optional<Roots> refined_sphere_roots(const auto& ray,
+                                                                                         const Point& center,
+                                                                                         double radius) {
+  const auto e = sphere_equation(ray, center, radius);
+  if (detail::in_range(e.A)) {
+    // By Lagrange's identity D = A r² − |l × d|², which does not cancel if the center is far away. For a line
+    // that meets the sphere, its error is at most 9u A r s + 15u² A s², s = |l| + r; for one that misses, the
+    // computed D is no larger than that.
+    const Vec3 l = center - ray.origin, moment = cross(l, ray.direction);
+    const double r = std::abs(radius), size = std::sqrt(dot(l, l)) + r;
+    auto other = e;
+    other.D = e.A * (radius * radius) - dot(moment, moment);
+    other.E = 0x1p-49 * e.A * size * (r + 0x1p-45 * size) + detail::underflow;
+    if (other.E < 0x1p900) {  // all products of D are far from overflow
+      if (other.surely_misses()) return Roots{};
+      const auto [q, certain] = detail::certified_quotient(other);
+      if (other.D > 4 * other.E && certain) return roots_from(e.A, e.c, q);
+    }
+  }
+  // Close to the sphere, c alone cancels. In double-double, the error of c is at most 16u² w, below 2^-32 |c|
+  // for |c| > 2^-70 w. The rest is as in certified_quotient: |q| is larger than 2^-9 √(A w), since |q|² ≥ √D
+  // |q| > 2^31 E, so the errors of b and √D do not need a large c. For w > 2^-900, underflow does not matter.
   if (!(e.D > 4 * e.E && e.w > 0x1p-900)) return std::nullopt;
   const double root = std::sqrt(e.D), q = e.b + std::copysign(root, e.b);
   if (!(root * std::abs(q) > 0x1p31 * e.E)) return std::nullopt;
   DoubleDouble c = -two_product(radius, radius);
   for (int i = 0; i < 3; ++i) {
-    const DoubleDouble l = two_sum(center[i], -origin[i]);
+    const DoubleDouble l = two_sum(center[i], -ray.origin[i]);
     c = c + l * l;
   }
   if (!(std::abs(c.hi) > 0x1p-70 * e.w)) return std::nullopt;
   return roots_from(e.A, c.hi, q);
-}
-
-}  // namespace detail
-
-/// Returns the certified roots where b² − A c leaves a line in doubt: by Lagrange's form of D, or by c in
-/// double-double. Roots{} says that the line surely misses, std::nullopt that these do not decide either.
-[[nodiscard, gnu::noinline, gnu::cold]] inline std::optional<Roots> refined_sphere_roots(
-    const Point& origin, const Vec3& direction, const Point& center, double radius) {
-  auto e = sphere_equation(origin, direction, center, radius);
-  if (detail::in_range(e.A)) {
-    // By Lagrange's identity D = A r² − |l × d|², which does not cancel if the center is far away. For a line
-    // that meets the sphere, its error is at most 9u A r s + 15u² A s², s = |l| + r; for one that misses, the
-    // computed D is no larger than that.
-    const Vec3 l = center - origin, moment = cross(l, direction);
-    const double r = std::abs(radius), size = std::sqrt(dot(l, l)) + r;
-    e.D = e.A * (radius * radius) - dot(moment, moment);
-    e.E = 0x1p-49 * e.A * size * (r + 0x1p-45 * size) + detail::underflow;
-    if (e.E < 0x1p900) {  // all products of D are far from overflow
-      if (e.surely_misses()) return Roots{};
-      if (e.D > 4 * e.E)
-        if (const auto [q, certain] = detail::certified_quotient(e); certain) return roots_from(e.A, e.c, q);
-    }
-  }
-  return detail::roots_next_to_sphere(origin, direction, center, radius);
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,4 +1,9 @@
 // A solid box between the points min and max, with faces perpendicular to the axes.
+//
+// A line is between the planes of the two faces on an axis from one of its roots with these planes to the
+// other. It is in the box from the last of the three entries to the first of the three exits. Double nearly
+// always decides; if its error bound does not allow it, the roots are compared without rounding.
+// docs/derivations.md derives the bound.
 #pragma once
 
 #include <algorithm>
@@ -9,10 +14,11 @@
 #include <string>
 
 #include "../magnitude.hpp"
-#include "../numeric/box_roots.hpp"
+#include "../numeric/planar_equation.hpp"
 #include "../shown.hpp"
 #include "../surface.hpp"
 #include "../transformed_ray.hpp"
+#include "planar.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -47,29 +53,32 @@ struct Box {
   }
 
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
-    const BoxStart start = start_of(ray);
-    if (start.face >= 0 && !leads_inwards(ray, {start.face})) return;
-    const BoxRoots met = roots(ray, start);
+    const Start start = start_of(ray);
+    if (start.face >= 0 && !leads_inwards(ray, start.face)) return;
+    const Met met = this->met(ray, start);
     for (int i = 0; i < met.roots.count(); ++i) {
-      Crossing crossing{.t = met.roots[i], .part = met.face[i].number};
+      Crossing crossing{.t = met.roots[i], .part = met.faces[i]};
       if (start.is_in_box) crossing.t = std::max(crossing.t, smallest_t);
       if (crossing.part != start.face && lies_inside(*this, ray, crossing, range)) visit(crossing);
     }
   }
 
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
-    const BoxStart start = start_of(ray);
-    const ExactRoot root =
-        exact_root_of(face_equation(line_of<ExactNumber>(ray), min, max, {crossing.part}, start));
+    const Start start = start_of(ray);
+    const ExactRoot root = root_on(crossing.part, ray, start);
     return start.is_in_box && root.b.sign() <= 0 ? exact_root_of(smallest_t) : root;
   }
 
   /// Returns the outward unit normal of a face.
-  [[nodiscard]] Vec3 normal_at(const Point&, int face) const { return outwards({face}); }
+  [[nodiscard]] Vec3 normal_at(const Point&, int face) const {
+    Vec3 normal{0};
+    normal[face / 2] = is_upper(face) ? 1 : -1;
+    return normal;
+  }
 
   /// Returns how far a point is from min along the two axes that follow the face's own in the cycle x, y, z.
   [[nodiscard]] Uv uv_at(const Point& point, int face) const {
-    const int axis = BoxFace{face}.axis(), u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const int axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
     return {point[u] - min[u], point[v] - min[v]};
   }
 
@@ -78,14 +87,13 @@ struct Box {
   /// Returns false: the inside is bounded on every ray.
   [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
 
-  [[nodiscard]] Bounds bounds() const { return {min, max}; }
+  /// Returns the box, widened by near().
+  [[nodiscard]] Bounds bounds() const { return outward({min - near(), max + near()}); }
 
   /// Returns the plane of a face; surfaces and faces in one plane are left together.
   [[nodiscard]] Departure departure(int face) const {
-    const BoxFace side{face};
-    Departure departure{.kind = Departure::Kind::plane, .part = face, .object = this};
-    departure.geometry[static_cast<std::size_t>(side.axis())] = 1;
-    departure.geometry[3] = side.place(min, max);
+    Departure departure = departure_across(face / 2, place(face));
+    departure.part = face, departure.object = this;
     return departure;
   }
 
@@ -107,54 +115,142 @@ struct Box {
     return name + '.' + "xyz"[axis] + " = " + shown(point[axis]);
   }
 
-  [[nodiscard]] static Vec3 outwards(BoxFace face) {
-    Vec3 normal{0};
-    normal[face.axis()] = face.is_upper() ? 1 : -1;
-    return normal;
-  }
-
   static constexpr double smallest_t = std::numeric_limits<double>::denorm_min();
 
-  /// Derives the start of a ray relative to the box from the ray's departure.
-  [[nodiscard]] BoxStart start_of(const Ray& ray) const {
+  [[nodiscard]] static bool is_upper(int face) { return face % 2 != 0; }
+
+  /// Returns the coordinate on the axis of a face that all its points share.
+  [[nodiscard]] double place(int face) const { return is_upper(face) ? max[face / 2] : min[face / 2]; }
+
+  /// Returns a distance from the plane of a face up to which the digits of a point may be those of a point in
+  /// it. They are off by 2^-52 of the coordinates, here or outside of an instance, and by more if the ray
+  /// that hit it came from much farther away. 2^-20 of the box's size leaves room for coordinates of 2^32
+  /// times that size; beyond that, the digits say where the point is. Any distance keeps all crossings in the
+  /// bounds, which reach as much farther.
+  [[nodiscard]] double near() const {
+    const Vec3 size = max - min;
+    return 0x1p-20 * std::max({size.x, size.y, size.z});
+  }
+
+  /// Exact knowledge about the start of a line.
+  struct Start {
+    int face = -1;           ///< face in whose plane it starts, up to rounding; −1: none
+    bool is_at_0 = true;     ///< true if it crosses that plane at t = 0, regardless of its digits
+    bool is_in_box = false;  ///< true if it starts in the box, which it then only leaves
+  };
+
+  /// Derives the start of a ray from the ray's departure.
+  [[nodiscard]] Start start_of(const Ray& ray) const {
     const Departure& left = ray.departure;
     if (!left.is_planar()) return {};
     if (left.object == this) return {.face = left.part, .is_in_box = true};
     for (int face = 0; face < 6; ++face) {
-      const bool may_be_parallel = left.geometry[static_cast<std::size_t>(BoxFace{face}.axis())] != 0;
+      const bool may_be_parallel = left.geometry[static_cast<std::size_t>(face / 2)] != 0;
       if (may_be_parallel && left == departure(face))
-        return {.face = face, .is_at_0 = is_near(ray.origin, {face})};
+        return {.face = face, .is_at_0 = std::abs(ray.origin[face / 2] - place(face)) <= near()};
     }
     return {};
   }
 
-  /// Returns true if the digits of a point may be those of a point in the plane of a face. They are off by
-  /// 2^-52 of the coordinates, here or outside of an instance, and by more if the ray that hit it came from
-  /// much farther away. 2^-20 of the box's size leaves room for coordinates of 2^32 times that size; beyond
-  /// that, the digits say where the point is, as they do for the BVH traversals that look for the box.
-  [[nodiscard]] bool is_near(const Point& point, BoxFace face) const {
-    const Vec3 size = max - min;
-    const double off = std::abs(point[face.axis()] - face.place(min, max));
-    return off <= 0x1p-20 * std::max({size.x, size.y, size.z});
-  }
-
   /// Returns true if the ray leads from a face into the box; never if the box is flat on the face's axis.
-  [[nodiscard]] bool leads_inwards(const Ray& ray, BoxFace face) const {
-    if (!(min[face.axis()] < max[face.axis()])) return false;
-    const auto axis = static_cast<std::size_t>(face.axis());
-    const double along = ray.direction[face.axis()];
-    const int sign = ray.transform == nullptr
-                         ? (along > 0) - (along < 0)
-                         : sign_along(ray, [&](const auto& line) { return line.direction[axis]; });
-    return face.is_upper() ? sign < 0 : sign > 0;
+  [[nodiscard]] bool leads_inwards(const Ray& ray, int face) const {
+    const int axis = face / 2;
+    if (!(min[axis] < max[axis])) return false;
+    const int sign = sign_along(axis, ray, rounded_line(ray));
+    return is_upper(face) ? sign < 0 : sign > 0;
   }
 
-  [[nodiscard]] BoxRoots roots(const Ray& ray, const BoxStart& start) const {
-    if (ray.transform == nullptr) return box_roots(ray.origin, ray.direction, min, max, start);
-    if (start.face < 0)
-      if (const auto roots = rounded_box_roots(rounded_line(ray), min, max)) return *roots;
-    if (!is_proper(ray)) return {};
-    return decided(ray, [&](const auto& line) { return box_roots_along(line, min, max, start); });
+  /// Returns the sign of a ray's direction along an axis.
+  [[nodiscard]] static int sign_along(int axis, const Ray& ray, const RoundedLine& line) {
+    const double d = line.direction[axis];
+    if (std::abs(d) > line.direction_error[axis] || ray.transform == nullptr) return (d > 0) - (d < 0);
+    return exact_line(ray).direction[static_cast<std::size_t>(axis)].sign();
+  }
+
+  /// Returns true if a ray perpendicular to an axis is between the faces on that axis.
+  [[nodiscard]] bool is_between(int axis, const Ray& ray) const {
+    const double o = ray.origin[axis];
+    if (ray.transform == nullptr) return min[axis] <= o && o <= max[axis];
+    const ExactLine line = exact_line(ray);
+    const ExactNumber& place = line.origin[static_cast<std::size_t>(axis)];
+    return (place - line.weight * min[axis]).sign() >= 0 && (place - line.weight * max[axis]).sign() <= 0;
+  }
+
+  /// Root t, which differs from the exact one by at most `error`.
+  struct RoundedRoot {
+    double t = 0, error = 0;
+  };
+
+  /// Returns the root of a line on the plane of a face, h/d with h = place − o.
+  ///
+  /// With errors of o and d, a quotient has an error below (o_error + u |h| + |h/d| d_error)/(|d| − d_error)
+  /// + u |h/d|. The bound has 8u |h/d| for the roundings, whose error is at most 2u |h/d|, and twice the
+  /// rest, which covers the roundings of the bound. It is infinite if the quotient may have overflowed or
+  /// vanished.
+  [[nodiscard]] RoundedRoot rounded_root(int face, const RoundedLine& line) const {
+    const int axis = face / 2;
+    const double h = place(face) - line.origin[axis], d = line.direction[axis], t = h / d, size = std::abs(t);
+    const double carried = line.origin_error[axis] + size * line.direction_error[axis];
+    const double least = std::abs(d) - line.direction_error[axis];
+    if ((h != 0 && !(0x1p-900 < size && size < 0x1p900)) || !(least > 0)) return {t, infinity};
+    return {t, 0x1p-50 * size + (carried == 0 ? 0 : 2 * carried / least)};
+  }
+
+  /// Returns the root of a ray on the plane of a face without rounding.
+  [[nodiscard]] ExactRoot root_on(int face, const Ray& ray, const Start& start) const {
+    if (face == start.face && start.is_at_0) return exact_root_of(0.0);
+    const auto& [x, y, z, distance] = departure(face).geometry;
+    return exact_root_of(plane_equation(exact_line(ray), {x, y, z}, distance));
+  }
+
+  /// Roots of a ray with the box, and their faces: none; entry and exit; or the exit alone if the ray starts
+  /// in the box. If the ray crosses two faces at once, the one with the lower number is taken, unless the
+  /// other is start.face.
+  struct Met {
+    Roots roots;
+    int faces[2] = {0, 0};
+  };
+
+  [[nodiscard]] Met met(const Ray& ray, const Start& start) const {
+    const RoundedLine line = rounded_line(ray);
+    const Vec3 sum = line.origin + line.direction + min + max;  // not finite if a number is not
+    if (!is_finite(sum) && !(is_proper(ray) && is_finite(min) && is_finite(max))) return {};
+    RoundedRoot roots[6];
+    const auto exact = [&](int face) {
+      ++fallbacks.exact;
+      return root_on(face, ray, start);
+    };
+    const auto order = [&](int a, int b) {
+      const double gap = roots[a].t - roots[b].t;
+      if (std::abs(gap) > roots[a].error + roots[b].error) return gap > 0 ? 1 : -1;
+      return protostar::order(exact(a), exact(b));
+    };
+    // Takes a face if its root comes after that of the face taken so far, or for sign = -1 before it.
+    const auto take = [&](int& taken, int face, int sign) {
+      if (!(face == start.face && start.is_at_0)) roots[face] = rounded_root(face, line);
+      const int later = taken < 0 ? 1 : sign * order(face, taken);
+      if (later > 0 || (later == 0 && face == start.face)) taken = face;
+    };
+    int entry = -1, exit = -1;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int sign = sign_along(axis, ray, line), lower = 2 * axis, upper = lower + 1;
+      if (sign == 0 && !start.is_in_box && !is_between(axis, ray)) return {};
+      if (sign != 0 && !start.is_in_box) take(entry, sign > 0 ? lower : upper, 1);
+      if (sign != 0) take(exit, sign > 0 ? upper : lower, -1);
+    }
+    if (exit < 0) return {};  // the direction is 0
+    const auto t_of = [&](int face) {
+      const auto& [t, error] = roots[face];
+      return error <= 0x1p-31 * std::abs(t) && error < infinity ? t
+                                                                : static_cast<double>(refined(exact(face)));
+    };
+    Met met{.roots = Roots{t_of(exit)}, .faces = {exit, exit}};
+    if (!start.is_in_box) {
+      const int gap = order(entry, exit);
+      if (gap > 0) return {};
+      met = {.roots = {t_of(entry), gap == 0 ? t_of(entry) : t_of(exit)}, .faces = {entry, exit}};
+    }
+    return met;
   }
 };
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "../magnitude.hpp"
-#include "../numeric/disk_equation.hpp"
+#include "../numeric/planar_equation.hpp"
 #include "../surface.hpp"
 #include "coordinates.hpp"
 #include "planar.hpp"
@@ -42,12 +42,11 @@ struct Disk {
   }
 
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
-    return disk_equation(rays.origin, rays.direction, position, normal, radius);
+    return disk_equation(rays, position, normal, radius);
   }
   [[nodiscard]] bool has_finite_numbers() const {
     return is_finite(position) && is_finite(normal) && std::isfinite(radius);
   }
-  [[nodiscard]] auto exact(const auto& line) const { return disk_equation(line, position, normal, radius); }
 
   /// Returns true if a ray, or the rays of a packet, depart from the plane of the disk.
   [[nodiscard]] bool is_left_by(const auto& rays) const {

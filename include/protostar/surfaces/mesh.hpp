@@ -172,12 +172,13 @@ class Mesh {
     R ray;
     Interval range;
     Start start;
+    RoundedLine line;  ///< line that crosses the triangles, with the errors of its numbers
+
+    Query(R of_ray, const Interval& in_range, const Start& from)
+        : ray(of_ray), range(in_range), start(from), line(from ? from->line(of_ray) : rounded_line(of_ray)) {}
 
     /// Returns how far the ray's start may be from its origin, on each axis.
     [[nodiscard]] double distance() const { return start ? start->distance() : 0; }
-
-    /// Returns the error of the numbers of the line that crosses the triangles.
-    [[nodiscard]] LineError error() const { return start ? start->error(ray) : line_error(ray); }
   };
 
   /// Closest hit of a ray.

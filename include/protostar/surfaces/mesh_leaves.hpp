@@ -1,5 +1,5 @@
 // The triangles in the leaves of a BVH, tested in double, as many at once as a vector holds: which of them a
-// ray surely misses, which it surely crosses, and where (numeric/triangle_equation.hpp).
+// ray surely misses, which it surely crosses, and where (numeric/planar_equation.hpp).
 //
 // A ray meets few leaves, and fetching one from far away takes nearly all of the time. Therefore a leaf has
 // all numbers of its triangles in one place. If float holds all numbers of the tree, as those of files mostly
@@ -98,14 +98,19 @@ class TriangleLeaves {
     Doubles t;
   };
 
-  /// Tests the triangles from the i-th of a leaf on, as many as a vector holds. The numbers of the exact line
-  /// differ from those of the ray by at most `error`. No crossing is certain if the ray departs from a plane,
-  /// which may be that of a triangle.
+  /// Tests the triangles from the i-th of a leaf on, as many as a vector holds, along the line of a ray. No
+  /// crossing is certain if the ray departs from a plane, which may be that of a triangle.
   [[nodiscard, gnu::always_inline]] Tried tried(Leaf leaf, std::uint32_t i, const Ray& ray,
-                                                const Interval& range, const LineError& error = {}) const {
+                                                const RoundedLine& line, const Interval& range) const {
     const auto [a, b, c] = corners(leaf, i);
-    const auto e = triangle_equation(Vectors(ray.origin), Vectors(ray.direction), a, b, c,
-                                     Doubles(slack_for(error.origin)), Doubles(slack_for(error.direction)));
+    const auto on_each_axis = [](const Vec3& error) {
+      const Doubles largest = std::max({error.x, error.y, error.z});
+      return Vectors(largest, largest, largest);
+    };
+    const struct {
+      Vectors origin, direction, origin_error, direction_error;
+    } lines{line.origin, line.direction, on_each_axis(line.origin_error), on_each_axis(line.direction_error)};
+    const auto e = triangle_equation(lines, a, b, c);
     const Bits passed = bits(!e.misses) & first_bits(static_cast<int>(leaf.count - i));
     if (passed == 0) return {.crossed = 0, .in_doubt = 0, .t = {}};
     // The margin is that of lies_inside.

@@ -24,7 +24,7 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 ///   ray, range            the query may shorten the range on the way, if near_first is true
 ///   distance()            upper bound of how far the ray starts from its origin, on each axis, as it may
 ///                         leave a triangle
-///   error()               upper bound of the errors of the numbers of its line (LineError)
+///   line                  its line in doubles, with their errors (RoundedLine)
 ///   near_first            true if near triangles are to come mostly before far ones
 ///   found(t, i)           tells that the i-th triangle is crossed at t
 ///   maybe(triangle, i)    tells that it may be crossed, which double does not decide
@@ -85,7 +85,7 @@ class TriangleTree {
   [[gnu::always_inline]] bool show(auto& query, const BoxRay& line, Leaf leaf, Reach& left) const {
     bool any = false;
     for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
-      const auto [crossed, in_doubt, t] = leaves_.tried(leaf, i, query.ray, query.range, query.error());
+      const auto [crossed, in_doubt, t] = leaves_.tried(leaf, i, query.ray, query.line, query.range);
       if ((crossed | in_doubt) == 0) continue;
       any = true;
       const auto place = [&](int k) { return leaves_.place(leaf, i + static_cast<std::uint32_t>(k)); };

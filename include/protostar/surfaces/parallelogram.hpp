@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "../magnitude.hpp"
-#include "../numeric/parallelogram_equation.hpp"
+#include "../numeric/planar_equation.hpp"
 #include "../surface.hpp"
 #include "planar.hpp"
 
@@ -42,13 +42,10 @@ struct Parallelogram {
   }
 
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
-    return parallelogram_equation(rays.origin, rays.direction, position, edge_u, edge_v);
+    return parallelogram_equation(rays, position, edge_u, edge_v);
   }
   [[nodiscard]] bool has_finite_numbers() const {
     return is_finite(position) && is_finite(edge_u) && is_finite(edge_v);
-  }
-  [[nodiscard]] auto exact(const auto& line) const {
-    return parallelogram_equation(line, position, edge_u, edge_v);
   }
 
   /// Returns true if a ray, or the rays of a packet, depart from the plane of the parallelogram.

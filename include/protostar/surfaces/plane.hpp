@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "../magnitude.hpp"
-#include "../numeric/plane_equation.hpp"
+#include "../numeric/planar_equation.hpp"
 #include "../surface.hpp"
 #include "coordinates.hpp"
 
@@ -41,10 +41,9 @@ struct Plane {
   }
 
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
-    return plane_equation(rays.origin, rays.direction, normal, distance);
+    return plane_equation(rays, normal, distance);
   }
   [[nodiscard]] bool has_finite_numbers() const { return is_finite(normal) && std::isfinite(distance); }
-  [[nodiscard]] auto exact(const auto& line) const { return plane_equation(line, normal, distance); }
 
   /// Returns true if a ray, or the rays of a packet, depart from the plane.
   [[nodiscard]] bool is_left_by(const auto& rays) const {

@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "../magnitude.hpp"
-#include "../numeric/quadric_bounds.hpp"
 #include "../numeric/quadric_equation.hpp"
 #include "../surface.hpp"
 #include "../transformed_ray.hpp"
@@ -37,14 +36,10 @@ struct Quadric {
   /// Returns the normal as longitude and latitude; if the quadric is a sphere, u and v are a Sphere's.
   [[nodiscard]] Uv uv_at(const Point& point) const { return direction_uv(normal_at(point)); }
 
-  [[nodiscard]] auto equation(const Ray& ray) const {
-    return RoundedQuadricEquation(ray.origin, ray.direction, form).with_positive_A();
-  }
-  [[nodiscard]] auto rounded_equation(const RoundedLine& line) const {
-    return RoundedQuadricEquation(line, form).with_positive_A();
-  }
+  [[nodiscard]] auto equation(const Ray& ray) const { return quadric_equation(ray, form); }
+  [[nodiscard]] auto equation(const RoundedLine& line) const { return quadric_equation(line, form); }
+  [[nodiscard]] auto equation(const ExactLine& line) const { return quadric_equation(line, form); }
   [[nodiscard]] bool has_finite_numbers() const { return is_finite(form); }
-  [[nodiscard]] auto exact(const auto& line) const { return quadric_equation(line, form); }
 
   [[nodiscard]] bool is_left_by(const Ray& ray) const {
     return ray.departure.kind == Departure::Kind::object && ray.departure.object == this;
@@ -56,7 +51,7 @@ struct Quadric {
   [[nodiscard]] Roots roots(const Ray& ray) const {
     const Roots roots = certified_roots(*this, ray);
     const bool may_be_outside = roots.count() > 0 && is_left_by(ray) && ray.transform == nullptr;
-    return may_be_outside && !is_in_quadric_bounds(ray.origin, ray.direction, form) ? Roots{} : roots;
+    return may_be_outside && !is_in_quadric_bounds(ray, form) ? Roots{} : roots;
   }
 
   /// Returns true if the far end of the ray, t → ∞, is inside.
@@ -64,7 +59,7 @@ struct Quadric {
     if (const RoundedQuadricEquation e(rounded_line(ray), form); e.in_range && e.is_A_certain())
       return e.A < 0;
     return is_proper(ray) && has_finite_numbers() &&
-           decided(ray, [&](const auto& line) { return ends_negative(exact(line), is_left_by(ray)); });
+           ends_negative(equation(exact_line(ray)), is_left_by(ray));
   }
 
   /// Returns the bounds of an ellipsoid whose form is negative around its center, about a thousandth wider;

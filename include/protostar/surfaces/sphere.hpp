@@ -38,16 +38,10 @@ struct Sphere {
   [[nodiscard]] Uv uv_at(const Point& point) const { return direction_uv(unit_along(point - center)); }
 
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
-    return sphere_equation(rays.origin, rays.direction, center, radius);
+    return sphere_equation(rays, center, radius);
   }
-  [[nodiscard]] auto rounded_equation(const RoundedLine& line) const {
-    return sphere_equation(line, center, radius);
-  }
-  [[nodiscard]] auto refined_roots(const Ray& ray) const {
-    return refined_sphere_roots(ray.origin, ray.direction, center, radius);
-  }
+  [[nodiscard]] auto refined_roots(const Ray& ray) const { return refined_sphere_roots(ray, center, radius); }
   [[nodiscard]] bool has_finite_numbers() const { return is_finite(center) && std::isfinite(radius); }
-  [[nodiscard]] auto exact(const auto& line) const { return sphere_equation(line, center, radius); }
 
   /// Returns true if a ray, or the rays of a packet, depart from the sphere.
   [[nodiscard]] bool is_left_by(const auto& rays) const {

@@ -8,7 +8,7 @@
 
 #include "../magnitude.hpp"
 #include "../numeric/inner_point.hpp"
-#include "../numeric/triangle_equation.hpp"
+#include "../numeric/planar_equation.hpp"
 #include "../surface.hpp"
 #include "../transformed_ray.hpp"
 #include "planar.hpp"
@@ -68,15 +68,9 @@ struct Triangle {
   }
 
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
-    return triangle_equation(rays.origin, rays.direction, a, b, c, NoSlack{}, NoSlack{});
-  }
-  [[nodiscard]] auto rounded_equation(const RoundedLine& line) const {
-    const LineError off = error_of(line);
-    return triangle_equation(line.origin, line.direction, a, b, c, slack_for(off.origin),
-                             slack_for(off.direction));
+    return triangle_equation(rays, a, b, c);
   }
   [[nodiscard]] bool has_finite_numbers() const { return is_finite(a) && is_finite(b) && is_finite(c); }
-  [[nodiscard]] auto exact(const auto& line) const { return triangle_equation(line, a, b, c); }
 
   /// Returns true if a ray, or the rays of a packet, depart from the plane of the triangle.
   [[nodiscard]] bool is_left_by(const auto& rays) const {
@@ -119,11 +113,12 @@ class StartInTriangle {
   /// Returns an upper bound for its distance from the ray's origin, on each axis.
   [[nodiscard]] double distance() const { return start_.distance(); }
 
-  /// Returns upper bounds for the errors of the ray's numbers, both as its own and as numbers of its line
-  /// from here.
-  [[nodiscard]] LineError error(const Ray& ray) const {
-    const LineError own = line_error(ray);
-    return {distance() + own.origin, own.direction};
+  /// Returns the ray's line in doubles, with upper bounds for their errors, both as the ray's own numbers and
+  /// as those of its line from here.
+  [[nodiscard]] RoundedLine line(const Ray& ray) const {
+    RoundedLine line = rounded_line(ray);
+    line.origin_error += distance();
+    return line;
   }
 
   /// Returns the crossing of the line with another triangle, as certain as Roots says; none if that triangle
@@ -139,8 +134,8 @@ class StartInTriangle {
   /// the line surely differ by less than 2^-32 of t, it is the given ray's, which is at the same t as its
   /// crossing with another surface in the triangle's plane.
   [[nodiscard, gnu::cold, gnu::noinline]] ExactRoot exact_root(const Ray& ray, const Triangle& other) const {
-    return exact_root_on(
-        other, rounded_equation(ray, other).is_certain ? line_of<ExactNumber>(ray) : line_from_start(ray));
+    return exact_root_on(other,
+                         rounded_equation(ray, other).is_certain ? exact_line(ray) : line_from_start(ray));
   }
 
   /// Returns the order of two triangles that are crossed at t_a and t_b: the sign of the difference of t on
@@ -158,31 +153,26 @@ class StartInTriangle {
   /// n·(P − o) / n·d. In double, n·d is good to 2^-31 of itself if it is above 2^-18 of the sizes of its
   /// terms (triangle_equation); if not, the bound is infinite.
   [[nodiscard]] double shift(const Ray& ray, const Triangle& other) const {
-    const LineError off = error(ray);
-    const double slack = slack_for(off.direction);
-    const Vec3 u = other.b - other.a, v = other.c - other.a, p = abs(u), q = abs(v),
-               terms{p.y * q.z + p.z * q.y, p.z * q.x + p.x * q.z, p.x * q.y + p.y * q.x};
-    const double slope = std::abs(dot(cross(u, v), ray.direction)),
-                 slopes = dot(terms, abs(ray.direction) + Vec3(slack));
+    const RoundedLine line = this->line(ray);
+    const Vec3 u = other.b - other.a, v = other.c - other.a, terms = detail::sizes_of_cross(u, v);
+    const double slope = std::abs(dot(cross(u, v), line.direction)),
+                 slopes = dot(terms, direction_sizes(line));
     const bool is_known = 0x1p-800 < slopes && slope > 0x1p-18 * slopes && slope < infinity;
-    return is_known ? (1 + 0x1p-30) * (terms.x + terms.y + terms.z) / slope * off.origin : infinity;
+    return is_known ? (1 + 0x1p-30) * dot(terms, line.origin_error) / slope : infinity;
   }
 
  private:
   [[nodiscard]] RoundedLinear<double, bool> rounded_equation(const Ray& ray, const Triangle& other) const {
-    const LineError off = error(ray);
-    return triangle_equation(ray.origin, ray.direction, other.a, other.b, other.c, slack_for(off.origin),
-                             slack_for(off.direction));
+    return other.equation(line(ray));
   }
 
   [[nodiscard, gnu::cold, gnu::noinline]] Roots roots_in_doubt(const Ray& ray, const Triangle& other) const {
     if (!is_proper(ray)) return {};
     ++fallbacks.exact;
-    const auto exact = other.exact(line_from_start(ray));
-    if (exact.is_on_surface != true) return {};
+    const ExactLinear exact = other.equation(line_from_start(ray));
+    if (!exact.is_on_surface) return {};
     if (const auto e = rounded_equation(ray, other); e.is_certain) return Roots{e.height / e.slope};
-    if (exact.height.sign() == 0 && is_parallel_to(other)) return {};
-    return roots_of(exact);
+    return exact.height.sign() == 0 && is_parallel_to(other) ? Roots{} : roots_of(exact);
   }
 
   [[nodiscard]] static ExactRoot exact_root_on(const Triangle& other, const ExactLine& line) {
@@ -191,7 +181,7 @@ class StartInTriangle {
 
   /// Returns the line from the start, without rounding.
   [[nodiscard]] ExactLine line_from_start(const Ray& ray) const {
-    ExactLine line = line_of<ExactNumber>(ray);
+    ExactLine line = exact_line(ray);
     line.origin = line.weight * start_.exact();
     return line;
   }
