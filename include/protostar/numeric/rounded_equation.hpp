@@ -159,7 +159,7 @@ template <class T, class M>
 struct FirstRootOfEach {
   T t;
   M is_there, in_doubt;  ///< if neither, there is no root in t > 0
-  M is_far = false;      ///< true if it is the second root of its line; told for one line only
+  M is_far = false;      ///< true if it is the second root of its line
 };
 
 /// Returns the first root in t > 0 of the active lines.
@@ -172,13 +172,14 @@ template <class T, class L, class M>
 }
 
 /// Returns the first root in t > 0 of the active lines. Signs decide which root that is, so that one division
-/// is enough. From outside, where c > 0, it is c/q if b > 0; if lines start at one point outside, as camera
-/// rays mostly do, this holds for all of them.
+/// is enough. From outside, where c > 0, it is c/q if b > 0, and a surface behind the origin, where b < 0,
+/// costs no square root; if lines start at one point outside, as camera rays mostly do, this holds for all of
+/// them.
 template <class T, class C, class M>
 [[nodiscard, gnu::always_inline]] inline FirstRootOfEach<T, M> first_root_of_each(
     const RoundedQuadratic<T, C>& e, const M& active) {
   using std::sqrt;
-  FirstRootOfEach<T, M> first{.t = infinity, .is_there = false, .in_doubt = false};
+  FirstRootOfEach<T, M> first{.t = infinity, .is_there = false, .in_doubt = false, .is_far = M(e.c < 0.0)};
   const M open = active && !e.surely_misses();
   if (!any(open)) return first;
   const auto find = [&](const T& t, const M& certain, const M& recedes) {
@@ -189,6 +190,11 @@ template <class T, class C, class M>
   const auto is_outside = e.c > 0x1p-18 * e.w;
   if constexpr (std::is_same_v<decltype(is_outside), const bool>)
     if (is_outside) {
+      if constexpr (std::is_same_v<T, double>)
+        if (e.b < 0) {
+          find(infinity, false, true);
+          return first;
+        }
       const T root = sqrt(e.D), q = e.b + root;
       find(e.c / q, root * q > 0x1p31 * e.E && e.b >= 0.0, e.b < 0.0);
       return first;
@@ -197,31 +203,6 @@ template <class T, class C, class M>
   const M is_q_over_A = M(!is_outside) && q >= 0.0;
   find(select(is_q_over_A, q, T(e.c)) / select(is_q_over_A, e.A, q), certain, M(is_outside) && q < 0.0);
   return first;
-}
-
-/// Returns the first root in t > 0 of one line, which counts as active, and tells whether it is the second of
-/// all. A surface behind the origin of the line (c > 0 and b < 0) costs no square root.
-[[nodiscard, gnu::always_inline]] inline FirstRootOfEach<double, bool> first_root_of_each(
-    const RoundedQuadratic<double, double>& e, bool) {
-  if (e.surely_misses()) return {.t = infinity, .is_there = false, .in_doubt = false};
-  double t = infinity;
-  bool is_certain = false;
-  const double least = 0x1p-18 * e.w;
-  if (e.c > least) {
-    if (e.b < 0) {
-      is_certain = e.D > 4 * e.E;
-    } else {
-      const double root = std::sqrt(e.D), q = e.b + root;
-      is_certain = root * q > 0x1p31 * e.E;
-      t = e.c / q;
-    }
-  } else if (e.c < -least) {
-    const auto [q, certain] = detail::certified_quotient(e);
-    is_certain = certain;
-    t = q < 0 ? e.c / q : q / e.A;
-  }
-  const bool is_there = is_certain && 0 < t && t < infinity;
-  return {.t = t, .is_there = is_there, .in_doubt = !is_certain, .is_far = e.c < 0};
 }
 
 /// Lines that cross a surface in 0 < t < 1 or in t > 0, and lines in doubt.
@@ -274,18 +255,11 @@ template <class T, class C, class M>
 }
 
 /// Returns the certified roots of one line, or in_doubt() if double does not decide.
-template <class M>
-[[nodiscard, gnu::always_inline]] inline Roots roots_of(const RoundedLinear<double, M>& e,
-                                                        const auto& in_doubt) {
-  if (e.misses) return {};
-  if (e.crosses && e.is_certain) return Roots{e.height / e.slope};
-  return in_doubt();
-}
-[[nodiscard, gnu::always_inline]] inline Roots roots_of(const RoundedQuadratic<double, double>& e,
-                                                        const auto& in_doubt) {
-  if (e.surely_misses()) return {};
-  if (const auto [q, certain] = detail::certified_quotient(e); certain) return roots_from(e.A, e.c, q);
-  return in_doubt();
+[[nodiscard, gnu::always_inline]] inline Roots roots_of(const auto& e, const auto& in_doubt) {
+  const auto roots = roots_of_each(e, true);
+  if (roots.in_doubt) return in_doubt();
+  if (!roots.meets) return {};
+  return roots.count == 1 ? Roots{roots.near()} : Roots{roots.near(), roots.far()};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI
