@@ -2,7 +2,6 @@
 #pragma once
 
 #include "exact_root.hpp"
-#include "exact_vector.hpp"
 #include "roots.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {

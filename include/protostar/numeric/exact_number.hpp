@@ -1,13 +1,15 @@
-// Numbers without rounding, for signs that no fixed precision decides.
+// Numbers without rounding, for signs that no fixed precision decides, and vectors of them.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <utility>
 
+#include "../vec3.hpp"
 #include "double_double.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -81,12 +83,6 @@ class ExactNumber {
     set_digits(bits, exponent - 53);
   }
 
-  [[nodiscard]] static ExactNumber power_of_two(int exponent) {
-    ExactNumber power;
-    power.set_digits(1, exponent);
-    return power;
-  }
-
   /// Returns 1, 0 or -1.
   [[nodiscard]] int sign() const { return digits_.empty() ? 0 : is_negative_ ? -1 : 1; }
 
@@ -95,6 +91,12 @@ class ExactNumber {
   struct Approximation {
     DoubleDouble value;  ///< 0, or at least 1 and less than 2^32 in magnitude
     int exponent = 0;
+
+    /// Converts to double-double; infinite above the range of double, and less precise below 2^-1000.
+    explicit operator DoubleDouble() const {
+      const double high = std::ldexp(value.hi, exponent);
+      return std::isinf(high) ? DoubleDouble(high) : DoubleDouble(high, std::ldexp(value.lo, exponent));
+    }
   };
 
   /// Returns the leading five digits, which are at least 129 bits. Each addition has an error of at most 3u²
@@ -110,11 +112,7 @@ class ExactNumber {
 
   /// Converts to double-double with an error of at most 2^-103 of the number; infinite above the range of
   /// double, and less precise below 2^-1000.
-  explicit operator DoubleDouble() const {
-    const auto [value, exponent] = approximation();
-    const double high = std::ldexp(value.hi, exponent);
-    return std::isinf(high) ? DoubleDouble(high) : DoubleDouble(high, std::ldexp(value.lo, exponent));
-  }
+  explicit operator DoubleDouble() const { return DoubleDouble(approximation()); }
 
   friend ExactNumber operator-(ExactNumber a) {
     a.is_negative_ = !a.is_negative_;
@@ -150,9 +148,6 @@ class ExactNumber {
     product.lowest_ += product.digits_.trim();
     return product;
   }
-
-  /// Multiplies by 2^exponent.
-  void scale(int exponent) { *this = *this * power_of_two(exponent); }
 
   friend bool operator==(const ExactNumber& a, const ExactNumber& b) {
     return a.sign() == b.sign() && (a.sign() == 0 || a.lowest_ == b.lowest_) &&
@@ -220,5 +215,29 @@ class ExactNumber {
   int lowest_ = 0;         ///< the lowest digit counts 2^(32 · lowest_)
   bool is_negative_ = false;
 };
+
+/// Vector without rounding.
+using ExactVector = std::array<ExactNumber, 3>;
+
+[[nodiscard]] inline ExactVector exact_vector(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+[[nodiscard]] inline ExactVector operator+(const ExactVector& a, const ExactVector& b) {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+[[nodiscard]] inline ExactVector operator-(const ExactVector& a, const ExactVector& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+[[nodiscard]] inline ExactVector operator*(const ExactNumber& factor, const ExactVector& v) {
+  return {factor * v[0], factor * v[1], factor * v[2]};
+}
+[[nodiscard]] inline ExactNumber dot(const ExactVector& a, const ExactVector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+[[nodiscard]] inline ExactVector cross(const ExactVector& a, const ExactVector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+[[nodiscard]] inline ExactVector exact_difference(const Vec3& a, const Vec3& b) {
+  return exact_vector(a) - exact_vector(b);
+}
 
 }  // namespace protostar::inline PROTOSTAR_ABI

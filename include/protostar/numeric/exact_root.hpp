@@ -1,7 +1,7 @@
 // Roots of equations without rounding, their exact order, and their values in double-double.
 #pragma once
 
-#include <cmath>
+#include <algorithm>
 
 #include "exact_number.hpp"
 #include "roots.hpp"
@@ -58,12 +58,8 @@ namespace detail {
   const auto quotient = [](const Approximation& a, const Approximation& b) {
     return Approximation{a.value / b.value, a.exponent - b.exponent};
   };
-  const auto in_double_double = [](const Approximation& a) {
-    const double high = std::ldexp(a.value.hi, a.exponent);
-    return std::isinf(high) ? DoubleDouble(high) : DoubleDouble(high, std::ldexp(a.value.lo, a.exponent));
-  };
   const Approximation A = root.A.approximation();
-  if (root.D.sign() == 0) return in_double_double(quotient(root.b.approximation(), A));
+  if (root.D.sign() == 0) return DoubleDouble(quotient(root.b.approximation(), A));
 
   const Approximation D = root.D.approximation(), b = root.b.approximation();
   Approximation q{sqrt(D.value), D.exponent / 2};  // exponents are even; in the end q = b ± √D, of one sign
@@ -71,21 +67,18 @@ namespace detail {
   if (b_sign < 0) q.value = -q.value;
   if (b_sign != 0) {
     // If the exponents differ by more than 1000, the sum is as good as the larger number.
-    const int gap = b.exponent - q.exponent;
-    const auto moved = [](DoubleDouble x, int by) {
-      return DoubleDouble(std::ldexp(x.hi, by), std::ldexp(x.lo, by));
+    const int exponent = std::max(b.exponent, q.exponent);
+    const auto moved = [&](const Approximation& x) {
+      return DoubleDouble(Approximation{x.value, x.exponent - exponent});
     };
-    if (gap > 0)
-      q = {b.value + moved(q.value, -gap), b.exponent};
-    else
-      q = {q.value + moved(b.value, gap), q.exponent};
+    q = {moved(b) + moved(q), exponent};
   } else if (root.sign < 0) {
     q.value = -q.value;
   }
-  if (b_sign == 0 || b_sign == root.sign) return in_double_double(quotient(q, A));
+  if (b_sign == 0 || b_sign == root.sign) return DoubleDouble(quotient(q, A));
   const ExactNumber numerator = root.b * root.b - root.D;
   if (numerator.sign() == 0) return {};
-  return in_double_double(quotient(quotient(numerator.approximation(), q), A));
+  return DoubleDouble(quotient(quotient(numerator.approximation(), q), A));
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

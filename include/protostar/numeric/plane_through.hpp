@@ -15,7 +15,7 @@
 #include "../bit_cast.hpp"
 #include "../vec3.hpp"
 #include "double_double.hpp"
-#include "exact_vector.hpp"
+#include "exact_number.hpp"
 #include "roots.hpp"
 #include "scale.hpp"
 
