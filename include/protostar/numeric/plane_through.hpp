@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
+#include <limits>
 #include <optional>
 
 #include "../bit_cast.hpp"
@@ -158,34 +160,17 @@ namespace detail {
 }  // namespace detail
 
 /// Returns true if an equation, which may have been rounded, certainly is not that of the plane through a
-/// point along u and v. Its numbers have errors of u = 2^-53 of themselves and so have u and v, which may be
-/// rounded differences; the scalar product has 3u of the magnitudes of its terms and the difference u,
-/// together less than 2^-50 of them. 2^-900 covers underflow.
-[[nodiscard]] inline bool surely_differs(const PlaneEquation& equation, const Point& position, const Vec3& u,
-                                         const Vec3& v) {
+/// point along some vectors. Its numbers have errors of u = 2^-53 of themselves and so have the vectors,
+/// which may be rounded differences; the scalar product has 3u of the magnitudes of its terms and the
+/// difference u, together less than 2^-50 of them. 2^-900 covers underflow.
+[[nodiscard]] inline bool surely_differs(const PlaneEquation& equation, const Point& position,
+                                         std::initializer_list<Vec3> along) {
   const Vec3 normal{equation[0], equation[1], equation[2]};
-  const auto is_off = [&](const Vec3& x, double expected) {
+  const auto is_off = [&](const Vec3& x, double expected = 0) {
     return std::abs(dot(normal, x) - expected) >
            0x1p-50 * (dot(abs(normal), abs(x)) + std::abs(expected)) + 0x1p-900;
   };
-  return is_off(position, equation[3]) || is_off(u, 0) || is_off(v, 0);
-}
-
-/// Returns true if an equation, which may have been rounded, certainly is not that of the plane through a
-/// point perpendicular to a normal. The two normals are not parallel if a component of their vector product
-/// is not 0.
-[[nodiscard]] inline bool surely_differs(const PlaneEquation& equation, const Point& position,
-                                         const Vec3& normal) {
-  const Vec3 n{equation[0], equation[1], equation[2]};
-  const auto is_off = [](double difference, double sizes) {
-    return std::abs(difference) > 0x1p-50 * sizes + 0x1p-900;
-  };
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3;
-    const double a = n[i] * normal[j], b = n[j] * normal[i];
-    if (is_off(a - b, std::abs(a) + std::abs(b))) return true;
-  }
-  return is_off(dot(n, position) - equation[3], dot(abs(n), abs(position)) + std::abs(equation[3]));
+  return is_off(position, equation[3]) || std::any_of(along.begin(), along.end(), is_off);
 }
 
 /// Returns the equation of the plane through a point along u and v, which must not be parallel.
@@ -200,6 +185,24 @@ namespace detail {
   const Vec3 n = of_moderate_size(normal);
   return detail::rounded_plane_at(position, RefinedVector{n.x, n.y, n.z}, 0, [&] { return exact_vector(n); });
 }
+
+namespace detail {
+
+/// Returns the unit normal along (b − a) × (c − a) from exact numbers; NaN if the points are on one line.
+[[nodiscard, gnu::cold, gnu::noinline]] inline Vec3 exact_unit_normal(const Point& a, const Point& b,
+                                                                      const Point& c) {
+  const ExactVector n = cross(exact_difference(b, a), exact_difference(c, a));
+  int largest = std::numeric_limits<int>::min();
+  for (const ExactNumber& x : n)
+    if (x.sign() != 0) largest = std::max(largest, x.approximation().exponent);
+  const auto nearest = [&](const ExactNumber& x) {
+    const auto [value, exponent] = x.approximation();
+    return x.sign() == 0 ? 0 : std::ldexp(value.hi, std::max(exponent - largest, -4000));
+  };
+  return normalize(Vec3{nearest(n[0]), nearest(n[1]), nearest(n[2])});
+}
+
+}  // namespace detail
 
 /// Three points, divided by a power of two that brings the largest of their numbers to about 1.
 struct ScaledPoints {
@@ -223,14 +226,14 @@ struct ScaledPoints {
 };
 
 /// Returns the unit normal along (b − a) × (c − a), however far the points are from the origin; NaN if they
-/// are on one line. More than 20 binary digits rarely cancel; if they do, only the final numbers are rounded.
+/// are on one line. More than 20 binary digits rarely cancel, and the product rarely underflows; if so, only
+/// the final numbers are rounded.
 [[nodiscard]] inline Vec3 unit_normal_through(const Point& a, const Point& b, const Point& c) {
-  const ScaledPoints points(a, b, c);
-  if (const auto n = points.refined_normal())
-    return normalize(of_moderate_size({(*n)[0].hi, (*n)[1].hi, (*n)[2].hi}));
-  const ExactVector n = points.exact_normal();
-  const auto nearest = [](const ExactNumber& x) { return static_cast<double>(DoubleDouble(x)); };
-  return normalize(of_moderate_size({nearest(n[0]), nearest(n[1]), nearest(n[2])}));
+  if (const auto n = ScaledPoints(a, b, c).refined_normal()) {
+    const Vec3 normal = normalize(of_moderate_size({(*n)[0].hi, (*n)[1].hi, (*n)[2].hi}));
+    if (is_finite(normal)) return normal;
+  }
+  return detail::exact_unit_normal(a, b, c);
 }
 
 /// Returns the equation of the plane through three points that are not on one line. With the normal accurate

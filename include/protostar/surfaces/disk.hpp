@@ -1,6 +1,7 @@
 // A disk: the points of a plane that are no farther than radius from position.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
@@ -50,7 +51,9 @@ struct Disk {
 
   /// Returns true if a ray, or the rays of a packet, depart from the plane of the disk.
   [[nodiscard]] bool is_left_by(const auto& rays) const {
-    return rays.departure.is_planar() && !surely_differs(rays.departure.geometry, position, normal) &&
+    const auto& [x, y, z] = std::array{normal.x, normal.y, normal.z};
+    return rays.departure.is_planar() &&
+           !surely_differs(rays.departure.geometry, position, {{0, -z, y}, {z, 0, -x}, {-y, x, 0}}) &&
            rays.departure == departure();
   }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "../magnitude.hpp"
@@ -14,25 +13,6 @@
 #include "planar.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-namespace detail {
-
-/// Returns the unit normal along (b − a) × (c − a) of a triangle so thin that the vector product underflows,
-/// from exact numbers; NaN if the points are on one line.
-[[nodiscard, gnu::cold, gnu::noinline]] inline Vec3 unit_normal_of_thin(const Point& a, const Point& b,
-                                                                        const Point& c) {
-  const ExactVector n = cross(exact_difference(b, a), exact_difference(c, a));
-  int largest = std::numeric_limits<int>::min();
-  for (const ExactNumber& x : n)
-    if (x.sign() != 0) largest = std::max(largest, x.approximation().exponent);
-  const auto nearest = [&](const ExactNumber& x) {
-    const auto [value, exponent] = x.approximation();
-    return x.sign() == 0 ? 0 : std::ldexp(value.hi, std::max(exponent - largest, -4000));
-  };
-  return normalize(Vec3{nearest(n[0]), nearest(n[1]), nearest(n[2])});
-}
-
-}  // namespace detail
 
 /// A triangle; its points are not on one line. Hits are decided exactly.
 ///
@@ -52,8 +32,7 @@ struct Triangle {
   /// Returns the unit normal along (b − a) × (c − a), the same at every point.
   template <class P = Point>
   [[nodiscard]] Vec3 normal_at(const P&) const {
-    const Vec3 normal = unit_normal_through(a, b, c);
-    return is_finite(normal) ? normal : detail::unit_normal_of_thin(a, b, c);
+    return unit_normal_through(a, b, c);
   }
 
   /// Returns barycentric coordinates: the point is a + u (b − a) + v (c − a).
@@ -74,7 +53,7 @@ struct Triangle {
 
   /// Returns true if a ray, or the rays of a packet, depart from the plane of the triangle.
   [[nodiscard]] bool is_left_by(const auto& rays) const {
-    return rays.departure.is_planar() && !surely_differs(rays.departure.geometry, a, b - a, c - a) &&
+    return rays.departure.is_planar() && !surely_differs(rays.departure.geometry, a, {b - a, c - a}) &&
            rays.departure == departure();
   }
 
@@ -124,10 +103,7 @@ class StartInTriangle {
   /// Returns the crossing of the line with another triangle, as certain as Roots says; none if that triangle
   /// lies in the plane that the ray leaves.
   [[nodiscard]] Roots roots(const Ray& ray, const Triangle& other) const {
-    const auto e = rounded_equation(ray, other);
-    if (e.misses) return {};
-    if (e.crosses && e.is_certain) return Roots{e.height / e.slope};
-    return roots_in_doubt(ray, other);
+    return roots_of(rounded_equation(ray, other), [&] { return roots_in_doubt(ray, other); });
   }
 
   /// Returns the crossing with another triangle without rounding. If the crossings of the given ray and of
