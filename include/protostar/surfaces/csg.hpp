@@ -52,16 +52,12 @@ class Csg {
 
   /// Combines trees by an operation. Throws std::invalid_argument if there are none, if the new tree is too
   /// deep, or if it has too many solids, or more parts than an int counts.
-  Csg(Operation operation, std::vector<Csg> operands) : Csg(taken_first(operands)) {
-    std::size_t whole = nodes_.size();  // index of the operation, behind all operands
-    for (std::size_t i = 1; i < operands.size(); ++i) whole += operands[i].nodes_.size();
-    const int first_operand = root(), count_of_operands = static_cast<int>(operands.size());
-    nodes_.back().parent = static_cast<int>(whole);
-    for (std::size_t i = 1; i < operands.size(); ++i) {
-      append(std::move(operands[i]), operation);
-      nodes_.back().parent = static_cast<int>(whole);
-    }
-    nodes_.push_back({.operation = operation, .first_operand = first_operand, .operands = count_of_operands});
+  Csg(Operation operation, std::vector<Csg> operands) {
+    if (operands.empty()) throw std::invalid_argument("Csg: an operation needs a solid");
+    for (Csg& operand : operands) append(std::move(operand), operation);
+    for (Node& node : nodes_)
+      if (node.parent < 0) node.parent = static_cast<int>(nodes_.size());
+    nodes_.push_back({.least = operation == Operation::all ? static_cast<int>(operands.size()) : 1});
     if (++depth_ > most_depth)
       throw std::invalid_argument("Csg: operations may be " + std::to_string(most_depth) +
                                   " deep inside each other, and these are " + std::to_string(depth_));
@@ -128,11 +124,14 @@ class Csg {
     bool is_taken_away = false;  ///< true if subtracted an odd number of times
   };
 
-  /// A leaf or an operation. Operands come before their operation, and the whole comes last.
+  /// A leaf or an operation. Operands come before their operation, and the whole comes last. An operation is
+  /// inside where the sum of the weights of its operands that are inside is at least `least`: 1 for a union,
+  /// the number of operands for an intersection, and 1 for a difference, whose first operand alone has a
+  /// weight above 0.
   struct Node {
-    Operation operation = Operation::none;  ///< none for a leaf
     int parent = -1;
-    int first_operand = -1, operands = 0;
+    int weight = 1;  ///< 1, or −1 if it is subtracted by its parent
+    int least = 0;
   };
 
   /// A crossing of a leaf.
@@ -155,32 +154,20 @@ class Csg {
       auto i = static_cast<std::size_t>(tree_.leaf(leaf).node);
       for (;;) {
         at_[i].is_inside = !at_[i].is_inside;
-        if (tree_.nodes_[i].parent < 0) return true;
-        const bool goes_in = at_[i].is_inside;
-        i = static_cast<std::size_t>(tree_.nodes_[i].parent);
-        at_[i].operands_inside += goes_in ? 1 : -1;
-        if (is_inside(i) == at_[i].is_inside) return false;
+        const Node& node = tree_.nodes_[i];
+        if (node.parent < 0) return true;
+        const int weight = at_[i].is_inside ? node.weight : -node.weight;
+        i = static_cast<std::size_t>(node.parent);
+        at_[i].weights += weight;
+        if ((at_[i].weights >= tree_.nodes_[i].least) == at_[i].is_inside) return false;
       }
     }
 
    private:
     struct At {
       bool is_inside = false;
-      int operands_inside = 0;
+      int weights = 0;  ///< sum of the weights of the operands that are inside
     };
-
-    [[nodiscard]] bool is_inside(std::size_t i) const {
-      const Node& node = tree_.nodes_[i];
-      const int count = at_[i].operands_inside;
-      switch (node.operation) {
-        case Operation::either:
-          return count > 0;
-        case Operation::all:
-          return count == node.operands;
-        default:
-          return count == 1 && at_[static_cast<std::size_t>(node.first_operand)].is_inside;
-      }
-    }
 
     const Csg& tree_;
     std::vector<At> at_;
@@ -194,7 +181,6 @@ class Csg {
   };
 
   [[nodiscard]] int count() const { return static_cast<int>(leaves_.size()); }
-  [[nodiscard]] int root() const { return static_cast<int>(nodes_.size()) - 1; }
   [[nodiscard]] const Leaf& leaf(int i) const { return leaves_[static_cast<std::size_t>(i)]; }
 
   /// Returns the leaf that has a part: the last one that begins at it or before.
@@ -208,31 +194,28 @@ class Csg {
     return crossing;
   }
 
-  static Csg taken_first(std::vector<Csg>& operands) {
-    if (operands.empty()) throw std::invalid_argument("Csg: an operation needs a solid");
-    return std::move(operands[0]);
-  }
-
   void append(Csg&& other, Operation operation) {
     const int shift = static_cast<int>(nodes_.size());
+    const bool is_first = leaves_.empty(), is_taken_away = operation == Operation::first_alone && !is_first;
     if (leaves_.size() + other.leaves_.size() > most_solids)
       throw std::invalid_argument("Csg: at most " + std::to_string(most_solids) + " solids are allowed");
     if (other.parts_ > std::numeric_limits<int>::max() - parts_)
       throw std::invalid_argument("Csg: the solids have more than 2^31 - 1 parts");
+    if (is_taken_away) other.nodes_.back().weight = -1;
     for (Leaf& leaf : other.leaves_) {
       leaf.node += shift;
       leaf.first_part += parts_;
-      if (operation == Operation::first_alone) leaf.is_taken_away = !leaf.is_taken_away;
+      leaf.is_taken_away = leaf.is_taken_away != is_taken_away;
       leaves_.push_back(std::move(leaf));
     }
     for (Node& node : other.nodes_) {
       if (node.parent >= 0) node.parent += shift;
-      if (node.first_operand >= 0) node.first_operand += shift;
       nodes_.push_back(node);
     }
     depth_ = std::max(depth_, other.depth_);
     parts_ += other.parts_;
     const auto [low, high] = other.bounds_;
+    if (is_first) bounds_ = other.bounds_;
     if (operation == Operation::either) bounds_ = {min(bounds_.min, low), max(bounds_.max, high)};
     if (operation == Operation::all) {
       // Nothing is left of disjoint solids, and any box will do.
@@ -313,7 +296,7 @@ class Csg {
   std::vector<Node> nodes_;
   Bounds bounds_;
   int depth_ = 0;
-  int parts_;
+  int parts_ = 0;
 };
 
 namespace detail {
@@ -332,37 +315,31 @@ struct CsgOperand {
   }
 };
 
-[[nodiscard]] inline std::vector<Csg> trees(std::initializer_list<CsgOperand> operands) {
-  std::vector<Csg> all;
-  all.reserve(operands.size());
-  for (const CsgOperand& operand : operands) all.push_back(operand.tree);
-  return all;
-}
+/// Operands of an operation: solids of several types in braces, or a vector of trees.
+struct CsgOperands {
+  std::vector<Csg> trees;
+
+  CsgOperands(std::vector<Csg> solids) : trees(std::move(solids)) {}
+  CsgOperands(std::initializer_list<CsgOperand> solids) {
+    for (const CsgOperand& solid : solids) trees.push_back(solid.tree);
+  }
+};
 
 }  // namespace detail
 
 /// Returns the union of solids: all points inside any of them.
-[[nodiscard]] inline Csg union_of(std::vector<Csg> solids) {
-  return {Csg::Operation::either, std::move(solids)};
-}
-[[nodiscard]] inline Csg union_of(std::initializer_list<detail::CsgOperand> solids) {
-  return union_of(detail::trees(solids));
+[[nodiscard]] inline Csg union_of(detail::CsgOperands solids) {
+  return {Csg::Operation::either, std::move(solids.trees)};
 }
 
 /// Returns the intersection of solids: all points inside every one of them.
-[[nodiscard]] inline Csg intersection_of(std::vector<Csg> solids) {
-  return {Csg::Operation::all, std::move(solids)};
-}
-[[nodiscard]] inline Csg intersection_of(std::initializer_list<detail::CsgOperand> solids) {
-  return intersection_of(detail::trees(solids));
+[[nodiscard]] inline Csg intersection_of(detail::CsgOperands solids) {
+  return {Csg::Operation::all, std::move(solids.trees)};
 }
 
 /// Returns the difference of solids: all points inside the first and none of the others.
-[[nodiscard]] inline Csg difference_of(std::vector<Csg> solids) {
-  return {Csg::Operation::first_alone, std::move(solids)};
-}
-[[nodiscard]] inline Csg difference_of(std::initializer_list<detail::CsgOperand> solids) {
-  return difference_of(detail::trees(solids));
+[[nodiscard]] inline Csg difference_of(detail::CsgOperands solids) {
+  return {Csg::Operation::first_alone, std::move(solids.trees)};
 }
 
 static_assert(CompositeSurface<Csg> && is_made_of_parts<Csg> && SurfaceWithBounds<Csg> && Solid<Csg>);
