@@ -45,32 +45,25 @@ struct Affine {
   [[nodiscard]] Affine moved_by(const Vec3& way) const { return {x, y, z, translation + way}; }
 };
 
-/// Sphere given by its center and radius.
-struct SphereImage {
-  Point center;
-  double radius;
-};
-
-/// Returns the image of a sphere under a map if it is exactly a sphere whose numbers are doubles; else
-/// nothing.
-[[nodiscard, gnu::cold, gnu::noinline]] inline std::optional<SphereImage> image_of_sphere(const Affine& map,
-                                                                                          const Point& center,
-                                                                                          double radius) {
+/// Returns center and radius of the image of a sphere under a map if it is exactly a sphere whose numbers are
+/// doubles; else nothing.
+[[nodiscard, gnu::cold, gnu::noinline]] inline std::optional<std::array<double, 4>> image_of_sphere(
+    const Affine& map, const Point& center, double radius) {
   const ExactVector x = exact_vector(map.x), y = exact_vector(map.y), z = exact_vector(map.z);
   const ExactNumber square = dot(x, x), nothing(0);
   const bool is_similarity = dot(y, y) == square && dot(z, z) == square && dot(x, y) == nothing &&
                              dot(y, z) == nothing && dot(z, x) == nothing;
   if (!is_similarity) return std::nullopt;
-  const auto nearest = [](const ExactNumber& number) { return static_cast<double>(DoubleDouble(number)); };
   const double scale = static_cast<double>(sqrt(DoubleDouble(square)));
-  if (!(ExactNumber(scale) * ExactNumber(scale) == square)) return std::nullopt;
-  const ExactVector to = ExactNumber(center.x) * x + ExactNumber(center.y) * y + ExactNumber(center.z) * z +
-                         exact_vector(map.translation);
-  const SphereImage image{{nearest(to[0]), nearest(to[1]), nearest(to[2])}, scale * radius};
-  const bool is_exact = exact_vector(image.center) == to &&
-                        ExactNumber(image.radius) == ExactNumber(scale) * ExactNumber(radius);
-  return is_exact && is_finite(image.center) && std::isfinite(image.radius) ? std::optional(image)
-                                                                            : std::nullopt;
+  if (!(ExactNumber(scale) * scale == square)) return std::nullopt;
+  const ExactVector to = center.x * x + center.y * y + center.z * z + exact_vector(map.translation);
+  const ExactNumber exact[] = {to[0], to[1], to[2], ExactNumber(scale) * radius};
+  std::array<double, 4> image{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    image[i] = static_cast<double>(DoubleDouble(exact[i]));
+    if (!(ExactNumber(image[i]) == exact[i])) return std::nullopt;
+  }
+  return image;
 }
 
 /// Inverse of an affine map. The nine numbers of its linear part are rounded to the nearest doubles, and are
@@ -148,10 +141,9 @@ class AffineInverse {
   [[nodiscard, gnu::cold, gnu::noinline]] PlaneEquation mapped_plane(const Vec3& n, double distance) const {
     // The equation n · inverse(q) = distance, times the determinant.
     const Cofactors cofactors(map_);
-    const ExactVector normal = ExactNumber(n.x) * cofactors.rows[0] + ExactNumber(n.y) * cofactors.rows[1] +
-                               ExactNumber(n.z) * cofactors.rows[2];
+    const ExactVector normal = n.x * cofactors.rows[0] + n.y * cofactors.rows[1] + n.z * cofactors.rows[2];
     return detail::nearest_plane(
-        normal, ExactNumber(distance) * cofactors.determinant + dot(normal, exact_vector(map_.translation)));
+        normal, distance * cofactors.determinant + dot(normal, exact_vector(map_.translation)));
   }
 
  private:

@@ -1,15 +1,11 @@
 // A surface that is scaled, rotated, sheared or moved from the place in which it was made.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cstddef>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 #include "../magnitude.hpp"
 #include "../numeric/affine.hpp"
@@ -39,23 +35,17 @@ class Instance<S> {
 
  public:
   Instance(S surface, const Affine& placement)
-      : surface_(std::move(surface)), inverse_(placement), bounds_(bounds_of(surface_, placement)) {
-    if (!inverse_.exists()) return;                       // validate() throws
-    std::map<Geometry, std::optional<Departure>> images;  // parts in one plane have one image
+      : surface_(std::move(surface)),
+        inverse_(placement),
+        bounds_(bounds_of_image(bounds_of(surface_), placement)) {
+    if (!inverse_.exists()) return;  // validate() throws
     for (int part = 0; part < protostar::part_count(surface_); ++part) {
       const Departure own = departure_of(surface_, part);
       if (own.kind != Departure::Kind::plane && own.kind != Departure::Kind::sphere) continue;
-      const auto [image, is_new] = images.try_emplace({own.is_planar(), own.geometry});
+      const auto [image, is_new] = images_.try_emplace({own.kind, own.geometry});
       if (is_new) image->second = image_of(own);
-      if (!image->second) continue;
-      shared_.push_back(*image->second);
-      shared_.back().part = part;
+      if (image->second.kind != Departure::Kind::object) parts_.try_emplace(geometry_of(image->second), part);
     }
-    by_geometry_.resize(shared_.size());
-    std::iota(by_geometry_.begin(), by_geometry_.end(), std::size_t{0});
-    std::stable_sort(by_geometry_.begin(), by_geometry_.end(), [&](std::size_t a, std::size_t b) {
-      return geometry_of(shared_[a]) < geometry_of(shared_[b]);
-    });
   }
 
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
@@ -74,10 +64,12 @@ class Instance<S> {
   /// Returns the plane or the sphere of a part, if other surfaces may have the same; and this instance,
   /// recognized by its address.
   [[nodiscard]] Departure departure(int part = 0) const {
-    const auto found = std::lower_bound(shared_.begin(), shared_.end(), part,
-                                        [](const Departure& one, int other) { return one.part < other; });
     Departure departure{.kind = Departure::Kind::object};
-    if (found != shared_.end() && found->part == part) departure = *found;
+    if (!images_.empty()) {
+      const Departure own = departure_of(surface_, part);
+      if (const auto image = images_.find({own.kind, own.geometry}); image != images_.end())
+        departure = image->second;
+    }
     departure.part = part, departure.object = this;
     return departure;
   }
@@ -140,67 +132,57 @@ class Instance<S> {
     return ray;
   }
 
-  using Geometry = std::pair<bool, std::array<double, 4>>;  ///< first is true for a plane, false for a sphere
+  using Geometry = std::pair<Departure::Kind, std::array<double, 4>>;
 
+  /// Returns the geometry of a plane or a sphere, rounded for a plane.
   [[nodiscard]] static Geometry geometry_of(const Departure& departure) {
-    return {departure.is_planar(), departure.is_planar() ? departure.rounded() : departure.geometry};
+    if (!departure.is_planar()) return {departure.kind, departure.geometry};
+    return {Departure::Kind::rounded_plane, departure.rounded()};
   }
 
   /// Returns a part whose plane or sphere is the one that the ray leaves on another surface.
   [[nodiscard]] std::optional<int> part_with(const Departure& left) const {
-    if (shared_.empty() || left.kind == Departure::Kind::object) return std::nullopt;
-    const Geometry geometry = geometry_of(left);
-    const auto found = std::lower_bound(
-        by_geometry_.begin(), by_geometry_.end(), geometry,
-        [&](std::size_t i, const Geometry& other) { return geometry_of(shared_[i]) < other; });
-    if (found == by_geometry_.end() || geometry_of(shared_[*found]) != geometry) return std::nullopt;
-    return shared_[*found].part;
+    if (parts_.empty() || left.kind == Departure::Kind::object) return std::nullopt;
+    const auto found = parts_.find(geometry_of(left));
+    return found == parts_.end() ? std::nullopt : std::optional(found->second);
   }
 
-  /// Returns the image of the plane or sphere of a part, if doubles hold the plane's equation, or the sphere
-  /// stays a sphere.
-  [[nodiscard]] std::optional<Departure> image_of(const Departure& own) const {
+  /// Returns the image of the plane or sphere of a part, whose equation doubles hold. The kind is object if
+  /// the image of a sphere is not a sphere, or doubles do not hold it.
+  [[nodiscard]] Departure image_of(const Departure& own) const {
     const auto& [a, b, c, d] = own.geometry;
-    if (own.kind == Departure::Kind::plane)
-      return Departure{.kind = Departure::Kind::rounded_plane,
-                       .geometry = inverse_.mapped_plane({a, b, c}, d)};
-    if (own.kind != Departure::Kind::sphere) return std::nullopt;
+    if (own.is_planar())
+      return {.kind = Departure::Kind::rounded_plane, .geometry = inverse_.mapped_plane({a, b, c}, d)};
     const auto sphere = image_of_sphere(inverse_.map(), {a, b, c}, d);
-    if (!sphere) return std::nullopt;
-    return Departure{.kind = Departure::Kind::sphere,
-                     .geometry = {sphere->center.x, sphere->center.y, sphere->center.z, sphere->radius}};
+    return sphere ? Departure{.kind = Departure::Kind::sphere, .geometry = *sphere}
+                  : Departure{.kind = Departure::Kind::object};
   }
 
   /// Returns the box around the images of the eight corners. One product and up to three sums are each
   /// rounded by u = 2^-53 of the sizes of the terms, and the sum of these sizes is rounded, too: 2^-50 = 8u
   /// of it are more than all errors.
-  [[nodiscard]] static Bounds bounds_of(const S& surface, const Affine& placement) {
+  [[nodiscard]] static Bounds bounds_of_image(const Bounds& inner, const Affine& placement) {
     const Bounds everywhere{.min = Point{-infinity}, .max = Point{infinity}};
-    if constexpr (!SurfaceWithBounds<S>) {
-      return everywhere;
-    } else {
-      const Bounds inner = surface.bounds();
-      if (!is_finite(inner.min) || !is_finite(inner.max)) return everywhere;
-      Bounds box{placement.translation, placement.translation};
-      Vec3 sizes = abs(placement.translation);
-      for (int k = 0; k < 3; ++k) {
-        const Vec3& column = k == 0 ? placement.x : k == 1 ? placement.y : placement.z;
-        const Vec3 a = inner.min[k] * column, b = inner.max[k] * column;
-        box.min += min(a, b);
-        box.max += max(a, b);
-        sizes += max(abs(a), abs(b));
-      }
-      const Vec3 margin = 0x1p-50 * sizes + Vec3(0x1p-1070);  // the constant for underflow
-      box = {box.min - margin, box.max + margin};
-      return is_finite(box.min) && is_finite(box.max) ? box : everywhere;
+    if (!is_finite(inner.min) || !is_finite(inner.max)) return everywhere;
+    Bounds box{placement.translation, placement.translation};
+    Vec3 sizes = abs(placement.translation);
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& column = k == 0 ? placement.x : k == 1 ? placement.y : placement.z;
+      const Vec3 a = inner.min[k] * column, b = inner.max[k] * column;
+      box.min += min(a, b);
+      box.max += max(a, b);
+      sizes += max(abs(a), abs(b));
     }
+    const Vec3 margin = 0x1p-50 * sizes + Vec3(0x1p-1070);  // the constant for underflow
+    box = {box.min - margin, box.max + margin};
+    return is_finite(box.min) && is_finite(box.max) ? box : everywhere;
   }
 
   S surface_;
   AffineInverse inverse_;
   Bounds bounds_;
-  std::vector<Departure> shared_;         ///< departures of the parts that share one, by part
-  std::vector<std::size_t> by_geometry_;  ///< indices into shared_, in the order of geometry_of
+  std::map<Geometry, Departure> images_;  ///< images of the planes and spheres of parts
+  std::map<Geometry, int> parts_;         ///< first parts with these images
 };
 
 template <class S>
