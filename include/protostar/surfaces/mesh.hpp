@@ -87,16 +87,16 @@ class Mesh {
   /// Returns the closest hit in the range, in exact order. If triangles are crossed at equal t, the one with
   /// the lowest index counts.
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
-    First<const Ray&> first{{ray, range, start_of(ray)}, *this};
-    contents_->tree.answer(first, data().triangle_of());
-    return first.crossing;
+    Query<const Ray&, true> query{*this, ray, range};
+    contents_->tree.answer(query, data().triangle_of());
+    return query.crossing;
   }
 
   /// Returns true if there is any hit in the range.
   [[nodiscard]] bool any_hit(const Ray& ray, Interval range) const {
-    Any<const Ray&> any{{ray, range, start_of(ray)}, *this};
-    contents_->tree.answer(any, data().triangle_of());
-    return any.any_hit;
+    Query<const Ray&, false> query{*this, ray, range};
+    contents_->tree.answer(query, data().triangle_of());
+    return query.crossing.has_value();
   }
 
   /// Finds first_crossing of many rays, the k-th of `count` being ray(k), and calls tell(k,
@@ -107,10 +107,9 @@ class Mesh {
     contents_->tree.answer_each(
         count,
         [&](std::size_t k) {
-          const Ray& one = ray(k);
-          return First<Ray>{{one, range, start_of(one)}, *this};
+          return Query<Ray, true>{*this, ray(k), range};
         },
-        [&](std::size_t k, const auto& first) { tell(k, first.crossing); }, data().triangle_of());
+        [&](std::size_t k, const auto& query) { tell(k, query.crossing); }, data().triangle_of());
   }
 
   /// Finds any_hit of many rays, interleaved like first_crossings, and calls tell(k, bool) for each.
@@ -118,10 +117,9 @@ class Mesh {
     contents_->tree.answer_each(
         count,
         [&](std::size_t k) {
-          const Ray& one = ray(k);
-          return Any<Ray>{{one, range, start_of(one)}, *this};
+          return Query<Ray, false>{*this, ray(k), range};
         },
-        [&](std::size_t k, const auto& any) { tell(k, any.any_hit); }, data().triangle_of());
+        [&](std::size_t k, const auto& query) { tell(k, query.crossing.has_value()); }, data().triangle_of());
   }
 
   /// Calls visit(const Crossing&) for every crossing in the range, near to far.
@@ -130,8 +128,7 @@ class Mesh {
     const Start start = start_of(ray);
     // The BVH traces rays, not lines: crossings behind the origin lie ahead on the reversed ray.
     const auto find_along = [&](const Ray& half, double length, bool is_behind) {
-      All all{{half, {std::max(is_behind ? -range.max : range.min, 0.0), length}, start},
-              data(),
+      All all{{*this, half, {std::max(is_behind ? -range.max : range.min, 0.0), length}},
               [&](const Triangle& triangle, std::uint32_t i) {
                 const auto crossing = crossing_with(triangle, i, ray, start, range);
                 if (crossing && (crossing->t < 0) == is_behind) crossings.push_back(*crossing);
@@ -164,81 +161,59 @@ class Mesh {
   /// Start of a ray that leaves a triangle of this mesh; empty for other rays.
   using Start = std::optional<StartInTriangle>;
 
-  // Queries to the BVH (TriangleTree).
-
-  /// R is Ray, or a reference to one.
-  template <class R>
+  /// Query to the BVH (TriangleTree) for the closest hit of a ray, or for any hit. R is Ray, or a reference
+  /// to one.
+  template <class R, bool closest>
   struct Query {
+    static constexpr bool near_first = closest;
+
+    const Mesh& mesh;
     R ray;
     Interval range;
     Start start;
     RoundedLine line;  ///< line that crosses the triangles, with the errors of its numbers
+    std::optional<Crossing> crossing = {};
 
-    Query(R of_ray, const Interval& in_range, const Start& from)
-        : ray(of_ray), range(in_range), start(from), line(from ? from->line(of_ray) : rounded_line(of_ray)) {}
+    Query(const Mesh& of, const Ray& of_ray, const Interval& in_range)
+        : mesh(of),
+          ray(of_ray),
+          range(in_range),
+          start(of.start_of(of_ray)),
+          line(start ? start->line(of_ray) : rounded_line(of_ray)) {}
 
     /// Returns how far the ray's start may be from its origin, on each axis.
     [[nodiscard]] double distance() const { return start ? start->distance() : 0; }
-  };
 
-  /// Closest hit of a ray.
-  template <class R>
-  struct First : Query<R> {
-    static constexpr bool near_first = true;
-    using Query<R>::ray, Query<R>::range, Query<R>::start;
-
-    const Mesh& mesh;
-    std::optional<Crossing> crossing = {};
-
-    bool found(double t, std::uint32_t i) {
-      take({.t = t, .part = static_cast<int>(i)});
-      return false;
-    }
+    bool found(double t, std::uint32_t i) { return take({.t = t, .part = static_cast<int>(i)}); }
     bool maybe(const Triangle& triangle, std::uint32_t i) {
-      if (const auto other = mesh.crossing_with(triangle, i, ray, start, range)) take(*other);
-      return false;
+      const auto other = mesh.crossing_with(triangle, i, ray, start, range);
+      return other && take(*other);
     }
 
    private:
-    void take(const Crossing& other) {
-      if (crossing && !mesh.comes_before(ray, start, other, *crossing)) return;
+    /// Takes a crossing if it is the closest so far; returns true if any is enough.
+    bool take(const Crossing& other) {
+      if (closest && crossing && !mesh.comes_before(ray, start, other, *crossing)) return false;
       crossing = other;
       // Crossings that may come before it, given its error, stay in the range.
       range.max = std::min(range.max, upper_bound_of(other.t));
+      return !closest;
     }
   };
 
-  /// Any hit of a ray.
-  template <class R>
-  struct Any : Query<R> {
-    static constexpr bool near_first = false;
-    using Query<R>::ray, Query<R>::range, Query<R>::start;
-
-    const Mesh& mesh;
-    bool any_hit = false;
-
-    bool found(double, std::uint32_t) { return any_hit = true; }
-    bool maybe(const Triangle& triangle, std::uint32_t i) {
-      return any_hit = mesh.crossing_with(triangle, i, ray, start, range).has_value();
-    }
-  };
-
-  /// Calls look_at(triangle, i) for all triangles that the ray may cross.
+  /// Query that calls look_at(triangle, i) for all triangles that the ray may cross.
   template <class LookAt>
-  struct All : Query<const Ray&> {
-    static constexpr bool near_first = false;
-
-    const MeshData& data;
+  struct All : Query<const Ray&, false> {
     LookAt look_at;
 
-    bool found(double, std::uint32_t i) { return maybe(data.triangle(i), i); }
+    bool found(double, std::uint32_t i) { return maybe(this->mesh.data().triangle(i), i); }
     bool maybe(const Triangle& triangle, std::uint32_t i) {
       look_at(triangle, i);
       return false;
     }
   };
   template <class LookAt>
-  All(Query<const Ray&>, const MeshData&, LookAt) -> All<LookAt>;
+  All(Query<const Ray&, false>, LookAt) -> All<LookAt>;
 
   /// Data that copies share.
   struct Contents {
