@@ -36,11 +36,15 @@ class AnySurface {
   }
   [[nodiscard]] bool has_parts() const { return held_->has_parts(); }
   [[nodiscard]] Vec3 normal_at(const Point& point, int part = 0) const {
-    return held_->normal_at(point, part);
+    return held_->functions.normal_at(held_->surface, point, part);
   }
   [[nodiscard]] bool has_uv() const { return held_->has_uv(); }
-  [[nodiscard]] Uv uv_at(const Point& point, int part = 0) const { return held_->uv_at(point, part); }
-  [[nodiscard]] Departure departure(int part = 0) const { return held_->departure(part); }
+  [[nodiscard]] Uv uv_at(const Point& point, int part = 0) const {
+    return held_->functions.uv_at(held_->surface, point, part);
+  }
+  [[nodiscard]] Departure departure(int part = 0) const {
+    return held_->functions.departure(held_->surface, part);
+  }
   [[nodiscard]] bool is_solid() const { return held_->is_solid(); }
   [[nodiscard]] bool ends_inside(const Ray& ray) const { return held_->ends_inside(ray); }
   [[nodiscard]] int part_count() const { return held_->part_count(); }
@@ -59,7 +63,7 @@ class AnySurface {
          [](void* function, const Crossing& crossing) { (*static_cast<Visit*>(function))(crossing); }});
   }
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
-    return held_->exact_root(ray, crossing);
+    return held_->functions.exact_root(held_->surface, ray, crossing);
   }
 
  private:
@@ -71,17 +75,17 @@ class AnySurface {
   };
 
   struct Holder {
+    const SurfaceFunctions& functions;
+    const void* surface;  ///< first argument of the functions
+
+    Holder(const SurfaceFunctions& of_surface, const void* held) : functions(of_surface), surface(held) {}
     virtual ~Holder() = default;
     virtual std::unique_ptr<Holder> copy() const = 0;
     virtual std::optional<Crossing> first_crossing(const Ray&, Interval) const = 0;
     virtual bool any_hit(const Ray&, Interval) const = 0;
     virtual void each_crossing(const Ray&, Interval, const Visitor&) const = 0;
-    virtual ExactRoot exact_root(const Ray&, const Crossing&) const = 0;
     virtual bool has_parts() const = 0;
-    virtual Vec3 normal_at(const Point&, int part) const = 0;
     virtual bool has_uv() const = 0;
-    virtual Uv uv_at(const Point&, int part) const = 0;
-    virtual Departure departure(int part) const = 0;
     virtual bool is_solid() const = 0;
     virtual bool ends_inside(const Ray&) const = 0;
     virtual int part_count() const = 0;
@@ -93,41 +97,28 @@ class AnySurface {
   struct Held final : Holder {
     static_assert(detail::SurfaceOffers<S>::hold);
 
-    explicit Held(S s) : surface(std::move(s)) {}
-    std::unique_ptr<Holder> copy() const override { return std::make_unique<Held>(surface); }
+    explicit Held(S s) : Holder(functions_of<S>, &one), one(std::move(s)) {}
+    std::unique_ptr<Holder> copy() const override { return std::make_unique<Held>(one); }
     std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const override {
-      return protostar::first_crossing(surface, ray, range);
+      return protostar::first_crossing(one, ray, range);
     }
     bool any_hit(const Ray& ray, Interval range) const override {
-      return protostar::any_hit(surface, ray, range);
+      return protostar::any_hit(one, ray, range);
     }
     void each_crossing(const Ray& ray, Interval range, const Visitor& visit) const override {
-      protostar::each_crossing(surface, ray, range, visit);
+      protostar::each_crossing(one, ray, range, visit);
     }
-    ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const override {
-      return protostar::exact_root(surface, ray, crossing);
-    }
-    bool has_parts() const override { return protostar::has_parts(surface); }
-    Vec3 normal_at(const Point& point, int part) const override {
-      return protostar::normal_at(surface, point, part);
-    }
-    bool has_uv() const override { return protostar::has_uv(surface); }
-    Uv uv_at(const Point& point, int part) const override { return protostar::uv_at(surface, point, part); }
-    Departure departure(int part) const override { return departure_of(surface, part); }
-    bool is_solid() const override { return protostar::is_solid(surface); }
-    bool ends_inside(const Ray& ray) const override { return protostar::ends_inside(surface, ray); }
-    int part_count() const override { return protostar::part_count(surface); }
-    Bounds bounds() const override {
-      if constexpr (SurfaceWithBounds<S>)
-        return surface.bounds();
-      else
-        return {.min = Point{-infinity}, .max = Point{infinity}};
-    }
+    bool has_parts() const override { return protostar::has_parts(one); }
+    bool has_uv() const override { return protostar::has_uv(one); }
+    bool is_solid() const override { return protostar::is_solid(one); }
+    bool ends_inside(const Ray& ray) const override { return protostar::ends_inside(one, ray); }
+    int part_count() const override { return protostar::part_count(one); }
+    Bounds bounds() const override { return bounds_of(one); }
     void validate() const override {
-      if constexpr (requires { surface.validate(); }) surface.validate();
+      if constexpr (requires { one.validate(); }) one.validate();
     }
 
-    S surface;
+    S one;
   };
 
   std::unique_ptr<Holder> held_;
