@@ -18,40 +18,25 @@ template <class S>
 struct SurfaceRequirements {
   static constexpr bool hold = true;
 
-  static constexpr bool has_intersect = requires(const S& surface, const Ray& ray, Interval range) {
-    surface.intersect(ray, range);
-  };
-  static constexpr bool has_normal = requires(const S& surface, Point point) { surface.normal_at(point); };
   static constexpr bool has_normal_of_parts = requires(const S& surface, Point point) {
-    surface.normal_at(point, 0);
+    { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
   };
 
   static_assert(std::copy_constructible<S>, "Surface: the type cannot be copied");
-  static_assert(has_intersect, "Surface: the type has no intersect(const Ray&, Interval) const");
   static_assert(
-      !has_intersect ||
-          requires(const S& surface, const Ray& ray, Interval range) {
-            { surface.intersect(ray, range) } -> std::same_as<std::optional<double>>;
-          },
-      "Surface: intersect(const Ray&, Interval) const does not return std::optional<double>");
-  static_assert(has_normal || has_normal_of_parts, "Surface: the type has no normal_at(Point) const");
+      requires(const S& surface, const Ray& ray, Interval range) {
+        { surface.intersect(ray, range) } -> std::same_as<std::optional<double>>;
+      },
+      "Surface: the type has no intersect(const Ray&, Interval) const that returns std::optional<double>");
   static_assert(
-      !has_normal ||
+      has_normal_of_parts ||
           requires(const S& surface, Point point) {
             { surface.normal_at(point) } -> std::convertible_to<Vec3>;
           },
-      "Surface: normal_at(Point) const does not return a Vec3");
+      "Surface: the type has no normal_at(Point) const that returns a Vec3");
   static_assert(
-      !has_normal_of_parts ||
-          requires(const S& surface, Point point) {
-            { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
-          },
-      "Surface: normal_at(Point, int) const does not return a Vec3");
-  static_assert(
-      !has_normal_of_parts || has_normal ||
-          requires(const S& surface) {
-            { surface.departure(0) } -> std::same_as<Departure>;
-          },
+      !has_normal_of_parts || is_made_of_parts<S> ||
+          requires(const S& surface, Point point) { surface.normal_at(point); },
       "Surface: the type has normal_at(Point, int) const, for parts, but no Departure departure(int) const");
 };
 
@@ -62,6 +47,10 @@ struct SurfaceOffers : SurfaceRequirements<S> {
   static_assert(
       SurfaceWithRoots<S> || !requires(S surface, const Ray& ray) { surface.roots(ray); },
       "Surface: roots(const Ray&) is not const or does not return Roots");
+  static_assert(
+      SurfaceOffers::has_normal_of_parts ||
+          !requires(S surface, Point point) { surface.normal_at(point, 0); },
+      "Surface: normal_at(Point, int) is not const or does not return a Vec3");
   static_assert(
       knows_departure<S> || !requires(S surface) { surface.departure(); },
       "Surface: departure() is not const or does not return a Departure");
@@ -83,16 +72,18 @@ struct SurfaceOffers : SurfaceRequirements<S> {
 /// Checks the members that a Solid needs beyond those of a Surface.
 template <class S>
 struct SolidRequirements : SurfaceRequirements<S> {
-  static constexpr bool knows_its_inside = requires(const S& surface, const Ray& ray) {
-    { surface.ends_inside(ray) } -> std::same_as<bool>;
-  };
-  static constexpr bool counts_its_parts = requires(const S& surface) {
-    { surface.part_count() } -> std::same_as<int>;
-  };
-  static_assert(knows_its_inside || !Surface<S>,
-                "Solid: the surface has no bool ends_inside(const Ray&) const");
-  static_assert(counts_its_parts || !is_made_of_parts<S>,
-                "Solid: the surface has parts, but no int part_count() const");
+  static_assert(
+      !Surface<S> ||
+          requires(const S& surface, const Ray& ray) {
+            { surface.ends_inside(ray) } -> std::same_as<bool>;
+          },
+      "Solid: the surface has no bool ends_inside(const Ray&) const");
+  static_assert(
+      !is_made_of_parts<S> ||
+          requires(const S& surface) {
+            { surface.part_count() } -> std::same_as<int>;
+          },
+      "Solid: the surface has parts, but no int part_count() const");
 };
 
 /// Type that is neither Other nor a Surface, but has one of a surface's functions: it is meant to be one.

@@ -88,8 +88,8 @@ Scene<NotConst> not_const;
 Scene<Unique> unique;
 Scene<Parts> parts;
 ]]
-  Never "Surface: intersect(const Ray&, Interval) const does not return std::optional<double>"
-  Upwards "Surface: normal_at(Point) const does not return a Vec3"
+  Never "Surface: the type has no intersect(const Ray&, Interval) const that returns std::optional<double>"
+  Upwards "Surface: the type has no normal_at(Point) const that returns a Vec3"
   NotConst "Surface: the type has no intersect(const Ray&, Interval) const"
   Unique "Surface: the type cannot be copied"
   Parts "Surface: the type has normal_at(Point, int) const, for parts, but no Departure departure(int) const")
