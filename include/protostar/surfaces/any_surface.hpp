@@ -1,8 +1,8 @@
 // A surface of any type, held as a value: Scene<AnySurface> is the tutorial's std::vector<Surface*> (§2.3.1).
 #pragma once
 
+#include <functional>
 #include <memory>
-#include <type_traits>
 #include <utility>
 
 #include "../surface.hpp"
@@ -56,23 +56,14 @@ class AnySurface {
   }
   [[nodiscard]] bool any_hit(const Ray& ray, Interval range) const { return held_->any_hit(ray, range); }
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
-    using Visit = std::remove_reference_t<decltype(visit)>;
-    held_->each_crossing(
-        ray, range,
-        {const_cast<void*>(static_cast<const void*>(&visit)),
-         [](void* function, const Crossing& crossing) { (*static_cast<Visit*>(function))(crossing); }});
+    held_->each_crossing(ray, range, std::ref(visit));
   }
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
     return held_->functions.exact_root(held_->surface, ray, crossing);
   }
 
  private:
-  /// Function called through a pointer, since a virtual function cannot be a template.
-  struct Visitor {
-    void* function;
-    void (*call)(void* function, const Crossing& crossing);
-    void operator()(const Crossing& crossing) const { call(function, crossing); }
-  };
+  using Visitor = std::function<void(const Crossing&)>;
 
   struct Holder {
     const SurfaceFunctions& functions;
