@@ -186,12 +186,27 @@ namespace detail {
   return detail::rounded_plane_at(position, RefinedVector{n.x, n.y, n.z}, 0, [&] { return exact_vector(n); });
 }
 
+/// Returns (b − a) × (c − a) without rounding.
+[[nodiscard]] inline ExactVector exact_normal(const Point& a, const Point& b, const Point& c) {
+  return cross(exact_difference(b, a), exact_difference(c, a));
+}
+
 namespace detail {
+
+/// Returns (b − a) × (c − a), times a power of two, each component with an error of at most 2^-82 of itself,
+/// if it is known so well.
+[[nodiscard]] inline std::optional<RefinedVector> refined_normal(const Point& a, const Point& b,
+                                                                 const Point& c) {
+  const int exponent = exponent_of({a, b, c});
+  const Point from = scaled(a, -exponent);
+  return refined_cross_product(refined_difference(scaled(b, -exponent), from),
+                               refined_difference(scaled(c, -exponent), from));
+}
 
 /// Returns the unit normal along (b − a) × (c − a) from exact numbers; NaN if the points are on one line.
 [[nodiscard, gnu::cold, gnu::noinline]] inline Vec3 exact_unit_normal(const Point& a, const Point& b,
                                                                       const Point& c) {
-  const ExactVector n = cross(exact_difference(b, a), exact_difference(c, a));
+  const ExactVector n = exact_normal(a, b, c);
   int largest = std::numeric_limits<int>::min();
   for (const ExactNumber& x : n)
     if (x.sign() != 0) largest = std::max(largest, x.approximation().exponent);
@@ -204,32 +219,11 @@ namespace detail {
 
 }  // namespace detail
 
-/// Three points, divided by a power of two that brings the largest of their numbers to about 1.
-struct ScaledPoints {
-  int exponent;  ///< exponent of that power of two
-  Point a, b, c;
-
-  ScaledPoints(const Point& p, const Point& q, const Point& r)
-      : exponent(exponent_of({p, q, r})),
-        a(scaled(p, -exponent)),
-        b(scaled(q, -exponent)),
-        c(scaled(r, -exponent)) {}
-
-  /// Returns (b − a) × (c − a), each component with an error of at most 2^-82 of itself, if it is known so
-  /// well.
-  [[nodiscard]] std::optional<RefinedVector> refined_normal() const {
-    return detail::refined_cross_product(refined_difference(b, a), refined_difference(c, a));
-  }
-  [[nodiscard, gnu::cold, gnu::noinline]] ExactVector exact_normal() const {
-    return cross(exact_difference(b, a), exact_difference(c, a));
-  }
-};
-
 /// Returns the unit normal along (b − a) × (c − a), however far the points are from the origin; NaN if they
 /// are on one line. More than 20 binary digits rarely cancel, and the product rarely underflows; if so, only
 /// the final numbers are rounded.
 [[nodiscard]] inline Vec3 unit_normal_through(const Point& a, const Point& b, const Point& c) {
-  if (const auto n = ScaledPoints(a, b, c).refined_normal()) {
+  if (const auto n = detail::refined_normal(a, b, c)) {
     const Vec3 normal = normalize(of_moderate_size({(*n)[0].hi, (*n)[1].hi, (*n)[2].hi}));
     if (is_finite(normal)) return normal;
   }
@@ -239,11 +233,8 @@ struct ScaledPoints {
 /// Returns the equation of the plane through three points that are not on one line. With the normal accurate
 /// to 2^-82, quotients and distance are accurate to 2^-80.
 [[nodiscard]] inline PlaneEquation plane_through_points(const Point& a, const Point& b, const Point& c) {
-  const ScaledPoints points(a, b, c);
-  PlaneEquation equation = detail::rounded_plane_at(points.a, points.refined_normal(), 0x1p-80,
-                                                    [&] { return points.exact_normal(); });
-  equation[3] = std::ldexp(equation[3], points.exponent);
-  return equation;
+  return detail::rounded_plane_at(a, detail::refined_normal(a, b, c), 0x1p-80,
+                                  [&] { return exact_normal(a, b, c); });
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

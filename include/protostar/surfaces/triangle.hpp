@@ -163,10 +163,8 @@ class StartInTriangle {
   }
 
   [[nodiscard]] bool is_parallel_to(const Triangle& other) const {
-    const auto normal = [](const Triangle& one) {
-      return cross(exact_difference(one.b, one.a), exact_difference(one.c, one.a));
-    };
-    const ExactVector sine = cross(normal(left_), normal(other));
+    const ExactVector sine =
+        cross(exact_normal(left_.a, left_.b, left_.c), exact_normal(other.a, other.b, other.c));
     return std::all_of(sine.begin(), sine.end(), [](const ExactNumber& x) { return x.sign() == 0; });
   }
 
