@@ -23,7 +23,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Returns M v for a symmetric matrix M with the numbers of a diagonal and the numbers (yz, zx, xy) beside
 /// it.
 template <class V>
-[[nodiscard]] V symmetric_times(const V& diagonal, const V& beside, const V& v) {
+[[nodiscard, gnu::always_inline]] inline V symmetric_times(const V& diagonal, const V& beside, const V& v) {
   return {diagonal[0] * v[0] + beside[2] * v[1] + beside[1] * v[2],
           beside[2] * v[0] + diagonal[1] * v[1] + beside[0] * v[2],
           beside[1] * v[0] + beside[0] * v[1] + diagonal[2] * v[2]};
@@ -76,10 +76,10 @@ struct RoundedQuadricEquation {
 
 /// Returns the equation in double with A > 0, and with its bounds.
 ///
-/// The error of D is at most 16u b_size² + 17u A_size c_size, or for a rounded line 20u and 21u; E is 32u of
-/// both. The error of q is 2^-31.9 |q| from √D, as for the sphere; √D |q| > 2^31 E makes |q| > 2^-9 b_size,
-/// so the error of b, at most 9u b_size, is negligible. The error of c is at most 11u c_size < 2^-31.5 |c|.
-/// b² > 2^12 E makes |b| > 2^-18 b_size, so its error is below 2^-32.1 |b|.
+/// The error of D is at most 16u b_size² + 17u A_size c_size; E is 32u of both. The error of q is 2^-31.9 |q|
+/// from √D, as for the sphere; √D |q| > 2^31 E makes |q| > 2^-9 b_size, so the error of b, at most 9u b_size,
+/// is negligible. The error of c is at most 11u c_size < 2^-31.5 |c|. b² > 2^12 E makes |b| > 2^-18 b_size,
+/// so its error is below 2^-32.1 |b|.
 [[nodiscard]] inline RoundedQuadratic<double, double> quadric_equation(const auto& ray,
                                                                        const QuadricForm& form) {
   const RoundedQuadricEquation e(ray, form);
@@ -91,6 +91,23 @@ struct RoundedQuadricEquation {
           .w = e.c_size > 0x1p-400 ? e.c_size : infinity,
           .D = e.b * e.b - e.A * e.c,
           .E = is_known ? E : infinity};
+}
+
+/// Returns the equation of a line whose numbers are rounded. With errors o_error and d_error, and the sizes M̂
+/// and ĝ of M and g, A is off by d_error · M̂ (2 |d| + d_error), b by d_error · (ĝ + M̂ o_error) + |d| · M̂
+/// o_error, and c by o_error · (2 ĝ + M̂ o_error).
+[[nodiscard]] inline RoundedQuadratic<double, double> quadric_equation(const RoundedLine& line,
+                                                                       const QuadricForm& form) {
+  const struct {
+    Point origin;
+    Vec3 direction;
+  } exact{line.origin, line.direction};
+  const QuadricForm sizes = abs(form);
+  const Vec3 d = abs(line.direction), g = sizes.times(abs(line.origin)) + sizes.linear,
+             M_o_error = sizes.times(line.origin_error), &d_error = line.direction_error;
+  return with_errors(quadric_equation(exact, form), dot(d_error, sizes.times(2.0 * d + d_error)),
+                     dot(d_error, g + M_o_error) + dot(d, M_o_error),
+                     dot(line.origin_error, 2.0 * g + M_o_error));
 }
 
 /// Returns the equation without rounding. With o and d of a line of weight w, A = d·Md, b = −d·(M o + w l)

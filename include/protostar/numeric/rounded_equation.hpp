@@ -76,6 +76,20 @@ struct RoundedQuadratic {
   }
 };
 
+/// Returns the equation of one line whose A, b and c are off by at most the given errors besides.
+///
+/// D is then off by no more than what is added to E. |c| > 2^-18 w makes the error of c less than 2^-34 |c|,
+/// and that of A is less than 2^-34 A, or nothing is certain. q² ≥ √D |q| > 2^31 E and b² > 2^12 E make the
+/// error of b less than 2^-33 of q and of b (docs/derivations.md, Instances).
+[[nodiscard]] inline RoundedQuadratic<double, double> with_errors(RoundedQuadratic<double, double> e,
+                                                                  double A_error, double b_error,
+                                                                  double c_error) {
+  const double size = std::abs(e.b) * b_error + std::abs(e.c) * A_error + (e.A + A_error) * c_error;
+  e.E = e.A > 0x1p34 * A_error ? e.E + 2 * size + 0x1p54 * b_error * b_error : infinity;
+  e.w += 0x1p52 * c_error;
+  return e;
+}
+
 namespace detail {
 
 /// Roots of a RoundedQuadratic without cancellation: q is the one of b ± √D that does not cancel. One root is

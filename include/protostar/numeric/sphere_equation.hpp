@@ -65,19 +65,15 @@ template <class T>
   return {.A = dot(line.direction, line.direction), .b = dot(line.direction, l), .c = dot(l, l) - r * r};
 }
 
-/// Returns the equation of a line whose numbers are rounded.
-///
-/// With the sizes of l and d (RoundedLine), the errors are: l 2u of l_size, b 6u of d_size · l_size, c 9u of
-/// w = l_size² + r², A 5u of d_size² and D 28u d_size² w, which for a line that is not rounded is 21u. Hence
-/// E is large enough, and with c accurate to 2^-31.8 and A to 2^-32, t is accurate to 2^-30.6.
+/// Returns the equation of a line whose numbers are rounded. With errors o_error and d_error, A is off by
+/// d_error · (2 |d| + d_error), b by d_error · (|l| + o_error) + |d| · o_error, and c by o_error · (2 |l| +
+/// o_error).
 [[nodiscard]] inline RoundedQuadratic<double, double> sphere_equation(const RoundedLine& line,
                                                                       const Point& center, double radius) {
-  const Vec3 l_size = origin_sizes(line, center - line.origin), d_size = direction_sizes(line);
-  const double A_size = dot(d_size, d_size);
-  auto e = sphere_equation<RoundedLine>(line, center, radius);
-  e.w = dot(l_size, l_size) + radius * radius;
-  e.E = e.A > 0x1p-18 * A_size ? detail::error_of_D(A_size, e.w) : infinity;
-  return e;
+  const Vec3 l = abs(center - line.origin), d = abs(line.direction), &o_error = line.origin_error,
+             &d_error = line.direction_error;
+  return with_errors(sphere_equation<RoundedLine>(line, center, radius), dot(d_error, 2.0 * d + d_error),
+                     dot(d_error, l + o_error) + dot(d, o_error), dot(o_error, 2.0 * l + o_error));
 }
 
 /// Tests whether a line certainly starts outside the sphere and leads away from its center, so that it has no
