@@ -203,6 +203,17 @@ struct Box {
     return exact_root_of(plane_equation(exact_line(ray), {x, y, z}, distance));
   }
 
+  /// Returns the order of the roots on two faces, or the root on one, without rounding.
+  [[nodiscard, gnu::cold, gnu::noinline]] int exact_order(int a, int b, const Ray& ray,
+                                                          const Start& start) const {
+    ++fallbacks.exact;
+    return order(root_on(a, ray, start), root_on(b, ray, start));
+  }
+  [[nodiscard, gnu::cold, gnu::noinline]] double exact_t(int face, const Ray& ray, const Start& start) const {
+    ++fallbacks.exact;
+    return static_cast<double>(refined(root_on(face, ray, start)));
+  }
+
   /// Roots of a ray with the box, and their faces: none; entry and exit; or the exit alone if the ray starts
   /// in the box. If the ray crosses two faces at once, the one with the lower number is taken, unless the
   /// other is start.face.
@@ -216,17 +227,13 @@ struct Box {
     const Vec3 sum = line.origin + line.direction + min + max;  // not finite if a number is not
     if (!is_finite(sum) && !(is_proper(ray) && is_finite(min) && is_finite(max))) return {};
     RoundedRoot roots[6];
-    const auto exact = [&](int face) {
-      ++fallbacks.exact;
-      return root_on(face, ray, start);
-    };
-    const auto order = [&](int a, int b) {
+    const auto order = [&](int a, int b) __attribute__((always_inline)) {
       const double gap = roots[a].t - roots[b].t;
       if (std::abs(gap) > roots[a].error + roots[b].error) return gap > 0 ? 1 : -1;
-      return protostar::order(exact(a), exact(b));
+      return exact_order(a, b, ray, start);
     };
     // Takes a face if its root comes after that of the face taken so far, or for sign = -1 before it.
-    const auto take = [&](int& taken, int face, int sign) {
+    const auto take = [&](int& taken, int face, int sign) __attribute__((always_inline)) {
       if (!(face == start.face && start.is_at_0)) roots[face] = rounded_root(face, line);
       const int later = taken < 0 ? 1 : sign * order(face, taken);
       if (later > 0 || (later == 0 && face == start.face)) taken = face;
@@ -239,10 +246,9 @@ struct Box {
       if (sign != 0) take(exit, sign > 0 ? upper : lower, -1);
     }
     if (exit < 0) return {};  // the direction is 0
-    const auto t_of = [&](int face) {
+    const auto t_of = [&](int face) __attribute__((always_inline)) {
       const auto& [t, error] = roots[face];
-      return error <= 0x1p-31 * std::abs(t) && error < infinity ? t
-                                                                : static_cast<double>(refined(exact(face)));
+      return error <= 0x1p-31 * std::abs(t) && error < infinity ? t : exact_t(face, ray, start);
     };
     Met met{.roots = Roots{t_of(exit)}, .faces = {exit, exit}};
     if (!start.is_in_box) {
