@@ -53,6 +53,7 @@ struct QuadricForm {
 /// numbers made positive; for a rounded line, 8u, 9u and 11u.
 struct RoundedQuadricEquation {
   double A, b, c, A_size, b_size, c_size;
+  Vec3 g_sizes;
   bool in_range;  ///< true if nothing overflows, and underflow is negligible for E > 2^-348
 
   RoundedQuadricEquation(const auto& ray, const QuadricForm& form) {
@@ -62,7 +63,7 @@ struct RoundedQuadricEquation {
     c = dot(ray.origin, g) + dot(form.linear, ray.origin) + form.constant;
     const Vec3 o = origin_sizes(ray, ray.origin), d = direction_sizes(ray);
     const QuadricForm sizes = abs(form);
-    const Vec3 g_sizes = sizes.times(o) + sizes.linear;
+    g_sizes = sizes.times(o) + sizes.linear;
     A_size = dot(d, sizes.times(d));
     b_size = dot(d, g_sizes);
     c_size = dot(o, g_sizes) + dot(sizes.linear, o) + sizes.constant;
@@ -72,25 +73,28 @@ struct RoundedQuadricEquation {
 
   /// Returns true if A is accurate enough for a quotient with it.
   [[nodiscard]] bool is_A_certain() const { return std::abs(A) > 0x1p-18 * A_size && A_size > 0x1p-400; }
+
+  /// Returns the equation in double with A > 0, and with its bounds.
+  ///
+  /// The error of D is at most 16u b_size² + 17u A_size c_size; E is 32u of both. The error of q is 2^-31.9
+  /// |q| from √D, as for the sphere; √D |q| > 2^31 E makes |q| > 2^-9 b_size, so the error of b, at most 7u
+  /// b_size, is negligible. The error of c is at most 9u c_size < 2^-31.8 |c|. b² > 2^12 E makes |b| > 2^-18
+  /// b_size, so its error is below 2^-32.1 |b|.
+  [[nodiscard]] RoundedQuadratic<double, double> with_positive_A() const {
+    const double E = 0x1p-48 * (b_size * b_size + A_size * c_size), sign = A < 0 ? -1 : 1;
+    const bool is_known = in_range && E > 0x1p-348 && is_A_certain();
+    return {.A = sign * A,
+            .b = sign * b,
+            .c = sign * c,
+            .w = c_size > 0x1p-400 ? c_size : infinity,
+            .D = b * b - A * c,
+            .E = is_known ? E : infinity};
+  }
 };
 
-/// Returns the equation in double with A > 0, and with its bounds.
-///
-/// The error of D is at most 16u b_size² + 17u A_size c_size; E is 32u of both. The error of q is 2^-31.9 |q|
-/// from √D, as for the sphere; √D |q| > 2^31 E makes |q| > 2^-9 b_size, so the error of b, at most 9u b_size,
-/// is negligible. The error of c is at most 11u c_size < 2^-31.5 |c|. b² > 2^12 E makes |b| > 2^-18 b_size,
-/// so its error is below 2^-32.1 |b|.
-[[nodiscard]] inline RoundedQuadratic<double, double> quadric_equation(const auto& ray,
-                                                                       const QuadricForm& form) {
-  const RoundedQuadricEquation e(ray, form);
-  const double E = 0x1p-48 * (e.b_size * e.b_size + e.A_size * e.c_size), sign = e.A < 0 ? -1 : 1;
-  const bool is_known = e.in_range && E > 0x1p-348 && e.is_A_certain();
-  return {.A = sign * e.A,
-          .b = sign * e.b,
-          .c = sign * e.c,
-          .w = e.c_size > 0x1p-400 ? e.c_size : infinity,
-          .D = e.b * e.b - e.A * e.c,
-          .E = is_known ? E : infinity};
+/// Returns the equation in double.
+[[nodiscard]] inline auto quadric_equation(const auto& ray, const QuadricForm& form) {
+  return RoundedQuadricEquation(ray, form).with_positive_A();
 }
 
 /// Returns the equation of a line whose numbers are rounded. With errors o_error and d_error, and the sizes M̂
@@ -102,12 +106,13 @@ struct RoundedQuadricEquation {
     Point origin;
     Vec3 direction;
   } exact{line.origin, line.direction};
+  const RoundedQuadricEquation e(exact, form);
   const QuadricForm sizes = abs(form);
-  const Vec3 d = abs(line.direction), g = sizes.times(abs(line.origin)) + sizes.linear,
-             M_o_error = sizes.times(line.origin_error), &d_error = line.direction_error;
-  return with_errors(quadric_equation(exact, form), dot(d_error, sizes.times(2.0 * d + d_error)),
-                     dot(d_error, g + M_o_error) + dot(d, M_o_error),
-                     dot(line.origin_error, 2.0 * g + M_o_error));
+  const Vec3 d = abs(line.direction), M_o_error = sizes.times(line.origin_error),
+             &d_error = line.direction_error;
+  return with_errors(e.with_positive_A(), dot(d_error, sizes.times(2.0 * d + d_error)),
+                     dot(d_error, e.g_sizes + M_o_error) + dot(d, M_o_error),
+                     dot(line.origin_error, 2.0 * e.g_sizes + M_o_error));
 }
 
 /// Returns the equation without rounding. With o and d of a line of weight w, A = d·Md, b = −d·(M o + w l)

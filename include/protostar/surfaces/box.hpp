@@ -187,7 +187,7 @@ struct Box {
   /// + u |h/d|. The bound has 8u |h/d| for the roundings, whose error is at most 2u |h/d|, and twice the
   /// rest, which covers the roundings of the bound. It is infinite if the quotient may have overflowed or
   /// vanished.
-  [[nodiscard]] RoundedRoot rounded_root(int face, const RoundedLine& line) const {
+  [[nodiscard, gnu::always_inline]] RoundedRoot rounded_root(int face, const RoundedLine& line) const {
     const int axis = face / 2;
     const double h = place(face) - line.origin[axis], d = line.direction[axis], t = h / d, size = std::abs(t);
     const double carried = line.origin_error[axis] + size * line.direction_error[axis];
