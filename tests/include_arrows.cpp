@@ -50,6 +50,7 @@ const std::set<std::pair<std::string, std::string>> of_the_machine = {
     {"system_file.hpp", "fcntl.h"},
     {"system_file.hpp", "poll.h"},
     {"system_file.hpp", "sys/file.h"},
+    {"system_file.hpp", "sys/random.h"},
     {"system_file.hpp", "sys/stat.h"},
     {"system_file.hpp", "sys/xattr.h"},
     {"system_file.hpp", "unistd.h"}};

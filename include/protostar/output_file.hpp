@@ -1,18 +1,16 @@
 // Output files that are replaced as a whole or not at all.
 #pragma once
 
-#include <cerrno>
-#include <charconv>
 #include <cstddef>
 #include <cstring>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "file_name.hpp"
+#include "platform.hpp"
 #include "system_file.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -43,23 +41,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 class OutputFile {
  public:
   /// Opens the file. The target is not changed yet, but opening a pipe waits for its reader.
-  explicit OutputFile(std::filesystem::path target) : name_(target.string()) {
-    namespace fs = std::filesystem;
-    std::error_code error;
-    const fs::file_status status = fs::status(target, error);
-    if (status.type() == fs::file_type::none)
-      fail({error.value()});  // a link to itself, a name that is too long
-    while (!is_in_proc(target) && !descriptor_of(target) && fs::is_symlink(fs::symlink_status(target, error)))
-      target = target.parent_path() / fs::read_symlink(target, error);
-    const bool exists = fs::exists(status);
-    if (const auto number = descriptor_of(target))
-      check(file_.open_descriptor(*number));
-    else if (fs::is_directory(status))
-      fail({EISDIR});
-    else if (exists && (!fs::is_regular_file(status) || is_in_proc(target)))
-      check(file_.open_directly(target));
-    else
-      check(file_.open_target(target, exists));
+  explicit OutputFile(const FileName& target) : name_(target.text()) {
+    if (const auto error = file_.open(name_); error.number != 0) fail(error);
   }
 
   OutputFile(const OutputFile&) = delete;
@@ -67,24 +50,8 @@ class OutputFile {
 
   /// Returns the descriptor of this process that a path names, open or not: /dev/stdin, /dev/stdout,
   /// /dev/stderr, /dev/fd/N or /proc/self/fd/N; nullopt for any other path.
-  [[nodiscard]] static std::optional<int> descriptor_of(const std::filesystem::path& path) {
-#if defined(PROTOSTAR_POSIX_FILES)
-    const std::string text = path.string();
-    if (text == "/dev/stdin") return STDIN_FILENO;
-    if (text == "/dev/stdout") return STDOUT_FILENO;
-    if (text == "/dev/stderr") return STDERR_FILENO;
-    for (const std::string_view folder : {"/dev/fd/", "/proc/self/fd/"}) {
-      if (!text.starts_with(folder)) continue;
-      int number = 0;
-      const char* const end = text.data() + text.size();
-      if (const auto read = std::from_chars(text.data() + folder.size(), end, number);
-          read.ec == std::errc{} && read.ptr == end && number >= 0)
-        return number;
-    }
-#else
-    static_cast<void>(path);
-#endif
-    return std::nullopt;
+  [[nodiscard]] static std::optional<int> descriptor_of(const FileName& path) {
+    return detail::descriptor_of(path.text());
   }
 
   /// Returns true if the target is a mount point, which is written in place.
@@ -112,21 +79,11 @@ class OutputFile {
                             "cannot write '" + name_ + "'" + error.explanation);
   }
 
-  void check(const detail::OpenError& error) const {
-    if (error.number != 0) fail(error);
-  }
-
   void put(const char* bytes, std::size_t size) {
     if (const int error = file_.write(bytes, size)) fail({error});
   }
 
   void flush() { put(buffer_.get(), std::exchange(used_, 0)); }
-
-  /// Returns true for a name under /proc/. Files that other processes have open have names there; a regular
-  /// file among them belongs to the process that opened it, and is not replaced.
-  [[nodiscard]] static bool is_in_proc(const std::filesystem::path& path) {
-    return path.string().starts_with("/proc/");
-  }
 
   std::string name_;
   detail::SystemFile file_;

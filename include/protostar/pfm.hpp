@@ -2,7 +2,6 @@
 #pragma once
 
 #include <bit>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -17,7 +16,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 ///
 /// The file is replaced as a whole or not at all (see OutputFile, also for its errors). If a stop is
 /// requested, it returns early and leaves the file as it was.
-inline void save_pfm(const Image& image, const std::filesystem::path& path, const StopToken& stop = {}) {
+inline void save_pfm(const Image& image, const FileName& path, const StopToken& stop = {}) {
   OutputFile file(path);
   file.write("PF\n" + std::to_string(image.width()) + " " + std::to_string(image.height()) + "\n" +
              (std::endian::native == std::endian::little ? "-1.0\n" : "1.0\n"));

@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -60,7 +59,7 @@ class DecimalCodes {
 ///
 /// The file is replaced as a whole or not at all (see OutputFile, also for its errors). Throws
 /// std::invalid_argument for bits other than 8 and 16 or a gamma that is not finite and greater than 0.
-inline void save_ppm(const Image& image, const std::filesystem::path& path, const Transfer& transfer = Srgb{},
+inline void save_ppm(const Image& image, const FileName& path, const Transfer& transfer = Srgb{},
                      const PpmOptions& options = {}) {
   if (options.bits != 8 && options.bits != 16) throw std::invalid_argument("save_ppm: bits must be 8 or 16");
   const bool wide = options.bits == 16;

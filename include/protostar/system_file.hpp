@@ -1,39 +1,40 @@
-// Files written through the system: by the descriptors of POSIX if there are any, else by the standard
-// library.
+// Files written through the descriptors of POSIX; where there is none, standard_file.hpp replaces this
+// header.
 #pragma once
 
-#include <algorithm>
-#include <cerrno>
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
-#include <optional>
-#include <random>
-#include <string>
-#include <string_view>
-#include <system_error>
-#include <utility>
-
-#include "platform.hpp"
-
 // A program may define PROTOSTAR_STANDARD_FILES, in all of its translation units, to do without POSIX.
-#if !defined(PROTOSTAR_STANDARD_FILES) && !defined(_WIN32) && !defined(__EMSCRIPTEN__) && \
-    __has_include(<dirent.h>) && \
-    __has_include(<fcntl.h>) && __has_include(<poll.h>) && __has_include(<sys/file.h>) && \
-    __has_include(<sys/stat.h>) && __has_include(<unistd.h>)
+#if defined(PROTOSTAR_STANDARD_FILES) || defined(_WIN32) || defined(__EMSCRIPTEN__) || \
+    !__has_include(<unistd.h>) || !__has_include(<sys/file.h>)
+#include "standard_file.hpp"
+#else
 #define PROTOSTAR_POSIX_FILES
+
 #include <dirent.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#if __has_include(<sys/random.h>)
+#include <sys/random.h>  // getentropy on macOS
+#endif
 #if defined(__linux__) && __has_include(<sys/xattr.h>)
+#define PROTOSTAR_HAS_ACCESS_LISTS
 #include <sys/xattr.h>
 #endif
-#else
-#include <cstdio>
-#endif
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "platform.hpp"
+#include "temporary_names.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
@@ -43,47 +44,21 @@ struct OpenError {
   const char* explanation = "";
 };
 
-/// Names of the temporary files for one target: a dot, the target's name, a dot, 16 random hexadecimal
-/// digits, and an ending. The files that a killed process leaves behind are recognized by their names, and
-/// nobody can plant a file or a link under a name that is still to come.
-class TemporaryNames {
- public:
-  explicit TemporaryNames(const std::string& target) {
-    // File systems are known to allow at least 143 bytes for a name (eCryptfs); with 64 of the target's, a
-    // whole number of UTF-8 characters, these have at most 96. Targets that begin alike share a prefix, which
-    // is harmless: nobody needs a leftover.
-    std::size_t length = std::min<std::size_t>(target.size(), 64);
-    while (length > 0 && length < target.size() &&
-           (static_cast<unsigned char>(target[length]) & 0xc0) == 0x80)
-      --length;
-    prefix_.append(target, 0, length).append(1, '.');
+/// Returns the descriptor of this process that a path names, open or not; nullopt for any other path.
+[[nodiscard]] inline std::optional<int> descriptor_of(std::string_view path) {
+  if (path == "/dev/stdin") return STDIN_FILENO;
+  if (path == "/dev/stdout") return STDOUT_FILENO;
+  if (path == "/dev/stderr") return STDERR_FILENO;
+  for (const std::string_view folder : {"/dev/fd/", "/proc/self/fd/"}) {
+    if (!path.starts_with(folder)) continue;
+    int number = 0;
+    const char* const end = path.data() + path.size();
+    if (const auto read = std::from_chars(path.data() + folder.size(), end, number);
+        read.ec == std::errc{} && read.ptr == end && number >= 0)
+      return number;
   }
-
-  /// Returns a name that no one can foresee. Throws what std::random_device throws if the system has no
-  /// randomness.
-  [[nodiscard]] std::string another() const {
-    std::random_device random;
-    std::string name = prefix_;
-    while (name.size() < prefix_.size() + digits) {
-      std::uint32_t bits = random();
-      for (int i = 0; i < 8; ++i, bits >>= 4) name += hexadecimal[bits & 15];
-    }
-    return name += ending;
-  }
-
-  [[nodiscard]] bool contain(std::string_view name) const {
-    return name.size() == prefix_.size() + digits + ending.size() && name.starts_with(prefix_) &&
-           name.ends_with(ending) &&
-           name.substr(prefix_.size(), digits).find_first_not_of(hexadecimal) == std::string_view::npos;
-  }
-
- private:
-  static constexpr std::size_t digits = 16;
-  static constexpr std::string_view hexadecimal = "0123456789abcdef", ending = ".protostar-tmp";
-  std::string prefix_ = ".";
-};
-
-#if defined(PROTOSTAR_POSIX_FILES)
+  return std::nullopt;
+}
 
 /// Descriptor that is closed at the end; -1 for none, as open returns it.
 class Descriptor {
@@ -133,7 +108,7 @@ class Descriptor {
 class Attributes {
  public:
   Attributes(const Descriptor& file, const struct stat& status) : status_(status) {
-#if defined(__linux__) && __has_include(<sys/xattr.h>)
+#if defined(PROTOSTAR_HAS_ACCESS_LISTS)
     const auto size = ::fgetxattr(file.number(), access_list, nullptr, 0);
     if (size <= 0) return;
     list_.resize(static_cast<std::size_t>(size));
@@ -148,7 +123,7 @@ class Attributes {
   /// more than others have.
   void give_to(const Descriptor& file) const {
     bool kept = true;
-#if defined(__linux__) && __has_include(<sys/xattr.h>)
+#if defined(PROTOSTAR_HAS_ACCESS_LISTS)
     if (!list_.empty()) kept = ::fsetxattr(file.number(), access_list, list_.data(), list_.size(), 0) == 0;
 #endif
     if (::fchown(file.number(), status_.st_uid, status_.st_gid) != 0 &&  // only root gives files away
@@ -180,47 +155,26 @@ class SystemFile {
     if (!temporary_.empty()) ::unlinkat(folder_.number(), temporary_.c_str(), 0);
   }
 
-  /// Opens a device or a pipe, or a file to append to.
-  [[nodiscard]] OpenError open_directly(const std::filesystem::path& path) {
-    file_ = Descriptor(::open(path.c_str(), O_WRONLY | O_APPEND | O_NOCTTY | O_CLOEXEC));
-    return {file_ ? 0 : errno};
-  }
-
-  /// Opens the file of a descriptor of this process, to write from its current position.
-  [[nodiscard]] OpenError open_descriptor(int number) {
-    file_ = Descriptor(::fcntl(number, F_DUPFD_CLOEXEC, 0));
-    if (!file_) return {errno};
-    return {(::fcntl(number, F_GETFL) & O_ACCMODE) == O_RDONLY ? EBADF : 0};
-  }
-
-  /// Opens a temporary file for a target that does not exist, or is a regular file and is replaced; a target
-  /// that is a mount point is opened itself, and emptied by the first write.
-  [[nodiscard]] OpenError open_target(const std::filesystem::path& target, bool exists) {
-    const std::filesystem::path folder = target.has_parent_path() ? target.parent_path() : ".";
-    folder_ = Descriptor(::open(folder.c_str(), search_only | O_DIRECTORY | O_CLOEXEC));
-    if (!folder_) return {errno};
-    target_ = target.filename().string();
-    if (target_.empty()) return {ENOENT};
-    if (exists) {
-      // A user who may not write to the old file may not replace it either.
-      Descriptor old(::openat(folder_.number(), target_.c_str(), O_WRONLY | not_followed));
-      struct stat of_folder {
-      }, of_file{};
-      if (!old || ::fstat(folder_.number(), &of_folder) != 0 || ::fstat(old.number(), &of_file) != 0)
-        return {errno};
-      if (is_mount_point(folder_, target_, of_folder, of_file)) {
-        file_ = std::move(old);
-        is_in_place_ = true;
-        return {};
-      }
-      if (!may_replace(of_folder, of_file, ::geteuid()))
-        return {EPERM, ", which belongs to another user, in a folder where only owners replace files"};
-      attributes_.emplace(old, of_file);
+  /// Opens the file that a path leads to, as OutputFile describes.
+  [[nodiscard]] OpenError open(std::string path) {
+    struct stat status {};
+    const bool exists = ::stat(path.c_str(), &status) == 0;
+    if (!exists && errno != ENOENT && errno != ENOTDIR) return {errno};  // such as a link to itself
+    std::array<char, 4096> link;                                         // as long as a path on Linux
+    while (!is_in_proc(path) && !descriptor_of(path)) {
+      const auto size = ::readlink(path.c_str(), link.data(), link.size());
+      if (size < 0) break;
+      const std::string_view to(link.data(), static_cast<std::size_t>(size));
+      path.resize(to.starts_with('/') ? 0 : path.rfind('/') + 1);  // npos is −1
+      path += to;
     }
-    const TemporaryNames names(target_);
-    reclaim(names);
-    return {create(names,
-                   exists ? S_IRUSR | S_IWUSR : S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH)};
+    if (const auto number = descriptor_of(path)) return open_descriptor(*number);
+    if (exists && S_ISDIR(status.st_mode)) return {EISDIR};
+    if (exists && (!S_ISREG(status.st_mode) || is_in_proc(path))) {
+      file_ = Descriptor(::open(path.c_str(), O_WRONLY | O_APPEND | O_NOCTTY | O_CLOEXEC));
+      return {file_ ? 0 : errno};
+    }
+    return open_target(path, exists);
   }
 
   /// Returns true if the target itself is written, as it cannot be replaced.
@@ -270,9 +224,53 @@ class SystemFile {
 #endif
   static constexpr int not_followed = O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
 
+  /// Returns true for a name under /proc/. Files that other processes have open have names there; a regular
+  /// file among them belongs to the process that opened it, and is not replaced.
+  [[nodiscard]] static bool is_in_proc(const std::string& path) { return path.starts_with("/proc/"); }
+
+  /// Opens the file of a descriptor of this process, to write from its current position.
+  [[nodiscard]] OpenError open_descriptor(int number) {
+    file_ = Descriptor(::fcntl(number, F_DUPFD_CLOEXEC, 0));
+    if (!file_) return {errno};
+    return {(::fcntl(number, F_GETFL) & O_ACCMODE) == O_RDONLY ? EBADF : 0};
+  }
+
+  /// Opens a temporary file for a target that does not exist, or is a regular file and is replaced; a target
+  /// that is a mount point is opened itself, and emptied by the first write.
+  [[nodiscard]] OpenError open_target(const std::string& path, bool exists) {
+    const std::size_t begin = path.rfind('/') + 1;  // npos is −1
+    const std::string folder = begin == 0 ? "." : path.substr(0, begin);
+    folder_ = Descriptor(::open(folder.c_str(), search_only | O_DIRECTORY | O_CLOEXEC));
+    if (!folder_) return {errno};
+    target_ = path.substr(begin);
+    if (target_.empty()) return {ENOENT};
+    if (exists) {
+      // A user who may not write to the old file may not replace it either.
+      Descriptor old(::openat(folder_.number(), target_.c_str(), O_WRONLY | not_followed));
+      struct stat of_folder {
+      }, of_file{};
+      if (!old || ::fstat(folder_.number(), &of_folder) != 0 || ::fstat(old.number(), &of_file) != 0)
+        return {errno};
+      if (is_mount_point(folder_, target_, of_folder, of_file)) {
+        file_ = std::move(old);
+        is_in_place_ = true;
+        return {};
+      }
+      if (!may_replace(of_folder, of_file, ::geteuid()))
+        return {EPERM, ", which belongs to another user, in a folder where only owners replace files"};
+      attributes_.emplace(old, of_file);
+    }
+    const TemporaryNames names(target_);
+    reclaim(names);
+    return {create(names,
+                   exists ? S_IRUSR | S_IWUSR : S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH)};
+  }
+
   [[nodiscard]] int create(const TemporaryNames& names, mode_t mode) {
     for (;;) {
-      temporary_ = names.another();
+      std::uint64_t random = 0;
+      if (::getentropy(&random, sizeof random) != 0) return errno;
+      temporary_ = names.name(random);
       file_ = Descriptor(::openat(folder_.number(), temporary_.c_str(),
                                   O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode));
       if (!file_) {
@@ -294,9 +292,9 @@ class SystemFile {
   /// this user.
   void reclaim(const TemporaryNames& names) const {
     const int list = ::openat(folder_.number(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    DIR* const entries = list < 0 ? nullptr : ::fdopendir(list);
+    DIR* const entries = ::fdopendir(list);
     if (!entries) {
-      if (list >= 0) ::close(list);
+      ::close(list);
       return;
     }
     while (const dirent* entry = ::readdir(entries)) {
@@ -316,76 +314,6 @@ class SystemFile {
   bool is_in_place_ = false, is_emptied_ = false;
 };
 
-#else
-
-/// File to be written through the standard library: no lock tells a leftover from a file that is being
-/// written, so none is removed; no descriptor can be named; and only the permissions of the old file are
-/// kept. The functions return an error number, or 0.
-class SystemFile {
- public:
-  SystemFile() = default;
-  SystemFile(const SystemFile&) = delete;
-  SystemFile& operator=(const SystemFile&) = delete;
-  ~SystemFile() {
-    if (file_) std::fclose(file_);
-    std::error_code ignored;
-    if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
-  }
-
-  /// Opens a device or a pipe, or a file to append to.
-  [[nodiscard]] OpenError open_directly(const std::filesystem::path& path) { return {open(path, "ab")}; }
-
-  [[nodiscard]] OpenError open_descriptor(int) { return {EBADF}; }
-
-  /// Opens a temporary file for a target that does not exist, or is a regular file and is replaced.
-  [[nodiscard]] OpenError open_target(const std::filesystem::path& target, bool exists) {
-    if (target.filename().empty()) return {ENOENT};
-    target_ = target;
-    if (exists) {
-      if (const int error = open(target, "r+b")) return {error};  // a user who may not write may not replace
-      std::fclose(std::exchange(file_, nullptr));
-      std::error_code error;
-      permissions_ = std::filesystem::status(target, error).permissions() & std::filesystem::perms::all;
-    }
-    const TemporaryNames names(target.filename().string());
-    for (;;) {
-      const std::filesystem::path path = target.parent_path() / names.another();
-      const int error = open(path, "wbx");  // x: only if the name is free
-      if (error == EEXIST) continue;
-      if (error == 0) temporary_ = path;
-      return {error};
-    }
-  }
-
-  [[nodiscard]] bool is_in_place() const { return false; }
-
-  [[nodiscard]] int write(const char* bytes, std::size_t size) {
-    return std::fwrite(bytes, 1, size, file_) == size ? 0 : errno;
-  }
-
-  /// Completes the file, and gives a temporary one its name.
-  [[nodiscard]] int commit() {
-    if (std::fclose(std::exchange(file_, nullptr)) != 0) return errno;
-    if (temporary_.empty()) return 0;
-    std::error_code error;
-    if (permissions_ != std::filesystem::perms::unknown)
-      std::filesystem::permissions(temporary_, permissions_, error);  // as far as the system has any
-    std::filesystem::rename(temporary_, target_, error);
-    if (!error) temporary_.clear();
-    return error.value();
-  }
-
- private:
-  [[nodiscard]] int open(const std::filesystem::path& path, const char* mode) {
-    file_ = std::fopen(path.string().c_str(), mode);
-    return file_ ? 0 : errno;
-  }
-
-  std::FILE* file_ = nullptr;
-  std::filesystem::path target_, temporary_;  // temporary_ is empty if there is none
-  std::filesystem::perms permissions_ = std::filesystem::perms::unknown;  // the replaced file's
-};
+}  // namespace protostar::inline PROTOSTAR_ABI::detail
 
 #endif
-
-}  // namespace protostar::inline PROTOSTAR_ABI::detail

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <new>
 #include <vector>
 
@@ -40,7 +39,7 @@ namespace detail {
 ///
 /// Builds the file in memory, then replaces the target as a whole or not at all (see OutputFile, also for its
 /// errors). If stop is requested while it is written, returns early and leaves the target as it was.
-inline void save_hdr(const Image& image, const std::filesystem::path& path, const StopToken& stop = {}) {
+inline void save_hdr(const Image& image, const FileName& path, const StopToken& stop = {}) {
   std::vector<float> light;
   light.reserve(3 * static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height()));
   for (int y = 0; y < image.height(); ++y)

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <limits>
 #include <new>
 #include <stdexcept>
@@ -33,7 +32,7 @@ inline void check_png_size(int width, int height) {
 /// Builds the file in memory, then replaces the target as a whole or not at all (see OutputFile, also for its
 /// errors). If stop is requested while it is written, returns early and leaves the target as it was. Throws
 /// std::length_error for an image that is too large (check_png_size).
-inline void save_png(const Image& image, const std::filesystem::path& path, const Transfer& transfer = Srgb{},
+inline void save_png(const Image& image, const FileName& path, const Transfer& transfer = Srgb{},
                      const StopToken& stop = {}) {
   check_png_size(image.width(), image.height());
   const std::int64_t row_bytes = std::int64_t{image.width()} * 3;

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <filesystem>
 #include <vector>
 
 #include "../output_file.hpp"
@@ -27,8 +26,7 @@ inline void append_bytes(void* to, void* data, int size) {
 }
 
 /// Replaces a file by these bytes, or leaves it as it was if stop is requested before they are written.
-inline void save_bytes(const std::vector<char>& bytes, const std::filesystem::path& path,
-                       const StopToken& stop) {
+inline void save_bytes(const std::vector<char>& bytes, const FileName& path, const StopToken& stop) {
   OutputFile file(path);
   constexpr std::size_t block = 1 << 20;  // bytes written at a time
   for (std::size_t begin = 0; begin < bytes.size(); begin += block) {
