@@ -5,11 +5,10 @@
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <initializer_list>
 #include <iterator>
 #include <limits>
-#include <memory>
 #include <new>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -53,18 +52,19 @@ struct NamedFile {
   std::filesystem::path canonical;  ///< without links, the same for all names that lead to the file
 };
 
-class JsonElements;
-
-/// Value in a scene file, or the absence of one, with the path to it. All that is read from it is checked;
-/// errors are thrown as SceneError.
+/// Value in a scene file, or the absence of one. All that is read from it is checked; errors are thrown as
+/// SceneError, with the path to it.
 class JsonCursor {
  public:
   using Node = JsonTree::Node;
+  using Kind = JsonTree::Kind;
 
-  /// Points to the root value of a file, which has to outlive the cursor.
-  explicit JsonCursor(const SceneText& scene) : scene_(&scene), node_(0) {}
+  /// Points to a value of a file, which has to outlive the cursor.
+  explicit JsonCursor(const SceneText& scene, Node node = 0) : scene_(&scene), node_(node) {}
 
-  [[noreturn]] void refuse(const std::string& allowed) const { say(found() + " is not " + allowed); }
+  [[noreturn]] void refuse(std::string_view allowed) const {
+    say(found().append(" is not ").append(allowed));
+  }
 
   [[noreturn]] void refuse_beside(const std::string& other) const {
     say(found() + " is not possible beside " + other);
@@ -76,56 +76,63 @@ class JsonCursor {
   // ---- Objects and arrays.
 
   /// Refuses all but an object without other keys than these; returns the cursor itself.
-  const JsonCursor& with_keys(const std::vector<std::string>& allowed) const {
-    require(is_object(), "an object");
-    for (Node key = tree().first(node_); key != tree().behind(node_); key = tree().behind(key + 1))
-      if (std::find(allowed.begin(), allowed.end(), tree().text(key)) == allowed.end())
-        detail::refuse(scene_->file, pointer() + step(std::string(tree().text(key))),
-                       "is not a key here; allowed are " + list_of(allowed));
+  const JsonCursor& with_keys(std::initializer_list<std::string_view> allowed) const {
+    each_member([&](std::string_view key, const JsonCursor& value) {
+      if (std::find(allowed.begin(), allowed.end(), key) == allowed.end())
+        value.say("is not a key here; allowed are " + list_of(allowed));
+    });
     return *this;
   }
 
-  [[nodiscard]] bool is_object() const { return exists() && tree().is_object(node_); }
-  [[nodiscard]] bool is_array() const { return exists() && tree().is_array(node_); }
-  [[nodiscard]] bool has(const std::string& key) const { return is_object() && find(key) != none; }
+  [[nodiscard]] bool is(Kind kind) const { return exists() && tree().kind(node_) == kind; }
+  [[nodiscard]] bool has(std::string_view key) const { return is(Kind::object) && (*this)[key].exists(); }
 
-  /// Returns the value of an object under a key, or its absence.
-  [[nodiscard]] JsonCursor operator[](const std::string& key) const {
-    require(is_object(), "an object");
-    return {*this, step(key), find(key)};
+  /// Returns the value of an object under a key, or its absence; the text of the key has to outlive it.
+  [[nodiscard]] JsonCursor operator[](std::string_view key) const {
+    JsonCursor value = *this;
+    value.absent_ = key;
+    each_member([&](std::string_view name, const JsonCursor& member) {
+      if (name == key) value = member;
+    });
+    return value;
   }
 
-  /// Returns the elements of an array, each as a cursor of its own.
-  [[nodiscard]] JsonElements elements() const;
+  /// Calls visit(cursor) for each element of an array.
+  void each_element(auto&& visit) const {
+    require(is(Kind::array), "an array");
+    tree().each_in(node_, [&](Node node) { visit(JsonCursor(*scene_, node)); });
+  }
 
   /// Returns the elements of an array of the given size; refuses other values, naming what is `allowed`.
-  [[nodiscard]] JsonElements elements(std::size_t size, const std::string& allowed) const;
+  [[nodiscard]] std::vector<JsonCursor> elements(std::size_t size, std::string_view allowed) const {
+    require(is(Kind::array) && tree().size(node_) == size, allowed);
+    std::vector<JsonCursor> elements;
+    each_element([&](const JsonCursor& element) { elements.push_back(element); });
+    return elements;
+  }
 
   /// Calls visit(key, cursor) for each member of an object.
   void each_member(const auto& visit) const {
-    require(is_object(), "an object");
-    for (Node key = tree().first(node_); key != tree().behind(node_); key = tree().behind(key + 1)) {
-      const std::string name(tree().text(key));
-      visit(name, JsonCursor(*this, step(name), key + 1));
-    }
+    require(is(Kind::object), "an object");
+    tree().each_in(node_, [&](Node key) { visit(tree().text(key), JsonCursor(*scene_, key + 1)); });
   }
 
   // ---- Numbers.
 
-  [[nodiscard]] double number(const std::string& allowed = "a number") const {
+  [[nodiscard]] double number(std::string_view allowed = "a number") const {
     require(exists() && tree().is_number(node_), allowed);
     return tree().number(node_);
   }
 
   [[nodiscard]] double number_above_0() const {
-    const std::string allowed = "a number greater than 0";
+    constexpr std::string_view allowed = "a number greater than 0";
     const double x = number(allowed);
     require(x > 0, allowed);
     return x;
   }
 
   /// Returns a coordinate: a number that places something (magnitude.hpp).
-  [[nodiscard]] double coordinate(const std::string& allowed = "a number") const {
+  [[nodiscard]] double coordinate(std::string_view allowed = "a number") const {
     const double x = number(allowed);
     if (!is_coordinate(x)) refuse(std::string(allowed).append(" ").append(coordinate_rule));
     return x;
@@ -138,7 +145,7 @@ class JsonCursor {
     return x;
   }
 
-  [[nodiscard]] double number_between(double min, double max, const std::string& allowed) const {
+  [[nodiscard]] double number_between(double min, double max, std::string_view allowed) const {
     const double x = number(allowed);
     require(min <= x && x <= max, allowed);
     return x;
@@ -166,7 +173,10 @@ class JsonCursor {
 
   // ---- Vectors and colors.
 
-  [[nodiscard]] Vec3 vector() const;
+  [[nodiscard]] Vec3 vector() const {
+    const auto xyz = elements(3, "a vector, an array of three numbers");
+    return {xyz[0].number(), xyz[1].number(), xyz[2].number()};
+  }
 
   /// Returns a vector of coordinates (magnitude.hpp).
   [[nodiscard]] Point point() const {
@@ -183,24 +193,26 @@ class JsonCursor {
     return near_one / length(near_one);
   }
 
-  [[nodiscard]] Color color() const;
+  [[nodiscard]] Color color() const {
+    const auto rgb = elements(3, "a color, an array of three numbers from 0 to 3.4e38");
+    return Color(Vec3{rgb[0].factor(), rgb[1].factor(), rgb[2].factor()});
+  }
 
   // ---- Words.
 
-  [[nodiscard]] bool is(std::string_view word) const {
-    return exists() && tree().is_text(node_) && tree().text(node_) == word;
-  }
+  [[nodiscard]] bool is(std::string_view word) const { return is(Kind::text) && tree().text(node_) == word; }
 
-  [[nodiscard]] std::string text(const std::string& allowed) const {
-    require(exists() && tree().is_text(node_), allowed);
-    return std::string(tree().text(node_));
+  [[nodiscard]] std::string_view text(std::string_view allowed) const {
+    require(is(Kind::text), allowed);
+    return tree().text(node_);
   }
 
   /// Returns the file of a path that is relative to the folder of the scene. Refuses all but regular files: a
   /// pipe may have no end, or never begin, and a device may do anything when it is opened.
   [[nodiscard]] NamedFile named_file() const {
     namespace fs = std::filesystem;
-    const std::string allowed = "the path of a file", name = text(allowed);
+    constexpr std::string_view allowed = "the path of a file";
+    const std::string_view name = text(allowed);
     require(name.find('\0') == std::string::npos, allowed);  // the system would take it for the end
     const fs::path folder = fs::path(scene_->file).parent_path(), path = folder / name;
     const auto resolved = [&](const fs::path& of) {
@@ -226,14 +238,13 @@ class JsonCursor {
   }
 
   /// Returns the second member of the pair whose first is the text in the file; refuses other texts.
-  template <class Pairs>
-  [[nodiscard]] auto one_of(const Pairs& pairs) const {
+  template <class T>
+  [[nodiscard]] T one_of(const std::vector<std::pair<std::string_view, T>>& pairs) const {
     std::vector<std::string> names;
-    for (const auto& [name, meaning] : pairs) names.push_back('"' + std::string(name) + '"');
-    const std::string allowed = list_of(names, " or "), found = text(allowed);
     for (const auto& [name, meaning] : pairs)
-      if (name == found) return meaning;
-    refuse(allowed);
+      if (is(name)) return meaning;
+    for (const auto& [name, meaning] : pairs) names.push_back('"' + std::string(name) + '"');
+    refuse(list_of(names, " or "));
   }
 
   /// Returns make(), which makes an object of the library; its exceptions become a SceneError about this
@@ -249,110 +260,28 @@ class JsonCursor {
   }
 
  private:
-  friend class JsonElements;
-
-  static constexpr Node none = std::numeric_limits<Node>::max();
-
-  /// Path to a value: its last step, and its parent's path, which all values inside of the parent share.
-  struct Way {
-    std::shared_ptr<const Way> to_parent;
-    std::string last_step;
-  };
-
-  JsonCursor(const JsonCursor& parent, const std::string& last_step, Node node)
-      : scene_(parent.scene_), way_(std::make_shared<const Way>(Way{parent.way_, last_step})), node_(node) {}
-
   [[nodiscard]] const JsonTree& tree() const { return scene_->tree; }
-  [[nodiscard]] bool exists() const { return node_ != none; }
+  [[nodiscard]] bool exists() const { return !absent_.data(); }
 
-  /// Returns the node of an object's value under a key; `none` if there is none.
-  [[nodiscard]] Node find(std::string_view key) const {
-    for (Node in = tree().first(node_); in != tree().behind(node_); in = tree().behind(in + 1))
-      if (tree().text(in) == key) return in + 1;
-    return none;
+  [[noreturn]] void say(const std::string& what) const {
+    detail::refuse(scene_->file, tree().pointer_to(node_) + (exists() ? "" : step(absent_)), what);
   }
 
-  [[nodiscard]] std::string pointer() const {
-    std::vector<const Way*> steps;
-    for (const Way* way = way_.get(); way; way = way->to_parent.get()) steps.push_back(way);
-    std::string text;
-    for (auto way = steps.rbegin(); way != steps.rend(); ++way) text += (*way)->last_step;
-    return text;
-  }
-
-  [[noreturn]] void say(const std::string& what) const { detail::refuse(scene_->file, pointer(), what); }
-
-  void require(bool holds, const std::string& allowed) const {
+  void require(bool holds, std::string_view allowed) const {
     if (!holds) refuse(allowed);
   }
 
   /// Returns the value as JSON writes it, shortened so that it can be read at a glance.
   [[nodiscard]] std::string found() const {
     if (!exists()) return "nothing";
-    if ((is_array() || is_object()) && tree().size(node_) > 100)
+    if (const bool is_many = is(Kind::array) || is(Kind::object); is_many && tree().size(node_) > 100)
       return "an array or object of " + std::to_string(tree().size(node_)) + " values";
     return tree().beginning_of(node_);
   }
 
   const SceneText* scene_;
-  std::shared_ptr<const Way> way_;  ///< null for the root
-  Node node_;                       ///< `none` for an absent value
+  Node node_;                  ///< the value; of an absent one, the object in which it is not
+  std::string_view absent_{};  ///< key of an absent value; null for one that exists
 };
-
-/// Range of the elements of an array. Cursors are made on access, since there may be millions.
-class JsonElements {
- public:
-  explicit JsonElements(JsonCursor array) : array_(std::move(array)) {}
-
-  class Iterator {
-   public:
-    Iterator(const JsonCursor& array, JsonTree::Node node) : array_(&array), node_(node) {}
-    [[nodiscard]] JsonCursor operator*() const { return {*array_, step(index_), node_}; }
-    Iterator& operator++() {
-      node_ = array_->tree().behind(node_);
-      ++index_;
-      return *this;
-    }
-    [[nodiscard]] bool operator!=(const Iterator& other) const { return node_ != other.node_; }
-
-   private:
-    const JsonCursor* array_;
-    JsonTree::Node node_;
-    std::size_t index_ = 0;
-  };
-
-  [[nodiscard]] Iterator begin() const { return {array_, array_.tree().first(array_.node_)}; }
-  [[nodiscard]] Iterator end() const { return {array_, array_.tree().behind(array_.node_)}; }
-
-  /// Returns the i-th element in O(i) steps, for short arrays.
-  [[nodiscard]] JsonCursor operator[](std::size_t i) const {
-    Iterator at = begin();
-    for (; i > 0; --i) ++at;
-    return *at;
-  }
-
- private:
-  JsonCursor array_;
-};
-
-inline JsonElements JsonCursor::elements() const {
-  require(is_array(), "an array");
-  return JsonElements(*this);
-}
-
-inline JsonElements JsonCursor::elements(std::size_t size, const std::string& allowed) const {
-  require(is_array() && tree().size(node_) == size, allowed);
-  return elements();
-}
-
-inline Vec3 JsonCursor::vector() const {
-  const auto xyz = elements(3, "a vector, an array of three numbers");
-  return {xyz[0].number(), xyz[1].number(), xyz[2].number()};
-}
-
-inline Color JsonCursor::color() const {
-  const auto rgb = elements(3, "a color, an array of three numbers from 0 to 3.4e38");
-  return Color(Vec3{rgb[0].factor(), rgb[1].factor(), rgb[2].factor()});
-}
 
 }  // namespace protostar::inline PROTOSTAR_ABI::detail

@@ -70,7 +70,7 @@ inline Texture texture_at(const JsonCursor& at) {
 inline Material material_at(const JsonCursor& at) {
   at.with_keys({"diffuse", "specular", "shininess", "reflect", "refract", "ior"});
   Material material;
-  if (at["diffuse"].is_object())
+  if (at["diffuse"].is(JsonCursor::Kind::object))
     material.texture = texture_at(at["diffuse"]);
   else if (at.has("diffuse"))
     material.diffuse = at["diffuse"].color();
@@ -90,7 +90,8 @@ inline Material material_of(const JsonCursor& object, const Materials& materials
   if (object.has("material-id") && object.has("color")) object["color"].refuse_beside("a material-id");
   if (object.has("color")) return {.diffuse = object["color"].color()};
   const std::string allowed = "the name of one of the materials";
-  const auto found = materials.find(object["material-id"].text(allowed + ", and there is no color"));
+  const auto found =
+      materials.find(std::string(object["material-id"].text(allowed + ", and there is no color")));
   if (found != materials.end()) return found->second;
   std::vector<std::string> names;
   for (const auto& [name, material] : materials)
@@ -138,9 +139,8 @@ inline void add_light(const JsonCursor& at, SceneFile& file) {
 
 inline Camera camera_at(const JsonCursor& at) {
   enum class Projection { perspective, orthographic };
-  const auto projection = at["projection"].one_of(
-      std::array{std::pair{std::string_view("perspective"), Projection::perspective},
-                 std::pair{std::string_view("orthographic"), Projection::orthographic}});
+  const auto projection = at["projection"].one_of<Projection>(
+      {{"perspective", Projection::perspective}, {"orthographic", Projection::orthographic}});
   if (projection == Projection::orthographic)
     at.with_keys({"projection", "position", "direction", "upward", "ortho-scale"});
   else
@@ -169,15 +169,8 @@ inline Camera camera_at(const JsonCursor& at) {
 }
 
 inline Transfer transfer_at(const JsonCursor& at) {
-  if (at.is_object()) return Gamma{at.with_keys({"gamma"})["gamma"].number_above_0()};
-  return at.one_of(std::array{std::pair{std::string_view("srgb"), Transfer(Srgb{})},
-                              std::pair{std::string_view("linear"), Transfer(Linear{})}});
-}
-
-inline Tone tone_at(const JsonCursor& at) {
-  return at.one_of(std::array{std::pair{std::string_view("clip"), Tone::clip},
-                              std::pair{std::string_view("scale-pixel"), Tone::scale_pixel},
-                              std::pair{std::string_view("scale-image"), Tone::scale_image}});
+  if (at.is(JsonCursor::Kind::object)) return Gamma{at.with_keys({"gamma"})["gamma"].number_above_0()};
+  return at.one_of<Transfer>({{"srgb", Srgb{}}, {"linear", Linear{}}});
 }
 
 inline void read_settings(const JsonCursor& at, SceneFile& file) {
@@ -196,7 +189,9 @@ inline void read_settings(const JsonCursor& at, SceneFile& file) {
     file.integrator = at["integrator"].one_of(names);
   }
   if (at.has("transfer")) file.transfer = transfer_at(at["transfer"]);
-  if (at.has("tone")) file.tone = tone_at(at["tone"]);
+  if (at.has("tone"))
+    file.tone = at["tone"].one_of<Tone>(
+        {{"clip", Tone::clip}, {"scale-pixel", Tone::scale_pixel}, {"scale-image", Tone::scale_image}});
   if (at.has("exposure")) file.exposure = at["exposure"].factor();
 }
 
@@ -218,22 +213,20 @@ inline SceneFile scene_at(const JsonCursor& at) {
 
   Materials materials;
   if (at.has("materials"))
-    at["materials"].each_member([&](const std::string& name, const JsonCursor& material) {
+    at["materials"].each_member([&](std::string_view name, const JsonCursor& material) {
       materials.emplace(name, material_at(material));
     });
-  for (const JsonCursor& object : at["objects"].elements()) {
+  at["objects"].each_element([&](const JsonCursor& object) {
     object.with_keys({"surface", "material-id", "color"});
     const JsonCursor surface = object["surface"];
     surface["type"].one_of(surface_types).add(surface, material_of(object, materials), file);
-  }
-  if (at.has("lights")) {
-    std::size_t count = 0;
-    for (const JsonCursor& light : at["lights"].elements()) {
+  });
+  if (at.has("lights"))
+    at["lights"].each_element([&, count = std::size_t{0}](const JsonCursor& light) mutable {
       if (count++ == file.scene.most_lights)
         at["lights"].refuse("an array of at most " + std::to_string(file.scene.most_lights) + " lights");
       add_light(light, file);
-    }
-  }
+    });
   if (const auto refusal = refusal_of_samples(file.samples, file.scene.lights().size()))
     at["settings"]["samples"].refuse("possible: " + *refusal);
   return file;

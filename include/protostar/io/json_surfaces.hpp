@@ -141,12 +141,11 @@ inline Csg solid_at(const JsonCursor& at);
 inline Csg csg_at(const JsonCursor& at) {
   at.with_keys({"type", "operation", "surfaces"});
   using Operation = Csg::Operation;
-  const auto operation =
-      at["operation"].one_of(std::array{std::pair{std::string_view("union"), Operation::either},
-                                        std::pair{std::string_view("intersection"), Operation::all},
-                                        std::pair{std::string_view("difference"), Operation::first_alone}});
+  const auto operation = at["operation"].one_of<Operation>({{"union", Operation::either},
+                                                            {"intersection", Operation::all},
+                                                            {"difference", Operation::first_alone}});
   std::vector<Csg> solids;
-  for (const JsonCursor& operand : at["surfaces"].elements()) solids.push_back(solid_at(operand));
+  at["surfaces"].each_element([&](const JsonCursor& operand) { solids.push_back(solid_at(operand)); });
   return at["surfaces"].checked([&] { return Csg(operation, std::move(solids)); });
 }
 
@@ -186,7 +185,8 @@ inline Affine placement_at(const JsonCursor& at) {
   Affine map;
   if (at.has("scale")) {
     const JsonCursor scale = at["scale"];
-    map = map.scaled_by(scale.is_array() ? scale.point() : Vec3(scale.coordinate("a number or a vector")));
+    map = map.scaled_by(scale.is(JsonCursor::Kind::array) ? scale.point()
+                                                          : Vec3(scale.coordinate("a number or a vector")));
   }
   if (at.has("rotate")) {
     const JsonCursor rotate = at["rotate"].with_keys({"axis", "angle"});

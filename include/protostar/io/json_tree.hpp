@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <new>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
@@ -37,9 +37,10 @@ inline constexpr std::size_t most_bytes = std::size_t{1} << 28;
 inline constexpr std::size_t most_values = std::size_t{1} << 24;
 
 /// Returns one step of a JSON pointer (RFC 6901).
-inline std::string step(const std::string& key) {
+inline std::string step(std::string_view key) {
   std::string text = "/";
-  for (const char c : beginning(key)) text += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
+  for (const char c : beginning(std::string(key)))
+    text += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
   return text;
 }
 inline std::string step(std::size_t index) { return "/" + std::to_string(index); }
@@ -61,37 +62,52 @@ inline std::string abridged(const std::string& pointer) {
 class JsonTree {
  public:
   using Node = std::uint32_t;
-  enum class Kind : std::uint8_t { null, boolean, integer, natural, real, text, array, object };
+  enum class Kind : std::uint8_t { null, no, yes, integer, natural, real, text, array, object };
 
   [[nodiscard]] Kind kind(Node node) const { return values_[node].kind; }
-  [[nodiscard]] bool is_object(Node node) const { return kind(node) == Kind::object; }
-  [[nodiscard]] bool is_array(Node node) const { return kind(node) == Kind::array; }
-  [[nodiscard]] bool is_text(Node node) const { return kind(node) == Kind::text; }
   [[nodiscard]] bool is_number(Node node) const {
-    return kind(node) == Kind::integer || kind(node) == Kind::natural || kind(node) == Kind::real;
+    return Kind::integer <= kind(node) && kind(node) <= Kind::real;
   }
-
-  /// Returns the number of elements of an array, or of members of an object.
-  [[nodiscard]] std::size_t size(Node node) const { return values_[node].inside.count; }
-
-  /// Returns the first value of an array, or the first key of an object, a text whose value comes next.
-  [[nodiscard]] Node first(Node node) const { return node + 1; }
+  [[nodiscard]] double number(Node node) const {
+    return kind(node) == Kind::integer   ? static_cast<double>(values_[node].integer)
+           : kind(node) == Kind::natural ? static_cast<double>(values_[node].natural)
+                                         : values_[node].real;
+  }
+  [[nodiscard]] std::string_view text(Node node) const {
+    return std::string_view(texts_).substr(values_[node].range.begin, values_[node].range.size);
+  }
 
   /// Returns the node that follows a value and all values inside of it.
   [[nodiscard]] Node behind(Node node) const {
-    return is_array(node) || is_object(node) ? values_[node].inside.end : node + 1;
+    return kind(node) == Kind::array || kind(node) == Kind::object ? values_[node].end : node + 1;
   }
 
-  [[nodiscard]] double number(Node node) const {
-    const Value& value = values_[node];
-    return kind(node) == Kind::integer   ? static_cast<double>(value.integer)
-           : kind(node) == Kind::natural ? static_cast<double>(value.natural)
-                                         : value.real;
+  /// Calls visit(node) for each element of an array, and for each key of an object, a text that the key's
+  /// value follows.
+  void each_in(Node node, auto&& visit) const {
+    const Node to_value = kind(node) == Kind::object ? 1 : 0;
+    for (Node in = node + 1; in != behind(node); in = behind(in + to_value)) visit(in);
   }
 
-  [[nodiscard]] std::string_view text(Node node) const {
-    const Value& value = values_[node];
-    return std::string_view(texts_).substr(value.range.begin, value.range.size);
+  /// Returns the number of elements of an array, or of members of an object.
+  [[nodiscard]] std::size_t size(Node node) const {
+    std::size_t count = 0;
+    each_in(node, [&](Node) { ++count; });
+    return count;
+  }
+
+  /// Returns the JSON pointer to a value; or to the next one, while the text is read.
+  [[nodiscard]] std::string pointer_to(Node node) const {
+    std::string pointer;
+    for (Node at = 0; at < node;) {
+      const Node to_value = kind(at) == Kind::object ? 1 : 0;
+      std::size_t index = 0;
+      Node in = at + 1;
+      for (; in + to_value < node && behind(in + to_value) <= node; in = behind(in + to_value)) ++index;
+      pointer += to_value != 0 ? step(text(in)) : step(index);
+      at = in + to_value;
+    }
+    return pointer;
   }
 
   /// Returns a value as JSON writes it, shortened so that it can be read at a glance.
@@ -107,19 +123,14 @@ class JsonTree {
   struct Range {
     std::uint32_t begin, size;
   };
-  struct Inside {
-    Node end;
-    std::uint32_t count;
-  };
   struct Value {
     Kind kind = Kind::null;
     union {
-      bool boolean;
       std::int64_t integer;
       std::uint64_t natural;
       double real;
-      Range range;    ///< for a text
-      Inside inside;  ///< for an array or object
+      Range range;  ///< for a text
+      Node end;     ///< for an array or object: behind(); the largest number while it is read
     };
   };
   static_assert(sizeof(Value) == 16);
@@ -127,37 +138,25 @@ class JsonTree {
   /// Appends a value as JSON to a text, until the text is too long to be shown.
   void write(Node node, std::string& text) const {
     constexpr std::size_t most = 64;
-    const Value& value = values_[node];
-    switch (kind(node)) {
-      case Kind::null:
-        text += "null";
-        break;
-      case Kind::boolean:
-        text += value.boolean ? "true" : "false";
-        break;
-      case Kind::integer:
-        text += std::to_string(value.integer);
-        break;
-      case Kind::natural:
-        text += std::to_string(value.natural);
-        break;
-      case Kind::real:
-        text += json(value.real).dump();
-        break;
-      case Kind::text:
-        text += json(beginning(std::string(this->text(node).substr(0, most + 1)), most)).dump();
-        break;
-      case Kind::array:
-      case Kind::object:
-        text += is_array(node) ? '[' : '{';
-        for (Node in = first(node); in != behind(node) && text.size() <= most; in = behind(in)) {
-          if (in != first(node)) text += ',';
-          write(in, text);
-          if (is_array(node)) continue;
-          text += ':';
-          write(++in, text);
-        }
-        text += is_array(node) ? ']' : '}';
+    if (is_number(node)) {
+      text += (kind(node) == Kind::integer   ? json(values_[node].integer)
+               : kind(node) == Kind::natural ? json(values_[node].natural)
+                                             : json(values_[node].real))
+                  .dump();
+    } else if (kind(node) == Kind::text) {
+      text += json(beginning(std::string(this->text(node).substr(0, most + 1)), most)).dump();
+    } else if (kind(node) < Kind::integer) {
+      text += kind(node) == Kind::null ? "null" : kind(node) == Kind::yes ? "true" : "false";
+    } else {
+      const bool is_object = kind(node) == Kind::object;
+      const std::size_t begin = text.size();
+      each_in(node, [&](Node in) {
+        if (text.size() > most) return;
+        text += text.size() == begin ? "" : ",";
+        write(in, text);
+        if (is_object) write(in + 1, text += ':');
+      });
+      text.insert(begin, 1, is_object ? '{' : '[') += is_object ? '}' : ']';
     }
   }
 
@@ -173,8 +172,8 @@ class JsonBuilder {
   JsonBuilder(JsonTree& tree, const std::string& file, std::size_t most_open)
       : tree_(tree), file_(file), most_open_(most_open) {}
 
-  bool null() { return add({.kind = Kind::null, .boolean = false}); }
-  bool boolean(bool value) { return add({.kind = Kind::boolean, .boolean = value}); }
+  bool null() { return add({.kind = Kind::null, .natural = 0}); }
+  bool boolean(bool value) { return add({.kind = value ? Kind::yes : Kind::no, .natural = 0}); }
   bool number_integer(std::int64_t value) { return add({.kind = Kind::integer, .integer = value}); }
   bool number_unsigned(std::uint64_t value) { return add({.kind = Kind::natural, .natural = value}); }
   bool number_float(double value, const std::string&) { return add({.kind = Kind::real, .real = value}); }
@@ -183,26 +182,27 @@ class JsonBuilder {
 
   bool start_object(std::size_t) { return open(Kind::object); }
   bool start_array(std::size_t) { return open(Kind::array); }
-  bool end_object() {
-    refuse_repeated_keys();
-    return end_array();
-  }
   bool end_array() {
-    tree_.values_[open_.back().node].inside.end = size();
+    tree_.values_[open_.back()].end = size();
     open_.pop_back();
+    return true;
+  }
+  bool end_object() {
+    const Node object = open_.back();
+    end_array();
+    refuse_repeated_keys(object);
     return true;
   }
 
   /// Adds a key, which does not count as a value.
   bool key(std::string& name) {
-    open_.back().key = size();
     tree_.values_.push_back(text(name));
     return true;
   }
 
   bool parse_error(std::size_t, const std::string& token, const nlohmann::detail::exception& error) const {
     if (dynamic_cast<const json::out_of_range*>(&error))
-      refuse(file_, pointer(), beginning(token) + " is not a number that a double holds, up to 1.8e308");
+      refuse_next(beginning(token) + " is not a number that a double holds, up to 1.8e308");
     // "[its name] parse error at line 1, column 2: ... last read: ..."
     const std::string what = error.what();
     throw SceneError(shown(file_ + ": " + beginning(what.substr(what.find("] ") + 2), 240)));
@@ -212,11 +212,6 @@ class JsonBuilder {
   using Kind = JsonTree::Kind;
   using Node = JsonTree::Node;
   using Value = JsonTree::Value;
-
-  /// Array or object whose end has not come, and for an object the key that came last.
-  struct Open {
-    Node node, key;
-  };
 
   [[nodiscard]] Node size() const { return static_cast<Node>(tree_.values_.size()); }
 
@@ -231,52 +226,41 @@ class JsonBuilder {
 
   bool add(const Value& value) {
     if (++count_ > most_values)
-      refuse(file_, pointer(),
-             "there are more than the " + std::to_string(most_values) + " values that are allowed in a file");
+      refuse_next("there are more than the " + std::to_string(most_values) +
+                  " values that are allowed in a file");
     tree_.values_.push_back(value);
-    if (!open_.empty()) ++tree_.values_[open_.back().node].inside.count;
     return true;
   }
 
   bool open(Kind kind) {
     if (open_.size() == most_open_)
-      refuse(file_, pointer(),
-             "there are " + std::to_string(most_open_ + 1) +
-                 " arrays and objects inside each other; at most " + std::to_string(most_open_) +
-                 " are allowed");
-    add({.kind = kind, .inside = {.end = 0, .count = 0}});
-    open_.push_back({.node = size() - 1, .key = size()});
-    return true;
+      refuse_next("there are " + std::to_string(most_open_ + 1) +
+                  " arrays and objects inside each other; at most " + std::to_string(most_open_) +
+                  " are allowed");
+    open_.push_back(size());
+    return add({.kind = kind, .end = std::numeric_limits<Node>::max()});
   }
 
-  /// Throws SceneError if a key is repeated in the object that ends.
-  void refuse_repeated_keys() {
+  /// Throws SceneError if a key is repeated in an object.
+  void refuse_repeated_keys(Node object) {
     keys_.clear();
-    for (Node key = open_.back().node + 1; key != size(); key = tree_.behind(key + 1)) keys_.push_back(key);
+    tree_.each_in(object, [&](Node key) { keys_.push_back(key); });
     std::sort(keys_.begin(), keys_.end(),
               [&](Node a, Node b) { return std::pair(tree_.text(a), a) < std::pair(tree_.text(b), b); });
     const auto same = [&](Node a, Node b) { return tree_.text(a) == tree_.text(b); };
     const auto repeated = std::adjacent_find(keys_.begin(), keys_.end(), same);
-    if (repeated == keys_.end()) return;
-    open_.back().key = *repeated;
-    refuse(file_, pointer(), "the key is there twice; once is allowed");
+    if (repeated != keys_.end())
+      refuse(file_, tree_.pointer_to(*repeated + 1), "the key is there twice; once is allowed");
   }
 
-  /// Returns the JSON pointer to the next value.
-  [[nodiscard]] std::string pointer() const {
-    std::string way;
-    for (const Open& in : open_) {
-      const bool is_innermost = &in == &open_.back();
-      way += tree_.is_object(in.node) ? step(std::string(tree_.text(in.key)))
-                                      : step(tree_.size(in.node) - (is_innermost ? 0 : 1));
-    }
-    return way;
+  [[noreturn]] void refuse_next(const std::string& what) const {
+    refuse(file_, tree_.pointer_to(size()), what);
   }
 
   JsonTree& tree_;
   const std::string& file_;
   std::size_t most_open_, count_ = 0;
-  std::vector<Open> open_;
+  std::vector<Node> open_;  ///< arrays and objects whose end has not come
   std::vector<Node> keys_;  ///< keys of the object that ends
 };
 
