@@ -1,7 +1,6 @@
 // Checks that a PNG is complete, which stb_image does not do before decoding.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -30,52 +29,36 @@ inline std::uint32_t crc_32(std::string_view bytes) {
   return ~r;
 }
 
-/// PNG prepared for stb_image, and an upper bound for the bytes that stb_image allocates in one piece.
-struct CheckedPng {
-  std::string bytes;
-  std::size_t most_block = 0;
-};
-
 /// Returns a PNG whose chunks are all there up to the last, with right checksums of the critical ones, and
 /// whose palette, if any, is extended to 256 colors with black: stb_image takes missing ones from
 /// uninitialized memory. Throws std::runtime_error if the PNG is damaged or has more pixels than most_pixels.
-inline CheckedPng checked_png(const ImageBytes& png, std::int64_t most_pixels) {
-  CheckedPng checked{.bytes = std::string(png.all().substr(0, 8))};
+inline std::string checked_png(ImageBytes png, std::int64_t most_pixels) {
+  std::string checked(png.take(8, "its first bytes"));
   std::int64_t least_bytes = 0, found_bytes = 0;  // number of bytes of compressed pixels
-  for (std::size_t at = 8;;) {
+  for (std::string_view type; type != "IEND";) {
     const std::string where = "a chunk of a PNG";
-    const std::uint32_t length = big_endian(png.part(at, 4, where));
-    const std::string_view chunk = png.part(at + 4, std::size_t{4} + length, where);  // with its type
-    const std::uint32_t checksum = big_endian(png.part(at + 8 + length, 4, where));
-    const std::string_view type = chunk.substr(0, 4), data = chunk.substr(4);
+    const std::size_t at = png.at();
+    const std::uint32_t length = png.number(4, where);
+    const std::string_view chunk = png.take(std::size_t{4} + length, where);  // with its type
+    const std::uint32_t checksum = png.number(4, where);
+    type = chunk.substr(0, 4);
     const bool is_critical = 'A' <= type[0] && type[0] <= 'Z';
     const std::string name = "chunk \"" + std::string(type) + "\" at byte " + std::to_string(at);
     if (is_critical && crc_32(chunk) != checksum) png.refuse(name + " has another checksum than its bytes");
     if ((at == 8) != (type == "IHDR")) png.refuse(name + " is not in its place; IHDR is the first chunk");
     if (type == "IHDR") {
       if (length != 13) png.refuse(name + " has " + std::to_string(length) + " bytes; 13 are allowed");
-      const std::int64_t width = big_endian(data.substr(0, 4)), height = big_endian(data.substr(4, 4));
+      const std::int64_t width = big_endian(chunk.substr(4, 4)), height = big_endian(chunk.substr(8, 4));
       png.require_pixels(width, height, most_pixels);
       // A row has at least the bits of one channel, and a byte that names its filter. A byte of deflate
       // stands for at most 1032: two bits for 258 bytes.
-      const int depth = static_cast<unsigned char>(data[8]);
-      least_bytes = height * (1 + (width * depth + 7) / 8) / 1032;
-      // stb_image allocates at most 8 bytes for each pixel and one for each row, or the size of all
-      // compressed data, and twice as much if there turns out to be more; it begins with 4096 bytes.
-      checked.most_block =
-          std::max(2 * static_cast<std::size_t>(9 * width * height), 2 * png.size()) + (1 << 16);
+      least_bytes = height * (1 + (width * big_endian(chunk.substr(12, 1)) + 7) / 8) / 1032;
     }
     if (type == "IDAT") found_bytes += length;
-    if (type == "PLTE" && 0 < length && length < 768 && length % 3 == 0) {
-      checked.bytes.append(std::string("\0\0\3\0", 4))
-          .append(chunk)
-          .append(768 - length, '\0')
-          .append(4, '\0');
-    } else {
-      checked.bytes.append(png.all().substr(at, std::size_t{12} + length));
-    }
-    if (type == "IEND") break;
-    at += std::size_t{12} + length;
+    if (type == "PLTE" && 0 < length && length < 768 && length % 3 == 0)
+      checked.append(std::string("\0\0\3\0", 4)).append(chunk).append(768 - length + 4, '\0');
+    else
+      checked.append(png.all().substr(at, std::size_t{12} + length));
   }
   png.require_bytes(least_bytes, found_bytes, "pixels");
   return checked;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "../shown.hpp"
 
@@ -21,15 +22,23 @@ namespace detail {
 /// each in a PNG of 16 bits.
 inline constexpr std::size_t most_image_bytes = std::size_t{1} << 30;
 
-/// Bytes of an image file, and its name for error messages. All that is read from them is checked; errors are
-/// thrown as std::runtime_error.
+/// Returns the unsigned number that bytes hold, the most significant byte first.
+inline std::uint32_t big_endian(std::string_view bytes) {
+  std::uint32_t number = 0;
+  for (const char byte : bytes) number = number << 8 | static_cast<unsigned char>(byte);
+  return number;
+}
+
+/// Reader of the bytes of an image file, or of a part of it, from the first on; and its name for error
+/// messages. All that is read is checked; errors are thrown as std::runtime_error.
 class ImageBytes {
  public:
-  ImageBytes(std::string_view bytes, std::string_view file) : bytes_(bytes), file_(file) {}
+  ImageBytes(std::string_view bytes, std::string_view file, std::string whole = "the file")
+      : bytes_(bytes), file_(file), whole_(std::move(whole)) {}
 
-  [[nodiscard]] std::size_t size() const { return bytes_.size(); }
-  [[nodiscard]] bool starts_with(std::string_view text) const { return bytes_.starts_with(text); }
   [[nodiscard]] std::string_view all() const { return bytes_; }
+  [[nodiscard]] std::string_view rest() const { return bytes_.substr(at_); }
+  [[nodiscard]] std::size_t at() const { return at_; }  ///< offset of the next byte to be read
 
   [[noreturn]] void refuse(const std::string& what) const {
     throw std::runtime_error(shown("cannot read '" + std::string(file_) + "': " + what));
@@ -37,13 +46,35 @@ class ImageBytes {
 
   /// Throws std::runtime_error: the file ends inside of the part that `where` names, such as "the header".
   [[noreturn]] void refuse_end(const std::string& where) const {
-    refuse("the file ends after " + std::to_string(size()) + " bytes, inside of " + where);
+    refuse(whole_ + " ends after " + std::to_string(bytes_.size()) + " bytes, inside of " + where);
   }
 
-  /// Returns `count` bytes from an offset on; refuses a file that ends before them.
-  [[nodiscard]] std::string_view part(std::size_t offset, std::size_t count, const std::string& where) const {
-    if (offset > size() || count > size() - offset) refuse_end(where);
-    return bytes_.substr(offset, count);
+  /// Returns the next `count` bytes; refuses a file that ends before them.
+  [[nodiscard]] std::string_view next(std::size_t count, const std::string& where) const {
+    if (count > rest().size()) refuse_end(where);
+    return rest().substr(0, count);
+  }
+
+  /// Returns the next `count` bytes and moves past them.
+  std::string_view take(std::size_t count, const std::string& where) {
+    const std::string_view bytes = next(count, where);
+    at_ += count;
+    return bytes;
+  }
+
+  /// Returns a reader of the next `count` bytes, which `where` names, and moves past them.
+  ImageBytes take_part(std::size_t count, const std::string& where) {
+    return {take(count, where), file_, where};
+  }
+
+  /// Returns the number in the next `count` bytes and moves past them.
+  std::uint32_t number(std::size_t count, const std::string& where) { return big_endian(take(count, where)); }
+
+  /// Returns the bytes that are left up to a delimiter, and moves past it.
+  std::string_view take_until(char delimiter, const std::string& where) {
+    const std::size_t size = rest().find(delimiter);
+    if (size == std::string_view::npos) refuse_end(where);
+    return take(size + 1, where).substr(0, size);
   }
 
   /// Refuses sides below 1 and more than `most` pixels. Call it before memory is taken for them.
@@ -62,14 +93,9 @@ class ImageBytes {
 
  private:
   std::string_view bytes_, file_;
+  std::string whole_;
+  std::size_t at_ = 0;
 };
-
-/// Returns the unsigned number that bytes hold, the most significant byte first.
-inline std::uint32_t big_endian(std::string_view bytes) {
-  std::uint32_t number = 0;
-  for (const char byte : bytes) number = number << 8 | static_cast<unsigned char>(byte);
-  return number;
-}
 
 }  // namespace detail
 

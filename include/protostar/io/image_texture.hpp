@@ -92,14 +92,19 @@ namespace detail {
 
 inline bool is_image(std::string_view bytes) { return is_hdr(bytes) || is_png(bytes) || is_jpeg(bytes); }
 
-/// Decodes a checked file with stb_image, which may allocate at most most_block bytes in one piece.
-inline Image decoded_by_stb(std::string_view checked, std::size_t most_block, const ImageBytes& file) {
-  stb_memory = {.most = most_block};
+/// Decodes a checked file with stb_image.
+inline Image decoded_by_stb(std::string_view checked, const ImageBytes& file) {
+  const auto* const bytes = reinterpret_cast<const stbi_uc*>(checked.data());
+  const int size = static_cast<int>(checked.size());
   int width = 0, height = 0, channels = 0;
+  stbi_info_from_memory(bytes, size, &width, &height, &channels);
+  // In one piece, stb_image allocates at most 8 bytes for each pixel of a PNG and one for each row, or all of
+  // its compressed data, and twice as much if there turns out to be more; of a JPEG 2 bytes for each
+  // coefficient of a component, whose sides are rounded up to 32, or 4 for each pixel; and its tables.
+  stb_memory = {.most = 18 * static_cast<std::size_t>(width + 31) * static_cast<std::size_t>(height + 31) +
+                        2 * checked.size() + (1 << 16)};
   const std::unique_ptr<stbi_uc, void (*)(void*)> codes(
-      stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(checked.data()),
-                            static_cast<int>(checked.size()), &width, &height, &channels, 3),
-      stbi_image_free);
+      stbi_load_from_memory(bytes, size, &width, &height, &channels, 3), stbi_image_free);
   const StbMemory used = std::exchange(stb_memory, {});
   if (!codes) {
     const std::string reason = stbi_failure_reason() ? stbi_failure_reason() : "it is damaged";
@@ -129,12 +134,12 @@ inline Image decoded_by_stb(std::string_view checked, std::size_t most_block, co
                                             std::int64_t most_pixels = most_image_pixels) {
   const detail::ImageBytes image_file(bytes, file);
   if (detail::is_hdr(bytes)) return detail::HdrReader(image_file, most_pixels).image();
-  if (detail::is_png(bytes)) {
-    const detail::CheckedPng png = detail::checked_png(image_file, most_pixels);
-    return detail::decoded_by_stb(png.bytes, png.most_block, image_file);
+  if (detail::is_png(bytes))
+    return detail::decoded_by_stb(detail::checked_png(image_file, most_pixels), image_file);
+  if (detail::is_jpeg(bytes)) {
+    detail::JpegCheck(image_file, most_pixels);
+    return detail::decoded_by_stb(bytes, image_file);
   }
-  if (detail::is_jpeg(bytes))
-    return detail::decoded_by_stb(bytes, detail::JpegCheck(image_file, most_pixels).most_block(), image_file);
   image_file.refuse("the file does not begin as a PNG, a JPEG or a Radiance HDR does");
 }
 

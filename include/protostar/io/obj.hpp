@@ -141,29 +141,13 @@ class ObjBuilder {
  private:
   static constexpr int none = -1;
 
-  /// Maximum length of the list of vertices at a position, which is walked for each corner. Further vertices
-  /// at one position, which few meshes have, are looked up in unlisted_.
-  static constexpr int most_listed = 8;
-
-  /// Vertex: indices of its position, texture coordinates and normal, and of the next vertex in the
-  /// position's list.
-  struct Vertex {
-    int place, uv, normal, next;
-  };
+  /// Vertex: indices of its position, texture coordinates and normal.
+  using Vertex = std::array<int, 3>;
 
   static ObjBuilder& of(void* self) { return *static_cast<ObjBuilder*>(self); }
 
   [[noreturn]] void refuse(const std::string& what) const {
     throw std::runtime_error(shown(file_ + ": line " + std::to_string(lines_.number()) + ": " + what));
-  }
-
-  /// Removes and returns the next word of a line; empty if there is none.
-  static std::string_view taken_word(std::string_view& line) {
-    const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
-    const auto begin = std::find_if_not(line.begin(), line.end(), is_blank);
-    const auto end = std::find_if(begin, line.end(), is_blank);
-    line = {end, line.end()};
-    return {begin, end};
   }
 
   static std::string found_instead(const std::string& what, std::size_t number, std::string_view word) {
@@ -242,25 +226,18 @@ class ObjBuilder {
   }
 
   static bool is_corner(std::string_view word) {
-    const auto take = [&](char c) {
-      const bool is_there = word.starts_with(c);
-      if (is_there) word.remove_prefix(1);
-      return is_there;
-    };
-    const auto take_index = [&] {
-      take('-');
-      const std::size_t digits = std::min(word.find_first_not_of("0123456789"), word.size());
-      word.remove_prefix(digits);
-      return 1 <= digits && digits <= 9;
-    };
-    if (!take_index()) return false;
-    if (word.empty()) return true;
-    if (!take('/')) return false;
-    if (!word.starts_with('/')) {
-      if (!take_index()) return false;
-      if (word.empty()) return true;
+    for (int field = 0; field < 3; ++field) {
+      const std::size_t slash = word.find('/');
+      std::string_view index = word.substr(0, slash);
+      const bool is_left_out = field == 1 && slash == 0;
+      if (index.starts_with('-')) index.remove_prefix(1);
+      if (!is_left_out && (index.empty() || index.size() > 9 ||
+                           index.find_first_not_of("0123456789") != std::string_view::npos))
+        return false;
+      if (slash == std::string_view::npos) return true;
+      word.remove_prefix(slash + 1);
     }
-    return take('/') && take_index() && word.empty();
+    return false;
   }
 
   /// Converts an index of the file, which counts from 1 or, if negative, back from the last, to one from 0.
@@ -280,37 +257,31 @@ class ObjBuilder {
         corner.texcoord_index == 0 ? none : index(corner.texcoord_index, uvs_.size(), "texture vertex");
     const int normal =
         corner.normal_index == 0 ? none : index(corner.normal_index, normals_.size(), "normal");
+    const Vertex vertex{place, uv, normal};
     const int number = static_cast<int>(vertices_.size());
-    int* end = &first_at_[static_cast<std::size_t>(place)];
-    int listed = 0;
-    for (; listed < most_listed && *end != none; ++listed) {
-      Vertex& v = vertices_[static_cast<std::size_t>(*end)];
-      if (v.uv == uv && v.normal == normal) return static_cast<std::uint32_t>(*end);
-      end = &v.next;
+    int& first = first_at_[static_cast<std::size_t>(place)];
+    if (first == none) {
+      first = number;
+    } else if (vertices_[static_cast<std::size_t>(first)] == vertex) {
+      return static_cast<std::uint32_t>(first);
+    } else if (const auto [at, is_new] = others_.try_emplace(vertex, number); !is_new) {
+      return static_cast<std::uint32_t>(at->second);
     }
-    if (listed < most_listed) {
-      *end = number;
-    } else {
-      const auto [at, is_new] = unlisted_.try_emplace({place, uv, normal}, number);
-      if (!is_new) return static_cast<std::uint32_t>(at->second);
-    }
-    vertices_.push_back({place, uv, normal, none});
+    vertices_.push_back(vertex);
     return static_cast<std::uint32_t>(number);
   }
 
   /// Returns the mesh, with texture coordinates or normals only if all vertices have them.
   [[nodiscard]] MeshData take() {
-    const auto all_have = [&](int Vertex::*what) {
-      return std::all_of(vertices_.begin(), vertices_.end(),
-                         [&](const Vertex& v) { return v.*what != none; });
-    };
-    const auto of_vertices = [&](const auto& all, int Vertex::*what, auto& chosen) {
+    const auto give = [&](const auto& all, std::size_t what, auto& chosen) {
+      if (!std::all_of(vertices_.begin(), vertices_.end(), [&](const Vertex& v) { return v[what] != none; }))
+        return;
       chosen.reserve(vertices_.size());
-      for (const Vertex& v : vertices_) chosen.push_back(all[static_cast<std::size_t>(v.*what)]);
+      for (const Vertex& v : vertices_) chosen.push_back(all[static_cast<std::size_t>(v[what])]);
     };
-    of_vertices(places_, &Vertex::place, data_.vertices);
-    if (all_have(&Vertex::uv)) of_vertices(uvs_, &Vertex::uv, data_.uvs);
-    if (all_have(&Vertex::normal)) of_vertices(normals_, &Vertex::normal, data_.normals);
+    give(places_, 0, data_.vertices);
+    give(uvs_, 1, data_.uvs);
+    give(normals_, 2, data_.normals);
     return std::move(data_);
   }
 
@@ -319,9 +290,9 @@ class ObjBuilder {
   std::vector<Point> places_;
   std::vector<Vec3> normals_;
   std::vector<Uv> uvs_;
-  std::vector<int> first_at_;  ///< first vertex of each position's list
   std::vector<Vertex> vertices_;
-  std::map<std::array<int, 3>, int> unlisted_;  ///< indices of vertices that are in no list
+  std::vector<int> first_at_;     ///< index of the first vertex at each position
+  std::map<Vertex, int> others_;  ///< indices of the vertices that are not the first at their positions
   MeshData data_;
 };
 

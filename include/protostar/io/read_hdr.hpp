@@ -15,6 +15,7 @@
 
 #include "../image.hpp"
 #include "image_file.hpp"
+#include "text.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
@@ -35,7 +36,7 @@ class HdrReader {
     const std::int64_t flat = 4 * std::int64_t{width_},
                        runs = 4 + 4 * 2 * ((std::int64_t{width_} + 126) / 127);
     bytes_.require_bytes(height_ * (may_have_runs() ? std::min(flat, runs) : flat),
-                         static_cast<std::int64_t>(bytes_.size() - at_), "pixels");
+                         static_cast<std::int64_t>(bytes_.rest().size()), "pixels");
     std::array<float, 256> unit{};  // by exponent; 0 for exponent 0, with any mantissa
     for (int e = 1; e < 256; ++e) unit[static_cast<std::size_t>(e)] = std::ldexp(1.0f, e - 136);
     Image image(width_, height_);
@@ -52,14 +53,7 @@ class HdrReader {
   }
 
  private:
-  /// Returns the next line of the header and moves past it.
-  std::string_view line() {
-    const std::size_t end = bytes_.all().find('\n', at_);
-    if (end == std::string_view::npos) bytes_.refuse_end("the header");
-    const std::string_view text = bytes_.all().substr(at_, end - at_);
-    at_ = end + 1;
-    return text;
-  }
+  std::string_view line() { return bytes_.take_until('\n', "the header"); }
 
   void read_header(std::int64_t most_pixels) {
     (void)line();  // checked by is_hdr
@@ -73,26 +67,20 @@ class HdrReader {
     if (!has_format) bytes_.refuse("there is no line FORMAT=32-bit_rle_rgbe in the header");
     const std::string_view size = line();
     std::string_view rest = size;
-    const auto height = side("-Y", rest), width = side("+X", rest);
-    if (!height || !width || !rest.empty())
+    const auto side = [&](std::string_view axis) {
+      const bool is_axis = taken_word(rest) == axis;
+      const std::string_view digits = taken_word(rest);
+      const char* const end = digits.data() + digits.size();
+      int length = 0;
+      const auto read = std::from_chars(digits.data(), end, length);
+      return is_axis && read.ec == std::errc() && read.ptr == end ? std::optional(length) : std::nullopt;
+    };
+    const auto height = side("-Y"), width = side("+X");
+    if (!height || !width || !taken_word(rest).empty())
       bytes_.refuse('"' + std::string(size.substr(0, 60)) + "\" is not a size, -Y HEIGHT +X WIDTH");
     bytes_.require_pixels(*width, *height, most_pixels);
     width_ = *width;
     height_ = *height;
-  }
-
-  /// Removes an axis and its length from the beginning of a text; returns the length, or nullopt without one.
-  static std::optional<int> side(std::string_view axis, std::string_view& rest) {
-    const auto skip_blanks = [&] { rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size())); };
-    if (!rest.starts_with(axis)) return std::nullopt;
-    rest.remove_prefix(axis.size());
-    skip_blanks();
-    int length = 0;
-    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), length);
-    if (error != std::errc()) return std::nullopt;
-    rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
-    skip_blanks();
-    return length;
   }
 
   /// Returns true if scanlines may have runs; at other widths they are flat.
@@ -102,24 +90,16 @@ class HdrReader {
     return "scanline " + std::to_string(row_) + " of " + std::to_string(height_);
   }
 
-  std::string_view take(std::size_t count) {
-    const std::string_view part = bytes_.part(at_, count, place());
-    at_ += count;
-    return part;
-  }
-  unsigned char take_byte() { return static_cast<unsigned char>(take(1)[0]); }
-
   void read_scanline(std::vector<unsigned char>& line) {
-    const std::string_view first = bytes_.part(at_, 4, place());
+    const std::string_view first = bytes_.next(4, place());
     if (may_have_runs() && first.starts_with("\x02\x02") && static_cast<unsigned char>(first[2]) < 128) {
-      at_ += 4;
-      if (const std::uint32_t width = big_endian(first.substr(2));
+      if (const std::uint32_t width = bytes_.number(4, place()) & 0xffff;
           width != static_cast<std::uint32_t>(width_))
         bytes_.refuse(place() + " has " + std::to_string(width) + " pixels; the picture is " +
                       std::to_string(width_) + " wide");
       for (std::size_t channel = 0; channel < 4; ++channel) read_runs(line, channel);
     } else {
-      const std::string_view flat = take(line.size());
+      const std::string_view flat = bytes_.take(line.size(), place());
       std::copy(flat.begin(), flat.end(), line.begin());
       for (std::size_t i = 0; i < line.size(); i += 4)
         if (line[i] == 1 && line[i + 1] == 1 && line[i + 2] == 1)
@@ -130,22 +110,22 @@ class HdrReader {
 
   void read_runs(std::vector<unsigned char>& line, std::size_t channel) {
     const std::size_t width = static_cast<std::size_t>(width_);
+    const std::string where = place();
     for (std::size_t x = 0; x < width;) {
-      const std::size_t start = at_;
-      const unsigned char code = take_byte();
+      const std::size_t start = bytes_.at();
+      const std::uint32_t code = bytes_.number(1, where);
       const bool is_repeated = code > 128;
-      const std::size_t count = is_repeated ? code - 128u : code;
+      const std::size_t count = is_repeated ? code - 128 : code;
       if (count == 0 || count > width - x)
         bytes_.refuse(place() + " has a run of " + std::to_string(count) + " pixels at byte " +
                       std::to_string(start) + "; allowed are 1 to " + std::to_string(width - x));
-      const std::string_view values = take(is_repeated ? 1 : count);
+      const std::string_view values = bytes_.take(is_repeated ? 1 : count, where);
       for (std::size_t i = 0; i < count; ++i, ++x)
         line[4 * x + channel] = static_cast<unsigned char>(values[is_repeated ? 0 : i]);
     }
   }
 
   ImageBytes bytes_;
-  std::size_t at_ = 0;  ///< offset of the next byte to be read
   int width_ = 0, height_ = 0, row_ = 0;
 };
 

@@ -13,6 +13,7 @@
 #include <cmath>
 #endif
 
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
@@ -91,6 +92,14 @@ inline std::optional<double> double_of(std::string_view text) {
   if (value == 0 && !is_zero && !std::isnan(value)) return std::nullopt;
 #endif
   return value;
+}
+
+/// Removes and returns the next word of a line, up to a blank or a tab; empty if there is none.
+inline std::string_view taken_word(std::string_view& line) {
+  line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+  const std::string_view word = line.substr(0, line.find_first_of(" \t"));
+  line.remove_prefix(word.size());
+  return word;
 }
 
 /// Returns the beginning of a text in whole UTF-8 characters: at most `most` bytes, and "..." if it is cut.
