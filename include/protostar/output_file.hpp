@@ -9,11 +9,27 @@
 #include <system_error>
 #include <utility>
 
-#include "file_name.hpp"
 #include "platform.hpp"
 #include "system_file.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
+
+/// Name of a file: a text, or anything with string(), such as a std::filesystem::path, whose header takes
+/// long to compile.
+class FileName {
+ public:
+  FileName(const char* text) : text_(text) {}
+  FileName(std::string text) : text_(std::move(text)) {}
+
+  template <class Path>
+  requires requires(const Path& path) { std::string(path.string()); }
+  FileName(const Path& path) : text_(path.string()) {}
+
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
 
 /// Output file that replaces its target as a whole or not at all. Bytes go to a temporary file in the same
 /// folder, which takes the target's name on commit(). Until then, and if anything fails, a file of that name
