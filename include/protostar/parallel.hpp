@@ -11,7 +11,6 @@
 #include <string>
 #include <system_error>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "render_options.hpp"
@@ -20,25 +19,13 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// Threads that are joined when this object is destroyed; a std::vector of std::jthread, which libc++ 14 does
-/// not have.
-class JoinedThreads {
- public:
-  JoinedThreads() = default;
-  JoinedThreads(const JoinedThreads&) = delete;
-  JoinedThreads& operator=(const JoinedThreads&) = delete;
+/// Threads that are joined at the end, as std::jthread is, which libc++ 14 does not have.
+struct JoinedThreads {
+  std::vector<std::thread> threads;
+
   ~JoinedThreads() {
-    for (std::thread& thread : threads_) thread.join();
+    for (std::thread& thread : threads) thread.join();
   }
-
-  /// Starts a thread that calls work. Throws std::system_error if the system starts none.
-  template <class Work>
-  void emplace_back(Work work) {
-    threads_.emplace_back(std::move(work));
-  }
-
- private:
-  std::vector<std::thread> threads_;
 };
 
 /// Throws std::invalid_argument if the number of threads is negative.
@@ -85,7 +72,7 @@ inline void for_each_in_parallel(int count, const RenderOptions& options,
   {
     JoinedThreads helpers;
     try {
-      for (int i = 1; i < std::min(wanted, count); ++i) helpers.emplace_back([&] { run([] {}); });
+      for (int i = 1; i < std::min(wanted, count); ++i) helpers.threads.emplace_back([&] { run([] {}); });
     } catch (const std::system_error& error) {
       if (options.threads > 0)
         fail(std::make_exception_ptr(std::system_error(

@@ -24,26 +24,23 @@ namespace detail {
 
 /// Returns the number of bytes of the UTF-8 character at the beginning of a text; 0 if there is none.
 inline std::size_t bytes_of_character(std::string_view text) {
-  const auto byte = [&](std::size_t i) -> unsigned {
-    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
-  };
-  const auto continues = [&](std::size_t i) { return (byte(i) & 0xc0) == 0x80; };
-  const unsigned lead = byte(0), second = byte(1);
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   if (text.empty()) return 0;
-  if (lead < 0x80) return 1;
-  if (0xc2 <= lead && lead < 0xe0) return continues(1) ? 2 : 0;
+  const unsigned lead = byte(0);
+  const std::size_t size = lead < 0x80   ? 1
+                           : lead < 0xc2 ? 0
+                           : lead < 0xe0 ? 2
+                           : lead < 0xf0 ? 3
+                           : lead < 0xf5 ? 4
+                                         : 0;
+  if (size > text.size()) return 0;
+  for (std::size_t i = 1; i < size; ++i)
+    if ((byte(i) & 0xc0) != 0x80) return 0;
   // Excluded are characters that have a shorter form (RFC 3629), surrogates, and any above U+10FFFF.
-  if (0xe0 <= lead && lead < 0xf0)
-    return continues(1) && continues(2) && !(lead == 0xe0 && second < 0xa0) &&
-                   !(lead == 0xed && second >= 0xa0)
-               ? 3
-               : 0;
-  if (0xf0 <= lead && lead < 0xf5)
-    return continues(1) && continues(2) && continues(3) && !(lead == 0xf0 && second < 0x90) &&
-                   !(lead == 0xf4 && second >= 0x90)
-               ? 4
-               : 0;
-  return 0;
+  if ((lead == 0xe0 && byte(1) < 0xa0) || (lead == 0xed && byte(1) >= 0xa0) ||
+      (lead == 0xf0 && byte(1) < 0x90) || (lead == 0xf4 && byte(1) >= 0x90))
+    return 0;
+  return size;
 }
 
 }  // namespace detail

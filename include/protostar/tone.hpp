@@ -2,12 +2,11 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdio>
 #include <limits>
 #include <stdexcept>
-#include <string>
 
 #include "image.hpp"
+#include "shown.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -22,13 +21,9 @@ enum class Tone {
 /// the factor is from 0 to the largest float: a larger one would be infinite as a float, and black times it
 /// NaN.
 inline void expose(Image& image, double exposure) {
-  if (!(exposure >= 0 && exposure <= std::numeric_limits<float>::max())) {
-    char text[32];
-    static_cast<void>(std::snprintf(text, sizeof text, "%.9g", exposure));
-    throw std::invalid_argument(std::string("expose: exposure must be from 0 to 3.4e38, the largest float; "
-                                            "it is ") +
-                                text);
-  }
+  if (!(exposure >= 0 && exposure <= std::numeric_limits<float>::max()))
+    throw std::invalid_argument("expose: exposure must be from 0 to 3.4e38, the largest float; it is " +
+                                shown(exposure));
   if (exposure == 1) return;
   const auto factor = static_cast<float>(exposure);
   for (int y = 0; y < image.height(); ++y)
@@ -39,24 +34,17 @@ inline void expose(Image& image, double exposure) {
 /// Applies a tone to an image.
 inline void apply(Tone tone, Image& image) {
   if (tone == Tone::clip) return;
-  const auto finite = [](const Color& c) {  // holds infinite light at the largest float
-    const float most = std::numeric_limits<float>::max();
-    return Color{std::min(c.r, most), std::min(c.g, most), std::min(c.b, most)};
-  };
-  const auto largest_of = [&](const Color& c) {
-    const Color cut = finite(c);
-    return std::max({cut.r, cut.g, cut.b});
-  };
   float largest = 0;
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x) {
-      const float channel = largest_of(image(x, y));
+      const Color light = held(image(x, y));  // infinite light as the largest float
+      const float channel = std::max({light.r, light.g, light.b});
       largest = std::max(largest, channel);
-      if (tone == Tone::scale_pixel && channel > 1) image(x, y) = finite(image(x, y)) / channel;
+      if (tone == Tone::scale_pixel && channel > 1) image(x, y) = light / channel;
     }
   if (tone != Tone::scale_image || !(largest > 0)) return;
   for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x) image(x, y) = finite(image(x, y)) / largest;
+    for (int x = 0; x < image.width(); ++x) image(x, y) = held(image(x, y)) / largest;
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI
