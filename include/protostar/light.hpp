@@ -59,29 +59,20 @@ class Light {
   /// Takes a light of one kind. Throws std::invalid_argument if a number is not finite, one of a position is
   /// no coordinate (magnitude.hpp), a color is negative, a direction is 0, or angle or fade is out of its
   /// range.
-  Light(const PointLight& light) : Light("PointLight", light.position, light.power, Falloff::square) {
-    check_position(light.position);
-    check(is_light(light.power), "power must be finite and not negative");
-  }
-  Light(const ConstantLight& light) : Light("ConstantLight", light.position, light.intensity, Falloff::none) {
-    check_position(light.position);
-    check(is_light(light.intensity), "intensity must be finite and not negative");
-  }
+  Light(const PointLight& light)
+      : Light("PointLight", light.position, "power", light.power, Falloff::square) {}
+  Light(const ConstantLight& light)
+      : Light("ConstantLight", light.position, "intensity", light.intensity, Falloff::none) {}
   Light(const DirectionalLight& light)
-      : Light("DirectionalLight", light.direction, light.intensity, Falloff::none) {
-    check_direction(light.direction);
-    check(is_light(light.intensity), "intensity must be finite and not negative");
-    place_ = unit(light.direction);
+      : Light("DirectionalLight", Point{0}, "intensity", light.intensity, Falloff::none) {
+    place_ = checked_unit(light.direction);
     w_ = 0;
   }
-  Light(const SpotLight& light) : Light("SpotLight", light.position, light.power, Falloff::square) {
-    check_position(light.position);
-    check(is_light(light.power), "power must be finite and not negative");
-    check_direction(light.direction);
+  Light(const SpotLight& light) : Light("SpotLight", light.position, "power", light.power, Falloff::square) {
+    axis_ = checked_unit(light.direction);
     check(0 < light.angle && light.angle <= 180, "angle must be above 0 and at most 180 degrees");
     check(light.fade >= 0 && std::isfinite(light.fade), "fade must be finite and not negative");
     is_spot_ = true;
-    axis_ = unit(light.direction);
     angle_ = light.angle;
     fade_ = light.fade;
   }
@@ -128,27 +119,25 @@ class Light {
  private:
   enum class Falloff { none, square };
 
-  Light(const char* type, const Vec3& place, const Color& color, Falloff falloff)
+  Light(const char* type, const Point& position, const char* quantity, const Color& color, Falloff falloff)
       : type_(type),
-        place_(place),
+        place_(position),
         color_(color),
         // For a dark color the factor is up to 2^127, which still is a float.
         most_(most_irradiance / std::max({color.r, color.g, color.b, 0x1p-20f})),
-        falloff_(falloff) {}
+        falloff_(falloff) {
+    check(is_coordinate(position), "position must have numbers ", coordinate_rule);
+    check(is_light(color), quantity, " must be finite and not negative");
+  }
 
   void check(bool holds, const char* rule, const char* limit = "") const {
     if (!holds) throw std::invalid_argument(std::string(type_).append(": ").append(rule).append(limit));
   }
-  void check_position(const Point& position) const {
-    check(is_coordinate(position), "position must have numbers ", coordinate_rule);
-  }
-  void check_direction(const Vec3& direction) const {
-    check(is_finite(direction) && direction != Vec3{0}, "direction must be finite and not zero");
-  }
 
-  static Vec3 unit(const Vec3& v) {
-    const Vec3 size = abs(v);  // squares of quotients by the largest neither overflow nor vanish
-    return normalize(v / std::max({size.x, size.y, size.z}));
+  [[nodiscard]] Vec3 checked_unit(const Vec3& direction) const {
+    check(is_finite(direction) && direction != Vec3{0}, "direction must be finite and not zero");
+    const Vec3 size = abs(direction);  // squares of quotients by the largest neither overflow nor vanish
+    return normalize(direction / std::max({size.x, size.y, size.z}));
   }
 
   /// Returns the share of a spotlight's light, from 0 to 1, that goes in the direction of −l.
