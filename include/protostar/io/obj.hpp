@@ -25,7 +25,6 @@
 #include <map>
 #include <memory>
 #include <set>
-#include <span>
 #include <sstream>
 #include <stdexcept>
 #include <streambuf>
@@ -116,9 +115,9 @@ class LinesOfText : public std::streambuf {
 
 /// Builder of a mesh from what tinyobjloader finds in a file; refuses errors that it lets pass.
 ///
-/// tinyobjloader takes words that are no numbers for 0, and some numbers for others that are near; therefore
-/// they are read again, from the current line. A corner of a face has a position, and may have texture
-/// coordinates and a normal; each combination that occurs becomes a vertex.
+/// tinyobjloader takes words that are no numbers for 0, some numbers for others that are near, and reads an
+/// index across a blank; therefore all numbers are read again, from the current line. A corner of a face has
+/// a position, and may have texture coordinates and a normal; each combination that occurs becomes a vertex.
 class ObjBuilder {
  public:
   ObjBuilder(std::string_view text, std::string file) : lines_(text), file_(std::move(file)) {}
@@ -130,9 +129,7 @@ class ObjBuilder {
     callbacks.vertex_cb = [](void* self, double, double, double, double) { of(self).add_place(); };
     callbacks.normal_cb = [](void* self, double, double, double) { of(self).add_normal(); };
     callbacks.texcoord_cb = [](void* self, double, double, double) { of(self).add_uv(); };
-    callbacks.index_cb = [](void* self, tinyobj::index_t* corners, int count) {
-      of(self).add_face({corners, static_cast<std::size_t>(count)});
-    };
+    callbacks.index_cb = [](void* self, tinyobj::index_t*, int) { of(self).add_face(); };
     tinyobj::LoadObjWithCallback(stream, callbacks, this);
     if (data_.triangles.empty()) throw std::runtime_error(shown(file_) + ": there is no face");
     return take();
@@ -200,40 +197,40 @@ class ObjBuilder {
   }
 
   /// Adds a polygon, cut into triangles by its diagonals from the first corner.
-  void add_face(std::span<const tinyobj::index_t> corners) {
-    const std::size_t count = checked_corners(lines_.line());
-    if (count < 3) refuse("a face has 3 corners or more, and this has " + std::to_string(count));
+  void add_face() {
+    std::string_view line = lines_.line();
+    (void)taken_word(line);
+    std::vector<Vertex> corners;
+    for (std::string_view word = taken_word(line); !word.empty(); word = taken_word(line)) {
+      Vertex corner{};
+      if (!read_corner(word, corner))
+        refuse("expected a face, with corners as 1, 1/2, 1//3 or 1/2/3, of indices of up to 9 digits, and " +
+               found_instead("corner", corners.size() + 1, word));
+      corners.push_back(corner);
+    }
+    if (corners.size() < 3)
+      refuse("a face has 3 corners or more, and this has " + std::to_string(corners.size()));
     const std::uint32_t first = vertex(corners[0]);
     std::uint32_t last = vertex(corners[1]);
-    for (const tinyobj::index_t& corner : corners.subspan(2)) {
-      const std::uint32_t next = vertex(corner);
+    for (std::size_t i = 2; i < corners.size(); ++i) {
+      const std::uint32_t next = vertex(corners[i]);
       data_.triangles.push_back({first, last, next});
       last = next;
     }
   }
 
-  /// Returns the number of corners of a face, after checking them: tinyobjloader takes anything for a number,
-  /// reads one across a blank, and relies on its fitting into an int.
-  [[nodiscard]] std::size_t checked_corners(std::string_view line) const {
-    (void)taken_word(line);
-    for (std::size_t count = 0;; ++count) {
-      const std::string_view word = taken_word(line);
-      if (word.empty()) return count;
-      if (!is_corner(word))
-        refuse("expected a face, with corners as 1, 1/2, 1//3 or 1/2/3, of indices of up to 9 digits, and " +
-               found_instead("corner", count + 1, word));
-    }
-  }
-
-  static bool is_corner(std::string_view word) {
-    for (int field = 0; field < 3; ++field) {
+  /// Reads the indices of a corner, as the file has them; 0 stays for one that is left out. Returns false for
+  /// a text that is no corner.
+  static bool read_corner(std::string_view word, Vertex& corner) {
+    for (std::size_t field = 0; field < 3; ++field) {
       const std::size_t slash = word.find('/');
-      std::string_view index = word.substr(0, slash);
-      const bool is_left_out = field == 1 && slash == 0;
-      if (index.starts_with('-')) index.remove_prefix(1);
-      if (!is_left_out && (index.empty() || index.size() > 9 ||
-                           index.find_first_not_of("0123456789") != std::string_view::npos))
-        return false;
+      const std::string_view index = word.substr(0, slash);
+      const char* const end = index.data() + index.size();
+      if (!(field == 1 && slash == 0)) {
+        const auto read = std::from_chars(index.data(), end, corner[field]);
+        if (read.ec != std::errc() || read.ptr != end || std::abs(std::int64_t{corner[field]}) > 999'999'999)
+          return false;
+      }
       if (slash == std::string_view::npos) return true;
       word.remove_prefix(slash + 1);
     }
@@ -249,17 +246,13 @@ class ObjBuilder {
     return static_cast<int>(i);
   }
 
-  /// Returns the index of a corner's vertex, an old or a new one. tinyobjloader gives 0 for an index that a
-  /// corner does not have.
-  [[nodiscard]] std::uint32_t vertex(const tinyobj::index_t& corner) {
-    const int place = index(corner.vertex_index, places_.size(), "vertex");
-    const int uv =
-        corner.texcoord_index == 0 ? none : index(corner.texcoord_index, uvs_.size(), "texture vertex");
-    const int normal =
-        corner.normal_index == 0 ? none : index(corner.normal_index, normals_.size(), "normal");
-    const Vertex vertex{place, uv, normal};
+  /// Returns the index of a corner's vertex, an old or a new one.
+  [[nodiscard]] std::uint32_t vertex(const Vertex& corner) {
+    const Vertex vertex{index(corner[0], places_.size(), "vertex"),
+                        corner[1] == 0 ? none : index(corner[1], uvs_.size(), "texture vertex"),
+                        corner[2] == 0 ? none : index(corner[2], normals_.size(), "normal")};
     const int number = static_cast<int>(vertices_.size());
-    int& first = first_at_[static_cast<std::size_t>(place)];
+    int& first = first_at_[static_cast<std::size_t>(vertex[0])];
     if (first == none) {
       first = number;
     } else if (vertices_[static_cast<std::size_t>(first)] == vertex) {
