@@ -10,7 +10,7 @@
 #include "interval.hpp"
 #include "magnitude.hpp"
 #include "numeric/trigonometry.hpp"
-#include "ray.hpp"
+#include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 

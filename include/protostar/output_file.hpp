@@ -67,7 +67,7 @@ class OutputFile {
   /// Returns the descriptor of this process that a path names, open or not: /dev/stdin, /dev/stdout,
   /// /dev/stderr, /dev/fd/N or /proc/self/fd/N; nullopt for any other path.
   [[nodiscard]] static std::optional<int> descriptor_of(const FileName& path) {
-    return detail::descriptor_of(path.text());
+    return detail::SystemFile::descriptor_of(path.text());
   }
 
   /// Returns true if the target is a mount point, which is written in place.

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <bit>
+#include <cstddef>
 #include <string>
-#include <vector>
 
 #include "image.hpp"
 #include "output_file.hpp"

@@ -15,27 +15,19 @@
 #include <utility>
 
 #include "platform.hpp"
-#include "temporary_names.hpp"
+#include "temporary_file.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
-
-/// Reason why a file cannot be opened, as in system_file.hpp.
-struct OpenError {
-  int number = 0;
-  const char* explanation = "";
-};
-
-[[nodiscard]] inline std::optional<int> descriptor_of(std::string_view) { return std::nullopt; }
 
 /// File to be written through the standard library: no lock tells a leftover from a file that is being
 /// written, so none is removed; no descriptor can be named; and only the permissions of the old file are
 /// kept. The functions return an error number, or 0.
-class SystemFile {
+class StandardFile {
  public:
-  SystemFile() = default;
-  SystemFile(const SystemFile&) = delete;
-  SystemFile& operator=(const SystemFile&) = delete;
-  ~SystemFile() {
+  StandardFile() = default;
+  StandardFile(const StandardFile&) = delete;
+  StandardFile& operator=(const StandardFile&) = delete;
+  ~StandardFile() {
     if (file_) std::fclose(file_);
     std::error_code ignored;
     if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
@@ -68,6 +60,7 @@ class SystemFile {
     }
   }
 
+  [[nodiscard]] static std::optional<int> descriptor_of(std::string_view) { return std::nullopt; }
   [[nodiscard]] bool is_in_place() const { return false; }
 
   [[nodiscard]] int write(const char* bytes, std::size_t size) {

@@ -6,6 +6,9 @@
 #if defined(PROTOSTAR_STANDARD_FILES) || defined(_WIN32) || defined(__EMSCRIPTEN__) || \
     !__has_include(<unistd.h>) || !__has_include(<sys/file.h>)
 #include "standard_file.hpp"
+namespace protostar::inline PROTOSTAR_ABI::detail {
+using SystemFile = StandardFile;
+}
 #else
 #define PROTOSTAR_POSIX_FILES
 
@@ -31,34 +34,13 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "platform.hpp"
-#include "temporary_names.hpp"
+#include "temporary_file.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
-
-/// Reason why a file cannot be opened: an error number, 0 for none, and an addition to the system's message.
-struct OpenError {
-  int number = 0;
-  const char* explanation = "";
-};
-
-/// Returns the descriptor of this process that a path names, open or not; nullopt for any other path.
-[[nodiscard]] inline std::optional<int> descriptor_of(std::string_view path) {
-  if (path == "/dev/stdin") return STDIN_FILENO;
-  if (path == "/dev/stdout") return STDOUT_FILENO;
-  if (path == "/dev/stderr") return STDERR_FILENO;
-  for (const std::string_view folder : {"/dev/fd/", "/proc/self/fd/"}) {
-    if (!path.starts_with(folder)) continue;
-    int number = 0;
-    const char* const end = path.data() + path.size();
-    if (const auto read = std::from_chars(path.data() + folder.size(), end, number);
-        read.ec == std::errc{} && read.ptr == end && number >= 0)
-      return number;
-  }
-  return std::nullopt;
-}
 
 /// Descriptor that is closed at the end; -1 for none, as open returns it.
 class Descriptor {
@@ -175,6 +157,22 @@ class SystemFile {
       return {file_ ? 0 : errno};
     }
     return open_target(path, exists);
+  }
+
+  /// Returns the descriptor of this process that a path names, open or not; nullopt for any other path.
+  [[nodiscard]] static std::optional<int> descriptor_of(std::string_view path) {
+    if (path == "/dev/stdin") return STDIN_FILENO;
+    if (path == "/dev/stdout") return STDOUT_FILENO;
+    if (path == "/dev/stderr") return STDERR_FILENO;
+    for (const std::string_view folder : {"/dev/fd/", "/proc/self/fd/"}) {
+      if (!path.starts_with(folder)) continue;
+      int number = 0;
+      const char* const end = path.data() + path.size();
+      if (const auto read = std::from_chars(path.data() + folder.size(), end, number);
+          read.ec == std::errc{} && read.ptr == end && number >= 0)
+        return number;
+    }
+    return std::nullopt;
   }
 
   /// Returns true if the target itself is written, as it cannot be replaced.

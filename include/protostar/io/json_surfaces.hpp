@@ -4,7 +4,6 @@
 // surface_types; a type that SceneFile::scene does not list is held as AnySurface.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <memory>
 #include <stdexcept>

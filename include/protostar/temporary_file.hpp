@@ -1,4 +1,5 @@
-// Names of temporary files.
+// The names of temporary files, and errors, for both ways to write them: system_file.hpp and
+// standard_file.hpp.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +10,12 @@
 #include "platform.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
+
+/// Reason why a file cannot be opened: an error number, 0 for none, and an addition to the system's message.
+struct OpenError {
+  int number = 0;
+  const char* explanation = "";
+};
 
 /// Names of the temporary files for one target: a dot, the target's name, a dot, 16 random hexadecimal
 /// digits, and an ending. The files that a killed process leaves behind are recognized by their names, and
