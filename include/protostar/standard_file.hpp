@@ -46,7 +46,8 @@ class StandardFile {
     if (fs::exists(status) && !fs::is_regular_file(status)) return {open(target_, "ab")};
     if (target_.filename().empty()) return {ENOENT};
     if (fs::exists(status)) {
-      if (const int number = open(target_, "r+b")) return {number};  // who may not write may not replace
+      if (const int number = open(target_, "r+b"))
+        return {number};  // a user who may not write may not replace
       std::fclose(std::exchange(file_, nullptr));
       permissions_ = status.permissions() & fs::perms::all;
     }

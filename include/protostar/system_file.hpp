@@ -1,5 +1,4 @@
-// Files written through the descriptors of POSIX; where there is none, standard_file.hpp replaces this
-// header.
+// Files written through the descriptors of POSIX. Systems without POSIX use standard_file.hpp.
 #pragma once
 
 // A program may define PROTOSTAR_STANDARD_FILES, in all of its translation units, to do without POSIX.

@@ -97,9 +97,10 @@ inline Image decoded_by_stb(std::string_view checked, const ImageBytes& file) {
   const int size = static_cast<int>(checked.size());
   int width = 0, height = 0, channels = 0;
   stbi_info_from_memory(bytes, size, &width, &height, &channels);
-  // In one piece, stb_image allocates at most 8 bytes for each pixel of a PNG and one for each row, or all of
-  // its compressed data, and twice as much if there turns out to be more; of a JPEG 2 bytes for each
-  // coefficient of a component, whose sides are rounded up to 32, or 4 for each pixel; and its tables.
+  // For a PNG, stb_image allocates in one piece at most 8 bytes for each pixel and one for each row, or all
+  // of its compressed data, and twice as much if there turns out to be more. For a JPEG it allocates 2 bytes
+  // for each coefficient of a component, whose sides are rounded up to 32, or 4 for each pixel; and its
+  // tables.
   stb_memory = {.most = 18 * static_cast<std::size_t>(width + 31) * static_cast<std::size_t>(height + 31) +
                         2 * checked.size() + (1 << 16)};
   const std::unique_ptr<stbi_uc, void (*)(void*)> codes(

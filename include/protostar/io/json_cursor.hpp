@@ -280,7 +280,7 @@ class JsonCursor {
   }
 
   const SceneText* scene_;
-  Node node_;                  ///< the value; of an absent one, the object in which it is not
+  Node node_;                  ///< the value, or the object in which an absent value is missing
   std::string_view absent_{};  ///< key of an absent value; null for one that exists
 };
 
