@@ -21,7 +21,7 @@ struct PixelSample {
 /// one. The i-th is in the middle of column i, and of the row whose number is the rank of i's binary digits,
 /// read backwards, among those of 0 to n − 1 (Hammersley's points, the fraction of each moved to the middle
 /// of a row). For n ≤ 1 it is the pixel's center alone.
-[[nodiscard]] inline std::vector<PixelSample> pixel_samples(int n) {
+[[nodiscard, gnu::cold]] inline std::vector<PixelSample> pixel_samples(int n) {
   if (n <= 1) return {{0.5, 0.5}};
   const auto count = static_cast<std::uint32_t>(n);
   std::uint32_t power = 1;
@@ -42,7 +42,7 @@ class PixelGrid {
  public:
   /// Throws std::invalid_argument if the number of samples is negative, or if the picture that the image is
   /// cropped from does not contain it.
-  PixelGrid(int width, int height, const RenderOptions& options = {})
+  [[gnu::cold]] PixelGrid(int width, int height, const RenderOptions& options = {})
       : crop_(options.crop.width == 0 && options.crop.height == 0 ? Crop{0, 0, width, height} : options.crop),
         samples_(pixel_samples(options.samples)) {
     if (options.samples < 0)

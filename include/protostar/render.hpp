@@ -22,13 +22,6 @@ void fill_tiles(const Image& image, int side, const RenderOptions& options, cons
   return [&](const Ray& ray) { return radiance_of(integrator, ray, scene); };
 }
 
-/// Fills an image with the mean radiance of each pixel's rays, radiance(ray) for each.
-void fill_ray_by_ray(Image& image, const Camera& camera, const RenderOptions& options, const auto& radiance) {
-  const PixelGrid pixels(image.width(), image.height(), options);
-  fill_tiles(image, 32, options,
-             [&](const Tile& tile) { fill_pixels(image, tile, camera, pixels, radiance); });
-}
-
 }  // namespace detail
 
 /// Fills an image with the view of a camera, one ray through each pixel's center unless the options say
@@ -42,7 +35,9 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
             const RenderOptions& options = {}) {
   camera.validate();
   detail::validate(radiance);
-  detail::fill_ray_by_ray(image, camera, options, radiance);
+  const PixelGrid pixels(image.width(), image.height(), options);
+  detail::fill_tiles(image, 32, options,
+                     [&](const Tile& tile) { detail::fill_pixels(image, tile, camera, pixels, radiance); });
 }
 
 /// Fills an image with the view of a camera in a scene, by an integrator. Throws as the render of a Radiance
@@ -50,9 +45,8 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
 template <Traceable S, Integrator<S> I>
 void render(Image& image, const Camera& camera, const S& scene, const I& integrator,
             const RenderOptions& options = {}) {
-  camera.validate();
   detail::validate(integrator);
-  detail::fill_ray_by_ray(image, camera, options, detail::radiance_in(scene, integrator));
+  render(image, camera, detail::radiance_in(scene, integrator), options);
 }
 
 /// Stops the compiler with a sentence on why the arguments cannot be rendered.

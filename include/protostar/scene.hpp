@@ -35,16 +35,6 @@ concept Traceable = requires(const T& scene, const Ray& ray, Interval range) {
   scene.crossings(ray, range, [](const Intersection&) {});
 };
 
-namespace detail {
-
-/// Returns the closest hit of a ray. It is not inlined, so that the search is off the stack while the ray's
-/// light is traced further.
-[[nodiscard, gnu::noinline]] std::optional<Intersection> first_hit(const Ray& ray, const auto& scene) {
-  return scene.intersect(ray, Interval{});
-}
-
-}  // namespace detail
-
 /// Traces the ray; returns shade(hit), or background() if it misses. A scene may offer it for several rays at
 /// once.
 template <class R>
@@ -53,7 +43,7 @@ template <class R>
   if constexpr (requires { scene.follow(ray, background, shade); }) {
     return scene.follow(ray, background, shade);
   } else {
-    const auto hit = detail::first_hit(ray, scene);
+    const auto hit = scene.intersect(ray, Interval{});
     return hit ? shade(*hit) : background();
   }
 }
@@ -210,19 +200,13 @@ class Scene<S...> {
 
   /// Returns the closest hit in the range, if there is one. The order is exact for surfaces that can refine
   /// their roots.
-  [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
-    const SurfaceCrossing first = closest_hit(ray, range);
-    if (first.surface == nullptr) return std::nullopt;
-    return Intersection(ray, first);
-  }
-
-  /// Returns the closest hit in the range as a crossing without its ray; the surface is null if there is
-  /// none.
-  [[nodiscard]] SurfaceCrossing closest_hit(const Ray& ray, Interval range = {}) const {
+  [[nodiscard, gnu::noinline]] std::optional<Intersection> intersect(const Ray& ray,
+                                                                     Interval range = {}) const {
     SurfaceCrossing first;
     ClosestHit search(ray, range, first);
     (search.test_all(surfaces<S>(), materials<S>()), ...);
-    return first;
+    if (first.surface == nullptr) return std::nullopt;
+    return Intersection(ray, first);
   }
 
   /// Returns true if there is any hit in the range. The first one found ends the search.

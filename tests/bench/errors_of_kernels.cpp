@@ -130,9 +130,9 @@ struct Loop {
 int closest_hits_of_scene(const Loop& loop) {
   int hits = 0;
   for (const Ray& ray : loop.rays) {
-    const SurfaceCrossing hit = loop.scene.closest_hit(ray);
+    const auto hit = loop.scene.intersect(ray);
     bench::keep(hit);
-    if (hit.surface != nullptr) ++hits;
+    if (hit) ++hits;
   }
   return hits;
 }

@@ -34,8 +34,7 @@ void render(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& 
   camera.validate();
   detail::validate(integrator);
   scene.require_same_surfaces();
-  if (!options.tiles)
-    return detail::fill_ray_by_ray(image, camera, options, detail::radiance_in(scene, integrator));
+  if (!options.tiles) return render(image, camera, detail::radiance_in(scene, integrator), options);
   simd::fill_by_tiles<I, S...>(image, camera, scene, integrator, options);
 }
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
@@ -43,8 +42,7 @@ void render(Image& image, const Camera& camera, const Scene<S...>& scene, const 
             const RenderOptions& options = {}) {
   camera.validate();
   detail::validate(integrator);
-  if (!options.tiles)
-    return detail::fill_ray_by_ray(image, camera, options, detail::radiance_in(scene, integrator));
+  if (!options.tiles) return render(image, camera, detail::radiance_in(scene, integrator), options);
   simd::fill_by_tiles<I, S...>(image, camera, Accelerated<Scene<S...>>(scene, options), integrator, options);
 }
 
