@@ -9,9 +9,14 @@ using simd::LaneMask, simd::ConeToLight, simd::Occluders, simd::RayPacket, simd:
 
 namespace {
 
+/// Returns one surface in one lane, as a search finds it.
+simd::SurfacesAround found(std::uint32_t place, const SphereAround& around) {
+  return {simd::Numbers(place), simd::Bits{1}, around};
+}
+
 /// Returns rays from random points near a place to a light, with t = 1 at the light.
-RayPacket<Vectors> to_light(Random& random, const Point& light, const Point& place, double spread) {
-  RayPacket<Vectors> rays(Vectors(place), Vectors(Vec3{0}));
+RayPacket to_light(Random& random, const Point& light, const Point& place, double spread) {
+  RayPacket rays(Vectors(place), Vectors(Vec3{0}));
   for (int lane = 0; lane < simd::double_lanes; ++lane) {
     const Point from = place + random.point(spread);
     const Vec3 way = light - from;
@@ -39,8 +44,8 @@ TEST_CASE("a cone to a light keeps every sphere that a ray inside it hits") {
   for (int i = 0; i < 3000; ++i) {
     const double far = i % 3 == 0 ? 1e6 : 10;
     const Point light = random.point(far), place = light + 10.0 * random.direction();
-    const RayPacket<Vectors> first = to_light(random, light, place, 0.2),
-                             others = to_light(random, light, place, 1.2 * apart * apart);
+    const RayPacket first = to_light(random, light, place, 0.2),
+                    others = to_light(random, light, place, 1.2 * apart * apart);
     const ConeToLight cone(first, true);
     REQUIRE(cone.is_cone());
     REQUIRE(cone.holds(first, true));
@@ -84,7 +89,7 @@ TEST_CASE("a cone to a light keeps every sphere that a ray inside it hits") {
 TEST_CASE("rays that do not end at a cone's apex, or start outside the cone, are not inside it") {
   Random random(12);
   const Point light{1, 2, 3};
-  const RayPacket<Vectors> rays = to_light(random, light, {1, 2, 13}, 0.1);
+  const RayPacket rays = to_light(random, light, {1, 2, 13}, 0.1);
   const ConeToLight cone(rays, true);
   CHECK(cone.holds(rays, true));
   CHECK_FALSE(cone.holds(to_light(random, light + Vec3{1e-6, 0, 0}, {1, 2, 13}, 0.1), true));
@@ -97,7 +102,7 @@ TEST_CASE("rays that do not end at a cone's apex, or start outside the cone, are
 TEST_CASE("spheres around the light, or too large or small for float, are kept by every cone to it") {
   Random random(16);
   const Point light{1, 2, 3};
-  const RayPacket<Vectors> rays = to_light(random, light, {1, 2, 13}, 0.1);
+  const RayPacket rays = to_light(random, light, {1, 2, 13}, 0.1);
   const ConeToLight cone(rays, true);
   simd::InCone in_cone;
   in_cone.add(0, cone.seen({Point{0}, infinity}));
@@ -112,7 +117,7 @@ TEST_CASE("spheres around the light, or too large or small for float, are kept b
 
 TEST_CASE("a list of occluders may be of any length") {
   Random random(17);
-  const RayPacket<Vectors> rays = to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1);
+  const RayPacket rays = to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1);
   const ConeToLight cone(rays, true);
   for (int count = 0; count < 70; ++count) {
     simd::InCone in_cone;
@@ -136,10 +141,9 @@ TEST_CASE(
   Random random(14);
   Occluders occluders;
   int searches = 0;
-  const auto search = [&](const auto&, const auto& visit) {
+  const auto search = [&](const auto&) {
     ++searches;
-    visit(7, SphereAround{Point{0, 0, 5}, 1});
-    visit(8, SphereAround{Point{0, 50, 5}, 1});
+    return std::vector{found(7, {Point{0, 0, 5}, 1}), found(8, {Point{0, 50, 5}, 1})};
   };
   for (int i = 0; i < 100; ++i) {
     const auto* places =
@@ -148,9 +152,9 @@ TEST_CASE(
   }
   CHECK(searches < 4);
 
-  const auto search_of_many = [&](const auto&, const auto& visit) {
+  const auto search_of_many = [&](const auto&) {
     ++searches;
-    for (int i = 0; i < 1000; ++i) visit(i, SphereAround{Point{0, 50, 5}, 1});
+    return std::vector(1000, found(1, {Point{0, 50, 5}, 1}));
   };
   const auto searches_for_others = [&](const auto& search_for) {
     Occluders others;
@@ -169,9 +173,9 @@ TEST_CASE(
 TEST_CASE("rays with different ends, or of length 0, get no list of occluders") {
   Random random(15);
   Occluders occluders;
-  const auto search = [](const auto&, const auto&) {};
+  const auto search = [](const auto&) { return std::vector<simd::SurfacesAround>{}; };
   for (int i = 0; i < 200; ++i) {
-    RayPacket<Vectors> rays = to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1);
+    RayPacket rays = to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1);
     const Vec3 aside = random.direction();
     rays.direction.x.set(simd::double_lanes - 1, aside.x),
         rays.direction.y.set(simd::double_lanes - 1, aside.y);
@@ -184,8 +188,8 @@ TEST_CASE("rays with different ends, or of length 0, get no list of occluders") 
 TEST_CASE("rays with different ends leave no wrong list of occluders for later rays") {
   if (simd::double_lanes < 2) return;
   Occluders occluders;
-  const auto search = [](const auto&, const auto& visit) { visit(7, SphereAround{{0, 0, 5}, 1}); };
-  RayPacket<Vectors> rays(Vectors(Point{0, 0, 10}), Vectors(Vec3{0, 0, -10}));
+  const auto search = [](const auto&) { return std::vector{found(7, {{0, 0, 5}, 1})}; };
+  RayPacket rays(Vectors(Point{0, 0, 10}), Vectors(Vec3{0, 0, -10}));
   rays.direction.x.set(simd::double_lanes - 1, 1);
   CHECK(occluders.between(rays, true, search) == nullptr);
   const auto* const places = occluders.between(rays, simd::mask_of<double, simd::double_lanes>(1), search);

@@ -42,7 +42,7 @@ Vectors directions_of(const Bundle& bundle) {
 }
 
 /// Returns the packet of some rays, each with its own origin.
-RayPacket<Vectors> packet_of(const Bundle& bundle, LaneMask active) {
+RayPacket packet_of(const Bundle& bundle, LaneMask active) {
   Vectors origins(Vec3{0});
   for (int i = 0; i < double_lanes; ++i) {
     const Point& o = bundle[static_cast<std::size_t>(i)].origin;
@@ -52,7 +52,7 @@ RayPacket<Vectors> packet_of(const Bundle& bundle, LaneMask active) {
 }
 
 /// Returns the packet of some rays, all starting at the first one's origin.
-RayPacket<Point> packet_from_one_point(const Bundle& bundle, LaneMask active) {
+RayPacket packet_from_one_point(const Bundle& bundle, LaneMask active) {
   return {bundle[0].origin, directions_of(bundle), active, bundle[0].departure};
 }
 
@@ -423,7 +423,7 @@ TEST_CASE("the hits of a packet have the same values as the hits of its single r
   const auto compare_hits = [&](const auto& surface) {
     Bundle bundle;
     for (Ray& r : bundle) r = {random.point(3), random.direction()};
-    const RayPacket<Vectors> rays = packet_of(bundle, true);
+    const RayPacket rays = packet_of(bundle, true);
     const simd::ClosestCrossings first = first_crossings(surface, rays, true, Interval{});
     // Every other surface has a texture, which is evaluated for each ray.
     Material material{.diffuse = random.color()};
@@ -432,7 +432,7 @@ TEST_CASE("the hits of a packet have the same values as the hits of its single r
     const Vectors normals = some.normal(), facing = some.facing_normal(), points = some.point();
     const simd::Colors lights = light.irradiance(points, facing), colors = some.color();
     const simd::Uvs places = some.uv();
-    const RayPacket<Vectors> left = some.leave(light.towards(points)), turned = left.turned(normals);
+    const RayPacket left = some.leave(light.towards(points)), turned = left.turned(normals);
     wrong.add(bits(turned.active) != bits(left.active), surface);
     for (int i = 0; i < double_lanes; ++i) {
       if (!has(first.met && !first.in_doubt, i)) continue;
@@ -469,8 +469,8 @@ TEST_CASE("only() keeps the lanes that are both active and chosen") {
   const auto mask = [](Bits lanes) { return simd::mask_of<double, double_lanes>(lanes); };
   const Bits all = simd::first_bits(double_lanes);
   for (Bits lanes = 0; lanes <= all; ++lanes) {
-    RayPacket<Point> rays(Point{0}, Vec3{0, 0, 1}, mask(lanes));
-    const RayPacket<Point> chosen = only(mask(all & 5), std::move(rays));
+    RayPacket rays(Point{0}, Vec3{0, 0, 1}, mask(lanes));
+    const RayPacket chosen = only(mask(all & 5), std::move(rays));
     CHECK(bits(chosen.active) == (lanes & 5));
   }
 }

@@ -2,6 +2,7 @@
 #include <protostar/accel/frustum.hpp>
 #include <protostar/accel/pixel_rays.hpp>
 #include <protostar/accel/visibility.hpp>
+#include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 
 #include <algorithm>
@@ -25,11 +26,6 @@ namespace {
 std::vector<int> places_of(const Candidates& candidates) {
   std::vector<int> places;
   for (int i = 0; i < candidates.size(); ++i) places.push_back(candidates.place(i));
-  return places;
-}
-
-std::vector<int> sorted(std::vector<int> places) {
-  std::sort(places.begin(), places.end());
   return places;
 }
 
@@ -85,7 +81,6 @@ Sphere beside(const Ray& ray, double t, double radius, Random& random) {
 struct Counts {
   explicit Counts(const Random& random)
       : dropped_though_met(random),
-        nearer_than_nearest(random),
         ruled_out(random),
         wrongly_sure(random),
         wrongly_filled(random),
@@ -93,8 +88,7 @@ struct Counts {
         behind_bounds(random) {}
 
   int met = 0, kept = 0, all = 0, of_pinholes = 0, surely_met = 0, with_cone = 0, filled = 0;
-  WrongCases dropped_though_met, nearer_than_nearest, ruled_out, wrongly_sure, wrongly_filled, before_bounds,
-      behind_bounds;
+  WrongCases dropped_though_met, ruled_out, wrongly_sure, wrongly_filled, before_bounds, behind_bounds;
 };
 
 /// What float tells of a pixel's ray that passes a candidate.
@@ -149,8 +143,8 @@ void look(const Camera& camera, int width, int height, const std::function<Spher
     pixels.push_back({x, y});
     spheres.push_back(sphere_beside(camera.through_pixel(x, y, width, height)));
   }
-  Candidates everything = candidates_of(spheres, rays.viewpoint()), in_tile;
-  if (random.bits() % 2) everything.order_by_distance();
+  const Candidates everything = candidates_of(spheres, rays.viewpoint());
+  Candidates in_tile;
   in_tile.add(everything, Frustum(rays, tile));
   counts.all += static_cast<int>(spheres.size());
   counts.kept += in_tile.size();
@@ -187,11 +181,8 @@ void look(const Camera& camera, int width, int height, const std::function<Spher
     }
     in_block.add(in_part, Frustum(rays, {x, y, x + 1, y + 1}));
     const auto places = places_of(in_block);
-    const auto found = std::find(places.begin(), places.end(), static_cast<int>(i));
-    wrong_if(found == places.end(), counts.dropped_though_met);
-    if (found == places.end()) continue;
-    const double nearest = in_block.nearest(static_cast<int>(found - places.begin()));
-    wrong_if(!(nearest <= *t), counts.nearer_than_nearest, "nearest", nearest);
+    wrong_if(std::find(places.begin(), places.end(), static_cast<int>(i)) == places.end(),
+             counts.dropped_though_met);
   }
 }
 
@@ -295,7 +286,6 @@ TEST_CASE("a tile keeps every sphere that a ray through one of its pixels hits")
   CAPTURE(counts.met, counts.kept, counts.all, counts.surely_met, counts.filled);
   CHECK(counts.met > 10 * rounds);
   CHECK(counts.dropped_though_met == 0);
-  CHECK(counts.nearer_than_nearest == 0);
   CHECK(counts.ruled_out == 0);
   CHECK(counts.wrongly_sure == 0);
   CHECK(counts.wrongly_filled == 0);
@@ -471,10 +461,6 @@ TEST_CASE("a tile drops spheres between the focal point and the sensor, and keep
   Candidates in_tile;
   in_tile.add(everything, Frustum(rays, tile));
   CHECK(places_of(in_tile) == std::vector<int>{2, 3, 5});
-  // Lower bounds of t are nearly exact, since one ray leads straight ahead: 1.5 for the sphere in front, at
-  // most 0 for one around the sensor.
-  CHECK(std::abs(everything.nearest(2) - 1.5) < 1e-3);
-  CHECK(everything.nearest(1) <= 0);
 }
 
 TEST_CASE("an orthographic tile drops spheres beside it, however near and however far") {
@@ -493,8 +479,6 @@ TEST_CASE("an orthographic tile drops spheres beside it, however near and howeve
     Candidates in_tile;
     in_tile.add(everything, Frustum(rays, upper_left));
     CHECK(places_of(in_tile) == seen);
-    for (int i = 0; i < everything.size(); ++i)
-      CHECK(std::abs(everything.nearest(i) - (z - 0.499)) < 1e-5 * (1 + z));
   }
 }
 
@@ -512,7 +496,7 @@ TEST_CASE("a tile keeps the order of its candidates and appends to those that it
   CHECK(kept.size() == 0);
 }
 
-TEST_CASE("ordering candidates by distance keeps all of them, and their nearest stays a lower bound") {
+TEST_CASE("candidates in any order are brought into the scene's order, and a tile keeps the same ones") {
   Random random(13);
   for (const int count : {0, 1, 2, 17, 1000}) {
     CAPTURE(count);
@@ -525,50 +509,47 @@ TEST_CASE("ordering candidates by distance keeps all of them, and their nearest 
       spheres[5] = {.center = {0, 0, 1e-320}, .radius = 1e-320};
       spheres[6] = {.center = {1e308, 1e308, 1e308}, .radius = 1e308};
     }
-    const Candidates before = candidates_of(spheres, {.apex = Point{0}});
-    Candidates ordered = before;
-    ordered.order_by_distance();
-    CHECK(sorted(places_of(ordered)) == places_of(before));
-    WrongCases wrong(random), far_off(random);
-    for (int i = 0; i < ordered.size(); ++i) {
-      for (int k = i; k < ordered.size(); ++k)
-        wrong.add(!(ordered.nearest(i) <= before.nearest(ordered.place(k))), i, k, ordered.nearest(i),
-                  before.nearest(ordered.place(k)));
-      wrong.add(!(ordered.nearest(i) < 1e10), i, ordered.nearest(i));
-      far_off.add(before.nearest(ordered.place(i)) > ordered.nearest(i) + 1, i, ordered.nearest(i),
-                  before.nearest(ordered.place(i)));
-    }
-    CHECK(wrong == 0);
-    if (count < 1000) CHECK(far_off == 0);
-
-    // The rows were sorted together, so a tile keeps the same candidates as before.
+    const simd::Viewpoint viewpoint{.apex = Point{0}};
+    const Candidates before = candidates_of(spheres, viewpoint);
+    Candidates ordered;
+    for (int i = count - 1; i >= 0; --i)
+      ordered.add(i, viewpoint, simd::sphere_around(spheres[static_cast<std::size_t>(i)]));
+    ordered.order_by_place();
+    CHECK(places_of(ordered) == places_of(before));
+    // The rows are sorted together.
     const PixelRays rays(Camera{}, PixelGrid(64, 64), 64, 64);
     for (const Tile& tile : {Tile{0, 0, 32, 32}, Tile{40, 8, 48, 16}}) {
       Candidates from_before, from_ordered;
       from_before.add(before, Frustum(rays, tile));
       from_ordered.add(ordered, Frustum(rays, tile));
-      CHECK(sorted(places_of(from_ordered)) == places_of(from_before));
-      from_ordered.order_by_place();
       CHECK(places_of(from_ordered) == places_of(from_before));
     }
-
-    ordered.bring_near();
-    for (int i = 0; i < ordered.size(); ++i) wrong.add(ordered.nearest(i) != 0, i, ordered.nearest(i));
-    CHECK(wrong == 0);
   }
+}
+
+TEST_CASE("every tile keeps a surface without bounds") {
+  const simd::Viewpoint viewpoint{.apex = Point{1, 2, 3}};
+  Candidates all, kept;
+  all.add(0, viewpoint, simd::sphere_around(Sphere{{1, 2, 500}, 1}));
+  all.add(1, viewpoint, simd::sphere_around(Plane{.normal = {0, 1, 0}, .distance = -7}));
+  CHECK_FALSE(all.is_everywhere(0));
+  CHECK(all.is_everywhere(1));
+  const PixelRays rays(Camera{.position = {1, 2, 3}}, PixelGrid(64, 64), 64, 64);
+  kept.add(all, Frustum(rays, {0, 0, 8, 8}));
+  CHECK(places_of(kept) == std::vector<int>{1});
+  CHECK_FALSE(kept.fills(0, Frustum(rays, {0, 0, 8, 8})));
 }
 
 namespace {
 
 /// Counts the rays in a picture's packets that differ from those through its pixels.
-template <class Origin>
 WrongCases wrong_rays(const Random& random, const Camera& camera, int width, int height) {
   const PixelRays rays(camera, PixelGrid(width, height), width, height);
   const Tile tile{0, 0, width, height};
   WrongCases wrong(random);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; x += simd::double_lanes) {
-      const auto packet = rays.packet<Origin>(tile, x, y);
+      const auto packet = rays.packet(tile, x, y);
       wrong.add(bits(packet.active) != simd::first_bits(std::min(width - x, simd::double_lanes)), "active at",
                 x, y);
       for (int i = 0; i < std::min(width - x, simd::double_lanes); ++i) {
@@ -589,9 +570,9 @@ TEST_CASE("the rays of a packet are those through its pixels") {
     const Camera camera = skewed_camera(random, random.point(2), 1);
     const int width = 1 + static_cast<int>(random.bits() % 40),
               height = 1 + static_cast<int>(random.bits() % 30);
-    CHECK(wrong_rays<Point>(random, camera, width, height) == 0);
-    CHECK(wrong_rays<simd::Vectors>(random, with_film(camera, 0.3), width, height) == 0);
-    CHECK(wrong_rays<simd::Vectors>(random, with_any_film(random, camera, 1), width, height) == 0);
-    CHECK(wrong_rays<simd::Vectors>(random, parallel(camera, 0.7), width, height) == 0);
+    CHECK(wrong_rays(random, camera, width, height) == 0);
+    CHECK(wrong_rays(random, with_film(camera, 0.3), width, height) == 0);
+    CHECK(wrong_rays(random, with_any_film(random, camera, 1), width, height) == 0);
+    CHECK(wrong_rays(random, parallel(camera, 0.7), width, height) == 0);
   }
 }

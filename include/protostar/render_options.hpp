@@ -40,10 +40,9 @@ struct Crop {
 /// Work that the fast path leaves out. Each kind can be turned off to measure its saving: a picture has the
 /// same bytes with any of them off.
 struct Skips {
-  bool empty_tiles = true;       ///< rays through pixels that see nothing, or the same everywhere
-  bool farther_surfaces = true;  ///< tests of camera rays with surfaces surely behind their closest hits
-  bool occluder_lists = true;    ///< traversals of shadow rays, if a list of occluders serves their packet
-  bool sure_in_float = true;     ///< tests in double of camera rays, where float is sure what they see
+  bool empty_tiles = true;     ///< rays through pixels that see nothing, or the same everywhere
+  bool occluder_lists = true;  ///< traversals of shadow rays, if a list of occluders serves their packet
+  bool sure_in_float = true;   ///< tests in double of camera rays, where float is sure what they see
 };
 
 /// Options of render. An exception that progress throws ends the render and reaches its caller; after a stop,

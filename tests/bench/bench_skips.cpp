@@ -25,9 +25,8 @@ const Way ways[] = {
     {"all skips"},
     {"no empty_tiles", {.empty_tiles = false}},
     {"no sure_in_float", {.sure_in_float = false}},
-    {"no farther_surfaces", {.farther_surfaces = false}},
     {"no occluder_lists", {.occluder_lists = false}},
-    {"no skips", {false, false, false, false}},
+    {"no skips", {false, false, false}},
     {"tiles = false", {}, false},
 };
 

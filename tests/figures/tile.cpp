@@ -109,7 +109,6 @@ std::string tile() {
     all.add(static_cast<int>(i), rays.viewpoint(), simd::sphere_around(all_spheres[i]));
   all.add(place_of_box, rays.viewpoint(), simd::sphere_around(box));
   kept.add(all, simd::Frustum(rays, middle));
-  kept.order_by_distance();
 
   Drawing drawing(640, 480, "How a tile finds what its pixels see");
   draw_from_above(drawing, kept, rays);

@@ -79,17 +79,16 @@ class Accelerated<Scene<S...>> {
       refuse_other_surfaces();
   }
 
-  /// Calls visit(Numbers, Bits, SpheresAround) for some surfaces of one type at a time, in any order, so that
-  /// each that has bounds and may reach into every one of the half-spaces is in a lane whose bit is set.
-  template <class T>
-  void frustum_query(std::span<const simd::HalfSpace> half_spaces, const auto& visit) const {
-    finder<T>().frustum_query(half_spaces, visit);
-  }
-
-  /// Calls visit(i) for each surface of one type that has no bounds, in order.
-  template <class T>
-  void each_unbounded(const auto& visit) const {
-    finder<T>().each_unbounded(visit);
+  /// Adds each surface that may reach into every one of the half-spaces to those found. The sphere around a
+  /// surface without bounds has an infinite radius.
+  void frustum_query(std::span<const simd::HalfSpace> half_spaces,
+                     std::vector<simd::SurfacesAround>& found) const {
+    std::size_t first = 0;
+    const auto search = [&]<class T>(const simd::Finder<T>& finder) {
+      finder.frustum_query(half_spaces, static_cast<std::uint32_t>(first), found);
+      first += scene_->template surfaces<T>().size();
+    };
+    (search(finder<S>()), ...);
   }
 
  private:

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -35,7 +36,8 @@ struct CandidateSphere {
 };
 
 /// Surfaces that a camera may see, as spheres that contain them; stored as one row for each number, so that
-/// several are tested at once.
+/// several are tested at once. A surface without bounds has a sphere of infinite radius, and any tile may see
+/// it.
 class Candidates {
  public:
   using Places = Lanes<std::uint32_t, double_lanes>;  ///< indices of surfaces in the scene's order
@@ -44,9 +46,8 @@ class Candidates {
   /// Returns the i-th surface's index in the scene's order.
   [[nodiscard]] int place(int i) const { return static_cast<int>(place_[index(i)]); }
 
-  /// Returns a lower bound of t at which a camera ray of unit direction hits the i-th surface or,
-  /// after order_by_distance(), any that follows it.
-  [[nodiscard]] float nearest(int i) const { return nearest_[index(i)]; }
+  /// Returns the indices of all surfaces.
+  [[nodiscard]] std::span<const std::uint32_t> places() const { return {place_.data(), index(size_)}; }
 
   /// Adds the surfaces of some lanes, each contained in a sphere, but for those wholly behind the film.
   ///
@@ -66,9 +67,6 @@ class Candidates {
   /// |l|² − r² is accurate to 2^-50 (|l|² + r²), given |l| as it is computed. In float a·l is off by 6u|l|,
   /// each product by 3u (|l| + r), cos φ and sin φ by 2u of them; with cos φ > 1/2, reducing h by
   /// 2^-18 (|l| + r) = 64u (|l| + r) covers all of it.
-  ///
-  /// The sphere is met at no t below |l| − r, measured from the apex; a ray lacks at most the first `start`
-  /// of that. Nor is it met at a t less than its distance from the film.
   ///
   /// There is no inner radius if the apex may be inside the sphere, or if squares might leave the range of
   /// float.
@@ -90,7 +88,6 @@ class Candidates {
     const Doubles square = distance * distance - radius * radius;
     const Doubles sure_square = square - 0x1p-49 * (distance * distance + radius * radius);
     store(horizon_, select(sure_square > 0.0, sqrt(sure_square) - 4 * error, Doubles(-infinity)), -infinity);
-    store(nearest_, max(distance - viewpoint.start, depth) - radius - error, 0);
     store(margin_, 2 * error, infinity);
     const Doubles inner = around.inner - error;
     const LaneMask is_sure = inner > 0x1p-60 && inner < 0x1p60 && distance > radius + error;
@@ -126,7 +123,6 @@ class Candidates {
       store_chosen(to(z_), seen, z);
       store_chosen(to(reach_), seen, reach);
       store_chosen(to(horizon_), seen, horizon);
-      store_chosen(to(nearest_), seen, Wide::load(at(others.nearest_)));
       store_chosen(to(margin_), seen, Wide::load(at(others.margin_)));
       store_chosen(to(inner_), seen, Wide::load(at(others.inner_)));
       size_ += store_chosen(to(place_), seen, Lanes<std::uint32_t, float_lanes>::load(at(others.place_)));
@@ -158,31 +154,10 @@ class Candidates {
                horizon * frustum.cosine + inner * frustum.sine;  // NaN fills nothing
   }
 
+  /// Returns true if the i-th surface has no bounds, or none that float holds.
+  [[nodiscard]] bool is_everywhere(int i) const { return !(reach_[index(i)] < infinity); }
+
   void clear() { size_ = 0; }
-
-  /// Sorts by nearest(), roughly, near first; then lowers each nearest(i) to the least from i on.
-  void order_by_distance() {
-    constexpr std::size_t slabs = 256;
-    float least = std::numeric_limits<float>::infinity(), most = 0;
-    for (int i = 0; i < size_; ++i) least = std::min(least, nearest(i)), most = std::max(most, nearest(i));
-    const float scale = (slabs - 1) / (most - least);
-    const auto slab = [&](int i) {
-      const float depth = (nearest(i) - least) * scale;
-      return depth >= 0 && depth < slabs ? static_cast<std::size_t>(depth) : 0;  // 0 for NaN too
-    };
-    std::size_t start[slabs + 1] = {};
-    for (int i = 0; i < size_; ++i) ++start[slab(i) + 1];
-    for (std::size_t k = 0; k < slabs; ++k) start[k + 1] += start[k];
-    std::vector<std::size_t> order(index(size_));
-    for (int i = 0; i < size_; ++i) order[start[slab(i)]++] = index(i);
-    reorder(order);
-    for (int i = size_ - 2; i >= 0; --i)
-      nearest_[index(i)] = std::min(nearest_[index(i)], nearest_[index(i + 1)]);
-  }
-
-  /// Sets all nearest() to 0, so that no surface is left out for its distance, whatever the order of the
-  /// list.
-  void bring_near() { std::fill(nearest_.begin(), nearest_.end(), 0.0f); }
 
   /// Sorts by index in the scene's order.
   void order_by_place() {
@@ -205,8 +180,7 @@ class Candidates {
       for (std::size_t i = 0; i < order.size(); ++i) moved[i] = row[order[i]];
       row = std::move(moved);
     };
-    move(x_), move(y_), move(z_), move(reach_), move(horizon_), move(nearest_), move(margin_), move(inner_),
-        move(place_);
+    move(x_), move(y_), move(z_), move(reach_), move(horizon_), move(margin_), move(inner_), move(place_);
   }
 
   /// Makes room for count surfaces, and for the lanes that a store of a whole vector writes behind them.
@@ -214,12 +188,12 @@ class Candidates {
     const std::size_t needed = index(count + float_lanes);
     if (x_.size() >= needed) return;
     const std::size_t room = std::max(needed, 2 * x_.size());
-    for (auto* row : {&x_, &y_, &z_, &reach_, &horizon_, &nearest_, &margin_, &inner_}) row->resize(room);
+    for (auto* row : {&x_, &y_, &z_, &reach_, &horizon_, &margin_, &inner_}) row->resize(room);
     place_.resize(room);
   }
 
   int size_ = 0;
-  std::vector<float> x_, y_, z_, reach_, horizon_, nearest_, margin_, inner_;
+  std::vector<float> x_, y_, z_, reach_, horizon_, margin_, inner_;
   std::vector<std::uint32_t> place_;
 };
 

@@ -24,8 +24,10 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Indices of surfaces among those of their type, one in each lane.
-using Numbers = Lanes<std::uint32_t, double_lanes>;
+/// Adds a surface without bounds to those found.
+inline void add_unbounded(std::uint32_t place, std::vector<SurfacesAround>& found) {
+  found.push_back({Numbers(place), Bits{1}, SphereAround{Point{0}, infinity}});
+}
 
 /// Finds the surfaces of one type that a ray may meet. This template is for types without bounds and visits
 /// all surfaces.
@@ -55,13 +57,12 @@ class Finder {
     for (std::uint32_t i = 0; i < count_; ++i) visit(i);
   }
 
-  /// Calls visit(Numbers, Bits, SpheresAround) for some lanes at a time, so that each surface that has bounds
-  /// and may reach into every one of the half-spaces is in a lane whose bit is set.
-  void frustum_query(std::span<const HalfSpace>, const auto&) const {}
-
-  /// Calls visit(i) for each surface without bounds, in order.
-  void each_unbounded(const auto& visit) const {
-    for (std::uint32_t i = 0; i < count_; ++i) visit(i);
+  /// Adds each surface that may reach into every one of the half-spaces to those found; `first` is the index
+  /// of the type's first surface in the scene's order. The sphere around a surface without bounds has an
+  /// infinite radius.
+  void frustum_query(std::span<const HalfSpace>, std::uint32_t first,
+                     std::vector<SurfacesAround>& found) const {
+    for (std::uint32_t i = 0; i < count_; ++i) add_unbounded(first + i, found);
   }
 
  private:
@@ -107,16 +108,14 @@ class Finder<T> {
                                   });
   }
 
-  void frustum_query(std::span<const HalfSpace> half_spaces, const auto& visit) const {
+  void frustum_query(std::span<const HalfSpace> half_spaces, std::uint32_t first,
+                     std::vector<SurfacesAround>& found) const {
     traverse(bvh_, InHalfSpaces{in_box_space(half_spaces, bvh_)}, [&](Leaf leaf) {
       const std::uint32_t i = bvh_.order()[leaf.first];
-      visit(Numbers(i), Bits{1}, SpheresAround(sphere_around((*surfaces_)[i])));
+      found.push_back({Numbers(first + i), Bits{1}, sphere_around((*surfaces_)[i])});
       return false;
     });
-  }
-
-  void each_unbounded(const auto& visit) const {
-    for (const std::uint32_t i : bvh_.unbounded()) visit(i);
+    for (const std::uint32_t i : bvh_.unbounded()) add_unbounded(first + i, found);
   }
 
  private:
@@ -196,24 +195,23 @@ class Finder<Sphere> {
     if (waiting_near < infinite) visit(bvh_.order()[waiting]);
   }
 
-  void frustum_query(std::span<const HalfSpace> half_spaces, const auto& visit) const {
+  void frustum_query(std::span<const HalfSpace> half_spaces, std::uint32_t first,
+                     std::vector<SurfacesAround>& found) const {
     const auto sides = in_box_space(half_spaces, bvh_);
     const auto visit_leaf = [&](Leaf leaf) {
       Bits within = 0;
       for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
         if (i % float_lanes == 0) within = leaves_.within(leaf, i, sides);
         if (const Bits some = within & first_bits(double_lanes); some != 0)
-          visit(numbers(leaf.first + i), some, leaves_.around(leaf, i, bvh_.space()));
+          found.push_back(
+              {numbers(leaf.first + i) + Numbers(first), some, leaves_.around(leaf, i, bvh_.space())});
         within >>= double_lanes;
       }
       return false;
     };
     const auto fetch = soon();
     traverse(bvh_, InHalfSpaces{sides}, visit_leaf, FetchChild<Read::soon, Fetch>{bvh_, fetch});
-  }
-
-  void each_unbounded(const auto& visit) const {
-    for (const std::uint32_t i : bvh_.unbounded()) visit(i);
+    for (const std::uint32_t i : bvh_.unbounded()) add_unbounded(first + i, found);
   }
 
  private:

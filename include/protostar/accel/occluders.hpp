@@ -31,7 +31,7 @@ class ConeToLight {
   /// Makes a cone for the chosen rays in 0 < t < 1 that end together, and similar ones: about `wide` times as
   /// wide as they are, plus a tenth of a degree, and a quarter longer. It holds nothing if its half-angle is
   /// above 30°, or if lengths are extreme; holds() is false for rays that do not end together.
-  ConeToLight(const RayPacket<Vectors>& rays, LaneMask which, double wide = 4) {
+  ConeToLight(const RayPacket& rays, LaneMask which, double wide = 4) {
     const int first = std::countr_zero(bits(which));
     apex_ = rays.origin[first] + rays.direction[first];
     set(rays, which);
@@ -43,7 +43,7 @@ class ConeToLight {
   }
 
   /// Returns true if all chosen rays, in 0 < t < 1, lie inside.
-  [[nodiscard]] bool holds(const RayPacket<Vectors>& rays, LaneMask which) const {
+  [[nodiscard]] bool holds(const RayPacket& rays, LaneMask which) const {
     const Vectors end = rays.origin + rays.direction - Vectors(apex_), w = rays.origin - Vectors(apex_);
     const Doubles distance = sqrt(dot(w, w));
     const LaneMask inside = dot(end, end) < 0.0625 * drift_ * drift_ && distance < length_ &&
@@ -99,7 +99,7 @@ class ConeToLight {
 
   /// Returns the part of the cone around some of the rays that it holds: with the same apex, and as narrow as
   /// they are.
-  [[nodiscard]] ConeToLight around(const RayPacket<Vectors>& rays, LaneMask which) const {
+  [[nodiscard]] ConeToLight around(const RayPacket& rays, LaneMask which) const {
     ConeToLight narrow = *this;
     narrow.set(rays, which);
     return narrow;
@@ -113,7 +113,7 @@ class ConeToLight {
  private:
   /// Makes the cone as narrow and as long as some rays to the apex. The axis is between the first and the
   /// last.
-  void set(const RayPacket<Vectors>& rays, LaneMask which) {
+  void set(const RayPacket& rays, LaneMask which) {
     const Vectors w = rays.origin - Vectors(apex_);
     const Doubles distance = sqrt(dot(w, w));
     const int first = std::countr_zero(bits(which)), last = static_cast<int>(std::bit_width(bits(which))) - 1;
@@ -186,10 +186,9 @@ class InCone {
 class Occluders {
  public:
   /// Returns the surfaces that rays in 0 < t < 1 may hit, as indices in the scene's order; null if each ray
-  /// is better traced alone. search(half_spaces, visit) calls visit(index, SphereAround) for all that may be
-  /// in half-spaces.
-  [[nodiscard]] const std::vector<int>* between(const RayPacket<Vectors>& rays, LaneMask which,
-                                                const auto& search) {
+  /// is better traced alone. search(half_spaces) returns the surfaces that may be in half-spaces, as a vector
+  /// of SurfacesAround.
+  [[nodiscard]] const std::vector<int>* between(const RayPacket& rays, LaneMask which, const auto& search) {
     ToLight& to_light = lists_for(rays, std::countr_zero(bits(which)));
     List* list = to_light.list_of(rays, which);
     if (list == nullptr) {
@@ -205,12 +204,14 @@ class Occluders {
         list->cone.close();
         return nullptr;
       }
-      search(list->cone.half_spaces(), [&](int place, const SphereAround& around) {
-        ++looked_at;
-        if (list->in_cone.size() > most) return;
-        const auto seen = list->cone.seen(around);
-        if (list->cone.may_hold(seen)) list->in_cone.add(place, seen);
-      });
+      for (const auto& [places, lanes, around] : search(list->cone.half_spaces())) {
+        looked_at += std::popcount(lanes);
+        for (Bits some = lanes; some != 0 && list->in_cone.size() <= most; some &= some - 1) {
+          const int lane = std::countr_zero(some);
+          const auto seen = list->cone.seen(around[lane]);
+          if (list->cone.may_hold(seen)) list->in_cone.add(static_cast<int>(places[lane]), seen);
+        }
+      }
       if (list->in_cone.size() > 2 * handy)
         to_light.wide = std::max(1.5, 0.5 * to_light.wide);
       else if (list->in_cone.size() < handy)
@@ -258,14 +259,14 @@ class Occluders {
     double wide = 4;  ///< width of a cone, as a multiple of that of a packet's rays
     int served = 256, waits = 0, pause = 0;
 
-    List* list_of(const RayPacket<Vectors>& rays, LaneMask which) {
+    List* list_of(const RayPacket& rays, LaneMask which) {
       for (List& list : lists)
         if (list.cone.is_cone() && list.cone.holds(rays, which)) return &list;
       return nullptr;
     }
   };
 
-  ToLight& lists_for(const RayPacket<Vectors>& rays, int lane) {
+  ToLight& lists_for(const RayPacket& rays, int lane) {
     const Point end = rays.origin[lane] + rays.direction[lane];
     for (ToLight& to_light : lights_)
       if (glm::length(end - to_light.light) < to_light.near) return to_light;

@@ -60,32 +60,50 @@ inline Colors select(LaneMask which, const Color& a, const Color& b) {
 }
 inline Doubles select(LaneMask which, double a, double b) { return select(which, Doubles(a), Doubles(b)); }
 
-/// Rays of a packet. Origin is Point for rays that start together, as those of a pinhole do, and Vectors for
-/// others. All depart from the same geometry.
-template <class Origin>
+/// Rays of a packet. They depart from the same geometry, or each from its own primitive of one surface.
 struct RayPacket {
   using Light = Colors;  ///< type of their radiance
 
-  Origin origin;
-  Vectors direction;
-  LaneMask active = true;  ///< active lanes; results in the others do not matter
-  Departure departure;
+  Vectors origin, direction;
+  LaneMask active = true;             ///< active lanes; results in the others do not matter
+  Departure departure;                ///< geometry that all rays leave; none if `left` is a surface
+  const void* left = nullptr;         ///< surface of which each ray leaves a primitive; null for other rays
+  const SurfaceFunctions* functions;  ///< those of that surface; not set for other rays
+  Indices parts;                      ///< index of that primitive; not set for other rays
 
-  /// Sets the members; a constructor, since g++ clears an aggregate as a whole before it fills it.
-  RayPacket(const Origin& from, const Vectors& along, LaneMask asked_for = true, const Departure& left = {})
-      : origin(from), direction(along.x, along.y, along.z), active(asked_for), departure(left) {}
+  /// Sets the members; constructors, since g++ clears an aggregate as a whole before it fills it.
+  RayPacket(const Vectors& from, const Vectors& along, LaneMask lanes = true, const Departure& leaves = {})
+      : origin(from.x, from.y, from.z),
+        direction(along.x, along.y, along.z),
+        active(lanes),
+        departure(leaves) {}
+  RayPacket(const Vectors& from, const Vectors& along, LaneMask lanes, const void* surface,
+            const SurfaceFunctions& functions_of_surface, const Indices& primitives)
+      : origin(from.x, from.y, from.z),
+        direction(along.x, along.y, along.z),
+        active(lanes),
+        left(surface),
+        functions(&functions_of_surface),
+        parts(primitives) {}
 
   [[nodiscard]] Vectors at(Doubles t) const { return origin + t * direction; }
   [[nodiscard]] RayPacket turned(const Vectors& towards) const {
-    return {origin, towards, active, departure};
+    RayPacket rays = *this;
+    rays.direction = towards;
+    return rays;
   }
+
+  /// Returns true if each ray may depart from another primitive, so that the rays are traced one by one.
+  [[nodiscard]] bool leave_primitives() const { return left != nullptr; }
 
   /// Returns the ray in a lane.
   [[nodiscard]] Ray operator[](int lane) const {
-    if constexpr (std::same_as<Origin, Point>)
-      return {origin, direction[lane], departure};
-    else
-      return {origin[lane], direction[lane], departure};
+    Ray ray{origin[lane], direction[lane], departure};
+    if (leave_primitives()) {
+      ray.departure = functions->departure(left, static_cast<int>(parts[lane]));
+      ray.departure.in_scene = left;
+    }
+    return ray;
   }
 
   /// Returns the rays with only those lanes active that were so and are chosen.
@@ -97,15 +115,12 @@ struct RayPacket {
 
 /// Rays of a camera through some pixels. They have a type of their own, since they meet only what has been
 /// listed for their tile (accel/tile_scene.hpp).
-template <class Origin>
-struct CameraPacket : RayPacket<Origin> {
-  using RayPacket<Origin>::RayPacket;
+struct CameraPacket : RayPacket {
+  using RayPacket::RayPacket;
 };
 
 /// Returns the radiance that rays bring from an environment, which is asked ray by ray.
-template <class R>
-requires std::same_as<typename R::Light, Colors>
-[[nodiscard, gnu::noinline]] Colors light_from(const Texture& environment, const R& rays) {
+[[nodiscard, gnu::noinline]] inline Colors light_from(const Texture& environment, const RayPacket& rays) {
   Colors colors(Color{0});
   for (Bits left = bits(rays.active); left != 0; left &= left - 1) {
     const int lane = std::countr_zero(left);
@@ -122,8 +137,8 @@ struct ClosestCrossings {
 
 /// True for a surface whose equation, and normal_at, take several rays at once.
 template <class S>
-inline constexpr bool takes_packets = SurfaceWithEquation<S> && !SurfaceWithRoots<S> &&
-                                      requires(const S& surface, const RayPacket<Point>& rays) {
+inline constexpr bool takes_packets =
+    SurfaceWithEquation<S> && !SurfaceWithRoots<S> && requires(const S& surface, const RayPacket& rays) {
   surface.equation(rays);
 };
 
@@ -154,7 +169,8 @@ struct Inside {
 /// Returns first_crossing of the active rays of a packet, one by one, and sets `numbers` to number_of these
 /// crossings.
 template <Surface S>
-[[nodiscard, gnu::noinline]] ClosestCrossings first_crossings_by_itself(const S& surface, const auto& rays,
+[[nodiscard, gnu::noinline]] ClosestCrossings first_crossings_by_itself(const S& surface,
+                                                                        const RayPacket& rays,
                                                                         LaneMask active, Interval range,
                                                                         Indices& numbers) {
   ClosestCrossings first{.t = infinity, .met = false, .in_doubt = false};
@@ -172,7 +188,7 @@ template <Surface S>
 /// Returns first_crossing of the active rays of a packet. In a range that does not start at 0, all rays are
 /// in doubt.
 template <Surface S>
-[[nodiscard]] ClosestCrossings first_crossings(const S& surface, const auto& rays, LaneMask active,
+[[nodiscard]] ClosestCrossings first_crossings(const S& surface, const RayPacket& rays, LaneMask active,
                                                Interval range) {
   if constexpr (!takes_packets<S>) {
     Indices numbers = -1;
@@ -190,7 +206,7 @@ template <Surface S>
 
 /// Returns which of the active rays of a packet cross a surface inside a range.
 template <Surface S>
-[[nodiscard]] CrossedByEach<LaneMask> crossed_in(const S& surface, const auto& rays, LaneMask active,
+[[nodiscard]] CrossedByEach<LaneMask> crossed_in(const S& surface, const RayPacket& rays, LaneMask active,
                                                  Interval range) {
   if constexpr (takes_packets<S>)
     if (range.min == 0 && (range.max == 1 || range.max == infinity))
@@ -199,28 +215,6 @@ template <Surface S>
   return {.crossed = first.met, .in_doubt = first.in_doubt};
 }
 
-/// Rays that leave parts of a surface, each its own, and hence have no common departure, which a RayPacket
-/// must have.
-struct PacketFromPrimitives {
-  using Light = Colors;
-
-  Vectors origin, direction;
-  LaneMask active;
-  SurfaceCrossing left;  ///< the surface
-  Indices parts;
-
-  [[nodiscard]] PacketFromPrimitives turned(const Vectors& towards) const {
-    return {origin, towards, active, left, parts};
-  }
-  [[nodiscard]] Ray operator[](int lane) const {
-    return {origin[lane], direction[lane], left.departure(static_cast<int>(parts[lane]))};
-  }
-  friend PacketFromPrimitives&& only(LaneMask chosen, PacketFromPrimitives&& rays) {
-    rays.active = rays.active && chosen;
-    return std::move(rays);
-  }
-};
-
 /// Parts of a surface without parts: always 0.
 struct NoParts {
   int operator[](int) const { return 0; }
@@ -228,15 +222,15 @@ struct NoParts {
 
 /// Hits of some rays of a packet on one surface, each possibly on its own part of it: Intersection, with a
 /// lane for each ray.
-template <Surface S, class Origin, class Parts = NoParts>
+template <Surface S, class Parts = NoParts>
 class HitPacket {
  public:
   using Light = Colors;
 
   Doubles t;
 
-  HitPacket(const RayPacket<Origin>& rays, Doubles at, LaneMask which, const S& surface,
-            const Material& material, const Parts& parts = {})
+  HitPacket(const RayPacket& rays, Doubles at, LaneMask which, const S& surface, const Material& material,
+            const Parts& parts = {})
       : t(at), rays_(rays), which_(which), surface_(surface), material_(material), parts_(parts) {}
 
   [[nodiscard]] Vectors point() const { return rays_.at(min(t, farthest_point)); }
@@ -277,11 +271,11 @@ class HitPacket {
 
   [[nodiscard]] Colors color() const { return material_.texture ? texture() : Colors(material_.diffuse); }
 
-  [[nodiscard]] auto leave(const Vectors& direction) const {
+  [[nodiscard]] RayPacket leave(const Vectors& direction) const {
     if constexpr (std::same_as<Parts, NoParts>)
-      return RayPacket<Vectors>{point(), direction, which_, departure_of(surface_)};
+      return {point(), direction, which_, departure_of(surface_)};
     else
-      return PacketFromPrimitives{point(), direction, which_, crossing_on(surface_, {}, material_), parts()};
+      return {point(), direction, which_, &surface_, functions_of<S>, parts()};
   }
 
  private:
@@ -317,7 +311,7 @@ class HitPacket {
     return colors;
   }
 
-  const RayPacket<Origin>& rays_;
+  const RayPacket& rays_;
   LaneMask which_;
   const S& surface_;
   const Material& material_;

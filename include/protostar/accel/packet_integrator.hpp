@@ -24,8 +24,8 @@ concept ShadingIntegrator = requires(const I& integrator, const Ray& ray, const 
   { integrator.background(ray, scene) } -> std::convertible_to<Color>;
 };
 
-/// Integrator whose color of a surface without a texture is the same at all points: shade_anywhere(material).
-/// It declares this for its own type only.
+/// Integrator whose radiance of a hit is the same at all points of a surface without a texture, so that
+/// shade(hit, scene) is called without a point there. It declares this for its own type only.
 template <class I>
 concept ShadesAnywhere = std::same_as<typename I::ShadesAnywhere, I>;
 

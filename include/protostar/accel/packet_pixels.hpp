@@ -2,12 +2,9 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <cstring>
 
 #include "../image.hpp"
-#include "../simd/prefetch.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/store_lanes.hpp"
 #include "packet.hpp"
@@ -38,58 +35,11 @@ inline void write_packet(Image& image, const Tile& tile, int x, int y, const Col
   for (int i = 0; x + i < tile.x1; ++i) pixels[i] = {colors.r[i], colors.g[i], colors.b[i]};
 }
 
-/// Writes the colors of a block of rays, given by lanes, as far as its pixels are in a tile: `block`.
-[[gnu::always_inline]] inline void write_block(Image& image, const Tile& block, const WideFloats& r,
-                                               const WideFloats& g, const WideFloats& b) {
-  constexpr int width = RayBlock::width;
-  using Row = Lanes<float, width>;
-  float reds[float_lanes], greens[float_lanes], blues[float_lanes];
-  r.store(reds), g.store(greens), b.store(blues);
-  for (int y = block.y0, first = 0; y < block.y1; ++y, first += width) {
-    Color* const pixels = &image(block.x0, y);
-    if (block.width() == width)
-      store_in_turn(pixels, Row::load(reds + first), Row::load(greens + first), Row::load(blues + first));
-    else
-      for (int i = 0; i < block.width(); ++i)
-        pixels[i] = {reds[first + i], greens[first + i], blues[first + i]};
-  }
-}
-
-/// Colors of a row of a block, one pixel after the other.
-using RowOfColors = std::array<Color, RayBlock::width>;
-[[gnu::always_inline]] inline void write_rows(Image& image, const Tile& block, const RowOfColors& colors) {
-  for (int y = block.y0; y < block.y1; ++y)
-    if (block.width() == RayBlock::width)
-      std::memcpy(static_cast<void*>(&image(block.x0, y)), &colors, sizeof(colors));
-    else
-      std::copy_n(colors.begin(), block.width(), &image(block.x0, y));
-}
-
-/// Colors of a packet, one pixel after the other.
-using PacketOfColors = std::array<Color, double_lanes>;
-[[nodiscard]] inline PacketOfColors pixels_of(const Colors& colors) {
-  PacketOfColors pixels;
-  for (int i = 0; i < double_lanes; ++i)
-    pixels[static_cast<std::size_t>(i)] = {colors.r[i], colors.g[i], colors.b[i]};
-  return pixels;
-}
-inline void write_packet(Image& image, const Tile& tile, int x, int y, const PacketOfColors& colors) {
-  Color* const pixels = &image(x, y);
-  if (x + double_lanes <= tile.x1)
-    std::copy(colors.begin(), colors.end(), pixels);
-  else
-    std::copy_n(colors.begin(), tile.x1 - x, pixels);
-}
-
-/// Prefetches, for writing, the pixels of a packet a few rows below. Rows of a tile are too short for the
-/// processor to foresee where the next one is.
-inline void prefetch_below(Image& image, const Tile& tile, int x, int y) {
-  constexpr int rows = 4;
-  if (y + rows >= tile.y1) return;
-  Color* const pixels = &image(x, y + rows);
-  prefetch_to_write(pixels);
-  prefetch_to_write(pixels + std::min(double_lanes, tile.x1 - x) - 1);
-  keep_calls();
+/// Returns the colors of the pixels of a packet, as far as they are in the tile.
+[[nodiscard]] inline Colors colors_of(const Image& image, const Tile& tile, int x, int y) {
+  Colors colors(Color{0});
+  for (int i = 0; i < std::min(double_lanes, tile.x1 - x); ++i) colors.set(i, image(x + i, y));
+  return colors;
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -22,9 +22,9 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// Origin of the rays of a picture, as culling uses it.
 struct Viewpoint {
   /// Point from which centers are measured. Each ray, shifted by at most drift, is a part of a ray from here,
-  /// and begins there at a t of at most start. Parallel rays have no common point, and start is infinite.
+  /// unless rays are parallel.
   Point apex;
-  double drift = 0, start = 0;
+  double drift = 0;
 
   /// Point and unit normal of the plane on which all rays start, up to drift; they lead to the side of the
   /// normal. A normal that is not certain is 0.
@@ -41,7 +41,9 @@ struct RayBlock {
 /// column or a row share computed once.
 class PixelRays {
  public:
-  PixelRays(const Camera& camera, const PixelGrid& pixels, int width, int height)
+  /// Computes the tables. It is called once for a picture, so that it is compiled for size (gnu::cold), which
+  /// takes less of a compiler's time.
+  [[gnu::cold]] PixelRays(const Camera& camera, const PixelGrid& pixels, int width, int height)
       : camera_(camera),
         pixels_(pixels),
         is_pinhole_(camera.is_pinhole()),
@@ -77,21 +79,18 @@ class PixelRays {
     return {dx * scale, dy * scale, dz * scale};
   }
 
-  /// Returns the packet of these rays, of which rays in the tile are active. Rays of a pinhole have one Point
-  /// as origin, and rays of any other camera have Vectors.
-  template <class Origin = Point>
-  [[nodiscard]] CameraPacket<Origin> packet(const Tile& tile, int x, int y, const Vectors& directions,
-                                            int i = 0) const {
-    return {origin<Origin>(samples_[static_cast<std::size_t>(i)], x, y), directions, active(tile, x)};
+  /// Returns the packet of these rays, of which rays in the tile are active.
+  [[nodiscard]] CameraPacket packet(const Tile& tile, int x, int y, const Vectors& directions,
+                                    int i = 0) const {
+    return {is_pinhole_ ? Vectors(camera_.position) : film_origins(x, y, i), directions, active(tile, x)};
+  }
+  [[nodiscard]] CameraPacket packet(const Tile& tile, int x, int y, int i = 0) const {
+    return packet(tile, x, y, directions(x, y, i), i);
   }
   /// Returns the active lanes of a packet that begins in column x: the pixels in the tile.
   [[nodiscard]] static LaneMask active(const Tile& tile, int x) {
     return x + double_lanes <= tile.x1 ? LaneMask(true)
                                        : mask_of<double, double_lanes>(first_bits(tile.x1 - x));
-  }
-  template <class Origin = Point>
-  [[nodiscard]] CameraPacket<Origin> packet(const Tile& tile, int x, int y, int i = 0) const {
-    return packet<Origin>(tile, x, y, directions(x, y, i), i);
   }
 
   /// Vector of three floats, each rounded once.
@@ -156,24 +155,27 @@ class PixelRays {
   template <class T>
   class Table {
    public:
-    explicit Table(int size) : x_(index(size)), y_(index(size)), z_(index(size)) {}
+    explicit Table(int size) : size_(index(size)), numbers_(3 * size_) {}
 
     void set(int i, const Vec3& v) {
-      x_[index(i)] = static_cast<T>(v.x), y_[index(i)] = static_cast<T>(v.y);
-      z_[index(i)] = static_cast<T>(v.z);
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        numbers_[axis * size_ + index(i)] = static_cast<T>(v[static_cast<int>(axis)]);
     }
-    [[nodiscard]] Vec3 operator[](int i) const { return {x_[index(i)], y_[index(i)], z_[index(i)]}; }
+    [[nodiscard]] Vec3 operator[](int i) const { return {*row(0, i), *row(1, i), *row(2, i)}; }
 
     /// Returns V{x, y, z} with the components of the vectors from `first` on in the lanes.
     template <class V>
     [[nodiscard]] V some(int first) const {
       using L = decltype(V::x);
-      return {L::load(&x_[index(first)]), L::load(&y_[index(first)]), L::load(&z_[index(first)])};
+      return {L::load(row(0, first)), L::load(row(1, first)), L::load(row(2, first))};
     }
 
    private:
     static std::size_t index(int i) { return static_cast<std::size_t>(i); }
-    std::vector<T> x_, y_, z_;
+    [[nodiscard]] const T* row(std::size_t axis, int i) const { return &numbers_[axis * size_ + index(i)]; }
+
+    std::size_t size_;
+    std::vector<T> numbers_;
   };
 
   /// Terms that the rays through one sample of all pixels share.
@@ -218,36 +220,33 @@ class PixelRays {
     return {lanes(0), lanes(1), lanes(2)};
   }
 
-  template <class Origin>
-  [[nodiscard]] Origin origin(const Tables& sample, int x, int y) const {
-    if constexpr (std::same_as<Origin, Point>)
-      return camera_.position;
-    else
-      return camera_.origin(sample.film_along.template some<Vectors>(x), Vectors(sample.film_up[y]));
+  /// Returns where the rays through the i-th samples of some pixels start, on the film of a camera that is no
+  /// pinhole.
+  [[nodiscard, gnu::noinline]] Vectors film_origins(int x, int y, int i) const {
+    const Tables& sample = samples_[static_cast<std::size_t>(i)];
+    return camera_.origin(sample.film_along.some<Vectors>(x), Vectors(sample.film_up[y]));
   }
 
   /// Returns the viewpoint of a camera whose rays start on a film. With position P, film vectors F, G and
   /// directions d = f + u a + v b, a ray starts at
   ///   P + u F + v G = A + k d + e   with   A = P − k f,   e = u (F − k a) + v (G − k b),
-  /// for any k ≥ 0. Shifted by −e, it is a part of the ray from A along d, from k |d| on. The k that is used
+  /// for any k ≥ 0. Shifted by −e, it is a part of the ray from A along d. The k that is used
   /// minimizes |F − k a|² + |G − k b|² among k ≥ 0: for a sensor, it is the sensor's k, and e is 0 but for
-  /// rounding. |e| and |d| are largest in the corners of the image.
+  /// rounding. |e| is largest in the corners of the image.
   ///
   /// The corners of the film are at most R = |u F| + |v G| from P. Origins and A are rounded by less than
   /// 2^-50 of the sizes of their terms, (|P| + |A| + R). The normal of the film, from vectors at an angle of
   /// 2^-24 or more, is accurate to 2^-26, and its product with a vector in the film, truly 0, to 2^-26 R; in
   /// float, a half-space through the film's edge is off by 2^-23 R. Adding 2^-20 R + 2^-49 (|P| + |A|) to the
   /// bound of |e| covers all of it.
-  [[nodiscard]] Viewpoint viewpoint_of_film() const {
+  [[nodiscard, gnu::cold]] Viewpoint viewpoint_of_film() const {
     const auto& [position, right, up, forward, film_right, film_up] = camera_;
     const double u = pixels_.largest_u();
     const double film = u * length(film_right) + length(film_up);
     Viewpoint viewpoint{.apex = position, .film = position};
     double least = 1;  // smallest product of normal and a ray's unit direction
     const Vec3 normal = hand_ * cross(normalize(film_right), normalize(film_up));
-    if (camera_.is_orthographic()) {
-      viewpoint.start = std::numeric_limits<double>::infinity();
-    } else {
+    if (!camera_.is_orthographic()) {
       const double k =
           std::max(0.0, (dot(film_right, right) + dot(film_up, up)) / (dot(right, right) + dot(up, up)));
       viewpoint.apex = position - k * forward;
@@ -255,7 +254,6 @@ class PixelRays {
       for (const Vec3& across : {u * right, -u * right})
         for (const Vec3& upwards : {up, -up}) {
           const Vec3 d = forward + across + upwards;
-          viewpoint.start = std::max(viewpoint.start, (1 + 0x1p-40) * k * length(d));
           least = std::min(least, dot(normal, d) / length(d));
         }
     }
@@ -265,7 +263,7 @@ class PixelRays {
     return viewpoint;
   }
 
-  [[nodiscard]] Tables tables(const PixelSample& sample, int width, int height) const {
+  [[nodiscard, gnu::cold]] Tables tables(const PixelSample& sample, int width, int height) const {
     // Packets and blocks are read whole, also where only their first pixels are in the image.
     const int columns = width + RayBlock::width + double_lanes, rows = height + RayBlock::height;
     const int film_columns = is_pinhole_ ? 0 : columns, film_rows = is_pinhole_ ? 0 : rows;

@@ -3,7 +3,10 @@
 
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 
+#include "../simd/simd.hpp"
+#include "../simd/vectors.hpp"
 #include "../surface.hpp"
 #include "../surfaces/sphere.hpp"
 
@@ -19,6 +22,28 @@ struct SphereAround {
   double inner = -1;
 };
 
+/// Spheres that contain surfaces, one in each lane.
+struct SpheresAround {
+  Vectors center;
+  Doubles radius, inner;
+
+  SpheresAround(const Vectors& centers, const Doubles& radii, const Doubles& inner_radii)
+      : center(centers), radius(radii), inner(inner_radii) {}
+  SpheresAround(const SphereAround& one) : center(one.center), radius(one.radius), inner(one.inner) {}
+
+  [[nodiscard]] SphereAround operator[](int lane) const { return {center[lane], radius[lane], inner[lane]}; }
+};
+
+/// Indices of surfaces, one in each lane.
+using Numbers = Lanes<std::uint32_t, double_lanes>;
+
+/// Some surfaces, by their indices in the scene's order, and spheres around them, in lanes whose bit is set.
+struct SurfacesAround {
+  Numbers places;
+  Bits lanes;
+  SpheresAround around;
+};
+
 /// Returns true if a surface has finite bounds. The leaves of a BVH hold just these surfaces.
 template <Surface S>
 [[nodiscard]] bool has_bounds(const S& surface) {
@@ -30,7 +55,7 @@ template <Surface S>
   }
 }
 
-/// Returns a sphere around a surface. Its radius may be infinite.
+/// Returns a sphere around a surface. Its radius is infinite if the surface has no bounds.
 template <Surface S>
 [[nodiscard]] SphereAround sphere_around(const S& surface) {
   if constexpr (std::same_as<S, Sphere>) {
@@ -38,6 +63,7 @@ template <Surface S>
   } else if constexpr (!SurfaceWithBounds<S>) {
     return {Point{0}, infinity};
   } else {
+    if (!has_bounds(surface)) return {Point{0}, infinity};
     const auto [min, max] = surface.bounds();
     const Vec3 half = 0.5 * max - 0.5 * min;
     const Point center = min + half;

@@ -35,18 +35,6 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Spheres that contain surfaces, one in each lane.
-struct SpheresAround {
-  Vectors center;
-  Doubles radius, inner;
-
-  SpheresAround(const Vectors& centers, const Doubles& radii, const Doubles& inner_radii)
-      : center(centers), radius(radii), inner(inner_radii) {}
-  SpheresAround(const SphereAround& one) : center(one.center), radius(one.radius), inner(one.inner) {}
-
-  [[nodiscard]] SphereAround operator[](int lane) const { return {center[lane], radius[lane], inner[lane]}; }
-};
-
 /// Spheres of the leaves of a BVH, or spheres around its surfaces, as rows of floats in box space.
 class SphereLeaves {
  public:

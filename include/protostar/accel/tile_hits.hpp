@@ -2,24 +2,47 @@
 #pragma once
 
 #include <bit>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <tuple>
 #include <type_traits>
+#include <vector>
 
+#include "../render_options.hpp"
+#include "../scene.hpp"
 #include "../simd/prefetch.hpp"
+#include "candidates.hpp"
+#include "drawn.hpp"
+#include "occluders.hpp"
 #include "packet.hpp"
-#include "tile_surfaces.hpp"
 #include "visibility.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
+/// Surface that rays of a block may cross, by its index in the scene's order, as float tells.
+struct CrossedByBlock {
+  std::int32_t place;
+  Bits maybe, surely;  ///< rays that may cross it; and that surely cross it on their way in and out
+};
+
+/// State that the parts of a tile share.
+template <Surface... S>
+struct TileState {
+  Occluders occluders;
+  std::tuple<VisibilityBuffers<S>...> buffers;  ///< of surfaces that are rasterized
+  std::vector<CrossedByBlock> crossed;          ///< surfaces that a block of camera rays may cross
+  RenderStatistics taken;
+};
+
 /// Closest hits of packets among the surfaces of a tile. A surface is tested with all rays of a packet at
 /// once, and a ray that is left in doubt is then traced alone.
 template <Surface... S>
-class TileHits : public TileSurfaces<S...> {
-  using Base = TileSurfaces<S...>;
-
+class TileHits {
  public:
-  using Base::Base;
-  using Base::fetch, Base::has_crossings, Base::surfaces, Base::sees_one_buffer, Base::visit;
+  using State = TileState<S...>;
+  static constexpr bool rasterizes = (RasterizedSurface<S> || ...);  ///< true if any type can be rasterized
+  static constexpr bool has_primitives = (is_made_of_parts<S> || ...);  ///< true if any type has primitives
 
   /// Type of Closest::which if no surface has primitives.
   struct Nothing {
@@ -28,144 +51,194 @@ class TileHits : public TileSurfaces<S...> {
   /// Closest hit of each ray.
   struct Closest {
     Doubles t;      ///< infinity if the ray misses
-    Indices place;  ///< surface's index in the scene's order; −1 if the ray misses
+    Indices place;  ///< surface's index in the scene's order; sees_nothing if the ray misses
 
     /// Primitive that is hit: entry ≥ 0 of a visibility buffer, or number_of(Crossing) < 0.
-    [[no_unique_address]] std::conditional_t<has_crossings, Indices, Nothing> which = -1;
+    [[no_unique_address]] std::conditional_t<has_primitives, Indices, Nothing> which = -1;
   };
 
-  /// Returns the closest hits of camera rays among the candidates and the surfaces without bounds. It stops
-  /// at the first candidate whose nearest() is behind all hits: candidates are ordered by distance, or their
-  /// nearest() is 0.
-  template <class Origin>
-  [[nodiscard]] Closest closest(const CameraPacket<Origin>& rays) const {
-    Closest closest{.t = infinity, .place = -1};
-    LaneMask in_doubt = false;
-    for (int i = -unbounded(); i < candidates_.size(); ++i) {
-      // If no ray can reach a candidate before its closest hit, none can reach those that follow.
-      if (i > 0 && !any(rays.active && closest.t >= Doubles(candidates_.nearest(i)))) break;
-      const int place = place_of(i);
-      count_tests(rays.active);
-      visit(place,
-            [&](const auto& surface, const Material&) { consider(surface, place, rays, closest, in_doubt); });
-    }
-    if (any(in_doubt))
-      return decided(rays, in_doubt, closest,
-                     [&](const auto& visit_place) { this->each_candidate(visit_place); });
-    return closest;
+  TileHits(const Scene<S...>& scene, const Candidates& candidates, State& state)
+      : scene_(scene), candidates_(candidates), state_(state) {}
+
+  /// Sets the pixel at which the camera's next packet begins, and the index of its sample.
+  void set_first_pixel(int x, int y, int sample) const { first_x_ = x, first_y_ = y, sample_ = sample; }
+
+  /// Calls visit(surface, material) for the surface with this index in the scene's order.
+  void visit(std::int64_t place, const auto& visit) const {
+    auto i = static_cast<std::size_t>(place);
+    static_cast<void>((visit_group<S>(i, visit) || ...));
   }
 
-  /// Returns the closest hits of camera rays, given what they see: t of a surface that is surely seen is that
-  /// of its own first hit, compared with no other.
-  [[nodiscard]] Closest closest(const CameraPacket<Point>& rays, const Visibility::Places& seen) const {
-    const auto sees = [&](std::int32_t place) {
-      return rays.active && mask_for<double>(seen == Visibility::Places(place));
-    };
-    LaneMask open = sees(is_in_doubt);
-    Closest closest{.t = infinity, .place = -1};
-    if (any(open)) {
-      CameraPacket<Point> some = rays;
-      some.active = open;
-      closest = this->closest(some);
-    }
-    LaneMask left = rays.active && mask_for<double>(seen >= Visibility::Places(0)), in_doubt = false;
-    for (Bits some = bits(left); some != 0; some = bits(left)) {
-      const std::int32_t place = seen[std::countr_zero(some)];
-      const LaneMask here = sees(place);
-      count_tests(here);
-      visit(place, [&](const auto& surface, const Material&) {
-        const ClosestCrossings first = first_crossings(surface, rays, here, Interval{});
-        closest.t = select(here, first.t, closest.t);
-        in_doubt = in_doubt || (here && !first.met);
-      });
-      closest.place = select(here, Indices(place), closest.place);
-      left = left && !here;
-    }
-    if (any(in_doubt))
-      return decided(rays, in_doubt, closest,
-                     [&](const auto& visit_place) { this->each_candidate(visit_place); });
-    return closest;
+  /// Returns true if the surface with this index has a texture.
+  [[nodiscard]] bool has_texture(std::int64_t place) const {
+    bool has = false;
+    visit(place, [&](const auto&, const Material& material) { has = static_cast<bool>(material.texture); });
+    return has;
   }
 
-  /// Returns the closest hits of camera rays, given what the only visibility buffer tells of them
-  /// (sees_one_buffer). t is 0 for a certain hit, which is compared with no other, until shade computes it;
-  /// rays in doubt have their own.
-  [[nodiscard]] Closest closest(const CameraPacket<Point>& rays, const auto& seen) const {
-    count_tests(seen.met || seen.in_doubt);
-    const Closest closest{.t = select(seen.met, Doubles(0.0), infinity),
-                          .place = select(seen.met, Indices(only_buffer_), -1),
-                          .which = select(seen.met, seen.which, -1)};
-    if (!any(seen.in_doubt)) return closest;
-    return decided(rays, seen.in_doubt, closest,
-                   [&](const auto& visit_place) { this->each_candidate(visit_place); });
+  /// Calls f(buffer) and returns true if rays of the camera can hit only one surface, and that is rasterized.
+  bool with_only_buffer(const auto& f) const {
+    bool is_rasterized = false;
+    if constexpr (rasterizes)
+      if (candidates_.size() == 1)
+        visit(candidates_.place(0), [&]<class T>(const T&, const Material&) {
+          if constexpr (RasterizedSurface<T>)
+            if (const auto* const drawn = buffer_at<T>(candidates_.place(0))) f(*drawn), is_rasterized = true;
+        });
+    return is_rasterized;
   }
 
-  /// Returns the closest hits of other rays, by tests of all surfaces of the scene: for few surfaces.
-  template <class Origin>
-  [[nodiscard]] Closest closest(const RayPacket<Origin>& rays) const {
-    Closest closest{.t = infinity, .place = -1};
-    LaneMask in_doubt = false;
-    int count = 0;
-    const auto look_at_all = [&](const auto& surfaces_of_type) {
-      for (const auto& surface : surfaces_of_type) {
-        count_tests(rays.active);
-        consider(surface, count++, rays, closest, in_doubt);
-      }
-    };
-    (look_at_all(this->template surfaces<S>()), ...);
-    if (any(in_doubt))
-      return decided(rays, in_doubt, closest, [&](const auto& visit_place) {
-        for (int place = 0; place < count; ++place) visit_place(place);
-      });
-    return closest;
+  /// Returns the closest hits of camera rays. `seen` is what each ray surely sees first: the index of a
+  /// surface, sees_nothing, or is_in_doubt for a ray that is tested with all candidates.
+  [[nodiscard]] Closest closest(const CameraPacket& rays, const Indices& seen = is_in_doubt) const {
+    return search(rays, candidates_.places(), seen, true);
   }
 
-  /// Prefetches the materials of these hits.
-  void fetch(const Closest& closest) const {
-    for (Bits met = bits(closest.t < infinity); met != 0; met &= met - 1)
-      visit(static_cast<int>(closest.place[std::countr_zero(met)]),
-            [](const auto&, const Material& material) { prefetch_whole(material); });
+  /// Returns the closest hits of other rays, by tests of all surfaces of a scene of at most `few`.
+  [[nodiscard]] Closest closest(const RayPacket& rays) const {
+    static constexpr std::uint32_t all[few] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    return search(rays, std::span(all, scene_.size()), is_in_doubt, false);
   }
 
   /// Returns the radiance of rays with these closest hits: shade_hits(hits) for one surface after the other,
   /// so that nothing has to be gathered from different surfaces; background() for rays that miss.
-  [[nodiscard]] Colors shade(const auto& rays, const Closest& closest, const auto& background,
+  [[nodiscard]] Colors shade(const RayPacket& rays, const Closest& closest, const auto& background,
                              const auto& shade_hits) const {
-    const std::int64_t place = closest.place[wanted_lane(rays)];
-    if (any(rays.active && !mask_for<double>(closest.place == Indices(place))))
-      return shade_each(rays, closest, background, shade_hits);
-    if (place < 0) return Colors(background());
+    const LaneMask met = rays.active && closest.t < infinity;
     Colors result(Color{0});
-    visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
-      result = shade_on(surface, material, rays, closest, rays.active, shade_hits);
-    });
+    for (LaneMask left = met; any(left);) {
+      const std::int64_t place = closest.place[std::countr_zero(bits(left)) % double_lanes];
+      const LaneMask here = left && mask_for<double>(closest.place == Indices(place));
+      Colors colors(Color{0});
+      visit(place, [&](const auto& surface, const Material& material) {
+        colors = shade_on(surface, material, rays, closest, here, shade_hits);
+      });
+      if (!any(rays.active && !here)) return colors;  // mostly so
+      result = select(here, colors, result);
+      left = left && !here;
+    }
+    return any(rays.active && !met) ? select(met, result, Colors(background())) : result;
+  }
+
+  /// Returns the radiance of pixels that surely see these surfaces, or nothing, by an integrator that needs
+  /// no point of them.
+  [[nodiscard]] Colors shade_anywhere(const Indices& seen, const auto& background,
+                                      const auto& shade_hits) const {
+    const RayPacket no_rays(Vectors(Vec3{0}), Vectors(Vec3{0}));
+    Bits left = bits(!(seen == Indices(sees_nothing)));
+    Colors result = left == first_bits(double_lanes) ? Colors(Color{0}) : Colors(background());
+    while (left != 0) {
+      const std::int64_t place = seen[std::countr_zero(left)];
+      const LaneMask here = mask_for<double>(seen == Indices(place));
+      visit(place, [&](const auto& surface, const Material& material) {
+        result = select(here, Colors(shade_hits(HitPacket(no_rays, 0.0, here, surface, material))), result);
+      });
+      left &= ~bits(here);
+    }
     return result;
   }
 
+  /// Prefetches these candidates; or the materials of these hits.
+  void fetch(const Candidates& candidates) const {
+    for (const std::uint32_t place : candidates.places())
+      visit(place, [](const auto& surface, const Material&) { prefetch(&surface); });
+  }
+  void fetch(const Closest& closest) const {
+    for (Bits met = bits(closest.t < infinity); met != 0; met &= met - 1)
+      visit(closest.place[std::countr_zero(met)],
+            [](const auto&, const Material& material) { prefetch_whole(material); });
+  }
+
  protected:
-  using Base::candidates_, Base::first_x_, Base::first_y_, Base::only_buffer_, Base::statistics_;
-  using Base::closest_by_itself, Base::count_tests, Base::each_candidate, Base::one, Base::place_of;
-  using Base::unbounded;
-  template <class R>
-  static constexpr bool are_of_pinhole = Base::template are_of_pinhole<R>;
+  /// Largest number of surfaces for which testing all of them is faster than a traversal.
+  static constexpr std::size_t few = 16;
+
+  static LaneMask one(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
+
+  void count_tests(LaneMask which) const {
+    state_.taken.surface_tests += static_cast<std::uint64_t>(std::popcount(bits(which)));
+  }
+
+  /// Returns the visibility buffer of the surface with this index; null if it has none.
+  template <RasterizedSurface T>
+  [[nodiscard]] const typename T::Drawn* buffer_at(std::int64_t place) const {
+    return std::get<VisibilityBuffers<T>>(state_.buffers).at(static_cast<int>(place), sample_);
+  }
+
+  /// Closest hit of one ray among some surfaces, and the index of its surface; sees_nothing if it misses.
+  struct PlacedCrossing {
+    int place = sees_nothing;
+    SurfaceCrossing crossing;
+  };
+  [[nodiscard, gnu::noinline, gnu::cold]] PlacedCrossing closest_by_itself(
+      const Ray& ray, std::span<const std::uint32_t> places) const {
+    PlacedCrossing first;
+    for (const std::uint32_t place : places)
+      visit(place, [&, place = static_cast<int>(place)](const auto& surface, const Material& material) {
+        const auto crossing = first_crossing(surface, ray, Interval{});
+        if (!crossing) return;
+        const SurfaceCrossing candidate = crossing_on(surface, *crossing, material);
+        if (first.place < 0 || precedes(ray, candidate, place, first.crossing, first.place))
+          first = {place, candidate};
+      });
+    return first;
+  }
+
+  const Scene<S...>& scene_;
+  const Candidates& candidates_;
+  State& state_;
+  mutable int first_x_ = 0, first_y_ = 0, sample_ = 0;
 
  private:
-  /// Returns the lane of an active ray; a camera packet begins with one.
-  template <class Origin>
-  static int wanted_lane(const CameraPacket<Origin>&) {
-    return 0;
+  /// Visits the i-th surface of one type and returns true; if there is none, subtracts their number from i.
+  template <Surface T>
+  bool visit_group(std::size_t& i, const auto& visit) const {
+    const auto& surfaces = scene_.template surfaces<T>();
+    if (i < surfaces.size()) {
+      visit(surfaces[i], scene_.template materials<T>()[i]);
+      return true;
+    }
+    i -= surfaces.size();
+    return false;
   }
-  template <class Origin>
-  static int wanted_lane(const RayPacket<Origin>& rays) {
-    return std::countr_zero(bits(rays.active)) % double_lanes;  // % tells g++ that the lane exists
+
+  /// Returns the closest hits of rays. A ray in doubt is tested with all surfaces in `places`; one that
+  /// surely sees a surface is tested with that alone. Camera rays have visibility buffers.
+  [[nodiscard, gnu::always_inline]] Closest search(const RayPacket& rays,
+                                                   std::span<const std::uint32_t> places, const Indices& seen,
+                                                   bool are_of_camera) const {
+    const auto sees = [&](std::int64_t place) { return mask_for<double>(seen == Indices(place)); };
+    const LaneMask open = rays.active && sees(is_in_doubt);
+    LaneMask sure = rays.active && !open && !sees(sees_nothing), in_doubt = false;
+    Closest closest{.t = infinity, .place = sees_nothing};
+    for (std::size_t next = any(open) ? 0 : places.size();;) {
+      std::int64_t place = 0;
+      LaneMask lanes = open;
+      if (next < places.size()) {
+        place = places[next++];
+      } else {
+        if (!any(sure)) break;
+        place = seen[std::countr_zero(bits(sure)) % double_lanes];
+        lanes = sure && sees(place);
+        sure = sure && !lanes;
+      }
+      count_tests(lanes);
+      visit(place, [&](const auto& surface, const Material&) {
+        test(surface, place, rays, lanes, are_of_camera, closest, in_doubt);
+      });
+    }
+    if (any(in_doubt)) return decided(rays, in_doubt, closest, places);
+    return closest;
   }
 
   /// Updates the closest hits with those of one surface, and in_doubt with the rays that it leaves in doubt.
   template <Surface T>
-  void consider(const T& surface, int place, const auto& rays, Closest& closest, LaneMask& in_doubt) const {
-    if constexpr (RasterizedSurface<T> && are_of_pinhole<decltype(rays)>)
-      if (const auto* const drawn = this->template buffer_at<T>(place)) {
-        const auto seen = drawn->seen(rays.active, first_x_, first_y_);
+  [[gnu::always_inline]] void test(const T& surface, std::int64_t place, const RayPacket& rays,
+                                   LaneMask lanes, [[maybe_unused]] bool are_of_camera, Closest& closest,
+                                   LaneMask& in_doubt) const {
+    if constexpr (RasterizedSurface<T>)
+      if (const auto* const drawn = are_of_camera ? buffer_at<T>(place) : nullptr) {
+        const auto seen = drawn->seen(lanes, first_x_, first_y_);
         ClosestCrossings first{.t = infinity, .met = seen.met, .in_doubt = seen.in_doubt};
         if (any(seen.met))
           first.t = select(seen.met, drawn->t(seen.which, seen.met, rays.direction), first.t);
@@ -176,23 +249,22 @@ class TileHits : public TileSurfaces<S...> {
     if constexpr (is_made_of_parts<T>)
       if (has_parts(surface)) {
         Indices numbers = -1;
-        const ClosestCrossings first =
-            first_crossings_by_itself(surface, rays, rays.active, Interval{}, numbers);
+        const ClosestCrossings first = first_crossings_by_itself(surface, rays, lanes, Interval{}, numbers);
         const LaneMask sooner = take(first, place, closest, in_doubt);
         closest.which = select(sooner, numbers, closest.which);
         return;
       }
-    take(first_crossings(surface, rays, rays.active, Interval{}), place, closest, in_doubt);
+    take(first_crossings(surface, rays, lanes, Interval{}), place, closest, in_doubt);
   }
 
   /// Replaces closest hits by those that surely precede them, and returns their rays; rays with hits in an
   /// uncertain order become in_doubt.
-  LaneMask take(const ClosestCrossings& first, int place, Closest& closest, LaneMask& in_doubt) const {
+  static LaneMask take(const ClosestCrossings& first, std::int64_t place, Closest& closest,
+                       LaneMask& in_doubt) {
     // The order is certified if the errors of both t, 2^-30 of each, do not overlap.
     const LaneMask sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
     const LaneMask later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
     in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
-    if (!any(sooner)) return sooner;
     closest.t = select(sooner, first.t, closest.t);
     closest.place = select(sooner, Indices(place), closest.place);
     return sooner;
@@ -200,14 +272,12 @@ class TileHits : public TileSurfaces<S...> {
 
   /// Returns the radiance of rays that hit one surface, though perhaps different primitives of it.
   template <Surface T>
-  [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const auto& rays,
+  [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const RayPacket& rays,
                                 const Closest& closest, LaneMask which, const auto& shade_hits) const {
     if constexpr (RasterizedSurface<T>)
       if (!any(which && mask_for<double>(closest.which < Indices(0)))) {
-        const auto& drawn =
-            *this->template buffer_at<T>(static_cast<int>(closest.place[std::countr_zero(bits(which))]));
-        const Doubles t = sees_one_buffer() ? drawn.t(closest.which, which, rays.direction) : closest.t;
-        return Colors(shade_hits(HitPacket(rays, t, which, surface, material,
+        const auto& drawn = *buffer_at<T>(closest.place[std::countr_zero(bits(which))]);
+        return Colors(shade_hits(HitPacket(rays, closest.t, which, surface, material,
                                            PrimitivesSeen<typename T::Drawn>{drawn, closest.which})));
       }
     if constexpr (is_made_of_parts<T>)
@@ -216,7 +286,7 @@ class TileHits : public TileSurfaces<S...> {
   }
   template <Surface T>
   [[nodiscard, gnu::noinline]] Colors shade_by_itself(const T& surface, const Material& material,
-                                                      const auto& rays, const Closest& closest,
+                                                      const RayPacket& rays, const Closest& closest,
                                                       LaneMask which, const auto& shade_hits) const {
     Colors result(Color{0});
     for (Bits left = bits(which); left != 0; left &= left - 1) {
@@ -230,33 +300,18 @@ class TileHits : public TileSurfaces<S...> {
     return result;
   }
 
-  /// Returns the radiance of rays that hit different surfaces, or of which some miss.
-  [[nodiscard, gnu::noinline]] Colors shade_each(const auto& rays, const Closest& closest,
-                                                 const auto& background, const auto& shade_hits) const {
-    Colors result(background());
-    LaneMask left = rays.active && closest.t < infinity;
-    for (Bits some = bits(left); some != 0; some = bits(left)) {
-      const std::int64_t place = closest.place[std::countr_zero(some)];
-      const LaneMask here = left && mask_for<double>(closest.place == Indices(place));
-      visit(static_cast<int>(place), [&](const auto& surface, const Material& material) {
-        result = select(here, shade_on(surface, material, rays, closest, here, shade_hits), result);
-      });
-      left = left && !here;
-    }
-    return result;
-  }
-
   /// Returns the closest hits, with each ray in doubt traced alone. `closest` is passed by value, so that
   /// what double decides can stay in registers.
-  [[nodiscard, gnu::noinline, gnu::cold]] Closest decided(const auto& rays, LaneMask in_doubt,
-                                                          Closest closest, const auto& each_place) const {
+  [[nodiscard, gnu::noinline, gnu::cold]] Closest decided(const RayPacket& rays, LaneMask in_doubt,
+                                                          Closest closest,
+                                                          std::span<const std::uint32_t> places) const {
     for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
-      ++statistics_.in_doubt;
-      const auto [place, crossing] = closest_by_itself(rays[lane], each_place);
+      ++state_.taken.in_doubt;
+      const auto [place, crossing] = closest_by_itself(rays[lane], places);
       closest.t = select(one(lane), Doubles(place < 0 ? infinity : crossing.crossing.t), closest.t);
       closest.place = select(one(lane), Indices(place), closest.place);
-      if constexpr (has_crossings)
+      if constexpr (has_primitives)
         closest.which = select(one(lane), Indices(number_of(crossing.crossing)), closest.which);
     }
     return closest;

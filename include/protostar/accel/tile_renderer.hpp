@@ -1,4 +1,5 @@
-// Renderer of the tiles of a picture: finds the surfaces that a tile may see, then traces its packets.
+// Renderer of the tiles of a picture: culls the surfaces that a tile may see, finds what its pixels see in
+// float, and traces packets of rays through the pixels of which float does not tell enough.
 #pragma once
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <tuple>
@@ -20,14 +22,13 @@
 #include "candidates.hpp"
 #include "drawn.hpp"
 #include "frustum.hpp"
-#include "occluders.hpp"
 #include "packet.hpp"
 #include "packet_integrator.hpp"
 #include "packet_pixels.hpp"
 #include "pixel_rays.hpp"
 #include "sphere_around.hpp"
-#include "tile_filler.hpp"
 #include "tile_scene.hpp"
+#include "visibility.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -38,62 +39,64 @@ class TileRenderer {
   /// Borrows the image, the scene, the integrator and the statistics.
   TileRenderer(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& scene, const I& integrator,
                const RenderOptions& options)
-      : scene_(scene),
+      : image_(image),
+        scene_(scene),
+        integrator_(integrator),
         rays_(camera, PixelGrid(image.width(), image.height(), options), image.width(), image.height()),
         skips_(worthwhile(options, image, scene.scene().size())),
-        statistics_(options.statistics),
-        filler_(image, scene, integrator, rays_, unbounded_, skips_) {
+        statistics_(options.statistics) {
     int place = 0;
-    (add_group<S>(place), ...);
-    put_in_order(candidates_);
+    if (!is_large()) (add_all<S>(place), ...);
   }
 
   /// Fills a tile.
   void operator()(const Tile& tile) const {
     const Fallbacks before = fallbacks;
-    Work work;
-    if constexpr (View::draws) work.drawn = take_buffers();
-    Candidates in_tile;
+    std::unique_ptr<Work> work = take_work();
     const Frustum frustum(rays_, tile);
-    if (is_large()) {
-      Candidates found;
-      int first = 0;
-      const TileHalfSpaces half_spaces(rays_, tile);
-      (add_found<S>(half_spaces, first, found), ...);
-      if constexpr (!nearest_first) found.order_by_place();
-      put_in_order(found);
-      in_tile.add(found, frustum);
-    } else {
+    Candidates& in_tile = work->lists[0];
+    in_tile.clear();
+    if (is_large())
+      in_tile.add(found_for(tile), frustum);
+    else
       in_tile.add(candidates_, frustum);
-    }
-    if constexpr (by_packets && View::draws)
-      if (rays_.is_pinhole()) draw(in_tile, tile, work);
-    if (!filler_.fill_at_once(tile, in_tile, frustum, work) && !filler_.fill_from_buffer(tile, in_tile, work))
-      fill_parts(tile, in_tile, 0, work);
-    if constexpr (View::draws) return_buffers(std::move(work.drawn));
-    if (statistics_) {
-      work.taken.exact = fallbacks.exact - before.exact;
-      const std::lock_guard lock(sharing_);
-      *statistics_ += work.taken;
-    }
+    if constexpr (by_packets && View::rasterizes)
+      if (rays_.is_pinhole()) rasterize(in_tile, tile, *work);
+    if (!fill_uniform(tile, in_tile, frustum, *work)) fill_parts(tile, in_tile, 0, *work);
+    work->state.taken.exact = fallbacks.exact - before.exact;
+    return_work(std::move(work));
   }
 
  private:
   using View = TileScene<S...>;
+  using Closest = typename View::Closest;
 
   static constexpr bool by_packets = PacketIntegrator<I>;
-  static constexpr bool nearest_first = ShadingIntegrator<I, View> || !by_packets;
+  static constexpr bool shades = ShadingIntegrator<I, View>;
+  static constexpr bool shades_anywhere = shades && ShadesAnywhere<I>;
 
-  /// Size of the parts that a tile is divided into. A part with more than `most` candidates is divided
-  /// further, by the next size; in the last size, each row of such a part has its own list of candidates.
+  /// Sizes of the parts that a tile is divided into. A part with more than `most` candidates is divided
+  /// further, into parts of the next size; the least is a block of rays.
   struct Division {
     int width, height, most;
   };
-  static constexpr Division divisions[] = {{16, 16, 3}, {8, 8, TileFiller<I, S...>::most_for_all_rows}};
+  static constexpr Division divisions[] = {{16, 16, 3}, {8, 8, 16}, {8, RayBlock::height, 0}};
 
-  /// Buffers of a tile: those of its parts, and the candidates of parts of each size.
-  struct Work : TileWork<View> {
-    Candidates lists[std::size(divisions)];
+  /// First pixel of a packet.
+  struct PacketStart {
+    int x, y;
+  };
+  static constexpr std::size_t most_packets = 16 * ((16 + double_lanes - 1) / double_lanes);
+
+  /// Largest number of candidates that are tested in double as fast as in float, for colors that need t.
+  static constexpr int as_fast_in_double = 3;
+
+  /// Buffers of a tile and of its parts: the candidates of the tile and of parts of each size, and what the
+  /// pixels of a part see.
+  struct Work {
+    Candidates lists[std::size(divisions) + 1];
+    Visibility visibility;
+    TileState<S...> state;
   };
 
   /// Returns the skips of the options, without lists of occluders in a picture of fewer than 64 pixels for
@@ -108,102 +111,314 @@ class TileRenderer {
   }
 
   /// Returns true if there are so many surfaces that each tile traverses the BVH for its own, instead of
-  /// testing all.
+  /// testing all, and that their numbers are not in a cache.
   [[nodiscard]] bool is_large() const { return scene_.scene().size() > 2048; }
 
-  /// Adds the candidates that any tile may see, and the surfaces without bounds.
+  /// Adds all surfaces of one type; `place` is the index of the first, and becomes that of the next type's.
   template <Surface T>
-  void add_group(int& place) {
-    const auto& surfaces = scene_.scene().template surfaces<T>();
-    scene_.template each_unbounded<T>(
-        [&](std::uint32_t i) { unbounded_.push_back(place + static_cast<int>(i)); });
-    if (!is_large())
-      for (std::size_t i = 0; i < surfaces.size(); ++i)
-        if (has_bounds(surfaces[i]))
-          candidates_.add(place + static_cast<int>(i), rays_.viewpoint(), sphere_around(surfaces[i]));
-    place += static_cast<int>(surfaces.size());
+  void add_all(int& place) {
+    for (const T& surface : scene_.scene().template surfaces<T>())
+      candidates_.add(place++, rays_.viewpoint(), sphere_around(surface));
   }
 
-  /// Adds the surfaces of one type that the BVH has for a frustum; `first` is the index of the type's first
-  /// surface, and becomes that of the next type's.
-  template <Surface T>
-  void add_found(const TileHalfSpaces& half_spaces, int& first, Candidates& found) const {
-    scene_.template frustum_query<T>(
-        half_spaces.side, [&](const Numbers& numbers, Bits some, const SpheresAround& around) {
-          found.add(numbers + Numbers(static_cast<std::uint32_t>(first)), some, rays_.viewpoint(), around);
-        });
-    first += static_cast<int>(scene_.scene().template surfaces<T>().size());
+  /// Returns the surfaces that the BVH has for a tile. Only closest hits may come in any order.
+  [[nodiscard]] Candidates found_for(const Tile& tile) const {
+    std::vector<SurfacesAround> surfaces;
+    scene_.frustum_query(TileHalfSpaces(rays_, tile).side, surfaces);
+    Candidates found;
+    for (const auto& [places, lanes, around] : surfaces) found.add(places, lanes, rays_.viewpoint(), around);
+    if constexpr (by_packets && !shades) found.order_by_place();
+    return found;
   }
 
-  /// Returns empty visibility buffers: those of an earlier tile, or new ones. They are large.
-  [[nodiscard]] typename View::Drawn take_buffers() const {
+  /// Returns buffers of an earlier tile, or new ones: they are large.
+  [[nodiscard]] std::unique_ptr<Work> take_work() const {
     const std::lock_guard lock(sharing_);
-    if (spare_buffers_.empty()) return {};
-    typename View::Drawn buffers = std::move(spare_buffers_.back());
-    spare_buffers_.pop_back();
-    (std::get<VisibilityBuffers<S>>(buffers).clear(), ...);
-    return buffers;
+    if (spare_.empty()) return std::unique_ptr<Work>(new Work);
+    std::unique_ptr<Work> work = std::move(spare_.back());
+    spare_.pop_back();
+    (std::get<VisibilityBuffers<S>>(work->state.buffers).clear(), ...);
+    work->state.occluders = {}, work->state.taken = {};
+    return work;
   }
-  void return_buffers(typename View::Drawn&& buffers) const {
+  void return_work(std::unique_ptr<Work> work) const {
     const std::lock_guard lock(sharing_);
-    spare_buffers_.push_back(std::move(buffers));
+    if (statistics_) *statistics_ += work->state.taken;
+    spare_.push_back(std::move(work));
+  }
+
+  [[nodiscard]] View view_of(const Candidates& candidates, Work& work) const {
+    return View(scene_, candidates, skips_, work.state);
   }
 
   /// Rasterizes the candidates that can be.
-  void draw(const Candidates& candidates, const Tile& tile, Work& work) const {
+  void rasterize(const Candidates& candidates, const Tile& tile, Work& work) const {
+    const View view = view_of(candidates, work);
     const TileHalfSpaces half_spaces(rays_, tile);
-    const int samples = rays_.pixels().samples();
-    const auto visit = [&]<class T>(const VisibilityBuffers<T>&, const T& surface, int place) {
-      if constexpr (RasterizedSurface<T>)
-        for (int i = 0; i < samples; ++i)
-          if (auto* const drawn = std::get<VisibilityBuffers<T>>(work.drawn).add(place, i))
-            surface.draw(*drawn, rays_, i, half_spaces, tile);
-    };
-    for (int i = 0; i < candidates.size(); ++i) {
-      auto at = static_cast<std::size_t>(candidates.place(i));
-      const auto visit_group = [&]<class T>(const VisibilityBuffers<T>& group) {
-        const auto& surfaces = scene_.scene().template surfaces<T>();
-        if (at < surfaces.size()) return visit(group, surfaces[at], candidates.place(i)), true;
-        return at -= surfaces.size(), false;
-      };
-      static_cast<void>((visit_group(VisibilityBuffers<S>{}) || ...));
-    }
-  }
-
-  /// Orders candidates near to far for integrators that shade closest hits. For others, which may ask for
-  /// crossings in the scene's order, they keep that order, and none is left out for its distance.
-  void put_in_order(Candidates& candidates) const {
-    if constexpr (nearest_first) candidates.order_by_distance();
-    if (!nearest_first || !skips_.farther_surfaces) candidates.bring_near();
+    for (const std::uint32_t place : candidates.places())
+      view.visit(place, [&]<class T>(const T& surface, const Material&) {
+        if constexpr (RasterizedSurface<T>)
+          for (int i = 0; i < rays_.pixels().samples(); ++i)
+            if (auto* const drawn =
+                    std::get<VisibilityBuffers<T>>(work.state.buffers).add(static_cast<int>(place), i))
+              surface.draw(*drawn, rays_, i, half_spaces, tile);
+      });
   }
 
   /// Divides a tile into parts, culls its candidates for each, and fills it or divides it further.
   void fill_parts(const Tile& tile, const Candidates& candidates, std::size_t division, Work& work) const {
     const auto [width, height, most] = divisions[division];
-    Candidates& in_part = work.lists[division];
+    Candidates& in_part = work.lists[division + 1];
     for (int y = tile.y0; y < tile.y1; y += height)
       for (int x = tile.x0; x < tile.x1; x += width) {
         const Tile part{x, y, std::min(x + width, tile.x1), std::min(y + height, tile.y1)};
         const Frustum frustum(rays_, part);
         in_part.clear();
         in_part.add(candidates, frustum);
-        if (filler_.fill_at_once(part, in_part, frustum, work)) continue;
+        if (fill_uniform(part, in_part, frustum, work)) continue;
         if (in_part.size() <= most || division + 1 == std::size(divisions))
-          filler_.fill(part, in_part, work);
+          fill(part, in_part, work);
         else
           fill_parts(part, in_part, division + 1, work);
       }
   }
 
+  /// Fills a tile, or a part of one, if all of its rays surely see the same and have one radiance; returns
+  /// false if not. All rays of a frustum without candidates miss; all rays of one that a candidate fills meet
+  /// that candidate.
+  [[nodiscard]] bool fill_uniform(const Tile& tile, const Candidates& candidates, const Frustum& frustum,
+                                  Work& work) const {
+    if constexpr (by_packets) {
+      if (!has_one_background()) return false;
+      const View view = view_of(candidates, work);
+      if (!see_the_same(candidates, frustum, view)) return false;
+      fill_with(tile, uniform_color(tile, candidates, view, work));
+      work.state.taken.pixels_skipped += count_of(tile);
+      return true;
+    }
+    return false;
+  }
+
+  /// Returns true if all rays that miss have the same radiance, as there is no environment, and may be
+  /// skipped.
+  [[nodiscard]] bool has_one_background() const {
+    return skips_.empty_tiles && !scene_.scene().environment();
+  }
+
+  /// Returns true if all rays of a frustum meet the same surfaces, and these tell their radiance without the
+  /// points that they meet.
+  [[nodiscard]] bool see_the_same(const Candidates& candidates, const Frustum& frustum,
+                                  const View& view) const {
+    if (candidates.size() == 0) return true;
+    if constexpr (!shades_anywhere && !AsksForCrossings<I>) return false;
+    if (!rays_.is_pinhole() || !skips_.sure_in_float || (shades && candidates.size() > 1)) return false;
+    for (int i = 0; i < candidates.size(); ++i)
+      if (!candidates.fills(i, frustum) || view.has_texture(candidates.place(i))) return false;
+    return true;
+  }
+
+  /// Returns the color of all pixels of a tile that see the same: all candidates.
+  [[nodiscard, gnu::noinline]] Color uniform_color(const Tile& tile, const Candidates& candidates,
+                                                   const View& view, Work& work) const {
+    Colors colors(Color{0});
+    if constexpr (shades) {
+      colors = shade_seen(Indices(candidates.size() == 0 ? sees_nothing : candidates.place(0)), view);
+    } else {
+      work.state.crossed.clear();
+      for (int i = 0; i < candidates.size(); ++i)
+        work.state.crossed.push_back({candidates.place(i), ~Bits{0}, ~Bits{0}});
+      view.set_crossed(&work.state.crossed);
+      colors = integrator_.radiance(
+          rays_.packet({tile.x0, tile.y0, tile.x0 + 1, tile.y0 + 1}, tile.x0, tile.y0), view);
+    }
+    const Color color{colors.r[0], colors.g[0], colors.b[0]};
+    return rays_.pixels().mean([&](int) { return color; });
+  }
+
+  /// Returns the radiance of pixels that surely see these surfaces, or nothing, and whose rays do not matter.
+  [[nodiscard]] Colors shade_seen(const Indices& seen, const View& view) const {
+    const CameraPacket no_rays(Vectors(Vec3{0}), Vectors(Vec3{0}));
+    const auto background = [&] { return integrator_.background(no_rays, view); };
+    if constexpr (shades_anywhere)
+      return view.shade_anywhere(seen, background,
+                                 [&](const auto& hits) { return integrator_.shade(hits, view); });
+    else
+      return Colors(background());
+  }
+
+  void fill_with(const Tile& tile, const Color& color) const {
+    const auto row = [&](int y) { return &image_(tile.x0, y); };
+    std::fill_n(row(tile.y0), tile.width(), color);
+    for (int y = tile.y0 + 1; y < tile.y1; ++y) std::copy_n(row(tile.y0), tile.width(), row(y));
+  }
+
+  static std::uint64_t count_of(const Tile& tile) {
+    return static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
+  }
+
+  /// Fills a part of at most 16 × 16 pixels with the mean radiance of each pixel's rays.
+  void fill(const Tile& part, const Candidates& candidates, Work& work) const {
+    View view = view_of(candidates, work);
+    if (is_large()) view.fetch(candidates);
+    const PixelGrid& pixels = rays_.pixels();
+    const int samples = pixels.samples();
+    work.state.taken.camera_rays += count_of(part) * static_cast<std::uint64_t>(samples);
+    if constexpr (!by_packets) {
+      for (int y = part.y0; y < part.y1; ++y)
+        for (int x = part.x0; x < part.x1; ++x)
+          image_(x, y) = pixels.mean([&](int i) {
+            const Ray ray = pixels.ray(rays_.camera(), x, y, i);
+            view.set_pixel(ray);
+            return protostar::detail::radiance_of(integrator_, ray, view);
+          });
+    } else {
+      // The image holds the sum of the samples so far.
+      for (int i = 0; i < samples; ++i)
+        if constexpr (shades)
+          fill_hits(part, candidates, view, i, work);
+        else
+          fill_radiance(part, candidates, view, i, work);
+      if (samples == 1) return;
+      for (int y = part.y0; y < part.y1; ++y)
+        for (int x = part.x0; x < part.x1; ++x)
+          image_(x, y) = protostar::held(image_(x, y) * (1 / static_cast<float>(samples)));
+    }
+  }
+
+  /// Adds the i-th sample of a part, for an integrator that shades closest hits. All packets go through one
+  /// step after the other: directions, closest hits, colors. Each step waits for a square root and a
+  /// division; these waits of many packets overlap.
+  [[gnu::flatten]] void fill_hits(const Tile& part, const Candidates& candidates, const View& view, int i,
+                                  Work& work) const {
+    const bool is_known = find_visibility(part, candidates, view, i, work);
+    const auto seen_from = [&](int x, int y) {
+      return is_known ? widened(work.visibility(x, y)) : Indices(is_in_doubt);
+    };
+    std::array<PacketStart, most_packets> open;
+    std::array<Vectors, most_packets> directions;
+    std::array<Closest, most_packets> closest;
+    std::size_t count = 0;
+    std::uint64_t skipped = 0;
+    each_packet(part, [&](std::size_t, int x, int y) {
+      if (const Indices seen = seen_from(x, y); is_known && !needs_rays(seen, view)) {
+        skipped += static_cast<std::uint64_t>(std::min(double_lanes, part.x1 - x));
+        return add_packet(part, x, y, i, shade_seen(seen, view));
+      }
+      directions[count] = rays_.directions(x, y, i);
+      open[count++] = {x, y};
+    });
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto [x, y] = open[k];
+      view.set_first_pixel(x, y, i);
+      closest[k] = view.closest(rays_.packet(part, x, y, directions[k], i), seen_from(x, y));
+      if (is_large()) view.fetch(closest[k]);
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto [x, y] = open[k];
+      view.set_first_pixel(x, y, i);
+      add_packet(part, x, y, i, shaded(rays_.packet(part, x, y, directions[k], i), closest[k], view));
+    }
+    work.state.taken.pixels_skipped += skipped, work.state.taken.camera_rays -= skipped;
+  }
+
+  /// Adds the i-th sample of a part, for an integrator that is asked for the radiance of rays.
+  void fill_radiance(const Tile& part, const Candidates& candidates, const View& view, int i,
+                     Work& work) const {
+    std::uint64_t skipped = 0;
+    each_block(part, [&](const Tile& block) {
+      const bool is_tested = AsksForCrossings<I> && rays_.is_pinhole() && skips_.sure_in_float;
+      const bool needs_rays = !(is_tested && find_crossed(block, candidates, view, i, work));
+      if (!needs_rays) skipped += count_of(block);
+      each_packet(block, [&](std::size_t, int x, int y) {
+        view.set_first_pixel(x, y, i);
+        view.set_crossed(is_tested ? &work.state.crossed : nullptr,
+                         (y - block.y0) * RayBlock::width + (x - block.x0));
+        const Vectors directions = needs_rays ? rays_.directions(x, y, i) : Vectors(Vec3{0});
+        add_packet(part, x, y, i, integrator_.radiance(rays_.packet(part, x, y, directions, i), view));
+      });
+    });
+    work.state.taken.pixels_skipped += skipped, work.state.taken.camera_rays -= skipped;
+  }
+
+  /// Finds what the pixels of a part see first, as far as float tells; returns false if that is not asked
+  /// for, since testing all candidates in double is as fast, or cannot tell.
+  [[nodiscard]] bool find_visibility(const Tile& part, const Candidates& candidates, const View& view, int i,
+                                     Work& work) const {
+    if (!rays_.is_pinhole() || !skips_.sure_in_float) return false;
+    view.set_first_pixel(part.x0, part.y0, i);
+    const bool is_in_buffer = view.with_only_buffer([&](const auto& drawn) {
+      each_packet(part, [&](std::size_t, int x, int y) {
+        const Indices which = drawn.seen(true, x, y).which;  // negative values are those of Visibility
+        const LaneMask met = mask_for<double>(which >= Indices(0));
+        work.visibility.set_packet(x, y, select(met, Indices(candidates.place(0)), which));
+      });
+    });
+    if (is_in_buffer) return true;
+    if (!shades_anywhere && candidates.size() <= as_fast_in_double) return false;
+    for (int k = 0; k < candidates.size(); ++k)
+      if (candidates.is_everywhere(k)) return false;
+    each_block(part, [&](const Tile& block) {
+      const auto [places, tested] = seen_by(rays_.block_directions(block.x0, block.y0, i), candidates);
+      work.state.taken.float_tests += static_cast<std::uint64_t>(tested);
+      work.visibility.set_block(block.x0, block.y0, places);
+    });
+    return true;
+  }
+
+  /// Returns true if the radiance of rays that see these surfaces, or nothing, depends on the rays.
+  [[nodiscard]] bool needs_rays(const Indices& seen, const View& view) const {
+    if (!has_one_background()) return true;
+    Bits left = bits(!(seen == Indices(sees_nothing)));
+    if (left == 0) return false;
+    if constexpr (!shades_anywhere) return true;
+    while (left != 0) {
+      const std::int64_t place = seen[std::countr_zero(left) % double_lanes];
+      if (place == is_in_doubt || view.has_texture(place)) return true;
+      left &= ~bits(seen == Indices(place));
+    }
+    return false;
+  }
+
+  /// Lists the surfaces that the rays of a block may cross, for an integrator that asks for crossings alone;
+  /// returns true if float tells all of them, and their colors do not depend on the rays.
+  [[nodiscard]] bool find_crossed(const Tile& block, const Candidates& candidates, const View& view, int i,
+                                  Work& work) const {
+    auto& crossed = work.state.crossed;
+    crossed.clear();
+    bool is_sure = has_one_background();
+    const WideVectors directions = rays_.block_directions(block.x0, block.y0, i);
+    work.state.taken.float_tests += static_cast<std::uint64_t>(candidates.size() * float_lanes);
+    for (int k = 0; k < candidates.size(); ++k) {
+      const SpherePass passed = pass(candidates.sphere(k), directions);
+      const Bits maybe = bits(passed.maybe());
+      if (maybe == 0) continue;
+      crossed.push_back({candidates.place(k), maybe, bits(passed.surely()) & maybe});
+      is_sure = is_sure && crossed.back().surely == maybe && !view.has_texture(candidates.place(k));
+    }
+    return is_sure;
+  }
+
+  /// Adds the i-th sample of a packet's pixels to the image; the first replaces what is there.
+  void add_packet(const Tile& part, int x, int y, int i, const Colors& colors) const {
+    write_packet(image_, part, x, y, i == 0 ? colors : colors_of(image_, part, x, y) + colors);
+  }
+
+  /// Returns the radiance of rays whose closest hits are known.
+  [[nodiscard]] Colors shaded(const CameraPacket& rays, const Closest& closest, const View& view) const {
+    return view.shade(
+        rays, closest, [&] { return integrator_.background(rays, view); },
+        [&](const auto& hits) { return integrator_.shade(hits, view); });
+  }
+
+  Image& image_;
   const Accelerated<Scene<S...>>& scene_;
+  const I& integrator_;
   PixelRays rays_;
   Skips skips_;
   RenderStatistics* statistics_;
-  mutable std::mutex sharing_;                               ///< guards *statistics_ and spare_buffers_
-  mutable std::vector<typename View::Drawn> spare_buffers_;  ///< visibility buffers that no tile uses
-  Candidates candidates_;       ///< in the scene's order, or near to far if only closest hits are needed
-  std::vector<int> unbounded_;  ///< indices of surfaces without bounds, which any tile may see
-  TileFiller<I, S...> filler_;
+  Candidates candidates_;                             ///< all surfaces, in the scene's order; none if large
+  mutable std::mutex sharing_;                        ///< guards *statistics_ and spare_
+  mutable std::vector<std::unique_ptr<Work>> spare_;  ///< buffers that no tile uses
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -40,12 +40,10 @@ inline constexpr std::int32_t sees_nothing = -1, is_in_doubt = -2;
 
 namespace detail {
 
-/// Surfaces that rays of a block surely meet, the rays that may meet another one before, and how many
-/// candidates were tested.
+/// Surfaces that rays of a block surely meet, and the rays that may meet another one before.
 struct FirstSeen {
   WideIndices places;
   WideMask in_doubt;
-  int tested;
 };
 
 /// Returns true if the squares of a sphere's radii neither underflow nor overflow in float.
@@ -60,10 +58,7 @@ template <bool with_roots>
   // Bounds of the first hit of the surface that is surely met soonest, and where the others begin.
   WideFloats until = never, from = never, others_from = never;
   WideIndices places = sees_nothing;
-  int k = 0;
-  for (; k < candidates.size(); ++k) {
-    // If no ray can reach a candidate before its first hit, none can reach those that follow.
-    if (k > 0 && !any(until >= WideFloats(candidates.nearest(k)))) break;
+  for (int k = 0; k < candidates.size(); ++k) {
     const CandidateSphere sphere = candidates.sphere(k);
     const SpherePass passed = pass(sphere, directions);
     const WideMask maybe = passed.maybe();
@@ -75,7 +70,7 @@ template <bool with_roots>
     from = select(is_first, entry.from, from);
     places = select(is_first, WideIndices(candidates.place(k)), places);
   }
-  return {places, others_from < never && others_from <= until, k};
+  return {places, others_from < never && others_from <= until};
 }
 
 }  // namespace detail
@@ -86,17 +81,14 @@ struct SeenByBlock {
   int tested;  ///< number of tests of a ray with a candidate
 };
 
-/// Finds what the rays of a block see first, as far as float tells. The candidates are sorted near to far, or
-/// their nearest() is 0.
+/// Finds what the rays of a block see first, as far as float tells.
 [[nodiscard, gnu::always_inline]] inline SeenByBlock seen_by(const WideVectors& directions,
                                                              const Candidates& candidates) {
   detail::FirstSeen seen = detail::first_seen<false>(candidates, directions);
-  int tested = seen.tested;
-  if (any(seen.in_doubt)) {
-    seen = detail::first_seen<true>(candidates, directions);
-    tested += seen.tested;
-  }
-  return {select(seen.in_doubt, WideIndices(is_in_doubt), seen.places), tested * float_lanes};
+  const bool with_roots = any(seen.in_doubt);
+  if (with_roots) seen = detail::first_seen<true>(candidates, directions);
+  return {select(seen.in_doubt, WideIndices(is_in_doubt), seen.places),
+          (with_roots ? 2 : 1) * candidates.size() * float_lanes};
 }
 
 /// What each pixel of a part of a tile sees first: the index of a surface, sees_nothing or is_in_doubt. A
@@ -108,6 +100,11 @@ class Visibility {
   static constexpr int width = 16, height = 16;  ///< largest size of a part
 
   void set_block(int x, int y, const WideIndices& places) { places.store(&places_[index(x, y)]); }
+
+  void set_packet(int x, int y, const Indices& places) {
+    for (int i = 0; i < double_lanes; ++i)
+      places_[index(x, y) + static_cast<std::size_t>(i)] = static_cast<std::int32_t>(places[i]);
+  }
 
   /// Returns what the pixels of a packet from (x, y) on see.
   [[nodiscard]] Places operator()(int x, int y) const { return Places::load(&places_[index(x, y)]); }

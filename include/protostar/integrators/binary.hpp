@@ -8,7 +8,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Integrator that returns white for a ray with any hit, else black; it does not ask for the closest hit.
 struct BinaryIntegrator {
   using TakesPackets = BinaryIntegrator;    ///< takes packets as well as rays (accel/packet.hpp)
-  using ShadesAnywhere = BinaryIntegrator;  ///< has shade_anywhere, for surfaces without a texture
+  using ShadesAnywhere = BinaryIntegrator;  ///< needs no point of a hit
 
   template <class R = Ray>
   [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {
@@ -16,10 +16,9 @@ struct BinaryIntegrator {
   }
 
   /// Returns the radiance of a ray with a hit, background of a ray without: for tiles, which find out what
-  /// pixels see before they ask an integrator (accel/tile_filler.hpp).
+  /// pixels see before they ask an integrator (accel/tile_renderer.hpp).
   [[nodiscard]] Color shade(const auto&, const auto&) const { return Color{1}; }
   [[nodiscard]] Color background(const auto&, const auto&) const { return Color{0}; }
-  [[nodiscard]] Color shade_anywhere(const Material&) const { return Color{1}; }
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -8,15 +8,12 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Integrator that returns the color of the closest hit, unlit; the sky, or black, if there is none.
 struct ColorIntegrator : FirstHit<ColorIntegrator> {
   using TakesPackets = ColorIntegrator;    ///< takes packets as well as rays (accel/packet.hpp)
-  using ShadesAnywhere = ColorIntegrator;  ///< has shade_anywhere, for surfaces without a texture
+  using ShadesAnywhere = ColorIntegrator;  ///< needs no point of a hit, unless there is a texture
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto&) const {
     return hit.color();
   }
-
-  /// Returns the radiance of any hit on a surface without a texture.
-  [[nodiscard]] Color shade_anywhere(const Material& material) const { return material.diffuse; }
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI
