@@ -107,7 +107,7 @@ class TileHits {
     const LaneMask met = rays.active && closest.t < infinity;
     Colors result(Color{0});
     for (LaneMask left = met; any(left);) {
-      const std::int64_t place = closest.place[std::countr_zero(bits(left)) % double_lanes];
+      const std::int64_t place = in_first_lane(closest.place, bits(left));
       const LaneMask here = left && mask_for<double>(closest.place == Indices(place));
       Colors colors(Color{0});
       visit(place, [&](const auto& surface, const Material& material) {
@@ -128,7 +128,7 @@ class TileHits {
     Bits left = bits(!(seen == Indices(sees_nothing)));
     Colors result = left == first_bits(double_lanes) ? Colors(Color{0}) : Colors(background());
     while (left != 0) {
-      const std::int64_t place = seen[std::countr_zero(left)];
+      const std::int64_t place = in_first_lane(seen, left);
       const LaneMask here = mask_for<double>(seen == Indices(place));
       visit(place, [&](const auto& surface, const Material& material) {
         result = select(here, Colors(shade_hits(HitPacket(no_rays, 0.0, here, surface, material))), result);
@@ -157,6 +157,12 @@ class TileHits {
 
   void count_tests(LaneMask which) const {
     state_.taken.surface_tests += static_cast<std::uint64_t>(std::popcount(bits(which)));
+  }
+
+  /// Returns the number in the first of some lanes. Lane 0, mostly the first, is read without a detour
+  /// through memory.
+  static std::int64_t in_first_lane(const Indices& numbers, Bits lanes) {
+    return (lanes & 1) != 0 ? numbers[0] : numbers[std::countr_zero(lanes) % double_lanes];
   }
 
   /// Returns the visibility buffer of the surface with this index; null if it has none.
@@ -218,7 +224,7 @@ class TileHits {
         place = places[next++];
       } else {
         if (!any(sure)) break;
-        place = seen[std::countr_zero(bits(sure)) % double_lanes];
+        place = in_first_lane(seen, bits(sure));
         lanes = sure && sees(place);
         sure = sure && !lanes;
       }
@@ -227,7 +233,7 @@ class TileHits {
         test(surface, place, rays, lanes, are_of_camera, closest, in_doubt);
       });
     }
-    if (any(in_doubt)) return decided(rays, in_doubt, closest, places);
+    if (any(in_doubt)) return decided(RayPacket(rays), in_doubt, closest, places);
     return closest;
   }
 

@@ -112,8 +112,9 @@ class TileScene : public TileHits<S...> {
     LaneMask found = false, left = rays.active;
     state_.taken.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
     if (!any(left)) return found;
-    if (rays.leave_primitives()) return occluded_each_by_itself(rays, range);
-    if (scene_.size() > few) return occluded_among_many(rays, range);
+    // Copies, here and below, let the packet itself stay in registers.
+    if (rays.leave_primitives()) return occluded_each_by_itself(RayPacket(rays), range);
+    if (scene_.size() > few) return occluded_among_many(RayPacket(rays), range);
     for (std::size_t place = 0; place < scene_.size() && any(left); ++place)
       test_any(static_cast<std::int64_t>(place), rays, range, false, found, left);
     return found;
@@ -193,7 +194,8 @@ class TileScene : public TileHits<S...> {
     visit(place, [&](const auto& surface, const Material&) {
       const CrossedByEach<LaneMask> tested = crossed(surface, place, rays, left, range, are_of_camera);
       LaneMask crossed = tested.crossed;
-      if (any(tested.in_doubt)) crossed = crossed || decide(surface, rays, tested.in_doubt, range);
+      if (any(tested.in_doubt)) crossed = crossed || decide(surface, RayPacket(rays), tested.in_doubt, range);
+      if (!any(crossed)) return;
       found = found || crossed;
       left = left && !crossed;
     });
