@@ -184,7 +184,7 @@ struct Camera {
   /// forward if right and up are both 0. They do not span space if the length of one is not between 2^-400
   /// and 2^400 (about 10^±120), if two are parallel, or if all lie in a plane. Film vectors must always be
   /// shorter than 2^400.
-  void validate() const {
+  [[gnu::cold]] void validate() const {
     for (const Vec3& v : {position, right, up, forward, film_right, film_up})
       if (!is_finite(v))
         throw std::invalid_argument(
@@ -240,8 +240,8 @@ struct Camera {
     return {cross(up, forward), up, forward};
   }
 
-  static void require_space(const Vec3& right, const Vec3& up, const Vec3& forward,
-                            const std::string& names) {
+  [[gnu::cold]] static void require_space(const Vec3& right, const Vec3& up, const Vec3& forward,
+                                          const std::string& names) {
     // For these lengths neither a product of three nor the square of a ray's direction leaves the range of
     // double.
     const auto has_length = [](const Vec3& v) { return 0x1p-800 < dot(v, v) && dot(v, v) < 0x1p800; };

@@ -57,7 +57,7 @@ class FileName {
 class OutputFile {
  public:
   /// Opens the file. The target is not changed yet, but opening a pipe waits for its reader.
-  explicit OutputFile(const FileName& target) : name_(target.text()) {
+  [[gnu::cold]] explicit OutputFile(const FileName& target) : name_(target.text()) {
     if (const auto error = file_.open(name_); error.number != 0) fail(error);
   }
 

@@ -159,7 +159,7 @@ class SystemFile {
   }
 
   /// Returns the descriptor of this process that a path names, open or not; nullopt for any other path.
-  [[nodiscard]] static std::optional<int> descriptor_of(std::string_view path) {
+  [[nodiscard, gnu::cold]] static std::optional<int> descriptor_of(std::string_view path) {
     if (path == "/dev/stdin") return STDIN_FILENO;
     if (path == "/dev/stdout") return STDOUT_FILENO;
     if (path == "/dev/stderr") return STDERR_FILENO;
@@ -234,7 +234,7 @@ class SystemFile {
 
   /// Opens a temporary file for a target that does not exist, or is a regular file and is replaced; a target
   /// that is a mount point is opened itself, and emptied by the first write.
-  [[nodiscard]] OpenError open_target(const std::string& path, bool exists) {
+  [[nodiscard, gnu::cold]] OpenError open_target(const std::string& path, bool exists) {
     const std::size_t begin = path.rfind('/') + 1;  // npos is −1
     const std::string folder = begin == 0 ? "." : path.substr(0, begin);
     folder_ = Descriptor(::open(folder.c_str(), search_only | O_DIRECTORY | O_CLOEXEC));

@@ -135,7 +135,7 @@ namespace detail {
 /// squaring a number in [1, 2) doubles its logarithm, and if the square is 2 or more, the next binary digit
 /// is 1. Each square is cut to that many terms, an error of less than 2^(2 − 53·terms), which counts half as
 /// much in each next digit. Exact if x is a power of two.
-[[nodiscard]] inline ExactNumber log2_digits(double x, int terms) {
+[[nodiscard, gnu::cold]] inline ExactNumber log2_digits(double x, int terms) {
   int exponent = 0;
   ExactNumber rest = 2 * std::frexp(x, &exponent);
   ExactNumber sum = exponent - 1;
@@ -159,7 +159,7 @@ namespace detail {
 
 /// Tests whether (p/q)^y > x^z for positive, finite doubles, by as many digits of y (log2 p − log2 q) and z
 /// log2 x as it takes. The two must not be equal, unless p/q and x are powers of two.
-[[nodiscard]] inline bool power_exceeds(double p, double q, double y, double x, double z) {
+[[nodiscard, gnu::cold]] inline bool power_exceeds(double p, double q, double y, double x, double z) {
   int exponent = 0;
   const auto mantissa = [&](double number) { return std::frexp(number, &exponent); };
   const bool is_exact = mantissa(p) == mantissa(q) && mantissa(x) == 0.5;  // the digits of p and q cancel
