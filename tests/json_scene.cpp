@@ -120,8 +120,12 @@ TEST_CASE("boxes, disks and quadrics of a scene file are read correctly") {
     return file.scene.surfaces<AnySurface>()[0];
   };
   const AnySurface box = only(R"({"type": "box", "min": [-1, 0, 2], "max": [1, 3, 5]})");
-  CHECK(box.bounds().min == Point{-1, 0, 2});
-  CHECK(box.bounds().max == Point{1, 3, 5});
+  CHECK(box.intersect({{0, 1, 0}, {0, 0, 1}}) == 2);
+  CHECK(box.intersect({{0, 1, 7}, {0, 0, -1}}) == 2);
+  CHECK(box.intersect({{-3, 1, 3}, {1, 0, 0}}) == 2);
+  CHECK(box.intersect({{3, 1, 3}, {-1, 0, 0}}) == 2);
+  CHECK(box.intersect({{0, -2, 3}, {0, 1, 0}}) == 2);
+  CHECK(box.intersect({{0, 5, 3}, {0, -1, 0}}) == 2);
   const AnySurface disk =
       only(R"({"type": "disk", "position": [1, 2, 5], "normal": [0, 0, -7], "radius": 2})");
   CHECK(disk.intersect({{3, 2, 0}, {0, 0, 1}}) == 5);

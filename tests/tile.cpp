@@ -104,7 +104,7 @@ Passed passed_by(const PixelRays& rays, int x, int y, const simd::CandidateSpher
   const auto is = [&](const auto& mask) { return (bits(mask) >> lane & 1) != 0; };
   // As in seen_by: roots need squares that neither underflow nor overflow.
   const auto roughly = passed.entry_roughly(),
-             entry = simd::detail::has_squares(sphere) ? passed.entry() : roughly;
+             entry = simd::detail::squares_fit_float(sphere) ? passed.entry() : roughly;
   return {.maybe = is(passed.maybe()),
           .surely = is(passed.maybe()) && is(passed.surely()),
           .from = entry.from[lane],

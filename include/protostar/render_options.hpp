@@ -17,7 +17,7 @@ struct RenderStatistics {
   std::uint64_t surface_tests = 0;   ///< tests of rays with surfaces in double, or with visibility buffers
   std::uint64_t in_doubt = 0;        ///< tests in packets that double left in doubt, decided ray by ray
   std::uint64_t exact = 0;           ///< decisions that double left in doubt, made without rounding
-  std::uint64_t pixels_skipped = 0;  ///< pixels without a ray: parts of tiles with nothing, or all the same
+  std::uint64_t pixels_skipped = 0;  ///< samples of pixels without a ray, as what they see tells their color
 
   RenderStatistics& operator+=(const RenderStatistics& other) {
     camera_rays += other.camera_rays, other_rays += other.other_rays;

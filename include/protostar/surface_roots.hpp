@@ -69,7 +69,7 @@ template <class S>
 }
 
 /// Returns the first root in t > 0 of the active ones of several rays in lanes, or of one ray, as far as
-/// double tells. No instance may have mapped the rays.
+/// double tells. Precondition: ray.transform is null.
 [[nodiscard, gnu::always_inline]] inline auto first_root_of_each(const auto& surface, const auto& rays,
                                                                  const auto& active) {
   return detail::by_equation(surface, rays, rays,
@@ -77,15 +77,14 @@ template <class S>
 }
 
 /// Returns which of the active ones of several rays in lanes, or of one ray, cross the surface in 0 < t < 1
-/// if they are segments, else in t > 0, as far as double tells. No instance may have mapped the rays.
+/// if they are segments, else in t > 0, as far as double tells. Precondition: ray.transform is null.
 [[nodiscard, gnu::always_inline]] inline auto crossed_by_each(const auto& surface, const auto& rays,
                                                               const auto& active, bool are_segments) {
   return detail::by_equation(surface, rays, rays,
                              [&](const auto& e) { return crossed_by_each(e, active, are_segments); });
 }
 
-/// Returns the certified roots of a ray's line: all crossings, or if the ray departs from the surface, those
-/// that it does not come from.
+/// Returns the certified roots of a ray's line, without the root 0 if the ray departs from the surface.
 template <class S>
 [[nodiscard, gnu::always_inline]] inline Roots certified_roots(const S& surface, const Ray& ray) {
   const auto answer = [&](const auto& e) {

@@ -14,7 +14,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Coordinates of a point on a surface, in each lane.
+/// Surface coordinates u and v, in each lane.
 struct Uvs {
   Doubles x, y;
 };
@@ -106,7 +106,7 @@ struct RayPacket {
     return ray;
   }
 
-  /// Returns the rays with only those lanes active that were so and are chosen.
+  /// Restricts the active lanes to the chosen ones.
   friend RayPacket&& only(LaneMask chosen, RayPacket&& rays) {
     rays.active = rays.active && chosen;
     return std::move(rays);
@@ -185,8 +185,8 @@ template <Surface S>
   return first;
 }
 
-/// Returns first_crossing of the active rays of a packet. In a range that does not start at 0, all rays are
-/// in doubt.
+/// Returns first_crossing of the active rays of a packet. If the surface takes packets and the range does not
+/// start at 0, all rays are in doubt.
 template <Surface S>
 [[nodiscard]] ClosestCrossings first_crossings(const S& surface, const RayPacket& rays, LaneMask active,
                                                Interval range) {

@@ -23,7 +23,7 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// Surface that rays of a block may cross, by its index in the scene's order, as float tells.
 struct CrossedByBlock {
   std::int32_t place;
-  Bits maybe, surely;  ///< rays that may cross it; and that surely cross it on their way in and out
+  Bits maybe, surely;  ///< rays that may cross it; those of them that surely do, on their way in and out
 };
 
 /// State that the parts of a tile share.
@@ -44,7 +44,7 @@ class TileHits {
   static constexpr bool rasterizes = (RasterizedSurface<S> || ...);  ///< true if any type can be rasterized
   static constexpr bool has_primitives = (is_made_of_parts<S> || ...);  ///< true if any type has primitives
 
-  /// Type of Closest::which if no surface has primitives.
+  /// Type of Closest::primitive if no surface has primitives.
   struct Nothing {
     Nothing(int) {}
   };
@@ -54,7 +54,7 @@ class TileHits {
     Indices place;  ///< surface's index in the scene's order; sees_nothing if the ray misses
 
     /// Primitive that is hit: entry ≥ 0 of a visibility buffer, or number_of(Crossing) < 0.
-    [[no_unique_address]] std::conditional_t<has_primitives, Indices, Nothing> which = -1;
+    [[no_unique_address]] std::conditional_t<has_primitives, Indices, Nothing> primitive = -1;
   };
 
   TileHits(const Scene<S...>& scene, const Candidates& candidates, State& state)
@@ -113,7 +113,7 @@ class TileHits {
       visit(place, [&](const auto& surface, const Material& material) {
         colors = shade_on(surface, material, rays, closest, here, shade_hits);
       });
-      if (!any(rays.active && !here)) return colors;  // mostly so
+      if (!any(rays.active && !here)) return colors;  // the usual case: all rays hit one surface
       result = select(here, colors, result);
       left = left && !here;
     }
@@ -249,7 +249,7 @@ class TileHits {
         if (any(seen.met))
           first.t = select(seen.met, drawn->t(seen.which, seen.met, rays.direction), first.t);
         const LaneMask sooner = take(first, place, closest, in_doubt);
-        closest.which = select(sooner, seen.which, closest.which);
+        closest.primitive = select(sooner, seen.which, closest.primitive);
         return;
       }
     if constexpr (is_made_of_parts<T>)
@@ -257,7 +257,7 @@ class TileHits {
         Indices numbers = -1;
         const ClosestCrossings first = first_crossings_by_itself(surface, rays, lanes, Interval{}, numbers);
         const LaneMask sooner = take(first, place, closest, in_doubt);
-        closest.which = select(sooner, numbers, closest.which);
+        closest.primitive = select(sooner, numbers, closest.primitive);
         return;
       }
     take(first_crossings(surface, rays, lanes, Interval{}), place, closest, in_doubt);
@@ -279,28 +279,29 @@ class TileHits {
   /// Returns the radiance of rays that hit one surface, though perhaps different primitives of it.
   template <Surface T>
   [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const RayPacket& rays,
-                                const Closest& closest, LaneMask which, const auto& shade_hits) const {
+                                const Closest& closest, LaneMask lanes, const auto& shade_hits) const {
     if constexpr (RasterizedSurface<T>)
-      if (!any(which && mask_for<double>(closest.which < Indices(0)))) {
-        const auto& drawn = *buffer_at<T>(closest.place[std::countr_zero(bits(which))]);
-        return Colors(shade_hits(HitPacket(rays, closest.t, which, surface, material,
-                                           PrimitivesSeen<typename T::Drawn>{drawn, closest.which})));
+      if (!any(lanes && mask_for<double>(closest.primitive < Indices(0)))) {
+        const auto& drawn = *buffer_at<T>(closest.place[std::countr_zero(bits(lanes))]);
+        return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material,
+                                           PrimitivesSeen<typename T::Drawn>{drawn, closest.primitive})));
       }
     if constexpr (is_made_of_parts<T>)
-      if (has_parts(surface)) return shade_by_itself(surface, material, rays, closest, which, shade_hits);
-    return Colors(shade_hits(HitPacket(rays, closest.t, which, surface, material)));
+      if (has_parts(surface)) return shade_by_itself(surface, material, rays, closest, lanes, shade_hits);
+    return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material)));
   }
   template <Surface T>
   [[nodiscard, gnu::noinline]] Colors shade_by_itself(const T& surface, const Material& material,
                                                       const RayPacket& rays, const Closest& closest,
-                                                      LaneMask which, const auto& shade_hits) const {
+                                                      LaneMask lanes, const auto& shade_hits) const {
     Colors result(Color{0});
-    for (Bits left = bits(which); left != 0; left &= left - 1) {
+    for (Bits left = bits(lanes); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
       const Ray ray = rays[lane];
       // A hit from a visibility buffer, in a packet with rays that were traced alone, has no Crossing yet.
-      const Crossing crossing = closest.which[lane] < 0 ? crossing_at(closest.t[lane], closest.which[lane])
-                                                        : *first_crossing(surface, ray, Interval{});
+      const Crossing crossing = closest.primitive[lane] < 0
+                                    ? crossing_at(closest.t[lane], closest.primitive[lane])
+                                    : *first_crossing(surface, ray, Interval{});
       result.set(lane, shade_hits(Intersection(ray, crossing_on(surface, crossing, material))));
     }
     return result;
@@ -318,7 +319,7 @@ class TileHits {
       closest.t = select(one(lane), Doubles(place < 0 ? infinity : crossing.crossing.t), closest.t);
       closest.place = select(one(lane), Indices(place), closest.place);
       if constexpr (has_primitives)
-        closest.which = select(one(lane), Indices(number_of(crossing.crossing)), closest.which);
+        closest.primitive = select(one(lane), Indices(number_of(crossing.crossing)), closest.primitive);
     }
     return closest;
   }

@@ -1,5 +1,6 @@
-// Renderer of the tiles of a picture: culls the surfaces that a tile may see, finds what its pixels see in
-// float, and traces packets of rays through the pixels of which float does not tell enough.
+// Renderer of the tiles of a picture: culls the surfaces that a tile cannot see, finds in float what its
+// pixels see, and traces packets only through pixels that float leaves in doubt, or whose color needs the hit
+// point.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +33,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Renderer of the tiles of one picture, with the data that they share. It stays where it is made.
+/// Renderer of the tiles of one picture, with the data that they share. It cannot be moved.
 template <class I, Surface... S>
 class TileRenderer {
  public:
@@ -76,7 +77,7 @@ class TileRenderer {
   static constexpr bool shades_anywhere = shades && ShadesAnywhere<I>;
 
   /// Sizes of the parts that a tile is divided into. A part with more than `most` candidates is divided
-  /// further, into parts of the next size; the least is a block of rays.
+  /// further, into parts of the next size; the last are at least a block of rays.
   struct Division {
     int width, height, most;
   };
@@ -100,7 +101,7 @@ class TileRenderer {
   };
 
   /// Returns the skips of the options, without lists of occluders in a picture of fewer than 64 pixels for
-  /// each surface: there a list serves so few rays that its search costs more than it saves.
+  /// each surface: a list would serve so few rays that its search costs more than it saves.
   static Skips worthwhile(const RenderOptions& options, const Image& image, std::size_t surfaces) {
     const Crop& crop = options.crop;
     const auto pixels =
@@ -110,8 +111,8 @@ class TileRenderer {
     return skips;
   }
 
-  /// Returns true if there are so many surfaces that each tile traverses the BVH for its own, instead of
-  /// testing all, and that their numbers are not in a cache.
+  /// Returns true if there are so many surfaces that each tile finds its own in the BVH, instead of testing
+  /// all, and that their data do not fit in a cache.
   [[nodiscard]] bool is_large() const { return scene_.scene().size() > 2048; }
 
   /// Adds all surfaces of one type; `place` is the index of the first, and becomes that of the next type's.
@@ -121,7 +122,8 @@ class TileRenderer {
       candidates_.add(place++, rays_.viewpoint(), sphere_around(surface));
   }
 
-  /// Returns the surfaces that the BVH has for a tile. Only closest hits may come in any order.
+  /// Returns the surfaces that a tile may see, found in the BVH. They are in the scene's order, unless only
+  /// closest hits are asked for, which do not depend on the order.
   [[nodiscard]] Candidates found_for(const Tile& tile) const {
     std::vector<SurfacesAround> surfaces;
     scene_.frustum_query(TileHalfSpaces(rays_, tile).side, surfaces);
@@ -189,11 +191,12 @@ class TileRenderer {
   [[nodiscard]] bool fill_uniform(const Tile& tile, const Candidates& candidates, const Frustum& frustum,
                                   Work& work) const {
     if constexpr (by_packets) {
-      if (!has_one_background()) return false;
+      if (!may_skip_background()) return false;
       const View view = view_of(candidates, work);
       if (!see_the_same(candidates, frustum, view)) return false;
       fill_with(tile, uniform_color(tile, candidates, view, work));
-      work.state.taken.pixels_skipped += count_of(tile);
+      work.state.taken.pixels_skipped +=
+          count_of(tile) * static_cast<std::uint64_t>(rays_.pixels().samples());
       return true;
     }
     return false;
@@ -201,7 +204,7 @@ class TileRenderer {
 
   /// Returns true if all rays that miss have the same radiance, as there is no environment, and may be
   /// skipped.
-  [[nodiscard]] bool has_one_background() const {
+  [[nodiscard]] bool may_skip_background() const {
     return skips_.empty_tiles && !scene_.scene().environment();
   }
 
@@ -235,7 +238,8 @@ class TileRenderer {
     return rays_.pixels().mean([&](int) { return color; });
   }
 
-  /// Returns the radiance of pixels that surely see these surfaces, or nothing, and whose rays do not matter.
+  /// Returns the radiance of pixels that surely see these surfaces, or nothing, without their rays. All see
+  /// nothing unless the integrator shades anywhere.
   [[nodiscard]] Colors shade_seen(const Indices& seen, const View& view) const {
     const CameraPacket no_rays(Vectors(Vec3{0}), Vectors(Vec3{0}));
     const auto background = [&] { return integrator_.background(no_rays, view); };
@@ -286,8 +290,8 @@ class TileRenderer {
   }
 
   /// Adds the i-th sample of a part, for an integrator that shades closest hits. All packets go through one
-  /// step after the other: directions, closest hits, colors. Each step waits for a square root and a
-  /// division; these waits of many packets overlap.
+  /// step after the other, directions, closest hits, colors, so that the latencies of their square roots and
+  /// divisions overlap.
   [[gnu::flatten]] void fill_hits(const Tile& part, const Candidates& candidates, const View& view, int i,
                                   Work& work) const {
     const bool is_known = find_visibility(part, candidates, view, i, work);
@@ -340,15 +344,15 @@ class TileRenderer {
     work.state.taken.pixels_skipped += skipped, work.state.taken.camera_rays -= skipped;
   }
 
-  /// Finds what the pixels of a part see first, as far as float tells; returns false if that is not asked
-  /// for, since testing all candidates in double is as fast, or cannot tell.
+  /// Finds what the pixels of a part see first, as far as float tells. Returns false if float is not asked:
+  /// the camera is no pinhole, a candidate has no bounds, or testing so few candidates in double is as fast.
   [[nodiscard]] bool find_visibility(const Tile& part, const Candidates& candidates, const View& view, int i,
                                      Work& work) const {
     if (!rays_.is_pinhole() || !skips_.sure_in_float) return false;
     view.set_first_pixel(part.x0, part.y0, i);
     const bool is_in_buffer = view.with_only_buffer([&](const auto& drawn) {
       each_packet(part, [&](std::size_t, int x, int y) {
-        const Indices which = drawn.seen(true, x, y).which;  // negative values are those of Visibility
+        const Indices which = drawn.seen(true, x, y).which;  // below 0: sees_nothing or is_in_doubt
         const LaneMask met = mask_for<double>(which >= Indices(0));
         work.visibility.set_packet(x, y, select(met, Indices(candidates.place(0)), which));
       });
@@ -367,7 +371,7 @@ class TileRenderer {
 
   /// Returns true if the radiance of rays that see these surfaces, or nothing, depends on the rays.
   [[nodiscard]] bool needs_rays(const Indices& seen, const View& view) const {
-    if (!has_one_background()) return true;
+    if (!may_skip_background()) return true;
     Bits left = bits(!(seen == Indices(sees_nothing)));
     if (left == 0) return false;
     if constexpr (!shades_anywhere) return true;
@@ -385,7 +389,7 @@ class TileRenderer {
                                   Work& work) const {
     auto& crossed = work.state.crossed;
     crossed.clear();
-    bool is_sure = has_one_background();
+    bool is_sure = may_skip_background();
     const WideVectors directions = rays_.block_directions(block.x0, block.y0, i);
     work.state.taken.float_tests += static_cast<std::uint64_t>(candidates.size() * float_lanes);
     for (int k = 0; k < candidates.size(); ++k) {

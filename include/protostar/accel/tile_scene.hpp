@@ -12,9 +12,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// View of a scene from one tile of a camera. Camera rays, as packets of CameraPacket or as the pixel's
-/// single ray, can hit only the candidates; all other rays query the whole scene. It is Traceable, for
-/// packets too.
+/// View of a scene from one tile of a camera. Packets of camera rays are tested with the candidates alone,
+/// and so is intersect() of the pixel's single ray in the default range; every other query asks the whole
+/// scene. It is Traceable, for packets too.
 template <Surface... S>
 class TileScene : public TileHits<S...> {
   using Base = TileHits<S...>;
@@ -77,7 +77,7 @@ class TileScene : public TileHits<S...> {
     return shade(rays, closest(rays), background, shade_hits);
   }
 
-  /// Traces other rays; in a scene of many surfaces, each ray alone.
+  /// Traces other rays; each ray alone in a scene of many surfaces, or if they leave primitives.
   [[nodiscard]] Colors follow(const RayPacket& rays, const auto& background, const auto& shade_hits) const {
     if (scene_.size() > few || rays.leave_primitives()) return follow_each(rays, background, shade_hits);
     state_.taken.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.active)));
@@ -106,8 +106,8 @@ class TileScene : public TileHits<S...> {
     return found;
   }
 
-  /// Returns which other rays have any hit in the range. In a scene of many surfaces, those tested are the
-  /// ones in a cone to the light, or each ray is traced alone.
+  /// Returns which other rays have any hit in the range. In a scene of many surfaces, rays to a light are
+  /// tested with the surfaces in a cone around them; if there is no such list, each ray is traced alone.
   [[nodiscard]] LaneMask occluded(const RayPacket& rays, Interval range) const {
     LaneMask found = false, left = rays.active;
     state_.taken.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
@@ -121,7 +121,8 @@ class TileScene : public TileHits<S...> {
   }
 
   /// Sets the surfaces that a block of camera rays may cross; the next packet's first ray is ray
-  /// `first_lane` of the block. Null: no block has been tested in float.
+  /// `first_lane` of the block, and crossings are asked for in t > 0. Null: no block has been tested in
+  /// float.
   void set_crossed(const std::vector<CrossedByBlock>* crossed, int first_lane = 0) const {
     crossed_ = crossed, first_lane_ = first_lane;
   }

@@ -1,7 +1,8 @@
-// Visibility buffer: the surface that each pixel of a part of a tile surely sees first, decided in float.
+// Visibility buffer: the index of the surface that each pixel of a part of a tile surely sees first, decided
+// in float.
 //
-// A candidate is a sphere around the apex of a pinhole: center l, radius r. With u = 2^-24, what
-// sphere_filter.hpp computes of it is off by at most
+// A candidate is a sphere that contains a surface: radius r, center l measured from the apex of the pinhole.
+// With u = 2^-24, what sphere_filter.hpp computes of it is off by at most
 //
 //   l   one rounding: u|l|
 //   d   (1 + δ) d + ε with |δ| ≤ 11u and |ε| ≤ 8u (PixelRays::block_directions)
@@ -47,7 +48,7 @@ struct FirstSeen {
 };
 
 /// Returns true if the squares of a sphere's radii neither underflow nor overflow in float.
-inline bool has_squares(const CandidateSphere& sphere) {
+inline bool squares_fit_float(const CandidateSphere& sphere) {
   return 0x1p-40f < sphere.reach && sphere.reach < 0x1p60f;
 }
 
@@ -63,7 +64,7 @@ template <bool with_roots>
     const SpherePass passed = pass(sphere, directions);
     const WideMask maybe = passed.maybe();
     if (!any(maybe)) continue;
-    const auto entry = with_roots && has_squares(sphere) ? passed.entry() : passed.entry_roughly();
+    const auto entry = with_roots && squares_fit_float(sphere) ? passed.entry() : passed.entry_roughly();
     const auto is_first = maybe && passed.surely() && entry.until < until;
     others_from = select(maybe, min(select(is_first, from, entry.from), others_from), others_from);
     until = select(is_first, entry.until, until);

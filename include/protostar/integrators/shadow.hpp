@@ -6,8 +6,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Integrator of diffuse surfaces with shadows: their radiance towards the ray's origin, from the lights that
-/// are not occluded. The sky, or black, if there is no hit.
+/// Integrator of diffuse surfaces with shadows: the color times the ambient irradiance and that of all lights
+/// that are not occluded. The color stands for albedo/π (docs/errata.md). The sky, or black, if there is no
+/// hit.
 struct ShadowIntegrator : FirstHit<ShadowIntegrator> {
   using TakesPackets = ShadowIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
 

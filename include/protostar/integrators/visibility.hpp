@@ -1,4 +1,4 @@
-// Visibility of lights: which of a hit's irradiance arrives (§2.3.2).
+// Irradiance of a hit from one light, 0 where the light is occluded (§2.3.2).
 #pragma once
 
 #include "../light.hpp"
@@ -15,7 +15,8 @@ template <class Hit>
   const auto height = dot(hit.facing_normal(), to_light);
   const auto in_front = height > 0.0;
   if (!any(in_front)) return typename Hit::Light(0);
-  // The shadow ray is not normalized: it is at a near light for t = 1, so occluders lie in (0, 1).
+  // The direction is not normalized: a light at a finite distance is at t = 1, and occluders lie in (0, 1);
+  // for a light in a direction, they lie in (0, ∞).
   const auto visible = in_front && !scene.occluded(only(in_front, hit.leave(to_light)), light.way());
   if (!any(visible)) return typename Hit::Light(0);
   return select(visible, light.received(to_light, height), typename Hit::Light(0));

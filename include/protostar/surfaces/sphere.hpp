@@ -28,27 +28,30 @@ struct Sphere {
   /// sine of the angle: T is the distance of the hit from the ray's origin, P its distance from the
   /// coordinate origin. If that bound is above 1, for a sphere so small and so far away that the digits of a
   /// point do not tell where on the sphere it is, the normal is any vector with components between -2 and 2.
-  template <class P = Point>
-  [[nodiscard]] P normal_at(const P& point) const {
+  template <class Points = Point>
+  [[nodiscard]] Points normal_at(const Points& point) const {
     return within((point - center) * (1 / radius), 2);
   }
 
-  /// Returns the direction from the center as longitude and latitude: u from 0 to 1 around the y axis, ½ in
-  /// the direction of z; v from 0 at the top to 1 at the bottom.
+  /// Returns the direction from the center as azimuth and polar angle: u from 0 to 1 around the y axis, ½ in
+  /// the direction of z and growing towards x; v from 0 at the top to 1 at the bottom.
   [[nodiscard]] Uv uv_at(const Point& point) const { return direction_uv(unit_along(point - center)); }
 
+  /// Returns the equation of the sphere and a ray, or of each ray of a packet, in double with its error; of a
+  /// line in exact numbers, without rounding.
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
     return sphere_equation(rays, center, radius);
   }
+  /// Returns the roots in double-double, where double leaves a ray in doubt; nullopt if it is so still.
   [[nodiscard]] auto refined_roots(const Ray& ray) const { return refined_sphere_roots(ray, center, radius); }
   [[nodiscard]] bool has_finite_numbers() const { return is_finite(center) && std::isfinite(radius); }
 
-  /// Returns true if a ray, or the rays of a packet, depart from the sphere.
+  /// Returns true if a ray, or the rays of a packet, depart from this sphere or from one that coincides.
   [[nodiscard]] bool is_left_by(const auto& rays) const {
     return rays.departure.kind == Departure::Kind::sphere && rays.departure.geometry == departure().geometry;
   }
 
-  /// Returns false: the inside is bounded on every ray.
+  /// Returns false: the far end of a ray is outside a sphere (Solid).
   [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
 
   [[nodiscard]] Bounds bounds() const {
@@ -56,7 +59,8 @@ struct Sphere {
     return outward({center - r, center + r});
   }
 
-  /// Returns center and radius; spheres with equal ones are left together.
+  /// Returns center and radius. Spheres that coincide have equal departures: a ray that starts on one leaves
+  /// both.
   [[nodiscard]] Departure departure() const {
     return {.kind = Departure::Kind::sphere, .geometry = {center.x, center.y, center.z, std::abs(radius)}};
   }
