@@ -1,11 +1,11 @@
-// Tests of memory in large pages, if the system has them (bvh/large_pages.hpp).
+// Tests of memory in large pages, if the system has them (large_pages.hpp).
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
-#include <protostar/bvh/large_pages.hpp>
+#include <protostar/large_pages.hpp>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -16,12 +16,12 @@ using namespace protostar;
 
 TEST_CASE("a vector in large pages can be copied and moved and is aligned to 64 bytes") {
   for (const std::size_t size : {std::size_t{3}, std::size_t{1'000'000}}) {
-    simd::LargeVector<std::uint32_t> numbers(size);
+    LargeVector<std::uint32_t> numbers(size);
     CHECK(reinterpret_cast<std::uintptr_t>(numbers.data()) % 64 == 0);
     std::iota(numbers.begin(), numbers.end(), 7u);
-    simd::LargeVector<std::uint32_t> others = numbers;
+    LargeVector<std::uint32_t> others = numbers;
     others.resize(2 * size);
-    const simd::LargeVector<std::uint32_t> moved = std::move(numbers);
+    const LargeVector<std::uint32_t> moved = std::move(numbers);
     CHECK(moved.size() == size);
     CHECK(std::equal(moved.begin(), moved.end(), others.begin()));
     CHECK(moved.back() == size + 6);
@@ -49,8 +49,8 @@ TEST_CASE("large pages are requested for a vector that fills some, and for no ot
     FAIL("the address is nowhere");
     return false;
   };
-  const simd::LargeVector<char> large(std::size_t{40} << 20);
-  const simd::LargeVector<char> small(1000);
+  const LargeVector<char> large(std::size_t{40} << 20);
+  const LargeVector<char> small(1000);
   CHECK(is_asked_for(large.data()));
   CHECK_FALSE(is_asked_for(small.data()));
 }

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
+#include "large_pages.hpp"
 #include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -40,7 +40,7 @@ class Image {
   /// Makes a black image. Throws std::invalid_argument unless both sides are at least 1 and there are at most
   /// 2^28 pixels; no memory is taken before that is known.
   Image(int width, int height)
-      : width_(checked(width, height)), height_(height), pixels_(count(width, height)) {}
+      : width_(checked(width, height)), height_(height), pixels_(count(width, height), Color{0}) {}
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
@@ -70,7 +70,7 @@ class Image {
 
   int width_;
   int height_;
-  std::vector<Color> pixels_;
+  LargeVector<Color> pixels_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -21,12 +21,12 @@
 #include <utility>
 #include <vector>
 
+#include "../large_pages.hpp"
 #include "../parallel.hpp"
 #include "../render_options.hpp"
 #include "../simd/simd.hpp"
 #include "box_slices.hpp"
 #include "box_space.hpp"
-#include "large_pages.hpp"
 #include "node.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {

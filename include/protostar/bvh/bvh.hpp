@@ -13,6 +13,7 @@
 
 #include "../bounds.hpp"
 #include "../interval.hpp"
+#include "../large_pages.hpp"
 #include "../parallel.hpp"
 #include "../render_options.hpp"
 #include "../simd/prefetch.hpp"
@@ -21,7 +22,6 @@
 #include "../vec3.hpp"
 #include "box_space.hpp"
 #include "build.hpp"
-#include "large_pages.hpp"
 #include "node.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {

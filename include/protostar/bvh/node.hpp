@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
+#include "../large_pages.hpp"
 #include "../platform.hpp"
 #include "../simd/vector_registers.hpp"
-#include "large_pages.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 

@@ -1,8 +1,10 @@
-// Allocates memory in large pages, for large data that is read all over, as trees are.
+// Allocates memory in large pages, for large data that is read all over, as trees are, or that is new, as
+// images are.
 //
 // A processor remembers where a few thousand pages of memory are. With pages of 4 KB these are a few
 // megabytes, and a ray that reads outside of them waits for the address of the page before it waits for the
-// data. Linux has pages of 2 MB as well, and gives them on request.
+// data. A page that is written for the first time also costs a call of the system, which takes longer than
+// its pixels. Linux has pages of 2 MB as well, and gives them on request.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +15,9 @@
 #include <sys/mman.h>
 #endif
 
-#include "../platform.hpp"
+#include "platform.hpp"
 
-namespace protostar::inline PROTOSTAR_ABI::simd {
+namespace protostar::inline PROTOSTAR_ABI {
 
 /// Allocator that asks for large pages if it allocates at least one, and otherwise allocates as usual.
 /// Elements made without a value are not set to 0.
@@ -29,7 +31,7 @@ class LargePages {
   LargePages(const LargePages<U>&) {}
 
   [[nodiscard]] T* allocate(std::size_t count) {
-    const std::size_t bytes = count * sizeof(T);
+    const std::size_t bytes = whole_pages(count * sizeof(T));
     void* const memory = ::operator new(bytes, alignment(bytes));
 #if defined(MADV_HUGEPAGE)
     if (bytes >= page) madvise(memory, bytes, MADV_HUGEPAGE);  // if this fails, pages are small
@@ -56,6 +58,11 @@ class LargePages {
   static constexpr std::size_t page = std::size_t{1} << 21, line = 64;  ///< bytes, in memory and cache
   static_assert(alignof(T) <= line);
 
+  /// Returns a size of at least one page as a number of whole pages, so that the last one is large too.
+  static std::size_t whole_pages(std::size_t bytes) {
+    return bytes >= page ? (bytes + page - 1) / page * page : bytes;
+  }
+
   static std::align_val_t alignment(std::size_t bytes) {
     return std::align_val_t{bytes >= page ? page : line};
   }
@@ -64,4 +71,4 @@ class LargePages {
 template <class T>
 using LargeVector = std::vector<T, LargePages<T>>;
 
-}  // namespace protostar::inline PROTOSTAR_ABI::simd
+}  // namespace protostar::inline PROTOSTAR_ABI
