@@ -141,9 +141,10 @@ TEST_CASE(
   Random random(14);
   Occluders occluders;
   int searches = 0;
-  const auto search = [&](const auto&) {
+  const auto search = [&](const auto&, const auto& visit) {
     ++searches;
-    return std::vector{found(7, {Point{0, 0, 5}, 1}), found(8, {Point{0, 50, 5}, 1})};
+    visit(found(7, {Point{0, 0, 5}, 1}));
+    visit(found(8, {Point{0, 50, 5}, 1}));
   };
   for (int i = 0; i < 100; ++i) {
     const auto* places =
@@ -152,9 +153,9 @@ TEST_CASE(
   }
   CHECK(searches < 4);
 
-  const auto search_of_many = [&](const auto&) {
+  const auto search_of_many = [&](const auto&, const auto& visit) {
     ++searches;
-    return std::vector(1000, found(1, {Point{0, 50, 5}, 1}));
+    for (int i = 0; i < 1000; ++i) visit(found(1, {Point{0, 50, 5}, 1}));
   };
   const auto searches_for_others = [&](const auto& search_for) {
     Occluders others;
@@ -173,7 +174,7 @@ TEST_CASE(
 TEST_CASE("rays with different ends, or of length 0, get no list of occluders") {
   Random random(15);
   Occluders occluders;
-  const auto search = [](const auto&) { return std::vector<simd::SurfacesAround>{}; };
+  const auto search = [](const auto&, const auto&) {};
   for (int i = 0; i < 200; ++i) {
     RayPacket rays = to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1);
     const Vec3 aside = random.direction();
@@ -188,7 +189,7 @@ TEST_CASE("rays with different ends, or of length 0, get no list of occluders") 
 TEST_CASE("rays with different ends leave no wrong list of occluders for later rays") {
   if (simd::double_lanes < 2) return;
   Occluders occluders;
-  const auto search = [](const auto&) { return std::vector{found(7, {{0, 0, 5}, 1})}; };
+  const auto search = [](const auto&, const auto& visit) { visit(found(7, {{0, 0, 5}, 1})); };
   RayPacket rays(Vectors(Point{0, 0, 10}), Vectors(Vec3{0, 0, -10}));
   rays.direction.x.set(simd::double_lanes - 1, 1);
   CHECK(occluders.between(rays, true, search) == nullptr);

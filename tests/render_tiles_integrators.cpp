@@ -97,7 +97,80 @@ struct Bristles {
   }
 };
 
+/// User-defined integrator that asks for all crossings, and also shades closest hits.
+struct Silhouette {
+  using TakesPackets = Silhouette;
+  using AsksForCrossings = Silhouette;
+  template <class R>
+  typename R::Light radiance(const R& ray, const auto& scene) const {
+    typename R::Light light = background(ray, scene);
+    scene.crossings(ray, Interval{}, [&](const auto& crossing) { light *= crossing.color(); });
+    return light;
+  }
+  template <class R>
+  typename R::Light background(const R&, const auto&) const {
+    return typename R::Light(Color{1});
+  }
+  template <class Hit>
+  typename Hit::Light shade(const Hit&, const auto&) const {
+    return typename Hit::Light(Color{0});
+  }
+};
+
+/// User-defined integrator whose background reads the direction of rays, which is a unit vector for all of
+/// them.
+struct Unit {
+  using TakesPackets = Unit;
+  Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto hit = scene.intersect(ray, Interval{});
+    return hit ? shade(*hit, scene) : background(ray, scene);
+  }
+  template <class R>
+  typename R::Light background(const R& ray, const auto&) const {
+    const auto is_unit = dot(ray.direction, ray.direction) > 0.5;
+    return select(is_unit, Color{0.25f}, Color{1});
+  }
+  template <class Hit>
+  typename Hit::Light shade(const Hit& hit, const auto&) const {
+    return hit.color() * to_float(1 / hit.t);
+  }
+};
+
 }  // namespace
+
+TEST_CASE("by tiles, an integrator that shades and asks for crossings draws the same picture as ray by ray") {
+  Scene<Sphere> scene;
+  scene.add(Sphere{.center = {0, 0, 5}, .radius = 4}, Color{0});
+  Image plain(64, 64), image(64, 64);
+  render(plain, Camera{}, scene, Silhouette{}, {.tiles = false});
+  render(image, Camera{}, scene, Silhouette{});
+  CHECK(different_bytes(image, plain) == 0);
+}
+
+TEST_CASE("by tiles, a background gets rays of the camera") {
+  Scene<Sphere> few, many;
+  few.add(Sphere{.center = {0, 0, 5}, .radius = 1}, Color{1});
+  Random random(31);
+  for (int i = 0; i < 60; ++i)
+    many.add(Sphere{.center = random.point(2) + Vec3{0, 0, 6}, .radius = 0.2}, Color{1});
+  for (const Scene<Sphere>* const scene : {&few, &many}) {
+    Image plain(64, 64), image(64, 64);
+    render(plain, Camera{}, *scene, Unit{}, {.tiles = false});
+    render(image, Camera{}, *scene, Unit{});
+    CHECK(different_bytes(image, plain) == 0);
+  }
+}
+
+TEST_CASE("where many surfaces lie behind each other, most are never tested") {
+  Scene<Sphere> walls;  // spheres that fill the view, one behind the other
+  for (int i = 999; i >= 0; --i)
+    walls.add(Sphere{.center = {0, 0, 200.0 + 300 * i}, .radius = 100}, Color{1});
+  Image image(64, 64);
+  RenderStatistics taken;
+  render(image, Camera{.right = {0.1, 0, 0}, .up = {0, 0.1, 0}}, walls, DepthIntegrator{},
+         {.statistics = &taken});
+  CHECK(taken.float_tests + taken.surface_tests < 64 * 64 * 20);
+}
 
 TEST_CASE("by tiles, a user's integrator draws the same picture as ray by ray") {
   const auto check = [](const auto& scene, const auto& integrator) {

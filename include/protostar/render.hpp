@@ -30,7 +30,7 @@ void fill_tiles(const Image& image, int side, const RenderOptions& options, cons
 ///
 /// Throws std::invalid_argument for an invalid camera, a negative number of threads or samples and a crop
 /// that does not contain the image, anything that radiance.validate() throws, if there is one, and anything
-/// that radiance throws.
+/// that radiance throws; the pixels of the image may then have any color.
 void render(Image& image, const Camera& camera, const Radiance auto& radiance,
             const RenderOptions& options = {}) {
   camera.validate();

@@ -79,13 +79,12 @@ class Accelerated<Scene<S...>> {
       refuse_other_surfaces();
   }
 
-  /// Adds each surface that may reach into every one of the half-spaces to those found. The sphere around a
-  /// surface without bounds has an infinite radius.
-  void frustum_query(std::span<const simd::HalfSpace> half_spaces,
-                     std::vector<simd::SurfacesAround>& found) const {
+  /// Tells visit of each surface that may reach into every one of the half-spaces, some at a time. The sphere
+  /// around a surface without bounds has an infinite radius.
+  void frustum_query(std::span<const simd::HalfSpace> half_spaces, const simd::VisitSurfaces& visit) const {
     std::size_t first = 0;
     const auto search = [&]<class T>(const simd::Finder<T>& finder) {
-      finder.frustum_query(half_spaces, static_cast<std::uint32_t>(first), found);
+      finder.frustum_query(half_spaces, static_cast<std::uint32_t>(first), visit);
       first += scene_->template surfaces<T>().size();
     };
     (search(finder<S>()), ...);

@@ -46,6 +46,10 @@ class Candidates {
   /// Returns the i-th surface's index in the scene's order.
   [[nodiscard]] int place(int i) const { return static_cast<int>(place_[index(i)]); }
 
+  /// Returns a lower bound of t at which a camera ray of unit direction hits the i-th surface or any that
+  /// follows it, after order_by_distance(); otherwise 0.
+  [[nodiscard]] float nearest(int i) const { return is_ordered_ ? nearest_[index(i)] : 0; }
+
   /// Returns the indices of all surfaces.
   [[nodiscard]] std::span<const std::uint32_t> places() const { return {place_.data(), index(size_)}; }
 
@@ -68,6 +72,9 @@ class Candidates {
   /// each product by 3u (|l| + r), cos φ and sin φ by 2u of them; with cos φ > 1/2, reducing h by
   /// 2^-18 (|l| + r) = 64u (|l| + r) covers all of it.
   ///
+  /// A ray that starts at the apex meets the sphere at no t below |l| − r; one that starts on a film, at no t
+  /// below the sphere's distance from the film.
+  ///
   /// There is no inner radius if the apex may be inside the sphere, or if squares might leave the range of
   /// float.
   void add(const Places& places, Bits some, const Viewpoint& viewpoint, const SpheresAround& around) {
@@ -88,6 +95,7 @@ class Candidates {
     const Doubles square = distance * distance - radius * radius;
     const Doubles sure_square = square - 0x1p-49 * (distance * distance + radius * radius);
     store(horizon_, select(sure_square > 0.0, sqrt(sure_square) - 4 * error, Doubles(-infinity)), -infinity);
+    store(nearest_, (viewpoint.is_eye ? distance : depth) - radius - error, 0);
     store(margin_, 2 * error, infinity);
     const Doubles inner = around.inner - error;
     const LaneMask is_sure = inner > 0x1p-60 && inner < 0x1p60 && distance > radius + error;
@@ -100,6 +108,7 @@ class Candidates {
 
   /// Adds those surfaces of another list that a tile may see, in their order.
   [[gnu::noinline]] void add(const Candidates& others, const Frustum& frustum) {
+    is_ordered_ = others.is_ordered_;
     make_room(size_ + others.size_);
     for (int i = 0; i < others.size_; i += float_lanes) {
       const auto at = [&](const auto& row) { return row.data() + i; };
@@ -123,6 +132,7 @@ class Candidates {
       store_chosen(to(z_), seen, z);
       store_chosen(to(reach_), seen, reach);
       store_chosen(to(horizon_), seen, horizon);
+      store_chosen(to(nearest_), seen, Wide::load(at(others.nearest_)));
       store_chosen(to(margin_), seen, Wide::load(at(others.margin_)));
       store_chosen(to(inner_), seen, Wide::load(at(others.inner_)));
       size_ += store_chosen(to(place_), seen, Lanes<std::uint32_t, float_lanes>::load(at(others.place_)));
@@ -159,6 +169,27 @@ class Candidates {
 
   void clear() { size_ = 0; }
 
+  /// Sorts by nearest(), roughly, near first; then lowers each nearest(i) to the least from i on.
+  void order_by_distance() {
+    is_ordered_ = true;
+    constexpr std::size_t slabs = 256;
+    float least = std::numeric_limits<float>::infinity(), most = 0;
+    for (int i = 0; i < size_; ++i) least = std::min(least, nearest(i)), most = std::max(most, nearest(i));
+    const float scale = (slabs - 1) / (most - least);
+    const auto slab = [&](int i) {
+      const float depth = (nearest(i) - least) * scale;
+      return depth >= 0 && depth < slabs ? static_cast<std::size_t>(depth) : 0;  // 0 for NaN too
+    };
+    std::size_t start[slabs + 1] = {};
+    for (int i = 0; i < size_; ++i) ++start[slab(i) + 1];
+    for (std::size_t k = 0; k < slabs; ++k) start[k + 1] += start[k];
+    std::vector<std::size_t> order(index(size_));
+    for (int i = 0; i < size_; ++i) order[start[slab(i)]++] = index(i);
+    reorder(order);
+    for (int i = size_ - 2; i >= 0; --i)
+      nearest_[index(i)] = std::min(nearest_[index(i)], nearest_[index(i + 1)]);
+  }
+
   /// Sorts by index in the scene's order.
   void order_by_place() {
     std::vector<std::size_t> order(index(size_));
@@ -180,7 +211,8 @@ class Candidates {
       for (std::size_t i = 0; i < order.size(); ++i) moved[i] = row[order[i]];
       row = std::move(moved);
     };
-    move(x_), move(y_), move(z_), move(reach_), move(horizon_), move(margin_), move(inner_), move(place_);
+    move(x_), move(y_), move(z_), move(reach_), move(horizon_), move(nearest_), move(margin_), move(inner_),
+        move(place_);
   }
 
   /// Makes room for count surfaces, and for the lanes that a store of a whole vector writes behind them.
@@ -188,12 +220,13 @@ class Candidates {
     const std::size_t needed = index(count + float_lanes);
     if (x_.size() >= needed) return;
     const std::size_t room = std::max(needed, 2 * x_.size());
-    for (auto* row : {&x_, &y_, &z_, &reach_, &horizon_, &margin_, &inner_}) row->resize(room);
+    for (auto* row : {&x_, &y_, &z_, &reach_, &horizon_, &nearest_, &margin_, &inner_}) row->resize(room);
     place_.resize(room);
   }
 
   int size_ = 0;
-  std::vector<float> x_, y_, z_, reach_, horizon_, margin_, inner_;
+  bool is_ordered_ = false;  ///< true if near surfaces come first
+  std::vector<float> x_, y_, z_, reach_, horizon_, nearest_, margin_, inner_;
   std::vector<std::uint32_t> place_;
 };
 

@@ -24,9 +24,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Adds a surface without bounds to those found.
-inline void add_unbounded(std::uint32_t place, std::vector<SurfacesAround>& found) {
-  found.push_back({Numbers(place), Bits{1}, SphereAround{Point{0}, infinity}});
+/// Returns a surface without bounds.
+[[nodiscard]] inline SurfacesAround unbounded_surface(std::uint32_t place) {
+  return {Numbers(place), Bits{1}, SphereAround{Point{0}, infinity}};
 }
 
 /// Finds the surfaces of one type that a ray may meet. This template is for types without bounds and visits
@@ -57,12 +57,11 @@ class Finder {
     for (std::uint32_t i = 0; i < count_; ++i) visit(i);
   }
 
-  /// Adds each surface that may reach into every one of the half-spaces to those found; `first` is the index
-  /// of the type's first surface in the scene's order. The sphere around a surface without bounds has an
-  /// infinite radius.
-  void frustum_query(std::span<const HalfSpace>, std::uint32_t first,
-                     std::vector<SurfacesAround>& found) const {
-    for (std::uint32_t i = 0; i < count_; ++i) add_unbounded(first + i, found);
+  /// Tells visit of each surface that may reach into every one of the half-spaces, some at a time; `first` is
+  /// the index of the type's first surface in the scene's order. The sphere around a surface without bounds
+  /// has an infinite radius.
+  void frustum_query(std::span<const HalfSpace>, std::uint32_t first, const VisitSurfaces& visit) const {
+    for (std::uint32_t i = 0; i < count_; ++i) visit(unbounded_surface(first + i));
   }
 
  private:
@@ -109,13 +108,13 @@ class Finder<T> {
   }
 
   void frustum_query(std::span<const HalfSpace> half_spaces, std::uint32_t first,
-                     std::vector<SurfacesAround>& found) const {
+                     const VisitSurfaces& visit) const {
     traverse(bvh_, InHalfSpaces{in_box_space(half_spaces, bvh_)}, [&](Leaf leaf) {
       const std::uint32_t i = bvh_.order()[leaf.first];
-      found.push_back({Numbers(first + i), Bits{1}, sphere_around((*surfaces_)[i])});
+      visit({Numbers(first + i), Bits{1}, sphere_around((*surfaces_)[i])});
       return false;
     });
-    for (const std::uint32_t i : bvh_.unbounded()) add_unbounded(first + i, found);
+    for (const std::uint32_t i : bvh_.unbounded()) visit(unbounded_surface(first + i));
   }
 
  private:
@@ -196,22 +195,21 @@ class Finder<Sphere> {
   }
 
   void frustum_query(std::span<const HalfSpace> half_spaces, std::uint32_t first,
-                     std::vector<SurfacesAround>& found) const {
+                     const VisitSurfaces& visit) const {
     const auto sides = in_box_space(half_spaces, bvh_);
     const auto visit_leaf = [&](Leaf leaf) {
       Bits within = 0;
       for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
         if (i % float_lanes == 0) within = leaves_.within(leaf, i, sides);
         if (const Bits some = within & first_bits(double_lanes); some != 0)
-          found.push_back(
-              {numbers(leaf.first + i) + Numbers(first), some, leaves_.around(leaf, i, bvh_.space())});
+          visit({numbers(leaf.first + i) + Numbers(first), some, leaves_.around(leaf, i, bvh_.space())});
         within >>= double_lanes;
       }
       return false;
     };
     const auto fetch = soon();
     traverse(bvh_, InHalfSpaces{sides}, visit_leaf, FetchChild<Read::soon, Fetch>{bvh_, fetch});
-    for (const std::uint32_t i : bvh_.unbounded()) add_unbounded(first + i, found);
+    for (const std::uint32_t i : bvh_.unbounded()) visit(unbounded_surface(first + i));
   }
 
  private:

@@ -186,8 +186,8 @@ class InCone {
 class Occluders {
  public:
   /// Returns the surfaces that rays in 0 < t < 1 may hit, as indices in the scene's order; null if each ray
-  /// is better traced alone. search(half_spaces) returns the surfaces that may be in half-spaces, as a vector
-  /// of SurfacesAround.
+  /// is better traced alone. search(half_spaces, visit) calls visit(SurfacesAround) for all surfaces that may
+  /// be in half-spaces.
   [[nodiscard]] const std::vector<int>* between(const RayPacket& rays, LaneMask which, const auto& search) {
     ToLight& to_light = lists_for(rays, std::countr_zero(bits(which)));
     List* list = to_light.list_of(rays, which);
@@ -204,14 +204,15 @@ class Occluders {
         list->cone.close();
         return nullptr;
       }
-      for (const auto& [places, lanes, around] : search(list->cone.half_spaces())) {
+      search(list->cone.half_spaces(), [&](const SurfacesAround& surfaces) {
+        const auto& [places, lanes, around] = surfaces;
         looked_at += std::popcount(lanes);
         for (Bits some = lanes; some != 0 && list->in_cone.size() <= most; some &= some - 1) {
           const int lane = std::countr_zero(some);
           const auto seen = list->cone.seen(around[lane]);
           if (list->cone.may_hold(seen)) list->in_cone.add(static_cast<int>(places[lane]), seen);
         }
-      }
+      });
       if (list->in_cone.size() > 2 * handy)
         to_light.wide = std::max(1.5, 0.5 * to_light.wide);
       else if (list->in_cone.size() < handy)

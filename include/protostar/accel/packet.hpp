@@ -65,11 +65,11 @@ struct RayPacket {
   using Light = Colors;  ///< type of their radiance
 
   Vectors origin, direction;
-  LaneMask active = true;             ///< active lanes; results in the others do not matter
-  Departure departure;                ///< geometry that all rays leave; none if `left` is a surface
-  const void* left = nullptr;         ///< surface of which each ray leaves a primitive; null for other rays
-  const SurfaceFunctions* functions;  ///< those of that surface; not set for other rays
-  Indices parts;                      ///< index of that primitive; not set for other rays
+  LaneMask active = true;      ///< active lanes; results in the others do not matter
+  Departure departure;         ///< geometry that all rays leave; none if `left` is a surface
+  const void* left = nullptr;  ///< surface of which each ray leaves a primitive; null for other rays
+  const SurfaceFunctions* functions = nullptr;  ///< those of that surface
+  Indices parts;                                ///< index of that primitive; not set for other rays
 
   /// Sets the members; constructors, since g++ clears an aggregate as a whole before it fills it.
   RayPacket(const Vectors& from, const Vectors& along, LaneMask lanes = true, const Departure& leaves = {})

@@ -25,6 +25,7 @@ struct Viewpoint {
   /// unless rays are parallel.
   Point apex;
   double drift = 0;
+  bool is_eye = false;  ///< true if all rays start at the apex
 
   /// Point and unit normal of the plane on which all rays start, up to drift; they lead to the side of the
   /// normal. A normal that is not certain is 0.
@@ -49,7 +50,7 @@ class PixelRays {
         is_pinhole_(camera.is_pinhole()),
         hand_(hand_of(camera)),
         has_float_sums_(allows_float_sums(camera, pixels.largest_u())),
-        viewpoint_(is_pinhole_ ? Viewpoint{.apex = camera.position} : viewpoint_of_film()) {
+        viewpoint_(is_pinhole_ ? Viewpoint{.apex = camera.position, .is_eye = true} : viewpoint_of_film()) {
     for (int i = 0; i < pixels.samples(); ++i) samples_.push_back(tables(pixels.sample(i), width, height));
     for (int x = 0; x <= width; x += edge_step) column_edges_.push_back(computed_column_edge(x));
     for (int y = 0; y <= height; y += edge_step) row_edges_.push_back(computed_row_edge(y));
@@ -200,7 +201,7 @@ class PixelRays {
     return std::abs(volume) > 0x1p-24 ? std::copysign(1, volume) : 0;
   }
 
-  /// Returns true if the directions of a camera may be added up in float (float_directions). Before they are
+  /// Returns true if the directions of a camera may be added up in float (block_directions). Before they are
   /// normalized, they are at least half as long as forward and no longer than the sum of all three vectors,
   /// so that squares stay between 2^-100 and 2^100.
   static bool allows_float_sums(const Camera& camera, double largest_u) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstdint>
+#include <functional>
 
 #include "../simd/simd.hpp"
 #include "../simd/vectors.hpp"
@@ -43,6 +44,9 @@ struct SurfacesAround {
   Bits lanes;
   SpheresAround around;
 };
+
+/// Function that is told of some surfaces at a time.
+using VisitSurfaces = std::function<void(const SurfacesAround&)>;
 
 /// Returns true if a surface has finite bounds. The leaves of a BVH hold just these surfaces.
 template <Surface S>

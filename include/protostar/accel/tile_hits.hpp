@@ -91,13 +91,12 @@ class TileHits {
   /// Returns the closest hits of camera rays. `seen` is what each ray surely sees first: the index of a
   /// surface, sees_nothing, or is_in_doubt for a ray that is tested with all candidates.
   [[nodiscard]] Closest closest(const CameraPacket& rays, const Indices& seen = is_in_doubt) const {
-    return search(rays, candidates_.places(), seen, true);
+    return search(rays, candidates_, seen, true);
   }
 
   /// Returns the closest hits of other rays, by tests of all surfaces of a scene of at most `few`.
   [[nodiscard]] Closest closest(const RayPacket& rays) const {
-    static constexpr std::uint32_t all[few] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    return search(rays, std::span(all, scene_.size()), is_in_doubt, false);
+    return search(rays, AllOfFew{scene_.size()}, is_in_doubt, false);
   }
 
   /// Returns the radiance of rays with these closest hits: shade_hits(hits) for one surface after the other,
@@ -152,6 +151,19 @@ class TileHits {
  protected:
   /// Largest number of surfaces for which testing all of them is faster than a traversal.
   static constexpr std::size_t few = 16;
+
+  /// All surfaces of a scene of few, as a list like Candidates.
+  struct AllOfFew {
+    std::size_t count;
+
+    [[nodiscard]] int size() const { return static_cast<int>(count); }
+    [[nodiscard]] int place(int i) const { return i; }
+    [[nodiscard]] float nearest(int) const { return 0; }
+    [[nodiscard]] std::span<const std::uint32_t> places() const {
+      static constexpr std::uint32_t all[few] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+      return {all, count};
+    }
+  };
 
   static LaneMask one(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
 
@@ -210,19 +222,20 @@ class TileHits {
 
   /// Returns the closest hits of rays. A ray in doubt is tested with all surfaces in `places`; one that
   /// surely sees a surface is tested with that alone. Camera rays have visibility buffers.
-  [[nodiscard, gnu::always_inline]] Closest search(const RayPacket& rays,
-                                                   std::span<const std::uint32_t> places, const Indices& seen,
-                                                   bool are_of_camera) const {
+  [[nodiscard, gnu::always_inline]] Closest search(const RayPacket& rays, const auto& surfaces,
+                                                   const Indices& seen, bool are_of_camera) const {
     const auto sees = [&](std::int64_t place) { return mask_for<double>(seen == Indices(place)); };
     const LaneMask open = rays.active && sees(is_in_doubt);
     LaneMask sure = rays.active && !open && !sees(sees_nothing), in_doubt = false;
     Closest closest{.t = infinity, .place = sees_nothing};
-    for (std::size_t next = any(open) ? 0 : places.size();;) {
+    for (int next = any(open) ? 0 : surfaces.size();;) {
       std::int64_t place = 0;
       LaneMask lanes = open;
-      if (next < places.size()) {
-        place = places[next++];
+      // If no ray can reach a surface before its closest hit, none can reach those that follow.
+      if (next < surfaces.size() && any(open && closest.t >= Doubles(surfaces.nearest(next)))) {
+        place = surfaces.place(next++);
       } else {
+        next = surfaces.size();
         if (!any(sure)) break;
         place = in_first_lane(seen, bits(sure));
         lanes = sure && sees(place);
@@ -233,7 +246,7 @@ class TileHits {
         test(surface, place, rays, lanes, are_of_camera, closest, in_doubt);
       });
     }
-    if (any(in_doubt)) return decided(RayPacket(rays), in_doubt, closest, places);
+    if (any(in_doubt)) return decided(RayPacket(rays), in_doubt, closest, surfaces.places());
     return closest;
   }
 

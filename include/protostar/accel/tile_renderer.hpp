@@ -48,6 +48,7 @@ class TileRenderer {
         statistics_(options.statistics) {
     int place = 0;
     if (!is_large()) (add_all<S>(place), ...);
+    put_in_order(candidates_);
   }
 
   /// Fills a tile.
@@ -122,14 +123,22 @@ class TileRenderer {
       candidates_.add(place++, rays_.viewpoint(), sphere_around(surface));
   }
 
-  /// Returns the surfaces that a tile may see, found in the BVH. They are in the scene's order, unless only
-  /// closest hits are asked for, which do not depend on the order.
+  /// Sorts candidates near to far, for integrators that shade closest hits; for others, which may ask for all
+  /// hits, in the scene's order.
+  static void put_in_order(Candidates& candidates) {
+    if constexpr (shades || !by_packets)
+      candidates.order_by_distance();
+    else
+      candidates.order_by_place();
+  }
+
+  /// Returns the surfaces that a tile may see, found in the BVH.
   [[nodiscard]] Candidates found_for(const Tile& tile) const {
-    std::vector<SurfacesAround> surfaces;
-    scene_.frustum_query(TileHalfSpaces(rays_, tile).side, surfaces);
     Candidates found;
-    for (const auto& [places, lanes, around] : surfaces) found.add(places, lanes, rays_.viewpoint(), around);
-    if constexpr (by_packets && !shades) found.order_by_place();
+    scene_.frustum_query(TileHalfSpaces(rays_, tile).side, [&](const SurfacesAround& surfaces) {
+      found.add(surfaces.places, surfaces.lanes, rays_.viewpoint(), surfaces.around);
+    });
+    put_in_order(found);
     return found;
   }
 
@@ -213,7 +222,7 @@ class TileRenderer {
   [[nodiscard]] bool see_the_same(const Candidates& candidates, const Frustum& frustum,
                                   const View& view) const {
     if (candidates.size() == 0) return true;
-    if constexpr (!shades_anywhere && !AsksForCrossings<I>) return false;
+    if constexpr (shades ? !shades_anywhere : !AsksForCrossings<I>) return false;
     if (!rays_.is_pinhole() || !skips_.sure_in_float || (shades && candidates.size() > 1)) return false;
     for (int i = 0; i < candidates.size(); ++i)
       if (!candidates.fills(i, frustum) || view.has_texture(candidates.place(i))) return false;
@@ -223,26 +232,25 @@ class TileRenderer {
   /// Returns the color of all pixels of a tile that see the same: all candidates.
   [[nodiscard, gnu::noinline]] Color uniform_color(const Tile& tile, const Candidates& candidates,
                                                    const View& view, Work& work) const {
+    const CameraPacket rays = rays_.packet({tile.x0, tile.y0, tile.x0 + 1, tile.y0 + 1}, tile.x0, tile.y0);
     Colors colors(Color{0});
     if constexpr (shades) {
-      colors = shade_seen(Indices(candidates.size() == 0 ? sees_nothing : candidates.place(0)), view);
+      colors = shade_seen(Indices(candidates.size() == 0 ? sees_nothing : candidates.place(0)), rays, view);
     } else {
       work.state.crossed.clear();
       for (int i = 0; i < candidates.size(); ++i)
         work.state.crossed.push_back({candidates.place(i), ~Bits{0}, ~Bits{0}});
       view.set_crossed(&work.state.crossed);
-      colors = integrator_.radiance(
-          rays_.packet({tile.x0, tile.y0, tile.x0 + 1, tile.y0 + 1}, tile.x0, tile.y0), view);
+      colors = integrator_.radiance(rays, view);
     }
     const Color color{colors.r[0], colors.g[0], colors.b[0]};
     return rays_.pixels().mean([&](int) { return color; });
   }
 
-  /// Returns the radiance of pixels that surely see these surfaces, or nothing, without their rays. All see
-  /// nothing unless the integrator shades anywhere.
-  [[nodiscard]] Colors shade_seen(const Indices& seen, const View& view) const {
-    const CameraPacket no_rays(Vectors(Vec3{0}), Vectors(Vec3{0}));
-    const auto background = [&] { return integrator_.background(no_rays, view); };
+  /// Returns the radiance of pixels that surely see these surfaces, or nothing, without their own rays: any
+  /// camera rays stand for those that miss. All see nothing unless the integrator shades anywhere.
+  [[nodiscard]] Colors shade_seen(const Indices& seen, const CameraPacket& any_rays, const View& view) const {
+    const auto background = [&] { return integrator_.background(any_rays, view); };
     if constexpr (shades_anywhere)
       return view.shade_anywhere(seen, background,
                                  [&](const auto& hits) { return integrator_.shade(hits, view); });
@@ -298,6 +306,9 @@ class TileRenderer {
     const auto seen_from = [&](int x, int y) {
       return is_known ? widened(work.visibility(x, y)) : Indices(is_in_doubt);
     };
+    // Rays that stand for all that miss; they are used only if visibility is known.
+    const CameraPacket any_rays = rays_.packet(
+        part, part.x0, part.y0, is_known ? rays_.directions(part.x0, part.y0, i) : Vectors(Vec3{0}), i);
     std::array<PacketStart, most_packets> open;
     std::array<Vectors, most_packets> directions;
     std::array<Closest, most_packets> closest;
@@ -306,7 +317,7 @@ class TileRenderer {
     each_packet(part, [&](std::size_t, int x, int y) {
       if (const Indices seen = seen_from(x, y); is_known && !needs_rays(seen, view)) {
         skipped += static_cast<std::uint64_t>(std::min(double_lanes, part.x1 - x));
-        return add_packet(part, x, y, i, shade_seen(seen, view));
+        return add_packet(part, x, y, i, shade_seen(seen, any_rays, view));
       }
       directions[count] = rays_.directions(x, y, i);
       open[count++] = {x, y};
@@ -352,9 +363,9 @@ class TileRenderer {
     view.set_first_pixel(part.x0, part.y0, i);
     const bool is_in_buffer = view.with_only_buffer([&](const auto& drawn) {
       each_packet(part, [&](std::size_t, int x, int y) {
-        const Indices which = drawn.seen(true, x, y).which;  // below 0: sees_nothing or is_in_doubt
-        const LaneMask met = mask_for<double>(which >= Indices(0));
-        work.visibility.set_packet(x, y, select(met, Indices(candidates.place(0)), which));
+        const auto seen = drawn.seen(true, x, y);
+        const Indices unmet = select(seen.in_doubt, Indices(is_in_doubt), Indices(sees_nothing));
+        work.visibility.set_packet(x, y, select(seen.met, Indices(candidates.place(0)), unmet));
       });
     });
     if (is_in_buffer) return true;

@@ -164,11 +164,10 @@ class TileScene : public TileHits<S...> {
   [[nodiscard, gnu::noinline]] LaneMask occluded_among_many(const RayPacket& rays, Interval range) const {
     const std::vector<int>* places = nullptr;
     if (skips_.occluder_lists && range.min == 0 && range.max == 1)
-      places = state_.occluders.between(rays, rays.active, [&](const auto& half_spaces) {
-        std::vector<SurfacesAround> found;
-        everything_.frustum_query(half_spaces, found);
-        return found;
-      });
+      places = state_.occluders.between(rays, rays.active,
+                                        [&](const auto& half_spaces, const VisitSurfaces& visit_some) {
+                                          everything_.frustum_query(half_spaces, visit_some);
+                                        });
     if (places == nullptr) return occluded_each_by_itself(rays, range);
     LaneMask found = false, left = rays.active;
     for (const int place : *places) {

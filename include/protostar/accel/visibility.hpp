@@ -41,10 +41,12 @@ inline constexpr std::int32_t sees_nothing = -1, is_in_doubt = -2;
 
 namespace detail {
 
-/// Surfaces that rays of a block surely meet, and the rays that may meet another one before.
+/// Surfaces that rays of a block surely meet, the rays that may meet another one before, and how many
+/// candidates were tested.
 struct FirstSeen {
   WideIndices places;
   WideMask in_doubt;
+  int tested;
 };
 
 /// Returns true if the squares of a sphere's radii neither underflow nor overflow in float.
@@ -59,7 +61,10 @@ template <bool with_roots>
   // Bounds of the first hit of the surface that is surely met soonest, and where the others begin.
   WideFloats until = never, from = never, others_from = never;
   WideIndices places = sees_nothing;
-  for (int k = 0; k < candidates.size(); ++k) {
+  int k = 0;
+  for (; k < candidates.size(); ++k) {
+    // If no ray can reach a candidate before its first hit, none can reach those that follow.
+    if (k > 0 && !any(until >= WideFloats(candidates.nearest(k)))) break;
     const CandidateSphere sphere = candidates.sphere(k);
     const SpherePass passed = pass(sphere, directions);
     const WideMask maybe = passed.maybe();
@@ -71,7 +76,7 @@ template <bool with_roots>
     from = select(is_first, entry.from, from);
     places = select(is_first, WideIndices(candidates.place(k)), places);
   }
-  return {places, others_from < never && others_from <= until};
+  return {places, others_from < never && others_from <= until, k};
 }
 
 }  // namespace detail
@@ -86,10 +91,12 @@ struct SeenByBlock {
 [[nodiscard, gnu::always_inline]] inline SeenByBlock seen_by(const WideVectors& directions,
                                                              const Candidates& candidates) {
   detail::FirstSeen seen = detail::first_seen<false>(candidates, directions);
-  const bool with_roots = any(seen.in_doubt);
-  if (with_roots) seen = detail::first_seen<true>(candidates, directions);
-  return {select(seen.in_doubt, WideIndices(is_in_doubt), seen.places),
-          (with_roots ? 2 : 1) * candidates.size() * float_lanes};
+  int tested = seen.tested;
+  if (any(seen.in_doubt)) {
+    seen = detail::first_seen<true>(candidates, directions);
+    tested += seen.tested;
+  }
+  return {select(seen.in_doubt, WideIndices(is_in_doubt), seen.places), tested * float_lanes};
 }
 
 /// What each pixel of a part of a tile sees first: the index of a surface, sees_nothing or is_in_doubt. A

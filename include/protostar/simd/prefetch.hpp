@@ -20,13 +20,6 @@ void prefetch([[maybe_unused]] const void* address) {
 #endif
 }
 
-/// Prefetches an address that will be written soon.
-inline void prefetch_to_write([[maybe_unused]] void* address) {
-#if defined(__GNUC__)
-  __builtin_prefetch(address, 1);
-#endif
-}
-
 /// Keeps the calls of a function that does nothing but prefetch: g++ takes it for one without effect, and may
 /// never call it.
 inline void keep_calls() {
