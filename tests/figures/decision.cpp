@@ -23,7 +23,7 @@ struct Passing {
     const Point center{0};
     const auto e = sphere_equation(ray, center, 1.0);
     computed = e.D, error = e.E;
-    const auto without_rounding = sphere_equation(exact_line(ray), center, 1);
+    const auto without_rounding = sphere_equation(exact_line(ray.origin, ray.direction), center, 1.0);
     exact = static_cast<double>(static_cast<DoubleDouble>(without_rounding.b * without_rounding.b -
                                                           without_rounding.A * without_rounding.c));
   }
