@@ -514,7 +514,7 @@ TEST_CASE("candidates in any order are brought into the scene's order, and a til
     Candidates ordered;
     for (int i = count - 1; i >= 0; --i)
       ordered.add(i, viewpoint, simd::sphere_around(spheres[static_cast<std::size_t>(i)]));
-    ordered.order_by_place();
+    ordered.sort(simd::Candidates::Order::of_scene);
     CHECK(places_of(ordered) == places_of(before));
     // The rows are sorted together.
     const PixelRays rays(Camera{}, PixelGrid(64, 64), 64, 64);

@@ -47,8 +47,8 @@ class Candidates {
   [[nodiscard]] int place(int i) const { return static_cast<int>(place_[index(i)]); }
 
   /// Returns a lower bound of t at which a camera ray of unit direction hits the i-th surface or any that
-  /// follows it, after order_by_distance(); otherwise 0.
-  [[nodiscard]] float nearest(int i) const { return is_ordered_ ? nearest_[index(i)] : 0; }
+  /// follows it, after sort(Order::near_to_far); otherwise 0.
+  [[nodiscard]] float nearest(int i) const { return is_ordered_ ? *at(row_nearest, i) : 0; }
 
   /// Returns the indices of all surfaces.
   [[nodiscard]] std::span<const std::uint32_t> places() const { return {place_.data(), index(size_)}; }
@@ -86,20 +86,21 @@ class Candidates {
     some &= bits(!(depth < -(radius + error)));
     make_room(size_ + double_lanes);
     const LaneMask fits = distance + radius + abs(depth) < 0x1p120;
-    const auto store = [&](auto& row, const Doubles& numbers, double otherwise) {
-      store_chosen(row.data() + size_, some, to_float(select(fits, numbers, Doubles(otherwise))));
+    const auto store = [&](Row row, const Doubles& numbers, double otherwise) {
+      store_chosen(at(row, size_), some, to_float(select(fits, numbers, Doubles(otherwise))));
     };
-    store(x_, l.x, 0), store(y_, l.y, 0), store(z_, l.z, 0);
+    store(row_x, l.x, 0), store(row_y, l.y, 0), store(row_z, l.z, 0);
     const Doubles along = 0x3p-20 * distance;
-    store(reach_, sqrt((radius + error) * (radius + error) + along * along), infinity);
+    store(row_reach, sqrt((radius + error) * (radius + error) + along * along), infinity);
     const Doubles square = distance * distance - radius * radius;
     const Doubles sure_square = square - 0x1p-49 * (distance * distance + radius * radius);
-    store(horizon_, select(sure_square > 0.0, sqrt(sure_square) - 4 * error, Doubles(-infinity)), -infinity);
-    store(nearest_, (viewpoint.is_eye ? distance : depth) - radius - error, 0);
-    store(margin_, 2 * error, infinity);
+    store(row_horizon, select(sure_square > 0.0, sqrt(sure_square) - 4 * error, Doubles(-infinity)),
+          -infinity);
+    store(row_nearest, (viewpoint.is_eye ? distance : depth) - radius - error, 0);
+    store(row_margin, 2 * error, infinity);
     const Doubles inner = around.inner - error;
     const LaneMask is_sure = inner > 0x1p-60 && inner < 0x1p60 && distance > radius + error;
-    store(inner_, select(is_sure, inner, Doubles(-1.0)), -1);
+    store(row_inner, select(is_sure, inner, Doubles(-1.0)), -1);
     size_ += store_chosen(place_.data() + size_, some, places);
   }
   void add(int place, const Viewpoint& viewpoint, const SphereAround& around) {
@@ -111,38 +112,29 @@ class Candidates {
     is_ordered_ = others.is_ordered_;
     make_room(size_ + others.size_);
     for (int i = 0; i < others.size_; i += float_lanes) {
-      const auto at = [&](const auto& row) { return row.data() + i; };
-      const Wide x = Wide::load(at(others.x_)), y = Wide::load(at(others.y_)), z = Wide::load(at(others.z_));
-      const Wide reach = Wide::load(at(others.reach_));
+      const auto load = [&](Row row) { return Wide::load(others.at(row, i)); };
+      const Wide x = load(row_x), y = load(row_y), z = load(row_z), r = load(row_reach);
       // NaN, which comes from numbers beyond float, is not outside.
       Mask<float, float_lanes> outside = false;
       for (int k = 0; k < 4; ++k) {
         const auto& n = frustum.normal[k];
-        outside = outside || (x * n[0] + y * n[1] + z * n[2] < frustum.offset[k] - reach);
+        outside = outside || (x * n[0] + y * n[1] + z * n[2] < frustum.offset[k] - r);
       }
       const auto& axis = frustum.normal[4];
-      const Wide horizon = Wide::load(at(others.horizon_));
-      outside = outside ||
-                (x * axis[0] + y * axis[1] + z * axis[2] < horizon * frustum.cosine - reach * frustum.sine);
+      outside = outside || (x * axis[0] + y * axis[1] + z * axis[2] <
+                            load(row_horizon) * frustum.cosine - r * frustum.sine);
       const Bits seen = bits(!outside) & first_bits(others.size_ - i);
       if (seen == 0) continue;
-      const auto to = [&](auto& row) { return row.data() + size_; };
-      store_chosen(to(x_), seen, x);
-      store_chosen(to(y_), seen, y);
-      store_chosen(to(z_), seen, z);
-      store_chosen(to(reach_), seen, reach);
-      store_chosen(to(horizon_), seen, horizon);
-      store_chosen(to(nearest_), seen, Wide::load(at(others.nearest_)));
-      store_chosen(to(margin_), seen, Wide::load(at(others.margin_)));
-      store_chosen(to(inner_), seen, Wide::load(at(others.inner_)));
-      size_ += store_chosen(to(place_), seen, Lanes<std::uint32_t, float_lanes>::load(at(others.place_)));
+      for (int row = 0; row < row_count; ++row) store_chosen(at(Row(row), size_), seen, load(Row(row)));
+      size_ += store_chosen(place_.data() + size_, seen,
+                            Lanes<std::uint32_t, float_lanes>::load(others.place_.data() + i));
     }
   }
 
   /// Returns the sphere that contains the i-th surface.
   [[nodiscard]] CandidateSphere sphere(int i) const {
-    const std::size_t k = index(i);
-    return {x_[k], y_[k], z_[k], reach_[k], inner_[k], margin_[k]};
+    return {*at(row_x, i),     *at(row_y, i),     *at(row_z, i),
+            *at(row_reach, i), *at(row_inner, i), *at(row_margin, i)};
   }
 
   /// Returns true if all rays of a pinhole in a frustum surely meet the i-th surface, by the frustum's cone.
@@ -165,9 +157,22 @@ class Candidates {
   }
 
   /// Returns true if the i-th surface has no bounds, or none that float holds.
-  [[nodiscard]] bool is_everywhere(int i) const { return !(reach_[index(i)] < infinity); }
+  [[nodiscard]] bool is_everywhere(int i) const { return !(*at(row_reach, i) < infinity); }
 
   void clear() { size_ = 0; }
+
+  enum class Order { near_to_far, of_scene };
+
+  void sort(Order order) { order == Order::near_to_far ? order_by_distance() : order_by_index(); }
+
+ private:
+  using Wide = Lanes<float, float_lanes>;
+
+  /// Numbers of a surface, a row for each: those of CandidateSphere, h, and nearest().
+  enum Row { row_x, row_y, row_z, row_reach, row_inner, row_margin, row_horizon, row_nearest, row_count };
+
+  [[nodiscard]] float* at(Row row, int i) { return rows_[row].data() + i; }
+  [[nodiscard]] const float* at(Row row, int i) const { return rows_[row].data() + i; }
 
   /// Sorts by nearest(), roughly, near first; then lowers each nearest(i) to the least from i on.
   void order_by_distance() {
@@ -186,21 +191,16 @@ class Candidates {
     std::vector<std::size_t> order(index(size_));
     for (int i = 0; i < size_; ++i) order[start[slab(i)]++] = index(i);
     reorder(order);
-    for (int i = size_ - 2; i >= 0; --i)
-      nearest_[index(i)] = std::min(nearest_[index(i)], nearest_[index(i + 1)]);
+    for (int i = size_ - 2; i >= 0; --i) *at(row_nearest, i) = std::min(nearest(i), nearest(i + 1));
   }
 
-  /// Sorts by index in the scene's order.
-  void order_by_place() {
+  void order_by_index() {
     std::vector<std::size_t> order(index(size_));
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return place_[a] < place_[b]; });
     reorder(order);
   }
-
- private:
-  using Wide = Lanes<float, float_lanes>;
 
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
@@ -211,22 +211,22 @@ class Candidates {
       for (std::size_t i = 0; i < order.size(); ++i) moved[i] = row[order[i]];
       row = std::move(moved);
     };
-    move(x_), move(y_), move(z_), move(reach_), move(horizon_), move(nearest_), move(margin_), move(inner_),
-        move(place_);
+    for (auto& row : rows_) move(row);
+    move(place_);
   }
 
   /// Makes room for count surfaces, and for the lanes that a store of a whole vector writes behind them.
   void make_room(int count) {
     const std::size_t needed = index(count + float_lanes);
-    if (x_.size() >= needed) return;
-    const std::size_t room = std::max(needed, 2 * x_.size());
-    for (auto* row : {&x_, &y_, &z_, &reach_, &horizon_, &nearest_, &margin_, &inner_}) row->resize(room);
+    if (place_.size() >= needed) return;
+    const std::size_t room = std::max(needed, 2 * place_.size());
+    for (auto& row : rows_) row.resize(room);
     place_.resize(room);
   }
 
   int size_ = 0;
   bool is_ordered_ = false;  ///< true if near surfaces come first
-  std::vector<float> x_, y_, z_, reach_, horizon_, nearest_, margin_, inner_;
+  std::vector<float> rows_[row_count];
   std::vector<std::uint32_t> place_;
 };
 

@@ -35,6 +35,12 @@ inline void write_packet(Image& image, const Tile& tile, int x, int y, const Col
   for (int i = 0; x + i < tile.x1; ++i) pixels[i] = {colors.r[i], colors.g[i], colors.b[i]};
 }
 
+/// Gives all pixels of a tile one color.
+inline void fill_tile(Image& image, const Tile& tile, const Color& color) {
+  const Color* const first = std::fill_n(&image(tile.x0, tile.y0), tile.width(), color) - tile.width();
+  for (int y = tile.y0 + 1; y < tile.y1; ++y) std::copy_n(first, tile.width(), &image(tile.x0, y));
+}
+
 /// Returns the colors of the pixels of a packet, as far as they are in the tile.
 [[nodiscard]] inline Colors colors_of(const Image& image, const Tile& tile, int x, int y) {
   Colors colors(Color{0});

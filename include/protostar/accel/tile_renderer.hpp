@@ -26,8 +26,8 @@
 #include "packet.hpp"
 #include "packet_integrator.hpp"
 #include "packet_pixels.hpp"
+#include "picture_candidates.hpp"
 #include "pixel_rays.hpp"
-#include "sphere_around.hpp"
 #include "tile_scene.hpp"
 #include "visibility.hpp"
 
@@ -44,12 +44,9 @@ class TileRenderer {
         scene_(scene),
         integrator_(integrator),
         rays_(camera, PixelGrid(image.width(), image.height(), options), image.width(), image.height()),
+        candidates_(scene, rays_, order),
         skips_(worthwhile(options, image, scene.scene().size())),
-        statistics_(options.statistics) {
-    int place = 0;
-    if (!is_large()) (add_all<S>(place), ...);
-    put_in_order(candidates_);
-  }
+        statistics_(options.statistics) {}
 
   /// Fills a tile.
   void operator()(const Tile& tile) const {
@@ -57,11 +54,7 @@ class TileRenderer {
     std::unique_ptr<Work> work = take_work();
     const Frustum frustum(rays_, tile);
     Candidates& in_tile = work->lists[0];
-    in_tile.clear();
-    if (is_large())
-      in_tile.add(found_for(tile), frustum);
-    else
-      in_tile.add(candidates_, frustum);
+    candidates_.find(tile, frustum, in_tile);
     if constexpr (by_packets && View::rasterizes)
       if (rays_.is_pinhole()) rasterize(in_tile, tile, *work);
     if (!fill_uniform(tile, in_tile, frustum, *work)) fill_parts(tile, in_tile, 0, *work);
@@ -72,10 +65,14 @@ class TileRenderer {
  private:
   using View = TileScene<S...>;
   using Closest = typename View::Closest;
+  using Order = Candidates::Order;
 
   static constexpr bool by_packets = PacketIntegrator<I>;
   static constexpr bool shades = ShadingIntegrator<I, View>;
   static constexpr bool shades_anywhere = shades && ShadesAnywhere<I>;
+
+  /// An integrator that may ask for all hits needs the scene's order.
+  static constexpr Order order = shades || !by_packets ? Order::near_to_far : Order::of_scene;
 
   /// Sizes of the parts that a tile is divided into. A part with more than `most` candidates is divided
   /// further, into parts of the next size; the last are at least a block of rays.
@@ -110,36 +107,6 @@ class TileRenderer {
     Skips skips = options.skips;
     skips.occluder_lists = skips.occluder_lists && pixels >= 64.0 * static_cast<double>(surfaces);
     return skips;
-  }
-
-  /// Returns true if there are so many surfaces that each tile finds its own in the BVH, instead of testing
-  /// all, and that their data do not fit in a cache.
-  [[nodiscard]] bool is_large() const { return scene_.scene().size() > 2048; }
-
-  /// Adds all surfaces of one type; `place` is the index of the first, and becomes that of the next type's.
-  template <Surface T>
-  void add_all(int& place) {
-    for (const T& surface : scene_.scene().template surfaces<T>())
-      candidates_.add(place++, rays_.viewpoint(), sphere_around(surface));
-  }
-
-  /// Sorts candidates near to far, for integrators that shade closest hits; for others, which may ask for all
-  /// hits, in the scene's order.
-  static void put_in_order(Candidates& candidates) {
-    if constexpr (shades || !by_packets)
-      candidates.order_by_distance();
-    else
-      candidates.order_by_place();
-  }
-
-  /// Returns the surfaces that a tile may see, found in the BVH.
-  [[nodiscard]] Candidates found_for(const Tile& tile) const {
-    Candidates found;
-    scene_.frustum_query(TileHalfSpaces(rays_, tile).side, [&](const SurfacesAround& surfaces) {
-      found.add(surfaces.places, surfaces.lanes, rays_.viewpoint(), surfaces.around);
-    });
-    put_in_order(found);
-    return found;
   }
 
   /// Returns buffers of an earlier tile, or new ones: they are large.
@@ -203,7 +170,7 @@ class TileRenderer {
       if (!may_skip_background()) return false;
       const View view = view_of(candidates, work);
       if (!see_the_same(candidates, frustum, view)) return false;
-      fill_with(tile, uniform_color(tile, candidates, view, work));
+      fill_tile(image_, tile, uniform_color(tile, candidates, view, work));
       work.state.taken.pixels_skipped +=
           count_of(tile) * static_cast<std::uint64_t>(rays_.pixels().samples());
       return true;
@@ -258,12 +225,6 @@ class TileRenderer {
       return Colors(background());
   }
 
-  void fill_with(const Tile& tile, const Color& color) const {
-    const auto row = [&](int y) { return &image_(tile.x0, y); };
-    std::fill_n(row(tile.y0), tile.width(), color);
-    for (int y = tile.y0 + 1; y < tile.y1; ++y) std::copy_n(row(tile.y0), tile.width(), row(y));
-  }
-
   static std::uint64_t count_of(const Tile& tile) {
     return static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
   }
@@ -271,7 +232,7 @@ class TileRenderer {
   /// Fills a part of at most 16 × 16 pixels with the mean radiance of each pixel's rays.
   void fill(const Tile& part, const Candidates& candidates, Work& work) const {
     View view = view_of(candidates, work);
-    if (is_large()) view.fetch(candidates);
+    if (candidates_.are_from_bvh()) view.fetch(candidates);
     const PixelGrid& pixels = rays_.pixels();
     const int samples = pixels.samples();
     work.state.taken.camera_rays += count_of(part) * static_cast<std::uint64_t>(samples);
@@ -326,7 +287,7 @@ class TileRenderer {
       const auto [x, y] = open[k];
       view.set_first_pixel(x, y, i);
       closest[k] = view.closest(rays_.packet(part, x, y, directions[k], i), seen_from(x, y));
-      if (is_large()) view.fetch(closest[k]);
+      if (candidates_.are_from_bvh()) view.fetch(closest[k]);
     }
     for (std::size_t k = 0; k < count; ++k) {
       const auto [x, y] = open[k];
@@ -429,9 +390,9 @@ class TileRenderer {
   const Accelerated<Scene<S...>>& scene_;
   const I& integrator_;
   PixelRays rays_;
+  PictureCandidates<S...> candidates_;
   Skips skips_;
   RenderStatistics* statistics_;
-  Candidates candidates_;                             ///< all surfaces, in the scene's order; none if large
   mutable std::mutex sharing_;                        ///< guards *statistics_ and spare_
   mutable std::vector<std::unique_ptr<Work>> spare_;  ///< buffers that no tile uses
 };
