@@ -108,7 +108,21 @@ class TileScene : public TileHits<S...> {
 
   /// Returns which other rays have any hit in the range. In a scene of many surfaces, rays to a light are
   /// tested with the surfaces in a cone around them; if there is no such list, each ray is traced alone.
+  ///
+  /// It is inlined where a surface is shaded, for each type of surface, and tests each type. With n types
+  /// these are n² copies, so that scenes of more than two types call one copy.
   [[nodiscard]] LaneMask occluded(const RayPacket& rays, Interval range) const {
+    if constexpr (sizeof...(S) > 2)
+      return called_occluded(rays, range);
+    else
+      return inlined_occluded(rays, range);
+  }
+
+ private:
+  [[nodiscard, gnu::noinline]] LaneMask called_occluded(const RayPacket& rays, Interval range) const {
+    return inlined_occluded(rays, range);
+  }
+  [[nodiscard]] LaneMask inlined_occluded(const RayPacket& rays, Interval range) const {
     LaneMask found = false, left = rays.active;
     state_.taken.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
     if (!any(left)) return found;
@@ -120,6 +134,7 @@ class TileScene : public TileHits<S...> {
     return found;
   }
 
+ public:
   /// Sets the surfaces that a block of camera rays may cross; the next packet's first ray is ray
   /// `first_lane` of the block, and crossings are asked for in t > 0. Null: no block has been tested in
   /// float.

@@ -142,9 +142,9 @@ namespace detail {
 
 /// Returns the equation of the plane through a point with a given normal, whose components have relative
 /// errors of at most `error`; without rounding it is exact_normal().
-[[nodiscard]] PlaneEquation rounded_plane_at(const Point& position,
-                                             const std::optional<RefinedVector>& normal, double error,
-                                             const auto& exact_normal) {
+[[nodiscard, gnu::noinline]] PlaneEquation rounded_plane_at(const Point& position,
+                                                            const std::optional<RefinedVector>& normal,
+                                                            double error, const auto& exact_normal) {
   const int lengths = exponent_of({position});
   const Point p = scaled(position, -lengths);
   std::optional<PlaneEquation> equation;
