@@ -40,10 +40,9 @@ struct LoadedFiles;
 
 /// Scene file that is being read.
 struct SceneText {
-  std::string file;  ///< its path, for messages and for the folder of the files that it names
+  JsonTree tree;  ///< with the file's path, for messages and for the folder of the files that it names
   ReadOptions options = {};
   LoadedFiles* loaded = nullptr;  ///< files that the scene names, as far as they are loaded
-  JsonTree tree = {};
 };
 
 /// File that a scene names.
@@ -56,11 +55,8 @@ struct NamedFile {
 /// SceneError, with the path to it.
 class JsonCursor {
  public:
-  using Node = JsonTree::Node;
-  using Kind = JsonTree::Kind;
-
-  /// Points to a value of a file, which has to outlive the cursor.
-  explicit JsonCursor(const SceneText& scene, Node node = 0) : scene_(&scene), node_(node) {}
+  /// Points to the root of a file, which has to outlive the cursor.
+  explicit JsonCursor(const SceneText& scene) : JsonCursor(scene, scene.tree.root) {}
 
   [[noreturn]] void refuse(std::string_view allowed) const {
     say(found().append(" is not ").append(allowed));
@@ -84,44 +80,44 @@ class JsonCursor {
     return *this;
   }
 
-  [[nodiscard]] bool is(Kind kind) const { return exists() && tree().kind(node_) == kind; }
-  [[nodiscard]] bool has(std::string_view key) const { return is(Kind::object) && (*this)[key].exists(); }
+  [[nodiscard]] bool is(json::value_t type) const { return exists() && value_->type() == type; }
+  [[nodiscard]] bool has(std::string_view key) const {
+    return is(json::value_t::object) && value_->contains(key);
+  }
 
   /// Returns the value of an object under a key, or its absence; the text of the key has to outlive it.
   [[nodiscard]] JsonCursor operator[](std::string_view key) const {
-    JsonCursor value = *this;
-    value.absent_ = key;
-    each_member([&](std::string_view name, const JsonCursor& member) {
-      if (name == key) value = member;
-    });
-    return value;
+    require(is(json::value_t::object), "an object");
+    const auto member = value_->find(key);
+    return member == value_->end() ? JsonCursor(*scene_, *value_, key) : JsonCursor(*scene_, *member);
   }
+
+  /// Returns an element of an array that with_size has checked.
+  [[nodiscard]] JsonCursor operator[](std::size_t index) const { return {*scene_, (*value_)[index]}; }
 
   /// Calls visit(cursor) for each element of an array.
   void each_element(auto&& visit) const {
-    require(is(Kind::array), "an array");
-    tree().each_in(node_, [&](Node node) { visit(JsonCursor(*scene_, node)); });
+    require(is(json::value_t::array), "an array");
+    for (const json& element : *value_) visit(JsonCursor(*scene_, element));
   }
 
-  /// Returns the elements of an array of the given size; refuses other values, naming what is `allowed`.
-  [[nodiscard]] std::vector<JsonCursor> elements(std::size_t size, std::string_view allowed) const {
-    require(is(Kind::array) && tree().size(node_) == size, allowed);
-    std::vector<JsonCursor> elements;
-    each_element([&](const JsonCursor& element) { elements.push_back(element); });
-    return elements;
+  /// Refuses all but an array of the given size, naming what is `allowed`; returns the cursor itself.
+  const JsonCursor& with_size(std::size_t size, std::string_view allowed) const {
+    require(is(json::value_t::array) && value_->size() == size, allowed);
+    return *this;
   }
 
   /// Calls visit(key, cursor) for each member of an object.
   void each_member(const auto& visit) const {
-    require(is(Kind::object), "an object");
-    tree().each_in(node_, [&](Node key) { visit(tree().text(key), JsonCursor(*scene_, key + 1)); });
+    require(is(json::value_t::object), "an object");
+    for (const auto& member : value_->items()) visit(member.key(), JsonCursor(*scene_, member.value()));
   }
 
   // ---- Numbers.
 
   [[nodiscard]] double number(std::string_view allowed = "a number") const {
-    require(exists() && tree().is_number(node_), allowed);
-    return tree().number(node_);
+    require(exists() && value_->is_number(), allowed);
+    return value_->get<double>();
   }
 
   [[nodiscard]] double number_above_0() const {
@@ -174,7 +170,7 @@ class JsonCursor {
   // ---- Vectors and colors.
 
   [[nodiscard]] Vec3 vector() const {
-    const auto xyz = elements(3, "a vector, an array of three numbers");
+    const JsonCursor xyz = with_size(3, "a vector, an array of three numbers");
     return {xyz[0].number(), xyz[1].number(), xyz[2].number()};
   }
 
@@ -194,17 +190,19 @@ class JsonCursor {
   }
 
   [[nodiscard]] Color color() const {
-    const auto rgb = elements(3, "a color, an array of three numbers from 0 to 3.4e38");
+    const JsonCursor rgb = with_size(3, "a color, an array of three numbers from 0 to 3.4e38");
     return Color(Vec3{rgb[0].factor(), rgb[1].factor(), rgb[2].factor()});
   }
 
   // ---- Words.
 
-  [[nodiscard]] bool is(std::string_view word) const { return is(Kind::text) && tree().text(node_) == word; }
+  [[nodiscard]] bool is(std::string_view word) const {
+    return is(json::value_t::string) && value_->get_ref<const std::string&>() == word;
+  }
 
-  [[nodiscard]] std::string_view text(std::string_view allowed) const {
-    require(is(Kind::text), allowed);
-    return tree().text(node_);
+  [[nodiscard]] const std::string& text(std::string_view allowed) const {
+    require(is(json::value_t::string), allowed);
+    return value_->get_ref<const std::string&>();
   }
 
   /// Returns the file of a path that is relative to the folder of the scene. Refuses all but regular files: a
@@ -212,9 +210,9 @@ class JsonCursor {
   [[nodiscard]] NamedFile named_file() const {
     namespace fs = std::filesystem;
     constexpr std::string_view allowed = "the path of a file";
-    const std::string_view name = text(allowed);
+    const std::string& name = text(allowed);
     require(name.find('\0') == std::string::npos, allowed);  // the system would take it for the end
-    const fs::path folder = fs::path(scene_->file).parent_path(), path = folder / name;
+    const fs::path folder = fs::path(scene_->tree.file).parent_path(), path = folder / name;
     const auto resolved = [&](const fs::path& of) {
       std::error_code error;
       const fs::path canonical = fs::canonical(of, error);
@@ -260,12 +258,12 @@ class JsonCursor {
   }
 
  private:
-  [[nodiscard]] const JsonTree& tree() const { return scene_->tree; }
+  JsonCursor(const SceneText& scene, const json& value, std::string_view absent = {})
+      : scene_(&scene), value_(&value), absent_(absent) {}
+
   [[nodiscard]] bool exists() const { return !absent_.data(); }
 
-  [[noreturn]] void say(const std::string& what) const {
-    detail::refuse(scene_->file, tree().pointer_to(node_) + (exists() ? "" : step(absent_)), what);
-  }
+  [[noreturn]] void say(const std::string& what) const { scene_->tree.refuse(*value_, what, absent_); }
 
   void require(bool holds, std::string_view allowed) const {
     if (!holds) refuse(allowed);
@@ -274,13 +272,13 @@ class JsonCursor {
   /// Returns the value as JSON writes it, shortened so that it can be read at a glance.
   [[nodiscard]] std::string found() const {
     if (!exists()) return "nothing";
-    if (const bool is_many = is(Kind::array) || is(Kind::object); is_many && tree().size(node_) > 100)
-      return "an array or object of " + std::to_string(tree().size(node_)) + " values";
-    return tree().beginning_of(node_);
+    if (value_->is_structured() && value_->size() > 100)
+      return "an array or object of " + std::to_string(value_->size()) + " values";
+    return beginning(value_->dump());
   }
 
   const SceneText* scene_;
-  Node node_;                  ///< the value, or the object in which an absent value is missing
+  const json* value_;          ///< the value, or the object in which an absent value is missing
   std::string_view absent_{};  ///< key of an absent value; null for one that exists
 };
 

@@ -56,20 +56,20 @@ inline Texture texture_at(const JsonCursor& at) {
     at.with_keys({"image", "size"});
     double size_u = 1, size_v = 1;
     if (at.has("size")) {
-      const auto size = at["size"].elements(2, "an array of two numbers");
+      const JsonCursor size = at["size"].with_size(2, "an array of two numbers");
       size_u = size[0].size(), size_v = size[1].size();
     }
     return ImageTexture{image_at(at["image"]), size_u, size_v};
   }
   at.with_keys({"checker", "size"});
-  const auto colors = at["checker"].elements(2, "an array of two colors");
+  const JsonCursor colors = at["checker"].with_size(2, "an array of two colors");
   return Checker{.first = colors[0].color(), .second = colors[1].color(), .size = at["size"].size()};
 }
 
 inline Material material_at(const JsonCursor& at) {
   at.with_keys({"diffuse", "specular", "shininess", "reflect", "refract", "ior"});
   Material material;
-  if (at["diffuse"].is(JsonCursor::Kind::object))
+  if (at["diffuse"].is(json::value_t::object))
     material.texture = texture_at(at["diffuse"]);
   else if (at.has("diffuse"))
     material.diffuse = at["diffuse"].color();
@@ -89,8 +89,7 @@ inline Material material_of(const JsonCursor& object, const Materials& materials
   if (object.has("material-id") && object.has("color")) object["color"].refuse_beside("a material-id");
   if (object.has("color")) return {.diffuse = object["color"].color()};
   const std::string allowed = "the name of one of the materials";
-  const auto found =
-      materials.find(std::string(object["material-id"].text(allowed + ", and there is no color")));
+  const auto found = materials.find(object["material-id"].text(allowed + ", and there is no color"));
   if (found != materials.end()) return found->second;
   std::vector<std::string> names;
   for (const auto& [name, material] : materials)
@@ -168,7 +167,7 @@ inline Camera camera_at(const JsonCursor& at) {
 }
 
 inline Transfer transfer_at(const JsonCursor& at) {
-  if (at.is(JsonCursor::Kind::object)) return Gamma{at.with_keys({"gamma"})["gamma"].number_above_0()};
+  if (at.is(json::value_t::object)) return Gamma{at.with_keys({"gamma"})["gamma"].number_above_0()};
   return at.one_of<Transfer>({{"srgb", Srgb{}}, {"linear", Linear{}}});
 }
 
@@ -212,7 +211,7 @@ inline SceneFile scene_at(const JsonCursor& at) {
 
   Materials materials;
   if (at.has("materials"))
-    at["materials"].each_member([&](std::string_view name, const JsonCursor& material) {
+    at["materials"].each_member([&](const std::string& name, const JsonCursor& material) {
       materials.emplace(name, material_at(material));
     });
   at["objects"].each_element([&](const JsonCursor& object) {
@@ -245,9 +244,9 @@ inline SceneFile scene_at(const JsonCursor& at) {
                      std::to_string(column) + ": a zero byte, which no text has");
   }
   detail::LoadedFiles loaded;
-  detail::SceneText scene{.file = file, .options = options, .loaded = &loaded};
+  detail::SceneText scene{.tree = detail::JsonTree(file), .options = options, .loaded = &loaded};
   // Operations on solids may nest Csg::most_depth deep, each as an object and an array; 48 more for the rest.
-  detail::JsonBuilder builder(scene.tree, scene.file, 2 * std::size_t{Csg::most_depth} + 48);
+  detail::JsonBuilder builder(scene.tree, 2 * std::size_t{Csg::most_depth} + 48);
   nlohmann::json::sax_parse(text, &builder);
   return detail::scene_at(detail::JsonCursor(scene));
 }

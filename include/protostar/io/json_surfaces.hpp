@@ -49,7 +49,7 @@ inline Plane plane_at(const JsonCursor& at) {
 
 inline Parallelogram parallelogram_at(const JsonCursor& at) {
   at.with_keys({"type", "position", "edges"});
-  const auto edges = at["edges"].elements(2, "an array of two vectors");
+  const JsonCursor edges = at["edges"].with_size(2, "an array of two vectors");
   const Parallelogram board{
       .position = at["position"].point(), .edge_u = edges[0].point(), .edge_v = edges[1].point()};
   at["edges"].checked([&] { board.validate(); });
@@ -58,7 +58,7 @@ inline Parallelogram parallelogram_at(const JsonCursor& at) {
 
 inline Triangle triangle_at(const JsonCursor& at) {
   at.with_keys({"type", "points"});
-  const auto points = at["points"].elements(3, "an array of three points");
+  const JsonCursor points = at["points"].with_size(3, "an array of three points");
   const Triangle triangle{.a = points[0].point(), .b = points[1].point(), .c = points[2].point()};
   at["points"].checked([&] { triangle.validate(); });
   return triangle;
@@ -114,10 +114,10 @@ inline Disk disk_at(const JsonCursor& at) {
 inline Quadric quadric_at(const JsonCursor& at) {
   at.with_keys({"type", "matrix"});
   const std::string allowed = "a symmetric matrix, an array of four rows of four numbers";
-  const auto rows = at["matrix"].elements(4, allowed);
+  const JsonCursor rows = at["matrix"].with_size(4, allowed);
   double m[4][4] = {};
   for (std::size_t i = 0; i < 4; ++i) {
-    const auto row = rows[i].elements(4, "a row of four numbers");
+    const JsonCursor row = rows[i].with_size(4, "a row of four numbers");
     for (std::size_t j = 0; j < 4; ++j) {
       m[i][j] = row[j].coordinate();
       if (j < i && m[i][j] != m[j][i])
@@ -168,10 +168,10 @@ inline Csg solid_at(const JsonCursor& at) {
 
 /// Returns the map of three rows of four numbers: the linear part, followed by the translation.
 inline Affine matrix_at(const JsonCursor& at) {
-  const auto rows = at.elements(3, "an array of three rows");
+  const JsonCursor rows = at.with_size(3, "an array of three rows");
   Affine map;
   for (int i = 0; i < 3; ++i) {
-    const auto row = rows[static_cast<std::size_t>(i)].elements(4, "a row, an array of four numbers");
+    const JsonCursor row = rows[static_cast<std::size_t>(i)].with_size(4, "a row, an array of four numbers");
     map.x[i] = row[0].coordinate(), map.y[i] = row[1].coordinate(), map.z[i] = row[2].coordinate();
     map.translation[i] = row[3].coordinate();
   }
@@ -184,8 +184,8 @@ inline Affine placement_at(const JsonCursor& at) {
   Affine map;
   if (at.has("scale")) {
     const JsonCursor scale = at["scale"];
-    map = map.scaled_by(scale.is(JsonCursor::Kind::array) ? scale.point()
-                                                          : Vec3(scale.coordinate("a number or a vector")));
+    map = map.scaled_by(scale.is(json::value_t::array) ? scale.point()
+                                                       : Vec3(scale.coordinate("a number or a vector")));
   }
   if (at.has("rotate")) {
     const JsonCursor rotate = at["rotate"].with_keys({"axis", "angle"});
