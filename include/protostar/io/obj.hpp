@@ -58,78 +58,25 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// Stream of a text that supplies one line at a time, without its comment, so that the current line is known.
-/// A line that ends with a backslash continues in the next.
-class LinesOfText : public std::streambuf {
- public:
-  /// Skips a byte order mark, with which some editors begin a text in UTF-8; it is no part of the first line.
-  explicit LinesOfText(std::string_view text) : rest_(text) {
-    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
-  }
-
-  /// Returns the number of the line, from 1; for one that continues in others, the number of the first.
-  [[nodiscard]] std::size_t number() const { return number_; }
-  [[nodiscard]] std::string_view line() const { return std::string_view(handed_on_).substr(0, length_); }
-
- protected:
-  int_type underflow() override {
-    if (rest_.empty()) return traits_type::eof();
-    number_ = next_number_;
-    handed_on_.clear();
-    for (bool goes_on = true; goes_on && !rest_.empty();) {
-      const std::string_view line = taken_line(), content = line.substr(0, line.find('#'));
-      goes_on = content.ends_with('\\');
-      handed_on_.append(content.substr(0, content.size() - (goes_on ? 1 : 0)));
-      if (goes_on) handed_on_.push_back(' ');
-    }
-    length_ = handed_on_.size();
-    // tinyobjloader skips a keyword without a blank behind it, and a face without corners. Therefore it gets
-    // a blank, or a corner that does not exist.
-    handed_on_ += is_face_alone() ? " 0\n" : " \n";
-    setg(handed_on_.data(), handed_on_.data(), handed_on_.data() + handed_on_.size());
-    return traits_type::to_int_type(handed_on_[0]);
-  }
-
- private:
-  /// Removes and returns the next line, which ends with \n, \r or \r\n. tinyobjloader peeks behind an \r,
-  /// which would already make the next line; hence all are handed on with \n.
-  std::string_view taken_line() {
-    const std::string_view line = rest_.substr(0, rest_.find_first_of("\r\n"));
-    rest_.remove_prefix(line.size());
-    if (!rest_.empty()) rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : 1);
-    ++next_number_;
-    return line;
-  }
-
-  [[nodiscard]] bool is_face_alone() const {
-    const std::size_t word = line().find_first_not_of(" \t");
-    return word != std::string_view::npos && line()[word] == 'f' &&
-           line().find_first_not_of(" \t", word + 1) == std::string_view::npos;
-  }
-
-  std::string_view rest_;
-  std::string handed_on_;
-  std::size_t length_ = 0;  ///< length of the line within handed_on_
-  std::size_t number_ = 0, next_number_ = 1;
-};
-
 /// Builder of a mesh from what tinyobjloader finds in a file; refuses errors that it lets pass.
 ///
 /// tinyobjloader takes words that are no numbers for 0, some numbers for others that are near, and reads an
 /// index across a blank; therefore all numbers are read again, from the current line. A corner of a face has
 /// a position, and may have texture coordinates and a normal; each combination that occurs becomes a vertex.
-class ObjBuilder {
+class ObjBuilder : private std::streambuf {
  public:
-  ObjBuilder(std::string_view text, std::string file) : lines_(text), file_(std::move(file)) {}
+  /// Skips a byte order mark, with which some editors begin a text in UTF-8.
+  ObjBuilder(std::string_view text, std::string file)
+      : rest_(text.substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0)), file_(std::move(file)) {}
 
   [[nodiscard]] MeshData build() {
-    std::istream stream(&lines_);
-    stream.exceptions(std::ios::badbit);  // else memory that runs out would be taken for the end of the file
     tinyobj::callback_t callbacks;
     callbacks.vertex_cb = [](void* self, double, double, double, double) { of(self).add_place(); };
     callbacks.normal_cb = [](void* self, double, double, double) { of(self).add_normal(); };
     callbacks.texcoord_cb = [](void* self, double, double, double) { of(self).add_uv(); };
     callbacks.index_cb = [](void* self, tinyobj::index_t*, int) { of(self).add_face(); };
+    std::istream stream(this);
+    stream.exceptions(std::ios::badbit);  // else memory that runs out would be taken for the end of the file
     tinyobj::LoadObjWithCallback(stream, callbacks, this);
     if (data_.triangles.empty()) throw std::runtime_error(shown(file_) + ": there is no face");
     return take();
@@ -144,7 +91,33 @@ class ObjBuilder {
   static ObjBuilder& of(void* self) { return *static_cast<ObjBuilder*>(self); }
 
   [[noreturn]] void refuse(const std::string& what) const {
-    throw std::runtime_error(shown(file_ + ": line " + std::to_string(lines_.number()) + ": " + what));
+    throw std::runtime_error(shown(file_ + ": line " + std::to_string(number_) + ": " + what));
+  }
+
+  /// Hands on one line to tinyobjloader, which skips a keyword without a blank behind it, and a face without
+  /// corners. Therefore it gets a corner more.
+  int_type underflow() override {
+    if (rest_.empty()) return traits_type::eof();
+    take_line();
+    handed_on_ = line_ + " 0\n";
+    setg(handed_on_.data(), handed_on_.data(), handed_on_.data() + handed_on_.size());
+    return traits_type::to_int_type(handed_on_[0]);
+  }
+
+  /// Moves past a line, which ends with \n, \r or \r\n, and continues in the next if it ends with a
+  /// backslash. Takes its text without comments.
+  void take_line() {
+    number_ = next_number_;
+    line_.clear();
+    for (bool goes_on = true; goes_on && !rest_.empty(); ++next_number_) {
+      const std::string_view line = rest_.substr(0, rest_.find_first_of("\r\n"));
+      rest_.remove_prefix(line.size());
+      if (!rest_.empty()) rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : 1);
+      if (line.find('\0') != line.npos) refuse("there is a zero byte, which no text has");
+      line_ += line.substr(0, line.find('#'));
+      goes_on = line_.ends_with('\\');
+      if (goes_on) line_.back() = ' ';
+    }
   }
 
   static std::string found_instead(const std::string& what, std::size_t number, std::string_view word) {
@@ -155,7 +128,7 @@ class ObjBuilder {
   /// Returns the numbers behind the first word of the line, `least` to N of them; others are ignored.
   template <std::size_t N>
   [[nodiscard]] std::array<double, N> numbers(std::size_t least) const {
-    std::string_view rest = lines_.line();
+    std::string_view rest = line_;
     (void)taken_word(rest);
     std::array<double, N> numbers{};
     for (std::size_t found = 0; found < N; ++found) {
@@ -177,7 +150,7 @@ class ObjBuilder {
     if (!is_coordinate(place))
       refuse(std::string("the numbers of a vertex must be ").append(coordinate_rule));
     places_.push_back(place);
-    first_at_.push_back(none);
+    vertices_at_.emplace_back();
     if (places_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max() - 1))
       refuse("there are more than 2^31 - 2 vertices");
   }
@@ -198,7 +171,7 @@ class ObjBuilder {
 
   /// Adds a polygon, cut into triangles by its diagonals from the first corner.
   void add_face() {
-    std::string_view line = lines_.line();
+    std::string_view line = line_;
     (void)taken_word(line);
     std::vector<Vertex> corners;
     for (std::string_view word = taken_word(line); !word.empty(); word = taken_word(line)) {
@@ -251,17 +224,10 @@ class ObjBuilder {
     const Vertex vertex{index(corner[0], places_.size(), "vertex"),
                         corner[1] == 0 ? none : index(corner[1], uvs_.size(), "texture vertex"),
                         corner[2] == 0 ? none : index(corner[2], normals_.size(), "normal")};
-    const int number = static_cast<int>(vertices_.size());
-    int& first = first_at_[static_cast<std::size_t>(vertex[0])];
-    if (first == none) {
-      first = number;
-    } else if (vertices_[static_cast<std::size_t>(first)] == vertex) {
-      return static_cast<std::uint32_t>(first);
-    } else if (const auto [at, is_new] = others_.try_emplace(vertex, number); !is_new) {
-      return static_cast<std::uint32_t>(at->second);
-    }
-    vertices_.push_back(vertex);
-    return static_cast<std::uint32_t>(number);
+    const auto [at, is_new] = vertices_at_[static_cast<std::size_t>(vertex[0])].try_emplace(
+        vertex, static_cast<std::uint32_t>(vertices_.size()));
+    if (is_new) vertices_.push_back(vertex);
+    return at->second;
   }
 
   /// Returns the mesh, with texture coordinates or normals only if all vertices have them.
@@ -278,14 +244,14 @@ class ObjBuilder {
     return std::move(data_);
   }
 
-  LinesOfText lines_;
-  std::string file_;
+  std::string_view rest_;  ///< text behind the line
+  std::string file_, line_, handed_on_;
+  std::size_t number_ = 0, next_number_ = 1;  ///< number of the line, from 1, and of the next
   std::vector<Point> places_;
   std::vector<Vec3> normals_;
   std::vector<Uv> uvs_;
   std::vector<Vertex> vertices_;
-  std::vector<int> first_at_;     ///< index of the first vertex at each position
-  std::map<Vertex, int> others_;  ///< indices of the vertices that are not the first at their positions
+  std::vector<std::map<Vertex, std::uint32_t>> vertices_at_;  ///< indices of the vertices at each position
   MeshData data_;
 };
 
@@ -297,14 +263,6 @@ class ObjBuilder {
 /// std::runtime_error, with the line, if a number is missing or not finite, an index is out of range, or a
 /// face is invalid, and if there is no face.
 [[nodiscard]] inline MeshData mesh_from_obj(std::string_view text, const std::string& file) {
-  // tinyobjloader takes a zero byte for the end of the line.
-  if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos) {
-    std::size_t line = 1;
-    for (std::size_t i = 0; i < zero; ++i)
-      line += text[i] == '\n' || (text[i] == '\r' && text[i + 1] != '\n') ? 1 : 0;
-    throw std::runtime_error(shown(file) + ": line " + std::to_string(line) +
-                             ": there is a zero byte, which no text has");
-  }
   return detail::ObjBuilder(text, file).build();
 }
 
