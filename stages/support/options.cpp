@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <protostar/image.hpp>
@@ -15,22 +14,13 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <system_error>
 
 #include "message.hpp"
 
 namespace {
 
 using protostar::Gamma, protostar::Linear, protostar::Srgb, protostar::Transfer;
-using protostar::detail::double_of;
-
-/// Parses a whole text as an integer; returns nullopt if it is none.
-std::optional<int> whole_number(std::string_view text) {
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
+using protostar::detail::number_of;
 
 /// Returns an argument of the command line in quotes, shortened to leave room in an error message.
 std::string found_text(std::string_view text) { return "'" + shortened(std::string(text), 200) + "'"; }
@@ -62,8 +52,8 @@ struct Size {
 
 Size read_size(std::string_view text) {
   const std::size_t x = text.find('x');
-  const auto width = whole_number(text.substr(0, x));
-  const auto height = x == std::string_view::npos ? std::nullopt : whole_number(text.substr(x + 1));
+  const auto width = number_of<int>(text.substr(0, x));
+  const auto height = x == std::string_view::npos ? std::nullopt : number_of<int>(text.substr(x + 1));
   if (!width || !height || *width < 1 || *height < 1 ||
       std::int64_t{*width} * *height > protostar::Image::max_pixels)
     refuse("--size", text, "WIDTHxHEIGHT, whole numbers of at least 1 whose product is at most 2^28");
@@ -74,7 +64,7 @@ Transfer read_transfer(std::string_view text) {
   if (text == "srgb") return Srgb{};
   if (text == "linear") return Linear{};
   if (text.starts_with("gamma="))
-    if (const auto exponent = double_of(text.substr(6));
+    if (const auto exponent = number_of<double>(text.substr(6));
         exponent && *exponent > 0 && std::isfinite(*exponent))
       return Gamma{*exponent};
   refuse("--transfer", text, "srgb, linear or gamma=G with a number G greater than 0");
@@ -90,7 +80,7 @@ std::string name_of(const Transfer& transfer) {
 
 int read_whole(const std::string& option, std::string_view text, bool (*is_allowed)(int),
                const std::string& allowed) {
-  const auto value = whole_number(text);
+  const auto value = number_of<int>(text);
   if (!value || !is_allowed(*value)) refuse(option, text, allowed);
   return *value;
 }
@@ -111,7 +101,7 @@ Part read_crop(std::string_view text) {
   for (std::size_t begin = 0, end = 0; end != std::string_view::npos && numbers.size() <= 4;
        begin = end + 1) {
     end = text.find(',', begin);
-    numbers.push_back(whole_number(text.substr(begin, end - begin)).value_or(-1));
+    numbers.push_back(number_of<int>(text.substr(begin, end - begin)).value_or(-1));
   }
   if (numbers.size() != 4 || numbers[0] < 0 || numbers[1] < 0 || numbers[2] < 1 || numbers[3] < 1)
     refuse_crop(text, "");
@@ -141,13 +131,13 @@ std::string read_integrator(std::string_view text) {
 }
 
 double read_finite(const std::string& option, std::string_view text) {
-  const auto value = double_of(text);
+  const auto value = number_of<double>(text);
   if (!value || !std::isfinite(*value)) refuse(option, text, "a finite number");
   return *value;
 }
 
 double read_timeout(std::string_view text) {
-  const auto value = double_of(text);
+  const auto value = number_of<double>(text);
   if (!value || !(*value >= 0 && *value <= 1e9))
     refuse("--timeout", text, "a number of seconds from 0 to 1e9");
   return *value;

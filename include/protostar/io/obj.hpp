@@ -83,7 +83,7 @@ class ObjBuilder : private std::streambuf {
   }
 
  private:
-  static constexpr int none = -1;
+  static constexpr int none = -1, most_index = 999'999'999;
 
   /// Vertex: indices of its position, texture coordinates and normal.
   using Vertex = std::array<int, 3>;
@@ -135,7 +135,7 @@ class ObjBuilder : private std::streambuf {
       const std::string_view word = taken_word(rest);
       if (word.empty() && found >= least) break;
       const bool has_plus = word.starts_with('+') && !word.starts_with("+-");
-      const auto number = double_of(word.substr(has_plus ? 1 : 0));
+      const auto number = number_of<double>(word.substr(has_plus ? 1 : 0));
       if (number) numbers[found] = *number;
       if (!number || !std::isfinite(*number))
         refuse("expected " + std::to_string(least) + (least < N ? " or more" : "") +
@@ -198,11 +198,10 @@ class ObjBuilder : private std::streambuf {
     for (std::size_t field = 0; field < 3; ++field) {
       const std::size_t slash = word.find('/');
       const std::string_view index = word.substr(0, slash);
-      const char* const end = index.data() + index.size();
       if (!(field == 1 && slash == 0)) {
-        const auto read = std::from_chars(index.data(), end, corner[field]);
-        if (read.ec != std::errc() || read.ptr != end || std::abs(std::int64_t{corner[field]}) > 999'999'999)
-          return false;
+        const auto number = number_of<int>(index);
+        if (!number || *number < -most_index || *number > most_index) return false;
+        corner[field] = *number;
       }
       if (slash == std::string_view::npos) return true;
       word.remove_prefix(slash + 1);

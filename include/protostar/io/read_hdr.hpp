@@ -3,14 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "../image.hpp"
@@ -69,11 +67,8 @@ class HdrReader {
     std::string_view rest = size;
     const auto side = [&](std::string_view axis) {
       const bool is_axis = taken_word(rest) == axis;
-      const std::string_view digits = taken_word(rest);
-      const char* const end = digits.data() + digits.size();
-      int length = 0;
-      const auto read = std::from_chars(digits.data(), end, length);
-      return is_axis && read.ec == std::errc() && read.ptr == end ? std::optional(length) : std::nullopt;
+      const auto length = number_of<int>(taken_word(rest));
+      return is_axis ? length : std::nullopt;
     };
     const auto height = side("-Y"), width = side("+X");
     if (!height || !width || !taken_word(rest).empty())
@@ -91,8 +86,9 @@ class HdrReader {
   }
 
   void read_scanline(std::vector<unsigned char>& line) {
-    const std::string_view first = bytes_.next(4, place());
-    if (may_have_runs() && first.starts_with("\x02\x02") && static_cast<unsigned char>(first[2]) < 128) {
+    const std::string_view rest = bytes_.rest();
+    if (may_have_runs() && rest.starts_with("\x02\x02") && rest.size() > 2 &&
+        static_cast<unsigned char>(rest[2]) < 128) {
       if (const std::uint32_t width = bytes_.number(4, place()) & 0xffff;
           width != static_cast<std::uint32_t>(width_))
         bytes_.refuse(place() + " has " + std::to_string(width) + " pixels; the picture is " +

@@ -3,27 +3,22 @@
 
 #include <version>
 
-#if defined(__cpp_lib_to_chars)
-#include <charconv>
-#else
-#include <locale.h>
-#include <stdlib.h>
-
-#include <cctype>
-#include <cmath>
-#endif
-
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <locale>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <type_traits>
 #include <vector>
 
 #include "../shown.hpp"
@@ -71,27 +66,27 @@ std::string text_of(const std::filesystem::path& path, std::size_t most) {
   });
 }
 
-/// Reads a text that is one decimal number, such as -1.5e3, inf or nan, in any locale; rounds to the nearest
-/// double. Returns nothing for any other text, and for a number beyond the range of double.
-inline std::optional<double> double_of(std::string_view text) {
-  double value = 0;
-#if defined(__cpp_lib_to_chars)
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-#else  // libc++ 14 reads whole numbers only
-  if (text.empty() || std::isspace(static_cast<unsigned char>(text[0])) != 0 || text[0] == '+' ||
-      text.find_first_of("xX") != text.npos)
-    return std::nullopt;
-  static const locale_t classic = newlocale(LC_ALL_MASK, "C", locale_t{});
-  const std::string ended(text);
-  char* end = nullptr;
-  value = strtod_l(ended.c_str(), &end, classic);
-  const bool is_written = text.find_first_of("iI") != text.npos;
-  if (end != ended.c_str() + ended.size() || (std::isinf(value) && !is_written)) return std::nullopt;
-  const bool is_zero = ended.substr(0, ended.find_first_of("eE")).find_first_of("123456789") == ended.npos;
-  if (value == 0 && !is_zero && !std::isnan(value)) return std::nullopt;
+/// Reads a text that is one decimal number, such as -1.5e3, in any locale; rounds to the nearest. Returns
+/// nothing for any other text, and for a number beyond the range of its type; inf and nan are read by some
+/// standard libraries only.
+template <class Number>
+std::optional<Number> number_of(std::string_view text) {
+  Number value{};
+#if !defined(__cpp_lib_to_chars)  // from_chars of libc++ 14 reads whole numbers only
+  if constexpr (std::is_same_v<Number, double>) {
+    std::istringstream stream{std::string(text)};
+    stream.imbue(std::locale::classic());
+    stream >> std::noskipws >> value;
+    // Reading also fails for numbers below 2.3e-308 and above the largest double, but gives them.
+    const bool is_number = !text.starts_with('+') && text.find_first_of("xX") == text.npos && stream.eof() &&
+                           (!stream.fail() || value != 0) && std::isfinite(value);
+    return is_number ? std::optional(value) : std::nullopt;
+  } else
 #endif
-  return value;
+  {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+  }
 }
 
 /// Removes and returns the next word of a line, up to a blank or a tab; empty if there is none.
