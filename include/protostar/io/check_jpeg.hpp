@@ -23,7 +23,8 @@ class JpegCheck {
  public:
   JpegCheck(const ImageBytes& jpeg, std::int64_t most_pixels) : jpeg_(jpeg) {
     jpeg_.take(2, "the start marker of a JPEG");
-    for (std::uint32_t marker = next_marker(); marker != end_of_image; marker = next_marker()) {
+    for (std::uint32_t marker = take_marker(jpeg_); marker != end_of_image; marker = take_marker(jpeg_)) {
+      if (is_restart(marker)) continue;  // read_scan has counted it
       ImageBytes segment = next_segment();
       if (0xc0 <= marker && marker <= 0xc2)
         read_frame(segment, marker == 0xc2, most_pixels);
@@ -50,15 +51,17 @@ class JpegCheck {
     bool is_there = false;
   };
 
+  static bool is_restart(std::uint32_t marker) { return 0xd0 <= marker && marker <= 0xd7; }
+
   /// Moves past the next marker, an 0xff and a byte that is neither 0 nor 0xff, and returns that byte.
-  std::uint32_t next_marker() {
-    for (;;) {
-      jpeg_.take_until('\xff', "a JPEG, whose last marker is FF D9");
-      const std::uint32_t next = big_endian(jpeg_.next(1, "a marker of a JPEG"));
-      if (next == 0xff) continue;
-      jpeg_.take(1, "a marker of a JPEG");
-      if (next != 0) return next;
+  static std::uint32_t take_marker(ImageBytes& from) {
+    std::uint32_t marker = 0;
+    while (marker == 0) {
+      from.take_until('\xff', "a JPEG, whose last marker is FF D9");
+      do marker = from.number(1, "a marker of a JPEG");
+      while (marker == 0xff);
     }
+    return marker;
   }
 
   /// Returns the segment that follows a marker, without its length field, and moves past it.
@@ -133,16 +136,10 @@ class JpegCheck {
       blocks_in_mcu += count == 1 ? 1 : std::int64_t{found->h} * found->v;
       mcus = count == 1 ? units(found->h, found->v) : units(1, 1);
     }
-    const std::size_t start = jpeg_.at();
-    std::size_t end = start;
-    std::int64_t restarts = -1;
-    for (bool goes_on = true; goes_on; ++restarts) {
-      const ImageBytes before_marker = jpeg_;
-      const std::uint32_t marker = next_marker();
-      end = jpeg_.at() - 2;
-      goes_on = 0xd0 <= marker && marker <= 0xd7;
-      if (!goes_on) jpeg_ = before_marker;
-    }
+    ImageBytes behind = jpeg_;
+    std::int64_t restarts = 0;
+    while (is_restart(take_marker(behind))) ++restarts;
+    const std::size_t size = behind.at() - 2 - jpeg_.at();
     const std::int64_t wanted = restart_interval_ > 0 ? (mcus - 1) / restart_interval_ : 0;
     // An encoder may write one more restart marker at the end.
     if (restarts < wanted || restarts > (restart_interval_ > 0 ? wanted + 1 : 0))
@@ -152,7 +149,7 @@ class JpegCheck {
     // may leave to another scan.
     if (has_dc)
       jpeg_.require_bytes(mcus * blocks_in_mcu * (is_progressive_ ? 1 : 2) / 8,
-                          static_cast<std::int64_t>(end - start), "a scan");
+                          static_cast<std::int64_t>(size), "a scan");
   }
 
   ImageBytes jpeg_;

@@ -1,7 +1,6 @@
 // Checks that a PNG is complete, which stb_image does not do before decoding.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -15,17 +14,11 @@ inline bool is_png(std::string_view bytes) { return bytes.starts_with("\x89PNG\r
 
 /// Returns the checksum that follows each chunk of a PNG (CRC-32, ISO 3309).
 inline std::uint32_t crc_32(std::string_view bytes) {
-  static const auto table = [] {
-    std::array<std::uint32_t, 256> remainders{};
-    for (std::uint32_t i = 0; i < remainders.size(); ++i) {
-      std::uint32_t r = i;
-      for (int bit = 0; bit < 8; ++bit) r = (r & 1u) != 0 ? r >> 1 ^ 0xedb88320u : r >> 1;
-      remainders[i] = r;
-    }
-    return remainders;
-  }();
   std::uint32_t r = 0xffffffffu;
-  for (const char c : bytes) r = table[(r ^ static_cast<unsigned char>(c)) & 0xffu] ^ r >> 8;
+  for (const char c : bytes) {
+    r ^= static_cast<unsigned char>(c);
+    for (int bit = 0; bit < 8; ++bit) r = r >> 1 ^ (r & 1u) * 0xedb88320u;
+  }
   return ~r;
 }
 

@@ -49,17 +49,11 @@ class ImageBytes {
     refuse(whole_ + " ends after " + std::to_string(bytes_.size()) + " bytes, inside of " + where);
   }
 
-  /// Returns the next `count` bytes; refuses a file that ends before them.
-  [[nodiscard]] std::string_view next(std::size_t count, const std::string& where) const {
-    if (count > rest().size()) refuse_end(where);
-    return rest().substr(0, count);
-  }
-
-  /// Returns the next `count` bytes and moves past them.
+  /// Returns the next `count` bytes and moves past them; refuses a file that ends before them.
   std::string_view take(std::size_t count, const std::string& where) {
-    const std::string_view bytes = next(count, where);
+    if (count > rest().size()) refuse_end(where);
     at_ += count;
-    return bytes;
+    return bytes_.substr(at_ - count, count);
   }
 
   /// Returns a reader of the next `count` bytes, which `where` names, and moves past them.
