@@ -2,8 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstring>
-#include <memory>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -74,11 +72,9 @@ class OutputFile {
   [[nodiscard]] bool is_in_place() const { return file_.is_in_place(); }
 
   void write(const void* bytes, std::size_t size) {
-    const char* from = static_cast<const char*>(bytes);
-    if (size > buffer_size - used_) flush();
-    if (size > buffer_size) return put(from, size);
-    std::memcpy(buffer_.get() + used_, from, size);
-    used_ += size;
+    constexpr std::size_t at_once = 65536;  // so that the system is called seldom
+    buffer_.append(static_cast<const char*>(bytes), size);
+    if (buffer_.size() >= at_once) flush();
   }
 
   void write(const std::string& bytes) { write(bytes.data(), bytes.size()); }
@@ -95,18 +91,13 @@ class OutputFile {
                             "cannot write '" + name_ + "'" + error.explanation);
   }
 
-  void put(const char* bytes, std::size_t size) {
-    if (const int error = file_.write(bytes, size)) fail({error});
+  void flush() {
+    if (const int error = file_.write(buffer_.data(), buffer_.size())) fail({error});
+    buffer_.clear();
   }
 
-  void flush() { put(buffer_.get(), std::exchange(used_, 0)); }
-
-  std::string name_;
+  std::string name_, buffer_;
   detail::SystemFile file_;
-  // Bytes written at a time, so that the system is called seldom.
-  static constexpr std::size_t buffer_size = 65536;
-  std::unique_ptr<char[]> buffer_{new char[buffer_size]};
-  std::size_t used_ = 0;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

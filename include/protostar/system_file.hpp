@@ -85,42 +85,26 @@ class Descriptor {
   return of_folder.st_dev != of_file.st_dev;
 }
 
-/// Permissions and other attributes of a file, copied to the file that replaces it.
-class Attributes {
- public:
-  Attributes(const Descriptor& file, const struct stat& status) : status_(status) {
+/// Gives a file the owner, the group, the access control list and the permissions of another, as far as the
+/// system allows, but never a set-id or a sticky bit. If the group or the list cannot be kept, the group gets
+/// no more than others have.
+inline void copy_attributes(const Descriptor& from, const Descriptor& to) {
+  struct stat status {};
+  if (::fstat(from.number(), &status) != 0) return;
+  bool kept = true;
 #if defined(PROTOSTAR_HAS_ACCESS_LISTS)
-    const auto size = ::fgetxattr(file.number(), access_list, nullptr, 0);
-    if (size <= 0) return;
-    list_.resize(static_cast<std::size_t>(size));
-    if (::fgetxattr(file.number(), access_list, list_.data(), list_.size()) != size) list_.clear();
-#else
-    static_cast<void>(file);
+  constexpr const char* access_list = "system.posix_acl_access";
+  std::string list(1 << 16, '\0');  // Linux allows no longer ones
+  if (const auto size = ::fgetxattr(from.number(), access_list, list.data(), list.size()); size > 0)
+    kept = ::fsetxattr(to.number(), access_list, list.data(), static_cast<std::size_t>(size), 0) == 0;
 #endif
-  }
-
-  /// Gives a file the owner, the group, the access control list and the permissions, as far as the system
-  /// allows, but never a set-id or a sticky bit. If the group or the list cannot be kept, the group gets no
-  /// more than others have.
-  void give_to(const Descriptor& file) const {
-    bool kept = true;
-#if defined(PROTOSTAR_HAS_ACCESS_LISTS)
-    if (!list_.empty()) kept = ::fsetxattr(file.number(), access_list, list_.data(), list_.size(), 0) == 0;
-#endif
-    if (::fchown(file.number(), status_.st_uid, status_.st_gid) != 0 &&  // only root gives files away
-        ::fchown(file.number(), static_cast<uid_t>(-1), status_.st_gid) != 0)
-      kept = false;
-    const mode_t mode = status_.st_mode & (S_IRWXU | S_IRWXG | S_IRWXO);
-    const mode_t others = mode & S_IRWXO;
-    // On file systems without permissions fchmod fails, and then none are lost.
-    static_cast<void>(::fchmod(file.number(), kept ? mode : (mode & S_IRWXU) | (others << 3) | others) == 0);
-  }
-
- private:
-  static constexpr const char* access_list = "system.posix_acl_access";
-  struct stat status_;
-  std::string list_;  // access control list as the system stores it; empty: none
-};
+  if (::fchown(to.number(), status.st_uid, status.st_gid) != 0 &&  // only root gives files away
+      ::fchown(to.number(), static_cast<uid_t>(-1), status.st_gid) != 0)
+    kept = false;
+  const mode_t mode = status.st_mode & (S_IRWXU | S_IRWXG | S_IRWXO), others = mode & S_IRWXO;
+  // On file systems without permissions fchmod fails, and then none are lost.
+  static_cast<void>(::fchmod(to.number(), kept ? mode : (mode & S_IRWXU) | (others << 3) | others) == 0);
+}
 
 /// File to be written: an existing one, or a temporary one that takes a name when it is complete.
 ///
@@ -200,7 +184,7 @@ class SystemFile {
   /// Completes the file, and gives a temporary one its name.
   [[nodiscard]] int commit() {
     if (temporary_.empty()) return file_.close() == 0 ? 0 : errno;
-    if (attributes_) attributes_->give_to(file_);
+    if (replaced_) copy_attributes(replaced_, file_);
     // Network file systems report only on close that the file could not be written; the copy keeps the lock.
     const Descriptor lock(::fcntl(file_.number(), F_DUPFD_CLOEXEC, 0));
     if (!lock || file_.close() != 0 ||
@@ -255,10 +239,10 @@ class SystemFile {
       }
       if (!may_replace(of_folder, of_file, ::geteuid()))
         return {EPERM, ", which belongs to another user, in a folder where only owners replace files"};
-      attributes_.emplace(old, of_file);
+      replaced_ = std::move(old);
     }
     const TemporaryNames names(target_);
-    reclaim(names);
+    reclaim(folder, names);
     return {create(names,
                    exists ? S_IRUSR | S_IWUSR : S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH)};
   }
@@ -287,13 +271,9 @@ class SystemFile {
 
   /// Removes the files that killed processes left behind, as far as the folder may be read and they belong to
   /// this user.
-  void reclaim(const TemporaryNames& names) const {
-    const int list = ::openat(folder_.number(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    DIR* const entries = ::fdopendir(list);
-    if (!entries) {
-      ::close(list);
-      return;
-    }
+  void reclaim(const std::string& folder, const TemporaryNames& names) const {
+    DIR* const entries = ::opendir(folder.c_str());
+    if (!entries) return;
     while (const dirent* entry = ::readdir(entries)) {
       if (!names.contain(entry->d_name)) continue;
       const Descriptor file(::openat(folder_.number(), entry->d_name, O_WRONLY | not_followed));
@@ -305,9 +285,8 @@ class SystemFile {
     ::closedir(entries);
   }
 
-  Descriptor folder_, file_;
-  std::string target_, temporary_;        // names in the folder; temporary_ is empty if there is none
-  std::optional<Attributes> attributes_;  // attributes of the file that is replaced
+  Descriptor folder_, file_, replaced_;
+  std::string target_, temporary_;  // names in the folder; temporary_ is empty if there is none
   bool is_in_place_ = false, is_emptied_ = false;
 };
 
