@@ -136,10 +136,9 @@ inline void add_light(const JsonCursor& at, SceneFile& file) {
 // ---- Camera, settings, world.
 
 inline Camera camera_at(const JsonCursor& at) {
-  enum class Projection { perspective, orthographic };
-  const auto projection = at["projection"].one_of<Projection>(
-      {{"perspective", Projection::perspective}, {"orthographic", Projection::orthographic}});
-  if (projection == Projection::orthographic)
+  const bool is_orthographic =
+      at["projection"].one_of<bool>({{"perspective", false}, {"orthographic", true}});
+  if (is_orthographic)
     at.with_keys({"projection", "position", "direction", "upward", "ortho-scale"});
   else
     at.with_keys({"projection", "position", "direction", "upward", "field-of-view", "focal-length"});
@@ -149,7 +148,7 @@ inline Camera camera_at(const JsonCursor& at) {
   if (!(std::abs(dot(direction, upward)) <= Camera::most_cosine))
     at["upward"].refuse("orthogonal to direction: the cosine between them is at most 1e-6");
 
-  if (projection == Projection::orthographic) {
+  if (is_orthographic) {
     const double height = at["ortho-scale"].camera_length();
     return at.checked([&] { return Camera::orthographic(position, direction, upward, height); });
   }

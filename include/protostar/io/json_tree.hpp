@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -31,21 +30,16 @@ inline constexpr std::size_t most_bytes = std::size_t{1} << 28;
 /// Largest number of values in a scene file, and as many keys. A million spheres have 12 million.
 inline constexpr std::size_t most_values = std::size_t{1} << 24;
 
-/// Returns one step of a JSON pointer (RFC 6901): a key, or the index of an element.
-inline std::string step(std::string_view key) {
-  std::string text = "/";
-  for (const char c : beginning(std::string(key)))
-    text += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
-  return text;
-}
-
-/// Returns the JSON pointer from one value to another inside of it; nothing if it is not there.
-inline std::optional<std::string> pointer_to(const json& value, const json& from) {
-  if (&value == &from) return "";
-  if (from.is_structured())
-    for (const auto& inside : from.items())
-      if (const auto rest = pointer_to(value, inside.value())) return step(inside.key()) + *rest;
-  return std::nullopt;
+/// Searches for a value in another; if it is there, returns true and appends the way to it to the pointer.
+inline bool find(const json& value, const json& from, json::json_pointer& pointer) {
+  if (&value == &from) return true;
+  if (!from.is_structured()) return false;
+  for (const auto& inside : from.items()) {
+    pointer.push_back(inside.key());
+    if (find(value, inside.value(), pointer)) return true;
+    pointer.pop_back();
+  }
+  return false;
 }
 
 /// Returns a JSON pointer that fits into a line; a very long one keeps its first and last steps.
@@ -68,7 +62,10 @@ struct JsonTree {
 
   /// Throws SceneError about a value, or about one that is missing in an object under the key `absent`.
   [[noreturn]] void refuse(const json& value, const std::string& what, std::string_view absent = {}) const {
-    const std::string pointer = pointer_to(value, root).value() + (absent.data() ? step(absent) : "");
+    json::json_pointer place;
+    find(value, root, place);
+    if (absent.data()) place.push_back(std::string(absent));
+    const std::string pointer = place.to_string();
     throw SceneError(shown(file + ": " + (pointer.empty() ? "the whole" : abridged(pointer)) + ": " + what));
   }
 
