@@ -243,8 +243,7 @@ class SystemFile {
     }
     const TemporaryNames names(target_);
     reclaim(folder, names);
-    return {create(names,
-                   exists ? S_IRUSR | S_IWUSR : S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH)};
+    return {create(names, exists ? 0600 : 0666)};  // before the umask
   }
 
   [[nodiscard]] int create(const TemporaryNames& names, mode_t mode) {

@@ -19,6 +19,7 @@
 #include "../numeric/scale.hpp"
 #include "../vec3.hpp"
 #include "json_tree.hpp"
+#include "loaded_files.hpp"
 #include "read_options.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
@@ -36,13 +37,11 @@ std::string list_of(const Names& names, const std::string& last = " and ") {
   return text;
 }
 
-struct LoadedFiles;
-
 /// Scene file that is being read.
 struct SceneText {
   JsonTree tree;  ///< with the file's path, for messages and for the folder of the files that it names
   ReadOptions options = {};
-  LoadedFiles* loaded = nullptr;  ///< files that the scene names, as far as they are loaded
+  mutable LoadedFiles loaded = {};  ///< files that the scene names, as far as they are loaded
 };
 
 /// File that a scene names.
@@ -67,7 +66,7 @@ class JsonCursor {
   }
 
   [[nodiscard]] const ReadOptions& options() const { return scene_->options; }
-  [[nodiscard]] LoadedFiles& loaded() const { return *scene_->loaded; }
+  [[nodiscard]] LoadedFiles& loaded() const { return scene_->loaded; }
 
   // ---- Objects and arrays.
 
@@ -121,10 +120,8 @@ class JsonCursor {
   }
 
   [[nodiscard]] double number_above_0() const {
-    constexpr std::string_view allowed = "a number greater than 0";
-    const double x = number(allowed);
-    require(x > 0, allowed);
-    return x;
+    using limits = std::numeric_limits<double>;
+    return number_between(limits::denorm_min(), limits::max(), "a number greater than 0");
   }
 
   /// Returns a coordinate: a number that places something (magnitude.hpp).

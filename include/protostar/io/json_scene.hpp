@@ -242,8 +242,7 @@ inline SceneFile scene_at(const JsonCursor& at) {
     throw SceneError(shown(file) + ": parse error at line " + std::to_string(line) + ", column " +
                      std::to_string(column) + ": a zero byte, which no text has");
   }
-  detail::LoadedFiles loaded;
-  detail::SceneText scene{.tree = detail::JsonTree(file), .options = options, .loaded = &loaded};
+  detail::SceneText scene{.tree = detail::JsonTree(file), .options = options};
   // Operations on solids may nest Csg::most_depth deep, each as an object and an array; 48 more for the rest.
   detail::JsonBuilder builder(scene.tree, 2 * std::size_t{Csg::most_depth} + 48);
   nlohmann::json::sax_parse(text, &builder);

@@ -71,9 +71,9 @@ class ObjBuilder : private std::streambuf {
 
   [[nodiscard]] MeshData build() {
     tinyobj::callback_t callbacks;
-    callbacks.vertex_cb = [](void* self, double, double, double, double) { of(self).add_place(); };
-    callbacks.normal_cb = [](void* self, double, double, double) { of(self).add_normal(); };
-    callbacks.texcoord_cb = [](void* self, double, double, double) { of(self).add_uv(); };
+    callbacks.vertex_cb = [](void* self, double, double, double, double) { of(self).add(position); };
+    callbacks.texcoord_cb = [](void* self, double, double, double) { of(self).add(texture); };
+    callbacks.normal_cb = [](void* self, double, double, double) { of(self).add(normal); };
     callbacks.index_cb = [](void* self, tinyobj::index_t*, int) { of(self).add_face(); };
     std::istream stream(this);
     stream.exceptions(std::ios::badbit);  // else memory that runs out would be taken for the end of the file
@@ -84,6 +84,10 @@ class ObjBuilder : private std::streambuf {
 
  private:
   static constexpr int none = -1, most_index = 999'999'999;
+
+  /// What a vertex is made of, in the order of a corner.
+  enum Kind : std::size_t { position, texture, normal };
+  static constexpr std::array<const char*, 3> names{"vertex", "texture vertex", "normal"};
 
   /// Vertex: indices of its position, texture coordinates and normal.
   using Vertex = std::array<int, 3>;
@@ -125,71 +129,48 @@ class ObjBuilder : private std::streambuf {
            (word.empty() ? " is missing" : " is \"" + beginning(std::string(word)) + "\"");
   }
 
-  /// Returns the numbers behind the first word of the line, `least` to N of them; others are ignored.
-  template <std::size_t N>
-  [[nodiscard]] std::array<double, N> numbers(std::size_t least) const {
+  /// Adds the numbers behind the first word of the line, two or three; others are ignored. The v of texture
+  /// coordinates may be missing and is turned over: in the file, v = 0 is the lower edge of a picture.
+  void add(Kind kind) {
+    const std::size_t least = kind == texture ? 1 : 3, most = kind == texture ? 2 : 3;
     std::string_view rest = line_;
     (void)taken_word(rest);
-    std::array<double, N> numbers{};
-    for (std::size_t found = 0; found < N; ++found) {
+    std::array<double, 3> numbers{};
+    for (std::size_t found = 0; found < most; ++found) {
       const std::string_view word = taken_word(rest);
       if (word.empty() && found >= least) break;
       const bool has_plus = word.starts_with('+') && !word.starts_with("+-");
       const auto number = number_of<double>(word.substr(has_plus ? 1 : 0));
-      if (number) numbers[found] = *number;
       if (!number || !std::isfinite(*number))
-        refuse("expected " + std::to_string(least) + (least < N ? " or more" : "") +
+        refuse("expected " + std::to_string(least) + (least < most ? " or more" : "") +
                " finite numbers that a double holds, and " + found_instead("number", found + 1, word));
+      numbers[found] = *number;
     }
-    return numbers;
-  }
-
-  void add_place() {
-    const auto [x, y, z] = numbers<3>(3);
-    const Point place{x, y, z};
-    if (!is_coordinate(place))
-      refuse(std::string("the numbers of a vertex must be ").append(coordinate_rule));
-    places_.push_back(place);
-    vertices_at_.emplace_back();
-    if (places_.size() > static_cast<std::size_t>(std::numeric_limits<int>::max() - 1))
-      refuse("there are more than 2^31 - 2 vertices");
-  }
-
-  void add_normal() {
-    const auto [x, y, z] = numbers<3>(3);
-    normals_.push_back({x, y, z});
-  }
-
-  /// Adds texture coordinates, with v turned over: in the file, v = 0 is the lower edge of a picture.
-  void add_uv() {
-    const auto [u, v] = numbers<2>(1);
-    const Uv place{u, 1 - v};
-    if (!is_coordinate(place))
-      refuse(std::string("the numbers of a texture vertex must be ").append(coordinate_rule));
-    uvs_.push_back(place);
+    const auto [x, y, z] = numbers;
+    all_[kind].push_back(kind == texture ? Vec3{x, 1 - y, 0} : Vec3{x, y, z});
+    if (kind != normal && !is_coordinate(all_[kind].back()))
+      refuse(std::string("the numbers of a ").append(names[kind]) + " must be " + coordinate_rule);
+    if (all_[kind].size() == static_cast<std::size_t>(std::numeric_limits<int>::max()))
+      refuse("there are more lines of this kind than the 2^31 - 2 that are allowed");
+    if (kind == position) vertices_at_.emplace_back();
   }
 
   /// Adds a polygon, cut into triangles by its diagonals from the first corner.
   void add_face() {
     std::string_view line = line_;
     (void)taken_word(line);
-    std::vector<Vertex> corners;
+    std::vector<std::uint32_t> polygon;
     for (std::string_view word = taken_word(line); !word.empty(); word = taken_word(line)) {
       Vertex corner{};
       if (!read_corner(word, corner))
         refuse("expected a face, with corners as 1, 1/2, 1//3 or 1/2/3, of indices of up to 9 digits, and " +
-               found_instead("corner", corners.size() + 1, word));
-      corners.push_back(corner);
+               found_instead("corner", polygon.size() + 1, word));
+      polygon.push_back(vertex(corner));
     }
-    if (corners.size() < 3)
-      refuse("a face has 3 corners or more, and this has " + std::to_string(corners.size()));
-    const std::uint32_t first = vertex(corners[0]);
-    std::uint32_t last = vertex(corners[1]);
-    for (std::size_t i = 2; i < corners.size(); ++i) {
-      const std::uint32_t next = vertex(corners[i]);
-      data_.triangles.push_back({first, last, next});
-      last = next;
-    }
+    if (polygon.size() < 3)
+      refuse("a face has 3 corners or more, and this has " + std::to_string(polygon.size()));
+    for (std::size_t i = 2; i < polygon.size(); ++i)
+      data_.triangles.push_back({polygon[0], polygon[i - 1], polygon[i]});
   }
 
   /// Reads the indices of a corner, as the file has them; 0 stays for one that is left out. Returns false for
@@ -209,20 +190,18 @@ class ObjBuilder : private std::streambuf {
     return false;
   }
 
-  /// Converts an index of the file, which counts from 1 or, if negative, back from the last, to one from 0.
-  [[nodiscard]] int index(int given, std::size_t count, const char* what) const {
-    const std::int64_t all = static_cast<std::int64_t>(count), i = given < 0 ? all + given : given - 1;
-    if (given == 0 || i < 0 || i >= all)
-      refuse(std::string(what) + " " + std::to_string(given) + " is not one of the " + std::to_string(count) +
-             " so far");
-    return static_cast<int>(i);
-  }
-
-  /// Returns the index of a corner's vertex, an old or a new one.
+  /// Returns the index of a corner's vertex, an old or a new one. Indices of the file count from 1 or, if
+  /// negative, back from the last.
   [[nodiscard]] std::uint32_t vertex(const Vertex& corner) {
-    const Vertex vertex{index(corner[0], places_.size(), "vertex"),
-                        corner[1] == 0 ? none : index(corner[1], uvs_.size(), "texture vertex"),
-                        corner[2] == 0 ? none : index(corner[2], normals_.size(), "normal")};
+    Vertex vertex{none, none, none};
+    for (std::size_t kind = position; kind <= normal; ++kind) {
+      if (kind != position && corner[kind] == 0) continue;
+      const int count = static_cast<int>(all_[kind].size());
+      vertex[kind] = corner[kind] < 0 ? count + corner[kind] : corner[kind] - 1;
+      if (vertex[kind] < 0 || vertex[kind] >= count)
+        refuse(std::string(names[kind]) + " " + std::to_string(corner[kind]) + " is not one of the " +
+               std::to_string(count) + " so far");
+    }
     const auto [at, is_new] = vertices_at_[static_cast<std::size_t>(vertex[0])].try_emplace(
         vertex, static_cast<std::uint32_t>(vertices_.size()));
     if (is_new) vertices_.push_back(vertex);
@@ -231,24 +210,22 @@ class ObjBuilder : private std::streambuf {
 
   /// Returns the mesh, with texture coordinates or normals only if all vertices have them.
   [[nodiscard]] MeshData take() {
-    const auto give = [&](const auto& all, std::size_t what, auto& chosen) {
-      if (!std::all_of(vertices_.begin(), vertices_.end(), [&](const Vertex& v) { return v[what] != none; }))
-        return;
+    const auto give = [&](Kind kind, auto& chosen) {
+      for (const Vertex& v : vertices_)
+        if (v[kind] == none) return;
       chosen.reserve(vertices_.size());
-      for (const Vertex& v : vertices_) chosen.push_back(all[static_cast<std::size_t>(v[what])]);
+      for (const Vertex& v : vertices_) chosen.emplace_back(all_[kind][static_cast<std::size_t>(v[kind])]);
     };
-    give(places_, 0, data_.vertices);
-    give(uvs_, 1, data_.uvs);
-    give(normals_, 2, data_.normals);
+    give(position, data_.vertices);
+    give(texture, data_.uvs);
+    give(normal, data_.normals);
     return std::move(data_);
   }
 
   std::string_view rest_;  ///< text behind the line
   std::string file_, line_, handed_on_;
   std::size_t number_ = 0, next_number_ = 1;  ///< number of the line, from 1, and of the next
-  std::vector<Point> places_;
-  std::vector<Vec3> normals_;
-  std::vector<Uv> uvs_;
+  std::array<std::vector<Vec3>, 3> all_;      ///< positions, texture coordinates and normals so far
   std::vector<Vertex> vertices_;
   std::vector<std::map<Vertex, std::uint32_t>> vertices_at_;  ///< indices of the vertices at each position
   MeshData data_;
