@@ -27,32 +27,23 @@ struct PpmOptions {
 
 namespace detail {
 
-/// Decimal digits of every code with a tab behind them, so that a number is copied and not computed.
-class DecimalCodes {
- public:
-  explicit DecimalCodes(std::uint16_t max_code) : texts_(std::size_t{max_code} + 1) {
-    for (std::size_t code = 0; code < texts_.size(); ++code) {
-      Text& text = texts_[code];
-      char* end = std::to_chars(text.characters.data(), text.characters.data() + 5, code).ptr;
-      *end++ = '\t';
-      text.length = static_cast<std::uint8_t>(end - text.characters.data());
-    }
-  }
-
-  /// Copies the six characters of a code's text, and returns the end of its number and tab.
-  char* put(char* to, std::uint16_t code) const {
-    const Text& text = texts_[code];
-    for (std::size_t i = 0; i < text.characters.size(); ++i) to[i] = text.characters[i];
-    return to + text.length;
-  }
-
- private:
-  struct Text {
-    std::array<char, 6> characters{};
-    std::uint8_t length = 0;
-  };
-  std::vector<Text> texts_;
+/// Decimal digits of a code with a tab behind them, so that a number is copied and not computed.
+struct DecimalText {
+  std::array<char, 6> characters{};
+  std::uint8_t length = 0;
 };
+
+/// Returns the texts of the codes from 0 on.
+inline std::vector<DecimalText> decimal_texts(std::size_t count) {
+  std::vector<DecimalText> texts(count);
+  for (std::size_t code = 0; code < count; ++code) {
+    char* const begin = texts[code].characters.data();
+    char* const end = std::to_chars(begin, begin + 5, code).ptr;
+    *end = '\t';
+    texts[code].length = static_cast<std::uint8_t>(end + 1 - begin);
+  }
+  return texts;
+}
 
 }  // namespace detail
 
@@ -70,7 +61,7 @@ inline void save_ppm(const Image& image, const FileName& path, const Transfer& t
   file.write((options.plain ? "P3\n" : "P6\n") + std::to_string(image.width()) + " " +
              std::to_string(image.height()) + "\n" + std::to_string(encode.max_code()) + "\n");
 
-  const detail::DecimalCodes decimals(options.plain ? encode.max_code() : std::uint16_t{0});
+  const auto decimals = detail::decimal_texts(options.plain ? encode.max_code() + std::size_t{1} : 0);
   constexpr int block = 4096;  // pixels written at a time, for rows of any width
   std::array<char, block * 19 + 1>
       buffer;  // per pixel three numbers of five digits and four tabs, and one newline
@@ -92,7 +83,9 @@ inline void save_ppm(const Image& image, const FileName& path, const Transfer& t
       for (int x = x0; x < x1; ++x) {
         for (const std::uint16_t code : encode(image(x, y))) {
           if (options.plain) {
-            end = decimals.put(end, code);
+            const detail::DecimalText& text = decimals[code];
+            std::memcpy(end, text.characters.data(), text.characters.size());
+            end += text.length;
           } else {
             if (wide) *end++ = static_cast<char>(code >> 8);  // the most significant byte first
             *end++ = static_cast<char>(code & 0xff);
