@@ -50,7 +50,7 @@ inline std::string abridged(const std::string& pointer) {
   return beginning(pointer, end) + pointer.substr(from < pointer.size() ? from : pointer.size());
 }
 
-/// Values of a JSON text, with the name of its file. They stay where they are as long as the tree exists.
+/// Values of a JSON text, with the name of its file, which stay where they are as long as the tree exists.
 struct JsonTree {
   std::string file;
   json root = {};

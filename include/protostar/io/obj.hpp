@@ -85,7 +85,7 @@ class ObjBuilder : private std::streambuf {
  private:
   static constexpr int none = -1, most_index = 999'999'999;
 
-  /// What a vertex is made of, in the order of a corner.
+  /// Parts of a vertex, in the order of a corner.
   enum Kind : std::size_t { position, texture, normal };
   static constexpr std::array<const char*, 3> names{"vertex", "texture vertex", "normal"};
 
