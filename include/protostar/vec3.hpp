@@ -28,6 +28,11 @@ using Color = glm::vec3;
 /// Point of a surface in its own coordinates: x holds u, and y holds v.
 using Uv = glm::dvec2;
 
+/// Returns the magnitudes of the components, each by one instruction; glm::abs compares and chooses.
+[[nodiscard, gnu::always_inline]] inline Vec3 abs(const Vec3& v) {
+  return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
+}
+
 /// Returns true if no component is infinite or NaN.
 inline bool is_finite(const Vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);

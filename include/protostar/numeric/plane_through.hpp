@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <initializer_list>
 #include <limits>
 #include <optional>
 
@@ -164,13 +163,13 @@ namespace detail {
 /// which may be rounded differences; the scalar product has 3u of the magnitudes of its terms and the
 /// difference u, together less than 2^-50 of them. 2^-900 covers underflow.
 [[nodiscard]] inline bool surely_differs(const PlaneEquation& equation, const Point& position,
-                                         std::initializer_list<Vec3> along) {
+                                         const auto&... along) {
   const Vec3 normal{equation[0], equation[1], equation[2]};
   const auto is_off = [&](const Vec3& x, double expected = 0) {
     return std::abs(dot(normal, x) - expected) >
            0x1p-50 * (dot(abs(normal), abs(x)) + std::abs(expected)) + 0x1p-900;
   };
-  return is_off(position, equation[3]) || std::any_of(along.begin(), along.end(), is_off);
+  return is_off(position, equation[3]) || (is_off(along) || ...);
 }
 
 /// Returns the equation of the plane through a point along u and v, which must not be parallel.

@@ -53,7 +53,8 @@ struct Disk {
   [[nodiscard]] bool is_left_by(const auto& rays) const {
     const auto& [x, y, z] = std::array{normal.x, normal.y, normal.z};
     return rays.departure.is_planar() &&
-           !surely_differs(rays.departure.geometry, position, {{0, -z, y}, {z, 0, -x}, {-y, x, 0}}) &&
+           !surely_differs(rays.departure.geometry, position, Vec3{0, -z, y}, Vec3{z, 0, -x},
+                           Vec3{-y, x, 0}) &&
            rays.departure == departure();
   }
 

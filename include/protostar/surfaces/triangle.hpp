@@ -53,7 +53,7 @@ struct Triangle {
 
   /// Returns true if a ray, or the rays of a packet, depart from the plane of the triangle.
   [[nodiscard]] bool is_left_by(const auto& rays) const {
-    return rays.departure.is_planar() && !surely_differs(rays.departure.geometry, a, {b - a, c - a}) &&
+    return rays.departure.is_planar() && !surely_differs(rays.departure.geometry, a, b - a, c - a) &&
            rays.departure == departure();
   }
 
