@@ -87,11 +87,11 @@ template <class S>
 /// Returns the certified roots of a ray's line, without the root 0 if the ray departs from the surface.
 template <class S>
 [[nodiscard, gnu::always_inline]] inline Roots certified_roots(const S& surface, const Ray& ray) {
-  const auto answer = [&](const auto& e) {
-    return roots_of(e, [&] { return detail::roots_in_doubt(surface, ray); });
-  };
-  return ray.transform == nullptr ? detail::by_equation(surface, ray, ray, answer)
-                                  : detail::by_equation(surface, ray, rounded_line(ray), answer);
+  return with_line(ray, [&](const auto& line) {
+    return detail::by_equation(surface, ray, line, [&](const auto& e) {
+      return roots_of(e, [&] { return detail::roots_in_doubt(surface, ray); });
+    });
+  });
 }
 
 /// Returns a root of a ray's line without rounding, by its index among the certified roots.

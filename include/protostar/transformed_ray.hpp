@@ -24,11 +24,16 @@ struct RayTransform {
 };
 
 /// Returns the line of a ray in doubles, with their errors.
-[[nodiscard]] inline RoundedLine rounded_line(const Ray& ray) {
+[[nodiscard, gnu::always_inline]] inline RoundedLine rounded_line(const Ray& ray) {
   if (ray.transform == nullptr) return {.origin = ray.origin, .direction = ray.direction};
   RoundedLine line = ray.transform->line;
   if (ray.is_reversed) line.direction = -line.direction;
   return line;
+}
+
+/// Returns f(line) for the line of a ray in doubles: the ray itself, if it has no errors, or a RoundedLine.
+[[nodiscard, gnu::always_inline]] inline auto with_line(const Ray& ray, const auto& f) {
+  return ray.transform == nullptr ? f(ray) : f(rounded_line(ray));
 }
 
 /// Returns the line of a ray without rounding.

@@ -38,7 +38,9 @@ struct QuadricForm {
   double constant = -1;
 
   /// Returns M v.
-  [[nodiscard]] Vec3 times(const Vec3& v) const { return symmetric_times(squares, products, v); }
+  [[nodiscard, gnu::always_inline]] Vec3 times(const Vec3& v) const {
+    return symmetric_times(squares, products, v);
+  }
 };
 
 [[nodiscard]] inline QuadricForm abs(const QuadricForm& form) {
@@ -52,11 +54,11 @@ struct QuadricForm {
 /// Equation in double. A, b and c have errors of at most 6u, 7u and 9u of their sizes, their values with all
 /// numbers made positive; for a rounded line, 8u, 9u and 11u.
 struct RoundedQuadricEquation {
-  double A, b, c, A_size, b_size, c_size;
+  double A, b, c, A_size, b_size, c_size, d_size;
   Vec3 g_sizes;
   bool in_range;  ///< true if nothing overflows, and underflow is negligible for E > 2^-348
 
-  RoundedQuadricEquation(const auto& ray, const QuadricForm& form) {
+  [[gnu::always_inline]] RoundedQuadricEquation(const auto& ray, const QuadricForm& form) {
     const Vec3 g = form.times(ray.origin) + form.linear;
     A = dot(ray.direction, form.times(ray.direction));
     b = -dot(ray.direction, g);
@@ -67,12 +69,16 @@ struct RoundedQuadricEquation {
     A_size = dot(d, sizes.times(d));
     b_size = dot(d, g_sizes);
     c_size = dot(o, g_sizes) + dot(sizes.linear, o) + sizes.constant;
-    in_range = A_size < 0x1p400 && b_size < 0x1p400 && c_size < 0x1p400 && d.x + d.y + d.z < 0x1p200 &&
+    d_size = d.x + d.y + d.z;
+    in_range = A_size < 0x1p400 && b_size < 0x1p400 && c_size < 0x1p400 && d_size < 0x1p200 &&
                o.x + o.y + o.z < 0x1p200;
   }
 
-  /// Returns true if A is accurate enough for a quotient with it.
-  [[nodiscard]] bool is_A_certain() const { return std::abs(A) > 0x1p-18 * A_size && A_size > 0x1p-400; }
+  /// Returns true if A is accurate enough for a quotient with it; its terms then are finite, and their
+  /// underflow is negligible.
+  [[nodiscard]] bool is_A_certain() const {
+    return std::abs(A) > 0x1p-18 * A_size && A_size > 0x1p-400 && d_size < 0x1p200;
+  }
 
   /// Returns the equation in double with A > 0, and with its bounds.
   ///

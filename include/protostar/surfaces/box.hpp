@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <limits>
 #include <stdexcept>
@@ -156,15 +157,18 @@ struct Box {
   [[nodiscard]] bool leads_inwards(const Ray& ray, int face) const {
     const int axis = face / 2;
     if (!(min[axis] < max[axis])) return false;
-    const int sign = sign_along(axis, ray, rounded_line(ray));
+    const int sign = with_line(ray, [&](const auto& line) { return sign_along(axis, ray, line); });
     return is_upper(face) ? sign < 0 : sign > 0;
   }
 
   /// Returns the sign of a ray's direction along an axis.
-  [[nodiscard]] static int sign_along(int axis, const Ray& ray, const RoundedLine& line) {
+  template <class Line>
+  [[nodiscard]] static int sign_along(int axis, const Ray& ray, const Line& line) {
     const double d = line.direction[axis];
-    if (std::abs(d) > line.direction_error[axis] || ray.transform == nullptr) return (d > 0) - (d < 0);
-    return exact_line(ray).direction[static_cast<std::size_t>(axis)].sign();
+    if constexpr (std::same_as<Line, RoundedLine>)
+      if (!(std::abs(d) > line.direction_error[axis]))
+        return exact_line(ray).direction[static_cast<std::size_t>(axis)].sign();
+    return (d > 0) - (d < 0);
   }
 
   /// Returns true if a ray perpendicular to an axis is between the faces on that axis.
@@ -176,9 +180,10 @@ struct Box {
     return (place - line.weight * min[axis]).sign() >= 0 && (place - line.weight * max[axis]).sign() <= 0;
   }
 
-  /// Root t, which differs from the exact one by at most `error`.
-  struct RoundedRoot {
+  /// Root t on the plane of a face, which differs from the exact one by at most `error`.
+  struct FaceRoot {
     double t = 0, error = 0;
+    int face = -1;
   };
 
   /// Returns the root of a line on the plane of a face, h/d with h = place − o.
@@ -187,13 +192,17 @@ struct Box {
   /// + u |h/d|. The bound has 8u |h/d| for the roundings, whose error is at most 2u |h/d|, and twice the
   /// rest, which covers the roundings of the bound. It is infinite if the quotient may have overflowed or
   /// vanished.
-  [[nodiscard, gnu::always_inline]] RoundedRoot rounded_root(int face, const RoundedLine& line) const {
+  template <class Line>
+  [[nodiscard, gnu::always_inline]] FaceRoot rounded_root(int face, const Line& line) const {
     const int axis = face / 2;
     const double h = place(face) - line.origin[axis], d = line.direction[axis], t = h / d, size = std::abs(t);
-    const double carried = line.origin_error[axis] + size * line.direction_error[axis];
-    const double least = std::abs(d) - line.direction_error[axis];
-    if ((h != 0 && !(0x1p-900 < size && size < 0x1p900)) || !(least > 0)) return {t, infinity};
-    return {t, 0x1p-50 * size + (carried == 0 ? 0 : 2 * carried / least)};
+    double error = 0x1p-50 * size;
+    if constexpr (std::same_as<Line, RoundedLine>) {
+      const double least = std::abs(d) - line.direction_error[axis];
+      const double carried = line.origin_error[axis] + size * line.direction_error[axis];
+      error = least > 0 ? error + 2 * carried / least : infinity;
+    }
+    return {t, h == 0 || (0x1p-900 < size && size < 0x1p900) ? error : infinity, face};
   }
 
   /// Returns the root of a ray on the plane of a face without rounding.
@@ -223,40 +232,44 @@ struct Box {
   };
 
   [[nodiscard]] Met met(const Ray& ray, const Start& start) const {
-    const RoundedLine line = rounded_line(ray);
+    return with_line(ray, [&](const auto& line) { return met(ray, line, start); });
+  }
+  [[nodiscard, gnu::always_inline]] Met met(const Ray& ray, const auto& line, const Start& start) const {
     const Vec3 sum = line.origin + line.direction + min + max;  // not finite if a number is not
     if (!is_finite(sum) && !(is_proper(ray) && is_finite(min) && is_finite(max))) return {};
-    RoundedRoot roots[6];
-    const auto order = [&](int a, int b) __attribute__((always_inline)) {
-      const double gap = roots[a].t - roots[b].t;
-      if (std::abs(gap) > roots[a].error + roots[b].error) return gap > 0 ? 1 : -1;
-      return exact_order(a, b, ray, start);
+    const auto order = [&](const FaceRoot& a, const FaceRoot& b) {
+      const double gap = a.t - b.t;
+      if (std::abs(gap) > a.error + b.error) return gap > 0 ? 1 : -1;
+      return exact_order(a.face, b.face, ray, start);
     };
     // Takes a face if its root comes after that of the face taken so far, or for sign = -1 before it.
-    const auto take = [&](int& taken, int face, int sign) __attribute__((always_inline)) {
-      if (!(face == start.face && start.is_at_0)) roots[face] = rounded_root(face, line);
-      const int later = taken < 0 ? 1 : sign * order(face, taken);
-      if (later > 0 || (later == 0 && face == start.face)) taken = face;
+    const auto take = [&](FaceRoot& taken, int face, int sign) {
+      const bool is_start = face == start.face;
+      const FaceRoot root = is_start && start.is_at_0 ? FaceRoot{.face = face} : rounded_root(face, line);
+      const int later = taken.face < 0 ? 1 : sign * order(root, taken);
+      if (later > 0 || (later == 0 && is_start)) taken = root;
     };
-    int entry = -1, exit = -1;
+    FaceRoot entry, exit;
     for (int axis = 0; axis < 3; ++axis) {
       const int sign = sign_along(axis, ray, line), lower = 2 * axis, upper = lower + 1;
       if (sign == 0 && !start.is_in_box && !is_between(axis, ray)) return {};
-      if (sign != 0 && !start.is_in_box) take(entry, sign > 0 ? lower : upper, 1);
-      if (sign != 0) take(exit, sign > 0 ? upper : lower, -1);
+      if (sign == 0) continue;
+      take(exit, sign > 0 ? upper : lower, -1);
+      if (start.is_in_box) continue;
+      take(entry, sign > 0 ? lower : upper, 1);
+      if (entry.t - entry.error > exit.t + exit.error) return {};
     }
-    if (exit < 0) return {};  // the direction is 0
-    const auto t_of = [&](int face) __attribute__((always_inline)) {
-      const auto& [t, error] = roots[face];
-      return error <= 0x1p-31 * std::abs(t) && error < infinity ? t : exact_t(face, ray, start);
+    if (exit.face < 0) return {};  // the direction is 0
+    const auto t_of = [&](const FaceRoot& root) {
+      return root.error <= 0x1p-31 * std::abs(root.t) && root.error < infinity
+                 ? root.t
+                 : exact_t(root.face, ray, start);
     };
-    Met met{.roots = Roots{t_of(exit)}, .faces = {exit, exit}};
-    if (!start.is_in_box) {
-      const int gap = order(entry, exit);
-      if (gap > 0) return {};
-      met = {.roots = {t_of(entry), gap == 0 ? t_of(entry) : t_of(exit)}, .faces = {entry, exit}};
-    }
-    return met;
+    if (start.is_in_box) return {.roots = Roots{t_of(exit)}, .faces = {exit.face}};
+    const int gap = order(entry, exit);
+    if (gap > 0) return {};
+    const double first = t_of(entry);
+    return {.roots = {first, gap == 0 ? first : t_of(exit)}, .faces = {entry.face, exit.face}};
   }
 };
 

@@ -56,10 +56,11 @@ struct Quadric {
 
   /// Returns true if the far end of the ray, t → ∞, is inside.
   [[nodiscard]] bool ends_inside(const Ray& ray) const {
-    if (const RoundedQuadricEquation e(rounded_line(ray), form); e.in_range && e.is_A_certain())
-      return e.A < 0;
-    return is_proper(ray) && has_finite_numbers() &&
-           ends_negative(equation(exact_line(ray)), is_left_by(ray));
+    return with_line(ray, [&](const auto& line) {
+      if (const RoundedQuadricEquation e(line, form); e.is_A_certain()) return e.A < 0;
+      return is_proper(ray) && has_finite_numbers() &&
+             ends_negative(equation(exact_line(ray)), is_left_by(ray));
+    });
   }
 
   /// Returns the bounds of an ellipsoid whose form is negative around its center, about a thousandth wider;
