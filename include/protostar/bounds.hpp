@@ -17,4 +17,17 @@ struct Bounds {
   return {rounded.min - 0x1p-52 * abs(rounded.min), rounded.max + 0x1p-52 * abs(rounded.max)};
 }
 
+/// Tests whether the line of a ray without errors surely passes a box: seen along the line and one axis, the
+/// center is farther from it than the box reaches. With u = 2^-53, w has an error of at most 2u (|o| + |w|),
+/// and the half sides one of 2u (|o| + |w| + half), as |min| and |max| are at most |o| + |w| + half; a
+/// component of w × d has 2u of its terms besides. 2^-49 of all is twice as much and more, 2^-1000 exceeds
+/// underflow, and the comparison of what is infinite or NaN fails.
+[[nodiscard]] inline bool surely_misses(const auto& ray, const Bounds& box) {
+  const Vec3 w = 0.5 * (box.min + box.max) - ray.origin, half = 0.5 * (box.max - box.min),
+             reach = half + 0x1p-49 * (abs(ray.origin) + abs(w) + half), d = abs(ray.direction),
+             off = abs(cross(w, ray.direction)) - 0x1p-1000;
+  return off.x > reach.y * d.z + reach.z * d.y || off.y > reach.z * d.x + reach.x * d.z ||
+         off.z > reach.x * d.y + reach.y * d.x;
+}
+
 }  // namespace protostar::inline PROTOSTAR_ABI

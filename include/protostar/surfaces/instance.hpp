@@ -75,13 +75,13 @@ class Instance<S> {
   }
 
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
-    if (!inverse_.exists()) return std::nullopt;
+    if (is_missed_by(ray)) return std::nullopt;
     const RayTransform transform(ray, inverse_);
     return protostar::first_crossing(surface_, in_object_space(transform), range);
   }
 
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
-    if (!inverse_.exists()) return;
+    if (is_missed_by(ray)) return;
     const RayTransform transform(ray, inverse_);
     protostar::each_crossing(surface_, in_object_space(transform), range, visit);
   }
@@ -118,18 +118,29 @@ class Instance<S> {
   /// is clamped to ±2^500, which the next inverse map leaves finite.
   [[nodiscard]] Point carried(const Point& point) const { return within(inverse_.point(point), 0x1p500); }
 
+  /// Returns true if a ray that starts beside the surface surely crosses nothing, as its line misses the
+  /// bounds. The digits of a ray that leaves the surface may be off the bounds.
+  [[nodiscard]] bool is_missed_by(const Ray& ray) const {
+    return !inverse_.exists() || (ray.transform == nullptr && surely_misses(ray, bounds_) &&
+                                  departure_inside(ray.departure).kind == Departure::Kind::none);
+  }
+
   /// Returns the ray in object space, with its departure there.
   [[nodiscard]] Ray in_object_space(const RayTransform& transform) const {
     Ray ray = transform.ray();
-    const Departure& left = transform.outer.departure;
-    if (left.kind == Departure::Kind::none) return ray;
-    if (left.object == this) {
-      ray.departure = departure_of(surface_, left.part);
-    } else if (const auto part = part_with(left)) {
-      ray.departure = departure_of(surface_, *part);
-      ray.departure.object = nullptr;  // the ray left another surface
-    }
+    ray.departure = departure_inside(transform.outer.departure);
     return ray;
+  }
+
+  /// Returns the departure in object space of a ray with a given departure outside.
+  [[nodiscard]] Departure departure_inside(const Departure& left) const {
+    if (left.kind == Departure::Kind::none) return {};
+    if (left.object == this) return departure_of(surface_, left.part);
+    const auto part = part_with(left);
+    if (!part) return {};
+    Departure departure = departure_of(surface_, *part);
+    departure.object = nullptr;  // the ray left another surface
+    return departure;
   }
 
   using Geometry = std::pair<Departure::Kind, std::array<double, 4>>;
