@@ -6,63 +6,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <utility>
+#include <vector>
 
 #include "../vec3.hpp"
 #include "double_double.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-namespace detail {
-
-/// Digits of 32 bits, the lowest first. Up to 24, which is enough for most formulas, are stored in place, and
-/// more in allocated memory.
-class Digits {
- public:
-  Digits() = default;
-
-  /// Allocates size digits, which are not initialized.
-  explicit Digits(std::size_t size) : size_(size) {
-    if (size > few) many_.reset(new std::uint32_t[size]);
-  }
-  Digits(const Digits& other) : Digits(other.size_) { std::copy(other.begin(), other.end(), begin()); }
-  Digits(Digits&& other) noexcept : size_(other.size_), many_(std::move(other.many_)) {
-    if (!many_) std::copy(other.few_, other.few_ + size_, few_);
-  }
-  Digits& operator=(Digits other) noexcept {
-    size_ = other.size_, many_ = std::move(other.many_);
-    if (!many_) std::copy(other.few_, other.few_ + size_, few_);
-    return *this;
-  }
-  ~Digits() = default;
-
-  [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] bool empty() const { return size_ == 0; }
-  [[nodiscard]] std::uint32_t* begin() { return many_ ? many_.get() : few_; }
-  [[nodiscard]] const std::uint32_t* begin() const { return many_ ? many_.get() : few_; }
-  [[nodiscard]] const std::uint32_t* end() const { return begin() + size_; }
-  [[nodiscard]] std::uint32_t operator[](std::size_t i) const { return begin()[i]; }
-
-  /// Removes zeros at the upper and at the lower end; returns the number removed at the lower end.
-  int trim() {
-    std::uint32_t* const digits = begin();
-    while (size_ > 0 && digits[size_ - 1] == 0) --size_;
-    std::size_t zeros = 0;
-    while (zeros < size_ && digits[zeros] == 0) ++zeros;
-    size_ -= zeros;
-    if (zeros > 0) std::copy(digits + zeros, digits + zeros + size_, digits);
-    return static_cast<int>(zeros);
-  }
-
- private:
-  static constexpr std::size_t few = 24;
-  std::size_t size_ = 0;
-  std::uint32_t few_[few];
-  std::unique_ptr<std::uint32_t[]> many_;  ///< allocated digits; empty: the digits are in few_
-};
-
-}  // namespace detail
 
 /// Integer times a power of two, of any size: sums, differences and products of finite doubles are exact.
 ///
@@ -80,7 +29,12 @@ class ExactNumber {
     int exponent = 0;
     const double fraction = std::frexp(std::abs(value), &exponent);  // in [1/2, 1)
     const auto bits = static_cast<std::uint64_t>(std::ldexp(fraction, 53));
-    set_digits(bits, exponent - 53);
+    const int shift = (exponent - 53) & 31;  // 0 to 31, also for negative exponents
+    const std::uint64_t low = bits << shift, high = shift == 0 ? 0 : bits >> (64 - shift);
+    lowest_ = (exponent - 53 - shift) / 32;
+    digits_ = {static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(low >> 32),
+               static_cast<std::uint32_t>(high)};
+    trim();
   }
 
   /// Returns 1, 0 or -1.
@@ -131,13 +85,12 @@ class ExactNumber {
     if (a.digits_.empty() || b.digits_.empty()) return product;
     product.is_negative_ = a.is_negative_ != b.is_negative_;
     product.lowest_ = a.lowest_ + b.lowest_;
-    product.digits_ = detail::Digits(a.digits_.size() + b.digits_.size());
-    std::fill_n(product.digits_.begin(), b.digits_.size(), 0u);  // each row below writes one more
+    product.digits_.resize(a.digits_.size() + b.digits_.size());
     for (std::size_t i = 0; i < a.digits_.size(); ++i) {
       // A product of two digits plus two more digits is less than 2^64.
       const std::uint64_t digit = a.digits_[i];
       std::uint64_t carry = 0;
-      std::uint32_t* to = product.digits_.begin() + i;
+      std::uint32_t* to = &product.digits_[i];
       for (const std::uint32_t other : b.digits_) {
         carry += digit * other + *to;
         *to++ = static_cast<std::uint32_t>(carry);
@@ -145,13 +98,12 @@ class ExactNumber {
       }
       *to = static_cast<std::uint32_t>(carry);
     }
-    product.lowest_ += product.digits_.trim();
+    product.trim();
     return product;
   }
 
   friend bool operator==(const ExactNumber& a, const ExactNumber& b) {
-    return a.sign() == b.sign() && (a.sign() == 0 || a.lowest_ == b.lowest_) &&
-           std::equal(a.digits_.begin(), a.digits_.end(), b.digits_.begin(), b.digits_.end());
+    return a.sign() == b.sign() && (a.sign() == 0 || a.lowest_ == b.lowest_) && a.digits_ == b.digits_;
   }
 
  private:
@@ -163,56 +115,46 @@ class ExactNumber {
     return place < lowest_ || place >= end() ? 0 : digits_[static_cast<std::size_t>(place - lowest_)];
   }
 
-  /// Sets the magnitude to bits · 2^exponent.
-  void set_digits(std::uint64_t bits, int exponent) {
-    const int shift = exponent & 31;  // 0 to 31, also for negative exponents
-    lowest_ = (exponent - shift) / 32;
-    const std::uint64_t low = bits << shift, high = shift == 0 ? 0 : bits >> (64 - shift);
-    digits_ = detail::Digits(3);
-    std::uint32_t* const digits = digits_.begin();
-    digits[0] = static_cast<std::uint32_t>(low), digits[1] = static_cast<std::uint32_t>(low >> 32);
-    digits[2] = static_cast<std::uint32_t>(high);
-    lowest_ += digits_.trim();
-  }
-
-  /// Tests whether |a| < |b|.
-  [[nodiscard]] static bool is_smaller(const ExactNumber& a, const ExactNumber& b) {
-    if (a.end() != b.end()) return a.end() < b.end();
-    for (int place = a.end() - 1; place >= std::min(a.lowest_, b.lowest_); --place)
-      if (a.digit(place) != b.digit(place)) return a.digit(place) < b.digit(place);
-    return false;
+  /// Removes zeros at both ends.
+  void trim() {
+    while (!digits_.empty() && digits_.back() == 0) digits_.pop_back();
+    const auto lowest = std::find_if(digits_.begin(), digits_.end(), [](std::uint32_t x) { return x != 0; });
+    lowest_ += static_cast<int>(lowest - digits_.begin());
+    digits_.erase(digits_.begin(), lowest);
   }
 
   /// Returns a + b, where b is taken with the given sign.
   [[nodiscard]] static ExactNumber sum(const ExactNumber& a, const ExactNumber& b, bool b_is_negative) {
     if (b.digits_.empty()) return a;
     ExactNumber result;
-    if (a.digits_.empty()) {
-      result = b;
-      result.is_negative_ = b_is_negative;
-      return result;
-    }
-    const bool subtracts = a.is_negative_ != b_is_negative, swaps = subtracts && is_smaller(a, b);
-    const ExactNumber &larger = swaps ? b : a, &smaller = swaps ? a : b;
-    result.is_negative_ = swaps ? b_is_negative : a.is_negative_;
+    result.is_negative_ = a.is_negative_;
     result.lowest_ = std::min(a.lowest_, b.lowest_);
     const int end = std::max(a.end(), b.end());
-    result.digits_ = detail::Digits(static_cast<std::size_t>(end - result.lowest_) + 1);
-    std::uint32_t* to = result.digits_.begin();
+    result.digits_.resize(static_cast<std::size_t>(end - result.lowest_) + 1);
+    std::uint32_t* to = result.digits_.data();
+    const bool subtracts = a.is_negative_ != b_is_negative;
     std::int64_t carry = 0;  // the sum at a place lies between -2^32 and 2^33
     for (int place = result.lowest_; place < end; ++place) {
-      const std::int64_t other = smaller.digit(place);
-      carry += larger.digit(place) + (subtracts ? -other : other);
+      const std::int64_t other = b.digit(place);
+      carry += a.digit(place) + (subtracts ? -other : other);
       *to++ = static_cast<std::uint32_t>(carry & 0xffffffff);
       carry >>= 32;
     }
     *to = static_cast<std::uint32_t>(carry);
-    result.lowest_ += result.digits_.trim();
+    if (carry < 0) result.negate_digits();
+    result.trim();
     return result;
   }
 
-  detail::Digits digits_;  ///< no zeros at either end
-  int lowest_ = 0;         ///< the lowest digit counts 2^(32 · lowest_)
+  /// Turns digits that are those of a negative number in two's complement into those of its magnitude.
+  void negate_digits() {
+    is_negative_ = !is_negative_;
+    bool carries = true;
+    for (std::uint32_t& digit : digits_) digit = ~digit + carries, carries = carries && digit == 0;
+  }
+
+  std::vector<std::uint32_t> digits_;  ///< the lowest first, without zeros at either end
+  int lowest_ = 0;                     ///< the lowest digit counts 2^(32 · lowest_)
   bool is_negative_ = false;
 };
 
