@@ -90,11 +90,11 @@ namespace detail {
 /// the normal's error is large against that, a quotient has twice as much, and the distance as much.
 [[nodiscard]] inline std::optional<PlaneEquation> refined_plane_at(const Point& position,
                                                                    const RefinedVector& n, double error) {
+  const auto size = [&](std::size_t i) { return std::abs(n[i].hi); };
   std::size_t k = 0;
   for (std::size_t i = 1; i < 3; ++i) {
-    const int sign = order(abs(n[i]), error, abs(n[k]), error);
-    if (sign == 0 && error != 0) return std::nullopt;
-    if (sign > 0) k = i;
+    if (error != 0 && std::abs(size(i) - size(k)) <= 0x1p-50 * size(k)) return std::nullopt;
+    if (size(i) > size(k)) k = i;
   }
   error = std::max(error, 0x1p-100);
   PlaneEquation equation;

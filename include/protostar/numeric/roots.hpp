@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "../interval.hpp"
-#include "double_double.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -66,15 +65,5 @@ struct Fallbacks {
   std::uint64_t exact = 0;  ///< decided without rounding
 };
 inline thread_local Fallbacks fallbacks;
-
-/// Returns the sign of a − b for two roots with these relative errors, or 0 if they are too near to each
-/// other to decide.
-[[nodiscard]] inline int order(DoubleDouble a, double a_error, DoubleDouble b, double b_error) {
-  const DoubleDouble difference = a - b;
-  const double uncertain = std::abs(a.hi) * a_error + std::abs(b.hi) * b_error;
-  // The factor covers the roundings of the right side, 3u of it, and of the difference, 3u² of itself, which
-  // leave its sign as it is.
-  return std::abs(difference.hi) > 1.5 * uncertain ? difference.sign() : 0;
-}
 
 }  // namespace protostar::inline PROTOSTAR_ABI
