@@ -104,7 +104,7 @@ struct CertifiedQuotient {
 /// D > 4E the error of √D is at most E/(1.86 √D), since the true D is at least ¾ of this one: below 2^-31.8
 /// |q| here. |c| > 2^-18 w also makes |q| larger than 2^-10 √(A w), so the error of b, 4u √(A w), is
 /// negligible. D > 4E holds as well: √D > 2^31 E/|q|, where |q| ≤ 2 √(A w) and E ≥ 2^-48 A w, hence D > 2^12
-/// E. (With another E, as in Lagrange's form, D > 4E must be tested.)
+/// E.
 template <class T, class C>
 [[nodiscard, gnu::always_inline]] inline auto certified_quotient(const RoundedQuadratic<T, C>& e) {
   using std::abs, std::copysign, std::sqrt;

@@ -84,28 +84,13 @@ template <class T, class C>
          e.b * e.b > 0x1p-100 * (e.A * e.w);
 }
 
-/// Returns the certified roots where b² − A c leaves a line in doubt: by Lagrange's form of D, or by c in
-/// double-double. Roots{} says that the line surely misses, std::nullopt that these do not decide either.
+/// Returns the certified roots of a line that starts close to the sphere, where c alone cancels, by c in
+/// double-double; std::nullopt if that does not decide.
 [[nodiscard, gnu::noinline, gnu::cold]] inline std::optional<Roots> refined_sphere_roots(const auto& ray,
                                                                                          const Point& center,
                                                                                          double radius) {
   const auto e = sphere_equation(ray, center, radius);
-  if (detail::in_range(e.A)) {
-    // By Lagrange's identity D = A r² − |l × d|², which does not cancel if the center is far away. For a line
-    // that meets the sphere, its error is at most 9u A r s + 15u² A s², s = |l| + r; for one that misses, the
-    // computed D is no larger than that.
-    const Vec3 l = center - ray.origin, moment = cross(l, ray.direction);
-    const double r = std::abs(radius), size = std::sqrt(dot(l, l)) + r;
-    auto other = e;
-    other.D = e.A * (radius * radius) - dot(moment, moment);
-    other.E = 0x1p-49 * e.A * size * (r + 0x1p-45 * size) + detail::underflow;
-    if (other.E < 0x1p900) {  // all products of D are far from overflow
-      if (other.surely_misses()) return Roots{};
-      const auto [q, certain] = detail::certified_quotient(other);
-      if (other.D > 4 * other.E && certain) return roots_from(e.A, e.c, q);
-    }
-  }
-  // Close to the sphere, c alone cancels. In double-double, the error of c is at most 16u² w, below 2^-32 |c|
+  // In double-double, the error of c is at most 16u² w, below 2^-32 |c|
   // for |c| > 2^-70 w. The rest is as in certified_quotient: |q| is larger than 2^-9 √(A w), since |q|² ≥ √D
   // |q| > 2^31 E, so the errors of b and √D do not need a large c. For w > 2^-900, underflow does not matter.
   if (!(e.D > 4 * e.E && e.w > 0x1p-900)) return std::nullopt;
