@@ -121,9 +121,9 @@ template <class T, class C>
 /// not active.
 template <class T, class M>
 struct RootsOfEach {
-  T near_over, near_under, far_over, far_under;
   M meets, in_doubt;
-  int count;  ///< 1 or 2; if 1, near and far are equal
+  T near_over = 1.0, near_under = 1.0, far_over = near_over, far_under = near_under;
+  int count = 2;  ///< 1 or 2; if 1, near and far are equal
 
   [[nodiscard]] T near() const { return near_over / near_under; }
   [[nodiscard]] T far() const { return far_over / far_under; }
@@ -134,38 +134,28 @@ template <class T, class L, class M>
 [[nodiscard, gnu::always_inline]] inline RootsOfEach<T, M> roots_of_each(const RoundedLinear<T, L>& e,
                                                                          const M& active) {
   const M meets = active && e.crosses && e.is_certain;
-  return {.near_over = e.height,
-          .near_under = e.slope,
-          .far_over = e.height,
-          .far_under = e.slope,
-          .meets = meets,
+  return {.meets = meets,
           .in_doubt = active && !e.misses && !meets,
+          .near_over = e.height,
+          .near_under = e.slope,
           .count = 1};
 }
 template <class T, class C, class M>
 [[nodiscard, gnu::always_inline]] inline RootsOfEach<T, M> roots_of_each(const RoundedQuadratic<T, C>& e,
                                                                          const M& active) {
   const M open = active && !e.surely_misses();
+  if (!any(open)) return {.meets = open, .in_doubt = open};
   const T c(e.c);
-  if (!any(open))
-    return {.near_over = c,
-            .near_under = c,
-            .far_over = c,
-            .far_under = c,
-            .meets = open,
-            .in_doubt = open,
-            .count = 2};
   const auto [q, certain] = detail::certified_quotient(e);
   const M meets = open && certain;
   // b and q have the same sign. Certified roots are so far apart that rounding does not change their order.
   const auto backwards = q < 0.0;
-  return {.near_over = select(backwards, q, c),
+  return {.meets = meets,
+          .in_doubt = open && !meets,
+          .near_over = select(backwards, q, c),
           .near_under = select(backwards, e.A, q),
           .far_over = select(backwards, c, q),
-          .far_under = select(backwards, q, e.A),
-          .meets = meets,
-          .in_doubt = open && !meets,
-          .count = 2};
+          .far_under = select(backwards, q, e.A)};
 }
 
 /// First root in t > 0 of several lines, or of one line.
