@@ -40,6 +40,52 @@ Affine any_placement(Random& random, double far) {
 
 }  // namespace
 
+TEST_CASE("no line that crosses a box is taken to miss it, and those that pass it are") {
+  const double not_a_number = std::numeric_limits<double>::quiet_NaN();
+  const Bounds box{Point{-1}, Point{1}}, everything{Point{-infinity}, Point{infinity}};
+  struct {
+    const char* what;
+    Bounds bounds;
+    Ray ray;
+    bool misses;
+  } const rows[] = {
+      {"through it", box, {{-3, 0.5, 0}, {1, 0, 0}}, false},
+      {"behind the origin", box, {{3, 0.5, 0}, {1, 0, 0}}, false},
+      {"along a face", box, {{-3, 1, 0}, {1, 0, 0}}, false},
+      {"past the face", box, {{-3, 1 + 0x1p-40, 0}, {1, 0, 0}}, true},
+      {"touching an edge", box, {{0, 2, 0}, {1, -1, 0}}, false},
+      {"past the edge", box, {{0, 2 + 0x1p-40, 0}, {1, -1, 0}}, true},
+      {"past it, seen along one axis only", box, {{-1, 2.5, 0}, {1, -1, 1}}, true},
+      {"no direction", box, {{-3, 5, 0}, {0, 0, 0}}, false},
+      {"no number", box, {{-3, not_a_number, 0}, {1, 0, 0}}, false},
+      {"without bounds", everything, {{-3, 5, 0}, {1, 0, 0}}, false},
+      {"past a flat box", {{-1, 0, -1}, {1, 0, 1}}, {{-3, 0x1p-40, 0}, {1, 0, 0}}, true},
+      {"in a flat box", {{-1, 0, -1}, {1, 0, 1}}, {{-3, 0, 0}, {1, 0, 0}}, false},
+  };
+  for (const auto& row : rows) {
+    CAPTURE(row.what);
+    CHECK(surely_misses(row.ray, row.bounds) == row.misses);
+  }
+
+  Random random(20261124);
+  int crossed = 0, missed = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const double far = std::ldexp(1, static_cast<int>(random.bits() % 40));
+    const Point center = random.point(far), half = abs(random.point(1));
+    const Box inner{center - half, center + half}, outer{center - 1.001 * half, center + 1.001 * half};
+    const Point origin = center + random.point(10);
+    const Ray ray{origin, center + 2.0 * random.point(1) * half - origin};
+    const bool misses = surely_misses(ray, {inner.min, inner.max});
+    const bool crosses = first_crossing(inner, ray, everywhere).has_value();
+    CHECK_FALSE((crosses && misses));
+    crossed += crosses, missed += misses;
+    if (far < 0x1p20 && std::min({half.x, half.y, half.z}) > 0.01)
+      CHECK((misses || first_crossing(outer, ray, everywhere)));
+  }
+  CHECK(crossed > 4000);
+  CHECK(missed > 4000);
+}
+
 TEST_CASE("an instance is hit where its surface is, transformed by the map") {
   const auto stretched = Affine{}.scaled_by({1, 1, 2}).moved_by({0, 0, 5});
   struct {
