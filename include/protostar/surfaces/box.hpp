@@ -56,7 +56,7 @@ struct Box {
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
     const Start start = start_of(ray);
     if (start.face >= 0 && !leads_inwards(ray, start.face)) return;
-    const Met met = this->met(ray, start);
+    const Met met = with_line(ray, [&](const auto& line) { return this->met(ray, line, start); });
     for (int i = 0; i < met.roots.count(); ++i) {
       Crossing crossing{.t = met.roots[i], .part = met.faces[i]};
       if (start.is_in_box) crossing.t = std::max(crossing.t, smallest_t);
@@ -231,9 +231,6 @@ struct Box {
     int faces[2] = {0, 0};
   };
 
-  [[nodiscard]] Met met(const Ray& ray, const Start& start) const {
-    return with_line(ray, [&](const auto& line) { return met(ray, line, start); });
-  }
   [[nodiscard, gnu::always_inline]] Met met(const Ray& ray, const auto& line, const Start& start) const {
     const Vec3 sum = line.origin + line.direction + min + max;  // not finite if a number is not
     if (!is_finite(sum) && !(is_proper(ray) && is_finite(min) && is_finite(max))) return {};
