@@ -152,7 +152,7 @@ class ObjBuilder : private std::streambuf {
       refuse(std::string("the numbers of a ").append(names[kind]) + " must be " + coordinate_rule);
     if (all_[kind].size() == static_cast<std::size_t>(std::numeric_limits<int>::max()))
       refuse("there are more lines of this kind than the 2^31 - 2 that are allowed");
-    if (kind == position) vertices_at_.emplace_back();
+    if (kind == position) first_at_.push_back(none);
   }
 
   /// Adds a polygon, cut into triangles by its diagonals from the first corner.
@@ -202,10 +202,16 @@ class ObjBuilder : private std::streambuf {
         refuse(std::string(names[kind]) + " " + std::to_string(corner[kind]) + " is not one of the " +
                std::to_string(count) + " so far");
     }
-    const auto [at, is_new] = vertices_at_[static_cast<std::size_t>(vertex[0])].try_emplace(
-        vertex, static_cast<std::uint32_t>(vertices_.size()));
-    if (is_new) vertices_.push_back(vertex);
-    return at->second;
+    const int number = static_cast<int>(vertices_.size());
+    int& first = first_at_[static_cast<std::size_t>(vertex[0])];
+    if (first != none && vertices_[static_cast<std::size_t>(first)] == vertex)
+      return static_cast<std::uint32_t>(first);
+    if (first == none)
+      first = number;
+    else if (const auto [at, is_new] = others_.try_emplace(vertex, number); !is_new)
+      return static_cast<std::uint32_t>(at->second);
+    vertices_.push_back(vertex);
+    return static_cast<std::uint32_t>(number);
   }
 
   /// Returns the mesh, with texture coordinates or normals only if all vertices have them.
@@ -227,7 +233,8 @@ class ObjBuilder : private std::streambuf {
   std::size_t number_ = 0, next_number_ = 1;  ///< number of the line, from 1, and of the next
   std::array<std::vector<Vec3>, 3> all_;      ///< positions, texture coordinates and normals so far
   std::vector<Vertex> vertices_;
-  std::vector<std::map<Vertex, std::uint32_t>> vertices_at_;  ///< indices of the vertices at each position
+  std::vector<int> first_at_;     ///< index of the first vertex at each position
+  std::map<Vertex, int> others_;  ///< indices of the vertices that are not the first at their positions
   MeshData data_;
 };
 
