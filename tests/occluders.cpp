@@ -10,8 +10,8 @@ using simd::LaneMask, simd::ConeToLight, simd::Occluders, simd::RayPacket, simd:
 namespace {
 
 /// Returns one surface in one lane, as a search finds it.
-simd::SurfacesAround found(std::uint32_t place, const SphereAround& around) {
-  return {simd::Numbers(place), simd::Bits{1}, around};
+simd::SurfacesAround found(std::uint32_t index, const SphereAround& around) {
+  return {simd::Numbers(index), simd::Bits{1}, around};
 }
 
 /// Returns rays from random points near a place to a light, with t = 1 at the light.
@@ -110,9 +110,9 @@ TEST_CASE("spheres around the light, or too large or small for float, are kept b
   in_cone.add(2, cone.seen({Point{1e200, 0, 0}, 1e199}));
   in_cone.add(3, cone.seen({light + Vec3{1e-100, 0, 0}, 1e-120}));
   in_cone.add(4, cone.seen({light + Vec3{0, 0, -2}, 1.5}));
-  std::vector<int> places;
-  in_cone.each_within(cone.around(rays, true), [&](int place) { places.push_back(place); });
-  CHECK(places == std::vector<int>{0, 1, 2, 3});
+  std::vector<int> indices;
+  in_cone.each_within(cone.around(rays, true), [&](int index) { indices.push_back(index); });
+  CHECK(indices == std::vector<int>{0, 1, 2, 3});
 }
 
 TEST_CASE("a list of occluders may be of any length") {
@@ -122,11 +122,11 @@ TEST_CASE("a list of occluders may be of any length") {
   for (int count = 0; count < 70; ++count) {
     simd::InCone in_cone;
     for (int i = 0; i < count; ++i) in_cone.add(i, cone.seen({Point{i % 3 == 0 ? 4.0 : 0.0, 0, 5}, 0.5}));
-    std::vector<int> places, expected;
-    in_cone.each_within(cone.around(rays, true), [&](int place) { places.push_back(place); });
+    std::vector<int> indices, expected;
+    in_cone.each_within(cone.around(rays, true), [&](int index) { indices.push_back(index); });
     for (int i = 0; i < count; ++i)
       if (i % 3 != 0) expected.push_back(i);
-    CHECK(places == expected);
+    CHECK(indices == expected);
   }
 }
 
@@ -147,9 +147,9 @@ TEST_CASE(
     visit(found(8, {Point{0, 50, 5}, 1}));
   };
   for (int i = 0; i < 100; ++i) {
-    const auto* places =
+    const auto* indices =
         occluders.between(to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1 * apart), true, search);
-    if (i > 2) REQUIRE((places != nullptr && *places == std::vector<int>{7}));
+    if (i > 2) REQUIRE((indices != nullptr && *indices == std::vector<int>{7}));
   }
   CHECK(searches < 4);
 
@@ -193,6 +193,6 @@ TEST_CASE("rays with different ends leave no wrong list of occluders for later r
   RayPacket rays(Vectors(Point{0, 0, 10}), Vectors(Vec3{0, 0, -10}));
   rays.direction.x.set(simd::double_lanes - 1, 1);
   CHECK(occluders.between(rays, true, search) == nullptr);
-  const auto* const places = occluders.between(rays, simd::mask_of<double, simd::double_lanes>(1), search);
-  CHECK((places == nullptr || *places == std::vector<int>{7}));
+  const auto* const indices = occluders.between(rays, simd::mask_of<double, simd::double_lanes>(1), search);
+  CHECK((indices == nullptr || *indices == std::vector<int>{7}));
 }

@@ -23,10 +23,10 @@ using simd::Viewpoint;
 
 namespace {
 
-std::vector<int> places_of(const Candidates& candidates) {
-  std::vector<int> places;
-  for (int i = 0; i < candidates.size(); ++i) places.push_back(candidates.place(i));
-  return places;
+std::vector<int> indices_of(const Candidates& candidates) {
+  std::vector<int> indices;
+  for (int i = 0; i < candidates.size(); ++i) indices.push_back(candidates.index(i));
+  return indices;
 }
 
 Candidates candidates_of(const std::vector<Sphere>& spheres, const Viewpoint& viewpoint) {
@@ -180,8 +180,8 @@ void look(const Camera& camera, int width, int height, const std::function<Spher
       in_part.add(in_tile, Frustum(rays, part));
     }
     in_block.add(in_part, Frustum(rays, {x, y, x + 1, y + 1}));
-    const auto places = places_of(in_block);
-    wrong_if(std::find(places.begin(), places.end(), static_cast<int>(i)) == places.end(),
+    const auto indices = indices_of(in_block);
+    wrong_if(std::find(indices.begin(), indices.end(), static_cast<int>(i)) == indices.end(),
              counts.dropped_though_met);
   }
 }
@@ -386,10 +386,10 @@ TEST_CASE("a tile keeps every sphere that a ray at one of its corners touches fr
         }
     Candidates in_tile;
     in_tile.add(candidates_of(spheres, rays.viewpoint()), Frustum(rays, tile));
-    const std::vector<int> places = places_of(in_tile);
+    const std::vector<int> indices = indices_of(in_tile);
     all += static_cast<int>(spheres.size());
     for (std::size_t i = 0; i < spheres.size(); ++i)
-      dropped.add(std::ranges::count(places, static_cast<int>(i)) == 0, camera, "tile", tile.x0, tile.y0,
+      dropped.add(std::ranges::count(indices, static_cast<int>(i)) == 0, camera, "tile", tile.x0, tile.y0,
                   "side", side, spheres[i]);
   }
   CHECK(all == 40000);
@@ -441,7 +441,7 @@ TEST_CASE("a tile drops spheres beside it and behind the camera") {
     }
     Candidates in_tile;
     in_tile.add(candidates_of(spheres, rays.viewpoint()), Frustum(rays, tile));
-    CHECK(places_of(in_tile) == seen);
+    CHECK(indices_of(in_tile) == seen);
   }
 }
 
@@ -457,10 +457,10 @@ TEST_CASE("a tile drops spheres between the focal point and the sensor, and keep
                                     {{1, 2, 5}, 0.5},     // in front
                                     {{3, 2, 3.1}, 0.5}};  // beside
   const Candidates everything = candidates_of(spheres, rays.viewpoint());
-  CHECK(places_of(everything) == std::vector<int>{2, 3, 5, 6});
+  CHECK(indices_of(everything) == std::vector<int>{2, 3, 5, 6});
   Candidates in_tile;
   in_tile.add(everything, Frustum(rays, tile));
-  CHECK(places_of(in_tile) == std::vector<int>{2, 3, 5});
+  CHECK(indices_of(in_tile) == std::vector<int>{2, 3, 5});
 }
 
 TEST_CASE("an orthographic tile drops spheres beside it, however near and however far") {
@@ -478,7 +478,7 @@ TEST_CASE("an orthographic tile drops spheres beside it, however near and howeve
     const Candidates everything = candidates_of(spheres, rays.viewpoint());
     Candidates in_tile;
     in_tile.add(everything, Frustum(rays, upper_left));
-    CHECK(places_of(in_tile) == seen);
+    CHECK(indices_of(in_tile) == seen);
   }
 }
 
@@ -491,7 +491,7 @@ TEST_CASE("a tile keeps the order of its candidates and appends to those that it
   kept.add(candidates_of({spheres.begin(), spheres.begin() + 3}, {.apex = Point{0}}), frustum);
   std::vector<int> expected;
   for (int i = 0; i < 103; ++i) expected.push_back(i % 100);
-  CHECK(places_of(kept) == expected);
+  CHECK(indices_of(kept) == expected);
   kept.clear();
   CHECK(kept.size() == 0);
 }
@@ -515,14 +515,14 @@ TEST_CASE("candidates in any order are brought into the scene's order, and a til
     for (int i = count - 1; i >= 0; --i)
       ordered.add(i, viewpoint, simd::sphere_around(spheres[static_cast<std::size_t>(i)]));
     ordered.sort(simd::Candidates::Order::of_scene);
-    CHECK(places_of(ordered) == places_of(before));
+    CHECK(indices_of(ordered) == indices_of(before));
     // The rows are sorted together.
     const PixelRays rays(Camera{}, PixelGrid(64, 64), 64, 64);
     for (const Tile& tile : {Tile{0, 0, 32, 32}, Tile{40, 8, 48, 16}}) {
       Candidates from_before, from_ordered;
       from_before.add(before, Frustum(rays, tile));
       from_ordered.add(ordered, Frustum(rays, tile));
-      CHECK(places_of(from_ordered) == places_of(from_before));
+      CHECK(indices_of(from_ordered) == indices_of(from_before));
     }
   }
 }
@@ -536,7 +536,7 @@ TEST_CASE("every tile keeps a surface without bounds") {
   CHECK(all.is_everywhere(1));
   const PixelRays rays(Camera{.position = {1, 2, 3}}, PixelGrid(64, 64), 64, 64);
   kept.add(all, Frustum(rays, {0, 0, 8, 8}));
-  CHECK(places_of(kept) == std::vector<int>{1});
+  CHECK(indices_of(kept) == std::vector<int>{1});
   CHECK_FALSE(kept.fills(0, Frustum(rays, {0, 0, 8, 8})));
 }
 

@@ -79,11 +79,11 @@ namespace detail {
   return detail::precedes_refined(ray, a, b);
 }
 
-/// Returns true if a ray crosses a before b, or at equal t if the surface of a has the smaller index; place_a
-/// and place_b are the surfaces' indices.
-[[nodiscard]] inline bool precedes(const Ray& ray, const SurfaceCrossing& a, std::int64_t place_a,
-                                   const SurfaceCrossing& b, std::int64_t place_b) {
-  return place_a < place_b ? !precedes(ray, b, a) : precedes(ray, a, b);
+/// Returns true if a ray crosses a before b, or at equal t if the surface of a has the smaller index; index_a
+/// and index_b are the surfaces' indices.
+[[nodiscard]] inline bool precedes(const Ray& ray, const SurfaceCrossing& a, std::int64_t index_a,
+                                   const SurfaceCrossing& b, std::int64_t index_b) {
+  return index_a < index_b ? !precedes(ray, b, a) : precedes(ray, a, b);
 }
 
 /// Hit of a ray on a surface. It holds t and computes the rest on demand, so that an integrator pays only for

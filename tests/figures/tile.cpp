@@ -24,7 +24,7 @@ const Sphere all_spheres[] = {
     {.center = {2.6, 0, 3.6}, .radius = 0.6},    {.center = {-1.9, 0, 2.6}, .radius = 0.5},
     {.center = {-0.9, 0, -0.6}, .radius = 0.4}};
 const Box box{.min = {0.65, -0.35, 3.9}, .max = {1.15, 0.35, 4.4}};
-constexpr int place_of_box = std::size(all_spheres);
+constexpr int index_of_box = std::size(all_spheres);
 
 constexpr Paint paints[] = {Paint::blue, Paint::green};
 
@@ -34,7 +34,7 @@ double in_pixels(double length) { return 46 * length; }
 
 void draw_from_above(Drawing& drawing, const simd::Candidates& kept, const simd::PixelRays& rays) {
   std::array<bool, std::size(all_spheres) + 1> is_kept{};
-  for (int i = 0; i < kept.size(); ++i) is_kept.at(static_cast<std::size_t>(kept.place(i))) = true;
+  for (int i = 0; i < kept.size(); ++i) is_kept.at(static_cast<std::size_t>(kept.index(i))) = true;
 
   // A side of the frustum runs through the apex, at a right angle to its normal.
   const auto side = [&](int column) {
@@ -50,7 +50,7 @@ void draw_from_above(Drawing& drawing, const simd::Candidates& kept, const simd:
                    !is_kept[i] ? Paint::gray : paints[i], is_kept[i] ? Fill::soft : Fill::none,
                    is_kept[i] ? Stroke::thin : Stroke::dashed);
   const simd::SphereAround around = simd::sphere_around(box);
-  const Paint paint = is_kept[place_of_box] ? Paint::red : Paint::gray;
+  const Paint paint = is_kept[index_of_box] ? Paint::red : Paint::gray;
   drawing.circle(from_above(around.center), in_pixels(around.radius), paint, Fill::none, Stroke::dashed);
   const Place corner = from_above({box.min.x, 0, box.max.z});
   drawing.rectangle(corner, in_pixels(box.max.x - box.min.x), in_pixels(box.max.z - box.min.z), paint,
@@ -69,20 +69,20 @@ void draw_pixels(Drawing& drawing, const simd::Candidates& kept, const simd::Pix
   std::array<std::array<int, side>, side> seen{};  // block by block, the size of which is the machine's
   for (int y = middle.y0; y < middle.y1; y += RayBlock::height)
     for (int x = middle.x0; x < middle.x1; x += RayBlock::width) {
-      const simd::WideIndices places = simd::seen_by(rays.block_directions(x, y), kept).places;
+      const simd::WideIndices indices = simd::seen_by(rays.block_directions(x, y), kept).indices;
       for (int i = 0; i < simd::float_lanes; ++i)
         seen.at(static_cast<std::size_t>(y + i / RayBlock::width - middle.y0))
-            .at(static_cast<std::size_t>(x + i % RayBlock::width - middle.x0)) = places[i];
+            .at(static_cast<std::size_t>(x + i % RayBlock::width - middle.x0)) = indices[i];
     }
   for (std::size_t y = 0; y < side; ++y)
     for (std::size_t x = 0; x < side; ++x) {
-      const int place = seen[y][x];
-      const bool is_nothing = place == simd::sees_nothing;
+      const int index = seen[y][x];
+      const bool is_nothing = index == simd::sees_nothing;
       drawing.rectangle({left + size * static_cast<double>(x), top + size * static_cast<double>(y)}, size,
                         size,
                         is_nothing                   ? Paint::gray
-                        : place == simd::is_in_doubt ? Paint::red
-                                                     : paints[static_cast<std::size_t>(place)],
+                        : index == simd::is_in_doubt ? Paint::red
+                                                     : paints[static_cast<std::size_t>(index)],
                         is_nothing ? Fill::none : Fill::soft);
     }
   drawing.words({left + 8 * size, 24}, "Visibility buffer", Anchor::middle, Paint::ink, true);
@@ -107,7 +107,7 @@ std::string tile() {
   simd::Candidates all, kept;
   for (std::size_t i = 0; i < std::size(all_spheres); ++i)
     all.add(static_cast<int>(i), rays.viewpoint(), simd::sphere_around(all_spheres[i]));
-  all.add(place_of_box, rays.viewpoint(), simd::sphere_around(box));
+  all.add(index_of_box, rays.viewpoint(), simd::sphere_around(box));
   kept.add(all, simd::Frustum(rays, middle));
 
   Drawing drawing(640, 480, "How a tile finds what its pixels see");

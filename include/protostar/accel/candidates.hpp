@@ -40,18 +40,18 @@ struct CandidateSphere {
 /// it.
 class Candidates {
  public:
-  using Places = Lanes<std::uint32_t, double_lanes>;  ///< indices of surfaces in the scene's order
+  using SurfaceIndices = Lanes<std::uint32_t, double_lanes>;  ///< indices of surfaces in the scene's order
 
   [[nodiscard]] int size() const { return size_; }
   /// Returns the i-th surface's index in the scene's order.
-  [[nodiscard]] int place(int i) const { return static_cast<int>(place_[index(i)]); }
+  [[nodiscard]] int index(int i) const { return static_cast<int>(index_[slot(i)]); }
 
   /// Returns a lower bound of t at which a camera ray of unit direction hits the i-th surface or any that
   /// follows it, after sort(Order::near_to_far); otherwise 0.
   [[nodiscard]] float nearest(int i) const { return is_ordered_ ? *at(row_nearest, i) : 0; }
 
   /// Returns the indices of all surfaces.
-  [[nodiscard]] std::span<const std::uint32_t> places() const { return {place_.data(), index(size_)}; }
+  [[nodiscard]] std::span<const std::uint32_t> indices() const { return {index_.data(), slot(size_)}; }
 
   /// Adds the surfaces of some lanes, each contained in a sphere, but for those wholly behind the film.
   ///
@@ -77,7 +77,8 @@ class Candidates {
   ///
   /// There is no inner radius if the apex may be inside the sphere, or if squares might leave the range of
   /// float.
-  void add(const Places& places, Bits some, const Viewpoint& viewpoint, const SpheresAround& around) {
+  void add(const SurfaceIndices& indices, Bits some, const Viewpoint& viewpoint,
+           const SpheresAround& around) {
     const Vectors l = around.center - Vectors(viewpoint.apex);
     const Doubles radius = around.radius + viewpoint.drift;
     const Doubles distance = length(l),
@@ -101,10 +102,10 @@ class Candidates {
     const Doubles inner = around.inner - error;
     const LaneMask is_sure = inner > 0x1p-60 && inner < 0x1p60 && distance > radius + error;
     store(row_inner, select(is_sure, inner, Doubles(-1.0)), -1);
-    size_ += store_chosen(place_.data() + size_, some, places);
+    size_ += store_chosen(index_.data() + size_, some, indices);
   }
-  void add(int place, const Viewpoint& viewpoint, const SphereAround& around) {
-    add(Places(static_cast<std::uint32_t>(place)), Bits{1}, viewpoint, SpheresAround(around));
+  void add(int index, const Viewpoint& viewpoint, const SphereAround& around) {
+    add(SurfaceIndices(static_cast<std::uint32_t>(index)), Bits{1}, viewpoint, SpheresAround(around));
   }
 
   /// Adds those surfaces of another list that a tile may see, in their order.
@@ -126,8 +127,8 @@ class Candidates {
       const Bits seen = bits(!outside) & first_bits(others.size_ - i);
       if (seen == 0) continue;
       for (int row = 0; row < row_count; ++row) store_chosen(at(Row(row), size_), seen, load(Row(row)));
-      size_ += store_chosen(place_.data() + size_, seen,
-                            Lanes<std::uint32_t, float_lanes>::load(others.place_.data() + i));
+      size_ += store_chosen(index_.data() + size_, seen,
+                            Lanes<std::uint32_t, float_lanes>::load(others.index_.data() + i));
     }
   }
 
@@ -188,21 +189,21 @@ class Candidates {
     std::size_t start[slabs + 1] = {};
     for (int i = 0; i < size_; ++i) ++start[slab(i) + 1];
     for (std::size_t k = 0; k < slabs; ++k) start[k + 1] += start[k];
-    std::vector<std::size_t> order(index(size_));
-    for (int i = 0; i < size_; ++i) order[start[slab(i)]++] = index(i);
+    std::vector<std::size_t> order(slot(size_));
+    for (int i = 0; i < size_; ++i) order[start[slab(i)]++] = slot(i);
     reorder(order);
     for (int i = size_ - 2; i >= 0; --i) *at(row_nearest, i) = std::min(nearest(i), nearest(i + 1));
   }
 
   void order_by_index() {
-    std::vector<std::size_t> order(index(size_));
+    std::vector<std::size_t> order(slot(size_));
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return place_[a] < place_[b]; });
+              [&](std::size_t a, std::size_t b) { return index_[a] < index_[b]; });
     reorder(order);
   }
 
-  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+  static std::size_t slot(int i) { return static_cast<std::size_t>(i); }
 
   /// Moves the order[i]-th surface to i.
   void reorder(const std::vector<std::size_t>& order) {
@@ -212,22 +213,22 @@ class Candidates {
       row = std::move(moved);
     };
     for (auto& row : rows_) move(row);
-    move(place_);
+    move(index_);
   }
 
   /// Makes room for count surfaces, and for the lanes that a store of a whole vector writes behind them.
   void make_room(int count) {
-    const std::size_t needed = index(count + float_lanes);
-    if (place_.size() >= needed) return;
-    const std::size_t room = std::max(needed, 2 * place_.size());
+    const std::size_t needed = slot(count + float_lanes);
+    if (index_.size() >= needed) return;
+    const std::size_t room = std::max(needed, 2 * index_.size());
     for (auto& row : rows_) row.resize(room);
-    place_.resize(room);
+    index_.resize(room);
   }
 
   int size_ = 0;
   bool is_ordered_ = false;  ///< true if near surfaces come first
   std::vector<float> rows_[row_count];
-  std::vector<std::uint32_t> place_;
+  std::vector<std::uint32_t> index_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

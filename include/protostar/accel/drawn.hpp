@@ -44,7 +44,7 @@ struct VisibilityBuffers<S> {
   static constexpr std::size_t most = 32;
 
   struct Entry {
-    int place, sample;
+    int index, sample;
     typename S::Drawn drawn;
   };
   std::vector<std::unique_ptr<Entry>> entries;
@@ -52,18 +52,18 @@ struct VisibilityBuffers<S> {
 
   /// Returns a buffer for a surface, by its index in the scene's order, and a sample; null if there are
   /// enough.
-  typename S::Drawn* add(int place, int sample) {
+  typename S::Drawn* add(int index, int sample) {
     if (count == most) return nullptr;
     if (count == entries.size()) entries.emplace_back(new Entry);  // not initialized
     Entry& entry = *entries[count++];
-    entry.place = place, entry.sample = sample;
+    entry.index = index, entry.sample = sample;
     return &entry.drawn;
   }
   void clear() { count = 0; }
   /// Returns the buffer for a surface and a sample; null if there is none, or it is not drawn.
-  [[nodiscard]] const typename S::Drawn* at(int place, int sample) const {
+  [[nodiscard]] const typename S::Drawn* at(int index, int sample) const {
     for (std::size_t i = 0; i < count; ++i)
-      if (const Entry& entry = *entries[i]; entry.place == place && entry.sample == sample)
+      if (const Entry& entry = *entries[i]; entry.index == index && entry.sample == sample)
         return entry.drawn.is_drawn() ? &entry.drawn : nullptr;
     return nullptr;
   }

@@ -25,8 +25,8 @@
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
 /// Returns a surface without bounds.
-[[nodiscard]] inline SurfacesAround unbounded_surface(std::uint32_t place) {
-  return {Numbers(place), Bits{1}, SphereAround{Point{0}, infinity}};
+[[nodiscard]] inline SurfacesAround unbounded_surface(std::uint32_t index) {
+  return {Numbers(index), Bits{1}, SphereAround{Point{0}, infinity}};
 }
 
 /// Finds the surfaces of one type that a ray may meet. This template is for types without bounds and visits
@@ -177,13 +177,13 @@ class Finder<Sphere> {
         for (Bits spheres = met.maybe; spheres != 0; spheres &= spheres - 1) {
           const int k = std::countr_zero(spheres);
           if (met.near[k] > left.until) continue;
-          const std::uint32_t place = leaf.first + i + static_cast<std::uint32_t>(k);
+          const std::uint32_t position = leaf.first + i + static_cast<std::uint32_t>(k);
           if ((met.surely >> k & 1) != 0 && met.until[k] < waiting_near) {
-            waiting = place;
+            waiting = position;
             waiting_near = met.near[k];
             left.until = std::min(left.until, met.until[k]);
           } else {
-            visit(bvh_.order()[place]);
+            visit(bvh_.order()[position]);
             left.until = std::min(left.until, line.at_most(range.max));
           }
         }

@@ -139,17 +139,17 @@ class ConeToLight {
 class InCone {
  public:
   void clear() {
-    places_.clear();
+    indices_.clear();
     rows_.clear();
   }
-  [[nodiscard]] std::size_t size() const { return places_.size(); }
+  [[nodiscard]] std::size_t size() const { return indices_.size(); }
 
   /// Adds the surface with this index in the scene's order.
-  void add(int place, const ConeToLight::Seen& sphere) {
+  void add(int index, const ConeToLight::Seen& sphere) {
     constexpr std::size_t n = float_lanes;
-    const std::size_t i = places_.size(), at = i / n * rows * n + i % n;
+    const std::size_t i = indices_.size(), at = i / n * rows * n + i % n;
     if (i % n == 0) rows_.resize(rows_.size() + rows * n, nowhere);
-    places_.push_back(place);
+    indices_.push_back(index);
     const double less = 0x1p-18 * sphere.distance;
     const double row[rows] = {sphere.center.x, sphere.center.y,       sphere.center.z,
                               sphere.radius,   sphere.horizon - less, sphere.distance - sphere.radius - less};
@@ -162,12 +162,12 @@ class InCone {
     const Row x = in_float(cone.axis().x), y = in_float(cone.axis().y), z = in_float(cone.axis().z);
     const Row cosine = in_float(cone.cosine()), sine = in_float(cone.sine());
     const Row end = in_float(cone.length() * (1 + 0x1p-22));
-    for (std::size_t i = 0; i < places_.size(); i += float_lanes) {
+    for (std::size_t i = 0; i < indices_.size(); i += float_lanes) {
       const auto row = [&](std::size_t k) { return Row::load(&rows_[rows * i + k * float_lanes]); };
       const Row along = x * row(0) + y * row(1) + z * row(2);
       Bits within = bits(along >= cosine * row(4) - sine * row(3) && row(5) <= end);
       for (; within != 0; within &= within - 1)
-        visit(places_[i + static_cast<std::size_t>(std::countr_zero(within))]);
+        visit(indices_[i + static_cast<std::size_t>(std::countr_zero(within))]);
     }
   }
 
@@ -178,7 +178,7 @@ class InCone {
   /// Value of unused lanes: a distance beyond the end of all cones.
   static constexpr float nowhere = std::numeric_limits<float>::infinity();
 
-  std::vector<int> places_;
+  std::vector<int> indices_;
   std::vector<float> rows_;  ///< one row for each number, of as many spheres as a vector holds
 };
 
@@ -205,12 +205,12 @@ class Occluders {
         return nullptr;
       }
       search(list->cone.half_spaces(), [&](const SurfacesAround& surfaces) {
-        const auto& [places, lanes, around] = surfaces;
+        const auto& [indices, lanes, around] = surfaces;
         looked_at += std::popcount(lanes);
         for (Bits some = lanes; some != 0 && list->in_cone.size() <= most; some &= some - 1) {
           const int lane = std::countr_zero(some);
           const auto seen = list->cone.seen(around[lane]);
-          if (list->cone.may_hold(seen)) list->in_cone.add(static_cast<int>(places[lane]), seen);
+          if (list->cone.may_hold(seen)) list->in_cone.add(static_cast<int>(indices[lane]), seen);
         }
       });
       if (list->in_cone.size() > 2 * handy)
@@ -228,9 +228,9 @@ class Occluders {
       }
     }
     to_light.served += std::popcount(bits(which));
-    places_.clear();
-    list->in_cone.each_within(list->cone.around(rays, which), [&](int place) { places_.push_back(place); });
-    return &places_;
+    indices_.clear();
+    list->in_cone.each_within(list->cone.around(rays, which), [&](int index) { indices_.push_back(index); });
+    return &indices_;
   }
 
  private:
@@ -282,7 +282,7 @@ class Occluders {
   }
 
   std::vector<ToLight> lights_;
-  std::vector<int> places_;  ///< list for the last packet
+  std::vector<int> indices_;  ///< list for the last packet
   std::size_t next_ = 0;
 };
 

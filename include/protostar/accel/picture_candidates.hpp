@@ -19,8 +19,8 @@ class PictureCandidates {
   /// Borrows the scene and the rays.
   PictureCandidates(const Accelerated<Scene<S...>>& scene, const PixelRays& rays, Candidates::Order order)
       : scene_(scene), rays_(rays), order_(order) {
-    int place = 0;
-    if (!are_from_bvh()) (add_all<S>(place), ...);
+    int index = 0;
+    if (!are_from_bvh()) (add_all<S>(index), ...);
     all_.sort(order);
   }
 
@@ -33,18 +33,18 @@ class PictureCandidates {
     if (!are_from_bvh()) return candidates.add(all_, frustum);
     Candidates found;
     scene_.frustum_query(TileHalfSpaces(rays_, tile).side, [&](const SurfacesAround& surfaces) {
-      found.add(surfaces.places, surfaces.lanes, rays_.viewpoint(), surfaces.around);
+      found.add(surfaces.indices, surfaces.lanes, rays_.viewpoint(), surfaces.around);
     });
     found.sort(order_);
     candidates.add(found, frustum);
   }
 
  private:
-  /// Adds all surfaces of one type; `place` is the index of the first, and becomes that of the next type's.
+  /// Adds all surfaces of one type; `index` is that of the first, and becomes that of the next type's.
   template <Surface T>
-  void add_all(int& place) {
+  void add_all(int& index) {
     for (const T& surface : scene_.scene().template surfaces<T>())
-      all_.add(place++, rays_.viewpoint(), sphere_around(surface));
+      all_.add(index++, rays_.viewpoint(), sphere_around(surface));
   }
 
   const Accelerated<Scene<S...>>& scene_;

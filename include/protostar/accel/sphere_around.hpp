@@ -40,7 +40,7 @@ using Numbers = Lanes<std::uint32_t, double_lanes>;
 
 /// Some surfaces, by their indices in the scene's order, and spheres around them, in lanes whose bit is set.
 struct SurfacesAround {
-  Numbers places;
+  Numbers indices;
   Bits lanes;
   SpheresAround around;
 };

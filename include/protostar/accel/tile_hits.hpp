@@ -22,7 +22,7 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 
 /// Surface that rays of a block may cross, by its index in the scene's order, as float tells.
 struct CrossedByBlock {
-  std::int32_t place;
+  std::int32_t index;
   Bits maybe, surely;  ///< rays that may cross it; those of them that surely do, on their way in and out
 };
 
@@ -51,7 +51,7 @@ class TileHits {
   /// Closest hit of each ray.
   struct Closest {
     Doubles t;      ///< infinity if the ray misses
-    Indices place;  ///< surface's index in the scene's order; sees_nothing if the ray misses
+    Indices index;  ///< surface's index in the scene's order; sees_nothing if the ray misses
 
     /// Primitive that is hit: entry ≥ 0 of a visibility buffer, or number_of(Crossing) < 0.
     [[no_unique_address]] std::conditional_t<has_primitives, Indices, Nothing> primitive = -1;
@@ -64,15 +64,15 @@ class TileHits {
   void set_first_pixel(int x, int y, int sample) const { first_x_ = x, first_y_ = y, sample_ = sample; }
 
   /// Calls visit(surface, material) for the surface with this index in the scene's order.
-  void visit(std::int64_t place, const auto& visit) const {
-    auto i = static_cast<std::size_t>(place);
+  void visit(std::int64_t index, const auto& visit) const {
+    auto i = static_cast<std::size_t>(index);
     static_cast<void>((visit_group<S>(i, visit) || ...));
   }
 
   /// Returns true if the surface with this index has a texture.
-  [[nodiscard]] bool has_texture(std::int64_t place) const {
+  [[nodiscard]] bool has_texture(std::int64_t index) const {
     bool has = false;
-    visit(place, [&](const auto&, const Material& material) { has = static_cast<bool>(material.texture); });
+    visit(index, [&](const auto&, const Material& material) { has = static_cast<bool>(material.texture); });
     return has;
   }
 
@@ -81,9 +81,9 @@ class TileHits {
     bool is_rasterized = false;
     if constexpr (rasterizes)
       if (candidates_.size() == 1)
-        visit(candidates_.place(0), [&]<class T>(const T&, const Material&) {
+        visit(candidates_.index(0), [&]<class T>(const T&, const Material&) {
           if constexpr (RasterizedSurface<T>)
-            if (const auto* const drawn = buffer_at<T>(candidates_.place(0))) f(*drawn), is_rasterized = true;
+            if (const auto* const drawn = buffer_at<T>(candidates_.index(0))) f(*drawn), is_rasterized = true;
         });
     return is_rasterized;
   }
@@ -106,10 +106,10 @@ class TileHits {
     const LaneMask met = rays.active && closest.t < infinity;
     Colors result(Color{0});
     for (LaneMask left = met; any(left);) {
-      const std::int64_t place = in_first_lane(closest.place, bits(left));
-      const LaneMask here = left && mask_for<double>(closest.place == Indices(place));
+      const std::int64_t index = in_first_lane(closest.index, bits(left));
+      const LaneMask here = left && mask_for<double>(closest.index == Indices(index));
       Colors colors(Color{0});
-      visit(place, [&](const auto& surface, const Material& material) {
+      visit(index, [&](const auto& surface, const Material& material) {
         colors = shade_on(surface, material, rays, closest, here, shade_hits);
       });
       if (!any(rays.active && !here)) return colors;  // the usual case: all rays hit one surface
@@ -127,9 +127,9 @@ class TileHits {
     Bits left = bits(!(seen == Indices(sees_nothing)));
     Colors result = left == first_bits(double_lanes) ? Colors(Color{0}) : Colors(background());
     while (left != 0) {
-      const std::int64_t place = in_first_lane(seen, left);
-      const LaneMask here = mask_for<double>(seen == Indices(place));
-      visit(place, [&](const auto& surface, const Material& material) {
+      const std::int64_t index = in_first_lane(seen, left);
+      const LaneMask here = mask_for<double>(seen == Indices(index));
+      visit(index, [&](const auto& surface, const Material& material) {
         result = select(here, Colors(shade_hits(HitPacket(no_rays, 0.0, here, surface, material))), result);
       });
       left &= ~bits(here);
@@ -139,12 +139,12 @@ class TileHits {
 
   /// Prefetches these candidates; or the materials of these hits.
   void fetch(const Candidates& candidates) const {
-    for (const std::uint32_t place : candidates.places())
-      visit(place, [](const auto& surface, const Material&) { prefetch(&surface); });
+    for (const std::uint32_t index : candidates.indices())
+      visit(index, [](const auto& surface, const Material&) { prefetch(&surface); });
   }
   void fetch(const Closest& closest) const {
     for (Bits met = bits(closest.t < infinity); met != 0; met &= met - 1)
-      visit(closest.place[std::countr_zero(met)],
+      visit(closest.index[std::countr_zero(met)],
             [](const auto&, const Material& material) { prefetch_whole(material); });
   }
 
@@ -157,9 +157,9 @@ class TileHits {
     std::size_t count;
 
     [[nodiscard]] int size() const { return static_cast<int>(count); }
-    [[nodiscard]] int place(int i) const { return i; }
+    [[nodiscard]] int index(int i) const { return i; }
     [[nodiscard]] float nearest(int) const { return 0; }
-    [[nodiscard]] std::span<const std::uint32_t> places() const {
+    [[nodiscard]] std::span<const std::uint32_t> indices() const {
       static constexpr std::uint32_t all[few] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
       return {all, count};
     }
@@ -179,25 +179,25 @@ class TileHits {
 
   /// Returns the visibility buffer of the surface with this index; null if it has none.
   template <RasterizedSurface T>
-  [[nodiscard]] const typename T::Drawn* buffer_at(std::int64_t place) const {
-    return std::get<VisibilityBuffers<T>>(state_.buffers).at(static_cast<int>(place), sample_);
+  [[nodiscard]] const typename T::Drawn* buffer_at(std::int64_t index) const {
+    return std::get<VisibilityBuffers<T>>(state_.buffers).at(static_cast<int>(index), sample_);
   }
 
   /// Closest hit of one ray among some surfaces, and the index of its surface; sees_nothing if it misses.
-  struct PlacedCrossing {
-    int place = sees_nothing;
+  struct IndexedCrossing {
+    int index = sees_nothing;
     SurfaceCrossing crossing;
   };
-  [[nodiscard, gnu::noinline, gnu::cold]] PlacedCrossing closest_by_itself(
-      const Ray& ray, std::span<const std::uint32_t> places) const {
-    PlacedCrossing first;
-    for (const std::uint32_t place : places)
-      visit(place, [&, place = static_cast<int>(place)](const auto& surface, const Material& material) {
+  [[nodiscard, gnu::noinline, gnu::cold]] IndexedCrossing closest_by_itself(
+      const Ray& ray, std::span<const std::uint32_t> indices) const {
+    IndexedCrossing first;
+    for (const std::uint32_t index : indices)
+      visit(index, [&, index = static_cast<int>(index)](const auto& surface, const Material& material) {
         const auto crossing = first_crossing(surface, ray, Interval{});
         if (!crossing) return;
         const SurfaceCrossing candidate = crossing_on(surface, *crossing, material);
-        if (first.place < 0 || precedes(ray, candidate, place, first.crossing, first.place))
-          first = {place, candidate};
+        if (first.index < 0 || precedes(ray, candidate, index, first.crossing, first.index))
+          first = {index, candidate};
       });
     return first;
   }
@@ -220,48 +220,48 @@ class TileHits {
     return false;
   }
 
-  /// Returns the closest hits of rays. A ray in doubt is tested with all surfaces in `places`; one that
+  /// Returns the closest hits of rays. A ray in doubt is tested with all surfaces in `indices`; one that
   /// surely sees a surface is tested with that alone. Camera rays have visibility buffers.
   [[nodiscard, gnu::always_inline]] Closest search(const RayPacket& rays, const auto& surfaces,
                                                    const Indices& seen, bool are_of_camera) const {
-    const auto sees = [&](std::int64_t place) { return mask_for<double>(seen == Indices(place)); };
+    const auto sees = [&](std::int64_t index) { return mask_for<double>(seen == Indices(index)); };
     const LaneMask open = rays.active && sees(is_in_doubt);
     LaneMask sure = rays.active && !open && !sees(sees_nothing), in_doubt = false;
-    Closest closest{.t = infinity, .place = sees_nothing};
+    Closest closest{.t = infinity, .index = sees_nothing};
     for (int next = any(open) ? 0 : surfaces.size();;) {
-      std::int64_t place = 0;
+      std::int64_t index = 0;
       LaneMask lanes = open;
       // If no ray can reach a surface before its closest hit, none can reach those that follow.
       if (next < surfaces.size() && any(open && closest.t >= Doubles(surfaces.nearest(next)))) {
-        place = surfaces.place(next++);
+        index = surfaces.index(next++);
       } else {
         next = surfaces.size();
         if (!any(sure)) break;
-        place = in_first_lane(seen, bits(sure));
-        lanes = sure && sees(place);
+        index = in_first_lane(seen, bits(sure));
+        lanes = sure && sees(index);
         sure = sure && !lanes;
       }
       count_tests(lanes);
-      visit(place, [&](const auto& surface, const Material&) {
-        test(surface, place, rays, lanes, are_of_camera, closest, in_doubt);
+      visit(index, [&](const auto& surface, const Material&) {
+        test(surface, index, rays, lanes, are_of_camera, closest, in_doubt);
       });
     }
-    if (any(in_doubt)) return decided(RayPacket(rays), in_doubt, closest, surfaces.places());
+    if (any(in_doubt)) return decided(RayPacket(rays), in_doubt, closest, surfaces.indices());
     return closest;
   }
 
   /// Updates the closest hits with those of one surface, and in_doubt with the rays that it leaves in doubt.
   template <Surface T>
-  [[gnu::always_inline]] void test(const T& surface, std::int64_t place, const RayPacket& rays,
+  [[gnu::always_inline]] void test(const T& surface, std::int64_t index, const RayPacket& rays,
                                    LaneMask lanes, [[maybe_unused]] bool are_of_camera, Closest& closest,
                                    LaneMask& in_doubt) const {
     if constexpr (RasterizedSurface<T>)
-      if (const auto* const drawn = are_of_camera ? buffer_at<T>(place) : nullptr) {
+      if (const auto* const drawn = are_of_camera ? buffer_at<T>(index) : nullptr) {
         const auto seen = drawn->seen(lanes, first_x_, first_y_);
         ClosestCrossings first{.t = infinity, .met = seen.met, .in_doubt = seen.in_doubt};
         if (any(seen.met))
           first.t = select(seen.met, drawn->t(seen.which, seen.met, rays.direction), first.t);
-        const LaneMask sooner = take(first, place, closest, in_doubt);
+        const LaneMask sooner = take(first, index, closest, in_doubt);
         closest.primitive = select(sooner, seen.which, closest.primitive);
         return;
       }
@@ -269,23 +269,23 @@ class TileHits {
       if (has_parts(surface)) {
         Indices numbers = -1;
         const ClosestCrossings first = first_crossings_by_itself(surface, rays, lanes, Interval{}, numbers);
-        const LaneMask sooner = take(first, place, closest, in_doubt);
+        const LaneMask sooner = take(first, index, closest, in_doubt);
         closest.primitive = select(sooner, numbers, closest.primitive);
         return;
       }
-    take(first_crossings(surface, rays, lanes, Interval{}), place, closest, in_doubt);
+    take(first_crossings(surface, rays, lanes, Interval{}), index, closest, in_doubt);
   }
 
   /// Replaces closest hits by those that surely precede them, and returns their rays; rays with hits in an
   /// uncertain order become in_doubt.
-  static LaneMask take(const ClosestCrossings& first, std::int64_t place, Closest& closest,
+  static LaneMask take(const ClosestCrossings& first, std::int64_t index, Closest& closest,
                        LaneMask& in_doubt) {
     // The order is certified if the errors of both t, 2^-30 of each, do not overlap.
     const LaneMask sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
     const LaneMask later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
     in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
     closest.t = select(sooner, first.t, closest.t);
-    closest.place = select(sooner, Indices(place), closest.place);
+    closest.index = select(sooner, Indices(index), closest.index);
     return sooner;
   }
 
@@ -295,7 +295,7 @@ class TileHits {
                                 const Closest& closest, LaneMask lanes, const auto& shade_hits) const {
     if constexpr (RasterizedSurface<T>)
       if (!any(lanes && mask_for<double>(closest.primitive < Indices(0)))) {
-        const auto& drawn = *buffer_at<T>(closest.place[std::countr_zero(bits(lanes))]);
+        const auto& drawn = *buffer_at<T>(closest.index[std::countr_zero(bits(lanes))]);
         return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material,
                                            PrimitivesSeen<typename T::Drawn>{drawn, closest.primitive})));
       }
@@ -324,13 +324,13 @@ class TileHits {
   /// what double decides can stay in registers.
   [[nodiscard, gnu::noinline, gnu::cold]] Closest decided(const RayPacket& rays, LaneMask in_doubt,
                                                           Closest closest,
-                                                          std::span<const std::uint32_t> places) const {
+                                                          std::span<const std::uint32_t> indices) const {
     for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       ++state_.taken.in_doubt;
-      const auto [place, crossing] = closest_by_itself(rays[lane], places);
-      closest.t = select(one(lane), Doubles(place < 0 ? infinity : crossing.crossing.t), closest.t);
-      closest.place = select(one(lane), Indices(place), closest.place);
+      const auto [index, crossing] = closest_by_itself(rays[lane], indices);
+      closest.t = select(one(lane), Doubles(index < 0 ? infinity : crossing.crossing.t), closest.t);
+      closest.index = select(one(lane), Indices(index), closest.index);
       if constexpr (has_primitives)
         closest.primitive = select(one(lane), Indices(number_of(crossing.crossing)), closest.primitive);
     }

@@ -133,12 +133,12 @@ class TileRenderer {
   void rasterize(const Candidates& candidates, const Tile& tile, Work& work) const {
     const View view = view_of(candidates, work);
     const TileHalfSpaces half_spaces(rays_, tile);
-    for (const std::uint32_t place : candidates.places())
-      view.visit(place, [&]<class T>(const T& surface, const Material&) {
+    for (const std::uint32_t index : candidates.indices())
+      view.visit(index, [&]<class T>(const T& surface, const Material&) {
         if constexpr (RasterizedSurface<T>)
           for (int i = 0; i < rays_.pixels().samples(); ++i)
             if (auto* const drawn =
-                    std::get<VisibilityBuffers<T>>(work.state.buffers).add(static_cast<int>(place), i))
+                    std::get<VisibilityBuffers<T>>(work.state.buffers).add(static_cast<int>(index), i))
               surface.draw(*drawn, rays_, i, half_spaces, tile);
       });
   }
@@ -192,7 +192,7 @@ class TileRenderer {
     if constexpr (shades ? !shades_anywhere : !AsksForCrossings<I>) return false;
     if (!rays_.is_pinhole() || !skips_.sure_in_float || (shades && candidates.size() > 1)) return false;
     for (int i = 0; i < candidates.size(); ++i)
-      if (!candidates.fills(i, frustum) || view.has_texture(candidates.place(i))) return false;
+      if (!candidates.fills(i, frustum) || view.has_texture(candidates.index(i))) return false;
     return true;
   }
 
@@ -202,11 +202,11 @@ class TileRenderer {
     const CameraPacket rays = rays_.packet({tile.x0, tile.y0, tile.x0 + 1, tile.y0 + 1}, tile.x0, tile.y0);
     Colors colors(Color{0});
     if constexpr (shades) {
-      colors = shade_seen(Indices(candidates.size() == 0 ? sees_nothing : candidates.place(0)), rays, view);
+      colors = shade_seen(Indices(candidates.size() == 0 ? sees_nothing : candidates.index(0)), rays, view);
     } else {
       work.state.crossed.clear();
       for (int i = 0; i < candidates.size(); ++i)
-        work.state.crossed.push_back({candidates.place(i), ~Bits{0}, ~Bits{0}});
+        work.state.crossed.push_back({candidates.index(i), ~Bits{0}, ~Bits{0}});
       view.set_crossed(&work.state.crossed);
       colors = integrator_.radiance(rays, view);
     }
@@ -326,7 +326,7 @@ class TileRenderer {
       each_packet(part, [&](std::size_t, int x, int y) {
         const auto seen = drawn.seen(true, x, y);
         const Indices unmet = select(seen.in_doubt, Indices(is_in_doubt), Indices(sees_nothing));
-        work.visibility.set_packet(x, y, select(seen.met, Indices(candidates.place(0)), unmet));
+        work.visibility.set_packet(x, y, select(seen.met, Indices(candidates.index(0)), unmet));
       });
     });
     if (is_in_buffer) return true;
@@ -334,9 +334,9 @@ class TileRenderer {
     for (int k = 0; k < candidates.size(); ++k)
       if (candidates.is_everywhere(k)) return false;
     each_block(part, [&](const Tile& block) {
-      const auto [places, tested] = seen_by(rays_.block_directions(block.x0, block.y0, i), candidates);
+      const auto [indices, tested] = seen_by(rays_.block_directions(block.x0, block.y0, i), candidates);
       work.state.taken.float_tests += static_cast<std::uint64_t>(tested);
-      work.visibility.set_block(block.x0, block.y0, places);
+      work.visibility.set_block(block.x0, block.y0, indices);
     });
     return true;
   }
@@ -348,9 +348,9 @@ class TileRenderer {
     if (left == 0) return false;
     if constexpr (!shades_anywhere) return true;
     while (left != 0) {
-      const std::int64_t place = seen[std::countr_zero(left) % double_lanes];
-      if (place == is_in_doubt || view.has_texture(place)) return true;
-      left &= ~bits(seen == Indices(place));
+      const std::int64_t index = seen[std::countr_zero(left) % double_lanes];
+      if (index == is_in_doubt || view.has_texture(index)) return true;
+      left &= ~bits(seen == Indices(index));
     }
     return false;
   }
@@ -368,8 +368,8 @@ class TileRenderer {
       const SpherePass passed = pass(candidates.sphere(k), directions);
       const Bits maybe = bits(passed.maybe());
       if (maybe == 0) continue;
-      crossed.push_back({candidates.place(k), maybe, bits(passed.surely()) & maybe});
-      is_sure = is_sure && crossed.back().surely == maybe && !view.has_texture(candidates.place(k));
+      crossed.push_back({candidates.index(k), maybe, bits(passed.surely()) & maybe});
+      is_sure = is_sure && crossed.back().surely == maybe && !view.has_texture(candidates.index(k));
     }
     return is_sure;
   }

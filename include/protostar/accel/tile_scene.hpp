@@ -55,8 +55,8 @@ class TileScene : public TileHits<S...> {
       count_alone();
       return everything_.intersect(ray, range);
     }
-    const auto [place, crossing] = this->closest_by_itself(ray, candidates_.places());
-    return place < 0 ? std::nullopt : std::optional(Intersection(ray, crossing));
+    const auto [index, crossing] = this->closest_by_itself(ray, candidates_.indices());
+    return index < 0 ? std::nullopt : std::optional(Intersection(ray, crossing));
   }
 
   [[nodiscard]] bool occluded(const Ray& ray, Interval range = {}) const {
@@ -99,9 +99,9 @@ class TileScene : public TileHits<S...> {
   /// Returns which camera rays have any hit in the range.
   [[nodiscard]] LaneMask occluded(const CameraPacket& rays, Interval range) const {
     LaneMask found = false, left = rays.active;
-    for (const std::uint32_t place : candidates_.places()) {
+    for (const std::uint32_t index : candidates_.indices()) {
       if (!any(left)) break;
-      test_any(place, rays, range, true, found, left);
+      test_any(index, rays, range, true, found, left);
     }
     return found;
   }
@@ -129,8 +129,8 @@ class TileScene : public TileHits<S...> {
     // Copies, here and below, let the packet itself stay in registers.
     if (rays.leave_primitives()) return occluded_each_by_itself(RayPacket(rays), range);
     if (scene_.size() > few) return occluded_among_many(RayPacket(rays), range);
-    for (std::size_t place = 0; place < scene_.size() && any(left); ++place)
-      test_any(static_cast<std::int64_t>(place), rays, range, false, found, left);
+    for (std::size_t index = 0; index < scene_.size() && any(left); ++index)
+      test_any(static_cast<std::int64_t>(index), rays, range, false, found, left);
     return found;
   }
 
@@ -147,17 +147,17 @@ class TileScene : public TileHits<S...> {
   /// surface. The candidates are in the scene's order unless the integrator shades closest hits.
   void crossings(const CameraPacket& rays, Interval range, auto&& visit_crossing) const {
     if (crossed_ == nullptr) {
-      for (const std::uint32_t place : candidates_.places())
-        visit_crossings(place, rays, rays.active, range, visit_crossing);
+      for (const std::uint32_t index : candidates_.indices())
+        visit_crossings(index, rays, rays.active, range, visit_crossing);
       return;
     }
     for (const CrossedByBlock& crossed : *crossed_) {
       const auto lanes = mask_of<double, double_lanes>(crossed.maybe >> first_lane_);
-      if (crossed.maybe != crossed.surely || this->has_texture(crossed.place)) {
-        visit_crossings(crossed.place, rays, rays.active && lanes, range, visit_crossing);
+      if (crossed.maybe != crossed.surely || this->has_texture(crossed.index)) {
+        visit_crossings(crossed.index, rays, rays.active && lanes, range, visit_crossing);
         continue;
       }
-      visit(crossed.place, [&](const auto&, const Material& material) {
+      visit(crossed.index, [&](const auto&, const Material& material) {
         visit_crossing(SomeCross{lanes, material.diffuse});  // on the way in,
         visit_crossing(SomeCross{lanes, material.diffuse});  // and out
       });
@@ -177,16 +177,16 @@ class TileScene : public TileHits<S...> {
   void count_alone() const { ++state_.taken.other_rays, ++state_.taken.rays_alone; }
 
   [[nodiscard, gnu::noinline]] LaneMask occluded_among_many(const RayPacket& rays, Interval range) const {
-    const std::vector<int>* places = nullptr;
+    const std::vector<int>* indices = nullptr;
     if (skips_.occluder_lists && range.min == 0 && range.max == 1)
-      places = state_.occluders.between(rays, rays.active,
-                                        [&](const auto& half_spaces, const VisitSurfaces& visit_some) {
-                                          everything_.frustum_query(half_spaces, visit_some);
-                                        });
-    if (places == nullptr) return occluded_each_by_itself(rays, range);
+      indices = state_.occluders.between(rays, rays.active,
+                                         [&](const auto& half_spaces, const VisitSurfaces& visit_some) {
+                                           everything_.frustum_query(half_spaces, visit_some);
+                                         });
+    if (indices == nullptr) return occluded_each_by_itself(rays, range);
     LaneMask found = false, left = rays.active;
-    for (const int place : *places) {
-      test_any(place, rays, range, false, found, left);
+    for (const int index : *indices) {
+      test_any(index, rays, range, false, found, left);
       if (!any(left)) break;
     }
     return found;
@@ -203,11 +203,11 @@ class TileScene : public TileHits<S...> {
   }
 
   /// Moves the rays that cross a surface inside the range from left to found.
-  void test_any(std::int64_t place, const RayPacket& rays, Interval range, bool are_of_camera,
+  void test_any(std::int64_t index, const RayPacket& rays, Interval range, bool are_of_camera,
                 LaneMask& found, LaneMask& left) const {
     count_tests(left);
-    visit(place, [&](const auto& surface, const Material&) {
-      const CrossedByEach<LaneMask> tested = crossed(surface, place, rays, left, range, are_of_camera);
+    visit(index, [&](const auto& surface, const Material&) {
+      const CrossedByEach<LaneMask> tested = crossed(surface, index, rays, left, range, are_of_camera);
       LaneMask crossed = tested.crossed;
       if (any(tested.in_doubt)) crossed = crossed || decide(surface, RayPacket(rays), tested.in_doubt, range);
       if (!any(crossed)) return;
@@ -218,12 +218,12 @@ class TileScene : public TileHits<S...> {
 
   /// Returns which of the remaining rays cross a surface inside the range.
   template <Surface T>
-  [[nodiscard]] CrossedByEach<LaneMask> crossed(const T& surface, [[maybe_unused]] std::int64_t place,
+  [[nodiscard]] CrossedByEach<LaneMask> crossed(const T& surface, [[maybe_unused]] std::int64_t index,
                                                 const RayPacket& rays, LaneMask left, Interval range,
                                                 [[maybe_unused]] bool are_of_camera) const {
     if constexpr (RasterizedSurface<T>)
       if (are_of_camera && range.min == 0 && range.max == infinity)
-        if (const auto* const drawn = this->template buffer_at<T>(place)) {
+        if (const auto* const drawn = this->template buffer_at<T>(index)) {
           const auto seen = drawn->seen(left, first_x_, first_y_);
           return {.crossed = seen.met, .in_doubt = seen.in_doubt};
         }
@@ -244,10 +244,10 @@ class TileScene : public TileHits<S...> {
   }
 
   /// Visits the crossings of camera rays, those of `lanes`, with one surface, near before far.
-  void visit_crossings(std::int64_t place, const CameraPacket& rays, LaneMask lanes, Interval range,
+  void visit_crossings(std::int64_t index, const CameraPacket& rays, LaneMask lanes, Interval range,
                        const auto& visit_crossing) const {
-    visit(place, [&](const auto& surface, const Material& material) {
-      const LaneMask maybe = may_cross(surface, place, rays, lanes, range);
+    visit(index, [&](const auto& surface, const Material& material) {
+      const LaneMask maybe = may_cross(surface, index, rays, lanes, range);
       count_tests(maybe);
       if (material.texture)
         return each_textured_crossing(surface, material, rays, maybe, range, visit_crossing);
@@ -259,10 +259,10 @@ class TileScene : public TileHits<S...> {
 
   /// Returns which rays may cross a surface inside the range, as far as its visibility buffer tells.
   template <Surface T>
-  [[nodiscard]] LaneMask may_cross(const T&, [[maybe_unused]] std::int64_t place, const CameraPacket&,
+  [[nodiscard]] LaneMask may_cross(const T&, [[maybe_unused]] std::int64_t index, const CameraPacket&,
                                    LaneMask lanes, [[maybe_unused]] Interval range) const {
     if constexpr (RasterizedSurface<T>)
-      if (const auto* const drawn = this->template buffer_at<T>(place); drawn && range.min >= 0) {
+      if (const auto* const drawn = this->template buffer_at<T>(index); drawn && range.min >= 0) {
         count_tests(lanes);
         const auto seen = drawn->seen(lanes, first_x_, first_y_);
         return seen.met || seen.in_doubt;

@@ -44,7 +44,7 @@ namespace detail {
 /// Surfaces that rays of a block surely meet, the rays that may meet another one before, and how many
 /// candidates were tested.
 struct FirstSeen {
-  WideIndices places;
+  WideIndices indices;
   WideMask in_doubt;
   int tested;
 };
@@ -60,7 +60,7 @@ template <bool with_roots>
   constexpr float never = std::numeric_limits<float>::infinity();
   // Bounds of the first hit of the surface that is surely met soonest, and where the others begin.
   WideFloats until = never, from = never, others_from = never;
-  WideIndices places = sees_nothing;
+  WideIndices indices = sees_nothing;
   int k = 0;
   for (; k < candidates.size(); ++k) {
     // If no ray can reach a candidate before its first hit, none can reach those that follow.
@@ -74,16 +74,16 @@ template <bool with_roots>
     others_from = select(maybe, min(select(is_first, from, entry.from), others_from), others_from);
     until = select(is_first, entry.until, until);
     from = select(is_first, entry.from, from);
-    places = select(is_first, WideIndices(candidates.place(k)), places);
+    indices = select(is_first, WideIndices(candidates.index(k)), indices);
   }
-  return {places, others_from < never && others_from <= until, k};
+  return {indices, others_from < never && others_from <= until, k};
 }
 
 }  // namespace detail
 
 /// What the rays of a block see first: sees_nothing, is_in_doubt or a surface's index in the scene's order.
 struct SeenByBlock {
-  WideIndices places;
+  WideIndices indices;
   int tested;  ///< number of tests of a ray with a candidate
 };
 
@@ -96,26 +96,28 @@ struct SeenByBlock {
     seen = detail::first_seen<true>(candidates, directions);
     tested += seen.tested;
   }
-  return {select(seen.in_doubt, WideIndices(is_in_doubt), seen.places), tested * float_lanes};
+  return {select(seen.in_doubt, WideIndices(is_in_doubt), seen.indices), tested * float_lanes};
 }
 
 /// What each pixel of a part of a tile sees first: the index of a surface, sees_nothing or is_in_doubt. A
 /// part has at most 16 × 16 pixels, and begins at a multiple of the size of a block.
 class Visibility {
  public:
-  using Places = Lanes<std::int32_t, double_lanes>;
+  using SurfaceIndices = Lanes<std::int32_t, double_lanes>;
 
   static constexpr int width = 16, height = 16;  ///< largest size of a part
 
-  void set_block(int x, int y, const WideIndices& places) { places.store(&places_[index(x, y)]); }
+  void set_block(int x, int y, const WideIndices& indices) { indices.store(&indices_[index(x, y)]); }
 
-  void set_packet(int x, int y, const Indices& places) {
+  void set_packet(int x, int y, const Indices& indices) {
     for (int i = 0; i < double_lanes; ++i)
-      places_[index(x, y) + static_cast<std::size_t>(i)] = static_cast<std::int32_t>(places[i]);
+      indices_[index(x, y) + static_cast<std::size_t>(i)] = static_cast<std::int32_t>(indices[i]);
   }
 
   /// Returns what the pixels of a packet from (x, y) on see.
-  [[nodiscard]] Places operator()(int x, int y) const { return Places::load(&places_[index(x, y)]); }
+  [[nodiscard]] SurfaceIndices operator()(int x, int y) const {
+    return SurfaceIndices::load(&indices_[index(x, y)]);
+  }
 
  private:
   /// Returns where a pixel is stored: block by block.
@@ -125,7 +127,7 @@ class Visibility {
     return static_cast<std::size_t>(block * float_lanes + y % h * w + x % w);
   }
 
-  alignas(64) std::int32_t places_[width * height];
+  alignas(64) std::int32_t indices_[width * height];
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd
