@@ -72,7 +72,7 @@ TEST_CASE("the irradiance of a constant light depends on the cosine alone") {
     CHECK(near(lit(light), 3 * row.cosine));
     CHECK(near(lit_facing(light), 3));
     CHECK(light.towards(origin) == row.position);
-    CHECK(light.way().max == 1);
+    CHECK(light.occlusion_range().max == 1);
   }
 }
 
@@ -87,8 +87,8 @@ TEST_CASE("a directional light shines from its direction, of any length, at ever
       CHECK(light.irradiance(point, Vec3{0, -1, 0}) == Color{0});
       CHECK(distance(light.towards(point), normalize(Vec3{1, 1, 0})) < 1e-15);
     }
-    CHECK(light.way().min == 0);
-    CHECK(light.way().max == inf);  // occluders may be at any distance
+    CHECK(light.occlusion_range().min == 0);
+    CHECK(light.occlusion_range().max == inf);  // occluders may be at any distance
   }
 }
 
@@ -118,7 +118,7 @@ TEST_CASE("a spotlight is a point light inside its cone, and dark outside") {
     CHECK(std::abs(lit_facing(light) - 0.25 * row.share) < 1e-4);
     CHECK((lit(light) == 0) == (row.share == 0));
     CHECK(light.towards(origin) == Vec3{0, 2, 0});
-    CHECK(light.way().max == 1);
+    CHECK(light.occlusion_range().max == 1);
   }
 }
 

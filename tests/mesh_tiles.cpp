@@ -410,7 +410,7 @@ TEST_CASE("in a packet that leaves a mesh, each ray departs from its own triangl
   const simd::Indices parts = simd::Indices::of_each([](int lane) { return 7 * lane; });
   const simd::RayPacket rays(simd::Vectors(Point{0}), simd::Vectors(Vec3{0, 0, 1}), true, &mesh,
                              functions_of<Mesh>, parts);
-  const simd::RayPacket turned = rays.turned(simd::Vectors(Vec3{0, 1, 0}));
+  const simd::RayPacket turned = rays.with_direction(simd::Vectors(Vec3{0, 1, 0}));
   CHECK(rays.leave_primitives());
   CHECK_FALSE(simd::RayPacket(simd::Vectors(Point{0}), simd::Vectors(Vec3{0, 0, 1})).leave_primitives());
   for (int lane = 0; lane < simd::double_lanes; ++lane) {

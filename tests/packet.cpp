@@ -432,7 +432,7 @@ TEST_CASE("the hits of a packet have the same values as the hits of its single r
     const Vectors normals = some.normal(), facing = some.facing_normal(), points = some.point();
     const simd::Colors lights = light.irradiance(points, facing), colors = some.color();
     const simd::Uvs places = some.uv();
-    const RayPacket left = some.leave(light.towards(points)), turned = left.turned(normals);
+    const RayPacket left = some.leave(light.towards(points)), turned = left.with_direction(normals);
     wrong.add(bits(turned.active) != bits(left.active), surface);
     for (int i = 0; i < double_lanes; ++i) {
       if (!has(first.met && !first.in_doubt, i)) continue;
@@ -450,7 +450,7 @@ TEST_CASE("the hits of a packet have the same values as the hits of its single r
                     !same_bits(leaving.direction, left[i].direction) ||
                     leaving.departure != left[i].departure || !has(turned.active, i) ||
                     !same_bits(leaving.origin, turned[i].origin) ||
-                    !same_bits(leaving.turned(one.normal()).direction, turned[i].direction) ||
+                    !same_bits(leaving.with_direction(one.normal()).direction, turned[i].direction) ||
                     leaving.departure != turned[i].departure,
                 surface, leaving);
     }
@@ -465,12 +465,12 @@ TEST_CASE("the hits of a packet have the same values as the hits of its single r
   CHECK(wrong == 0);
 }
 
-TEST_CASE("only() keeps the lanes that are both active and chosen") {
+TEST_CASE("masked() keeps the lanes that are both active and chosen") {
   const auto mask = [](Bits lanes) { return simd::mask_of<double, double_lanes>(lanes); };
   const Bits all = simd::first_bits(double_lanes);
   for (Bits lanes = 0; lanes <= all; ++lanes) {
     RayPacket rays(Point{0}, Vec3{0, 0, 1}, mask(lanes));
-    const RayPacket chosen = only(mask(all & 5), std::move(rays));
+    const RayPacket chosen = masked(mask(all & 5), std::move(rays));
     CHECK(bits(chosen.active) == (lanes & 5));
   }
 }

@@ -78,17 +78,18 @@ class Light {
   }
 
   /// Returns the vector from a point, or from several, to the light. The ray along it is at the light at t =
-  /// 1, or only at infinity if the light is infinitely far away; hits in the range way() occlude the light.
+  /// 1, or only at infinity if the light is infinitely far away; hits in the range occlusion_range() occlude
+  /// the light.
   template <class V = Vec3>
   [[nodiscard]] V towards(const V& point) const {
     return place_ - w_ * point;
   }
-  [[nodiscard]] Interval way() const { return {.min = 0, .max = w_ == 0 ? infinity : 1}; }
+  [[nodiscard]] Interval occlusion_range() const { return {.min = 0, .max = w_ == 0 ? infinity : 1}; }
 
   /// Returns the irradiance that the light, if nothing occludes it, brings to a point with this unit normal:
   ///   E = E⊥ · cos θ   with   cos θ = n·l/|l|,   l = towards(point);
   /// 0 if the light is behind the surface or in its plane. Very near a light it grows beyond all bounds, and
-  /// is held at most_irradiance.
+  /// is clamped to most_irradiance.
   template <class V = Vec3>
   [[nodiscard]] auto irradiance(const V& point, const V& normal) const {
     const V l = towards(point);

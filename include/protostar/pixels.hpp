@@ -78,13 +78,13 @@ class PixelGrid {
     return camera(u(x, sample(i).x), v(y, sample(i).y));
   }
 
-  /// Returns the mean of light(i) over the samples i, added up in their order; for several, it is held at the
-  /// largest float.
+  /// Returns the mean of light(i) over the samples i, added up in their order; for several, it is clamped to
+  /// the largest float.
   [[nodiscard]] auto mean(const auto& light) const {
     auto sum = light(0);
     if (samples() == 1) return sum;
     for (int i = 1; i < samples(); ++i) sum += light(i);
-    return held(sum * (1 / static_cast<float>(samples())));
+    return clamped(sum * (1 / static_cast<float>(samples())));
   }
 
  private:

@@ -107,13 +107,13 @@ struct Ray {
   [[nodiscard]] Point at(double t) const { return origin + t * direction; }
 
   /// Returns the ray from the same origin in another direction.
-  [[nodiscard]] Ray turned(const Vec3& towards) const { return {origin, towards, departure}; }
+  [[nodiscard]] Ray with_direction(const Vec3& towards) const { return {origin, towards, departure}; }
 
   /// Returns the ray from the same origin in the opposite direction.
   [[nodiscard]] Ray reversed() const { return {origin, -direction, departure, transform, !is_reversed}; }
 
   /// Returns the ray as it is; the overload for a packet restricts its active lanes (accel/packet.hpp).
-  friend const Ray& only(bool, const Ray& ray) { return ray; }
+  friend const Ray& masked(bool, const Ray& ray) { return ray; }
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -172,7 +172,7 @@ class Scene<S...> {
   template <class T>
   requires(!shines<T>) void add(const T&) = delete;  // no light, and a surface needs a Material or a Color
 
-  /// Adds ambient light: irradiance of all points, whose sum is held at most_irradiance. Throws
+  /// Adds ambient light: irradiance of all points, whose sum is clamped to most_irradiance. Throws
   /// std::invalid_argument if the light is negative or not finite.
   void add(const AmbientLight& light) {
     if (!is_light(light.intensity))

@@ -17,7 +17,7 @@ enum class Tone {
   scale_image,  ///< the image is divided by its largest channel, if that is above 0
 };
 
-/// Multiplies all light by a factor, and holds it at the largest float. Throws std::invalid_argument unless
+/// Multiplies all light by a factor, and clamps it to the largest float. Throws std::invalid_argument unless
 /// the factor is from 0 to the largest float: a larger one would be infinite as a float, and black times it
 /// NaN.
 inline void expose(Image& image, double exposure) {
@@ -28,7 +28,7 @@ inline void expose(Image& image, double exposure) {
   const auto factor = static_cast<float>(exposure);
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x)
-      image(x, y) = factor > 0 ? held(factor * image(x, y)) : Color{0};  // 0 · ∞ is NaN
+      image(x, y) = factor > 0 ? clamped(factor * image(x, y)) : Color{0};  // 0 · ∞ is NaN
 }
 
 /// Applies a tone to an image.
@@ -37,14 +37,14 @@ inline void apply(Tone tone, Image& image) {
   float largest = 0;
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x) {
-      const Color light = held(image(x, y));  // infinite light as the largest float
+      const Color light = clamped(image(x, y));  // infinite light as the largest float
       const float channel = std::max({light.r, light.g, light.b});
       largest = std::max(largest, channel);
       if (tone == Tone::scale_pixel && channel > 1) image(x, y) = light / channel;
     }
   if (tone != Tone::scale_image || !(largest > 0)) return;
   for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x) image(x, y) = held(image(x, y)) / largest;
+    for (int x = 0; x < image.width(); ++x) image(x, y) = clamped(image(x, y)) / largest;
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

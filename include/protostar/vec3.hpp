@@ -44,9 +44,9 @@ inline bool is_light(const Color& c) {
   return c.r >= 0 && c.g >= 0 && c.b >= 0 && std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);
 }
 
-/// Returns light with each channel held at the largest float: products and sums of finite light may be
+/// Returns light with each channel clamped to the largest float: products and sums of finite light may be
 /// infinite.
-[[nodiscard]] inline Color held(const Color& light) {
+[[nodiscard]] inline Color clamped(const Color& light) {
   constexpr float most = std::numeric_limits<float>::max();
   return {std::min(light.r, most), std::min(light.g, most), std::min(light.b, most)};
 }

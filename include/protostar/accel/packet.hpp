@@ -49,7 +49,7 @@ struct Colors {
 };
 
 /// Clamps each channel of the light to the largest float.
-[[nodiscard]] inline Colors held(const Colors& light) {
+[[nodiscard]] inline Colors clamped(const Colors& light) {
   const auto one = [](Floats x) { return min(x, Floats(std::numeric_limits<float>::max())); };
   return {one(light.r), one(light.g), one(light.b)};
 }
@@ -65,9 +65,9 @@ struct RayPacket {
   using Light = Colors;  ///< type of their radiance
 
   Vectors origin, direction;
-  LaneMask active = true;      ///< active lanes; results in the others do not matter
-  Departure departure;         ///< geometry that all rays leave; none if `left` is a surface
-  const void* left = nullptr;  ///< surface of which each ray leaves a primitive; null for other rays
+  LaneMask active = true;          ///< active lanes; results in the others do not matter
+  Departure departure;             ///< geometry that all rays leave; none if `departed` is a surface
+  const void* departed = nullptr;  ///< surface of which each ray leaves a primitive; null for other rays
   const SurfaceFunctions* functions = nullptr;  ///< those of that surface
   Indices parts;                                ///< index of that primitive; not set for other rays
 
@@ -82,32 +82,32 @@ struct RayPacket {
       : origin(from.x, from.y, from.z),
         direction(along.x, along.y, along.z),
         active(lanes),
-        left(surface),
+        departed(surface),
         functions(&functions_of_surface),
         parts(primitives) {}
 
   [[nodiscard]] Vectors at(Doubles t) const { return origin + t * direction; }
-  [[nodiscard]] RayPacket turned(const Vectors& towards) const {
+  [[nodiscard]] RayPacket with_direction(const Vectors& towards) const {
     RayPacket rays = *this;
     rays.direction = towards;
     return rays;
   }
 
   /// Returns true if each ray may depart from another primitive, so that the rays are traced one by one.
-  [[nodiscard]] bool leave_primitives() const { return left != nullptr; }
+  [[nodiscard]] bool leave_primitives() const { return departed != nullptr; }
 
   /// Returns the ray in a lane.
   [[nodiscard]] Ray operator[](int lane) const {
     Ray ray{origin[lane], direction[lane], departure};
     if (leave_primitives()) {
-      ray.departure = functions->departure(left, static_cast<int>(parts[lane]));
-      ray.departure.in_scene = left;
+      ray.departure = functions->departure(departed, static_cast<int>(parts[lane]));
+      ray.departure.in_scene = departed;
     }
     return ray;
   }
 
   /// Restricts the active lanes to the chosen ones.
-  friend RayPacket&& only(LaneMask chosen, RayPacket&& rays) {
+  friend RayPacket&& masked(LaneMask chosen, RayPacket&& rays) {
     rays.active = rays.active && chosen;
     return std::move(rays);
   }
@@ -169,10 +169,10 @@ struct Inside {
 /// Returns first_crossing of the active rays of a packet, one by one, and sets `numbers` to number_of these
 /// crossings.
 template <Surface S>
-[[nodiscard, gnu::noinline]] ClosestCrossings first_crossings_by_itself(const S& surface,
-                                                                        const RayPacket& rays,
-                                                                        LaneMask active, Interval range,
-                                                                        Indices& numbers) {
+[[nodiscard, gnu::noinline]] ClosestCrossings first_crossings_one_by_one(const S& surface,
+                                                                         const RayPacket& rays,
+                                                                         LaneMask active, Interval range,
+                                                                         Indices& numbers) {
   ClosestCrossings first{.t = infinity, .met = false, .in_doubt = false};
   for (Bits left = bits(active); left != 0; left &= left - 1) {
     const int lane = std::countr_zero(left);
@@ -192,7 +192,7 @@ template <Surface S>
                                                Interval range) {
   if constexpr (!takes_packets<S>) {
     Indices numbers = -1;
-    return first_crossings_by_itself(surface, rays, active, range, numbers);
+    return first_crossings_one_by_one(surface, rays, active, range, numbers);
   } else {
     if (range.min != 0) return {.t = infinity, .met = false, .in_doubt = active};
     const FirstRootOfEach<Doubles, LaneMask> root = first_root_of_each(surface, rays, active);
@@ -242,7 +242,7 @@ class HitPacket {
     if constexpr (takes_packets<S>)
       return surface_.normal_at(point());
     else
-      return normals_by_itself();
+      return normals_one_by_one();
   }
 
   [[nodiscard]] Vectors facing_normal() const {
@@ -286,7 +286,7 @@ class HitPacket {
     return numbers;
   }
 
-  [[nodiscard, gnu::noinline]] Vectors normals_by_itself() const {
+  [[nodiscard, gnu::noinline]] Vectors normals_one_by_one() const {
     // Neighbors often hit the same part, and a flat part has one normal.
     const bool are_flat = has_flat_parts(surface_);
     const Vectors points = point();

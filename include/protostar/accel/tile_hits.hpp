@@ -188,7 +188,7 @@ class TileHits {
     int index = sees_nothing;
     SurfaceCrossing crossing;
   };
-  [[nodiscard, gnu::noinline, gnu::cold]] IndexedCrossing closest_by_itself(
+  [[nodiscard, gnu::noinline, gnu::cold]] IndexedCrossing closest_of_one_ray(
       const Ray& ray, std::span<const std::uint32_t> indices) const {
     IndexedCrossing first;
     for (const std::uint32_t index : indices)
@@ -268,7 +268,7 @@ class TileHits {
     if constexpr (is_made_of_parts<T>)
       if (has_parts(surface)) {
         Indices numbers = -1;
-        const ClosestCrossings first = first_crossings_by_itself(surface, rays, lanes, Interval{}, numbers);
+        const ClosestCrossings first = first_crossings_one_by_one(surface, rays, lanes, Interval{}, numbers);
         const LaneMask sooner = take(first, index, closest, in_doubt);
         closest.primitive = select(sooner, numbers, closest.primitive);
         return;
@@ -300,13 +300,13 @@ class TileHits {
                                            PrimitivesSeen<typename T::Drawn>{drawn, closest.primitive})));
       }
     if constexpr (is_made_of_parts<T>)
-      if (has_parts(surface)) return shade_by_itself(surface, material, rays, closest, lanes, shade_hits);
+      if (has_parts(surface)) return shade_one_by_one(surface, material, rays, closest, lanes, shade_hits);
     return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material)));
   }
   template <Surface T>
-  [[nodiscard, gnu::noinline]] Colors shade_by_itself(const T& surface, const Material& material,
-                                                      const RayPacket& rays, const Closest& closest,
-                                                      LaneMask lanes, const auto& shade_hits) const {
+  [[nodiscard, gnu::noinline]] Colors shade_one_by_one(const T& surface, const Material& material,
+                                                       const RayPacket& rays, const Closest& closest,
+                                                       LaneMask lanes, const auto& shade_hits) const {
     Colors result(Color{0});
     for (Bits left = bits(lanes); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
@@ -328,7 +328,7 @@ class TileHits {
     for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       ++state_.taken.in_doubt;
-      const auto [index, crossing] = closest_by_itself(rays[lane], indices);
+      const auto [index, crossing] = closest_of_one_ray(rays[lane], indices);
       closest.t = select(one(lane), Doubles(index < 0 ? infinity : crossing.crossing.t), closest.t);
       closest.index = select(one(lane), Indices(index), closest.index);
       if constexpr (has_primitives)

@@ -254,7 +254,7 @@ class TileRenderer {
       if (samples == 1) return;
       for (int y = part.y0; y < part.y1; ++y)
         for (int x = part.x0; x < part.x1; ++x)
-          image_(x, y) = protostar::held(image_(x, y) * (1 / static_cast<float>(samples)));
+          image_(x, y) = protostar::clamped(image_(x, y) * (1 / static_cast<float>(samples)));
     }
   }
 

@@ -55,7 +55,7 @@ class TileScene : public TileHits<S...> {
       count_alone();
       return everything_.intersect(ray, range);
     }
-    const auto [index, crossing] = this->closest_by_itself(ray, candidates_.indices());
+    const auto [index, crossing] = this->closest_of_one_ray(ray, candidates_.indices());
     return index < 0 ? std::nullopt : std::optional(Intersection(ray, crossing));
   }
 
@@ -127,7 +127,7 @@ class TileScene : public TileHits<S...> {
     state_.taken.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
     if (!any(left)) return found;
     // Copies, here and below, let the packet itself stay in registers.
-    if (rays.leave_primitives()) return occluded_each_by_itself(RayPacket(rays), range);
+    if (rays.leave_primitives()) return occluded_one_by_one(RayPacket(rays), range);
     if (scene_.size() > few) return occluded_among_many(RayPacket(rays), range);
     for (std::size_t index = 0; index < scene_.size() && any(left); ++index)
       test_any(static_cast<std::int64_t>(index), rays, range, false, found, left);
@@ -183,7 +183,7 @@ class TileScene : public TileHits<S...> {
                                          [&](const auto& half_spaces, const VisitSurfaces& visit_some) {
                                            everything_.frustum_query(half_spaces, visit_some);
                                          });
-    if (indices == nullptr) return occluded_each_by_itself(rays, range);
+    if (indices == nullptr) return occluded_one_by_one(rays, range);
     LaneMask found = false, left = rays.active;
     for (const int index : *indices) {
       test_any(index, rays, range, false, found, left);
@@ -192,7 +192,7 @@ class TileScene : public TileHits<S...> {
     return found;
   }
 
-  [[nodiscard, gnu::noinline]] LaneMask occluded_each_by_itself(const RayPacket& rays, Interval range) const {
+  [[nodiscard, gnu::noinline]] LaneMask occluded_one_by_one(const RayPacket& rays, Interval range) const {
     LaneMask found = false;
     for (Bits alone = bits(rays.active); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
@@ -286,8 +286,8 @@ class TileScene : public TileHits<S...> {
       state_.taken.in_doubt += static_cast<std::uint64_t>(std::popcount(bits(alone)));
     }
     if (any(alone))
-      each_crossing_by_itself(surface, rays, alone, range,
-                              [&](int lane, const Crossing& crossing) { tell(one(lane), crossing.t); });
+      each_crossing_one_by_one(surface, rays, alone, range,
+                               [&](int lane, const Crossing& crossing) { tell(one(lane), crossing.t); });
   }
 
   /// Visits the crossings of some rays with a textured surface, each with its color.
@@ -296,7 +296,7 @@ class TileScene : public TileHits<S...> {
                                                 const CameraPacket& rays, LaneMask some, Interval range,
                                                 const auto& visit_crossing) const {
     if (has_parts(surface))
-      each_crossing_by_itself(surface, rays, some, range, [&](int lane, const Crossing& crossing) {
+      each_crossing_one_by_one(surface, rays, some, range, [&](int lane, const Crossing& crossing) {
         const Intersection hit(rays[lane], crossing_on(surface, crossing, material));
         visit_crossing(SomeCross{one(lane), hit.color()});
       });
@@ -307,9 +307,9 @@ class TileScene : public TileHits<S...> {
       });
   }
 
-  [[gnu::noinline, gnu::cold]] void each_crossing_by_itself(const auto& surface, const CameraPacket& rays,
-                                                            LaneMask alone, Interval range,
-                                                            const auto& tell) const {
+  [[gnu::noinline, gnu::cold]] void each_crossing_one_by_one(const auto& surface, const CameraPacket& rays,
+                                                             LaneMask alone, Interval range,
+                                                             const auto& tell) const {
     for (Bits left = bits(alone); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
       each_crossing(surface, rays[lane], range, [&](const Crossing& crossing) { tell(lane, crossing); });

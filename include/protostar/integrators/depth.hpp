@@ -14,7 +14,7 @@ struct DepthIntegrator : FirstHit<DepthIntegrator> {
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto&) const {
-    return held(typename Hit::Light(to_float(1 / hit.t)));  // the reciprocal may exceed the largest float
+    return clamped(typename Hit::Light(to_float(1 / hit.t)));  // the reciprocal may exceed the largest float
   }
 };
 

@@ -17,7 +17,7 @@ struct DiffuseIntegrator : FirstHit<DiffuseIntegrator> {
     const auto normal = hit.facing_normal();
     typename Hit::Light irradiance(ambient_of(scene));
     for (const Light& light : scene.lights()) irradiance += light.irradiance(point, normal);
-    return held(hit.color() * irradiance);
+    return clamped(hit.color() * irradiance);
   }
 };
 

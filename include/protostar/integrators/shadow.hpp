@@ -16,7 +16,7 @@ struct ShadowIntegrator : FirstHit<ShadowIntegrator> {
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
     typename Hit::Light irradiance(ambient_of(scene));
     for (const Light& light : scene.lights()) irradiance += visible_irradiance(scene, hit, light);
-    return held(hit.color() * irradiance);
+    return clamped(hit.color() * irradiance);
   }
 };
 

@@ -19,7 +19,7 @@ struct TransparencyIntegrator {
     scene.crossings(ray, Interval{}, [&](const auto& crossing) { light *= crossing.color(); });
     // An infinite product that then meets black, 0 · ∞, is NaN and becomes black.
     const auto number = [](auto x) { return select(x > 0.0f, x, decltype(x)(0)); };
-    return held(typename R::Light{number(light.r), number(light.g), number(light.b)});
+    return clamped(typename R::Light{number(light.r), number(light.g), number(light.b)});
   }
 };
 

@@ -17,7 +17,8 @@ template <class Hit>
   if (!any(in_front)) return typename Hit::Light(0);
   // The direction is not normalized: a light at a finite distance is at t = 1, and occluders lie in (0, 1);
   // for a light in a direction, they lie in (0, ∞).
-  const auto visible = in_front && !scene.occluded(only(in_front, hit.leave(to_light)), light.way());
+  const auto visible =
+      in_front && !scene.occluded(masked(in_front, hit.leave(to_light)), light.occlusion_range());
   if (!any(visible)) return typename Hit::Light(0);
   return select(visible, light.received(to_light, height), typename Hit::Light(0));
 }

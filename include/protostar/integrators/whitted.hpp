@@ -152,7 +152,7 @@ struct WhittedIntegrator {
     const auto enters = dot(outside, direction) <= 0.0;
     const auto normal = select(enters, outside, -outside);
 
-    const R mirrored = onward.turned(reflected(direction, normal));
+    const R mirrored = onward.with_direction(reflected(direction, normal));
     auto result = direct_radiance(mirrored, normal, color, material, scene);
     // Shares are floats: a share that rounds to 0 adds nothing, whatever is in the mirror.
     const float reflect = to_float(material.reflect), refract = to_float(material.refract);
@@ -161,11 +161,11 @@ struct WhittedIntegrator {
       const auto ratio = select(enters, 1 / material.ior, material.ior);
       const auto [passes, bent] = refracted(direction, normal, ratio);
       if (any(passes)) {
-        const auto seen = trace_path(only(passes, onward.turned(bent)), scene, rays - 1);
+        const auto seen = trace_path(masked(passes, onward.with_direction(bent)), scene, rays - 1);
         result = select(passes, result + refract * seen, result);
       }
     }
-    return held(result);
+    return clamped(result);
   }
 
   static std::int64_t light_count(const auto& scene) {
@@ -202,7 +202,8 @@ struct WhittedIntegrator {
       // Light that adds nothing needs no shadow ray.
       const auto counts = in_front && !is_black(sent);
       if (!any(counts)) continue;
-      const auto visible = counts && !scene.occluded(only(counts, mirrored.turned(to_light)), light.way());
+      const auto visible = counts && !scene.occluded(masked(counts, mirrored.with_direction(to_light)),
+                                                     light.occlusion_range());
       result = select(visible, result + sent, result);
     }
     return result;
