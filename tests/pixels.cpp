@@ -1,7 +1,7 @@
 #include <algorithm>
+#include <protostar/camera.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/whitted.hpp>
-#include <protostar/pixels.hpp>
 #include <protostar/render.hpp>
 #include <set>
 #include <vector>

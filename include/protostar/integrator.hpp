@@ -6,7 +6,6 @@
 
 #include "camera.hpp"
 #include "image.hpp"
-#include "pixels.hpp"
 #include "scene.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {

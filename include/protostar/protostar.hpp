@@ -20,7 +20,6 @@
 #include "material.hpp"
 #include "numeric/trigonometry.hpp"
 #include "pfm.hpp"
-#include "pixels.hpp"
 #include "ppm.hpp"
 #include "ray.hpp"
 #include "render.hpp"

@@ -48,7 +48,7 @@ struct Skips {
 /// Options of render. An exception that progress throws ends the render and reaches its caller; after a stop,
 /// progress does not come to 1.
 struct RenderOptions {
-  int samples = 0;      ///< rays through each pixel, which gets their mean (pixels.hpp); 0, as 1: its center
+  int samples = 0;      ///< rays through each pixel, which gets their mean (PixelGrid); 0, as 1: its center
   Crop crop = {};       ///< picture that the image is a part of
   int threads = 0;      ///< number of threads, with the caller's; 0: one for each core, as far as they start
   StopToken stop = {};  ///< if requested, render returns early; other pixels stay as they were

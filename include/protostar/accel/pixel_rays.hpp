@@ -12,7 +12,6 @@
 
 #include "../camera.hpp"
 #include "../image.hpp"
-#include "../pixels.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/vectors.hpp"
 #include "packet.hpp"
@@ -59,7 +58,7 @@ class PixelRays {
   /// Returns the directions of the rays through the i-th samples of the pixels from (x, y) on to the right.
   [[nodiscard]] Vectors directions(int x, int y, int i = 0) const {
     const Tables& sample = samples_[static_cast<std::size_t>(i)];
-    return camera_.direction(sample.along.some<Vectors>(x), Vectors(sample.up[y]));
+    return normalize(sample.along.some<Vectors>(x) + Vectors(sample.up[y]) + camera_.forward);
   }
 
   /// Returns approximate directions of a pinhole's rays through the i-th samples of the block that begins at
@@ -225,7 +224,7 @@ class PixelRays {
   /// pinhole.
   [[nodiscard, gnu::noinline]] Vectors film_origins(int x, int y, int i) const {
     const Tables& sample = samples_[static_cast<std::size_t>(i)];
-    return camera_.origin(sample.film_along.some<Vectors>(x), Vectors(sample.film_up[y]));
+    return sample.film_along.some<Vectors>(x) + Vectors(sample.film_up[y]) + camera_.position;
   }
 
   /// Returns the viewpoint of a camera whose rays start on a film. With position P, film vectors F, G and

@@ -22,7 +22,6 @@
 #include "../bvh/node.hpp"
 #include "../camera.hpp"
 #include "../image.hpp"
-#include "../pixels.hpp"
 #include "../simd/simd.hpp"
 #include "pixel_rays.hpp"
 
