@@ -168,9 +168,8 @@ std::vector<std::string> complaints(const Headers& headers) {
     }
     if (header.starts_with("integrators/") &&
         std::find(includes.own.begin(), includes.own.end(), "scene.hpp") == includes.own.end() &&
-        std::find(includes.own.begin(), includes.own.end(), "integrators/first_hit.hpp") ==
-            includes.own.end())
-      complain("includes neither scene.hpp, which an integrator queries, nor first_hit.hpp");
+        std::find(includes.own.begin(), includes.own.end(), "render.hpp") == includes.own.end())
+      complain("includes neither scene.hpp, which an integrator queries, nor render.hpp");
   }
   return found;
 }

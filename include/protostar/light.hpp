@@ -1,4 +1,4 @@
-// Light sources.
+// Light sources, and the light that a scene has for a hit or for a ray that misses.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,11 @@
 
 #include "interval.hpp"
 #include "magnitude.hpp"
+#include "material.hpp"
+#include "numeric/scale.hpp"
 #include "numeric/trigonometry.hpp"
+#include "ray.hpp"
+#include "surfaces/coordinates.hpp"
 #include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -164,5 +168,50 @@ class Light {
   Vec3 axis_{0};
   double angle_ = 0, fade_ = 0;  ///< in degrees
 };
+
+/// Returns the ambient irradiance of a scene; 0 if it has none.
+[[nodiscard]] Color ambient_of(const auto& scene) {
+  if constexpr (requires { scene.ambient(); })
+    return scene.ambient();
+  else
+    return Color{0};
+}
+
+/// Returns the radiance of an environment along a ray. Straight down v is 1, where a texture that repeats
+/// begins anew: the environment is asked for the v just before.
+[[nodiscard, gnu::noinline]] inline Color light_from(const Texture& environment, const Ray& ray) {
+  const Vec3 direction = normalize(scaled(ray.direction, -exponent_of({ray.direction})));
+  const Uv uv = direction_uv(direction);
+  return environment(uv.x, std::min(uv.y, 1 - 0x1p-53));
+}
+
+/// Returns the radiance of a ray that hits nothing: the environment's, the sky's, or `without` if there is
+/// neither.
+template <class R>
+[[nodiscard]] typename R::Light sky_of(const R& ray, const auto& scene, const Color& without) {
+  if constexpr (requires { scene.environment(); })
+    if (scene.environment()) [[unlikely]]
+      return light_from(scene.environment(), ray);
+  if constexpr (requires { scene.sky(); })
+    return scene.sky().value_or(without);
+  else
+    return without;
+}
+
+/// Returns V · E for a light: E is its irradiance of the surface at the hit, and V, the visibility, is 1 if
+/// nothing is between, else 0. A light behind the surface has E = 0, and no shadow ray is traced to it.
+template <class Hit>
+[[nodiscard]] typename Hit::Light visible_irradiance(const auto& scene, const Hit& hit, const Light& light) {
+  const auto to_light = light.towards(hit.point());
+  const auto height = dot(hit.facing_normal(), to_light);
+  const auto in_front = height > 0.0;
+  if (!any(in_front)) return typename Hit::Light(0);
+  // The direction is not normalized: a light at a finite distance is at t = 1, and occluders lie in (0, 1);
+  // for a light in a direction, they lie in (0, ∞).
+  const auto visible =
+      in_front && !scene.occluded(masked(in_front, hit.leave(to_light)), light.occlusion_range());
+  if (!any(visible)) return typename Hit::Light(0);
+  return select(visible, light.received(to_light, height), typename Hit::Light(0));
+}
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,25 +1,68 @@
-// The loop over the pixels (§2.2.5), ray by ray, in tiles that several threads share.
+// The loop over the pixels (§2.2.5), ray by ray, in tiles that several threads share; and the integrators
+// that tell it the color of a ray.
 //
 // accel/render_tiles.hpp overloads render for scenes and gives the same bytes faster; protostar.hpp includes
 // both.
 #pragma once
 
-#include "integrator.hpp"
+#include <concepts>
+#include <type_traits>
+
+#include "camera.hpp"
+#include "image.hpp"
 #include "parallel.hpp"
+#include "scene.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+/// Function of a ray that returns the radiance along it.
+template <class F>
+concept Radiance = std::is_invocable_r_v<Color, const F&, const Ray&>;
+
+/// Integrator of a scene: a struct with radiance(ray, scene), or a function of both, that returns the
+/// radiance along a ray. It may have validate() const, which throws std::invalid_argument if a field makes no
+/// sense; render calls it once, before the first ray.
+template <class I, class S>
+concept Integrator = std::is_invocable_r_v<Color, const I&, const Ray&, const S&> ||
+    requires(const I& integrator, const Ray& ray, const S& scene) {
+  { integrator.radiance(ray, scene) } -> std::convertible_to<Color>;
+};
+
+/// Supplies radiance and background to an integrator that derives from it and has shade(hit, scene): the
+/// radiance of a ray is that of its closest hit.
+template <class Integrator>
+struct FirstHit {
+  /// Returns shade(hit, scene) of the closest hit, or background(ray, scene) if there is none.
+  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
+    const auto& integrator = static_cast<const Integrator&>(*this);
+    const auto hit = scene.intersect(ray, Interval{});
+    return hit ? integrator.shade(*hit, scene) : integrator.background(ray, scene);
+  }
+
+  /// Returns the radiance of a ray that hits nothing: the sky's, or black.
+  template <class R>
+  [[nodiscard]] typename R::Light background(const R& ray, const auto& scene) const {
+    return sky_of(ray, scene, Color{0});
+  }
+};
+
 namespace detail {
 
-/// Fills an image by tiles of side × side pixels; each thread takes the next tile when it is free.
-void fill_tiles(const Image& image, int side, const RenderOptions& options, const auto& fill) {
-  const Tile all = image.tile();
-  for_each_in_parallel(all.count(side), options, [&](int i) { fill(all.part(i, side)); });
+/// Calls validate() of an integrator, or of a function of a ray, if it has one, which throws
+/// std::invalid_argument if a field makes no sense.
+void validate(const auto& radiance) {
+  if constexpr (requires { radiance.validate(); }) radiance.validate();
 }
 
 /// Returns the function radiance(ray) of an integrator in a scene.
-[[nodiscard]] auto radiance_in(const auto& scene, const auto& integrator) {
-  return [&](const Ray& ray) { return radiance_of(integrator, ray, scene); };
+template <class S, class I>
+[[nodiscard]] auto radiance_in(const S& scene, const I& integrator) {
+  return [&](const Ray& ray) -> Color {
+    if constexpr (std::is_invocable_r_v<Color, const I&, const Ray&, const S&>)
+      return integrator(ray, scene);
+    else
+      return integrator.radiance(ray, scene);
+  };
 }
 
 }  // namespace detail
@@ -36,8 +79,14 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
   camera.validate();
   detail::validate(radiance);
   const PixelGrid pixels(image.width(), image.height(), options);
-  detail::fill_tiles(image, 32, options,
-                     [&](const Tile& tile) { detail::fill_pixels(image, tile, camera, pixels, radiance); });
+  const Tile all = image.tile();
+  detail::for_each_in_parallel(all.count(32), options, [&](int i) {
+    const Tile tile = all.part(i, 32);
+    for (int y = tile.y0; y < tile.y1; ++y)
+      for (int x = tile.x0; x < tile.x1; ++x)
+        image(x, y) =
+            pixels.mean([&](int sample) { return Color(radiance(pixels.ray(camera, x, y, sample))); });
+  });
 }
 
 /// Fills an image with the view of a camera in a scene, by an integrator. Throws as the render of a Radiance
@@ -48,6 +97,65 @@ void render(Image& image, const Camera& camera, const S& scene, const I& integra
   detail::validate(integrator);
   render(image, camera, detail::radiance_in(scene, integrator), options);
 }
+
+namespace detail {
+
+/// Checks the members that a Traceable needs. As in surface_requirements.hpp, instantiating it stops the
+/// compiler with a sentence on the missing member.
+template <class S>
+struct TraceableRequirements {
+  static constexpr bool hold = true;
+
+  static_assert(
+      requires(const S& scene, const Ray& ray, Interval range) {
+        { scene.intersect(ray, range) } -> std::same_as<std::optional<Intersection>>;
+      },
+      "Traceable: the scene has no std::optional<Intersection> intersect(const Ray&, Interval) const");
+  static_assert(
+      requires(const S& scene, const Ray& ray, Interval range) {
+        { scene.occluded(ray, range) } -> std::same_as<bool>;
+      },
+      "Traceable: the scene has no bool occluded(const Ray&, Interval) const");
+  static_assert(
+      requires(const S& scene, const Ray& ray, Interval range) {
+        scene.crossings(ray, range, [](const Intersection&) {});
+      },
+      "Traceable: the scene has no crossings(const Ray&, Interval, visit) const");
+};
+
+/// Checks the members that an Integrator needs.
+template <class I, class S>
+struct IntegratorRequirements {
+  static constexpr bool hold = true;
+
+  static constexpr bool has_radiance = requires(const I& integrator, const Ray& ray, const S& scene) {
+    integrator.radiance(ray, scene);
+  };
+  static constexpr bool is_function = std::is_invocable_v<const I&, const Ray&, const S&>;
+  static_assert(has_radiance || is_function,
+                "Integrator: the type has no radiance(const Ray&, const Scene&) const, and is no function of "
+                "both; for the scene write `const auto&` or its type");
+  static_assert(Integrator<I, S> || !has_radiance,
+                "Integrator: radiance(const Ray&, const Scene&) const does not return a Color");
+  static_assert(Integrator<I, S> || has_radiance || !is_function,
+                "Integrator: the function of a ray and a scene does not return a Color");
+};
+
+/// Checks that a type is a Radiance.
+template <class F>
+struct RadianceRequirements {
+  static constexpr bool hold = true;
+
+  static constexpr bool is_function = std::is_invocable_v<const F&, const Ray&>;
+  static_assert(!Traceable<F>, "render: a scene is followed by an integrator");
+  static_assert(
+      Traceable<F> || is_function,
+      "render: what follows the camera is neither a function of a const Ray& that may be called when "
+      "const, nor a scene and an integrator");
+  static_assert(Radiance<F> || !is_function, "render: the function of a ray does not return a Color");
+};
+
+}  // namespace detail
 
 /// Stops the compiler with a sentence on why the arguments cannot be rendered.
 template <class R>

@@ -15,10 +15,8 @@
 #include "closest_hit.hpp"
 #include "light.hpp"
 #include "material.hpp"
-#include "numeric/scale.hpp"
 #include "surface.hpp"
 #include "surface_requirements.hpp"
-#include "surfaces/coordinates.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -56,35 +54,6 @@ template <class R>
     return scene.follow_each(ray, background, shade);
   else
     return follow(ray, scene, background, shade);
-}
-
-/// Returns the ambient irradiance of a scene; 0 if it has none.
-[[nodiscard]] Color ambient_of(const auto& scene) {
-  if constexpr (requires { scene.ambient(); })
-    return scene.ambient();
-  else
-    return Color{0};
-}
-
-/// Returns the radiance of an environment along a ray. Straight down v is 1, where a texture that repeats
-/// begins anew: the environment is asked for the v just before.
-[[nodiscard, gnu::noinline]] inline Color light_from(const Texture& environment, const Ray& ray) {
-  const Vec3 direction = normalize(scaled(ray.direction, -exponent_of({ray.direction})));
-  const Uv place = direction_uv(direction);
-  return environment(place.x, std::min(place.y, 1 - 0x1p-53));
-}
-
-/// Returns the radiance of a ray that hits nothing: the environment's, the sky's, or `without` if there is
-/// neither.
-template <class R>
-[[nodiscard]] typename R::Light sky_of(const R& ray, const auto& scene, const Color& without) {
-  if constexpr (requires { scene.environment(); })
-    if (scene.environment()) [[unlikely]]
-      return light_from(scene.environment(), ray);
-  if constexpr (requires { scene.sky(); })
-    return scene.sky().value_or(without);
-  else
-    return without;
 }
 
 namespace detail {

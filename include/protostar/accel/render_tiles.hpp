@@ -21,7 +21,8 @@ template <class I, Surface... S>
 void fill_by_tiles(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& scene,
                    const I& integrator, const RenderOptions& options) {
   const TileRenderer<I, S...> tiles(image, camera, scene, integrator, options);
-  protostar::detail::fill_tiles(image, 64, options, tiles);
+  const Tile all = image.tile();
+  protostar::detail::for_each_in_parallel(all.count(64), options, [&](int i) { tiles(all.part(i, 64)); });
 }
 
 }  // namespace simd

@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "../integrator.hpp"
+#include "../render.hpp"
 #include "../render_options.hpp"
 #include "accelerate.hpp"
 #include "candidates.hpp"
@@ -242,7 +242,7 @@ class TileRenderer {
           image_(x, y) = pixels.mean([&](int i) {
             const Ray ray = pixels.ray(rays_.camera(), x, y, i);
             view.set_pixel(ray);
-            return protostar::detail::radiance_of(integrator_, ray, view);
+            return protostar::detail::radiance_in(view, integrator_)(ray);
           });
     } else {
       // The image holds the sum of the samples so far.

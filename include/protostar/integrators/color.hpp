@@ -1,7 +1,7 @@
 // Shows surfaces in their flat colors (§2.3.2, Fig. 11).
 #pragma once
 
-#include "first_hit.hpp"
+#include "../render.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 

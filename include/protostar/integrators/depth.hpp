@@ -1,7 +1,7 @@
 // Shows the reciprocal distance of surfaces (§2.3.2, Fig. 9).
 #pragma once
 
-#include "first_hit.hpp"
+#include "../render.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 

@@ -1,7 +1,7 @@
 // Shows diffuse surfaces under the lights of the scene, without shadows (§2.3.2, Figs. 14 and 15).
 #pragma once
 
-#include "first_hit.hpp"
+#include "../render.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 

@@ -1,7 +1,7 @@
 // Shows the normals of surfaces as colors (§2.3.2, Fig. 10).
 #pragma once
 
-#include "first_hit.hpp"
+#include "../render.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 

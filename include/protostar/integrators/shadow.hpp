@@ -1,8 +1,8 @@
 // Shows diffuse surfaces under the lights of the scene, with shadows: Appel's picture (§2.3.2, Fig. 20).
 #pragma once
 
-#include "first_hit.hpp"
-#include "visibility.hpp"
+#include "../light.hpp"
+#include "../render.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
