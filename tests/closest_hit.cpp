@@ -1,5 +1,5 @@
 #include <cmath>
-#include <protostar/closest_hit.hpp>
+#include <protostar/scene.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <vector>

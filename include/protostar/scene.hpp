@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -12,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "closest_hit.hpp"
 #include "light.hpp"
 #include "material.hpp"
 #include "surface.hpp"
@@ -55,6 +55,72 @@ template <class R>
   else
     return follow(ray, scene, background, shade);
 }
+
+/// Search for the closest hit of a ray in a range. It borrows the ray. The order is exact for surfaces that
+/// can refine their roots. Among hits at equal t, the surface tested first wins.
+class ClosestHit {
+ public:
+  /// Starts a search that writes the closest hit so far to `first`, whose surface is null until there is one.
+  ClosestHit(const Ray& ray, const Interval& range, SurfaceCrossing& first)
+      : ray_(ray), begin_(range.min), end_(range.max), first_(first) {}
+
+  /// Tests all surfaces of one type.
+  ///
+  /// If they have an equation, no instance has mapped the ray and the range begins at 0, their first roots in
+  /// double nearly always decide by a few comparisons: a root below `sooner` surely precedes the closest hit
+  /// so far and lies in the range; one not below `later` surely does not (docs/derivations.md, Which comes
+  /// first).
+  template <Surface T>
+  void test_all(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
+    if constexpr (SurfaceWithEquation<T> && !SurfaceWithRoots<T>)
+      if (begin_ == 0 && ray_.transform == nullptr) {
+        // The ray without its departure, copied: what its equation has in common with all surfaces is
+        // computed once.
+        const struct {
+          Point origin;
+          Vec3 direction;
+        } line{ray_.origin, ray_.direction};
+        const bool departs = ray_.departure.kind != Departure::Kind::none;
+        double sooner = (1 - 8 * error) * end_, later = (1 + 2 * error) * end_;
+        for (const T& surface : std::span(surfaces)) {
+          const auto root = first_root_of_each(surface.equation(line), true);
+          const bool is_known = !root.in_doubt && !(departs && surface.is_left_by(ray_));
+          if (is_known && !(root.is_there && root.t < later)) continue;
+          const Material& material = materials[static_cast<std::size_t>(&surface - surfaces.data())];
+          if (is_known && root.t < sooner) {
+            first_ = crossing_on(surface, {root.t, root.is_far}, material);
+            end_ = (1 + 4 * error) * root.t;  // less than before
+          } else {
+            end_ = test_one(surface, material, ray_, {0, end_}, first_);
+          }
+          sooner = (1 - 8 * error) * end_, later = (1 + 2 * error) * end_;
+        }
+        return;
+      }
+    for (std::size_t i = 0; i < surfaces.size(); ++i)
+      end_ = test_one(surfaces[i], materials[i], ray_, {begin_, end_}, first_);
+  }
+
+ private:
+  static constexpr double error = Roots::relative_error;
+
+  /// Tests one surface. If its first crossing precedes `first`, stores it there. Returns the new end of the
+  /// range: crossings that may still precede `first`, given the error of t, lie before it.
+  template <Surface T>
+  [[gnu::noinline]] static double test_one(const T& surface, const Material& material, const Ray& ray,
+                                           Interval range, SurfaceCrossing& first) {
+    const auto crossing = first_crossing(surface, ray, range);
+    if (!crossing) return range.max;
+    const SurfaceCrossing candidate = crossing_on(surface, *crossing, material);
+    if (first.surface != nullptr && !precedes(ray, candidate, first)) return range.max;
+    first = candidate;
+    return std::min(range.max, upper_bound_of(crossing->t));
+  }
+
+  const Ray& ray_;
+  double begin_, end_;
+  SurfaceCrossing& first_;
+};
 
 namespace detail {
 
@@ -180,18 +246,21 @@ class Scene<S...> {
 
   /// Returns true if there is any hit in the range. The first one found ends the search.
   [[nodiscard]] bool occluded(const Ray& ray, [[maybe_unused]] Interval range = {}) const {
-    return (std::get<Group<S>>(groups_).occluded(ray, range) || ...);
+    [[maybe_unused]] const auto is_hit = [&](const auto& surface) { return any_hit(surface, ray, range); };
+    return (std::any_of(surfaces<S>().begin(), surfaces<S>().end(), is_hit) || ...);
   }
 
   /// Calls visit(const Intersection&) for all hits in the range, in the order of the surfaces, not along the
   /// ray; hits on one surface come near before far. A point of tangency counts as two hits.
   void crossings(const Ray& ray, Interval range, auto&& visit) const {
-    each_surface([&](const auto& surface, const Material& material) {
-      each_crossing(surface, ray, range, [&](const Crossing& crossing) {
-        const Intersection intersection(ray, crossing_on(surface, crossing, material));
-        visit(intersection);
-      });
-    });
+    [[maybe_unused]] const auto on_each = [&](const auto& surfaces, const auto& materials) {
+      for (std::size_t i = 0; i < surfaces.size(); ++i)
+        each_crossing(surfaces[i], ray, range, [&](const Crossing& crossing) {
+          const Intersection intersection(ray, crossing_on(surfaces[i], crossing, materials[i]));
+          visit(intersection);
+        });
+    };
+    (on_each(surfaces<S>(), materials<S>()), ...);
   }
 
   [[nodiscard]] const std::vector<Light>& lights() const { return lights_; }
@@ -235,21 +304,7 @@ class Scene<S...> {
       surfaces.push_back(std::move(surface));
       materials.push_back(std::move(material));
     }
-
-    [[nodiscard]] bool occluded(const Ray& ray, Interval range) const {
-      for (const T& surface : surfaces)
-        if (any_hit(surface, ray, range)) return true;
-      return false;
-    }
   };
-
-  /// Calls visit(surface, material) for every surface, in order.
-  void each_surface(auto&& visit) const {
-    [[maybe_unused]] const auto in_group = [&](const auto& group) {
-      for (std::size_t i = 0; i < group.surfaces.size(); ++i) visit(group.surfaces[i], group.materials[i]);
-    };
-    (in_group(std::get<Group<S>>(groups_)), ...);
-  }
 
   template <class T>
   auto& group_for() {
