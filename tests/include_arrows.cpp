@@ -113,7 +113,7 @@ bool may_include(const std::string& header, const std::string& name) {
   if (room == "simd") return other == "simd" || name == "platform.hpp" || name == "vec3.hpp";
   if (room == "bvh")
     return other == "bvh" || other == "simd" ||
-           (other.empty() && name != "surface.hpp" && name != "scene.hpp");
+           (other.empty() && name != "surface_concepts.hpp" && name != "surface.hpp" && name != "scene.hpp");
   return true;
 }
 

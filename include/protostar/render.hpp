@@ -100,7 +100,7 @@ void render(Image& image, const Camera& camera, const S& scene, const I& integra
 
 namespace detail {
 
-/// Checks the members that a Traceable needs. As in surface_requirements.hpp, instantiating it stops the
+/// Checks the members that a Traceable needs. As in surface_concepts.hpp, instantiating it stops the
 /// compiler with a sentence on the missing member.
 template <class S>
 struct TraceableRequirements {

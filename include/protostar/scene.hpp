@@ -16,7 +16,7 @@
 #include "light.hpp"
 #include "material.hpp"
 #include "surface.hpp"
-#include "surface_requirements.hpp"
+#include "surface_concepts.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 

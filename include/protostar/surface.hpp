@@ -1,181 +1,25 @@
-// Surface concepts, and functions that intersect rays with a surface of any type.
+// Functions that intersect rays with a surface of any type, and tell what is known at a hit.
 //
-// A surface must know its first crossing with a ray, and its normal. It may know more, and then more is
-// exact: its departure, its roots, its equation. The functions below ask for what it offers and derive the
-// rest.
+// A surface writes its equation twice: equation(rays) in double with bounds of its errors, for one ray or for
+// several in lanes, or for a RoundedLine, whose errors count (numeric/rounded_equation.hpp); and
+// equation(line) without rounding, for an ExactLine (numeric/equation.hpp). is_left_by(rays) tells if these
+// depart from the surface, and the root 0 does not count. Double nearly always decides; a ray in doubt is
+// decided without rounding.
 #pragma once
 
 #include <cmath>
-#include <concepts>
 #include <limits>
 #include <optional>
 
-#include "bounds.hpp"
 #include "intersection.hpp"
 #include "interval.hpp"
 #include "numeric/roots.hpp"
+#include "numeric/rounded_equation.hpp"
 #include "ray.hpp"
-#include "surface_roots.hpp"
+#include "surface_concepts.hpp"
+#include "transformed_ray.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-/// Surface: any copyable type with the two functions
-///
-///   std::optional<double> intersect(const Ray&, Interval) const
-///   Vec3 normal_at(Point) const
-///
-/// which return the smallest t of a crossing inside an open interval, and the unit normal at a point of the
-/// surface. They and all other functions of a surface are called from several threads at once, and answer
-/// alike each time. `static_assert(Surface<Mine>)` checks a type of your own.
-///
-/// If a surface is made of primitives, as a mesh is of triangles, its functions of a point or a departure
-/// take the index of the primitive as well: normal_at(point, part). Its crossings hold that index.
-template <class S>
-concept Surface = std::copy_constructible<S> &&
-    requires(const S& surface, const Ray& ray, Interval range, Point point) {
-  { surface.intersect(ray, range) } -> std::same_as<std::optional<double>>;
-  requires requires {
-    { surface.normal_at(point) } -> std::convertible_to<Vec3>;
-  } || requires {
-    { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
-  };
-};
-
-/// Surface with bounds: every crossing that it reports is inside them, and the traversal finds it through
-/// them. Bounds that are rounded must be widened (outward).
-template <class S>
-concept SurfaceWithBounds = Surface<S> && requires(const S& surface) {
-  { surface.bounds() } -> std::same_as<Bounds>;
-};
-
-/// Returns the bounds of a surface; infinite for one without.
-template <Surface S>
-[[nodiscard]] Bounds bounds_of(const S& surface) {
-  if constexpr (SurfaceWithBounds<S>)
-    return surface.bounds();
-  else
-    return {Point{-infinity}, Point{infinity}};
-}
-
-/// Surface that offers its roots, all crossings with the ray's line, and its departure; it omits the root t =
-/// 0 for a ray with that departure. A point of tangency counts as two.
-template <class S>
-concept SurfaceWithRoots = Surface<S> && requires(const S& surface, const Ray& ray) {
-  { surface.roots(ray) } -> std::same_as<Roots>;
-};
-
-/// Surface that writes down its equation, from which its roots are derived (surface_roots.hpp). They are
-/// certified, their test against a range is exact, and so is the order of its crossings and others'.
-template <class S>
-concept SurfaceWithEquation = Surface<S> &&
-    requires(const S& surface, const Ray& ray, const ExactLine& line) {
-  surface.equation(ray);
-  exact_root_of(surface.equation(line), 0);
-  { surface.is_left_by(ray) } -> std::same_as<bool>;
-};
-
-/// Surface made of others, or of primitives, that finds its crossings itself, with departures and exact
-/// roots.
-template <class S>
-concept CompositeSurface = Surface<S> &&
-    requires(const S& surface, const Ray& ray, Interval range, const Crossing& crossing) {
-  { surface.first_crossing(ray, range) } -> std::same_as<std::optional<Crossing>>;
-  surface.each_crossing(ray, range, [](const Crossing&) {});
-  { surface.exact_root(ray, crossing) } -> std::same_as<ExactRoot>;
-};
-
-/// Boundary of a closed solid: each crossing of a line leads into it or out of it, and a tangent line has two
-/// crossings where it touches. ends_inside tells if the far end of a ray, t → ∞, is inside, which is never so
-/// for a bounded solid. A solid made of primitives has part_count.
-template <class S>
-concept Solid = Surface<S> && requires(const S& surface, const Ray& ray) {
-  { surface.ends_inside(ray) } -> std::same_as<bool>;
-} &&(
-    !requires(const S& surface) { surface.departure(0); } ||
-    requires(const S& surface) {
-      { surface.part_count() } -> std::same_as<int>;
-    });
-
-/// True for a surface made of primitives: its functions take the index of one.
-template <class S>
-inline constexpr bool is_made_of_parts = Surface<S>&& requires(const S& surface, Point point) {
-  { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
-  { surface.departure(0) } -> std::same_as<Departure>;
-};
-
-/// True for a surface that says which geometry a ray leaving it departs from, and that omits the root t = 0
-/// for a ray with that departure.
-template <class S>
-inline constexpr bool knows_departure = is_made_of_parts<S> || requires(const S& surface) {
-  { surface.departure() } -> std::same_as<Departure>;
-};
-
-/// True for a surface with coordinates of its own, for textures.
-template <class S>
-inline constexpr bool knows_uv = requires(const S& surface, const Point& point) {
-  { surface.uv_at(point) } -> std::same_as<Uv>;
-}
-|| (is_made_of_parts<S> && requires(const S& surface, const Point& point) {
-  { surface.uv_at(point, 0) } -> std::same_as<Uv>;
-});
-
-/// Returns true if a surface has coordinates. A type that holds other surfaces may tell for each object, by
-/// has_uv().
-template <Surface S>
-[[nodiscard]] bool has_uv(const S& surface) {
-  if constexpr (requires { surface.has_uv(); })
-    return surface.has_uv();
-  else
-    return knows_uv<S>;
-}
-
-/// Returns true if the crossings of a surface are on primitives of it. A type that holds other surfaces may
-/// tell for each object, by has_parts().
-template <Surface S>
-[[nodiscard]] bool has_parts(const S& surface) {
-  if constexpr (requires { surface.has_parts(); })
-    return surface.has_parts();
-  else
-    return is_made_of_parts<S>;
-}
-
-/// Returns true if the normal is the same at all points of a primitive, so that it is computed once for all
-/// rays that hit it. A surface says so, by has_flat_parts(), if that pays.
-template <Surface S>
-[[nodiscard]] bool has_flat_parts(const S& surface) {
-  if constexpr (requires { surface.has_flat_parts(); })
-    return surface.has_flat_parts();
-  else
-    return false;
-}
-
-/// Returns true if a surface is the boundary of a solid. A type that holds other surfaces may tell for each
-/// object, by is_solid().
-template <Surface S>
-[[nodiscard]] bool is_solid(const S& surface) {
-  if constexpr (requires { surface.is_solid(); })
-    return surface.is_solid();
-  else
-    return Solid<S>;
-}
-
-/// Returns true if a surface is a Solid and the far end of a ray is inside it.
-template <Surface S>
-[[nodiscard]] bool ends_inside(const S& surface, const Ray& ray) {
-  if constexpr (Solid<S>)
-    return surface.ends_inside(ray);
-  else
-    return false;
-}
-
-/// Returns the number of a solid's primitives: 1 for a solid that is not made of primitives.
-template <Surface S>
-[[nodiscard]] int part_count(const S& surface) {
-  if constexpr (requires { surface.part_count(); })
-    return surface.part_count();
-  else
-    return 1;
-}
 
 /// Returns the unit normal at a point of a surface, or of a primitive of it.
 template <Surface S>
@@ -207,6 +51,96 @@ template <Surface S>
     return surface.departure();
   else
     return {.kind = Departure::Kind::object, .object = &surface};
+}
+
+namespace detail {
+
+/// True if the equation of a surface is quadratic: a ray that leaves it may cross it once more.
+template <class S>
+inline constexpr bool is_quadratic = requires(const S& surface, const ExactLine& line) {
+  surface.equation(line).without_root_at_0();
+};
+
+/// Calls answer(e) with the equation e of a line, or of lines, and a surface, and returns its result. If the
+/// rays on them depart from the surface, e lacks the root 0: a quadratic equation becomes linear, and a
+/// linear one surely misses.
+[[nodiscard, gnu::always_inline]] inline auto by_equation(const auto& surface, const auto& rays,
+                                                          const auto& line, const auto& answer) {
+  using Equation = decltype(surface.equation(line));
+  if (rays.departure.kind == Departure::Kind::none || !surface.is_left_by(rays))
+    return answer(surface.equation(line));
+  if constexpr (requires(const Equation& e) { e.without_root_at_0(); })
+    return answer(surface.equation(line).without_root_at_0());
+  else
+    return answer(
+        Equation{.height = 0.0, .slope = 1.0, .misses = true, .crosses = false, .is_certain = false});
+}
+
+/// Returns the certified roots of a ray that double leaves in doubt: by the surface's refined_roots(ray), in
+/// double-double, if it has such a function and that decides; otherwise without rounding, which
+/// fallbacks.exact counts. There are none if the direction is 0, or if a number of the ray or of the surface
+/// is not finite, which a surface may tell by has_finite_numbers().
+template <class S>
+[[nodiscard, gnu::noinline, gnu::cold]] Roots roots_in_doubt(const S& surface, const Ray& ray) {
+  if (!is_proper(ray)) return {};
+  if constexpr (requires { surface.has_finite_numbers(); })
+    if (!surface.has_finite_numbers()) return {};
+  [[maybe_unused]] const bool leaves = surface.is_left_by(ray);
+  if constexpr (requires { surface.refined_roots(ray); })
+    if (!leaves && ray.transform == nullptr)
+      if (const auto roots = surface.refined_roots(ray)) return *roots;
+  ++fallbacks.exact;
+  const auto exact = surface.equation(exact_line(ray));
+  if constexpr (is_quadratic<S>) {
+    return leaves ? roots_of(exact.without_root_at_0()) : roots_of(exact);
+  } else {
+    // Existence may be in doubt where t is not.
+    const auto e = surface.equation(rounded_line(ray));
+    return e.is_certain && exact.is_on_surface ? Roots{e.height / e.slope} : roots_of(exact);
+  }
+}
+
+}  // namespace detail
+
+/// Returns the roots of the active ones of several rays in lanes, or of one ray, as far as double tells.
+[[nodiscard, gnu::always_inline]] inline auto roots_of_each(const auto& surface, const auto& rays,
+                                                            const auto& active) {
+  return detail::by_equation(surface, rays, rays, [&](const auto& e) { return roots_of_each(e, active); });
+}
+
+/// Returns the first root in t > 0 of the active ones of several rays in lanes, or of one ray, as far as
+/// double tells. Precondition: ray.transform is null.
+[[nodiscard, gnu::always_inline]] inline auto first_root_of_each(const auto& surface, const auto& rays,
+                                                                 const auto& active) {
+  return detail::by_equation(surface, rays, rays,
+                             [&](const auto& e) { return first_root_of_each(e, active); });
+}
+
+/// Returns which of the active ones of several rays in lanes, or of one ray, cross the surface in 0 < t < 1
+/// if they are segments, else in t > 0, as far as double tells. Precondition: ray.transform is null.
+[[nodiscard, gnu::always_inline]] inline auto crossed_by_each(const auto& surface, const auto& rays,
+                                                              const auto& active, bool are_segments) {
+  return detail::by_equation(surface, rays, rays,
+                             [&](const auto& e) { return crossed_by_each(e, active, are_segments); });
+}
+
+/// Returns the certified roots of a ray's line, without the root 0 if the ray departs from the surface.
+template <class S>
+[[nodiscard, gnu::always_inline]] inline Roots certified_roots(const S& surface, const Ray& ray) {
+  return with_line(ray, [&](const auto& line) {
+    return detail::by_equation(surface, ray, line, [&](const auto& e) {
+      return roots_of(e, [&] { return detail::roots_in_doubt(surface, ray); });
+    });
+  });
+}
+
+/// Returns a root of a ray's line without rounding, by its index among the certified roots.
+template <class S>
+[[nodiscard, gnu::noinline, gnu::cold]] ExactRoot exact_root_of(const S& surface, const Ray& ray, int root) {
+  const auto exact = surface.equation(exact_line(ray));
+  if constexpr (detail::is_quadratic<S>)
+    if (surface.is_left_by(ray)) return exact_root_of(exact.without_root_at_0());
+  return exact_root_of(exact, root);
 }
 
 /// Returns the root of a crossing without rounding. If the surface knows no more than t, t is taken as exact.

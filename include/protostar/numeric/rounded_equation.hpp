@@ -2,7 +2,7 @@
 //
 // T is the number of one line, double, or the doubles of several lines, which are rounded alike; M is a truth
 // value, or one for each line. Hence each of several lines has the roots that it has alone, to the last bit.
-// A line in doubt needs more digits (surface_roots.hpp). docs/derivations.md derives the bounds, in units of
+// A line in doubt needs more digits (surface.hpp). docs/derivations.md derives the bounds, in units of
 // u = 2^-53.
 #pragma once
 

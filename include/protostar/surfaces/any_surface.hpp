@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "../surface.hpp"
-#include "../surface_requirements.hpp"
+#include "../surface_concepts.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "../surface.hpp"
-#include "../surface_requirements.hpp"
+#include "../surface_concepts.hpp"
 #include "any_surface.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {

@@ -10,7 +10,7 @@
 #include "../magnitude.hpp"
 #include "../numeric/affine.hpp"
 #include "../surface.hpp"
-#include "../surface_requirements.hpp"
+#include "../surface_concepts.hpp"
 #include "../transformed_ray.hpp"
 #include "any_surface.hpp"
 #include "coordinates.hpp"

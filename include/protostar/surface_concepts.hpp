@@ -1,0 +1,274 @@
+// Surface concepts, and compile-time checks with a sentence for each member that a type lacks.
+//
+// A surface must know its first crossing with a ray, and its normal. It may know more, and then more is
+// exact: its departure, its roots, its equation. surface.hpp asks for what it offers and derives the rest.
+#pragma once
+
+#include <concepts>
+#include <optional>
+
+#include "bounds.hpp"
+#include "intersection.hpp"
+#include "interval.hpp"
+#include "numeric/equation.hpp"
+#include "numeric/roots.hpp"
+#include "ray.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Surface: any copyable type with the two functions
+///
+///   std::optional<double> intersect(const Ray&, Interval) const
+///   Vec3 normal_at(Point) const
+///
+/// which return the smallest t of a crossing inside an open interval, and the unit normal at a point of the
+/// surface. They and all other functions of a surface are called from several threads at once, and answer
+/// alike each time. `static_assert(Surface<Mine>)` checks a type of your own.
+///
+/// If a surface is made of primitives, as a mesh is of triangles, its functions of a point or a departure
+/// take the index of the primitive as well: normal_at(point, part). Its crossings hold that index.
+template <class S>
+concept Surface = std::copy_constructible<S> &&
+    requires(const S& surface, const Ray& ray, Interval range, Point point) {
+  { surface.intersect(ray, range) } -> std::same_as<std::optional<double>>;
+  requires requires {
+    { surface.normal_at(point) } -> std::convertible_to<Vec3>;
+  } || requires {
+    { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
+  };
+};
+
+/// Surface with bounds: every crossing that it reports is inside them, and the traversal finds it through
+/// them. Bounds that are rounded must be widened (outward).
+template <class S>
+concept SurfaceWithBounds = Surface<S> && requires(const S& surface) {
+  { surface.bounds() } -> std::same_as<Bounds>;
+};
+
+/// Returns the bounds of a surface; infinite for one without.
+template <Surface S>
+[[nodiscard]] Bounds bounds_of(const S& surface) {
+  if constexpr (SurfaceWithBounds<S>)
+    return surface.bounds();
+  else
+    return {Point{-infinity}, Point{infinity}};
+}
+
+/// Surface that offers its roots, all crossings with the ray's line, and its departure; it omits the root t =
+/// 0 for a ray with that departure. A point of tangency counts as two.
+template <class S>
+concept SurfaceWithRoots = Surface<S> && requires(const S& surface, const Ray& ray) {
+  { surface.roots(ray) } -> std::same_as<Roots>;
+};
+
+/// Surface that writes down its equation, from which its roots are derived (surface.hpp). They are
+/// certified, their test against a range is exact, and so is the order of its crossings and others'.
+template <class S>
+concept SurfaceWithEquation = Surface<S> &&
+    requires(const S& surface, const Ray& ray, const ExactLine& line) {
+  surface.equation(ray);
+  exact_root_of(surface.equation(line), 0);
+  { surface.is_left_by(ray) } -> std::same_as<bool>;
+};
+
+/// Surface made of others, or of primitives, that finds its crossings itself, with departures and exact
+/// roots.
+template <class S>
+concept CompositeSurface = Surface<S> &&
+    requires(const S& surface, const Ray& ray, Interval range, const Crossing& crossing) {
+  { surface.first_crossing(ray, range) } -> std::same_as<std::optional<Crossing>>;
+  surface.each_crossing(ray, range, [](const Crossing&) {});
+  { surface.exact_root(ray, crossing) } -> std::same_as<ExactRoot>;
+};
+
+/// Boundary of a closed solid: each crossing of a line leads into it or out of it, and a tangent line has two
+/// crossings where it touches. ends_inside tells if the far end of a ray, t → ∞, is inside, which is never so
+/// for a bounded solid. A solid made of primitives has part_count.
+template <class S>
+concept Solid = Surface<S> && requires(const S& surface, const Ray& ray) {
+  { surface.ends_inside(ray) } -> std::same_as<bool>;
+} &&(
+    !requires(const S& surface) { surface.departure(0); } ||
+    requires(const S& surface) {
+      { surface.part_count() } -> std::same_as<int>;
+    });
+
+/// True for a surface made of primitives: its functions take the index of one.
+template <class S>
+inline constexpr bool is_made_of_parts = Surface<S>&& requires(const S& surface, Point point) {
+  { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
+  { surface.departure(0) } -> std::same_as<Departure>;
+};
+
+/// True for a surface that says which geometry a ray leaving it departs from, and that omits the root t = 0
+/// for a ray with that departure.
+template <class S>
+inline constexpr bool knows_departure = is_made_of_parts<S> || requires(const S& surface) {
+  { surface.departure() } -> std::same_as<Departure>;
+};
+
+/// True for a surface with coordinates of its own, for textures.
+template <class S>
+inline constexpr bool knows_uv = requires(const S& surface, const Point& point) {
+  { surface.uv_at(point) } -> std::same_as<Uv>;
+}
+|| (is_made_of_parts<S> && requires(const S& surface, const Point& point) {
+  { surface.uv_at(point, 0) } -> std::same_as<Uv>;
+});
+
+/// Returns true if a surface has coordinates. A type that holds other surfaces may tell for each object, by
+/// has_uv().
+template <Surface S>
+[[nodiscard]] bool has_uv(const S& surface) {
+  if constexpr (requires { surface.has_uv(); })
+    return surface.has_uv();
+  else
+    return knows_uv<S>;
+}
+
+/// Returns true if the crossings of a surface are on primitives of it. A type that holds other surfaces may
+/// tell for each object, by has_parts().
+template <Surface S>
+[[nodiscard]] bool has_parts(const S& surface) {
+  if constexpr (requires { surface.has_parts(); })
+    return surface.has_parts();
+  else
+    return is_made_of_parts<S>;
+}
+
+/// Returns true if the normal is the same at all points of a primitive, so that it is computed once for all
+/// rays that hit it. A surface says so, by has_flat_parts(), if that pays.
+template <Surface S>
+[[nodiscard]] bool has_flat_parts(const S& surface) {
+  if constexpr (requires { surface.has_flat_parts(); })
+    return surface.has_flat_parts();
+  else
+    return false;
+}
+
+/// Returns true if a surface is the boundary of a solid. A type that holds other surfaces may tell for each
+/// object, by is_solid().
+template <Surface S>
+[[nodiscard]] bool is_solid(const S& surface) {
+  if constexpr (requires { surface.is_solid(); })
+    return surface.is_solid();
+  else
+    return Solid<S>;
+}
+
+/// Returns true if a surface is a Solid and the far end of a ray is inside it.
+template <Surface S>
+[[nodiscard]] bool ends_inside(const S& surface, const Ray& ray) {
+  if constexpr (Solid<S>)
+    return surface.ends_inside(ray);
+  else
+    return false;
+}
+
+/// Returns the number of a solid's primitives: 1 for a solid that is not made of primitives.
+template <Surface S>
+[[nodiscard]] int part_count(const S& surface) {
+  if constexpr (requires { surface.part_count(); })
+    return surface.part_count();
+  else
+    return 1;
+}
+
+namespace detail {
+
+// A concept that is not satisfied stops the compiler, but g++'s message need not name the missing member.
+// Functions that take surfaces therefore take any type, and instantiate one of the checks below: each of its
+// static_asserts is a sentence, and the compiler adds the name of the type.
+
+/// Checks the members that every Surface has. `hold` is true: if a check fails, compilation stops before
+/// anyone sees it.
+template <class S>
+struct SurfaceRequirements {
+  static constexpr bool hold = true;
+
+  static constexpr bool has_normal_of_parts = requires(const S& surface, Point point) {
+    { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
+  };
+
+  static_assert(std::copy_constructible<S>, "Surface: the type cannot be copied");
+  static_assert(
+      requires(const S& surface, const Ray& ray, Interval range) {
+        { surface.intersect(ray, range) } -> std::same_as<std::optional<double>>;
+      },
+      "Surface: the type has no intersect(const Ray&, Interval) const that returns std::optional<double>");
+  static_assert(
+      has_normal_of_parts ||
+          requires(const S& surface, Point point) {
+            { surface.normal_at(point) } -> std::convertible_to<Vec3>;
+          },
+      "Surface: the type has no normal_at(Point) const that returns a Vec3");
+  static_assert(
+      !has_normal_of_parts || is_made_of_parts<S> ||
+          requires(const S& surface, Point point) { surface.normal_at(point); },
+      "Surface: the type has normal_at(Point, int) const, for parts, but no Departure departure(int) const");
+};
+
+/// Checks the members that a Surface may have: a function with such a name but another signature would be
+/// ignored silently.
+template <Surface S>
+struct SurfaceOffers : SurfaceRequirements<S> {
+  static_assert(
+      SurfaceWithRoots<S> || !requires(S surface, const Ray& ray) { surface.roots(ray); },
+      "Surface: roots(const Ray&) is not const or does not return Roots");
+  static_assert(
+      SurfaceOffers::has_normal_of_parts ||
+          !requires(S surface, Point point) { surface.normal_at(point, 0); },
+      "Surface: normal_at(Point, int) is not const or does not return a Vec3");
+  static_assert(
+      knows_departure<S> || !requires(S surface) { surface.departure(); },
+      "Surface: departure() is not const or does not return a Departure");
+  static_assert(
+      !requires(S surface) { surface.validate(); } || requires(const S surface) { surface.validate(); },
+      "Surface: validate() is not const");
+  static_assert(
+      SurfaceWithBounds<S> || !requires(S surface) { surface.bounds(); },
+      "Surface: bounds() is not const or does not return Bounds");
+  static_assert(
+      knows_uv<S> || !requires(S surface, Point point) { surface.uv_at(point); },
+      "Surface: uv_at(Point) is not const or does not return a Uv");
+  static_assert(
+      Solid<S> || !requires(S surface, const Ray& ray) { surface.ends_inside(ray); },
+      "Surface: ends_inside(const Ray&) is not const or does not return bool, or there are parts and "
+      "no int part_count() const");
+};
+
+/// Checks the members that a Solid needs beyond those of a Surface.
+template <class S>
+struct SolidRequirements : SurfaceRequirements<S> {
+  static_assert(
+      !Surface<S> ||
+          requires(const S& surface, const Ray& ray) {
+            { surface.ends_inside(ray) } -> std::same_as<bool>;
+          },
+      "Solid: the surface has no bool ends_inside(const Ray&) const");
+  static_assert(
+      !is_made_of_parts<S> ||
+          requires(const S& surface) {
+            { surface.part_count() } -> std::same_as<int>;
+          },
+      "Solid: the surface has parts, but no int part_count() const");
+};
+
+/// Type that is neither Other nor a Surface, but has one of a surface's functions: it is meant to be one.
+template <class S, class Other = void>
+concept MeantAsSurface = !std::same_as<S, Other> &&
+                         (
+                             requires { &S::intersect; } || requires { &S::normal_at; }) &&
+                         !Surface<S>;
+
+/// Placeholder for a type that is no surface, or no solid, after the first error message, so that no more
+/// follow.
+struct NoSurface {
+  std::optional<double> intersect(const Ray&, Interval) const { return std::nullopt; }
+  Vec3 normal_at(Point) const { return Vec3{0}; }
+  bool ends_inside(const Ray&) const { return false; }
+};
+
+}  // namespace detail
+
+}  // namespace protostar::inline PROTOSTAR_ABI
