@@ -22,8 +22,8 @@ struct Crossing {
   int part = 0;  ///< index of the crossed primitive, as the surface counts them
 };
 
-/// Table of functions for a surface whose type is erased; their first argument is the surface. surface.hpp
-/// has one such table for each type.
+/// Table of functions for a surface whose type is erased; their first argument is the surface, which
+/// Departure::in_scene names. surface.hpp has one such table for each type.
 struct SurfaceFunctions {
   Vec3 (*normal_at)(const void* surface, const Point& point, int part);
   Uv (*uv_at)(const void* surface, const Point& point, int part);
@@ -38,16 +38,7 @@ struct SurfaceCrossing {
   const SurfaceFunctions* functions = nullptr;
   const Material* material = nullptr;
 
-  [[nodiscard]] Vec3 normal_at(const Point& point) const {
-    return functions->normal_at(surface, point, crossing.part);
-  }
-  [[nodiscard]] Uv uv_at(const Point& point) const { return functions->uv_at(surface, point, crossing.part); }
-  [[nodiscard]] Departure departure() const { return departure(crossing.part); }
-  [[nodiscard]] Departure departure(int part) const {
-    Departure departure = functions->departure(surface, part);
-    departure.in_scene = surface;
-    return departure;
-  }
+  [[nodiscard]] Departure departure() const { return functions->departure(surface, crossing.part); }
   [[nodiscard]] ExactRoot exact_root(const Ray& ray) const {
     return functions->exact_root(surface, ray, crossing);
   }
@@ -104,7 +95,7 @@ class Intersection {
   [[nodiscard]] const Vec3& direction() const { return ray_.direction; }
 
   /// Returns the surface's unit normal, on the side that the surface calls its outside (§2.3.1).
-  [[nodiscard]] Vec3 normal() const { return on_.normal_at(point()); }
+  [[nodiscard]] Vec3 normal() const { return on_.functions->normal_at(on_.surface, point(), part()); }
 
   /// Returns the unit normal on the side that the ray comes from: surfaces are two-sided (§2.3.2).
   [[nodiscard]] Vec3 facing_normal() const {
@@ -120,14 +111,14 @@ class Intersection {
   [[nodiscard]] const Material& material() const { return *on_.material; }
 
   /// Returns the surface coordinates u and v; 0 and 0 on a surface that has none.
-  [[nodiscard]] Uv uv() const { return on_.uv_at(point()); }
+  [[nodiscard]] Uv uv() const { return on_.functions->uv_at(on_.surface, point(), part()); }
 
   /// Returns the surface's color here: its material's texture at (u, v), or the diffuse color if there is
   /// none.
   [[nodiscard]] Color color() const {
     if (!material().texture) return material().diffuse;
-    const Uv place = uv();
-    return material().texture(place.x, place.y);
+    const Uv at = uv();
+    return material().texture(at.x, at.y);
   }
 
   /// Returns the ray from here in a direction of any length. Its departure keeps it from hitting the surface

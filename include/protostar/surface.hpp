@@ -292,7 +292,12 @@ inline constexpr SurfaceFunctions functions_of{
     .uv_at = [](const void* s, const Point& p, int part) -> Uv {
       return uv_at(*static_cast<const S*>(s), p, part);
     },
-    .departure = [](const void* s, int part) { return departure_of(*static_cast<const S*>(s), part); },
+    .departure =
+        [](const void* s, int part) {
+          Departure departure = departure_of(*static_cast<const S*>(s), part);
+          departure.in_scene = s;
+          return departure;
+        },
     .exact_root =
         [](const void* s, const Ray& ray, const Crossing& crossing) {
           return exact_root(*static_cast<const S*>(s), ray, crossing);

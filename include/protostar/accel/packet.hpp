@@ -99,10 +99,7 @@ struct RayPacket {
   /// Returns the ray in a lane.
   [[nodiscard]] Ray operator[](int lane) const {
     Ray ray{origin[lane], direction[lane], departure};
-    if (leave_primitives()) {
-      ray.departure = functions->departure(departed, static_cast<int>(parts[lane]));
-      ray.departure.in_scene = departed;
-    }
+    if (leave_primitives()) ray.departure = functions->departure(departed, static_cast<int>(parts[lane]));
     return ray;
   }
 
