@@ -1,7 +1,7 @@
 #include <protostar/numeric/double_double.hpp>
 #include <protostar/numeric/exact_number.hpp>
-#include <protostar/numeric/sphere_equation.hpp>
 #include <protostar/ray.hpp>
+#include <protostar/surfaces/sphere.hpp>
 #include <stdexcept>
 
 #include "figures.hpp"

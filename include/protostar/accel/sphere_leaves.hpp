@@ -26,7 +26,6 @@
 
 #include "../bvh/bvh.hpp"
 #include "../bvh/node.hpp"
-#include "../numeric/sphere_equation.hpp"
 #include "../simd/prefetch.hpp"
 #include "../surfaces/sphere.hpp"
 #include "packet.hpp"
