@@ -37,11 +37,6 @@ struct SurfaceCrossing {
   const void* surface = nullptr;
   const SurfaceFunctions* functions = nullptr;
   const Material* material = nullptr;
-
-  [[nodiscard]] Departure departure() const { return functions->departure(surface, crossing.part); }
-  [[nodiscard]] ExactRoot exact_root(const Ray& ray) const {
-    return functions->exact_root(surface, ray, crossing);
-  }
 };
 
 namespace detail {
@@ -52,11 +47,13 @@ namespace detail {
   // Surfaces that coincide exactly need no more arithmetic. If one of two planes is rounded, they may be left
   // together and be two nevertheless.
   if (a.crossing.root == b.crossing.root) {
-    const Departure left = a.departure(), other = b.departure();
+    const Departure left = a.functions->departure(a.surface, a.crossing.part),
+                    other = b.functions->departure(b.surface, b.crossing.part);
     const auto is_exact = [](const Departure& one) { return one.kind != Departure::Kind::rounded_plane; };
     if (is_exact(left) && is_exact(other) && left == other) return false;
   }
-  return order(a.exact_root(ray), b.exact_root(ray)) < 0;
+  return order(a.functions->exact_root(a.surface, ray, a.crossing),
+               b.functions->exact_root(b.surface, ray, b.crossing)) < 0;
 }
 
 }  // namespace detail
@@ -123,12 +120,15 @@ class Intersection {
 
   /// Returns the ray from here in a direction of any length. Its departure keeps it from hitting the surface
   /// again at its origin; there is no offset.
-  [[nodiscard]] Ray leave(const Vec3& direction) const { return {point(), direction, on_.departure()}; }
+  [[nodiscard]] Ray leave(const Vec3& direction) const {
+    return {point(), direction, on_.functions->departure(on_.surface, part())};
+  }
 
   /// Returns t to 1 ulp, for a surface that knows its exact roots, as those of the library do; otherwise t as
   /// it is.
   [[nodiscard]] double refined() const {
-    return static_cast<double>(protostar::refined(on_.exact_root(ray_)));
+    return static_cast<double>(
+        protostar::refined(on_.functions->exact_root(on_.surface, ray_, on_.crossing)));
   }
 
   /// Returns true if this is strictly before another hit of the same ray. The order is exact for surfaces

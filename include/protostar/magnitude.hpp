@@ -5,7 +5,6 @@
 // each type made for a scene refuses numbers that break the rule.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -52,11 +51,6 @@ namespace detail {
 inline void require_rule(bool holds, const char* what, const char* rule) {
   if (!holds) [[unlikely]]
     detail::refuse_by_rule(what, rule);
-}
-
-/// Returns a vector with each component clamped to [-most, most].
-[[nodiscard]] inline Vec3 within(const Vec3& v, double most) {
-  return {std::clamp(v.x, -most, most), std::clamp(v.y, -most, most), std::clamp(v.z, -most, most)};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -39,6 +39,11 @@ inline bool is_finite(const Vec3& v) {
 }
 inline bool is_finite(const Uv& uv) { return std::isfinite(uv.x) && std::isfinite(uv.y); }
 
+/// Returns a vector with each component clamped to [-most, most].
+[[nodiscard]] inline Vec3 within(const Vec3& v, double most) {
+  return {std::clamp(v.x, -most, most), std::clamp(v.y, -most, most), std::clamp(v.z, -most, most)};
+}
+
 /// Returns true if every channel is finite and not negative, as a power or a surface's color has to be.
 inline bool is_light(const Color& c) {
   return c.r >= 0 && c.g >= 0 && c.b >= 0 && std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);
