@@ -27,25 +27,25 @@ inline void each_block(const Tile& part, const auto& visit) {
       visit(Tile{x, y, std::min(x + RayBlock::width, part.x1), std::min(y + RayBlock::height, part.y1)});
 }
 
-/// Writes the colors of a packet that begins at pixel (x, y), as far as its pixels are in the tile.
-inline void write_packet(Image& image, const Tile& tile, int x, int y, const Colors& colors) {
+/// Adds colors, the i-th samples of a packet's pixels, to the image, as far as these are in the tile. The
+/// first samples replace what is there. The packet begins at pixel (x, y).
+inline void add_packet(Image& image, const Tile& tile, int x, int y, int i, const Colors& colors) {
   static_assert(sizeof(Color) == 3 * sizeof(float));
   Color* const pixels = &image(x, y);
-  if (x + double_lanes <= tile.x1) return store_in_turn(pixels, colors.r, colors.g, colors.b);
-  for (int i = 0; x + i < tile.x1; ++i) pixels[i] = {colors.r[i], colors.g[i], colors.b[i]};
+  const int count = std::min(double_lanes, tile.x1 - x);
+  if (i > 0) {
+    Colors so_far(Color{0});
+    for (int k = 0; k < count; ++k) so_far.set(k, pixels[k]);
+    return add_packet(image, tile, x, y, 0, so_far + colors);
+  }
+  if (count == double_lanes) return store_in_turn(pixels, colors.r, colors.g, colors.b);
+  for (int k = 0; k < count; ++k) pixels[k] = {colors.r[k], colors.g[k], colors.b[k]};
 }
 
 /// Gives all pixels of a tile one color.
 inline void fill_tile(Image& image, const Tile& tile, const Color& color) {
   const Color* const first = std::fill_n(&image(tile.x0, tile.y0), tile.width(), color) - tile.width();
   for (int y = tile.y0 + 1; y < tile.y1; ++y) std::copy_n(first, tile.width(), &image(tile.x0, y));
-}
-
-/// Returns the colors of the pixels of a packet, as far as they are in the tile.
-[[nodiscard]] inline Colors colors_of(const Image& image, const Tile& tile, int x, int y) {
-  Colors colors(Color{0});
-  for (int i = 0; i < std::min(double_lanes, tile.x1 - x); ++i) colors.set(i, image(x + i, y));
-  return colors;
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -66,7 +66,15 @@ class TileHits {
   /// Calls visit(surface, material) for the surface with this index in the scene's order.
   void visit(std::int64_t index, const auto& visit) const {
     auto i = static_cast<std::size_t>(index);
-    static_cast<void>((visit_group<S>(i, visit) || ...));
+    const auto is_of = [&](const auto& surfaces, const auto& materials) {
+      if (i < surfaces.size()) {
+        visit(surfaces[i], materials[i]);
+        return true;
+      }
+      i -= surfaces.size();
+      return false;
+    };
+    static_cast<void>((is_of(scene_.template surfaces<S>(), scene_.template materials<S>()) || ...));
   }
 
   /// Returns true if the surface with this index has a texture.
@@ -208,18 +216,6 @@ class TileHits {
   mutable int first_x_ = 0, first_y_ = 0, sample_ = 0;
 
  private:
-  /// Visits the i-th surface of one type and returns true; if there is none, subtracts their number from i.
-  template <Surface T>
-  bool visit_group(std::size_t& i, const auto& visit) const {
-    const auto& surfaces = scene_.template surfaces<T>();
-    if (i < surfaces.size()) {
-      visit(surfaces[i], scene_.template materials<T>()[i]);
-      return true;
-    }
-    i -= surfaces.size();
-    return false;
-  }
-
   /// Returns the closest hits of rays. A ray in doubt is tested with all surfaces in `indices`; one that
   /// surely sees a surface is tested with that alone. Camera rays have visibility buffers.
   [[nodiscard, gnu::always_inline]] Closest search(const RayPacket& rays, const auto& surfaces,

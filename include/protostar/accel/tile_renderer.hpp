@@ -163,13 +163,18 @@ class TileRenderer {
 
   /// Fills a tile, or a part of one, if all of its rays surely see the same and have one radiance; returns
   /// false if not. All rays of a frustum without candidates miss; all rays of one that a candidate fills meet
-  /// that candidate.
+  /// that candidate, and the integrator may tell its radiance without the points that they meet.
   [[nodiscard]] bool fill_uniform(const Tile& tile, const Candidates& candidates, const Frustum& frustum,
                                   Work& work) const {
     if constexpr (by_packets) {
       if (!may_skip_background()) return false;
       const View view = view_of(candidates, work);
-      if (!see_the_same(candidates, frustum, view)) return false;
+      if (candidates.size() > 0) {
+        if constexpr (shades ? !shades_anywhere : !AsksForCrossings<I>) return false;
+        if (!rays_.is_pinhole() || !skips_.sure_in_float || (shades && candidates.size() > 1)) return false;
+        for (int i = 0; i < candidates.size(); ++i)
+          if (!candidates.fills(i, frustum) || view.has_texture(candidates.index(i))) return false;
+      }
       fill_tile(image_, tile, uniform_color(tile, candidates, view, work));
       work.state.taken.pixels_skipped +=
           count_of(tile) * static_cast<std::uint64_t>(rays_.pixels().samples());
@@ -182,18 +187,6 @@ class TileRenderer {
   /// skipped.
   [[nodiscard]] bool may_skip_background() const {
     return skips_.empty_tiles && !scene_.scene().environment();
-  }
-
-  /// Returns true if all rays of a frustum meet the same surfaces, and these tell their radiance without the
-  /// points that they meet.
-  [[nodiscard]] bool see_the_same(const Candidates& candidates, const Frustum& frustum,
-                                  const View& view) const {
-    if (candidates.size() == 0) return true;
-    if constexpr (shades ? !shades_anywhere : !AsksForCrossings<I>) return false;
-    if (!rays_.is_pinhole() || !skips_.sure_in_float || (shades && candidates.size() > 1)) return false;
-    for (int i = 0; i < candidates.size(); ++i)
-      if (!candidates.fills(i, frustum) || view.has_texture(candidates.index(i))) return false;
-    return true;
   }
 
   /// Returns the color of all pixels of a tile that see the same: all candidates.
@@ -278,7 +271,7 @@ class TileRenderer {
     each_packet(part, [&](std::size_t, int x, int y) {
       if (const Indices seen = seen_from(x, y); is_known && !needs_rays(seen, view)) {
         skipped += static_cast<std::uint64_t>(std::min(double_lanes, part.x1 - x));
-        return add_packet(part, x, y, i, shade_seen(seen, any_rays, view));
+        return add_packet(image_, part, x, y, i, shade_seen(seen, any_rays, view));
       }
       directions[count] = rays_.directions(x, y, i);
       open[count++] = {x, y};
@@ -292,7 +285,11 @@ class TileRenderer {
     for (std::size_t k = 0; k < count; ++k) {
       const auto [x, y] = open[k];
       view.set_first_pixel(x, y, i);
-      add_packet(part, x, y, i, shaded(rays_.packet(part, x, y, directions[k], i), closest[k], view));
+      const CameraPacket rays = rays_.packet(part, x, y, directions[k], i);
+      add_packet(image_, part, x, y, i,
+                 view.shade(
+                     rays, closest[k], [&] { return integrator_.background(rays, view); },
+                     [&](const auto& hits) { return integrator_.shade(hits, view); }));
     }
     work.state.taken.pixels_skipped += skipped, work.state.taken.camera_rays -= skipped;
   }
@@ -310,7 +307,8 @@ class TileRenderer {
         view.set_crossed(is_tested ? &work.state.crossed : nullptr,
                          (y - block.y0) * RayBlock::width + (x - block.x0));
         const Vectors directions = needs_rays ? rays_.directions(x, y, i) : Vectors(Vec3{0});
-        add_packet(part, x, y, i, integrator_.radiance(rays_.packet(part, x, y, directions, i), view));
+        add_packet(image_, part, x, y, i,
+                   integrator_.radiance(rays_.packet(part, x, y, directions, i), view));
       });
     });
     work.state.taken.pixels_skipped += skipped, work.state.taken.camera_rays -= skipped;
@@ -372,18 +370,6 @@ class TileRenderer {
       is_sure = is_sure && crossed.back().surely == maybe && !view.has_texture(candidates.index(k));
     }
     return is_sure;
-  }
-
-  /// Adds the i-th sample of a packet's pixels to the image; the first replaces what is there.
-  void add_packet(const Tile& part, int x, int y, int i, const Colors& colors) const {
-    write_packet(image_, part, x, y, i == 0 ? colors : colors_of(image_, part, x, y) + colors);
-  }
-
-  /// Returns the radiance of rays whose closest hits are known.
-  [[nodiscard]] Colors shaded(const CameraPacket& rays, const Closest& closest, const View& view) const {
-    return view.shade(
-        rays, closest, [&] { return integrator_.background(rays, view); },
-        [&](const auto& hits) { return integrator_.shade(hits, view); });
   }
 
   Image& image_;

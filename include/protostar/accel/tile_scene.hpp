@@ -203,31 +203,26 @@ class TileScene : public TileHits<S...> {
   }
 
   /// Moves the rays that cross a surface inside the range from left to found.
-  void test_any(std::int64_t index, const RayPacket& rays, Interval range, bool are_of_camera,
-                LaneMask& found, LaneMask& left) const {
+  void test_any(std::int64_t index, const RayPacket& rays, Interval range,
+                [[maybe_unused]] bool are_of_camera, LaneMask& found, LaneMask& left) const {
     count_tests(left);
-    visit(index, [&](const auto& surface, const Material&) {
-      const CrossedByEach<LaneMask> tested = crossed(surface, index, rays, left, range, are_of_camera);
+    visit(index, [&]<class T>(const T& surface, const Material&) {
+      CrossedByEach<LaneMask> tested{.crossed = false, .in_doubt = false};
+      bool is_drawn = false;
+      if constexpr (RasterizedSurface<T>)
+        if (are_of_camera && range.min == 0 && range.max == infinity)
+          if (const auto* const drawn = this->template buffer_at<T>(index)) {
+            const auto seen = drawn->seen(left, first_x_, first_y_);
+            tested = {.crossed = seen.met, .in_doubt = seen.in_doubt};
+            is_drawn = true;
+          }
+      if (!is_drawn) tested = crossed_in(surface, rays, left, range);
       LaneMask crossed = tested.crossed;
       if (any(tested.in_doubt)) crossed = crossed || decide(surface, RayPacket(rays), tested.in_doubt, range);
       if (!any(crossed)) return;
       found = found || crossed;
       left = left && !crossed;
     });
-  }
-
-  /// Returns which of the remaining rays cross a surface inside the range.
-  template <Surface T>
-  [[nodiscard]] CrossedByEach<LaneMask> crossed(const T& surface, [[maybe_unused]] std::int64_t index,
-                                                const RayPacket& rays, LaneMask left, Interval range,
-                                                [[maybe_unused]] bool are_of_camera) const {
-    if constexpr (RasterizedSurface<T>)
-      if (are_of_camera && range.min == 0 && range.max == infinity)
-        if (const auto* const drawn = this->template buffer_at<T>(index)) {
-          const auto seen = drawn->seen(left, first_x_, first_y_);
-          return {.crossed = seen.met, .in_doubt = seen.in_doubt};
-        }
-    return crossed_in(surface, rays, left, range);
   }
 
   /// Returns those of the rays in doubt that cross a surface inside the range.
