@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <protostar/encode.hpp>
+#include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -207,6 +209,31 @@ TEST_CASE("every link and picture in the documentation leads to a file of the pr
       CHECK(fs::exists(path.parent_path() / target));
     }
   }
+}
+
+TEST_CASE("docs/architecture.md lists the functions of a pixel's way, and each is in the header it names") {
+  const std::string page = read(root / "docs" / "architecture.md");
+  struct List {
+    std::string begin, end;
+    std::size_t most_functions, most_headers;
+  };
+  const auto list = GENERATE(List{"### The plain path", "### The fast path", 30, 12},
+                             List{"### The fast path", "## The map", 45, 45});
+  const std::string text = all_between(page, list.begin, list.end).at(0);
+  const std::regex item(R"(\n\d+\. \[([a-z_/]+\.hpp)\]\(\S+\): `(?:(\w+)::)?([\w()]+)`)");
+  std::set<std::string> headers, functions;
+  for (std::sregex_iterator at(text.begin(), text.end(), item), last; at != last; ++at) {
+    const std::string header = (*at)[1], type = (*at)[2], function = (*at)[3];
+    CAPTURE(header, type, function);
+    const std::string code = read(root / "include" / "protostar" / header);
+    CHECK_THAT(code, ContainsSubstring(function + "("));
+    CHECK_THAT(code, ContainsSubstring(type.empty() ? function : " " + type + " "));
+    headers.insert(header);
+    CHECK(functions.insert(header + type + function).second);
+  }
+  CHECK(functions.size() > 20);
+  CHECK(functions.size() <= list.most_functions);
+  CHECK(headers.size() <= list.most_headers);
 }
 
 TEST_CASE("README.md starts with two sh blocks: for a first picture, and for all tests") {
