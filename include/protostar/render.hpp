@@ -107,20 +107,10 @@ struct TraceableRequirements {
   static constexpr bool hold = true;
 
   static_assert(
-      requires(const S& scene, const Ray& ray, Interval range) {
-        { scene.intersect(ray, range) } -> std::same_as<std::optional<Intersection>>;
-      },
+      has_closest_hit<S>,
       "Traceable: the scene has no std::optional<Intersection> intersect(const Ray&, Interval) const");
-  static_assert(
-      requires(const S& scene, const Ray& ray, Interval range) {
-        { scene.occluded(ray, range) } -> std::same_as<bool>;
-      },
-      "Traceable: the scene has no bool occluded(const Ray&, Interval) const");
-  static_assert(
-      requires(const S& scene, const Ray& ray, Interval range) {
-        scene.crossings(ray, range, [](const Intersection&) {});
-      },
-      "Traceable: the scene has no crossings(const Ray&, Interval, visit) const");
+  static_assert(has_any_hit<S>, "Traceable: the scene has no bool occluded(const Ray&, Interval) const");
+  static_assert(has_all_hits<S>, "Traceable: the scene has no crossings(const Ray&, Interval, visit) const");
 };
 
 /// Checks the members that an Integrator needs.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -20,6 +21,25 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+namespace detail {
+
+// Tests whether a type answers one of the queries, for the concept and for the sentences on what is missing.
+
+template <class T>
+inline constexpr bool has_closest_hit = requires(const T& scene, const Ray& ray, Interval range) {
+  { scene.intersect(ray, range) } -> std::same_as<std::optional<Intersection>>;
+};
+template <class T>
+inline constexpr bool has_any_hit = requires(const T& scene, const Ray& ray, Interval range) {
+  { scene.occluded(ray, range) } -> std::same_as<bool>;
+};
+template <class T>
+inline constexpr bool has_all_hits = requires(const T& scene, const Ray& ray, Interval range) {
+  scene.crossings(ray, range, [](const Intersection&) {});
+};
+
+}  // namespace detail
+
 /// Scene, or a type that stands in for one and answers the three queries of a ray.
 ///   intersect(ray, range)         closest hit
 ///   occluded(ray, range)          any hit
@@ -27,11 +47,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Integrators of light also ask it for lights(), ambient(), sky() and environment(), as Scene has them; all
 /// but lights() may be missing.
 template <class T>
-concept Traceable = requires(const T& scene, const Ray& ray, Interval range) {
-  { scene.intersect(ray, range) } -> std::same_as<std::optional<Intersection>>;
-  { scene.occluded(ray, range) } -> std::same_as<bool>;
-  scene.crossings(ray, range, [](const Intersection&) {});
-};
+concept Traceable = detail::has_closest_hit<T> && detail::has_any_hit<T> && detail::has_all_hits<T>;
 
 /// Traces the ray; returns shade(hit), or background() if it misses. A scene may offer it for several rays at
 /// once.
@@ -306,20 +322,13 @@ class Scene<S...> {
     }
   };
 
+  /// Returns the group of a type, or of the first that it converts to.
   template <class T>
   auto& group_for() {
-    if constexpr ((std::same_as<T, S> || ...))
-      return std::get<Group<T>>(groups_);
-    else
-      return first_group_taking<T, S...>();
-  }
-
-  template <class T, class First, class... Rest>
-  auto& first_group_taking() {
-    if constexpr (std::convertible_to<T, First>)
-      return std::get<Group<First>>(groups_);
-    else
-      return first_group_taking<T, Rest...>();
+    constexpr bool is_listed = (std::same_as<T, S> || ...);
+    constexpr bool takes_it[] = {is_listed ? std::same_as<T, S> : std::convertible_to<T, S>...};
+    constexpr auto first = std::find(std::begin(takes_it), std::end(takes_it), true) - std::begin(takes_it);
+    return std::get<static_cast<std::size_t>(first)>(groups_);
   }
 
   std::tuple<Group<S>...> groups_;

@@ -16,6 +16,33 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+namespace detail {
+
+// Tests whether a type has one member, for the concepts and for the sentences on what is missing.
+
+template <class S>
+inline constexpr bool has_intersect = requires(const S& surface, const Ray& ray, Interval range) {
+  { surface.intersect(ray, range) } -> std::same_as<std::optional<double>>;
+};
+template <class S>
+inline constexpr bool has_normal = requires(const S& surface, Point point) {
+  { surface.normal_at(point) } -> std::convertible_to<Vec3>;
+};
+template <class S>
+inline constexpr bool has_normal_of_parts = requires(const S& surface, Point point) {
+  { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
+};
+template <class S>
+inline constexpr bool has_ends_inside = requires(const S& surface, const Ray& ray) {
+  { surface.ends_inside(ray) } -> std::same_as<bool>;
+};
+template <class S>
+inline constexpr bool has_part_count = requires(const S& surface) {
+  { surface.part_count() } -> std::same_as<int>;
+};
+
+}  // namespace detail
+
 /// Surface: any copyable type with the two functions
 ///
 ///   std::optional<double> intersect(const Ray&, Interval) const
@@ -28,15 +55,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// If a surface is made of primitives, as a mesh is of triangles, its functions of a point or a departure
 /// take the index of the primitive as well: normal_at(point, part). Its crossings hold that index.
 template <class S>
-concept Surface = std::copy_constructible<S> &&
-    requires(const S& surface, const Ray& ray, Interval range, Point point) {
-  { surface.intersect(ray, range) } -> std::same_as<std::optional<double>>;
-  requires requires {
-    { surface.normal_at(point) } -> std::convertible_to<Vec3>;
-  } || requires {
-    { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
-  };
-};
+concept Surface = std::copy_constructible<S> && detail::has_intersect<S> &&
+    (detail::has_normal<S> || detail::has_normal_of_parts<S>);
 
 /// Surface with bounds: every crossing that it reports is inside them, and the traversal finds it through
 /// them. Bounds that are rounded must be widened (outward).
@@ -85,18 +105,13 @@ concept CompositeSurface = Surface<S> &&
 /// crossings where it touches. ends_inside tells if the far end of a ray, t → ∞, is inside, which is never so
 /// for a bounded solid. A solid made of primitives has part_count.
 template <class S>
-concept Solid = Surface<S> && requires(const S& surface, const Ray& ray) {
-  { surface.ends_inside(ray) } -> std::same_as<bool>;
-} &&(
-    !requires(const S& surface) { surface.departure(0); } ||
-    requires(const S& surface) {
-      { surface.part_count() } -> std::same_as<int>;
-    });
+concept Solid = Surface<S> && detail::has_ends_inside<S> &&
+    (!requires(const S& surface) { surface.departure(0); } || detail::has_part_count<S>);
 
 /// True for a surface made of primitives: its functions take the index of one.
 template <class S>
-inline constexpr bool is_made_of_parts = Surface<S>&& requires(const S& surface, Point point) {
-  { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
+inline constexpr bool is_made_of_parts =
+    Surface<S>&& detail::has_normal_of_parts<S>&& requires(const S& surface) {
   { surface.departure(0) } -> std::same_as<Departure>;
 };
 
@@ -186,25 +201,14 @@ template <class S>
 struct SurfaceRequirements {
   static constexpr bool hold = true;
 
-  static constexpr bool has_normal_of_parts = requires(const S& surface, Point point) {
-    { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
-  };
-
   static_assert(std::copy_constructible<S>, "Surface: the type cannot be copied");
   static_assert(
-      requires(const S& surface, const Ray& ray, Interval range) {
-        { surface.intersect(ray, range) } -> std::same_as<std::optional<double>>;
-      },
+      has_intersect<S>,
       "Surface: the type has no intersect(const Ray&, Interval) const that returns std::optional<double>");
+  static_assert(has_normal<S> || has_normal_of_parts<S>,
+                "Surface: the type has no normal_at(Point) const that returns a Vec3");
   static_assert(
-      has_normal_of_parts ||
-          requires(const S& surface, Point point) {
-            { surface.normal_at(point) } -> std::convertible_to<Vec3>;
-          },
-      "Surface: the type has no normal_at(Point) const that returns a Vec3");
-  static_assert(
-      !has_normal_of_parts || is_made_of_parts<S> ||
-          requires(const S& surface, Point point) { surface.normal_at(point); },
+      has_normal<S> || !has_normal_of_parts<S> || is_made_of_parts<S>,
       "Surface: the type has normal_at(Point, int) const, for parts, but no Departure departure(int) const");
 };
 
@@ -216,8 +220,7 @@ struct SurfaceOffers : SurfaceRequirements<S> {
       SurfaceWithRoots<S> || !requires(S surface, const Ray& ray) { surface.roots(ray); },
       "Surface: roots(const Ray&) is not const or does not return Roots");
   static_assert(
-      SurfaceOffers::has_normal_of_parts ||
-          !requires(S surface, Point point) { surface.normal_at(point, 0); },
+      has_normal_of_parts<S> || !requires(S surface, Point point) { surface.normal_at(point, 0); },
       "Surface: normal_at(Point, int) is not const or does not return a Vec3");
   static_assert(
       knows_departure<S> || !requires(S surface) { surface.departure(); },
@@ -240,18 +243,10 @@ struct SurfaceOffers : SurfaceRequirements<S> {
 /// Checks the members that a Solid needs beyond those of a Surface.
 template <class S>
 struct SolidRequirements : SurfaceRequirements<S> {
-  static_assert(
-      !Surface<S> ||
-          requires(const S& surface, const Ray& ray) {
-            { surface.ends_inside(ray) } -> std::same_as<bool>;
-          },
-      "Solid: the surface has no bool ends_inside(const Ray&) const");
-  static_assert(
-      !is_made_of_parts<S> ||
-          requires(const S& surface) {
-            { surface.part_count() } -> std::same_as<int>;
-          },
-      "Solid: the surface has parts, but no int part_count() const");
+  static_assert(!Surface<S> || has_ends_inside<S>,
+                "Solid: the surface has no bool ends_inside(const Ray&) const");
+  static_assert(!is_made_of_parts<S> || has_part_count<S>,
+                "Solid: the surface has parts, but no int part_count() const");
 };
 
 /// Type that is neither Other nor a Surface, but has one of a surface's functions: it is meant to be one.

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -147,7 +148,8 @@ struct WhittedIntegrator {
                                                                    const Material& material,
                                                                    const auto& scene, int rays) const {
     // Counts the ray that led here and one to each light, at the most; a packet counts as one ray.
-    if ((detail::whitted_rays_left -= 1 + light_count(scene)) < 0) detail::refuse_paths(most_rays, depth);
+    if ((detail::whitted_rays_left -= 1 + std::ssize(scene.lights())) < 0)
+      detail::refuse_paths(most_rays, depth);
     const auto& direction = onward.direction;
     const auto enters = dot(outside, direction) <= 0.0;
     const auto normal = select(enters, outside, -outside);
@@ -166,13 +168,6 @@ struct WhittedIntegrator {
       }
     }
     return clamped(result);
-  }
-
-  static std::int64_t light_count(const auto& scene) {
-    if constexpr (requires { scene.lights().size(); })
-      return static_cast<std::int64_t>(scene.lights().size());
-    else
-      return 0;
   }
 
   /// Returns the radiance that comes from the lights. The angle between the mirror image of the direction to
