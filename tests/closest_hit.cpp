@@ -68,16 +68,15 @@ TEST_CASE("the closest hit is the first of all roots inside the range", "[closes
     const std::vector<Material> materials(c.spheres.size());
     const SurfaceCrossing expected = closest_of_all(c, materials[0]);
     SurfaceCrossing first;
-    ClosestHit search(c.ray, c.range, first);
-    search.test_all(c.spheres, materials);
+    CHECK(search_closest_hit(c.spheres, materials, c.ray, c.range, first) <= c.range.max);
     REQUIRE(first.surface == expected.surface);
     if (first.surface == nullptr) continue;
     REQUIRE(first.crossing.t == expected.crossing.t);
     REQUIRE(first.crossing.root == expected.crossing.root);
-    const auto place = static_cast<const Sphere*>(first.surface) - c.spheres.data();
-    REQUIRE(first.material == &materials[static_cast<std::size_t>(place)]);
+    const auto index = static_cast<const Sphere*>(first.surface) - c.spheres.data();
+    REQUIRE(first.material == &materials[static_cast<std::size_t>(index)]);
     ++hits;
-    if (place > 0) ++last;
+    if (index > 0) ++last;
     if (c.range.max < infinity) ++limited;
   }
   CHECK(hits > 5000);
@@ -92,11 +91,11 @@ TEST_CASE("a surface that is tested later replaces the closest hit only if its t
   const std::vector spheres{Sphere{{0, 0, 3}, 1}};
   const std::vector touching{Plane{{0, 0, 1}, 2}}, before{Plane{{0, 0, 1}, std::nextafter(2, 0)}};
   SurfaceCrossing first;
-  ClosestHit search(ray, Interval{}, first);
-  search.test_all(spheres, materials);
-  search.test_all(touching, materials);
+  Interval range;
+  range.max = search_closest_hit(spheres, materials, ray, range, first);
+  range.max = search_closest_hit(touching, materials, ray, range, first);
   CHECK(first.surface == spheres.data());
-  search.test_all(before, materials);
+  range.max = search_closest_hit(before, materials, ray, range, first);
   CHECK(first.surface == before.data());
 }
 
@@ -106,6 +105,6 @@ TEST_CASE("a ray that leaves a sphere counts as starting on it, however far its 
   const std::vector<Material> materials(1);
   const Ray along{.origin = {1e17, 0, 0}, .direction = {0, 0, 1}, .departure = spheres[0].departure()};
   SurfaceCrossing first;
-  ClosestHit(along, Interval{}, first).test_all(spheres, materials);
+  CHECK(search_closest_hit(spheres, materials, along, Interval{}, first) == infinity);
   CHECK(first.surface == nullptr);
 }

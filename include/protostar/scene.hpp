@@ -72,71 +72,61 @@ template <class R>
     return follow(ray, scene, background, shade);
 }
 
-/// Search for the closest hit of a ray in a range. It borrows the ray. The order is exact for surfaces that
-/// can refine their roots. Among hits at equal t, the surface tested first wins.
-class ClosestHit {
- public:
-  /// Starts a search that writes the closest hit so far to `first`, whose surface is null until there is one.
-  ClosestHit(const Ray& ray, const Interval& range, SurfaceCrossing& first)
-      : ray_(ray), begin_(range.min), end_(range.max), first_(first) {}
+/// Tests one surface. If its first crossing in the range precedes `first`, stores it there. Returns the new
+/// end of the range: crossings that may still precede `first`, given the error of t, lie before it.
+template <Surface T>
+[[nodiscard, gnu::noinline]] double take_if_closer(const T& surface, const Material& material, const Ray& ray,
+                                                   Interval range, SurfaceCrossing& first) {
+  const auto crossing = first_crossing(surface, ray, range);
+  if (!crossing) return range.max;
+  const SurfaceCrossing candidate = crossing_on(surface, *crossing, material);
+  if (first.surface != nullptr && !precedes(ray, candidate, first)) return range.max;
+  first = candidate;
+  return std::min(range.max, upper_bound_of(crossing->t));
+}
 
-  /// Tests all surfaces of one type.
-  ///
-  /// If they have an equation, no instance has mapped the ray and the range begins at 0, their first roots in
-  /// double nearly always decide by a few comparisons: a root below `sooner` surely precedes the closest hit
-  /// so far and lies in the range; one not below `later` surely does not (docs/derivations.md, Which comes
-  /// first).
-  template <Surface T>
-  void test_all(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
-    if constexpr (SurfaceWithEquation<T> && !SurfaceWithRoots<T>)
-      if (begin_ == 0 && ray_.transform == nullptr) {
-        // The ray without its departure, copied: what its equation has in common with all surfaces is
-        // computed once.
-        const struct {
-          Point origin;
-          Vec3 direction;
-        } line{ray_.origin, ray_.direction};
-        const bool departs = ray_.departure.kind != Departure::Kind::none;
-        double sooner = (1 - 8 * error) * end_, later = (1 + 2 * error) * end_;
-        for (const T& surface : std::span(surfaces)) {
-          const auto root = first_root_of_each(surface.equation(line), true);
-          const bool is_known = !root.in_doubt && !(departs && surface.is_left_by(ray_));
-          if (is_known && !(root.is_there && root.t < later)) continue;
-          const Material& material = materials[static_cast<std::size_t>(&surface - surfaces.data())];
-          if (is_known && root.t < sooner) {
-            first_ = crossing_on(surface, {root.t, root.is_far}, material);
-            end_ = (1 + 4 * error) * root.t;  // less than before
-          } else {
-            end_ = test_one(surface, material, ray_, {0, end_}, first_);
-          }
-          sooner = (1 - 8 * error) * end_, later = (1 + 2 * error) * end_;
+/// Searches the closest hit among surfaces of one type: tests one after the other, stores the closest hit so
+/// far in `first`, whose surface is null until there is one, and returns the new end of the range. The order
+/// is exact for surfaces that can refine their roots. Among hits at equal t, the surface tested first wins.
+///
+/// If the surfaces have an equation, no instance has mapped the ray and the range begins at 0, their first
+/// roots in double nearly always decide by a few comparisons: a root below `sooner` surely precedes the
+/// closest hit so far and lies in the range; one not below `later` surely does not (docs/derivations.md,
+/// Which comes first).
+template <Surface T>
+[[nodiscard]] double search_closest_hit(const std::vector<T>& surfaces,
+                                        const std::vector<Material>& materials, const Ray& ray,
+                                        Interval range, SurfaceCrossing& first) {
+  if constexpr (SurfaceWithEquation<T> && !SurfaceWithRoots<T>)
+    if (range.min == 0 && ray.transform == nullptr) {
+      // The ray without its departure, copied: what its equation has in common with all surfaces is computed
+      // once.
+      const struct {
+        Point origin;
+        Vec3 direction;
+      } line{ray.origin, ray.direction};
+      constexpr double error = Roots::relative_error;
+      const bool departs = ray.departure.kind != Departure::Kind::none;
+      double end = range.max, sooner = (1 - 8 * error) * end, later = (1 + 2 * error) * end;
+      for (const T& surface : std::span(surfaces)) {
+        const auto root = first_root_of_each(surface.equation(line), true);
+        const bool is_known = !root.in_doubt && !(departs && surface.is_left_by(ray));
+        if (is_known && !(root.is_there && root.t < later)) continue;
+        const Material& material = materials[static_cast<std::size_t>(&surface - surfaces.data())];
+        if (is_known && root.t < sooner) {
+          first = crossing_on(surface, {root.t, root.is_far}, material);
+          end = (1 + 4 * error) * root.t;  // less than before
+        } else {
+          end = take_if_closer(surface, material, ray, {0, end}, first);
         }
-        return;
+        sooner = (1 - 8 * error) * end, later = (1 + 2 * error) * end;
       }
-    for (std::size_t i = 0; i < surfaces.size(); ++i)
-      end_ = test_one(surfaces[i], materials[i], ray_, {begin_, end_}, first_);
-  }
-
- private:
-  static constexpr double error = Roots::relative_error;
-
-  /// Tests one surface. If its first crossing precedes `first`, stores it there. Returns the new end of the
-  /// range: crossings that may still precede `first`, given the error of t, lie before it.
-  template <Surface T>
-  [[gnu::noinline]] static double test_one(const T& surface, const Material& material, const Ray& ray,
-                                           Interval range, SurfaceCrossing& first) {
-    const auto crossing = first_crossing(surface, ray, range);
-    if (!crossing) return range.max;
-    const SurfaceCrossing candidate = crossing_on(surface, *crossing, material);
-    if (first.surface != nullptr && !precedes(ray, candidate, first)) return range.max;
-    first = candidate;
-    return std::min(range.max, upper_bound_of(crossing->t));
-  }
-
-  const Ray& ray_;
-  double begin_, end_;
-  SurfaceCrossing& first_;
-};
+      return end;
+    }
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    range.max = take_if_closer(surfaces[i], materials[i], ray, range, first);
+  return range.max;
+}
 
 namespace detail {
 
@@ -251,11 +241,10 @@ class Scene<S...> {
 
   /// Returns the closest hit in the range, if there is one. The order is exact for surfaces that can refine
   /// their roots.
-  [[nodiscard, gnu::noinline]] std::optional<Intersection> intersect(const Ray& ray,
-                                                                     Interval range = {}) const {
+  [[nodiscard, gnu::noinline]] std::optional<Intersection> intersect(
+      const Ray& ray, [[maybe_unused]] Interval range = {}) const {
     SurfaceCrossing first;
-    ClosestHit search(ray, range, first);
-    (search.test_all(surfaces<S>(), materials<S>()), ...);
+    ((range.max = search_closest_hit(surfaces<S>(), materials<S>(), ray, range, first)), ...);
     if (first.surface == nullptr) return std::nullopt;
     return Intersection(ray, first);
   }
