@@ -69,7 +69,7 @@ class Light {
       : Light("ConstantLight", light.position, "intensity", light.intensity, Falloff::none) {}
   Light(const DirectionalLight& light)
       : Light("DirectionalLight", Point{0}, "intensity", light.intensity, Falloff::none) {
-    place_ = checked_unit(light.direction);
+    position_ = checked_unit(light.direction);
     w_ = 0;
   }
   Light(const SpotLight& light) : Light("SpotLight", light.position, "power", light.power, Falloff::square) {
@@ -86,7 +86,7 @@ class Light {
   /// the light.
   template <class V = Vec3>
   [[nodiscard]] V towards(const V& point) const {
-    return place_ - w_ * point;
+    return position_ - w_ * point;
   }
   [[nodiscard]] Interval occlusion_range() const { return {.min = 0, .max = w_ == 0 ? infinity : 1}; }
 
@@ -117,7 +117,7 @@ class Light {
     const Number r2 = dot(l, l);
     const Number weight =
         falloff_ == Falloff::square ? Number(4 * std::numbers::pi * r2 * sqrt(r2)) : Number(sqrt(r2));
-    const Number factor = select(height > 0.0, min(height / weight, most_), Number(0.0));
+    const Number factor = select(height > 0.0, min(height / weight, largest_factor_), Number(0.0));
     return color_ * to_float(is_spot_ ? factor * share(l) : factor);
   }
 
@@ -126,10 +126,10 @@ class Light {
 
   Light(const char* type, const Point& position, const char* quantity, const Color& color, Falloff falloff)
       : type_(type),
-        place_(position),
+        position_(position),
         color_(color),
         // For a dark color the factor is up to 2^127, which still is a float.
-        most_(most_irradiance / std::max({color.r, color.g, color.b, 0x1p-20f})),
+        largest_factor_(most_irradiance / std::max({color.r, color.g, color.b, 0x1p-20f})),
         falloff_(falloff) {
     check(is_coordinate(position), "position must have numbers ", coordinate_rule);
     check(is_light(color), quantity, " must be finite and not negative");
@@ -159,10 +159,10 @@ class Light {
   }
 
   const char* type_;
-  Vec3 place_;    ///< position, or unit direction of a light infinitely far away
-  double w_ = 1;  ///< homogeneous coordinate of place_: 1 for a position, 0 for a direction
+  Vec3 position_;  ///< position, or unit direction of a light infinitely far away
+  double w_ = 1;   ///< homogeneous coordinate of position_: 1 for a position, 0 for a direction
   Color color_;
-  double most_;  ///< largest factor of the color
+  double largest_factor_;  ///< largest factor of the color
   Falloff falloff_;
   bool is_spot_ = false;
   Vec3 axis_{0};

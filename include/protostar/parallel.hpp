@@ -33,7 +33,7 @@ inline void require_threads(const RenderOptions& options) {
 inline void for_each_in_parallel(int count, const RenderOptions& options,
                                  const std::function<void(int)>& work) {
   require_threads(options);
-  const int wanted =
+  const int thread_count =
       options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
 
   std::atomic<int> next = 0, done = 0;
@@ -49,25 +49,25 @@ inline void for_each_in_parallel(int count, const RenderOptions& options,
       throw;
     }
   };
-  int told = 0;
-  const auto tell = [&] {
-    told = done;
-    if (options.progress) options.progress(static_cast<double>(told) / count);
+  int reported = 0;
+  const auto report = [&] {
+    reported = done;
+    if (options.progress) options.progress(static_cast<double>(reported) / count);
   };
   std::vector<std::future<void>> helpers;  // waited for at the end, also after an exception
   try {
-    for (int i = 1; i < std::min(wanted, count); ++i)
+    for (int i = 1; i < std::min(thread_count, count); ++i)
       helpers.push_back(std::async(std::launch::async, [&] { run([] {}); }));
   } catch (const std::system_error& error) {
     if (options.threads > 0) {
       next = count;
       throw std::system_error(error.code(),
-                              "render: cannot start " + std::to_string(wanted) + " threads; try 1 or 0");
+                              "render: cannot start " + std::to_string(thread_count) + " threads; try 1 or 0");
     }
   }
-  run(tell);
+  run(report);
   for (std::future<void>& helper : helpers) helper.get();
-  if (told < done) tell();  // a helper finished last
+  if (reported < done) report();  // a helper finished last
 }
 
 /// Returns options with the number of threads for so many small items, and nothing else: 1 below 8192, as

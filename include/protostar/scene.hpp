@@ -157,9 +157,9 @@ class Scene<S...> {
   template <class T>
   static constexpr bool takes = (std::convertible_to<T, S> || ...);
   template <class T>
-  static constexpr bool lacks = !takes<T> && detail::MeantAsSurface<T>;
+  static constexpr bool is_incomplete = !takes<T> && detail::MeantAsSurface<T>;
   template <class T>
-  static constexpr bool lists_no = !takes<T> && !detail::MeantAsSurface<T>;
+  static constexpr bool is_unlisted = !takes<T> && !detail::MeantAsSurface<T>;
   template <class M>
   static constexpr bool is_look = std::convertible_to<M, Material> || std::convertible_to<M, Color>;
   template <class T>
@@ -199,15 +199,17 @@ class Scene<S...> {
   // Overloads for arguments that cannot be added. A type meant as a surface is told the members that it
   // lacks; for a call of a deleted function, compilers show its line.
   template <class T>
-  requires(lacks<T>) void add(const T&, const Material&) {
+  requires(is_incomplete<T>) void add(const T&, const Material&) {
     static_assert(detail::SurfaceRequirements<T>::hold);
   }
   template <class T>
-  requires(lacks<T>) void add(const T&, const Color&) { static_assert(detail::SurfaceRequirements<T>::hold); }
+  requires(is_incomplete<T>) void add(const T&, const Color&) {
+    static_assert(detail::SurfaceRequirements<T>::hold);
+  }
   template <class T>
-  requires(lists_no<T>) void add(const T&, const Material&) = delete;  // not in the list of this Scene
+  requires(is_unlisted<T>) void add(const T&, const Material&) = delete;  // not in the list of this Scene
   template <class T>
-  requires(lists_no<T>) void add(const T&, const Color&) = delete;  // not in the list of this Scene
+  requires(is_unlisted<T>) void add(const T&, const Color&) = delete;  // not in the list of this Scene
   template <class T, class M>
   requires(!is_look<M>) void add(const T&, const M&) = delete;  // a surface goes with a Material or a Color
   template <class T>

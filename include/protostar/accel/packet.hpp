@@ -256,13 +256,13 @@ class HitPacket {
                   }) {
       return surface_.uv_at(points);
     } else {
-      Uvs places{0.0, 0.0};
+      Uvs uvs{0.0, 0.0};
       for (Bits left = bits(which_); left != 0; left &= left - 1) {
         const int lane = std::countr_zero(left);
-        const Uv place = uv_at(surface_, points[lane], parts_[lane]);
-        places.x.set(lane, place.x), places.y.set(lane, place.y);
+        const Uv one = uv_at(surface_, points[lane], parts_[lane]);
+        uvs.x.set(lane, one.x), uvs.y.set(lane, one.y);
       }
-      return places;
+      return uvs;
     }
   }
 
@@ -299,11 +299,11 @@ class HitPacket {
   }
 
   [[nodiscard, gnu::noinline, gnu::cold]] Colors texture() const {
-    const Uvs places = uv();
+    const Uvs uvs = uv();
     Colors colors(Color{0});
     for (Bits left = bits(which_); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
-      colors.set(lane, material_.texture(places.x[lane], places.y[lane]));
+      colors.set(lane, material_.texture(uvs.x[lane], uvs.y[lane]));
     }
     return colors;
   }
