@@ -61,8 +61,8 @@ inline void for_each_in_parallel(int count, const RenderOptions& options,
   } catch (const std::system_error& error) {
     if (options.threads > 0) {
       next = count;
-      throw std::system_error(error.code(),
-                              "render: cannot start " + std::to_string(thread_count) + " threads; try 1 or 0");
+      throw std::system_error(
+          error.code(), "render: cannot start " + std::to_string(thread_count) + " threads; try 1 or 0");
     }
   }
   run(report);
