@@ -212,7 +212,7 @@ class TileScene : public TileHits<S...> {
       if constexpr (RasterizedSurface<T>)
         if (are_of_camera && range.min == 0 && range.max == infinity)
           if (const auto* const drawn = this->template buffer_at<T>(index)) {
-            const auto seen = drawn->seen(left, first_x_, first_y_);
+            const auto seen = drawn->seen(left, this->first_x_, this->first_y_);
             tested = {.crossed = seen.met, .in_doubt = seen.in_doubt};
             is_drawn = true;
           }
