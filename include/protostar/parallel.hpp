@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <exception>
 #include <functional>
-#include <future>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -18,6 +19,15 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
+/// Threads that are joined at the end, as std::jthread is, which libc++ 14 does not have.
+struct JoinedThreads {
+  std::vector<std::thread> threads;
+
+  ~JoinedThreads() {
+    for (std::thread& thread : threads) thread.join();
+  }
+};
+
 /// Throws std::invalid_argument if the number of threads is negative.
 inline void require_threads(const RenderOptions& options) {
   if (options.threads < 0)
@@ -26,10 +36,10 @@ inline void require_threads(const RenderOptions& options) {
 }
 
 /// Calls work(i) for every i in [0, count), by as many threads as the options say, with their progress and
-/// stop. Threads take one i after the other, so that none waits for another. An exception ends all of them
-/// and is thrown in the caller's thread; if several threads throw, one of theirs is. If the options leave the
-/// number to the machine, the threads that can be started share the work; if a number that was asked for
-/// cannot be started, std::system_error is thrown.
+/// stop. Threads take one i after the other, so that none waits for another. The first exception ends all of
+/// them and is thrown in the caller's thread. If the options leave the number to the machine, the threads
+/// that can be started share the work; if a number that was asked for cannot be started, std::system_error is
+/// thrown.
 inline void for_each_in_parallel(int count, const RenderOptions& options,
                                  const std::function<void(int)>& work) {
   require_threads(options);
@@ -37,6 +47,12 @@ inline void for_each_in_parallel(int count, const RenderOptions& options,
       options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
 
   std::atomic<int> next = 0, done = 0;
+  std::exception_ptr failure;
+  std::once_flag failed;
+  const auto fail = [&](const std::exception_ptr& exception) {
+    std::call_once(failed, [&] { failure = exception; });
+    next = count;
+  };
   const auto run = [&](const auto& after_each) {
     try {
       for (int i = next++; i < count && !options.stop.stop_requested(); i = next++) {
@@ -45,8 +61,7 @@ inline void for_each_in_parallel(int count, const RenderOptions& options,
         after_each();
       }
     } catch (...) {
-      next = count;
-      throw;
+      fail(std::current_exception());
     }
   };
   int reported = 0;
@@ -54,19 +69,19 @@ inline void for_each_in_parallel(int count, const RenderOptions& options,
     reported = done;
     if (options.progress) options.progress(static_cast<double>(reported) / count);
   };
-  std::vector<std::future<void>> helpers;  // waited for at the end, also after an exception
-  try {
-    for (int i = 1; i < std::min(thread_count, count); ++i)
-      helpers.push_back(std::async(std::launch::async, [&] { run([] {}); }));
-  } catch (const std::system_error& error) {
-    if (options.threads > 0) {
-      next = count;
-      throw std::system_error(
-          error.code(), "render: cannot start " + std::to_string(thread_count) + " threads; try 1 or 0");
+  {
+    JoinedThreads helpers;
+    try {
+      for (int i = 1; i < std::min(thread_count, count); ++i)
+        helpers.threads.emplace_back([&] { run([] {}); });
+    } catch (const std::system_error& error) {
+      if (options.threads > 0)
+        fail(std::make_exception_ptr(std::system_error(
+            error.code(), "render: cannot start " + std::to_string(thread_count) + " threads; try 1 or 0")));
     }
+    run(report);
   }
-  run(report);
-  for (std::future<void>& helper : helpers) helper.get();
+  if (failure) std::rethrow_exception(failure);
   if (reported < done) report();  // a helper finished last
 }
 
