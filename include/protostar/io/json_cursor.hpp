@@ -271,7 +271,31 @@ class JsonCursor {
     if (!exists()) return "nothing";
     if (value_->is_structured() && value_->size() > 100)
       return "an array or object of " + std::to_string(value_->size()) + " values";
-    return beginning(value_->dump());
+    std::string text;
+    append(text, *value_);
+    return beginning(text);
+  }
+
+  /// Appends a value as JSON writes it, or the beginning of a long one, of at least 64 bytes.
+  static void append(std::string& text, const json& value) {
+    constexpr std::size_t enough = 64;
+    if (value.is_string()) {
+      const json beginning = value.get_ref<const std::string&>().substr(0, 2 * enough);
+      text += beginning.dump(-1, ' ', false, json::error_handler_t::replace);  // a character may be cut
+      return;
+    }
+    if (value.is_primitive()) {
+      text += value.dump();
+      return;
+    }
+    text += value.is_array() ? '[' : '{';
+    const char* separator = "";
+    for (auto it = value.begin(); it != value.end() && text.size() <= enough; ++it) {
+      text += std::exchange(separator, ",");
+      if (value.is_object()) append(text, json(it.key())), text += ':';
+      append(text, *it);
+    }
+    text += value.is_array() ? ']' : '}';
   }
 
   const SceneText* scene_;
