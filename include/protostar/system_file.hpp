@@ -184,7 +184,8 @@ class SystemFile {
   /// Completes the file, and gives a temporary one its name.
   [[nodiscard]] int commit() {
     if (temporary_.empty()) return file_.close() == 0 ? 0 : errno;
-    if (replaced_) copy_attributes(replaced_, file_);
+    // The old file is closed before it is replaced, which some network file systems ask for.
+    if (const Descriptor replaced = std::move(replaced_)) copy_attributes(replaced, file_);
     // Network file systems report only on close that the file could not be written; the copy keeps the lock.
     const Descriptor lock(::fcntl(file_.number(), F_DUPFD_CLOEXEC, 0));
     if (!lock || file_.close() != 0 ||
