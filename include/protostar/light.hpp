@@ -179,23 +179,23 @@ class Light {
 
 /// Returns the radiance of an environment along a ray. Straight down v is 1, where a texture that repeats
 /// begins anew: the environment is asked for the v just before.
-[[nodiscard, gnu::noinline]] inline Color light_from(const Texture& environment, const Ray& ray) {
+[[nodiscard, gnu::noinline]] inline Color environment_radiance(const Texture& environment, const Ray& ray) {
   const Vec3 direction = normalize(scaled(ray.direction, -exponent_of({ray.direction})));
   const Uv uv = direction_uv(direction);
   return environment(uv.x, std::min(uv.y, 1 - 0x1p-53));
 }
 
-/// Returns the radiance of a ray that hits nothing: the environment's, the sky's, or `without` if there is
+/// Returns the radiance of a ray that hits nothing: the environment's, the sky's, or `fallback` if there is
 /// neither.
 template <class R>
-[[nodiscard]] typename R::Light sky_of(const R& ray, const auto& scene, const Color& without) {
+[[nodiscard]] typename R::Light sky_of(const R& ray, const auto& scene, const Color& fallback) {
   if constexpr (requires { scene.environment(); })
     if (scene.environment()) [[unlikely]]
-      return light_from(scene.environment(), ray);
+      return environment_radiance(scene.environment(), ray);
   if constexpr (requires { scene.sky(); })
-    return scene.sky().value_or(without);
+    return scene.sky().value_or(fallback);
   else
-    return without;
+    return fallback;
 }
 
 /// Returns V · E for a light: E is its irradiance of the surface at the hit, and V, the visibility, is 1 if

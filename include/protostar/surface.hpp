@@ -64,8 +64,8 @@ inline constexpr bool is_quadratic = requires(const S& surface, const ExactLine&
 /// Calls answer(e) with the equation e of a line, or of lines, and a surface, and returns its result. If the
 /// rays on them depart from the surface, e lacks the root 0: a quadratic equation becomes linear, and a
 /// linear one surely misses.
-[[nodiscard, gnu::always_inline]] inline auto by_equation(const auto& surface, const auto& rays,
-                                                          const auto& line, const auto& answer) {
+[[nodiscard, gnu::always_inline]] inline auto with_equation(const auto& surface, const auto& rays,
+                                                            const auto& line, const auto& answer) {
   using Equation = decltype(surface.equation(line));
   if (rays.departure.kind == Departure::Kind::none || !surface.is_left_by(rays))
     return answer(surface.equation(line));
@@ -81,7 +81,7 @@ inline constexpr bool is_quadratic = requires(const S& surface, const ExactLine&
 /// fallbacks.exact counts. There are none if the direction is 0, or if a number of the ray or of the surface
 /// is not finite, which a surface may tell by has_finite_numbers().
 template <class S>
-[[nodiscard, gnu::noinline, gnu::cold]] Roots roots_in_doubt(const S& surface, const Ray& ray) {
+[[nodiscard, gnu::noinline, gnu::cold]] Roots roots_with_more_digits(const S& surface, const Ray& ray) {
   if (!is_proper(ray)) return {};
   if constexpr (requires { surface.has_finite_numbers(); })
     if (!surface.has_finite_numbers()) return {};
@@ -105,31 +105,31 @@ template <class S>
 /// Returns the roots of the active ones of several rays in lanes, or of one ray, as far as double tells.
 [[nodiscard, gnu::always_inline]] inline auto roots_of_each(const auto& surface, const auto& rays,
                                                             const auto& active) {
-  return detail::by_equation(surface, rays, rays, [&](const auto& e) { return roots_of_each(e, active); });
+  return detail::with_equation(surface, rays, rays, [&](const auto& e) { return roots_of_each(e, active); });
 }
 
 /// Returns the first root in t > 0 of the active ones of several rays in lanes, or of one ray, as far as
 /// double tells. Precondition: ray.transform is null.
 [[nodiscard, gnu::always_inline]] inline auto first_root_of_each(const auto& surface, const auto& rays,
                                                                  const auto& active) {
-  return detail::by_equation(surface, rays, rays,
-                             [&](const auto& e) { return first_root_of_each(e, active); });
+  return detail::with_equation(surface, rays, rays,
+                               [&](const auto& e) { return first_root_of_each(e, active); });
 }
 
 /// Returns which of the active ones of several rays in lanes, or of one ray, cross the surface in 0 < t < 1
 /// if they are segments, else in t > 0, as far as double tells. Precondition: ray.transform is null.
 [[nodiscard, gnu::always_inline]] inline auto crossed_by_each(const auto& surface, const auto& rays,
                                                               const auto& active, bool are_segments) {
-  return detail::by_equation(surface, rays, rays,
-                             [&](const auto& e) { return crossed_by_each(e, active, are_segments); });
+  return detail::with_equation(surface, rays, rays,
+                               [&](const auto& e) { return crossed_by_each(e, active, are_segments); });
 }
 
 /// Returns the certified roots of a ray's line, without the root 0 if the ray departs from the surface.
 template <class S>
 [[nodiscard, gnu::always_inline]] inline Roots certified_roots(const S& surface, const Ray& ray) {
   return with_line(ray, [&](const auto& line) {
-    return detail::by_equation(surface, ray, line, [&](const auto& e) {
-      return roots_of(e, [&] { return detail::roots_in_doubt(surface, ray); });
+    return detail::with_equation(surface, ray, line, [&](const auto& e) {
+      return roots_of(e, [&] { return detail::roots_with_more_digits(surface, ray); });
     });
   });
 }

@@ -117,11 +117,12 @@ struct CameraPacket : RayPacket {
 };
 
 /// Returns the radiance that rays bring from an environment, which is asked ray by ray.
-[[nodiscard, gnu::noinline]] inline Colors light_from(const Texture& environment, const RayPacket& rays) {
+[[nodiscard, gnu::noinline]] inline Colors environment_radiance(const Texture& environment,
+                                                                const RayPacket& rays) {
   Colors colors(Color{0});
   for (Bits left = bits(rays.active); left != 0; left &= left - 1) {
     const int lane = std::countr_zero(left);
-    colors.set(lane, light_from(environment, rays[lane]));
+    colors.set(lane, environment_radiance(environment, rays[lane]));
   }
   return colors;
 }
@@ -129,7 +130,7 @@ struct CameraPacket : RayPacket {
 /// Closest hit of each ray of a packet with a surface inside a range.
 struct ClosestCrossings {
   Doubles t;
-  LaneMask met, in_doubt;  ///< a ray in doubt has to be traced by itself
+  LaneMask met, in_doubt;  ///< a ray in doubt has to be traced alone
 };
 
 /// True for a surface whose equation, and normal_at, take several rays at once.

@@ -32,7 +32,7 @@ struct TileState {
   Occluders occluders;
   std::tuple<VisibilityBuffers<S>...> buffers;  ///< of surfaces that are rasterized
   std::vector<CrossedByBlock> crossed;          ///< surfaces that a block of camera rays may cross
-  RenderStatistics taken;
+  RenderStatistics counts;
 };
 
 /// Closest hits of packets among the surfaces of a tile. A surface is tested with all rays of a packet at
@@ -173,10 +173,10 @@ class TileHits {
     }
   };
 
-  static LaneMask one(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
+  static LaneMask only_lane(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
 
   void count_tests(LaneMask which) const {
-    state_.taken.surface_tests += static_cast<std::uint64_t>(std::popcount(bits(which)));
+    state_.counts.surface_tests += static_cast<std::uint64_t>(std::popcount(bits(which)));
   }
 
   /// Returns the number in the first of some lanes. Lane 0, mostly the first, is read without a detour
@@ -242,7 +242,7 @@ class TileHits {
         test(surface, index, rays, lanes, are_of_camera, closest, in_doubt);
       });
     }
-    if (any(in_doubt)) return decided(RayPacket(rays), in_doubt, closest, surfaces.indices());
+    if (any(in_doubt)) return with_doubts_resolved(RayPacket(rays), in_doubt, closest, surfaces.indices());
     return closest;
   }
 
@@ -257,7 +257,7 @@ class TileHits {
         ClosestCrossings first{.t = infinity, .met = seen.met, .in_doubt = seen.in_doubt};
         if (any(seen.met))
           first.t = select(seen.met, drawn->t(seen.which, seen.met, rays.direction), first.t);
-        const LaneMask sooner = take(first, index, closest, in_doubt);
+        const LaneMask sooner = keep_sooner(first, index, closest, in_doubt);
         closest.primitive = select(sooner, seen.which, closest.primitive);
         return;
       }
@@ -265,17 +265,17 @@ class TileHits {
       if (has_parts(surface)) {
         Indices numbers = -1;
         const ClosestCrossings first = first_crossings_one_by_one(surface, rays, lanes, Interval{}, numbers);
-        const LaneMask sooner = take(first, index, closest, in_doubt);
+        const LaneMask sooner = keep_sooner(first, index, closest, in_doubt);
         closest.primitive = select(sooner, numbers, closest.primitive);
         return;
       }
-    take(first_crossings(surface, rays, lanes, Interval{}), index, closest, in_doubt);
+    keep_sooner(first_crossings(surface, rays, lanes, Interval{}), index, closest, in_doubt);
   }
 
   /// Replaces closest hits by those that surely precede them, and returns their rays; rays with hits in an
   /// uncertain order become in_doubt.
-  static LaneMask take(const ClosestCrossings& first, std::int64_t index, Closest& closest,
-                       LaneMask& in_doubt) {
+  static LaneMask keep_sooner(const ClosestCrossings& first, std::int64_t index, Closest& closest,
+                              LaneMask& in_doubt) {
     // The order is certified if the errors of both t, 2^-30 of each, do not overlap.
     const LaneMask sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
     const LaneMask later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
@@ -318,17 +318,17 @@ class TileHits {
 
   /// Returns the closest hits, with each ray in doubt traced alone. `closest` is passed by value, so that
   /// what double decides can stay in registers.
-  [[nodiscard, gnu::noinline, gnu::cold]] Closest decided(const RayPacket& rays, LaneMask in_doubt,
-                                                          Closest closest,
-                                                          std::span<const std::uint32_t> indices) const {
+  [[nodiscard, gnu::noinline, gnu::cold]] Closest with_doubts_resolved(
+      const RayPacket& rays, LaneMask in_doubt, Closest closest,
+      std::span<const std::uint32_t> indices) const {
     for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
-      ++state_.taken.in_doubt;
+      ++state_.counts.in_doubt;
       const auto [index, crossing] = closest_of_one_ray(rays[lane], indices);
-      closest.t = select(one(lane), Doubles(index < 0 ? infinity : crossing.crossing.t), closest.t);
-      closest.index = select(one(lane), Indices(index), closest.index);
+      closest.t = select(only_lane(lane), Doubles(index < 0 ? infinity : crossing.crossing.t), closest.t);
+      closest.index = select(only_lane(lane), Indices(index), closest.index);
       if constexpr (has_primitives)
-        closest.primitive = select(one(lane), Indices(number_of(crossing.crossing)), closest.primitive);
+        closest.primitive = select(only_lane(lane), Indices(number_of(crossing.crossing)), closest.primitive);
     }
     return closest;
   }

@@ -45,7 +45,7 @@ class TileRenderer {
         integrator_(integrator),
         rays_(camera, PixelGrid(image.width(), image.height(), options), image.width(), image.height()),
         candidates_(scene, rays_, order),
-        skips_(worthwhile(options, image, scene.scene().size())),
+        skips_(skips_that_pay(options, image, scene.scene().size())),
         statistics_(options.statistics) {}
 
   /// Fills a tile.
@@ -58,7 +58,7 @@ class TileRenderer {
     if constexpr (by_packets && View::rasterizes)
       if (rays_.is_pinhole()) rasterize(in_tile, tile, *work);
     if (!fill_uniform(tile, in_tile, frustum, *work)) fill_parts(tile, in_tile, 0, *work);
-    work->state.taken.exact = fallbacks.exact - before.exact;
+    work->state.counts.exact = fallbacks.exact - before.exact;
     return_work(std::move(work));
   }
 
@@ -88,7 +88,7 @@ class TileRenderer {
   static constexpr std::size_t most_packets = 16 * ((16 + double_lanes - 1) / double_lanes);
 
   /// Largest number of candidates that are tested in double as fast as in float, for colors that need t.
-  static constexpr int as_fast_in_double = 3;
+  static constexpr int most_tested_in_double = 3;
 
   /// Buffers of a tile and of its parts: the candidates of the tile and of parts of each size, and what the
   /// pixels of a part see.
@@ -100,7 +100,7 @@ class TileRenderer {
 
   /// Returns the skips of the options, without lists of occluders in a picture of fewer than 64 pixels for
   /// each surface: a list would serve so few rays that its search costs more than it saves.
-  static Skips worthwhile(const RenderOptions& options, const Image& image, std::size_t surfaces) {
+  static Skips skips_that_pay(const RenderOptions& options, const Image& image, std::size_t surfaces) {
     const Crop& crop = options.crop;
     const auto pixels =
         crop.width > 0 ? 1.0 * crop.width * crop.height : 1.0 * image.width() * image.height();
@@ -116,12 +116,12 @@ class TileRenderer {
     std::unique_ptr<Work> work = std::move(spare_.back());
     spare_.pop_back();
     (std::get<VisibilityBuffers<S>>(work->state.buffers).clear(), ...);
-    work->state.occluders = {}, work->state.taken = {};
+    work->state.occluders = {}, work->state.counts = {};
     return work;
   }
   void return_work(std::unique_ptr<Work> work) const {
     const std::lock_guard lock(sharing_);
-    if (statistics_) *statistics_ += work->state.taken;
+    if (statistics_) *statistics_ += work->state.counts;
     spare_.push_back(std::move(work));
   }
 
@@ -176,8 +176,8 @@ class TileRenderer {
           if (!candidates.fills(i, frustum) || view.has_texture(candidates.index(i))) return false;
       }
       fill_tile(image_, tile, uniform_color(tile, candidates, view, work));
-      work.state.taken.pixels_skipped +=
-          count_of(tile) * static_cast<std::uint64_t>(rays_.pixels().samples());
+      work.state.counts.pixels_skipped +=
+          pixel_count(tile) * static_cast<std::uint64_t>(rays_.pixels().samples());
       return true;
     }
     return false;
@@ -218,7 +218,7 @@ class TileRenderer {
       return Colors(background());
   }
 
-  static std::uint64_t count_of(const Tile& tile) {
+  static std::uint64_t pixel_count(const Tile& tile) {
     return static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
   }
 
@@ -228,7 +228,7 @@ class TileRenderer {
     if (candidates_.are_from_bvh()) view.fetch(candidates);
     const PixelGrid& pixels = rays_.pixels();
     const int samples = pixels.samples();
-    work.state.taken.camera_rays += count_of(part) * static_cast<std::uint64_t>(samples);
+    work.state.counts.camera_rays += pixel_count(part) * static_cast<std::uint64_t>(samples);
     if constexpr (!by_packets) {
       for (int y = part.y0; y < part.y1; ++y)
         for (int x = part.x0; x < part.x1; ++x)
@@ -291,7 +291,7 @@ class TileRenderer {
                      rays, closest[k], [&] { return integrator_.background(rays, view); },
                      [&](const auto& hits) { return integrator_.shade(hits, view); }));
     }
-    work.state.taken.pixels_skipped += skipped, work.state.taken.camera_rays -= skipped;
+    work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
   }
 
   /// Adds the i-th sample of a part, for an integrator that is asked for the radiance of rays.
@@ -301,7 +301,7 @@ class TileRenderer {
     each_block(part, [&](const Tile& block) {
       const bool is_tested = AsksForCrossings<I> && rays_.is_pinhole() && skips_.sure_in_float;
       const bool needs_rays = !(is_tested && find_crossed(block, candidates, view, i, work));
-      if (!needs_rays) skipped += count_of(block);
+      if (!needs_rays) skipped += pixel_count(block);
       each_packet(block, [&](std::size_t, int x, int y) {
         view.set_first_pixel(x, y, i);
         view.set_crossed(is_tested ? &work.state.crossed : nullptr,
@@ -311,7 +311,7 @@ class TileRenderer {
                    integrator_.radiance(rays_.packet(part, x, y, directions, i), view));
       });
     });
-    work.state.taken.pixels_skipped += skipped, work.state.taken.camera_rays -= skipped;
+    work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
   }
 
   /// Finds what the pixels of a part see first, as far as float tells. Returns false if float is not asked:
@@ -328,12 +328,12 @@ class TileRenderer {
       });
     });
     if (is_in_buffer) return true;
-    if (!shades_anywhere && candidates.size() <= as_fast_in_double) return false;
+    if (!shades_anywhere && candidates.size() <= most_tested_in_double) return false;
     for (int k = 0; k < candidates.size(); ++k)
       if (candidates.is_everywhere(k)) return false;
     each_block(part, [&](const Tile& block) {
       const auto [indices, tested] = seen_by(rays_.block_directions(block.x0, block.y0, i), candidates);
-      work.state.taken.float_tests += static_cast<std::uint64_t>(tested);
+      work.state.counts.float_tests += static_cast<std::uint64_t>(tested);
       work.visibility.set_block(block.x0, block.y0, indices);
     });
     return true;
@@ -361,7 +361,7 @@ class TileRenderer {
     crossed.clear();
     bool is_sure = may_skip_background();
     const WideVectors directions = rays_.block_directions(block.x0, block.y0, i);
-    work.state.taken.float_tests += static_cast<std::uint64_t>(candidates.size() * float_lanes);
+    work.state.counts.float_tests += static_cast<std::uint64_t>(candidates.size() * float_lanes);
     for (int k = 0; k < candidates.size(); ++k) {
       const SpherePass passed = pass(candidates.sphere(k), directions);
       const Bits maybe = bits(passed.maybe());

@@ -80,7 +80,7 @@ class TileScene : public TileHits<S...> {
   /// Traces other rays; each ray alone in a scene of many surfaces, or if they leave primitives.
   [[nodiscard]] Colors follow(const RayPacket& rays, const auto& background, const auto& shade_hits) const {
     if (scene_.size() > few || rays.leave_primitives()) return follow_each(rays, background, shade_hits);
-    state_.taken.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.active)));
+    state_.counts.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.active)));
     return shade(rays, closest(rays), background, shade_hits);
   }
 
@@ -124,7 +124,7 @@ class TileScene : public TileHits<S...> {
   }
   [[nodiscard]] LaneMask inlined_occluded(const RayPacket& rays, Interval range) const {
     LaneMask found = false, left = rays.active;
-    state_.taken.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
+    state_.counts.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
     if (!any(left)) return found;
     // Copies, here and below, let the packet itself stay in registers.
     if (rays.leave_primitives()) return occluded_one_by_one(RayPacket(rays), range);
@@ -166,7 +166,7 @@ class TileScene : public TileHits<S...> {
 
  private:
   using Base::candidates_, Base::scene_, Base::state_, Base::first_x_, Base::first_y_, Base::few;
-  using Base::count_tests, Base::one;
+  using Base::count_tests, Base::only_lane;
 
   struct SomeCross {
     LaneMask which;
@@ -174,7 +174,7 @@ class TileScene : public TileHits<S...> {
     [[nodiscard]] Colors color() const { return select(which, surface_color, Color{1}); }
   };
 
-  void count_alone() const { ++state_.taken.other_rays, ++state_.taken.rays_alone; }
+  void count_alone() const { ++state_.counts.other_rays, ++state_.counts.rays_alone; }
 
   [[nodiscard, gnu::noinline]] LaneMask occluded_among_many(const RayPacket& rays, Interval range) const {
     const std::vector<int>* indices = nullptr;
@@ -196,8 +196,8 @@ class TileScene : public TileHits<S...> {
     LaneMask found = false;
     for (Bits alone = bits(rays.active); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
-      ++state_.taken.rays_alone;
-      if (everything_.occluded(rays[lane], range)) found = found || one(lane);
+      ++state_.counts.rays_alone;
+      if (everything_.occluded(rays[lane], range)) found = found || only_lane(lane);
     }
     return found;
   }
@@ -232,8 +232,8 @@ class TileScene : public TileHits<S...> {
     LaneMask crossed = false;
     for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
-      ++state_.taken.in_doubt;
-      if (any_hit(surface, rays[lane], range)) crossed = crossed || one(lane);
+      ++state_.counts.in_doubt;
+      if (any_hit(surface, rays[lane], range)) crossed = crossed || only_lane(lane);
     }
     return crossed;
   }
@@ -278,11 +278,12 @@ class TileScene : public TileHits<S...> {
       const LaneMask sure = roots.meets && !alone;
       tell(sure && near.surely, roots.near());
       if (roots.count > 1) tell(sure && far.surely, roots.far());
-      state_.taken.in_doubt += static_cast<std::uint64_t>(std::popcount(bits(alone)));
+      state_.counts.in_doubt += static_cast<std::uint64_t>(std::popcount(bits(alone)));
     }
     if (any(alone))
-      each_crossing_one_by_one(surface, rays, alone, range,
-                               [&](int lane, const Crossing& crossing) { tell(one(lane), crossing.t); });
+      each_crossing_one_by_one(surface, rays, alone, range, [&](int lane, const Crossing& crossing) {
+        tell(only_lane(lane), crossing.t);
+      });
   }
 
   /// Visits the crossings of some rays with a textured surface, each with its color.
@@ -293,7 +294,7 @@ class TileScene : public TileHits<S...> {
     if (has_parts(surface))
       each_crossing_one_by_one(surface, rays, some, range, [&](int lane, const Crossing& crossing) {
         const Intersection hit(rays[lane], crossing_on(surface, crossing, material));
-        visit_crossing(SomeCross{one(lane), hit.color()});
+        visit_crossing(SomeCross{only_lane(lane), hit.color()});
       });
     else
       each_crossing_of(surface, rays, some, range, [&](LaneMask which, Doubles t) {

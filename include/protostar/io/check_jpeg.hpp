@@ -24,7 +24,7 @@ class JpegCheck {
   JpegCheck(const ImageBytes& jpeg, std::int64_t most_pixels) : jpeg_(jpeg) {
     jpeg_.take(2, "the start marker of a JPEG");
     for (std::uint32_t marker = take_marker(jpeg_); marker != end_of_image; marker = take_marker(jpeg_)) {
-      if (is_restart(marker)) continue;  // read_scan has counted it
+      if (is_restart(marker)) continue;  // read_scan counts those of a scan; before one, they are skipped
       ImageBytes segment = next_segment();
       if (0xc0 <= marker && marker <= 0xc2)
         read_frame(segment, marker == 0xc2, most_pixels);

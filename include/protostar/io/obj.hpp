@@ -6,12 +6,10 @@
 #endif
 
 // Includes the headers of tiny_obj_loader.h first, so that it does not include them inside a namespace.
-#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cctype>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

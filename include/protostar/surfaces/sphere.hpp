@@ -1,7 +1,8 @@
 // A sphere: the points at distance radius from center, and its equation along a line (§2.2.4, A.1.1).
 //
 // With l = center − origin, a point origin + t·d of a line is on the sphere if |t·d − l|² = r², that is
-//   A t² − 2 b t + c = 0   with   A = d·d,  b = d·l,  c = l·l − r².
+//   A t² − 2 b t + c = 0   with   A = d·d,  b = d·l,  c = l·l − r²   and the discriminant   D = b² − A c.
+// In double, E bounds the error of D, and w = l·l + r² is the size of c's terms.
 // A line that starts on the sphere has c = 0 by definition, whatever its digits say; its roots are 0 and
 // 2b/A, and only the second is a crossing other than the start.
 //
@@ -27,12 +28,12 @@ namespace detail {
 
 /// Margin added to the error of a discriminant: more than all underflows together, of 2^-1075 (4A + 3|c| +
 /// 6|b| + 2), wherever A < 2^150 and rounding is not larger still.
-inline constexpr double underflow = 0x1p-900;
+inline constexpr double underflow_margin = 0x1p-900;
 
 /// Tests whether the square of a direction neither underflows nor takes products with it out of the range of
 /// double.
 template <class T>
-[[nodiscard, gnu::always_inline]] inline auto in_range(const T& A) {
+[[nodiscard, gnu::always_inline]] inline auto is_moderate_square(const T& A) {
   return 0x1p-150 < A && A < 0x1p150;
 }
 
@@ -51,8 +52,8 @@ template <class T>
   const auto rr = radius * radius;
   const auto c = ll - rr, w = ll + rr;
   using T = std::remove_const_t<decltype(b)>;
-  const auto E =
-      0x1p-68 * (select(detail::in_range(T(A)), 0x1p20 * T(A), T(infinity)) * w) + detail::underflow;
+  const auto E = 0x1p-68 * (select(detail::is_moderate_square(T(A)), 0x1p20 * T(A), T(infinity)) * w) +
+                 detail::underflow_margin;
   return RoundedQuadratic<T, std::remove_const_t<decltype(c)>>{
       .A = A, .b = b, .c = c, .w = w, .D = b * b - A * c, .E = E};
 }
@@ -80,7 +81,7 @@ template <class T>
 /// root above 0. The errors of b and c are at most 4u √(A w) and 7u w; underflow affects neither comparison.
 template <class T, class C>
 [[nodiscard, gnu::always_inline]] inline auto surely_recedes(const RoundedQuadratic<T, C>& e) {
-  return detail::in_range(e.A) && e.c > 0x1p-50 * e.w && e.w > 0x1p-900 && e.b < 0.0 &&
+  return detail::is_moderate_square(e.A) && e.c > 0x1p-50 * e.w && e.w > 0x1p-900 && e.b < 0.0 &&
          e.b * e.b > 0x1p-100 * (e.A * e.w);
 }
 
@@ -90,9 +91,9 @@ template <class T, class C>
                                                                                          const Point& center,
                                                                                          double radius) {
   const auto e = sphere_equation(ray, center, radius);
-  // In double-double, the error of c is at most 16u² w, below 2^-32 |c|
-  // for |c| > 2^-70 w. The rest is as in certified_quotient: |q| is larger than 2^-9 √(A w), since |q|² ≥ √D
-  // |q| > 2^31 E, so the errors of b and √D do not need a large c. For w > 2^-900, underflow does not matter.
+  // In double-double, the error of c is at most 16u² w, below 2^-32 |c| for |c| > 2^-70 w. The rest is as in
+  // certified_quotient: |q| is larger than 2^-9 √(A w), since |q|² ≥ √D |q| > 2^31 E, so the errors of b and
+  // √D do not need a large c. For w > 2^-900, underflow does not matter.
   if (!(e.D > 4 * e.E && e.w > 0x1p-900)) return std::nullopt;
   const double root = std::sqrt(e.D), q = e.b + std::copysign(root, e.b);
   if (!(root * std::abs(q) > 0x1p31 * e.E)) return std::nullopt;

@@ -103,7 +103,7 @@ class StartInTriangle {
   /// Returns the crossing of the line with another triangle, as certain as Roots says; none if that triangle
   /// lies in the plane that the ray leaves.
   [[nodiscard]] Roots roots(const Ray& ray, const Triangle& other) const {
-    return roots_of(rounded_equation(ray, other), [&] { return roots_in_doubt(ray, other); });
+    return roots_of(rounded_equation(ray, other), [&] { return roots_with_more_digits(ray, other); });
   }
 
   /// Returns the crossing with another triangle without rounding. If the crossings of the given ray and of
@@ -142,7 +142,8 @@ class StartInTriangle {
     return other.equation(line(ray));
   }
 
-  [[nodiscard, gnu::cold, gnu::noinline]] Roots roots_in_doubt(const Ray& ray, const Triangle& other) const {
+  [[nodiscard, gnu::cold, gnu::noinline]] Roots roots_with_more_digits(const Ray& ray,
+                                                                       const Triangle& other) const {
     if (!is_proper(ray)) return {};
     ++fallbacks.exact;
     const ExactLinear exact = other.equation(line_from_start(ray));
