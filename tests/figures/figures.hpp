@@ -2,6 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
+
+#include "sketch.hpp"
 
 namespace figures {
 
@@ -22,5 +25,8 @@ std::string meshes(const std::string& folder);
 std::string growth(const std::string& folder);
 std::string error(const std::string& folder);
 std::string kernels(const std::string& folder);
+
+// Figures of the stages' pages.
+std::vector<StageFigure> vector_figures();  ///< stages 00 to 02: vectors, images, cameras and rays
 
 }  // namespace figures

@@ -1,6 +1,7 @@
 // A drawing as the text of an SVG file, for a light or a dark background.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -73,6 +74,18 @@ class Drawing {
   }
   void polyline(const std::vector<Place>& corners, Paint paint, Stroke stroke = Stroke::thin) {
     add("polyline", points(corners), paint, Fill::none, stroke);
+  }
+
+  /// Draws a dot.
+  void mark(const Place& at, Paint paint, Fill fill = Fill::full) { circle(at, 5, paint, fill); }
+
+  /// Fills a rectangle with a color of its own, on either background: red, green and blue from 0 to 255.
+  void swatch(const Place& corner, double width, double height, const std::array<int, 3>& color) {
+    const std::string rgb = "rgb(" + std::to_string(color[0]) + ',' + std::to_string(color[1]) + ',' +
+                            std::to_string(color[2]) + ')';
+    text_ += "<rect x=\"" + number(corner.x) + "\" y=\"" + number(corner.y) + "\" width=\"" + number(width) +
+             "\" height=\"" + number(height) + "\" style=\"fill:" + rgb + ";stroke:" + rgb +
+             ";stroke-width:.5\"/>\n";
   }
 
   /// Draws a cross.
