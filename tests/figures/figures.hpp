@@ -28,5 +28,6 @@ std::string kernels(const std::string& folder);
 
 // Figures of the stages' pages.
 std::vector<StageFigure> vector_figures();  ///< stages 00 to 02: vectors, images, cameras and rays
+std::vector<StageFigure> light_figures();   ///< stages 03 to 08: hits, depth, normals, light, transparency
 
 }  // namespace figures
