@@ -27,8 +27,9 @@ std::string error(const std::string& folder);
 std::string kernels(const std::string& folder);
 
 // Figures of the stages' pages.
-std::vector<StageFigure> vector_figures();  ///< stages 00 to 02: vectors, images, cameras and rays
-std::vector<StageFigure> light_figures();   ///< stages 03 to 08: hits, depth, normals, light, transparency
-std::vector<StageFigure> path_figures();    ///< stages 09 to 13: shadows, highlights, mirrors, glass
+std::vector<StageFigure> vector_figures();    ///< stages 00 to 02: vectors, images, cameras and rays
+std::vector<StageFigure> light_figures();     ///< stages 03 to 08: hits, depth, normals, light, transparency
+std::vector<StageFigure> path_figures();      ///< stages 09 to 13: shadows, highlights, mirrors, glass
+std::vector<StageFigure> geometry_figures();  ///< stages 13 to 16: surfaces, solids, environments
 
 }  // namespace figures
