@@ -31,5 +31,6 @@ std::vector<StageFigure> vector_figures();    ///< stages 00 to 02: vectors, ima
 std::vector<StageFigure> light_figures();     ///< stages 03 to 08: hits, depth, normals, light, transparency
 std::vector<StageFigure> path_figures();      ///< stages 09 to 13: shadows, highlights, mirrors, glass
 std::vector<StageFigure> geometry_figures();  ///< stages 13 to 16: surfaces, solids, environments
+std::vector<StageFigure> mesh_figures();      ///< stage 17: triangles, meshes, trees of boxes
 
 }  // namespace figures
