@@ -2,7 +2,7 @@
 //
 //   compare_images A B [DIFF.png]
 //
-// Reads PNG and binary PPM. Prints how many pixels differ and by how many levels at most. DIFF.png, written
+// Reads PNG and PPM. Prints how many pixels differ and by how many levels at most. DIFF.png, written
 // if any pixel differs, is black at equal channels; a channel that differs by n levels is 95 + 10 n there, so
 // that a single level is visible. The exit status is 0 if the pictures are equal, 1 if they differ, 2 if
 // something failed.

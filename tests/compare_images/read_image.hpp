@@ -1,7 +1,11 @@
-// Reads PNG, and PPM in its binary form P6, through stb_image.
+// Reads PNG, and PPM in its binary form P6, through stb_image; and PPM in its plain form P3, with numbers up
+// to 255.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <fstream>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -16,8 +20,28 @@
 
 #include "picture.hpp"
 
+/// Reads the rest of a plain PPM, behind the letters P3. Throws std::runtime_error if it is not complete.
+inline Picture read_plain_ppm(std::ifstream& file, const std::string& path) {
+  Picture picture;
+  int max_code = 0;
+  file >> picture.width >> picture.height >> max_code;
+  if (!file || picture.width < 1 || picture.height < 1 || max_code != 255)
+    throw std::runtime_error(path + ": is no plain PPM with a largest number of 255");
+  for (long i = 0; i < static_cast<long>(picture.width) * picture.height; ++i) {
+    int r = -1, g = -1, b = -1;
+    file >> r >> g >> b;
+    if (!file || std::min({r, g, b}) < 0 || std::max({r, g, b}) > 255)
+      throw std::runtime_error(path + ": has a pixel that is incomplete or not from 0 to 255");
+    picture.pixels.push_back(
+        {static_cast<std::uint8_t>(r), static_cast<std::uint8_t>(g), static_cast<std::uint8_t>(b)});
+  }
+  return picture;
+}
+
 /// Reads a picture. Throws std::runtime_error, with the path and the reason, if it cannot be read.
 inline Picture read_image(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (file.get() == 'P' && file.get() == '3') return read_plain_ppm(file, path);
   Picture picture;
   int channels = 0;
   const std::unique_ptr<stbi_uc, void (*)(void*)> bytes(
