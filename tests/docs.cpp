@@ -160,6 +160,28 @@ TEST_CASE("docs/embed_code puts a file, a type, a function or a member between i
   }
 }
 
+TEST_CASE("docs/embed_code puts the step from one file to another between its marks") {
+  const Project project;
+  project.write("old.cpp",
+                "// Old.\n\nint a;\nint b;\nint c;\nint d;\nint e;\nint f;\nint g;\n\nint h;\nint i;\n");
+  project.write("new.cpp",
+                "// New.\n\nint a;\nint b;\nint x;\n\nint y;\nint d;\nint e;\nint f;\nint g;\n\nint h;\nint "
+                "i;\nint z;\n");
+  const std::string mark = "before\n<!-- step: old.cpp new.cpp -->\n", end = "<!-- /step -->\nafter\n";
+  project.write("docs/page.md", mark + "old\n" + end);
+  CHECK(project.embed_code() == 0);
+  CHECK(
+      project.file("docs/page.md") ==
+      mark +
+          "```diff\n int a;\n int b;\n-int c;\n+int x;\n+\n+int y;\n int d;\n int e;\n...\n int h;\n int i;\n"
+          "+int z;\n```\n" +
+          end);
+  CHECK(project.embed_code("--check") == 0);
+  project.write("new.cpp", "// New.\n\nint x;\n");
+  CHECK(project.embed_code("--check") == 1);
+  CHECK_THAT(project.said(), ContainsSubstring("docs/page.md"));
+}
+
 TEST_CASE("docs/embed_code --check names the file that is out of date and leaves it unchanged") {
   const Project project;
   project.write("ring.hpp", header);
@@ -177,6 +199,7 @@ TEST_CASE(
     "docs/embed_code refuses marks that it cannot fill, names their place, and leaves the file unchanged") {
   const Project project;
   project.write("ring.hpp", header);
+  project.write("long.hpp", "// A comment at the top.\n" + header);
   struct Case {
     std::string text, message;
   };
@@ -187,6 +210,10 @@ TEST_CASE(
            Case{"<!-- code: ring.hpp -->\n", "line 1"},
            Case{"x\n<!-- /code -->\n", "line 2"},
            Case{"<!-- code: ring.hpp -->\n<!-- code: ring.hpp -->\n<!-- /code -->\n", "line 1"},
+           Case{"<!-- code: ring.hpp -->\n<!-- /step -->\n", "line 2"},
+           Case{"<!-- step: ring.hpp none.hpp -->\n<!-- /step -->\n", "none.hpp"},
+           Case{"<!-- step: ring.hpp ring.hpp -->\n<!-- /step -->\n", "do not differ"},
+           Case{"<!-- step: ring.hpp long.hpp -->\n<!-- /step -->\n", "not equally long"},
        }) {
     CAPTURE(text);
     project.write("docs/bad.md", text);
