@@ -288,6 +288,20 @@ TEST_CASE("every stage has a page with its picture and its code, and both lists 
   }
 }
 
+TEST_CASE("every stage but the naive ones has a plain ray tracer, and its page shows the step") {
+  for (const std::string& stage : stages()) {
+    if (stage.ends_with("_naive")) continue;
+    CAPTURE(stage);
+    const std::string source = "stages/plain/" + stage + ".cpp";
+    CHECK_THAT(read(root / source),
+               ContainsSubstring("\n// g++ -O2 -std=c++20 " + stage + ".cpp -o " + stage + " && ./" + stage));
+    const std::string page = read(root / "docs" / "stages" / (stage + ".md"));
+    CHECK_THAT(page, ContainsSubstring("\n## The step, plainly\n"));
+    CHECK_THAT(page, ContainsSubstring(" " + source + " -->\n```"));
+    CHECK_THAT(page, ContainsSubstring("\n<!-- plain: " + stage));
+  }
+}
+
 TEST_CASE("docs/errata.md: the tutorial's rounding differs in 24 of the 100 columns of the gradient") {
   const protostar::Encoder encode(protostar::Linear{}, 255);
   int differing = 0;
