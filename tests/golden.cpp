@@ -238,6 +238,18 @@ TEST_CASE("compare_images reports how much pictures differ, and shows where") {
   CHECK_THAT(bytes_of(folder / "output.txt"), ContainsSubstring("none.png"));
   CHECK(run(folder, compare + lit) == 2);
   CHECK(run(folder, compare + lit + shadowed + "no/folder.png") == 2);
+
+  for (const std::string pixel : {"9 8 7", "9 8 6"})
+    put_bytes(folder / (pixel.substr(4) + ".ppm"), "P3\n1 1\n255\n" + pixel);
+  CHECK(run(folder, compare + "7.ppm 6.ppm") == 1);
+  CHECK(bytes_of(folder / "output.txt") == "1 of 1 pixels differ, by at most 1 of 255 levels\n");
+  for (const std::string wrong_end :
+       {"1 1\n65535\n9 8 7", "1 1\n255\n9 8", "1 1\n255\n9 8 256", "0 1\n255\n"}) {
+    CAPTURE(wrong_end);
+    put_bytes(folder / "wrong.ppm", "P3\n" + wrong_end);
+    CHECK(run(folder, compare + "wrong.ppm 7.ppm") == 2);
+    CHECK_THAT(bytes_of(folder / "output.txt"), ContainsSubstring("wrong.ppm"));
+  }
 }
 
 TEST_CASE("update_golden replaces a golden only if a reason is given, and records the reason") {
