@@ -18,8 +18,8 @@ namespace detail {
 /// 2^(e − 8), where 2^e is above the largest channel and at most twice as large, and e is at most 127.
 /// stb_image_write truncates fractions; this color has none.
 [[nodiscard]] inline Color nearest_rgbe(const Color& light) {
-  const auto held = [](float x) { return x > 0 ? std::min(x, 255 * 0x1p119f) : 0; };  // NaN is not above 0
-  const Color c{held(light.r), held(light.g), held(light.b)};
+  const auto limited = [](float x) { return x > 0 ? std::min(x, 255 * 0x1p119f) : 0; };  // NaN is not above 0
+  const Color c{limited(light.r), limited(light.g), limited(light.b)};
   const float largest = std::max({c.r, c.g, c.b});
   // stb_image_write writes 0 below this limit. The format itself could hold some smaller values: its least
   // exponent is 2^-128.
