@@ -118,23 +118,6 @@ class TileScene : public TileHits<S...> {
       return inlined_occluded(rays, range);
   }
 
- private:
-  [[nodiscard, gnu::noinline]] LaneMask called_occluded(const RayPacket& rays, Interval range) const {
-    return inlined_occluded(rays, range);
-  }
-  [[nodiscard]] LaneMask inlined_occluded(const RayPacket& rays, Interval range) const {
-    LaneMask found = false, left = rays.active;
-    state_.counts.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
-    if (!any(left)) return found;
-    // Copies, here and below, let the packet itself stay in registers.
-    if (rays.leave_primitives()) return occluded_one_by_one(RayPacket(rays), range);
-    if (scene_.size() > few) return occluded_among_many(RayPacket(rays), range);
-    for (std::size_t index = 0; index < scene_.size() && any(left); ++index)
-      test_any(static_cast<std::int64_t>(index), rays, range, false, found, left);
-    return found;
-  }
-
- public:
   /// Sets the surfaces that a block of camera rays may cross; the next packet's first ray is ray
   /// `first_lane` of the block, and crossings are asked for in t > 0. Null: no block has been tested in
   /// float.
@@ -175,6 +158,21 @@ class TileScene : public TileHits<S...> {
   };
 
   void count_alone() const { ++state_.counts.other_rays, ++state_.counts.rays_alone; }
+
+  [[nodiscard, gnu::noinline]] LaneMask called_occluded(const RayPacket& rays, Interval range) const {
+    return inlined_occluded(rays, range);
+  }
+  [[nodiscard]] LaneMask inlined_occluded(const RayPacket& rays, Interval range) const {
+    LaneMask found = false, left = rays.active;
+    state_.counts.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
+    if (!any(left)) return found;
+    // Copies, here and below, let the packet itself stay in registers.
+    if (rays.leave_primitives()) return occluded_one_by_one(RayPacket(rays), range);
+    if (scene_.size() > few) return occluded_among_many(RayPacket(rays), range);
+    for (std::size_t index = 0; index < scene_.size() && any(left); ++index)
+      test_any(static_cast<std::int64_t>(index), rays, range, false, found, left);
+    return found;
+  }
 
   [[nodiscard, gnu::noinline]] LaneMask occluded_among_many(const RayPacket& rays, Interval range) const {
     const std::vector<int>* indices = nullptr;
