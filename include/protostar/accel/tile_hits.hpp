@@ -145,15 +145,20 @@ class TileHits {
     return result;
   }
 
-  /// Prefetches these candidates; or the materials of these hits.
-  void fetch(const Candidates& candidates) const {
-    for (const std::uint32_t index : candidates.indices())
-      visit(index, [](const auto& surface, const Material&) { prefetch(&surface); });
+  /// Prefetches the surfaces of all candidates.
+  void prefetch_candidates() const {
+    for (const std::uint32_t index : candidates_.indices())
+      prefetch_surface(static_cast<std::int64_t>(index));
   }
-  void fetch(const Closest& closest) const {
-    for (Bits met = bits(closest.t < infinity); met != 0; met &= met - 1)
-      visit(closest.index[std::countr_zero(met)],
-            [](const auto&, const Material& material) { prefetch_whole(material); });
+  /// Prefetches the surfaces that pixels see.
+  void prefetch_seen(const Indices& seen) const {
+    each_index(seen, bits(seen >= Indices(0)), [&](std::int64_t index) { prefetch_surface(index); });
+  }
+  /// Prefetches the materials of closest hits.
+  void prefetch_materials(const Closest& closest) const {
+    each_index(closest.index, bits(closest.t < infinity), [&](std::int64_t index) {
+      visit(index, [](const auto&, const Material& material) { prefetch_whole(material); });
+    });
   }
 
  protected:
@@ -172,6 +177,19 @@ class TileHits {
       return {all, count};
     }
   };
+
+  void prefetch_surface(std::int64_t index) const {
+    visit(index, [](const auto& surface, const Material&) { prefetch(&surface); });
+  }
+
+  /// Calls f once for each different index in some lanes.
+  static void each_index(const Indices& indices, Bits lanes, const auto& f) {
+    while (lanes != 0) {
+      const std::int64_t index = in_first_lane(indices, lanes);
+      f(index);
+      lanes &= ~bits(indices == Indices(index));
+    }
+  }
 
   static LaneMask only_lane(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
 

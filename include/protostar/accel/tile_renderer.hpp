@@ -74,12 +74,13 @@ class TileRenderer {
   /// An integrator that may ask for all hits needs the scene's order.
   static constexpr Order order = shades || !by_packets ? Order::near_to_far : Order::of_scene;
 
-  /// Sizes of the parts that a tile is divided into. A part with more than `most` candidates is divided
-  /// further, into parts of the next size; the last are at least a block of rays.
+  /// Sizes of the parts that a tile is divided into, one after the other. A part is divided only if it has
+  /// more than `most` candidates, but for those of 16 × 16 pixels, to which all tiles are divided. The last
+  /// parts are at least a block of rays.
   struct Division {
     int width, height, most;
   };
-  static constexpr Division divisions[] = {{16, 16, 3}, {8, 8, 16}, {8, RayBlock::height, 0}};
+  static constexpr Division divisions[] = {{32, 32, 64}, {16, 16, -1}, {8, 8, 3}, {8, RayBlock::height, 16}};
 
   /// First pixel of a packet.
   struct PacketStart {
@@ -143,21 +144,20 @@ class TileRenderer {
       });
   }
 
-  /// Divides a tile into parts, culls its candidates for each, and fills it or divides it further.
-  void fill_parts(const Tile& tile, const Candidates& candidates, std::size_t division, Work& work) const {
-    const auto [width, height, most] = divisions[division];
-    Candidates& in_part = work.lists[division + 1];
+  /// Fills a tile or a part of one. One that has many candidates is divided: its candidates are culled for
+  /// each of its parts, beginning with the next division.
+  void fill_parts(const Tile& tile, const Candidates& candidates, std::size_t next, Work& work) const {
+    while (next < std::size(divisions) && candidates.size() <= divisions[next].most) ++next;
+    if (next == std::size(divisions)) return fill(tile, candidates, work);
+    const auto [width, height, most] = divisions[next];
+    Candidates& in_part = work.lists[next + 1];
     for (int y = tile.y0; y < tile.y1; y += height)
       for (int x = tile.x0; x < tile.x1; x += width) {
         const Tile part{x, y, std::min(x + width, tile.x1), std::min(y + height, tile.y1)};
         const Frustum frustum(rays_, part);
         in_part.clear();
         in_part.add(candidates, frustum);
-        if (fill_uniform(part, in_part, frustum, work)) continue;
-        if (in_part.size() <= most || division + 1 == std::size(divisions))
-          fill(part, in_part, work);
-        else
-          fill_parts(part, in_part, division + 1, work);
+        if (!fill_uniform(part, in_part, frustum, work)) fill_parts(part, in_part, next + 1, work);
       }
   }
 
@@ -225,7 +225,6 @@ class TileRenderer {
   /// Fills a part of at most 16 × 16 pixels with the mean radiance of each pixel's rays.
   void fill(const Tile& part, const Candidates& candidates, Work& work) const {
     View view = view_of(candidates, work);
-    if (candidates_.are_from_bvh()) view.fetch(candidates);
     const PixelGrid& pixels = rays_.pixels();
     const int samples = pixels.samples();
     work.state.counts.camera_rays += pixel_count(part) * static_cast<std::uint64_t>(samples);
@@ -257,6 +256,7 @@ class TileRenderer {
   [[gnu::flatten]] void fill_hits(const Tile& part, const Candidates& candidates, const View& view, int i,
                                   Work& work) const {
     const bool is_known = find_visibility(part, candidates, view, i, work);
+    if (candidates_.are_from_bvh() && !is_known) view.prefetch_candidates();
     const auto seen_from = [&](int x, int y) {
       return is_known ? widened(work.visibility(x, y)) : Indices(is_in_doubt);
     };
@@ -273,6 +273,7 @@ class TileRenderer {
         skipped += static_cast<std::uint64_t>(std::min(double_lanes, part.x1 - x));
         return add_packet(image_, part, x, y, i, shade_seen(seen, any_rays, view));
       }
+      if (candidates_.are_from_bvh() && is_known) view.prefetch_seen(seen_from(x, y));
       directions[count] = rays_.directions(x, y, i);
       open[count++] = {x, y};
     });
@@ -280,7 +281,7 @@ class TileRenderer {
       const auto [x, y] = open[k];
       view.set_first_pixel(x, y, i);
       closest[k] = view.closest(rays_.packet(part, x, y, directions[k], i), seen_from(x, y));
-      if (candidates_.are_from_bvh()) view.fetch(closest[k]);
+      if (candidates_.are_from_bvh()) view.prefetch_materials(closest[k]);
     }
     for (std::size_t k = 0; k < count; ++k) {
       const auto [x, y] = open[k];
