@@ -84,7 +84,7 @@ void plane_crossing(Drawing& drawing) {
   sketch.mark(ray.origin, Paint::blue);
   sketch.mark(ray.at(t), Paint::red);
   sketch.arrow(0.9 * along - 0.5 * n, 2.6 * along - 0.5 * n, Paint::gray, Stroke::dashed);
-  sketch.words(a, {4, 26}, "a", Paint::ink);
+  sketch.words(a, {4, 26}, "p₀", Paint::ink);
   sketch.words(a + 0.8 * n, {8, 4}, "n", Paint::green);
   sketch.words(ray.origin, {-12, -6}, "o", Paint::blue, Anchor::end);
   sketch.words(ray.at(1), {0, -10}, "d", Paint::blue, Anchor::end);
@@ -110,15 +110,15 @@ void disk(Drawing& drawing) {
     sketch.arrow(above, p, paint, Stroke::bold);
     sketch.line(disk.position, p, paint, Stroke::dashed);
     sketch.words(p, {is_hit ? -10.0 : 12.0, -2},
-                 joined({"|p − a| = ", text_of(length(p - disk.position), 1)}), paint,
+                 joined({"|p − c| = ", text_of(length(p - disk.position), 1)}), paint,
                  is_hit ? Anchor::end : Anchor::start);
   }
   sketch.arrow(Point{0}, {0, 0.7, 0}, Paint::ink);
   sketch.mark(Point{0}, Paint::ink);
   sketch.words({0, 0.7, 0}, {0, -8}, "n", Paint::ink, Anchor::middle);
-  sketch.words(Point{0}, {8, 22}, "a", Paint::ink);
+  sketch.words(Point{0}, {8, 22}, "c", Paint::ink);
   sketch.line(Point{0}, {-0.3, 0, -1.162}, Paint::blue);
-  sketch.words({-0.25, 0, -0.8}, {-8, 4}, "r = 1.2", Paint::blue, Anchor::end);
+  sketch.words({-0.25, 0, -0.8}, {-8, 4}, "R = 1.2", Paint::blue, Anchor::end);
 }
 
 void parallelogram(Drawing& drawing) {
@@ -144,9 +144,9 @@ void parallelogram(Drawing& drawing) {
                  is_hit ? Paint::green : Paint::red);
   }
   sketch.mark(at(0, 0), Paint::ink);
-  sketch.words(at(0, 0), {-12, 12}, "a", Paint::ink, Anchor::end);
-  sketch.words(at(0.5, 0), {10, 26}, "u: α from 0 to 1", Paint::orange, Anchor::middle);
-  sketch.words(at(0, 0.6), {-12, 0}, "v: β", Paint::green, Anchor::end);
+  sketch.words(at(0, 0), {-12, 12}, "p₀", Paint::ink, Anchor::end);
+  sketch.words(at(0.5, 0), {10, 26}, "a: u from 0 to 1", Paint::orange, Anchor::middle);
+  sketch.words(at(0, 0.6), {-12, 0}, "b: v", Paint::green, Anchor::end);
 }
 
 void triangle(Drawing& drawing) {
@@ -160,9 +160,9 @@ void triangle(Drawing& drawing) {
   sketch.polygon({shape.a, shape.b, p}, Paint::blue);
   sketch.mark(p, Paint::ink);
   for (const auto& [vertex, name, paint, w, beside, anchor] :
-       {std::tuple{shape.a, "a", Paint::red, 1 - uv.x - uv.y, Place{-10, 26}, Anchor::middle},
-        {shape.b, "b", Paint::green, uv.x, Place{14, 6}, Anchor::start},
-        {shape.c, "c", Paint::blue, uv.y, Place{0, -12}, Anchor::middle}}) {
+       {std::tuple{shape.a, "p₀", Paint::red, 1 - uv.x - uv.y, Place{-10, 26}, Anchor::middle},
+        {shape.b, "p₁", Paint::green, uv.x, Place{14, 6}, Anchor::start},
+        {shape.c, "p₂", Paint::blue, uv.y, Place{0, -12}, Anchor::middle}}) {
     sketch.mark(vertex, paint);
     sketch.words(vertex, beside, name, paint, anchor);
     // The weight of a vertex is the share of the area of the triangle across from it.
@@ -171,9 +171,9 @@ void triangle(Drawing& drawing) {
   }
   sketch.words(p, {10, -10}, "p");
   drawing.words({480, 80}, "p =", Anchor::start, Paint::ink);
-  drawing.words({480, 108}, weight(1 - uv.x - uv.y) + " a", Anchor::start, Paint::red);
-  drawing.words({480, 134}, joined({"+ ", weight(uv.x), " b"}), Anchor::start, Paint::green);
-  drawing.words({480, 160}, joined({"+ ", weight(uv.y), " c"}), Anchor::start, Paint::blue);
+  drawing.words({480, 108}, weight(1 - uv.x - uv.y) + " p₀", Anchor::start, Paint::red);
+  drawing.words({480, 134}, joined({"+ ", weight(uv.x), " p₁"}), Anchor::start, Paint::green);
+  drawing.words({480, 160}, joined({"+ ", weight(uv.y), " p₂"}), Anchor::start, Paint::blue);
 }
 
 void box_slabs(Drawing& drawing) {
@@ -263,16 +263,16 @@ void csg_intervals(Drawing& drawing) {
   const Sketch sketch(drawing, {120, 130}, 100);
   sketch.circle(a.center, a.radius, Paint::blue);
   sketch.circle(b.center, b.radius, Paint::orange);
-  sketch.words(a.center, {-30, -40}, "A", Paint::blue, Anchor::middle);
-  sketch.words(b.center, {30, -40}, "B", Paint::orange, Anchor::middle);
+  sketch.words(a.center, {-30, -40}, "S", Paint::blue, Anchor::middle);
+  sketch.words(b.center, {30, -40}, "T", Paint::orange, Anchor::middle);
   sketch.ray(ray, 4.9, Paint::ink);
   sketch.eye(Point{0}, ray.direction);
   double y = 272;
-  for (const auto& [name, solid, paint] : {std::tuple{"A", Csg(a), Paint::blue},
-                                           {"B", Csg(b), Paint::orange},
-                                           {"A ∪ B", union_of({a, b}), Paint::ink},
-                                           {"A ∩ B", intersection_of({a, b}), Paint::green},
-                                           {"A \\ B", difference_of({a, b}), Paint::red}}) {
+  for (const auto& [name, solid, paint] : {std::tuple{"S", Csg(a), Paint::blue},
+                                           {"T", Csg(b), Paint::orange},
+                                           {"S ∪ T", union_of({a, b}), Paint::ink},
+                                           {"S ∩ T", intersection_of({a, b}), Paint::green},
+                                           {"S \\ T", difference_of({a, b}), Paint::red}}) {
     std::vector<double> crossings;
     solid.each_crossing(ray, {}, [&](const Crossing& crossing) { crossings.push_back(crossing.t); });
     expect(crossings.size() == 2, "csg_intervals");

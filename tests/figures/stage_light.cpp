@@ -38,11 +38,12 @@ void closest_hit(Drawing& drawing) {
   for (const Sphere& sphere : spheres) scene.add(sphere, Color{1});
   const auto hit = scene.intersect(along_x).value();
   const Sketch sketch(drawing, {36, 150}, 96);
+  const std::vector<std::string> names{"S₁", "S₂", "S₃", "S₄"};
   sketch.eye(Point{0}, along_x.direction);
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     sketch.circle(spheres[i].center, spheres[i].radius, Paint::gray);
-    sketch.words(spheres[i].center, {0, spheres[i].center.y > 0 ? -14.0 : 26.0}, std::string(1, "ABCD"[i]),
-                 Paint::ink, Anchor::middle);
+    sketch.words(spheres[i].center, {0, spheres[i].center.y > 0 ? -14.0 : 26.0}, names[i], Paint::ink,
+                 Anchor::middle);
   }
   sketch.arrow(Point{0}, along_x.at(6), Paint::gray);
   sketch.arrow(Point{0}, hit.point(), Paint::red, Stroke::bold);
@@ -50,7 +51,7 @@ void closest_hit(Drawing& drawing) {
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     const double y = -1.75 - 0.32 * static_cast<double>(i);
     const Roots roots = roots_of(spheres[i], along_x);
-    sketch.words({0, y, 0}, {-24, 6}, std::string(1, "ABCD"[i]));
+    sketch.words({0, y, 0}, {-24, 6}, names[i]);
     sketch.line({0, y, 0}, {5.9, y, 0}, Paint::gray, Stroke::dashed);
     if (roots.count() == 0) {
       sketch.words({0.9, y, 0}, {0, 6}, "no root", Paint::gray, Anchor::middle);
@@ -98,7 +99,7 @@ void depth_curve(Drawing& drawing) {
   sketch.arrow({0, 0, 0}, {6.6, 0, 0}, Paint::ink);
   sketch.arrow({0, 0, 0}, {0, 3.25, 0}, Paint::ink);
   sketch.words({6.6, 0, 0}, {0, 24}, "t", Paint::ink, Anchor::end);
-  sketch.words({0, 3.25, 0}, {12, 8}, "v = 1/t");
+  sketch.words({0, 3.25, 0}, {12, 8}, "L = 1/t");
   const auto at = [&](double t) { return Point{t, high / t, 0}; };
   sketch.curve(at, 0.7, 1, Paint::red, Stroke::dashed);
   sketch.curve(at, 1, 6.4, Paint::blue, Stroke::bold);
@@ -152,12 +153,12 @@ void sphere_normals(Drawing& drawing) {
     if (i != 1) continue;
     sketch.arrow(sphere.center, p, Paint::blue, Stroke::bold);
     sketch.mark(p, Paint::red);
-    sketch.words(0.5 * p, {-36, 34}, "p − C: length R", Paint::blue);
+    sketch.words(0.5 * p, {-36, 34}, "p − c: length R", Paint::blue);
     sketch.words(p, {-2, 26}, "p", Paint::red);
-    sketch.words(p + sphere.normal_at(p), {8, 0}, "n = (p − C)/R, length 1", Paint::green);
+    sketch.words(p + sphere.normal_at(p), {8, 0}, "n = (p − c)/R, length 1", Paint::green);
   }
   sketch.mark(sphere.center, Paint::ink);
-  sketch.words(sphere.center, {-10, -8}, "C", Paint::ink, Anchor::end);
+  sketch.words(sphere.center, {-10, -8}, "c", Paint::ink, Anchor::end);
 }
 
 void normal_colors(Drawing& drawing) {
@@ -337,13 +338,13 @@ void gamma(Drawing& drawing) {
     sketch.curve([&](double value) { return Point{decode(curve, value), value, 0}; }, 0, 1, paint, stroke);
     drawing.words({350, y}, name, Anchor::start, paint);
   };
-  draw(Linear{}, Paint::gray, Stroke::bold, "linear: v", 60);
-  draw(Gamma{}, Paint::blue, Stroke::bold, "gamma: v^(1/2.2)", 86);
+  draw(Linear{}, Paint::gray, Stroke::bold, "linear: L", 60);
+  draw(Gamma{}, Paint::blue, Stroke::bold, "gamma: L^(1/2.2)", 86);
   draw(Srgb{}, Paint::red, Stroke::dashed, "sRGB", 112);
   for (const double x : {0.0, 1.0})
     sketch.words({x, 0, 0}, {0, 24}, text_of(x, 0), Paint::ink, Anchor::middle);
   sketch.words({0, 1, 0}, {-10, 6}, "1", Paint::ink, Anchor::end);
-  sketch.words({0.5, 0, 0}, {0, 24}, "light v", Paint::ink, Anchor::middle);
+  sketch.words({0.5, 0, 0}, {0, 24}, "light L", Paint::ink, Anchor::middle);
   sketch.words({0, 1.08, 0}, {10, 4}, "share of the largest code");
   drawing.words({350, 168}, "equal steps of light");
   drawing.words({350, 246}, "equal steps of codes");
@@ -517,11 +518,11 @@ void cancellation(Drawing& drawing) {
   const float root = std::sqrt(b * b - c);
   drawing.words({320, 26}, "A ray from a computed hit on the ground, in float", Anchor::middle, Paint::ink,
                 true);
-  write_digits(drawing, 66, "l · l", ll, exact_ll);
+  write_digits(drawing, 66, "|c − o|²", ll, exact_ll);
   write_digits(drawing, 92, "− R²", RR, 1e6);
   drawing.line({60, 102}, {530, 102}, Paint::gray);
-  write_digits(drawing, 124, "c", c, exact_c);
-  write_digits(drawing, 170, "b", b, exact_b);
+  write_digits(drawing, 124, "C", c, exact_c);
+  write_digits(drawing, 170, "B", b, exact_b);
   write_digits(drawing, 196, "− √D", root, exact_root);
   drawing.line({60, 206}, {530, 206}, Paint::gray);
   write_digits(drawing, 228, "t", b - root, exact_b - exact_root);

@@ -40,9 +40,9 @@ void edge_sides(Drawing& drawing) {
     const bool is_hit = Triangle{a, b, c}.intersect(Ray{.origin = p - Vec3{0, 0, 1}}).has_value();
     expect(is_hit == (std::abs(sum) == 3), "edge_sides");
     sketch.mark(p, is_hit ? Paint::green : Paint::red);
-    sketch.words(a, {0, 24}, "a", Paint::ink, Anchor::middle);
-    sketch.words(b, {0, -8}, "b", Paint::ink, Anchor::middle);
-    sketch.words(c, {10, 8}, "c");
+    sketch.words(a, {0, 24}, "p₀", Paint::ink, Anchor::middle);
+    sketch.words(b, {0, -8}, "p₁", Paint::ink, Anchor::middle);
+    sketch.words(c, {10, 8}, "p₂");
     drawing.words({left + 130, 322}, is_hit ? "one sign: a hit" : "two signs: a miss", Anchor::middle,
                   is_hit ? Paint::green : Paint::red);
     left += 330;

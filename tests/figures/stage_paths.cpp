@@ -136,7 +136,7 @@ void departure(Drawing& drawing) {
     sketch.mark(ray.origin, Paint::ink);
     sketch.words(ray.origin, {12, leads_out ? 4.0 : -14.0}, "t = 0, divided out");
     sketch.words(ray.at(roots[0]), leads_out ? Place{12, -8} : Place{-14, -2},
-                 joined({"2b/A = ", text_of(roots[0])}), leads_out ? Paint::gray : Paint::red,
+                 joined({"2B/A = ", text_of(roots[0])}), leads_out ? Paint::gray : Paint::red,
                  leads_out ? Anchor::start : Anchor::end);
     drawing.words({middle, 316}, leads_out ? "its root is behind: no hit" : "its root is ahead: one hit",
                   Anchor::middle, leads_out ? Paint::green : Paint::red);
@@ -266,9 +266,9 @@ void phong(Drawing& drawing) {
   sketch.angle(Point{0}, 0.5, n, r, Paint::gray);
   sketch.angle(Point{0}, 1.95, eye, r, Paint::ink);
   sketch.words(1.5 * n, {0, -8}, "n", Paint::green, Anchor::middle);
-  sketch.words(2.1 * r, {-8, -10}, "r, the mirror direction", Paint::red, Anchor::middle);
-  sketch.words(2.1 * eye, {6, 34}, "v, to the eye", Paint::blue, Anchor::middle);
-  drawing.words({320, 302}, "cos(r, v) to the power of 4 (green), 20 (orange), 100 (red)", Anchor::middle);
+  sketch.words(2.1 * r, {-8, -10}, "l', the light mirrored", Paint::red, Anchor::middle);
+  sketch.words(2.1 * eye, {6, 34}, "−d, to the eye", Paint::blue, Anchor::middle);
+  drawing.words({320, 302}, "their cosine to the power of 4 (green), 20 (orange), 100 (red)", Anchor::middle);
 }
 
 void lobes(Drawing& drawing) {
@@ -292,8 +292,8 @@ void lobes(Drawing& drawing) {
   }
   for (const double degrees : {-60.0, -30.0, 0.0, 30.0, 60.0})
     drawing.words({at(degrees, 0).x, bottom + 24}, text_of(degrees, 0) + "°", Anchor::middle);
-  drawing.words({320, bottom + 52}, "angle between r and v", Anchor::middle);
-  drawing.words({left, 24}, "cos(r, v) to the power of the shininess");
+  drawing.words({320, bottom + 52}, "angle between l' and −d", Anchor::middle);
+  drawing.words({left, 24}, "its cosine to the power of the shininess");
   drawing.words({150, bottom + 78}, "shininess:");
 }
 

@@ -44,19 +44,19 @@ void vector_sum(Drawing& drawing) {
     sketch.words(from + 0.5 * along, beside, name, paint, Anchor::middle);
   };
   const Sketch sum(drawing, {30, 226}, 48), rest(drawing, {260, 226}, 48), product(drawing, {480, 226}, 48);
-  drawing.words({120, 24}, "u + v", Anchor::middle, Paint::ink, true);
+  drawing.words({120, 24}, "a + b", Anchor::middle, Paint::ink, true);
   sum.line(u, u + v, Paint::gray, Stroke::dashed);
   sum.line(v, u + v, Paint::gray, Stroke::dashed);
-  arrow(sum, Point{0}, u, "u", Paint::blue, {10, 22});
-  arrow(sum, Point{0}, v, "v", Paint::green, {-14, -4});
-  arrow(sum, Point{0}, u + v, "u + v", Paint::red, {-22, -14});
-  drawing.words({340, 24}, "u − v", Anchor::middle, Paint::ink, true);
-  arrow(rest, Point{0}, u, "u", Paint::blue, {10, 22});
-  arrow(rest, Point{0}, v, "v", Paint::green, {-14, -4});
-  arrow(rest, Point(v), u - v, "u − v", Paint::red, {22, -10});
-  drawing.words({556, 24}, "s u", Anchor::middle, Paint::ink, true);
+  arrow(sum, Point{0}, u, "a", Paint::blue, {10, 22});
+  arrow(sum, Point{0}, v, "b", Paint::green, {-14, -4});
+  arrow(sum, Point{0}, u + v, "a + b", Paint::red, {-22, -14});
+  drawing.words({340, 24}, "a − b", Anchor::middle, Paint::ink, true);
+  arrow(rest, Point{0}, u, "a", Paint::blue, {10, 22});
+  arrow(rest, Point{0}, v, "b", Paint::green, {-14, -4});
+  arrow(rest, Point(v), u - v, "a − b", Paint::red, {22, -10});
+  drawing.words({556, 24}, "s a", Anchor::middle, Paint::ink, true);
   const Vec3 w = 0.5 * u;
-  for (const auto& [s, name, y] : {std::tuple{1.0, "u", 0.0}, {2.0, "2 u", 1.0}, {-1.0, "−1 u", 2.2}}) {
+  for (const auto& [s, name, y] : {std::tuple{1.0, "a", 0.0}, {2.0, "2 a", 1.0}, {-1.0, "−1 a", 2.2}}) {
     const Point from = s < 0 ? Point(0, y, 0) + w : Point(0, y, 0);
     arrow(product, from, s * w, name, s == 1 ? Paint::blue : Paint::red, {-4, -12});
   }
@@ -78,9 +78,9 @@ void dot_product(Drawing& drawing) {
       sketch.line(v, along, Paint::gray, Stroke::dashed);
       sketch.line(Point(0, -0.16, 0), along + Vec3{0, -0.16, 0}, paint, Stroke::bold);
     }
-    sketch.words(u, {2, 22}, "u", Paint::blue, Anchor::middle);
-    sketch.words(v, {0, -8}, "v", paint, Anchor::middle);
-    drawing.words({middle, 236}, joined({"u · v = ", text_of(dot(u, v))}), Anchor::middle, paint);
+    sketch.words(u, {2, 22}, "a", Paint::blue, Anchor::middle);
+    sketch.words(v, {0, -8}, "b", paint, Anchor::middle);
+    drawing.words({middle, 236}, joined({"a · b = ", text_of(dot(u, v))}), Anchor::middle, paint);
     middle += 213;
   }
 }
@@ -97,9 +97,9 @@ void cross_product(Drawing& drawing) {
     sketch.line(a, a + b, Paint::gray);
     sketch.line(a + b, b, Paint::gray);
   }
-  sketch.words(u, {8, -6}, "u", Paint::green);
-  sketch.words(v, {10, 6}, "v", Paint::blue);
-  sketch.words(n, {12, 4}, "u × v, at right angles to both", Paint::red);
+  sketch.words(u, {8, -6}, "a", Paint::green);
+  sketch.words(v, {10, 6}, "b", Paint::blue);
+  sketch.words(n, {12, 4}, "a × b, at right angles to both", Paint::red);
   sketch.words(0.5 * (u + v), {0, 0}, "its length is this area", Paint::orange, Anchor::middle);
 }
 
@@ -153,7 +153,7 @@ void codes(Drawing& drawing) {
   for (const double light : {0.0, 0.5, 1.0})
     drawing.words({at(light, 0).x, bottom + 28}, text_of(light, 1), Anchor::middle);
   drawing.words({left + 12, 30}, "code k in the file");
-  drawing.words({left + width / 2, bottom + 54}, "light v; a blue mark is a threshold, (k − ½)/7",
+  drawing.words({left + width / 2, bottom + 54}, "light L; a blue mark is a threshold, (k − ½)/7",
                 Anchor::middle);
 }
 
@@ -314,7 +314,7 @@ void sphere_polynomial(Drawing& drawing) {
   sketch.arrow({0, 0, 0}, {4.5, 0, 0}, Paint::ink);
   sketch.arrow({0, -0.9, 0}, {0, 1.75, 0}, Paint::ink);
   sketch.words({4.5, 0, 0}, {-4, 26}, "t", Paint::ink, Anchor::end);
-  sketch.words({0, 1.75, 0}, {10, 10}, "A t² − 2 b t + c");
+  sketch.words({0, 1.75, 0}, {10, 10}, "A t² − 2 B t + C");
   for (const auto& [height, name, paint] :
        {std::tuple{0.5, "D > 0", Paint::blue}, {1.0, "D = 0", Paint::orange}, {1.35, "D < 0", Paint::red}}) {
     const auto e = sphere_equation(at_height(height), unit_sphere.center, unit_sphere.radius);
@@ -324,7 +324,7 @@ void sphere_polynomial(Drawing& drawing) {
     sketch.words(f(2.2 + 0.95), {14, 6}, name, paint);
   }
   sketch.line({2.2, -0.85, 0}, {2.2, 0.85, 0}, Paint::gray, Stroke::dashed);
-  sketch.words({2.2, -0.85, 0}, {0, 20}, "b/A: nearest the center", Paint::gray, Anchor::middle);
+  sketch.words({2.2, -0.85, 0}, {0, 20}, "B/A: nearest the center", Paint::gray, Anchor::middle);
 }
 
 void roots_behind(Drawing& drawing) {
