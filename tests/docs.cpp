@@ -302,6 +302,27 @@ TEST_CASE("every stage but the naive ones has a plain ray tracer, and its page s
   }
 }
 
+TEST_CASE("docs/coverage.md names a page for each heading and figure of the texts") {
+  const std::string page = read(root / "docs" / "coverage.md");
+  std::istringstream lines(page);
+  int rows = 0, tables = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("|")) continue;
+    CAPTURE(line);
+    const std::regex row(R"(\| (.*\S.*) \| (.*\S.*) \|)");
+    std::smatch cells;
+    REQUIRE(std::regex_match(line, cells, row));
+    if (cells[2] == "page") {
+      ++tables;
+    } else if (cells[2] != "---") {
+      CHECK_THAT(cells[2].str(), ContainsSubstring(".md)"));
+      ++rows;
+    }
+  }
+  CHECK(tables == 4);
+  CHECK(rows > 80);
+}
+
 TEST_CASE("docs/errata.md: the tutorial's rounding differs in 24 of the 100 columns of the gradient") {
   const protostar::Encoder encode(protostar::Linear{}, 255);
   int differing = 0;
