@@ -302,6 +302,39 @@ TEST_CASE("every stage but the naive ones has a plain ray tracer, and its page s
   }
 }
 
+TEST_CASE("each page of the stages leads to the one before and after it in their table") {
+  const std::string index = read(root / "docs" / "stages" / "README.md");
+  const std::string table = all_between(index, "\n## The life of a star", "\n## ").at(0);
+  std::vector<std::string> pages;
+  for (const std::string& target : all_between(table, "](", ")"))
+    if (std::find(pages.begin(), pages.end(), target) == pages.end()) pages.push_back(target);
+  REQUIRE(pages.size() > 20);
+  for (std::size_t i = 0; i < pages.size(); ++i) {
+    const std::string page = read(root / "docs" / "stages" / pages[i]);
+    const std::string way = all_between(page, "\n\n", "\n").at(0);  // the line below the title
+    CAPTURE(pages[i], way);
+    CHECK_THAT(way, ContainsSubstring("[all pages](README.md)"));
+    if (i > 0) CHECK_THAT(way, ContainsSubstring("](" + pages[i - 1] + ") · [all pages]"));
+    if (i + 1 < pages.size()) CHECK_THAT(way, ContainsSubstring(" →](" + pages[i + 1] + ")"));
+  }
+  for (const auto& entry : fs::directory_iterator(root / "docs" / "stages")) {
+    const std::string name = entry.path().filename().string();
+    CAPTURE(name);
+    CHECK((name == "README.md" || std::count(pages.begin(), pages.end(), name) == 1));
+  }
+}
+
+TEST_CASE("each page of a stage has its idea in a picture, derivations, mistakes, and two diagrams") {
+  for (const std::string& stage : stages()) {
+    CAPTURE(stage);
+    const std::string page = read(root / "docs" / "stages" / (stage + ".md"));
+    for (const std::string heading : {"The idea in one picture", "The mathematics", "Common mistakes"})
+      CHECK_THAT(page, ContainsSubstring("\n## " + heading + "\n"));
+    CHECK_THAT(page, ContainsSubstring("\n**The star.** "));
+    CHECK(all_between(page, "](../figures/", ".svg)").size() >= 2);
+  }
+}
+
 TEST_CASE("docs/coverage.md names a page for each heading and figure of the texts") {
   const std::string page = read(root / "docs" / "coverage.md");
   std::istringstream lines(page);
