@@ -282,7 +282,7 @@ TEST_CASE("every stage has a page with its picture and its code, and both lists 
     const std::string page = read(root / "docs" / "stages" / (stage + ".md"));
     CHECK_THAT(page, ContainsSubstring("](../../tests/golden/" + stage + ".png)"));
     CHECK_THAT(page, ContainsSubstring("<!-- code: stages/" + stage + ".cpp -->"));
-    CHECK_THAT(page, ContainsSubstring("\n## Exercise"));
+    CHECK_THAT(page, ContainsSubstring("\n## Exercises\n"));
     CHECK_THAT(readme, ContainsSubstring("docs/stages/" + stage + ".md"));
     CHECK_THAT(index, ContainsSubstring("(" + stage + ".md)"));
   }
@@ -354,6 +354,41 @@ TEST_CASE("docs/coverage.md names a page for each heading and figure of the text
   }
   CHECK(tables == 4);
   CHECK(rows > 80);
+}
+
+TEST_CASE("every exercise has a hint, a solution, and the picture or the text that the solution gives") {
+  const fs::path solutions = root / "tests" / "examples" / "solutions",
+                 pictures = root / "docs" / "figures" / "solutions";
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(root / "docs" / "stages")) {
+    CAPTURE(entry.path());
+    const auto sections = all_between(read(entry.path()), "\n## Exercise", "\n## ");
+    if (sections.empty()) continue;
+    REQUIRE((sections.size() == 1 && sections[0].starts_with("s\n")));
+    const auto exercises = all_between(sections[0] + "\n### ", "\n### ", "\n### ");
+    REQUIRE(exercises.size() > 1);  // the last is empty
+    for (auto exercise = exercises.begin(); exercise != exercises.end() - 1; ++exercise) {
+      CAPTURE(*exercise);
+      CHECK(all_between(*exercise, "\n*Hint.* ", "\n").size() == 1);
+      CHECK(all_between(*exercise, "\n<details><summary>Solution</summary>\n", "\n</details>").size() == 1);
+      const std::regex code(R"(\n<!-- code: tests/examples/solutions/(\w+)\.(cpp|diff) -->\n)");
+      std::smatch found;
+      REQUIRE(std::regex_search(*exercise, found, code));
+      const std::string name = found[1];
+      CHECK(names.insert(name).second);
+      const auto shows = [&](const std::string& mark) { return exercise->find(mark) != std::string::npos; };
+      const bool has_picture = fs::exists(pictures / (name + ".png"));
+      const bool has_text = fs::exists(solutions / (name + ".txt"));
+      CHECK((has_picture || has_text));
+      CHECK(has_picture == shows("](../figures/solutions/" + name + ".png)\n"));
+      CHECK(has_text == shows("\n<!-- code: tests/examples/solutions/" + name + ".txt -->\n"));
+    }
+  }
+  for (const fs::path& folder : {solutions, pictures})
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      CAPTURE(entry.path());
+      CHECK((entry.path().filename() == "check" || names.count(entry.path().stem().string()) == 1));
+    }
 }
 
 TEST_CASE("docs/errata.md: the tutorial's rounding differs in 24 of the 100 columns of the gradient") {
