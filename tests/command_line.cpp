@@ -70,7 +70,8 @@ TEST_CASE("every stage takes every option") {
   CAPTURE(row.name);
   const TemporaryFolder folder;
   const Outcome outcome = run_stage(
-      row.name, "-o a.ppm --size 7x5 --threads 2 --bits 16 --transfer srgb --plain --quiet", folder);
+      row.name, "-o a.ppm --size 7x5 --samples 3 --threads 2 --bits 16 --transfer srgb --plain --quiet",
+      folder);
   CHECK(outcome.status == 0);
   CHECK(outcome.out == "");
   CHECK(outcome.err == "");
@@ -90,7 +91,7 @@ TEST_CASE("the options --version and --help print to stdout and draw nothing") {
   const Outcome help = run_stage(row.name, "--help", folder);
   CHECK(help.status == 0);
   CHECK(help.err == "");
-  for (const char* text : {"-o FILE", "--size WxH", "--threads N", "--bits 8|16",
+  for (const char* text : {"-o FILE", "--size WxH", "--samples N", "--threads N", "--bits 8|16",
                            "--transfer srgb|linear|gamma=G", "--plain", "--quiet", "--help", "--version"})
     CHECK_THAT(help.out, ContainsSubstring(text));
   CHECK_THAT(help.out, ContainsSubstring("Usage: " + row.name));
@@ -98,6 +99,15 @@ TEST_CASE("the options --version and --help print to stdout and draw nothing") {
                                          : row.integrator == "whitted" ? "[1024x768]"
                                                                        : "[640x480]"));
   CHECK(folder.count() == 0);
+}
+
+// Tests of render compare the mean with the rays. Stage 01_gradient casts no rays.
+TEST_CASE("the option --samples draws the mean of several rays a pixel in every stage") {
+  const StageRow row = GENERATE(from_range(all_stages));
+  CAPTURE(row.name);
+  const std::string center = picture(row.name, "--size 32x24");
+  CHECK(picture(row.name, "--size 32x24 --samples 1") == center);
+  CHECK((picture(row.name, "--size 32x24 --samples 4") == center) == (row.name == "01_gradient"));
 }
 
 TEST_CASE("the extension of the output file, in upper or lower case, selects its format") {
@@ -260,6 +270,8 @@ TEST_CASE("an error on the command line is reported, with what is allowed, and n
       not_allowed("--size", "16385x16384", size),
       not_allowed("--size", "65536x65536", size),  // the product is 0 in 32 bits
       not_allowed("--size", "99999999999x1", size),
+      not_allowed("--samples", "-1", "a whole number from 0 to 65536"),
+      not_allowed("--samples", "65537", "a whole number from 0 to 65536"),
       not_allowed("--threads", "-1", threads),
       not_allowed("--threads", "1.5", threads),
       not_allowed("--threads", "abc", threads),
@@ -284,6 +296,7 @@ TEST_CASE("an error on the command line is reported, with what is allowed, and n
       not_allowed("-o", "a.ppm.gz", endings),
       not_allowed("-o", "/dev/protostar", endings),
       {"--size", {"--size", "WxH", "missing"}},
+      {"--samples", {"--samples", "N", "missing"}},
       {"--threads", {"--threads", "N", "missing"}},
       {"--bits", {"--bits", "8|16", "missing"}},
       {"--transfer", {"--transfer", "srgb|linear|gamma=G", "missing"}},
@@ -319,7 +332,7 @@ TEST_CASE("an error on the command line is reported, with what is allowed, and n
 }
 
 TEST_CASE("an empty value of an option is refused") {
-  const std::string option = GENERATE("-o", "--size", "--threads", "--bits", "--transfer");
+  const std::string option = GENERATE("-o", "--size", "--samples", "--threads", "--bits", "--transfer");
   CAPTURE(option);
   const TemporaryFolder folder;
   const Outcome outcome = run(stage("09_shadow", {option, ""}, folder / ""));

@@ -211,6 +211,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
                      or_of_scene(std::to_string(defaults.width) + "x" + std::to_string(defaults.height)) +
                      "]")
       ->type_name("WxH");
+  app.add_option("--samples", samples,
+                 "Rays through each pixel; 0: one through its center [" + or_of_scene("0") + "]")
+      ->type_name("N");
   app.add_option("--threads", threads, "How many threads work on it; 0: one for each core [0]")
       ->type_name("N");
   app.add_option("--bits", bits, "Bits per channel of a .ppm: 8 or 16 [8]")->type_name("8|16");
@@ -225,8 +228,6 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     app.add_option("--integrator", integrator,
                    "What light a ray brings, such as color or shadow [the scene's]")
         ->type_name("I");
-    app.add_option("--samples", samples, "Rays through each pixel; 0: one through its center [the scene's]")
-        ->type_name("N");
     app.add_option("--crop", crop, "Only W x H pixels of the picture, from column X and row Y on")
         ->type_name("X,Y,W,H");
     app.add_option("--timeout", timeout,
@@ -270,7 +271,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     if (app.count("--size")) own_size = read_size(size);
     if (given("--crop")) part = read_crop(crop);
     if (given("--integrator")) own_integrator = read_integrator(integrator);
-    if (given("--samples"))
+    if (app.count("--samples"))
       own_samples = read_whole(
           "--samples", samples, [](int n) { return n >= 0 && n <= protostar::most_samples; },
           "a whole number from 0 to " + std::to_string(protostar::most_samples));
