@@ -1,6 +1,7 @@
 // The environment: radiance of rays that hit nothing, by direction.
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <protostar/accel/accelerate.hpp>
 #include <protostar/accel/render_tiles.hpp>
@@ -21,6 +22,7 @@
 #include "scenes/dusk.hpp"
 #include "support/catch.hpp"
 #include "support/errors.hpp"
+#include "support/files.hpp"
 #include "support/pictures.hpp"
 #include "support/random.hpp"
 
@@ -69,18 +71,37 @@ TEST_CASE(
   CHECK(std::abs(seen(ColorIntegrator{}, scene, {-1e-9, 0, -1}).r) < 1e-6f);
 }
 
-TEST_CASE("an image as an environment has its left edge at u = 0, and its last row straight down") {
+TEST_CASE(
+    "an image as an environment has its left edge at u = 0 and is mixed between the centers of its pixels") {
   Image picture(4, 2);
   for (int y = 0; y < 2; ++y)
     for (int x = 0; x < 4; ++x) picture(x, y) = Color{Vec3(x, y, 1)};
+  const EnvironmentImage environment{std::make_shared<const Image>(picture)};
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  struct {
+    double u, v;
+    Color expected;
+  } const rows[] = {
+      {0.125, 0.25, {0, 0, 1}},     {0.625, 0.75, {2, 1, 1}},          // centers of pixels
+      {0.375, 0.5, {1, 0.5, 1}},    {0.25, 0.25, {0.5, 0, 1}},         // between two
+      {0.5, 0.5, {1.5, 0.5, 1}},    {0.4375, 0.375, {1.25, 0.25, 1}},  // between four
+      {0, 0.25, {1.5, 0, 1}},       {1, 0.25, {1.5, 0, 1}},            // across the left and the right edge
+      {0.9375, 0.25, {2.25, 0, 1}}, {-0.0625, 0.25, {2.25, 0, 1}},
+      {0.125, 0, {0, 0, 1}},        {0.125, 1, {0, 1, 1}},  // beyond the outer centers
+      {0.125, 0.125, {0, 0, 1}},    {nan, nan, {0, 0, 1}},
+  };
+  for (const auto& row : rows) {
+    CAPTURE(row.u, row.v);
+    CHECK(environment(row.u, row.v) == row.expected);
+  }
   Scene<Sphere> scene;
-  scene.set_environment(ImageTexture{std::make_shared<const Image>(picture)});
-  CHECK(seen(ColorIntegrator{}, scene, {-0.1, 0.5, -1}) == Color{0, 0, 1});
-  CHECK(seen(ColorIntegrator{}, scene, {-1, 0.5, 0.1}) == Color{1, 0, 1});
-  CHECK(seen(ColorIntegrator{}, scene, {1, -0.5, 0.1}) == Color{2, 1, 1});
-  CHECK(seen(ColorIntegrator{}, scene, {0.1, -0.5, -1}) == Color{3, 1, 1});
-  CHECK(seen(ColorIntegrator{}, scene, {0, 1, 0}) == Color{2, 0, 1});
-  CHECK(seen(ColorIntegrator{}, scene, {0, -1, 0}) == Color{2, 1, 1});
+  scene.set_environment(environment);
+  CHECK(seen(ColorIntegrator{}, scene, {0, 0, 1}) == Color{1.5, 0.5, 1});
+  CHECK(seen(ColorIntegrator{}, scene, {0, -1, 0}) == Color{1.5, 1, 1});
+
+  const TemporaryFolder folder;
+  save_hdr(picture, folder / "a.hdr");
+  CHECK(environment_image(folder / "a.hdr")(0.25, 0.5) == Color{0.5, 0.5, 1});
 }
 
 TEST_CASE("the evening sky is the same from dusk.hdr and from dusk.hpp") {

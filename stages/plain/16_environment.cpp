@@ -106,19 +106,26 @@ struct Light {
 const std::vector<Light> lights{{{-20, 20, -20}, 1}, {{30, 50, 25}, 1}, {{30, 20, -30}, 1}};
 
 // The light of a ray that hits nothing, by its direction: u goes from 0 to 1 around the horizon, v from 0
-// above to 1 below. The sky is drawn in steps, as bands.
+// above to 1 below.
 Color sky(const Vec& direction) {
   const double u = 0.5 + std::atan2(direction.x, direction.z) / (2 * std::numbers::pi);
   const double v = std::acos(std::clamp(direction.y, -1.0, 1.0)) / std::numbers::pi;
-  const auto zigzag = [](double x) { return std::abs(2 * (x - std::floor(x)) - 1); };
 
-  if (v > 0.5) return (1 - 0.7 * std::floor(40 * (v - 0.5)) / 20) * Color{0.32, 0.24, 0.1};  // fields
-  if (v > 0.47 + 0.02 * zigzag(5 * u) - 0.01 * zigzag(13 * u)) return {0.08, 0.1, 0.13};     // hills
-  const double x = 2 * (u - 0.625), y = v - 0.41, from_sun = x * x + y * y;
-  if (from_sun < 0.0006) return {60, 40, 18};  // the sun, sixty times as bright as white
-  const double glow = from_sun < 0.002 ? 0.5 : from_sun < 0.006 ? 0.25 : from_sun < 0.015 ? 0.1 : 0;
-  const double height = std::floor(64 * (0.5 - v)) / 32, low = (1 - height) * (1 - height);
-  return Color{0.1, 0.2, 0.45} + low * Color{0.75, 0.3, -0.15} + glow * Color{1, 0.7, 0.4};
+  if (v > 0.5) {  // fields, brighter towards the horizon
+    const double far = 2 * (1 - v);
+    return far * far * Color{0.26, 0.2, 0.09} + Color{0.14, 0.11, 0.06};
+  }
+  const double x = 2 * (u - 0.625), y = v - 0.41, far = x * x + y * y;  // from the sun
+  if (far < 0.0006) return {60, 40, 18};                                // sixty times as bright as white
+  const double near = std::max(1 - far / 0.04, 0.0), glow = 0.5 * near * near * near;
+  const double height = 1 - 2 * v, low = (1 - height) * (1 - height);
+  const Color air = Color{0.1, 0.2, 0.45} + low * Color{0.75, 0.3, -0.15} + glow * Color{1, 0.7, 0.4};
+
+  // Hills, in haze: their outline is 0.003 high.
+  const auto zigzag = [](double t) { return std::abs(2 * (t - std::floor(t)) - 1); };
+  const double above = v - (0.47 + 0.02 * zigzag(5 * u) - 0.01 * zigzag(13 * u));
+  const double hill = std::clamp(above / 0.003, 0.0, 1.0);
+  return (1 - hill) * air + hill * Color{0.12, 0.12, 0.17};
 }
 
 // The smallest t > 0 at which the ray hits the sphere, or infinity. The point o + t d is on the sphere if

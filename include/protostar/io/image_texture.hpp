@@ -87,6 +87,42 @@ struct ImageTexture {
   }
 };
 
+/// Texture that shows an image of all directions, which its copies share: an environment. u goes around the
+/// image, v from the top row to the bottom row. Between the centers of four pixels, their colors are mixed.
+struct EnvironmentImage {
+  std::shared_ptr<const Image> image;
+
+  [[nodiscard]] Color operator()(double u, double v) const {
+    const auto across = between((u - std::floor(u)) * image->width() - 0.5);
+    const auto down = between(std::clamp(v, 0.0, 1.0) * image->height() - 0.5);
+    const auto row = [&](int y) {
+      const int left = (across.first + image->width()) % image->width(), right = (left + 1) % image->width();
+      const int inside = std::clamp(y, 0, image->height() - 1);
+      return mixed((*image)(left, inside), (*image)(right, inside), across.share);
+    };
+    return Color{mixed(row(down.first), row(down.first + 1), down.share)};
+  }
+
+ private:
+  /// Two neighboring pixels, the first by its index, and the share of the second.
+  struct Neighbors {
+    int first;
+    double share;
+  };
+
+  /// Returns the neighbors between whose centers a place is, in pixels from the first center; the first pixel
+  /// for NaN.
+  static Neighbors between(double place) {
+    if (std::isnan(place)) return {0, 0};
+    const double first = std::floor(place);
+    return {static_cast<int>(first), place - first};
+  }
+
+  static Vec3 mixed(const auto& a, const auto& b, double share) {
+    return (1 - share) * Vec3(a) + share * Vec3(b);
+  }
+};
+
 namespace detail {
 
 inline bool is_image(std::string_view bytes) { return is_hdr(bytes) || is_png(bytes) || is_jpeg(bytes); }
@@ -160,6 +196,11 @@ inline Image decoded_by_stb(std::string_view checked, const ImageBytes& file) {
                                            double size_v = 1) {
   require_rule(is_size(size_u) && is_size(size_v), "image_texture: size_u and size_v must be", size_rule);
   return ImageTexture{std::make_shared<const Image>(load_image(path)), size_u, size_v};
+}
+
+/// Returns the picture in a file as an environment (Scene::set_environment). Throws the errors of load_image.
+[[nodiscard]] inline Texture environment_image(const std::filesystem::path& path) {
+  return EnvironmentImage{std::make_shared<const Image>(load_image(path))};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

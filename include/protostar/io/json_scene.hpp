@@ -197,7 +197,7 @@ inline void read_world(const JsonCursor& at, SceneFile& file) {
   if (at.has("sky") && at.has("environment")) at["sky"].refuse_beside("an environment");
   if (at.has("sky")) file.scene.set_sky(at["sky"].color());
   if (at.has("environment")) {
-    file.scene.set_environment(ImageTexture{image_at(at["environment"])});
+    file.scene.set_environment(EnvironmentImage{image_at(at["environment"])});
   }
 }
 
