@@ -18,6 +18,7 @@
 #include "reference/pictures.hpp"
 #include "reference/primitives.hpp"
 #include "reference/whitted.hpp"
+#include "support/cases.hpp"
 #include "support/catch.hpp"
 #include "support/files.hpp"
 #include "support/wrong_cases.hpp"
@@ -167,6 +168,23 @@ TEST_CASE("every stage has a golden, and the goldens are PNG files with three ch
     CHECK(bytes_of(golden(picture.name)).starts_with("\x89PNG\r\n"));
     CHECK(stbi_info(golden(picture.name).c_str(), &width, &height, &channels));
     CHECK(channels == 3);
+  }
+}
+
+TEST_CASE("the gallery shows each stage in a picture that the stage draws") {
+  const std::string page = bytes_of(source_dir + "/docs/gallery.md");
+  int drawn = 0;
+  for (const Golden& picture : goldens) {
+    if (picture.name != picture.stage || !picture.reference) continue;
+    INFO(picture.name);
+    CHECK_THAT(page, ContainsSubstring("../tests/golden/gallery/" + picture.name + ".png"));
+    const Picture shown = read_image(golden("gallery/" + picture.name));
+    CHECK(shown.width >= 640);
+    CHECK(shown.height >= 480);
+    if (++drawn > cases(3, 100)) continue;  // the short form draws some of them
+    const TemporaryFolder folder;
+    REQUIRE(run(folder, command(picture) + " --size 640x480 --samples 16") == 0);
+    check_equal(read_image((folder / "out.ppm").string()), shown);
   }
 }
 

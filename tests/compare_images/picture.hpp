@@ -33,3 +33,12 @@ inline Difference difference(const Picture& a, const Picture& b) {
   }
   return result;
 }
+
+/// Returns a part of a picture, whose upper left pixel is at column left and row top.
+inline Picture part_of(const Picture& whole, int left, int top, int width, int height) {
+  Picture part{width, height, {}};
+  for (int y = top; y < top + height; ++y)
+    for (int x = left; x < left + width; ++x)
+      part.pixels.push_back(whole.pixels.at(static_cast<std::size_t>(y * whole.width + x)));
+  return part;
+}
