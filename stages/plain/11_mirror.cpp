@@ -1,4 +1,4 @@
-// The plain ray tracer, step 11: mirrors.
+// The plain ray tracer, step 11: mirrors, and a board of squares.
 //
 // g++ -O2 -std=c++20 11_mirror.cpp -o 11_mirror && ./11_mirror
 //
@@ -139,6 +139,16 @@ Hit closest_hit(const Ray& ray) {
       const Point point = ray.origin + t * ray.direction;
       closest = {t, point, 1 / sphere.radius * (point - sphere.center), sphere.material};
     }
+  }
+
+  // The board: the points with y = -4, |x| < 10 and 10 < z < 30, in squares of side 2. The sum of the numbers
+  // of a square's column and row is even for one color, and odd for the other.
+  const double t = (-4 - ray.origin.y) / ray.direction.y;
+  const Point point = ray.origin + t * ray.direction;
+  if (0 < t && t < closest.t && std::abs(point.x) < 10 && 10 < point.z && point.z < 30) {
+    const int square = static_cast<int>(std::floor(point.x / 2) + std::floor(point.z / 2));
+    const Color color = square % 2 == 0 ? Color{0.6, 0.4, 0.2} : Color{0.6, 0.6, 0.6};
+    closest = {t, point, {0, 1, 0}, {color, 0, 1}};
   }
   return closest;
 }
