@@ -1,4 +1,4 @@
-// Draws four spheres, one of them of glass.
+// Draws four spheres above a checkerboard, two of them of glass.
 #include <protostar/integrators/whitted.hpp>
 #include <protostar/render.hpp>
 
@@ -12,7 +12,8 @@ int main(int argc, char** argv) {
       .integrator = "whitted", .width = 1024, .height = 768, .transfer = Linear{}, .tone = Tone::scale_pixel};
   return run_stage(argc, argv, defaults, [](Stage& stage) {
     const Camera camera = camera_of_four_spheres();
-    const auto scene = four_spheres({ivory, glass, red_rubber, mirror});
+    auto scene = four_spheres({ivory, glass, red_rubber, glass});
+    scene.add(checker_board, checkers);
 
     Image image = stage.image();
     render(image, camera, scene, WhittedIntegrator{.depth = 5}, stage.render_options());

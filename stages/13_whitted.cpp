@@ -1,4 +1,4 @@
-// Draws the complete picture: four spheres above a checkerboard.
+// Draws the complete picture: ivory, glass, rubber and a mirror above a checkerboard.
 #include <protostar/integrators/whitted.hpp>
 #include <protostar/render.hpp>
 

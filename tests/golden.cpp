@@ -100,8 +100,9 @@ const Golden goldens[] = {
     {"12_glass", "12_glass", "",
      [] {
        using namespace reference;
-       return picture({{ivory, glass, rubber, mirror}});
-     }},
+       return picture({{ivory, glass, rubber, glass}, true});
+     },
+     lines_between_squares},
     {"13_whitted", "13_whitted", "",
      [] {
        using namespace reference;

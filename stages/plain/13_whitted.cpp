@@ -1,4 +1,4 @@
-// The plain ray tracer, step 13: a board of squares below the spheres.
+// The plain ray tracer, step 13: all in one picture.
 //
 // g++ -O2 -std=c++20 13_whitted.cpp -o 13_whitted && ./13_whitted
 //
@@ -80,8 +80,8 @@ struct Material {
 
 const Material ivory{{0.36, 0.36, 0.27}, 0.5, 50, 0.1};
 const Material red_rubber{{0.42, 0.14, 0.14}, 0.3, 10};
-const Material mirror{black, 16, 1425, 0.8};
 const Material glass{black, 0.9, 125, 0.1, 0.8};
+const Material mirror{black, 16, 1425, 0.8};
 
 // A sphere: the points p with |p - center| = radius.
 struct Sphere {
