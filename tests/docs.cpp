@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <protostar/encode.hpp>
 #include <regex>
 #include <set>
@@ -157,6 +158,18 @@ TEST_CASE("docs/embed_code puts a file, a type, a function or a member between i
     CHECK(project.embed_code() == 0);
     CHECK(project.file("docs/page.md") == mark + "```cpp\n" + code + "```\n" + end);
     CHECK(project.embed_code("--check") == 0);
+  }
+}
+
+TEST_CASE("docs/embed_code shows a file by the language that its ending tells") {
+  const Project project;
+  for (const auto& [name, language] :
+       std::map<std::string, std::string>{{"ring.hpp", "cpp"}, {"ring.diff", "diff"}, {"run", "sh"}}) {
+    project.write(name, "-1\n+2\n");
+    const std::string mark = "<!-- code: " + name + " -->\n", end = "<!-- /code -->\n";
+    project.write("docs/page.md", mark + end);
+    CHECK(project.embed_code() == 0);
+    CHECK(project.file("docs/page.md") == mark + "```" + language + "\n-1\n+2\n```\n" + end);
   }
 }
 
