@@ -236,7 +236,8 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("every link and picture in the documentation leads to a file of the project") {
+TEST_CASE(
+    "every link and picture in the documentation leads to a file of the project, or to an anchor in it") {
   for (const fs::path& path : documents()) {
     const std::string text = document(path).prose;
     std::vector<std::string> targets = all_between(text, "](", ")");
@@ -245,8 +246,14 @@ TEST_CASE("every link and picture in the documentation leads to a file of the pr
     for (const std::string& target : targets) {
       if (target.starts_with("https://")) continue;
       CAPTURE(path, target);
-      CHECK(fs::path(target).is_relative());
-      CHECK(fs::exists(path.parent_path() / target));
+      const std::size_t hash = target.find('#');
+      const std::string file = target.substr(0, hash);
+      CHECK(fs::path(file).is_relative());
+      const fs::path found = file.empty() ? path : path.parent_path() / file;
+      CHECK(fs::exists(found));
+      if (hash != std::string::npos)
+        CHECK_THAT(document(found).prose,
+                   ContainsSubstring("<a id=\"" + target.substr(hash + 1) + "\"></a>"));
     }
   }
 }
