@@ -14,12 +14,9 @@
 #include <stdexcept>
 #include <string>
 
-#define STB_IMAGE_WRITE_STATIC
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#include <stb_image_write.h>
-
 #include "picture.hpp"
 #include "read_image.hpp"
+#include "write_png.hpp"
 
 namespace {
 
@@ -33,13 +30,6 @@ Picture difference_image(const Picture& a, const Picture& b) {
       result.pixels[i][c] = static_cast<std::uint8_t>(levels == 0 ? 0 : std::min(255, 95 + 10 * levels));
     }
   return result;
-}
-
-// Nothing relies on this file, so stb's own writing is enough, with the errors that it reports.
-void write_png(const std::string& path, const Picture& picture) {
-  if (!stbi_write_png(path.c_str(), picture.width, picture.height, 3, picture.pixels.data(),
-                      3 * picture.width))
-    throw std::runtime_error(path + ": cannot be written");
 }
 
 int compare(int argc, char** argv) {
