@@ -292,8 +292,8 @@ void fresnel(Drawing& drawing) {
   drawing.words({left, 26}, "share of the light that is mirrored");
   drawing.words({320, bottom + 50}, "angle θ between the ray and the normal", Anchor::middle);
   drawing.words({at(43, 0).x, 100}, "out of glass", Anchor::start, Paint::red);
-  drawing.words({at(24, 0).x, 226}, "into glass", Anchor::start, Paint::blue);
-  drawing.words({at(24, 0).x, 250}, "Schlick's formula", Anchor::start, Paint::green);
+  drawing.words({at(45, 0).x, 190}, "into glass", Anchor::start, Paint::blue);
+  drawing.words({at(45, 0).x, 214}, "Schlick's formula", Anchor::start, Paint::green);
 }
 
 void parameter_space(Drawing& drawing) {
