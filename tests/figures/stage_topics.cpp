@@ -330,6 +330,7 @@ void sphere_mesh(Drawing& drawing) {
     const Sphere sphere{.center = {0, 0, 0}, .radius = 1};
     drawing.words({middle, 24}, is_mesh ? "a mesh of it" : "the sphere", Anchor::middle, Paint::ink, true);
     std::vector<Point> corners;
+    corners.reserve(sides);
     for (int i = 0; i < sides; ++i) corners.push_back(Point(at_angle(360.0 * (i + 0.5) / sides)));
     if (is_mesh) {
       sketch.circle(sphere.center, 1, Paint::gray, Fill::none, Stroke::dashed);
