@@ -1,4 +1,4 @@
-// Draws four spheres under an evening sky, which glass and mirror show.
+// Draws the complete picture under an evening sky, which glass and mirror show.
 #include <protostar/integrators/whitted.hpp>
 #include <protostar/render.hpp>
 
@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   return run_stage(argc, argv, defaults, [](Stage& stage) {
     const Camera camera = camera_of_four_spheres();
     auto scene = four_spheres({ivory, glass, red_rubber, mirror});
+    scene.add(checker_board, checkers);
     scene.set_environment(dusk);
 
     Image image = stage.image();

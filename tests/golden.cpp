@@ -114,8 +114,9 @@ const Golden goldens[] = {
     {"16_environment", "16_environment", "",
      [] {
        using namespace reference;
-       return picture({{ivory, glass, rubber, mirror}, false, true});
-     }},
+       return picture({{ivory, glass, rubber, mirror}, true, true});
+     },
+     lines_between_squares},
 #if __has_include(<tiny_obj_loader.h>)  // otherwise this stage is not built
     {"17_mesh", "17_mesh", "",
      [] { return reference::Knot(source_dir + "/scenes/knot.obj").picture(640, 480); }},

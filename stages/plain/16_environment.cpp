@@ -1,4 +1,4 @@
-// The plain ray tracer, step 16: a sky with a sun, which depends on the direction. It begins with step 12.
+// The plain ray tracer, step 16: a sky with a sun, which depends on the direction. It begins with step 13.
 //
 // g++ -O2 -std=c++20 16_environment.cpp -o 16_environment && ./16_environment
 //
@@ -80,8 +80,8 @@ struct Material {
 
 const Material ivory{{0.36, 0.36, 0.27}, 0.5, 50, 0.1};
 const Material red_rubber{{0.42, 0.14, 0.14}, 0.3, 10};
-const Material mirror{black, 16, 1425, 0.8};
 const Material glass{black, 0.9, 125, 0.1, 0.8};
+const Material mirror{black, 16, 1425, 0.8};
 
 // A sphere: the points p with |p - center| = radius.
 struct Sphere {
@@ -160,6 +160,16 @@ Hit closest_hit(const Ray& ray) {
       const Point point = ray.origin + t * ray.direction;
       closest = {t, point, 1 / sphere.radius * (point - sphere.center), sphere.material};
     }
+  }
+
+  // The board: the points with y = -4, |x| < 10 and 10 < z < 30, in squares of side 2. The sum of the numbers
+  // of a square's column and row is even for one color, and odd for the other.
+  const double t = (-4 - ray.origin.y) / ray.direction.y;
+  const Point point = ray.origin + t * ray.direction;
+  if (0 < t && t < closest.t && std::abs(point.x) < 10 && 10 < point.z && point.z < 30) {
+    const int square = static_cast<int>(std::floor(point.x / 2) + std::floor(point.z / 2));
+    const Color color = square % 2 == 0 ? Color{0.6, 0.4, 0.2} : Color{0.6, 0.6, 0.6};
+    closest = {t, point, {0, 1, 0}, {color, 0, 1}};
   }
   return closest;
 }
