@@ -1,4 +1,4 @@
-// Draws a mesh from a file: a knot of 1600 triangles, which looks smooth by its vertex normals.
+// Draws a mesh from a file: a knot of 3600 triangles, which looks smooth by its vertex normals.
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/render.hpp>
 #include <protostar/surfaces/mesh.hpp>
@@ -19,8 +19,8 @@ int main(int argc, char** argv) {
     Scene<Mesh, Plane> scene;
     scene.add(knot, Color{0.9f, 0.5f, 0.1f});
     scene.add(Plane{.normal = {0, 1, 0}, .distance = -1.75}, Color{0.3f, 0.35f, 0.4f});
-    scene.add(PointLight{.position = {-2, 4, 0}, .power = Color{350}});
-    scene.add(AmbientLight{Color{0.05f}});
+    scene.add(PointLight{.position = {-1.2, 0.5, -1.5}, .power = Color{250}});
+    scene.add(AmbientLight{Color{0.08f}});
     scene.set_sky({0.05f, 0.1f, 0.2f});
 
     Image image = stage.image();

@@ -241,7 +241,7 @@ TEST_CASE("an OBJ file longer than the allowed maximum is refused") {
 
 TEST_CASE("the mesh scenes/knot.obj is closed") {
   const Mesh mesh(load_obj(fs::path(PROTOSTAR_SOURCE_DIR) / "scenes/knot.obj"));
-  CHECK(mesh.data().triangles.size() == 1600);
+  CHECK(mesh.data().triangles.size() == 3600);
   CHECK(mesh.data().vertices.size() == 800);
   CHECK(mesh.data().normals.size() == 800);
   int crossings = 0;
@@ -256,7 +256,7 @@ TEST_CASE("scenes/make_mesh writes the mesh of the scenes, and the torus of the 
   const auto make_mesh = [&](const std::vector<std::string>& arguments) {
     return run({.program = project / "scenes/make_mesh", .arguments = arguments, .folder = project});
   };
-  const Outcome knot = make_mesh({"1600"});
+  const Outcome knot = make_mesh({"3600"});
   if (knot.status == 127) {  // exit status of env if it does not find python3
     WARN("not tested: python3 is not installed");
     return;

@@ -249,10 +249,10 @@ struct Light {
   double power;
 };
 
-const std::vector<Light> lights{{{-2, 4, 0}, 350}};
+const std::vector<Light> lights{{{-1.2, 0.5, -1.5}, 250}};
 
 // The light that comes from everywhere, into shadows too.
-const double ambient = 0.05;
+const double ambient = 0.08;
 
 // The light of a ray that hits nothing.
 const Color sky{0.05, 0.1, 0.2};

@@ -139,11 +139,11 @@ class Knot {
       if (dot(n, d) > 0) n = Real{-1} * n;
       color = {0.9f, 0.5f, 0.1f};
     }
-    const Vector lamp{-2, 4, 0}, way = lamp - p;
+    const Vector lamp{-1.2L, 0.5L, -1.5L}, way = lamp - p;
     const Real cosine = dot(n, way) / length(way);
-    Real irradiance = 0.05f;
+    Real irradiance = 0.08f;
     if (cosine > 0 && !is_hidden(p, lamp, t == met.t ? met.triangle : nothing))
-      irradiance += cosine / dot(way, way) * 350 / (4 * pi);
+      irradiance += cosine / dot(way, way) * 250 / (4 * pi);
     return irradiance * color;
   }
 
