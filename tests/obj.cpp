@@ -242,8 +242,8 @@ TEST_CASE("an OBJ file longer than the allowed maximum is refused") {
 TEST_CASE("the mesh scenes/knot.obj is closed") {
   const Mesh mesh(load_obj(fs::path(PROTOSTAR_SOURCE_DIR) / "scenes/knot.obj"));
   CHECK(mesh.data().triangles.size() == 3600);
-  CHECK(mesh.data().vertices.size() == 800);
-  CHECK(mesh.data().normals.size() == 800);
+  CHECK(mesh.data().vertices.size() == 1800);
+  CHECK(mesh.data().normals.size() == 1800);
   int crossings = 0;
   const auto count = [&](const Crossing&) { ++crossings; };
   for (int i = -20; i <= 20; ++i) mesh.each_crossing({{0.2 * i, -9, 0.01 * i}, {0, 1, 0}}, {}, count);
