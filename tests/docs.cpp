@@ -163,8 +163,11 @@ TEST_CASE("docs/embed_code puts a file, a type, a function or a member between i
 
 TEST_CASE("docs/embed_code shows a file by the language that its ending tells") {
   const Project project;
-  for (const auto& [name, language] :
-       std::map<std::string, std::string>{{"ring.hpp", "cpp"}, {"ring.diff", "diff"}, {"run", "sh"}}) {
+  for (const auto& [name, language] : std::map<std::string, std::string>{{"ring.hpp", "cpp"},
+                                                                         {"ring.diff", "diff"},
+                                                                         {"ring.txt", "text"},
+                                                                         {"CMakeLists.txt", "cmake"},
+                                                                         {"run", "sh"}}) {
     project.write(name, "-1\n+2\n");
     const std::string mark = "<!-- code: " + name + " -->\n", end = "<!-- /code -->\n";
     project.write("docs/page.md", mark + end);
