@@ -7,6 +7,7 @@
 
 #include "magnitude.hpp"
 #include "material.hpp"
+#include "normals.hpp"
 #include "numeric/exact_root.hpp"
 #include "numeric/roots.hpp"
 #include "ray.hpp"
@@ -27,6 +28,7 @@ struct Crossing {
 struct SurfaceFunctions {
   Vec3 (*normal_at)(const void* surface, const Point& point, int part);
   Uv (*uv_at)(const void* surface, const Point& point, int part);
+  Tangents (*tangents_at)(const void* surface, const Point& point, int part);
   Departure (*departure)(const void* surface, int part);
   ExactRoot (*exact_root)(const void* surface, const Ray& ray, const Crossing& crossing);
 };
@@ -57,6 +59,16 @@ namespace detail {
 }
 
 }  // namespace detail
+
+/// Returns the shading normal that a normal map gives to a point of a surface, or of a primitive of it, whose
+/// own normal is given.
+[[nodiscard, gnu::noinline, gnu::cold]] inline Vec3 mapped_normal(const NormalMap& map, const void* surface,
+                                                                  const SurfaceFunctions& functions,
+                                                                  const Point& point, int part,
+                                                                  const Vec3& normal) {
+  const Uv uv = functions.uv_at(surface, point, part);
+  return out_of_tangent_space(map(uv.x, uv.y), normal, functions.tangents_at(surface, point, part));
+}
 
 /// Returns true if a ray crosses a before b, decided by their t if the errors allow, otherwise exactly.
 /// Crossings of surfaces that coincide are at equal t.
@@ -91,13 +103,29 @@ class Intersection {
   /// Returns the direction of the ray.
   [[nodiscard]] const Vec3& direction() const { return ray_.direction; }
 
-  /// Returns the surface's unit normal, on the side that the surface calls its outside (§2.3.1).
-  [[nodiscard]] Vec3 normal() const { return on_.functions->normal_at(on_.surface, point(), part()); }
+  /// Returns the surface's own unit normal, on the side that the surface calls its outside (§2.3.1).
+  [[nodiscard]] Vec3 surface_normal() const { return on_.functions->normal_at(on_.surface, point(), part()); }
 
-  /// Returns the unit normal on the side that the ray comes from: surfaces are two-sided (§2.3.2).
-  [[nodiscard]] Vec3 facing_normal() const {
-    const Vec3 n = normal();
-    return dot(n, ray_.direction) <= 0 ? n : -n;
+  /// Returns the surface's own normal and the shading normal, which the material's normal map tilts, on the
+  /// surface's outside; or on the side that the ray comes from, as surfaces are two-sided (§2.3.2).
+  [[nodiscard]] Normals<Vec3> normals() const {
+    const Vec3 n = surface_normal();
+    if (!material().normal_map) return {n, n};
+    return {n, mapped_normal(material().normal_map, on_.surface, *on_.functions, point(), part(), n), true};
+  }
+  [[nodiscard]] Normals<Vec3> facing_normals() const { return normals().facing(ray_.direction); }
+
+  /// Returns the shading normal on the surface's outside, or on the side that the ray comes from.
+  [[nodiscard]] Vec3 normal() const { return normals().shading; }
+  [[nodiscard]] Vec3 facing_normal() const { return facing_normals().shading; }
+
+  /// Returns the height of a light over the surface, given the vector l to it: n·l with the shading normal n
+  /// on the side that the ray comes from; at most 0 if the light is behind the surface, whatever n is.
+  [[nodiscard]] double height(const Vec3& to_light) const {
+    if (material().normal_map) [[unlikely]]
+      return facing_normals().height(to_light);
+    const Vec3 n = surface_normal();
+    return dot(dot(n, ray_.direction) <= 0 ? n : -n, to_light);
   }
 
   /// Returns the index of the primitive that is hit, as the surface counts them; 0 for a surface without

@@ -198,12 +198,13 @@ template <class R>
     return fallback;
 }
 
-/// Returns V · E for a light: E is its irradiance of the surface at the hit, and V, the visibility, is 1 if
-/// nothing is between, else 0. A light behind the surface has E = 0, and no shadow ray is traced to it.
+/// Returns V · E for a light: E is its irradiance of the surface at the hit, by the shading normal, and V,
+/// the visibility, is 1 if nothing is between, else 0. A light behind the surface has E = 0, and no shadow
+/// ray is traced to it.
 template <class Hit>
 [[nodiscard]] typename Hit::Light visible_irradiance(const auto& scene, const Hit& hit, const Light& light) {
   const auto to_light = light.towards(hit.point());
-  const auto height = dot(hit.facing_normal(), to_light);
+  const auto height = hit.height(to_light);
   const auto in_front = height > 0.0;
   if (!any(in_front)) return typename Hit::Light(0);
   // The direction is not normalized: a light at a finite distance is at t = 1, and occluders lie in (0, 1);

@@ -2,9 +2,13 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <stdexcept>
+#include <type_traits>
+#include <utility>
 
 #include "magnitude.hpp"
 #include "vec3.hpp"
@@ -28,6 +32,25 @@ struct Checker {
   }
 };
 
+/// Direction of the normal as a function of the surface coordinates u and v, in tangent space (normals.hpp):
+/// x along u, y at a right angle to it on the side to which v grows, z along the surface's own normal. It has
+/// any length and z > 0; (0, 0, 1) leaves the normal as it is. Any function of the two that returns a Vec3
+/// will do; it is called from several threads at once, and copies share it.
+class NormalMap {
+ public:
+  NormalMap() = default;  ///< without a function: surfaces keep their normals
+  template <class F>
+  requires(!std::same_as<F, NormalMap> && std::is_invocable_r_v<Vec3, const F&, double, double>)
+      NormalMap(F function)
+      : function_(std::make_shared<const std::function<Vec3(double, double)>>(std::move(function))) {}
+
+  explicit operator bool() const { return function_ != nullptr; }
+  [[nodiscard]] Vec3 operator()(double u, double v) const { return (*function_)(u, v); }
+
+ private:
+  std::shared_ptr<const std::function<Vec3(double, double)>> function_;
+};
+
 /// Reflection and refraction of a surface. The radiance that leaves a point is
 ///   Σ over the lights (diffuse · E + specular · E⊥ · cos(r, v)^shininess)
 ///     + reflect · (radiance from the mirror direction) + refract · (radiance from the refracted direction)
@@ -35,8 +58,9 @@ struct Checker {
 /// the direction to the light and the direction v to the eye (Phong). There are no other weights: the
 /// materials of different ray tracers differ in their numbers alone.
 struct Material {
-  Color diffuse{0};      ///< share of irradiance that is reflected alike in all directions
-  Texture texture = {};  ///< replaces diffuse if it is not empty
+  Color diffuse{0};           ///< share of irradiance that is reflected alike in all directions
+  Texture texture = {};       ///< replaces diffuse if it is not empty
+  NormalMap normal_map = {};  ///< tilts the normals that light is reflected by, if it is not empty
   Color specular{0};
   double shininess = 50;
   double reflect = 0;

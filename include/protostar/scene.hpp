@@ -168,7 +168,7 @@ class Scene<S...> {
  public:
   /// Adds a surface of one of the scene's types, or of a type that converts to one; the first that takes it
   /// is used. Throws std::invalid_argument for a material or a surface that is not valid, and for a texture
-  /// on a surface that has no coordinates.
+  /// or a normal map on a surface that has no coordinates.
   template <class T>
   requires(takes<T>) void add(T surface, Material material) {
     material.validate();
@@ -306,6 +306,10 @@ class Scene<S...> {
       if constexpr (requires { surface.validate(); }) surface.validate();
       if (material.texture && !has_uv(surface))
         throw std::invalid_argument("Scene::add: a texture needs a surface with coordinates, uv_at(point)");
+      if (material.normal_map && !has_tangents(surface))
+        throw std::invalid_argument(
+            "Scene::add: a normal map needs a surface with coordinates and their directions, uv_at(point) "
+            "and tangents_at(point)");
       // If memory runs out, it does so before one of the vectors has grown.
       if (materials.size() == materials.capacity()) materials.reserve(2 * materials.size() + 1);
       surfaces.push_back(std::move(surface));

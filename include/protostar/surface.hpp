@@ -41,6 +41,18 @@ template <Surface S>
     return Uv{0};
 }
 
+/// Returns the directions of the coordinates at a point of a surface, or of a primitive of it; 0 and 0 if it
+/// does not know them.
+template <Surface S>
+[[nodiscard]] Tangents tangents_at(const S& surface, const Point& point, int part) {
+  if constexpr (knows_tangents<S> && is_made_of_parts<S>)
+    return surface.tangents_at(point, part);
+  else if constexpr (knows_tangents<S>)
+    return surface.tangents_at(point);
+  else
+    return {};
+}
+
 /// Returns the departure of a ray that leaves a surface, or a primitive of it: the surface's own departure,
 /// or else the object itself.
 template <Surface S>
@@ -291,6 +303,9 @@ inline constexpr SurfaceFunctions functions_of{
     },
     .uv_at = [](const void* s, const Point& p, int part) -> Uv {
       return uv_at(*static_cast<const S*>(s), p, part);
+    },
+    .tangents_at = [](const void* s, const Point& p, int part) -> Tangents {
+      return tangents_at(*static_cast<const S*>(s), p, part);
     },
     .departure =
         [](const void* s, int part) {

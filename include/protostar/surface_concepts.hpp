@@ -141,6 +141,25 @@ template <Surface S>
     return knows_uv<S>;
 }
 
+/// True for a surface that knows the directions of its coordinates, for normal maps.
+template <class S>
+inline constexpr bool knows_tangents = requires(const S& surface, const Point& point) {
+  { surface.tangents_at(point) } -> std::same_as<Tangents>;
+}
+|| (is_made_of_parts<S> && requires(const S& surface, const Point& point) {
+  { surface.tangents_at(point, 0) } -> std::same_as<Tangents>;
+});
+
+/// Returns true if a surface has coordinates and knows their directions. A type that holds other surfaces may
+/// tell for each object, by has_tangents().
+template <Surface S>
+[[nodiscard]] bool has_tangents(const S& surface) {
+  if constexpr (requires { surface.has_tangents(); })
+    return surface.has_tangents();
+  else
+    return knows_uv<S> && knows_tangents<S>;
+}
+
 /// Returns true if the crossings of a surface are on primitives of it. A type that holds other surfaces may
 /// tell for each object, by has_parts().
 template <Surface S>
@@ -234,6 +253,9 @@ struct SurfaceOffers : SurfaceRequirements<S> {
   static_assert(
       knows_uv<S> || !requires(S surface, Point point) { surface.uv_at(point); },
       "Surface: uv_at(Point) is not const or does not return a Uv");
+  static_assert(
+      knows_tangents<S> || !requires(S surface, Point point) { surface.tangents_at(point); },
+      "Surface: tangents_at(Point) is not const or does not return Tangents");
   static_assert(
       Solid<S> || !requires(S surface, const Ray& ray) { surface.ends_inside(ray); },
       "Surface: ends_inside(const Ray&) is not const or does not return bool, or there are parts and "

@@ -14,9 +14,12 @@ struct DiffuseIntegrator : FirstHit<DiffuseIntegrator> {
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
     const auto point = hit.point();
-    const auto normal = hit.facing_normal();
+    const auto normals = hit.facing_normals();
     typename Hit::Light irradiance(ambient_of(scene));
-    for (const Light& light : scene.lights()) irradiance += light.irradiance(point, normal);
+    for (const Light& light : scene.lights()) {
+      const auto to_light = light.towards(point);
+      irradiance += light.received(to_light, normals.height(to_light));
+    }
     return clamped(hit.color() * irradiance);
   }
 };

@@ -135,8 +135,8 @@ struct WhittedIntegrator {
   /// Returns the radiance of a hit along its ray.
   template <class Hit>
   [[nodiscard]] typename Hit::Light from_hit(const Hit& hit, const auto& scene, int rays) const {
-    return outgoing_radiance(hit.leave(normalize(hit.direction())), hit.normal(), hit.color(), hit.material(),
-                             scene, rays);
+    return outgoing_radiance(hit.leave(normalize(hit.direction())), hit.normals(), hit.color(),
+                             hit.material(), scene, rays);
   }
 
   /// Returns the radiance that a surface sends back along a ray, given the ray as it would go on from the
@@ -151,17 +151,20 @@ struct WhittedIntegrator {
     if ((detail::whitted_rays_left -= 1 + std::ssize(scene.lights())) < 0)
       detail::refuse_paths(most_rays, depth);
     const auto& direction = onward.direction;
-    const auto enters = dot(outside, direction) <= 0.0;
-    const auto normal = select(enters, outside, -outside);
-
-    const R mirrored = onward.with_direction(reflected(direction, normal));
-    auto result = direct_radiance(mirrored, normal, color, material, scene);
+    const auto enters = dot(outside.surface, direction) <= 0.0;
+    const auto normals = outside.facing(direction);
+    R mirrored = onward.with_direction(reflected(direction, normals.shading));
+    auto result = direct_radiance(mirrored, normals, color, material, scene);
+    // Rays that are traced must not lead into the surface.
+    const auto normal = mirroring_normal(normals, direction);
+    if (normals.is_mapped) mirrored = onward.with_direction(reflected(direction, normal));
     // Shares are floats: a share that rounds to 0 adds nothing, whatever is in the mirror.
     const float reflect = to_float(material.reflect), refract = to_float(material.refract);
     if (reflect > 0) result += reflect * trace_path(mirrored, scene, rays - 1);
     if (refract > 0) {
       const auto ratio = select(enters, 1 / material.ior, material.ior);
-      const auto [passes, bent] = refracted(direction, normal, ratio);
+      auto [passes, bent] = refracted(direction, normal, ratio);
+      if (normals.is_mapped) passes = passes && dot(normals.surface, bent) < 0.0;
       if (any(passes)) {
         const auto seen = trace_path(masked(passes, onward.with_direction(bent)), scene, rays - 1);
         result = select(passes, result + refract * seen, result);
@@ -170,11 +173,21 @@ struct WhittedIntegrator {
     return clamped(result);
   }
 
+  /// Returns the normal by which a ray of this direction is mirrored and refracted: the shading normal, or
+  /// the surface's own where the shading normal would mirror the ray into the surface.
+  template <class V>
+  [[nodiscard]] static V mirroring_normal(const Normals<V>& facing, const V& direction) {
+    if (!facing.is_mapped) return facing.shading;
+    const auto leads_away = dot(facing.surface, reflected(direction, facing.shading)) > 0.0;
+    return select(leads_away, facing.shading, facing.surface);
+  }
+
   /// Returns the radiance that comes from the lights. The angle between the mirror image of the direction to
   /// the light and the direction to the eye is that between the direction to the light and the mirrored ray,
   /// which is used.
   template <class R>
-  [[nodiscard, gnu::noinline]] static typename R::Light direct_radiance(const R& mirrored, const auto& normal,
+  [[nodiscard, gnu::noinline]] static typename R::Light direct_radiance(const R& mirrored,
+                                                                        const auto& normals,
                                                                         const typename R::Light& color,
                                                                         const Material& material,
                                                                         const auto& scene) {
@@ -184,9 +197,10 @@ struct WhittedIntegrator {
 
     for (const auto& light : scene.lights()) {
       const auto to_light = light.towards(mirrored.origin);
-      const auto in_front = lit && dot(normal, to_light) > 0.0;
+      const auto height = normals.height(to_light);
+      const auto in_front = lit && height > 0.0;
       if (!any(in_front)) continue;  // a light behind the surface needs no shadow ray
-      auto sent = color * light.irradiance(mirrored.origin, normal);
+      auto sent = color * light.received(to_light, height);
       if (!is_black(material.specular)) {
         const auto share = lobe(dot(mirrored.direction, to_light) / length(to_light), material.shininess);
         if (const auto shines = share > 0.0f; any(shines)) {

@@ -42,6 +42,10 @@ class AnySurface {
   [[nodiscard]] Uv uv_at(const Point& point, int part = 0) const {
     return held_->functions.uv_at(held_->surface, point, part);
   }
+  [[nodiscard]] bool has_tangents() const { return held_->has_tangents(); }
+  [[nodiscard]] Tangents tangents_at(const Point& point, int part = 0) const {
+    return held_->functions.tangents_at(held_->surface, point, part);
+  }
   [[nodiscard]] Departure departure(int part = 0) const {
     return held_->functions.departure(held_->surface, part);
   }
@@ -77,6 +81,7 @@ class AnySurface {
     virtual void each_crossing(const Ray&, Interval, const Visitor&) const = 0;
     virtual bool has_parts() const = 0;
     virtual bool has_uv() const = 0;
+    virtual bool has_tangents() const = 0;
     virtual bool is_solid() const = 0;
     virtual bool ends_inside(const Ray&) const = 0;
     virtual int part_count() const = 0;
@@ -101,6 +106,7 @@ class AnySurface {
     }
     bool has_parts() const override { return protostar::has_parts(one); }
     bool has_uv() const override { return protostar::has_uv(one); }
+    bool has_tangents() const override { return protostar::has_tangents(one); }
     bool is_solid() const override { return protostar::is_solid(one); }
     bool ends_inside(const Ray& ray) const override { return protostar::ends_inside(one, ray); }
     int part_count() const override { return protostar::part_count(one); }

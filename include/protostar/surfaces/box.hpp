@@ -82,6 +82,12 @@ struct Box {
     const int axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
     return {point[u] - min[u], point[v] - min[v]};
   }
+  [[nodiscard]] Tangents tangents_at(const Point&, int face) const {
+    const int axis = face / 2;
+    Tangents axes;
+    axes.u[(axis + 1) % 3] = 1, axes.v[(axis + 2) % 3] = 1;
+    return axes;
+  }
 
   [[nodiscard]] int part_count() const { return 6; }
 

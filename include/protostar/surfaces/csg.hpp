@@ -79,6 +79,13 @@ class Csg {
   [[nodiscard]] Uv uv_at(const Point& point, int part) const {
     return leaf_of(part).solid.uv_at(point, inner_part(part));
   }
+  [[nodiscard]] bool has_tangents() const {
+    return std::all_of(leaves_.begin(), leaves_.end(),
+                       [](const Leaf& leaf) { return leaf.solid.has_tangents(); });
+  }
+  [[nodiscard]] Tangents tangents_at(const Point& point, int part) const {
+    return leaf_of(part).solid.tangents_at(point, inner_part(part));
+  }
   [[nodiscard]] Departure departure(int part) const {
     return leaf_of(part).solid.departure(inner_part(part));
   }

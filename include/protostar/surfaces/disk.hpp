@@ -42,6 +42,8 @@ struct Disk {
     return plane_uv(normal_at(point), from_center);
   }
 
+  [[nodiscard]] Tangents tangents_at(const Point& point) const { return plane_tangents(normal_at(point)); }
+
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
     return disk_equation(rays, position, normal, radius);
   }

@@ -61,6 +61,12 @@ class Instance<S> {
     return protostar::uv_at(surface_, carried(point), part);
   }
 
+  /// Returns the images of the surface's own tangents, as directions.
+  [[nodiscard]] Tangents tangents_at(const Point& point, int part = 0) const {
+    const Tangents own = protostar::tangents_at(surface_, carried(point), part);
+    return {inverse_.map().vector(of_moderate_size(own.u)), inverse_.map().vector(of_moderate_size(own.v))};
+  }
+
   /// Returns the plane or the sphere of a part, if other surfaces may have the same; and this instance,
   /// recognized by its address.
   [[nodiscard]] Departure departure(int part = 0) const {
@@ -94,6 +100,7 @@ class Instance<S> {
   [[nodiscard]] bool has_parts() const { return protostar::has_parts(surface_); }
   [[nodiscard]] int part_count() const { return protostar::part_count(surface_); }
   [[nodiscard]] bool has_uv() const { return protostar::has_uv(surface_); }
+  [[nodiscard]] bool has_tangents() const { return protostar::has_tangents(surface_); }
   [[nodiscard]] bool is_solid() const { return protostar::is_solid(surface_); }
   [[nodiscard]] bool ends_inside(const Ray& ray) const {
     const RayTransform transform(ray, inverse_);

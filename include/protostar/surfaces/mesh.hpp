@@ -72,6 +72,21 @@ class Mesh {
     return data().uvs.empty() ? uv : between(data().uvs, uv, part);
   }
 
+  /// Returns the directions of the texture coordinates, which are the same all over a triangle. A vector w in
+  /// its plane, along the edges e and f by α and β, changes u by α e_u + β f_u, and v by α e_v + β f_v; it
+  /// leaves v as it is for α = f_v, β = −e_v, and then changes u by the determinant e_u f_v − f_u e_v.
+  [[nodiscard]] Tangents tangents_at(const Point& point, int part) const {
+    const auto [e, f] = triangle(part).tangents_at(point);
+    if (data().uvs.empty()) return {e, f};
+    const auto& [a, b, c] = data().triangles[static_cast<std::size_t>(part)];
+    const Uv of_e = data().uvs[b] - data().uvs[a], of_f = data().uvs[c] - data().uvs[a];
+    const double determinant = of_e.x * of_f.y - of_f.x * of_e.y;
+    const double sign = (determinant > 0) - (determinant < 0);
+    const int exponent = -exponent_of({e, f});  // coordinates are up to 2^400, and so are products with them
+    return {sign * (of_f.y * scaled(e, exponent) - of_e.y * scaled(f, exponent)),
+            sign * (of_e.x * scaled(f, exponent) - of_f.x * scaled(e, exponent))};
+  }
+
   /// Returns the plane of a triangle; surfaces in one plane are left together. The ray crosses this mesh as
   /// one does that starts on the triangle, however its origin is rounded (StartInTriangle): next to an edge
   /// that bends away it does not hit the other side, and next to an edge in a valley it does if it leads

@@ -41,6 +41,8 @@ struct Parallelogram {
     return uv_of(dot(cross(w, v), n) / dot(n, n), dot(cross(u, w), n) / dot(n, n));
   }
 
+  [[nodiscard]] Tangents tangents_at(const Point&) const { return {edge_u, edge_v}; }
+
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
     return parallelogram_equation(rays, position, edge_u, edge_v);
   }

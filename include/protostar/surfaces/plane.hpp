@@ -40,6 +40,8 @@ struct Plane {
     return plane_uv(normal_at(point), point);
   }
 
+  [[nodiscard]] Tangents tangents_at(const Point& point) const { return plane_tangents(normal_at(point)); }
+
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
     return plane_equation(rays, normal, distance);
   }

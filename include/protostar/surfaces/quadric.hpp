@@ -36,6 +36,19 @@ struct Quadric {
   /// Returns the normal as longitude and latitude; if the quadric is a sphere, u and v are a Sphere's.
   [[nodiscard]] Uv uv_at(const Point& point) const { return direction_uv(normal_at(point)); }
 
+  /// Returns the directions in which the longitude and the latitude of the normal grow. Along w, the gradient
+  /// g changes by Q w. If it is to turn to the east, w is at right angles to g and to Q times the way down,
+  /// so that Q w has no part along that; and likewise for the way down.
+  [[nodiscard]] Tangents tangents_at(const Point& point) const {
+    const Vec3 g = normal_at(point);
+    const auto [east, down] = direction_tangents(g);
+    const auto along = [&](const Vec3& wanted, const Vec3& unwanted) {
+      const Vec3 w = cross(g, of_moderate_size(form.times(unwanted)));
+      return dot(form.times(w), wanted) < 0 ? -w : w;
+    };
+    return {along(east, down), along(down, east)};
+  }
+
   [[nodiscard]] auto equation(const Ray& ray) const { return quadric_equation(ray, form); }
   [[nodiscard]] auto equation(const RoundedLine& line) const { return quadric_equation(line, form); }
   [[nodiscard]] auto equation(const ExactLine& line) const { return quadric_equation(line, form); }

@@ -132,6 +132,9 @@ struct Sphere {
   /// Returns the direction from the center as azimuth and polar angle: u from 0 to 1 around the y axis, ½ in
   /// the direction of z and growing towards x; v from 0 at the top to 1 at the bottom.
   [[nodiscard]] Uv uv_at(const Point& point) const { return direction_uv(unit_along(point - center)); }
+  [[nodiscard]] Tangents tangents_at(const Point& point) const {
+    return direction_tangents(unit_along(point - center));
+  }
 
   /// Returns the equation of the sphere and a ray, or of each ray of a packet, in double with its error; of a
   /// line in exact numbers, without rounding.

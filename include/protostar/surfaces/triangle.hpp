@@ -46,6 +46,8 @@ struct Triangle {
     return uv_of(dot(cross(w, f), n) / dot(n, n), dot(cross(e, w), n) / dot(n, n));
   }
 
+  [[nodiscard]] Tangents tangents_at(const Point&) const { return {b - a, c - a}; }
+
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
     return triangle_equation(rays, a, b, c);
   }
