@@ -2,6 +2,7 @@
 // read once.
 #include <sys/stat.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -56,6 +57,47 @@ TEST_CASE("the path of a texture's image is relative to the folder of the scene 
   CHECK_THAT(error,
              ContainsSubstring("/materials/squares/diffuse/image: \"a.png\" is not possible: cannot read '" +
                                (folder / "a.png").string() + "': "));
+}
+
+TEST_CASE("a normal map is read as linear numbers, and once, also if its image is a texture as well") {
+  const std::int64_t pixels = std::int64_t{128} * 64;
+  const SceneFile file = read_scene(scenes / "normal_map.json", {.most_pixels = pixels});
+  const NormalMap& map = file.scene.materials<Parallelogram>()[0].normal_map;
+  REQUIRE(map);
+  const auto number = [](int code) { return 2.0 * static_cast<float>(code / 255.0) - 1.0; };
+  const Vec3 level{number(128), number(128), 1};
+  CHECK(map(0.001, 0.001) == level);
+  CHECK(map(1.001, 0.501) == level);  // one size farther
+  // The third pixel from the left is where a brick rises: tilted to the left, by 45 degrees and a little
+  // less.
+  const Vec3 rising = map(2.5 / 128, 0.5 * 16.5 / 64);
+  CHECK(std::abs(rising.x / rising.z - (0.06 - 1)) < 0.02);
+  CHECK(std::abs(rising.y / rising.z - 0.03) < 0.02);
+
+  CHECK_THAT(message_of<SceneError>([&] {
+               static_cast<void>(read_scene(scenes / "normal_map.json", {.most_pixels = pixels - 1}));
+             }),
+             ContainsSubstring("/materials/bricks/normal-map/image: \"bricks.png\" is not possible: "));
+  const std::string twice = R"({"image": "bricks.png"})";
+  std::string text =
+      patched(R"({"op": "add", "path": "/materials/red/normal-map", "value": )" + twice +
+              R"(}, {"op": "replace", "path": "/materials/red/diffuse", "value": )" + twice + "}");
+  const SceneFile both = scene_from_json(text, (scenes / "a.json").string(), {.most_pixels = 2 * pixels});
+  const Material& red = both.scene.materials<Sphere>()[0];
+  CHECK(red.normal_map(0.001, 0.001) == level);
+  CHECK(std::abs(red.texture(0.001, 0.001).r - 0.2158605f) < 1e-6f);  // 128 decoded from sRGB
+}
+
+TEST_CASE("a normal map with a pixel that leads into the surface is refused, with its place") {
+  const std::string name = "../tests/golden/09_shadow.png";  // black at the upper left
+  const std::string text =
+      patched(R"({"op": "add", "path": "/materials/red/normal-map", "value": {"image": ")" + name + "\"}}");
+  CHECK(message_of<SceneError>(
+            [&] { static_cast<void>(scene_from_json(text, (scenes / "a.json").string())); }) ==
+        (scenes / "a.json").string() + ": /materials/red/normal-map/image: \"" + name +
+            "\" is not possible: '" + (scenes / name).string() +
+            "' is no normal map: the blue of pixel 0,0, counted from 0 at the upper left, is 0; allowed is "
+            "above 0.5, for a normal that leads out of the surface");
 }
 
 TEST_CASE("an image that a scene file names several times, by any paths, is read once and shared") {

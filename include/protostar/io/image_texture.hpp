@@ -15,6 +15,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 #include "../platform.hpp"
 
@@ -127,8 +128,8 @@ namespace detail {
 
 inline bool is_image(std::string_view bytes) { return is_hdr(bytes) || is_png(bytes) || is_jpeg(bytes); }
 
-/// Decodes a checked file with stb_image.
-inline Image decoded_by_stb(std::string_view checked, const ImageBytes& file) {
+/// Decodes a checked file with stb_image, and its codes from a transfer curve.
+inline Image decoded_by_stb(std::string_view checked, const ImageBytes& file, const Transfer& transfer) {
   const auto* const bytes = reinterpret_cast<const stbi_uc*>(checked.data());
   const int size = static_cast<int>(checked.size());
   int width = 0, height = 0, channels = 0;
@@ -150,7 +151,8 @@ inline Image decoded_by_stb(std::string_view checked, const ImageBytes& file) {
   }
   std::array<float, 256> light{};
   for (std::size_t code = 0; code < light.size(); ++code)
-    light[code] = static_cast<float>(decode(Srgb{}, static_cast<double>(code) / 255));
+    light[code] = static_cast<float>(
+        std::visit([&](auto curve) { return decode(curve, static_cast<double>(code) / 255); }, transfer));
   Image image(width, height);
   const stbi_uc* code = codes.get();
   for (int y = 0; y < height; ++y)
@@ -161,20 +163,21 @@ inline Image decoded_by_stb(std::string_view checked, const ImageBytes& file) {
 }  // namespace detail
 
 /// Reads the linear light of a picture from the bytes of its file: a PNG, JPEG or Radiance HDR, recognized by
-/// its first bytes. PNG and JPEG are decoded from sRGB with 8 bits per channel, without transparency; HDR is
-/// taken as it is. All pixels are finite. `file` is the name in error messages.
+/// its first bytes. PNG and JPEG are decoded from a transfer, as a rule sRGB, with 8 bits per channel and
+/// without transparency; HDR is taken as it is. All pixels are finite. `file` is the name in error messages.
 ///
 /// Throws std::runtime_error if the bytes are no such picture or an incomplete one, and, before memory is
 /// taken for pixels, if there are more than most_pixels; std::bad_alloc if there is not enough memory.
 [[nodiscard]] inline Image image_from_bytes(std::string_view bytes, std::string_view file,
-                                            std::int64_t most_pixels = most_image_pixels) {
+                                            std::int64_t most_pixels = most_image_pixels,
+                                            const Transfer& transfer = Srgb{}) {
   const detail::ImageBytes image_file(bytes, file);
   if (detail::is_hdr(bytes)) return detail::HdrReader(image_file, most_pixels).image();
   if (detail::is_png(bytes))
-    return detail::decoded_by_stb(detail::checked_png(image_file, most_pixels), image_file);
+    return detail::decoded_by_stb(detail::checked_png(image_file, most_pixels), image_file, transfer);
   if (detail::is_jpeg(bytes)) {
     detail::JpegCheck(image_file, most_pixels);
-    return detail::decoded_by_stb(bytes, image_file);
+    return detail::decoded_by_stb(bytes, image_file, transfer);
   }
   image_file.refuse("the file does not begin as a PNG, a JPEG or a Radiance HDR does");
 }
@@ -183,11 +186,12 @@ inline Image decoded_by_stb(std::string_view checked, const ImageBytes& file) {
 /// file does not begin as a picture or is longer than 2^30 bytes, so that a device without an end is refused.
 /// Also throws std::system_error if the file cannot be read.
 [[nodiscard]] inline Image load_image(const std::filesystem::path& path,
-                                      std::int64_t most_pixels = most_image_pixels) {
+                                      std::int64_t most_pixels = most_image_pixels,
+                                      const Transfer& transfer = Srgb{}) {
   const std::string bytes = detail::bytes_of_file<std::runtime_error>(
       path, detail::most_image_bytes,
       [](std::string_view all, std::string_view) { return !detail::is_image(all); });
-  return image_from_bytes(bytes, path.string(), most_pixels);
+  return image_from_bytes(bytes, path.string(), most_pixels, transfer);
 }
 
 /// Returns the picture in a file as a texture of the given size in units of u and v. Throws the errors of

@@ -22,6 +22,7 @@
 #include "../image.hpp"
 #include "../shown.hpp"
 #include "../surfaces/csg.hpp"
+#include "image_normal_map.hpp"
 #include "image_texture.hpp"
 #include "json_cursor.hpp"
 #include "json_surfaces.hpp"
@@ -37,42 +38,59 @@ namespace detail {
 
 // ---- Materials.
 
-/// Returns the image that a path leads to, read once.
-inline std::shared_ptr<const Image> image_at(const JsonCursor& at) {
+/// Returns the image that a path leads to, read once by load(path, most_pixels) and kept in a list.
+inline std::shared_ptr<const Image> image_at(const JsonCursor& at, LoadedFiles::Images LoadedFiles::*list,
+                                             Image (*load)(const std::filesystem::path&, std::int64_t)) {
   const NamedFile file = at.named_file();
   LoadedFiles& loaded = at.loaded();
-  std::shared_ptr<const Image>& image = loaded.images[file.canonical];
+  std::shared_ptr<const Image>& image = (loaded.*list)[file.canonical];
   if (image) return image;
   image = at.checked([&] {
     return std::make_shared<const Image>(
-        load_image(file.path, std::min(at.options().most_pixels - loaded.pixels, most_image_pixels)));
+        load(file.path, std::min(at.options().most_pixels - loaded.pixels, most_image_pixels)));
   });
   loaded.pixels += std::int64_t{image->width()} * image->height();
   return image;
 }
 
-inline Texture texture_at(const JsonCursor& at) {
-  if (at.has("image")) {
-    at.with_keys({"image", "size"});
-    double size_u = 1, size_v = 1;
-    if (at.has("size")) {
-      const JsonCursor size = at["size"].with_size(2, "an array of two numbers");
-      size_u = size[0].size(), size_v = size[1].size();
-    }
-    return ImageTexture{image_at(at["image"]), size_u, size_v};
+/// Returns the image of light that a path leads to, or that of normals.
+inline std::shared_ptr<const Image> light_at(const JsonCursor& at) {
+  return image_at(at, &LoadedFiles::images, [](const std::filesystem::path& path, std::int64_t most) {
+    return load_image(path, most);
+  });
+}
+inline std::shared_ptr<const Image> normals_at(const JsonCursor& at) {
+  return image_at(at, &LoadedFiles::normal_maps, &load_normal_map);
+}
+
+/// Returns an image with its size on a surface, of the keys image and size.
+inline ImageTexture placed_image(const JsonCursor& at,
+                                 std::shared_ptr<const Image> (*image)(const JsonCursor&)) {
+  at.with_keys({"image", "size"});
+  ImageTexture placed;
+  if (at.has("size")) {
+    const JsonCursor size = at["size"].with_size(2, "an array of two numbers");
+    placed.size_u = size[0].size(), placed.size_v = size[1].size();
   }
+  placed.image = image(at["image"]);
+  return placed;
+}
+
+inline Texture texture_at(const JsonCursor& at) {
+  if (at.has("image")) return placed_image(at, light_at);
   at.with_keys({"checker", "size"});
   const JsonCursor colors = at["checker"].with_size(2, "an array of two colors");
   return Checker{.first = colors[0].color(), .second = colors[1].color(), .size = at["size"].size()};
 }
 
 inline Material material_at(const JsonCursor& at) {
-  at.with_keys({"diffuse", "specular", "shininess", "reflect", "refract", "ior"});
+  at.with_keys({"diffuse", "specular", "shininess", "reflect", "refract", "ior", "normal-map"});
   Material material;
   if (at["diffuse"].is(json::value_t::object))
     material.texture = texture_at(at["diffuse"]);
   else if (at.has("diffuse"))
     material.diffuse = at["diffuse"].color();
+  if (at.has("normal-map")) material.normal_map = ImageNormalMap{placed_image(at["normal-map"], normals_at)};
   if (at.has("specular")) material.specular = at["specular"].color();
   if (at.has("shininess"))
     material.shininess =
@@ -197,7 +215,7 @@ inline void read_world(const JsonCursor& at, SceneFile& file) {
   if (at.has("sky") && at.has("environment")) at["sky"].refuse_beside("an environment");
   if (at.has("sky")) file.scene.set_sky(at["sky"].color());
   if (at.has("environment")) {
-    file.scene.set_environment(EnvironmentImage{image_at(at["environment"])});
+    file.scene.set_environment(EnvironmentImage{light_at(at["environment"])});
   }
 }
 

@@ -20,8 +20,9 @@ namespace protostar::inline PROTOSTAR_ABI::detail {
 
 /// Files that a scene names, by canonical path; a file that is named twice is read once, and shared.
 struct LoadedFiles {
-  std::map<std::filesystem::path, std::shared_ptr<const Image>> images;
-  std::int64_t pixels = 0;  ///< total of all images
+  using Images = std::map<std::filesystem::path, std::shared_ptr<const Image>>;
+  Images images, normal_maps;  ///< light, and numbers of normals
+  std::int64_t pixels = 0;     ///< total of all images
 #if defined(PROTOSTAR_READS_MESHES)
   struct MeshFile {
     std::shared_ptr<const MeshData> data;
