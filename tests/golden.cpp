@@ -117,6 +117,11 @@ const Golden goldens[] = {
        return picture({{ivory, glass, rubber, mirror}, true, true});
      },
      lines_between_squares},
+    {"27_normal_map", "27_normal_map", "",
+     [] {
+       using namespace reference;
+       return picture({{bumpy_ivory, ribbed_rubber, ribbed_rubber, bumpy_ivory}});
+     }},
 #if __has_include(<tiny_obj_loader.h>)  // otherwise this stage is not built
     {"17_mesh", "17_mesh", "",
      [] { return reference::Knot(source_dir + "/scenes/knot.obj").picture(640, 480); }},

@@ -1,4 +1,4 @@
-// Reference for the pictures of stages 10 to 13, and 16, from the formulas, in long double and sharing
+// Reference for the pictures of stages 10 to 13, 16 and 27, from the formulas, in long double and sharing
 // nothing with the library.
 //
 // Reflected and refracted rays start at points that are not whole, so nothing here is decided exactly. A
@@ -24,6 +24,7 @@ namespace reference {
 struct Stuff {
   Vector diffuse, specular;
   Real shininess = 1, reflect = 0, refract = 0;
+  std::array<Real, 2> waves{};  ///< number of waves of stage 27, around and down; none if both are 0
 };
 
 inline const Stuff ivory{{0.36f, 0.36f, 0.27f}, {0.5L, 0.5L, 0.5L}, 50, 0.1L, 0};
@@ -31,6 +32,9 @@ inline const Stuff dull_ivory{{0.36f, 0.36f, 0.27f}, {0.5L, 0.5L, 0.5L}, 50, 0, 
 inline const Stuff glass{{}, {0.9f, 0.9f, 0.9f}, 125, 0.1L, 0.8L};
 inline const Stuff rubber{{0.42f, 0.14f, 0.14f}, {0.3f, 0.3f, 0.3f}, 10, 0, 0};
 inline const Stuff mirror{{}, {16, 16, 16}, 1425, 0.8L, 0};
+
+inline const Stuff bumpy_ivory{dull_ivory.diffuse, dull_ivory.specular, 50, 0, 0, {24, 12}};
+inline const Stuff ribbed_rubber{rubber.diffuse, rubber.specular, 10, 0, 0, {0, 12}};
 
 /// Scene of four balls, each with its material, and optionally a floor: y = −4 over |x| < 10, 10 < z < 30, in
 /// squares of 2.
@@ -60,6 +64,17 @@ struct FourSpheres {
     const auto seen = dusk(static_cast<double>(0.5L + std::atan2(d.x, d.z) / (2 * half_turn)),
                            static_cast<double>(std::acos(std::clamp<Real>(d.y, -1, 1)) / half_turn));
     return {seen.r, seen.g, seen.b};
+  }
+
+  /// Returns the normal of a ball with waves: each slope turns it towards the east or the south.
+  static Vector with_waves(Vector n, const std::array<Real, 2>& waves) {
+    const Real full_turn = 2 * std::acos(Real{-1});
+    const Vector east{n.z, 0, -n.x};
+    const Vector south{n.x * n.y, n.y * n.y - 1, n.z * n.y};  // n y − (0, 1, 0), as high as east is long
+    const Real to_east = std::sin(full_turn * waves[0] * (0.5L + std::atan2(n.x, n.z) / full_turn));
+    const Real to_south = std::sin(waves[1] * 2 * std::acos(std::clamp<Real>(n.y, -1, 1)));
+    const Vector m = n + 0.5L / length(east) * (to_east * east + to_south * south);
+    return 1 / length(m) * m;
   }
 
   struct Met {
@@ -114,16 +129,17 @@ struct FourSpheres {
     const Stuff is = stuff_at(met.what, p);
     Vector n = met.what == floor ? Vector{0, 1, 0} : 1 / radius(met.what) * (p - center(met.what));
     const bool from_outside = dot(n, d) < 0;
-    if (!from_outside) n = Real{-1} * n;
+    Vector shading = is.waves == std::array<Real, 2>{} ? n : with_waves(n, is.waves);
+    if (!from_outside) n = Real{-1} * n, shading = Real{-1} * shading;
 
     Vector sum;
     for (const Vector lamp : {Vector{-20, 20, -20}, Vector{30, 50, 25}, Vector{30, 20, -30}}) {
       const Vector way = lamp - p;
       const Vector l = 1 / length(way) * way;
-      if (dot(n, l) <= 0 || first(p, way, met.what).t < 1) continue;
-      const Vector r = 2 * dot(n, l) * n - l;
+      if (dot(n, l) <= 0 || dot(shading, l) <= 0 || first(p, way, met.what).t < 1) continue;
+      const Vector r = 2 * dot(shading, l) * shading - l;
       const Real shine = std::max<Real>(-dot(r, d), 0);
-      sum = sum + dot(n, l) * is.diffuse + std::pow(shine, is.shininess) * is.specular;
+      sum = sum + dot(shading, l) * is.diffuse + std::pow(shine, is.shininess) * is.specular;
     }
     if (is.reflect > 0) sum = sum + is.reflect * light_along(p, d - 2 * dot(n, d) * n, met.what, rays - 1);
     if (is.refract > 0) {
