@@ -90,6 +90,15 @@ class Light {
   }
   [[nodiscard]] Interval occlusion_range() const { return {.min = 0, .max = w_ == 0 ? infinity : 1}; }
 
+  /// Returns the name of the type that it was made of, and its power or intensity.
+  [[nodiscard]] const char* type() const { return type_; }
+  [[nodiscard]] const Color& color() const { return color_; }
+
+  /// Returns the unit axis of a spotlight, and its angle and fade in degrees; 0 for any other light.
+  [[nodiscard]] const Vec3& axis() const { return axis_; }
+  [[nodiscard]] double angle() const { return angle_; }
+  [[nodiscard]] double fade() const { return fade_; }
+
   /// Returns the irradiance that the light, if nothing occludes it, brings to a point with this unit normal:
   ///   E = E⊥ · cos θ   with   cos θ = n·l/|l|,   l = towards(point);
   /// 0 if the light is behind the surface or in its plane. Very near a light it grows beyond all bounds, and

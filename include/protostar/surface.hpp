@@ -100,7 +100,10 @@ template <class S>
   [[maybe_unused]] const bool leaves = surface.is_left_by(ray);
   if constexpr (requires { surface.refined_roots(ray); })
     if (!leaves && ray.transform == nullptr)
-      if (const auto roots = surface.refined_roots(ray)) return *roots;
+      if (const auto roots = surface.refined_roots(ray)) {
+        ++fallbacks.double_double;
+        return *roots;
+      }
   ++fallbacks.exact;
   const auto exact = surface.equation(exact_line(ray));
   if constexpr (is_quadratic<S>) {

@@ -62,7 +62,8 @@ class Roots {
 
 /// Number of decisions that double could not make, in this thread, since it was last set to {}.
 struct Fallbacks {
-  std::uint64_t exact = 0;  ///< decided without rounding
+  std::uint64_t exact = 0;          ///< decided without rounding
+  std::uint64_t double_double = 0;  ///< decided in double-double
 };
 inline thread_local Fallbacks fallbacks;
 

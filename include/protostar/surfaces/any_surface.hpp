@@ -34,6 +34,13 @@ class AnySurface {
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
     return first_t(*this, ray, range);
   }
+
+  /// Returns the surface that is held if it is of type S, otherwise null.
+  template <Surface S>
+  [[nodiscard]] const S* target() const {
+    return &held_->functions == &functions_of<S> ? static_cast<const S*>(held_->surface) : nullptr;
+  }
+
   [[nodiscard]] bool has_parts() const { return held_->has_parts(); }
   [[nodiscard]] Vec3 normal_at(const Point& point, int part = 0) const {
     return held_->functions.normal_at(held_->surface, point, part);

@@ -40,6 +40,24 @@ class Csg {
   /// milliseconds for as many as this.
   static constexpr std::size_t most_solids = std::size_t{1} << 16;
 
+  /// A solid of the tree.
+  struct Leaf {
+    AnySurface solid;
+    int node;                    ///< index among the nodes
+    int first_part = 0;          ///< number of parts of all leaves before it
+    bool is_taken_away = false;  ///< true if subtracted an odd number of times
+  };
+
+  /// A leaf or an operation. Operands come before their operation, and the whole comes last. An operation is
+  /// inside where the sum of the weights of its operands that are inside is at least `least`: 1 for a union,
+  /// the number of operands for an intersection, and 1 for a difference, whose first operand alone has a
+  /// weight above 0.
+  struct Node {
+    int parent = -1;
+    int weight = 1;  ///< 1, or −1 if it is subtracted by its parent
+    int least = 0;
+  };
+
   /// Makes a tree of one solid. Throws std::invalid_argument if it is not closed, which its type alone may
   /// not tell.
   template <class S>
@@ -116,6 +134,8 @@ class Csg {
   }
   [[nodiscard]] int part_count() const { return parts_; }
   [[nodiscard]] Bounds bounds() const { return bounds_; }
+  [[nodiscard]] const std::vector<Leaf>& leaves() const { return leaves_; }
+  [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
 
   /// Throws std::invalid_argument if a solid is not valid.
   void validate() const {
@@ -123,24 +143,6 @@ class Csg {
   }
 
  private:
-  /// A solid of the tree.
-  struct Leaf {
-    AnySurface solid;
-    int node;                    ///< index among the nodes
-    int first_part = 0;          ///< number of parts of all leaves before it
-    bool is_taken_away = false;  ///< true if subtracted an odd number of times
-  };
-
-  /// A leaf or an operation. Operands come before their operation, and the whole comes last. An operation is
-  /// inside where the sum of the weights of its operands that are inside is at least `least`: 1 for a union,
-  /// the number of operands for an intersection, and 1 for a difference, whose first operand alone has a
-  /// weight above 0.
-  struct Node {
-    int parent = -1;
-    int weight = 1;  ///< 1, or −1 if it is subtracted by its parent
-    int least = 0;
-  };
-
   /// A crossing of a leaf.
   struct Hit {
     Crossing crossing;

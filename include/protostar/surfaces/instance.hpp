@@ -109,6 +109,10 @@ class Instance<S> {
 
   [[nodiscard]] Bounds bounds() const { return bounds_; }
 
+  /// Returns the surface in its own space, and the map from there.
+  [[nodiscard]] const S& surface() const { return surface_; }
+  [[nodiscard]] const Affine& placement() const { return inverse_.map(); }
+
   /// Throws std::invalid_argument if the surface is not valid, the map has no inverse, or a number of the
   /// inverse is not a coordinate (magnitude.hpp).
   void validate() const {
