@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
     const auto radiance = [&](const Ray& ray) { return sphere.intersect(ray) ? Color{1} : Color{0}; };
 
     Image image = stage.image();
-    render(image, camera, radiance, stage.render_options());
+    render(image, camera, radiance, stage.render_options(sphere));
     stage.save(image);
   });
 }

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
                          .height = file.height,
                          .transfer = file.transfer,
                          .tone = file.tone,
+                         .exposure = file.exposure,
                          .samples = file.samples};
   };
 

@@ -93,7 +93,8 @@ TEST_CASE("the options --version and --help print to stdout and draw nothing") {
   CHECK(help.status == 0);
   CHECK(help.err == "");
   for (const char* text : {"-o FILE", "--size WxH", "--samples N", "--threads N", "--bits 8|16",
-                           "--transfer srgb|linear|gamma=G", "--plain", "--quiet", "--help", "--version"})
+                           "--transfer srgb|linear|gamma=G", "--pixel X,Y", "--explain FILE.json", "--plain",
+                           "--quiet", "--help", "--version"})
     CHECK_THAT(help.out, ContainsSubstring(text));
   CHECK_THAT(help.out, ContainsSubstring("Usage: " + row.name));
   CHECK_THAT(help.out, ContainsSubstring(row.name == "01_gradient"     ? "[100x100]"
@@ -241,10 +242,12 @@ TEST_CASE("an error on the command line is reported, with what is allowed, and n
   const std::string size = "WIDTHxHEIGHT, whole numbers of at least 1 whose product is at most 2^28";
   const std::string threads = "a whole number of at least 0";
   const std::string transfer = "srgb, linear or gamma=G with a number G greater than 0";
+  const std::string pixel = "X,Y, whole numbers of a pixel inside the picture";
   const std::string endings = "a file that ends in .ppm, .png, .pfm or .hdr, or a device or pipe that exists";
   const auto not_allowed = [](const std::string& option, const std::string& found,
                               const std::string& allowed) {
-    return Row{option + " " + found, {option + ": '" + found + "' is not " + allowed}};
+    return Row{option + " " + found,
+               {option.substr(option.rfind(' ') + 1) + ": '" + found + "' is not " + allowed}};
   };
   const std::vector<Row> rows{
       {"--bogus", {"--bogus", "--help"}},
@@ -296,8 +299,20 @@ TEST_CASE("an error on the command line is reported, with what is allowed, and n
       not_allowed("-o", "a.ppm/", endings),
       not_allowed("-o", "a.ppm.gz", endings),
       not_allowed("-o", "/dev/protostar", endings),
+      not_allowed("--pixel", "5", pixel),
+      not_allowed("--pixel", "5,", pixel),
+      not_allowed("--pixel", "5,6,7", pixel),
+      not_allowed("--pixel", "-1,6", pixel),
+      not_allowed("--pixel", "5.0,6", pixel),
+      not_allowed("--pixel", "640,0", pixel + " of 640x480"),
+      not_allowed("--pixel", "0,480", pixel + " of 640x480"),
+      not_allowed("--size 4x3 --pixel", "4,0", pixel + " of 4x3"),
       {"--size", {"--size", "WxH", "missing"}},
       {"--samples", {"--samples", "N", "missing"}},
+      {"--pixel", {"--pixel", "X,Y", "missing"}},
+      {"--explain a.json", {"--explain requires --pixel X,Y"}},
+      not_allowed("--pixel 1,2 --explain", "a.txt", "a file that ends in .json"),
+      not_allowed("--pixel 1,2 --explain", ".json", "a file that ends in .json"),
       {"--threads", {"--threads", "N", "missing"}},
       {"--bits", {"--bits", "8|16", "missing"}},
       {"--transfer", {"--transfer", "srgb|linear|gamma=G", "missing"}},

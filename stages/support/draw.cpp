@@ -13,7 +13,8 @@
 
 using namespace protostar;
 
-void draw(Image& image, const SceneFile& file, const std::string& integrator, const RenderOptions& options) {
+void draw(Image& image, const SceneFile& file, const std::string& integrator,
+          const StageRenderOptions& options) {
   // The command line may ask for other samples than the scene file, which were checked when it was read.
   if (const auto refusal = refusal_of_samples(options.samples, file.scene.lights().size()))
     throw std::runtime_error("--samples: " + *refusal);

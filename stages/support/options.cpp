@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <protostar/image.hpp>
 #include <protostar/io/scene_file.hpp>
 #include <protostar/io/text.hpp>
@@ -121,6 +122,42 @@ void crop_to(const Part& part, std::string_view text, Options& options) {
   options.height = part.size.height;
 }
 
+[[noreturn]] void refuse_pixel(std::string_view text, const std::string& of_size) {
+  refuse("--pixel", text, "X,Y, whole numbers of a pixel inside the picture" + of_size);
+}
+
+Pixel read_pixel(std::string_view text) {
+  const std::size_t comma = text.find(',');
+  const auto x = number_of<int>(text.substr(0, comma));
+  const auto y = comma == std::string_view::npos ? std::nullopt : number_of<int>(text.substr(comma + 1));
+  if (!x || !y || *x < 0 || *y < 0) refuse_pixel(text, "");
+  return {*x, *y};
+}
+
+/// Turns options for a picture, or a part of one, into those for a pixel of the picture; refuses a pixel that
+/// is not inside.
+void explain_pixel(const Pixel& pixel, std::string_view text, Options& options) {
+  if (options.crop.width > 0) {
+    options.width = options.crop.width;
+    options.height = options.crop.height;
+    options.crop = {};
+  }
+  if (pixel.x >= options.width || pixel.y >= options.height)
+    refuse_pixel(text, " of " + std::to_string(options.width) + "x" + std::to_string(options.height));
+  options.pixel = pixel;
+}
+
+/// Refuses the name of a file about a pixel unless it ends in one of the endings.
+void check_name(const std::string& option, const std::string& name,
+                std::initializer_list<std::string_view> endings) {
+  std::string names;
+  for (const std::string_view ending : endings) {
+    if (name.size() > ending.size() && name.ends_with(ending)) return;
+    names += (names.empty() ? "" : " or ") + std::string(ending);
+  }
+  refuse(option, name, "a file that ends in " + names);
+}
+
 std::string read_integrator(std::string_view text) {
   std::string names;
   for (const std::string_view name : protostar::integrator_names) {
@@ -194,7 +231,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   Options options{.program = program, .plain = defaults.plain, .numbers = defaults.numbers};
   std::vector<std::string> numbers(options.numbers.size());
   std::string output = options.output.string(), size, threads, bits, transfer;
-  std::string scene, integrator, samples, crop, timeout;
+  std::string scene, integrator, samples, crop, timeout, pixel, explain;
   bool confine = false;
   const bool of_scene = static_cast<bool>(defaults.read_scene);
   const auto or_of_scene = [&](const std::string& text) { return of_scene ? "the scene's" : text; };
@@ -236,6 +273,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     app.add_flag("--confine", confine, "Refuse images and meshes that are not inside the scene's folder")
         ->disable_flag_override();
   }
+  app.add_option("--pixel", pixel,
+                 "Draw nothing, but tell why this pixel, counted from 0,0 at the upper left, has its color")
+      ->type_name("X,Y");
+  app.add_option("--explain", explain, "With --pixel: a file for all of its numbers")->type_name("FILE.json");
   for (std::size_t i = 0; i < numbers.size(); ++i)
     app.add_option(options.numbers[i].name, numbers[i], options.numbers[i].help)->type_name("X");
   app.add_flag(
@@ -264,12 +305,18 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     options.format = format_of(options.output);
     std::optional<Size> own_size;
     std::optional<Part> part;
+    std::optional<Pixel> own_pixel;
     std::optional<Transfer> own_transfer;
     std::optional<std::string> own_integrator;
     std::optional<int> own_samples;
     double own_timeout = 0;
     if (app.count("--size")) own_size = read_size(size);
     if (given("--crop")) part = read_crop(crop);
+    if (given("--pixel")) own_pixel = read_pixel(pixel);
+    if (given("--explain") && !own_pixel)
+      throw CLI::RequiresError("--explain", "--pixel X,Y, which names the pixel");
+    if (given("--explain")) check_name("--explain", explain, {".json"});
+    options.explain = explain;
     if (given("--integrator")) own_integrator = read_integrator(integrator);
     if (app.count("--samples"))
       own_samples = read_whole(
@@ -302,6 +349,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
       options.width = whole.width;
       options.height = whole.height;
       if (part) crop_to(*part, crop, options);
+      if (own_pixel) explain_pixel(*own_pixel, pixel, options);
     };
     if (own_size) crop_to_part(*own_size);
     const StageDefaults settings =
@@ -311,6 +359,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     options.samples = own_samples.value_or(settings.samples);
     options.transfer = own_transfer.value_or(settings.transfer);
     options.tone = settings.tone;
+    options.exposure = settings.exposure;
     if (given("--timeout"))
       options.timeout = own_timeout;
     else if (of_scene)

@@ -17,12 +17,18 @@ struct NumberOption {
   double value;  ///< default if the option is not given
 };
 
+/// Pixel of a picture, counted from 0 at the upper left.
+struct Pixel {
+  int x = 0, y = 0;
+};
+
 /// Settings of a stage for options that are not given.
 struct StageDefaults {
   std::string integrator = {};  ///< name, for the line that the stage prints
   int width = 640, height = 480;
   protostar::Transfer transfer = protostar::Gamma{2.2};
   protostar::Tone tone = protostar::Tone::clip;  ///< not applied to files of linear light
+  double exposure = 1;  ///< factor on the light that the program applies, for the explanation of a pixel
   bool plain = false;
   std::vector<NumberOption> numbers = {};  ///< options of this stage alone
   int samples = 0;
@@ -57,8 +63,11 @@ struct Options {
   protostar::Crop crop = {};  ///< in the picture, if width and height are those of a part of it
   bool plain = false;
   bool quiet = false;
-  double timeout = 0;                 ///< seconds after which the program gives up; 0: never
-  std::vector<NumberOption> numbers;  ///< with the values that are given
+  double exposure = 1;
+  std::optional<Pixel> pixel = {};     ///< explained, and nothing is drawn; the crop is then that of no part
+  std::filesystem::path explain = {};  ///< file for the explanation as JSON; empty: none
+  double timeout = 0;                  ///< seconds after which the program gives up; 0: never
+  std::vector<NumberOption> numbers;   ///< with the values that are given
 };
 
 /// Reads a command line. Returns nullopt if the program has already printed all there is to say, help or an

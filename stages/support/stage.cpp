@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -51,6 +52,13 @@ Image part_of(const Image& whole, const Crop& crop, int width, int height) {
   return part;
 }
 
+/// Replaces a file by one with this text.
+void save_text(const std::filesystem::path& path, const std::string& text) {
+  OutputFile file(path);
+  file.write(text);
+  file.commit();
+}
+
 void flush(std::FILE* stream, const char* name) {
   if (std::fflush(stream) != 0 || std::ferror(stream) != 0)
     throw std::system_error(errno, std::generic_category(), std::string("cannot write ") + name);
@@ -67,9 +75,16 @@ std::string timeout_text(const Options& options) {
 }  // namespace
 
 Stage::Stage(const Options& options, StopToken stop)
-    : options_(options), stop_(std::move(stop)), progress_(options.quiet) {}
+    : options_(options), stop_(std::move(stop)), progress_(options.quiet) {
+  if (!options.pixel) return;
+  Explanation& explanation = explanation_.emplace();
+  explanation.pixel = *options.pixel;
+  explanation.width = options.width;
+  explanation.height = options.height;
+}
 
 Image Stage::image() const {
+  if (options_.pixel) return Image(options_.width, options_.height);
   if (options_.format == Options::Format::png) check_png_size(options_.width, options_.height);
   check_output();
   if (options_.draws_more()) return Image(options_.crop.width, options_.crop.height);
@@ -92,18 +107,30 @@ void Stage::check_output() const {
   }
 }
 
-RenderOptions Stage::render_options() {
+StageRenderOptions Stage::render_options() {
   start_ = Clock::now();
-  return {.samples = options_.samples,
-          .crop = options_.draws_more() ? Crop{} : options_.crop,
-          .threads = options_.threads,
-          .stop = stop_,
-          .progress = [this](double done) { progress_.show(done); }};
+  StageRenderOptions options({.samples = options_.samples,
+                              .crop = options_.draws_more() ? Crop{} : options_.crop,
+                              .threads = options_.threads,
+                              .stop = stop_,
+                              .progress = [this](double done) { progress_.show(done); }});
+  if (options_.pixel) {
+    options.draws = options_.tone == Tone::scale_image && !options_.is_linear();
+    if (explanation_) options.explanation = &*explanation_;
+  }
+  return options;
+}
+
+StageRenderOptions Stage::render_options(const Sphere& sphere) {
+  StageRenderOptions options = render_options();
+  options.sphere = &sphere;
+  return options;
 }
 
 void Stage::save(const Image& image) {
   progress_.clear();  // the calling thread need not be the one that does the last tile
   if (stop_.stop_requested()) return;
+  if (options_.pixel) return tell(image);
   const auto rendered = Clock::now();
   if (options_.tone == Tone::clip || options_.is_linear()) {
     write(image);
@@ -121,6 +148,7 @@ void Stage::save(const Image& image) {
 }
 
 void Stage::compare(const Image& image, const Image& exact) const {
+  if (options_.pixel) return;
   const Encoder encode(Gamma{2.2}, 255);
   const auto differs = [&](float a, float b) { return std::abs(encode(a) - encode(b)) > 1; };
   std::int64_t wrong = 0;
@@ -142,6 +170,37 @@ double Stage::number(const std::string& option) const {
 void Stage::print(const std::string& line) const {
   if (stop_.stop_requested() || options_.quiet) return;
   std::fprintf(is_stdout(options_.output) ? stderr : stdout, "%s\n", shown(line).c_str());
+}
+
+void Stage::tell(const Image& image) {
+  if (!explanation_) return;
+  Explanation& explanation = *explanation_;
+  const auto [x, y] = explanation.pixel;
+  explanation.light = image(x, y);
+  explanation.toned = explanation.light;
+  if (!explanation.is_traced) explanation.mean = explanation.light;
+  if (!options_.is_linear()) {
+    Image toned(1, 1);
+    if (options_.tone == Tone::scale_image) {
+      toned = image;
+      for (int row = 0; row < image.height(); ++row)
+        for (int column = 0; column < image.width(); ++column) {
+          const Color light = clamped(image(column, row));
+          explanation.largest = std::max({explanation.largest, light.r, light.g, light.b});
+        }
+    } else {
+      toned(0, 0) = explanation.light;
+    }
+    apply(options_.tone, toned);
+    explanation.toned = options_.tone == Tone::scale_image ? toned(x, y) : toned(0, 0);
+    explanation.codes = Encoder(options_.transfer, options_.bits == 16 ? 65535 : 255)(explanation.toned);
+  }
+  if (!options_.quiet) {
+    const std::string text = text_of(explanation, options_);
+    std::fwrite(text.data(), 1, text.size(), stdout);
+  }
+  if (!options_.explain.empty()) save_text(options_.explain, json_of(explanation, options_));
+  explanation_.reset();
 }
 
 void Stage::write(const Image& image) const {

@@ -3,11 +3,13 @@
 
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <protostar/accel/render_tiles.hpp>
 #include <protostar/image.hpp>
 #include <protostar/render.hpp>
 #include <string>
 
+#include "explained_render.hpp"
 #include "options.hpp"
 #include "pictures.hpp"
 #include "progress.hpp"
@@ -26,11 +28,17 @@ class Stage {
   const std::string& integrator() const { return options_.integrator; }
 
   /// Returns the samples, the crop and the threads asked for, with a progress display, and a stop on Ctrl-C
-  /// or timeout. The time of the render counts from this call.
-  protostar::RenderOptions render_options();
+  /// or timeout. The time of the render counts from this call. With --pixel, render explains the pixel, and
+  /// draws the picture only if the tone needs it.
+  StageRenderOptions render_options();
+
+  /// Returns them for a function of a ray that intersects this sphere and no more, so that --pixel can tell
+  /// so.
+  StageRenderOptions render_options(const protostar::Sphere& sphere);
 
   /// Saves the image, or the part of it that was asked for, in the format asked for, with the stage's tone
-  /// unless the file holds linear light, and prints a line about it. Throws std::system_error if it cannot.
+  /// unless the file holds linear light, and prints a line about it. With --pixel, prints the explanation
+  /// instead, and writes the files of it that are asked for. Throws std::system_error if it cannot.
   void save(const protostar::Image& image);
 
   /// Prints how many pixels of an image are wrong: more than one level of 255 off the exact image of the same
@@ -52,9 +60,13 @@ class Stage {
   void print(const std::string& line) const;
   void write(const protostar::Image& image) const;
 
+  /// Completes the explanation by the picture's pixel, prints it, and writes the files that are asked for.
+  void tell(const protostar::Image& image);
+
   Options options_;
   protostar::StopToken stop_;
   Progress progress_;
+  std::optional<Explanation> explanation_;  ///< until it is told
   Clock::time_point start_ = Clock::now();
 };
 

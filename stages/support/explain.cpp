@@ -1,0 +1,121 @@
+#include <algorithm>
+#include <array>
+#include <protostar/integrators/binary.hpp>
+#include <protostar/integrators/color.hpp>
+#include <protostar/integrators/depth.hpp>
+#include <protostar/integrators/diffuse.hpp>
+#include <protostar/integrators/normal.hpp>
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/integrators/transparency.hpp>
+#include <protostar/integrators/whitted.hpp>
+#include <protostar/render.hpp>
+
+#include "explained_scene.hpp"
+
+using namespace protostar;
+
+template void ExplainedScene::add(const std::vector<AnySurface>&, const std::vector<Material>&);
+template void ExplainedScene::add(const std::vector<Mesh>&, const std::vector<Material>&);
+template void ExplainedScene::add(const std::vector<Parallelogram>&, const std::vector<Material>&);
+template void ExplainedScene::add(const std::vector<Plane>&, const std::vector<Material>&);
+template void ExplainedScene::add(const std::vector<Sphere>&, const std::vector<Material>&);
+
+RayRecord& ExplainedScene::begin(RayRecord::Query query, const Ray& ray, Interval range) const {
+  RayRecord& record = current_->rays.emplace_back();
+  record.query = query;
+  record.ray = ray;
+  record.range = range;
+  const auto left = std::find_if(surfaces_.begin(), surfaces_.end(),
+                                 [&](const Entry& entry) { return entry.address == ray.departure.in_scene; });
+  if (left != surfaces_.end()) record.left = static_cast<std::size_t>(left - surfaces_.begin());
+  return record;
+}
+
+const Considered& ExplainedScene::consider(RayRecord& record, std::size_t surface, bool is_first) const {
+  Considered& considered = record.considered.emplace_back();
+  considered.surface = surface;
+  const Fallbacks before = fallbacks;
+  considered.crossings = surfaces_[surface].crossings(record.ray, record.range, is_first);
+  considered.decided = fallbacks.exact > before.exact ? Considered::Decided::exactly
+                       : fallbacks.double_double > before.double_double
+                           ? Considered::Decided::in_double_double
+                           : Considered::Decided::in_double;
+  considered.equation = surfaces_[surface].equation(record.ray);
+  return considered;
+}
+
+std::optional<Intersection> ExplainedScene::intersect(const Ray& ray, Interval range) const {
+  RayRecord& record = begin(RayRecord::Query::closest, ray, range);
+  current_ = &record;
+  SurfaceCrossing first;
+  for (std::size_t i = 0; i < surfaces_.size(); ++i)
+    if (const Considered& one = consider(record, i, true); !one.crossings.empty()) {
+      const SurfaceCrossing candidate = surfaces_[i].on(one.crossings[0]);
+      if (record.taken && !precedes(ray, candidate, first)) continue;
+      first = candidate;
+      record.taken = i;
+    }
+  if (!record.taken) return std::nullopt;
+  const Intersection& hit = record.intersection.emplace(ray, first);
+  record.hit = {.t = hit.t,
+                .point = hit.point(),
+                .normal = hit.normal(),
+                .facing_normal = hit.facing_normal(),
+                .part = hit.part(),
+                .uv = hit.uv(),
+                .color = hit.color(),
+                .material = hit.material(),
+                .primitive = surfaces_[*record.taken].primitive(hit.part())};
+  return hit;
+}
+
+bool ExplainedScene::occluded(const Ray& ray, Interval range) const {
+  RayRecord& record = begin(RayRecord::Query::any, ray, range);
+  for (std::size_t i = 0; i < surfaces_.size() && !record.taken; ++i)
+    if (!consider(record, i, true).crossings.empty()) record.taken = i;
+  return record.taken.has_value();
+}
+
+std::vector<Intersection> ExplainedScene::all_hits(const Ray& ray, Interval range) const {
+  RayRecord& record = begin(RayRecord::Query::all, ray, range);
+  std::vector<Intersection> hits;
+  for (std::size_t i = 0; i < surfaces_.size(); ++i)
+    for (const Crossing& one : consider(record, i, false).crossings) {
+      hits.emplace_back(ray, surfaces_[i].on(one));
+      record.colors.push_back(hits.back().color());
+    }
+  return hits;
+}
+
+void explain_function(Explanation& explanation, const Camera& camera,
+                      const std::function<Color(SampleRecord&)>& radiance, const RenderOptions& options) {
+  const PixelGrid pixels(explanation.width, explanation.height, options);
+  const int x = explanation.pixel.x, y = explanation.pixel.y;
+  explanation.is_traced = true;
+  explanation.camera = camera;
+  explanation.mean = pixels.mean([&](int i) {
+    SampleRecord& sample = explanation.samples.emplace_back();
+    sample.position = pixels.sample(i);
+    sample.u = pixels.u(x, sample.position.x);
+    sample.v = pixels.v(y, sample.position.y);
+    sample.ray = pixels.ray(camera, x, y, i);
+    return sample.radiance = radiance(sample);
+  });
+}
+
+template void explain(Explanation&, const Camera&, const ExplainedScene&, const BinaryIntegrator&,
+                      const RenderOptions&);
+template void explain(Explanation&, const Camera&, const ExplainedScene&, const ColorIntegrator&,
+                      const RenderOptions&);
+template void explain(Explanation&, const Camera&, const ExplainedScene&, const DepthIntegrator&,
+                      const RenderOptions&);
+template void explain(Explanation&, const Camera&, const ExplainedScene&, const DiffuseIntegrator&,
+                      const RenderOptions&);
+template void explain(Explanation&, const Camera&, const ExplainedScene&, const NormalIntegrator&,
+                      const RenderOptions&);
+template void explain(Explanation&, const Camera&, const ExplainedScene&, const ShadowIntegrator&,
+                      const RenderOptions&);
+template void explain(Explanation&, const Camera&, const ExplainedScene&, const TransparencyIntegrator&,
+                      const RenderOptions&);
+template void explain(Explanation&, const Camera&, const ExplainedScene&, const WhittedIntegrator&,
+                      const RenderOptions&);

@@ -1,0 +1,59 @@
+// Renders for a stage: the picture, or the one pixel that the user asks for, with its explanation.
+#pragma once
+
+#include <protostar/accel/render_tiles.hpp>
+#include <utility>
+
+#include "explained_scene.hpp"
+#include "pictures.hpp"
+
+/// Options of render for a stage.
+struct StageRenderOptions : protostar::RenderOptions {
+  StageRenderOptions(protostar::RenderOptions common) : RenderOptions(std::move(common)) {}
+
+  bool draws = true;                   ///< true if the picture is needed
+  Explanation* explanation = nullptr;  ///< if given, a pixel is explained
+
+  /// Sphere that a function of a ray intersects, if that is all that it does; for the explanation.
+  const protostar::Sphere* sphere = nullptr;
+};
+
+// The overloads below are chosen for StageRenderOptions, so that a stage calls render as any program does.
+
+/// Fills the image, or only the pixel that is explained, with the view of a camera in a scene.
+template <class... S, class I>
+void render(protostar::Image& image, const protostar::Camera& camera, const protostar::Scene<S...>& scene,
+            const I& integrator, const StageRenderOptions& options) {
+  const protostar::RenderOptions& common = options;
+  if (options.draws) protostar::render(image, camera, scene, integrator, common);
+  if (options.explanation == nullptr) return;
+  if constexpr (protostar::Integrator<I, ExplainedScene>)
+    explain(*options.explanation, camera, ExplainedScene(scene), integrator, common);
+  else
+    explain_function(
+        *options.explanation, camera,
+        [&](SampleRecord& sample) { return protostar::detail::radiance_in(scene, integrator)(sample.ray); },
+        common);
+  image(options.explanation->pixel.x, options.explanation->pixel.y) = options.explanation->mean;
+}
+
+/// Fills the image, or only the pixel that is explained, by a function of the camera's rays.
+void render(protostar::Image& image, const protostar::Camera& camera,
+            const protostar::Radiance auto& radiance, const StageRenderOptions& options) {
+  const protostar::RenderOptions& common = options;
+  if (options.draws) protostar::render(image, camera, radiance, common);
+  if (options.explanation == nullptr) return;
+  if (options.sphere) {
+    protostar::Scene<protostar::Sphere> scene;
+    scene.add(*options.sphere, protostar::Color{1});
+    const auto ask = [&](const protostar::Ray& ray, const protostar::Traceable auto& recorded) {
+      static_cast<void>(recorded.intersect(ray, protostar::Interval{}));
+      return radiance(ray);
+    };
+    explain(*options.explanation, camera, ExplainedScene(scene), ask, common);
+  } else {
+    explain_function(
+        *options.explanation, camera, [&](SampleRecord& sample) { return radiance(sample.ray); }, common);
+  }
+  image(options.explanation->pixel.x, options.explanation->pixel.y) = options.explanation->mean;
+}

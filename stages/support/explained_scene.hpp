@@ -1,0 +1,234 @@
+// A scene that records what an integrator asks it, for the explanation of a pixel.
+//
+// The integrator runs on it unchanged, ray by ray, as on the scene itself: it is a Traceable with lights.
+// Each query tests all surfaces that the plain path of the library tests, and gives the same answer.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <protostar/integrators/binary.hpp>
+#include <protostar/integrators/color.hpp>
+#include <protostar/integrators/depth.hpp>
+#include <protostar/integrators/diffuse.hpp>
+#include <protostar/integrators/normal.hpp>
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/integrators/transparency.hpp>
+#include <protostar/integrators/whitted.hpp>
+#include <protostar/render.hpp>
+#include <protostar/scene.hpp>
+#include <utility>
+#include <vector>
+
+#include "explanation.hpp"
+#include "facts.hpp"
+
+/// Scene for the explanation of a pixel, which borrows the real one.
+class ExplainedScene {
+ public:
+  template <class... S>
+  explicit ExplainedScene(const protostar::Scene<S...>& scene)
+      : lights_(scene.lights()), ambient_(scene.ambient()), sky_(scene.sky()) {
+    (add(scene.template surfaces<S>(), scene.template materials<S>()), ...);
+    if (const protostar::Texture& environment = scene.environment())
+      environment_ = [this, environment](double u, double v) {
+        const protostar::Color light = environment(u, v);
+        current_->sky.push_back({light, protostar::Uv{u, v}});
+        return light;
+      };
+  }
+  ExplainedScene(const ExplainedScene&) = delete;
+  ExplainedScene& operator=(const ExplainedScene&) = delete;
+
+  /// Records into a sample from now on.
+  void record(RayRecord& all) const { current_ = &all; }
+
+  /// Returns the closest hit. The integrator shades it next, so that what it asks then belongs to this ray.
+  std::optional<protostar::Intersection> intersect(const protostar::Ray& ray,
+                                                   protostar::Interval range) const;
+  bool occluded(const protostar::Ray& ray, protostar::Interval range) const;
+  void crossings(const protostar::Ray& ray, protostar::Interval range, const auto& visit) const {
+    for (const protostar::Intersection& hit : all_hits(ray, range)) visit(hit);
+  }
+
+  /// Traces the ray and shades its hit, and returns to the ray before.
+  protostar::Color follow(const protostar::Ray& ray, const auto& background, const auto& shade) const {
+    RayRecord& before = *current_;
+    const auto hit = intersect(ray, protostar::Interval{});
+    RayRecord& own = *current_;
+    const protostar::Color radiance = hit ? shade(*hit) : background();
+    own.radiance = radiance;
+    current_ = &before;
+    return radiance;
+  }
+
+  const std::vector<protostar::Light>& lights() const {
+    current_->asks_lights = true;
+    return lights_;
+  }
+  const protostar::Color& ambient() const { return ambient_; }
+  const std::optional<protostar::Color>& sky() const {
+    current_->sky.push_back({sky_, std::nullopt});
+    return sky_;
+  }
+  const protostar::Texture& environment() const { return environment_; }
+
+  /// Returns the lights without a record that they are asked for.
+  const std::vector<protostar::Light>& all_lights() const { return lights_; }
+  const std::vector<Facts>& facts() const { return facts_; }
+
+ private:
+  /// Surface of the scene, as functions.
+  struct Entry {
+    const void* address;
+    std::function<std::vector<protostar::Crossing>(const protostar::Ray&, protostar::Interval, bool is_first)>
+        crossings;
+    std::function<Facts(const protostar::Ray&)> equation;
+    std::function<protostar::SurfaceCrossing(const protostar::Crossing&)> on;
+    std::function<Facts(int part)> primitive;
+  };
+
+  template <class T>
+  void add(const std::vector<T>& surfaces, const std::vector<protostar::Material>& materials);
+
+  /// Tests a surface, and records what comes of it.
+  const Considered& consider(RayRecord& record, std::size_t surface, bool is_first) const;
+  RayRecord& begin(RayRecord::Query query, const protostar::Ray& ray, protostar::Interval range) const;
+  std::vector<protostar::Intersection> all_hits(const protostar::Ray& ray, protostar::Interval range) const;
+
+  std::vector<Entry> surfaces_;
+  std::vector<Facts> facts_;
+  std::vector<protostar::Light> lights_;
+  protostar::Color ambient_;
+  std::optional<protostar::Color> sky_;
+  protostar::Texture environment_;
+  mutable RayRecord* current_ = nullptr;
+};
+
+template <class T>
+void ExplainedScene::add(const std::vector<T>& surfaces, const std::vector<protostar::Material>& materials) {
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    const T& surface = surfaces[i];
+    const protostar::Material& material = materials[i];
+    surfaces_.push_back(
+        {.address = &surface,
+         .crossings =
+             [&](const protostar::Ray& ray, protostar::Interval range, bool is_first) {
+               std::vector<protostar::Crossing> all;
+               if (!is_first)
+                 protostar::each_crossing(surface, ray, range,
+                                          [&](const protostar::Crossing& one) { all.push_back(one); });
+               else if (const auto first = protostar::first_crossing(surface, ray, range))
+                 all.push_back(*first);
+               return all;
+             },
+         .equation = [&](const protostar::Ray& ray) { return equation_of(surface, ray); },
+         .on = [&](const protostar::Crossing& one) { return protostar::crossing_on(surface, one, material); },
+         .primitive = [&](int part) { return primitive_of(surface, part); }});
+    facts_.push_back(facts_of(surface));
+  }
+}
+
+namespace detail {
+
+/// Scene of one light alone, in which rays hit nothing: an integrator that shades a hit in it returns the
+/// light's share of the radiance, if nothing occludes the light.
+struct OneLight {
+  std::array<protostar::Light, 1> light;
+  std::optional<protostar::Color> black = protostar::Color{0};
+
+  std::optional<protostar::Intersection> intersect(const protostar::Ray&, protostar::Interval) const {
+    return std::nullopt;
+  }
+  bool occluded(const protostar::Ray&, protostar::Interval) const { return false; }
+  void crossings(const protostar::Ray&, protostar::Interval, const auto&) const {}
+  const std::array<protostar::Light, 1>& lights() const { return light; }
+  const std::optional<protostar::Color>& sky() const { return black; }
+};
+
+/// Returns what a light brings to a hit, as the integrators compute it.
+LightRecord light_at(const protostar::Intersection& hit, const protostar::Light& light,
+                     const RayRecord& record, const auto& integrator) {
+  const protostar::Point point = hit.point();
+  const protostar::Vec3 normal = hit.facing_normal(), towards = light.towards(point);
+  LightRecord lit{.towards = towards,
+                  .cosine = dot(normal, towards) / length(towards),
+                  .facing = light.perpendicular_irradiance(point),
+                  .irradiance = light.irradiance(point, normal),
+                  .share = {}};
+  if constexpr (requires { integrator.shade(hit, OneLight{{light}}); })
+    lit.share = integrator.shade(hit, OneLight{{light}});
+  for (std::size_t i = 0; i < record.rays.size(); ++i)
+    if (record.rays[i].query == RayRecord::Query::any && record.rays[i].ray.direction == towards)
+      lit.shadow_ray = i;
+  return lit;
+}
+
+/// Adds the lights of a ray's hit, and of the rays that follow it, after the pixel has been traced.
+void add_lights(RayRecord& record, const std::vector<protostar::Light>& lights, const auto& integrator) {
+  if (record.intersection && record.asks_lights)
+    for (const protostar::Light& light : lights)
+      record.hit->lights.push_back(light_at(*record.intersection, light, record, integrator));
+  record.intersection.reset();
+  for (RayRecord& ray : record.rays) add_lights(ray, lights, integrator);
+}
+
+}  // namespace detail
+
+/// Traces the rays of a pixel by the plain path, and records them; the explanation knows the pixel and the
+/// size of the picture. radiance(sample) returns the radiance along the ray of a sample.
+void explain_function(Explanation& explanation, const protostar::Camera& camera,
+                      const std::function<protostar::Color(SampleRecord&)>& radiance,
+                      const protostar::RenderOptions& options);
+
+/// Does so by an integrator in a scene that records its rays.
+template <class I>
+void explain(Explanation& explanation, const protostar::Camera& camera, const ExplainedScene& scene,
+             const I& integrator, const protostar::RenderOptions& options) {
+  explanation.is_recorded = true;
+  explanation.surfaces = scene.facts();
+  explanation.lights = scene.all_lights();
+  explanation.ambient = scene.ambient();
+  if constexpr (requires { integrator.depth; }) explanation.depth = integrator.depth;
+  const auto radiance = protostar::detail::radiance_in(scene, integrator);
+  explain_function(
+      explanation, camera,
+      [&](SampleRecord& sample) {
+        scene.record(sample.all);
+        const protostar::Color light = radiance(sample.ray);
+        detail::add_lights(sample.all, explanation.lights, integrator);
+        return light;
+      },
+      options);
+}
+
+// The library's own types are compiled once (support/explain.cpp).
+extern template void ExplainedScene::add(const std::vector<protostar::AnySurface>&,
+                                         const std::vector<protostar::Material>&);
+extern template void ExplainedScene::add(const std::vector<protostar::Mesh>&,
+                                         const std::vector<protostar::Material>&);
+extern template void ExplainedScene::add(const std::vector<protostar::Parallelogram>&,
+                                         const std::vector<protostar::Material>&);
+extern template void ExplainedScene::add(const std::vector<protostar::Plane>&,
+                                         const std::vector<protostar::Material>&);
+extern template void ExplainedScene::add(const std::vector<protostar::Sphere>&,
+                                         const std::vector<protostar::Material>&);
+
+extern template void explain(Explanation&, const protostar::Camera&, const ExplainedScene&,
+                             const protostar::BinaryIntegrator&, const protostar::RenderOptions&);
+extern template void explain(Explanation&, const protostar::Camera&, const ExplainedScene&,
+                             const protostar::ColorIntegrator&, const protostar::RenderOptions&);
+extern template void explain(Explanation&, const protostar::Camera&, const ExplainedScene&,
+                             const protostar::DepthIntegrator&, const protostar::RenderOptions&);
+extern template void explain(Explanation&, const protostar::Camera&, const ExplainedScene&,
+                             const protostar::DiffuseIntegrator&, const protostar::RenderOptions&);
+extern template void explain(Explanation&, const protostar::Camera&, const ExplainedScene&,
+                             const protostar::NormalIntegrator&, const protostar::RenderOptions&);
+extern template void explain(Explanation&, const protostar::Camera&, const ExplainedScene&,
+                             const protostar::ShadowIntegrator&, const protostar::RenderOptions&);
+extern template void explain(Explanation&, const protostar::Camera&, const ExplainedScene&,
+                             const protostar::TransparencyIntegrator&, const protostar::RenderOptions&);
+extern template void explain(Explanation&, const protostar::Camera&, const ExplainedScene&,
+                             const protostar::WhittedIntegrator&, const protostar::RenderOptions&);

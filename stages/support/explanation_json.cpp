@@ -1,0 +1,340 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <protostar/shown.hpp>
+#include <string_view>
+
+#include "explanation.hpp"
+
+using namespace protostar;
+
+namespace {
+
+/// Writer of JSON, with an object's members in lines of their own, and lists of numbers in one.
+class Json {
+ public:
+  Json& object(const auto& members) { return nested('{', members, '}'); }
+  Json& array(const auto& elements) { return nested('[', elements, ']'); }
+
+  /// Begins the next member of an object, or the next element of an array.
+  Json& key(std::string_view name) {
+    next();
+    text_.append("\"").append(name).append("\": ");
+    return *this;
+  }
+  Json& next() {
+    text_ += is_first_ ? "\n" : ",\n";
+    text_.append(2 * depth_, ' ');
+    is_first_ = false;
+    return *this;
+  }
+
+  /// Writes a number with as many digits as tell it from all others. JSON has no infinity: "infinity" is a
+  /// word.
+  void value(double x) {
+    if (!std::isfinite(x)) return value(std::isnan(x) ? "nan" : x > 0 ? "infinity" : "-infinity");
+    text_ += shown(x);
+  }
+  void value(float x) { value(static_cast<double>(x)); }
+  void value(int x) { text_ += std::to_string(x); }
+  void value(std::uint16_t x) { text_ += std::to_string(x); }
+  void value(std::size_t x) { text_ += std::to_string(x); }
+  void value(bool x) { text_ += x ? "true" : "false"; }
+  void value(std::nullptr_t) { text_ += "null"; }
+  void value(const std::string& x) { value(std::string_view(x)); }
+  void value(const char* x) { value(std::string_view(x)); }
+  void value(std::string_view x) {
+    text_ += '"';
+    for (const char c : x) {
+      if (c == '"' || c == '\\') text_ += '\\';
+      text_ += c;
+    }
+    text_ += '"';
+  }
+  void value(const Vec3& v) { list(std::array{v.x, v.y, v.z}); }
+  void value(const Color& c) { list(std::array{c.r, c.g, c.b}); }
+  void value(const Uv& v) { list(std::array{v.x, v.y}); }
+  template <class T>
+  void value(const std::optional<T>& x) {
+    x ? value(*x) : value(nullptr);
+  }
+
+  /// Writes numbers in one line.
+  void list(const auto& numbers) {
+    text_ += '[';
+    bool is_first = true;
+    for (const auto& x : numbers) {
+      if (!is_first) text_ += ", ";
+      is_first = false;
+      value(x);
+    }
+    text_ += ']';
+  }
+  void member(std::string_view name, const auto& x) { key(name).value(x); }
+
+  std::string text() { return text_ + "\n"; }
+
+ private:
+  Json& nested(char begin, const auto& inside, char end) {
+    text_ += begin;
+    ++depth_;
+    is_first_ = true;
+    inside();
+    --depth_;
+    if (!is_first_) {
+      text_ += "\n";
+      text_.append(2 * depth_, ' ');
+    }
+    is_first_ = false;
+    text_ += end;
+    return *this;
+  }
+
+  std::string text_;
+  std::size_t depth_ = 0;
+  bool is_first_ = true;
+};
+
+/// Returns true if the lights were asked for at any hit of a ray or of those that follow it.
+bool asks_lights(const RayRecord& record) {
+  return record.asks_lights || std::any_of(record.rays.begin(), record.rays.end(), asks_lights);
+}
+
+class Writer {
+ public:
+  Writer(const Explanation& explanation, const Options& options) : e_(explanation), options_(options) {}
+
+  std::string write() {
+    json_.object([&] {
+      json_.member("format", "protostar explanation 1");
+      json_.member("integrator", options_.integrator);
+      json_.key("picture").list(std::array{e_.width, e_.height});
+      json_.key("pixel").list(std::array{e_.pixel.x, e_.pixel.y});
+      if (e_.is_traced) write_camera();
+      if (e_.is_recorded) write_scene();
+      json_.key("samples").array([&] {
+        for (const SampleRecord& sample : e_.samples) {
+          json_.next();
+          write(sample);
+        }
+      });
+      json_.member("mean", e_.mean);
+      json_.member("exposure", options_.exposure);
+      json_.member("light", e_.light);
+      if (!options_.is_linear()) write_end();
+    });
+    return json_.text();
+  }
+
+ private:
+  void write_camera() {
+    json_.key("camera").object([&] {
+      json_.member("position", e_.camera.position);
+      json_.member("right", e_.camera.right);
+      json_.member("up", e_.camera.up);
+      json_.member("forward", e_.camera.forward);
+      json_.member("film_right", e_.camera.film_right);
+      json_.member("film_up", e_.camera.film_up);
+    });
+  }
+
+  void write_scene() {
+    json_.key("surfaces").array([&] {
+      for (const Facts& facts : e_.surfaces) {
+        json_.next();
+        write(facts);
+      }
+    });
+    json_.member("depth", e_.depth);
+    if (std::none_of(e_.samples.begin(), e_.samples.end(),
+                     [](const SampleRecord& sample) { return asks_lights(sample.all); }))
+      return;
+    json_.member("ambient", e_.ambient);
+    json_.key("lights").array([&] {
+      for (const Light& light : e_.lights) {
+        json_.next().object([&] {
+          const bool is_far = light.occlusion_range().max == infinity;
+          json_.member("type", light.type());
+          json_.member(is_far ? "direction" : "position", light.towards(Point{0}));
+          json_.member("color", light.color());
+          if (light.axis() == Vec3{0}) return;
+          json_.member("axis", light.axis());
+          json_.member("angle", light.angle());
+          json_.member("fade", light.fade());
+        });
+      }
+    });
+  }
+
+  void write(const Facts& facts) {
+    json_.object([&] {
+      json_.member("type", facts.type);
+      for (const Named& number : facts.numbers)
+        if (number.values.size() == 1 && facts.type != "csg")
+          json_.member(number.name, number.values[0]);
+        else
+          json_.key(number.name).list(number.values);
+      if (facts.parts.empty()) return;
+      json_.key("parts").array([&] {
+        for (const Facts& part : facts.parts) {
+          json_.next();
+          write(part);
+        }
+      });
+    });
+  }
+
+  void write(const SampleRecord& sample) {
+    json_.object([&] {
+      json_.key("position").list(std::array{sample.position.x, sample.position.y});
+      json_.key("film").list(std::array{sample.u, sample.v});
+      json_.member("origin", sample.ray.origin);
+      json_.member("direction", sample.ray.direction);
+      write_following(sample.all);
+      json_.member("radiance", sample.radiance);
+    });
+  }
+
+  void write_following(const RayRecord& record) {
+    json_.key("sky").array([&] {
+      for (const SkyRecord& sky : record.sky)
+        json_.next().object([&] {
+          json_.member("radiance", sky.radiance);
+          if (sky.uv) json_.member("uv", *sky.uv);
+        });
+    });
+    json_.key("rays").array([&] {
+      for (const RayRecord& ray : record.rays) {
+        json_.next();
+        write(ray);
+      }
+    });
+  }
+
+  void write(const RayRecord& record) {
+    constexpr std::array queries{"closest", "any", "all"};
+    json_.object([&] {
+      json_.member("query", queries[static_cast<std::size_t>(record.query)]);
+      json_.member("origin", record.ray.origin);
+      json_.member("direction", record.ray.direction);
+      json_.member("range_end", record.range.max);
+      json_.member("leaves", record.left);
+      if (record.left) json_.member("leaves_part", record.ray.departure.part);
+      json_.key("considered").array([&] {
+        for (const Considered& one : record.considered) {
+          json_.next();
+          write(one);
+        }
+      });
+      if (record.query == RayRecord::Query::all) {
+        json_.key("colors").array([&] {
+          for (const Color& color : record.colors) json_.next().value(color);
+        });
+        return;
+      }
+      json_.member("taken", record.taken);
+      if (record.hit) write_hit(record);
+      if (record.query == RayRecord::Query::any) return;
+      write_following(record);
+      json_.member("radiance", record.radiance);
+    });
+  }
+
+  void write(const Considered& one) {
+    constexpr std::array decided{"double", "double-double", "exact"};
+    json_.object([&] {
+      json_.member("surface", one.surface);
+      json_.member("decided", decided[static_cast<std::size_t>(one.decided)]);
+      std::vector<double> t, intervals;
+      std::vector<int> parts;
+      for (const Crossing& crossing : one.crossings) {
+        const double error = Roots::relative_error * std::abs(crossing.t);
+        t.push_back(crossing.t);
+        intervals.insert(intervals.end(), {crossing.t - error, crossing.t + error});
+        parts.push_back(crossing.part);
+      }
+      json_.key("t").list(t);
+      json_.key("intervals").list(intervals);
+      json_.key("parts").list(parts);
+      json_.key("equation");
+      write(one.equation);
+    });
+  }
+
+  void write_hit(const RayRecord& record) {
+    const HitRecord& hit = *record.hit;
+    json_.key("hit").object([&] {
+      json_.member("t", hit.t);
+      json_.member("part", hit.part);
+      json_.member("point", hit.point);
+      json_.member("normal", hit.normal);
+      json_.member("facing_normal", hit.facing_normal);
+      if (!hit.primitive.type.empty()) {
+        json_.key("primitive");
+        write(hit.primitive);
+      }
+      json_.key("material").object([&] { write(hit.material); });
+      if (hit.material.texture) json_.member("uv", hit.uv);
+      json_.member("color", hit.color);
+      if (!record.asks_lights) return;
+      json_.key("lights").array([&] {
+        for (const LightRecord& light : hit.lights) {
+          json_.next();
+          write(light);
+        }
+      });
+    });
+  }
+
+  void write(const Material& material) {
+    if (!material.texture) json_.member("diffuse", material.diffuse);
+    if (const auto* checker = material.texture.target<Checker>())
+      json_.key("checker").object([&] {
+        json_.member("first", checker->first);
+        json_.member("second", checker->second);
+        json_.member("size", checker->size);
+      });
+    if (options_.integrator != "whitted") return;
+    json_.member("specular", material.specular);
+    json_.member("shininess", material.shininess);
+    json_.member("reflect", material.reflect);
+    json_.member("refract", material.refract);
+    json_.member("ior", material.ior);
+  }
+
+  void write(const LightRecord& light) {
+    json_.object([&] {
+      json_.member("towards", light.towards);
+      json_.member("cosine", light.cosine);
+      json_.member("facing", light.facing);
+      json_.member("irradiance", light.irradiance);
+      json_.member("share", light.share);
+      json_.member("shadow_ray", light.shadow_ray);
+    });
+  }
+
+  void write_end() {
+    constexpr std::array tones{"clip", "scale_pixel", "scale_image"};
+    json_.member("tone", tones[static_cast<std::size_t>(options_.tone)]);
+    if (options_.tone == Tone::scale_image) json_.member("largest", e_.largest);
+    json_.member("toned", e_.toned);
+    if (const auto* gamma = std::get_if<Gamma>(&options_.transfer)) {
+      json_.member("transfer", "gamma");
+      json_.member("exponent", gamma->exponent);
+    } else {
+      json_.member("transfer", std::holds_alternative<Srgb>(options_.transfer) ? "srgb" : "linear");
+    }
+    json_.member("max_code", options_.bits == 16 ? 65535 : 255);
+    json_.key("codes").list(e_.codes);
+  }
+
+  const Explanation& e_;
+  const Options& options_;
+  Json json_;
+};
+
+}  // namespace
+
+std::string json_of(const Explanation& explanation, const Options& options) {
+  return Writer(explanation, options).write();
+}

@@ -1,0 +1,161 @@
+#include "facts.hpp"
+
+#include <cmath>
+#include <protostar/surfaces/box.hpp>
+#include <protostar/surfaces/csg.hpp>
+#include <protostar/surfaces/disk.hpp>
+#include <protostar/surfaces/instance.hpp>
+#include <protostar/surfaces/quadric.hpp>
+#include <protostar/surfaces/triangle.hpp>
+#include <protostar/transformed_ray.hpp>
+
+using namespace protostar;
+
+static std::vector<double> list(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+/// Calls f with the surface that an AnySurface holds, if its type is one of the library's.
+template <class F>
+static Facts with_held(const AnySurface& any, const F& f) {
+  Facts facts{.type = "surface"};
+  const auto take = [&]<class... S>(const S*... held) { ((held ? void(facts = f(*held)) : void()), ...); };
+  take(any.target<Sphere>(), any.target<Plane>(), any.target<Parallelogram>(), any.target<Triangle>(),
+       any.target<Disk>(), any.target<Box>(), any.target<Quadric>(), any.target<Csg>(), any.target<Mesh>(),
+       any.target<Instance<Csg>>(), any.target<Instance<>>());
+  return facts;
+}
+
+static Facts facts_of(const Triangle& s) {
+  return {"triangle", {{"a", list(s.a)}, {"b", list(s.b)}, {"c", list(s.c)}}};
+}
+static Facts facts_of(const Disk& s) {
+  return {"disk", {{"position", list(s.position)}, {"normal", list(s.normal)}, {"radius", {s.radius}}}};
+}
+static Facts facts_of(const Box& s) { return {"box", {{"min", list(s.min)}, {"max", list(s.max)}}}; }
+static Facts facts_of(const Quadric& s) {
+  return {"quadric",
+          {{"squares", list(s.form.squares)},
+           {"products", list(s.form.products)},
+           {"linear", list(s.form.linear)},
+           {"constant", {s.form.constant}}}};
+}
+
+/// Returns the solids, and the tree of operations: for each node its parent (−1: none), the weight with which
+/// it counts there, and the sum from which on it is inside; the node of each solid.
+static Facts facts_of(const Csg& s) {
+  Facts facts{"csg", {{"parent", {}}, {"weight", {}}, {"least", {}}, {"node", {}}, {"first_part", {}}}};
+  for (const Csg::Node& node : s.nodes()) {
+    facts.numbers[0].values.push_back(node.parent);
+    facts.numbers[1].values.push_back(node.weight);
+    facts.numbers[2].values.push_back(node.least);
+  }
+  for (const Csg::Leaf& leaf : s.leaves()) {
+    facts.numbers[3].values.push_back(leaf.node);
+    facts.numbers[4].values.push_back(leaf.first_part);
+    facts.parts.push_back(facts_of(leaf.solid));
+  }
+  return facts;
+}
+
+template <class S>
+static Facts facts_of(const Instance<S>& s) {
+  const Affine& map = s.placement();
+  Facts facts{
+      "instance",
+      {{"x", list(map.x)}, {"y", list(map.y)}, {"z", list(map.z)}, {"translation", list(map.translation)}}};
+  facts.parts.push_back(facts_of(s.surface()));
+  return facts;
+}
+
+template <class T, class C>
+static Facts facts_of(const RoundedQuadratic<T, C>& e) {
+  return {"quadratic", {{"A", {e.A}}, {"b", {e.b}}, {"c", {e.c}}, {"D", {e.D}}, {"error_of_D", {e.E}}}};
+}
+template <class T, class M>
+static Facts facts_of(const RoundedLinear<T, M>& e) {
+  return {"linear", {{"height", {e.height}}, {"slope", {e.slope}}}};
+}
+
+/// Returns the equation of a surface that writes it down.
+static Facts equation(const auto& surface, const Ray& ray) {
+  return with_line(ray, [&](const auto& line) { return facts_of(surface.equation(line)); });
+}
+
+/// Returns the equation of a surface with a corner and the edges u and v. The line crosses its plane at the
+/// point corner + (along_u · u + along_v · v) / slope.
+static Facts equation_with_edges(const auto& surface, const Point& corner, const Vec3& u, const Vec3& v,
+                                 const Ray& ray) {
+  Facts facts = equation(surface, ray);
+  const RoundedLine line = rounded_line(ray);
+  const Vec3 m = cross(corner - line.origin, line.direction);
+  facts.numbers.push_back({"along_u", {dot(v, m)}});
+  facts.numbers.push_back({"along_v", {-dot(u, m)}});
+  return facts;
+}
+
+static Facts equation_of(const Triangle& s, const Ray& ray) {
+  return equation_with_edges(s, s.a, s.b - s.a, s.c - s.a, ray);
+}
+static Facts equation_of(const Quadric& s, const Ray& ray) { return equation(s, ray); }
+/// Returns the equation, and the distance of the crossing from the center and the radius, both times |slope|.
+static Facts equation_of(const Disk& s, const Ray& ray) {
+  Facts facts = equation(s, ray);
+  const RoundedLine line = rounded_line(ray);
+  const Vec3 from_center = cross(s.normal, cross(line.direction, s.position - line.origin));
+  facts.numbers.push_back({"from_center", {length(from_center)}});
+  facts.numbers.push_back({"reach", {s.radius * std::abs(facts.numbers[1].values[0])}});
+  return facts;
+}
+static Facts equation_of(const Box& s, const Ray& ray) {
+  const RoundedLine line = rounded_line(ray);
+  return {"slabs",
+          {{"to_min", list(s.min - line.origin)},
+           {"to_max", list(s.max - line.origin)},
+           {"slope", list(line.direction)}}};
+}
+static Facts equation_of(const Csg& s, const Ray& ray) {
+  Facts facts{"csg"};
+  for (const Csg::Leaf& leaf : s.leaves()) facts.parts.push_back(equation_of(leaf.solid, ray));
+  return facts;
+}
+template <class S>
+static Facts equation_of(const Instance<S>& s, const Ray& ray) {
+  const AffineInverse inverse(s.placement());
+  const RayTransform transform(ray, inverse);
+  Facts facts{"instance"};
+  facts.parts.push_back(equation_of(s.surface(), transform.ray()));
+  return facts;
+}
+
+Facts facts_of(const AnySurface& surface) {
+  return with_held(surface, [](const auto& held) { return facts_of(held); });
+}
+Facts facts_of(const Sphere& s) { return {"sphere", {{"center", list(s.center)}, {"radius", {s.radius}}}}; }
+Facts facts_of(const Plane& s) { return {"plane", {{"normal", list(s.normal)}, {"distance", {s.distance}}}}; }
+Facts facts_of(const Parallelogram& s) {
+  return {"parallelogram",
+          {{"position", list(s.position)}, {"edge_u", list(s.edge_u)}, {"edge_v", list(s.edge_v)}}};
+}
+Facts facts_of(const Mesh& s) {
+  return {"mesh", {{"triangles", {static_cast<double>(s.data().triangles.size())}}}};
+}
+
+Facts equation_of(const AnySurface& surface, const Ray& ray) {
+  return with_held(surface, [&](const auto& held) { return equation_of(held, ray); });
+}
+Facts equation_of(const Sphere& s, const Ray& ray) { return equation(s, ray); }
+Facts equation_of(const Plane& s, const Ray& ray) { return equation(s, ray); }
+Facts equation_of(const Parallelogram& s, const Ray& ray) {
+  return equation_with_edges(s, s.position, s.edge_u, s.edge_v, ray);
+}
+Facts equation_of(const Mesh&, const Ray&) { return {.type = "mesh"}; }
+
+Facts primitive_of(const Mesh& mesh, int part) {
+  const auto i = static_cast<std::size_t>(part);
+  Facts facts = facts_of(mesh.data().triangle(i));
+  if (!mesh.data().normals.empty()) {
+    const auto& [a, b, c] = mesh.data().triangles[i];
+    for (const auto& [name, vertex] : {std::pair{"normal_a", a}, {"normal_b", b}, {"normal_c", c}})
+      facts.numbers.push_back({name, list(mesh.data().normals[vertex])});
+  }
+  return facts;
+}

@@ -1,0 +1,32 @@
+// Declares the numbers of surfaces, and of their equations along a ray, for the explanation of a pixel.
+#pragma once
+
+#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/mesh.hpp>
+#include <protostar/surfaces/parallelogram.hpp>
+#include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/sphere.hpp>
+
+#include "explanation.hpp"
+
+/// Returns the numbers that define a surface; for a type that is not known here, its name alone.
+Facts facts_of(const protostar::AnySurface& surface);
+Facts facts_of(const protostar::Sphere& surface);
+Facts facts_of(const protostar::Plane& surface);
+Facts facts_of(const protostar::Parallelogram& surface);
+Facts facts_of(const protostar::Mesh& surface);
+
+inline Facts facts_of(const auto&) { return {.type = "surface"}; }
+
+/// Returns the numbers in double of the equation of a surface and a ray's line, or of each of its parts.
+Facts equation_of(const protostar::AnySurface& surface, const protostar::Ray& ray);
+Facts equation_of(const protostar::Sphere& surface, const protostar::Ray& ray);
+Facts equation_of(const protostar::Plane& surface, const protostar::Ray& ray);
+Facts equation_of(const protostar::Parallelogram& surface, const protostar::Ray& ray);
+Facts equation_of(const protostar::Mesh& surface, const protostar::Ray& ray);
+inline Facts equation_of(const auto&, const protostar::Ray&) { return {.type = "surface"}; }
+
+/// Returns the numbers of the primitive of a surface that a ray hits: the triangle of a mesh, with the
+/// normals of its vertices if it has some; nothing for surfaces whose parts are told by facts_of.
+Facts primitive_of(const protostar::Mesh& surface, int part);
+inline Facts primitive_of(const auto&, int) { return {}; }

@@ -1,0 +1,223 @@
+// The explanation of a pixel, which every stage and render print: it ends with the pixel's codes in the
+// picture.
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/files.hpp"
+#include "support/process.hpp"
+#include "support/random.hpp"
+#include "support/run_stage.hpp"
+#include "support/wrong_cases.hpp"
+#if __has_include(<nlohmann/json.hpp>)
+#include "support/run_render.hpp"
+#endif
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path checker = fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "check_explanation";
+
+using Codes = std::array<int, 3>;
+
+const std::vector<std::string> all_stages {
+  "01_gradient", "02_sphere", "03_scene", "04_depth", "05_normal", "06_color", "07_diffuse", "08_naive",
+      "08_transparency", "09_naive", "09_shadow", "10_phong", "11_mirror", "12_glass", "13_whitted",
+      "14_primitives", "15_csg", "16_environment",
+#if __has_include(<tiny_obj_loader.h>)  // otherwise this stage is not built
+      "17_mesh",
+#endif
+};
+
+/// Picture that a program has drawn as plain PPM.
+class PlainPicture {
+ public:
+  explicit PlainPicture(const std::string& file) {
+    std::istringstream text(file);
+    std::string magic;
+    int most = 0;
+    text >> magic >> width >> height >> most;
+    REQUIRE(magic == "P3");
+    for (int code = 0; text >> code;) codes_.push_back(code);
+    REQUIRE(codes_.size() == static_cast<std::size_t>(3 * width * height));
+  }
+
+  [[nodiscard]] Codes at(int x, int y) const {
+    const auto i = static_cast<std::size_t>(3 * (y * width + x));
+    return {codes_[i], codes_[i + 1], codes_[i + 2]};
+  }
+
+  int width = 0, height = 0;
+
+ private:
+  std::vector<int> codes_;
+};
+
+/// Returns the codes at the end of an explanation.
+Codes codes_of(const std::string& explanation) {
+  Codes codes{-1, -1, -1};
+  const std::size_t last = explanation.rfind(": ");
+  if (last != std::string::npos)
+    std::istringstream(explanation.substr(last + 2)) >> codes[0] >> codes[1] >> codes[2];
+  return codes;
+}
+
+std::string pixel(int x, int y) { return " --pixel " + std::to_string(x) + "," + std::to_string(y); }
+
+/// Compares explanations of a few pixels, by a function of the arguments, with the picture.
+void compare(const PlainPicture& picture, const auto& explain) {
+  Random random(7);
+  WrongCases wrong(random);
+  for (int i = 0; i < 5; ++i) {
+    const int x = i == 0 ? picture.width / 2 : static_cast<int>(random.real(0, picture.width)),
+              y = i == 0 ? picture.height / 2 : static_cast<int>(random.real(0, picture.height));
+    const Outcome outcome = explain(pixel(x, y));
+    wrong.add(outcome.status != 0 || !outcome.err.empty() || codes_of(outcome.out) != picture.at(x, y),
+              "pixel", x, y);
+  }
+  CHECK(wrong == 0);
+}
+
+}  // namespace
+
+TEST_CASE("--pixel tells for every stage why a pixel has the codes that it has in the picture") {
+  const std::string name = GENERATE(from_range(all_stages));
+  CAPTURE(name);
+  const std::string size = "--size 64x48";
+  const PlainPicture picture(stages::picture(name, size + " --plain"));
+  const TemporaryFolder folder;
+  compare(picture,
+          [&](const std::string& of_pixel) { return stages::run_stage(name, size + of_pixel, folder); });
+  CHECK(folder.count() == 0);
+}
+
+#if __has_include(<nlohmann/json.hpp>)
+TEST_CASE("--pixel counts in the whole picture of a scene file, with samples, exposure, tone and crop") {
+  const std::string name = GENERATE("scale_image", "scale_pixel", "exposure", "samples", "solids", "sensor",
+                                    "spot", "image", "mesh", "environment", "orthographic", "csg");
+  CAPTURE(name);
+  const TemporaryFolder folder;
+  const std::string size = run_render::scene(name) + " --size 48x36";
+  REQUIRE(run_render::run_program("render", size + " --plain --quiet -o whole.ppm", folder).status == 0);
+  compare(PlainPicture(bytes_of(folder / "whole.ppm")), [&](const std::string& of_pixel) {
+    return run_render::run_program("render", size + " --crop 40,20,8,8" + of_pixel, folder);
+  });
+  CHECK(folder.count() == 1);
+}
+
+TEST_CASE("--pixel tells which arithmetic has decided where a ray hits a surface") {
+  // Through pixel 1 of four leads the line x = -1, which touches the sphere. At x = -3 it misses.
+  const TemporaryFolder folder;
+  put_bytes(folder / "scene.json",
+            R"({"settings": {"resolution-x": 4, "resolution-y": 1, "integrator": "depth"},
+      "camera": {"projection": "orthographic", "position": [0, 0, -5], "direction": [0, 0, 1],
+                 "upward": [0, 1, 0], "ortho-scale": 2},
+      "objects": [{"surface": {"type": "sphere", "position": [0, 0, 0], "radius": 1}, "material-id": "m"}],
+      "materials": {"m": {"diffuse": [1, 1, 1]}}})");
+  const auto told = [&](const char* arguments) {
+    return run_render::run_program("render", std::string("scene.json ") + arguments, folder).out;
+  };
+  CHECK_THAT(told("--pixel 1,0"), ContainsSubstring("hit at t = 5 +- 4.7e-09, decided in exact arithmetic"));
+  CHECK_THAT(told("--pixel 0,0"), ContainsSubstring("missed, decided in double"));
+}
+#endif
+
+TEST_CASE("the explanation of a pixel goes from the film through the lights to the codes") {
+  const TemporaryFolder folder;
+  const Outcome outcome = stages::run_stage("09_shadow", "--pixel 330,200", folder);
+  CHECK(outcome.status == 0);
+  std::size_t at = 0;
+  for (const char* text :
+       {"pixel 330,200 of 640x480",
+        "film point u = 0.04375, v = 0.164583333",
+        "ray from (0, 0, 0) along",
+        "surface 0, sphere, center (0, 0, 3), radius 1: hit at t = 2.09351108 +- 1.9e-09, decided in double",
+        "surface 1, sphere",
+        ", no root",
+        "surface 2, sphere",
+        "point (",
+        "normal (",
+        "color (1, 0.3, 0)",
+        "light 0, a PointLight",
+        "cosine 0.8395",
+        "irradiance (",
+        "share of the radiance (",
+        "shadow ray, from",
+        "left by the ray, and not hit again",
+        "not occluded",
+        "radiance = color *",
+        "tone clip",
+        "transfer gamma 2.2, times 255 and rounded: 222 129 0\n"}) {
+    CAPTURE(text);
+    const std::size_t next = outcome.out.find(text, at);
+    REQUIRE(next != std::string::npos);
+    at = next;
+  }
+  CHECK(folder.count() == 0);
+}
+
+TEST_CASE("--explain writes a file that docs/check_explanation finds right, wrong or unreadable") {
+  const TemporaryFolder folder;
+  if (run({.program = checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
+    return;  // there is no Python
+  CHECK(stages::run_stage("09_shadow", "--pixel 330,200 --explain a.json --quiet", folder).out == "");
+  const std::string text = bytes_of(folder / "a.json");
+  const auto check = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    const std::size_t at = changed.find(from);
+    REQUIRE(at != std::string::npos);
+    put_bytes(folder / "b.json", changed.replace(at, from.size(), to));
+    return run({.program = checker, .arguments = {"b.json"}, .folder = folder / ""});
+  };
+  CHECK(check("", "").status == 0);
+  struct Row {
+    std::string from, to, path;
+  };
+  for (const auto& [from, to, path] :
+       {Row{"\"codes\": [222", "\"codes\": [223", "/codes/0 is 223"},
+        Row{"[0, 0, 3]", "[0, 0, 4]", "equation"}, Row{"\"taken\": 0", "\"taken\": 1", "/taken is 1"},
+        Row{"2.2,", "2.3,", "/codes/"}}) {
+    CAPTURE(from);
+    const Outcome outcome = check(from, to);
+    CHECK(outcome.status == 1);
+    CHECK(outcome.out == "");
+    CHECK(outcome.err.starts_with("b.json:"));
+    CHECK_THAT(outcome.err, ContainsSubstring(path));
+  }
+  CHECK(check("{", "[").status == 2);
+  CHECK(check("\"samples\"", "\"sample\"").status == 2);
+  CHECK(run({.program = checker, .arguments = {"none.json"}, .folder = folder / ""}).status == 2);
+  CHECK(run({.program = checker, .arguments = {}, .folder = folder / ""}).status == 2);
+}
+
+TEST_CASE("a file of an explanation that cannot be written is an error, and none is left") {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      stages::run_stage("09_shadow", "--pixel 330,200 --explain no/a.json --quiet", folder);
+  CHECK(outcome.status == 1);
+  CHECK(outcome.err == stages::cannot_write("09_shadow", "no/a.json", ENOENT));
+  CHECK(folder.count() == 0);
+}
+
+TEST_CASE("the explanations in docs/explain.md are those that the stages print") {
+  const std::string page = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "explain.md");
+  const std::string mark = "<!-- output: ", end_of_mark = " -->\n```text\n", end = "```\n<!-- /output -->";
+  int count = 0;
+  for (std::size_t at = page.find(mark); at != std::string::npos; at = page.find(mark, at + 1)) {
+    const std::size_t begin = at + mark.size(), text = page.find(end_of_mark, begin) + end_of_mark.size();
+    const std::string command = page.substr(begin, text - end_of_mark.size() - begin);
+    CAPTURE(command);
+    const TemporaryFolder folder;
+    const std::size_t space = command.find(' ');
+    const Outcome outcome = stages::run_stage(command.substr(0, space), command.substr(space), folder);
+    CHECK(page.substr(text, page.find(end, text) - text) == outcome.out);
+    ++count;
+  }
+  CHECK(count > 0);
+}
