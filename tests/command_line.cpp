@@ -93,8 +93,8 @@ TEST_CASE("the options --version and --help print to stdout and draw nothing") {
   CHECK(help.status == 0);
   CHECK(help.err == "");
   for (const char* text : {"-o FILE", "--size WxH", "--samples N", "--threads N", "--bits 8|16",
-                           "--transfer srgb|linear|gamma=G", "--pixel X,Y", "--explain FILE.json", "--plain",
-                           "--quiet", "--help", "--version"})
+                           "--transfer srgb|linear|gamma=G", "--pixel X,Y", "--explain FILE.json",
+                           "--rays FILE.svg|FILE.obj", "--plain", "--quiet", "--help", "--version"})
     CHECK_THAT(help.out, ContainsSubstring(text));
   CHECK_THAT(help.out, ContainsSubstring("Usage: " + row.name));
   CHECK_THAT(help.out, ContainsSubstring(row.name == "01_gradient"     ? "[100x100]"
@@ -311,8 +311,10 @@ TEST_CASE("an error on the command line is reported, with what is allowed, and n
       {"--samples", {"--samples", "N", "missing"}},
       {"--pixel", {"--pixel", "X,Y", "missing"}},
       {"--explain a.json", {"--explain requires --pixel X,Y"}},
+      {"--rays a.svg", {"--rays requires --pixel X,Y"}},
       not_allowed("--pixel 1,2 --explain", "a.txt", "a file that ends in .json"),
       not_allowed("--pixel 1,2 --explain", ".json", "a file that ends in .json"),
+      not_allowed("--pixel 1,2 --rays", "a.png", "a file that ends in .svg or .obj"),
       {"--threads", {"--threads", "N", "missing"}},
       {"--bits", {"--bits", "8|16", "missing"}},
       {"--transfer", {"--transfer", "srgb|linear|gamma=G", "missing"}},

@@ -196,6 +196,27 @@ TEST_CASE("--explain writes a file that docs/check_explanation finds right, wron
   CHECK(run({.program = checker, .arguments = {}, .folder = folder / ""}).status == 2);
 }
 
+TEST_CASE("--rays draws the rays of a pixel as SVG or OBJ") {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.svg", "a.obj"})
+    CHECK(stages::run_stage("09_shadow", std::string("--pixel 330,200 --quiet --rays ") + name, folder)
+              .status == 0);
+  const std::string svg = bytes_of(folder / "a.svg"), obj = bytes_of(folder / "a.obj");
+  CHECK(svg.starts_with("<svg xmlns="));
+  CHECK(svg.ends_with("</svg>\n"));
+  CHECK_THAT(svg, ContainsSubstring("from above"));
+  CHECK_THAT(svg, ContainsSubstring("from the side"));
+  // A ray of the camera and one to the light.
+  CHECK_THAT(obj, ContainsSubstring("v 0 0 0\n"));
+  CHECK_THAT(obj, ContainsSubstring("v 0 3 0\n"));
+  CHECK(obj.ends_with("g camera\nl 1 2\ng shadow\nl 3 4\n"));
+  CHECK(folder.count() == 2);
+
+  const Outcome without = stages::run_stage("01_gradient", "--pixel 3,4 --quiet --rays b.svg", folder);
+  CHECK(without.status == 1);
+  CHECK(without.err == "01_gradient: --rays: the pixel was drawn without rays\n");
+}
+
 TEST_CASE("a file of an explanation that cannot be written is an error, and none is left") {
   const TemporaryFolder folder;
   const Outcome outcome =
@@ -220,4 +241,11 @@ TEST_CASE("the explanations in docs/explain.md are those that the stages print")
     ++count;
   }
   CHECK(count > 0);
+}
+
+TEST_CASE("docs/figures/rays.svg is the drawing of docs/explain.md") {
+  const TemporaryFolder folder;
+  CHECK(stages::run_stage("13_whitted", "--pixel 400,400 --quiet --rays rays.svg", folder).status == 0);
+  CHECK(bytes_of(folder / "rays.svg") ==
+        bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "figures" / "rays.svg"));
 }

@@ -78,6 +78,7 @@ class ExplainedScene {
   /// Returns the lights without a record that they are asked for.
   const std::vector<protostar::Light>& all_lights() const { return lights_; }
   const std::vector<Facts>& facts() const { return facts_; }
+  const std::vector<protostar::Bounds>& bounds() const { return bounds_; }
 
  private:
   /// Surface of the scene, as functions.
@@ -100,6 +101,7 @@ class ExplainedScene {
 
   std::vector<Entry> surfaces_;
   std::vector<Facts> facts_;
+  std::vector<protostar::Bounds> bounds_;
   std::vector<protostar::Light> lights_;
   protostar::Color ambient_;
   std::optional<protostar::Color> sky_;
@@ -128,6 +130,7 @@ void ExplainedScene::add(const std::vector<T>& surfaces, const std::vector<proto
          .on = [&](const protostar::Crossing& one) { return protostar::crossing_on(surface, one, material); },
          .primitive = [&](int part) { return primitive_of(surface, part); }});
     facts_.push_back(facts_of(surface));
+    bounds_.push_back(protostar::bounds_of(surface));
   }
 }
 
@@ -189,6 +192,7 @@ void explain(Explanation& explanation, const protostar::Camera& camera, const Ex
              const I& integrator, const protostar::RenderOptions& options) {
   explanation.is_recorded = true;
   explanation.surfaces = scene.facts();
+  explanation.bounds = scene.bounds();
   explanation.lights = scene.all_lights();
   explanation.ambient = scene.ambient();
   if constexpr (requires { integrator.depth; }) explanation.depth = integrator.depth;

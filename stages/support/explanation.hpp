@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <protostar/bounds.hpp>
 #include <protostar/camera.hpp>
 #include <protostar/intersection.hpp>
 #include <protostar/light.hpp>
@@ -107,6 +108,7 @@ struct Explanation {
   protostar::Camera camera;
   int depth = 0;  ///< of WhittedIntegrator, otherwise 0
   std::vector<Facts> surfaces = {};
+  std::vector<protostar::Bounds> bounds = {};  ///< of the surfaces; infinite where there are none
   std::vector<protostar::Light> lights = {};
   protostar::Color ambient{0};
   std::vector<SampleRecord> samples = {};
@@ -124,3 +126,7 @@ std::string text_of(const Explanation& explanation, const Options& options);
 
 /// Returns the explanation as JSON, complete: docs/check_explanation evaluates it again.
 std::string json_of(const Explanation& explanation, const Options& options);
+
+/// Returns a drawing of the rays: as SVG, from above and from the side; otherwise as OBJ, with a line for
+/// each ray.
+std::string rays_of(const Explanation& explanation, bool is_svg);

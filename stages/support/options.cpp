@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "message.hpp"
 
@@ -231,7 +232,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   Options options{.program = program, .plain = defaults.plain, .numbers = defaults.numbers};
   std::vector<std::string> numbers(options.numbers.size());
   std::string output = options.output.string(), size, threads, bits, transfer;
-  std::string scene, integrator, samples, crop, timeout, pixel, explain;
+  std::string scene, integrator, samples, crop, timeout, pixel, explain, rays;
   bool confine = false;
   const bool of_scene = static_cast<bool>(defaults.read_scene);
   const auto or_of_scene = [&](const std::string& text) { return of_scene ? "the scene's" : text; };
@@ -277,6 +278,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
                  "Draw nothing, but tell why this pixel, counted from 0,0 at the upper left, has its color")
       ->type_name("X,Y");
   app.add_option("--explain", explain, "With --pixel: a file for all of its numbers")->type_name("FILE.json");
+  app.add_option("--rays", rays, "With --pixel: a file for a drawing of its rays")
+      ->type_name("FILE.svg|FILE.obj");
   for (std::size_t i = 0; i < numbers.size(); ++i)
     app.add_option(options.numbers[i].name, numbers[i], options.numbers[i].help)->type_name("X");
   app.add_flag(
@@ -313,10 +316,12 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     if (app.count("--size")) own_size = read_size(size);
     if (given("--crop")) part = read_crop(crop);
     if (given("--pixel")) own_pixel = read_pixel(pixel);
-    if (given("--explain") && !own_pixel)
-      throw CLI::RequiresError("--explain", "--pixel X,Y, which names the pixel");
+    for (const auto& [option, name] : {std::pair{"--explain", explain}, {"--rays", rays}})
+      if (given(option) && !own_pixel) throw CLI::RequiresError(option, "--pixel X,Y, which names the pixel");
     if (given("--explain")) check_name("--explain", explain, {".json"});
+    if (given("--rays")) check_name("--rays", rays, {".svg", ".obj"});
     options.explain = explain;
+    options.rays = rays;
     if (given("--integrator")) own_integrator = read_integrator(integrator);
     if (app.count("--samples"))
       own_samples = read_whole(

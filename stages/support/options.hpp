@@ -66,6 +66,7 @@ struct Options {
   double exposure = 1;
   std::optional<Pixel> pixel = {};     ///< explained, and nothing is drawn; the crop is then that of no part
   std::filesystem::path explain = {};  ///< file for the explanation as JSON; empty: none
+  std::filesystem::path rays = {};     ///< file for a drawing of its rays; empty: none
   double timeout = 0;                  ///< seconds after which the program gives up; 0: never
   std::vector<NumberOption> numbers;   ///< with the values that are given
 };

@@ -200,6 +200,10 @@ void Stage::tell(const Image& image) {
     std::fwrite(text.data(), 1, text.size(), stdout);
   }
   if (!options_.explain.empty()) save_text(options_.explain, json_of(explanation, options_));
+  if (!options_.rays.empty()) {
+    if (!explanation.is_traced) throw std::runtime_error("--rays: the pixel was drawn without rays");
+    save_text(options_.rays, rays_of(explanation, options_.rays.string().ends_with(".svg")));
+  }
   explanation_.reset();
 }
 
