@@ -183,7 +183,7 @@ TEST_CASE("every stage has a golden, and the goldens are PNG files with three ch
   }
 }
 
-TEST_CASE("the gallery shows each stage in a picture that the stage draws") {
+TEST_CASE("the gallery shows each stage in a picture that the stage draws", "[pictures]") {
   const std::string page = bytes_of(source_dir + "/docs/gallery.md");
   int drawn = 0;
   for (const Golden& picture : goldens) {
@@ -193,7 +193,7 @@ TEST_CASE("the gallery shows each stage in a picture that the stage draws") {
     const Picture shown = read_image(golden("gallery/" + picture.name));
     CHECK(shown.width >= 640);
     CHECK(shown.height >= 480);
-    if (++drawn > cases(3, 100)) continue;  // the short form draws some of them
+    if (++drawn > pictures(3, 100)) continue;  // the short form draws some of them
     const TemporaryFolder folder;
     REQUIRE(run(folder, command(picture) + " --size 640x480 --samples 16") == 0);
     check_equal(read_image((folder / "out.ppm").string()), shown);
