@@ -126,7 +126,7 @@ TEST_CASE("tangents lead where u grows and v stays, and where v grows and u stay
     const auto scene = scene_of(surface, Material{});
     const Intersection hit = hit_of(scene, ray);
     const Tangents along = surface.tangents_at(hit.point(), hit.part());
-    const auto moved_by = [&](const Vec3& way) {
+    const auto moved_by = [&, &surface = surface](const Vec3& way) {
       return surface.uv_at(hit.point() + 1e-6 / length(way) * way, hit.part()) - hit.uv();
     };
     const Uv by_u = moved_by(along.u), by_v = moved_by(along.v);
