@@ -23,7 +23,8 @@ struct Figure {
 std::vector<figures::StageFigure> stage_figures() {
   std::vector<figures::StageFigure> all;
   for (const auto& some : {figures::vector_figures(), figures::light_figures(), figures::path_figures(),
-                           figures::geometry_figures(), figures::mesh_figures(), figures::normal_map_figures(), figures::topic_figures()})
+                           figures::geometry_figures(), figures::mesh_figures(),
+                           figures::normal_map_figures(), figures::topic_figures()})
     all.insert(all.end(), some.begin(), some.end());
   return all;
 }
