@@ -101,7 +101,7 @@ void depth_curve(Drawing& drawing) {
   sketch.words({6.6, 0, 0}, {0, 24}, "t", Paint::ink, Anchor::end);
   sketch.words({0, 3.25, 0}, {12, 8}, "L = 1/t");
   const auto at = [&](double t) { return Point{t, high / t, 0}; };
-  sketch.curve(at, 0.7, 1, Paint::red, Stroke::dashed);
+  sketch.curve(at, 0.8, 1, Paint::red, Stroke::dashed);
   sketch.curve(at, 1, 6.4, Paint::blue, Stroke::bold);
   sketch.line({0, high, 0}, {1, high, 0}, Paint::red, Stroke::bold);
   sketch.line({1, high, 0}, {6.4, high, 0}, Paint::gray, Stroke::dashed);

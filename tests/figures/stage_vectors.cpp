@@ -314,7 +314,7 @@ void sphere_polynomial(Drawing& drawing) {
   sketch.arrow({0, 0, 0}, {4.5, 0, 0}, Paint::ink);
   sketch.arrow({0, -0.9, 0}, {0, 1.75, 0}, Paint::ink);
   sketch.words({4.5, 0, 0}, {-4, 26}, "t", Paint::ink, Anchor::end);
-  sketch.words({0, 1.75, 0}, {10, 10}, "A t² − 2 B t + C");
+  sketch.words({0, 1.75, 0}, {0, -10}, "A t² − 2 B t + C");
   for (const auto& [height, name, paint] :
        {std::tuple{0.5, "D > 0", Paint::blue}, {1.0, "D = 0", Paint::orange}, {1.35, "D < 0", Paint::red}}) {
     const auto e = sphere_equation(at_height(height), unit_sphere.center, unit_sphere.radius);
