@@ -153,7 +153,7 @@ void sphere_normals(Drawing& drawing) {
     if (i != 1) continue;
     sketch.arrow(sphere.center, p, Paint::blue, Stroke::bold);
     sketch.mark(p, Paint::red);
-    sketch.words(0.5 * p, {-36, 34}, "p − c: length R", Paint::blue);
+    sketch.words(sphere.center, {0, 34}, "p − c: length R", Paint::blue, Anchor::middle);
     sketch.words(p, {-2, 26}, "p", Paint::red);
     sketch.words(p + sphere.normal_at(p), {8, 0}, "n = (p − c)/R, length 1", Paint::green);
   }
@@ -296,9 +296,9 @@ void inverse_square(Drawing& drawing) {
                  Anchor::middle);
     const int parts = distance * distance;
     expect(std::abs(light * parts - 1) < 1e-6, "inverse_square");
-    sketch.words(corner(d, 0, 1), {0, -26},
+    sketch.words(corner(d, -1, 1), {0, -8},
                  parts == 1 ? "all on 1" : joined({"1/", std::to_string(parts), " on each"}), Paint::orange,
-                 Anchor::middle);
+                 Anchor::end);
   }
   sketch.lamp(Point{0});
 }
