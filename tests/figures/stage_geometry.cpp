@@ -383,7 +383,7 @@ void sphere_uv(Drawing& drawing) {
   const Camera camera = Camera::look_at({0.9, 1.5, -3}, Point{0});
   const Sketch sketch(drawing, {160, 176}, 120, camera);
   sketch.circle(Point{0}, 1, Paint::gray);
-  constexpr double left = 352, top = 80, width = 260, height = 190;
+  constexpr double left = 352, top = 110, width = 260, height = width / 2;
   drawing.rectangle({left, top}, width, height, Paint::gray, Fill::soft);
   // The points of the sphere that the camera sees, on lines of equal u and of equal v.
   const auto point_at = [](double u, double v) {

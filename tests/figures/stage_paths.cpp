@@ -548,7 +548,7 @@ void whitted_tree(Drawing& drawing) {
   scene.add(ball, Material{.reflect = 0.1, .refract = 0.9});
   scene.add(mirror, Material{.reflect = 0.9});
   scene.add(ground, Material{.diffuse = Color{1}});
-  const Sketch sketch(drawing, {150, 316}, 90);
+  const Sketch sketch(drawing, {156, 316}, 90);
   sketch.line({-1.6, 0, 0}, {2.6, 0, 0}, Paint::ink, Stroke::bold);
   sketch.circle(ball.center, ball.radius, Paint::blue);
   sketch.circle(mirror.center, mirror.radius, Paint::ink);
