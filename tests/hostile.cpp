@@ -177,13 +177,14 @@ TEST_CASE("a scene file whose rays multiply without end is refused by their numb
   file.depth = most_depth;
   Image image(9, 2);
   const double begin = seconds_of_work();
-  CHECK_THROWS_AS(draw(image, file, "whitted", {.samples = 64, .threads = 1}), std::runtime_error);
+  CHECK_THROWS_AS(draw(image, file, "whitted", RenderOptions{.samples = 64, .threads = 1}),
+                  std::runtime_error);
   CHECK(seconds_of_work() - begin < 60);
 
   // The command line's samples together with many lights.
   for (int i = 0; i < 64; ++i) file.scene.add(PointLight{});
   CHECK_FALSE(refusal_of_samples(1 << 16, 63));
   CHECK_THAT(message_of<std::runtime_error>(
-                 [&] { draw(image, file, "shadow", {.samples = 1 << 16, .threads = 1}); }),
+                 [&] { draw(image, file, "shadow", RenderOptions{.samples = 1 << 16, .threads = 1}); }),
              ContainsSubstring("with 64 lights a pixel may take 4259840 rays, and at most 4194304"));
 }
