@@ -13,10 +13,10 @@ using namespace protostar;
 
 static std::vector<double> list(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-/// Calls f with the surface that an AnySurface holds, if its type is one of the library's.
+/// Calls f with the surface that an AnySurface holds, if its type is one of the library's; otherwise returns
+/// the given facts.
 template <class F>
-static Facts with_held(const AnySurface& any, const F& f) {
-  Facts facts{.type = "surface"};
+static Facts with_held(const AnySurface& any, const F& f, Facts facts = {.type = "surface"}) {
   const auto take = [&]<class... S>(const S*... held) { ((held ? void(facts = f(*held)) : void()), ...); };
   take(any.target<Sphere>(), any.target<Plane>(), any.target<Parallelogram>(), any.target<Triangle>(),
        any.target<Disk>(), any.target<Box>(), any.target<Quadric>(), any.target<Csg>(), any.target<Mesh>(),
@@ -149,13 +149,19 @@ Facts equation_of(const Parallelogram& s, const Ray& ray) {
 }
 Facts equation_of(const Mesh&, const Ray&) { return {.type = "mesh"}; }
 
+Facts primitive_of(const AnySurface& surface, int part) {
+  return with_held(surface, [&](const auto& held) { return primitive_of(held, part); }, {});
+}
 Facts primitive_of(const Mesh& mesh, int part) {
   const auto i = static_cast<std::size_t>(part);
   Facts facts = facts_of(mesh.data().triangle(i));
-  if (!mesh.data().normals.empty()) {
-    const auto& [a, b, c] = mesh.data().triangles[i];
-    for (const auto& [name, vertex] : {std::pair{"normal_a", a}, {"normal_b", b}, {"normal_c", c}})
-      facts.numbers.push_back({name, list(mesh.data().normals[vertex])});
+  const auto& [a, b, c] = mesh.data().triangles[i];
+  for (const auto& [name, vertex] : {std::pair{"a", a}, {"b", b}, {"c", c}}) {
+    if (!mesh.data().normals.empty())
+      facts.numbers.push_back({std::string("normal_") + name, list(mesh.data().normals[vertex])});
+    if (mesh.data().uvs.empty()) continue;
+    const Uv& uv = mesh.data().uvs[vertex];
+    facts.numbers.push_back({std::string("uv_") + name, {uv.x, uv.y}});
   }
   return facts;
 }

@@ -27,6 +27,8 @@ Facts equation_of(const protostar::Mesh& surface, const protostar::Ray& ray);
 inline Facts equation_of(const auto&, const protostar::Ray&) { return {.type = "surface"}; }
 
 /// Returns the numbers of the primitive of a surface that a ray hits: the triangle of a mesh, with the
-/// normals of its vertices if it has some; nothing for surfaces whose parts are told by facts_of.
+/// normals and the texture coordinates of its vertices if it has some; nothing for surfaces whose parts are
+/// told by facts_of.
+Facts primitive_of(const protostar::AnySurface& surface, int part);
 Facts primitive_of(const protostar::Mesh& surface, int part);
 inline Facts primitive_of(const auto&, int) { return {}; }
