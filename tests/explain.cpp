@@ -29,7 +29,7 @@ using Codes = std::array<int, 3>;
 const std::vector<std::string> all_stages {
   "01_gradient", "02_sphere", "03_scene", "04_depth", "05_normal", "06_color", "07_diffuse", "08_naive",
       "08_transparency", "09_naive", "09_shadow", "10_phong", "11_mirror", "12_glass", "13_whitted",
-      "14_primitives", "15_csg", "16_environment",
+      "14_primitives", "15_csg", "16_environment", "27_normal_map",
 #if __has_include(<tiny_obj_loader.h>)  // otherwise this stage is not built
       "17_mesh",
 #endif
@@ -99,8 +99,9 @@ TEST_CASE("--pixel tells for every stage why a pixel has the codes that it has i
 
 #if __has_include(<nlohmann/json.hpp>)
 TEST_CASE("--pixel counts in the whole picture of a scene file, with samples, exposure, tone and crop") {
-  const std::string name = GENERATE("scale_image", "scale_pixel", "exposure", "samples", "solids", "sensor",
-                                    "spot", "image", "mesh", "environment", "orthographic", "csg");
+  const std::string name =
+      GENERATE("scale_image", "scale_pixel", "exposure", "samples", "solids", "sensor", "spot", "image",
+               "mesh", "environment", "orthographic", "csg", "normal_map");
   CAPTURE(name);
   const TemporaryFolder folder;
   const std::string size = run_render::scene(name) + " --size 48x36";
@@ -160,6 +161,24 @@ TEST_CASE("the explanation of a pixel goes from the film through the lights to t
     at = next;
   }
   CHECK(folder.count() == 0);
+}
+
+TEST_CASE("the explanation of a pixel tells what a normal map makes of the normal") {
+  const TemporaryFolder folder;
+  const Outcome outcome = stages::run_stage("27_normal_map", "--pixel 500,400", folder);
+  CHECK(outcome.status == 0);
+  std::size_t at = 0;
+  for (const char* text :
+       {"    normal (0.407592, 0.617415, -0.672806)\n",
+        "    the normal map holds the direction (0, 0.129935, 1) at u = 0.913311, v = 0.28818\n",
+        "      tangents: u grows along (-0.672806, 0, -0.407592), v along (0.251653, -0.618799, -0.4154)\n",
+        "      shading normal (0.445415, 0.510908, -0.73524)\n", "cosine 0.576439\n",
+        "irradiance (0.576439, 0.576439, 0.576439) = (1, 1, 1) * cosine\n"}) {
+    CAPTURE(text);
+    const std::size_t next = outcome.out.find(text, at);
+    REQUIRE(next != std::string::npos);
+    at = next;
+  }
 }
 
 TEST_CASE("--explain writes a file that docs/check_explanation finds right, wrong or unreadable") {

@@ -21,13 +21,17 @@ template void ExplainedScene::add(const std::vector<Plane>&, const std::vector<M
 template void ExplainedScene::add(const std::vector<Sphere>&, const std::vector<Material>&);
 
 RayRecord& ExplainedScene::begin(RayRecord::Query query, const Ray& ray, Interval range) const {
+  const RayRecord& before = *current_;
   RayRecord& record = current_->rays.emplace_back();
   record.query = query;
   record.ray = ray;
   record.range = range;
   const auto left = std::find_if(surfaces_.begin(), surfaces_.end(),
                                  [&](const Entry& entry) { return entry.address == ray.departure.in_scene; });
-  if (left != surfaces_.end()) record.left = static_cast<std::size_t>(left - surfaces_.begin());
+  if (left == surfaces_.end()) return record;
+  record.left = static_cast<std::size_t>(left - surfaces_.begin());
+  // The departure of a solid that is made of solids counts the parts of one of them.
+  record.left_part = before.hit && before.taken == record.left ? before.hit->part : ray.departure.part;
   return record;
 }
 
@@ -57,15 +61,23 @@ std::optional<Intersection> ExplainedScene::intersect(const Ray& ray, Interval r
     }
   if (!record.taken) return std::nullopt;
   const Intersection& hit = record.intersection.emplace(ray, first);
+  const Normals<Vec3> outside = hit.normals(), facing = hit.facing_normals();
   record.hit = {.t = hit.t,
                 .point = hit.point(),
-                .normal = hit.normal(),
-                .facing_normal = hit.facing_normal(),
+                .normal = outside.surface,
+                .facing_normal = facing.surface,
                 .part = hit.part(),
                 .uv = hit.uv(),
                 .color = hit.color(),
                 .material = hit.material(),
                 .primitive = surfaces_[*record.taken].primitive(hit.part())};
+  if (const NormalMap& map = hit.material().normal_map) {
+    const Uv uv = hit.uv();
+    record.hit->mapped = {.direction = map(uv.x, uv.y),
+                          .tangents = first.functions->tangents_at(first.surface, hit.point(), hit.part()),
+                          .shading_normal = outside.shading,
+                          .facing_shading_normal = facing.shading};
+  }
   return hit;
 }
 

@@ -155,11 +155,12 @@ struct OneLight {
 LightRecord light_at(const protostar::Intersection& hit, const protostar::Light& light,
                      const RayRecord& record, const auto& integrator) {
   const protostar::Point point = hit.point();
-  const protostar::Vec3 normal = hit.facing_normal(), towards = light.towards(point);
+  const protostar::Vec3 towards = light.towards(point);
+  const double height = hit.height(towards);
   LightRecord lit{.towards = towards,
-                  .cosine = dot(normal, towards) / length(towards),
+                  .cosine = height / length(towards),
                   .facing = light.perpendicular_irradiance(point),
-                  .irradiance = light.irradiance(point, normal),
+                  .irradiance = light.received(towards, height),
                   .share = {}};
   if constexpr (requires { integrator.shade(hit, OneLight{{light}}); })
     lit.share = integrator.shade(hit, OneLight{{light}});

@@ -56,16 +56,24 @@ struct LightRecord {
   std::optional<std::size_t> shadow_ray = {};  ///< index among the rays; empty if none was needed
 };
 
+/// Normal that a normal map gives to a hit, and the numbers that it follows from.
+struct MappedNormal {
+  protostar::Vec3 direction{0};  ///< that the map holds at u and v, in tangent space
+  protostar::Tangents tangents;  ///< of the surface
+  protostar::Vec3 shading_normal{0}, facing_shading_normal{0};
+};
+
 /// Closest hit, in numbers.
 struct HitRecord {
   double t = 0;
   protostar::Point point{0};
-  protostar::Vec3 normal{0}, facing_normal{0};
+  protostar::Vec3 normal{0}, facing_normal{0};  ///< the surface's own
   int part = 0;
   protostar::Uv uv{0};
   protostar::Color color{0};
   protostar::Material material = {};
-  Facts primitive = {};  ///< triangle of a mesh
+  Facts primitive = {};                     ///< triangle of a mesh
+  std::optional<MappedNormal> mapped = {};  ///< empty if the material has no normal map
   std::vector<LightRecord> lights = {};
 };
 
@@ -77,6 +85,7 @@ struct RayRecord {
   protostar::Ray ray = {};
   protostar::Interval range = {};
   std::optional<std::size_t> left = {};  ///< surface that the ray leaves
+  int left_part = 0;                     ///< part of that surface, as the surface counts them
   std::vector<Considered> considered = {};
   std::optional<std::size_t> taken = {};      ///< index in considered of the closest hit, or of the occluder
   std::optional<HitRecord> hit = {};          ///< closest hit

@@ -219,7 +219,7 @@ class Writer {
       json_.member("direction", record.ray.direction);
       json_.member("range_end", record.range.max);
       json_.member("leaves", record.left);
-      if (record.left) json_.member("leaves_part", record.ray.departure.part);
+      if (record.left) json_.member("leaves_part", record.left_part);
       json_.key("considered").array([&] {
         for (const Considered& one : record.considered) {
           json_.next();
@@ -274,7 +274,15 @@ class Writer {
         write(hit.primitive);
       }
       json_.key("material").object([&] { write(hit.material); });
-      if (hit.material.texture) json_.member("uv", hit.uv);
+      if (hit.material.texture || hit.mapped) json_.member("uv", hit.uv);
+      if (hit.mapped)
+        json_.key("normal_map").object([&] {
+          json_.member("direction", hit.mapped->direction);
+          json_.member("tangent_u", hit.mapped->tangents.u);
+          json_.member("tangent_v", hit.mapped->tangents.v);
+          json_.member("shading_normal", hit.mapped->shading_normal);
+          json_.member("facing_shading_normal", hit.mapped->facing_shading_normal);
+        });
       json_.member("color", hit.color);
       if (!record.asks_lights) return;
       json_.key("lights").array([&] {

@@ -195,9 +195,16 @@ class Tree {
   void write_hit(int depth, const RayRecord& record) {
     const HitRecord& hit = *record.hit;
     line(depth, "point " + text(hit.point));
-    line(depth,
-         "normal " + text(hit.normal) +
-             (hit.facing_normal == hit.normal ? "" : ", turned to the ray: " + text(hit.facing_normal)));
+    line(depth, "normal " + text_of_normal(hit.normal, hit.facing_normal));
+    if (hit.mapped) {
+      const MappedNormal& mapped = *hit.mapped;
+      line(depth, "the normal map holds the direction " + text(mapped.direction) +
+                      formatted(" at u = %.6g, v = %.6g", hit.uv.x, hit.uv.y));
+      line(depth + 1,
+           "tangents: u grows along " + text(mapped.tangents.u) + ", v along " + text(mapped.tangents.v));
+      line(depth + 1,
+           "shading normal " + text_of_normal(mapped.shading_normal, mapped.facing_shading_normal));
+    }
     line(depth,
          "color " + text(hit.color) +
              (hit.material.texture ? formatted(" of the texture at u = %.6g, v = %.6g", hit.uv.x, hit.uv.y)
@@ -216,6 +223,10 @@ class Tree {
     std::size_t following = 0;
     for (std::size_t i = 0; i < record.rays.size(); ++i)
       if (!is_written[i]) write(depth, record.rays[i], name_of(hit, following++));
+  }
+
+  static std::string text_of_normal(const Vec3& outside, const Vec3& facing) {
+    return text(outside) + (facing == outside ? "" : ", turned to the ray: " + text(facing));
   }
 
   /// Returns the name of the i-th ray that follows from a hit besides shadow rays: a mirrored one, then a
