@@ -86,7 +86,7 @@ void compare(const PlainPicture& picture, const auto& explain) {
 
 }  // namespace
 
-TEST_CASE("--pixel tells for every stage why a pixel has the codes that it has in the picture") {
+TEST_CASE("the option --pixel tells for every stage why a pixel has the codes that it has in the picture") {
   const std::string name = GENERATE(from_range(all_stages));
   CAPTURE(name);
   const std::string size = "--size 64x48";
@@ -98,7 +98,8 @@ TEST_CASE("--pixel tells for every stage why a pixel has the codes that it has i
 }
 
 #if __has_include(<nlohmann/json.hpp>)
-TEST_CASE("--pixel counts in the whole picture of a scene file, with samples, exposure, tone and crop") {
+TEST_CASE(
+    "the option --pixel counts in the whole picture of a scene file, with samples, exposure, tone and crop") {
   const std::string name =
       GENERATE("scale_image", "scale_pixel", "exposure", "samples", "solids", "sensor", "spot", "image",
                "mesh", "environment", "orthographic", "csg", "normal_map");
@@ -112,7 +113,7 @@ TEST_CASE("--pixel counts in the whole picture of a scene file, with samples, ex
   CHECK(folder.count() == 1);
 }
 
-TEST_CASE("--pixel tells which arithmetic has decided where a ray hits a surface") {
+TEST_CASE("the option --pixel tells which arithmetic has decided where a ray hits a surface") {
   // Through pixel 1 of four leads the line x = -1, which touches the sphere. At x = -3 it misses.
   const TemporaryFolder folder;
   put_bytes(folder / "scene.json",
@@ -181,7 +182,7 @@ TEST_CASE("the explanation of a pixel tells what a normal map makes of the norma
   }
 }
 
-TEST_CASE("--explain writes a file that docs/check_explanation finds right, wrong or unreadable") {
+TEST_CASE("the option --explain writes a file that docs/check_explanation finds right, wrong or unreadable") {
   const TemporaryFolder folder;
   if (run({.program = checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
     return;  // there is no Python
@@ -215,7 +216,7 @@ TEST_CASE("--explain writes a file that docs/check_explanation finds right, wron
   CHECK(run({.program = checker, .arguments = {}, .folder = folder / ""}).status == 2);
 }
 
-TEST_CASE("--rays draws the rays of a pixel as SVG or OBJ") {
+TEST_CASE("the option --rays draws the rays of a pixel as SVG or OBJ") {
   const TemporaryFolder folder;
   for (const char* name : {"a.svg", "a.obj"})
     CHECK(stages::run_stage("09_shadow", std::string("--pixel 330,200 --quiet --rays ") + name, folder)
