@@ -164,9 +164,11 @@ LightRecord light_at(const protostar::Intersection& hit, const protostar::Light&
                   .share = {}};
   if constexpr (requires { integrator.shade(hit, OneLight{{light}}); })
     lit.share = integrator.shade(hit, OneLight{{light}});
-  for (std::size_t i = 0; i < record.rays.size(); ++i)
-    if (record.rays[i].query == RayRecord::Query::any && record.rays[i].ray.direction == towards)
-      lit.shadow_ray = i;
+  std::size_t i = 0;
+  for (const RayRecord& ray : record.rays) {
+    if (ray.query == RayRecord::Query::any && ray.ray.direction == towards) lit.shadow_ray = i;
+    ++i;
+  }
   return lit;
 }
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
+#include <list>
 #include <optional>
 #include <protostar/bounds.hpp>
 #include <protostar/camera.hpp>
@@ -92,7 +92,7 @@ struct RayRecord {
   std::vector<protostar::Color> colors = {};  ///< of all hits, in the order of considered
   bool asks_lights = false;                   ///< true if the integrator adds up the lights at the hit
   std::vector<SkyRecord> sky = {};
-  std::deque<RayRecord> rays = {};  ///< rays that the integrator traces while it shades the hit
+  std::list<RayRecord> rays = {};  ///< rays that the integrator traces while it shades the hit
   std::optional<protostar::Color> radiance = {};
 
   /// Closest hit in the scene, while that lives.

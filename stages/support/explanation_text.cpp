@@ -1,6 +1,7 @@
 #include <array>
 #include <cstdarg>
 #include <cstdio>
+#include <iterator>
 #include <protostar/light.hpp>
 
 #include "explanation.hpp"
@@ -216,13 +217,14 @@ class Tree {
       write_light(depth, i, light);
       if (!light.shadow_ray) continue;
       is_written[*light.shadow_ray] = true;
-      const RayRecord& ray = record.rays[*light.shadow_ray];
+      const RayRecord& ray = *std::next(record.rays.begin(), static_cast<std::ptrdiff_t>(*light.shadow_ray));
       write(depth + 1, ray, "shadow ray");
       line(depth + 1, ray.taken ? "occluded: adds nothing" : "not occluded: adds its share");
     }
     std::size_t following = 0;
-    for (std::size_t i = 0; i < record.rays.size(); ++i)
-      if (!is_written[i]) write(depth, record.rays[i], name_of(hit, following++));
+    std::size_t i = 0;
+    for (const RayRecord& ray : record.rays)
+      if (!is_written[i++]) write(depth, ray, name_of(hit, following++));
   }
 
   static std::string text_of_normal(const Vec3& outside, const Vec3& facing) {
