@@ -236,6 +236,8 @@ class HitPacket {
   /// Returns the directions of the rays.
   [[nodiscard]] const Vectors& direction() const { return rays_.direction; }
 
+  /// Returns the surface's own unit normals. No normal map tilts them: hits on a surface that has one are
+  /// shaded one by one (TileHits).
   [[nodiscard]] Vectors surface_normal() const {
     if constexpr (takes_packets<S>)
       return surface_.normal_at(point());
@@ -243,19 +245,12 @@ class HitPacket {
       return normals_one_by_one();
   }
   [[nodiscard]] Normals<Vectors> normals() const {
-    if (material_.normal_map) [[unlikely]]
-      return mapped_normals();
     const Vectors n = surface_normal();
     return {n, n};
   }
   [[nodiscard]] Normals<Vectors> facing_normals() const { return normals().facing(rays_.direction); }
-  [[nodiscard]] Doubles height(const Vectors& to_light) const {
-    if (material_.normal_map) [[unlikely]]
-      return mapped_height(to_light);
-    const Vectors n = surface_normal();
-    return dot(select(dot(n, rays_.direction) <= 0.0, n, -n), to_light);
-  }
-  [[nodiscard]] Vectors normal() const { return normals().shading; }
+  [[nodiscard]] Doubles height(const Vectors& to_light) const { return facing_normals().height(to_light); }
+  [[nodiscard]] Vectors normal() const { return surface_normal(); }
   [[nodiscard]] Vectors facing_normal() const { return facing_normals().shading; }
 
   [[nodiscard]] const Material& material() const { return material_; }
@@ -292,21 +287,6 @@ class HitPacket {
     for (Bits left = bits(which_); left != 0; left &= left - 1)
       numbers.set(std::countr_zero(left), parts_[std::countr_zero(left)]);
     return numbers;
-  }
-
-  [[nodiscard, gnu::noinline, gnu::cold]] Normals<Vectors> mapped_normals() const {
-    const Vectors points = point(), normals = surface_normal();
-    Normals<Vectors> mapped{normals, normals, true};
-    for (Bits left = bits(which_); left != 0; left &= left - 1) {
-      const int lane = std::countr_zero(left);
-      const Vec3 n = mapped_normal(material_.normal_map, &surface_, functions_of<S>, points[lane],
-                                   parts_[lane], normals[lane]);
-      mapped.shading.x.set(lane, n.x), mapped.shading.y.set(lane, n.y), mapped.shading.z.set(lane, n.z);
-    }
-    return mapped;
-  }
-  [[nodiscard, gnu::noinline, gnu::cold]] Doubles mapped_height(const Vectors& to_light) const {
-    return mapped_normals().facing(rays_.direction).height(to_light);
   }
 
   [[nodiscard, gnu::noinline]] Vectors normals_one_by_one() const {

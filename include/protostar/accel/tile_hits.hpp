@@ -307,6 +307,8 @@ class TileHits {
   template <Surface T>
   [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const RayPacket& rays,
                                 const Closest& closest, LaneMask lanes, const auto& shade_hits) const {
+    if (material.normal_map) [[unlikely]]
+      return shade_one_by_one(surface, material, rays, closest, lanes, shade_hits);
     if constexpr (RasterizedSurface<T>)
       if (!any(lanes && mask_for<double>(closest.primitive < Indices(0)))) {
         const auto& drawn = *buffer_at<T>(closest.index[std::countr_zero(bits(lanes))]);
@@ -325,13 +327,21 @@ class TileHits {
     for (Bits left = bits(lanes); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
       const Ray ray = rays[lane];
-      // A hit from a visibility buffer, in a packet with rays that were traced alone, has no Crossing yet.
-      const Crossing crossing = closest.primitive[lane] < 0
-                                    ? crossing_at(closest.t[lane], closest.primitive[lane])
-                                    : *first_crossing(surface, ray, Interval{});
-      result.set(lane, shade_hits(Intersection(ray, crossing_on(surface, crossing, material))));
+      result.set(lane,
+                 shade_hits(Intersection(
+                     ray, crossing_on(surface, crossing_of<T>(surface, ray, closest, lane), material))));
     }
     return result;
+  }
+  /// Returns the crossing of a closest hit. It is computed again for a surface without primitives, and for a
+  /// hit from a visibility buffer.
+  template <Surface T>
+  [[nodiscard]] static Crossing crossing_of(const T& surface, const Ray& ray, const Closest& closest,
+                                            int lane) {
+    if constexpr (is_made_of_parts<T>)
+      if (has_parts(surface) && closest.primitive[lane] < 0)
+        return crossing_at(closest.t[lane], closest.primitive[lane]);
+    return *first_crossing(surface, ray, Interval{});
   }
 
   /// Returns the closest hits, with each ray in doubt traced alone. `closest` is passed by value, so that

@@ -13,12 +13,10 @@ struct DiffuseIntegrator : FirstHit<DiffuseIntegrator> {
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
-    const auto point = hit.point();
-    const auto normals = hit.facing_normals();
     typename Hit::Light irradiance(ambient_of(scene));
     for (const Light& light : scene.lights()) {
-      const auto to_light = light.towards(point);
-      irradiance += light.received(to_light, normals.height(to_light));
+      const auto to_light = light.towards(hit.point());
+      irradiance += light.received(to_light, hit.height(to_light));
     }
     return clamped(hit.color() * irradiance);
   }
