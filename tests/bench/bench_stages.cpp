@@ -17,9 +17,6 @@
 #include "scenes/three_spheres.hpp"
 #include "spheres_and_board.hpp"
 #include "stages/naive.hpp"
-#ifdef BENCH_PICTURES
-#include "stages/support/pictures.hpp"
-#endif
 #include "support.hpp"
 #include "support/files.hpp"
 #include "tutorial.hpp"
