@@ -193,7 +193,8 @@ template <int N>
   const auto unit = [](V whole) { return Lanes<double, N>(whole) * 0x1p-32 + 0x1p-33; };
   if constexpr (N == 8) return unit((V)_mm512_maskz_cvtepu32_pd(0xff, (__m256i)n.v));
   if constexpr (N == 4) return unit((V)_mm256_cvtepu32_pd((__m128i)n.v));
-#elif defined(PROTOSTAR_VECTORS)
+#endif
+#if defined(PROTOSTAR_VECTORS)
   const Lanes<std::uint64_t, N> digits = widened(n) << 20 | 0x3ff0000000080000;
   return Lanes<double, N>((detail::Vector<double, N>)digits.v) - 1.0;
 #else
