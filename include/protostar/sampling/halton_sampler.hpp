@@ -70,9 +70,10 @@ class HaltonSampler {
   [[nodiscard]] SampleSet<double> operator()(std::uint32_t set) const {
     const std::uint64_t key = sampling::set_key(key_, set, scrambling_);
     const std::uint32_t low = simd::low_word(key), high = simd::high_word(key);
-    const auto word = [&](std::size_t i) { return sampling::word_of(low, high, sampling::factors[i]); };
-    const std::uint32_t index = simd::reversed(sampling::shuffled(simd::reversed(index_), word(0)));
-    return {simd::to_unit(simd::reversed(sampling::nested(index, word(1))) ^ word(2)),
+    const auto seed = [&](std::size_t i) { return sampling::seed_of(low, sampling::factors[i]); };
+    const std::uint32_t last = sampling::word_of(low, high, sampling::factors[2]);
+    const std::uint32_t index = simd::reversed(sampling::shuffled(simd::reversed(index_), seed(0)));
+    return {simd::to_unit(simd::reversed(sampling::nested(index, seed(1))) ^ last),
             simd::to_unit(sampling::scrambled_digits<3>(index, key)),
             simd::to_unit(sampling::scrambled_digits<5>(index, key)),
             simd::to_unit(sampling::scrambled_digits<7>(index, key))};

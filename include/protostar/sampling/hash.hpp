@@ -44,17 +44,21 @@ template <class LongWord>
   return mix(key + LongWord((std::uint64_t{set} << 32 | part) * golden));
 }
 
-/// Factors for word_of(): odd numbers whose digits look random. Each numbers a word of a set.
+/// Factors for seed_of() and word_of(): odd numbers whose digits look random. Each numbers a word of a set.
 inline constexpr std::uint32_t factors[] = {0x9e3779b1, 0x85ebca77, 0xc2b2ae3d, 0x27d4eb2f, 0x165667b1,
                                             0xd3a2646d, 0xb55a4f09, 0xfd7046c5, 0xa0761d65};
 
-/// Returns a word made of the two halves of a set's key, another word for each odd factor. It is uniform if
-/// the key is, since a higher half is added that the rest does not depend on. The difference of two words is
-/// a hash of the lower half.
+/// Returns a word made of the lower half of a set's key, another word for each odd factor.
+template <class Word>
+[[nodiscard]] Word seed_of(Word low, Word factor) {
+  const Word x = low * factor;
+  return x ^ x >> 15;
+}
+
+/// Returns a word made of both halves of a set's key. For each lower half, it is a bijection of the higher.
 template <class Word>
 [[nodiscard]] Word word_of(Word low, Word high, Word factor) {
-  const Word x = low * factor;
-  return (x ^ x >> 15) + high;
+  return seed_of(low, factor) + high;
 }
 
 // ---- Scrambling of digits

@@ -94,7 +94,7 @@ inline constexpr auto sums_of_all = [] {
 /// are low and high: by one for each coordinate, and another that is added modulo 2.
 template <class Word>
 [[nodiscard]] Word scrambled(Word digits, Word low, Word high, Word factor, Word last_factor) {
-  return simd::reversed(nested(digits, word_of(low, high, factor))) ^ word_of(low, high, last_factor);
+  return simd::reversed(nested(digits, seed_of(low, factor))) ^ word_of(low, high, last_factor);
 }
 
 /// Returns the numbers of one point. The four coordinates are computed side by side in lanes, where there are
@@ -175,10 +175,11 @@ inline constexpr auto sums_by_group = [] {
 /// shuffled against each other: index i of the scrambling takes point j of the set, the first 2^k indices the
 /// first 2^k points.
 ///
-/// Each number is uniform for every sample, even if the scrambling's coins were not: one more hash word is
-/// added modulo 2 to its digits, and word ⊕ anything that does not depend on the word is uniform if the word
-/// is. In this sense the mean of a picture's samples is unbiased by proof; it remains that hash words are
-/// taken for independent and uniform.
+/// Each number of each sample takes each of its 2^32 values for exactly 2^32 of all 2^64 seeds, which makes
+/// means over seeds unbiased. Seeds and keys of a set correspond one to one (hash.hpp). For each lower half
+/// of the key, the scrambled digits are fixed, and a word is added to them modulo 2 that takes all values as
+/// the higher half does. This proves it for functions of one number; the four numbers of a sample have more
+/// digits than seeds, and it remains that the hash functions make them look independent.
 template <class Word>
 class BasicSobolSampler {
  public:
@@ -190,7 +191,7 @@ class BasicSobolSampler {
   [[nodiscard]] auto operator()(std::uint32_t set) const {
     const auto key = sampling::set_key(key_, set, scrambling_);
     const Word low = simd::low_word(key), high = simd::high_word(key);
-    const Word order = sampling::word_of(low, high, Word(sampling::factors[0]));
+    const Word order = sampling::seed_of(low, Word(sampling::factors[0]));
     const Word index = simd::reversed(sampling::shuffled(Word(simd::reversed(index_)), order));
     if constexpr (std::is_same_v<Word, std::uint32_t>)
       return sampling::sobol_numbers(index, low, high);
