@@ -37,6 +37,7 @@ const std::set<std::string> on_demand = {
     "accel/screen.hpp",
     "accel/triangles_on_screen.hpp",
     "accel/pixel_block.hpp",
+    "sampling/exact_sum.hpp",
 };
 
 /// External headers of the core, besides the standard library: the smallest part of GLM that will do, and in
