@@ -38,6 +38,8 @@ const std::set<std::string> on_demand = {
     "accel/triangles_on_screen.hpp",
     "accel/pixel_block.hpp",
     "sampling/exact_sum.hpp",
+    "sampling/estimate.hpp",
+    "sampling/film.hpp",
 };
 
 /// External headers of the core, besides the standard library: the smallest part of GLM that will do, and in
