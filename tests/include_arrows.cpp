@@ -46,6 +46,11 @@ const std::set<std::string> on_demand = {
     "sampling/sobol_sampler.hpp",
     "sampling/hammersley_sampler.hpp",
     "sampling/reconstruction.hpp",
+    "sampling/exact_sum.hpp",
+    "sampling/estimate.hpp",
+    "sampling/film.hpp",
+    "sampling/shard.hpp",
+    "sampling/shard_file.hpp",
 };
 
 /// External headers of the core, besides the standard library: the smallest part of GLM that will do, and in
