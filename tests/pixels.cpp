@@ -2,6 +2,7 @@
 #include <protostar/camera.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/whitted.hpp>
+#include <protostar/pixel_grid.hpp>
 #include <protostar/render.hpp>
 #include <set>
 #include <vector>

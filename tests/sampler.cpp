@@ -1,4 +1,4 @@
-#include <protostar/camera.hpp>
+#include <protostar/pixel_grid.hpp>
 #include <protostar/sampling/halton_sampler.hpp>
 #include <protostar/sampling/hammersley_sampler.hpp>
 #include <protostar/sampling/hash.hpp>

@@ -2,6 +2,7 @@
 #include <limits>
 #include <protostar/accel/pixel_rays.hpp>
 #include <protostar/accel/screen.hpp>
+#include <protostar/pixel_grid.hpp>
 #include <vector>
 
 #include "support/catch.hpp"

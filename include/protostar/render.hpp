@@ -11,6 +11,7 @@
 #include "camera.hpp"
 #include "image.hpp"
 #include "parallel.hpp"
+#include "pixel_grid.hpp"
 #include "scene.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {

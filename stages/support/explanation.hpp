@@ -10,6 +10,7 @@
 #include <protostar/camera.hpp>
 #include <protostar/intersection.hpp>
 #include <protostar/light.hpp>
+#include <protostar/pixel_grid.hpp>
 #include <string>
 #include <vector>
 

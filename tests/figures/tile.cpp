@@ -2,6 +2,7 @@
 #include <protostar/accel/candidates.hpp>
 #include <protostar/accel/visibility.hpp>
 #include <protostar/camera.hpp>
+#include <protostar/pixel_grid.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/sphere.hpp>
 

@@ -12,6 +12,7 @@
 
 #include "../camera.hpp"
 #include "../image.hpp"
+#include "../pixel_grid.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/vectors.hpp"
 #include "packet.hpp"

@@ -22,6 +22,7 @@
 #include "../bvh/node.hpp"
 #include "../camera.hpp"
 #include "../image.hpp"
+#include "../pixel_grid.hpp"
 #include "../simd/simd.hpp"
 #include "pixel_rays.hpp"
 
