@@ -151,7 +151,8 @@ TEST_CASE("by tiles, triangles of any size around a camera have the same picture
   Random random(51);
   int drawn = 0;
   std::uint64_t in_doubt = 0;
-  for (int round = 0; round < 30; ++round) {
+  const int rounds = cases(15, 30);  // each factor below occurs in both forms
+  for (int round = 0; round < rounds; ++round) {
     const double size = std::exp2(random.real(-9, 1)), scale = std::exp2(random.real(-30, 30));
     const Vec3 offset = round % 3 == 0 ? scale * 1e4 * random.point(1) : Vec3{0};
     const Mesh mesh = mesh_of(meshes::moved(soup(random, round % 3 == 1 ? 2000 : 200, size), scale, offset));
@@ -175,7 +176,7 @@ TEST_CASE("by tiles, triangles of any size around a camera have the same picture
     CHECK(different_bytes(plain, tiles) == 0);
     drawn += count_pixels(plain, [&](int x, int y) { return plain(x, y) != Color{0}; });
   }
-  CHECK(drawn > 30000);
+  CHECK(drawn > 1000 * rounds);
   CHECK(in_doubt < 20000);
 }
 

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <vector>
 
+#include "support/cases.hpp"
 #include "support/catch.hpp"
 #include "support/files.hpp"
 #include "support/process.hpp"
@@ -120,7 +121,7 @@ TEST_CASE("an invalid scene ends render with status 1 and one line of explanatio
   std::string brackets(200'000, '[');
   check(brackets, "/0/0/0");
   check(brackets + std::string(200'000, ']'), "/0/0/0");
-  std::string garbage(std::size_t{64} << 20, 'x');
+  std::string garbage(static_cast<std::size_t>(cases(8, 64)) << 20, 'x');
   check(garbage, "parse error at line 1, column 1");
   std::uint32_t random = 1;
   for (char& c : garbage) c = static_cast<char>((random = random * 1664525 + 1013904223) >> 24);
