@@ -7,6 +7,7 @@
 #include <protostar/numeric/roots.hpp>
 #include <protostar/ray.hpp>
 #include <protostar/surface.hpp>
+#include <protostar/surfaces/csg.hpp>
 #include <protostar/vec3.hpp>
 #include <vector>
 
@@ -34,4 +35,10 @@ inline std::vector<double> crossings_of(const protostar::Surface auto& surface, 
   std::vector<double> all;
   each_crossing(surface, ray, range, [&](const protostar::Crossing& crossing) { all.push_back(crossing.t); });
   return all;
+}
+
+/// Returns where a ray crosses a CSG tree; a solid alone becomes a tree of one leaf.
+inline std::vector<double> crossings_of_solid(const protostar::Csg& tree, const protostar::Ray& ray,
+                                              protostar::Interval range = {}) {
+  return crossings_of(tree, ray, range);
 }
