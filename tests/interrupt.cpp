@@ -95,7 +95,7 @@ TEST_CASE("the temporary file of a killed stage is removed by the next stage tha
 
 TEST_CASE("killing a stage does not affect another that writes the same picture") {
   const TemporaryFolder folder;
-  const Command command = stage("01_gradient", words("--size 3000x2000 --quiet"), folder / "");
+  const Command command = stage("01_gradient", words("--size 1600x1200 --quiet"), folder / "");
   Process first(command);
   wait_for_temporary_file(folder);
   Process second(command);
@@ -103,10 +103,9 @@ TEST_CASE("killing a stage does not affect another that writes the same picture"
   first.send(SIGKILL);
   CHECK(first.wait().status == -SIGKILL);
   CHECK(second.wait().status == 0);
-  const TemporaryFolder alone;
-  CHECK(run(stage("01_gradient", words("--size 3000x2000 --quiet"), alone / "")).status == 0);
-  CHECK(bytes_of(folder / "out.ppm") == bytes_of(alone / "out.ppm"));
+  const std::string picture = bytes_of(folder / "out.ppm");
   CHECK(run(command).status == 0);
+  CHECK((bytes_of(folder / "out.ppm") == picture));  // in parentheses, to print no megabyte
   CHECK(folder.count() == 1);
 }
 
