@@ -263,7 +263,7 @@ TEST_CASE("invalid parameters of a camera are refused, with what was found and w
       {[=] {
          return Camera::perspective(o, z_axis, {0, infinity, 0}, 90);
        },
-       "upward must be finite and not zero", "(0, infinity, 0)"},
+       "upward must be finite and not zero", "(0, inf, 0)"},
       {[=] {
          return Camera::perspective(o, z_axis, {0, 4, 3}, 90);
        },
@@ -279,7 +279,7 @@ TEST_CASE("invalid parameters of a camera are refused, with what was found and w
       {[=] { return Camera::perspective(o, z_axis, y_axis, 1e-200); }, "right, up and forward", "2^-400"},
       {[=] { return Camera::sensor(o, z_axis, y_axis, 0); }, "focal length must be finite and greater than 0",
        "is 0"},
-      {[=] { return Camera::sensor(o, z_axis, y_axis, infinity); }, "focal length", "is infinity"},
+      {[=] { return Camera::sensor(o, z_axis, y_axis, infinity); }, "focal length", "is inf"},
       {[=] { return Camera::sensor(o, z_axis, z_axis, 1); }, "orthogonal", "is 1"},
       {[=] { return Camera::viewport(o, z_axis, y_axis, -1, 1, 1); }, "viewport's width must be", "is -1"},
       {[=] { return Camera::viewport(o, z_axis, y_axis, 1, 0, 1); }, "viewport's height must be", "is 0"},
@@ -303,7 +303,7 @@ TEST_CASE("invalid parameters of a camera are refused, with what was found and w
       {[=] {
          return Camera::look_at(o, {0, 0, infinity}, y_axis);
        },
-       "target - position must be finite", "(0, 0, infinity)"},
+       "target - position must be finite", "(0, 0, inf)"},
       {[=] { return Camera::look_at(o, z_axis, Vec3{0}); }, "upward must be finite and not zero",
        "(0, 0, 0)"},
   };

@@ -95,7 +95,7 @@ TEST_CASE("the temporary file of a killed stage is removed by the next stage tha
 
 TEST_CASE("killing a stage does not affect another that writes the same picture") {
   const TemporaryFolder folder;
-  const Command command = stage("01_gradient", words("--size 1600x1200 --quiet"), folder / "");
+  const Command command = stage("01_gradient", words("--size 3000x2000 --quiet"), folder / "");
   Process first(command);
   wait_for_temporary_file(folder);
   Process second(command);
