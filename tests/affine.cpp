@@ -10,18 +10,7 @@
 
 using namespace protostar;
 
-namespace {
-
-/// Returns a random whole number in [-size, size].
-double whole(Random& random, int size) {
-  return static_cast<double>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
-}
-Vec3 whole_vector(Random& random, int size) {
-  const double x = whole(random, size), y = whole(random, size), z = whole(random, size);
-  return {x, y, z};
-}
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("an affine map is given by the images of the axes and of the coordinate origin") {
   const Affine map{{0, 2, 0}, {-3, 0, 0}, {1, 0, 1}, {10, 20, 30}};
@@ -62,7 +51,7 @@ TEST_CASE("the inverse of a map of whole numbers is its cofactors over the deter
     const int sizes[] = {static_cast<int>(random.bits() % 800) - 400,
                          static_cast<int>(random.bits() % 800) - 400,
                          static_cast<int>(random.bits() % 800) - 400};
-    const Vec3 x = whole_vector(random, 3), y = whole_vector(random, 3), z = whole_vector(random, 3);
+    const Vec3 x = random.whole_vector(3), y = random.whole_vector(3), z = random.whole_vector(3);
     const Affine map{scaled(x, sizes[0]), scaled(y, sizes[1]), scaled(z, sizes[2])};
     const AffineInverse inverse(map);
     const double determinant = dot(x, cross(y, z));

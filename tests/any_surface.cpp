@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/cylinder.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
@@ -20,7 +21,6 @@ static_assert(std::is_nothrow_move_constructible_v<AnySurface> &&
               std::is_nothrow_move_assignable_v<AnySurface>);
 
 namespace {
-const Ray along_z{{0, 0, 0}, {0, 0, 1}};
 
 struct CountsCopies {
   int* copies;
@@ -35,13 +35,13 @@ struct CountsCopies {
 TEST_CASE("AnySurface answers as the surface that it holds") {
   const Sphere sphere{.center = {0, 0, 3}, .radius = -2};
   const AnySurface any = sphere;
-  CHECK(any.intersect(along_z) == sphere.intersect(along_z));
-  CHECK(any.intersect(along_z, {.min = 1}) == 5.0);
-  CHECK_FALSE(any.intersect(along_z, {.min = 1, .max = 5}));
+  CHECK(any.intersect(ray_along_z) == sphere.intersect(ray_along_z));
+  CHECK(any.intersect(ray_along_z, {.min = 1}) == 5.0);
+  CHECK_FALSE(any.intersect(ray_along_z, {.min = 1, .max = 5}));
   CHECK(any.normal_at({0, 0, 1}) == Vec3{0, 0, 1});
   CHECK(any.departure() == sphere.departure());
   std::vector<double> list;
-  any.each_crossing(along_z, {}, [&](const Crossing& crossing) { list.push_back(crossing.t); });
+  any.each_crossing(ray_along_z, {}, [&](const Crossing& crossing) { list.push_back(crossing.t); });
   CHECK(list == std::vector<double>{1, 5});
   list.clear();
   any.each_crossing({{0, 2, 0}, {0, 0, 1}}, {},
@@ -59,14 +59,14 @@ TEST_CASE("AnySurface is a value: a copy has a copy of the surface, and a move c
   CHECK(copies == 1);
 
   copy = Sphere{.center = {0, 0, 3}};  // a value that was moved from may be assigned to
-  CHECK(copy.intersect(along_z) == 2.0);
+  CHECK(copy.intersect(ray_along_z) == 2.0);
   moved = copy;
   copy = Plane{.normal = {0, 0, 1}, .distance = 7};
-  CHECK(moved.intersect(along_z) == 2.0);
-  CHECK(copy.intersect(along_z) == 7.0);
+  CHECK(moved.intersect(ray_along_z) == 2.0);
+  CHECK(copy.intersect(ray_along_z) == 7.0);
   const AnySurface& itself = copy;
   copy = itself;
-  CHECK(copy.intersect(along_z) == 7.0);
+  CHECK(copy.intersect(ray_along_z) == 7.0);
 }
 
 TEST_CASE(

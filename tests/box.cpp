@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
@@ -20,18 +21,6 @@ using namespace protostar;
 
 namespace {
 
-constexpr double inf = std::numeric_limits<double>::infinity(),
-                 not_a_number = std::numeric_limits<double>::quiet_NaN(),
-                 ulp = std::numeric_limits<double>::epsilon();
-const Interval everywhere{-inf, inf};
-
-std::int64_t whole(Random& random, std::int64_t size) {
-  return static_cast<std::int64_t>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
-}
-Vec3 whole_vector(Random& random, std::int64_t size) {
-  const auto x = whole(random, size), y = whole(random, size), z = whole(random, size);
-  return {x, y, z};
-}
 Box box_around(const Point& a, const Point& b) { return {glm::min(a, b), glm::max(a, b)}; }
 
 std::vector<Crossing> crossings(const Box& box, const Ray& ray, Interval range = everywhere) {
@@ -147,8 +136,8 @@ TEST_CASE("t and the face where a ray enters or leaves a box of small whole numb
   int hits = 0, touching = 0;
   WrongCases wrong(random);
   for (int i = 0; i < 50000; ++i) {
-    const Box box = box_around(whole_vector(random, 3), whole_vector(random, 3));
-    const Ray ray{whole_vector(random, 4), whole_vector(random, 3)};
+    const Box box = box_around(random.whole_vector(3), random.whole_vector(3));
+    const Ray ray{random.whole_vector(4), random.whole_vector(3)};
     const auto expected = judge(box, ray);
     const auto found = crossings(box, ray);
     wrong.add(found.size() != expected.size(), box, ray);
@@ -174,17 +163,16 @@ TEST_CASE(
   int hits = 0, misses = 0;
   WrongCases wrong(random);
   for (int i = 0; i < 5000; ++i) {
-    const Vec3 direction = whole_vector(random, 1 << 9);
-    const std::int64_t T = whole(random, std::int64_t{1} << 52);
+    const Vec3 direction = random.whole_vector(1 << 9);
+    const std::int64_t T = random.whole(std::int64_t{1} << 52);
     const Point origin = -static_cast<double>(T) * direction;
     Point middle;
     for (int axis = 0; axis < 3; ++axis)
       middle[axis] = static_cast<double>(Int128{T} * static_cast<Int128>(direction[axis]) +
                                          static_cast<Int128>(origin[axis]));
     const Ray ray{origin, direction};
-    const Box box =
-        box_around(middle + unit * whole_vector(random, 2),
-                   middle + unit * whole_vector(random, 2) + Vec3(random.bits() % 4 == 0 ? 1 : 0));
+    const Box box = box_around(middle + unit * random.whole_vector(2),
+                               middle + unit * random.whole_vector(2) + Vec3(random.bits() % 4 == 0 ? 1 : 0));
     const auto expected = judge(box, ray, unit);
     const auto found = crossings(box, ray);
     ++(expected.empty() ? misses : hits);
@@ -247,7 +235,7 @@ TEST_CASE("huge and tiny boxes are hit like others, and numbers that are not fin
   REQUIRE(sound.intersect(ray));
   CHECK_FALSE(sound.intersect({{0, 0, -3}, {0, 0, 0}}, everywhere));
   CHECK_FALSE(sound.intersect({{0, 0, 0}, {0, 0, 0}}, everywhere));
-  for (const double bad : {inf, -inf, not_a_number})
+  for (const double bad : {infinity, -infinity, not_a_number})
     for (int axis = 0; axis < 3; ++axis) {
       CAPTURE(bad, axis);
       for (Ray other : {ray, Ray{{0, 0, -3}, {0, 0, 1}}}) {
@@ -428,7 +416,8 @@ TEST_CASE("pictures of boxes are the same plain, accelerated and by tiles, and s
 
 TEST_CASE("an invalid box is refused") {
   const auto says = [](const Box& box) { return message_of<std::invalid_argument>([&] { box.validate(); }); };
-  for (const auto& [bad, shown] : {std::pair(inf, "inf"), {-inf, "-inf"}, {not_a_number, "nan"}})
+  for (const auto& [bad, shown] :
+       {std::pair(infinity, "inf"), {-infinity, "-inf"}, {not_a_number, "nan"}})
     for (int axis = 0; axis < 3; ++axis) {
       Box min, max;
       min.min[axis] = bad, max.max[axis] = bad;

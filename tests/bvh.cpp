@@ -318,8 +318,8 @@ TEST_CASE("a BVH is the same for any number of threads") {
     const Ray ray{random.point(1), random.direction()};
     const auto leaves = [&](const Bvh& tree) {
       std::vector<std::uint32_t> along;
-      const Reach everywhere{0, std::numeric_limits<float>::infinity()};
-      simd::traverse(tree, AlongRay<Order::near_first>(tree, BoxRay(ray, tree.space(), 0), everywhere),
+      const Reach unbounded{0, std::numeric_limits<float>::infinity()};
+      simd::traverse(tree, AlongRay<Order::near_first>(tree, BoxRay(ray, tree.space(), 0), unbounded),
                      [&](Leaf leaf) {
                        along.push_back(leaf.first);
                        return false;

@@ -5,13 +5,12 @@
 #include <stdexcept>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/errors.hpp"
 
 using namespace protostar;
 
 namespace {
-constexpr double inf = std::numeric_limits<double>::infinity(),
-                 not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Returns the distance of a ray's direction from the unit vector along v.
 double error(const Ray& ray, const Vec3& v) { return length(ray.direction - v / length(v)); }
@@ -83,7 +82,7 @@ TEST_CASE("camera rays have unit directions, so that t is a distance") {
 }
 
 TEST_CASE("a camera whose numbers are not finite is refused") {
-  for (const double bad : {inf, -inf, not_a_number})
+  for (const double bad : {infinity, -infinity, not_a_number})
     for (Vec3 Camera::*field : {&Camera::position, &Camera::right, &Camera::up, &Camera::forward,
                                 &Camera::film_right, &Camera::film_up})
       for (int axis = 0; axis < 3; ++axis) {
@@ -262,7 +261,7 @@ TEST_CASE("invalid parameters of a camera are refused, with what was found and w
        },
        "direction must be finite and not zero", "(0, 0, 0)"},
       {[=] {
-         return Camera::perspective(o, z_axis, {0, inf, 0}, 90);
+         return Camera::perspective(o, z_axis, {0, infinity, 0}, 90);
        },
        "upward must be finite and not zero", "(0, inf, 0)"},
       {[=] {
@@ -274,13 +273,13 @@ TEST_CASE("invalid parameters of a camera are refused, with what was found and w
        },
        "at most 1e-6", "is -1.1e-06"},
       {[=] {
-         return Camera::perspective({0, inf, 0}, z_axis, y_axis, 90);
+         return Camera::perspective({0, infinity, 0}, z_axis, y_axis, 90);
        },
        "position", "finite"},
       {[=] { return Camera::perspective(o, z_axis, y_axis, 1e-200); }, "right, up and forward", "2^-400"},
       {[=] { return Camera::sensor(o, z_axis, y_axis, 0); }, "focal length must be finite and greater than 0",
        "is 0"},
-      {[=] { return Camera::sensor(o, z_axis, y_axis, inf); }, "focal length", "is inf"},
+      {[=] { return Camera::sensor(o, z_axis, y_axis, infinity); }, "focal length", "is inf"},
       {[=] { return Camera::sensor(o, z_axis, z_axis, 1); }, "orthogonal", "is 1"},
       {[=] { return Camera::viewport(o, z_axis, y_axis, -1, 1, 1); }, "viewport's width must be", "is -1"},
       {[=] { return Camera::viewport(o, z_axis, y_axis, 1, 0, 1); }, "viewport's height must be", "is 0"},
@@ -302,7 +301,7 @@ TEST_CASE("invalid parameters of a camera are refused, with what was found and w
        },
        "upward must not be parallel", "(0.3, 0.6, 0.9)"},
       {[=] {
-         return Camera::look_at(o, {0, 0, inf}, y_axis);
+         return Camera::look_at(o, {0, 0, infinity}, y_axis);
        },
        "target - position must be finite", "(0, 0, inf)"},
       {[=] { return Camera::look_at(o, z_axis, Vec3{0}); }, "upward must be finite and not zero",

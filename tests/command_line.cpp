@@ -23,7 +23,6 @@
 #include "support/wrong_cases.hpp"
 
 namespace fs = std::filesystem;
-using namespace stages;
 
 namespace {
 
@@ -107,9 +106,9 @@ TEST_CASE("the options --version and --help print to stdout and draw nothing") {
 TEST_CASE("the option --samples draws the mean of several rays a pixel in every stage") {
   const StageRow row = GENERATE(from_range(all_stages));
   CAPTURE(row.name);
-  const std::string center = picture(row.name, "--size 32x24");
-  CHECK(picture(row.name, "--size 32x24 --samples 1") == center);
-  CHECK((picture(row.name, "--size 32x24 --samples 4") == center) == (row.name == "01_gradient"));
+  const std::string center = stage_picture(row.name, "--size 32x24");
+  CHECK(stage_picture(row.name, "--size 32x24 --samples 1") == center);
+  CHECK((stage_picture(row.name, "--size 32x24 --samples 4") == center) == (row.name == "01_gradient"));
 }
 
 TEST_CASE("the extension of the output file, in upper or lower case, selects its format") {
@@ -148,7 +147,7 @@ TEST_CASE("tone mapping changes files of 8 or 16 bits, and no files of linear li
   const std::string pfm = bytes_of(folder / "a.pfm");
   const std::string header = "PF\n128 96\n-1.0\n";
   REQUIRE(pfm.size() == header.size() + 128 * 96 * 12);
-  const std::string codes = picture("13_whitted", "--size 128x96");
+  const std::string codes = stage_picture("13_whitted", "--size 128x96");
   const std::string codes_header = "P6\n128 96\n255\n";
   REQUIRE(codes.size() == codes_header.size() + 128 * 96 * 3);
   int above_1 = 0;
@@ -183,15 +182,15 @@ TEST_CASE("light is encoded with the given transfer, with 8 or 16 bits") {
       Row{"--bits 16 --transfer srgb", "48192", "65535"}, Row{"--transfer=srgb --plain", "188", "255"});
   CAPTURE(row.arguments);
   const auto gray = [](const std::string& code) { return code + "\t" + code + "\t" + code + "\t\t"; };
-  CHECK(picture("01_gradient", "--size 3x1 " + row.arguments) ==
+  CHECK(stage_picture("01_gradient", "--size 3x1 " + row.arguments) ==
         "P3\n3 1\n" + row.last + "\n" + gray("0") + gray(row.middle) + gray(row.last) + "\n");
 }
 
 TEST_CASE("a binary PPM has one byte or two per channel, the most significant first") {
   const std::string white8(3, '\xff'), white16(6, '\xff');
-  CHECK(picture("08_transparency", "--size 1x1 --transfer linear --bits 8").size() == 11 + 3);
-  const std::string narrow = picture("08_transparency", "--size 100x50");
-  const std::string wide = picture("08_transparency", "--size 100x50 --bits 16");
+  CHECK(stage_picture("08_transparency", "--size 1x1 --transfer linear --bits 8").size() == 11 + 3);
+  const std::string narrow = stage_picture("08_transparency", "--size 100x50");
+  const std::string wide = stage_picture("08_transparency", "--size 100x50 --bits 16");
   CHECK(narrow.starts_with("P6\n100 50\n255\n" + white8));
   CHECK(wide.starts_with("P6\n100 50\n65535\n" + white16));
   CHECK(wide.size() - std::string("P6\n100 50\n65535\n").size() == 100 * 50 * 6);
@@ -211,7 +210,7 @@ TEST_CASE("a binary PPM has one byte or two per channel, the most significant fi
 }
 
 TEST_CASE("rows that consist of whole blocks of pixels are written completely, plain and with 16 bits") {
-  const std::string file = picture("08_transparency", "--size 8192x2 --bits 16 --plain");
+  const std::string file = stage_picture("08_transparency", "--size 8192x2 --bits 16 --plain");
   CHECK(file.starts_with("P3\n8192 2\n65535\n"));
   CHECK(file.ends_with("65535\t65535\t65535\t\t\n"));
   CHECK(std::count(file.begin(), file.end(), '\t') == 8192 * 2 * 4);
@@ -219,10 +218,10 @@ TEST_CASE("rows that consist of whole blocks of pixels are written completely, p
 }
 
 TEST_CASE("the picture does not depend on the number of threads") {
-  const std::string expected = picture("09_shadow", "--size 130x70 --threads 1");
+  const std::string expected = stage_picture("09_shadow", "--size 130x70 --threads 1");
   for (const char* threads : {"0", "2", "7", "100000"}) {
     CAPTURE(threads);
-    CHECK(picture("09_shadow", std::string("--size 130x70 --threads ") + threads) == expected);
+    CHECK(stage_picture("09_shadow", std::string("--size 130x70 --threads ") + threads) == expected);
   }
 }
 
@@ -230,7 +229,7 @@ TEST_CASE("a picture may be one pixel wide or high") {
   const std::string size = GENERATE("1x1", "1x5000", "5000x1");
   CAPTURE(size);
   const std::string stage_name = GENERATE("01_gradient", "09_shadow");
-  CHECK_THAT(picture(stage_name, "--size " + size),
+  CHECK_THAT(stage_picture(stage_name, "--size " + size),
              ContainsSubstring(size.substr(0, size.find('x')) + " " + size.substr(size.find('x') + 1)));
 }
 
@@ -417,7 +416,7 @@ TEST_CASE("if no thread can be started the main thread draws the picture, unless
   const auto outcome_of = [&](const std::string& options) {
     return run_stage("09_shadow", "--size 130x70 " + options, folder, forbid_threads);
   };
-  const std::string expected = picture("09_shadow", "--size 130x70");
+  const std::string expected = stage_picture("09_shadow", "--size 130x70");
   for (const char* threads : {"1", "0"}) {
     const Outcome outcome = outcome_of(std::string("--threads ") + threads);
     CHECK(outcome.status == 0);

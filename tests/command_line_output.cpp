@@ -26,7 +26,6 @@
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-using namespace stages;
 
 namespace {
 
@@ -99,7 +98,7 @@ TEST_CASE("a file that is a mount point, as with Docker, is written in place, wi
   CHECK(outcome.err ==
         "09_shadow: cannot replace 'mounted.ppm', which is a mount point: it is written in place\n");
   CHECK(outcome.out.starts_with("mounted.ppm: 3x2, "));
-  CHECK(bytes_of(folder / "of the host.ppm") == picture("09_shadow", "--size 3x2"));
+  CHECK(bytes_of(folder / "of the host.ppm") == stage_picture("09_shadow", "--size 3x2"));
   CHECK(bytes_of(folder / "mounted.ppm") == "");
   CHECK(folder.count() == 2);
   CHECK(run_stage("09_shadow", "--size 3x2 --quiet -o mounted.ppm", folder, mounted).err == "");
@@ -139,7 +138,7 @@ TEST_CASE("a file that is replaced keeps its permissions; a symbolic link stays 
   fs::permissions(folder / "old.ppm", fs::perms::owner_read | fs::perms::owner_write);
   fs::create_symlink("old.ppm", folder / "link.ppm");
   CHECK(run_stage("09_shadow", "--size 8x8 -o link.ppm", folder).status == 0);
-  CHECK(bytes_of(folder / "old.ppm") == picture("09_shadow", "--size 8x8"));
+  CHECK(bytes_of(folder / "old.ppm") == stage_picture("09_shadow", "--size 8x8"));
   CHECK(fs::is_symlink(folder / "link.ppm"));
   CHECK(fs::status(folder / "old.ppm").permissions() == (fs::perms::owner_read | fs::perms::owner_write));
   CHECK(folder.count() == 2);
@@ -152,7 +151,7 @@ TEST_CASE("a path may contain spaces, quotes and any letters") {
   const Outcome outcome = run(stage("09_shadow", {"--size", "8x8", "-o", name}, folder / ""));
   CHECK(outcome.status == 0);
   CHECK(outcome.out.starts_with(name + ": 8x8, "));
-  CHECK(bytes_of(folder / name) == picture("09_shadow", "--size 8x8"));
+  CHECK(bytes_of(folder / name) == stage_picture("09_shadow", "--size 8x8"));
 }
 
 TEST_CASE("stages that run at the same time in one folder do not interfere") {
@@ -162,7 +161,7 @@ TEST_CASE("stages that run at the same time in one folder do not interfere") {
     processes.push_back(
         std::make_unique<Process>(stage("09_shadow", {"--size", "300x200", "-o", name}, folder / "")));
   for (const auto& process : processes) CHECK(process->wait().status == 0);
-  const std::string expected = picture("09_shadow", "--size 300x200");
+  const std::string expected = stage_picture("09_shadow", "--size 300x200");
   for (const char* name : {"a.ppm", "b.ppm", "out.ppm"}) CHECK(bytes_of(folder / name) == expected);
   CHECK(folder.count() == 3);
 }
@@ -171,7 +170,7 @@ TEST_CASE("/dev/stdout receives the picture and nothing else; the report line go
   const TemporaryFolder folder;
   const Outcome outcome = run_stage("09_shadow", "--size 320x240 -o /dev/stdout", folder);
   CHECK(outcome.status == 0);
-  CHECK(outcome.out == picture("09_shadow", "--size 320x240"));
+  CHECK(outcome.out == stage_picture("09_shadow", "--size 320x240"));
   CHECK(without_times(outcome.err) ==
         "/dev/stdout: 320x240, shadow, rendered in 0.0 ms, written in 0.0 ms\n");
   CHECK(folder.count() == 0);
@@ -186,7 +185,7 @@ TEST_CASE("/dev/stdout may be redirected to a file") {
     dup2(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600), STDOUT_FILENO);
   });
   CHECK(outcome.status == 0);
-  CHECK(bytes_of(path) == picture("09_shadow", "--size 32x24"));
+  CHECK(bytes_of(path) == stage_picture("09_shadow", "--size 32x24"));
   CHECK(outcome.err.starts_with("/dev/stdout: 32x24, "));
   CHECK(folder.count() == 1);
 }
@@ -212,7 +211,7 @@ TEST_CASE("a file descriptor given by its path receives a PPM after what was wri
       run_stage("09_shadow", std::string("--size 32x24 -o ") + row.path, folder, redirect);
   CHECK(outcome.status == 0);
   const std::string before = row.flags == 0 ? "other output, " : "what was thereother output, ";
-  const bool is_behind = bytes_of(path) == before + picture("09_shadow", "--size 32x24");
+  const bool is_behind = bytes_of(path) == before + stage_picture("09_shadow", "--size 32x24");
   CHECK(is_behind);
   CHECK_THAT(row.number == 1 ? outcome.err : outcome.out,
              ContainsSubstring(std::string(row.path) + ": 32x24, "));
@@ -233,7 +232,7 @@ TEST_CASE("devices and pipes are written directly and are not replaced") {
   const std::string pipe = (folder / "pipe.png").string();  // its extension is ignored
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
   Process process(stage("09_shadow", words("--size 320x240 -o pipe.png"), folder / ""));
-  CHECK(bytes_of(pipe) == picture("09_shadow", "--size 320x240"));
+  CHECK(bytes_of(pipe) == stage_picture("09_shadow", "--size 320x240"));
   CHECK(process.wait().status == 0);
   CHECK(fs::is_fifo(pipe));
   CHECK(folder.count() == 1);
@@ -256,7 +255,7 @@ TEST_CASE("a report line that cannot be printed is an error, though the picture 
   CHECK(outcome.status == 1);
   CHECK(outcome.err ==
         "09_shadow: cannot write standard output: " + std::generic_category().message(row.reason) + "\n");
-  CHECK(bytes_of(folder / "out.ppm") == picture("09_shadow", "--size 8x8"));
+  CHECK(bytes_of(folder / "out.ppm") == stage_picture("09_shadow", "--size 8x8"));
   CHECK(folder.count() == 1);
   CHECK(run_stage("09_shadow", "--size 8x8 --quiet", folder, row.before).status == 0);
 }

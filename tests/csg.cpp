@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
@@ -26,8 +27,6 @@
 using namespace protostar;
 
 namespace {
-
-const Interval everywhere{-infinity, infinity};
 
 /// The half-space below a plane: a solid without bounds.
 struct HalfSpace {
@@ -47,21 +46,15 @@ struct HalfSpace {
 };
 static_assert(Solid<HalfSpace> && SurfaceWithEquation<HalfSpace>);
 
-std::vector<double> crossings(const Csg& tree, const Ray& ray, Interval range = {}) {
-  std::vector<double> all;
-  tree.each_crossing(ray, range, [&](const Crossing& crossing) { all.push_back(crossing.t); });
-  return all;
-}
-
 Ray along_x(double x, double y = 0, double z = 0) { return {{x, y, z}, {1, 0, 0}}; }
 Sphere ball(double x, double radius = 1) { return {.center = {x, 0, 0}, .radius = radius}; }
 Box slab(double from, double to) { return {{from, -1, -1}, {to, 1, 1}}; }
 
 // ---- The judge: crossings computed in whole numbers.
 
-__extension__ using Whole = __int128;
+__extension__ using Int128 = __int128;
 
-int sign_of(Whole x) { return (x > 0) - (x < 0); }
+int sign_of(Int128 x) { return (x > 0) - (x < 0); }
 
 /// (p + s √D) / q with q > 0.
 struct Surd {
@@ -78,7 +71,7 @@ struct Surd {
 };
 
 /// Returns the sign of a + s √X.
-int sign_of_one(Whole a, int s, Whole X) {
+int sign_of_one(Int128 a, int s, Int128 X) {
   if (sign_of(a) * s * sign_of(X) >= 0) return a != 0 ? sign_of(a) : s * sign_of(X);
   return sign_of(a) * sign_of(a * a - X);
 }
@@ -86,8 +79,8 @@ int sign_of_one(Whole a, int s, Whole X) {
 /// Returns the sign of x − y. With a = x's rational part minus y's, it is the sign of (a + s√X) − t√Y, which
 /// squares decide if both terms have one sign.
 int compare(const Surd& x, const Surd& y) {
-  const Whole a = Whole{x.p} * y.q - Whole{y.p} * x.q;
-  const Whole X = Whole{x.D} * y.q * y.q, Y = Whole{y.D} * x.q * x.q;
+  const Int128 a = Int128{x.p} * y.q - Int128{y.p} * x.q;
+  const Int128 X = Int128{x.D} * y.q * y.q, Y = Int128{y.D} * x.q * x.q;
   const int left = sign_of_one(a, x.s, X), right = y.s * sign_of(Y);
   if (left != right || left == 0) return left > right ? 1 : left < right ? -1 : 0;
   return left * sign_of_one(a * a + X - Y, x.s * sign_of(a), 4 * a * a * X);
@@ -151,11 +144,8 @@ struct Grown {
   JudgedTree judged;
 };
 
-std::int64_t whole(Random& random, int size) {
-  return static_cast<std::int64_t>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
-}
 Triple triple(Random& random, int size) {
-  const auto x = whole(random, size), y = whole(random, size), z = whole(random, size);
+  const auto x = random.whole(size), y = random.whole(size), z = random.whole(size);
   return {x, y, z};
 }
 Vec3 vector_of(const Triple& t) {
@@ -280,30 +270,30 @@ TEST_CASE(
   };
   for (const auto& row : rows) {
     INFO(row.what);
-    CHECK(crossings(row.tree, ray, everywhere) == row.expected);
+    CHECK(crossings_of_solid(row.tree, ray, everywhere) == row.expected);
     CHECK(row.tree.intersect(ray) == (row.expected.empty() ? std::nullopt : std::optional(row.expected[0])));
     // The reversed line, and a ray from x = 0.5.
     Ts reversed;
     for (const double t : row.expected) reversed.insert(reversed.begin(), 20 - t);
-    CHECK(crossings(row.tree, {{15, 0, 0}, {-1, 0, 0}}, everywhere) == reversed);
+    CHECK(crossings_of_solid(row.tree, {{15, 0, 0}, {-1, 0, 0}}, everywhere) == reversed);
     Ts ahead;
     for (const double t : row.expected)
       if (t > 5.5) ahead.push_back(t - 5.5);
-    CHECK(crossings(row.tree, along_x(0.5)) == ahead);
+    CHECK(crossings_of_solid(row.tree, along_x(0.5)) == ahead);
     Ts around;
     for (const double t : row.expected) around.push_back(t - 5.5);
-    CHECK(crossings(row.tree, along_x(0.5), everywhere) == around);
+    CHECK(crossings_of_solid(row.tree, along_x(0.5), everywhere) == around);
     CHECK(row.tree.ends_inside(ray) == (std::string(row.what).starts_with("a half-space without")));
   }
 }
 
 TEST_CASE("a line that only touches a solid does not cross it") {
   const Ray touching = along_x(-5, 1);
-  CHECK(crossings(ball(0), touching).empty());
-  CHECK(crossings(union_of({ball(0), ball(3, 2)}), touching).size() == 2);
-  CHECK(crossings(difference_of({ball(0, 2), ball(0)}), touching).size() == 2);
-  CHECK(crossings(difference_of({ball(0, 2), ball(0)}), along_x(-5, 1 - 0x1p-53)).size() == 4);
-  CHECK(crossings(difference_of({ball(0, 2), ball(0)}), along_x(-5, 1 + 0x1p-52)).size() == 2);
+  CHECK(crossings_of_solid(ball(0), touching).empty());
+  CHECK(crossings_of_solid(union_of({ball(0), ball(3, 2)}), touching).size() == 2);
+  CHECK(crossings_of_solid(difference_of({ball(0, 2), ball(0)}), touching).size() == 2);
+  CHECK(crossings_of_solid(difference_of({ball(0, 2), ball(0)}), along_x(-5, 1 - 0x1p-53)).size() == 4);
+  CHECK(crossings_of_solid(difference_of({ball(0, 2), ball(0)}), along_x(-5, 1 + 0x1p-52)).size() == 2);
 }
 
 TEST_CASE("crossings of CSG trees of whole numbers agree with exact arithmetic") {
@@ -317,7 +307,7 @@ TEST_CASE("crossings of CSG trees of whole numbers agree with exact arithmetic")
       const Triple o = triple(random, 4), d = triple(random, 2);
       if (d == Triple{0, 0, 0}) continue;
       const std::vector<Surd> expected = judged_crossings(g.judged, leaves, o, d, &coinciding);
-      const std::vector<double> found = crossings(g.tree, {vector_of(o), vector_of(d)}, everywhere);
+      const std::vector<double> found = crossings_of_solid(g.tree, {vector_of(o), vector_of(d)}, everywhere);
       ++lines, crossed += !expected.empty();
       wrong.add(!are_equal(found, expected), "from", vector_of(o), "along", vector_of(d), found);
     }
@@ -352,7 +342,7 @@ TEST_CASE("crossings of a ray that leaves a CSG tree of whole numbers agree with
         ++left;
         const Ray ray{vector_of(p), vector_of(onwards), g.tree.departure(crossing.part)};
         // Drops crossings at the smallest t, which a box reports if it is left in an edge (Box).
-        std::vector<double> found = crossings(g.tree, ray);
+        std::vector<double> found = crossings_of_solid(g.tree, ray);
         std::erase(found, std::numeric_limits<double>::denorm_min());
         wrong.add(!are_equal(found, expected), ray, found);
       }
@@ -380,7 +370,8 @@ TEST_CASE(
     const double slope = dot(onwards, normal);
     if (std::abs(slope) < 1e-6) continue;
     in += slope<0, out += slope> 0;
-    wrong.add(crossings(tree, {p, onwards, tree.departure(crossing->part)}).size() % 2 != (slope < 0 ? 1 : 0),
+    wrong.add(crossings_of_solid(tree, {p, onwards, tree.departure(crossing->part)}).size() % 2 !=
+                  (slope < 0 ? 1 : 0),
               ray, p, slope);
   }
   CHECK(in > 3000);
@@ -391,24 +382,25 @@ TEST_CASE(
 TEST_CASE("a ray that leaves one solid of a CSG tree does not hit another solid of the tree at its origin") {
   const Csg tree = difference_of({slab(0, 1), ball(2)});  // the slab and the ball touch
   const Ray ray{{1, 0, 0}, {-1, 0, 0}, ball(2).departure()};
-  CHECK(crossings(tree, ray, everywhere) == std::vector<double>{1});
+  CHECK(crossings_of_solid(tree, ray, everywhere) == std::vector<double>{1});
   const Csg both = union_of({slab(0, 1), ball(2)});
-  CHECK(crossings(both, {{1, 0, 0}, {1, 0, 0}, ball(2).departure()}, everywhere) ==
+  CHECK(crossings_of_solid(both, {{1, 0, 0}, {1, 0, 0}, ball(2).departure()}, everywhere) ==
         std::vector<double>{-1, 2});
 }
 
 TEST_CASE("an unbounded solid works in a CSG tree like others, in front of a ray's origin and behind it") {
   const Quadric along_x_axis{{.squares = {0, 1, 1}, .constant = -0.25}};  // a cylinder of radius 1/2
   const Csg pierced = difference_of({slab(-1, 1), along_x_axis});
-  CHECK(crossings(pierced, {{0, -3, 0}, {0, 1, 0}}) == std::vector<double>{2, 2.5, 3.5, 4});
-  CHECK(crossings(pierced, along_x(-3)).empty());
-  CHECK(crossings(pierced, along_x(-3, 0.75)) == std::vector<double>{2, 4});
-  CHECK(crossings(intersection_of({slab(-1, 1), along_x_axis}), along_x(-3)) == std::vector<double>{2, 4});
+  CHECK(crossings_of_solid(pierced, {{0, -3, 0}, {0, 1, 0}}) == std::vector<double>{2, 2.5, 3.5, 4});
+  CHECK(crossings_of_solid(pierced, along_x(-3)).empty());
+  CHECK(crossings_of_solid(pierced, along_x(-3, 0.75)) == std::vector<double>{2, 4});
+  CHECK(crossings_of_solid(intersection_of({slab(-1, 1), along_x_axis}), along_x(-3)) ==
+        std::vector<double>{2, 4});
   const Csg half = intersection_of({along_x_axis, HalfSpace{{{1, 0, 0}, 0}}});
   CHECK(half.ends_inside({{0, 0, 0}, {-1, 0, 0}}));
   CHECK_FALSE(half.ends_inside({{0, 0, 0}, {1, 0, 0}}));
-  CHECK(crossings(half, along_x(-3)) == std::vector<double>{3});
-  CHECK(crossings(half, along_x(3), everywhere) == std::vector<double>{-3});
+  CHECK(crossings_of_solid(half, along_x(-3)) == std::vector<double>{3});
+  CHECK(crossings_of_solid(half, along_x(3), everywhere) == std::vector<double>{-3});
   // From the wall of the hole: across it, into the slab, and out through the end of the hole.
   std::optional<Crossing> wall;
   pierced.each_crossing({{0, -3, 0}, {0, 1, 0}}, {}, [&](const Crossing& c) {
@@ -416,9 +408,9 @@ TEST_CASE("an unbounded solid works in a CSG tree like others, in front of a ray
   });
   REQUIRE(wall);
   const Departure departure = pierced.departure(wall->part);
-  CHECK(crossings(pierced, {{0, -0.5, 0}, {0, 1, 0}, departure}) == std::vector<double>{1, 1.5});
-  CHECK(crossings(pierced, {{0, -0.5, 0}, {0, -1, 0}, departure}) == std::vector<double>{0.5});
-  CHECK(crossings(pierced, {{0, -0.5, 0}, {1, 0.5, 0}, departure}).empty());
+  CHECK(crossings_of_solid(pierced, {{0, -0.5, 0}, {0, 1, 0}, departure}) == std::vector<double>{1, 1.5});
+  CHECK(crossings_of_solid(pierced, {{0, -0.5, 0}, {0, -1, 0}, departure}) == std::vector<double>{0.5});
+  CHECK(crossings_of_solid(pierced, {{0, -0.5, 0}, {1, 0.5, 0}, departure}).empty());
 }
 
 TEST_CASE("the normal of a CSG tree points outwards, also where a solid is subtracted") {
@@ -493,13 +485,13 @@ TEST_CASE("where faces coincide, the hit names a face at which the CSG tree begi
 }
 
 TEST_CASE("a CSG tree may consist of AnySurface, of instances and of a thousand nested operations") {
-  CHECK(crossings(union_of({AnySurface(ball(0)), Instance<>(ball(0), Affine{}.moved_by({1, 0, 0}))}),
-                  along_x(-5)) == std::vector<double>{4, 7});
+  CHECK(crossings_of_solid(union_of({AnySurface(ball(0)), Instance<>(ball(0), Affine{}.moved_by({1, 0, 0}))}),
+                           along_x(-5)) == std::vector<double>{4, 7});
   // Each operation subtracts a slice of width 2 from the rest.
   Csg tree = slab(0, 4000);
   for (int i = 0; i < Csg::most_depth; ++i)
     tree = difference_of({std::move(tree), slab(4 * i + 1, 4 * i + 3)});
-  CHECK(crossings(tree, along_x(-1)).size() == 2002);
+  CHECK(crossings_of_solid(tree, along_x(-1)).size() == 2002);
   const AnySurface copy = tree;
   CHECK(copy.intersect(along_x(1.5)) == 1.5);
   CHECK_THAT(message_of<std::invalid_argument>([&] {
@@ -508,7 +500,7 @@ TEST_CASE("a CSG tree may consist of AnySurface, of instances and of a thousand 
              ContainsSubstring("1000 deep inside each other, and these are 1001"));
   std::vector<Csg> many;
   for (int i = 0; i < 3000; ++i) many.push_back(slab(2 * i, 2 * i + 1));
-  CHECK(crossings(union_of(std::move(many)), along_x(-1)).size() == 6000);
+  CHECK(crossings_of_solid(union_of(std::move(many)), along_x(-1)).size() == 6000);
 }
 
 TEST_CASE("numbers of parts add up, however deep CSG trees and instances of them are nested") {

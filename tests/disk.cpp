@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
@@ -15,22 +16,7 @@
 
 using namespace protostar;
 
-namespace {
-
-constexpr double inf = std::numeric_limits<double>::infinity(),
-                 not_a_number = std::numeric_limits<double>::quiet_NaN(),
-                 ulp = std::numeric_limits<double>::epsilon();
-const Interval everywhere{-inf, inf};
-
-std::int64_t whole(Random& random, std::int64_t size) {
-  return static_cast<std::int64_t>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
-}
-Vec3 whole_vector(Random& random, std::int64_t size) {
-  const auto x = whole(random, size), y = whole(random, size), z = whole(random, size);
-  return {x, y, z};
-}
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("a disk is the set of points of a plane at most radius away from its position") {
   const Disk disk{.position = {1, 1, 3}, .normal = {0, 0, 2}, .radius = 5};
@@ -83,9 +69,9 @@ TEST_CASE("whether a ray hits a disk of whole numbers, its outline included, is 
   int hits = 0, outline = 0;
   WrongCases wrong(random);
   for (int i = 0; i < 50000; ++i) {
-    const Disk disk{whole_vector(random, 3), whole_vector(random, 3),
+    const Disk disk{random.whole_vector(3), random.whole_vector(3),
                     static_cast<double>(1 + random.bits() % 5)};
-    const Ray ray{whole_vector(random, 3), whole_vector(random, 3)};
+    const Ray ray{random.whole_vector(3), random.whole_vector(3)};
     // Lengths are times slope: the crossing is at slope · origin + height · direction.
     const double slope = dot(disk.normal, ray.direction),
                  height = dot(disk.normal, disk.position - ray.origin);
@@ -112,10 +98,10 @@ TEST_CASE(
   int in_doubt = 0;
   WrongCases wrong(random);
   for (int i = 0; i < 3000; ++i) {
-    const double k = static_cast<double>(1 + random.bits() % 9), off = static_cast<double>(whole(random, 1));
-    const Disk disk{.position = whole_vector(random, 99), .normal = {0, 0, 3}, .radius = 5 * k};
+    const double k = static_cast<double>(1 + random.bits() % 9), off = static_cast<double>(random.whole(1));
+    const Disk disk{.position = random.whole_vector(99), .normal = {0, 0, 3}, .radius = 5 * k};
     const Point target = disk.position + Vec3{3 * k + off * 0x1p-44, -4 * k, 0};
-    const Point above = Vec3{whole(random, 99), whole(random, 99), 1 + random.bits() % 9};
+    const Point above = Vec3{random.whole(99), random.whole(99), 1 + random.bits() % 9};
     fallbacks = {};
     const auto t = disk.intersect({target + above, -above});
     in_doubt += fallbacks.exact > 0;
@@ -163,7 +149,7 @@ TEST_CASE("huge and tiny disks are hit like others, and numbers that are not fin
   const Ray ray;
   REQUIRE(sound.intersect(ray));
   CHECK_FALSE(sound.intersect({{0, 0, 0}, {0, 0, 0}}, everywhere));
-  for (const double bad : {inf, -inf, not_a_number}) {
+  for (const double bad : {infinity, -infinity, not_a_number}) {
     Disk radius = sound;
     radius.radius = bad;
     CHECK_FALSE(radius.intersect(ray, everywhere));
@@ -200,7 +186,7 @@ TEST_CASE("the bounds of a disk contain its outline, and are tight") {
   Random random(45);
   WrongCases outside(random), loose(random);
   for (int i = 0; i < 2000; ++i) {
-    const Disk disk{random.point(1e3), i % 5 == 0 ? whole_vector(random, 1) : random.direction(),
+    const Disk disk{random.point(1e3), i % 5 == 0 ? random.whole_vector(1) : random.direction(),
                     random.real(0, 9)};
     if (disk.normal == Vec3{0}) continue;
     const auto [min, max] = disk.bounds();
@@ -230,10 +216,10 @@ TEST_CASE("disks in one plane have equal departures, as do the plane and a paral
   int tilted = 0;
   WrongCases wrong(random);
   for (int i = 0; i < 3000; ++i) {
-    const Vec3 u = whole_vector(random, 9), v = whole_vector(random, 9), n = cross(u, v);
+    const Vec3 u = random.whole_vector(9), v = random.whole_vector(9), n = cross(u, v);
     if (n == Vec3{0}) continue;
-    const Point p = whole_vector(random, 99);
-    const double k = static_cast<double>(whole(random, 3)), l = static_cast<double>(whole(random, 3));
+    const Point p = random.whole_vector(99);
+    const double k = static_cast<double>(random.whole(3)), l = static_cast<double>(random.whole(3));
     const Disk one{p, 3.0 * n, 2}, other{p + k * u + l * v, -n, 1};
     const Plane plane{n, dot(n, p)};
     const Parallelogram board{p, u, v};
@@ -320,13 +306,13 @@ TEST_CASE("an invalid disk is refused with the field's name") {
   const auto says = [](const Disk& disk) {
     return message_of<std::invalid_argument>([&] { disk.validate(); });
   };
-  for (const Vec3& bad : {Vec3{0, not_a_number, 0}, Vec3{0, inf, 0}, Vec3{-inf, 1, 0}}) {
+  for (const Vec3& bad : {Vec3{0, not_a_number, 0}, Vec3{0, infinity, 0}, Vec3{-infinity, 1, 0}}) {
     CHECK_THAT(says({.position = bad}), ContainsSubstring("Disk: position"));
     CHECK_THAT(says({.normal = bad}), ContainsSubstring("Disk: normal"));
   }
   CHECK_THAT(says({.normal = Vec3{0}}), ContainsSubstring("Disk: normal"));
   CHECK_THAT(says({.position = {0, 1e121, 0}}), ContainsSubstring("Disk: position"));
-  for (const double bad : {0.0, -1.0, 1e-121, 1e121, inf, not_a_number})
+  for (const double bad : {0.0, -1.0, 1e-121, 1e121, infinity, not_a_number})
     CHECK_THAT(says({.radius = bad}), ContainsSubstring("Disk: radius"));
   CHECK_NOTHROW(Disk{}.validate());
 }

@@ -19,16 +19,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path root = PROTOSTAR_SOURCE_DIR;
+const fs::path repository = PROTOSTAR_SOURCE_DIR;
 
-std::string read(const fs::path& path) {
+std::string text_of(const fs::path& path) {
   REQUIRE(fs::is_regular_file(path));
   return bytes_of(path);
 }
 
 std::vector<fs::path> documents() {
-  std::vector<fs::path> found{root / "README.md"};
-  for (const auto& entry : fs::recursive_directory_iterator(root / "docs"))
+  std::vector<fs::path> found{repository / "README.md"};
+  for (const auto& entry : fs::recursive_directory_iterator(repository / "docs"))
     if (entry.path().extension() == ".md") found.push_back(entry.path());
   std::sort(found.begin(), found.end());
   return found;
@@ -37,7 +37,7 @@ std::vector<fs::path> documents() {
 /// Returns the names of the stages, such as 09_shadow.
 std::vector<std::string> stages() {
   std::vector<std::string> found;
-  for (const auto& entry : fs::directory_iterator(root / "stages"))
+  for (const auto& entry : fs::directory_iterator(repository / "stages"))
     if (entry.path().extension() == ".cpp" && entry.path().stem() != "render")  // it draws any scene
       found.push_back(entry.path().stem().string());
   std::sort(found.begin(), found.end());
@@ -63,7 +63,7 @@ struct Document {
 
 Document document(const fs::path& path) {
   Document parts;
-  std::istringstream lines(read(path));
+  std::istringstream lines(text_of(path));
   bool in_block = false;
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("```")) {
@@ -92,12 +92,12 @@ class Project {
  public:
   Project() {
     fs::create_directory(folder_ / "docs");
-    fs::copy_file(root / "docs" / "embed_code", folder_ / "docs/embed_code");
+    fs::copy_file(repository / "docs" / "embed_code", folder_ / "docs/embed_code");
     write("README.md", "Nothing to embed.\n");
   }
 
   void write(const std::string& name, const std::string& text) const { put_bytes(folder_ / name, text); }
-  [[nodiscard]] std::string file(const std::string& name) const { return read(folder_ / name); }
+  [[nodiscard]] std::string file(const std::string& name) const { return text_of(folder_ / name); }
 
   /// Runs the script, whose output is then in said(); returns its exit status.
   [[nodiscard]] int embed_code(const std::string& argument = "") const {
@@ -109,7 +109,7 @@ class Project {
   TemporaryFolder folder_;
 };
 
-const std::string header =
+const std::string embedded_header =
     "namespace n {\n\n"
     "class Ring;\n\n"
     "/// Says twice.\n"
@@ -133,24 +133,26 @@ const std::string header =
 
 TEST_CASE("the code in README.md and docs/ is that of its source files") {
   INFO("run docs/embed_code");
-  CHECK(run(root / "docs" / "embed_code", "--check") == 0);
+  CHECK(run(repository / "docs" / "embed_code", "--check") == 0);
 }
 
 TEST_CASE("docs/embed_code puts a file, a type, a function or a member between its marks") {
   const Project project;
-  project.write("ring.hpp", header);
+  project.write("ring.hpp", embedded_header);
   const std::string end = "<!-- /code -->\nafter\n";
   struct Case {
     std::string name, code;
   };
   for (const auto& [name, code] : {
-           Case{"", header},
+           Case{"", embedded_header},
            Case{" twice",
                 "/// Says twice.\ntemplate <class T>\nT twice(T x) {\n  if (x) { return 2 * x; }  // not }\n"
                 "  return x;\n}\n"},
            Case{" Ring::length", "/// All around.\ndouble length() const { return twice(radius) * 3; }\n"},
            Case{" Ring::area", "double area(double a,\n            double b) const {\n  return a * b;\n}\n"},
-           Case{" Ring", header.substr(header.find("struct"), header.find("};") + 3 - header.find("struct"))},
+           Case{" Ring",
+                embedded_header.substr(embedded_header.find("struct"),
+                                       embedded_header.find("};") + 3 - embedded_header.find("struct"))},
        }) {
     CAPTURE(name);
     const std::string mark = "before\n<!-- code: ring.hpp" + name + " -->\n";
@@ -200,7 +202,7 @@ TEST_CASE("docs/embed_code puts the step from one file to another between its ma
 
 TEST_CASE("docs/embed_code --check names the file that is out of date and leaves it unchanged") {
   const Project project;
-  project.write("ring.hpp", header);
+  project.write("ring.hpp", embedded_header);
   project.write("docs/good.md", "<!-- code: ring.hpp -->\n<!-- /code -->\n");
   REQUIRE(project.embed_code() == 0);
   const std::string drifted = "<!-- code: ring.hpp twice -->\n```cpp\nold\n```\n<!-- /code -->\n";
@@ -214,8 +216,8 @@ TEST_CASE("docs/embed_code --check names the file that is out of date and leaves
 TEST_CASE(
     "docs/embed_code refuses marks that it cannot fill, names their place, and leaves the file unchanged") {
   const Project project;
-  project.write("ring.hpp", header);
-  project.write("long.hpp", "// A comment at the top.\n" + header);
+  project.write("ring.hpp", embedded_header);
+  project.write("long.hpp", "// A comment at the top.\n" + embedded_header);
   struct Case {
     std::string text, message;
   };
@@ -262,7 +264,7 @@ TEST_CASE(
 }
 
 TEST_CASE("docs/architecture.md lists the functions of a pixel's way, and each is in the header it names") {
-  const std::string page = read(root / "docs" / "architecture.md");
+  const std::string page = text_of(repository / "docs" / "architecture.md");
   struct List {
     std::string begin, end;
     std::size_t most_functions, most_headers;
@@ -275,7 +277,7 @@ TEST_CASE("docs/architecture.md lists the functions of a pixel's way, and each i
   for (std::sregex_iterator at(text.begin(), text.end(), item), last; at != last; ++at) {
     const std::string header = (*at)[1], type = (*at)[2], function = (*at)[3];
     CAPTURE(header, type, function);
-    const std::string code = read(root / "include" / "protostar" / header);
+    const std::string code = text_of(repository / "include" / "protostar" / header);
     CHECK_THAT(code, ContainsSubstring(function + "("));
     CHECK_THAT(code, ContainsSubstring(type.empty() ? function : " " + type + " "));
     headers.insert(header);
@@ -287,7 +289,7 @@ TEST_CASE("docs/architecture.md lists the functions of a pixel's way, and each i
 }
 
 TEST_CASE("README.md starts with two sh blocks: for a first picture, and for all tests") {
-  const auto [prose, blocks] = document(root / "README.md");
+  const auto [prose, blocks] = document(repository / "README.md");
   REQUIRE(blocks.size() > 2);
   CHECK(blocks[0] == "sh");
   CHECK(blocks[1] == "sh");
@@ -298,11 +300,12 @@ TEST_CASE("README.md starts with two sh blocks: for a first picture, and for all
 }
 
 TEST_CASE("every stage has a page with its picture and its code, and both lists of stages link to it") {
-  const std::string readme = read(root / "README.md"), index = read(root / "docs" / "stages" / "README.md");
+  const std::string readme = text_of(repository / "README.md"),
+                    index = text_of(repository / "docs" / "stages" / "README.md");
   REQUIRE(stages().size() >= 9);
   for (const std::string& stage : stages()) {
     CAPTURE(stage);
-    const std::string page = read(root / "docs" / "stages" / (stage + ".md"));
+    const std::string page = text_of(repository / "docs" / "stages" / (stage + ".md"));
     CHECK_THAT(page, ContainsSubstring("](../../tests/golden/" + stage + ".png)"));
     CHECK_THAT(page, ContainsSubstring("<!-- code: stages/" + stage + ".cpp -->"));
     CHECK_THAT(page, ContainsSubstring("\n## Exercises\n"));
@@ -316,9 +319,9 @@ TEST_CASE("every stage but the naive ones has a plain ray tracer, and its page s
     if (stage.ends_with("_naive")) continue;
     CAPTURE(stage);
     const std::string source = "stages/plain/" + stage + ".cpp";
-    CHECK_THAT(read(root / source),
+    CHECK_THAT(text_of(repository / source),
                ContainsSubstring("\n// g++ -O2 -std=c++20 " + stage + ".cpp -o " + stage + " && ./" + stage));
-    const std::string page = read(root / "docs" / "stages" / (stage + ".md"));
+    const std::string page = text_of(repository / "docs" / "stages" / (stage + ".md"));
     CHECK_THAT(page, ContainsSubstring("\n## The step, plainly\n"));
     CHECK_THAT(page, ContainsSubstring(" " + source + " -->\n```"));
     CHECK_THAT(page, ContainsSubstring("\n<!-- plain: " + stage));
@@ -326,21 +329,21 @@ TEST_CASE("every stage but the naive ones has a plain ray tracer, and its page s
 }
 
 TEST_CASE("each page of the stages leads to the one before and after it in their table") {
-  const std::string index = read(root / "docs" / "stages" / "README.md");
+  const std::string index = text_of(repository / "docs" / "stages" / "README.md");
   const std::string table = all_between(index, "\n## The life of a star", "\n## ").at(0);
   std::vector<std::string> pages;
   for (const std::string& target : all_between(table, "](", ")"))
     if (std::find(pages.begin(), pages.end(), target) == pages.end()) pages.push_back(target);
   REQUIRE(pages.size() > 20);
   for (std::size_t i = 0; i < pages.size(); ++i) {
-    const std::string page = read(root / "docs" / "stages" / pages[i]);
+    const std::string page = text_of(repository / "docs" / "stages" / pages[i]);
     const std::string way = all_between(page, "\n\n", "\n").at(0);  // the line below the title
     CAPTURE(pages[i], way);
     CHECK_THAT(way, ContainsSubstring("[all pages](README.md)"));
     if (i > 0) CHECK_THAT(way, ContainsSubstring("](" + pages[i - 1] + ") · [all pages]"));
     if (i + 1 < pages.size()) CHECK_THAT(way, ContainsSubstring(" →](" + pages[i + 1] + ")"));
   }
-  for (const auto& entry : fs::directory_iterator(root / "docs" / "stages")) {
+  for (const auto& entry : fs::directory_iterator(repository / "docs" / "stages")) {
     const std::string name = entry.path().filename().string();
     CAPTURE(name);
     CHECK((name == "README.md" || std::count(pages.begin(), pages.end(), name) == 1));
@@ -350,7 +353,7 @@ TEST_CASE("each page of the stages leads to the one before and after it in their
 TEST_CASE("each page of a stage has its idea in a picture, derivations, mistakes, and two diagrams") {
   for (const std::string& stage : stages()) {
     CAPTURE(stage);
-    const std::string page = read(root / "docs" / "stages" / (stage + ".md"));
+    const std::string page = text_of(repository / "docs" / "stages" / (stage + ".md"));
     for (const std::string heading : {"The idea in one picture", "The mathematics", "Common mistakes"})
       CHECK_THAT(page, ContainsSubstring("\n## " + heading + "\n"));
     CHECK_THAT(page, ContainsSubstring("\n**The star.** "));
@@ -359,7 +362,7 @@ TEST_CASE("each page of a stage has its idea in a picture, derivations, mistakes
 }
 
 TEST_CASE("docs/coverage.md names a page for each heading and figure of the texts") {
-  const std::string page = read(root / "docs" / "coverage.md");
+  const std::string page = text_of(repository / "docs" / "coverage.md");
   std::istringstream lines(page);
   int rows = 0, tables = 0;
   for (std::string line; std::getline(lines, line);) {
@@ -380,12 +383,12 @@ TEST_CASE("docs/coverage.md names a page for each heading and figure of the text
 }
 
 TEST_CASE("every exercise has a hint, a solution, and the picture or the text that the solution gives") {
-  const fs::path solutions = root / "tests" / "examples" / "solutions",
-                 pictures = root / "docs" / "figures" / "solutions";
+  const fs::path solutions = repository / "tests" / "examples" / "solutions",
+                 pictures = repository / "docs" / "figures" / "solutions";
   std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(root / "docs" / "stages")) {
+  for (const auto& entry : fs::directory_iterator(repository / "docs" / "stages")) {
     CAPTURE(entry.path());
-    const auto sections = all_between(read(entry.path()), "\n## Exercise", "\n## ");
+    const auto sections = all_between(text_of(entry.path()), "\n## Exercise", "\n## ");
     if (sections.empty()) continue;
     REQUIRE((sections.size() == 1 && sections[0].starts_with("s\n")));
     const auto exercises = all_between(sections[0] + "\n### ", "\n### ", "\n### ");

@@ -14,8 +14,8 @@
 using namespace protostar;
 
 namespace {
-constexpr float inf = std::numeric_limits<float>::infinity(),
-                not_a_number = std::numeric_limits<float>::quiet_NaN();
+constexpr float float_infinity = std::numeric_limits<float>::infinity(),
+                float_nan = std::numeric_limits<float>::quiet_NaN();
 
 /// Returns the code by definition, in long double: from the transfer curve itself, which the library inverts.
 int defined_code(const Transfer& transfer, int max_code, float light) {
@@ -120,11 +120,11 @@ TEST_CASE("negative light and NaN have code 0, light of 1 and above has the maxi
       const Encoder encode(transfer, max_code);
       CHECK(encode.max_code() == max_code);
       for (const float dark :
-           {not_a_number, -not_a_number, -1.0f, -0.0f, 0.0f, -inf, -std::numeric_limits<float>::denorm_min(),
-            std::numeric_limits<float>::lowest()})
+           {float_nan, -float_nan, -1.0f, -0.0f, 0.0f, -float_infinity,
+            -std::numeric_limits<float>::denorm_min(), std::numeric_limits<float>::lowest()})
         CHECK(encode(dark) == 0);
       for (const float bright :
-           {1.0f, std::nextafter(1.0f, 2.0f), 2.0f, std::numeric_limits<float>::max(), inf})
+           {1.0f, std::nextafter(1.0f, 2.0f), 2.0f, std::numeric_limits<float>::max(), float_infinity})
         CHECK(encode(bright) == max_code);
     }
 }

@@ -34,7 +34,7 @@ namespace {
 Color place(double u, double v) { return {static_cast<float>(u), static_cast<float>(v), 1}; }
 
 /// Returns a color that differs everywhere.
-Color waves(double u, double v) {
+Color colored_waves(double u, double v) {
   return Color{Vec3{2 + std::cos(40 * u), 2 + std::cos(50 * v), 2 + std::sin(30 * u * v)} / 3.0};
 }
 
@@ -117,10 +117,10 @@ TEST_CASE("integrators of light return the environment, even if there is a sky; 
   Scene<Sphere> scene;
   scene.add(Sphere{.center = {0, 0, -3}}, Color{0.5f});
   scene.set_sky({9, 9, 9});
-  scene.set_environment(waves);
+  scene.set_environment(colored_waves);
   const Vec3 direction{0.3, 0.2, 1};
   const Uv uv = direction_uv(normalize(direction));
-  const Color expected = waves(uv.x, uv.y);
+  const Color expected = colored_waves(uv.x, uv.y);
   CHECK(seen(ColorIntegrator{}, scene, direction) == expected);
   CHECK(seen(DiffuseIntegrator{}, scene, direction) == expected);
   CHECK(seen(ShadowIntegrator{}, scene, direction) == expected);
@@ -130,7 +130,7 @@ TEST_CASE("integrators of light return the environment, even if there is a sky; 
   CHECK(seen(DepthIntegrator{}, scene, direction) == Color{0});
   CHECK(seen(NormalIntegrator{}, scene, direction) == Color{0});
   CHECK(seen(ColorIntegrator{}, accelerate(scene), direction) == expected);
-  const Color behind = waves(direction_uv({0, 0, -1}).x, 0.5);
+  const Color behind = colored_waves(direction_uv({0, 0, -1}).x, 0.5);
   CHECK(seen(TransparencyIntegrator{}, scene, {0, 0, -1}) == behind * Color{0.5f} * Color{0.5f});
 }
 
@@ -156,7 +156,7 @@ TEST_CASE("pictures with an environment are the same plain, accelerated and by t
     scene.add(Sphere{Vec3{0, 0, 4} + random.point(2), 0.5},
               Material{.diffuse = random.color(), .reflect = 0.4, .refract = i % 2 == 0 ? 0.5 : 0});
   scene.add(PointLight{.position = {3, 5, 0}, .power = Color{200}});
-  scene.set_environment(waves);
+  scene.set_environment(colored_waves);
   const RenderOptions options{.samples = samples}, plainly{.samples = samples, .tiles = false};
   const auto check = [&](const auto& integrator, const auto& camera) {
     Image by_tiles(90, 66), plain(90, 66), accelerated(90, 66);

@@ -22,11 +22,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path checker = fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "check_explanation";
+const fs::path explanation_checker = fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "check_explanation";
 
 using Codes = std::array<int, 3>;
 
-const std::vector<std::string> all_stages {
+const std::vector<std::string> explaining_stages {
   "01_gradient", "02_sphere", "03_scene", "04_depth", "05_normal", "06_color", "07_diffuse", "08_naive",
       "08_transparency", "09_naive", "09_shadow", "10_phong", "11_mirror", "12_glass", "13_whitted",
       "14_primitives", "15_csg", "16_environment", "27_normal_map",
@@ -87,13 +87,12 @@ void compare(const PlainPicture& picture, const auto& explain) {
 }  // namespace
 
 TEST_CASE("the option --pixel tells for every stage why a pixel has the codes that it has in the picture") {
-  const std::string name = GENERATE(from_range(all_stages));
+  const std::string name = GENERATE(from_range(explaining_stages));
   CAPTURE(name);
   const std::string size = "--size 64x48";
-  const PlainPicture picture(stages::picture(name, size + " --plain"));
+  const PlainPicture picture(stage_picture(name, size + " --plain"));
   const TemporaryFolder folder;
-  compare(picture,
-          [&](const std::string& of_pixel) { return stages::run_stage(name, size + of_pixel, folder); });
+  compare(picture, [&](const std::string& of_pixel) { return run_stage(name, size + of_pixel, folder); });
   CHECK(folder.count() == 0);
 }
 
@@ -105,10 +104,10 @@ TEST_CASE(
                "mesh", "environment", "orthographic", "csg", "normal_map");
   CAPTURE(name);
   const TemporaryFolder folder;
-  const std::string size = run_render::scene(name) + " --size 48x36";
-  REQUIRE(run_render::run_program("render", size + " --plain --quiet -o whole.ppm", folder).status == 0);
+  const std::string size = scene_path(name) + " --size 48x36";
+  REQUIRE(run_stage("render", size + " --plain --quiet -o whole.ppm", folder).status == 0);
   compare(PlainPicture(bytes_of(folder / "whole.ppm")), [&](const std::string& of_pixel) {
-    return run_render::run_program("render", size + " --crop 40,20,8,8" + of_pixel, folder);
+    return run_stage("render", size + " --crop 40,20,8,8" + of_pixel, folder);
   });
   CHECK(folder.count() == 1);
 }
@@ -123,7 +122,7 @@ TEST_CASE("the option --pixel tells which arithmetic has decided where a ray hit
       "objects": [{"surface": {"type": "sphere", "position": [0, 0, 0], "radius": 1}, "material-id": "m"}],
       "materials": {"m": {"diffuse": [1, 1, 1]}}})");
   const auto told = [&](const char* arguments) {
-    return run_render::run_program("render", std::string("scene.json ") + arguments, folder).out;
+    return run_stage("render", std::string("scene.json ") + arguments, folder).out;
   };
   CHECK_THAT(told("--pixel 1,0"), ContainsSubstring("hit at t = 5 +- 4.7e-09, decided in exact arithmetic"));
   CHECK_THAT(told("--pixel 0,0"), ContainsSubstring("missed, decided in double"));
@@ -132,7 +131,7 @@ TEST_CASE("the option --pixel tells which arithmetic has decided where a ray hit
 
 TEST_CASE("the explanation of a pixel goes from the film through the lights to the codes") {
   const TemporaryFolder folder;
-  const Outcome outcome = stages::run_stage("09_shadow", "--pixel 330,200", folder);
+  const Outcome outcome = run_stage("09_shadow", "--pixel 330,200", folder);
   CHECK(outcome.status == 0);
   std::size_t at = 0;
   for (const char* text :
@@ -166,7 +165,7 @@ TEST_CASE("the explanation of a pixel goes from the film through the lights to t
 
 TEST_CASE("the explanation of a pixel tells what a normal map makes of the normal") {
   const TemporaryFolder folder;
-  const Outcome outcome = stages::run_stage("27_normal_map", "--pixel 500,400", folder);
+  const Outcome outcome = run_stage("27_normal_map", "--pixel 500,400", folder);
   CHECK(outcome.status == 0);
   std::size_t at = 0;
   for (const char* text :
@@ -184,16 +183,16 @@ TEST_CASE("the explanation of a pixel tells what a normal map makes of the norma
 
 TEST_CASE("the option --explain writes a file that docs/check_explanation finds right, wrong or unreadable") {
   const TemporaryFolder folder;
-  if (run({.program = checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
+  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
     return;  // there is no Python
-  CHECK(stages::run_stage("09_shadow", "--pixel 330,200 --explain a.json --quiet", folder).out == "");
+  CHECK(run_stage("09_shadow", "--pixel 330,200 --explain a.json --quiet", folder).out == "");
   const std::string text = bytes_of(folder / "a.json");
   const auto check = [&](const std::string& from, const std::string& to) {
     std::string changed = text;
     const std::size_t at = changed.find(from);
     REQUIRE(at != std::string::npos);
     put_bytes(folder / "b.json", changed.replace(at, from.size(), to));
-    return run({.program = checker, .arguments = {"b.json"}, .folder = folder / ""});
+    return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""});
   };
   CHECK(check("", "").status == 0);
   struct Row {
@@ -212,15 +211,14 @@ TEST_CASE("the option --explain writes a file that docs/check_explanation finds 
   }
   CHECK(check("{", "[").status == 2);
   CHECK(check("\"samples\"", "\"sample\"").status == 2);
-  CHECK(run({.program = checker, .arguments = {"none.json"}, .folder = folder / ""}).status == 2);
-  CHECK(run({.program = checker, .arguments = {}, .folder = folder / ""}).status == 2);
+  CHECK(run({.program = explanation_checker, .arguments = {"none.json"}, .folder = folder / ""}).status == 2);
+  CHECK(run({.program = explanation_checker, .arguments = {}, .folder = folder / ""}).status == 2);
 }
 
 TEST_CASE("the option --rays draws the rays of a pixel as SVG or OBJ") {
   const TemporaryFolder folder;
   for (const char* name : {"a.svg", "a.obj"})
-    CHECK(stages::run_stage("09_shadow", std::string("--pixel 330,200 --quiet --rays ") + name, folder)
-              .status == 0);
+    CHECK(run_stage("09_shadow", std::string("--pixel 330,200 --quiet --rays ") + name, folder).status == 0);
   const std::string svg = bytes_of(folder / "a.svg"), obj = bytes_of(folder / "a.obj");
   CHECK(svg.starts_with("<svg xmlns="));
   CHECK(svg.ends_with("</svg>\n"));
@@ -232,17 +230,16 @@ TEST_CASE("the option --rays draws the rays of a pixel as SVG or OBJ") {
   CHECK(obj.ends_with("g camera\nl 1 2\ng shadow\nl 3 4\n"));
   CHECK(folder.count() == 2);
 
-  const Outcome without = stages::run_stage("01_gradient", "--pixel 3,4 --quiet --rays b.svg", folder);
+  const Outcome without = run_stage("01_gradient", "--pixel 3,4 --quiet --rays b.svg", folder);
   CHECK(without.status == 1);
   CHECK(without.err == "01_gradient: --rays: the pixel was drawn without rays\n");
 }
 
 TEST_CASE("a file of an explanation that cannot be written is an error, and none is left") {
   const TemporaryFolder folder;
-  const Outcome outcome =
-      stages::run_stage("09_shadow", "--pixel 330,200 --explain no/a.json --quiet", folder);
+  const Outcome outcome = run_stage("09_shadow", "--pixel 330,200 --explain no/a.json --quiet", folder);
   CHECK(outcome.status == 1);
-  CHECK(outcome.err == stages::cannot_write("09_shadow", "no/a.json", ENOENT));
+  CHECK(outcome.err == cannot_write("09_shadow", "no/a.json", ENOENT));
   CHECK(folder.count() == 0);
 }
 
@@ -256,7 +253,7 @@ TEST_CASE("the explanations in docs/explain.md are those that the stages print")
     CAPTURE(command);
     const TemporaryFolder folder;
     const std::size_t space = command.find(' ');
-    const Outcome outcome = stages::run_stage(command.substr(0, space), command.substr(space), folder);
+    const Outcome outcome = run_stage(command.substr(0, space), command.substr(space), folder);
     CHECK(page.substr(text, page.find(end, text) - text) == outcome.out);
     ++count;
   }
@@ -265,7 +262,7 @@ TEST_CASE("the explanations in docs/explain.md are those that the stages print")
 
 TEST_CASE("docs/figures/rays.svg is the drawing of docs/explain.md") {
   const TemporaryFolder folder;
-  CHECK(stages::run_stage("13_whitted", "--pixel 400,400 --quiet --rays rays.svg", folder).status == 0);
+  CHECK(run_stage("13_whitted", "--pixel 400,400 --quiet --rays rays.svg", folder).status == 0);
   CHECK(bytes_of(folder / "rays.svg") ==
         bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "figures" / "rays.svg"));
 }

@@ -176,10 +176,9 @@ TEST_CASE("every stage has a golden, and the goldens are PNG files with three ch
   }
   for (const Golden& picture : goldens) {
     INFO(picture.name);
-    int width = 0, height = 0, channels = 0;
-    CHECK(bytes_of(golden(picture.name)).starts_with("\x89PNG\r\n"));
-    CHECK(stbi_info(golden(picture.name).c_str(), &width, &height, &channels));
-    CHECK(channels == 3);
+    const std::string bytes = bytes_of(golden(picture.name));
+    REQUIRE(bytes.starts_with("\x89PNG\r\n"));
+    CHECK(bytes.at(25) == 2);  // the header says: red, green and blue
   }
 }
 
@@ -226,11 +225,13 @@ TEST_CASE("a naive stage reports how many of its pixels differ from those of the
 }
 
 TEST_CASE("the number of threads changes no byte of a picture") {
+  const std::string size = cases(0, 1) == 1 ? "" : " --size 320x240";  // the short form draws fewer tiles
   for (const Golden& picture : goldens) {
     INFO(picture.name);
     const TemporaryFolder folder;
     for (const std::string threads : {"1", "2", "7"})
-      REQUIRE(run(folder, command(picture) + " --threads " + threads + " -o " + threads + ".ppm") == 0);
+      REQUIRE(run(folder, command(picture) + size + " --threads " + threads + " -o " + threads + ".ppm") ==
+              0);
     const std::string one = bytes_of(folder / "1.ppm");
     CHECK((one == bytes_of(folder / "2.ppm")));  // in parentheses, to print no megabyte
     CHECK((one == bytes_of(folder / "7.ppm")));
@@ -309,7 +310,7 @@ TEST_CASE("update_golden replaces a golden only if a reason is given, and record
 
   for (const std::string answers : {"", "n\\nNo reason.\\n", "y\\n", "y\\n\\n  \\n"}) {
     INFO("answers: " << answers);
-    CHECK(update(answers, " 02_sphere 03_scene") == 1);
+    CHECK(update(answers, " 02_sphere") == 1);
     CHECK_THAT(bytes_of(folder / "output.txt"), ContainsSubstring("02_sphere.difference.png"));
     CHECK((sphere() == wrong));  // in parentheses, to print no PNG
     CHECK_FALSE(fs::exists(reasons));

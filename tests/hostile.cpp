@@ -86,26 +86,22 @@ TEST_CASE("scenes with some numbers replaced by hostile ones are refused or draw
 
 TEST_CASE("every integrator clamps light to the largest float") {
   constexpr float most = std::numeric_limits<float>::max();
-  Scene<Plane> scene;
-  scene.add(Plane{.normal = {0, 0, 1}, .distance = 1e-100},
-            Material{.diffuse = Color{3e38f}, .reflect = 3e38});
-  scene.add(AmbientLight{Color{1000}});
-  scene.add(DirectionalLight{.direction = {0, 0, -1}, .intensity = Color{1000}});
-  scene.set_sky(Color{2e38f});
-  const auto check = [&](const auto& integrator) {
+  SceneFile file;
+  file.scene.add(Plane{.normal = {0, 0, 1}, .distance = 1e-100},
+                 Material{.diffuse = Color{3e38f}, .reflect = 3e38});
+  file.scene.add(AmbientLight{Color{1000}});
+  file.scene.add(DirectionalLight{.direction = {0, 0, -1}, .intensity = Color{1000}});
+  file.scene.set_sky(Color{2e38f});
+  // The light of "depth" is the reciprocal of 1e-100.
+  for (const std::string integrator : {"depth", "diffuse", "shadow", "transparency", "whitted"})
     for (const bool tiles : {true, false})
       for (const int samples : {0, 3}) {
+        CAPTURE(integrator, tiles, samples);
         Image image(9, 2);
-        render(image, Camera{}, scene, integrator, {.samples = samples, .threads = 1, .tiles = tiles});
+        draw(image, file, integrator, RenderOptions{.samples = samples, .threads = 1, .tiles = tiles});
         CHECK(image(0, 0) == Color{most});
         CHECK(image(8, 1) == Color{most});
       }
-  };
-  check(DepthIntegrator{});  // the reciprocal of 1e-100
-  check(DiffuseIntegrator{});
-  check(ShadowIntegrator{});
-  check(TransparencyIntegrator{});
-  check(WhittedIntegrator{});
 
   Image bright(1, 1);
   bright(0, 0) = Color{1, most, 0};
@@ -157,7 +153,7 @@ TEST_CASE("a hit too far away for finite coordinates is placed at distance 2^440
 }
 
 TEST_CASE("a render ends with an error if more rays follow one camera ray than are allowed") {
-  Scene<Sphere> scene;
+  Scene<Sphere, Plane, Parallelogram> scene;
   add_glass(scene);
   for (const bool tiles : {true, false}) {
     Image image(9, 2);

@@ -42,7 +42,7 @@ void write_on_the_stack() {
 }
 
 /// Returns the message of the error in an image's bytes, or an empty string.
-std::string error_in(const std::string& bytes) {
+std::string error_in_image(const std::string& bytes) {
   return message_of<std::runtime_error>([&] { static_cast<void>(image_from_bytes(bytes, "a")); });
 }
 
@@ -182,50 +182,52 @@ TEST_CASE("a JPEG with a missing part is refused") {
   };
   const std::string end = "\xff\xd9", scan = "\xff\xda", huffman = "\xff\xc4", quantizers = "\xff\xdb",
                     frame = "\xff\xc0";
-  CHECK(error_in(bytes) == "");
-  CHECK_THAT(error_in(without(bytes, end, "")),
+  CHECK(error_in_image(bytes) == "");
+  CHECK_THAT(error_in_image(without(bytes, end, "")),
              ContainsSubstring("inside of a JPEG, whose last marker is FF D9"));
-  CHECK_THAT(error_in(without(bytes, scan, end)), ContainsSubstring("no scan of a JPEG has its component 1"));
-  CHECK_THAT(error_in(without(bytes, frame, huffman)),
+  CHECK_THAT(error_in_image(without(bytes, scan, end)),
+             ContainsSubstring("no scan of a JPEG has its component 1"));
+  CHECK_THAT(error_in_image(without(bytes, frame, huffman)),
              ContainsSubstring("names a component that its frame does not have"));
-  CHECK_THAT(error_in(without(bytes, huffman, scan)), ContainsSubstring("needs a table that is not there"));
-  CHECK_THAT(error_in(without(bytes, quantizers, frame)),
+  CHECK_THAT(error_in_image(without(bytes, huffman, scan)),
              ContainsSubstring("needs a table that is not there"));
-  CHECK_THAT(error_in(bytes.substr(0, bytes.find(scan) + 14) + end),
+  CHECK_THAT(error_in_image(without(bytes, quantizers, frame)),
+             ContainsSubstring("needs a table that is not there"));
+  CHECK_THAT(error_in_image(bytes.substr(0, bytes.find(scan) + 14) + end),
              ContainsSubstring(" bytes of a scan; a picture of this size takes 9 or more"));
-  CHECK_THAT(error_in(without(restarts, "\xff\xd1", "\xff\xd2")),
+  CHECK_THAT(error_in_image(without(restarts, "\xff\xd1", "\xff\xd2")),
              ContainsSubstring("has 4 restart markers, and not 5"));
-  CHECK(error_in(scans) == "");
+  CHECK(error_in_image(scans) == "");
   const std::size_t last = scans.rfind(scan);
-  CHECK_THAT(error_in(scans.substr(0, last) + end),
+  CHECK_THAT(error_in_image(scans.substr(0, last) + end),
              ContainsSubstring("no scan of a JPEG has its component 3"));
   std::string large = bytes;
   large.replace(large.find(frame) + 5, 4, "\xff\xff\xff\xff");
-  CHECK_THAT(error_in(large), ContainsSubstring("the picture has 65535x65535 pixels"));
+  CHECK_THAT(error_in_image(large), ContainsSubstring("the picture has 65535x65535 pixels"));
   large.replace(large.find(frame) + 5, 4, std::string("\x20\0\x20\0", 4));
-  CHECK_THAT(error_in(large),
+  CHECK_THAT(error_in_image(large),
              ContainsSubstring(" bytes of a scan; a picture of this size takes 393216 or more"));
 }
 
 TEST_CASE("a PNG with a missing or wrong part is refused") {
   const std::string row(5, '\0'), rows = row + row + row;
-  CHECK(error_in(png(4, 3, rows)) == "");
-  CHECK_THAT(error_in(png(4, 4, rows)), ContainsSubstring("not enough pixels"));
+  CHECK(error_in_image(png(4, 3, rows)) == "");
+  CHECK_THAT(error_in_image(png(4, 4, rows)), ContainsSubstring("not enough pixels"));
   CHECK_THAT(
-      error_in(png(12000, 12000, rows)),
+      error_in_image(png(12000, 12000, rows)),
       ContainsSubstring("the picture has 12000x12000 pixels; allowed are sides of at least 1 and at most "
                         "67108864 pixels"));
-  CHECK_THAT(error_in(png(0, 3, rows)), ContainsSubstring("the picture has 0x3 pixels"));
-  CHECK_THAT(error_in(png(8192, 8192, rows)),
+  CHECK_THAT(error_in_image(png(0, 3, rows)), ContainsSubstring("the picture has 0x3 pixels"));
+  CHECK_THAT(error_in_image(png(8192, 8192, rows)),
              ContainsSubstring("bytes of pixels; a picture of this size takes 65035 or more"));
-  CHECK_THAT(error_in(png(4, 3, std::string(std::size_t{64} << 20, '\0'))),
+  CHECK_THAT(error_in_image(png(4, 3, std::string(std::size_t{64} << 20, '\0'))),
              ContainsSubstring("there are more pixels than its size says"));
-  CHECK(error_in(png(4, 3, rows + row)) == "");  // some files have a little more
+  CHECK(error_in_image(png(4, 3, rows + row)) == "");  // some files have a little more
   std::string damaged = png(4, 3, rows);
   damaged[damaged.find("IDAT") + 8] ^= 1;
-  CHECK_THAT(error_in(damaged),
+  CHECK_THAT(error_in_image(damaged),
              ContainsSubstring("chunk \"IDAT\" at byte 33 has another checksum than its bytes"));
-  CHECK_THAT(error_in(png(4, 3, rows).erase(8, 25)), ContainsSubstring("IHDR is the first chunk"));
+  CHECK_THAT(error_in_image(png(4, 3, rows).erase(8, 25)), ContainsSubstring("IHDR is the first chunk"));
 }
 
 TEST_CASE("colors that are missing in a palette are black") {

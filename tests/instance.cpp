@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"
 #include "support/meshes.hpp"
@@ -26,9 +27,6 @@
 using namespace protostar;
 
 namespace {
-
-const Interval everywhere{-infinity, infinity};
-const Ray along_z{{0, 0, 0}, {0, 0, 1}};
 
 /// Returns a random map that stretches by 1/2 to 2, mirrors, rotates and moves.
 Affine any_placement(Random& random, double far) {
@@ -41,7 +39,6 @@ Affine any_placement(Random& random, double far) {
 }  // namespace
 
 TEST_CASE("no line that crosses a box is taken to miss it, and those that pass it are") {
-  const double not_a_number = std::numeric_limits<double>::quiet_NaN();
   const Bounds box{Point{-1}, Point{1}}, everything{Point{-infinity}, Point{infinity}};
   struct {
     const char* what;
@@ -96,25 +93,25 @@ TEST_CASE("an instance is hit where its surface is, transformed by the map") {
     std::optional<double> expected;
   } const rows[] = {
       {"where it was", {}, {{0, 0, -3}, {0, 0, 1}}, {}, 2},
-      {"moved", Affine{}.moved_by({0, 0, 5}), along_z, {}, 4},
-      {"stretched", stretched, along_z, {}, 3},
+      {"moved", Affine{}.moved_by({0, 0, 5}), ray_along_z, {}, 4},
+      {"stretched", stretched, ray_along_z, {}, 3},
       {"stretched, seen from inside", stretched, {{0, 0, 5}, {0, 0, 1}}, {}, 2},
       {"a direction that is longer", stretched, {{0, 0, 0}, {0, 0, 8}}, {}, 0.375},
-      {"beyond the range", stretched, along_z, {0, 3}, std::nullopt},
-      {"its far side", stretched, along_z, {3, infinity}, 7},
+      {"beyond the range", stretched, ray_along_z, {0, 3}, std::nullopt},
+      {"its far side", stretched, ray_along_z, {3, infinity}, 7},
       {"behind", stretched, {{0, 0, 9}, {0, 0, 1}}, {}, std::nullopt},
       {"behind, in a range that reaches back", stretched, {{0, 0, 9}, {0, 0, 1}}, everywhere, -6},
       {"grazing", stretched, {{1, 0, 0}, {0, 0, 1}}, {}, 5},
       {"next to it", stretched, {{1 + 0x1p-52, 0, 0}, {0, 0, 1}}, {}, std::nullopt},
-      {"a mirror image", Affine{}.scaled_by({1, 1, -2}).moved_by({0, 0, 5}), along_z, {}, 3},
+      {"a mirror image", Affine{}.scaled_by({1, 1, -2}).moved_by({0, 0, 5}), ray_along_z, {}, 3},
       {"turned",
        Affine{}.scaled_by({1, 4, 1}).rotated_about({1, 0, 0}, 90).moved_by({0, 0, 5}),
-       along_z,
+       ray_along_z,
        {},
        1},
       {"sheared", {{1, 0, 0}, {0, 1, 0}, {1, 0, 1}, {0, 0, 5}}, {{1, 0, 0}, {0, 0, 1}}, {}, 5},
-      {"tiny", Affine{}.scaled_by(Vec3{0x1p-400}).moved_by({0, 0, 1}), along_z, {}, 1},
-      {"huge", Affine{}.scaled_by(Vec3{0x1p400}), along_z, {}, 0x1p400},
+      {"tiny", Affine{}.scaled_by(Vec3{0x1p-400}).moved_by({0, 0, 1}), ray_along_z, {}, 1},
+      {"huge", Affine{}.scaled_by(Vec3{0x1p400}), ray_along_z, {}, 0x1p400},
   };
   for (const auto& row : rows) {
     INFO(row.what);
@@ -128,13 +125,13 @@ TEST_CASE("rays and instances with numbers that are not finite have no hits") {
   const Instance sound(Sphere{}, Affine{}.moved_by({0, 0, 5}));
   for (const double bad : {infinity, -infinity, std::nan("")})
     for (int axis = 0; axis < 3; ++axis) {
-      Ray origin = along_z, direction = along_z;
+      Ray origin = ray_along_z, direction = ray_along_z;
       origin.origin[axis] = bad, direction.direction[axis] = bad;
       CHECK_FALSE(sound.intersect(origin, everywhere));
       CHECK_FALSE(sound.intersect(direction, everywhere));
       Affine placement;
       placement.y[axis] = bad;
-      CHECK_FALSE(Instance(Sphere{}, placement).intersect(along_z, everywhere));
+      CHECK_FALSE(Instance(Sphere{}, placement).intersect(ray_along_z, everywhere));
     }
   CHECK_FALSE(sound.intersect({{0, 0, 5}, {0, 0, 0}}, everywhere));
 }
@@ -266,7 +263,7 @@ TEST_CASE(
   CHECK(plates.has_uv());
   CHECK_FALSE(Instance(Plane{}, {}).has_parts());
   std::vector<std::pair<double, int>> crossed;
-  plates.each_crossing(along_z, {}, [&](const Crossing& c) { crossed.push_back({c.t, c.part}); });
+  plates.each_crossing(ray_along_z, {}, [&](const Crossing& c) { crossed.push_back({c.t, c.part}); });
   CHECK(crossed == std::vector<std::pair<double, int>>{{4, 0}, {6, 1}});
   CHECK(plates.normal_at({0, 0, 4}, 0) == Vec3{0, 0, -1});
   CHECK(plates.normal_at({0, 0, 6}, 1) == Vec3{0, 0, 1});
@@ -280,7 +277,7 @@ TEST_CASE(
   // In a scene, a ray that leaves the lower plate hits the upper one.
   Scene<AnySurface> scene;
   scene.add(plates, Color{1});
-  const auto hit = scene.intersect(along_z);
+  const auto hit = scene.intersect(ray_along_z);
   REQUIRE(hit);
   CHECK(hit->t == 4);
   const auto next = scene.intersect(hit->leave(up));
@@ -295,7 +292,7 @@ TEST_CASE("crossings with instances are ordered exactly by the transformed rays"
   Scene<Sphere, Instance<Sphere>> scene;
   scene.add(Sphere{.center = {0, 0, 5}, .radius = 4}, Color{0.25f});
   scene.add(Instance(Sphere{}, Affine{}.scaled_by({1, 1, 4}).moved_by({0, 0, 5})), Color{0.5f});
-  const auto middle = scene.intersect(along_z);
+  const auto middle = scene.intersect(ray_along_z);
   CHECK(middle->t == 1);
   CHECK(middle->color().r == 0.25f);  // at equal t the surface that comes first
   const double off = 0x1p-20;         // off the axis the sphere is nearer
@@ -489,5 +486,5 @@ TEST_CASE("an instance of a solid is a solid") {
   CHECK(is_solid(Instance<>(Sphere{}, {})));
   CHECK_FALSE(is_solid(Instance(Plane{}, {})));
   CHECK_FALSE(is_solid(Instance<>(Parallelogram{}, {})));
-  CHECK_FALSE(ends_inside(Instance(Sphere{}, {}), along_z));
+  CHECK_FALSE(ends_inside(Instance(Sphere{}, {}), ray_along_z));
 }

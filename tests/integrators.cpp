@@ -16,13 +16,14 @@
 
 #include "scenes/three_spheres.hpp"
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/cylinder.hpp"
 #include "support/pictures.hpp"
+#include "support/ray_by_ray.hpp"
 
 using namespace protostar;
 
 namespace {
-constexpr float four_pi = 4 * std::numbers::pi_v<float>;
 
 /// Returns a ball of radius 1 around (0, 0, 3) on the ground y = −1.
 Scene<Sphere, Plane> ball_on_ground() {
@@ -36,18 +37,6 @@ const Ray at_ball{{0, 0, 0}, {0, 0, 1}};
 const Ray at_ground{{4, 0, 3}, {0, -1, 0}};
 const Ray at_nothing{{0, 0, 0}, {0, 1, 0}};
 
-bool near(const Color& a, const Color& b) {
-  return std::abs(a.r - b.r) < 1e-6f && std::abs(a.g - b.g) < 1e-6f && std::abs(a.b - b.b) < 1e-6f;
-}
-
-template <Surface S>
-Image picture(const Scene<S>& scene, const Camera& camera, const auto& integrator) {
-  Image image(200, 150);  // ray by ray; tests/render_tiles.cpp is for integrators in render
-  for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x)
-      image(x, y) = integrator.radiance(camera.through_pixel(x, y, image.width(), image.height()), scene);
-  return image;
-}
 }  // namespace
 
 TEST_CASE("binary: white where there is a surface, black where there is none") {
@@ -190,8 +179,8 @@ TEST_CASE("a negative radius changes the picture of the normal integrator and of
     return scene;
   };
   const auto differences = [&](const auto& integrator) {
-    return different_pixels(picture(of_radius(1), Camera{}, integrator),
-                            picture(of_radius(-1), Camera{}, integrator));
+    return different_pixels(ray_by_ray(Camera{}, 200, 150, of_radius(1), integrator),
+                            ray_by_ray(Camera{}, 200, 150, of_radius(-1), integrator));
   };
   CHECK(differences(BinaryIntegrator{}) == 0);
   CHECK(differences(DepthIntegrator{}) == 0);
@@ -204,8 +193,8 @@ TEST_CASE("a negative radius changes the picture of the normal integrator and of
 
 TEST_CASE("every picture of three spheres is the same with AnySurface") {
   const auto differences = [](const auto& integrator) {
-    return different_pixels(picture(three_spheres(), Camera{}, integrator),
-                            picture(three_spheres<AnySurface>(), Camera{}, integrator));
+    return different_pixels(ray_by_ray(Camera{}, 200, 150, three_spheres(), integrator),
+                            ray_by_ray(Camera{}, 200, 150, three_spheres<AnySurface>(), integrator));
   };
   CHECK(differences(BinaryIntegrator{}) == 0);
   CHECK(differences(DepthIntegrator{}) == 0);
@@ -232,20 +221,20 @@ void check_pictures_of_cylinder() {
     CAPTURE(radius);
     const Camera outside{.position = {0, 0, -3 * radius}};
     const auto from_outside = scene_of(radius, {2 * radius, radius, -3 * radius});
-    CHECK(different_pixels(picture(from_outside, outside, DiffuseIntegrator{}),
-                           picture(from_outside, outside, ShadowIntegrator{})) == 0);
-    const Image glass = picture(from_outside, outside, TransparencyIntegrator{});
-    const Image mask = picture(from_outside, outside, BinaryIntegrator{});
+    CHECK(different_pixels(ray_by_ray(outside, 200, 150, from_outside, DiffuseIntegrator{}),
+                           ray_by_ray(outside, 200, 150, from_outside, ShadowIntegrator{})) == 0);
+    const Image glass = ray_by_ray(outside, 200, 150, from_outside, TransparencyIntegrator{});
+    const Image mask = ray_by_ray(outside, 200, 150, from_outside, BinaryIntegrator{});
     CHECK(count_pixels(glass, [&](int x, int y) {
             return glass(x, y) != (mask(x, y) == Color{1} ? color * color : Color{1});
           }) == 0);
 
     const Camera inside{.position = {0.3 * radius, 0, 0.1 * radius}};
     const auto from_inside = scene_of(radius, {-0.5 * radius, 0, 0.5 * radius});
-    const Image lit = picture(from_inside, inside, DiffuseIntegrator{});
+    const Image lit = ray_by_ray(inside, 200, 150, from_inside, DiffuseIntegrator{});
     CHECK(count_pixels(lit, [&](int x, int y) { return lit(x, y) == Color{0}; }) == 0);
-    CHECK(different_pixels(lit, picture(from_inside, inside, ShadowIntegrator{})) == 0);
-    const Image from_within = picture(from_inside, inside, TransparencyIntegrator{});
+    CHECK(different_pixels(lit, ray_by_ray(inside, 200, 150, from_inside, ShadowIntegrator{})) == 0);
+    const Image from_within = ray_by_ray(inside, 200, 150, from_inside, TransparencyIntegrator{});
     CHECK(count_pixels(from_within, [&](int x, int y) { return from_within(x, y) != color; }) == 0);
   }
 }

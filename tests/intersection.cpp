@@ -9,7 +9,7 @@
 using namespace protostar;
 
 namespace {
-Scene<Sphere, Plane> ball_on_ground() {
+Scene<Sphere, Plane> ball_on_scaled_ground() {
   Scene<Sphere, Plane> scene;
   scene.add(Sphere{.center = {0, 0, 3}, .radius = 1}, Color{1, 0.5f, 0.25f});
   scene.add(Plane{.normal = {0, 2, 0}, .distance = -2}, Color{0, 1, 0});
@@ -18,7 +18,7 @@ Scene<Sphere, Plane> ball_on_ground() {
 }  // namespace
 
 TEST_CASE("an intersection has the point, normal and color of the hit") {
-  const auto scene = ball_on_ground();
+  const auto scene = ball_on_scaled_ground();
   const auto ball = scene.intersect({{0, 0, 0}, {0, 0, 2}});
   REQUIRE(ball);
   CHECK(ball->t == 1);
@@ -35,7 +35,7 @@ TEST_CASE("an intersection has the point, normal and color of the hit") {
 }
 
 TEST_CASE("the normal is the surface's own, the facing normal points to the side from which the ray comes") {
-  const auto scene = ball_on_ground();
+  const auto scene = ball_on_scaled_ground();
   const auto inside = scene.intersect({{0, 0, 3}, {0, 0, 1}});
   REQUIRE(inside);
   CHECK(inside->normal() == Vec3{0, 0, 1});
@@ -51,7 +51,7 @@ TEST_CASE("the normal is the surface's own, the facing normal points to the side
 }
 
 TEST_CASE("a ray that leaves an intersection starts at its point and has the departure of its surface") {
-  const auto scene = ball_on_ground();
+  const auto scene = ball_on_scaled_ground();
   const auto ball = scene.intersect({{0, 0, 0}, {0, 0, 1}});
   REQUIRE(ball);
   const Ray through = ball->leave({0, 0, 0.25});

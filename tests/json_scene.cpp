@@ -17,7 +17,6 @@
 
 namespace fs = std::filesystem;
 using namespace protostar;
-using namespace scene_files;
 using nlohmann::json;
 
 namespace {
@@ -31,7 +30,7 @@ bool same_camera(const Camera& a, const Camera& b) {
 }  // namespace
 
 TEST_CASE("a scene file needs a resolution, a camera and objects; all else has a default") {
-  const SceneFile file = read(smallest);
+  const SceneFile file = scene_of_text(smallest_scene);
   CHECK(file.width == 8);
   CHECK(file.height == 6);
   CHECK(file.samples == 0);
@@ -47,7 +46,7 @@ TEST_CASE("a scene file needs a resolution, a camera and objects; all else has a
   REQUIRE(file.scene.size() == 1);
   CHECK(file.scene.materials<Sphere>()[0].diffuse == Color{1, 0.5f, 0});
 
-  const SceneFile plain = read(replacing("/objects/0/material-id", R"("black")"));
+  const SceneFile plain = scene_of_text(replacing("/objects/0/material-id", R"("black")"));
   const Material& material = plain.scene.materials<Sphere>()[0];
   CHECK(material.diffuse == Color{0});
   CHECK(!material.texture);
@@ -59,7 +58,7 @@ TEST_CASE("a scene file needs a resolution, a camera and objects; all else has a
 }
 
 TEST_CASE("all properties of a scene can be given in a scene file") {
-  const SceneFile file = read(everything);
+  const SceneFile file = scene_of_text(scene_of_everything);
   CHECK(file.samples == 4);
   CHECK(file.depth == 3);
   CHECK(file.integrator == "shadow");
@@ -115,7 +114,7 @@ TEST_CASE("all properties of a scene can be given in a scene file") {
 TEST_CASE("boxes, disks and quadrics of a scene file are read correctly") {
   const auto only = [](const std::string& surface) {
     const SceneFile file =
-        read(replacing("/objects", R"([{"color": [1, 1, 1], "surface": )" + surface + "}]"));
+        scene_of_text(replacing("/objects", R"([{"color": [1, 1, 1], "surface": )" + surface + "}]"));
     REQUIRE(file.scene.surfaces<AnySurface>().size() == 1);
     return file.scene.surfaces<AnySurface>()[0];
   };
@@ -142,30 +141,33 @@ TEST_CASE("boxes, disks and quadrics of a scene file are read correctly") {
 TEST_CASE("a scene file may have one of three kinds of cameras") {
   const std::string sensor = R"({"projection": "perspective", "position": [1, 2, 3], "direction": [0, 0, 1],
       "upward": [0, 1, 0], "focal-length": 3})";
-  CHECK(same_camera(read(replacing("/camera", sensor)).camera,
+  CHECK(same_camera(scene_of_text(replacing("/camera", sensor)).camera,
                     Camera::sensor({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 3)));
   const std::string orthographic = R"({"projection": "orthographic", "position": [1, 2, 3],
       "direction": [0, 0, 1], "upward": [0, 1, 0], "ortho-scale": 4})";
-  CHECK(same_camera(read(replacing("/camera", orthographic)).camera,
+  CHECK(same_camera(scene_of_text(replacing("/camera", orthographic)).camera,
                     Camera::orthographic({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 4)));
 }
 
 TEST_CASE("names in a scene file may be any text, and numbers may have any form of JSON") {
-  CHECK(read(replacing("/settings/resolution-x", "8.0")).width == 8);
-  CHECK(read(replacing("/settings/resolution-x", "0.8e1")).width == 8);
-  CHECK(read(replacing("/settings/transfer", R"("srgb")")).transfer.index() == Transfer(Srgb{}).index());
-  CHECK(read(replacing("/settings/transfer", R"("linear")")).transfer.index() == Transfer(Linear{}).index());
-  CHECK(read(replacing("/settings/tone", R"("scale-image")")).tone == Tone::scale_image);
-  CHECK(read(replacing("/settings/tone", R"("clip")")).tone == Tone::clip);
+  CHECK(scene_of_text(replacing("/settings/resolution-x", "8.0")).width == 8);
+  CHECK(scene_of_text(replacing("/settings/resolution-x", "0.8e1")).width == 8);
+  CHECK(scene_of_text(replacing("/settings/transfer", R"("srgb")")).transfer.index() ==
+        Transfer(Srgb{}).index());
+  CHECK(scene_of_text(replacing("/settings/transfer", R"("linear")")).transfer.index() ==
+        Transfer(Linear{}).index());
+  CHECK(scene_of_text(replacing("/settings/tone", R"("scale-image")")).tone == Tone::scale_image);
+  CHECK(scene_of_text(replacing("/settings/tone", R"("clip")")).tone == Tone::clip);
   for (const std::string_view name : integrator_names)
-    CHECK(read(replacing("/settings/integrator", json(name).dump())).integrator == name);
-  CHECK(read(replacing("/objects", "[]")).scene.size() == 0);
-  CHECK(read(with("/materials/~1~0 \xc3\xa4\\n", "{}")).scene.size() == 3);
-  CHECK(read("\xef\xbb\xbf" + smallest).width == 8);  // a byte order mark
+    CHECK(scene_of_text(replacing("/settings/integrator", json(name).dump())).integrator == name);
+  CHECK(scene_of_text(replacing("/objects", "[]")).scene.size() == 0);
+  CHECK(scene_of_text(scene_with("/materials/~1~0 \xc3\xa4\\n", "{}")).scene.size() == 3);
+  CHECK(scene_of_text("\xef\xbb\xbf" + smallest_scene).width == 8);  // a byte order mark
 }
 
 TEST_CASE("factors on light that underflow in float are read as 0") {
-  const SceneFile file = read(patched(R"({"op": "replace", "path": "/materials/red/reflect", "value": 1e-60},
+  const SceneFile file =
+      scene_of_text(patched(R"({"op": "replace", "path": "/materials/red/reflect", "value": 1e-60},
       {"op": "replace", "path": "/materials/red/refract", "value": 1e-60},
       {"op": "replace", "path": "/settings/exposure", "value": 1e-60})"));
   CHECK(file.scene.materials<Sphere>()[0].reflect == 0);
@@ -175,7 +177,7 @@ TEST_CASE("factors on light that underflow in float are read as 0") {
 
 TEST_CASE("the sum of ambient lights is clamped to the limit of irradiance") {
   const SceneFile file =
-      read(replacing("/lights", R"([{"ambient": [3e38, 1, 0]}, {"ambient": [3e38, 1, 0]}])"));
+      scene_of_text(replacing("/lights", R"([{"ambient": [3e38, 1, 0]}, {"ambient": [3e38, 1, 0]}])"));
   CHECK(file.scene.ambient() == Color{most_irradiance, 2, 0});
 }
 
@@ -183,12 +185,13 @@ TEST_CASE("operations in a scene file combine solids") {
   const auto crossings = [](const std::string& operation, const std::string& others) {
     std::vector<double> all;
     const AnySurface surface = only_surface(R"({"type": "csg", "operation": ")" + operation +
-                                            R"(", "surfaces": [)" + ball + others + "]}");
+                                            R"(", "surfaces": [)" + ball_in_json + others + "]}");
     surface.each_crossing(Ray{}, {}, [&](const Crossing& crossing) { all.push_back(crossing.t); });
     return all;
   };
   const std::string other = R"(, {"type": "sphere", "position": [0, 0, 4], "radius": 1})";
-  const std::string moved = R"(, {"type": "instance", "translate": [0, 0, 1], "surface": )" + ball + "}";
+  const std::string moved =
+      R"(, {"type": "instance", "translate": [0, 0, 1], "surface": )" + ball_in_json + "}";
   for (const std::string& second : {other, moved}) {
     CHECK(crossings("union", second) == std::vector<double>{2, 5});
     CHECK(crossings("intersection", second) == std::vector<double>{3, 4});
@@ -199,7 +202,7 @@ TEST_CASE("operations in a scene file combine solids") {
 
 TEST_CASE("an instance in a scene file is scaled, then rotated, then moved, or mapped by a matrix") {
   const auto of = [](const std::string& placement) {
-    return only_surface(R"({"type": "instance", "surface": )" + ball + placement + "}");
+    return only_surface(R"({"type": "instance", "surface": )" + ball_in_json + placement + "}");
   };
   CHECK(of("").intersect(Ray{}) == 2);
   CHECK(of(R"(, "scale": 2)").intersect(Ray{}) == 4);
@@ -215,7 +218,7 @@ TEST_CASE("an instance in a scene file is scaled, then rotated, then moved, or m
 
 TEST_CASE("all scenes of the project can be read") {
   int count = 0;
-  for (const auto& entry : fs::directory_iterator(scenes)) {
+  for (const auto& entry : fs::directory_iterator(scenes_folder)) {
     if (entry.path().extension() != ".json") continue;
     INFO(entry.path());
     CHECK(read_scene(entry.path()).scene.size() > 0);
@@ -225,7 +228,7 @@ TEST_CASE("all scenes of the project can be read") {
 }
 
 TEST_CASE("the three spheres are the same from the scene file and from the header") {
-  const SceneFile file = read_scene(scenes / "three_spheres.json");
+  const SceneFile file = read_scene(scenes_folder / "three_spheres.json");
   const auto expected = three_spheres();
   CHECK(same_camera(file.camera, Camera{}));
   CHECK(!file.scene.sky());
@@ -245,7 +248,7 @@ TEST_CASE("the three spheres are the same from the scene file and from the heade
 
 TEST_CASE("a scene file of Luminosity is read without changes") {
   // Keys and their forms are those of the scene that comes with Luminosity; the numbers are ours.
-  const SceneFile file = read(R"({
+  const SceneFile file = scene_of_text(R"({
 	"settings": {"resolution-x": 192, "resolution-y": 108, "samples": 0, "depth": 10},
 	"world": {"sky": [1, 1, 1]},
 	"camera": {"projection": "perspective", "position": [0, 2, -12], "direction": [0, 0, 1],
@@ -273,11 +276,11 @@ TEST_CASE("triangles of a scene file are given by three points, and are two-side
   const auto surface = [](const std::string& points) {
     return replacing("/objects/2/surface", R"({"type": "triangle", "points": )" + points + "}");
   };
-  const SceneFile file = read(surface("[[0, 0, 1], [2, 0, 1], [0, 2, 1]]"));
+  const SceneFile file = scene_of_text(surface("[[0, 0, 1], [2, 0, 1], [0, 2, 1]]"));
   CHECK(file.scene.surfaces<AnySurface>().at(0).intersect({{0.5, 0.5, 0}, {0, 0, 1}}) == 1);
   for (const auto& [points, error] : std::vector<std::pair<std::string, std::string>>{
            {"[[0,0,1],[2,0,1]]", "[[0,0,1],[2,0,1]] is not an array of three points"},
            {"[[0,0,1],[1,1,1],[2,2,1]]", "is not possible: Triangle: a, b and c must not be on one line"}})
-    CHECK_THAT(error_of(surface(points)),
+    CHECK_THAT(scene_error(surface(points)),
                ContainsSubstring("/objects/2/surface/points: ") && ContainsSubstring(error));
 }

@@ -18,7 +18,6 @@
 
 namespace fs = std::filesystem;
 using namespace protostar;
-using namespace scene_files;
 using nlohmann::json;
 
 namespace {
@@ -98,8 +97,8 @@ void look_at(const fs::path& path, const std::string& text, Vocabulary& allowed,
 
 TEST_CASE("every key and word of a scene file has an example in a scene of the project, and is documented") {
   Vocabulary allowed, used, elsewhere;
-  look_at("scene.json", everything, allowed, elsewhere);
-  for (const auto& entry : fs::directory_iterator(scenes))
+  look_at("scene.json", scene_of_everything, allowed, elsewhere);
+  for (const auto& entry : fs::directory_iterator(scenes_folder))
     if (entry.path().extension() == ".json") look_at(entry.path(), bytes_of(entry.path()), allowed, used);
   const std::string docs = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "scene-format.md");
   int count = 0;
@@ -126,7 +125,7 @@ TEST_CASE("the examples in the documentation of scene files can be read") {
   REQUIRE(!examples.empty());
   for (const std::string& example : examples) {
     INFO(example);
-    CHECK(error_of(example) == "");
+    CHECK(scene_error(example) == "");
   }
 }
 
@@ -134,8 +133,8 @@ TEST_CASE("the errors and the limits in the documentation of scene files agree w
   const std::string docs = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "scene-format.md");
   const std::string sphere =
       R"({"surface": {"type": "sphere", "position": [0, 0, 0], "radius": -1}, "color": [1, 1, 1]})";
-  for (const std::string& text : {with("/objects/3", sphere), std::string("{\n  \"a\": 1,\n}")})
-    CHECK_THAT(docs, ContainsSubstring("\nrender: " + error_of(text) + "\n"));
+  for (const std::string& text : {scene_with("/objects/3", sphere), std::string("{\n  \"a\": 1,\n}")})
+    CHECK_THAT(docs, ContainsSubstring("\nrender: " + scene_error(text) + "\n"));
   CHECK_THAT(docs, ContainsSubstring("from 1 to " + std::to_string(most_depth)));
   CHECK_THAT(docs, ContainsSubstring("from 0 to " + std::to_string(most_samples)));
   CHECK_THAT(docs, ContainsSubstring("`depth` at most " + std::to_string(most_depth)));

@@ -17,7 +17,6 @@
 
 namespace fs = std::filesystem;
 using namespace protostar;
-using namespace scene_files;
 
 namespace {
 
@@ -61,7 +60,7 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
     return Row{without(pointer), pointer + ": nothing is not " + allowed};
   };
   const auto unknown = [](const std::string& pointer, const std::string& allowed) {
-    return Row{with(pointer, "1"), pointer + ": is not a key here; allowed are " + allowed};
+    return Row{scene_with(pointer, "1"), pointer + ": is not a key here; allowed are " + allowed};
   };
   // Replaces a surface by an invalid one.
   const auto surface_row = [](const std::string& surface, const std::string& error) {
@@ -177,7 +176,8 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       not_allowed("/objects/0/material-id", "\"blue\"", "the name of one of the materials: " + ids),
       missing("/objects/0/material-id", "the name of one of the materials, and there is no color"),
       not_allowed("/objects/0/material-id", "3", "the name of one of the materials, and there is no color"),
-      {with("/objects/0/color", "[1,1,1]"), "/objects/0/color: [1,1,1] is not possible beside a material-id"},
+      {scene_with("/objects/0/color", "[1,1,1]"),
+       "/objects/0/color: [1,1,1] is not possible beside a material-id"},
       {without("/materials"),
        R"(/objects/0/material-id: "red" is not the name of one of the materials, of which there are none)"},
       not_allowed("/lights", "{}", "an array"),
@@ -223,20 +223,21 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       {replacing("/materials/squares/diffuse", R"({"image": "none.png"})"),
        R"(/materials/squares/diffuse/image: "none.png" is not possible: cannot read 'none.png': )"
        "No such file or directory"},
-      {with("/materials/red/normal-map", "\"bricks.png\""),
+      {scene_with("/materials/red/normal-map", "\"bricks.png\""),
        "/materials/red/normal-map: \"bricks.png\" is not an object"},
-      {with("/materials/red/normal-map", R"({"file": "a.png"})"),
+      {scene_with("/materials/red/normal-map", R"({"file": "a.png"})"),
        "/materials/red/normal-map/file: is not a key here; allowed are image and size"},
-      {with("/materials/red/normal-map", "{}"),
+      {scene_with("/materials/red/normal-map", "{}"),
        "/materials/red/normal-map/image: nothing is not the path of a file"},
-      {with("/materials/red/normal-map", R"({"image": 3})"),
+      {scene_with("/materials/red/normal-map", R"({"image": 3})"),
        "/materials/red/normal-map/image: 3 is not the path of a file"},
-      {with("/materials/red/normal-map", R"({"image": "none.png", "size": [1, 0]})"),
+      {scene_with("/materials/red/normal-map", R"({"image": "none.png", "size": [1, 0]})"),
        "/materials/red/normal-map/size/1: 0 is not a number greater than 0"},
       unknown("/materials/red/a~1b~0c", "diffuse, specular, shininess, reflect, refract, ior and normal-map"),
       {replacing("/settings", R"({"resolution-x": 16385, "resolution-y": 16384})"),
        R"(/settings: {"resolution-x":16385,"resolution-y":16384} is not a picture of at most 2^28 pixels)"},
-      {with("/camera/focal-length", "1"), "/camera/focal-length: 1 is not possible beside a field-of-view"},
+      {scene_with("/camera/focal-length", "1"),
+       "/camera/focal-length: 1 is not possible beside a field-of-view"},
       missing("/camera/field-of-view", view_angle + ", and there is no focal-length"),
       // Magnitudes out of range.
       not_allowed("/camera/position", "[0.0,1e+121,0.0]", place),
@@ -274,7 +275,7 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
   };
   for (const Row& row : rows) {
     CAPTURE(row.text, row.error);
-    CHECK(error_of(row.text) == "scene.json: " + row.error);
+    CHECK(scene_error(row.text) == "scene.json: " + row.error);
   }
 }
 
@@ -288,33 +289,33 @@ TEST_CASE("invalid lengths of a camera in a scene file are reported with their p
   for (const auto& [projection, key] :
        {std::pair{"perspective", "focal-length"}, std::pair{"orthographic", "ortho-scale"}}) {
     for (const std::string length : {"0", "-1", "1e-130", "1e+130", "\"1\""})
-      CHECK(error_of(with_camera(projection, key, length)) == std::string("scene.json: /camera/") + key +
-                                                                  ": " + length +
-                                                                  " is not a number from 1e-100 to 1e100");
+      CHECK(scene_error(with_camera(projection, key, length)) == std::string("scene.json: /camera/") + key +
+                                                                     ": " + length +
+                                                                     " is not a number from 1e-100 to 1e100");
     for (const char* length : {"1e-100", "1e100"})
-      CHECK(error_of(with_camera(projection, key, length)) == "");
+      CHECK(scene_error(with_camera(projection, key, length)) == "");
   }
   for (const char* angle : {"1e-100", "179.99999999999997"})
-    CHECK(error_of(with_camera("perspective", "field-of-view", angle)) == "");
+    CHECK(scene_error(with_camera("perspective", "field-of-view", angle)) == "");
 }
 
 TEST_CASE("a number beyond the range of double is reported with its place") {
   for (const std::string& number : std::vector<std::string>{"1e999", "-1e999", "1E400", repeated("9", 400)}) {
     const std::string found = number.size() > 60 ? number.substr(0, 60) + "..." : number;
-    std::string text = smallest;
+    std::string text = smallest_scene;
     text.replace(text.find("\"radius\": 1") + 10, 1, number);
-    CHECK(error_of(text) == "scene.json: /objects/0/surface/radius: " + found +
-                                " is not a number that a double holds, up to 1.8e308");
+    CHECK(scene_error(text) == "scene.json: /objects/0/surface/radius: " + found +
+                                   " is not a number that a double holds, up to 1.8e308");
   }
-  CHECK_THAT(error_of(R"({"a": [[1, 2], 1e999]})"), ContainsSubstring("scene.json: /a/1: 1e999 is not "));
+  CHECK_THAT(scene_error(R"({"a": [[1, 2], 1e999]})"), ContainsSubstring("scene.json: /a/1: 1e999 is not "));
 }
 
 TEST_CASE("a duplicate key is an error at any depth") {
-  CHECK(error_of(R"({"settings": 1, "settings": 2})") ==
+  CHECK(scene_error(R"({"settings": 1, "settings": 2})") ==
         "scene.json: /settings: the key is there twice; once is allowed");
-  CHECK(error_of(R"({"a": [0, {"b": 1, "c": {}, "b": 1}]})") ==
+  CHECK(scene_error(R"({"a": [0, {"b": 1, "c": {}, "b": 1}]})") ==
         "scene.json: /a/1/b: the key is there twice; once is allowed");
-  CHECK(error_of(R"({"a": {"b": 1}, "c": {"b": 1}})").find("twice") == std::string::npos);
+  CHECK(scene_error(R"({"a": {"b": 1}, "c": {"b": 1}})").find("twice") == std::string::npos);
 }
 
 TEST_CASE("a syntax error in JSON is reported with its line and column") {
@@ -330,14 +331,14 @@ TEST_CASE("a syntax error in JSON is reported with its line and column") {
                Row{"{\"a\": \"\xff\"}", "line 1, column 8"}, Row{"\xff\xfe{", "line 1, column 1"},
                Row{std::string("{}\0", 3), "line 1, column 3"}, Row{"{\n\"\xc3\"}", "line 2, column 3"});
   CAPTURE(row.text);
-  const std::string error = error_of(row.text);
+  const std::string error = scene_error(row.text);
   CHECK(error.substr(0, error.find(": ", 30)) == "scene.json: parse error at " + row.place);
   CHECK(std::all_of(error.begin(), error.end(), [](char c) { return c >= ' ' && c <= '~'; }));
 }
 
 TEST_CASE("invalid scene files of any kind and size give a short error message") {
   const auto check = [](const std::string& text) {
-    const std::string error = error_of(text);
+    const std::string error = scene_error(text);
     CHECK(error.starts_with("scene.json: "));
     CHECK(error.size() < 600);
   };
@@ -352,49 +353,50 @@ TEST_CASE("invalid scene files of any kind and size give a short error message")
   check("{\"settings\": \"" + std::string(1 << 20, 'a') + "\"}");
   check("{\"settings\": [" + repeated("0,", 100'000) + "0]}");
   check(std::string(1 << 20, '1'));
-  for (std::size_t size = 0; size + 1 < everything.size(); size += 7) check(everything.substr(0, size));
+  for (std::size_t size = 0; size + 1 < scene_of_everything.size(); size += 7)
+    check(scene_of_everything.substr(0, size));
 }
 
 TEST_CASE("a scene file may be nested as deep as operations on solids may be, and no deeper") {
-  CHECK(error_of(repeated("[", 2049) + repeated("]", 2049)) ==
+  CHECK(scene_error(repeated("[", 2049) + repeated("]", 2049)) ==
         "scene.json: " + repeated("/0", 60) + "..." + repeated("/0", 60) +
             ": there are 2049 arrays and objects inside each other; at most 2048 are allowed");
-  CHECK_THAT(error_of(repeated("[", 2048) + repeated("]", 2048)), ContainsSubstring("is not an object"));
+  CHECK_THAT(scene_error(repeated("[", 2048) + repeated("]", 2048)), ContainsSubstring("is not an object"));
 
   const auto of_depth = [](int depth) {
-    return repeated(R"({"type": "csg", "operation": "union", "surfaces": [)", depth) + ball +
+    return repeated(R"({"type": "csg", "operation": "union", "surfaces": [)", depth) + ball_in_json +
            repeated("]}", depth);
   };
   CHECK(only_surface(of_depth(1000)).intersect(Ray{}) == 2);
-  const std::string error = error_of(with_surface(of_depth(1001)));
+  const std::string error = scene_error(with_surface(of_depth(1001)));
   CHECK_THAT(error, ContainsSubstring("scene.json: /objects/0/surface/surfaces: ") &&
                         ContainsSubstring("1000 deep inside each other, and these are 1001"));
   CHECK(error.size() < 300);
   const std::string cube = repeated(R"({"type": "csg", "operation": "union", "surfaces": [)", 1000) +
                            R"({"type": "cube"})" + repeated("]}", 1000);
-  CHECK_THAT(error_of(with_surface(cube)),
+  CHECK_THAT(scene_error(with_surface(cube)),
              ContainsSubstring("/0/surfaces/0/type: \"cube\" is not \"sphere\""));
-  CHECK(error_of(with_surface(cube)).size() < 500);
+  CHECK(scene_error(with_surface(cube)).size() < 500);
 
   const std::string instances =
-      repeated(R"({"type": "instance", "translate": [0, 0, 1], "surface": )", 2000) + ball +
+      repeated(R"({"type": "instance", "translate": [0, 0, 1], "surface": )", 2000) + ball_in_json +
       repeated("}", 2000);
   CHECK(only_surface(instances).intersect(Ray{}) == 2002);
 }
 
 TEST_CASE("an error in a nested surface of a scene file is reported with its place") {
   const auto says = [](const std::string& surface, const std::string& error) {
-    CHECK(error_of(with_surface(surface)) == "scene.json: /objects/0/surface" + error);
+    CHECK(scene_error(with_surface(surface)) == "scene.json: /objects/0/surface" + error);
   };
   const auto csg = [](const std::string& operation, const std::string& surfaces) {
     return R"({"type":"csg","operation":)" + operation + R"(,"surfaces":)" + surfaces + "}";
   };
-  says(csg("\"xor\"", "[" + ball + "]"),
+  says(csg("\"xor\"", "[" + ball_in_json + "]"),
        R"(/operation: "xor" is not "union", "intersection" or "difference")");
-  says(csg("\"union\"", ball), "/surfaces: " + ball + " is not an array");
+  says(csg("\"union\"", ball_in_json), "/surfaces: " + ball_in_json + " is not an array");
   says(csg("\"union\"", "[]"), "/surfaces: [] is not possible: Csg: an operation needs a solid");
   says(csg("\"union\"", "[1]"), "/surfaces/0: 1 is not an object");
-  says(csg("\"union\"", "[" + ball + R"(,{"type":"plane","normal":[0,1,0],"distance":0}])"),
+  says(csg("\"union\"", "[" + ball_in_json + R"(,{"type":"plane","normal":[0,1,0],"distance":0}])"),
        R"(/surfaces/1/type: "plane" is not the type of a closed solid)");
   says(csg("\"union\"", R"([{"type":"instance","surface":{"type":"plane","normal":[0,1,0],"distance":0}}])"),
        R"(/surfaces/0/surface/type: "plane" is not the type of a closed solid)");
@@ -406,7 +408,7 @@ TEST_CASE("an error in a nested surface of a scene file is reported with its pla
        "/operands: is not a key here; allowed are type, operation and surfaces");
 
   const auto instance = [](const std::string& placement) {
-    return R"({"type":"instance","surface":)" + ball + "," + placement + "}";
+    return R"({"type":"instance","surface":)" + ball_in_json + "," + placement + "}";
   };
   const std::string limit = "at most 2^400 (2.6e120) in magnitude";
   const std::string no_way_back =
@@ -447,7 +449,7 @@ TEST_CASE("a scene file that cannot be read is reported with its path and the re
   };
   CHECK(error_reading(folder / "none.json") == expected(folder / "none.json", ENOENT));
   CHECK(error_reading(folder / "") == expected(folder / "", EISDIR));
-  put_bytes(folder / "a.json", smallest);
+  put_bytes(folder / "a.json", smallest_scene);
   CHECK(error_reading(folder / "a.json/b.json") == expected(folder / "a.json/b.json", ENOTDIR));
   CHECK(read_scene(folder / "a.json").width == 8);
   CHECK(error_reading("") == expected("", ENOENT));
@@ -464,16 +466,16 @@ TEST_CASE("messages show names, keys and values of a scene file without control 
     return std::string(text).replace(text.find("NAME"), 4, bad);
   };
   for (const std::string& text :
-       {with_name(with("/NAME", "1")), with_name(with("/materials/NAME", "1")),
-        with_name(with("/settings/NAME", "1")), with_name(replacing("/settings/tone", "\"NAME\"")),
+       {with_name(scene_with("/NAME", "1")), with_name(scene_with("/materials/NAME", "1")),
+        with_name(scene_with("/settings/NAME", "1")), with_name(replacing("/settings/tone", "\"NAME\"")),
         with_name(replacing("/objects/0/material-id", "\"NAME\"")),
         with_name(replacing("/materials/red/diffuse", R"({"image": "NAME"})")),
         with_name(R"({"NAME": 1e999})"), R"({"NAME": 1, "NAME": 2})" + bad, with_name(R"({"NAME": nul)")}) {
-    const std::string error = error_of(text);
+    const std::string error = scene_error(text);
     CHECK(error.starts_with("scene.json: "));
     is_plain(error);
   }
-  CHECK_THAT(error_of(with_name(with("/NAME", "1"))),
+  CHECK_THAT(scene_error(with_name(scene_with("/NAME", "1"))),
              ContainsSubstring("scene.json: /\\x1b[31m\\x07\\x0a\\x7f\\xc2\\x9b: is not a key"));
   is_plain(message_of<SceneError>([] { static_cast<void>(scene_from_json("[]", "a\x1b\n")); }));
   is_plain(
@@ -495,7 +497,7 @@ TEST_CASE("the message of an error in a scene file begins with its path") {
 
 TEST_CASE("the fuzzing corpus of scene files, like every scene, is read or refused with a message") {
   int files = 0;
-  for (const fs::path& folder : {fs::path(PROTOSTAR_SOURCE_DIR) / "tests/fuzz/corpus", scenes})
+  for (const fs::path& folder : {fs::path(PROTOSTAR_SOURCE_DIR) / "tests/fuzz/corpus", scenes_folder})
     for (const auto& entry : fs::directory_iterator(folder)) {
       INFO(entry.path());
       CHECK_NOTHROW(read_any_bytes(bytes_of(entry.path())));

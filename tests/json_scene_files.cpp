@@ -20,7 +20,6 @@
 
 namespace fs = std::filesystem;
 using namespace protostar;
-using namespace scene_files;
 using nlohmann::json;
 
 namespace {
@@ -42,12 +41,12 @@ constexpr std::int64_t pixels_of_image = std::int64_t{33} * 19;
 }  // namespace
 
 TEST_CASE("the path of a texture's image is relative to the folder of the scene file") {
-  const SceneFile file = read_scene(scenes / "image.json");
+  const SceneFile file = read_scene(scenes_folder / "image.json");
   const Texture& painting = file.scene.materials<Parallelogram>()[0].texture;
   REQUIRE(painting);
   CHECK(painting(1.2, 0.1) != painting(1.2, 0.9));
   const TemporaryFolder folder;
-  std::string text = everything;
+  std::string text = scene_of_everything;
   text.replace(text.find("{\"checker\""),
                std::string(R"({"checker": [[1, 0, 0], [0, 0, 1]], "size": 2})").size(),
                R"({"image": "a.png"})");
@@ -61,7 +60,7 @@ TEST_CASE("the path of a texture's image is relative to the folder of the scene 
 
 TEST_CASE("a normal map is read as linear numbers, and once, also if its image is a texture as well") {
   const std::int64_t pixels = std::int64_t{128} * 64;
-  const SceneFile file = read_scene(scenes / "normal_map.json", {.most_pixels = pixels});
+  const SceneFile file = read_scene(scenes_folder / "normal_map.json", {.most_pixels = pixels});
   const NormalMap& map = file.scene.materials<Parallelogram>()[0].normal_map;
   REQUIRE(map);
   const auto number = [](int code) { return 2.0 * static_cast<float>(code / 255.0) - 1.0; };
@@ -75,14 +74,15 @@ TEST_CASE("a normal map is read as linear numbers, and once, also if its image i
   CHECK(std::abs(rising.y / rising.z - 0.03) < 0.02);
 
   CHECK_THAT(message_of<SceneError>([&] {
-               static_cast<void>(read_scene(scenes / "normal_map.json", {.most_pixels = pixels - 1}));
+               static_cast<void>(read_scene(scenes_folder / "normal_map.json", {.most_pixels = pixels - 1}));
              }),
              ContainsSubstring("/materials/bricks/normal-map/image: \"bricks.png\" is not possible: "));
   const std::string twice = R"({"image": "bricks.png"})";
   std::string text =
       patched(R"({"op": "add", "path": "/materials/red/normal-map", "value": )" + twice +
               R"(}, {"op": "replace", "path": "/materials/red/diffuse", "value": )" + twice + "}");
-  const SceneFile both = scene_from_json(text, (scenes / "a.json").string(), {.most_pixels = 2 * pixels});
+  const SceneFile both =
+      scene_from_json(text, (scenes_folder / "a.json").string(), {.most_pixels = 2 * pixels});
   const Material& red = both.scene.materials<Sphere>()[0];
   CHECK(red.normal_map(0.001, 0.001) == level);
   CHECK(std::abs(red.texture(0.001, 0.001).r - 0.2158605f) < 1e-6f);  // 128 decoded from sRGB
@@ -93,9 +93,9 @@ TEST_CASE("a normal map with a pixel that leads into the surface is refused, wit
   const std::string text =
       patched(R"({"op": "add", "path": "/materials/red/normal-map", "value": {"image": ")" + name + "\"}}");
   CHECK(message_of<SceneError>(
-            [&] { static_cast<void>(scene_from_json(text, (scenes / "a.json").string())); }) ==
-        (scenes / "a.json").string() + ": /materials/red/normal-map/image: \"" + name +
-            "\" is not possible: '" + (scenes / name).string() +
+            [&] { static_cast<void>(scene_from_json(text, (scenes_folder / "a.json").string())); }) ==
+        (scenes_folder / "a.json").string() + ": /materials/red/normal-map/image: \"" + name +
+            "\" is not possible: '" + (scenes_folder / name).string() +
             "' is no normal map: the blue of pixel 0,0, counted from 0 at the upper left, is 0; allowed is "
             "above 0.5, for a normal that leads out of the surface");
 }
@@ -279,7 +279,7 @@ TEST_CASE("a mesh in a scene file may be cut with other solids if it is closed")
   const TemporaryFolder folder;
   const auto read_cut = [&](const std::string& first) {
     put_bytes(folder / "a.json", with_surface(R"({"type": "csg", "operation": "difference", "surfaces": [)" +
-                                              first + ", " + ball + "]}"));
+                                              first + ", " + ball_in_json + "]}"));
     return read_scene(folder / "a.json");
   };
   const std::string mesh = R"({"type": "mesh", "file": "a.obj", "scale": 2})";

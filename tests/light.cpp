@@ -8,22 +8,20 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
 
 using namespace protostar;
 
 namespace {
-constexpr float four_pi = 4 * std::numbers::pi_v<float>;
-constexpr double inf = std::numeric_limits<double>::infinity(),
-                 not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-const Point origin{0};
-const Vec3 up{0, 1, 0};
+const Point world_origin{0};
+const Vec3 upwards{0, 1, 0};
 
 /// Returns a light's irradiance at the origin, on a surface that faces up and on one that faces the light.
-double lit(const Light& light) { return double{light.irradiance(origin, up).r}; }
-double lit_facing(const Light& light) { return double{light.perpendicular_irradiance(origin).r}; }
+double lit(const Light& light) { return double{light.irradiance(world_origin, upwards).r}; }
+double lit_facing(const Light& light) { return double{light.perpendicular_irradiance(world_origin).r}; }
 
 bool near(double a, double b) { return std::abs(a - b) <= 1e-6 * std::abs(b); }
 
@@ -34,7 +32,7 @@ std::string refusal(const auto& light) {
 
 TEST_CASE("a point light of 4π watts gives 1 W/m² on a surface that faces it at distance 1") {
   const Light light = PointLight{.position = {0, 1, 0}, .power = Color{four_pi, 2 * four_pi, 0}};
-  const Color e = light.irradiance(origin, up);
+  const Color e = light.irradiance(world_origin, upwards);
   CHECK(std::abs(e.r - 1) < 1e-6f);
   CHECK(std::abs(e.g - 2) < 1e-6f);
   CHECK(e.b == 0);
@@ -71,7 +69,7 @@ TEST_CASE("the irradiance of a constant light depends on the cosine alone") {
     const Light light = ConstantLight{row.position, Color{3}};
     CHECK(near(lit(light), 3 * row.cosine));
     CHECK(near(lit_facing(light), 3));
-    CHECK(light.towards(origin) == row.position);
+    CHECK(light.towards(world_origin) == row.position);
     CHECK(light.occlusion_range().max == 1);
   }
 }
@@ -80,15 +78,15 @@ TEST_CASE("a directional light shines from its direction, of any length, at ever
   for (const double length : {1.0, 5.0, 1e-200, 1e200}) {
     CAPTURE(length);
     const Light light = DirectionalLight{.direction = length * Vec3{1, 1, 0}, .intensity = Color{2}};
-    for (const Point& point : {origin, Point{1e6, -3, 5}}) {
-      CHECK(std::abs(light.irradiance(point, up).r - std::sqrt(2.0f)) < 1e-6f);
+    for (const Point& point : {world_origin, Point{1e6, -3, 5}}) {
+      CHECK(std::abs(light.irradiance(point, upwards).r - std::sqrt(2.0f)) < 1e-6f);
       CHECK(std::abs(light.irradiance(point, normalize(Vec3{1, 1, 0})).r - 2) < 1e-6f);
       CHECK(std::abs(light.perpendicular_irradiance(point).r - 2) < 1e-6f);
       CHECK(light.irradiance(point, Vec3{0, -1, 0}) == Color{0});
       CHECK(distance(light.towards(point), normalize(Vec3{1, 1, 0})) < 1e-15);
     }
     CHECK(light.occlusion_range().min == 0);
-    CHECK(light.occlusion_range().max == inf);  // occluders may be at any distance
+    CHECK(light.occlusion_range().max == infinity);  // occluders may be at any distance
   }
 }
 
@@ -117,7 +115,7 @@ TEST_CASE("a spotlight is a point light inside its cone, and dark outside") {
     CHECK(std::abs(lit(light) - 0.25 * row.share) < 1e-4);
     CHECK(std::abs(lit_facing(light) - 0.25 * row.share) < 1e-4);
     CHECK((lit(light) == 0) == (row.share == 0));
-    CHECK(light.towards(origin) == Vec3{0, 2, 0});
+    CHECK(light.towards(world_origin) == Vec3{0, 2, 0});
     CHECK(light.occlusion_range().max == 1);
   }
 }
@@ -137,7 +135,7 @@ TEST_CASE("a light behind a surface, in its plane or at the point itself gives n
     CHECK(lit(PointLight{position, Color{1}}) == 0);
     CHECK(lit(ConstantLight{position, Color{1}}) == 0);
     CHECK(lit(SpotLight{.position = position, .angle = 180, .power = Color{1}}) == 0);
-    if (position != origin) CHECK(lit(DirectionalLight{position, Color{1}}) == 0);
+    if (position != world_origin) CHECK(lit(DirectionalLight{position, Color{1}}) == 0);
   }
 }
 
@@ -145,11 +143,11 @@ TEST_CASE("the irradiance very near a light is clamped so that sums stay finite"
   const float most = std::numeric_limits<float>::max();
   for (const Color power : {Color{1, 0, 0.5f}, Color{most, 0, 0.5f * most}, Color{1e-30f, 0, 0.5e-30f}}) {
     const Light light = PointLight{.position = {0, 1e-100, 0}, .power = power};
-    const Color brought = light.irradiance(origin, up);
+    const Color brought = light.irradiance(world_origin, upwards);
     CHECK(near(double{brought.r}, double{std::min(power.r * 0x1p20f, 1.0f) * most_irradiance}));
     CHECK(brought.g == 0);
     CHECK(near(2 * double{brought.b}, double{brought.r}));
-    CHECK(light.perpendicular_irradiance(origin) == brought);
+    CHECK(light.perpendicular_irradiance(world_origin) == brought);
   }
   // A directional light that is too bright is clamped as well, and a light without a color stays dark.
   CHECK(near(lit(DirectionalLight{.intensity = Color{most}}), double{most_irradiance}));
@@ -176,12 +174,12 @@ TEST_CASE("a sphere around a point light receives its power") {
 
 TEST_CASE("an invalid light is refused with the field's name") {
   const std::string place = ": position must have numbers at most 2^400 (2.6e120) in magnitude";
-  for (const double bad : {inf, -inf, not_a_number, 1e121}) {
+  for (const double bad : {infinity, -infinity, not_a_number, 1e121}) {
     CHECK(refusal(PointLight{.position = {0, bad, 0}}) == "PointLight" + place);
     CHECK(refusal(ConstantLight{.position = {0, 0, bad}}) == "ConstantLight" + place);
     CHECK(refusal(SpotLight{.position = {bad, 0, 0}}) == "SpotLight" + place);
   }
-  for (const double bad : {inf, -inf, not_a_number}) {
+  for (const double bad : {infinity, -infinity, not_a_number}) {
     CHECK(refusal(DirectionalLight{.direction = {0, bad, 0}}) ==
           "DirectionalLight: direction must be finite and not zero");
     CHECK(refusal(SpotLight{.direction = {0, bad, 0}}) == "SpotLight: direction must be finite and not zero");
@@ -189,7 +187,7 @@ TEST_CASE("an invalid light is refused with the field's name") {
   CHECK(refusal(DirectionalLight{.direction = Vec3{0}}) ==
         "DirectionalLight: direction must be finite and not zero");
   CHECK(refusal(SpotLight{.direction = Vec3{0}}) == "SpotLight: direction must be finite and not zero");
-  for (const double bad : {inf, not_a_number, -1.0}) {
+  for (const double bad : {infinity, not_a_number, -1.0}) {
     const Color light{1, 1, static_cast<float>(bad)};
     CHECK(refusal(PointLight{.power = light}) == "PointLight: power must be finite and not negative");
     CHECK(refusal(SpotLight{.power = light}) == "SpotLight: power must be finite and not negative");
@@ -198,9 +196,9 @@ TEST_CASE("an invalid light is refused with the field's name") {
     CHECK(refusal(DirectionalLight{.intensity = light}) ==
           "DirectionalLight: intensity must be finite and not negative");
   }
-  for (const double bad : {0.0, -1.0, 180.1, inf, not_a_number})
+  for (const double bad : {0.0, -1.0, 180.1, infinity, not_a_number})
     CHECK(refusal(SpotLight{.angle = bad}) == "SpotLight: angle must be above 0 and at most 180 degrees");
-  for (const double bad : {-1.0, inf, not_a_number})
+  for (const double bad : {-1.0, infinity, not_a_number})
     CHECK(refusal(SpotLight{.angle = 30, .fade = bad}) == "SpotLight: fade must be finite and not negative");
   // Dark lights are valid.
   CHECK(refusal(PointLight{}).empty());

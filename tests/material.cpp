@@ -5,13 +5,12 @@
 #include <string>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/errors.hpp"
 
 using namespace protostar;
 
 namespace {
-constexpr double inf = std::numeric_limits<double>::infinity(),
-                 not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 std::string refusal(const Material& material) {
   return message_of<std::invalid_argument>([&] { material.validate(); });
@@ -63,7 +62,7 @@ TEST_CASE("a checker has its first color where 0 < u, v < size, and changes with
 }
 
 TEST_CASE("an invalid material is refused with the field's name") {
-  for (const double bad : {-1.0, inf, not_a_number}) {
+  for (const double bad : {-1.0, infinity, not_a_number}) {
     CAPTURE(bad);
     const Color light{0.5f, static_cast<float>(bad), 0};
     CHECK(refusal({.diffuse = light}) == "Material: diffuse color must be finite and not negative");
@@ -83,10 +82,10 @@ TEST_CASE("an invalid material is refused with the field's name") {
 }
 
 TEST_CASE("an invalid checker is refused as a part of its material") {
-  for (const double bad : {0.0, -1.0, 0x1p-401, 1e121, inf, not_a_number})
+  for (const double bad : {0.0, -1.0, 0x1p-401, 1e121, infinity, not_a_number})
     CHECK(refusal({.texture = Checker{.size = bad}}) ==
           "Checker: size must be from 2^-400 (3.9e-121) to 2^400 (2.6e120)");
-  for (const double bad : {-1.0, inf, not_a_number}) {
+  for (const double bad : {-1.0, infinity, not_a_number}) {
     const Color light{0.5f, static_cast<float>(bad), 0};
     const std::string error = "Checker: first and second color must be finite and not negative";
     CHECK(refusal({.texture = Checker{.first = light}}) == error);

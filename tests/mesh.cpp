@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"
 #include "support/meshes.hpp"
@@ -23,8 +24,6 @@
 using namespace protostar;
 
 namespace {
-
-const Interval everywhere{-infinity, infinity};
 
 MeshData one_triangle() { return {.vertices = {{0, 0, 3}, {2, 0, 3}, {0, 2, 3}}, .triangles = {{0, 1, 2}}}; }
 
@@ -55,7 +54,7 @@ std::vector<Crossing> crossings_of_triangles(const Mesh& mesh, const Ray& ray, I
   return all;
 }
 
-bool are_equal(const Crossing& a, const Crossing& b) {
+bool are_equal_crossings(const Crossing& a, const Crossing& b) {
   return a.t == b.t && a.root == b.root && a.part == b.part;
 }
 
@@ -103,7 +102,7 @@ TEST_CASE("a mesh is hit where one of its triangles is, whatever their orientati
   among_degenerate.insert(among_degenerate.end(), square.begin(), square.end());
   const auto up = [](double x, double y) { return Ray{{x, y, -3}, {0, 0, 1}}; };
   const auto down = [](double x, double y) { return Ray{{x, y, 3}, {0, 0, -2}}; };
-  const double ulp = std::numeric_limits<double>::epsilon(), tiny = 0x1p-60;
+  const double tiny = 0x1p-60;
   struct {
     const char* what;
     const Triangles& triangles;
@@ -172,11 +171,12 @@ TEST_CASE("a mesh reports the crossings of its triangles in exact order, at equa
         const auto expected = crossings_of_triangles(mesh, ray, range);
         std::vector<Crossing> found;
         mesh.each_crossing(ray, range, [&](const Crossing& crossing) { found.push_back(crossing); });
-        wrong.add(!std::equal(found.begin(), found.end(), expected.begin(), expected.end(), are_equal), ray,
-                  range);
+        wrong.add(
+            !std::equal(found.begin(), found.end(), expected.begin(), expected.end(), are_equal_crossings),
+            ray, range);
         const auto first = mesh.first_crossing(ray, range);
-        wrong.add(first ? expected.empty() || !are_equal(*first, expected[0]) : !expected.empty(), ray,
-                  range);
+        wrong.add(first ? expected.empty() || !are_equal_crossings(*first, expected[0]) : !expected.empty(),
+                  ray, range);
         wrong.add(mesh.any_hit(ray, range) == expected.empty(), ray, range);
         crossings += expected.size();
         if (!first) break;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/errors.hpp"
 #include "support/meshes.hpp"
 #include "support/pictures.hpp"
@@ -21,17 +22,7 @@
 
 using namespace protostar;
 
-namespace {
-
-const Interval everywhere{-infinity, infinity};
-
-std::vector<double> crossings(const Csg& tree, const Ray& ray, Interval range = {}) {
-  std::vector<double> all;
-  tree.each_crossing(ray, range, [&](const Crossing& crossing) { all.push_back(crossing.t); });
-  return all;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("a mesh is a solid if each edge belongs to as many triangles in one direction as in the other") {
   for (const MeshData& closed : {meshes::box(2), meshes::icosphere(1), meshes::torus(9, 7)}) {
@@ -89,8 +80,8 @@ TEST_CASE("a closed mesh works in CSG trees like other solids") {
     const Point origin = random.point(3);
     const Ray line{origin, random.point(1) - origin};
     for (std::size_t k = 0; k < of_box.size(); ++k) {
-      const auto expected = crossings(of_box[k], line, everywhere);
-      wrong.add(crossings(of_mesh[k], line, everywhere) != expected, box, cut, line);
+      const auto expected = crossings_of_solid(of_box[k], line, everywhere);
+      wrong.add(crossings_of_solid(of_mesh[k], line, everywhere) != expected, box, cut, line);
       crossed += !expected.empty();
       // Compares also the rays that leave the first crossing in any direction.
       const auto first = of_box[k].first_crossing(line, {});
@@ -100,8 +91,8 @@ TEST_CASE("a closed mesh works in CSG trees like other solids") {
       const Point p = line.at(first->t);
       wrong.add(of_mesh[k].normal_at(p, same->part) != of_box[k].normal_at(p, first->part), box, cut, line,
                 p);
-      wrong.add(crossings(of_mesh[k], {p, on, of_mesh[k].departure(same->part)}) !=
-                    crossings(of_box[k], {p, on, of_box[k].departure(first->part)}),
+      wrong.add(crossings_of_solid(of_mesh[k], {p, on, of_mesh[k].departure(same->part)}) !=
+                    crossings_of_solid(of_box[k], {p, on, of_box[k].departure(first->part)}),
                 box, cut, line, on, p);
     }
   }

@@ -44,7 +44,7 @@ NormalMap constant(const Vec3& direction) {
 }
 
 /// Waves that tilt the normal by up to 45 degrees along u and along v.
-const NormalMap waves = [](double u, double v) { return Vec3{std::sin(30 * u), std::sin(40 * v), 1}; };
+const NormalMap wave_map = [](double u, double v) { return Vec3{std::sin(30 * u), std::sin(40 * v), 1}; };
 
 bool is_near(const Vec3& a, const Vec3& b) { return length(a - b) < 1e-12; }
 
@@ -196,7 +196,7 @@ TEST_CASE("the vertex normals of a mesh are tilted, not those of its triangles")
 
 TEST_CASE("a normal map tilts nothing where the directions of u and v are not known") {
   const Ray down{.origin = {0, 5, 0}, .direction = {0, -1, 0}};  // to a pole
-  CHECK(mapped_normal_of(Sphere{}, down, waves) == Vec3{0, 1, 0});
+  CHECK(mapped_normal_of(Sphere{}, down, wave_map) == Vec3{0, 1, 0});
   CHECK(mapped_normal_of(Mesh(square_with(std::vector<Uv>(4, Uv{1, 2}))), Ray{.origin = {0.1, 0.3, 0}},
                          constant({3, 0, 4})) == Vec3{0, 0, -1});
 }
@@ -214,10 +214,11 @@ TEST_CASE("tangents of numbers near the limits of coordinates still give unit no
 
 TEST_CASE("a surface without coordinates takes no normal map") {
   Scene<Cylinder> scene;
-  CHECK_THAT(message_of<std::invalid_argument>([&] { scene.add(Cylinder{}, Material{.normal_map = waves}); }),
-             ContainsSubstring("normal map") && ContainsSubstring("tangents_at(point)"));
+  CHECK_THAT(
+      message_of<std::invalid_argument>([&] { scene.add(Cylinder{}, Material{.normal_map = wave_map}); }),
+      ContainsSubstring("normal map") && ContainsSubstring("tangents_at(point)"));
   Scene<AnySurface> any;
-  CHECK_THROWS_AS(any.add(Instance(AnySurface(Cylinder{}), {}), Material{.normal_map = waves}),
+  CHECK_THROWS_AS(any.add(Instance(AnySurface(Cylinder{}), {}), Material{.normal_map = wave_map}),
                   std::invalid_argument);
   CHECK_NOTHROW(scene.add(Cylinder{}, Material{}));
 }
@@ -251,7 +252,7 @@ template <class I>
 void check_integrator(const std::string& name, const I& integrator) {
   CAPTURE(name);
   const Camera camera;
-  const All mapped = scene_with(waves), plain = scene_with({});
+  const All mapped = scene_with(wave_map), plain = scene_with({});
   const auto [lit, different] = drawn_alike(mapped, camera, integrator);
   CHECK(lit > 1000);
   CHECK(different == 0);

@@ -13,6 +13,7 @@
 #include "scenes/three_spheres.hpp"
 #include "stress/exact.hpp"
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/random.hpp"
 
 using namespace protostar;
@@ -20,19 +21,18 @@ using exact::Number;
 
 namespace {
 
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
-constexpr double smallest = std::numeric_limits<double>::denorm_min();
-constexpr double largest = std::numeric_limits<double>::max();
+constexpr double smallest_double = std::numeric_limits<double>::denorm_min();
+constexpr double largest_double = std::numeric_limits<double>::max();
 
 /// Returns a random number in (−1, 1) times a random power of two from 2^-60 to 2^59.
-double any(Random& random) {
+double any_number(Random& random) {
   const double mantissa = random.real(-1, 1);
   return std::ldexp(mantissa, static_cast<int>(random.bits() % 120) - 60);
 }
 
 /// Returns a random double-double.
 DoubleDouble any_pair(Random& random) {
-  const double high = any(random);
+  const double high = any_number(random);
   return fast_two_sum(high, std::ldexp(high * random.real(-1, 1), -53));
 }
 
@@ -47,8 +47,6 @@ bool within(const Number& a, const Number& b, const Number& bound) {
 constexpr double u2 = 0x1p-106;  // u²
 
 const Sphere unit_sphere{.center = {0, 0, 3}, .radius = 1};
-
-std::vector<double> list(const Roots& roots) { return {roots.begin(), roots.end()}; }
 
 }  // namespace
 
@@ -194,12 +192,18 @@ TEST_CASE("spheres of huge, tiny, distant and denormal numbers are crossed like 
   const Row rows[] = {
       {"squares overflow", {{0, 0, -3e200}, ahead}, {Point{0}, 1e200}, {3e200 - 1e200, 3e200 + 1e200}},
       {"squares underflow", {{0, 0, -3e-200}, ahead}, {Point{0}, 1e-200}, {3e-200 - 1e-200, 3e-200 + 1e-200}},
-      {"the largest", {{0, 0, 0}, ahead}, {Point{0}, largest}, {-largest, largest}},
+      {"the largest_double",
+       {{0, 0, 0}, ahead},
+       {Point{0}, largest_double},
+       {-largest_double, largest_double}},
       {"center − origin overflows",
-       {{0, 0, -largest}, {0, 0, 4}},
-       {{0, 0, largest}, largest},
-       {largest / 4, 3 * (largest / 4)}},
-      {"the smallest", {{0, 0, -3 * smallest}, ahead}, {Point{0}, smallest}, {2 * smallest, 4 * smallest}},
+       {{0, 0, -largest_double}, {0, 0, 4}},
+       {{0, 0, largest_double}, largest_double},
+       {largest_double / 4, 3 * (largest_double / 4)}},
+      {"the smallest_double",
+       {{0, 0, -3 * smallest_double}, ahead},
+       {Point{0}, smallest_double},
+       {2 * smallest_double, 4 * smallest_double}},
       {"a small sphere far away", {{0, 0, -1e60}, ahead}, {Point{0}, 1e-60}, {1e60, 1e60}},
       {"a small sphere far away, beside the ray", {{1e-59, 0, -1e60}, ahead}, {Point{0}, 1e-60}, {}},
       {"A r² overflows", {{0, 0, 0}, {0, 0, 0x1p50}}, {Point{0}, 0x1p468}, {-0x1p418, 0x1p418}},
@@ -281,7 +285,7 @@ TEST_CASE("the fallback counters count decisions that double leaves in doubt") {
 TEST_CASE("the error-free transforms have no rounding error") {
   Random random(1);
   for (int i = 0; i < 100000; ++i) {
-    const double a = any(random), b = any(random);
+    const double a = any_number(random), b = any_number(random);
     REQUIRE((value(two_sum(a, b)) - Number(a) - Number(b)).sign() == 0);
     REQUIRE((value(two_product(a, b)) - Number(a) * Number(b)).sign() == 0);
     const bool in_order = std::abs(a) >= std::abs(b);
@@ -310,7 +314,8 @@ TEST_CASE("double-double operations keep their error bounds: sum 3u², product 5
 TEST_CASE("ExactNumber is exact at any size, and converts to double-double within 2^-103") {
   Random random(3);
   for (int i = 0; i < 20000; ++i) {
-    const double a = any(random), b = any(random), c = any(random), d = any(random);
+    const double a = any_number(random), b = any_number(random), c = any_number(random),
+                 d = any_number(random);
     // ab − cd, and the equal b (a + c) − c (b + d), in which terms cancel.
     const ExactNumber x = ExactNumber(a) * ExactNumber(b) - ExactNumber(c) * ExactNumber(d);
     const ExactNumber y = ExactNumber(b) * (ExactNumber(a) + ExactNumber(c)) -

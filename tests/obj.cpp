@@ -23,10 +23,10 @@ namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-MeshData read(const std::string& text) { return mesh_from_obj(text, "a.obj"); }
+MeshData mesh_of(const std::string& text) { return mesh_from_obj(text, "a.obj"); }
 
-std::string error_in(const std::string& text) {
-  return message_of<std::runtime_error>([&] { (void)read(text); });
+std::string error_in_obj(const std::string& text) {
+  return message_of<std::runtime_error>([&] { (void)mesh_of(text); });
 }
 
 const std::string corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -39,35 +39,35 @@ TEST_CASE("the vertices and faces of an OBJ file are read, with every kind of li
     std::string text;
     for (const char* line : {"v 0 0.1 -2e-3", "  v\t+1 .5  3", "v 1 1 1 0.5 0.5 0.5", "f 1 2 3"})
       text += line + end;
-    const MeshData data = read(text);
+    const MeshData data = mesh_of(text);
     CHECK(data.vertices == std::vector<Point>{{0, 0.1, -2e-3}, {1, 0.5, 3}, {1, 1, 1}});
     CHECK(data.triangles == Triangles{{0, 1, 2}});
     CHECK(data.normals.empty());
     CHECK(data.uvs.empty());
   }
-  CHECK(read(corners + "f 1 2 3").triangles.size() == 1);  // no line ending after the last line
+  CHECK(mesh_of(corners + "f 1 2 3").triangles.size() == 1);  // no line ending after the last line
 }
 
 TEST_CASE("a byte order mark at the beginning of an OBJ file is skipped") {
-  CHECK(read("\xEF\xBB\xBF" + corners + "f 1 2 3").vertices == read(corners + "f 1 2 3").vertices);
-  CHECK_THROWS(read(corners + "f 1 2 \xEF\xBB\xBF"
-                              "3"));
+  CHECK(mesh_of("\xEF\xBB\xBF" + corners + "f 1 2 3").vertices == mesh_of(corners + "f 1 2 3").vertices);
+  CHECK_THROWS(mesh_of(corners + "f 1 2 \xEF\xBB\xBF"
+                                 "3"));
 }
 
 TEST_CASE("a line of an OBJ file may end with a comment, or continue on the next line") {
   const Triangles one{{0, 1, 2}};
-  CHECK(read(corners + "f 1 2 3 # the first").triangles == one);
-  CHECK(read(corners + "f 1 2 3#4").triangles == one);
-  CHECK(read(corners + "f 1 2 \\\n3\n").triangles == one);
-  CHECK(read(corners + "f 1\\\r\n2\\\r\n3").triangles == one);  // joined lines have a blank between them
-  CHECK(read(corners + "f 1 2 3\\").triangles == one);          // no next line to continue on
-  CHECK(read(corners + "# no \\\nf 1 2 3").triangles == one);   // a comment does not continue
-  const MeshData data = read("v 0 \\\n 1 2 # x\nv 1 2 3 0.5#\nv \\\n\\\n\\\n1 1 1\nf 1 2 3");
+  CHECK(mesh_of(corners + "f 1 2 3 # the first").triangles == one);
+  CHECK(mesh_of(corners + "f 1 2 3#4").triangles == one);
+  CHECK(mesh_of(corners + "f 1 2 \\\n3\n").triangles == one);
+  CHECK(mesh_of(corners + "f 1\\\r\n2\\\r\n3").triangles == one);  // joined lines have a blank between them
+  CHECK(mesh_of(corners + "f 1 2 3\\").triangles == one);          // no next line to continue on
+  CHECK(mesh_of(corners + "# no \\\nf 1 2 3").triangles == one);   // a comment does not continue
+  const MeshData data = mesh_of("v 0 \\\n 1 2 # x\nv 1 2 3 0.5#\nv \\\n\\\n\\\n1 1 1\nf 1 2 3");
   CHECK(data.vertices == std::vector<Point>{{0, 1, 2}, {1, 2, 3}, {1, 1, 1}});
 }
 
 TEST_CASE("numbers of an OBJ file are the nearest doubles") {
-  const MeshData data = read(
+  const MeshData data = mesh_of(
       "v 0.3 123456789.123456789 2.2250738585072011e-308\nv 0.1234567890123456789 5e-324 1\nv 1 1 1\nf 1 2 "
       "3");
   CHECK(data.vertices[0] == Point{0.3, 123456789.123456789, 2.2250738585072011e-308});
@@ -75,28 +75,28 @@ TEST_CASE("numbers of an OBJ file are the nearest doubles") {
 }
 
 TEST_CASE("polygons are cut into triangles by their diagonals from the first corner") {
-  CHECK(read(corners + "f 1 2 3 4").triangles == Triangles{{0, 1, 2}, {0, 2, 3}});
-  CHECK(read(corners + "v 0 0.5 0\nf 2 3 4 5 1").triangles == Triangles{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}});
+  CHECK(mesh_of(corners + "f 1 2 3 4").triangles == Triangles{{0, 1, 2}, {0, 2, 3}});
+  CHECK(mesh_of(corners + "v 0 0.5 0\nf 2 3 4 5 1").triangles == Triangles{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}});
 }
 
 TEST_CASE("negative indices count back from the last vertex read") {
-  const MeshData data = read(corners + "f -4 -3 -2\nv 5 5 5\nf -1 1 2");
+  const MeshData data = mesh_of(corners + "f -4 -3 -2\nv 5 5 5\nf -1 1 2");
   CHECK(data.triangles == Triangles{{0, 1, 2}, {3, 0, 1}});
   CHECK(data.vertices[3] == Point{5, 5, 5});
 }
 
 TEST_CASE(
     "face corners at one position with different normals or texture coordinates become different vertices") {
-  const MeshData data = read(corners +
-                             "vn 0 0 1\nvn 0 1 0\nvt 0.25 0.25\nvt 0.5\n"
-                             "f 1/1/1 2/1/1 3/1/1\nf 1/1/1 3/1/2 4/2/1\n");
+  const MeshData data = mesh_of(corners +
+                                "vn 0 0 1\nvn 0 1 0\nvt 0.25 0.25\nvt 0.5\n"
+                                "f 1/1/1 2/1/1 3/1/1\nf 1/1/1 3/1/2 4/2/1\n");
   CHECK(data.triangles == Triangles{{0, 1, 2}, {0, 3, 4}});
   CHECK(data.vertices == std::vector<Point>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 0}, {0, 1, 0}});
   CHECK(data.normals == std::vector<Vec3>{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 1, 0}, {0, 0, 1}});
   // The lower edge of a texture is at v = 0 in an OBJ file, and at v = 1 in Protostar.
   CHECK(data.uvs == std::vector<Uv>{{0.25, 0.75}, {0.25, 0.75}, {0.25, 0.75}, {0.25, 0.75}, {0.5, 1}});
 
-  const MeshData some = read(corners + "vn 0 0 1\nf 1//1 2//1 3//1\nf 1 3 4");
+  const MeshData some = mesh_of(corners + "vn 0 0 1\nf 1//1 2//1 3//1\nf 1 3 4");
   CHECK(some.normals.empty());
   CHECK(some.triangles.size() == 2);
 }
@@ -110,7 +110,7 @@ TEST_CASE("faces that share positions but not normals are not slow to read") {
       text += "vn 0 0 " + std::to_string(i) + "\nf 1" + normal + " 2" + normal + " 3" + normal + "\n";
     }
     const std::clock_t begin = std::clock();
-    const MeshData data = read(text);
+    const MeshData data = mesh_of(text);
     return std::pair(data, std::clock() - begin);
   };
   const auto [alike, usual_time] = read_faces([](std::uint32_t) { return 1; });
@@ -131,7 +131,7 @@ TEST_CASE("equal face corners become one vertex even if many corners share a pos
   for (int i = 1; i <= 20; ++i) text += "vn 0 0 " + std::to_string(i) + "\n";
   for (int round = 0; round < 2; ++round)
     for (int i = 1; i <= 20; ++i) text += "f 1//" + std::to_string(i) + " 2//1 3//1\n";
-  const MeshData data = read(text);
+  const MeshData data = mesh_of(text);
   CHECK(data.vertices.size() == 22);
   for (std::size_t i = 0; i < 20; ++i) {
     CHECK(data.triangles[i] == data.triangles[20 + i]);
@@ -207,7 +207,7 @@ TEST_CASE("errors in an OBJ file are reported with their line") {
   };
   for (const auto& [text, error] : rows) {
     CAPTURE(text);
-    CHECK_THAT(error_in(text), ContainsSubstring(error));
+    CHECK_THAT(error_in_obj(text), ContainsSubstring(error));
   }
 }
 
@@ -269,7 +269,7 @@ TEST_CASE("scenes/make_mesh writes the mesh of the scenes, and the torus of the 
       for (const std::uint32_t corner : triangle) points.push_back(mesh.vertices[corner]);
     return points;
   };
-  const MeshData torus = read(make_mesh({"torus", "1000"}).out);
+  const MeshData torus = mesh_of(make_mesh({"torus", "1000"}).out);
   CHECK(torus.vertices.size() == 500);
   CHECK(torus.triangles.size() == 1000);
   CHECK((corners_of(torus) == corners_of(bench::torus(1000))));

@@ -23,6 +23,7 @@
 #include <sys/xattr.h>
 #endif
 
+#include "support/cases.hpp"
 #include "support/catch.hpp"
 #include "support/files.hpp"
 
@@ -345,7 +346,7 @@ TEST_CASE("several writers of one target leave a whole file, and do not disturb 
   for (const char letter : {'a', 'b', 'c', 'd', 'e', 'f'})
     writers.push_back(std::async(std::launch::async, [&folder, letter] {
       int broken = 0;
-      for (int i = 0; i < 200; ++i) {
+      for (int i = 0; i < cases(50, 200); ++i) {
         save(folder / "target", std::string(size, letter));
         const std::string bytes = bytes_of(folder / "target");
         broken += bytes != std::string(size, bytes.empty() ? ' ' : bytes[0]);

@@ -64,7 +64,7 @@ bool same_bits(const Vec3& a, const Vec3& b) {
 }
 
 /// Counts from comparing packets with their single rays.
-struct Tally {
+struct Comparison {
   int asked = 0, met = 0, in_doubt = 0;
   WrongCases wrong;
 };
@@ -74,7 +74,7 @@ bool has(LaneMask some, int lane) { return (bits(some) >> lane & 1) != 0; }
 /// Compares a surface's answers for a packet with those for its single rays: the roots, and the crossings in
 /// some ranges.
 template <Surface S>
-void compare(const S& surface, const auto& rays, Random& random, Tally& tally) {
+void compare(const S& surface, const auto& rays, Random& random, Comparison& tally) {
   const LaneMask active = rays.active;
   if constexpr (simd::takes_packets<S>) {
     const auto roots = roots_of_each(surface, rays, active);
@@ -140,8 +140,8 @@ LaneMask some_lanes(Random& random) {
 }
 
 /// Compares a surface's answers for packets with many origins and with one origin, in a number of rounds.
-Tally compare(const std::function<Ray(Random&)>& ray, const auto& surface_of, int rounds) {
-  Tally tally;
+Comparison compare(const std::function<Ray(Random&)>& ray, const auto& surface_of, int rounds) {
+  Comparison tally;
   Random random(7);
   for (int round = 0; round < rounds; ++round) {
     const auto surface = surface_of(random);
@@ -168,7 +168,7 @@ double any_size(Random& random) {
   }
 }
 
-struct Rows {
+struct PacketRow {
   const char* what;
   std::function<Ray(Random&)> ray;
   double most_in_doubt;  ///< upper bound for the share of answers
@@ -179,7 +179,7 @@ struct Rows {
 
 TEST_CASE("a packet hits a sphere where each of its rays does, or is in doubt") {
   const auto unit = [](Random&) { return Sphere{}; };
-  const auto row = GENERATE_COPY(values<Rows>(
+  const auto row = GENERATE_COPY(values<PacketRow>(
       {{"ordinary rays",
         [](Random& r) {
           return Ray{r.point(3), r.direction()};
@@ -266,7 +266,7 @@ TEST_CASE("a packet hits a sphere where each of its rays does, or is in doubt") 
           return Ray{r.point(2), r.direction(), Sphere{.center = {1, 0, 0}}.departure()};
         },
         1e-3, 0.003}}));
-  const Tally tally = compare(row.ray, unit, 2000);
+  const Comparison tally = compare(row.ray, unit, 2000);
   CAPTURE(row.what, tally.asked, tally.met, tally.in_doubt);
   CHECK(tally.wrong == 0);
   CHECK(tally.in_doubt <= row.most_in_doubt * tally.asked);
@@ -291,7 +291,7 @@ TEST_CASE("a packet hits spheres of any size and position where each of its rays
       const Point from = center + r.point(3 * size);
       return Ray{from, (center + r.point(size) - from) * std::exp2(r.real(-2, 2))};
     };
-    const Tally tally = compare(near_it, at(center, radius), 1000);
+    const Comparison tally = compare(near_it, at(center, radius), 1000);
     CHECK(tally.wrong == 0);
   }
   const auto any_sphere = [](Random& r) {
@@ -306,39 +306,41 @@ TEST_CASE("a packet hits spheres of any size and position where each of its rays
 TEST_CASE("a packet hits a plane where each of its rays does, or is in doubt") {
   const auto ordinary = [](Random& r) { return Ray{r.point(3), r.direction()}; };
   const auto random_plane = [](Random& r) { return Plane{.normal = r.point(2), .distance = r.real(-2, 2)}; };
-  const Tally tally = compare(ordinary, random_plane, 4000);
+  const Comparison tally = compare(ordinary, random_plane, 4000);
   CHECK(tally.wrong == 0);
   CHECK(tally.met > 0.05 * tally.asked);
   CHECK(tally.in_doubt < 1e-3 * tally.asked);
 
   const auto floor = [](Random&) { return Plane{.normal = {0, 1, 0}, .distance = -1}; };
-  for (const Rows& row :
-       {Rows{"from the plane",
-             [](Random& r) {
-               return Ray{{r.real(-2, 2), -1, 0}, r.direction()};
-             },
-             1, 0},
-        Rows{"parallel",
-             [](Random& r) {
-               return Ray{r.point(3), {r.real(-1, 1), 0, r.real(-1, 1)}};
-             },
-             1, 0},
-        Rows{"nearly parallel",
-             [](Random& r) {
-               return Ray{r.point(3), {1, std::ldexp(r.real(-1, 1), -static_cast<int>(r.bits() % 1000)), 2}};
-             },
-             1, 0.001},
-        Rows{"departing",
-             [](Random& r) {
-               return Ray{{r.real(-2, 2), -1, 0}, r.direction(), Plane{{0, 2, 0}, -2}.departure()};
-             },
-             0, 0},
-        Rows{"of any numbers",
-             [](Random& r) {
-               return Ray{{any_size(r), any_size(r), any_size(r)}, {any_size(r), any_size(r), any_size(r)}};
-             },
-             1, 0}}) {
-    const Tally answers = compare(row.ray, floor, 1000);
+  for (const PacketRow& row :
+       {PacketRow{"from the plane",
+                  [](Random& r) {
+                    return Ray{{r.real(-2, 2), -1, 0}, r.direction()};
+                  },
+                  1, 0},
+        PacketRow{"parallel",
+                  [](Random& r) {
+                    return Ray{r.point(3), {r.real(-1, 1), 0, r.real(-1, 1)}};
+                  },
+                  1, 0},
+        PacketRow{
+            "nearly parallel",
+            [](Random& r) {
+              return Ray{r.point(3), {1, std::ldexp(r.real(-1, 1), -static_cast<int>(r.bits() % 1000)), 2}};
+            },
+            1, 0.001},
+        PacketRow{"departing",
+                  [](Random& r) {
+                    return Ray{{r.real(-2, 2), -1, 0}, r.direction(), Plane{{0, 2, 0}, -2}.departure()};
+                  },
+                  0, 0},
+        PacketRow{
+            "of any numbers",
+            [](Random& r) {
+              return Ray{{any_size(r), any_size(r), any_size(r)}, {any_size(r), any_size(r), any_size(r)}};
+            },
+            1, 0}}) {
+    const Comparison answers = compare(row.ray, floor, 1000);
     CAPTURE(row.what, answers.asked, answers.met, answers.in_doubt);
     CHECK(answers.wrong == 0);
     CHECK(answers.in_doubt <= row.most_in_doubt * answers.asked);
@@ -356,7 +358,7 @@ TEST_CASE("a packet hits a parallelogram where each of its rays does, or is in d
   const auto any_ray = [](Random& r) {
     return Ray{{any_size(r), any_size(r), any_size(r)}, {any_size(r), any_size(r), any_size(r)}};
   };
-  const Tally tally = compare([](Random& r) { return Ray{r.point(3), r.direction()}; }, any_board, 4000);
+  const Comparison tally = compare([](Random& r) { return Ray{r.point(3), r.direction()}; }, any_board, 4000);
   CHECK(tally.wrong == 0);
   CHECK(tally.met > 0.003 * tally.asked);
   CHECK(tally.in_doubt < 1e-3 * tally.asked);
@@ -365,35 +367,36 @@ TEST_CASE("a packet hits a parallelogram where each of its rays does, or is in d
   // Of seven questions, two have a range that ends where a ray hits. Of packets with one origin, which are
   // half of all, only the first ray does so.
   const double at_the_end = 2.0 / 7 * (1 + 1.0 / double_lanes) / 2;
-  for (const Rows& row : {Rows{"to a point of it",
-                               [&](Random& r) {
-                                 const Point from = r.point(3);
-                                 return Ray{from, on_it(r) - from};
-                               },
-                               at_the_end + 0.001, 0.03},
-                          Rows{"to its outline",
-                               [&](Random& r) {
-                                 const Point from = r.point(3);
-                                 return Ray{from, Point{r.real(-1, 1), -1, 1} - from};
-                               },
-                               1, 0},
-                          Rows{"from it",
-                               [&](Random& r) {
-                                 return Ray{on_it(r), r.direction()};
-                               },
-                               1, 0},
-                          Rows{"along it",
-                               [](Random& r) {
-                                 return Ray{r.point(1), {r.real(-1, 1), 0, r.real(-1, 1)}};
-                               },
-                               1, 0},
-                          Rows{"departing",
-                               [&](Random& r) {
-                                 return Ray{on_it(r), r.direction(), Plane{{0, 2, 0}, -2}.departure()};
-                               },
-                               0, 0},
-                          Rows{"of any numbers", any_ray, 1, 0}}) {
-    const Tally answers = compare(row.ray, level, 1000);
+  for (const PacketRow& row :
+       {PacketRow{"to a point of it",
+                  [&](Random& r) {
+                    const Point from = r.point(3);
+                    return Ray{from, on_it(r) - from};
+                  },
+                  at_the_end + 0.001, 0.03},
+        PacketRow{"to its outline",
+                  [&](Random& r) {
+                    const Point from = r.point(3);
+                    return Ray{from, Point{r.real(-1, 1), -1, 1} - from};
+                  },
+                  1, 0},
+        PacketRow{"from it",
+                  [&](Random& r) {
+                    return Ray{on_it(r), r.direction()};
+                  },
+                  1, 0},
+        PacketRow{"along it",
+                  [](Random& r) {
+                    return Ray{r.point(1), {r.real(-1, 1), 0, r.real(-1, 1)}};
+                  },
+                  1, 0},
+        PacketRow{"departing",
+                  [&](Random& r) {
+                    return Ray{on_it(r), r.direction(), Plane{{0, 2, 0}, -2}.departure()};
+                  },
+                  0, 0},
+        PacketRow{"of any numbers", any_ray, 1, 0}}) {
+    const Comparison answers = compare(row.ray, level, 1000);
     CAPTURE(row.what, answers.asked, answers.met, answers.in_doubt);
     CHECK(answers.wrong == 0);
     CHECK(answers.in_doubt <= row.most_in_doubt * answers.asked);
@@ -409,7 +412,7 @@ TEST_CASE("a packet hits a parallelogram where each of its rays does, or is in d
 
 TEST_CASE("a surface without packet functions is asked about each ray of a packet") {
   const auto ordinary = [](Random& r) { return Ray{r.point(3), r.direction()}; };
-  const Tally tally = compare(
+  const Comparison tally = compare(
       ordinary, [](Random&) { return Cylinder{}; }, 1000);
   CHECK(tally.wrong == 0);
   CHECK(tally.in_doubt == 0);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
 #include "support/wrong_cases.hpp"
@@ -18,22 +19,8 @@ using namespace protostar;
 
 namespace {
 
-constexpr double inf = std::numeric_limits<double>::infinity(),
-                 not_a_number = std::numeric_limits<double>::quiet_NaN(),
-                 ulp = std::numeric_limits<double>::epsilon();
-const Interval everywhere{-inf, inf};
-
-/// Returns a random whole number in [-size, size].
-std::int64_t whole(Random& random, std::int64_t size) {
-  return static_cast<std::int64_t>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
-}
-Vec3 whole_vector(Random& random, std::int64_t size) {
-  const auto x = whole(random, size), y = whole(random, size), z = whole(random, size);
-  return {x, y, z};
-}
-
 /// Returns a random vector whose components have so few digits that sums and small whole multiples are exact.
-Vec3 short_vector(Random& random) { return 0x1p-20 * whole_vector(random, 1 << 20); }
+Vec3 short_vector(Random& random) { return 0x1p-20 * random.whole_vector(1 << 20); }
 
 Vec3 exact_normal(const Parallelogram& s) { return cross(s.edge_u, s.edge_v); }
 
@@ -101,8 +88,8 @@ TEST_CASE("hits of parallelograms with whole numbers, on their outlines too, are
   int hits = 0, outline = 0;
   WrongCases wrong(random);
   for (int i = 0; i < 100000; ++i) {
-    const Parallelogram s{whole_vector(random, 3), whole_vector(random, 3), whole_vector(random, 3)};
-    const Ray ray{whole_vector(random, 3), whole_vector(random, 3)};
+    const Parallelogram s{random.whole_vector(3), random.whole_vector(3), random.whole_vector(3)};
+    const Ray ray{random.whole_vector(3), random.whole_vector(3)};
     const Vec3 w = s.position - ray.origin, m = cross(w, ray.direction);
     const double S = dot(exact_normal(s), ray.direction), sign = S < 0 ? -1 : 1;
     const double a = sign * dot(s.edge_v, m), b = -sign * dot(s.edge_u, m), end = sign * S;
@@ -155,7 +142,7 @@ TEST_CASE("huge and tiny parallelograms are hit like others, and those that are 
   const Ray ray;
   REQUIRE(sound.intersect(ray));
   CHECK_FALSE(sound.intersect({{0, 0, 0}, {0, 0, 0}}, everywhere));
-  for (const double bad : {inf, -inf, not_a_number})
+  for (const double bad : {infinity, -infinity, not_a_number})
     for (int axis = 0; axis < 3; ++axis) {
       CAPTURE(bad, axis);
       Ray origin = ray, direction = ray;
@@ -206,7 +193,7 @@ TEST_CASE("the bounds of a parallelogram hold its vertices, and are tight") {
     const auto [min, max] = s.bounds();
     for (int axis = 0; axis < 3; ++axis) {
       // Sums of three doubles, without rounding.
-      double least = inf, most = -inf;
+      double least = infinity, most = -infinity;
       for (const double a : {0.0, 1.0})
         for (const double b : {0.0, 1.0}) {
           const ExactNumber vertex = ExactNumber(s.position[axis]) + ExactNumber(a * s.edge_u[axis]) +
@@ -250,10 +237,10 @@ TEST_CASE("parallelograms of one plane have equal departures, and so has the pla
     Parallelogram a{short_vector(random), short_vector(random), short_vector(random)};
     const int kind = static_cast<int>(random.bits() % 4);
     if (kind == 0) a.edge_u.y = a.edge_v.y = 0;
-    if (kind == 1) a = {whole_vector(random, 3), whole_vector(random, 3), whole_vector(random, 3)};
+    if (kind == 1) a = {random.whole_vector(3), random.whole_vector(3), random.whole_vector(3)};
     if (kind == 2) a.edge_u = {1, -1, 0};
     if (exact_normal(a) == Vec3{0}) continue;
-    const double j = static_cast<double>(whole(random, 3)), k = static_cast<double>(whole(random, 3));
+    const double j = static_cast<double>(random.whole(3)), k = static_cast<double>(random.whole(3));
     const Parallelogram b{a.position + j * a.edge_u + k * a.edge_v, a.edge_u + j * a.edge_v, -3.0 * a.edge_v};
     const Vec3 n = exact_normal(a);  // 42 binary digits
     const Plane plane{n, dot(n, a.position)};
@@ -350,12 +337,12 @@ std::vector<Image> pictures_of(const BoardsAndFloors& scene, const Camera& camer
 
 /// Number of pixels that show a surface, and of those among them that differ from the light that falls there
 /// without any shadow.
-struct Tally {
+struct LitPixels {
   int lit = 0;
   WrongCases wrong;
 };
-Tally count_shadowed(const BoardsAndFloors& scene, const Camera& camera) {
-  Tally tally;
+LitPixels count_shadowed(const BoardsAndFloors& scene, const Camera& camera) {
+  LitPixels tally;
   for (const Image& picture : pictures_of(scene, camera))
     for (int y = 0; y < picture.height(); ++y)
       for (int x = 0; x < picture.width(); ++x) {
@@ -383,7 +370,7 @@ TEST_CASE("a board that lies on a floor shows no acne, and neither does the floo
       scene.add(Parallelogram{{-1 * s, height, 2 * s}, {1.7 * s, 0, 0.3 * s}, {-0.4 * s, 0, 1.9 * s}}, red);
       scene.add(Parallelogram{{-0.5 * s, height, 2.5 * s}, {0, 0, 3 * s}, {2.3 * s, 0, 0}}, gray);
       scene.add(PointLight{.position = {0.7 * s, 3 * s, s}, .power = Color{static_cast<float>(300 * s * s)}});
-      const Tally tally = count_shadowed(scene, camera);
+      const LitPixels tally = count_shadowed(scene, camera);
       CHECK(tally.lit > 5000);
       CHECK(tally.wrong == 0);
     }
@@ -397,7 +384,7 @@ TEST_CASE("a board that lies on a floor shows no acne, and neither does the floo
     scene.add(Parallelogram{{-2, -1, 2}, 0.7 * across, 0.3 * ahead}, red);
     scene.add(Parallelogram{Point{-2, -1, 2} + 0.25 * across, 0.1 * ahead, 1.1 * across}, gray);
     scene.add(PointLight{.position = {0.7, 3, 1}, .power = Color{300}});
-    const Tally tally = count_shadowed(scene, camera);
+    const LitPixels tally = count_shadowed(scene, camera);
     CHECK(tally.lit > 5000);
     CHECK(tally.wrong == 0);
   }
@@ -412,7 +399,7 @@ TEST_CASE("a board that lies on a floor shows no acne, and neither does the floo
       scene.add(Parallelogram{p + 0.5 * v, u, -0.25 * v}, red);
       scene.add(Parallelogram{p, u, v}, gray);
       scene.add(PointLight{.position = {0.7, 3, 1}, .power = Color{300}});
-      const Tally tally = count_shadowed(scene, camera);
+      const LitPixels tally = count_shadowed(scene, camera);
       CHECK(tally.lit > 1000);
       CHECK(tally.wrong == 0);
     }
@@ -447,7 +434,7 @@ TEST_CASE("an invalid parallelogram is refused with the field's name") {
   const auto says = [](const Parallelogram& s) {
     return message_of<std::invalid_argument>([&] { s.validate(); });
   };
-  for (const Vec3& bad : {Vec3{0, not_a_number, 0}, Vec3{0, inf, 0}, Vec3{-inf, 1, 0}}) {
+  for (const Vec3& bad : {Vec3{0, not_a_number, 0}, Vec3{0, infinity, 0}, Vec3{-infinity, 1, 0}}) {
     CHECK_THAT(says({.position = bad}), ContainsSubstring("Parallelogram: position"));
     CHECK_THAT(says({.edge_u = bad}), ContainsSubstring("Parallelogram: edge_u"));
     CHECK_THAT(says({.edge_v = bad}), ContainsSubstring("edge_v"));

@@ -5,16 +5,14 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
 #include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
-namespace {
-constexpr double inf = std::numeric_limits<double>::infinity(),
-                 not_a_number = std::numeric_limits<double>::quiet_NaN();
-}
+namespace {}
 
 TEST_CASE("a plane is the points x with normal · x = distance") {
   const Plane ground{.normal = {0, 1, 0}, .distance = -1};
@@ -32,8 +30,8 @@ TEST_CASE("a plane is the points x with normal · x = distance") {
       {"away from it, in a range that reaches back", ground, {{0, 0, 0}, {0, 1, 0}}, {-2, 0}, -1},
       {"beyond the range", ground, {{0, 0, 0}, {0, -1, 0}}, {0, 0.5}, std::nullopt},
       {"at the end of the range", ground, {{0, 0, 0}, {0, -1, 0}}, {0, 1}, std::nullopt},
-      {"parallel", ground, {{0, 0, 0}, {1, 0, 1}}, {-inf, inf}, std::nullopt},
-      {"in it", ground, {{0, -1, 0}, {1, 0, 1}}, {-inf, inf}, std::nullopt},
+      {"parallel", ground, {{0, 0, 0}, {1, 0, 1}}, {-infinity, infinity}, std::nullopt},
+      {"in it", ground, {{0, -1, 0}, {1, 0, 1}}, {-infinity, infinity}, std::nullopt},
       {"a normal of any length", {{0, 0, -4}, -12}, {{0, 0, 1}, {0, 0, 1}}, {}, 2},
       {"oblique", {{1, 2, 2}, 9}, {{0, 0, 0}, {1, 2, 2}}, {}, 1},
   };
@@ -82,7 +80,7 @@ TEST_CASE("a ray that leaves a plane never hits it again") {
     if (!hit) continue;
     ++hits;
     const Ray left{ray.at(*hit), random.direction(), plane.departure()};
-    wrong.add(plane.intersect(left, {-inf, inf}).has_value(), plane, ray, left);
+    wrong.add(plane.intersect(left, {-infinity, infinity}).has_value(), plane, ray, left);
   }
   CHECK(hits > 2000);
   CHECK(wrong == 0);
@@ -95,7 +93,7 @@ TEST_CASE("a plane has the same departure as every multiple of its equation, and
     const Plane multiple{.normal = factor * plane.normal, .distance = factor * plane.distance};
     CAPTURE(factor);
     CHECK(multiple.departure() == plane.departure());
-    CHECK_FALSE(multiple.intersect(left, {-inf, inf}));
+    CHECK_FALSE(multiple.intersect(left, {-infinity, infinity}));
   }
   const Plane through_origin{.normal = {0, 1, 0}, .distance = 0},
       reversed{.normal = {0, -1, 0}, .distance = 0};
@@ -110,25 +108,25 @@ TEST_CASE("a plane has the same departure as every multiple of its equation, and
 
 TEST_CASE("a ray without direction, or with a number that is not finite, crosses no plane") {
   const Plane plane{.normal = {0, 0, 1}, .distance = 3};
-  CHECK_FALSE(plane.intersect({{0, 0, 0}, {0, 0, 0}}, {-inf, inf}));
-  CHECK_FALSE(plane.intersect({{0, 0, 3}, {0, 0, 0}}, {-inf, inf}));
-  for (const double bad : {inf, -inf, not_a_number})
+  CHECK_FALSE(plane.intersect({{0, 0, 0}, {0, 0, 0}}, {-infinity, infinity}));
+  CHECK_FALSE(plane.intersect({{0, 0, 3}, {0, 0, 0}}, {-infinity, infinity}));
+  for (const double bad : {infinity, -infinity, not_a_number})
     for (int axis = 0; axis < 3; ++axis) {
       Ray origin{{0, 0, 0}, {0, 0, 1}}, direction = origin;
       origin.origin[axis] = bad;
       direction.direction[axis] = bad;
       CAPTURE(bad, axis);
       CHECK_FALSE(plane.intersect(origin));
-      CHECK_FALSE(plane.intersect(origin, {-inf, inf}));
+      CHECK_FALSE(plane.intersect(origin, {-infinity, infinity}));
       CHECK_FALSE(plane.intersect(direction));
     }
 }
 
 TEST_CASE("an invalid plane is refused with the field's name") {
-  for (const Vec3& bad : {Vec3{0}, Vec3{0, not_a_number, 0}, Vec3{0, inf, 0}, Vec3{-inf, 1, 0}})
+  for (const Vec3& bad : {Vec3{0}, Vec3{0, not_a_number, 0}, Vec3{0, infinity, 0}, Vec3{-infinity, 1, 0}})
     CHECK_THAT(message_of<std::invalid_argument>([&] { Plane{.normal = bad}.validate(); }),
                ContainsSubstring("Plane: normal"));
-  for (const double bad : {1e121, -1e121, inf, -inf, not_a_number})
+  for (const double bad : {1e121, -1e121, infinity, -infinity, not_a_number})
     CHECK_THAT(message_of<std::invalid_argument>([&] { Plane{.distance = bad}.validate(); }),
                ContainsSubstring("Plane: distance"));
   CHECK_NOTHROW(Plane{.normal = {0, -5, 0}, .distance = -3}.validate());

@@ -2,15 +2,12 @@
 
 #include <protostar/io/png.hpp>
 
-#define STB_IMAGE_STATIC
-#define STB_IMAGE_IMPLEMENTATION
-#include <stb_image.h>
-
-#include <memory>
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 
+#include "compare_images/read_image.hpp"
 #include "support/catch.hpp"
 #include "support/errors.hpp"
 #include "support/files.hpp"
@@ -28,21 +25,18 @@ TEST_CASE("a PNG starts with its signature and decodes to the encoder's codes") 
     const std::string bytes = bytes_of(folder / "a.png");
     CHECK(bytes.substr(0, 8) == "\x89PNG\r\n\x1a\n");
 
-    int width = 0, height = 0, channels = 0;
-    const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> codes(
-        stbi_load_from_memory(reinterpret_cast<const stbi_uc*>(bytes.data()), static_cast<int>(bytes.size()),
-                              &width, &height, &channels, 0),
-        stbi_image_free);
-    REQUIRE(codes);
-    REQUIRE(width == 37);
-    REQUIRE(height == 23);
-    REQUIRE(channels == 3);
+    CHECK(bytes[25] == 2);  // the header says: red, green and blue
+    const Picture picture = read_image((folder / "a.png").string());
+    REQUIRE(picture.width == 37);
+    REQUIRE(picture.height == 23);
     const Encoder encode(transfer, 255);
     WrongCases wrong;
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x)
+    for (int y = 0; y < picture.height; ++y)
+      for (int x = 0; x < picture.width; ++x)
         for (int channel = 0; channel < 3; ++channel)
-          wrong.add(codes.get()[(y * width + x) * 3 + channel] != encode(image(x, y)[channel]), y, x);
+          wrong.add(picture.pixels[static_cast<std::size_t>(y * picture.width + x)]
+                                  [static_cast<std::size_t>(channel)] != encode(image(x, y)[channel]),
+                    y, x);
     CHECK(wrong == 0);
   }
 }

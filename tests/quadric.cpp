@@ -10,6 +10,7 @@
 
 #include "stress/exact.hpp"
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
@@ -19,22 +20,10 @@ using namespace protostar;
 
 namespace {
 
-constexpr double inf = std::numeric_limits<double>::infinity(),
-                 not_a_number = std::numeric_limits<double>::quiet_NaN(),
-                 ulp = std::numeric_limits<double>::epsilon();
-const Interval everywhere{-inf, inf};
-
-std::int64_t whole(Random& random, std::int64_t size) {
-  return static_cast<std::int64_t>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
-}
-Vec3 whole_vector(Random& random, std::int64_t size) {
-  const auto x = whole(random, size), y = whole(random, size), z = whole(random, size);
-  return {x, y, z};
-}
 Quadric whole_quadric(Random& random, std::int64_t size) {
-  const Vec3 squares = whole_vector(random, size), products = whole_vector(random, size),
-             linear = whole_vector(random, size);
-  return {{squares, products, linear, static_cast<double>(whole(random, size))}};
+  const Vec3 squares = random.whole_vector(size), products = random.whole_vector(size),
+             linear = random.whole_vector(size);
+  return {{squares, products, linear, static_cast<double>(random.whole(size))}};
 }
 
 __extension__ using Int128 = __int128;
@@ -94,7 +83,7 @@ bool is_wrong(const Quadric& quadric, const Ray& ray) {
   const Equation e(ray, quadric.form);
   const auto found = crossings(quadric, ray);
   if (static_cast<int>(found.size()) != e.count()) return true;
-  if (static_cast<int>(crossings(quadric, ray, {-inf, 1}).size()) != e.count_below_1()) return true;
+  if (static_cast<int>(crossings(quadric, ray, {-infinity, 1}).size()) != e.count_below_1()) return true;
   for (int i = 0; i < e.count(); ++i) {
     const long double t = found[static_cast<std::size_t>(i)], truth = e.root(i);
     if (!(std::abs(t - truth) <= 0x1p-30L * std::abs(truth))) return true;
@@ -108,7 +97,7 @@ const Quadric bowl{{.squares = {1, 0, 1}, .linear = {0, -0.5, 0}, .constant = 0}
 const Quadric saddle{{.squares = {1, -1, 0}, .linear = {0, 0, -0.5}, .constant = 0}};  // z = x² − y²
 const Quadric hyperboloid{{.squares = {1, -1, 1}}};                                    // x² + z² = 1 + y²
 const Quadric planes{{.squares = {0, 0, 1}, .constant = -4}};                          // z = ±2
-const Quadric plane{{.squares = {0, 0, 0}, .linear = {0, 0, 1}, .constant = -6}};      // z = 3
+const Quadric flat_quadric{{.squares = {0, 0, 0}, .linear = {0, 0, 1}, .constant = -6}};   // z = 3
 const Quadric ellipsoid{{.squares = {4, 1, 1}, .linear = {0, 0, -3}, .constant = 9 - 4}};  // around (0, 0, 3)
 
 }  // namespace
@@ -144,9 +133,9 @@ TEST_CASE("a quadric is hit where its form is 0") {
       {"a hyperboloid in one of its lines", hyperboloid, {{1, 0, 0}, {0, 1, 1}}, {}},
       {"two planes", planes, {{0, 0, 0}, {1, 1, 1}}, {-2, 2}},
       {"two planes, along", planes, {{0, 0, 0}, {1, 1, 0}}, {}},
-      {"one plane", plane, {{0, 0, 0}, {1, 1, 1}}, {3}},
-      {"one plane, along", plane, {{0, 0, 0}, {1, 1, 0}}, {}},
-      {"one plane, in it", plane, {{0, 0, 3}, {1, 1, 0}}, {}},
+      {"one plane", flat_quadric, {{0, 0, 0}, {1, 1, 1}}, {3}},
+      {"one plane, along", flat_quadric, {{0, 0, 0}, {1, 1, 0}}, {}},
+      {"one plane, in it", flat_quadric, {{0, 0, 3}, {1, 1, 0}}, {}},
       {"nothing", {{Vec3{0}, Vec3{0}, Vec3{0}, 1}}, {{0, 0, 0}, {0, 0, 1}}, {}},
   };
   for (const auto& row : rows) {
@@ -161,7 +150,7 @@ TEST_CASE("hits of a quadric by a ray, both of whole numbers, are exact also bef
   WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Quadric quadric = whole_quadric(random, 2);
-    const Ray ray{whole_vector(random, 2), whole_vector(random, 2)};
+    const Ray ray{random.whole_vector(2), random.whole_vector(2)};
     if (ray.direction == Vec3{0}) continue;
     const Equation e(ray, quadric.form);
     touching += e.A != 0 && e.D == 0;
@@ -179,12 +168,12 @@ TEST_CASE("hits and misses of a quadric that are too close for double are decide
   WrongCases wrong(random);
   for (int i = 0; i < 20000 && hits + misses < 3000; ++i) {
     Quadric quadric = whole_quadric(random, 2);
-    const Ray ray{whole_vector(random, 1 << 24), whole_vector(random, 2)};
+    const Ray ray{random.whole_vector(1 << 24), random.whole_vector(2)};
     // Constant that brings D closest to 0, or one next to it.
     Equation e(ray, quadric.form);
     if (e.A == 0 || ray.direction == Vec3{0}) continue;
     const Int128 sign = value(quadric.form, ray.direction, 0, ray.direction, 0) < 0 ? -1 : 1;
-    quadric.form.constant += static_cast<double>(sign * (e.b * e.b / e.A - e.c) + whole(random, 1));
+    quadric.form.constant += static_cast<double>(sign * (e.b * e.b / e.A - e.c) + random.whole(1));
     if (std::abs(quadric.form.constant) > 0x1p53) continue;
     ++(Equation(ray, quadric.form).D < 0 ? misses : hits);
     fallbacks = {};
@@ -202,7 +191,7 @@ TEST_CASE("a quadric that is a sphere is hit where the sphere is, with its norma
   int hits = 0;
   WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
-    const Point center = whole_vector(random, i % 2 ? 9 : 999);
+    const Point center = random.whole_vector(i % 2 ? 9 : 999);
     const double radius = static_cast<double>(1 + random.bits() % 9);
     const Sphere sphere{center, radius};
     const Quadric quadric{{.linear = -center, .constant = dot(center, center) - radius * radius}};
@@ -257,7 +246,7 @@ TEST_CASE("a ray that leaves a quadric crosses it once more, exactly at the othe
   WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     Quadric quadric = whole_quadric(random, 3);
-    Ray ray{whole_vector(random, 4), whole_vector(random, 4)};
+    Ray ray{random.whole_vector(4), random.whole_vector(4)};
     if (ray.direction == Vec3{0}) continue;
     // The origin is on the quadric, in every second round up to one unit in the last place of the constant.
     quadric.form.constant -= static_cast<double>(value(quadric.form, ray.origin, 1, ray.origin, 1));
@@ -300,7 +289,7 @@ TEST_CASE("ends_inside is exact for a quadric, and consistent with its crossings
   WrongCases wrong(random);
   for (int i = 0; i < 20000; ++i) {
     const Quadric quadric = whole_quadric(random, 2);
-    const Ray ray{whole_vector(random, 2), whole_vector(random, 2)};
+    const Ray ray{random.whole_vector(2), random.whole_vector(2)};
     if (ray.direction == Vec3{0}) continue;
     const Int128 A = value(quadric.form, ray.direction, 0, ray.direction, 0),
                  b = -value(quadric.form, ray.direction, 0, ray.origin, 1),
@@ -348,7 +337,7 @@ TEST_CASE("huge and tiny quadrics are hit like others, and those that are not fi
   const Ray ray;
   REQUIRE(sound.intersect(ray));
   CHECK(crossings(sound, {{0, 0, 0}, {0, 0, 0}}).empty());
-  for (const double bad : {inf, -inf, not_a_number}) {
+  for (const double bad : {infinity, -infinity, not_a_number}) {
     Quadric constant = sound;
     constant.form.constant = bad;
     CHECK(crossings(constant, ray).empty());
@@ -464,9 +453,9 @@ TEST_CASE("the bounds of an ellipsoid contain it, and are hardly larger") {
 TEST_CASE("quadrics other than ellipsoids have no bounds, and neither have inverted ellipsoids") {
   const auto is_everywhere = [](const Quadric& quadric) {
     const Bounds bounds = quadric.bounds();
-    return bounds.min == Point{-inf} && bounds.max == Point{inf};
+    return bounds.min == Point{-infinity} && bounds.max == Point{infinity};
   };
-  for (const Quadric& quadric : {cylinder, cone, bowl, saddle, hyperboloid, planes, plane})
+  for (const Quadric& quadric : {cylinder, cone, bowl, saddle, hyperboloid, planes, flat_quadric})
     CHECK(is_everywhere(quadric));
   CHECK(is_everywhere({{Vec3{-1}, {}, {}, 1}}));
   CHECK(is_everywhere({{.squares = {1, 1, 0}, .linear = {1, 2, 3}}}));
@@ -477,7 +466,7 @@ TEST_CASE("quadrics other than ellipsoids have no bounds, and neither have inver
   CHECK(is_everywhere({{.squares = Vec3{4}, .products = {-2, -2, -2}}}));  // the determinant is 0
   CHECK_FALSE(is_everywhere({{.squares = {1, 1, 0x1p-90}}}));
   CHECK_FALSE(is_everywhere({{.squares = {1, 1, 0x1p-200}}}));
-  for (const double bad : {inf, -inf, not_a_number}) {
+  for (const double bad : {infinity, -infinity, not_a_number}) {
     CHECK(is_everywhere({{.squares = {1, bad, 1}}}));
     CHECK(is_everywhere({{.constant = bad}}));
   }
@@ -579,13 +568,13 @@ TEST_CASE("an invalid quadric is refused") {
   const auto says = [](const Quadric& quadric) {
     return message_of<std::invalid_argument>([&] { quadric.validate(); });
   };
-  for (const double bad : {1e121, -1e121, inf, -inf, not_a_number}) {
+  for (const double bad : {1e121, -1e121, infinity, -infinity, not_a_number}) {
     CHECK_THAT(says({{.constant = bad}}), ContainsSubstring("Quadric: the numbers of the form"));
     CHECK_THAT(says({{.squares = {1, bad, 1}}}), ContainsSubstring("Quadric: the numbers of the form"));
     CHECK_THAT(says({{.products = {1, bad, 1}}}), ContainsSubstring("Quadric: the numbers of the form"));
     CHECK_THAT(says({{.linear = {1, bad, 1}}}), ContainsSubstring("Quadric: the numbers of the form"));
   }
   CHECK_THAT(says({{.squares = Vec3{0}}}), ContainsSubstring("Quadric: the form must not be constant"));
-  CHECK_NOTHROW(plane.validate());
+  CHECK_NOTHROW(flat_quadric.validate());
   CHECK_NOTHROW(Quadric{}.validate());
 }

@@ -20,37 +20,26 @@
 #include "support/process.hpp"
 #include "support/random.hpp"
 #include "support/run_render.hpp"
+#include "support/run_stage.hpp"
 
 namespace fs = std::filesystem;
 using namespace protostar;
-using namespace run_render;
 
 namespace {
 
-/// Returns the file that a program writes; checks that it prints nothing.
-std::string picture(const std::string& name, const std::string& arguments,
-                    const std::string& file = "out.ppm") {
-  const TemporaryFolder folder;
-  const Outcome outcome = run_program(name, arguments + " --quiet -o " + file, folder);
-  CAPTURE(arguments);
-  CHECK(outcome.status == 0);
-  CHECK(outcome.out + outcome.err == "");
-  return bytes_of(folder / file);
-}
-
 std::string rendered(const std::string& name, const std::string& options,
                      const std::string& file = "out.ppm") {
-  return picture("render", scene(name) + " " + options, file);
+  return stage_picture("render", scene_path(name) + " " + options, file);
 }
 
 /// Binary PPM of 8 bits, or PFM, as rows of bytes from the top.
-struct Rows {
+struct PictureRows {
   int width = 0, height = 0;
   std::vector<std::string> rows;
 };
 
-Rows rows_of(const std::string& file) {
-  Rows picture;
+PictureRows rows_of(const std::string& file) {
+  PictureRows picture;
   std::size_t begin = 0;
   std::vector<std::string> header;
   for (int i = 0; i < 3; ++i) {
@@ -151,7 +140,7 @@ TEST_CASE("pictures of 300 random spheres over a plane match a long double compu
     CAPTURE(integrator);
     const double exposure = integrator == "depth" ? 0.125 : 1;
     put_bytes(folder / "scene.json", json_of(scene, exposure, width, height));
-    CHECK(run_program("render", "scene.json -o a.png --integrator " + integrator, folder).status == 0);
+    CHECK(run_stage("render", "scene.json -o a.png --integrator " + integrator, folder).status == 0);
     const Picture drawn = read_image((folder / "a.png").string());
     Picture expected{width, height, {}};
     for (const auto& pixel : seen) {
@@ -183,13 +172,13 @@ TEST_CASE("the scene file of the three spheres gives the pictures of the stages,
                            Row{"transparency", "08_transparency"}, Row{"shadow", "09_shadow"});
   CAPTURE(row.integrator);
   CHECK(rendered("three_spheres", "--size 320x240 --integrator " + row.integrator) ==
-        picture(row.stage, "--size 320x240"));
+        stage_picture(row.stage, "--size 320x240"));
   CHECK(rendered("three_spheres", "--size 160x120 --integrator " + row.integrator, "out.pfm") ==
-        picture(row.stage, "--size 160x120", "out.pfm"));
+        stage_picture(row.stage, "--size 160x120", "out.pfm"));
 }
 
 TEST_CASE("the scene file of stage 13 gives the whole picture of stage 13") {
-  CHECK(rendered("whitted", "") == picture("13_whitted", ""));
+  CHECK(rendered("whitted", "") == stage_picture("13_whitted", ""));
 }
 
 TEST_CASE("WhittedIntegrator and ShadowIntegrator draw matte surfaces alike") {
@@ -199,23 +188,23 @@ TEST_CASE("WhittedIntegrator and ShadowIntegrator draw matte surfaces alike") {
 
 TEST_CASE("a scene file sets the size, the integrator and the transfer; options override it") {
   const TemporaryFolder folder;
-  const Outcome outcome = run_program("render", scene("three_spheres"), folder);
+  const Outcome outcome = run_stage("render", scene_path("three_spheres"), folder);
   CHECK(outcome.status == 0);
   CHECK(outcome.err == "");
   CHECK(outcome.out.starts_with("out.ppm: 640x480, shadow, rendered in "));
-  CHECK(bytes_of(folder / "out.ppm") == picture("09_shadow", ""));
+  CHECK(bytes_of(folder / "out.ppm") == stage_picture("09_shadow", ""));
 
-  const Outcome other = run_program(
-      "render", "--size 64x48 --integrator color --transfer linear -o a.ppm " + scene("three_spheres"),
+  const Outcome other = run_stage(
+      "render", "--size 64x48 --integrator color --transfer linear -o a.ppm " + scene_path("three_spheres"),
       folder);
   CHECK(other.out.starts_with("a.ppm: 64x48, color, rendered in "));
-  CHECK(bytes_of(folder / "a.ppm") == picture("06_color", "--size 64x48 --transfer linear"));
+  CHECK(bytes_of(folder / "a.ppm") == stage_picture("06_color", "--size 64x48 --transfer linear"));
 }
 
 // After an intended change: build/stages/render scenes/NAME.json -o tests/golden/scenes/NAME.png
 TEST_CASE("every scene file gives its golden picture, and the gallery shows it", "[pictures]") {
   const std::string gallery = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "gallery.md");
-  for (const auto& entry : fs::directory_iterator(scenes)) {
+  for (const auto& entry : fs::directory_iterator(scenes_folder)) {
     if (entry.path().extension() != ".json") continue;
     const std::string name = entry.path().stem().string();
     CAPTURE(name);
@@ -229,7 +218,7 @@ TEST_CASE("every scene file gives its golden picture, and the gallery shows it",
     const TemporaryFolder folder;
     const std::string crop =
         "0," + std::to_string(top) + "," + std::to_string(width) + "," + std::to_string(height);
-    CHECK(run_program("render", scene(name) + " --crop " + crop + " -o a.png", folder).status == 0);
+    CHECK(run_stage("render", scene_path(name) + " --crop " + crop + " -o a.png", folder).status == 0);
     const Picture expected = part_of(golden, 0, top, width, height),
                   drawn = read_image((folder / "a.png").string());
     REQUIRE(same_size(expected, drawn));
@@ -238,9 +227,9 @@ TEST_CASE("every scene file gives its golden picture, and the gallery shows it",
 }
 
 TEST_CASE("every scene file of the project is drawn in any size") {
-  for (const auto& entry : fs::directory_iterator(scenes)) {
+  for (const auto& entry : fs::directory_iterator(scenes_folder)) {
     if (entry.path().extension() != ".json") continue;
-    const Rows drawn = rows_of(rendered(entry.path().stem().string(), "--size 40x30 --samples 0"));
+    const PictureRows drawn = rows_of(rendered(entry.path().stem().string(), "--size 40x30 --samples 0"));
     INFO(entry.path());
     bool varies = false;
     for (const std::string& row : drawn.rows) varies = varies || row != drawn.rows[0];
@@ -254,14 +243,14 @@ TEST_CASE("a crop has the bytes of the same part of the whole picture") {
   const std::string samples = GENERATE("0", "3"), file = GENERATE("a.ppm", "a.pfm");
   CAPTURE(name, samples, file);
   const std::string options = "--size 150x90 --samples " + samples;
-  const Rows whole = rows_of(rendered(name, options, file));
+  const PictureRows whole = rows_of(rendered(name, options, file));
   const std::size_t pixel = whole.rows[0].size() / 150;
   struct Crop {
     int x, y, width, height;
   };
   for (const Crop& crop :
        {Crop{0, 0, 150, 90}, Crop{61, 33, 71, 50}, Crop{149, 89, 1, 1}, Crop{0, 40, 150, 1}}) {
-    const Rows part =
+    const PictureRows part =
         rows_of(rendered(name,
                          options + " --crop " + std::to_string(crop.x) + "," + std::to_string(crop.y) + "," +
                              std::to_string(crop.width) + "," + std::to_string(crop.height),
@@ -276,8 +265,8 @@ TEST_CASE("a crop has the bytes of the same part of the whole picture") {
 }
 
 TEST_CASE("another aspect ratio changes the width of the view, and not its height") {
-  const Rows wide = rows_of(rendered("three_spheres", "--size 256x64")),
-             narrow = rows_of(rendered("three_spheres", "--size 64x64"));
+  const PictureRows wide = rows_of(rendered("three_spheres", "--size 256x64")),
+                    narrow = rows_of(rendered("three_spheres", "--size 64x64"));
   // Sides that are powers of 2, so nothing is rounded.
   for (std::size_t y = 0; y < 64; ++y) CHECK(wide.rows[y].substr(96 * 3, 64 * 3) == narrow.rows[y]);
 }
@@ -347,7 +336,7 @@ TEST_CASE("light beyond float makes no pixel NaN, and leaves channels black that
   put_bytes(folder / "scene.json", text);
   for (const std::string integrator : {"color", "diffuse", "transparency", "shadow", "whitted"}) {
     CAPTURE(light, exposure, integrator);
-    CHECK(run_program("render", "scene.json -o a.pfm --integrator " + integrator, folder).status == 0);
+    CHECK(run_stage("render", "scene.json -o a.pfm --integrator " + integrator, folder).status == 0);
     const std::vector<float> pixels = light_of(bytes_of(folder / "a.pfm"));
     const std::size_t on_sphere = 3 * (12 * 33 + 16);  // a light may be in front of it
     CHECK(std::none_of(pixels.begin(), pixels.end(), [](float x) { return std::isnan(x); }));
@@ -371,7 +360,7 @@ TEST_CASE("the picture of a scene file does not depend on the number of threads"
 
 TEST_CASE("render --help names its own options") {
   const TemporaryFolder folder;
-  const Outcome help = run_program("render", "--help", folder);
+  const Outcome help = run_stage("render", "--help", folder);
   CHECK(help.status == 0);
   for (const char* text : {"SCENE.json", "--integrator I", "--samples N", "--crop X,Y,W,H", "[the scene's]"})
     CHECK_THAT(help.out, ContainsSubstring(text));

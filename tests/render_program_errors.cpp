@@ -8,13 +8,14 @@
 #include <system_error>
 #include <vector>
 
+#include "support/cases.hpp"
 #include "support/catch.hpp"
 #include "support/files.hpp"
 #include "support/process.hpp"
 #include "support/run_render.hpp"
+#include "support/run_stage.hpp"
 
 namespace fs = std::filesystem;
-using namespace run_render;
 
 TEST_CASE("wrong options of render are named, with the right ones, and nothing is drawn") {
   struct Row {
@@ -54,13 +55,13 @@ TEST_CASE("wrong options of render are named, with the right ones, and nothing i
   const TemporaryFolder folder;
   for (const Row& row : rows) {
     CAPTURE(row.arguments);
-    const Outcome outcome = run_program("render", scene("three_spheres") + " " + row.arguments, folder);
+    const Outcome outcome = run_stage("render", scene_path("three_spheres") + " " + row.arguments, folder);
     CHECK(outcome.status == 2);
     CHECK(outcome.out == "");
     CHECK(outcome.err.starts_with("render: "));
     CHECK_THAT(outcome.err, ContainsSubstring(row.error));
   }
-  const Outcome no_scene = run_program("render", "--size 8x8", folder);
+  const Outcome no_scene = run_stage("render", "--size 8x8", folder);
   CHECK(no_scene.status == 2);
   CHECK_THAT(no_scene.err, ContainsSubstring("scene is required"));
   CHECK(folder.count() == 0);
@@ -71,7 +72,7 @@ TEST_CASE("wrong options of render are reported before the scene is read, except
   put_bytes(folder / "wrong.json", "{");
   const auto outcome_of = [&](const std::string& path, const std::string& options) {
     CAPTURE(path, options);
-    const Outcome outcome = run_program("render", path + " " + options, folder);
+    const Outcome outcome = run_stage("render", path + " " + options, folder);
     CHECK(outcome.out == "");
     CHECK(folder.count() == 1);
     return outcome;
@@ -94,7 +95,7 @@ TEST_CASE("wrong options of render are reported before the scene is read, except
 TEST_CASE("the stages refuse render's options for scene files") {
   const TemporaryFolder folder;
   for (const char* arguments : {"--crop 0,0,1,1", "--integrator color"})
-    CHECK(run_program("09_shadow", arguments, folder).status == 2);
+    CHECK(run_stage("09_shadow", arguments, folder).status == 2);
 }
 
 TEST_CASE("an invalid scene ends render with status 1 and one line of explanation") {
@@ -102,24 +103,25 @@ TEST_CASE("an invalid scene ends render with status 1 and one line of explanatio
   const auto check = [&](const std::string& text, const std::string& error) {
     CAPTURE(error);
     put_bytes(folder / "scene.json", text);
-    const Outcome outcome = run_program("render", "scene.json", folder);
+    const Outcome outcome = run_stage("render", "scene.json", folder);
     CHECK(outcome.status == 1);
     CHECK(outcome.out == "");
     CHECK(outcome.err.starts_with("render: scene.json: " + error));
     CHECK(outcome.err.find('\n') == outcome.err.size() - 1);
     CHECK(folder.count() == 1);
   };
-  check(changed("\"radius\": 1}", "\"radius\": -1}"),
+  check(changed_three_spheres("\"radius\": 1}", "\"radius\": -1}"),
         "/objects/0/surface/radius: -1 is not a number greater than 0\n");
-  check(changed("\"radius\": 1}", "\"radius\": 1e999}"), "/objects/0/surface/radius: 1e999 is not a number");
-  check(changed("\"lights\"", "\"lamps\""), "/lamps: is not a key here");
-  check(changed("]\n}", "]\n"), "parse error at line ");
+  check(changed_three_spheres("\"radius\": 1}", "\"radius\": 1e999}"),
+        "/objects/0/surface/radius: 1e999 is not a number");
+  check(changed_three_spheres("\"lights\"", "\"lamps\""), "/lamps: is not a key here");
+  check(changed_three_spheres("]\n}", "]\n"), "parse error at line ");
   check("", "parse error at line 1, column 1");
   check("\xff\xfe\xfd", "parse error at line 1, column 1");
   std::string brackets(200'000, '[');
   check(brackets, "/0/0/0");
   check(brackets + std::string(200'000, ']'), "/0/0/0");
-  std::string garbage(std::size_t{64} << 20, 'x');
+  std::string garbage(static_cast<std::size_t>(cases(8, 64)) << 20, 'x');
   check(garbage, "parse error at line 1, column 1");
   std::uint32_t random = 1;
   for (char& c : garbage) c = static_cast<char>((random = random * 1664525 + 1013904223) >> 24);
@@ -136,7 +138,7 @@ TEST_CASE("a scene that cannot be read ends render with status 1, the path and t
   const Row row = GENERATE(Row{"none.json", ENOENT}, Row{".", EISDIR}, Row{"file/a.json", ENOTDIR});
   const TemporaryFolder folder;
   put_bytes(folder / "file", "");
-  const Outcome outcome = run_program("render", row.path, folder);
+  const Outcome outcome = run_stage("render", row.path, folder);
   CHECK(outcome.status == 1);
   CHECK(outcome.out == "");
   CHECK(outcome.err ==
@@ -157,8 +159,8 @@ TEST_CASE("an image that is truncated or too large ends render with status 1 and
     const TemporaryFolder folder;
     copy_image(row.file, folder);
     const std::string name = fs::path(row.file).filename().string();
-    put_bytes(folder / "scene.json", with_image(name));
-    const Outcome outcome = run_program("render", "scene.json", folder);
+    put_bytes(folder / "scene.json", scene_with_image(name));
+    const Outcome outcome = run_stage("render", "scene.json", folder);
     CHECK(outcome.status == 1);
     CHECK(outcome.err == "render: scene.json: /materials/m/diffuse/image: \"" + name +
                              "\" is not possible: cannot read '" + name + "': " + row.error + "\n");
@@ -168,8 +170,8 @@ TEST_CASE("an image that is truncated or too large ends render with status 1 and
 
 TEST_CASE("names from a scene are printed with their control characters escaped") {
   const TemporaryFolder folder;
-  put_bytes(folder / "scene.json", with_image("a\\u001b[31m\\u0007red\\nline.png"));
-  CHECK(run_program("render", "scene.json", folder).err ==
+  put_bytes(folder / "scene.json", scene_with_image("a\\u001b[31m\\u0007red\\nline.png"));
+  CHECK(run_stage("render", "scene.json", folder).err ==
         "render: scene.json: /materials/m/diffuse/image: \"a\\u001b[31m\\u0007red\\nline.png\" is not "
         "possible: "
         "cannot read 'a\\x1b[31m\\x07red\\x0aline.png': No such file or directory\n");
@@ -177,7 +179,7 @@ TEST_CASE("names from a scene are printed with their control characters escaped"
         "render: cannot read 'a\\x1b[31m\\x0a.json': No such file or directory\n");
   CHECK(run(stage("render", {"scene.json", "-o", "no\x1b/out.ppm"}, folder / "")).err.find('\x1b') ==
         std::string::npos);
-  put_bytes(folder / "scene.json", with_image("a.png"));
+  put_bytes(folder / "scene.json", scene_with_image("a.png"));
   copy_image("fuzz/pool/a.png", folder);
   const Outcome drawn = run(stage("render", {"scene.json", "-o", "a\x1b[31m.ppm"}, folder / ""));
   CHECK(drawn.out.starts_with("a\\x1b[31m.ppm: 16x12, "));
@@ -189,18 +191,18 @@ TEST_CASE("render --confine refuses files outside of the scene's folder") {
   fs::create_directory(folder / "scene");
   copy_image("fuzz/pool/a.png", folder);
   fs::copy_file(folder / "a.png", folder / "scene/a.png");
-  put_bytes(folder / "scene/inside.json", with_image("a.png"));
-  put_bytes(folder / "scene/outside.json", with_image("../a.png"));
-  CHECK(run_program("render", "scene/inside.json", folder).status == 0);
-  CHECK(run_program("render", "scene/outside.json", folder).status == 0);
-  CHECK(run_program("render", "--confine scene/inside.json", folder).status == 0);
+  put_bytes(folder / "scene/inside.json", scene_with_image("a.png"));
+  put_bytes(folder / "scene/outside.json", scene_with_image("../a.png"));
+  CHECK(run_stage("render", "scene/inside.json", folder).status == 0);
+  CHECK(run_stage("render", "scene/outside.json", folder).status == 0);
+  CHECK(run_stage("render", "--confine scene/inside.json", folder).status == 0);
   const std::string real = fs::canonical(folder / "").string();
-  const Outcome refused = run_program("render", "scene/outside.json --confine", folder);
+  const Outcome refused = run_stage("render", "scene/outside.json --confine", folder);
   CHECK(refused.status == 1);
   CHECK(refused.err ==
         "render: scene/outside.json: /materials/m/diffuse/image: \"../a.png\" is not inside of the "
         "scene's folder: it is '" +
             real + "/a.png', and the folder '" + real + "/scene'\n");
-  CHECK_THAT(run_program("render", "--help", folder).out, ContainsSubstring("--confine"));
-  CHECK(run_program("09_shadow", "--confine", folder).status == 2);
+  CHECK_THAT(run_stage("render", "--help", folder).out, ContainsSubstring("--confine"));
+  CHECK(run_stage("09_shadow", "--confine", folder).status == 2);
 }

@@ -15,9 +15,8 @@
 #include "support/files.hpp"
 #include "support/process.hpp"
 #include "support/run_render.hpp"
+#include "support/run_stage.hpp"
 #include "support/sanitizers.hpp"
-
-using namespace run_render;
 
 namespace {
 
@@ -38,8 +37,8 @@ std::string flat_mesh(int side) {
 
 /// Returns the scene file of the three spheres with a mesh added.
 std::string with_mesh(const std::string& file) {
-  return changed(R"("objects": [)", R"("objects": [{"surface": {"type": "mesh", "file": ")" + file +
-                                        R"("}, "color": [1, 1, 1]},)");
+  return changed_three_spheres(R"("objects": [)", R"("objects": [{"surface": {"type": "mesh", "file": ")" +
+                                                      file + R"("}, "color": [1, 1, 1]},)");
 }
 
 }  // namespace
@@ -56,10 +55,11 @@ TEST_CASE("a signal ends render within half a second, whatever render is doing")
   put_bytes(folder / "mesh.json", with_mesh("a.obj"));
   const Row row = GENERATE_COPY(
       // All pixels are in one tile, which takes hours, during which the stop token is not checked.
-      Row{"a tile, alone", scene("whitted"), "--size 64x48 --samples 65536 --threads 1", 128 + SIGINT},
-      Row{"a tile, of several threads", scene("whitted"), "--size 64x48 --samples 65536 --threads 3",
+      Row{"a tile, alone", scene_path("whitted"), "--size 64x48 --samples 65536 --threads 1", 128 + SIGINT},
+      Row{"a tile, of several threads", scene_path("whitted"), "--size 64x48 --samples 65536 --threads 3",
           128 + SIGINT},
-      Row{"many tiles", scene("three_spheres"), "--size 4000x4000 --samples 64 --threads 1", 128 + SIGINT},
+      Row{"many tiles", scene_path("three_spheres"), "--size 4000x4000 --samples 64 --threads 1",
+          128 + SIGINT},
       // Before the picture is begun, there is nothing to clean up.
       Row{"waiting for a scene", "pipe", "", -SIGINT},
       Row{"reading a scene", "mesh.json", "--size 64x48 --samples 65536", -SIGINT});
@@ -89,14 +89,14 @@ TEST_CASE("a large mesh is drawn without creating threads if --threads is 1") {
   const Outcome outcome = run(command);
   CHECK(outcome.status == 0);
   CHECK(outcome.err == "");
-  CHECK(run_program("render", "a.json --size 64x48 --quiet", folder).status == 0);
+  CHECK(run_stage("render", "a.json --size 64x48 --quiet", folder).status == 0);
   const bool is_alike = bytes_of(folder / "alone.ppm") == bytes_of(folder / "out.ppm");
   CHECK(is_alike);
 }
 
 TEST_CASE("an endless scene file is refused") {
   const TemporaryFolder folder;
-  const Outcome zeros = run_program("render", "/dev/zero", folder);
+  const Outcome zeros = run_stage("render", "/dev/zero", folder);
   CHECK(zeros.status == 1);
   CHECK(zeros.err == "render: /dev/zero: parse error at line 1, column 1: a zero byte, which no text has\n");
 
@@ -111,10 +111,10 @@ TEST_CASE("an endless scene file is refused") {
 TEST_CASE(
     "render gives up a picture that takes longer than --timeout, by default ten seconds for each pixel") {
   const TemporaryFolder folder;
-  put_bytes(folder / "scene.json", changed("", ""));
+  put_bytes(folder / "scene.json", changed_three_spheres("", ""));
   const auto start = std::chrono::steady_clock::now();
   const Outcome late =
-      run_program("render", "scene.json --size 4000x4000 --samples 1000 --timeout 0.2", folder);
+      run_stage("render", "scene.json --size 4000x4000 --samples 1000 --timeout 0.2", folder);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
   CHECK(late.status == 1);
   CHECK(late.out == "");
@@ -123,16 +123,16 @@ TEST_CASE(
   CHECK(time.count() < 2);
   CHECK(folder.count() == 1);
 
-  CHECK(run_program("render", "scene.json --size 8x6 --timeout 0", folder).status == 0);
-  CHECK(run_program("render", "scene.json --size 8x6 --timeout 1e9", folder).status == 0);
+  CHECK(run_stage("render", "scene.json --size 8x6 --timeout 0", folder).status == 0);
+  CHECK(run_stage("render", "scene.json --size 8x6 --timeout 1e9", folder).status == 0);
   for (const char* seconds : {"-1", "nan", "1e10", "1s"}) {
     CAPTURE(seconds);
-    const Outcome refused = run_program("render", "scene.json --timeout " + std::string(seconds), folder);
+    const Outcome refused = run_stage("render", "scene.json --timeout " + std::string(seconds), folder);
     CHECK(refused.status == 2);
     CHECK_THAT(refused.err, ContainsSubstring("--timeout: '" + std::string(seconds) +
                                               "' is not a number of seconds from 0 to 1e9"));
   }
-  CHECK(run_program("09_shadow", "--timeout 1", folder).status == 2);
+  CHECK(run_stage("09_shadow", "--timeout 1", folder).status == 2);
 }
 
 TEST_CASE("the default timeout of render is ten seconds for each pixel") {
@@ -156,8 +156,8 @@ TEST_CASE("the default timeout of render is ten seconds for each pixel") {
 TEST_CASE("render does not wait for a pipe that a scene names") {
   const TemporaryFolder folder;
   REQUIRE(mkfifo((folder / "pipe.png").c_str(), 0600) == 0);
-  put_bytes(folder / "scene.json", with_image("pipe.png"));
-  const Outcome outcome = run_program("render", "scene.json", folder);
+  put_bytes(folder / "scene.json", scene_with_image("pipe.png"));
+  const Outcome outcome = run_stage("render", "scene.json", folder);
   CHECK(outcome.status == 1);
   CHECK_THAT(outcome.err,
              ContainsSubstring("\"pipe.png\" is not possible: 'pipe.png' is not a regular file\n"));
@@ -198,11 +198,11 @@ TEST_CASE("small files that promise large images or repeat their files take litt
     CHECK_THAT(outcome.err, ContainsSubstring(error));
   };
   copy_image("images/bomb12000.png", folder);
-  check_refused(with_image("bomb12000.png"), "the picture has 12000x12000 pixels");
+  check_refused(scene_with_image("bomb12000.png"), "the picture has 12000x12000 pixels");
   put_bytes(folder / "a.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 10000 +X 10000\n");
-  check_refused(with_image("a.hdr"), "the picture has 10000x10000 pixels");
+  check_refused(scene_with_image("a.hdr"), "the picture has 10000x10000 pixels");
   put_bytes(folder / "a.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8000 +X 8000\n");
-  check_refused(with_image("a.hdr"), "there are 0 bytes of pixels; a picture of this size takes ");
+  check_refused(scene_with_image("a.hdr"), "there are 0 bytes of pixels; a picture of this size takes ");
 
   // A hundred materials name one image of 6 MB in memory, and a hundred objects one mesh of 100,000
   // triangles.
@@ -253,16 +253,17 @@ TEST_CASE("running out of memory while a scene is read ends render with status 1
       {"type": "sphere", "position": [0, 0, 3], "radius": 0.1}]}, "color": [1, 1, 1]},)";
   std::string spheres;
   for (int i = 0; i < 8'000; ++i) spheres += sphere;
-  put_bytes(folder / "spheres.json", changed("\"objects\": [", "\"objects\": [" + spheres));
+  put_bytes(folder / "spheres.json", changed_three_spheres("\"objects\": [", "\"objects\": [" + spheres));
   std::string mesh = "v 0 0 1\nv 2 0 1\nv 0 2 1\n";
   for (int i = 0; i < 60'000; ++i) mesh += "f 1 2 3\n";
   put_bytes(folder / "a.obj", mesh);
   put_bytes(folder / "mesh.json",
-            changed("\"objects\": [",
-                    R"("objects": [{"surface": {"type": "mesh", "file": "a.obj"}, "color": [1, 1, 1]},)"));
+            changed_three_spheres(
+                "\"objects\": [",
+                R"("objects": [{"surface": {"type": "mesh", "file": "a.obj"}, "color": [1, 1, 1]},)"));
   put_bytes(folder / "a.hdr",
             "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 500000 +X 7\n" + std::string(14'000'000, '\x80'));
-  put_bytes(folder / "image.json", with_image("a.hdr"));
+  put_bytes(folder / "image.json", scene_with_image("a.hdr"));
   for (const char* scene : {"spheres.json", "mesh.json", "image.json"}) {
     int refused = 0;
     // Limits grow by a sixth, from less than an idle program takes.

@@ -32,7 +32,7 @@ namespace {
 
 /// User-defined sphere with bounds, but without packet functions. Its normal_at accepts any GLM vector and
 /// nothing else.
-struct Ball {
+struct BoundedBall {
   Point center{0};
   double radius = 1;
 
@@ -45,10 +45,10 @@ struct Ball {
   auto normal_at(const auto& point) const { return glm::normalize(point - center); }
   Bounds bounds() const { return {center - Vec3{1.001 * radius}, center + Vec3{1.001 * radius}}; }
 };
-static_assert(SurfaceWithBounds<Ball> && !SurfaceWithBounds<Cylinder>);
+static_assert(SurfaceWithBounds<BoundedBall> && !SurfaceWithBounds<Cylinder>);
 
-/// Ball with bounds that are far too large, and beyond float.
-struct BallSomewhere : Ball {
+/// BoundedBall with bounds that are far too large, and beyond float.
+struct BallSomewhere : BoundedBall {
   Bounds bounds() const { return {Point{-1e200}, Point{1e200}}; }
 };
 
@@ -235,10 +235,10 @@ TEST_CASE("by tiles, the earlier of two coinciding surfaces is seen, whichever i
 TEST_CASE("by tiles, surfaces of any kind look as they do ray by ray") {
   Random random(6);
   Everything any;
-  Scene<Ball, Cylinder> own;
+  Scene<BoundedBall, Cylinder> own;
   for (int i = 0; i < 20; ++i) {
     const Sphere sphere{Vec3{0, 0, 6} + random.point(3), random.real(0.1, 1)};
-    const Ball ball{Vec3{0, 0, 6} + random.point(3), random.real(0.1, 1)};
+    const BoundedBall ball{Vec3{0, 0, 6} + random.point(3), random.real(0.1, 1)};
     any.add(AnySurface(sphere), random.color());
     any.add(AnySurface(ball), random.color());
     own.add(ball, random.color());
@@ -260,7 +260,7 @@ TEST_CASE("by tiles, surfaces whose bounds are beyond float, or overflow, look a
   for (const int others : {5, cases(20, 2100)}) {  // candidates are found among all, or in a tree
     Everything scene = random_spheres(others, 0.01, 0.3, Point{0});
     scene.add(Sphere{.center = {1e120, 0, 0}, .radius = 1.7e120}, Color{0.5f, 0.7f, 0.9f});
-    scene.add(AnySurface(BallSomewhere{Ball{.center = {0.5, 0.5, 4}, .radius = 0.8}}),
+    scene.add(AnySurface(BallSomewhere{BoundedBall{.center = {0.5, 0.5, 4}, .radius = 0.8}}),
               Color{0.9f, 0.5f, 0.2f});
     check_pictures(scene, Camera{}, 70, 33);
   }

@@ -5,13 +5,12 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/random.hpp"
 
 using namespace protostar;
 
-namespace {
-std::vector<double> list(const Roots& roots) { return {roots.begin(), roots.end()}; }
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("roots are sorted, and first_in returns the first one inside a range") {
   const Roots roots{1, 3};

@@ -11,6 +11,7 @@
 
 #include "scenes/three_spheres.hpp"
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/cylinder.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
@@ -22,9 +23,6 @@ static_assert(Traceable<Scene<>> && Traceable<Scene<Sphere>> && Traceable<Scene<
 static_assert(Traceable<Scene<AnySurface>> && !Traceable<Sphere>);
 
 namespace {
-constexpr double inf = std::numeric_limits<double>::infinity(),
-                 not_a_number = std::numeric_limits<double>::quiet_NaN();
-const Ray along_z{{0, 0, 0}, {0, 0, 1}};
 
 /// Returns a color whose red identifies a surface.
 Color tag(int number) { return Color{static_cast<float>(number), 0, 0}; }
@@ -46,8 +44,8 @@ static_assert(TakesSphere<Scene<Sphere>> && TakesSphere<Scene<AnySurface>> && !T
 
 TEST_CASE("a scene without surfaces is a miss for every ray") {
   const auto is_empty = [](const auto& scene) {
-    return !scene.intersect(along_z) && !scene.occluded(along_z) && crossings_of(scene, along_z).empty() &&
-           scene.lights().empty();
+    return !scene.intersect(ray_along_z) && !scene.occluded(ray_along_z) &&
+           crossings_of(scene, ray_along_z).empty() && scene.lights().empty();
   };
   CHECK(is_empty(Scene<>{}));
   CHECK(is_empty(Scene<Sphere>{}));
@@ -62,7 +60,7 @@ TEST_CASE("a scene's closest hit is the nearest crossing, whichever type it has 
   scene.add(Sphere{.center = {0, 0, 2}, .radius = 1}, tag(3));
   scene.add(Sphere{.center = {0, 0, 20}, .radius = 1}, tag(4));
   const auto first = [&](Interval range) {
-    const auto hit = scene.intersect(along_z, range);
+    const auto hit = scene.intersect(ray_along_z, range);
     return hit ? Seen{tag_of(*hit), hit->t} : Seen{0, 0};
   };
   CHECK(first({}) == Seen{3, 1});
@@ -80,7 +78,7 @@ TEST_CASE("at equal t the surface type named first wins, then the surface added 
   const auto first = [&](auto scene, const auto&... surfaces) {
     int number = 0;
     (scene.add(surfaces, tag(++number)), ...);
-    const auto hit = scene.intersect(along_z);
+    const auto hit = scene.intersect(ray_along_z);
     REQUIRE(hit);
     CHECK(hit->t == 2);
     return tag_of(*hit);
@@ -108,11 +106,11 @@ TEST_CASE("crossings come in the order of the surfaces: by type, then as added, 
   auto spheres_first = spheres, planes_first = planes;
   spheres_first.insert(spheres_first.end(), planes.begin(), planes.end());
   planes_first.insert(planes_first.end(), spheres.begin(), spheres.end());
-  CHECK(crossings_of(fill(Scene<Sphere, Plane>{}), along_z) == spheres_first);
-  CHECK(crossings_of(fill(Scene<Plane, Sphere>{}), along_z) == planes_first);
-  CHECK(crossings_of(fill(Scene<AnySurface>{}), along_z) ==
+  CHECK(crossings_of(fill(Scene<Sphere, Plane>{}), ray_along_z) == spheres_first);
+  CHECK(crossings_of(fill(Scene<Plane, Sphere>{}), ray_along_z) == planes_first);
+  CHECK(crossings_of(fill(Scene<AnySurface>{}), ray_along_z) ==
         std::vector<Seen>{{1, 1}, {2, 8}, {2, 12}, {3, 3}, {3, 5}, {4, 0.5}, {5, 6}, {5, 6}});
-  CHECK(crossings_of(fill(Scene<Sphere, Plane>{}), along_z, {.min = 3, .max = 8}) ==
+  CHECK(crossings_of(fill(Scene<Sphere, Plane>{}), ray_along_z, {.min = 3, .max = 8}) ==
         std::vector<Seen>{{3, 5}, {5, 6}, {5, 6}});
 }
 
@@ -133,9 +131,9 @@ TEST_CASE("a ray is occluded exactly if it has a closest hit, in every range") {
     wrong.add(scene.occluded(ray, range) != hit.has_value(), ray, range);
     wrong.add(hit && !range.contains(hit->t), ray, range);
     // The closest hit has the least t of all crossings.
-    double least = inf;
+    double least = infinity;
     scene.crossings(ray, range, [&](const Intersection& crossing) { least = std::min(least, crossing.t); });
-    wrong.add(hit ? hit->t != least : least != inf, ray, range, least);
+    wrong.add(hit ? hit->t != least : least != infinity, ray, range, least);
   }
   CHECK(hits > 3000);
   CHECK(misses > 5000);
@@ -203,7 +201,7 @@ TEST_CASE("a surface is stored as its own type, or as the first type that it con
   scene.add(Sphere{.center = {0, 0, 3}, .radius = 1}, tag(2));
   scene.add(AnySurface{Sphere{.center = {0, 0, 3}, .radius = 1}}, tag(3));
   // The sphere is stored as Sphere, hence last, although AnySurface, which takes it too, comes first.
-  CHECK(crossings_of(scene, along_z) == std::vector<Seen>{{1, 2}, {3, 2}, {3, 4}, {2, 2}, {2, 4}});
+  CHECK(crossings_of(scene, ray_along_z) == std::vector<Seen>{{1, 2}, {3, 2}, {3, 4}, {2, 2}, {2, 4}});
 }
 
 TEST_CASE("a ray without direction, or with a number that is not finite, crosses nothing") {
@@ -211,7 +209,7 @@ TEST_CASE("a ray without direction, or with a number that is not finite, crosses
   scene.add(Sphere{.center = {0, 0, 0}, .radius = 2}, tag(1));
   scene.add(Plane{.normal = {1, 1, 1}, .distance = 1}, tag(2));
   std::vector<Ray> rays{{{0, 0, 0}, {0, 0, 0}}};
-  for (const double bad : {inf, -inf, not_a_number})
+  for (const double bad : {infinity, -infinity, not_a_number})
     for (int axis = 0; axis < 3; ++axis) {
       rays.push_back({{0, 0, 0}, {0.1, 0.2, 0.3}});
       rays.back().origin[axis] = bad;
@@ -225,9 +223,9 @@ TEST_CASE("a ray without direction, or with a number that is not finite, crosses
   }
   for (const Interval range :
        {Interval{not_a_number, 1}, Interval{0, not_a_number}, Interval{1, 1}, Interval{9, 0}}) {
-    CHECK_FALSE(scene.intersect(along_z, range));
-    CHECK_FALSE(scene.occluded(along_z, range));
-    CHECK(crossings_of(scene, along_z, range).empty());
+    CHECK_FALSE(scene.intersect(ray_along_z, range));
+    CHECK_FALSE(scene.occluded(ray_along_z, range));
+    CHECK(crossings_of(scene, ray_along_z, range).empty());
   }
 }
 
@@ -242,27 +240,28 @@ TEST_CASE("invalid surfaces and lights are refused when added, with the names of
     CHECK_THAT(says(typed, surface, color), ContainsSubstring(expected));
     CHECK_THAT(says(any, surface, color), ContainsSubstring(expected));
   };
-  for (const double bad : {0.0, not_a_number, inf, -inf})
+  for (const double bad : {0.0, not_a_number, infinity, -infinity})
     check(Sphere{.radius = bad}, Color{1}, "Sphere: radius");
   check(Sphere{.center = {not_a_number, 0, 0}}, Color{1}, "Sphere: center");
-  check(Sphere{.center = {0, 0, inf}}, Color{1}, "Sphere: center");
-  for (const Vec3& bad : {Vec3{0}, Vec3{0, not_a_number, 0}, Vec3{inf, 0, 0}})
+  check(Sphere{.center = {0, 0, infinity}}, Color{1}, "Sphere: center");
+  for (const Vec3& bad : {Vec3{0}, Vec3{0, not_a_number, 0}, Vec3{infinity, 0, 0}})
     check(Plane{.normal = bad}, Color{1}, "Plane: normal");
-  for (const double bad : {not_a_number, inf}) check(Plane{.distance = bad}, Color{1}, "Plane: distance");
-  for (const float bad : {-0.1f, static_cast<float>(not_a_number), static_cast<float>(inf)}) {
+  for (const double bad : {not_a_number, infinity})
+    check(Plane{.distance = bad}, Color{1}, "Plane: distance");
+  for (const float bad : {-0.1f, static_cast<float>(not_a_number), static_cast<float>(infinity)}) {
     check(Sphere{}, Color{0, bad, 0}, "Scene::add: color");
     check(Plane{}, Color{0, 0, bad}, "Scene::add: color");
     CHECK_THAT(says(typed, PointLight{.position = {0, 0, 0}, .power = Color{bad, 0, 0}}),
                ContainsSubstring("PointLight: power"));
   }
-  for (const double bad : {not_a_number, inf})
+  for (const double bad : {not_a_number, infinity})
     CHECK_THAT(says(typed, PointLight{.position = {0, bad, 0}, .power = Color{1}}),
                ContainsSubstring("PointLight: position"));
   CHECK_THAT(says(any, AnySurface{Sphere{.radius = 0}}, Color{1}), ContainsSubstring("Sphere: radius"));
 
   // No refused surface or light has been added.
-  CHECK(crossings_of(typed, along_z, {-inf, inf}).empty());
-  CHECK(crossings_of(any, along_z, {-inf, inf}).empty());
+  CHECK(crossings_of(typed, ray_along_z, {-infinity, infinity}).empty());
+  CHECK(crossings_of(any, ray_along_z, {-infinity, infinity}).empty());
   CHECK(typed.lights().empty());
 }
 
@@ -272,7 +271,7 @@ TEST_CASE("a negative radius, black, colors above 1 and a light without power ar
   CHECK_NOTHROW(scene.add(Sphere{.center = {0, 0, 9}, .radius = 1}, Color{5}));
   CHECK_NOTHROW(scene.add(PointLight{}));
   CHECK(scene.lights().size() == 1);
-  const auto hit = scene.intersect(along_z);
+  const auto hit = scene.intersect(ray_along_z);
   REQUIRE(hit);
   CHECK(hit->normal() == Vec3{0, 0, 1});
 }
@@ -290,9 +289,9 @@ TEST_CASE("a copy of a scene is independent of the original") {
   auto scene = three_spheres();
   const auto copy = scene;
   scene.add(Sphere{.center = {0, 0, 1}, .radius = 0.5}, tag(9));
-  REQUIRE(copy.intersect(along_z));
-  CHECK(copy.intersect(along_z)->t == 2);
-  CHECK(scene.intersect(along_z)->t == 0.5);
+  REQUIRE(copy.intersect(ray_along_z));
+  CHECK(copy.intersect(ray_along_z)->t == 2);
+  CHECK(scene.intersect(ray_along_z)->t == 0.5);
 }
 
 TEST_CASE("a const scene may be used by several threads at once") {
@@ -325,7 +324,7 @@ struct Answers {
 };
 
 /// Type that converts to a sphere.
-struct Ball {
+struct AlmostSphere {
   double radius;
   operator Sphere() const { return {.radius = radius}; }
 };
@@ -352,8 +351,8 @@ TEST_CASE("a surface that returns NaN, or a t outside the range, is not hit") {
 
 TEST_CASE("an object that converts to a surface is validated as that surface") {
   Scene<Sphere> scene;
-  CHECK_NOTHROW(scene.add(Ball{2}, Color{1}));
-  CHECK_THROWS_AS(scene.add(Ball{0}, Color{1}), std::invalid_argument);
+  CHECK_NOTHROW(scene.add(AlmostSphere{2}, Color{1}));
+  CHECK_THROWS_AS(scene.add(AlmostSphere{0}, Color{1}), std::invalid_argument);
   CHECK_FALSE(scene.occluded(Ray{{5, 0, 0}}));
 }
 

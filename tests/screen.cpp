@@ -10,11 +10,10 @@
 #include "support/wrong_cases.hpp"
 
 using namespace protostar;
-using namespace protostar::simd;
 
 TEST_CASE("PixelsBetween holds the pixels whose centers are between two positions, and hardly any more") {
   constexpr int N = 4;
-  using Places = Lanes<float, N>;
+  using Places = simd::Lanes<float, N>;
   Random random(71);
   int found = 0;
   WrongCases wrong(random);
@@ -26,8 +25,8 @@ TEST_CASE("PixelsBetween holds the pixels whose centers are between two position
     };
     float a = place(), b = i % 7 == 0 ? a + 0.2f : place();
     if (b < a) std::swap(a, b);
-    const PixelsBetween<N> pixels(Places{a}, Places{b}, count);
-    const bool any = (bits(pixels.any) & 1) != 0;
+    const simd::PixelsBetween<N> pixels(Places{a}, Places{b}, count);
+    const bool any = (simd::bits(pixels.any) & 1) != 0;
     for (int x = 0; x < count; ++x) {
       const bool is_between = a <= static_cast<float>(x) && static_cast<float>(x) <= b;
       const bool is_near = a - 0.002f < static_cast<float>(x) && static_cast<float>(x) < b + 0.002f;
@@ -40,13 +39,13 @@ TEST_CASE("PixelsBetween holds the pixels whose centers are between two position
   CHECK(found > 100'000);
   CHECK(wrong == 0);
   const float inf = std::numeric_limits<float>::infinity();
-  const PixelsBetween<N> all(Places{-inf}, Places{inf}, 9), none(Places{inf}, Places{-inf}, 9);
-  CHECK((all.first[0] == 0 && all.end[0] == 9 && (bits(all.any) & 1) != 0));
+  const simd::PixelsBetween<N> all(Places{-inf}, Places{inf}, 9), none(Places{inf}, Places{-inf}, 9);
+  CHECK((all.first[0] == 0 && all.end[0] == 9 && (simd::bits(all.any) & 1) != 0));
   CHECK(!any(none.any));
   // NaN culls no pixel.
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const PixelsBetween<N> unknown(Places{nan}, Places{nan}, 9);
-  CHECK((unknown.first[0] == 0 && unknown.end[0] == 9 && (bits(unknown.any) & 1) != 0));
+  const simd::PixelsBetween<N> unknown(Places{nan}, Places{nan}, 9);
+  CHECK((unknown.first[0] == 0 && unknown.end[0] == 9 && (simd::bits(unknown.any) & 1) != 0));
 }
 
 TEST_CASE(
@@ -60,18 +59,18 @@ TEST_CASE(
                  far = std::exp2(random.real(-12, round % 2 ? 3 : 20));
     const Point center = round % 3 == 0 ? size * 100.0 * random.point(1) : Point{0};
     const Bounds world{center - Vec3{size}, center + Vec3{size}};
-    const BoxSpace space(world);
+    const simd::BoxSpace space(world);
     Camera camera =
         Camera::look_at(center + far * size * random.direction(), center + size * random.point(0.3),
                         random.direction(), random.real(1, 120));
     if (round % 5 == 0) camera.right *= 1e-4, camera.up *= 1e-4, camera.forward *= 1e-4;
     const int width = 40 + static_cast<int>(random.bits() % 100), height = 70;
     const RenderOptions options{.samples = 1 + round % 3};
-    const PixelRays rays(camera, PixelGrid(width, height, options), width, height);
+    const simd::PixelRays rays(camera, PixelGrid(width, height, options), width, height);
     const int sample = round % rays.pixels().samples();
     const int x0 = static_cast<int>(random.bits() % 30), y0 = static_cast<int>(random.bits() % 30);
     const Tile tile{x0, y0, std::min(x0 + 64, width), y0 + 1 + static_cast<int>(random.bits() % 40)};
-    const Screen screen(rays, sample, tile, space);
+    const simd::Screen screen(rays, sample, tile, space);
     if (!screen.usable) continue;
     // Boxes around points that pixels see, if the boxes are inside the world.
     struct Sight {
@@ -79,8 +78,8 @@ TEST_CASE(
       double k;
     };
     std::vector<Sight> sights;
-    Node node;
-    for (int k = 0; k < node_width; ++k) {
+    simd::Node node;
+    for (int k = 0; k < simd::node_width; ++k) {
       const int x = static_cast<int>(random.bits() % static_cast<unsigned>(tile.width())),
                 y = static_cast<int>(random.bits() % static_cast<unsigned>(tile.height()));
       const Vec3 direction = rays.pixels().u(x0 + x, rays.pixels().sample(sample).x) * camera.right +
@@ -96,13 +95,13 @@ TEST_CASE(
       }
       const bool is_inside = glm::all(glm::greaterThanEqual(bounds.min, world.min)) &&
                              glm::all(glm::lessThanEqual(bounds.max, world.max));
-      const Box box = is_inside ? space(bounds) : Box::nothing();
+      const simd::Box box = is_inside ? space(bounds) : simd::Box::nothing();
       for (int axis = 0; axis < 3; ++axis)
         node.end[0][axis][k] = box.min[axis], node.end[1][axis][k] = box.max[axis];
       sights.push_back({x, y, is_inside ? 1 / (t * space.scale) : 0});
     }
-    const BoxesOnScreen on_screen(screen, node);
-    for (int k = 0; k < node_width; ++k) {
+    const simd::BoxesOnScreen on_screen(screen, node);
+    for (int k = 0; k < simd::node_width; ++k) {
       const auto [x, y, nearness] = sights[static_cast<std::size_t>(k)];
       const bool is_seen = (on_screen.seen >> k & 1) != 0;
       if (nearness == 0) {
@@ -110,7 +109,7 @@ TEST_CASE(
         continue;
       }
       ++boxes;
-      const BoxOnScreen box = on_screen[k];
+      const simd::BoxOnScreen box = on_screen[k];
       wrong.add(!is_seen || x < box.x0 || x >= box.x1 || y < box.y0 || y >= box.y1 ||
                     nearness * (1 - 0x1p-40) > static_cast<double>(box.nearest),
                 center);

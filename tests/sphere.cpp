@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
 #include "support/wrong_cases.hpp"
@@ -13,8 +14,6 @@
 using namespace protostar;
 
 namespace {
-constexpr double inf = std::numeric_limits<double>::infinity(),
-                 not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 Sphere random_sphere(Random& random) {
   return {.center = random.point(10), .radius = std::exp(random.real(-5, 5))};
@@ -27,7 +26,6 @@ Ray random_ray(Random& random, const Sphere& sphere) {
   return {origin, std::exp(random.real(-10, 10)) * (target - origin)};
 }
 
-std::vector<double> list(const Roots& roots) { return {roots.begin(), roots.end()}; }
 }  // namespace
 
 TEST_CASE("the closest hit of a sphere is where the ray enters it") {
@@ -50,7 +48,7 @@ TEST_CASE("the closest hit of a sphere is where the ray enters it") {
       {"behind, in a range that reaches there", {{0, 0, 5}, {0, 0, 1}}, {-10, 0}, -3},
       {"beyond the range", {{0, 0, 0}, {0, 0, 1}}, {0, 1.5}, std::nullopt},
       {"at the end of the range", {{0, 0, 0}, {0, 0, 1}}, {0, 2}, std::nullopt},
-      {"the far side, where the range leaves out the near", {{0, 0, 0}, {0, 0, 1}}, {2, inf}, 4},
+      {"the far side, where the range leaves out the near", {{0, 0, 0}, {0, 0, 1}}, {2, infinity}, 4},
       {"neither side, in a range between them", {{0, 0, 0}, {0, 0, 1}}, {2, 4}, std::nullopt},
   };
   for (const auto& row : rows) {
@@ -188,7 +186,7 @@ TEST_CASE("a ray that leaves a sphere hits another one like any other ray") {
 TEST_CASE("a ray without direction, or with a number that is not finite, crosses no sphere") {
   const Sphere sphere{.center = {0, 0, 3}, .radius = 1};
   std::vector<Ray> rays{{{0, 0, 0}, {0, 0, 0}}, {{0, 0, 3}, {0, 0, 0}}, {{0, 0, 2}, {0, 0, 0}}};
-  for (const double bad : {inf, -inf, not_a_number})
+  for (const double bad : {infinity, -infinity, not_a_number})
     for (int axis = 0; axis < 3; ++axis) {
       Ray ray{{0, 0, 0}, {0, 0, 1}};
       ray.origin[axis] = bad;
@@ -201,10 +199,10 @@ TEST_CASE("a ray without direction, or with a number that is not finite, crosses
     }
   for (Ray ray : rays) {
     CHECK_FALSE(sphere.intersect(ray));
-    CHECK_FALSE(sphere.intersect(ray, {-inf, inf}));
+    CHECK_FALSE(sphere.intersect(ray, {-infinity, infinity}));
     ray.departure = sphere.departure();
     CHECK_FALSE(sphere.intersect(ray));
-    CHECK_FALSE(sphere.intersect(ray, {-inf, inf}));
+    CHECK_FALSE(sphere.intersect(ray, {-infinity, infinity}));
   }
 }
 
@@ -220,10 +218,10 @@ TEST_CASE("the length of a ray's direction changes t, and not the surface that i
 }
 
 TEST_CASE("an invalid sphere is refused with the field's name") {
-  for (const double bad : {0.0, -0.0, 0x1p-401, -0x1p-401, 1e121, -1e121, inf, -inf, not_a_number})
+  for (const double bad : {0.0, -0.0, 0x1p-401, -0x1p-401, 1e121, -1e121, infinity, -infinity, not_a_number})
     CHECK_THAT(message_of<std::invalid_argument>([&] { Sphere{.radius = bad}.validate(); }),
                ContainsSubstring("Sphere: radius"));
-  for (const double bad : {1e121, -1e121, inf, -inf, not_a_number})
+  for (const double bad : {1e121, -1e121, infinity, -infinity, not_a_number})
     CHECK_THAT(message_of<std::invalid_argument>([&] {
                  Sphere{.center = {0, bad, 0}}.validate();
                }),

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/cylinder.hpp"
 #include "support/random.hpp"
 #include "support/wrong_cases.hpp"
@@ -52,11 +53,6 @@ static_assert(!knows_departure<Cylinder> && !SurfaceWithRoots<Cylinder> && !Comp
               !SurfaceWithEquation<Cylinder>);
 static_assert(CompositeSurface<AnySurface> && SurfaceWithEquation<Sphere> && SurfaceWithEquation<Plane>);
 
-std::vector<double> crossings_of(const Surface auto& surface, const Ray& ray, Interval range = {}) {
-  std::vector<double> list;
-  each_crossing(surface, ray, range, [&](const Crossing& crossing) { list.push_back(crossing.t); });
-  return list;
-}
 }  // namespace
 
 TEST_CASE("a surface that has only intersect is crossed near to far, once at each crossing") {

@@ -23,11 +23,6 @@ namespace {
 
 constexpr Interval whole_line{-infinity, infinity};
 
-Vec3 whole_vector(Random& random, int most) {
-  const auto whole = [&] { return std::floor(random.real(-most, most + 1)); };
-  return {whole(), whole(), whole()};
-}
-
 /// Returns n·x − distance of a rounded equation, exactly.
 ExactNumber height_over(const PlaneEquation& plane, const Point& x) {
   ExactNumber height = -ExactNumber(plane[3]);
@@ -59,11 +54,11 @@ TEST_CASE("a ray that leaves one of several surfaces in one tilted plane leaves 
   WrongCases wrong(random);
   while (planes < 500) {
     // Whole numbers so small that the plane of each surface is exact.
-    const Vec3 n = whole_vector(random, 20);
-    const Vec3 u = cross(n, whole_vector(random, 5)), v = cross(n, whole_vector(random, 5));
+    const Vec3 n = random.whole_vector(20);
+    const Vec3 u = cross(n, random.whole_vector(5)), v = cross(n, random.whole_vector(5));
     if (cross(u, v) == Vec3{0} || (n.x == 0) + (n.y == 0) + (n.z == 0) == 2) continue;
     ++planes;
-    const Point p = whole_vector(random, 50);
+    const Point p = random.whole_vector(50);
     std::vector<AnySurface> surfaces;
     for (const double multiple : {1.0, -3.0, 0x1p-70})
       surfaces.emplace_back(Plane{multiple * n, multiple * dot(n, p)});

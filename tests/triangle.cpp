@@ -13,6 +13,7 @@
 #include "stress/exact.hpp"
 #include "stress/oracle/equations.hpp"
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
@@ -22,36 +23,22 @@ using namespace protostar;
 
 namespace {
 
-constexpr double inf = std::numeric_limits<double>::infinity(),
-                 not_a_number = std::numeric_limits<double>::quiet_NaN(),
-                 ulp = std::numeric_limits<double>::epsilon();
-const Interval everywhere{-inf, inf};
-
-Vec3 whole_vector(Random& random, std::int64_t size) {
-  const auto whole = [&] {
-    return static_cast<double>(
-        static_cast<std::int64_t>(random.bits() % static_cast<std::uint64_t>(2 * size + 1)) - size);
-  };
-  const double x = whole(), y = whole(), z = whole();
-  return {x, y, z};
-}
-
 // ---- Reference: whole numbers, and an origin that is actually moved.
 
-__extension__ using Whole = __int128;
-using WholeVector = std::array<Whole, 3>;
+__extension__ using Int128 = __int128;
+using WholeVector = std::array<Int128, 3>;
 
 WholeVector operator-(const WholeVector& a, const WholeVector& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
-Whole determinant(const WholeVector& a, const WholeVector& b, const WholeVector& c) {
+Int128 determinant(const WholeVector& a, const WholeVector& b, const WholeVector& c) {
   return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
          a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
 /// Returns coordinates of at most 9 in units of 10^-9.
 WholeVector in_units(const Vec3& v) {
-  const auto units = [](double x) { return static_cast<Whole>(x) * 1000000000; };
+  const auto units = [](double x) { return static_cast<Int128>(x) * 1000000000; };
   return {units(v.x), units(v.y), units(v.z)};
 }
 
@@ -62,7 +49,7 @@ bool is_crossed(const Triangle& s, const Ray& ray) {
   o[0] += 1000000, o[1] += 1000, o[2] += 1;
   const WholeVector d = in_units(ray.direction), a = in_units(s.a) - o, b = in_units(s.b) - o,
                     c = in_units(s.c) - o;
-  const Whole ab = determinant(d, a, b), bc = determinant(d, b, c), ca = determinant(d, c, a);
+  const Int128 ab = determinant(d, a, b), bc = determinant(d, b, c), ca = determinant(d, c, a);
   return (ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0);
 }
 
@@ -155,8 +142,8 @@ TEST_CASE("hits of triangles are exact, and at the outline as for an infinitesim
   int hits = 0, outline = 0;
   WrongCases misjudged(random), wrong(random);
   for (int i = 0; i < 100000; ++i) {
-    const Triangle s{whole_vector(random, 3), whole_vector(random, 3), whole_vector(random, 3)};
-    const Ray ray{whole_vector(random, 3), whole_vector(random, 3)};
+    const Triangle s{random.whole_vector(3), random.whole_vector(3), random.whole_vector(3)};
+    const Ray ray{random.whole_vector(3), random.whole_vector(3)};
     const Vec3 a = s.a - ray.origin, b = s.b - ray.origin, c = s.c - ray.origin;
     const bool expected = is_crossed(s, ray);
     if (i % 16 == 0) misjudged.add(is_exactly_crossed(s, ray) != expected, s, ray);
@@ -179,8 +166,8 @@ TEST_CASE("hits of a triangle do not depend on the order of its vertices, and sc
   int hits = 0;
   WrongCases wrong(random);
   for (int i = 0; i < 5000; ++i) {
-    const Triangle s{whole_vector(random, 4), whole_vector(random, 4), whole_vector(random, 4)};
-    const Ray ray{whole_vector(random, 4), whole_vector(random, 4)};
+    const Triangle s{random.whole_vector(4), random.whole_vector(4), random.whole_vector(4)};
+    const Ray ray{random.whole_vector(4), random.whole_vector(4)};
     const auto t = s.intersect(ray, everywhere);
     hits += t.has_value();
     for (const Triangle& other : {Triangle{s.b, s.c, s.a}, Triangle{s.a, s.c, s.b}})
@@ -270,7 +257,7 @@ TEST_CASE("a triangle of numbers that are not finite is not hit") {
   const Ray ray;
   REQUIRE(sound.intersect(ray));
   CHECK_FALSE(sound.intersect({{0, 0, 0}, {0, 0, 0}}, everywhere));
-  for (const double bad : {inf, -inf, not_a_number})
+  for (const double bad : {infinity, -infinity, not_a_number})
     for (int axis = 0; axis < 3; ++axis) {
       CAPTURE(bad, axis);
       Ray origin = ray, direction = ray;
@@ -297,11 +284,11 @@ TEST_CASE("the normal of a triangle is the unit vector along (b − a) × (c −
   Random random(35);
   WrongCases wrong(random);
   for (int i = 0; i < 5000; ++i) {
-    const auto place = [&] { return Vec3{1.5} + 0x1p-40 * whole_vector(random, std::int64_t{1} << 39); };
+    const auto place = [&] { return Vec3{1.5} + 0x1p-40 * random.whole_vector(std::int64_t{1} << 39); };
     Triangle s{place(), place(), place()};
-    if (i % 2 == 0) s.c = s.a + 0.5 * (s.b - s.a) + 0x1p-40 * whole_vector(random, 2);
+    if (i % 2 == 0) s.c = s.a + 0.5 * (s.b - s.a) + 0x1p-40 * random.whole_vector(2);
     const auto whole = [](const Vec3& v) {
-      const auto number = [](double x) { return static_cast<Whole>(x * 0x1p41); };
+      const auto number = [](double x) { return static_cast<Int128>(x * 0x1p41); };
       return WholeVector{number(v.x), number(v.y), number(v.z)};
     };
     const WholeVector u = whole(s.b) - whole(s.a), v = whole(s.c) - whole(s.a);
@@ -363,11 +350,11 @@ TEST_CASE("triangles of one plane have equal departures, and so have the plane a
     // Points p + j u + k v of few digits. Differences between points close to the origin and others do not
     // fit into a double.
     const bool is_near = i % 2 == 0;
-    const Vec3 u = whole_vector(random, 3), v = whole_vector(random, 3);
-    const Vec3 p = is_near ? Vec3{0} : whole_vector(random, 100);
+    const Vec3 u = random.whole_vector(3), v = random.whole_vector(3);
+    const Vec3 p = is_near ? Vec3{0} : random.whole_vector(100);
     if (cross(u, v) == Vec3{0}) continue;
     const auto place = [&](double unit) {
-      const Vec3 k = unit * whole_vector(random, 1000);
+      const Vec3 k = unit * random.whole_vector(1000);
       return p + k.x * u + k.y * v;
     };
     const auto triangle = [&] { return Triangle{place(is_near ? 0x1p-50 : 1), place(1), place(1)}; };
@@ -424,7 +411,7 @@ TEST_CASE("an invalid triangle is refused") {
   const auto says = [](const Triangle& s) {
     return message_of<std::invalid_argument>([&] { s.validate(); });
   };
-  for (const Vec3& bad : {Vec3{0, not_a_number, 0}, Vec3{0, inf, 0}, Vec3{-inf, 1, 0}}) {
+  for (const Vec3& bad : {Vec3{0, not_a_number, 0}, Vec3{0, infinity, 0}, Vec3{-infinity, 1, 0}}) {
     CHECK_THAT(says({.a = bad}), ContainsSubstring("Triangle: a, b and c must have numbers at most 2^400"));
     CHECK_THAT(says({.b = bad}), ContainsSubstring("a, b and c must have"));
     CHECK_THAT(says({.c = bad}), ContainsSubstring("a, b and c must have"));

@@ -27,15 +27,15 @@ Both operator*(const Both& a, const Both& b) { return {a.ball * b.ball, a.exact 
 Both both(double x) { return {x, x}; }
 
 /// Returns a random number in (−1, 1) times a random power of two from 2^-60 to 2^59.
-Both any(Random& random) {
+Both any_both(Random& random) {
   const double mantissa = random.real(-1, 1);
   return both(std::ldexp(mantissa, static_cast<int>(random.bits() % 120) - 60));
 }
 
 /// Returns a number that has lost its last digits, with an error up to its bound.
 Both uncertain(Random& random) {
-  const Both large = both(std::ldexp(1, static_cast<int>(random.bits() % 110))), small = any(random);
-  return large + small * any(random) - large;
+  const Both large = both(std::ldexp(1, static_cast<int>(random.bits() % 110))), small = any_both(random);
+  return large + small * any_both(random) - large;
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ TEST_CASE("numbers of 128 digits keep their error bound, or are reported as unkn
               static_cast<long double>(x.ball));
   };
   for (int i = 0; i < 20000; ++i) {
-    const Both a = any(random), b = any(random), c = any(random), d = any(random);
+    const Both a = any_both(random), b = any_both(random), c = any_both(random), d = any_both(random);
     look(a);
     look(a + b);
     look(a * b - c * d);

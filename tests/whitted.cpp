@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
 #include "support/wrong_cases.hpp"
@@ -20,14 +21,9 @@ using namespace protostar;
 
 namespace {
 const Color sky{0.25f, 0.5f, 1};
-const Ray ahead{{0, 0, 0}, {0, 0, 1}};
 constexpr double degree = std::numbers::pi / 180;
 
 bool near(const Vec3& a, const Vec3& b) { return length(a - b) < 1e-15; }
-bool near(const Color& a, const Color& b) {
-  const Color difference = abs(a - b), size = abs(a) + abs(b);
-  return difference.r <= 1e-6f * size.r && difference.g <= 1e-6f * size.g && difference.b <= 1e-6f * size.b;
-}
 
 /// Returns a scene of walls orthogonal to z, each with its material, and a sky.
 Scene<Plane> walls(const std::vector<std::pair<double, Material>>& all) {
@@ -43,7 +39,7 @@ Scene<Plane> shining(Scene<Plane> scene) {
   return scene;
 }
 
-Color seen(const auto& scene, int depth = 10, const Ray& ray = ahead) {
+Color seen(const auto& scene, int depth = 10, const Ray& ray = ray_along_z) {
   return WhittedIntegrator{.depth = depth}.radiance(ray, scene);
 }
 

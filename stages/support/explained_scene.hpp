@@ -134,7 +134,7 @@ void ExplainedScene::add(const std::vector<T>& surfaces, const std::vector<proto
   }
 }
 
-namespace detail {
+namespace explaining {
 
 /// Scene of one light alone, in which rays hit nothing: an integrator that shades a hit in it returns the
 /// light's share of the radiance, if nothing occludes the light.
@@ -181,7 +181,7 @@ void add_lights(RayRecord& record, const std::vector<protostar::Light>& lights, 
   for (RayRecord& ray : record.rays) add_lights(ray, lights, integrator);
 }
 
-}  // namespace detail
+}  // namespace explaining
 
 /// Traces the rays of a pixel by the plain path, and records them; the explanation knows the pixel and the
 /// size of the picture. radiance(sample) returns the radiance along the ray of a sample.
@@ -205,7 +205,7 @@ void explain(Explanation& explanation, const protostar::Camera& camera, const Ex
       [&](SampleRecord& sample) {
         scene.record(sample.all);
         const protostar::Color light = radiance(sample.ray);
-        detail::add_lights(sample.all, explanation.lights, integrator);
+        explaining::add_lights(sample.all, explanation.lights, integrator);
         return light;
       },
       options);

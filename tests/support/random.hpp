@@ -25,6 +25,16 @@ class Random {
   /// Returns a point in the cube [−size, size)³.
   protostar::Point point(double size) { return {real(-size, size), real(-size, size), real(-size, size)}; }
 
+  /// Returns a whole number from −size to size.
+  std::int64_t whole(std::int64_t size) {
+    return static_cast<std::int64_t>(bits() % static_cast<std::uint64_t>(2 * size + 1)) - size;
+  }
+
+  protostar::Vec3 whole_vector(std::int64_t size) {
+    const auto x = whole(size), y = whole(size), z = whole(size);
+    return {x, y, z};
+  }
+
   /// Returns a unit vector, no direction more likely than another.
   protostar::Vec3 direction() {
     for (;;) {

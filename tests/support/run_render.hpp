@@ -6,22 +6,14 @@
 
 #include "catch.hpp"
 #include "files.hpp"
-#include "process.hpp"
+#include "run_stage.hpp"
+#include "scenes_folder.hpp"
 
-namespace run_render {
-
-inline const std::filesystem::path scenes = std::filesystem::path(PROTOSTAR_SOURCE_DIR) / "scenes";
-
-inline std::string scene(const std::string& name) { return (scenes / (name + ".json")).string(); }
-
-inline Outcome run_program(const std::string& name, const std::string& arguments,
-                           const TemporaryFolder& folder) {
-  return run(stage(name, words(arguments), folder / ""));
-}
+inline std::string scene_path(const std::string& name) { return (scenes_folder / (name + ".json")).string(); }
 
 /// Returns the scene file of the three spheres with one text replaced.
-inline std::string changed(const std::string& from, const std::string& to) {
-  std::string text = bytes_of(scene("three_spheres"));
+inline std::string changed_three_spheres(const std::string& from, const std::string& to) {
+  std::string text = bytes_of(scene_path("three_spheres"));
   REQUIRE(text.find(from) != std::string::npos);
   return text.replace(text.find(from), from.size(), to);
 }
@@ -32,7 +24,7 @@ inline void copy_image(const std::string& name, const TemporaryFolder& folder) {
 }
 
 /// Returns a scene of a sphere with an image as its texture.
-inline std::string with_image(const std::string& name) {
+inline std::string scene_with_image(const std::string& name) {
   return R"({"settings": {"resolution-x": 16, "resolution-y": 12, "integrator": "color"},
       "camera": {"projection": "perspective", "position": [0, 0, -5], "direction": [0, 0, 1],
                  "upward": [0, 1, 0], "field-of-view": 40},
@@ -40,5 +32,3 @@ inline std::string with_image(const std::string& name) {
       "materials": {"m": {"diffuse": {"image": ")" +
          name + "\"}}}}";
 }
-
-}  // namespace run_render

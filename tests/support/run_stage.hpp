@@ -11,8 +11,6 @@
 #include "files.hpp"
 #include "process.hpp"
 
-namespace stages {
-
 inline Outcome run_stage(const std::string& name, const std::string& arguments, const TemporaryFolder& folder,
                          std::function<void()> before = {}) {
   Command command = stage(name, words(arguments), folder / "");
@@ -21,13 +19,14 @@ inline Outcome run_stage(const std::string& name, const std::string& arguments, 
 }
 
 /// Returns the file that a stage draws into an empty folder, without output, to compare with.
-inline std::string picture(const std::string& name, const std::string& arguments) {
+inline std::string stage_picture(const std::string& name, const std::string& arguments,
+                                 const std::string& file = "out.ppm") {
   const TemporaryFolder folder;
-  const Outcome outcome = run_stage(name, arguments + " --quiet -o out.ppm", folder);
+  const Outcome outcome = run_stage(name, arguments + " --quiet -o " + file, folder);
   CHECK(outcome.status == 0);
   CHECK(outcome.out + outcome.err == "");
   CHECK(folder.count() == 1);
-  return bytes_of(folder / "out.ppm");
+  return bytes_of(folder / file);
 }
 
 /// Returns the line that a stage prints, with every number of its times replaced by 0.
@@ -44,5 +43,3 @@ inline std::string without_times(const std::string& line) {
 inline std::string cannot_write(const std::string& program, const std::string& path, int reason) {
   return program + ": cannot write '" + path + "': " + std::generic_category().message(reason) + "\n";
 }
-
-}  // namespace stages

@@ -9,13 +9,10 @@
 #include <string>
 
 #include "errors.hpp"
-
-namespace scene_files {
-
-inline const std::filesystem::path scenes = std::filesystem::path(PROTOSTAR_SOURCE_DIR) / "scenes";
+#include "scenes_folder.hpp"
 
 /// The smallest scene, with one of each required item.
-inline const std::string smallest = R"({
+inline const std::string smallest_scene = R"({
   "settings": {"resolution-x": 8, "resolution-y": 6},
   "camera": {"projection": "perspective", "position": [0, 0, 0], "direction": [0, 0, 1], "upward": [0, 1, 0],
              "field-of-view": 90},
@@ -23,7 +20,7 @@ inline const std::string smallest = R"({
 })";
 
 /// A scene with one of everything, into which tests put errors.
-inline const std::string everything = R"({
+inline const std::string scene_of_everything = R"({
   "settings": {"resolution-x": 8, "resolution-y": 6, "samples": 4, "depth": 3, "integrator": "shadow",
                "transfer": {"gamma": 2.2}, "tone": "scale-pixel", "exposure": 0.5},
   "world": {"sky": [0.1, 0.2, 0.3]},
@@ -50,35 +47,33 @@ inline const std::string everything = R"({
   }
 })";
 
-inline protostar::SceneFile read(const std::string& text) {
+inline protostar::SceneFile scene_of_text(const std::string& text) {
   return protostar::scene_from_json(text, "scene.json");
 }
 
-inline std::string error_of(const std::string& text) {
-  return message_of<protostar::SceneError>([&] { static_cast<void>(read(text)); });
+inline std::string scene_error(const std::string& text) {
+  return message_of<protostar::SceneError>([&] { static_cast<void>(scene_of_text(text)); });
 }
 
 /// Returns the scene with everything after a JSON Patch (RFC 6902).
 inline std::string patched(const std::string& patch) {
-  return nlohmann::json::parse(everything).patch(nlohmann::json::parse("[" + patch + "]")).dump();
+  return nlohmann::json::parse(scene_of_everything).patch(nlohmann::json::parse("[" + patch + "]")).dump();
 }
 
 inline std::string replacing(const std::string& pointer, const std::string& value) {
   return patched(R"({"op": "replace", "path": ")" + pointer + R"(", "value": )" + value + "}");
 }
 
-inline std::string with(const std::string& pointer, const std::string& value) {
+inline std::string scene_with(const std::string& pointer, const std::string& value) {
   return patched(R"({"op": "add", "path": ")" + pointer + R"(", "value": )" + value + "}");
 }
 
 /// A surface, and functions that replace the surface of the smallest scene.
-inline const std::string ball = R"({"position":[0,0,3],"radius":1,"type":"sphere"})";
+inline const std::string ball_in_json = R"({"position":[0,0,3],"radius":1,"type":"sphere"})";
 inline std::string with_surface(const std::string& surface) {
   const std::string sphere = R"({"type": "sphere", "position": [0, 0, 3], "radius": 1})";
-  return std::string(smallest).replace(smallest.find(sphere), sphere.size(), surface);
+  return std::string(smallest_scene).replace(smallest_scene.find(sphere), sphere.size(), surface);
 }
 inline protostar::AnySurface only_surface(const std::string& surface) {
-  return read(with_surface(surface)).scene.surfaces<protostar::AnySurface>().at(0);
+  return scene_of_text(with_surface(surface)).scene.surfaces<protostar::AnySurface>().at(0);
 }
-
-}  // namespace scene_files

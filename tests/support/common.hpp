@@ -1,0 +1,44 @@
+// Constants and small functions that several tests use.
+#pragma once
+
+#include <limits>
+#include <numbers>
+#include <protostar/interval.hpp>
+#include <protostar/numeric/roots.hpp>
+#include <protostar/ray.hpp>
+#include <protostar/surface.hpp>
+#include <protostar/surfaces/csg.hpp>
+#include <protostar/vec3.hpp>
+#include <vector>
+
+inline constexpr float four_pi = 4 * std::numbers::pi_v<float>;
+inline constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN(),
+                        ulp = std::numeric_limits<double>::epsilon();
+
+/// All of a line, also behind the origin of the ray.
+inline const protostar::Interval everywhere{-protostar::infinity, protostar::infinity};
+
+/// The ray from the origin along the z axis, to where a default camera looks.
+inline const protostar::Ray ray_along_z{{0, 0, 0}, {0, 0, 1}};
+
+/// Returns true if two colors differ by at most a millionth of their size.
+inline bool near(const protostar::Color& a, const protostar::Color& b) {
+  const protostar::Color difference = abs(a - b), size = abs(a) + abs(b);
+  return difference.r <= 1e-6f * size.r && difference.g <= 1e-6f * size.g && difference.b <= 1e-6f * size.b;
+}
+
+inline std::vector<double> list(const protostar::Roots& roots) { return {roots.begin(), roots.end()}; }
+
+/// Returns where a ray crosses a surface, near to far.
+inline std::vector<double> crossings_of(const protostar::Surface auto& surface, const protostar::Ray& ray,
+                                        protostar::Interval range = {}) {
+  std::vector<double> all;
+  each_crossing(surface, ray, range, [&](const protostar::Crossing& crossing) { all.push_back(crossing.t); });
+  return all;
+}
+
+/// Returns where a ray crosses a CSG tree; a solid alone becomes a tree of one leaf.
+inline std::vector<double> crossings_of_solid(const protostar::Csg& tree, const protostar::Ray& ray,
+                                              protostar::Interval range = {}) {
+  return crossings_of(tree, ray, range);
+}
