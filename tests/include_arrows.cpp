@@ -38,6 +38,7 @@ const std::set<std::string> on_demand = {
     "accel/triangles_on_screen.hpp",
     "accel/pixel_block.hpp",
     "sampling/exact_sum.hpp",
+    "sampling/exact_lanes.hpp",
     "sampling/estimate.hpp",
     "sampling/film.hpp",
     "sampling/shard.hpp",
