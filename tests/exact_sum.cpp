@@ -1,10 +1,12 @@
 #include <protostar/sampling/exact_sum.hpp>
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <protostar/numeric/exact_number.hpp>
+#include <protostar/sampling/exact_lanes.hpp>
 #include <set>
 #include <utility>
 #include <vector>
@@ -32,10 +34,10 @@ ExactNumber units_of(const ExactSum& sum) {
   return exact(words.high) * ExactNumber(0x1p31) + exact(words.low);
 }
 
-/// Returns x · 2^47, clamped and cut towards 0, by the C library.
+/// Returns x · 2^47, clamped and rounded to the nearest integer, by the C library.
 ExactNumber expected_units(float x) {
   if (std::isnan(x)) return 0;
-  return std::trunc(std::ldexp(std::fmin(std::fmax(x, -32768.0), 32768.0), 47));
+  return std::nearbyint(std::ldexp(std::fmin(std::fmax(x, -32768.0), 32768.0), 47));
 }
 
 ExactSum sum_of(const std::vector<float>& numbers) {
@@ -69,7 +71,7 @@ bool is_nearest(float mean, const ExactSum& sum, std::uint32_t count) {
 
 }  // namespace
 
-TEST_CASE("a float counts exactly from 2^-24 on, with an error below 2^-47 below, and is clamped at 2^15") {
+TEST_CASE("a float counts exactly from 2^-24 on, and to the nearest 2^-47 below") {
   Random random(1);
   WrongCases wrong(random);
   for (int i = 0; i < cases(20000, 2000000); ++i) {
@@ -78,8 +80,10 @@ TEST_CASE("a float counts exactly from 2^-24 on, with an error below 2^-47 below
     wrong.add(!(units_of(sum) == expected_units(x)), x);
     const float size = std::abs(x);
     if (size >= 0x1p-24f && size <= 0x1p15f) wrong.add(sum.value() != x || sum.mean(1) != x, x);
-    if (size < 0x1p-24f)
-      wrong.add(!(std::abs(sum.value() - x) < 0x1p-47 && std::abs(sum.value()) <= size), x);
+    if (size < 0x1p-24f) wrong.add(!(std::abs(sum.value() - x) <= 0x1p-48), x);
+    // Midway between two multiples of 2^-47.
+    const float midway = std::ldexp(static_cast<float>(random.bits() >> 41 | 1), -48);
+    wrong.add(!(units_of(sum_of({midway})) == expected_units(midway)), midway);
   }
   CHECK(wrong == 0);
 }
@@ -100,6 +104,8 @@ TEST_CASE("the words of a sum are canonical") {
   CHECK(sum_of({}).words() == ExactSum::Words{0, 0});
   CHECK(sum_of({0x1p-16f}).words() == ExactSum::Words{1, 0});
   CHECK(sum_of({0x1p-47f}).words() == ExactSum::Words{0, 1});
+  CHECK(sum_of({0x1p-48f}).words() == ExactSum::Words{0, 0});
+  CHECK(sum_of({0x1.8p-47f}).words() == ExactSum::Words{0, 2});
   CHECK(sum_of({-0x1p-47f}).words() == ExactSum::Words{-1, 0x7fffffff});
   CHECK(sum_of({0x1p-17f, 0x1p-17f}).words() == ExactSum::Words{1, 0});
   CHECK(sum_of({0x1p-17f, -0x1p-17f}).words() == ExactSum::Words{0, 0});
@@ -137,7 +143,7 @@ TEST_CASE("a sum is that of exact arithmetic, in any order and any grouping") {
 }
 
 TEST_CASE("2^32 - 1 numbers of any kind have an exact sum") {
-  for (const float x : {0x1p15f, -0x1p15f, 0x1.fffffep14f, -0x1p-47f, 0x1.fffffep-24f, -0x1.fffffep-24f}) {
+  for (const float x : {0x1p15f, -0x1p15f, 0x1.fffffep14f, -0x1p-47f, 0x1.fffffep-17f, -0x1.fffffep-17f}) {
     ExactSum power = sum_of({x}), all;
     for (int i = 0; i < 32; ++i) {  // 1 + 2 + 4 + …
       all += power;
@@ -195,4 +201,35 @@ TEST_CASE("a sum of colors is that of its channels, in range or not") {
   CHECK_FALSE(colors == others);
   colors += others;
   CHECK(colors.mean(1000) == Color{red.mean(1000), green.mean(1000), blue.mean(1000)});
+}
+
+TEST_CASE("sums in lanes are those of one number after the other") {
+  constexpr int lanes = simd::double_lanes;
+  Random random(5);
+  WrongCases wrong(random);
+  for (int trial = 0; trial < cases(200, 20000); ++trial) {
+    ExactLanes<lanes> several;
+    std::array<ExactSum, lanes> each;
+    for (int i = 0; i < 20; ++i) {
+      std::array<float, lanes> x;
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        x[k] = trial % 4 == 0   ? any_float(random)
+               : trial % 4 == 1 ? std::ldexp(static_cast<float>(random.bits() >> 41), -48)
+                                : radiance(random);
+        each[k].add(x[k]);
+      }
+      several.add(simd::Lanes<float, lanes>::of_each([&](int k) { return x[static_cast<std::size_t>(k)]; }));
+    }
+    for (int k = 0; k < lanes; ++k) wrong.add(!(several[k] == each[static_cast<std::size_t>(k)]), trial, k);
+  }
+  CHECK(wrong == 0);
+
+  // The most numbers that there may be.
+  for (const float x : {0x1p15f, -0x1.fffffep-18f}) {
+    ExactLanes<lanes> many;
+    constexpr int most = (1 << 22) - 1;
+    for (int i = 0; i < most; ++i) many.add(x);
+    CAPTURE(x);
+    CHECK(units_of(many[0]) == expected_units(x) * ExactNumber(most));
+  }
 }

@@ -4,9 +4,12 @@
 //
 // Colors are added one after the other, as an integrator returns them: to sums that the compiler holds in
 // registers over all samples of a pixel, and by a call for each sample, to sums in memory.
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <protostar/sampling/exact_lanes.hpp>
 #include <protostar/sampling/film.hpp>
+#include <protostar/simd/vectors.hpp>
 #include <protostar/vec3.hpp>
 #include <string>
 #include <vector>
@@ -67,6 +70,25 @@ Work called(const std::vector<Color>& colors) {
   };
 }
 
+/// Sums of colors in lanes, one for each of several pixels.
+template <class Sum>
+Work in_lanes(const std::vector<std::array<simd::Floats, 3>>& colors) {
+  return [&colors] {
+    for (std::size_t i = 0; i < colors.size(); i += samples) {
+      std::array<Sum, 3> sums;
+      for (std::size_t k = i; k < i + samples; ++k)
+        for (std::size_t c = 0; c < 3; ++c) sums[c].add(colors[k][c]);
+      bench::keep(sums);
+    }
+  };
+}
+
+struct DoubleLanes {
+  simd::Doubles sum = 0.0;
+
+  void add(simd::Floats x) { sum += simd::to_double(x); }
+};
+
 /// Adds to sums of pixels in memory, as many samples to each as a unit of work has.
 template <class Sums>
 Work of_pixels(std::vector<Sums>& pixels, const std::vector<Color>& colors) {
@@ -103,6 +125,17 @@ void measure(const bench::Options& options) {
                    std::to_string(sizeof(RoundedPixelSums))});
   pixel_table.row({"exact", number(1e9 * adding.seconds(1) / static_cast<double>(colors.size())),
                    number(adding.ratio(1, 0)), std::to_string(sizeof(PixelSums))});
+
+  constexpr std::size_t lanes = simd::double_lanes;
+  std::vector<std::array<simd::Floats, 3>> of_lanes((options.quick ? 1 : 32) * samples);
+  for (auto& channels : of_lanes)
+    for (simd::Floats& channel : channels)
+      channel = simd::Floats::of_each([&](int) { return static_cast<float>(random.real(0, 1)); });
+  const Times by_lanes(options, {in_lanes<DoubleLanes>(of_lanes), in_lanes<ExactLanes<lanes>>(of_lanes)});
+  const auto per_color = static_cast<double>(of_lanes.size() * lanes);
+  Table lanes_table(options, {std::to_string(lanes) + " pixels in lanes", "ns a color", "of double"});
+  lanes_table.row({"double", number(1e9 * by_lanes.seconds(0) / per_color), "1"});
+  lanes_table.row({"exact", number(1e9 * by_lanes.seconds(1) / per_color), number(by_lanes.ratio(1, 0))});
 
   const double pixels = film.tile().width() * film.tile().height();
   for (int y = 0; y < film.tile().height(); ++y)

@@ -15,14 +15,15 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Sum of fewer than 2^32 floats in fixed point. Integers add up without rounding, so the sum depends on the
 /// numbers and how often each was added, and on no order or grouping.
 ///
-/// A number x counts as the integer q = x · 2^47, cut towards 0, in two words:
+/// A number x counts as the multiple of 2^-47 nearest to it, of two as near the even one, as q = x · 2^47 in
+/// two words:
 ///   high += ⌊q / 2^31⌋,   low += q − 2^31 ⌊q / 2^31⌋.
 /// - Range: numbers beyond ±2^15, infinite ones too, count as ±2^15. Then |q| ≤ 2^62, so a number adds at
 /// most
 ///   2^31 to the magnitude of each word, and fewer than 2^32 numbers keep both below 2^63.
-/// - Resolution: x · 2^47 is exact in double, since it moves the 24 digits of x. A float of at least 2^-24
-/// has
-///   its last digit at 2^-47 or above, so it counts without error. A smaller one loses less than 2^-47.
+/// - Resolution: a float of at least 2^-24 has the last of its 24 digits at 2^-47 or above, so it counts
+/// without
+///   error. A smaller one counts with an error of at most 2^-48.
 /// - NaN counts as 0: a sample that failed leaves the others of its pixel as they are.
 /// Negative numbers count like positive ones; filters with negative lobes give them.
 class ExactSum {
@@ -57,8 +58,12 @@ class ExactSum {
   void add(float x) { add_bounded(bounded(x)); }
 
   /// Adds a number that is known to lie in [-most, most].
+  ///
+  /// Adding 48 and taking it away rounds x. Up to 16, x + 48 lies between 32 and 64, where doubles are the
+  /// multiples of 2^-47. Beyond, x is a multiple of 2^-19, and the sum is exact.
   void add_bounded(float x) {
-    const auto units = static_cast<std::int64_t>(static_cast<double>(x) * 0x1p47);
+    const double rounded = (static_cast<double>(x) + 48) - 48;
+    const auto units = static_cast<std::int64_t>(rounded * 0x1p47);
     words_.high += units >> digits;
     words_.low += units & mask;
   }
