@@ -46,8 +46,6 @@ const std::set<std::string> on_demand = {
     "sampling/sobol_sampler.hpp",
     "sampling/hammersley_sampler.hpp",
     "sampling/reconstruction.hpp",
-    "sampling/exact_sum.hpp",
-    "sampling/exact_lanes.hpp",
     "sampling/estimate.hpp",
     "sampling/film.hpp",
     "sampling/shard.hpp",

@@ -74,7 +74,7 @@ TEST_CASE("a pixel is the mean of its samples, by tiles and ray by ray") {
                                            scene);
       const Color difference = abs(by_tiles(x, y) - sum / 5.0f);
       REQUIRE(std::max({difference.r, difference.g, difference.b}) <
-              1e-5f);  // six roundings, of sums below 10
+              1e-5f);  // roundings of these sums, below 10
     }
 }
 

@@ -9,6 +9,7 @@
 
 #include "camera.hpp"
 #include "render_options.hpp"
+#include "sampling/exact_sum.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -45,8 +46,9 @@ class PixelGrid {
   [[gnu::cold]] PixelGrid(int width, int height, const RenderOptions& options = {})
       : crop_(options.crop.width == 0 && options.crop.height == 0 ? Crop{0, 0, width, height} : options.crop),
         samples_(pixel_samples(options.samples)) {
-    if (options.samples < 0)
-      throw std::invalid_argument("RenderOptions: samples must be at least 0; it is " +
+    if (options.samples < 0 || options.samples > most_samples_of_pixel)
+      throw std::invalid_argument("RenderOptions: samples must be from 0 to " +
+                                  std::to_string(most_samples_of_pixel) + "; it is " +
                                   std::to_string(options.samples));
     const auto holds = [](int whole, int first, int size) {
       return first >= 0 && first <= whole && size <= whole - first;
@@ -78,13 +80,13 @@ class PixelGrid {
     return camera(u(x, sample(i).x), v(y, sample(i).y));
   }
 
-  /// Returns the mean of light(i) over the samples i, added up in their order; for several, it is clamped to
-  /// the largest float.
-  [[nodiscard]] auto mean(const auto& light) const {
-    auto sum = light(0);
-    if (samples() == 1) return sum;
-    for (int i = 1; i < samples(); ++i) sum += light(i);
-    return clamped(sum * (1 / static_cast<float>(samples())));
+  /// Returns the mean of light(i) over the samples i: a single one as it is, of several an exact sum, divided
+  /// and rounded once.
+  [[nodiscard]] Color mean(const auto& light) const {
+    if (samples() == 1) return light(0);
+    ExactColorSum sum;
+    for (int i = 0; i < samples(); ++i) sum.add(light(i));
+    return sum.mean(static_cast<std::uint32_t>(samples()));
   }
 
  private:

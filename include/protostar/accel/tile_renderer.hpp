@@ -97,6 +97,7 @@ class TileRenderer {
     Candidates lists[std::size(divisions) + 1];
     Visibility visibility;
     TileState<S...> state;
+    std::array<PacketSums, most_packets> sums;  ///< of the samples so far, if there are several
   };
 
   /// Returns the skips of the options, without lists of occluders in a picture of fewer than 64 pixels for
@@ -237,17 +238,25 @@ class TileRenderer {
             return protostar::detail::radiance_in(view, integrator_)(ray);
           });
     } else {
-      // The image holds the sum of the samples so far.
+      if (samples > 1) each_packet(part, [&](std::size_t k, int, int) { work.sums[k] = {}; });
       for (int i = 0; i < samples; ++i)
         if constexpr (shades)
           fill_hits(part, candidates, view, i, work);
         else
           fill_radiance(part, candidates, view, i, work);
       if (samples == 1) return;
-      for (int y = part.y0; y < part.y1; ++y)
-        for (int x = part.x0; x < part.x1; ++x)
-          image_(x, y) = protostar::clamped(image_(x, y) * (1 / static_cast<float>(samples)));
+      each_packet(part, [&](std::size_t k, int x, int y) {
+        set_packet(image_, part, x, y, work.sums[k].mean(static_cast<std::uint32_t>(samples)));
+      });
     }
+  }
+
+  /// Adds colors to the samples of a packet, which begins at pixel (x, y) of a part; a single sample is the
+  /// pixels' color.
+  void add(const Tile& part, int x, int y, const Colors& colors, Work& work) const {
+    if (rays_.pixels().samples() == 1) return set_packet(image_, part, x, y, colors);
+    const int in_row = (part.width() + double_lanes - 1) / double_lanes;
+    work.sums[static_cast<std::size_t>((y - part.y0) * in_row + (x - part.x0) / double_lanes)].add(colors);
   }
 
   /// Adds the i-th sample of a part, for an integrator that shades closest hits. All packets go through one
@@ -271,7 +280,7 @@ class TileRenderer {
     each_packet(part, [&](std::size_t, int x, int y) {
       if (const Indices seen = seen_from(x, y); is_known && !needs_rays(seen, view)) {
         skipped += static_cast<std::uint64_t>(std::min(double_lanes, part.x1 - x));
-        return add_packet(image_, part, x, y, i, shade_seen(seen, any_rays, view));
+        return add(part, x, y, shade_seen(seen, any_rays, view), work);
       }
       if (candidates_.are_from_bvh() && is_known) view.prefetch_seen(seen_from(x, y));
       directions[count] = rays_.directions(x, y, i);
@@ -287,10 +296,11 @@ class TileRenderer {
       const auto [x, y] = open[k];
       view.set_first_pixel(x, y, i);
       const CameraPacket rays = rays_.packet(part, x, y, directions[k], i);
-      add_packet(image_, part, x, y, i,
-                 view.shade(
-                     rays, closest[k], [&] { return integrator_.background(rays, view); },
-                     [&](const auto& hits) { return integrator_.shade(hits, view); }));
+      add(part, x, y,
+          view.shade(
+              rays, closest[k], [&] { return integrator_.background(rays, view); },
+              [&](const auto& hits) { return integrator_.shade(hits, view); }),
+          work);
     }
     work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
   }
@@ -308,8 +318,7 @@ class TileRenderer {
         view.set_crossed(is_tested ? &work.state.crossed : nullptr,
                          (y - block.y0) * RayBlock::width + (x - block.x0));
         const Vectors directions = needs_rays ? rays_.directions(x, y, i) : Vectors(Vec3{0});
-        add_packet(image_, part, x, y, i,
-                   integrator_.radiance(rays_.packet(part, x, y, directions, i), view));
+        add(part, x, y, integrator_.radiance(rays_.packet(part, x, y, directions, i), view), work);
       });
     });
     work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
