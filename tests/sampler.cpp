@@ -419,7 +419,7 @@ TEST_CASE("each number of a sample is uniform over pixels, and independent of al
     for (const std::uint32_t sample : {0u, 1u, 5u})
       for (const std::uint32_t set : {0u, 1u, 9u}) {
         if (sample + set > 0 && cases(1, 9) == 1 && !(sample == 5 && set == 9)) continue;
-        for (std::size_t d = 0; d < 4; ++d) {
+        for (std::size_t d = 0; d < 4; d += static_cast<std::size_t>(cases(3, 1))) {
           CAPTURE(name, sample, set, d);
           const auto number = [&](std::uint32_t pixel) { return sampler(pixel, sample)(set)[d]; };
           Counts high(64), low(64);

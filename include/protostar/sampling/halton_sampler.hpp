@@ -5,7 +5,6 @@
 // points, but later, since such numbers are large; and the digits take longer to compute.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 

@@ -1,6 +1,7 @@
 // Independent random numbers: the error falls as samples^-1/2, whatever is integrated.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "../platform.hpp"
