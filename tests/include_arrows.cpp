@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Headers that a program includes itself if it uses them: some surfaces, with the headers that only they
-/// need.
+/// Headers that a program includes itself if it uses them: some surfaces, and samplers, with the headers that
+/// only they need.
 const std::set<std::string> on_demand = {
     "surfaces/csg.hpp",
     "surfaces/instance.hpp",
@@ -37,6 +37,15 @@ const std::set<std::string> on_demand = {
     "accel/screen.hpp",
     "accel/triangles_on_screen.hpp",
     "accel/pixel_block.hpp",
+    "simd/words.hpp",
+    "sampling/hash.hpp",
+    "sampling/sampler.hpp",
+    "sampling/independent_sampler.hpp",
+    "sampling/stratified_sampler.hpp",
+    "sampling/halton_sampler.hpp",
+    "sampling/sobol_sampler.hpp",
+    "sampling/hammersley_sampler.hpp",
+    "sampling/reconstruction.hpp",
 };
 
 /// External headers of the core, besides the standard library: the smallest part of GLM that will do, and in
@@ -106,11 +115,14 @@ bool in_standard_library(const std::string& name) { return name.find_first_of("/
 /// Returns the folder of a header, which is empty for headers that are in none.
 std::string room_of(const std::string& header) { return fs::path(header).parent_path().generic_string(); }
 
-/// Tests whether a header may include another by the rooms of both, as far as simd/ and bvh/ are concerned:
-/// these know numbers and boxes, and no surface.
+/// Tests whether a header may include another by the rooms of both, as far as simd/, bvh/ and sampling/ are
+/// concerned: these know numbers and boxes, and no surface.
 bool may_include(const std::string& header, const std::string& name) {
   const std::string room = room_of(header), other = room_of(name);
   if (room == "simd") return other == "simd" || name == "platform.hpp" || name == "vec3.hpp";
+  if (room == "sampling")
+    return other == "sampling" || other == "simd" || other == "numeric" || name == "platform.hpp" ||
+           name == "vec3.hpp";
   if (room == "bvh")
     return other == "bvh" || other == "simd" ||
            (other.empty() && name != "surface_concepts.hpp" && name != "surface.hpp" && name != "scene.hpp");
@@ -209,6 +221,7 @@ TEST_CASE("an include that breaks a rule is found") {
                Row{"scene.hpp", R"(#include "light.h")"},                    // does not exist
                Row{"render.hpp", R"(#include "accel/render_tiles.hpp")"},    // only in protostar.hpp
                Row{"accel/candidates.hpp", "#include <immintrin.h>"},        // only in vector_registers.hpp
+               Row{"sampling/sampler.hpp", R"(#include "../camera.hpp")"},   // above it
                Row{"simd/simd.hpp", "#include <sys/mman.h>"},                // only in large_pages.hpp
                Row{"output_file.hpp", "#include <fcntl.h>"},                 // only in system_file.hpp
                Row{"vec3.hpp", "#include <glm/glm.hpp>"},                    // compiles twice as long

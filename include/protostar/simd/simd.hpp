@@ -86,8 +86,11 @@ struct Lanes {
   friend Lanes operator*(Lanes a, Lanes b) { return {a.v * b.v}; }
   friend Lanes operator/(Lanes a, Lanes b) { return {a.v / b.v}; }
   friend Lanes operator-(Lanes a) { return {-a.v}; }
+  friend Lanes operator&(Lanes a, Lanes b) { return {a.v & b.v}; }
   friend Lanes operator|(Lanes a, Lanes b) { return {a.v | b.v}; }
+  friend Lanes operator^(Lanes a, Lanes b) { return {a.v ^ b.v}; }
   friend Lanes operator<<(Lanes a, Lanes b) { return {a.v << b.v}; }
+  friend Lanes operator>>(Lanes a, Lanes b) { return {a.v >> b.v}; }
   Lanes& operator+=(Lanes b) { return *this = *this + b; }
   Lanes& operator*=(Lanes b) { return *this = *this * b; }
   friend Mask<T, N> operator<(Lanes a, Lanes b) {
@@ -331,6 +334,10 @@ template <class U, class T, int N>
     return (V)_mm512_maskz_cvtepi32_pd(0xff, (__m256i)a.v);
   else if constexpr (N == 8 && std::same_as<T, std::int32_t> && std::same_as<U, std::int64_t>)
     return (V)_mm512_maskz_cvtepi32_epi64(0xff, (__m256i)a.v);
+  else if constexpr (N == 8 && std::same_as<T, std::uint32_t> && std::same_as<U, std::uint64_t>)
+    return (V)_mm512_maskz_cvtepu32_epi64(0xff, (__m256i)a.v);
+  else if constexpr (N == 8 && std::same_as<T, std::uint64_t> && std::same_as<U, std::uint32_t>)
+    return (V)_mm512_maskz_cvtepi64_epi32(0xff, (__m512i)a.v);
   else
 #endif
     return __builtin_convertvector(a.v, Vector<U, N>);

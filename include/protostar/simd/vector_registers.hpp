@@ -95,11 +95,17 @@ struct Vector {
   friend Vector operator|(const Vector& a, const Vector& b) {
     return each([&](int i) { return static_cast<T>(a[i] | b[i]); });
   }
+  friend Vector operator^(const Vector& a, const Vector& b) {
+    return each([&](int i) { return static_cast<T>(a[i] ^ b[i]); });
+  }
   friend Vector operator~(const Vector& a) {
     return each([&](int i) { return static_cast<T>(~a[i]); });
   }
   friend Vector operator<<(const Vector& a, const Vector& b) {
     return each([&](int i) { return static_cast<T>(a[i] << b[i]); });
+  }
+  friend Vector operator>>(const Vector& a, const Vector& b) {
+    return each([&](int i) { return static_cast<T>(a[i] >> b[i]); });
   }
   friend Vector<Truth<T>, N> operator<(const Vector& a, const Vector& b) {
     return each<Truth<T>>([&](int i) { return a[i] < b[i] ? -1 : 0; });
@@ -124,7 +130,10 @@ template <int Predicate, class V>
                                : Predicate == _CMP_LT_OQ ? _MM_CMPINT_LT
                                                          : _MM_CMPINT_LE;
     static_assert(sizeof(V) == 64 || sizeof(T) == 4, "nothing else is needed");
-    if constexpr (sizeof(T) == 8)
+    static_assert(std::signed_integral<T> || sizeof(V) == 32, "nothing else is needed");
+    if constexpr (std::unsigned_integral<T>)
+      return _mm256_cmp_epu32_mask((__m256i)a, (__m256i)b, predicate);
+    else if constexpr (sizeof(T) == 8)
       return _mm512_cmp_epi64_mask((__m512i)a, (__m512i)b, predicate);
     else if constexpr (sizeof(V) == 64)
       return _mm512_cmp_epi32_mask((__m512i)a, (__m512i)b, predicate);
