@@ -37,6 +37,7 @@ const std::set<std::string> on_demand = {
     "accel/screen.hpp",
     "accel/triangles_on_screen.hpp",
     "accel/pixel_block.hpp",
+<<<<<<< HEAD
     "simd/words.hpp",
     "sampling/hash.hpp",
     "sampling/sampler.hpp",
@@ -46,6 +47,14 @@ const std::set<std::string> on_demand = {
     "sampling/sobol_sampler.hpp",
     "sampling/hammersley_sampler.hpp",
     "sampling/reconstruction.hpp",
+=======
+    "sampling/exact_sum.hpp",
+    "sampling/exact_lanes.hpp",
+    "sampling/estimate.hpp",
+    "sampling/film.hpp",
+    "sampling/shard.hpp",
+    "sampling/shard_file.hpp",
+>>>>>>> 79452cc7579e6bd78efdd0583c291cd84c0d1d7f
 };
 
 /// External headers of the core, besides the standard library: the smallest part of GLM that will do, and in

@@ -1,0 +1,146 @@
+// Film: the exact sums of the samples of each pixel, in two independent halves that tell the error.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "../image.hpp"
+#include "../large_pages.hpp"
+#include "estimate.hpp"
+#include "exact_sum.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Sums of the radiance of a pixel's samples. Sample i belongs to scrambling i mod 2; the two scramblings are
+/// independent of each other. Their samples must be fewer than 2^32 together.
+struct PixelSums {
+  std::array<ExactColorSum, 2> sums;
+  std::array<std::uint32_t, 2> counts{};
+
+  /// Adds the radiance of sample i.
+  void add(std::uint32_t i, const Color& radiance) {
+    sums[i % 2].add(radiance);
+    ++counts[i % 2];
+  }
+
+  PixelSums& operator+=(const PixelSums& other) {
+    for (std::size_t i = 0; i < 2; ++i) sums[i] += other.sums[i], counts[i] += other.counts[i];
+    return *this;
+  }
+
+  friend bool operator==(const PixelSums& a, const PixelSums& b) {
+    return a.sums == b.sums && a.counts == b.counts;
+  }
+
+  [[nodiscard]] std::uint32_t count() const { return counts[0] + counts[1]; }
+
+  /// Returns the mean of all samples, each channel rounded once; black for none.
+  [[nodiscard]] Color mean() const {
+    ExactColorSum all = sums[0];
+    all += sums[1];
+    return all.mean(count());
+  }
+
+  /// Returns an estimate of the squared error of a channel of the mean, or infinity if a scrambling has no
+  /// samples: w² (a − b)² for the means a and b of the scramblings, where the larger one holds the share w of
+  /// the samples. Its expectation is w² (Var a + Var b). For equally many samples w = 1/2, and it is that of
+  /// the squared error (PictureError); otherwise it is larger. Its rounding error is below 2^-50 |mean| |a −
+  /// b|.
+  [[nodiscard]] double squared_error(std::size_t channel) const {
+    if (counts[0] == 0 || counts[1] == 0) return std::numeric_limits<double>::infinity();
+    const double share = static_cast<double>(std::max(counts[0], counts[1])) / count();
+    const double difference = share * (sums[0].channels[channel].value() / counts[0] -
+                                       sums[1].channels[channel].value() / counts[1]);
+    return difference * difference;
+  }
+
+  /// Returns the mean of the squared errors of the channels.
+  [[nodiscard]] double squared_error() const {
+    return (squared_error(0) + squared_error(1) + squared_error(2)) / 3;
+  }
+
+  /// Returns the standard error of each channel of the mean: the root of squared_error, which estimates a
+  /// standard deviation from two values and so is itself often off by half, or nearly 0.
+  [[nodiscard]] Color standard_error() const {
+    return {to_float(std::sqrt(squared_error(0))), to_float(std::sqrt(squared_error(1))),
+            to_float(std::sqrt(squared_error(2)))};
+  }
+};
+
+/// Sums of the pixels of a picture, or of the part of it that a tile tells.
+class Film {
+ public:
+  /// Makes a film without samples. Throws std::invalid_argument for a tile without pixels or with more than
+  /// Image::max_pixels.
+  explicit Film(const Tile& area) : area_(area), pixels_(count_of(area)) {}
+
+  [[nodiscard]] const Tile& tile() const { return area_; }
+
+  /// Returns the pixel in column x and row y of the picture, which has to be in the tile.
+  [[nodiscard]] PixelSums& operator()(int x, int y) { return pixels_[index(x, y)]; }
+  [[nodiscard]] const PixelSums& operator()(int x, int y) const { return pixels_[index(x, y)]; }
+
+  /// Adds the samples of another film. Throws std::invalid_argument if its tile is another.
+  Film& operator+=(const Film& other) {
+    if (other.area_.x0 != area_.x0 || other.area_.y0 != area_.y0 || other.area_.x1 != area_.x1 ||
+        other.area_.y1 != area_.y1)
+      throw std::invalid_argument("Film: only films of one tile can be added");
+    for (std::size_t i = 0; i < pixels_.size(); ++i) pixels_[i] += other.pixels_[i];
+    return *this;
+  }
+
+  friend bool operator==(const Film& a, const Film& b) {
+    return a.area_.x0 == b.area_.x0 && a.area_.y0 == b.area_.y0 && a.area_.x1 == b.area_.x1 &&
+           a.area_.y1 == b.area_.y1 && a.pixels_ == b.pixels_;
+  }
+
+  /// Returns the picture.
+  [[nodiscard]] Image mean() const {
+    return image_of([](const PixelSums& pixel) { return pixel.mean(); });
+  }
+
+  /// Returns the standard error of each pixel's channels.
+  [[nodiscard]] Image standard_error() const {
+    return image_of([](const PixelSums& pixel) { return pixel.standard_error(); });
+  }
+
+  /// Returns the estimate of the picture's error. It adds up the pixels in rows, so it is the same wherever
+  /// it is computed.
+  [[nodiscard]] PictureError error() const {
+    PictureError error;
+    for (const PixelSums& pixel : pixels_) error.add(pixel.squared_error());
+    return error;
+  }
+
+ private:
+  static std::size_t count_of(const Tile& area) {
+    const std::int64_t width = std::int64_t{area.x1} - area.x0, height = std::int64_t{area.y1} - area.y0;
+    if (width < 1 || height < 1 || width > Image::max_pixels / height)
+      throw std::invalid_argument("Film: " + std::to_string(width) + "x" + std::to_string(height) +
+                                  " is not a size; sides must be at least 1 and the pixels at most 2^28");
+    return static_cast<std::size_t>(width * height);
+  }
+
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y - area_.y0) * static_cast<std::size_t>(area_.width()) +
+           static_cast<std::size_t>(x - area_.x0);
+  }
+
+  [[nodiscard]] Image image_of(const auto& color) const {
+    Image image(area_.width(), area_.height());
+    for (int y = 0; y < image.height(); ++y)
+      for (int x = 0; x < image.width(); ++x) image(x, y) = color((*this)(area_.x0 + x, area_.y0 + y));
+    return image;
+  }
+
+  Tile area_;
+  LargeVector<PixelSums> pixels_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,307 @@
+// Shards: parts of a picture's work that are drawn by themselves, on any machine and at any time, and merged
+// in any order into the same bytes.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../shown.hpp"
+#include "../version.hpp"
+#include "film.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Range of units of work, [first, last).
+struct UnitRange {
+  std::uint64_t first = 0, last = 0;
+
+  friend bool operator==(const UnitRange& a, const UnitRange& b) {
+    return a.first == b.first && a.last == b.last;
+  }
+};
+
+/// Unit of work: the samples [first_sample, last_sample) of each pixel of a tile.
+struct WorkUnit {
+  Tile tile;
+  std::uint32_t first_sample, last_sample;
+
+  /// Returns how many of the samples belong to a scrambling.
+  [[nodiscard]] std::uint32_t samples_of(std::uint32_t scrambling) const {
+    const std::uint32_t count = last_sample - first_sample;
+    return count / 2 + (count % 2 == 1 && first_sample % 2 == scrambling ? 1u : 0u);
+  }
+};
+
+/// Description of a picture whose work is shared. Runs may be merged if all of it is equal. Its work is cut
+/// into bands of rows, and each band's samples into blocks: a unit is a block of a band.
+struct SharedPicture {
+  int width = 0, height = 0;  ///< size of the whole picture
+  Tile area{0, 0, 0, 0};      ///< part of it that is drawn
+  std::uint32_t samples = 1;  ///< samples in each pixel
+  std::uint64_t seed = 0;
+  std::string sampler, filter;              ///< names
+  std::string scene;                        ///< fingerprint of all else on which radiance depends
+  std::string version = PROTOSTAR_VERSION;  ///< version of the library
+  int rows_in_unit = 16;                    ///< rows of a band; the last one may have fewer
+  std::uint32_t samples_in_unit = 16;       ///< samples of a block; the last one may have fewer
+
+  static constexpr std::size_t longest_text = 4096;  ///< bytes of a name, a fingerprint or a version
+
+  /// Throws std::invalid_argument for sizes and numbers that no picture has.
+  void validate() const {
+    const auto require = [](bool holds, const std::string& what) {
+      if (!holds) throw std::invalid_argument("SharedPicture: " + what);
+    };
+    require(width >= 1 && height >= 1 && std::int64_t{width} * height <= Image::max_pixels,
+            std::to_string(width) + "x" + std::to_string(height) +
+                " is not a size; sides must be at least 1 and the pixels at most 2^28");
+    require(0 <= area.x0 && area.x0 < area.x1 && area.x1 <= width && 0 <= area.y0 && area.y0 < area.y1 &&
+                area.y1 <= height,
+            "the area is " + text(area) + "; it must have pixels, all inside " + std::to_string(width) + "x" +
+                std::to_string(height));
+    require(samples >= 1, "samples are 0; they must be at least 1");
+    require(rows_in_unit >= 1,
+            "rows in a unit are " + std::to_string(rows_in_unit) + "; they must be at least 1");
+    require(samples_in_unit >= 1, "samples in a unit are 0; they must be at least 1");
+    for (const std::string* const name : {&sampler, &filter, &scene, &version})
+      require(name->size() <= longest_text,
+              "a text has " + std::to_string(name->size()) + " bytes; at most 4096 are allowed");
+  }
+
+  [[nodiscard]] std::uint64_t bands() const {
+    return (static_cast<std::uint64_t>(area.height()) + static_cast<std::uint64_t>(rows_in_unit) - 1) /
+           static_cast<std::uint64_t>(rows_in_unit);
+  }
+  [[nodiscard]] std::uint64_t blocks() const {
+    return (std::uint64_t{samples} + samples_in_unit - 1) / samples_in_unit;
+  }
+  [[nodiscard]] std::uint64_t units() const { return bands() * blocks(); }
+
+  /// Returns the band of a unit. All units of a band follow each other, so a shard shares few of its bands.
+  [[nodiscard]] std::uint64_t band_of(std::uint64_t unit) const { return unit / blocks(); }
+
+  /// Returns the pixels of a band. Bands that follow each other lie .618 of the area's height apart, around
+  /// its end, so shards share slow and quick rows.
+  [[nodiscard]] Tile tile_of(std::uint64_t band) const {
+    std::uint64_t step = bands() * 618 / 1000;
+    while (std::gcd(step, bands()) != 1) ++step;  // then the multiples of step are all bands
+    const int y = area.y0 + static_cast<int>(band * step % bands()) * rows_in_unit;
+    return {area.x0, y, area.x1, rows_in_unit < area.y1 - y ? y + rows_in_unit : area.y1};
+  }
+
+  /// Returns a unit by its number, below units().
+  [[nodiscard]] WorkUnit unit(std::uint64_t number) const {
+    const std::uint64_t first = number % blocks() * samples_in_unit;
+    const std::uint64_t last = std::min<std::uint64_t>(first + samples_in_unit, samples);
+    return {tile_of(band_of(number)), static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last)};
+  }
+
+  /// Returns the units of shard i of n: each unit is in one of the n shards, and these differ by one unit at
+  /// most. Throws std::invalid_argument unless i < n.
+  [[nodiscard]] UnitRange units_of(std::uint64_t i, std::uint64_t n) const {
+    if (i >= n)
+      throw std::invalid_argument("shard " + std::to_string(i) + " of " + std::to_string(n) +
+                                  ": shards are numbered from 0 to their number less 1");
+    const std::uint64_t each = units() / n, more = units() % n;
+    const auto first = [&](std::uint64_t k) { return k * each + std::min(k, more); };
+    return {first(i), first(i + 1)};
+  }
+
+  /// Returns a unit in words: unit 17 (rows 16 to 31, samples 0 to 15).
+  [[nodiscard]] std::string text_of(std::uint64_t number) const {
+    const WorkUnit found = unit(number);
+    return "unit " + std::to_string(number) + " (rows " + std::to_string(found.tile.y0) + " to " +
+           std::to_string(found.tile.y1 - 1) + ", samples " + std::to_string(found.first_sample) + " to " +
+           std::to_string(found.last_sample - 1) + ")";
+  }
+
+  /// Returns the first difference from another picture in words, such as "seed 3, not 1"; empty if there is
+  /// none.
+  [[nodiscard]] std::string difference_from(const SharedPicture& other) const {
+    const auto number = [](std::uint64_t value) { return std::to_string(value); };
+    const auto quoted = [](const std::string& name) { return "'" + shown(name) + "'"; };
+    const auto size = [](const SharedPicture& of) {
+      return std::to_string(of.width) + "x" + std::to_string(of.height);
+    };
+    const std::array<std::array<std::string, 3>, 10> rows{{
+        {"version", quoted(version), quoted(other.version)},
+        {"size", size(*this), size(other)},
+        {"area", text(area), text(other.area)},
+        {"samples", number(samples), number(other.samples)},
+        {"seed", number(seed), number(other.seed)},
+        {"sampler", quoted(sampler), quoted(other.sampler)},
+        {"filter", quoted(filter), quoted(other.filter)},
+        {"scene", quoted(scene), quoted(other.scene)},
+        {"rows in a unit", std::to_string(rows_in_unit), std::to_string(other.rows_in_unit)},
+        {"samples in a unit", number(samples_in_unit), number(other.samples_in_unit)},
+    }};
+    for (const auto& [name, own, others] : rows)
+      if (own != others) return name + " " + own + ", not " + others;
+    return "";
+  }
+
+ private:
+  static std::string text(const Tile& tile) {
+    const auto range = [](std::int64_t first, std::int64_t end) {
+      return std::to_string(first) + " to " + std::to_string(end - 1);
+    };
+    return "columns " + range(tile.x0, tile.x1) + " and rows " + range(tile.y0, tile.y1);
+  }
+};
+
+/// Set of units as ranges without common units, none of which ends where another begins: equal sets have
+/// equal ranges.
+class UnitSet {
+ public:
+  /// Returns the ranges, as ends by beginnings.
+  [[nodiscard]] const std::map<std::uint64_t, std::uint64_t>& ranges() const { return ranges_; }
+
+  [[nodiscard]] std::uint64_t count() const {
+    std::uint64_t sum = 0;
+    for (const auto& [first, last] : ranges_) sum += last - first;
+    return sum;
+  }
+
+  [[nodiscard]] bool contains(std::uint64_t unit) const { return common({unit, unit + 1}).has_value(); }
+
+  /// Returns the first unit of a range that is in the set.
+  [[nodiscard]] std::optional<std::uint64_t> common(const UnitRange& range) const {
+    auto next = ranges_.upper_bound(range.first);
+    if (next != ranges_.begin() && range.first < std::prev(next)->second && range.first < range.last)
+      return range.first;
+    return next != ranges_.end() && next->first < range.last ? std::optional(next->first) : std::nullopt;
+  }
+
+  /// Returns the first unit that is in both sets.
+  [[nodiscard]] std::optional<std::uint64_t> common(const UnitSet& other) const {
+    for (const auto& [first, last] : other.ranges_)
+      if (const auto unit = common(UnitRange{first, last})) return unit;
+    return std::nullopt;
+  }
+
+  /// Returns the first unit of a range that is not in the set.
+  [[nodiscard]] std::optional<std::uint64_t> missing(const UnitRange& range) const {
+    if (range.first >= range.last) return std::nullopt;
+    const auto next = ranges_.upper_bound(range.first);
+    if (next == ranges_.begin() || std::prev(next)->second <= range.first) return range.first;
+    return std::prev(next)->second < range.last ? std::optional(std::prev(next)->second) : std::nullopt;
+  }
+
+  /// Adds a range, none of whose units is in the set.
+  void add(UnitRange range) {
+    if (range.first >= range.last) return;
+    auto next = ranges_.lower_bound(range.first);
+    if (next != ranges_.end() && next->first == range.last) {
+      range.last = next->second;
+      next = ranges_.erase(next);
+    }
+    if (next != ranges_.begin() && std::prev(next)->second == range.first)
+      std::prev(next)->second = range.last;
+    else
+      ranges_.emplace(range.first, range.last);
+  }
+
+  friend bool operator==(const UnitSet& a, const UnitSet& b) { return a.ranges_ == b.ranges_; }
+
+ private:
+  std::map<std::uint64_t, std::uint64_t> ranges_;
+};
+
+/// Sums of some units of a picture, all of them or none. It is also the state of a long render (checkpoint),
+/// which goes on with the units that are missing. Only the bands of its units take memory.
+class Shard {
+ public:
+  /// Sums of the pixels of bands, in rows, by the number of the band.
+  using Bands = std::map<std::uint64_t, std::vector<PixelSums>>;
+
+  /// Makes a shard without units. Throws std::invalid_argument for an invalid picture.
+  explicit Shard(SharedPicture picture) : picture_(std::move(picture)) { picture_.validate(); }
+
+  [[nodiscard]] const SharedPicture& picture() const { return picture_; }
+  [[nodiscard]] const UnitSet& units() const { return units_; }
+  [[nodiscard]] const Bands& bands() const { return bands_; }
+
+  /// Adds a unit that is complete: the sums of its samples for the pixels of its tile, in rows. Throws
+  /// std::invalid_argument if the unit is there, or is none, or if the pixels do not have its samples.
+  void add(std::uint64_t number, std::vector<PixelSums> pixels) {
+    if (number >= picture_.units())
+      throw std::invalid_argument("Shard: unit " + std::to_string(number) + " is none of the picture's " +
+                                  std::to_string(picture_.units()));
+    if (units_.contains(number))
+      throw std::invalid_argument("Shard: " + picture_.text_of(number) + " is there already");
+    const WorkUnit unit = picture_.unit(number);
+    const auto width = static_cast<std::size_t>(unit.tile.width());
+    const std::array<std::uint32_t, 2> counts{unit.samples_of(0), unit.samples_of(1)};
+    if (pixels.size() != width * static_cast<std::size_t>(unit.tile.height()) ||
+        !std::all_of(pixels.begin(), pixels.end(), [&](const auto& p) { return p.counts == counts; }))
+      throw std::invalid_argument("Shard: the sums are not those of all pixels and samples of " +
+                                  picture_.text_of(number));
+    add_pixels(picture_.band_of(number), std::move(pixels));
+    units_.add({number, number + 1});
+  }
+
+  /// Adds the units of another shard. Throws std::invalid_argument if it is of another picture, or if both
+  /// have a unit; this shard then stays as it was.
+  void merge(Shard other) {
+    if (const std::string difference = other.picture_.difference_from(picture_); !difference.empty())
+      throw std::invalid_argument("Shard: the shard to be merged has " + difference);
+    if (const auto unit = units_.common(other.units_))
+      throw std::invalid_argument("Shard: " + picture_.text_of(*unit) + " is in both shards");
+    for (const auto& [first, last] : other.units_.ranges()) units_.add({first, last});
+    for (auto& [band, pixels] : other.bands_) add_pixels(band, std::move(pixels));
+  }
+
+  /// Returns the first unit that is missing; nullopt if the picture is complete.
+  [[nodiscard]] std::optional<std::uint64_t> missing() const { return units_.missing({0, picture_.units()}); }
+
+  /// Returns the sums of the picture's area. Throws std::runtime_error, which names the first missing unit,
+  /// unless all units are there.
+  [[nodiscard]] Film film() const {
+    if (const auto unit = missing())
+      throw std::runtime_error(picture_.text_of(*unit) + " is missing; " + std::to_string(units_.count()) +
+                               " of " + std::to_string(picture_.units()) + " units are there");
+    return sums();
+  }
+
+  /// Returns the sums so far: pixels of missing units have fewer samples, or none.
+  [[nodiscard]] Film sums() const {
+    Film film(picture_.area);
+    for (const auto& [band, pixels] : bands_) {
+      const Tile tile = picture_.tile_of(band);
+      auto pixel = pixels.begin();
+      for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x) film(x, y) = *pixel++;
+    }
+    return film;
+  }
+
+  /// Constructs a shard from the parts of a file: the bands of the units, and no others.
+  Shard(SharedPicture picture, UnitSet units, Bands bands)
+      : picture_(std::move(picture)), units_(std::move(units)), bands_(std::move(bands)) {}
+
+ private:
+  void add_pixels(std::uint64_t band, std::vector<PixelSums>&& pixels) {
+    std::vector<PixelSums>& own = bands_[band];
+    if (own.empty()) {
+      own = std::move(pixels);
+      return;
+    }
+    for (std::size_t i = 0; i < own.size(); ++i) own[i] += pixels[i];
+  }
+
+  SharedPicture picture_;
+  UnitSet units_;
+  Bands bands_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,374 @@
+// Shards as files.
+//
+// A .shard file consists of words of 8 bytes, the lowest byte first on any machine:
+//   "protostar shard\n"                                     2 words
+//   version of the format: 1
+//   width, height; x0, y0; x1, y1; samples, samples in a unit; rows in a unit, 0      each pair in one word
+//   seed
+//   version of the library, sampler, filter, scene          each: its length, its bytes, zeros to a whole
+//   word number of ranges of units, and of each its first unit and the one after its last for each band with
+//   units, in their order, for each pixel in rows, for both scramblings:
+//     high words of r, g and b; low words of r, g; low word of b, 0
+//   checksum of all words before it
+// Nothing is in it twice, and sums are canonical: equal shards have equal bytes.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "../output_file.hpp"
+#include "../shown.hpp"
+#include "shard.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+namespace detail {
+
+inline constexpr std::string_view shard_magic = "protostar shard\n";
+inline constexpr std::uint64_t shard_format = 1;
+
+/// Checksum of words. Each step is a bijection of the state for a word, and of the word for a state, so a
+/// change of one word surely changes it; any other goes unnoticed with a probability of 2^-64.
+class WordChecksum {
+ public:
+  void add(std::uint64_t word) {
+    state_ = (state_ ^ word) * 0x9e3779b97f4a7c15u;
+    state_ ^= state_ >> 32;
+  }
+  [[nodiscard]] std::uint64_t value() const { return state_; }
+
+ private:
+  std::uint64_t state_ = 0x70726f746f737461u;
+};
+
+/// Words written as bytes to a sink, which takes them in blocks as sink(bytes, size).
+template <class Sink>
+class WordWriter {
+ public:
+  explicit WordWriter(Sink& sink) : sink_(sink) {}
+
+  void put(std::uint64_t word) {
+    checksum_.add(word);
+    for (int i = 0; i < 8; ++i) block_[size_++] = static_cast<char>(word >> (8 * i) & 0xff);
+    if (size_ == block_.size()) flush();
+  }
+
+  void put(std::uint64_t low, std::uint64_t high) { put(low | high << 32); }
+
+  /// Writes bytes, and zeros up to a whole word.
+  void put_bytes(std::string_view bytes) {
+    for (std::size_t i = 0; i < bytes.size(); i += 8) {
+      std::uint64_t word = 0;
+      for (std::size_t j = i; j < i + 8 && j < bytes.size(); ++j)
+        word |= std::uint64_t{static_cast<unsigned char>(bytes[j])} << (8 * (j - i));
+      put(word);
+    }
+  }
+
+  void end() {
+    put(checksum_.value());
+    flush();
+  }
+
+ private:
+  void flush() {
+    sink_(block_.data(), size_);
+    size_ = 0;
+  }
+
+  Sink& sink_;
+  WordChecksum checksum_;
+  std::array<char, 1 << 15> block_;
+  std::size_t size_ = 0;
+};
+
+/// Words read from a source, which gives up to so many bytes as source(bytes, size) and returns how many; 0
+/// at the end. Errors name the file, and the byte at which a word begins.
+template <class Source>
+class WordReader {
+ public:
+  WordReader(Source& source, std::string name) : source_(source), name_(std::move(name)) {}
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw std::runtime_error("'" + name_ + "': " + what);
+  }
+
+  /// Fails with what was found in the word that was read last.
+  [[noreturn]] void fail_at_word(const std::string& what) const {
+    fail("byte " + std::to_string(position_ - 8) + ": " + what);
+  }
+
+  std::uint64_t get() {
+    std::uint64_t word = 0;
+    for (int i = 0; i < 8; ++i) {
+      if (at_ == size_) {
+        at_ = 0;
+        size_ = source_(block_.data(), block_.size());
+        if (size_ == 0)
+          fail("the file ends after " + std::to_string(position_ + static_cast<std::uint64_t>(i)) +
+               " bytes, too early");
+      }
+      word |= std::uint64_t{static_cast<unsigned char>(block_[at_++])} << (8 * i);
+    }
+    position_ += 8;
+    checksum_.add(word);
+    return word;
+  }
+
+  /// Returns a word of at most so much.
+  std::uint64_t get(const char* what, std::uint64_t least, std::uint64_t most) {
+    const std::uint64_t word = get();
+    if (word < least || word > most)
+      fail_at_word(std::string(what) + " " + std::to_string(word) + "; allowed are " + std::to_string(least) +
+                   " to " + std::to_string(most));
+    return word;
+  }
+
+  /// Returns the lower and the upper half of a word.
+  std::pair<std::uint32_t, std::uint32_t> get_pair() {
+    const std::uint64_t word = get();
+    return {static_cast<std::uint32_t>(word), static_cast<std::uint32_t>(word >> 32)};
+  }
+
+  std::string get_bytes(std::size_t size) {
+    std::string bytes;
+    for (std::size_t i = 0; i < size; i += 8) {
+      const std::uint64_t word = get();
+      for (std::size_t j = 0; j < 8; ++j) {
+        const auto byte = static_cast<char>(word >> (8 * j) & 0xff);
+        if (i + j < size)
+          bytes += byte;
+        else if (byte != 0)
+          fail_at_word("a text is filled up with something else than zeros");
+      }
+    }
+    return bytes;
+  }
+
+  /// Reads the checksum and the end of the file.
+  void end() {
+    const std::uint64_t sum = checksum_.value();
+    if (get() != sum)
+      fail_at_word("the checksum does not belong to the bytes before it: the file was damaged");
+    if (char byte = 0; at_ != size_ || source_(&byte, 1) != 0)
+      fail("the file goes on after " + std::to_string(position_) + " bytes, where it should end");
+  }
+
+ private:
+  Source& source_;
+  std::string name_;
+  WordChecksum checksum_;
+  std::array<char, 1 << 15> block_;
+  std::size_t at_ = 0, size_ = 0;
+  std::uint64_t position_ = 0;
+};
+
+inline void put_sums(auto& writer, const PixelSums& pixel) {
+  for (const ExactColorSum& sum : pixel.sums) {
+    std::array<std::uint64_t, 3> low;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const ExactSum::Words words = sum.channels[i].words();
+      writer.put(static_cast<std::uint64_t>(words.high));
+      low[i] = static_cast<std::uint64_t>(words.low);
+    }
+    writer.put(low[0], low[1]);
+    writer.put(low[2], 0);
+  }
+}
+
+/// Reads the sums of a pixel with so many samples, whose size they cannot exceed.
+inline PixelSums get_sums(auto& reader, const std::array<std::uint32_t, 2>& counts) {
+  PixelSums pixel{.sums = {}, .counts = counts};
+  for (std::size_t k = 0; k < 2; ++k) {
+    std::array<std::int64_t, 3> high;
+    for (std::int64_t& word : high) {
+      word = static_cast<std::int64_t>(reader.get());
+      const std::int64_t most = std::int64_t{counts[k]} << 31;
+      if (word < -most || word > most)
+        reader.fail_at_word("a sum is beyond that of " + std::to_string(counts[k]) + " samples");
+    }
+    const auto [r, g] = reader.get_pair();
+    const auto [b, none] = reader.get_pair();
+    if ((r | g | b) >> 31 != 0 || none != 0) reader.fail_at_word("a sum is not canonical");
+    const std::array<std::uint32_t, 3> low{r, g, b};
+    for (std::size_t i = 0; i < 3; ++i)
+      pixel.sums[k].channels[i] = ExactSum({.high = high[i], .low = std::int64_t{low[i]}});
+  }
+  return pixel;
+}
+
+/// Reads the description of a picture.
+inline SharedPicture get_picture(auto& reader) {
+  SharedPicture picture;
+  const auto to_int = [](std::uint32_t word) { return static_cast<int>(word); };  // modulo 2^32
+  const auto [width, height] = reader.get_pair();
+  const auto [x0, y0] = reader.get_pair();
+  const auto [x1, y1] = reader.get_pair();
+  const auto [samples, samples_in_unit] = reader.get_pair();
+  const auto [rows, none] = reader.get_pair();
+  if (none != 0) reader.fail_at_word("the upper half of the rows in a unit is not 0");
+  picture.width = to_int(width), picture.height = to_int(height);
+  picture.area = {to_int(x0), to_int(y0), to_int(x1), to_int(y1)};
+  picture.samples = samples, picture.samples_in_unit = samples_in_unit;
+  picture.rows_in_unit = to_int(rows);
+  picture.seed = reader.get();
+  for (std::string* const text : {&picture.version, &picture.sampler, &picture.filter, &picture.scene})
+    *text = reader.get_bytes(
+        static_cast<std::size_t>(reader.get("length of a text", 0, SharedPicture::longest_text)));
+  try {
+    picture.validate();
+  } catch (const std::invalid_argument& error) {
+    reader.fail(error.what());
+  }
+  return picture;
+}
+
+/// Reads ranges of units in rising order.
+inline UnitSet get_units(auto& reader, const SharedPicture& picture) {
+  UnitSet units;
+  std::uint64_t least =
+      0;  // a range begins after the end of the one before it, at which that one would go on
+  for (std::uint64_t count = reader.get("number of ranges of units", 0, picture.units()); count > 0;
+       --count) {
+    const std::uint64_t first = reader.get("first unit", least, picture.units());
+    const std::uint64_t last = reader.get("end of a range of units", first + 1, picture.units());
+    units.add({first, last});
+    least = last + 1;
+  }
+  return units;
+}
+
+/// Reads the sums of the bands of units. Memory is taken as the file goes on, whatever it says of its size.
+inline Shard::Bands get_bands(auto& reader, const SharedPicture& picture, const UnitSet& units) {
+  Shard::Bands bands;
+  const std::uint64_t blocks = picture.blocks();
+  auto range = units.ranges().begin();
+  for (std::uint64_t unit = range != units.ranges().end() ? range->first : 0;
+       range != units.ranges().end();) {
+    const std::uint64_t band = picture.band_of(unit), end_of_band = (band + 1) * blocks;
+    std::array<std::uint32_t, 2> counts{};
+    while (range != units.ranges().end() && unit < end_of_band) {
+      const std::uint64_t end = std::min(range->second, end_of_band);
+      const WorkUnit all{{}, picture.unit(unit).first_sample, picture.unit(end - 1).last_sample};
+      counts[0] += all.samples_of(0), counts[1] += all.samples_of(1);
+      unit = end;
+      if (end == range->second && ++range != units.ranges().end()) unit = range->first;
+    }
+    const Tile tile = picture.tile_of(band);
+    const std::size_t size = static_cast<std::size_t>(tile.width()) * static_cast<std::size_t>(tile.height());
+    std::vector<PixelSums>& pixels = bands[band];
+    while (pixels.size() < size) pixels.push_back(get_sums(reader, counts));
+  }
+  return bands;
+}
+
+}  // namespace detail
+
+/// Writes a shard to a sink, which takes bytes in blocks as sink(bytes, size).
+void write_shard(const Shard& shard, auto&& sink) {
+  const SharedPicture& picture = shard.picture();
+  detail::WordWriter writer(sink);
+  const auto halves = [&](auto low, auto high) {
+    writer.put(static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(high));
+  };
+  writer.put_bytes(detail::shard_magic);
+  writer.put(detail::shard_format);
+  halves(picture.width, picture.height);
+  halves(picture.area.x0, picture.area.y0);
+  halves(picture.area.x1, picture.area.y1);
+  halves(picture.samples, picture.samples_in_unit);
+  halves(picture.rows_in_unit, 0);
+  writer.put(picture.seed);
+  for (const std::string* const text :
+       {&picture.version, &picture.sampler, &picture.filter, &picture.scene}) {
+    writer.put(text->size());
+    writer.put_bytes(*text);
+  }
+  writer.put(shard.units().ranges().size());
+  for (const auto& [first, last] : shard.units().ranges()) writer.put(first), writer.put(last);
+  for (const auto& [band, pixels] : shard.bands())
+    for (const PixelSums& pixel : pixels) detail::put_sums(writer, pixel);
+  writer.end();
+}
+
+/// Reads a shard from a source, which gives up to so many bytes as source(bytes, size) and returns how many,
+/// 0 at the end. Throws std::runtime_error for bytes that are no shard, with the name of the file, the place
+/// in it, what is there and what is allowed.
+[[nodiscard]] Shard read_shard(auto&& source, const std::string& name) {
+  detail::WordReader reader(source, shown(name));
+  if (reader.get_bytes(detail::shard_magic.size()) != detail::shard_magic)
+    reader.fail("the file does not begin with 'protostar shard', so it is no .shard file");
+  if (const std::uint64_t format = reader.get(); format != detail::shard_format)
+    reader.fail_at_word("version " + std::to_string(format) +
+                        " of .shard files; this program reads version " +
+                        std::to_string(detail::shard_format));
+  SharedPicture picture = detail::get_picture(reader);
+  UnitSet units = detail::get_units(reader, picture);
+  Shard::Bands bands = detail::get_bands(reader, picture, units);
+  reader.end();
+  return {std::move(picture), std::move(units), std::move(bands)};
+}
+
+/// Saves a shard as a .shard file, which is replaced as a whole or not at all (see OutputFile, also for its
+/// errors): a run that is killed leaves the shard that was there before, or none.
+inline void save_shard(const Shard& shard, const FileName& path) {
+  OutputFile file(path);
+  write_shard(shard, [&](const char* bytes, std::size_t size) { file.write(bytes, size); });
+  file.commit();
+}
+
+/// Reads a .shard file. Throws std::system_error if it cannot be read, and std::runtime_error if it is none.
+[[nodiscard]] inline Shard load_shard(const FileName& path) {
+  const auto fail = [&] {
+    throw std::system_error(errno, std::generic_category(), "cannot read '" + shown(path.text()) + "'");
+  };
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.text().c_str(), "rb"),
+                                                             std::fclose);
+  if (!file) fail();
+  const auto source = [&](char* bytes, std::size_t size) {
+    const std::size_t count = std::fread(bytes, 1, size, file.get());
+    if (count == 0 && std::ferror(file.get())) fail();
+    return count;
+  };
+  return read_shard(source, path.text());
+}
+
+/// Reads .shard files and merges them: the same shard in whatever order they are named. Throws
+/// std::runtime_error for no files, and for a file of another picture than the first or with a unit that a
+/// file before it has; it names both files and the difference or the unit. Units may be missing
+/// (Shard::missing); Shard::film names the first of them.
+[[nodiscard]] inline Shard merge_shards(const std::vector<FileName>& paths) {
+  if (paths.empty()) throw std::runtime_error("no .shard files to be merged");
+  const auto quoted = [](const FileName& path) { return "'" + shown(path.text()) + "'"; };
+  Shard all = load_shard(paths[0]);
+  std::vector<UnitSet> units{all.units()};
+  for (std::size_t i = 1; i < paths.size(); ++i) {
+    Shard next = load_shard(paths[i]);
+    if (const std::string difference = next.picture().difference_from(all.picture()); !difference.empty())
+      throw std::runtime_error(quoted(paths[i]) + " is not of the picture of " + quoted(paths[0]) + ": " +
+                               difference);
+    if (const auto unit = all.units().common(next.units())) {
+      const auto before =
+          std::find_if(units.begin(), units.end(), [&](const auto& u) { return u.contains(*unit); });
+      throw std::runtime_error(quoted(paths[i]) + " has " + all.picture().text_of(*unit) + ", and " +
+                               quoted(paths[static_cast<std::size_t>(before - units.begin())]) +
+                               " has it too");
+    }
+    units.push_back(next.units());
+    all.merge(std::move(next));
+  }
+  return all;
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

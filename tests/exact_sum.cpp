@@ -1,0 +1,235 @@
+#include <protostar/sampling/exact_sum.hpp>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <protostar/numeric/exact_number.hpp>
+#include <protostar/sampling/exact_lanes.hpp>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "support/cases.hpp"
+#include "support/catch.hpp"
+#include "support/random.hpp"
+#include "support/wrong_cases.hpp"
+
+using namespace protostar;
+
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+ExactNumber exact(std::int64_t integer) {
+  const std::int64_t high = integer >> 32;
+  return ExactNumber(static_cast<double>(high)) * ExactNumber(0x1p32) +
+         ExactNumber(static_cast<double>(integer - (high << 32)));
+}
+
+/// Returns a sum in units of 2^-47.
+ExactNumber units_of(const ExactSum& sum) {
+  const ExactSum::Words words = sum.words();
+  return exact(words.high) * ExactNumber(0x1p31) + exact(words.low);
+}
+
+/// Returns x · 2^47, clamped and rounded to the nearest integer, by the C library.
+ExactNumber expected_units(float x) {
+  if (std::isnan(x)) return 0;
+  return std::nearbyint(std::ldexp(std::fmin(std::fmax(x, -32768.0), 32768.0), 47));
+}
+
+ExactSum sum_of(const std::vector<float>& numbers) {
+  ExactSum sum;
+  for (const float x : numbers) sum.add(x);
+  return sum;
+}
+
+/// Returns any float: NaN, infinite and denormal ones too.
+float any_float(Random& random) { return std::bit_cast<float>(static_cast<std::uint32_t>(random.bits())); }
+
+/// Returns a float as radiance may have, of either sign: from 2^-30 to 2^18.
+float radiance(Random& random) {
+  const double sign = random.bits() % 4 == 0 ? -1 : 1;
+  return static_cast<float>(sign * std::exp2(random.real(-30, 18)));
+}
+
+ExactNumber magnitude(const ExactNumber& x) { return x.sign() < 0 ? -x : x; }
+
+/// Tests whether a float is the one nearest to sum/count, and of two as near the even one.
+bool is_nearest(float mean, const ExactSum& sum, std::uint32_t count) {
+  const auto error = [&](float value) {  // times count and 2^47
+    return magnitude(ExactNumber(value) * ExactNumber(count) * ExactNumber(0x1p47) - units_of(sum));
+  };
+  for (const float other : {std::nextafter(mean, -infinity), std::nextafter(mean, infinity)}) {
+    const int sign = (error(mean) - error(other)).sign();
+    if (sign > 0 || (sign == 0 && std::bit_cast<std::uint32_t>(mean) % 2 != 0)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("a float counts exactly from 2^-24 on, and to the nearest 2^-47 below") {
+  Random random(1);
+  WrongCases wrong(random);
+  for (int i = 0; i < cases(20000, 2000000); ++i) {
+    const float x = i % 2 == 0 ? any_float(random) : radiance(random);
+    const ExactSum sum = sum_of({x});
+    wrong.add(!(units_of(sum) == expected_units(x)), x);
+    const float size = std::abs(x);
+    if (size >= 0x1p-24f && size <= 0x1p15f) wrong.add(sum.value() != x || sum.mean(1) != x, x);
+    if (size < 0x1p-24f) wrong.add(!(std::abs(sum.value() - x) <= 0x1p-48), x);
+    // Midway between two multiples of 2^-47.
+    const float midway = std::ldexp(static_cast<float>(random.bits() >> 41 | 1), -48);
+    wrong.add(!(units_of(sum_of({midway})) == expected_units(midway)), midway);
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("infinite numbers and those beyond 2^15 count as 2^15, and NaN as 0") {
+  CHECK(sum_of({0x1p15f}).value() == 32768);
+  CHECK(sum_of({0x1.000002p15f}).value() == 32768);
+  CHECK(sum_of({1e38f}).value() == 32768);
+  CHECK(sum_of({infinity}).value() == 32768);
+  CHECK(sum_of({-infinity}).value() == -32768);
+  CHECK(sum_of({-1e38f}).value() == -32768);
+  CHECK(sum_of({1, std::numeric_limits<float>::quiet_NaN(), 2}).value() == 3);
+  CHECK(sum_of({-0.0f}) == ExactSum());
+  CHECK(std::signbit(sum_of({-0.0f}).mean(1)) == false);
+}
+
+TEST_CASE("the words of a sum are canonical") {
+  CHECK(sum_of({}).words() == ExactSum::Words{0, 0});
+  CHECK(sum_of({0x1p-16f}).words() == ExactSum::Words{1, 0});
+  CHECK(sum_of({0x1p-47f}).words() == ExactSum::Words{0, 1});
+  CHECK(sum_of({0x1p-48f}).words() == ExactSum::Words{0, 0});
+  CHECK(sum_of({0x1.8p-47f}).words() == ExactSum::Words{0, 2});
+  CHECK(sum_of({-0x1p-47f}).words() == ExactSum::Words{-1, 0x7fffffff});
+  CHECK(sum_of({0x1p-17f, 0x1p-17f}).words() == ExactSum::Words{1, 0});
+  CHECK(sum_of({0x1p-17f, -0x1p-17f}).words() == ExactSum::Words{0, 0});
+}
+
+TEST_CASE("a sum is that of exact arithmetic, in any order and any grouping") {
+  Random random(2);
+  std::vector<float> numbers;
+  ExactNumber expected;
+  for (int i = 0; i < 400; ++i) {
+    numbers.push_back(i % 50 == 0 ? any_float(random) : radiance(random));
+    expected += expected_units(numbers.back());
+  }
+  WrongCases wrong(random);
+  std::set<double> plain;
+  for (int trial = 0; trial < cases(100, 1000); ++trial) {
+    for (std::size_t i = numbers.size(); i > 1; --i) std::swap(numbers[i - 1], numbers[random.bits() % i]);
+    std::vector<ExactSum> parts(1 + random.bits() % 40);
+    double floats = 0;
+    for (const float x : numbers) {
+      parts[random.bits() % parts.size()].add(x);
+      if (std::abs(x) <= 0x1p15f) floats += x;
+    }
+    while (parts.size() > 1) {
+      std::swap(parts[random.bits() % parts.size()], parts.back());
+      const ExactSum last = parts.back();
+      parts.pop_back();
+      parts[random.bits() % parts.size()] += last;
+    }
+    wrong.add(!(units_of(parts[0]) == expected) || !(parts[0] == sum_of(numbers)), trial);
+    plain.insert(floats);
+  }
+  CHECK(wrong == 0);
+  CHECK(plain.size() > 1);  // these numbers would tell an order
+}
+
+TEST_CASE("2^32 - 1 numbers of any kind have an exact sum") {
+  for (const float x : {0x1p15f, -0x1p15f, 0x1.fffffep14f, -0x1p-47f, 0x1.fffffep-17f, -0x1.fffffep-17f}) {
+    ExactSum power = sum_of({x}), all;
+    for (int i = 0; i < 32; ++i) {  // 1 + 2 + 4 + …
+      all += power;
+      if (i < 31) power += power;
+    }
+    CAPTURE(x);
+    CHECK(units_of(all) == expected_units(x) * ExactNumber(4294967295.0));
+    CHECK(all.mean(4294967295u) == x);
+  }
+}
+
+TEST_CASE("a mean is the float nearest to it, of two as near the even one") {
+  Random random(3);
+  WrongCases wrong(random);
+  const auto try_one = [&](const ExactSum& sum, std::uint32_t count) {
+    const float mean = sum.mean(count);
+    wrong.add(!is_nearest(mean, sum, count), mean, sum.value(), count);
+  };
+  for (int i = 0; i < cases(4000, 400000); ++i) {
+    // Counts and sums of all sizes: high · 2^31 + low of either sign, within that of count numbers.
+    const auto count =
+        static_cast<std::uint32_t>(1 + (random.bits() >> 32 >> random.bits() % 32) % 4294967295u);
+    const std::int64_t most = std::int64_t{count} << 31;
+    const std::int64_t high = (static_cast<std::int64_t>(random.bits()) >> random.bits() % 64) % most;
+    try_one(ExactSum({high, static_cast<std::int64_t>(random.bits() >> 33 >> random.bits() % 32)}), count);
+    // A float and half of its last digit lie midway between two, times any count.
+    const auto significand = static_cast<std::int64_t>(1 << 24 | (random.bits() >> 41 << 1) | 1);
+    const std::int64_t midway = (random.bits() % 2 == 0 ? 1 : -1) * (significand << random.bits() % 15);
+    const auto few = static_cast<std::uint32_t>(1 + random.bits() % 1000);
+    // A sum of midway · few units of 2^-47, or one unit beside it.
+    const std::int64_t total = midway * few + static_cast<std::int64_t>(random.bits() % 3) - 1;
+    try_one(ExactSum({total >> 31, total & 0x7fffffff}), few);
+  }
+  CHECK(wrong == 0);
+  CHECK(ExactSum({(std::int64_t{1} << 40), 0}).mean(0) == 0);
+  CHECK(ExactSum({0, 1}).mean(4294967295u) == 0x1p-79f);  // 2^-47/(2^32 − 1)
+  CHECK(ExactSum({-1, 0x7fffffff}).mean(4294967295u) == -0x1p-79f);
+}
+
+TEST_CASE("a sum of colors is that of its channels, in range or not") {
+  Random random(4);
+  ExactColorSum colors, others;
+  ExactSum red, green, blue;
+  WrongCases wrong(random);
+  for (int i = 0; i < 1000; ++i) {
+    const auto channel = [&] { return i % 3 == 0 ? any_float(random) : radiance(random); };
+    const Color color{channel(), channel(), channel()};
+    (i % 5 == 0 ? others : colors).add(color);
+    red.add(color.r), green.add(color.g), blue.add(color.b);
+    ExactColorSum sum = colors;
+    sum += others;
+    wrong.add(sum.channels != std::array{red, green, blue}, color);
+  }
+  CHECK(wrong == 0);
+  CHECK_FALSE(colors == others);
+  colors += others;
+  CHECK(colors.mean(1000) == Color{red.mean(1000), green.mean(1000), blue.mean(1000)});
+}
+
+TEST_CASE("sums in lanes are those of one number after the other") {
+  constexpr int lanes = simd::double_lanes;
+  Random random(5);
+  WrongCases wrong(random);
+  for (int trial = 0; trial < cases(200, 20000); ++trial) {
+    ExactLanes<lanes> several;
+    std::array<ExactSum, lanes> each;
+    for (int i = 0; i < 20; ++i) {
+      std::array<float, lanes> x;
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        x[k] = trial % 4 == 0   ? any_float(random)
+               : trial % 4 == 1 ? std::ldexp(static_cast<float>(random.bits() >> 41), -48)
+                                : radiance(random);
+        each[k].add(x[k]);
+      }
+      several.add(simd::Lanes<float, lanes>::of_each([&](int k) { return x[static_cast<std::size_t>(k)]; }));
+    }
+    for (int k = 0; k < lanes; ++k) wrong.add(!(several[k] == each[static_cast<std::size_t>(k)]), trial, k);
+  }
+  CHECK(wrong == 0);
+
+  // The most numbers that there may be.
+  for (const float x : {0x1p15f, -0x1.fffffep-18f}) {
+    ExactLanes<lanes> many;
+    constexpr int most = (1 << 22) - 1;
+    for (int i = 0; i < most; ++i) many.add(x);
+    CAPTURE(x);
+    CHECK(units_of(many[0]) == expected_units(x) * ExactNumber(most));
+  }
+}
