@@ -50,7 +50,7 @@ struct SineCosine {
 }
 
 /// Returns the angle from the x axis to (x, y), from −π to π with the sign of y, with a relative error below
-/// 4u; 0 for (0, 0). The numbers and their products with 1/8 must be in the range of double.
+/// 4u; 0 for (0, 0), and NaN if a number is not finite. The numbers and their products with 1/8 must be in the range of double.
 ///
 /// By the formula of detail::angle_by. The numerator of z is rounded once, by a fused operation, and z has an
 /// error below 3u; the series lacks less than 2^-70. Added to arctan(k/8), which is at least twice as large
@@ -60,8 +60,9 @@ struct SineCosine {
   double low = std::abs(y), high = std::abs(x);
   const bool is_steep = low > high;
   if (is_steep) std::swap(low, high);
-  if (high == 0) return 0;
-  const double eighths = std::round(8 * (low / high));
+  const double ratio = low / high;
+  if (!(ratio <= 1)) return high == 0 ? 0 : ratio;
+  const double eighths = std::round(8 * ratio);
   const double part = eighths / 8;
   const double z = std::fma(-high, part, low) / std::fma(low, part, high), s = z * z;
   const double series = std::fma(

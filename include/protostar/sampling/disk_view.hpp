@@ -71,7 +71,7 @@ class DiskView {
     height_ = h, normal_ = (z.hi < 0 ? -1.0 : 1.0) * normalize(moderate);
     const double l1l2 = std::sqrt((near * near + h * h) * (far * far + h * h)), s = near * far + h * h;
     farthest_ = std::sqrt(far * far + h * h);
-    if (!(h > 0)) return;
+    if (!(h > 0 && l1l2 > 0)) return;
 
     const double large = (l1l2 + std::abs(s)) / 2, small = R * h / large * (R * h);
     const double lambda = s < 0 ? small : large, mu = s < 0 ? large : small;
@@ -93,7 +93,7 @@ class DiskView {
 
     constexpr double right_angle = std::numbers::pi / 2;
     // A singularity nearer than 2^-60 changes the integral by less than that.
-    for (double end = std::max(std::sqrt(cos2_a_ / cos2_b_), 0x1p-60);; end *= 2) {
+    for (double end = std::max(0x1p-60, std::sqrt(cos2_a_ / cos2_b_));; end *= 2) {
       const double width = std::min(end, right_angle) - end_[panels_];
       const double integral =
           detail::gauss_legendre([this](double chi) { return integrand(chi); }, end_[panels_], width);

@@ -60,7 +60,7 @@ struct HalfStrip {
 
 /// The directions from a point to a rectangle with edges that are perpendicular. The edges may deviate from
 /// that by their rounding; the corner opposite the position is then that of the rectangle. The solid angle
-/// has a relative error below 40u, and directions are off by at most 40u, if the distances from the lines
+/// has a relative error below 20u, and directions are off by at most 20u, if the distances from the lines
 /// through the edges, and from the plane, are above 2^-45 of those from the corners.
 class RectangleView {
  public:

@@ -32,8 +32,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// The directions from a point to a triangle, on either side of which the point may be. Digits that cancel
 /// when the point is near an edge, a corner or the plane are those of cross products and of the triple
 /// product, and these are computed in double-double from exact differences. The solid angle has a relative
-/// error below 40u, if the distances from the lines through the edges, and from the plane, are above 2^-45 of
-/// those from the corners; directions are off by at most 40u.
+/// error below 20u, if the distances from the lines through the edges, and from the plane, are above 2^-45 of
+/// those from the corners; directions are off by at most 20u.
 class TriangleView {
  public:
   TriangleView(const Point& from, const Point& p, const Point& q, const Point& r) {
@@ -62,9 +62,13 @@ class TriangleView {
     const DoubleDouble volume = dot(to[B], area);  // six times that of the tetrahedron
     const Vec3 across_c = cross(to[B], BA).rounded(), across_a = cross(to[B], BC).rounded();
     const Vec3 to_a = to[A].rounded(), to_b = to[B].rounded(), to_c = to[C].rounded();
-    half_c_ = half_angle(length(across_c), dot(to_a, to_b));
-    half_a_ = half_angle(length(across_a), dot(to_c, to_b));
-    half_beta_ = half_angle(std::abs(volume.hi) * length(to_b), dot(across_c, across_a));
+    const double size_c = length(across_c), size_a = length(across_a);
+    if (!(std::abs(volume.hi) > 0 && size_c > 0 && size_a > 0)) return;
+    const Vec3 across = across_c / size_c;
+    half_c_ = half_angle(size_c, dot(to_a, to_b));
+    half_a_ = half_angle(size_a, dot(to_c, to_b));
+    half_beta_ =
+        half_angle(std::abs(volume.hi) / size_c * length(to_b) / size_a, dot(across, across_a / size_a));
     sine_beta_ = 2 * half_beta_.sine * half_beta_.cosine;
     const double cosine_beta = (half_beta_.cosine - half_beta_.sine) * (half_beta_.cosine + half_beta_.sine);
     const double cosines = half_a_.cosine * half_c_.cosine, sines = half_a_.sine * half_c_.sine;
@@ -73,7 +77,6 @@ class TriangleView {
 
     // The tangents at A: along AB, and across it to the side of C.
     at_a_ = unit[A];
-    const Vec3 across = across_c / length(across_c);
     along_ = cross(at_a_, across);
     sideways_ = volume.hi < 0 ? across : -across;
     const Vec3 normal = area.rounded();

@@ -43,7 +43,7 @@ struct Frame {
 /// < 0 the sum 1 + n.z would cancel, and k = (1 − n.z)/(n.x² + n.y²) is accurate.
 [[nodiscard]] inline Frame frame_around(const Vec3& n) {
   const double square = n.x * n.x + n.y * n.y;
-  if (n.z < 0 && square == 0) return {{1, 0, 0}, {0, -1, 0}, n};
+  if (n.z < 0 && square < 0x1p-900) return {{1, 0, 0}, {0, -1, 0}, n};  // before the squares underflow
   const double k = n.z < 0 ? (1 - n.z) / square : 1 / (1 + n.z);
   const double xy = -n.x * n.y * k;
   return {{1 - n.x * n.x * k, xy, -n.x}, {xy, 1 - n.y * n.y * k, -n.y}, n};
