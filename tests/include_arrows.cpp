@@ -37,6 +37,18 @@ const std::set<std::string> on_demand = {
     "accel/screen.hpp",
     "accel/triangles_on_screen.hpp",
     "accel/pixel_block.hpp",
+    "irradiance.hpp",
+    "numeric/precise_vector.hpp",
+    "numeric/radians.hpp",
+    "sampling/disk_view.hpp",
+    "sampling/light_sample.hpp",
+    "sampling/mesh_light.hpp",
+    "sampling/parallelogram_view.hpp",
+    "sampling/rectangle_view.hpp",
+    "sampling/solid_angle.hpp",
+    "sampling/sphere_view.hpp",
+    "sampling/triangle_view.hpp",
+    "sampling/warp.hpp",
 };
 
 /// External headers of the core, besides the standard library: the smallest part of GLM that will do, and in

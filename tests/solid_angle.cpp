@@ -363,6 +363,40 @@ TEST_CASE("directions to a rectangle are uniform in its solid angle, also close 
   }
 }
 
+TEST_CASE("the part of a rectangle beside a drawn direction has the share u of the solid angle") {
+  Random random(20);
+  WrongCases wrong(random);
+  for (int i = 0; i < 600; ++i) {
+    // The point is the origin, and close to the plane or to an edge, so that numbers have their digits.
+    const double h = std::exp2(random.real(-45, 1)), u = inner(random), v = inner(random);
+    double x0 = -std::exp2(random.real(-45, 1)), y0 = -std::exp2(random.real(-45, 1));
+    const double x1 = std::exp2(random.real(-2, 3)), y1 = std::exp2(random.real(-2, 3));
+    if (i % 3 == 1) x0 = -x0 / 8;
+    if (i % 3 == 2) y0 = -y0 / 8;
+    const Vec3 edge_u{x1 - x0, 0, 0}, edge_v{0, y1 - y0, 0};
+    const RectangleView view({0, 0, 0}, {x0, y0, h}, edge_u, edge_v);
+    const Vec3 d = view.sample(u, v).direction;
+    const double x = d.x / d.z * h, y = d.y / d.z * h;
+    // Of the larger part of each axis, the view sees the positive side.
+    const double right = x0 + edge_u.x, top = y0 + edge_v.y;
+    const double share = -x0 > right ? 1 - u : u, lift = -y0 > top ? 1 - v : v;
+    const auto part = [&](double left, double to) {
+      return TriangleView({0, 0, 0}, {left, y0, h}, {to, y0, h}, {left, top, h}).solid_angle() +
+             TriangleView({0, 0, 0}, {to, top, h}, {to, y0, h}, {left, top, h}).solid_angle();
+    };
+    const double error = part(x0, x) / view.solid_angle() - share;
+    wrong.add(!(std::abs(error) < 1e-14), "x", h, x0, x1, y0, y1, u, v, error);
+    // Heights y/r are uniform, and so are depths 1 − y/r.
+    const auto depth = [&](double at) {
+      const double square = x * x + h * h, r = std::sqrt(at * at + square);
+      return at > 0 ? square / (r * (r + at)) : (r - at) / r;
+    };
+    const double other = (depth(y0) - depth(y)) / (depth(y0) - depth(top)) - lift;
+    wrong.add(!(std::abs(other) < 1e-14), "y", h, x0, x1, y0, y1, u, v, other);
+  }
+  CHECK(wrong == 0);
+}
+
 TEST_CASE("a parallelogram without right angles is two triangles") {
   const Point position{-1, -1, 2}, from{0.2, 0.1, -0.3};
   const Vec3 edge_u{2, 0.5, 0.25}, edge_v{1, 2, -0.5};
@@ -412,12 +446,14 @@ TEST_CASE("the solid angle of a disk is that of a cap on its axis, and that of i
       const double solid_angle = DiskView({0, 0, 0}, {rho, 0, -h}, {0, 0, 1}, 1).solid_angle();
       CHECK(std::abs(solid_angle - (2 * pi - sum * 2 * pi / 400)) < 1e-13);
     }
-  // Close to the rim: half of what a half plane covers, in each direction of the point from the rim.
+  // Close to the rim, the disk covers a half plane: twice the angle of the point's direction from the rim.
   for (const double angle : {0.1, 1.0, 2.0, 3.0}) {
-    const double gap = 1e-9;
-    const Point from{1 + gap * std::cos(angle), 0, gap * std::sin(angle)};
-    const double expected = 2 * angle;
-    CHECK(std::abs(DiskView(from, {0, 0, 0}, {0, 0, 1}, 1).solid_angle() - expected) < 1e-6);
+    const double gap = 0x1p-40, rho = 1 + gap * std::cos(angle);
+    const Point from{0.6 * rho, 0.8 * rho, gap * std::sin(angle)};
+    const DoubleDouble distance =
+        length(PreciseVector(Vec3{from.x, from.y, 0}));  // which is rounded otherwise
+    const double expected = 2 * polar_angle(from.z, static_cast<double>(distance - DoubleDouble(1)));
+    CHECK(std::abs(DiskView(from, {0, 0, 0}, {0, 0, 1}, 1).solid_angle() - expected) < 1e-9);
   }
 }
 

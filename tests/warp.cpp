@@ -26,8 +26,8 @@ Vec3 direction_at(double z, double azimuth) {
   return {r * std::cos(azimuth), r * std::sin(azimuth), z};
 }
 
-/// Returns the integral of a density over all directions above a height, by midpoints of a grid with m azimuths:
-/// few, where the density is a smooth function of the azimuth.
+/// Returns the integral of a density over all directions above a height, by midpoints of a grid with m
+/// azimuths: few, where the density is a smooth function of the azimuth.
 double integral(const auto& density, double from, int m) {
   constexpr int n = 2000, to = 1;
   double sum = 0;

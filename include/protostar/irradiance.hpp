@@ -27,22 +27,21 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// sphere is above the horizon for k ≥ 1, and E = π sin² σ cos θ = π sin³ σ k. For −1 < k < 1 the horizon
 /// cuts it (Snyder 1996). With q = √(1 − k²), τ = q tan σ,
 ///   E = sin² σ (sin σ k arctan₂(q, −k cos σ) + arctan τ − (τ − arctan τ)/tan² σ),
-/// where the last term, as q² (τ − arctan τ)/τ², needs no small angle to be divided by. q² = (1 − k)(1 + k)
-/// has its digits from R ∓ normal · center in double-double.
+/// where the last term, as q² (τ − arctan τ)/τ², has no small divisor. The height is computed in
+/// double-double, since that of a small sphere far away is a difference of larger numbers.
 [[nodiscard]] inline double sphere_irradiance(const Point& point, const Vec3& normal, const Point& center,
                                               double radius) {
   const int exponent = exponent_of({center - point, Vec3{radius, 0, 0}});
   const PreciseVector to = scaled_difference(center, point, -exponent);
   const double R = std::abs(scaled({radius, 0, 0}, -exponent).x);
   const DoubleDouble d2 = dot(to, to), gap = d2 - two_product(R, R);
-  const DoubleDouble height = dot(to, PreciseVector(normal));
+  const double height = dot(to, PreciseVector(normal)).hi;
   if (gap.hi < 0) return std::numbers::pi;
   const double sin2 = R / d2.hi * R, sine = std::sqrt(sin2);
-  const double above = static_cast<double>(height + R), below = static_cast<double>(DoubleDouble(R) - height);
-  if (above <= 0) return 0;
-  const double k = height.hi / R;
-  if (below <= 0) return std::numbers::pi * sin2 * sine * k;
-  const double cosine = std::sqrt(gap.hi / d2.hi), q2 = above / R * (below / R), q = std::sqrt(q2);
+  const double k = height / R;
+  if (k <= -1) return 0;
+  if (k >= 1) return std::numbers::pi * sin2 * sine * k;
+  const double cosine = std::sqrt(gap.hi / d2.hi), q2 = (1 - k) * (1 + k), q = std::sqrt(q2);
   const double tau = q * sine / cosine, tau2 = tau * tau;
   // (τ − arctan τ)/τ², for small τ by its series, of which the first term left out is below 2^-53 of it.
   double rest = 0;

@@ -50,7 +50,8 @@ struct SineCosine {
 }
 
 /// Returns the angle from the x axis to (x, y), from −π to π with the sign of y, with a relative error below
-/// 4u; 0 for (0, 0), and NaN if a number is not finite. The numbers and their products with 1/8 must be in the range of double.
+/// 4u; 0 for (0, 0), and NaN if a number is not finite. The numbers and their products with 1/8 must be in
+/// the range of double.
 ///
 /// By the formula of detail::angle_by. The numerator of z is rounded once, by a fused operation, and z has an
 /// error below 3u; the series lacks less than 2^-70. Added to arctan(k/8), which is at least twice as large

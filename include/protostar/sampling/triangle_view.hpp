@@ -33,7 +33,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// when the point is near an edge, a corner or the plane are those of cross products and of the triple
 /// product, and these are computed in double-double from exact differences. The solid angle has a relative
 /// error below 20u, if the distances from the lines through the edges, and from the plane, are above 2^-45 of
-/// those from the corners; directions are off by at most 20u.
+/// those from the corners; directions are off by at most 40u.
 class TriangleView {
  public:
   TriangleView(const Point& from, const Point& p, const Point& q, const Point& r) {
