@@ -37,7 +37,6 @@ const std::set<std::string> on_demand = {
     "accel/screen.hpp",
     "accel/triangles_on_screen.hpp",
     "accel/pixel_block.hpp",
-<<<<<<< HEAD
     "simd/words.hpp",
     "sampling/hash.hpp",
     "sampling/sampler.hpp",
@@ -47,14 +46,24 @@ const std::set<std::string> on_demand = {
     "sampling/sobol_sampler.hpp",
     "sampling/hammersley_sampler.hpp",
     "sampling/reconstruction.hpp",
-=======
     "sampling/exact_sum.hpp",
     "sampling/exact_lanes.hpp",
     "sampling/estimate.hpp",
     "sampling/film.hpp",
     "sampling/shard.hpp",
     "sampling/shard_file.hpp",
->>>>>>> 79452cc7579e6bd78efdd0583c291cd84c0d1d7f
+    "irradiance.hpp",
+    "numeric/precise_vector.hpp",
+    "numeric/radians.hpp",
+    "sampling/disk_view.hpp",
+    "sampling/light_sample.hpp",
+    "sampling/mesh_light.hpp",
+    "sampling/parallelogram_view.hpp",
+    "sampling/rectangle_view.hpp",
+    "sampling/solid_angle.hpp",
+    "sampling/sphere_view.hpp",
+    "sampling/triangle_view.hpp",
+    "sampling/warp.hpp",
 };
 
 /// External headers of the core, besides the standard library: the smallest part of GLM that will do, and in
