@@ -1,0 +1,200 @@
+// Irradiance of a diffuse surface by a light of radiance 1 that nothing hides, in closed form: soft light
+// without noise. u = 2^-53.
+//
+// The irradiance is the integral of cos θ over the solid angle of the light, where θ is the angle from the
+// surface's normal; what is below the horizon, the plane through the point, counts nothing. A diffuse surface
+// of albedo a under a light of radiance L sends out a L E/π. Points must not be on the light. Normals are
+// unit vectors up to rounding. Each function names its error relative to the irradiance of a surface that
+// faces the light.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <type_traits>
+
+#include "numeric/precise_vector.hpp"
+#include "numeric/radians.hpp"
+#include "vec3.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Returns the irradiance by a sphere; π for a point inside. The error is below 16u π (R/d)².
+///
+/// With sin σ = R/d and k = (normal · center)/R, the height of the center over the horizon in radii, the
+/// sphere is above the horizon for k ≥ 1, and E = π sin² σ cos θ = π sin³ σ k. For −1 < k < 1 the horizon
+/// cuts it (Snyder 1996). With q = √(1 − k²), τ = q tan σ,
+///   E = sin² σ (sin σ k arctan₂(q, −k cos σ) + arctan τ − (τ − arctan τ)/tan² σ),
+/// where the last term, as q² (τ − arctan τ)/τ², has no small divisor. The height is computed in
+/// double-double, since that of a small sphere far away is a difference of larger numbers.
+[[nodiscard]] inline double sphere_irradiance(const Point& point, const Vec3& normal, const Point& center,
+                                              double radius) {
+  const int exponent = exponent_of({center - point, Vec3{radius, 0, 0}});
+  const PreciseVector to = scaled_difference(center, point, -exponent);
+  const double R = std::abs(scaled({radius, 0, 0}, -exponent).x);
+  const DoubleDouble d2 = dot(to, to), gap = d2 - two_product(R, R);
+  const double height = dot(to, PreciseVector(normal)).hi;
+  if (gap.hi < 0) return std::numbers::pi;
+  const double sin2 = R / d2.hi * R, sine = std::sqrt(sin2);
+  const double k = height / R;
+  if (k <= -1) return 0;
+  if (k >= 1) return std::numbers::pi * sin2 * sine * k;
+  const double cosine = std::sqrt(gap.hi / d2.hi), q2 = (1 - k) * (1 + k), q = std::sqrt(q2);
+  const double tau = q * sine / cosine, tau2 = tau * tau;
+  // (τ − arctan τ)/τ², for small τ by its series, of which the first term left out is below 2^-53 of it.
+  double rest = 0;
+  if (tau < 0.25)
+    rest = tau * detail::polynomial({1 / 3.0, -1 / 5.0, 1 / 7.0, -1 / 9.0, 1 / 11.0, -1 / 13.0, 1 / 15.0,
+                                     -1 / 17.0, 1 / 19.0, -1 / 21.0, 1 / 23.0, -1 / 25.0},
+                                    tau2);
+  else if (cosine > 0)
+    rest = (1 - polar_angle(q * sine, cosine) / tau) / tau;
+  return sin2 * (sine * k * polar_angle(q, -k * cosine) + polar_angle(q * sine, cosine) - q2 * rest);
+}
+
+namespace detail {
+
+/// Sum of Lambert's formula over the edges of a polygon: in double for Vec3, or in double-double for
+/// PreciseVector. The sum of γ (n · a × b)/|a × b| over the edges, of which each spans the angle γ from a to
+/// b, is twice the irradiance. Corners are differences from one corner, to which `base` leads, since then a ×
+/// b = a × (b − a) has a small relative error also if a and b are almost equal.
+template <class Vector, class Number>
+class LambertSum {
+ public:
+  LambertSum(const Vec3& normal, const Vector& base) : normal_(normal), base_(base) {}
+
+  void add_corner(const Vector& corner) {
+    if (has_corner_)
+      add_edge(last_, corner);
+    else
+      first_ = corner;
+    has_corner_ = true, last_ = corner;
+  }
+
+  /// Adds the edge from the last corner to the first; returns the irradiance, positive or negative by the
+  /// direction in which the corners go around.
+  [[nodiscard]] Number irradiance() {
+    if (has_corner_) add_edge(last_, first_);
+    return sum_ * Number(0.5);
+  }
+
+  /// Bounds the error of the irradiance in double, in units of 8u. The normal a × e of an edge has an error
+  /// of 6u |a| |e|, which is f = |a| |e|/|a × e| times as much of its length; its angle one of 6u f and 4u of
+  /// itself; the quotient and the product add less than 5u γ.
+  [[nodiscard]] double error() const { return error_; }
+
+ private:
+  static double angle(double y, double x) { return polar_angle(y, x); }
+  static DoubleDouble angle(DoubleDouble y, DoubleDouble x) { return precise_angle_of(y, x); }
+  static double leading(double x) { return x; }
+  static double leading(DoubleDouble x) { return x.hi; }
+
+  void add_edge(const Vector& from, const Vector& to) {
+    const Vector a = base_ + from, b = base_ + to, edge = to + -from;
+    const Vector normal = cross(a, edge);
+    const Number size = length(normal);
+    if (!(leading(size) > 0)) return;  // seen lengthwise
+    const Number gamma = angle(size, dot(a, b));
+    sum_ = sum_ + gamma * dot(normal_, normal) / size;
+    if constexpr (std::is_same_v<Number, double>) error_ += gamma * (1 + length(a) * length(edge) / size);
+  }
+
+  Vector normal_, base_, first_{}, last_{};
+  Number sum_ = 0.0;
+  double error_ = 0;
+  bool has_corner_ = false;
+};
+
+}  // namespace detail
+
+/// Returns the irradiance by a flat polygon, whose corners go around it in either direction (Lambert 1760).
+/// It may be of any shape without crossing edges.
+///
+/// The edges' terms, of the size s of the polygon's angular diameter, cancel for a small polygon, or one seen
+/// at a grazing angle. Hence the sum in double is used if its bound is below 2^-41 of it, and otherwise, and
+/// for a polygon that the horizon cuts, a sum in double-double from exact differences, with an error below
+/// 2^-92 s. That is below 2^-41 of the irradiance of a surface facing the light if its solid angle is above
+/// 2^-51 s.
+[[nodiscard]] inline double polygon_irradiance(const Point& point, const Vec3& normal,
+                                               std::span<const Point> corners) {
+  if (corners.empty()) return 0;
+  int exponent = -2000;
+  for (const Point& corner : corners) exponent = std::max(exponent, exponent_of({corner - point}));
+  const Point& first = corners.front();
+  const PreciseVector base = scaled_difference(first, point, -exponent), n(normal);
+  bool is_cut = false;
+  detail::LambertSum<Vec3, double> rough(normal, base.rounded());
+  for (const Point& corner : corners) {
+    const PreciseVector offset = scaled_difference(corner, first, -exponent);
+    is_cut = is_cut || dot(base + offset, n).hi < 0;
+    rough.add_corner(offset.rounded());
+  }
+  if (!is_cut) {
+    const double irradiance = std::abs(rough.irradiance());
+    if (rough.error() * 0x1p-50 <= 0x1p-41 * irradiance) return irradiance;
+  }
+
+  // Corners above the horizon, and points where edges cross it, at g/(g − h) of the way between heights g and
+  // h of different signs.
+  detail::LambertSum<PreciseVector, DoubleDouble> sum(normal, base);
+  PreciseVector a = scaled_difference(corners.back(), first, -exponent);
+  DoubleDouble g = dot(base + a, n);
+  for (const Point& corner : corners) {
+    const PreciseVector b = scaled_difference(corner, first, -exponent);
+    const DoubleDouble h = dot(base + b, n);
+    if ((g.hi < 0) != (h.hi < 0)) sum.add_corner(a + (g / (g - h)) * (b + -a));
+    if (h.hi >= 0) sum.add_corner(b);
+    a = b, g = h;
+  }
+  return std::abs(static_cast<double>(sum.irradiance()));
+}
+
+/// Returns the irradiance by a triangle.
+[[nodiscard]] inline double triangle_irradiance(const Point& point, const Vec3& normal, const Point& a,
+                                                const Point& b, const Point& c) {
+  return polygon_irradiance(point, normal, std::array{a, b, c});
+}
+
+/// Returns the irradiance by a parallelogram.
+[[nodiscard]] inline double parallelogram_irradiance(const Point& point, const Vec3& normal,
+                                                     const Point& position, const Vec3& edge_u,
+                                                     const Vec3& edge_v) {
+  return polygon_irradiance(
+      point, normal, std::array{position, position + edge_u, position + edge_u + edge_v, position + edge_v});
+}
+
+/// Returns the irradiance by a disk, or nullopt if the horizon cuts it. The error is below 32u of that of a
+/// surface facing the light.
+///
+/// With h and ρ, the distances of the point from the plane and from the axis, l1 and l2, those from the
+/// nearest and farthest points of the rim, and s = (ρ − R)(ρ + R) + h², a surface parallel to the disk gets π
+/// (l1 l2 − s)/(2 l1 l2), where l1² l2² = s² + (2Rh)², and a perpendicular one that faces the axis 2π h ρ
+/// R²/(l1 l2 (h² + ρ² + R² + l1 l2)). On the axis, the first is π R²/(R² + h²).
+[[nodiscard]] inline std::optional<double> disk_irradiance(const Point& point, const Vec3& normal,
+                                                           const Point& center, const Vec3& disk_normal,
+                                                           double any_radius) {
+  const int exponent = exponent_of({center - point, Vec3{any_radius, 0, 0}});
+  const PreciseVector to = scaled_difference(center, point, -exponent), axis(of_moderate_size(disk_normal));
+  const double R = scaled({any_radius, 0, 0}, -exponent).x;
+  const DoubleDouble size = length(axis), z = dot(to, axis) / size, h = abs(z);
+  const PreciseVector n(normal), unit = (DoubleDouble(z.hi < 0 ? -1 : 1) / size) * axis;
+  const PreciseVector sideways = to + (-h) * unit;
+  const DoubleDouble rho = length(cross(axis, to)) / size;
+
+  // The center is at `height` over the horizon, and the rim reaches ± R sin(disk, horizon) from there.
+  const DoubleDouble height = dot(n, to), reach = DoubleDouble(R) * length(cross(n, unit));
+  if ((height + reach).hi <= 0) return 0;
+  if ((height - reach).hi < 0) return std::nullopt;
+
+  const double near = static_cast<double>(rho - R), far = static_cast<double>(rho + R), h2 = h.hi * h.hi;
+  const double l1l2 = std::sqrt((near * near + h2) * (far * far + h2)), s = near * far + h2, Rh = R * h.hi;
+  const double facing = s > 0 ? 2 * Rh / (l1l2 + s) * (Rh / l1l2) : (l1l2 - s) / (2 * l1l2);
+  // The part sideways has the factor ρ of the vector `sideways`.
+  const double across = 2 * Rh / l1l2 * (R / (h2 + rho.hi * rho.hi + R * R + l1l2));
+  return std::numbers::pi *
+         (facing * static_cast<double>(dot(n, unit)) + across * static_cast<double>(dot(n, sideways)));
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,51 @@
+// Vectors of double-double numbers, for differences and products in which doubles would cancel. u = 2^-53.
+#pragma once
+
+#include "../vec3.hpp"
+#include "double_double.hpp"
+#include "scale.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Vector with components in double-double.
+struct PreciseVector {
+  DoubleDouble x, y, z;
+
+  PreciseVector() = default;
+  PreciseVector(DoubleDouble first, DoubleDouble second, DoubleDouble third)
+      : x(first), y(second), z(third) {}
+  explicit PreciseVector(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
+
+  /// Returns the vector with each component rounded to double.
+  [[nodiscard]] Vec3 rounded() const {
+    return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+  }
+};
+
+/// Returns (a − b) · 2^exponent without rounding, unless digits fall below 2^-1074.
+[[nodiscard]] inline PreciseVector scaled_difference(const Point& a, const Point& b, int exponent) {
+  const Point p = scaled(a, exponent), q = scaled(b, exponent);
+  return {two_sum(p.x, -q.x), two_sum(p.y, -q.y), two_sum(p.z, -q.z)};
+}
+
+[[nodiscard]] inline PreciseVector operator+(const PreciseVector& a, const PreciseVector& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+[[nodiscard]] inline PreciseVector operator*(DoubleDouble a, const PreciseVector& b) {
+  return {a * b.x, a * b.y, a * b.z};
+}
+[[nodiscard]] inline PreciseVector operator-(const PreciseVector& a) { return {-a.x, -a.y, -a.z}; }
+
+/// Returns a · b with an error below 14u² |a| |b|.
+[[nodiscard]] inline DoubleDouble dot(const PreciseVector& a, const PreciseVector& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// Returns a × b with an error below 14u² |a| |b|.
+[[nodiscard]] inline PreciseVector cross(const PreciseVector& a, const PreciseVector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+[[nodiscard]] inline DoubleDouble length(const PreciseVector& a) { return sqrt(dot(a, a)); }
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,86 @@
+// Sine, cosine and polar angle in radians, in double alone: five times as fast as the functions of
+// trigonometry.hpp, with errors of a few units in the last place. Bytes depend on no machine. u = 2^-53.
+#pragma once
+
+#include <cmath>
+#include <utility>
+
+#include "double_double.hpp"
+#include "power.hpp"
+#include "trigonometry.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+struct SineCosine {
+  double sine = 0, cosine = 1;
+};
+
+/// Returns sine and cosine of an angle with |angle| ≤ 7, each with a relative error below 2u.
+///
+/// n quarter turns are subtracted: n · π.hi/2 by a fused operation, whose result is small beside both and
+/// hence exact, then n · π.lo/2, which leaves an error of half a unit in the last place of the rest, |rest| ≤
+/// π/4 + 2^-50. The series up to rest^17/17! and rest^16/16! lack less than 2^-58. The terms after the first
+/// are below 0.11 |rest| and 0.31, so their roundings together count less than half of one of the result.
+[[nodiscard]] inline SineCosine sine_and_cosine(double angle) {
+  const double quarters = std::round(angle * (2 / detail::pi.hi));
+  const double rest = std::fma(-quarters, detail::pi.lo / 2, std::fma(-quarters, detail::pi.hi / 2, angle));
+  const double s = rest * rest;
+  const double sine =
+      std::fma(rest * s,
+               detail::polynomial({-1 / 6.0, 1 / 120.0, -1 / 5040.0, 1 / 362880.0, -1 / 39916800.0,
+                                   1 / 6227020800.0, -1 / 1307674368000.0, 1 / 355687428096000.0},
+                                  s),
+               rest);
+  const double cosine =
+      std::fma(s,
+               detail::polynomial({-1 / 2.0, 1 / 24.0, -1 / 720.0, 1 / 40320.0, -1 / 3628800.0,
+                                   1 / 479001600.0, -1 / 87178291200.0, 1 / 20922789888000.0},
+                                  s),
+               1.0);
+  switch (static_cast<int>(quarters) & 3) {
+    case 0:
+      return {sine, cosine};
+    case 1:
+      return {cosine, -sine};
+    case 2:
+      return {-sine, -cosine};
+    default:
+      return {-cosine, sine};
+  }
+}
+
+/// Returns the angle from the x axis to (x, y), from −π to π with the sign of y, with a relative error below
+/// 4u; 0 for (0, 0), and NaN if a number is not finite. The numbers and their products with 1/8 must be in
+/// the range of double.
+///
+/// By the formula of detail::angle_by. The numerator of z is rounded once, by a fused operation, and z has an
+/// error below 3u; the series lacks less than 2^-70. Added to arctan(k/8), which is at least twice as large
+/// as z, or 0, the error is below 3u; the difference from π/2 or π, which is at least as large as the angle
+/// subtracted, adds u at most.
+[[nodiscard]] inline double polar_angle(double y, double x) {
+  double low = std::abs(y), high = std::abs(x);
+  const bool is_steep = low > high;
+  if (is_steep) std::swap(low, high);
+  const double ratio = low / high;
+  if (!(ratio <= 1)) return high == 0 ? 0 : ratio;
+  const double eighths = std::round(8 * ratio);
+  const double part = eighths / 8;
+  const double z = std::fma(-high, part, low) / std::fma(low, part, high), s = z * z;
+  const double series = std::fma(
+      z * s, detail::polynomial({-1 / 3.0, 1 / 5.0, -1 / 7.0, 1 / 9.0, -1 / 11.0, 1 / 13.0, -1 / 15.0}, s),
+      z);
+  double angle = detail::arc_tangent_of_eighths(static_cast<int>(eighths)).hi + series;
+  if (is_steep) angle = (detail::pi.hi / 2 - angle) + detail::pi.lo / 2;
+  if (x < 0) angle = (detail::pi.hi - angle) + detail::pi.lo;
+  return std::signbit(y) ? -angle : angle;
+}
+
+/// Returns sine and cosine of half of the angle in [0, π] whose sine and cosine are proportional to y ≥ 0 and
+/// x, without cancellation: the larger of the two from the sum of like signs, the other from 2 sin cos = y/r.
+[[nodiscard]] inline SineCosine half_angle(double y, double x) {
+  const double r = std::sqrt(x * x + y * y);
+  const double large = std::sqrt((1 + std::abs(x) / r) / 2), small = y / r / (2 * large);
+  return x < 0 ? SineCosine{large, small} : SineCosine{small, large};
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,31 @@
+// A direction to a light, as the views of lights draw it.
+#pragma once
+
+#include <limits>
+
+#include "../vec3.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Direction from a point to a light that was drawn by chance.
+struct LightSample {
+  Vec3 direction{0, 0, 1};  ///< a unit vector
+  double distance = 0;      ///< to the light along the direction, in scene units
+  /// Probability per solid angle, in 1/steradian. Infinite if the light covers no solid angle, since the
+  /// point is in its plane or the angle is below the range of double; the light then adds radiance/density =
+  /// 0.
+  double density = std::numeric_limits<double>::infinity();
+};
+
+namespace detail {
+
+/// Returns the distance along a unit direction to a plane at distance `height`, in which no point of the
+/// light is farther away than `farthest`. The quotient has a relative error of a few u/cos of the angle to
+/// the plane's normal, and it is limited, so that grazing directions do not reach behind the light.
+[[nodiscard]] inline double distance_to_plane(double height, double cosine, double farthest) {
+  return height < cosine * farthest ? height / cosine : farthest;
+}
+
+}  // namespace detail
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,122 @@
+// Many triangles as one light: a triangle is chosen by chance, then a direction to it by solid angle.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "triangle_view.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+using TriangleCorners = std::array<Point, 3>;
+
+/// Direction to a triangle of a mesh. The density is that of the triangle's choice and of the direction
+/// together: a direction that meets several triangles is drawn for each of them.
+struct MeshSample {
+  LightSample light;
+  std::size_t triangle = 0;
+};
+
+/// Shares of a whole by which one of several things is chosen with a number in (0, 1).
+class Shares {
+ public:
+  explicit Shares(std::size_t count) { ends_.reserve(count); }
+
+  void add(double share) { ends_.push_back(whole() + share); }
+  [[nodiscard]] double whole() const { return ends_.empty() ? 0 : ends_.back(); }
+  [[nodiscard]] std::size_t size() const { return ends_.size(); }
+
+  /// Returns the probability of a thing.
+  [[nodiscard]] double probability(std::size_t i) const { return part(i) / whole(); }
+
+  struct Choice {
+    std::size_t index;
+    double probability, rest;  ///< rest: the place of the number within the share, from 0 to 1
+  };
+
+  /// Chooses a thing. The probability is that of the rounded shares, by which it is chosen.
+  [[nodiscard]] Choice choose(double u) const {
+    const double place = u * whole();
+    // A thing of share 0 ends where the one before it ends, and is never the first end above the place.
+    const auto end = std::min(std::upper_bound(ends_.begin(), ends_.end(), place), ends_.end() - 1);
+    const auto i = static_cast<std::size_t>(end - ends_.begin());
+    return {i, probability(i), std::min((place - begin(i)) / part(i), 1.0)};
+  }
+
+ private:
+  [[nodiscard]] double begin(std::size_t i) const { return i == 0 ? 0 : ends_[i - 1]; }
+  [[nodiscard]] double part(std::size_t i) const { return ends_[i] - begin(i); }
+
+  std::vector<double> ends_;
+};
+
+/// The triangles of a light, chosen by their areas: for meshes of any size, since a choice takes the
+/// logarithm of their number. Throws nothing; triangles without area are never chosen.
+class MeshLight {
+ public:
+  explicit MeshLight(std::vector<TriangleCorners> triangles)
+      : triangles_(std::move(triangles)), by_area_(triangles_.size()) {
+    int exponent = -2000;  // the areas are scaled alike
+    for (const auto& [a, b, c] : triangles_) exponent = std::max(exponent, exponent_of({b - a, c - a}));
+    for (const auto& [a, b, c] : triangles_)
+      by_area_.add(length(cross(scaled(b - a, -exponent), scaled(c - a, -exponent))));
+  }
+
+  [[nodiscard]] std::span<const TriangleCorners> triangles() const { return triangles_; }
+
+  /// Draws a direction from a point. Near the mesh, some triangles are larger than their areas tell.
+  [[nodiscard]] MeshSample sample(const Point& from, double u, double v) const {
+    if (!(by_area_.whole() > 0)) return {};
+    const auto [i, probability, rest] = by_area_.choose(u);
+    MeshSample sample{
+        TriangleView(from, triangles_[i][0], triangles_[i][1], triangles_[i][2]).sample(rest, v), i};
+    sample.light.density *= probability;
+    return sample;
+  }
+
+  /// Returns the density with which a direction from the point is drawn for a triangle that it meets.
+  [[nodiscard]] double density(const Point& from, std::size_t i) const {
+    return by_area_.probability(i) /
+           TriangleView(from, triangles_[i][0], triangles_[i][1], triangles_[i][2]).solid_angle();
+  }
+
+ private:
+  std::vector<TriangleCorners> triangles_;
+  Shares by_area_;
+};
+
+/// Some triangles as seen from a point, chosen by their solid angles: for small meshes, since each is looked
+/// at. The density is one over the sum of the solid angles.
+class MeshView {
+ public:
+  MeshView(const Point& from, std::span<const TriangleCorners> triangles) : by_angle_(triangles.size()) {
+    views_.reserve(triangles.size());
+    for (const auto& [a, b, c] : triangles) {
+      views_.emplace_back(from, a, b, c);
+      by_angle_.add(views_.back().solid_angle());
+    }
+  }
+
+  /// Returns the sum of the solid angles of the triangles, also of those that others hide.
+  [[nodiscard]] double solid_angle() const { return by_angle_.whole(); }
+
+  /// Draws a direction.
+  [[nodiscard]] MeshSample sample(double u, double v) const {
+    if (!(solid_angle() > 0)) return {};
+    const auto [i, probability, rest] = by_angle_.choose(u);
+    MeshSample sample{views_[i].sample(rest, v), i};
+    sample.light.density = 1 / solid_angle();
+    return sample;
+  }
+
+ private:
+  std::vector<TriangleView> views_;
+  Shares by_angle_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,182 @@
+// Maps from pairs of numbers in (0, 1) to points of a disk and to directions, with their densities.
+//
+// A map is of use for sampling if equal areas of the unit square become shares of equal probability. These
+// are continuous, but for a seam or a point, and so they keep well-spread pairs well spread. The density of a
+// direction is the probability per solid angle near it, in 1/steradian. Local directions have the normal as
+// their z axis; Frame turns them. Same bytes on every machine. u = 2^-53.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "../numeric/power.hpp"
+#include "../numeric/radians.hpp"
+#include "../vec3.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Unit direction that was drawn, and the density with which it is drawn.
+struct DirectionAndDensity {
+  Vec3 direction{0, 0, 1};
+  double density = 0;
+};
+
+/// Three unit vectors, perpendicular to each other, x × y = z: the axes of local directions.
+struct Frame {
+  Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
+
+  /// Returns local.x · x + local.y · y + local.z · z.
+  [[nodiscard]] Vec3 operator()(const Vec3& local) const { return local.x * x + local.y * y + local.z * z; }
+
+  /// Returns the components of a direction along x, y and z.
+  [[nodiscard]] Vec3 local(const Vec3& direction) const {
+    return {dot(direction, x), dot(direction, y), dot(direction, z)};
+  }
+};
+
+/// Returns the frame whose z axis is a unit vector n. It turns the z axis to n by the shortest way, so it is
+/// a continuous function of n but for n = (0, 0, −1), as no frame can be continuous everywhere. Its vectors
+/// are unit and perpendicular with errors of 8u and that of n's length.
+///
+/// With k = 1/(1 + n.z), x = (1 − k n.x², −k n.x n.y, −n.x) and y = (−k n.x n.y, 1 − k n.y², −n.y). For n.z
+/// < 0 the sum 1 + n.z would cancel, and k = (1 − n.z)/(n.x² + n.y²) is accurate.
+[[nodiscard]] inline Frame frame_around(const Vec3& n) {
+  const double square = n.x * n.x + n.y * n.y;
+  if (n.z < 0 && square < 0x1p-900) return {{1, 0, 0}, {0, -1, 0}, n};  // before the squares underflow
+  const double k = n.z < 0 ? (1 - n.z) / square : 1 / (1 + n.z);
+  const double xy = -n.x * n.y * k;
+  return {{1 - n.x * n.x * k, xy, -n.x}, {xy, 1 - n.y * n.y * k, -n.y}, n};
+}
+
+/// Point of the unit disk in polar form.
+struct PolarPoint {
+  double radius = 0;
+  double angle = 0;  ///< in radians, from −π/4 to 7π/4
+};
+
+/// Returns the point of the unit disk to which Shirley and Chiu's concentric map takes (u, v): squares around
+/// the center of the unit square become circles, and equal areas become equal areas.
+[[nodiscard]] inline PolarPoint concentric_polar(double u, double v) {
+  constexpr double eighth = std::numbers::pi / 4;
+  const double a = 2 * u - 1, b = 2 * v - 1;
+  if (a == 0 && b == 0) return {};
+  if (std::abs(a) > std::abs(b)) return {std::abs(a), eighth * (b / a) + (a < 0 ? 4 * eighth : 0)};
+  return {std::abs(b), (b < 0 ? 6 : 2) * eighth - eighth * (a / b)};
+}
+
+/// Returns the point of concentric_polar in Cartesian coordinates. The density is 1/π per area.
+[[nodiscard]] inline Uv concentric_disk(double u, double v) {
+  const PolarPoint p = concentric_polar(u, v);
+  const auto [sine, cosine] = sine_and_cosine(p.angle);
+  return {p.radius * cosine, p.radius * sine};
+}
+
+/// Density of cosine_hemisphere, for the cosine between direction and normal: cos θ/π, or 0 below.
+[[nodiscard]] inline double cosine_density(double cosine) { return std::max(cosine, 0.0) / std::numbers::pi; }
+
+/// Draws a local direction of the upper hemisphere with the density cos θ/π: the point of the hemisphere
+/// above a point of the disk (Malley). cos θ = √((1 − r)(1 + r)) does not cancel at grazing angles.
+[[nodiscard]] inline DirectionAndDensity cosine_hemisphere(double u, double v) {
+  const PolarPoint p = concentric_polar(u, v);
+  const auto [sine, cosine] = sine_and_cosine(p.angle);
+  const double z = std::sqrt((1 - p.radius) * (1 + p.radius));
+  return {{p.radius * cosine, p.radius * sine, z}, cosine_density(z)};
+}
+
+/// Draws a direction of the cosine-weighted hemisphere around a unit normal.
+[[nodiscard]] inline DirectionAndDensity cosine_hemisphere(const Vec3& normal, double u, double v) {
+  const auto [direction, density] = cosine_hemisphere(u, v);
+  return {frame_around(normal)(direction), density};
+}
+
+/// Density of uniform_sphere.
+inline constexpr double uniform_sphere_density = 0.25 / std::numbers::pi;
+
+/// Draws any direction, none more likely than another: its height along z is uniform (Archimedes).
+[[nodiscard]] inline DirectionAndDensity uniform_sphere(double u, double v) {
+  const auto [sine, cosine] = sine_and_cosine(2 * std::numbers::pi * v);
+  const double r = 2 * std::sqrt(u * (1 - u));
+  return {{r * cosine, r * sine, 1 - 2 * u}, uniform_sphere_density};
+}
+
+/// Phong's lobe around the z axis: the density (n + 1)/(2π) · cosⁿ α, where α is the angle from the axis, on
+/// the hemisphere around it. The exponent n ≥ 0 need not be whole.
+struct PhongLobe {
+  double exponent = 0;
+
+  /// Returns the density for the cosine of α; 0 where that is not positive.
+  [[nodiscard]] double density(double cosine) const {
+    if (!(cosine > 0)) return 0;
+    const double power = exponent == 0 ? 1 : static_cast<double>(pow(std::min(cosine, 1.0), exponent));
+    return (exponent + 1) / (2 * std::numbers::pi) * power;
+  }
+
+  /// Draws a local direction. Of the lobe, the share beyond α is 1 − cosⁿ⁺¹ α, so with the share r² of the
+  /// disk cos α = (1 − r²)^(1/(n+1)). The power is a double-double with an error below 2^-57, and so is 1 −
+  /// cos².
+  [[nodiscard]] DirectionAndDensity sample(double u, double v) const {
+    const PolarPoint p = concentric_polar(u, v);
+    const auto [sine, cosine] = sine_and_cosine(p.angle);
+    const double rest = std::max((1 - p.radius) * (1 + p.radius), 0x1p-1000);  // r may be rounded up to 1
+    const DoubleDouble height = pow(rest, quotient(1, exponent + 1));
+    const double z = static_cast<double>(height);
+    const double r = std::sqrt(std::max(static_cast<double>((1 - height) * (1 + height)), 0.0));
+    return {{r * cosine, r * sine, z}, density(z)};
+  }
+};
+
+/// The microfacets of Trowbridge and Reitz (GGX) with roughness α > 0, as seen from a local direction to the
+/// viewer with z > 0: normals of tiny mirrors, of which each is drawn as often as the viewer sees it.
+struct VisibleNormals {
+  Vec3 to_viewer{0, 0, 1};
+  double roughness = 1;
+
+  /// Returns the area of microfacets per solid angle of their normals, and per area of the surface: D = α²/(π
+  /// (α² cos² θ + sin² θ)²); 0 below the surface.
+  [[nodiscard]] double distribution(const Vec3& normal) const {
+    if (!(normal.z > 0)) return 0;
+    const double alpha2 = roughness * roughness;
+    const double k = alpha2 * normal.z * normal.z + normal.x * normal.x + normal.y * normal.y;
+    return alpha2 / (std::numbers::pi * k * k);
+  }
+
+  /// Returns the share of microfacets towards a direction that others do not hide (Smith's G1): 2/(1 + √(1 +
+  /// α² tan² θ)).
+  [[nodiscard]] double visible_share(const Vec3& direction) const {
+    const double side = roughness * roughness * (direction.x * direction.x + direction.y * direction.y);
+    const double z = std::abs(direction.z);
+    return 2 * z / (z + std::sqrt(z * z + side));
+  }
+
+  /// Returns the density of a normal: G1(viewer) · D · max(0, viewer · normal)/viewer.z.
+  [[nodiscard]] double density(const Vec3& normal) const {
+    return visible_share(to_viewer) * distribution(normal) * std::max(0.0, dot(to_viewer, normal)) /
+           to_viewer.z;
+  }
+
+  /// Returns the density of a direction in which light is mirrored to the viewer, at the normal halfway:
+  /// that of the normal over 4 (viewer · normal), as a mirror turns twice as fast as its normal. It needs no
+  /// division by that product.
+  [[nodiscard]] double reflected_density(const Vec3& direction) const {
+    const Vec3 sum = to_viewer + direction;
+    const double square = dot(sum, sum);
+    if (!(square > 0 && sum.z > 0)) return 0;
+    return visible_share(to_viewer) * distribution(sum / std::sqrt(square)) / (4 * to_viewer.z);
+  }
+
+  /// Draws a normal (Dupuy and Benyoub 2023). Stretched by 1/α along z, the microfacets are a hemisphere, and
+  /// the normals that a viewer sees of a hemisphere are the directions halfway to a uniform cap. The height
+  /// in the cap, z = 1 − v (1 + viewer.z), is used as 1 − z and 1 + z, which do not cancel.
+  [[nodiscard]] DirectionAndDensity sample(double u, double v) const {
+    const Vec3 stretched = normalize(Vec3{roughness * to_viewer.x, roughness * to_viewer.y, to_viewer.z});
+    const double below = v * (1 + stretched.z);
+    const double r = std::sqrt(below * (2 - below));
+    const auto [sine, cosine] = sine_and_cosine(2 * std::numbers::pi * u);
+    const Vec3 halfway = Vec3{r * cosine, r * sine, 1 - below} + stretched;
+    const Vec3 normal = normalize(Vec3{roughness * halfway.x, roughness * halfway.y, halfway.z});
+    return {normal, density(normal)};
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

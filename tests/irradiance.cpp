@@ -1,0 +1,399 @@
+#include <protostar/irradiance.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/random.hpp"
+#include "support/views.hpp"
+#include "support/wrong_cases.hpp"
+
+using namespace protostar;
+
+namespace {
+
+using Long = long double;
+constexpr double pi = std::numbers::pi;
+
+/// True if long double has enough digits to judge double, as on x86.
+constexpr bool long_double_is_judge = std::numeric_limits<Long>::digits >= 64;
+
+/// Returns ∫ f over [from, to] in long double, by the rule of Gauss and Legendre with 12 nodes in each panel.
+Long integral(const auto& f, Long from, Long to, int panels) {
+  static constexpr Long nodes[] = {0.125233408511468915472441369464L, 0.367831498998180193752691536644L,
+                                   0.587317954286617447296702418941L, 0.769902674194304687036893833213L,
+                                   0.904117256370474856678465866119L, 0.981560634246719250690549090149L};
+  static constexpr Long weights[] = {0.249147045813402785000562436043L, 0.233492536538354808760849898925L,
+                                     0.203167426723065921749064455810L, 0.160078328543346226334652529543L,
+                                     0.106939325995318430960254718194L, 0.047175336386511827194615961485L};
+  const Long half = (to - from) / panels / 2;
+  Long sum = 0;
+  for (int i = 0; i < panels; ++i) {
+    const Long middle = from + (2 * i + 1) * half;
+    for (int k = 0; k < 6; ++k)
+      sum += weights[k] * (f(middle - half * nodes[k]) + f(middle + half * nodes[k]));
+  }
+  return sum * half;
+}
+
+/// Returns the irradiance by a sphere in directions within σ of an axis that makes the angle θ with the
+/// normal: the integral over rings around the axis, of which each is above the horizon by a closed form.
+/// `cosine` is cos θ.
+Long sphere_by_rings(Long cosine, Long sigma) {
+  const Long sine = std::sqrt((1 - cosine) * (1 + cosine));
+  const auto ring = [&](Long angle) {
+    const Long a = cosine * std::cos(angle), b = sine * std::sin(angle);
+    if (a >= b) return 2 * std::numbers::pi_v<Long> * a * std::sin(angle);
+    if (a <= -b) return 0 * a;
+    const Long half = std::acos(-a / b);
+    return 2 * (a * half + b * std::sin(half)) * std::sin(angle);
+  };
+  // The rings that touch the horizon: from there the integrand is smooth in the square root of the angle.
+  const Long touching = std::min(sigma, std::abs(std::asin(cosine)));
+  const auto beyond = [&](Long t) {
+    return ring(touching + (sigma - touching) * t * t) * 2 * t * (sigma - touching);
+  };
+  return integral(ring, 0, touching, 8) + integral(beyond, 0, 1, 16);
+}
+
+struct LongVector {
+  Long x, y, z;
+  LongVector(Long first, Long second, Long third) : x(first), y(second), z(third) {}
+  LongVector(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
+  friend LongVector operator+(LongVector a, LongVector b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend LongVector operator*(Long a, LongVector b) { return {a * b.x, a * b.y, a * b.z}; }
+  friend Long dot(LongVector a, LongVector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+};
+
+/// Returns the irradiance by the part of a parallelogram, or of a disk of polar coordinates, that `place`
+/// makes of [0, 1] × [0, 1] with an area element: by integration over the area, whose integrand has no
+/// differences.
+Long by_area(const Point& point, const Vec3& normal, const LongVector& light_normal, const auto& place,
+             const auto& element, int panels) {
+  return integral(
+      [&](Long a) {
+        return integral(
+            [&](Long b) {
+              const LongVector to = place(a, b) + LongVector(-1.0 * point);
+              const Long square = dot(to, to);
+              return std::max(dot(to, normal), Long(0)) * std::abs(dot(to, light_normal)) /
+                     (square * square) * element(a, b);
+            },
+            0, 1, panels);
+      },
+      0, 1, panels);
+}
+
+/// Returns the largest irradiance of a surface at a point, by that of six normals: the length of the vector
+/// whose product with a normal is E(normal) − E(−normal).
+double facing(const auto& irradiance) {
+  Vec3 sum{0};
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 n{0};
+    n[axis] = 1;
+    sum[axis] = irradiance(n) - irradiance(-n);
+  }
+  return length(sum);
+}
+
+/// Returns how many standard errors the mean of estimates by a view is away from the expected irradiance: 32
+/// estimates, of which each has one direction in each of 20 × 20 strata. For chance alone, 7 is rarer than
+/// 1e-6 (Student's t with 31 degrees of freedom).
+double standard_errors(const auto& sample, const Vec3& normal, double expected, std::uint64_t seed,
+                       double largest_error) {
+  constexpr int n = 20, count = 32;
+  Random random(seed);
+  double sum = 0, squares = 0;
+  for (int i = 0; i < count; ++i) {
+    double mean = 0;
+    for (int a = 0; a < n; ++a)
+      for (int b = 0; b < n; ++b) {
+        const double u = (a + inner(random)) / n, v = (b + inner(random)) / n;
+        const LightSample light = sample(u, v);
+        mean += std::max(0.0, dot(light.direction, normal)) / light.density / (n * n);
+      }
+    const double error = mean / expected - 1;
+    sum += error, squares += error * error;
+  }
+  const double mean = sum / count, variance = (squares / count - mean * mean) / (count - 1);
+  CHECK(std::sqrt(variance) < largest_error);           // a bias of 7 times that is found
+  return std::abs(mean) / std::sqrt(variance + 1e-28);  // and the rounding of sums
+}
+
+}  // namespace
+
+TEST_CASE("a sphere wholly above the horizon gives π (R/d)² cos θ, and one below gives nothing") {
+  for (const double distance : {1.5, 10.0, 1e6, 1e12}) {
+    const Vec3 direction{0.48, 0.6, 0.64};
+    const double expected = pi / distance / distance;
+    const auto irradiance = [&](const Vec3& n) {
+      return sphere_irradiance({1, 1, 1}, n, Point(1) + distance * direction, 1);
+    };
+    if (distance > 1.6) CHECK(std::abs(irradiance({0, 0, 1}) / (expected * 0.64) - 1) < 2e-15 + 1e-15);
+    CHECK(std::abs(irradiance(direction) / expected - 1) < 2e-15);
+    CHECK(irradiance(-direction) == 0);
+  }
+  CHECK(sphere_irradiance({0, 0, 0}, {0, 0, 1}, {0, 0, 0.5}, 1) == pi);
+  CHECK(sphere_irradiance({0, 0, 0}, {0, 0, 1}, {0, 0, -0.5}, -1) == pi);
+  CHECK(std::abs(sphere_irradiance({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1) - pi / 2) <
+        1e-15);  // half of all directions
+}
+
+TEST_CASE("a sphere that the horizon cuts gives the integral over its part above") {
+  if (!long_double_is_judge) return;
+  Random random(1);
+  WrongCases wrong(random);
+  double most = 0;
+  for (int i = 0; i < 1500; ++i) {
+    // From almost on the sphere to far away, and from almost below the horizon to almost above it.
+    const double distance = i % 2 == 0 ? 1 + std::exp2(random.real(-40, 2)) : std::exp2(random.real(0, 40));
+    double height = random.real(-1, 1);
+    if (i % 5 == 0) height = std::copysign(1 - std::exp2(random.real(-40, -2)), height);
+    if (i % 5 == 1) height = std::copysign(std::exp2(random.real(-40, -2)), height);
+    const Point center{std::sqrt((distance - height) * (distance + height)), 0, height};
+    const LongVector c(center);
+    const Long d2 = dot(c, c);
+    // d² − R², of which σ is a function, has more digits than d².
+    const PreciseVector precise(center);
+    const DoubleDouble difference = dot(precise, precise) - DoubleDouble(1);
+    const Long gap = Long(difference.hi) + difference.lo;
+    if (gap < 0) continue;
+    const Long expected = sphere_by_rings(c.z / std::sqrt(d2), std::atan2(Long(1), std::sqrt(gap)));
+    const double whole = static_cast<double>(std::numbers::pi_v<Long> / d2);
+    const double got = sphere_irradiance({0, 0, 0}, {0, 0, 1}, center, 1);
+    const double error = static_cast<double>(std::abs(got - expected)) / whole;
+    most = std::max(most, error);
+    wrong.add(!(error < 1e-14), distance, height, got, error);
+  }
+  CHECK(wrong == 0);
+  CHECK(most > 0);
+}
+
+TEST_CASE("the irradiance by a sphere is continuous where the horizon begins to cut it") {
+  for (const double distance : {1.001, 2.0, 1e3, 1e9})
+    for (const double side : {-1.0, 1.0}) {
+      const auto at = [&](double height) {
+        return sphere_irradiance({0, 0, 0}, {0, 0, 1},
+                                 {std::sqrt((distance - height) * (distance + height)), 0, height}, 1) *
+               distance * distance;
+      };
+      CHECK(std::abs(at(side * (1 - 1e-9)) - at(side * (1 + 1e-9))) < 1e-8);
+    }
+}
+
+TEST_CASE(
+    "the irradiance by a polygon is the integral over its area, also if it is tiny, far or seen edge on") {
+  if (!long_double_is_judge) return;
+  Random random(2);
+  WrongCases wrong(random);
+  double most = 0;
+  for (int i = 0; i < 120; ++i) {
+    // Seen under angles from 1e-12 to 1; the point may be almost in its plane.
+    const double size = i % 3 == 0 ? 1 : std::exp2(random.real(-40, 0));
+    const Vec3 u = size * Vec3{1, 0, 0}, v = size * Vec3{0.25, 1, 0};
+    const Point position{0, 0, i % 2 == 0 ? std::exp2(random.real(-20, 2)) : random.real(1, 4)};
+    const Point point{random.real(2, 5), random.real(1, 3), 0};
+    const Vec3 normal = normalize(random.point(1) + Vec3{-2, -1, 1.5});
+    const auto irradiance = [&](const Vec3& n) { return parallelogram_irradiance(point, n, position, u, v); };
+    const auto place = [&](Long a, Long b) {
+      return LongVector(position) + a * LongVector(u) + b * LongVector(v);
+    };
+    const auto element = [&](Long, Long) { return Long(size) * size; };
+    if (std::min({dot(position - point, normal), dot(position + u + v - point, normal),
+                  dot(position + u - point, normal), dot(position + v - point, normal)}) < 0)
+      continue;
+    const auto expected = static_cast<double>(by_area(point, normal, Vec3{0, 0, 1}, place, element, 4));
+    const double error = std::abs(irradiance(normal) - expected) / facing(irradiance);
+    most = std::max(most, error);
+    wrong.add(!(error < 1e-12), size, position, point, normal, error);
+  }
+  CHECK(wrong == 0);
+  CHECK(most > 0);
+}
+
+TEST_CASE(
+    "irradiance by a polygon is that by its parts, and is linear in the normal above and below the horizon") {
+  Random random(3);
+  WrongCases wrong(random);
+  for (int i = 0; i < 400; ++i) {
+    const auto [point, corners] = triangle_case(random, i);
+    // Corners are rounded so that the middles of edges are exact.
+    std::array<Point, 3> t = corners;
+    for (Point& p : t)
+      if (i % 6 != 3)
+        for (int axis = 0; axis < 3; ++axis) p[axis] = std::round(p[axis] * 0x1p48) * 0x1p-48;
+    const Point p = point;
+    const Vec3 normal = random.direction();
+    const auto whole = [&](const Vec3& n) { return polygon_irradiance(p, n, t); };
+    const double unit = facing(whole);
+    Vec3 vector{0};
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3 n{0};
+      n[axis] = 1;
+      vector[axis] = whole(n) - whole(-n);
+    }
+    const double linear = whole(normal) - whole(-normal);
+    wrong.add(!(std::abs(linear - dot(vector, normal)) < 1e-12 * unit), "linear", i % 6, p, t, normal);
+    if (i % 6 == 3) continue;
+    const Point a = (t[1] + t[2]) / 2.0, b = (t[2] + t[0]) / 2.0, c = (t[0] + t[1]) / 2.0;
+    const double parts = triangle_irradiance(p, normal, t[0], b, c) +
+                         triangle_irradiance(p, normal, t[1], c, a) +
+                         triangle_irradiance(p, normal, t[2], a, b) + triangle_irradiance(p, normal, a, b, c);
+    // The middles are rounded by 2^-54 all the same, of a distance of 2^-40 at least; the light has 2π at
+    // most.
+    wrong.add(!(std::abs(parts - whole(normal)) < 1e-12 * unit), "parts", i % 6, p, t, normal, parts,
+              whole(normal));
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a polygon that the horizon cuts gives as much as its part above") {
+  Random random(4);
+  WrongCases wrong(random);
+  for (int i = 0; i < 200; ++i) {
+    // An upright board and one that is not convex; numbers are multiples of 2^-40, so that the parts are
+    // exact.
+    const auto round = [](double x) { return std::round(x * 0x1p40) * 0x1p-40; };
+    const double x = round(std::exp2(random.real(-20, 3))), y = round(random.real(-2, 1)),
+                 w = round(random.real(0.1, 3)), top = round(std::exp2(random.real(-20, 2))),
+                 bottom = -round(std::exp2(random.real(-20, 2)));
+    const Vec3 up{0, 0, 1};
+    const std::array board{Point{x, y, bottom}, Point{x, y + w, bottom}, Point{x, y + w, top},
+                           Point{x, y, top}},
+        above{Point{x, y, 0}, Point{x, y + w, 0}, Point{x, y + w, top}, Point{x, y, top}};
+    const double expected = polygon_irradiance({0, 0, 0}, up, above);
+    wrong.add(!(std::abs(polygon_irradiance({0, 0, 0}, up, board) / expected - 1) < 1e-12), board);
+    const double half = y + w / 2;
+    const std::array notched{board[0], Point{x, half, 2 * bottom}, board[1],
+                             board[2], Point{x, half, -top / 2},   board[3]};
+    const double notch = triangle_irradiance({0, 0, 0}, up, board[2], Point{x, half, -top / 2}, board[3]);
+    wrong.add(!(std::abs(polygon_irradiance({0, 0, 0}, up, notched) - (expected - notch)) < 1e-12 * expected),
+              notched);
+  }
+  CHECK(wrong == 0);
+  CHECK(polygon_irradiance({0, 0, 0}, {0, 0, 1},
+                           std::array{Point{1, 0, -1}, Point{2, 0, -1}, Point{1, 1, 0}}) == 0);
+  CHECK(polygon_irradiance({0, 0, 0}, {0, 0, 1}, std::span<const Point>{}) == 0);
+}
+
+TEST_CASE("a wide board close to a surface is a wedge: it gives π (1 + cos α)/2") {
+  for (const double angle : {0.0, 30.0, 90.0, 150.0, 180.0}) {
+    const Vec3 normal{sine_of_degrees(angle), 0, cosine_of_degrees(angle)};
+    const double irradiance =
+        parallelogram_irradiance({0, 0, 0}, normal, {-1, -1, 1e-12}, {2, 0, 0}, {0, 2, 0});
+    CHECK(std::abs(irradiance - pi * (1 + cosine_of_degrees(angle)) / 2) < 1e-11);
+  }
+}
+
+TEST_CASE("a disk gives πR²/(R² + d²) on its axis, and elsewhere the integral over its area") {
+  for (const double d : {1e-12, 1e-3, 1.0, 1e6, 1e12}) {
+    const double expected = pi / (1 + d * d);
+    CHECK(std::abs(disk_irradiance({0, 0, -d}, {0, 0, 1}, {0, 0, 0}, {0, 0, 3}, 1).value() / expected - 1) <
+          1e-14);
+  }
+  if (!long_double_is_judge) return;
+  Random random(5);
+  WrongCases wrong(random);
+  int checked = 0;
+  for (int i = 0; i < 60; ++i) {
+    const double rho = i % 3 == 0 ? random.real(0, 0.5) : random.real(1.5, 4) * (i % 5 == 0 ? 1e9 : 1);
+    const double h = i % 3 == 0 ? random.real(0.6, 3) : std::exp2(random.real(-30, 2));
+    const Vec3 normal = normalize(random.point(1) + Vec3{-2 * rho, 0, 3 * h});
+    const Point point{rho, 0, -h};
+    const auto irradiance = disk_irradiance(point, normal, {0, 0, 0}, {0, 0, 1}, 1);
+    const double least = dot(-point, normal) - std::sqrt(normal.x * normal.x + normal.y * normal.y);
+    if (std::abs(least) > 1e-6 * rho)
+      wrong.add(irradiance.has_value() != (least > 0), "horizon", point, normal);
+    if (!irradiance || *irradiance == 0) continue;
+    const auto place = [&](Long a, Long b) {
+      const Long angle = 2 * std::numbers::pi_v<Long> * b;
+      return LongVector(a * std::cos(angle), a * std::sin(angle), 0);
+    };
+    const auto element = [](Long a, Long) { return 2 * std::numbers::pi_v<Long> * a; };
+    const auto expected = static_cast<double>(by_area(point, normal, Vec3{0, 0, 1}, place, element, 12));
+    // A surface that faces the light gets the light's solid angle at least once over π.
+    const double unit = DiskView(point, {0, 0, 0}, {0, 0, 1}, 1).solid_angle() / pi;
+    wrong.add(!(std::abs(*irradiance - expected) < 1e-12 * unit), point, normal, *irradiance, expected);
+    ++checked;
+  }
+  CHECK(wrong == 0);
+  CHECK(checked > 20);
+  CHECK(disk_irradiance({0, 0, 0}, {0, 0, 1}, {5, 0, -2}, {1, 0, 1}, 1).value() == 0);
+}
+
+TEST_CASE("the mean of light drawn by solid angle is the irradiance in closed form") {
+  const Point point{0.1, 0.2, 0.3};
+  const Vec3 normal = normalize(Vec3{0.3, -0.2, 1});
+  const auto check = [&](const auto& view, double expected, double largest_error) {
+    CAPTURE(expected);
+    const auto sample = [&](double u, double v) { return view.sample(u, v); };
+    CHECK(standard_errors(sample, normal, expected, 6, largest_error) < 7);
+  };
+  struct {
+    Point center;
+    double radius;
+  } const spheres[] = {
+      {{1, 2, 3}, 1}, {{1, 2, 0.1}, 1}, {{0.1, 0.2, 1.4}, 1.0999}, {{0.3, 0.2, -0.5}, 2}, {{1e6, 0, 1e6}, 3}};
+  for (const auto& [center, radius] : spheres)
+    check(SphereView(point, center, radius), sphere_irradiance(point, normal, center, radius), 2e-3);
+
+  const std::array<std::array<Point, 3>, 4> triangles{{{{{1, 2, 3}, {2, 2, 1}, {1, -2, 4}}},
+                                                       {{{1, 2, -3}, {2, 2, 1}, {1, -2, 4}}},
+                                                       {{{-3, -2, 0.3001}, {3, -2, 0.3003}, {0, 4, 0.3002}}},
+                                                       {{{1e4, 1, 1e4}, {1e4, 9, 1e4}, {1e4, 5, 1e4 + 3}}}}};
+  for (const auto& [a, b, c] : triangles)
+    check(TriangleView(point, a, b, c), triangle_irradiance(point, normal, a, b, c), 2e-3);
+
+  const std::array<std::array<Vec3, 3>, 4> boards{{{{{1, 2, 3}, {2, 2, 1}, {1, -2, 2}}},   // a rectangle
+                                                   {{{1, 2, -3}, {2, 2, 1}, {1, -2, 4}}},  // not one
+                                                   {{{-3, -2, 0.3001}, {7, 0, 0}, {0, 5, 0}}},
+                                                   {{{1, -3, -2}, {0, 5, 0}, {0, 0, 4}}}}};
+  for (const auto& [p, u, v] : boards)
+    check(ParallelogramView(point, p, u, v), parallelogram_irradiance(point, normal, p, u, v), 2e-3);
+
+  for (const double height : {0.11, 2.0, 1e5}) {
+    const Point center = point + height * normalize(Vec3{0.1, 0, 1});
+    check(DiskView(point, center, {0.2, -0.2, 1}, 0.3),
+          disk_irradiance(point, normal, center, {0.2, -0.2, 1}, 0.3).value_or(0.0), 2e-3);
+  }
+
+  double whole = 0;
+  std::vector<TriangleCorners> corners;
+  for (const auto& t : triangles) corners.push_back(t), whole += polygon_irradiance(point, normal, t);
+  const MeshLight mesh(corners);
+  const MeshView view(point, corners);
+  CHECK(standard_errors([&](double u, double v) { return view.sample(u, v).light; }, normal, whole, 7, 0.01) <
+        7);
+  corners.pop_back();
+  const MeshLight near(corners);
+  whole -= polygon_irradiance(point, normal, triangles[3]);
+  CHECK(standard_errors([&](double u, double v) { return near.sample(point, u, v).light; }, normal, whole, 8,
+                        0.02) < 7);
+}
+
+TEST_CASE("irradiance does not depend on the unit of length") {
+  const Point point{0.1, 0.2, 0.3}, p{1, 2, 3}, q{2, 2, 1}, r{1, -2, -4};
+  const Vec3 n{0.6, 0, 0.8};
+  for (const double unit : {0x1p-390, 0x1p-40, 0x1p40, 0x1p390}) {
+    CHECK(sphere_irradiance(unit * point, n, unit * q, unit) == sphere_irradiance(point, n, q, 1));
+    CHECK(triangle_irradiance(unit * point, n, unit * p, unit * q, unit * r) ==
+          triangle_irradiance(point, n, p, q, r));
+    CHECK(disk_irradiance(unit * point, n, unit * p, q, unit) == disk_irradiance(point, n, p, q, 1));
+  }
+}
+
+// These values would differ between machines if functions of the C library took part.
+TEST_CASE("irradiance has the same bits on every machine") {
+  const Point point{0.1, 0.2, 0.3}, p{1, 2, 3}, q{2, 2, 1};
+  const Vec3 n{0.6, 0, 0.8};
+  CHECK(sphere_irradiance(point, n, p, 1) == 0x1.c6e890684cc8fp-3);
+  CHECK(sphere_irradiance(point, n, {1, 2, 0}, 1) == 0x1.3541866aa2639p-3);
+  CHECK(triangle_irradiance(point, n, p, q, {1, -2, 4}) == 0x1.912e541659b72p-2);
+  CHECK(triangle_irradiance(point, n, p, q, {1, -2, -4}) == 0x1.a4fb8c5c6a7a4p-3);
+  CHECK(disk_irradiance(point, n, p, {.3, .2, -1}, 1).value() == 0x1.1017bdfa32dc6p-3);
+}
