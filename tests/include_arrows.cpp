@@ -41,6 +41,7 @@ const std::set<std::string> on_demand = {
     "sampling/stratified_sampler.hpp",
     "sampling/halton_sampler.hpp",
     "sampling/estimate.hpp",
+    "sampling/samplers.hpp",
     "sampling/film.hpp",
     "sampling/shard.hpp",
     "sampling/shard_file.hpp",

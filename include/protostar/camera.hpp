@@ -153,18 +153,21 @@ struct Camera {
             normalize(u * right + v * up + forward)};
   }
 
+  /// Returns the film coordinate u or v of a point of the image, x and y in pixels from the top left: u runs
+  /// over [−width/height, width/height] from left to right, v over [1, −1] from top to bottom. x and y may be
+  /// numbers in lanes.
+  [[nodiscard]] static auto u_at(const auto& x, int width, int height) {
+    return static_cast<double>(width) / height * (2.0 * x / static_cast<double>(width) - 1.0);
+  }
+  [[nodiscard]] static auto v_at(const auto& y, int height) {
+    return 1.0 - 2.0 * y / static_cast<double>(height);
+  }
+
   /// Returns the ray through the center of pixel (x, y) of an image of width × height pixels, with (0, 0) at
   /// the top left.
   [[nodiscard]] Ray through_pixel(int x, int y, int width, int height) const {
     return (*this)(u_at(x + 0.5, width, height), v_at(y + 0.5, height));
   }
-
-  /// Returns the film coordinate u or v of a point of the image, x and y in pixels from the top left: u runs
-  /// over [−width/height, width/height] from left to right, v over [1, −1] from top to bottom.
-  [[nodiscard]] static double u_at(double x, int width, int height) {
-    return static_cast<double>(width) / height * (2 * x / width - 1);
-  }
-  [[nodiscard]] static double v_at(double y, int height) { return 1 - 2 * y / height; }
 
   /// Throws std::invalid_argument if a number of position is no coordinate (magnitude.hpp), if another is not
   /// finite, or if three directions do not span space: right, up and forward, or film_right, film_up and

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 
+#include "sampling/pixel_sampler.hpp"
+#include "sampling/reconstruction.hpp"
 #include "stop_token.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -51,10 +53,16 @@ struct Skips {
 /// Options of render. An exception that progress throws ends the render and reaches its caller; after a stop,
 /// progress does not come to 1.
 struct RenderOptions {
-  /// Rays through each pixel, which gets their mean (PixelGrid); 0, as 1: its center. Of several, channels
-  /// beyond ±2^15 count as ±2^15 (ExactSum).
+  /// Rays through each pixel, which gets their mean (PixelGrid); 0: one through its center. Of several,
+  /// channels beyond ±2^15 count as ±2^15 (ExactSum).
   int samples = 0;
-  Crop crop = {};       ///< picture that the image is a part of
+
+  /// Sampler that gives their places, and the numbers of integrators that take a sampler. By default it is
+  /// SobolSampler for these integrators, and HammersleySampler for others.
+  SamplerChoice sampler = {};
+  ReconstructionFilter filter = {};  ///< weight of the places around a pixel's center
+  std::uint64_t seed = 0;            ///< samplers have other numbers for another seed, as good as these
+  Crop crop = {};                    ///< picture that the image is a part of
   int threads = 0;      ///< number of threads, with the caller's; 0: one for each core, as far as they start
   StopToken stop = {};  ///< if requested, render returns early; other pixels stay as they were
   bool tiles = true;    ///< fast path for scenes; false: plain path, with the same bytes

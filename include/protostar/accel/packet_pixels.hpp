@@ -29,9 +29,18 @@ inline void each_block(const Tile& part, const auto& visit) {
       visit(Tile{x, y, std::min(x + RayBlock::width, part.x1), std::min(y + RayBlock::height, part.y1)});
 }
 
+/// Largest number of packets in a part of a tile.
+inline constexpr std::size_t most_packets = 16 * ((16 + double_lanes - 1) / double_lanes);
+
 /// Exact sums of the colors of a packet's pixels.
 struct PacketSums {
   ExactLanes<double_lanes> r, g, b;
+
+  /// Returns which packet of a tile begins at pixel (x, y), as each_packet counts them.
+  static std::size_t index(const Tile& tile, int x, int y) {
+    const int in_row = (tile.width() + double_lanes - 1) / double_lanes;
+    return static_cast<std::size_t>((y - tile.y0) * in_row + (x - tile.x0) / double_lanes);
+  }
 
   void add(const Colors& colors) { r.add(colors.r), g.add(colors.g), b.add(colors.b); }
 
