@@ -1,5 +1,6 @@
 // Pictures of several samples, by any sampler and filter: tiles, threads and parts draw the same bytes, and
 // integrators and functions get the sampler of their sample.
+#include <algorithm>
 #include <cmath>
 #include <protostar/integrators/color.hpp>
 #include <protostar/integrators/normal.hpp>
@@ -137,4 +138,100 @@ TEST_CASE("by tiles, pictures by any sampler and filter have the bytes of those 
       CHECK(drawn_otherwise(scene, camera, Occlusion<false>{}, options) == 0);
       CHECK(drawn_otherwise(scene, camera, Numbers{}, options) == 0);
     }
+}
+
+TEST_CASE("pictures by samplers are the same for any number of threads, and a part has the whole's bytes") {
+  const Things scene = things();
+  for (const SamplerChoice& sampler : all_samplers())
+    for (const bool tiles : {false, true}) {
+      const RenderOptions options{.samples = 2,
+                                  .sampler = sampler,
+                                  .filter = ReconstructionFilter::gaussian(),
+                                  .seed = 3,
+                                  .threads = 1,
+                                  .tiles = tiles};
+      Image whole(45, 37), again(45, 37), part(20, 23);
+      render(whole, Camera{}, scene, Occlusion<true>{}, options);
+      RenderOptions other = options;
+      other.threads = 3;
+      render(again, Camera{}, scene, Occlusion<true>{}, other);
+      CHECK(different_bytes(whole, again) == 0);
+      other.crop = {.x = 19, .y = 9, .width = 45, .height = 37};
+      render(part, Camera{}, scene, Occlusion<true>{}, other);
+      Image expected(20, 23);
+      for (int y = 0; y < 23; ++y)
+        for (int x = 0; x < 20; ++x) expected(x, y) = whole(19 + x, 9 + y);
+      CHECK(different_bytes(part, expected) == 0);
+      other = options;
+      ++other.seed;
+      render(again, Camera{}, scene, Occlusion<true>{}, other);
+      CHECK(different_bytes(whole, again) > 100);
+    }
+}
+
+TEST_CASE("a function of a ray and a sampler gets the pixel, the sample and the numbers of the sampler") {
+  Image image(6, 4);
+  const RenderOptions options{.samples = 3,
+                              .sampler = sampler_of<HaltonSampler>,
+                              .seed = 11,
+                              .crop = {.x = 5, .y = 7, .width = 20, .height = 11}};
+  render(
+      image, Camera{},
+      [](const Ray&, const PixelSampler& sampler) {
+        const SampleIndex& at = sampler.index();
+        REQUIRE((at.seed == 11 && at.samples == 3 && at.sample < 3));
+        CHECK(sampler(2) == HaltonSampler(at)(2));
+        return Color(static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.sample));
+      },
+      [&] {
+        RenderOptions one = options;
+        one.threads = 1;  // CHECK is for one thread
+        return one;
+      }());
+  CHECK(image(0, 0) == Color{5, 7, 1});
+  CHECK(image(5, 3) == Color{10, 10, 1});
+}
+
+TEST_CASE("integrators that take a sampler get Sobol's, others have Hammersley's places") {
+  const auto scene = things();
+  const auto by_sampler = [](const Ray&, const auto&, const auto& sampler) {
+    return Color(static_cast<float>(sampler(1)[2]));
+  };
+  Image by_default(9, 8), by_sobol(9, 8);
+  render(by_default, Camera{}, scene, by_sampler, {.samples = 2});
+  render(by_sobol, Camera{}, scene, by_sampler, {.samples = 2, .sampler = sampler_of<SobolSampler>});
+  CHECK(different_bytes(by_default, by_sobol) == 0);
+  render(by_default, Camera{}, scene, ShadowIntegrator{}, {.samples = 2});
+  render(by_sobol, Camera{}, scene, ShadowIntegrator{},
+         {.samples = 2, .sampler = sampler_of<HammersleySampler>});
+  CHECK(different_bytes(by_default, by_sobol) == 0);
+}
+
+TEST_CASE(
+    "a picture of one light stays as it is by any filter whose weights are alike, and by fixed places") {
+  const auto constant = [](const Ray&) { return Color{0.3f, 7, 1e-3f}; };
+  for (const SamplerChoice& sampler : all_samplers())
+    for (const ReconstructionFilter& filter : all_filters()) {
+      if (filter.has_weights() && !sampler.has_common_places()) continue;
+      Image image(5, 4);
+      render(image, Camera{}, constant, {.samples = 16, .sampler = sampler, .filter = filter});
+      const Color off = abs(image(3, 2) - Color{0.3f, 7, 1e-3f}) / Color{0.3f, 7, 1e-3f};
+      // Weights are rounded to float, and so is their product with a light: 2^-23, and 2^-24 for the mean.
+      CHECK(std::max({off.r, off.g, off.b}) <= (filter.has_weights() ? 0x1p-22f : 0));
+    }
+}
+
+TEST_CASE("a wide filter reaches over the edge of a pixel as far as its radius") {
+  // Light is 1 to the right of the middle of the picture, where u > 0.
+  const auto step = [](const Ray& ray) { return Color(ray.direction.x > 0 ? 1.0f : 0.0f); };
+  for (const SamplerChoice& sampler : all_samplers()) {
+    Image image(12, 4);
+    render(image, Camera{}, step,
+           {.samples = 256, .sampler = sampler, .filter = ReconstructionFilter::tent(2)});
+    // Centers are ½, 3/2 and 5/2 from the step; the tent has (2 − d)²/8 of its area beyond d.
+    CHECK(std::abs(image(5, 1).r - 0.28125f) < 0.1f);
+    CHECK(std::abs(image(4, 1).r - 0.03125f) < 0.05f);
+    CHECK(image(3, 1).r == 0);
+    CHECK(image(8, 1).r == 1);
+  }
 }
