@@ -91,9 +91,10 @@ TEST_CASE("the options --version and --help print to stdout and draw nothing") {
   const Outcome help = run_stage(row.name, "--help", folder);
   CHECK(help.status == 0);
   CHECK(help.err == "");
-  for (const char* text : {"-o FILE", "--size WxH", "--samples N", "--threads N", "--bits 8|16",
-                           "--transfer srgb|linear|gamma=G", "--pixel X,Y", "--explain FILE.json",
-                           "--rays FILE.svg|FILE.obj", "--plain", "--quiet", "--help", "--version"})
+  for (const char* text :
+       {"-o FILE", "--size WxH", "--samples N", "--sampler NAME", "--filter NAME", "--seed N", "--threads N",
+        "--bits 8|16", "--transfer srgb|linear|gamma=G", "--pixel X,Y", "--explain FILE.json",
+        "--rays FILE.svg|FILE.obj", "--plain", "--quiet", "--help", "--version"})
     CHECK_THAT(help.out, ContainsSubstring(text));
   CHECK_THAT(help.out, ContainsSubstring("Usage: " + row.name));
   CHECK_THAT(help.out, ContainsSubstring(row.name == "01_gradient"     ? "[100x100]"
@@ -275,6 +276,11 @@ TEST_CASE("an error on the command line is reported, with what is allowed, and n
       not_allowed("--size", "99999999999x1", size),
       not_allowed("--samples", "-1", "a whole number from 0 to 65536"),
       not_allowed("--samples", "65537", "a whole number from 0 to 65536"),
+      not_allowed("--sampler", "random", "one of independent, stratified, halton, sobol, hammersley"),
+      not_allowed("--filter", "Box", "one of box, tent, gaussian, mitchell, blackman-harris"),
+      not_allowed("--seed", "-1", "a whole number from 0 to 18446744073709551615"),
+      not_allowed("--seed", "18446744073709551616", "a whole number from 0 to 18446744073709551615"),
+      not_allowed("--seed", "1e3", "a whole number from 0 to 18446744073709551615"),
       not_allowed("--threads", "-1", threads),
       not_allowed("--threads", "1.5", threads),
       not_allowed("--threads", "abc", threads),

@@ -34,6 +34,9 @@ TEST_CASE("a scene file needs a resolution, a camera and objects; all else has a
   CHECK(file.width == 8);
   CHECK(file.height == 6);
   CHECK(file.samples == 0);
+  CHECK(file.sampler.empty());
+  CHECK(file.filter == "box");
+  CHECK(file.seed == 0);
   CHECK(file.depth == 10);
   CHECK(file.integrator == "whitted");
   CHECK(std::holds_alternative<Srgb>(file.transfer));
@@ -55,6 +58,16 @@ TEST_CASE("a scene file needs a resolution, a camera and objects; all else has a
   CHECK(material.reflect == 0);
   CHECK(material.refract == 0);
   CHECK(material.ior == 1.5);
+}
+
+TEST_CASE("a scene file chooses sampler, filter and seed") {
+  const SceneFile file =
+      scene_of_text(patched(R"({"op": "add", "path": "/settings/sampler", "value": "halton"},
+                 {"op": "add", "path": "/settings/filter", "value": "blackman-harris"},
+                 {"op": "add", "path": "/settings/seed", "value": 18446744073709551615})"));
+  CHECK(file.sampler == "halton");
+  CHECK(file.filter == "blackman-harris");
+  CHECK(file.seed == 18446744073709551615u);
 }
 
 TEST_CASE("all properties of a scene can be given in a scene file") {

@@ -67,7 +67,8 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
     return Row{replacing("/objects/2/surface", surface), "/objects/2/surface" + error};
   };
   const std::string settings_keys =
-      "resolution-x, resolution-y, samples, depth, integrator, transfer, tone and exposure";
+      "resolution-x, resolution-y, samples, sampler, filter, seed, depth, integrator, transfer, tone and "
+      "exposure";
   const std::string ids = R"("black", "red" and "squares")";
   const std::vector<Row> rows{
       {"[]", "the whole: [] is not an object"},
@@ -87,6 +88,8 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       not_allowed("/settings/samples", "-1", samples),
       not_allowed("/settings/samples", "65537", samples),
       not_allowed("/settings/samples", "true", samples),
+      not_allowed("/settings/seed", "-1", "a whole number from 0 to 18446744073709551615"),
+      not_allowed("/settings/seed", "1.5", "a whole number from 0 to 18446744073709551615"),
       not_allowed("/settings/depth", "0", depth),
       not_allowed("/settings/depth", "1001", depth),
       not_allowed("/settings/depth", "1.5", depth),

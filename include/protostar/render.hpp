@@ -22,11 +22,18 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// Tests whether an integrator, or a function, is one of a ray, what else it is given, and no more.
+/// Tests whether an integrator, or a function, takes a ray and these arguments, and returns a Color.
 template <class I, class... Rest>
 concept Radiates = std::is_invocable_r_v<Color, const I&, const Ray&, const Rest&...> ||
     requires(const I& integrator, const Ray& ray, const Rest&... rest) {
   { integrator.radiance(ray, rest...) } -> std::convertible_to<Color>;
+};
+
+/// Tests whether an integrator has a shade that takes these.
+template <class I, class S, class... Sampler>
+concept ShadesHits = requires(const I& integrator, const Intersection& hit, const S& scene,
+                              const Sampler&... sampler) {
+  integrator.shade(hit, scene, sampler...);
 };
 
 }  // namespace detail
@@ -47,14 +54,11 @@ concept Integrator = detail::Radiates<I, S> || detail::Radiates<I, S, PixelSampl
 /// shade(hit, scene, sampler): the radiance of a ray is that of its closest hit.
 template <class Integrator>
 struct FirstHit {
-  /// Returns shade of the closest hit, or background(ray, scene) if there is none. The sampler is given on.
-  template <class... Sampler>
-  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene,
-                               const Sampler&... sampler) const requires
-      requires(const Integrator& integrator, const Intersection& hit) {
-    integrator.shade(hit, scene, sampler...);
-  }
-  {
+  /// Returns shade of the closest hit, or background(ray, scene) if there is none. The sampler is given on,
+  /// if there is one.
+  template <Traceable S, class... Sampler>
+  requires detail::ShadesHits<Integrator, S, Sampler...>
+  [[nodiscard]] Color radiance(const Ray& ray, const S& scene, const Sampler&... sampler) const {
     const auto& integrator = static_cast<const Integrator&>(*this);
     const auto hit = scene.intersect(ray, Interval{});
     return hit ? integrator.shade(*hit, scene, sampler...) : integrator.background(ray, scene);

@@ -147,15 +147,18 @@ set(no_radiance "Integrator: the type has no radiance(const Ray&, const Scene&) 
 expect_refusal(render.hpp [[
 struct Nothing {};
 struct NotConst { Color radiance(const Ray&, const auto&) { return Color{1}; } };
+struct Shadeless : FirstHit<Shadeless> {};
 struct Words { const char* radiance(const Ray&, const auto&) const { return "red"; } };
 void draw(Image& image, const Scene<Sphere>& scene) {
   render(image, Camera{}, scene, Nothing{});
   render(image, Camera{}, scene, NotConst{}, {.threads = 1});
   render(image, Camera{}, scene, Words{});
+  render(image, Camera{}, scene, Shadeless{});
   render(image, Camera{}, scene, [](const Ray&, const auto&) { return "red"; });
 }]]
   Nothing "${no_radiance}" NotConst "${no_radiance}"
-  Words "Integrator: radiance(const Ray&, const Scene&) const does not return a Color"
+  Words "Integrator: radiance(const Ray&, const Scene&) const, or with a sampler, does not return a Color"
+  Shadeless "Integrator: the type derives from FirstHit and has no shade(const Hit&, const Scene&) const"
   lambda "Integrator: the function of a ray and a scene does not return a Color")
 expect_refusal(render.hpp [[
 struct Half {
@@ -169,11 +172,11 @@ void draw(Image& image, const Scene<Sphere>& scene) {
   render(image, Camera{}, Half{}, white);
   render(image, Camera{}, Most{}, white);
   render(image, Camera{}, scene);
-  render(image, Camera{}, white);
+  render(image, Camera{}, [](const Ray&, const auto&, int) { return Color{1}; });
   render(image, Camera{}, [](const Ray&) { return "red"; }, {.threads = 1});
 }]]
   Half "Traceable: the scene has no bool occluded(const Ray&, Interval) const"
   Most "Traceable: the scene has no crossings(const Ray&, Interval, visit) const"
   Sphere "render: a scene is followed by an integrator"
-  lambda "render: what follows the camera is neither a function of a const Ray& that may be called when const"
+  lambda "render: what follows the camera is neither a function of a const Ray&, or of it and a sampler, that may be called when const"
   lambda "render: the function of a ray does not return a Color")
