@@ -73,6 +73,9 @@ TEST_CASE("a scene file chooses sampler, filter and seed") {
 TEST_CASE("all properties of a scene can be given in a scene file") {
   const SceneFile file = scene_of_text(scene_of_everything);
   CHECK(file.samples == 4);
+  CHECK(file.sampler == "stratified");
+  CHECK(file.filter == "tent");
+  CHECK(file.seed == 7);
   CHECK(file.depth == 3);
   CHECK(file.integrator == "shadow");
   REQUIRE(std::holds_alternative<Gamma>(file.transfer));

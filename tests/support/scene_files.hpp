@@ -21,7 +21,7 @@ inline const std::string smallest_scene = R"({
 
 /// A scene with one of everything, into which tests put errors.
 inline const std::string scene_of_everything = R"({
-  "settings": {"resolution-x": 8, "resolution-y": 6, "samples": 4, "depth": 3, "integrator": "shadow",
+  "settings": {"resolution-x": 8, "resolution-y": 6, "samples": 4, "sampler": "stratified", "filter": "tent", "seed": 7, "depth": 3, "integrator": "shadow",
                "transfer": {"gamma": 2.2}, "tone": "scale-pixel", "exposure": 0.5},
   "world": {"sky": [0.1, 0.2, 0.3]},
   "camera": {"projection": "perspective", "position": [1, 2, 3], "direction": [0, 0, 2], "upward": [0, 3, 0],
