@@ -250,7 +250,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
                      "]")
       ->type_name("WxH");
   app.add_option("--samples", samples,
-                 "Rays through each pixel; 0: one through its center [" + or_of_scene("0") + "]")
+                 "Rays through each pixel; 0: one through its center [" +
+                     or_of_scene(std::to_string(defaults.samples)) + "]")
       ->type_name("N");
   app.add_option("--threads", threads, "How many threads work on it; 0: one for each core [0]")
       ->type_name("N");
