@@ -49,14 +49,14 @@ inline Vector endless_floor_along(Real u, Real v) {
   return (irradiance + 0.15f) * color;
 }
 
-/// Returns the picture with the mean of 2^power rays for each pixel: ray i is in the middle of column i of as
+/// Returns the picture with the mean of 2^digits rays for each pixel: ray i is in the middle of column i of as
 /// many columns, and in the row whose number has the binary digits of i backwards.
-inline Picture endless_floor(int power) {
+inline Picture endless_floor(int digits) {
   constexpr int width = 640, height = 480;
-  const int samples = 1 << power;
+  const int samples = 1 << digits;
   const auto place = [&](int whole, int part) { return whole + (part + 0.5L) / samples; };
   std::vector<int> rows(1);  // by column; each digit more puts a digit before those of the row
-  for (int digit = 0; digit < power; ++digit) {
+  for (int digit = 0; digit < digits; ++digit) {
     for (int& row : rows) row *= 2;
     for (std::size_t i = 0, count = rows.size(); i < count; ++i) rows.push_back(rows[i] + 1);
   }
