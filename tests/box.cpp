@@ -416,8 +416,7 @@ TEST_CASE("pictures of boxes are the same plain, accelerated and by tiles, and s
 
 TEST_CASE("an invalid box is refused") {
   const auto says = [](const Box& box) { return message_of<std::invalid_argument>([&] { box.validate(); }); };
-  for (const auto& [bad, shown] :
-       {std::pair(infinity, "inf"), {-infinity, "-inf"}, {not_a_number, "nan"}})
+  for (const auto& [bad, shown] : {std::pair(infinity, "inf"), {-infinity, "-inf"}, {not_a_number, "nan"}})
     for (int axis = 0; axis < 3; ++axis) {
       Box min, max;
       min.min[axis] = bad, max.max[axis] = bad;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
 #include "support/wrong_cases.hpp"
@@ -14,9 +15,6 @@
 using namespace protostar;
 
 namespace {
-constexpr float float_infinity = std::numeric_limits<float>::infinity(),
-                float_nan = std::numeric_limits<float>::quiet_NaN();
-
 /// Returns the code by definition, in long double: from the transfer curve itself, which the library inverts.
 int defined_code(const Transfer& transfer, int max_code, float light) {
   struct {

@@ -13,14 +13,13 @@
 
 #include "support/cases.hpp"
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
 
 using namespace protostar;
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Random numbers of a pixel, faster than std::mt19937_64 without optimizations (splitmix64).
 struct Numbers {
@@ -34,8 +33,8 @@ struct Numbers {
   }
 };
 
-/// Pixel whose mean and variance are known, as pictures have them.
-struct Pixel {
+/// SyntheticPixel whose mean and variance are known, as pictures have them.
+struct SyntheticPixel {
   enum class Kind { edge, light, penumbra, rare } kind;
   double share;  ///< part of the pixel that is bright, or its probability
 
@@ -79,32 +78,33 @@ struct Pixel {
 };
 
 /// Returns a picture of all kinds of pixels, or of those alone that are bright by the given chance.
-std::vector<Pixel> picture(int pixels, bool all_kinds, double chance) {
-  using enum Pixel::Kind;
-  constexpr std::array<Pixel::Kind, 8> kinds{light, light, light, edge, edge, penumbra, penumbra, rare};
-  std::vector<Pixel> made;
+std::vector<SyntheticPixel> picture(int pixels, bool all_kinds, double chance) {
+  using enum SyntheticPixel::Kind;
+  constexpr std::array<SyntheticPixel::Kind, 8> kinds{light, light,    light,    edge,
+                                                      edge,  penumbra, penumbra, rare};
+  std::vector<SyntheticPixel> made;
   Random random(static_cast<std::uint64_t>(pixels));
   for (std::size_t i = 0; i < static_cast<std::size_t>(pixels); ++i) {
-    const Pixel::Kind kind = all_kinds ? kinds[i % 8] : rare;
+    const SyntheticPixel::Kind kind = all_kinds ? kinds[i % 8] : rare;
     made.push_back({kind, kind == rare ? chance : random.real(0, 1)});
   }
   return made;
 }
 
-double mean_variance(const std::vector<Pixel>& pixels) {
+double mean_variance(const std::vector<SyntheticPixel>& pixels) {
   double sum = 0;
-  for (const Pixel& pixel : pixels) sum += pixel.variance();
+  for (const SyntheticPixel& pixel : pixels) sum += pixel.variance();
   return sum / static_cast<double>(pixels.size());
 }
 
 /// A render that doubles its samples until its error is small enough.
 struct Render {
-  const std::vector<Pixel>& pixels;
+  const std::vector<SyntheticPixel>& pixels;
   std::vector<Numbers> numbers;
   std::vector<PixelSums> sums;
   std::uint32_t samples = 0;
 
-  Render(const std::vector<Pixel>& of, std::uint64_t seed) : pixels(of), sums(of.size()) {
+  Render(const std::vector<SyntheticPixel>& of, std::uint64_t seed) : pixels(of), sums(of.size()) {
     for (std::uint64_t i = 0; i < of.size(); ++i) numbers.push_back({(seed << 32 | i) * 0xd1342543de82ef95});
   }
 
@@ -136,7 +136,7 @@ struct Coverage {
   double samples = 0;
 };
 
-Coverage coverage(const std::vector<Pixel>& pixels, double target, int seeds) {
+Coverage coverage(const std::vector<SyntheticPixel>& pixels, double target, int seeds) {
   Coverage found;
   for (int seed = 1; seed <= seeds; ++seed) {
     Render render(pixels, static_cast<std::uint64_t>(seed));
@@ -158,7 +158,7 @@ Coverage coverage(const std::vector<Pixel>& pixels, double target, int seeds) {
 }  // namespace
 
 TEST_CASE("the estimate of a picture's squared error is unbiased, also for few pixels and few samples") {
-  const std::vector<Pixel> pixels = picture(16, true, 0.004);
+  const std::vector<SyntheticPixel> pixels = picture(16, true, 0.004);
   const double expected = mean_variance(pixels) / 4;
   const int seeds = cases(4000, 100000);
   double sum = 0, squares = 0;
@@ -174,7 +174,7 @@ TEST_CASE("the estimate of a picture's squared error is unbiased, also for few p
 
 TEST_CASE("the squared error differs from its estimate with a variance of at most 2 mean(v^2)/P") {
   for (const auto& [all_kinds, rare] : {std::pair{true, 0.004}, {false, 0.5}, {false, 0.02}}) {
-    const std::vector<Pixel> pixels = picture(64, all_kinds, rare);
+    const std::vector<SyntheticPixel> pixels = picture(64, all_kinds, rare);
     const int seeds = cases(500, 20000);
     double squares = 0, bound = 0;
     for (int seed = 1; seed <= seeds; ++seed) {
@@ -193,7 +193,7 @@ TEST_CASE("the squared error differs from its estimate with a variance of at mos
 
 TEST_CASE("at most 5 of 100 pictures have an error above their target") {
   // The hardest targets are those that the expected error of a look just misses.
-  const std::vector<Pixel> pixels = picture(1024, true, 0.004);
+  const std::vector<SyntheticPixel> pixels = picture(1024, true, 0.004);
   const int seeds = cases(20, 200);
   for (const double just_above : {1.0, 0.98}) {
     const double target = just_above * std::sqrt(mean_variance(pixels) / 64);
@@ -215,7 +215,7 @@ TEST_CASE("error targets hold for pictures of one kind and for small ones", "[lo
       GENERATE(Row{1024, false, 0.5, 2.2}, Row{1024, false, 0.05, 2.2}, Row{4096, false, 0.004, 2.6},
                Row{256, true, 0.004, 3.5}, Row{1024, true, 0.0005, 2.5}, Row{100, true, 0.004, 4.5},
                Row{PictureError::fewest_pixels, true, 0.004, 7});
-  const std::vector<Pixel> pixels = picture(row.pixels, row.all_kinds, row.rare);
+  const std::vector<SyntheticPixel> pixels = picture(row.pixels, row.all_kinds, row.rare);
   for (const double samples : {64, 256}) {
     const double target = std::sqrt(mean_variance(pixels) / samples);
     const Coverage found = coverage(pixels, target, 200);
@@ -248,12 +248,13 @@ TEST_CASE("the bound of no error is none, and one unknown error makes it infinit
 
 TEST_CASE("a confidence sequence holds the mean after every observation, but for its share of failures") {
   struct Row {
-    Pixel pixel;
+    SyntheticPixel pixel;
     double target;
   };
-  const auto row = GENERATE(Row{{Pixel::Kind::edge, 0.5}, 0.05}, Row{{Pixel::Kind::edge, 0.02}, 0.05},
-                            Row{{Pixel::Kind::light, 0}, 0.02}, Row{{Pixel::Kind::penumbra, 0.3}, 0.02},
-                            Row{{Pixel::Kind::rare, 0.004}, 0.05}, Row{{Pixel::Kind::edge, 1}, 0.05});
+  const auto row =
+      GENERATE(Row{{SyntheticPixel::Kind::edge, 0.5}, 0.05}, Row{{SyntheticPixel::Kind::edge, 0.02}, 0.05},
+               Row{{SyntheticPixel::Kind::light, 0}, 0.02}, Row{{SyntheticPixel::Kind::penumbra, 0.3}, 0.02},
+               Row{{SyntheticPixel::Kind::rare, 0.004}, 0.05}, Row{{SyntheticPixel::Kind::edge, 1}, 0.05});
   constexpr double alpha = 0.05, most = 2;  // observations of a half of the range, as of a dark pixel
   const int sequences = cases(100, 2000), observations = cases(1000, 4000);
   const BernsteinRule rule(most, row.target, alpha);
@@ -283,12 +284,12 @@ TEST_CASE("a confidence sequence holds the mean after every observation, but for
 
 TEST_CASE("a confidence sequence comes to its target, but not before the least number of observations") {
   struct Row {
-    Pixel pixel;
+    SyntheticPixel pixel;
     double target, most_times;  ///< at most so many times 2 L variance/target², plus the least number
   };
-  const auto row =
-      GENERATE(Row{{Pixel::Kind::edge, 0.5}, 0.05, 1.6}, Row{{Pixel::Kind::edge, 0}, 0.05, 1},
-               Row{{Pixel::Kind::edge, 1}, 0.05, 1}, Row{{Pixel::Kind::penumbra, 0.3}, 0.02, 1.6});
+  const auto row = GENERATE(
+      Row{{SyntheticPixel::Kind::edge, 0.5}, 0.05, 1.6}, Row{{SyntheticPixel::Kind::edge, 0}, 0.05, 1},
+      Row{{SyntheticPixel::Kind::edge, 1}, 0.05, 1}, Row{{SyntheticPixel::Kind::penumbra, 0.3}, 0.02, 1.6});
   const BernsteinRule rule(1, row.target, 0.05 / 3);
   BernsteinSequence sequence(rule);
   Numbers numbers{7};

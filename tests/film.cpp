@@ -9,6 +9,7 @@
 
 #include "support/cases.hpp"
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/errors.hpp"
 #include "support/random.hpp"
 #include "support/wrong_cases.hpp"
@@ -16,8 +17,6 @@
 using namespace protostar;
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 PixelSums pixel_of(const std::vector<Color>& samples) {
   PixelSums pixel;

@@ -14,6 +14,7 @@
 #include "compare_images/picture.hpp"
 #include "compare_images/read_image.hpp"
 #include "reference/carved_solids.hpp"
+#include "reference/endless_floor.hpp"
 #include "reference/mesh.hpp"
 #include "reference/pictures.hpp"
 #include "reference/primitives.hpp"
@@ -117,6 +118,8 @@ const Golden goldens[] = {
        return picture({{ivory, glass, rubber, mirror}, true, true});
      },
      lines_between_squares},
+    {"18_antialiasing", "18_antialiasing", "", [] { return reference::endless_floor(4); }},
+    {"18_antialiasing_1", "18_antialiasing", " --samples 1", [] { return reference::endless_floor(0); }},
     {"27_normal_map", "27_normal_map", "",
      [] {
        using namespace reference;

@@ -126,17 +126,19 @@ bool in_standard_library(const std::string& name) { return name.find_first_of("/
 /// Returns the folder of a header, which is empty for headers that are in none.
 std::string room_of(const std::string& header) { return fs::path(header).parent_path().generic_string(); }
 
+/// Headers outside of all rooms that know surfaces, and what is made of them.
+const std::set<std::string> of_surfaces = {"surface_concepts.hpp", "surface.hpp", "intersection.hpp",
+                                           "material.hpp",         "light.hpp",   "scene.hpp",
+                                           "camera.hpp",           "render.hpp"};
+
 /// Tests whether a header may include another by the rooms of both, as far as simd/, bvh/ and sampling/ are
-/// concerned: these know numbers and boxes, and no surface.
+/// concerned: these know numbers, boxes and pixels, and no surface.
 bool may_include(const std::string& header, const std::string& name) {
   const std::string room = room_of(header), other = room_of(name);
   if (room == "simd") return other == "simd" || name == "platform.hpp" || name == "vec3.hpp";
-  if (room == "sampling")
-    return other == "sampling" || other == "simd" || other == "numeric" || name == "platform.hpp" ||
-           name == "vec3.hpp";
-  if (room == "bvh")
-    return other == "bvh" || other == "simd" ||
-           (other.empty() && name != "surface_concepts.hpp" && name != "surface.hpp" && name != "scene.hpp");
+  const bool knows_no_surface = other == "simd" || (other.empty() && !of_surfaces.contains(name));
+  if (room == "sampling") return other == "sampling" || other == "numeric" || knows_no_surface;
+  if (room == "bvh") return other == "bvh" || knows_no_surface;
   return true;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/random.hpp"
 #include "support/views.hpp"
 #include "support/wrong_cases.hpp"
@@ -18,7 +19,6 @@ using namespace protostar;
 namespace {
 
 using Long = long double;
-constexpr double pi = std::numbers::pi;
 
 /// True if long double has enough digits to judge double, as on x86.
 constexpr bool long_double_is_judge = std::numeric_limits<Long>::digits >= 64;
@@ -113,7 +113,7 @@ double standard_errors(const auto& sample, const Vec3& normal, double expected, 
     double mean = 0;
     for (int a = 0; a < n; ++a)
       for (int b = 0; b < n; ++b) {
-        const double u = (a + inner(random)) / n, v = (b + inner(random)) / n;
+        const double u = (a + random.interior()) / n, v = (b + random.interior()) / n;
         const LightSample light = sample(u, v);
         mean += std::max(0.0, dot(light.direction, normal)) / light.density / (n * n);
       }
@@ -130,7 +130,7 @@ double standard_errors(const auto& sample, const Vec3& normal, double expected, 
 TEST_CASE("a sphere wholly above the horizon gives π (R/d)² cos θ, and one below gives nothing") {
   for (const double distance : {1.5, 10.0, 1e6, 1e12}) {
     const Vec3 direction{0.48, 0.6, 0.64};
-    const double expected = pi / distance / distance;
+    const double expected = std::numbers::pi / distance / distance;
     const auto irradiance = [&](const Vec3& n) {
       return sphere_irradiance({1, 1, 1}, n, Point(1) + distance * direction, 1);
     };
@@ -138,9 +138,9 @@ TEST_CASE("a sphere wholly above the horizon gives π (R/d)² cos θ, and one be
     CHECK(std::abs(irradiance(direction) / expected - 1) < 2e-15);
     CHECK(irradiance(-direction) == 0);
   }
-  CHECK(sphere_irradiance({0, 0, 0}, {0, 0, 1}, {0, 0, 0.5}, 1) == pi);
-  CHECK(sphere_irradiance({0, 0, 0}, {0, 0, 1}, {0, 0, -0.5}, -1) == pi);
-  CHECK(std::abs(sphere_irradiance({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1) - pi / 2) <
+  CHECK(sphere_irradiance({0, 0, 0}, {0, 0, 1}, {0, 0, 0.5}, 1) == std::numbers::pi);
+  CHECK(sphere_irradiance({0, 0, 0}, {0, 0, 1}, {0, 0, -0.5}, -1) == std::numbers::pi);
+  CHECK(std::abs(sphere_irradiance({0, 0, 0}, {0, 0, 1}, {1, 0, 0}, 1) - std::numbers::pi / 2) <
         1e-15);  // half of all directions
 }
 
@@ -286,13 +286,13 @@ TEST_CASE("a wide board close to a surface is a wedge: it gives π (1 + cos α)/
     const Vec3 normal{sine_of_degrees(angle), 0, cosine_of_degrees(angle)};
     const double irradiance =
         parallelogram_irradiance({0, 0, 0}, normal, {-1, -1, 1e-12}, {2, 0, 0}, {0, 2, 0});
-    CHECK(std::abs(irradiance - pi * (1 + cosine_of_degrees(angle)) / 2) < 1e-11);
+    CHECK(std::abs(irradiance - std::numbers::pi * (1 + cosine_of_degrees(angle)) / 2) < 1e-11);
   }
 }
 
 TEST_CASE("a disk gives πR²/(R² + d²) on its axis, and elsewhere the integral over its area") {
   for (const double d : {1e-12, 1e-3, 1.0, 1e6, 1e12}) {
-    const double expected = pi / (1 + d * d);
+    const double expected = std::numbers::pi / (1 + d * d);
     CHECK(std::abs(disk_irradiance({0, 0, -d}, {0, 0, 1}, {0, 0, 0}, {0, 0, 3}, 1).value() / expected - 1) <
           1e-14);
   }
@@ -317,7 +317,7 @@ TEST_CASE("a disk gives πR²/(R² + d²) on its axis, and elsewhere the integra
     const auto element = [](Long a, Long) { return 2 * std::numbers::pi_v<Long> * a; };
     const auto expected = static_cast<double>(by_area(point, normal, Vec3{0, 0, 1}, place, element, 12));
     // A surface that faces the light gets the light's solid angle at least once over π.
-    const double unit = DiskView(point, {0, 0, 0}, {0, 0, 1}, 1).solid_angle() / pi;
+    const double unit = DiskView(point, {0, 0, 0}, {0, 0, 1}, 1).solid_angle() / std::numbers::pi;
     wrong.add(!(std::abs(*irradiance - expected) < 1e-12 * unit), point, normal, *irradiance, expected);
     ++checked;
   }

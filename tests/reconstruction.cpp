@@ -7,18 +7,18 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/random.hpp"
 #include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 /// A filter and its curve, as functions of the C library give it.
 struct Row {
@@ -42,7 +42,7 @@ std::vector<Row> filters() {
                     6;
            }},
           {"blackman-harris", 1.5, [](double x) {
-             const double angle = 2 * pi * (x / 3 + 0.5);
+             const double angle = 2 * std::numbers::pi * (x / 3 + 0.5);
              return 0.35875 - 0.48829 * std::cos(angle) + 0.14128 * std::cos(2 * angle) -
                     0.01168 * std::cos(3 * angle);
            }}};

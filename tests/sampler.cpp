@@ -70,9 +70,9 @@ std::pair<int, int> least_and_most(const std::vector<SampleSet<double>>& points,
 }
 
 /// Counts of a table of equally likely results.
-class Counts {
+class CellCounts {
  public:
-  explicit Counts(std::size_t size) : counts_(size) {}
+  explicit CellCounts(std::size_t size) : counts_(size) {}
 
   void add(std::size_t result) { ++counts_.at(result), ++total_; }
 
@@ -100,7 +100,7 @@ std::size_t part(double number, std::size_t parts) {
 /// Tests whether two numbers are independent and uniform: first(pixel) and second(pixel) over many pixels, by
 /// 8 × 8 boxes.
 bool are_independent(const auto& first, const auto& second) {
-  Counts counts(64);
+  CellCounts counts(64);
   for (std::uint32_t pixel = 0; pixel < 4096; ++pixel)
     counts.add(8 * part(first(pixel), 8) + part(second(pixel), 8));
   return counts.are_even();
@@ -175,7 +175,7 @@ TEST_CASE("each digit of a nested scrambling depends on itself and on lower digi
 TEST_CASE("all scramblings of three digits occur about as often as each other") {
   Random random(3);
   std::set<std::string> seen;
-  Counts counts(128);
+  CellCounts counts(128);
   for (int i = 0; i < 20000; ++i) {
     const auto seed = static_cast<std::uint32_t>(random.bits()),
                last = static_cast<std::uint32_t>(random.bits());
@@ -361,7 +361,7 @@ TEST_CASE("stratified samples: at most one in each cell of either pair, and none
 
 TEST_CASE("a shuffled place is another one for each, and any of them for each") {
   for (const std::uint32_t count : {1u, 2u, 3u, 5u, 16u, 17u, 100u}) {
-    Counts counts(std::max(count, 2u));
+    CellCounts counts(std::max(count, 2u));
     for (std::uint32_t key = 0; key < 2000; ++key) {
       const std::uint64_t hash = sampling::mix(key + sampling::golden * count);
       std::set<std::uint32_t> places;
@@ -431,7 +431,7 @@ TEST_CASE("each number of a sample is uniform over pixels, and independent of al
         for (std::size_t d = 0; d < 4; d += static_cast<std::size_t>(cases(3, 1))) {
           CAPTURE(name, sample, set, d);
           const auto number = [&](std::uint32_t pixel) { return sampler(pixel, sample)(set)[d]; };
-          Counts high(64), low(64);
+          CellCounts high(64), low(64);
           for (std::uint32_t pixel = 0; pixel < 4096; ++pixel) {
             high.add(part(number(pixel), 64));
             low.add(part(std::fmod(number(pixel) * 0x1p20, 1), 64));  // later digits

@@ -9,6 +9,7 @@
 
 #include "support/catch.hpp"
 #include "support/chi_squared.hpp"
+#include "support/common.hpp"
 #include "support/random.hpp"
 #include "support/views.hpp"
 #include "support/wrong_cases.hpp"
@@ -17,7 +18,6 @@ using namespace protostar;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
 constexpr double u_roundoff = 0x1p-53;
 
 double relative_error(double x, double expected) { return std::abs(x / expected - 1); }
@@ -91,7 +91,7 @@ double chi_squared_in_triangle(const auto& view, const Point& from, const std::a
     }
   Random random(seed);
   for (int k = 0; k < count; ++k) {
-    const double u = inner(random), v = inner(random);
+    const double u = random.interior(), v = random.interior();
     const auto [direction, distance, density] = view.sample(u, v);
     const Vec3 w = barycentric(t, from + distance * direction) * static_cast<double>(n);
     const int i = std::clamp(static_cast<int>(w.y), 0, n - 1),
@@ -126,15 +126,15 @@ double solid_angle_of_disk_by_area(double h, double rho, double radius, double f
         [&](double r) {
           double ring = 0;
           for (int j = 0; j < around; ++j) {
-            const double c = std::cos(2 * pi * (j + 0.5) / around);
-            const double square = h * h + rho * rho + r * r + 2 * rho * r * c;
-            ring += h * r / (square * std::sqrt(square));
+            const double c = std::cos(2 * std::numbers::pi * (j + 0.5) / around);
+            const double squares = h * h + rho * rho + r * r + 2 * rho * r * c;
+            ring += h * r / (squares * std::sqrt(squares));
           }
           return ring;
         },
         from + i * width, width);
   }
-  return sum * 2 * pi / around;
+  return sum * 2 * std::numbers::pi / around;
 }
 
 }  // namespace
@@ -178,12 +178,12 @@ TEST_CASE("directions to a sphere are uniform in its cap, and lead to its near s
     std::array<int, 64> counts{};
     const Frame frame = frame_around(axis);
     for (int i = 0; i < 10000; ++i) {
-      const double u = inner(random), v = inner(random);
+      const double u = random.interior(), v = random.interior();
       const Vec3 local = frame.local(view.sample(u, v).direction);
       const double side2 = local.x * local.x + local.y * local.y;
       const double height = local.z > 0 ? side2 / (1 + local.z) : 1 - local.z;
-      const double share = height * 2 * pi / view.solid_angle();
-      const double turn = std::atan2(local.y, local.x) / (2 * pi) + 0.5;
+      const double share = height * 2 * std::numbers::pi / view.solid_angle();
+      const double turn = std::atan2(local.y, local.x) / (2 * std::numbers::pi) + 0.5;
       const int row = std::clamp(static_cast<int>(share * 8), 0, 7);
       ++counts[static_cast<std::size_t>(8 * row + std::clamp(static_cast<int>(turn * 8), 0, 7))];
     }
@@ -195,13 +195,14 @@ TEST_CASE("directions to a sphere are uniform in its cap, and lead to its near s
 TEST_CASE("from inside, all directions lead to a sphere") {
   const Point center{1, 2, 3}, from{1.2, 2.5, 3.1};
   const SphereView view(from, center, 1);
-  CHECK(view.solid_angle() == 4 * pi);
+  CHECK(view.solid_angle() == 4 * std::numbers::pi);
   check_directions(
       view, from, [&](const Point& p) { return std::abs(length(p - center) - 1); }, 1e-15);
   CHECK(jacobian_error(view, 4) < 1e-5);
   CHECK(SphereView(center, center, 2).sample(0.3, 0.4).distance == 2);
-  CHECK(SphereView({0, 0, 1}, {0, 0, 0}, 1).solid_angle() == 2 * pi);  // on the sphere, it is a half space
-  CHECK(SphereView({0, 0, 1}, {0, 0, 0}, -1).solid_angle() == 2 * pi);
+  CHECK(SphereView({0, 0, 1}, {0, 0, 0}, 1).solid_angle() ==
+        2 * std::numbers::pi);  // on the sphere, it is a half space
+  CHECK(SphereView({0, 0, 1}, {0, 0, 0}, -1).solid_angle() == 2 * std::numbers::pi);
 }
 
 TEST_CASE(
@@ -251,10 +252,10 @@ TEST_CASE("directions to a triangle are uniform where it fills almost a hemisphe
     Random random(8);
     std::array<int, 64> counts{};
     for (int i = 0; i < 4000; ++i) {
-      const double u = inner(random), v = inner(random);
+      const double u = random.interior(), v = random.interior();
       const Vec3 d = view.sample(u, v).direction;
       const int row = std::clamp(static_cast<int>(d.z * 8), 0, 7);
-      const double turn = std::atan2(d.y, d.x) / (2 * pi) + 0.5;
+      const double turn = std::atan2(d.y, d.x) / (2 * std::numbers::pi) + 0.5;
       ++counts[static_cast<std::size_t>(8 * row + std::clamp(static_cast<int>(turn * 8), 0, 7))];
     }
     const auto count = [&](int i) { return counts[static_cast<std::size_t>(i)]; };
@@ -342,7 +343,7 @@ TEST_CASE("directions to a rectangle are uniform in its solid angle, also close 
     }
     Random random(12);
     for (int i = 0; i < 4000; ++i) {
-      const double a = inner(random), b = inner(random);
+      const double a = random.interior(), b = random.interior();
       const auto [direction, distance, density] = view.sample(a, b);
       const Vec3 w = place(from + distance * direction);
       const int row = std::clamp(static_cast<int>(w.x * 6), 0, 5),
@@ -368,7 +369,7 @@ TEST_CASE("the part of a rectangle beside a drawn direction has the share u of t
   WrongCases wrong(random);
   for (int i = 0; i < 600; ++i) {
     // The point is the origin, and close to the plane or to an edge, so that numbers have their digits.
-    const double h = std::exp2(random.real(-45, 1)), u = inner(random), v = inner(random);
+    const double h = std::exp2(random.real(-45, 1)), u = random.interior(), v = random.interior();
     double x0 = -std::exp2(random.real(-45, 1)), y0 = -std::exp2(random.real(-45, 1));
     const double x1 = std::exp2(random.real(-2, 3)), y1 = std::exp2(random.real(-2, 3));
     if (i % 3 == 1) x0 = -x0 / 8;
@@ -412,7 +413,7 @@ TEST_CASE("a parallelogram without right angles is two triangles") {
   int inside = 0;
   Random random(14);
   for (int i = 0; i < 4000; ++i) {
-    const double u = inner(random), v = inner(random);
+    const double u = random.interior(), v = random.interior();
     const auto [direction, distance, density] = view.sample(u, v);
     inside += outside(a, from + distance * direction) < 1e-9;
   }
@@ -423,7 +424,7 @@ TEST_CASE("a parallelogram without right angles is two triangles") {
 
 TEST_CASE("the solid angle of a disk is that of a cap on its axis, and that of integration elsewhere") {
   for (const double h : {1e-9, 1e-3, 0.5, 1.0, 30.0, 1e6}) {
-    const double r = std::sqrt(1 + h * h), expected = 2 * pi / (r * (r + h));
+    const double r = std::sqrt(1 + h * h), expected = 2 * std::numbers::pi / (r * (r + h));
     CHECK(relative_error(DiskView({0, 0, 0}, {0, 0, h}, {0, 0, 2}, 1).solid_angle(), expected) < 0x1p-48);
   }
   // Beside and before the disk, at all heights; close before it, as 2π − ∫ h/√(h² + l²) dψ with the length l
@@ -439,12 +440,12 @@ TEST_CASE("the solid angle of a disk is that of a cap on its axis, and that of i
       CAPTURE(rho, h);
       double sum = 0;
       for (int i = 0; i < 400; ++i) {
-        const double angle = 2 * pi * (i + 0.5) / 400;
+        const double angle = 2 * std::numbers::pi * (i + 0.5) / 400;
         const double l = rho * std::cos(angle) + std::sqrt(1 - rho * rho * std::sin(angle) * std::sin(angle));
         sum += h / std::sqrt(h * h + l * l);
       }
       const double solid_angle = DiskView({0, 0, 0}, {rho, 0, -h}, {0, 0, 1}, 1).solid_angle();
-      CHECK(std::abs(solid_angle - (2 * pi - sum * 2 * pi / 400)) < 1e-13);
+      CHECK(std::abs(solid_angle - (2 * std::numbers::pi - sum * 2 * std::numbers::pi / 400)) < 1e-13);
     }
   // Close to the rim, the disk covers a half plane: twice the angle of the point's direction from the rim.
   for (const double angle : {0.1, 1.0, 2.0, 3.0}) {
@@ -481,7 +482,7 @@ TEST_CASE("directions to a disk are uniform in its solid angle") {
     Random random(16);
     constexpr int count = 1500;
     for (int i = 0; i < count; ++i) {
-      const double u = inner(random), v = inner(random);
+      const double u = random.interior(), v = random.interior();
       const auto [direction, distance, density] = view.sample(u, v);
       const Vec3 w = from + distance * direction - center;
       const double r = std::min(length(w) / radius, 0.999999);
@@ -520,7 +521,7 @@ TEST_CASE("the triangles of a mesh are chosen by their areas, or by their solid 
   WrongCases wrong(random);
   constexpr int count = 4000;
   for (int i = 0; i < count; ++i) {
-    const double u = inner(random), v = inner(random);
+    const double u = random.interior(), v = random.interior();
     const MeshSample one = view.sample(u, v), other = light.sample(from, u, v);
     ++by_angle[one.triangle], ++by_area[other.triangle];
     wrong.add(relative_error(one.light.density, 1 / whole) > 1e-15, u, v);

@@ -17,9 +17,6 @@ namespace {
 
 constexpr double full_angle = 4 * std::numbers::pi;
 
-/// Returns a number in (0, 1), as samplers give it.
-double inner(Random& random) { return (static_cast<double>(random.bits() >> 32) + 0.5) * 0x1p-32; }
-
 /// Returns a local direction by its height and its azimuth.
 Vec3 direction_at(double z, double azimuth) {
   const double r = std::sqrt((1 - z) * (1 + z));
@@ -54,7 +51,7 @@ double chi_squared_of(const auto& map, const auto& density, double lowest, std::
   std::vector<int> counts(heights * azimuths);
   Random random(seed);
   for (int i = 0; i < count; ++i) {
-    const double u = inner(random), v = inner(random);
+    const double u = random.interior(), v = random.interior();
     const Vec3 d = map(u, v).direction;
     const double turn = std::atan2(d.y, d.x) / (2 * std::numbers::pi);
     const int row = std::clamp(static_cast<int>((d.z - lowest) / (1 - lowest) * heights), 0, heights - 1);
@@ -245,7 +242,7 @@ TEST_CASE("almost smooth microfacets have normals with digits") {
   Random random(9);
   WrongCases wrong(random);
   for (int i = 0; i < 1000; ++i) {
-    const auto [normal, density] = normals.sample(inner(random), inner(random));
+    const auto [normal, density] = normals.sample(random.interior(), random.interior());
     wrong.add(!(density > 0 && std::isfinite(density)), normal, density);
     // Slopes are of the size of the roughness: the median of tan² θ is α².
     wrong.add(std::abs(length(normal) - 1) > 4e-16, normal);

@@ -23,7 +23,7 @@ std::vector<std::uint32_t> words() {
 }
 
 /// Calls test with words in lanes, of each number of lanes that the library uses.
-void for_each_kind(const auto& test) {
+void for_each_word(const auto& test) {
   test(Lanes<std::uint32_t, 4>());
   test(simd::Words());
 #if defined(PROTOSTAR_VECTORS) && defined(__AVX2__)
@@ -48,7 +48,7 @@ std::uint32_t reversed_digit_by_digit(std::uint32_t x) {
 TEST_CASE("operations on words in lanes are those on single words") {
   WrongCases wrong;
   const std::vector<std::uint32_t> all = words();
-  for_each_kind([&](auto kind) {
+  for_each_word([&](auto kind) {
     using Kind = decltype(kind);
     for (std::size_t i = 0; i + 1 < all.size(); ++i) {
       const auto number = [&](int lane) { return all[(i + static_cast<std::size_t>(lane)) % all.size()]; };

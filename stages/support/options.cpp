@@ -258,7 +258,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
                      "]")
       ->type_name("WxH");
   app.add_option("--samples", samples,
-                 "Rays through each pixel; 0: one through its center [" + or_of_scene("0") + "]")
+                 "Rays through each pixel; 0: one through its center [" +
+                     or_of_scene(std::to_string(defaults.samples)) + "]")
       ->type_name("N");
   app.add_option("--sampler", sampler,
                  "Where samples are: independent, stratified, halton, sobol or hammersley [" +

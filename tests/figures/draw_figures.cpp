@@ -22,9 +22,10 @@ struct Figure {
 
 std::vector<figures::StageFigure> stage_figures() {
   std::vector<figures::StageFigure> all;
-  for (const auto& some : {figures::vector_figures(), figures::light_figures(), figures::path_figures(),
-                           figures::geometry_figures(), figures::mesh_figures(),
-                           figures::normal_map_figures(), figures::topic_figures()})
+  for (const auto& some :
+       {figures::vector_figures(), figures::light_figures(), figures::path_figures(),
+        figures::geometry_figures(), figures::mesh_figures(), figures::antialiasing_figures(),
+        figures::normal_map_figures(), figures::topic_figures()})
     all.insert(all.end(), some.begin(), some.end());
   return all;
 }
@@ -58,12 +59,17 @@ bool is_on_its_page(const figures::StageFigure& figure, const std::string& folde
 }
 
 int draw(const std::string& folder, bool checks) {
-  std::vector<Figure> all{
-      {"epsilon", figures::epsilon()},     {"decision", figures::decision()},
-      {"tile", figures::tile()},           {"wrong_decisions", figures::wrong_decisions(folder)},
-      {"stages", figures::stages(folder)}, {"spheres", figures::spheres(folder)},
-      {"meshes", figures::meshes(folder)}, {"growth", figures::growth(folder)},
-      {"error", figures::error(folder)},   {"kernels", figures::kernels(folder)}};
+  std::vector<Figure> all{{"epsilon", figures::epsilon()},
+                          {"decision", figures::decision()},
+                          {"tile", figures::tile()},
+                          {"wrong_decisions", figures::wrong_decisions(folder)},
+                          {"stages", figures::stages(folder)},
+                          {"spheres", figures::spheres(folder)},
+                          {"meshes", figures::meshes(folder)},
+                          {"growth", figures::growth(folder)},
+                          {"error", figures::error(folder)},
+                          {"kernels", figures::kernels(folder)},
+                          {"samplers", figures::samplers(folder)}};
   int differ = 0;
   for (const figures::StageFigure& figure : stage_figures()) {
     all.push_back(drawn(figure));

@@ -25,6 +25,7 @@ std::string meshes(const std::string& folder);
 std::string growth(const std::string& folder);
 std::string error(const std::string& folder);
 std::string kernels(const std::string& folder);
+std::string samplers(const std::string& folder);
 
 // Figures of the stages' pages.
 std::vector<StageFigure> vector_figures();    ///< stages 00 to 02: vectors, images, cameras and rays
@@ -32,7 +33,8 @@ std::vector<StageFigure> light_figures();     ///< stages 03 to 08: hits, depth,
 std::vector<StageFigure> path_figures();      ///< stages 09 to 13: shadows, highlights, mirrors, glass
 std::vector<StageFigure> geometry_figures();  ///< stages 13 to 16: surfaces, solids, environments
 std::vector<StageFigure> mesh_figures();      ///< stage 17: triangles, meshes, trees of boxes
-std::vector<StageFigure> normal_map_figures();  ///< stage 27: normal maps
+std::vector<StageFigure> antialiasing_figures();  ///< stage 18: samples of a pixel
+std::vector<StageFigure> normal_map_figures();    ///< stage 27: normal maps
 std::vector<StageFigure>
 topic_figures();  ///< pages beside the stages: history, cameras, lights, tone, threads
 

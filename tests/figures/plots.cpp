@@ -151,6 +151,33 @@ std::string error(const std::string& folder) {
   return chart.drawn();
 }
 
+std::string samplers(const std::string& folder) {
+  const CsvTable table = read_csv(folder + "/sampling.csv").at(1);
+  LineChart chart{.title = "Error of a pixel's mean against its samples",
+                  .to_the_right = "samples",
+                  .upwards = "error, RMS over 200 pixels",
+                  .ticks_right = {},
+                  .ticks_up = {1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1},
+                  .series = {},
+                  .has_legend = true};
+  const std::vector<std::pair<const char*, Paint>> shown{{"edge, independent", Paint::gray},
+                                                         {"edge, stratified", Paint::orange},
+                                                         {"edge, sobol", Paint::red},
+                                                         {"smooth, 2-D, independent", Paint::ink},
+                                                         {"smooth, 2-D, stratified", Paint::green},
+                                                         {"smooth, 2-D, sobol", Paint::blue}};
+  for (const auto& [name, paint] : shown)
+    for (std::size_t i = 0; i < table.size(); ++i) {
+      if (table.name(i) != name) continue;
+      std::vector<Place> points;
+      for (int power = 4; power <= 14; power += 2)
+        points.push_back({static_cast<double>(1 << power), table.number(i, "2^" + std::to_string(power))});
+      chart.series.push_back({name, points, paint});
+    }
+  for (const Place& point : chart.series.at(0).points) chart.ticks_right.push_back(point.x);
+  return chart.drawn();
+}
+
 std::string kernels(const std::string& folder) {
   BarChart chart{.title = "Ray and sphere: wrong decisions in a million hard cases",
                  .axis = "wrong decisions; beside the name, ns for a test",

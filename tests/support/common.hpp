@@ -12,6 +12,8 @@
 #include <vector>
 
 inline constexpr float four_pi = 4 * std::numbers::pi_v<float>;
+inline constexpr float float_infinity = std::numeric_limits<float>::infinity(),
+                       float_nan = std::numeric_limits<float>::quiet_NaN();
 inline constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN(),
                         ulp = std::numeric_limits<double>::epsilon();
 

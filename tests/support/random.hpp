@@ -22,6 +22,9 @@ class Random {
     return min + (max - min) * (static_cast<double>(bits() >> 11) * 0x1p-53);
   }
 
+  /// Returns a number in (0, 1), as samplers give them: an odd multiple of 2^-33.
+  double interior() { return (static_cast<double>(bits() >> 32) + 0.5) * 0x1p-32; }
+
   /// Returns a point in the cube [−size, size)³.
   protostar::Point point(double size) { return {real(-size, size), real(-size, size), real(-size, size)}; }
 
