@@ -1,0 +1,172 @@
+#include <protostar/integrators/direct.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <protostar/integrators/unoccluded.hpp>
+#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/box.hpp>
+#include <protostar/surfaces/plane.hpp>
+
+#include "support/catch.hpp"
+#include "support/light_truth.hpp"
+#include "support/meshes.hpp"
+#include "support/random.hpp"
+
+using namespace protostar;
+
+namespace {
+
+const Material matte{.diffuse = Color{0.5f, 0.8f, 0.25f}};
+Material lamp(float light) { return {.emission = Color{2 * light, light, light / 2}}; }
+
+constexpr int some_rays = PROTOSTAR_LONG_FORMS ? 40 : 8, some_samples = PROTOSTAR_LONG_FORMS ? 256 : 16;
+
+void check(const LightTruth& truth) {
+  if (std::getenv("R3"))
+    std::printf("rays %d lit %d largest %.2f bias %.2g\n", truth.rays, truth.lit, truth.largest,
+                truth.detectable_bias());
+  CHECK(truth.wrong == 0);
+  CHECK(truth.lit >= truth.rays / 2);
+  CHECK(std::abs(truth.mean_error) <=
+        LightTruth::most_errors * std::sqrt(truth.variance) + 0x1p-20 * truth.mean_truth);
+}
+
+/// Compares the light of points of the plane y = 0, in a square, with the closed form, which is the truth if
+/// nothing occludes a light.
+void check_on_plane(const auto& scene, double half, const Vec3& view = {0.1, 1e-3, 0.2}) {
+  const DirectIntegrator direct(scene);
+  const UnoccludedIntegrator unoccluded(scene);
+  Random random(3);
+  LightTruth truth;
+  for (int i = 0; i < some_rays; ++i) {
+    const Point at{random.real(-half, half), 0, random.real(-half, half)};
+    const Ray ray{at + view, -view};
+    const auto hit = scene.intersect(ray, Interval{});
+    REQUIRE(hit);
+    REQUIRE(hit->material().emission == Color{0});
+    truth.compare(
+        ray, [&](const auto& sampler) { return direct.shade(*hit, scene, sampler); },
+        unoccluded.shade(*hit, scene).g, some_samples);
+  }
+  check(truth);
+}
+
+/// Checks the light of one or more lamps over a plane.
+void check_lamps(const auto&... lamps) {
+  Scene<Plane, AnySurface> scene;
+  scene.add(Plane{{0, 1, 0}, 0}, matte);
+  (scene.add(AnySurface(lamps), lamp(3)), ...);
+  check_on_plane(scene, 2);
+}
+
+}  // namespace
+
+TEST_CASE("direct light of a sphere: above, far, cut by the horizon, touching, around the point") {
+  struct Row {
+    Point center;
+    double radius, half;
+  };
+  const auto row = GENERATE(Row{{0, 3, 0}, 1, 3}, Row{{1, 1e4, 2}, 30, 3}, Row{{4, 0.2, 0}, 0.5, 3},
+                            Row{{0.3, 1, 0.2}, 1, 1}, Row{{0, -1, 0}, 1.5, 0.6}, Row{{0, 1, 0}, 10, 3});
+  Scene<Plane, Sphere> scene;
+  scene.add(Plane{{0, 1, 0}, 0}, matte);
+  scene.add(Sphere{row.center, row.radius}, lamp(3));
+  check_on_plane(scene, row.half);
+}
+
+TEST_CASE("direct light of flat lamps: level, standing on the plane, cut by the horizon") {
+  check_lamps(Parallelogram{{-1, 2, -1}, {2, 0, 0}, {0, 0, 1}});        // a rectangle
+  check_lamps(Parallelogram{{-1, 2, -1}, {2, 0.5, 0}, {0.4, 0.3, 1}});  // oblique
+  check_lamps(Parallelogram{{-4, 0, 2.5}, {8, 0, 0}, {0, 1, 0}});       // stands on it
+  check_lamps(Parallelogram{{-4, -1, 2.5}, {8, 0, 0}, {0, 3, 1}});      // goes through it
+  check_lamps(Triangle{{-1, 1, 0}, {2, 2, 0}, {0, 1.5, 2}});
+  check_lamps(Disk{{0.5, 1.5, 0}, {0.1, 1, 0.2}, 1});
+  check_lamps(Disk{{0.5, 0.5, 3}, {0.1, 0.2, 1}, 1});
+}
+
+TEST_CASE("direct light of a mesh is that of its triangles; a closed one hides its other side") {
+  check_lamps(Mesh(meshes::moved(meshes::box(1), 0.4, {0.5, 1, 0})));
+  check_lamps(Mesh(meshes::moved(meshes::icosphere(1), 0.5, {0.5, 0.2, 1.5})));
+  MeshData roof{.vertices = {{-1, 1, -1}, {1, 1.2, -1}, {-1, 1, 1}, {1, 1.5, 1}},
+                .triangles = {{0, 1, 2}, {3, 2, 1}}};
+  check_lamps(Mesh(std::move(roof)));
+}
+
+TEST_CASE("direct light of several lamps adds up, with one ray for each or as many as are allowed") {
+  Scene<Plane, Sphere, Parallelogram> scene;
+  scene.add(Plane{{0, 1, 0}, 0}, matte);
+  scene.add(AmbientLight{Color{0.25f}});
+  scene.add(PointLight{{1, 3, 1}, Color{30}});
+  // Rays from one point to the lamps meet one lamp only.
+  for (int i = 0; i < 5; ++i)
+    scene.add(Sphere{{-8.0 + 4 * i, 2.0 + i, 9}, 0.5 + 0.1 * i}, lamp(1 + 2 * static_cast<float>(i)));
+  scene.add(Parallelogram{{-1, 20, -1}, {2, 0, 0}, {0, 0, 2}}, lamp(100));
+  scene.add(Sphere{{0, 2, 14}, 1e-100}, Material{.emission = Color{1e-38f}});  // of a power next to nothing
+  check_on_plane(scene, 1);
+  const UnoccludedIntegrator unoccluded(scene);
+  const Ray ray{{0.3, 1, 0.2}, {0, -1, 0}};
+  const auto hit = scene.intersect(ray, Interval{});
+  for (const int rays : {1, 2, 6, 7, 16}) {
+    DirectIntegrator direct(scene);
+    direct.most_rays = rays;
+    LightTruth truth;
+    for (int i = 0; i < 4; ++i)
+      truth.compare(
+          ray, [&](const auto& sampler) { return direct.shade(*hit, scene, sampler); },
+          unoccluded.shade(*hit, scene).g, 4 * some_samples);
+    light_rays = {};
+    static_cast<void>(direct.shade(*hit, scene, SobolSampler({.seed = 1, .samples = 4})));
+    CHECK(light_rays.traced + light_rays.skipped == static_cast<std::uint64_t>(std::min(rays, 7)));
+    check(truth);
+  }
+}
+
+TEST_CASE("inside of a lamp that is a furnace each point has its emission and its albedo's share of it") {
+  Scene<Sphere> scene;
+  scene.add(Sphere{{1, 2, 3}, 4}, Material{.diffuse = Color{0.5f}, .emission = Color{2}});
+  const DirectIntegrator direct(scene);
+  LightTruth truth;
+  Random random(4);
+  for (int i = 0; i < some_rays; ++i) {
+    const Ray ray{Point{1, 2, 3} + random.point(2), random.direction()};
+    const auto hit = scene.intersect(ray, Interval{});
+    CHECK(UnoccludedIntegrator(scene).shade(*hit, scene) == Color{3});
+    truth.compare(
+        ray, [&](const auto& sampler) { return direct.shade(*hit, scene, sampler); }, 3, some_samples);
+  }
+  check(truth);
+  // From outside, a lamp does not light itself.
+  const auto outside = scene.intersect({{1, 2, -30}, {0, 0, 1}}, Interval{});
+  for (std::uint32_t i = 0; i < 16; ++i)
+    CHECK(direct.shade(*outside, scene, SobolSampler({.seed = 1, .sample = i, .samples = 16})) == Color{2});
+  CHECK(UnoccludedIntegrator(scene).shade(*outside, scene) == Color{2});
+}
+
+TEST_CASE("a wall that stands on a surface at an angle α leaves (1 + cos α)/2 of light from everywhere") {
+  for (const double degrees : {30.0, 60.0, 90.0, 135.0}) {
+    const double angle = degrees * std::numbers::pi / 180;
+    // The wall hides the sky from the horizon up to the angle α.
+    const Vec3 up{std::cos(angle), std::sin(angle), 0};
+    Scene<Parallelogram, Sphere> scene;
+    scene.add(Sphere{{0, 0, 0}, 1e6}, lamp(1));  // as good as infinitely far away
+    scene.add(Parallelogram{{-10, 0, -10}, {20, 0, 0}, {0, 0, 20}}, matte);
+    scene.add(Parallelogram{{1, 0, -1e5}, 1e5 * up, {0, 0, 2e5}}, Material{});
+    const DirectIntegrator direct(scene);
+    LightTruth truth;
+    Random random(5);
+    for (int i = 0; i < some_rays; ++i) {
+      const Point at{random.real(-0.9, 0.9), 0, random.real(-5, 5)};
+      const Vec3 view{0, 1e-3, 1e-3};
+      const Ray ray{at + view, -view};
+      const auto hit = scene.intersect(ray, Interval{});
+      REQUIRE(hit);
+      REQUIRE(!is_black(hit->color()));
+      truth.compare(
+          ray, [&](const auto& sampler) { return direct.shade(*hit, scene, sampler); },
+          double{matte.diffuse.g} * (1 + std::cos(angle)) / 2, some_samples);
+    }
+    check(truth);
+  }
+}
