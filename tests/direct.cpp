@@ -1,15 +1,16 @@
 #include <protostar/integrators/direct.hpp>
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
+#include <cstdint>
 #include <numbers>
+#include <protostar/accel/accelerate.hpp>
 #include <protostar/integrators/unoccluded.hpp>
 #include <protostar/surfaces/any_surface.hpp>
-#include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/plane.hpp>
+#include <vector>
 
 #include "support/catch.hpp"
+#include "support/errors.hpp"
 #include "support/light_truth.hpp"
 #include "support/meshes.hpp"
 #include "support/random.hpp"
@@ -24,9 +25,6 @@ Material lamp(float light) { return {.emission = Color{2 * light, light, light /
 constexpr int some_rays = PROTOSTAR_LONG_FORMS ? 40 : 8, some_samples = PROTOSTAR_LONG_FORMS ? 256 : 16;
 
 void check(const LightTruth& truth) {
-  if (std::getenv("R3"))
-    std::printf("rays %d lit %d largest %.2f bias %.2g\n", truth.rays, truth.lit, truth.largest,
-                truth.detectable_bias());
   CHECK(truth.wrong == 0);
   CHECK(truth.lit >= truth.rays / 2);
   CHECK(std::abs(truth.mean_error) <=
@@ -123,6 +121,31 @@ TEST_CASE("direct light of several lamps adds up, with one ray for each or as ma
   }
 }
 
+TEST_CASE("direct light has its full value where digits put points above their surface or below it") {
+  const Vec3 normal{1 / 3.0, 2 / 3.0, 2 / 3.0}, u{0, 1, -1}, v{4, -1, -1};
+  Scene<Plane, Sphere> scene;
+  scene.add(Plane{normal, 0.7}, matte);
+  scene.add(Sphere{3.0 * normal, 0.5}, lamp(3));
+  const DirectIntegrator direct(scene);
+  const UnoccludedIntegrator unoccluded(scene);
+  Random random(8);
+  WrongCases wrong(random);
+  int above = 0, below = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Point at = 0.7 * normal + random.real(-1, 1) * u + random.real(-0.3, 0.3) * v;
+    const auto hit = scene.intersect({at + normal, -normal}, Interval{});
+    REQUIRE(hit);
+    const double height = dot(hit->point(), normal) - 0.7;
+    above += height > 0, below += height < 0;
+    // Each direction leads to the lamp, whose light hardly depends on the direction.
+    const double light = direct.shade(*hit, scene, SobolSampler({.x = static_cast<std::uint32_t>(i)})).g;
+    wrong.add(!(std::abs(light / unoccluded.shade(*hit, scene).g - 1) < 0.5), at, light);
+  }
+  CHECK(wrong == 0);
+  CHECK(above > 10);
+  CHECK(below > 10);
+}
+
 TEST_CASE("inside of a lamp that is a furnace each point has its emission and its albedo's share of it") {
   Scene<Sphere> scene;
   scene.add(Sphere{{1, 2, 3}, 4}, Material{.diffuse = Color{0.5f}, .emission = Color{2}});
@@ -169,4 +192,69 @@ TEST_CASE("a wall that stands on a surface at an angle α leaves (1 + cos α)/2 
     }
     check(truth);
   }
+}
+
+TEST_CASE("direct light is the same in an accelerated scene, and lamps occlude each other") {
+  Scene<Plane, Sphere, AnySurface> scene;
+  scene.add(Plane{{0, 1, 0}, 0}, matte);
+  Random random(6);
+  for (int i = 0; i < 40; ++i) {
+    const Point center = Point{0, 2, 0} + random.point(1.8);
+    if (i % 4 == 0) scene.add(Sphere{center, 0.3}, lamp(1));
+    if (i % 4 == 1) scene.add(Sphere{center, 0.2}, matte);
+    if (i % 4 == 2) scene.add(AnySurface(Sphere{center, 0.2}), lamp(1));
+    if (i % 4 == 3) scene.add(AnySurface(Mesh(meshes::moved(meshes::box(1), 0.1, center))), lamp(1));
+  }
+  const auto fast = accelerate(scene);
+  const DirectIntegrator direct(scene);
+  WrongCases wrong(random);
+  int darker = 0;
+  light_rays = {};
+  for (int i = 0; i < 300; ++i) {
+    const Ray ray{{random.real(-2, 2), 6, random.real(-2, 2)}, random.point(0.3) + Vec3{0, -1, 0}};
+    const auto hit = scene.intersect(ray, Interval{}), hit_in_fast = fast.intersect(ray, Interval{});
+    REQUIRE(hit);
+    const SobolSampler sampler({.seed = 7, .x = static_cast<std::uint32_t>(i)});
+    const Color light = direct.shade(*hit, scene, sampler);
+    wrong.add(light != direct.shade(*hit_in_fast, fast, sampler), ray);
+    darker += light.g < UnoccludedIntegrator(scene).shade(*hit, scene).g;
+  }
+  CHECK(wrong == 0);
+  CHECK(darker > 100);
+  CHECK(light_rays.traced > 1000);
+  CHECK(light_rays.skipped > 100);
+}
+
+TEST_CASE("a direct integrator refuses less than one ray for a hit, and another scene") {
+  Scene<Sphere> scene;
+  scene.add(Sphere{{0, 0, 3}, 1}, lamp(1));
+  DirectIntegrator direct(scene);
+  CHECK_NOTHROW(direct.validate());
+  direct.most_rays = 0;
+  CHECK(message_of<std::invalid_argument>([&] { direct.validate(); }) ==
+        "DirectIntegrator: most_rays must be at least 1; it is 0");
+  const Scene<Sphere> copy = scene;
+  const auto hit = copy.intersect({{0, 0, 0}, {0, 0, 1}}, Interval{});
+  CHECK_THROWS_AS(direct.shade(*hit, copy, SobolSampler(SampleIndex{})), std::logic_error);
+}
+
+TEST_CASE("each ray to a lamp takes two numbers of its own, from set 1 on") {
+  Scene<Plane, Sphere> scene;
+  scene.add(Plane{{0, 1, 0}, 0}, matte);
+  for (int i = 0; i < 5; ++i) scene.add(Sphere{{i - 2.0, 3, 0}, 0.3}, lamp(1));
+  const auto hit = scene.intersect({{0, 1, 0}, {0, -1, 0}}, Interval{});
+  DirectIntegrator direct(scene);
+  const auto asked = [&] {
+    std::vector<std::uint32_t> sets;
+    static_cast<void>(direct.shade(*hit, scene, [&](std::uint32_t set) {
+      sets.push_back(set);
+      return SampleSet<double>{0.1, 0.2, 0.3, 0.4};
+    }));
+    return sets;
+  };
+  CHECK(asked() == std::vector<std::uint32_t>{1, 2, 3});
+  direct.most_rays = 4;  // and a pair for the choice
+  CHECK(asked() == std::vector<std::uint32_t>{1, 2, 3});
+  direct.most_rays = 1;
+  CHECK(asked() == std::vector<std::uint32_t>{1});
 }
