@@ -14,7 +14,10 @@ int main(int argc, char** argv) {
                          .transfer = file.transfer,
                          .tone = file.tone,
                          .exposure = file.exposure,
-                         .samples = file.samples};
+                         .samples = file.samples,
+                         .sampler = file.sampler,
+                         .filter = file.filter,
+                         .seed = file.seed};
   };
 
   return run_stage(argc, argv, {.read_scene = read}, [&file](Stage& stage) {

@@ -232,3 +232,40 @@ TEST_CASE("sums in lanes are those of one number after the other") {
     CHECK(units_of(many[0]) == expected_units(x) * ExactNumber(most));
   }
 }
+
+TEST_CASE("means in lanes are those of one number after the other") {
+  constexpr int lanes = simd::double_lanes;
+  Random random(6);
+  WrongCases wrong(random);
+  int ties = 0;
+  for (int trial = 0; trial < cases(3000, 300000); ++trial) {
+    ExactLanes<lanes> several;
+    // Numbers of few digits have sums in the middle between two floats, and others sums that no double holds.
+    const int digits = trial % 24, count = trial % 3 == 0 ? 1 << trial % 7 : 1 + trial % 67;
+    for (int i = 0; i < count; ++i)
+      several.add(simd::Lanes<float, lanes>::of_each([&](int) {
+        if (trial % 5 == 0) return any_float(random);
+        const float x = radiance(random);
+        return trial % 5 == 1 ? x : std::ldexp(std::nearbyint(std::ldexp(x, digits)), -digits);
+      }));
+    const auto n = static_cast<std::uint32_t>(count);
+    const simd::Lanes<float, lanes> means = several.mean(n);
+    for (int k = 0; k < lanes; ++k) {
+      const float expected = several[k].mean(n);
+      const double quotient = several[k].value() / n;
+      ties += quotient != static_cast<double>(expected) &&
+              2 * quotient - static_cast<double>(expected) ==
+                  static_cast<double>(static_cast<float>(2 * quotient - static_cast<double>(expected)));
+      wrong.add(means[k] != expected, trial, k);
+    }
+  }
+  CHECK(wrong == 0);
+  CHECK(ties > 10 * lanes);
+
+  // Beside the middle between two floats by less than double tells.
+  for (const float beside : {-0x1p-47f, 0.0f, 0x1p-47f}) {
+    ExactLanes<lanes> several;
+    for (const float x : {1024.0f, 1024 + 0x1p-13f, beside}) several.add(x);
+    CHECK(several.mean(2)[0] == (beside > 0 ? 1024 + 0x1p-13f : 1024.0f));
+  }
+}

@@ -2,6 +2,7 @@
 #include <protostar/camera.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/whitted.hpp>
+#include <protostar/pixel_grid.hpp>
 #include <protostar/render.hpp>
 #include <set>
 #include <vector>
@@ -27,20 +28,28 @@ int different(const Image& part, const Image& whole, int x0, int y0) {
   return count;
 }
 
+/// Returns the places of a pixel's samples.
+std::vector<FilteredPlace<double>> places_of(const RenderOptions& options) {
+  const PixelGrid pixels(8, 6, options);
+  std::vector<FilteredPlace<double>> places;
+  for (int i = 0; i < pixels.samples(); ++i) places.push_back(pixels.place(3, 2, i));
+  return places;
+}
+
 }  // namespace
 
-TEST_CASE("one sample, or none, is the center of the pixel") {
-  for (const int n : {0, 1}) {
-    const auto samples = pixel_samples(n);
-    REQUIRE(samples.size() == 1);
-    CHECK(samples[0].x == 0.5);
-    CHECK(samples[0].y == 0.5);
-  }
+TEST_CASE("one sample, or none, is the center of the pixel, and has the weight 1") {
+  for (const ReconstructionFilter& filter : {ReconstructionFilter{}, ReconstructionFilter::mitchell()})
+    for (const int n : {0, 1}) {
+      const auto samples = places_of({.samples = n, .filter = filter});
+      REQUIRE(samples.size() == 1);
+      CHECK((samples[0].x == 0.5 && samples[0].y == 0.5 && samples[0].weight == 1));
+    }
 }
 
 TEST_CASE("n samples have one in the middle of each of n columns and of each of n rows") {
   for (int n = 2; n < 70; ++n) {
-    const auto samples = pixel_samples(n);
+    const auto samples = places_of({.samples = n});
     REQUIRE(samples.size() == static_cast<std::size_t>(n));
     std::set<double> rows;
     for (int i = 0; i < n; ++i) {
@@ -54,7 +63,7 @@ TEST_CASE("n samples have one in the middle of each of n columns and of each of 
 }
 
 TEST_CASE("four samples are the Hammersley points") {
-  const auto samples = pixel_samples(4);
+  const auto samples = places_of({.samples = 4});
   const double rows[] = {0.125, 0.625, 0.375, 0.875};
   for (std::size_t i = 0; i < 4; ++i) CHECK(samples[i].y == rows[i]);
 }
@@ -64,16 +73,17 @@ TEST_CASE("a pixel is the mean of its samples, by tiles and ray by ray") {
   const Image by_tiles = drawn(48, 36, ShadowIntegrator{}, {.samples = 5});
   CHECK(different(drawn(48, 36, ShadowIntegrator{}, {.samples = 5, .tiles = false}), by_tiles, 0, 0) == 0);
   CHECK(different(drawn(48, 36, ShadowIntegrator{}, {}), by_tiles, 0, 0) > 100);
-  const auto samples = pixel_samples(5);
+  const auto samples = places_of({.samples = 5});
   for (int y = 0; y < 36; ++y)
     for (int x = 0; x < 48; ++x) {
       Color sum{0};
-      for (const auto& [dx, dy] : samples)
-        sum += ShadowIntegrator{}.radiance(Camera{}(Camera::u_at(x + dx, 48, 36), Camera::v_at(y + dy, 36)),
+      for (const auto& [dx, dy, weight] : samples)
+        sum += static_cast<float>(weight) *
+               ShadowIntegrator{}.radiance(Camera{}(Camera::u_at(x + dx, 48, 36), Camera::v_at(y + dy, 36)),
                                            scene);
       const Color difference = abs(by_tiles(x, y) - sum / 5.0f);
       REQUIRE(std::max({difference.r, difference.g, difference.b}) <
-              1e-5f);  // six roundings, of sums below 10
+              1e-5f);  // roundings of these sums, below 10
     }
 }
 
@@ -89,7 +99,7 @@ TEST_CASE("a cropped image has the pixels of the whole picture") {
     }
 }
 
-TEST_CASE("a crop that does not contain the image and a negative number of samples are refused") {
+TEST_CASE("a crop that does not contain the image and numbers of samples beyond the limits are refused") {
   Image image(8, 6);
   const auto refused = [&](const RenderOptions& options) {
     CHECK_THROWS_AS(render(image, Camera{}, three_spheres(), ShadowIntegrator{}, options),
@@ -99,6 +109,7 @@ TEST_CASE("a crop that does not contain the image and a negative number of sampl
                     std::invalid_argument);
   };
   refused({.samples = -1});
+  refused({.samples = 1 << 22});
   refused({.crop = {.x = 1, .y = 0, .width = 8, .height = 6}});
   refused({.crop = {.x = 0, .y = 1, .width = 8, .height = 6}});
   refused({.crop = {.x = -1, .y = 0, .width = 20, .height = 20}});

@@ -2,6 +2,7 @@
 #include <limits>
 #include <protostar/accel/pixel_rays.hpp>
 #include <protostar/accel/screen.hpp>
+#include <protostar/pixel_grid.hpp>
 #include <vector>
 
 #include "support/catch.hpp"
@@ -81,8 +82,8 @@ TEST_CASE(
     for (int k = 0; k < simd::node_width; ++k) {
       const int x = static_cast<int>(random.bits() % static_cast<unsigned>(tile.width())),
                 y = static_cast<int>(random.bits() % static_cast<unsigned>(tile.height()));
-      const Vec3 direction = rays.pixels().u(x0 + x, rays.pixels().sample(sample).x) * camera.right +
-                             rays.pixels().v(y0 + y, rays.pixels().sample(sample).y) * camera.up +
+      const Vec3 direction = rays.pixels().u(x0 + x, rays.pixels().common_place(sample).x) * camera.right +
+                             rays.pixels().v(y0 + y, rays.pixels().common_place(sample).y) * camera.up +
                              camera.forward;
       const double t = random.real(0, 2) * std::max(far, 1.0) * size / length(direction);
       const Point p = camera.position + t * direction;

@@ -2,6 +2,7 @@
 #include <protostar/accel/frustum.hpp>
 #include <protostar/accel/pixel_rays.hpp>
 #include <protostar/accel/visibility.hpp>
+#include <protostar/pixel_grid.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 

@@ -1,20 +1,16 @@
-// The camera, which maps points of the film to rays (§2.2.3), and the pixels of the film with their samples.
+// The camera, which maps points of the film to rays (§2.2.3).
 #pragma once
 
 #include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <cstdio>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "magnitude.hpp"
 #include "numeric/scale.hpp"
 #include "numeric/trigonometry.hpp"
 #include "ray.hpp"
-#include "render_options.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -157,18 +153,21 @@ struct Camera {
             normalize(u * right + v * up + forward)};
   }
 
+  /// Returns the film coordinate u or v of a point of the image, x and y in pixels from the top left: u runs
+  /// over [−width/height, width/height] from left to right, v over [1, −1] from top to bottom. x and y may be
+  /// numbers in lanes.
+  [[nodiscard]] static auto u_at(const auto& x, int width, int height) {
+    return static_cast<double>(width) / height * (2.0 * x / static_cast<double>(width) - 1.0);
+  }
+  [[nodiscard]] static auto v_at(const auto& y, int height) {
+    return 1.0 - 2.0 * y / static_cast<double>(height);
+  }
+
   /// Returns the ray through the center of pixel (x, y) of an image of width × height pixels, with (0, 0) at
   /// the top left.
   [[nodiscard]] Ray through_pixel(int x, int y, int width, int height) const {
     return (*this)(u_at(x + 0.5, width, height), v_at(y + 0.5, height));
   }
-
-  /// Returns the film coordinate u or v of a point of the image, x and y in pixels from the top left: u runs
-  /// over [−width/height, width/height] from left to right, v over [1, −1] from top to bottom.
-  [[nodiscard]] static double u_at(double x, int width, int height) {
-    return static_cast<double>(width) / height * (2 * x / width - 1);
-  }
-  [[nodiscard]] static double v_at(double y, int height) { return 1 - 2 * y / height; }
 
   /// Throws std::invalid_argument if a number of position is no coordinate (magnitude.hpp), if another is not
   /// finite, or if three directions do not span space: right, up and forward, or film_right, film_up and
@@ -247,86 +246,6 @@ struct Camera {
     if (!(std::abs(volume) > 0x1p-49 * sizes))
       throw std::invalid_argument(names + " must not be parallel or in one plane");
   }
-};
-
-/// Position in a pixel, from (0, 0) at its top left to (1, 1).
-struct PixelSample {
-  double x, y;
-};
-
-/// Returns n positions in a pixel, the same for every pixel: each of n columns and n rows of equal size has
-/// one. The i-th is in the middle of column i, and of the row whose number is the rank of i's binary digits,
-/// read backwards, among those of 0 to n − 1 (Hammersley's points, the fraction of each moved to the middle
-/// of a row). For n ≤ 1 it is the pixel's center alone.
-[[nodiscard, gnu::cold]] inline std::vector<PixelSample> pixel_samples(int n) {
-  if (n <= 1) return {{0.5, 0.5}};
-  const auto count = static_cast<std::uint32_t>(n);
-  std::uint32_t power = 1;
-  while (power < count) power *= 2;
-  std::vector<PixelSample> samples(count);
-  std::uint32_t rank = 0;
-  for (std::uint32_t row = 0; row < power; ++row) {
-    std::uint32_t i = 0;  // binary digits of row, read backwards
-    for (std::uint32_t from = 1, to = power / 2; from < power; from *= 2, to /= 2)
-      if (row & from) i |= to;
-    if (i < count) samples[i] = {(i + 0.5) / n, (rank++ + 0.5) / n};
-  }
-  return samples;
-}
-
-/// Pixels of an image, which is a whole picture or a part of one.
-class PixelGrid {
- public:
-  /// Throws std::invalid_argument if the number of samples is negative, or if the picture that the image is
-  /// cropped from does not contain it.
-  [[gnu::cold]] PixelGrid(int width, int height, const RenderOptions& options = {})
-      : crop_(options.crop.width == 0 && options.crop.height == 0 ? Crop{0, 0, width, height} : options.crop),
-        samples_(pixel_samples(options.samples)) {
-    if (options.samples < 0)
-      throw std::invalid_argument("RenderOptions: samples must be at least 0; it is " +
-                                  std::to_string(options.samples));
-    const auto holds = [](int whole, int first, int size) {
-      return first >= 0 && first <= whole && size <= whole - first;
-    };
-    if (!holds(crop_.width, crop_.x, width) || !holds(crop_.height, crop_.y, height))
-      throw std::invalid_argument(
-          "RenderOptions: crop must be the size of a picture that holds the image; " + std::to_string(width) +
-          "x" + std::to_string(height) + " at " + std::to_string(crop_.x) + ", " + std::to_string(crop_.y) +
-          " is not inside " + std::to_string(crop_.width) + "x" + std::to_string(crop_.height));
-  }
-
-  /// Returns the film's u at a position in column x of the image, or v in row y; position 0 is the left or
-  /// upper edge, 1 the other.
-  [[nodiscard]] double u(int x, double position) const {
-    return Camera::u_at(crop_.x + x + position, crop_.width, crop_.height);
-  }
-  [[nodiscard]] double v(int y, double position) const {
-    return Camera::v_at(crop_.y + y + position, crop_.height);
-  }
-
-  /// Returns u at the right edge of the whole picture; v at its upper edge is 1.
-  [[nodiscard]] double largest_u() const { return Camera::u_at(crop_.width, crop_.width, crop_.height); }
-
-  [[nodiscard]] int samples() const { return static_cast<int>(samples_.size()); }
-  [[nodiscard]] const PixelSample& sample(int i) const { return samples_[static_cast<std::size_t>(i)]; }
-
-  /// Returns the ray of a camera through the i-th sample of pixel (x, y).
-  [[nodiscard]] Ray ray(const Camera& camera, int x, int y, int i) const {
-    return camera(u(x, sample(i).x), v(y, sample(i).y));
-  }
-
-  /// Returns the mean of light(i) over the samples i, added up in their order; for several, it is clamped to
-  /// the largest float.
-  [[nodiscard]] auto mean(const auto& light) const {
-    auto sum = light(0);
-    if (samples() == 1) return sum;
-    for (int i = 1; i < samples(); ++i) sum += light(i);
-    return clamped(sum * (1 / static_cast<float>(samples())));
-  }
-
- private:
-  Crop crop_;
-  std::vector<PixelSample> samples_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

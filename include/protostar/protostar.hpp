@@ -20,6 +20,7 @@
 #include "material.hpp"
 #include "numeric/trigonometry.hpp"
 #include "pfm.hpp"
+#include "pixel_grid.hpp"
 #include "ppm.hpp"
 #include "ray.hpp"
 #include "render.hpp"

@@ -10,33 +10,54 @@
 
 #include "camera.hpp"
 #include "image.hpp"
+#include "intersection.hpp"
 #include "parallel.hpp"
+#include "pixel_grid.hpp"
+#include "sampling/hammersley_sampler.hpp"
+#include "sampling/pixel_sampler.hpp"
+#include "sampling/sobol_sampler.hpp"
 #include "scene.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Function of a ray that returns the radiance along it.
-template <class F>
-concept Radiance = std::is_invocable_r_v<Color, const F&, const Ray&>;
+namespace detail {
 
-/// Integrator of a scene: a struct with radiance(ray, scene), or a function of both, that returns the
-/// radiance along a ray. It may have validate() const, which throws std::invalid_argument if a field makes no
-/// sense; render calls it once, before the first ray.
-template <class I, class S>
-concept Integrator = std::is_invocable_r_v<Color, const I&, const Ray&, const S&> ||
-    requires(const I& integrator, const Ray& ray, const S& scene) {
-  { integrator.radiance(ray, scene) } -> std::convertible_to<Color>;
+/// Tests whether an integrator, or a function, is one of a ray, what else it is given, and no more.
+template <class I, class... Rest>
+concept Radiates = std::is_invocable_r_v<Color, const I&, const Ray&, const Rest&...> ||
+    requires(const I& integrator, const Ray& ray, const Rest&... rest) {
+  { integrator.radiance(ray, rest...) } -> std::convertible_to<Color>;
 };
 
-/// Supplies radiance and background to an integrator that derives from it and has shade(hit, scene): the
-/// radiance of a ray is that of its closest hit.
+}  // namespace detail
+
+/// Function of a ray, or of a ray and a PixelSampler, that returns the radiance along the ray.
+template <class F>
+concept Radiance = std::is_invocable_r_v<Color, const F&, const Ray&> ||
+    std::is_invocable_r_v<Color, const F&, const Ray&, const PixelSampler&>;
+
+/// Integrator of a scene: a struct with radiance(ray, scene) or radiance(ray, scene, sampler), or a function
+/// of these, that returns the radiance along a ray. The sampler gives random numbers (PixelSampler). An
+/// integrator may have validate() const, which throws std::invalid_argument if a field makes no sense; render
+/// calls it once, before the first ray.
+template <class I, class S>
+concept Integrator = detail::Radiates<I, S> || detail::Radiates<I, S, PixelSampler>;
+
+/// Supplies radiance and background to an integrator that derives from it and has shade(hit, scene) or
+/// shade(hit, scene, sampler): the radiance of a ray is that of its closest hit.
 template <class Integrator>
 struct FirstHit {
-  /// Returns shade(hit, scene) of the closest hit, or background(ray, scene) if there is none.
-  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
+  /// Returns shade of the closest hit, or background(ray, scene) if there is none. The sampler is given on.
+  template <class... Sampler>
+  [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene,
+                               const Sampler&... sampler) const requires
+      requires(const Integrator& integrator, const Intersection& hit) {
+    integrator.shade(hit, scene, sampler...);
+  }
+  {
     const auto& integrator = static_cast<const Integrator&>(*this);
     const auto hit = scene.intersect(ray, Interval{});
-    return hit ? integrator.shade(*hit, scene) : integrator.background(ray, scene);
+    return hit ? integrator.shade(*hit, scene, sampler...) : integrator.background(ray, scene);
   }
 
   /// Returns the radiance of a ray that hits nothing: the sky's, or black.
@@ -54,22 +75,54 @@ void validate(const auto& radiance) {
   if constexpr (requires { radiance.validate(); }) radiance.validate();
 }
 
-/// Returns the function radiance(ray) of an integrator in a scene.
+/// True for a function, or an integrator in a scene, that takes a sampler. If it may be called without one as
+/// well, it gets one.
+template <class I, class... S>
+inline constexpr bool takes_sampler = Radiates<I, S..., PixelSampler>;
+
+/// Returns the sampler of those that are given none by the user.
+template <class I, class... S>
+[[nodiscard]] constexpr const SamplerChoice& default_sampler() {
+  if constexpr (takes_sampler<I, S...>)
+    return sampler_of<SobolSampler>;
+  else
+    return sampler_of<HammersleySampler>;
+}
+
+/// Calls an integrator, or a function, with a ray and the rest of what it takes.
+template <class I, class... Rest>
+[[nodiscard]] Color radiance_along(const Ray& ray, const I& integrator, const Rest&... rest) {
+  if constexpr (std::is_invocable_r_v<Color, const I&, const Ray&, const Rest&...>)
+    return integrator(ray, rest...);
+  else
+    return integrator.radiance(ray, rest...);
+}
+
+/// Returns an integrator in a scene as a function of a ray, and of a sampler if it takes one.
 template <class S, class I>
 [[nodiscard]] auto radiance_in(const S& scene, const I& integrator) {
-  return [&](const Ray& ray) -> Color {
-    if constexpr (std::is_invocable_r_v<Color, const I&, const Ray&, const S&>)
-      return integrator(ray, scene);
-    else
-      return integrator.radiance(ray, scene);
-  };
+  if constexpr (takes_sampler<I, S>)
+    return [&](const Ray& ray, const PixelSampler& sampler) {
+      return radiance_along(ray, integrator, scene, sampler);
+    };
+  else
+    return [&](const Ray& ray) { return radiance_along(ray, integrator, scene); };
+}
+
+/// Returns the radiance along the ray of a sample, by a function that may take a sampler.
+template <class F>
+[[nodiscard]] Color radiance_of_sample(const F& radiance, const Ray& ray, const PixelSampler& sampler) {
+  if constexpr (takes_sampler<F>)
+    return radiance_along(ray, radiance, sampler);
+  else
+    return radiance_along(ray, radiance);
 }
 
 }  // namespace detail
 
 /// Fills an image with the view of a camera, one ray through each pixel's center unless the options say
-/// otherwise; radiance(ray) returns the radiance along a ray, and is called from several threads at once. The
-/// picture is the same for any number of threads.
+/// otherwise; radiance(ray) or radiance(ray, sampler) returns the radiance along a ray, and is called from
+/// several threads at once. The picture is the same for any number of threads.
 ///
 /// Throws std::invalid_argument for an invalid camera, a negative number of threads or samples and a crop
 /// that does not contain the image, anything that radiance.validate() throws, if there is one, and anything
@@ -78,14 +131,17 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
             const RenderOptions& options = {}) {
   camera.validate();
   detail::validate(radiance);
-  const PixelGrid pixels(image.width(), image.height(), options);
+  using Function = std::remove_cvref_t<decltype(radiance)>;
+  const PixelGrid pixels(image.width(), image.height(), options, detail::default_sampler<Function>());
   const Tile all = image.tile();
   detail::for_each_in_parallel(all.count(32), options, [&](int i) {
     const Tile tile = all.part(i, 32);
     for (int y = tile.y0; y < tile.y1; ++y)
       for (int x = tile.x0; x < tile.x1; ++x)
-        image(x, y) =
-            pixels.mean([&](int sample) { return Color(radiance(pixels.ray(camera, x, y, sample))); });
+        image(x, y) = pixels.mean(x, y, [&](int sample, const auto& place) {
+          return detail::radiance_of_sample(radiance, pixels.ray(camera, x, y, place),
+                                            pixels.sampler(x, y, sample));
+        });
   });
 }
 
@@ -120,13 +176,25 @@ struct IntegratorRequirements {
 
   static constexpr bool has_radiance = requires(const I& integrator, const Ray& ray, const S& scene) {
     integrator.radiance(ray, scene);
+  }
+  || requires(const I& integrator, const Ray& ray, const S& scene, const PixelSampler& sampler) {
+    integrator.radiance(ray, scene, sampler);
   };
-  static constexpr bool is_function = std::is_invocable_v<const I&, const Ray&, const S&>;
-  static_assert(has_radiance || is_function,
+  static constexpr bool is_function =
+      std::is_invocable_v<const I&, const Ray&, const S&> ||
+      std::is_invocable_v<const I&, const Ray&, const S&, const PixelSampler&>;
+  static constexpr bool shades = std::is_base_of_v<FirstHit<I>, I>;
+  static_assert(
+      has_radiance || !shades,
+      "Integrator: the type derives from FirstHit and has no shade(const Hit&, const Scene&) const, "
+      "nor one with a sampler as third parameter; for each write `const auto&`");
+  static_assert(has_radiance || is_function || shades,
                 "Integrator: the type has no radiance(const Ray&, const Scene&) const, and is no function of "
-                "both; for the scene write `const auto&` or its type");
+                "both, nor of both and a sampler; for the scene and the sampler write `const auto&`, or for "
+                "the scene its type and for the sampler PixelSampler");
   static_assert(Integrator<I, S> || !has_radiance,
-                "Integrator: radiance(const Ray&, const Scene&) const does not return a Color");
+                "Integrator: radiance(const Ray&, const Scene&) const, or with a sampler, does not return a "
+                "Color");
   static_assert(Integrator<I, S> || has_radiance || !is_function,
                 "Integrator: the function of a ray and a scene does not return a Color");
 };
@@ -136,12 +204,13 @@ template <class F>
 struct RadianceRequirements {
   static constexpr bool hold = true;
 
-  static constexpr bool is_function = std::is_invocable_v<const F&, const Ray&>;
+  static constexpr bool is_function = std::is_invocable_v<const F&, const Ray&> ||
+                                      std::is_invocable_v<const F&, const Ray&, const PixelSampler&>;
   static_assert(!Traceable<F>, "render: a scene is followed by an integrator");
   static_assert(
       Traceable<F> || is_function,
-      "render: what follows the camera is neither a function of a const Ray& that may be called when "
-      "const, nor a scene and an integrator");
+      "render: what follows the camera is neither a function of a const Ray&, or of it and a sampler, that "
+      "may be called when const, nor a scene and an integrator");
   static_assert(Radiance<F> || !is_function, "render: the function of a ray does not return a Color");
 };
 

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 
+#include "sampling/pixel_sampler.hpp"
+#include "sampling/reconstruction.hpp"
 #include "stop_token.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -30,6 +32,9 @@ struct RenderStatistics {
   }
 };
 
+/// Largest number of samples of a pixel: as many as ExactLanes adds up.
+inline constexpr int most_samples_of_pixel = (1 << 22) - 1;
+
 /// Position of an image in a larger picture, of which only the image is rendered: its upper left pixel is at
 /// column x and row y of a picture of width × height pixels. Without a size, the image is the picture.
 struct Crop {
@@ -48,8 +53,16 @@ struct Skips {
 /// Options of render. An exception that progress throws ends the render and reaches its caller; after a stop,
 /// progress does not come to 1.
 struct RenderOptions {
-  int samples = 0;      ///< rays through each pixel, which gets their mean (PixelGrid); 0, as 1: its center
-  Crop crop = {};       ///< picture that the image is a part of
+  /// Rays through each pixel, which gets their mean (PixelGrid); 0: one through its center. Of several,
+  /// channels beyond ±2^15 count as ±2^15 (ExactSum).
+  int samples = 0;
+
+  /// Sampler that gives their places, and the numbers of integrators that take a sampler. By default it is
+  /// SobolSampler for these integrators, and HammersleySampler for others.
+  SamplerChoice sampler = {};
+  ReconstructionFilter filter = {};  ///< weight of the places around a pixel's center
+  std::uint64_t seed = 0;            ///< samplers have other numbers for another seed, as good as these
+  Crop crop = {};                    ///< picture that the image is a part of
   int threads = 0;      ///< number of threads, with the caller's; 0: one for each core, as far as they start
   StopToken stop = {};  ///< if requested, render returns early; other pixels stay as they were
   bool tiles = true;    ///< fast path for scenes; false: plain path, with the same bytes

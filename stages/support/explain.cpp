@@ -9,6 +9,9 @@
 #include <protostar/integrators/transparency.hpp>
 #include <protostar/integrators/whitted.hpp>
 #include <protostar/render.hpp>
+#include <protostar/sampling/samplers.hpp>
+#include <string>
+#include <string_view>
 
 #include "explained_scene.hpp"
 
@@ -99,18 +102,32 @@ std::vector<Intersection> ExplainedScene::all_hits(const Ray& ray, Interval rang
   return hits;
 }
 
+namespace {
+
+std::string name_of(const SamplerChoice& sampler) {
+  for (const std::string_view name : sampler_names)
+    if (sampler_named(name) == sampler) return std::string(name);
+  return "own";
+}
+
+}  // namespace
+
 void explain_function(Explanation& explanation, const Camera& camera,
-                      const std::function<Color(SampleRecord&)>& radiance, const RenderOptions& options) {
-  const PixelGrid pixels(explanation.width, explanation.height, options);
+                      const std::function<Color(SampleRecord&)>& radiance, const RenderOptions& options,
+                      const SamplerChoice& default_sampler) {
+  const PixelGrid pixels(explanation.width, explanation.height, options, default_sampler);
   const int x = explanation.pixel.x, y = explanation.pixel.y;
   explanation.is_traced = true;
+  explanation.sampler = name_of(options.sampler.is_made() ? options.sampler : default_sampler);
+  explanation.seed = options.seed;
   explanation.camera = camera;
-  explanation.mean = pixels.mean([&](int i) {
+  explanation.mean = pixels.mean(x, y, [&](int i, const auto& place) {
     SampleRecord& sample = explanation.samples.emplace_back();
-    sample.position = pixels.sample(i);
-    sample.u = pixels.u(x, sample.position.x);
-    sample.v = pixels.v(y, sample.position.y);
-    sample.ray = pixels.ray(camera, x, y, i);
+    sample.place = place;
+    sample.sampler = pixels.sampler(x, y, i);
+    sample.u = pixels.u(x, place.x);
+    sample.v = pixels.v(y, place.y);
+    sample.ray = pixels.ray(camera, x, y, place);
     return sample.radiance = radiance(sample);
   });
 }

@@ -32,28 +32,39 @@ void render(protostar::Image& image, const protostar::Camera& camera, const prot
   else
     explain_function(
         *options.explanation, camera,
-        [&](SampleRecord& sample) { return protostar::detail::radiance_in(scene, integrator)(sample.ray); },
-        common);
+        [&](SampleRecord& sample) {
+          return protostar::detail::radiance_of_sample(protostar::detail::radiance_in(scene, integrator),
+                                                       sample.ray, sample.sampler);
+        },
+        common, protostar::detail::default_sampler<I, protostar::Scene<S...>>());
   image(options.explanation->pixel.x, options.explanation->pixel.y) = options.explanation->mean;
 }
 
 /// Fills the image, or only the pixel that is explained, by a function of the camera's rays.
-void render(protostar::Image& image, const protostar::Camera& camera,
-            const protostar::Radiance auto& radiance, const StageRenderOptions& options) {
+template <protostar::Radiance F>
+void render(protostar::Image& image, const protostar::Camera& camera, const F& radiance,
+            const StageRenderOptions& options) {
   const protostar::RenderOptions& common = options;
   if (options.draws) protostar::render(image, camera, radiance, common);
   if (options.explanation == nullptr) return;
   if (options.sphere) {
     protostar::Scene<protostar::Sphere> scene;
     scene.add(*options.sphere, protostar::Color{1});
-    const auto ask = [&](const protostar::Ray& ray, const protostar::Traceable auto& recorded) {
+    const auto ask = [&](const protostar::Ray& ray, const protostar::Traceable auto& recorded,
+                         const protostar::PixelSampler& sampler) {
       static_cast<void>(recorded.intersect(ray, protostar::Interval{}));
-      return radiance(ray);
+      return protostar::detail::radiance_of_sample(radiance, ray, sampler);
     };
-    explain(*options.explanation, camera, ExplainedScene(scene), ask, common);
+    protostar::RenderOptions by_default = common;
+    if (!by_default.sampler.is_made()) by_default.sampler = protostar::detail::default_sampler<F>();
+    explain(*options.explanation, camera, ExplainedScene(scene), ask, by_default);
   } else {
     explain_function(
-        *options.explanation, camera, [&](SampleRecord& sample) { return radiance(sample.ray); }, common);
+        *options.explanation, camera,
+        [&](SampleRecord& sample) {
+          return protostar::detail::radiance_of_sample(radiance, sample.ray, sample.sampler);
+        },
+        common, protostar::detail::default_sampler<F>());
   }
   image(options.explanation->pixel.x, options.explanation->pixel.y) = options.explanation->mean;
 }

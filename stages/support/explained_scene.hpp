@@ -184,10 +184,12 @@ void add_lights(RayRecord& record, const std::vector<protostar::Light>& lights, 
 }  // namespace explaining
 
 /// Traces the rays of a pixel by the plain path, and records them; the explanation knows the pixel and the
-/// size of the picture. radiance(sample) returns the radiance along the ray of a sample.
+/// size of the picture. radiance(sample) returns the radiance along the ray of a sample. Without a sampler in
+/// the options, they take the default.
 void explain_function(Explanation& explanation, const protostar::Camera& camera,
                       const std::function<protostar::Color(SampleRecord&)>& radiance,
-                      const protostar::RenderOptions& options);
+                      const protostar::RenderOptions& options,
+                      const protostar::SamplerChoice& default_sampler);
 
 /// Does so by an integrator in a scene that records its rays.
 template <class I>
@@ -204,11 +206,12 @@ void explain(Explanation& explanation, const protostar::Camera& camera, const Ex
       explanation, camera,
       [&](SampleRecord& sample) {
         scene.record(sample.all);
-        const protostar::Color light = radiance(sample.ray);
+        const protostar::Color light =
+            protostar::detail::radiance_of_sample(radiance, sample.ray, sample.sampler);
         explaining::add_lights(sample.all, explanation.lights, integrator);
         return light;
       },
-      options);
+      options, protostar::detail::default_sampler<I, ExplainedScene>());
 }
 
 // The library's own types are compiled once (support/explain.cpp).

@@ -10,6 +10,7 @@
 #include <protostar/camera.hpp>
 #include <protostar/intersection.hpp>
 #include <protostar/light.hpp>
+#include <protostar/pixel_grid.hpp>
 #include <string>
 #include <vector>
 
@@ -101,8 +102,9 @@ struct RayRecord {
 
 /// Ray of the camera through a sample of the pixel.
 struct SampleRecord {
-  protostar::PixelSample position;  ///< position in the pixel
-  double u = 0, v = 0;              ///< film coordinates
+  protostar::FilteredPlace<double> place{};  ///< in the pixel, and the weight of the light
+  protostar::PixelSampler sampler{{}, {}};   ///< gives the numbers of the sample
+  double u = 0, v = 0;                       ///< film coordinates
   protostar::Ray ray;
   RayRecord all = {};  ///< no ray itself; all.rays are the rays that the integrator traces first
   protostar::Color radiance{0};
@@ -120,6 +122,8 @@ struct Explanation {
   std::vector<protostar::Bounds> bounds = {};  ///< of the surfaces; infinite where there are none
   std::vector<protostar::Light> lights = {};
   protostar::Color ambient{0};
+  std::string sampler;  ///< name; "own" for a type that is not the library's
+  std::uint64_t seed = 0;
   std::vector<SampleRecord> samples = {};
   protostar::Color mean{0};  ///< of the samples' radiances
 

@@ -112,6 +112,11 @@ class Writer {
       json_.key("pixel").list(std::array{e_.pixel.x, e_.pixel.y});
       if (e_.is_traced) write_camera();
       if (e_.is_recorded) write_scene();
+      if (e_.is_traced) {
+        json_.member("sampler", e_.sampler);
+        json_.member("filter", options_.filter);
+        json_.member("seed", e_.seed);
+      }
       json_.key("samples").array([&] {
         for (const SampleRecord& sample : e_.samples) {
           json_.next();
@@ -186,7 +191,8 @@ class Writer {
 
   void write(const SampleRecord& sample) {
     json_.object([&] {
-      json_.key("position").list(std::array{sample.position.x, sample.position.y});
+      json_.key("position").list(std::array{sample.place.x, sample.place.y});
+      json_.member("weight", sample.place.weight);
       json_.key("film").list(std::array{sample.u, sample.v});
       json_.member("origin", sample.ray.origin);
       json_.member("direction", sample.ray.direction);

@@ -114,6 +114,10 @@ class Tree {
     line(0, formatted("pixel %d,%d of %dx%d, by the integrator ", e.pixel.x, e.pixel.y, e.width, e.height) +
                 options_.integrator);
     if (!e.is_traced) line(1, "drawn without rays");
+    if (e.samples.size() > 1)
+      line(1, formatted("%zu samples, placed by the sampler ", e.samples.size()) + e.sampler +
+                  formatted(" with the seed %llu and the filter ", static_cast<unsigned long long>(e.seed)) +
+                  options_.filter);
     for (const SampleRecord& sample : e.samples) write(sample);
     if (e.samples.size() > 1)
       line(1, formatted("mean of the %zu samples: ", e.samples.size()) + text(e.mean));
@@ -130,7 +134,8 @@ class Tree {
   void write(const SampleRecord& sample) {
     int depth = 1;
     if (explanation_.samples.size() > 1)
-      line(depth++, formatted("sample at (%g, %g) in the pixel", sample.position.x, sample.position.y));
+      line(depth++, formatted("sample at (%g, %g) in the pixel", sample.place.x, sample.place.y) +
+                        (sample.place.weight == 1 ? "" : formatted(", of weight %.9g", sample.place.weight)));
     line(depth, formatted("film point u = %.9g, v = %.9g", sample.u, sample.v));
     line(depth, "ray from " + text(sample.ray.origin) + " along " + text(sample.ray.direction));
     if (!explanation_.is_recorded) line(depth + 1, "traced by a function of its own, which records nothing");

@@ -10,6 +10,8 @@
 #include <protostar/io/scene_file.hpp>
 #include <protostar/io/text.hpp>
 #include <protostar/output_file.hpp>
+#include <protostar/sampling/reconstruction.hpp>
+#include <protostar/sampling/samplers.hpp>
 #include <protostar/version.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -159,13 +161,19 @@ void check_name(const std::string& option, const std::string& name,
   refuse(option, name, "a file that ends in " + names);
 }
 
-std::string read_integrator(std::string_view text) {
+std::string read_name(const std::string& option, std::string_view text, const auto& allowed) {
   std::string names;
-  for (const std::string_view name : protostar::integrator_names) {
+  for (const std::string_view name : allowed) {
     if (name == text) return std::string(text);
     names += (names.empty() ? "" : ", ") + std::string(name);
   }
-  refuse("--integrator", text, "one of " + names);
+  refuse(option, text, "one of " + names);
+}
+
+std::uint64_t read_seed(std::string_view text) {
+  const auto seed = number_of<std::uint64_t>(text);
+  if (!seed) refuse("--seed", text, "a whole number from 0 to 18446744073709551615");
+  return *seed;
 }
 
 double read_finite(const std::string& option, std::string_view text) {
@@ -232,7 +240,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   Options options{.program = program, .plain = defaults.plain, .numbers = defaults.numbers};
   std::vector<std::string> numbers(options.numbers.size());
   std::string output = options.output.string(), size, threads, bits, transfer;
-  std::string scene, integrator, samples, crop, timeout, pixel, explain, rays;
+  std::string scene, integrator, samples, sampler, filter, seed, crop, timeout, pixel, explain, rays;
   bool confine = false;
   const bool of_scene = static_cast<bool>(defaults.read_scene);
   const auto or_of_scene = [&](const std::string& text) { return of_scene ? "the scene's" : text; };
@@ -252,6 +260,18 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   app.add_option("--samples", samples,
                  "Rays through each pixel; 0: one through its center [" +
                      or_of_scene(std::to_string(defaults.samples)) + "]")
+      ->type_name("N");
+  app.add_option("--sampler", sampler,
+                 "Where samples are: independent, stratified, halton, sobol or hammersley [" +
+                     or_of_scene("hammersley, or sobol if the stage draws by chance") + "]")
+      ->type_name("NAME");
+  app.add_option("--filter", filter,
+                 "What places around a pixel count: box, tent, gaussian, mitchell or blackman-harris [" +
+                     or_of_scene(defaults.filter) + "]")
+      ->type_name("NAME");
+  app.add_option("--seed", seed,
+                 "Another whole number gives other random numbers [" +
+                     or_of_scene(std::to_string(defaults.seed)) + "]")
       ->type_name("N");
   app.add_option("--threads", threads, "How many threads work on it; 0: one for each core [0]")
       ->type_name("N");
@@ -311,7 +331,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     std::optional<Part> part;
     std::optional<Pixel> own_pixel;
     std::optional<Transfer> own_transfer;
-    std::optional<std::string> own_integrator;
+    std::optional<std::string> own_integrator, own_sampler, own_filter;
+    std::optional<std::uint64_t> own_seed;
     std::optional<int> own_samples;
     double own_timeout = 0;
     if (app.count("--size")) own_size = read_size(size);
@@ -323,7 +344,12 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     if (given("--rays")) check_name("--rays", rays, {".svg", ".obj"});
     options.explain = explain;
     options.rays = rays;
-    if (given("--integrator")) own_integrator = read_integrator(integrator);
+    if (given("--integrator"))
+      own_integrator = read_name("--integrator", integrator, protostar::integrator_names);
+    if (app.count("--sampler")) own_sampler = read_name("--sampler", sampler, protostar::sampler_names);
+    if (app.count("--filter"))
+      own_filter = read_name("--filter", filter, protostar::ReconstructionFilter::names);
+    if (app.count("--seed")) own_seed = read_seed(seed);
     if (app.count("--samples"))
       own_samples = read_whole(
           "--samples", samples, [](int n) { return n >= 0 && n <= protostar::most_samples; },
@@ -363,6 +389,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     if (!own_size) crop_to_part({settings.width, settings.height});
     options.integrator = own_integrator.value_or(settings.integrator);
     options.samples = own_samples.value_or(settings.samples);
+    options.sampler = own_sampler.value_or(settings.sampler);
+    options.filter = own_filter.value_or(settings.filter);
+    options.seed = own_seed.value_or(settings.seed);
     options.transfer = own_transfer.value_or(settings.transfer);
     options.tone = settings.tone;
     options.exposure = settings.exposure;

@@ -1,6 +1,7 @@
 // Reads the command line that all stages share.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -32,6 +33,9 @@ struct StageDefaults {
   bool plain = false;
   std::vector<NumberOption> numbers = {};  ///< options of this stage alone
   int samples = 0;
+  std::string sampler = {};  ///< name; empty: that which the integrator takes by default
+  std::string filter = "box";
+  std::uint64_t seed = 0;
 
   /// Reads a scene file and returns its settings; for programs that draw scene files, empty for others.
   std::function<StageDefaults(const std::filesystem::path&, const protostar::ReadOptions&)> read_scene = {};
@@ -60,6 +64,9 @@ struct Options {
   protostar::Tone tone = protostar::Tone::clip;
   std::string integrator = {};
   int samples = 0;
+  std::string sampler = {};  ///< name; empty: that which the integrator takes by default
+  std::string filter = {};   ///< name
+  std::uint64_t seed = 0;
   protostar::Crop crop = {};  ///< in the picture, if width and height are those of a part of it
   bool plain = false;
   bool quiet = false;

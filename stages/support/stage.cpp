@@ -20,6 +20,8 @@
 #include <protostar/output_file.hpp>
 #include <protostar/pfm.hpp>
 #include <protostar/ppm.hpp>
+#include <protostar/sampling/reconstruction.hpp>
+#include <protostar/sampling/samplers.hpp>
 #include <protostar/shown.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -110,6 +112,9 @@ void Stage::check_output() const {
 StageRenderOptions Stage::render_options() {
   start_ = Clock::now();
   StageRenderOptions options({.samples = options_.samples,
+                              .sampler = sampler_named(options_.sampler).value_or(SamplerChoice{}),
+                              .filter = ReconstructionFilter::named(options_.filter),
+                              .seed = options_.seed,
                               .crop = options_.draws_more() ? Crop{} : options_.crop,
                               .threads = options_.threads,
                               .stop = stop_,

@@ -19,8 +19,8 @@ struct TileCone {
   TileCone(const PixelRays& rays, const Tile& tile) {
     const Camera& camera = rays.camera();
     if (rays.hand() == 0 || camera.is_orthographic()) return;
-    const Vec3 columns[] = {rays.column_edge(tile.x0).shift, rays.column_edge(tile.x1).shift},
-               rows[] = {rays.row_edge(tile.y0).shift, rays.row_edge(tile.y1).shift};
+    const Vec3 columns[] = {rays.left_edge(tile.x0).shift, rays.right_edge(tile.x1).shift},
+               rows[] = {rays.upper_edge(tile.y0).shift, rays.lower_edge(tile.y1).shift};
     const Vec3 middle = camera.forward + 0.5 * (columns[0] + columns[1]) + 0.5 * (rows[0] + rows[1]);
     const double square = dot(middle, middle);
     if (!(0x1p-200 < square && square < 0x1p200)) return;
@@ -46,10 +46,10 @@ struct TileHalfSpaces {
 
   TileHalfSpaces(const PixelRays& rays, const Tile& tile) {
     const Point& apex = rays.viewpoint().apex;
-    side[0] = {apex, rays.column_edge(tile.x0).normal};
-    side[1] = {apex, -rays.column_edge(tile.x1).normal};
-    side[2] = {apex, -rays.row_edge(tile.y1).normal};
-    side[3] = {apex, rays.row_edge(tile.y0).normal};
+    side[0] = {apex, rays.left_edge(tile.x0).normal};
+    side[1] = {apex, -rays.right_edge(tile.x1).normal};
+    side[2] = {apex, -rays.lower_edge(tile.y1).normal};
+    side[3] = {apex, rays.upper_edge(tile.y0).normal};
     side[4] = {apex, TileCone(rays, tile).axis};
     if (!rays.is_pinhole()) start_on_film(rays, tile);
   }
@@ -62,11 +62,11 @@ struct TileHalfSpaces {
     const Viewpoint& viewpoint = rays.viewpoint();
     side[4] = {viewpoint.film, viewpoint.ahead};
     if (rays.camera().is_orthographic()) {
-      const auto start = [&](int x, int y) {
-        return rays.camera()(rays.pixels().u(x, 0), rays.pixels().v(y, 0)).origin;
+      const auto start = [&](int x, int y, double position) {
+        return rays.camera()(rays.pixels().u(x, position), rays.pixels().v(y, position)).origin;
       };
-      side[0].on = side[3].on = start(tile.x0, tile.y0);
-      side[1].on = side[2].on = start(tile.x1, tile.y1);
+      side[0].on = side[3].on = start(tile.x0, tile.y0, -rays.margin());
+      side[1].on = side[2].on = start(tile.x1, tile.y1, rays.margin());
     }
     for (HalfSpace& half_space : side) half_space.on -= viewpoint.drift * half_space.normal;
   }
@@ -84,8 +84,8 @@ struct Frustum {
   float cosine, sine;    ///< cosine and sine of the cone's half-angle; 0 and 1 if not certain, or above 60°
 
   [[gnu::noinline]] Frustum(const PixelRays& rays, const Tile& tile)
-      : normal{rays.column_edge(tile.x0).inwards, rays.column_edge(tile.x1).outwards,
-               rays.row_edge(tile.y1).outwards, rays.row_edge(tile.y0).inwards} {
+      : normal{rays.left_edge(tile.x0).inwards, rays.right_edge(tile.x1).outwards,
+               rays.lower_edge(tile.y1).outwards, rays.upper_edge(tile.y0).inwards} {
     const TileCone cone(rays, tile);
     const bool sure = cone.cosine_square > 0.25;
     normal[4] = PixelRays::rounded(cone.axis);

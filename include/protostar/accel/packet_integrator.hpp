@@ -2,11 +2,12 @@
 #pragma once
 
 #include <concepts>
-#include <type_traits>
 
-#include "../image.hpp"
 #include "../intersection.hpp"
 #include "../ray.hpp"
+#include "../render.hpp"
+#include "../sampling/pixel_sampler.hpp"
+#include "../vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -16,13 +17,22 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 template <class I>
 concept PacketIntegrator = std::same_as<typename I::TakesPackets, I>;
 
+/// Integrator that shades a hit by the numbers of a sampler.
+template <class I, class S>
+concept ShadesBySampler = requires(const I& integrator, const Intersection& hit, const S& scene,
+                                   const PixelSampler& sampler) {
+  { integrator.shade(hit, scene, sampler) } -> std::convertible_to<Color>;
+};
+
 /// Integrator that shades the closest hit of a ray, and has a background for a ray that misses.
 template <class I, class S>
 concept ShadingIntegrator = requires(const I& integrator, const Ray& ray, const Intersection& hit,
                                      const S& scene) {
-  { integrator.shade(hit, scene) } -> std::convertible_to<Color>;
   { integrator.background(ray, scene) } -> std::convertible_to<Color>;
-};
+}
+&&(ShadesBySampler<I, S> || requires(const I& integrator, const Intersection& hit, const S& scene) {
+  { integrator.shade(hit, scene) } -> std::convertible_to<Color>;
+});
 
 /// Integrator whose radiance of a hit is the same at all points of a surface without a texture, so that
 /// shade(hit, scene) is called without a point there. It declares this for its own type only.
@@ -36,10 +46,6 @@ concept AsksForCrossings = std::same_as<typename I::AsksForCrossings, I>;
 
 /// Integrator that takes packets, or a scene of any type.
 template <class I, class View>
-concept TileIntegrator = PacketIntegrator<I> ||
-    std::is_invocable_r_v<Color, const I&, const Ray&, const View&> ||
-    requires(const I& integrator, const Ray& ray, const View& view) {
-  { integrator.radiance(ray, view) } -> std::convertible_to<Color>;
-};
+concept TileIntegrator = PacketIntegrator<I> || Integrator<I, View>;
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

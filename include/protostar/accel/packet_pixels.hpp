@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 #include "../image.hpp"
+#include "../sampling/exact_lanes.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/store_lanes.hpp"
 #include "packet.hpp"
@@ -27,17 +29,32 @@ inline void each_block(const Tile& part, const auto& visit) {
       visit(Tile{x, y, std::min(x + RayBlock::width, part.x1), std::min(y + RayBlock::height, part.y1)});
 }
 
-/// Adds colors, the i-th samples of a packet's pixels, to the image, as far as these are in the tile. The
-/// first samples replace what is there. The packet begins at pixel (x, y).
-inline void add_packet(Image& image, const Tile& tile, int x, int y, int i, const Colors& colors) {
+/// Largest number of packets in a part of a tile.
+inline constexpr std::size_t most_packets = 16 * ((16 + double_lanes - 1) / double_lanes);
+
+/// Exact sums of the colors of a packet's pixels.
+struct PacketSums {
+  ExactLanes<double_lanes> r, g, b;
+
+  /// Returns which packet of a tile begins at pixel (x, y), as each_packet counts them.
+  static std::size_t index(const Tile& tile, int x, int y) {
+    const int in_row = (tile.width() + double_lanes - 1) / double_lanes;
+    return static_cast<std::size_t>((y - tile.y0) * in_row + (x - tile.x0) / double_lanes);
+  }
+
+  void add(const Colors& colors) { r.add(colors.r), g.add(colors.g), b.add(colors.b); }
+
+  /// Returns the mean of so many colors.
+  [[nodiscard]] Colors mean(std::uint32_t count) const {
+    return {r.mean(count), g.mean(count), b.mean(count)};
+  }
+};
+
+/// Sets the colors of a packet's pixels, as far as these are in the tile. The packet begins at pixel (x, y).
+inline void set_packet(Image& image, const Tile& tile, int x, int y, const Colors& colors) {
   static_assert(sizeof(Color) == 3 * sizeof(float));
   Color* const pixels = &image(x, y);
   const int count = std::min(double_lanes, tile.x1 - x);
-  if (i > 0) {
-    Colors so_far(Color{0});
-    for (int k = 0; k < count; ++k) so_far.set(k, pixels[k]);
-    return add_packet(image, tile, x, y, 0, so_far + colors);
-  }
   if (count == double_lanes) return store_in_turn(pixels, colors.r, colors.g, colors.b);
   for (int k = 0; k < count; ++k) pixels[k] = {colors.r[k], colors.g[k], colors.b[k]};
 }

@@ -12,6 +12,7 @@
 
 #include "../camera.hpp"
 #include "../image.hpp"
+#include "../pixel_grid.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/vectors.hpp"
 #include "packet.hpp"
@@ -37,8 +38,16 @@ struct RayBlock {
   static constexpr int width = std::min(8, float_lanes), height = float_lanes / width;
 };
 
-/// Rays of a camera through the pixels of an image: PixelGrid::ray, with the terms that the pixels of a
-/// column or a row share computed once.
+/// Directions of the rays of a packet; their film coordinates, and the weights of their light, if each pixel
+/// has places of its own.
+struct PacketRays {
+  Vectors directions;
+  Doubles u, v;
+  Floats weights;
+};
+
+/// Rays of a camera through the pixels of an image: PixelGrid::ray. If places in pixels are the same in all
+/// of them, the terms that the pixels of a column or a row share are computed once.
 class PixelRays {
  public:
   /// Computes the tables. It is called once for a picture, so that it is compiled for size (gnu::cold), which
@@ -48,14 +57,23 @@ class PixelRays {
         pixels_(pixels),
         is_pinhole_(camera.is_pinhole()),
         hand_(hand_of(camera)),
-        has_float_sums_(allows_float_sums(camera, pixels.largest_u())),
+        has_float_sums_(allows_float_sums(camera, pixels)),
         viewpoint_(is_pinhole_ ? Viewpoint{.apex = camera.position, .is_eye = true} : viewpoint_of_film()) {
-    for (int i = 0; i < pixels.samples(); ++i) samples_.push_back(tables(pixels.sample(i), width, height));
-    for (int x = 0; x <= width; x += edge_step) column_edges_.push_back(computed_column_edge(x));
-    for (int y = 0; y <= height; y += edge_step) row_edges_.push_back(computed_row_edge(y));
+    if (pixels.has_common_places())
+      for (int i = 0; i < pixels.samples(); ++i)
+        samples_.push_back(tables(pixels.common_place(i), width, height));
+    for (int x = 0; x <= width; x += edge_step) {
+      edges_.left.push_back(column_edge_at(x, -margin()));
+      if (margin() > 0) edges_.right.push_back(column_edge_at(x, margin()));
+    }
+    for (int y = 0; y <= height; y += edge_step) {
+      edges_.upper.push_back(row_edge_at(y, -margin()));
+      if (margin() > 0) edges_.lower.push_back(row_edge_at(y, margin()));
+    }
   }
 
-  /// Returns the directions of the rays through the i-th samples of the pixels from (x, y) on to the right.
+  /// Returns the directions of the rays through the i-th samples of the pixels from (x, y) on to the right,
+  /// if places are the same in all pixels.
   [[nodiscard]] Vectors directions(int x, int y, int i = 0) const {
     const Tables& sample = samples_[static_cast<std::size_t>(i)];
     return normalize(sample.along.some<Vectors>(x) + Vectors(sample.up[y]) + camera_.forward);
@@ -79,14 +97,31 @@ class PixelRays {
     return {dx * scale, dy * scale, dz * scale};
   }
 
+  /// Finds the rays through the i-th samples of the pixels from (x, y) on to the right.
+  void find(int x, int y, int i, PacketRays& rays) const {
+    if (pixels_.has_common_places())
+      rays.directions = directions(x, y, i);
+    else
+      find_own(x, y, i, rays);
+  }
+
+  /// Returns the weights of their light.
+  [[nodiscard]] Floats weights(int i, const PacketRays& rays) const {
+    if (!pixels_.has_common_places()) return rays.weights;
+    return static_cast<float>(pixels_.common_place(i).weight);
+  }
+
   /// Returns the packet of these rays, of which rays in the tile are active.
-  [[nodiscard]] CameraPacket packet(const Tile& tile, int x, int y, const Vectors& directions,
-                                    int i = 0) const {
-    return {is_pinhole_ ? Vectors(camera_.position) : film_origins(x, y, i), directions, active(tile, x)};
+  [[nodiscard]] CameraPacket packet(const Tile& tile, int x, int y, int i, const PacketRays& rays) const {
+    return {is_pinhole_ ? Vectors(camera_.position) : film_origins(x, y, i, rays), rays.directions,
+            active(tile, x)};
   }
   [[nodiscard]] CameraPacket packet(const Tile& tile, int x, int y, int i = 0) const {
-    return packet(tile, x, y, directions(x, y, i), i);
+    PacketRays rays;
+    find(x, y, i, rays);
+    return packet(tile, x, y, i, rays);
   }
+
   /// Returns the active lanes of a packet that begins in column x: the pixels in the tile.
   [[nodiscard]] static LaneMask active(const Tile& tile, int x) {
     return x + double_lanes <= tile.x1 ? LaneMask(true)
@@ -99,22 +134,34 @@ class PixelRays {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
   }
 
-  /// Left edge of a column of pixels, or upper edge of a row.
+  /// Edge of the columns, or of the rows, of a tile, moved out by as much as places of samples may be outside
+  /// of their pixel.
   struct Edge {
     Vec3 shift;   ///< u · right, or v · up
     Vec3 normal;  ///< unit normal, to the right or downward, of the plane through the edge; 0 if not certain
     FloatNormal inwards = rounded(normal), outwards = rounded(-normal);  ///< the same in float
   };
 
-  /// Returns the left edge of column x; row_edge(y) returns the upper one of row y. Their planes pass through
-  /// the camera's apex, unless rays are parallel.
-  [[nodiscard]] Edge column_edge(int x) const {
-    return x % edge_step == 0 ? column_edges_[static_cast<std::size_t>(x / edge_step)]
-                              : computed_column_edge(x);
+  /// Returns the edges of the tiles that begin with column x or row y, left and upper, and of those that end
+  /// before these, right and lower. The edges' planes pass through the camera's apex, unless rays are
+  /// parallel.
+  [[nodiscard]] Edge left_edge(int x) const {
+    return x % edge_step == 0 ? edges_.left[index_of_edge(x)] : column_edge_at(x, -margin());
   }
-  [[nodiscard]] Edge row_edge(int y) const {
-    return y % edge_step == 0 ? row_edges_[static_cast<std::size_t>(y / edge_step)] : computed_row_edge(y);
+  [[nodiscard]] Edge right_edge(int x) const {
+    if (margin() == 0) return left_edge(x);
+    return x % edge_step == 0 ? edges_.right[index_of_edge(x)] : column_edge_at(x, margin());
   }
+  [[nodiscard]] Edge upper_edge(int y) const {
+    return y % edge_step == 0 ? edges_.upper[index_of_edge(y)] : row_edge_at(y, -margin());
+  }
+  [[nodiscard]] Edge lower_edge(int y) const {
+    if (margin() == 0) return upper_edge(y);
+    return y % edge_step == 0 ? edges_.lower[index_of_edge(y)] : row_edge_at(y, margin());
+  }
+
+  /// Returns how far places of samples may be outside of their pixel, in pixels.
+  [[nodiscard]] double margin() const { return pixels_.margin(); }
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
   [[nodiscard]] const PixelGrid& pixels() const { return pixels_; }
@@ -133,17 +180,19 @@ class PixelRays {
  private:
   static constexpr int edge_step = 8;  ///< most tiles begin and end at multiples of this
 
+  static std::size_t index_of_edge(int x) { return static_cast<std::size_t>(x / edge_step); }
+
   /// Returns an edge with the normal of a plane that contains the directions forward + u · right + v · up
   /// with u, or v, fixed; if these are all forward, of the plane that contains forward and the edge of the
   /// film.
-  [[nodiscard]] Edge computed_column_edge(int x) const {
+  [[nodiscard]] Edge column_edge_at(int x, double position) const {
     const Vec3& upwards = camera_.is_orthographic() ? camera_.film_up : camera_.up;
-    const Vec3 shift = pixels_.u(x, 0) * camera_.right;
+    const Vec3 shift = pixels_.u(x, position) * camera_.right;
     return Edge{.shift = shift, .normal = unit(hand_ * cross(upwards, camera_.forward + shift))};
   }
-  [[nodiscard]] Edge computed_row_edge(int y) const {
+  [[nodiscard]] Edge row_edge_at(int y, double position) const {
     const Vec3& across = camera_.is_orthographic() ? camera_.film_right : camera_.right;
-    const Vec3 shift = pixels_.v(y, 0) * camera_.up;
+    const Vec3 shift = pixels_.v(y, position) * camera_.up;
     return Edge{.shift = shift, .normal = unit(hand_ * cross(across, camera_.forward + shift))};
   }
   static Vec3 unit(const Vec3& v) {
@@ -203,8 +252,9 @@ class PixelRays {
   /// Returns true if the directions of a camera may be added up in float (block_directions). Before they are
   /// normalized, they are at least half as long as forward and no longer than the sum of all three vectors,
   /// so that squares stay between 2^-100 and 2^100.
-  static bool allows_float_sums(const Camera& camera, double largest_u) {
-    const double longest = length(camera.forward) + largest_u * length(camera.right) + length(camera.up);
+  static bool allows_float_sums(const Camera& camera, const PixelGrid& pixels) {
+    const double longest = length(camera.forward) + pixels.largest_u() * length(camera.right) +
+                           pixels.largest_v() * length(camera.up);
     return camera.is_pinhole() && std::abs(volume_of(camera)) > 0.5 + 0x1p-20 &&
            length(camera.forward) > 0x1p-40 && longest < 0x1p40;
   }
@@ -222,9 +272,19 @@ class PixelRays {
 
   /// Returns where the rays through the i-th samples of some pixels start, on the film of a camera that is no
   /// pinhole.
-  [[nodiscard, gnu::noinline]] Vectors film_origins(int x, int y, int i) const {
+  [[nodiscard, gnu::noinline]] Vectors film_origins(int x, int y, int i, const PacketRays& rays) const {
+    if (!pixels_.has_common_places())
+      return rays.u * camera_.film_right + rays.v * camera_.film_up + camera_.position;
     const Tables& sample = samples_[static_cast<std::size_t>(i)];
     return sample.film_along.some<Vectors>(x) + Vectors(sample.film_up[y]) + camera_.position;
+  }
+
+  /// Finds rays through places that each pixel has of its own.
+  [[gnu::noinline]] void find_own(int x, int y, int i, PacketRays& rays) const {
+    const FilteredPlace<Doubles> places = pixels_.places(x, y, i);
+    rays.u = pixels_.u(x, places.x), rays.v = pixels_.v(y, places.y);
+    rays.weights = to_float(places.weight);
+    rays.directions = normalize(rays.u * camera_.right + rays.v * camera_.up + camera_.forward);
   }
 
   /// Returns the viewpoint of a camera whose rays start on a film. With position P, film vectors F, G and
@@ -241,8 +301,8 @@ class PixelRays {
   /// bound of |e| covers all of it.
   [[nodiscard, gnu::cold]] Viewpoint viewpoint_of_film() const {
     const auto& [position, right, up, forward, film_right, film_up] = camera_;
-    const double u = pixels_.largest_u();
-    const double film = u * length(film_right) + length(film_up);
+    const double u = pixels_.largest_u(), v = pixels_.largest_v();
+    const double film = u * length(film_right) + v * length(film_up);
     Viewpoint viewpoint{.apex = position, .film = position};
     double least = 1;  // smallest product of normal and a ray's unit direction
     const Vec3 normal = hand_ * cross(normalize(film_right), normalize(film_up));
@@ -250,9 +310,9 @@ class PixelRays {
       const double k =
           std::max(0.0, (dot(film_right, right) + dot(film_up, up)) / (dot(right, right) + dot(up, up)));
       viewpoint.apex = position - k * forward;
-      viewpoint.drift = u * length(film_right - k * right) + length(film_up - k * up);
+      viewpoint.drift = u * length(film_right - k * right) + v * length(film_up - k * up);
       for (const Vec3& across : {u * right, -u * right})
-        for (const Vec3& upwards : {up, -up}) {
+        for (const Vec3& upwards : {v * up, -v * up}) {
           const Vec3 d = forward + across + upwards;
           least = std::min(least, dot(normal, d) / length(d));
         }
@@ -263,7 +323,7 @@ class PixelRays {
     return viewpoint;
   }
 
-  [[nodiscard, gnu::cold]] Tables tables(const PixelSample& sample, int width, int height) const {
+  [[nodiscard, gnu::cold]] Tables tables(const FilteredPlace<double>& sample, int width, int height) const {
     // Packets and blocks are read whole, also where only their first pixels are in the image.
     const int columns = width + RayBlock::width + double_lanes, rows = height + RayBlock::height;
     const int film_columns = is_pinhole_ ? 0 : columns, film_rows = is_pinhole_ ? 0 : rows;
@@ -303,7 +363,12 @@ class PixelRays {
   bool has_float_sums_;
   Viewpoint viewpoint_;
   std::vector<Tables> samples_;
-  std::vector<Edge> column_edges_, row_edges_;  ///< of each edge_step-th column and row
+
+  /// Edges of each edge_step-th column and row. Without a margin, those on the right are those on the left,
+  /// and the lower ones the upper ones.
+  struct {
+    std::vector<Edge> left, right, upper, lower;
+  } edges_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

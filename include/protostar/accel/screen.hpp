@@ -8,8 +8,8 @@
 // Quantities of a tile are computed here in double. The volume of e1, e2, e3, as unit vectors, is above 1/16,
 // so the roundings of these, of the dual basis, and of the rays' directions are below 2^-42 of the products
 // of lengths: X, Y and Z of a point p, from o, are off by less than that part of |p| times the length of
-// their own vector of the basis. Let γ be 2^-42 (|e1*| + |e2*| + T |e3*|), the tile being in |x|, |y| ≤ T.
-// Then X, Y and T Z are off by less than γ|p|.
+// their own vector of the basis. Let γ be 2^-42 (|e1*| + |e2*| + T |e3*|), the tile's rays being in |x|, |y|
+// ≤ T. Then X, Y and T Z are off by less than γ|p|.
 #pragma once
 
 #include <algorithm>
@@ -22,6 +22,7 @@
 #include "../bvh/node.hpp"
 #include "../camera.hpp"
 #include "../image.hpp"
+#include "../pixel_grid.hpp"
 #include "../simd/simd.hpp"
 #include "pixel_rays.hpp"
 
@@ -63,12 +64,12 @@ struct Screen {
              is_moderate(length(e2)) && is_moderate(length(e3)) && std::abs(volume) > 0x1p-4 * sizes &&
              length(eye_in_box_space) < 0x1p40 && 0x1p-500 < scale && scale < 0x1p500;
     across = cross(e2, e3) / volume, down = cross(e3, e1) / volume, ahead = cross(e1, e2) / volume;
-    reach = std::max(half_width, half_height);
+    reach = std::max(half_width, half_height) + rays.margin();
     longest = length(e3) + reach * (length(e1) + length(e2));
     uncertainty = 0x1p-42 * (length(across) + length(down) + reach * length(ahead));
     pixels_of_all = std::numbers::pi * 3 / dot(eye_in_box_space, eye_in_box_space) * dot(e3, e3) /
                     (length(e1) * length(e2));
-    left = pixels.sample(sample).x - half_width, top = pixels.sample(sample).y - half_height;
+    left = pixels.common_place(sample).x - half_width, top = pixels.common_place(sample).y - half_height;
   }
 };
 

@@ -108,7 +108,8 @@ class TileHits {
   }
 
   /// Returns the radiance of rays with these closest hits: shade_hits(hits) for one surface after the other,
-  /// so that nothing has to be gathered from different surfaces; background() for rays that miss.
+  /// so that nothing has to be gathered from different surfaces, or shade_hits(hit, lane) for each hit of a
+  /// surface whose hits are shaded one by one; background() for rays that miss.
   [[nodiscard]] Colors shade(const RayPacket& rays, const Closest& closest, const auto& background,
                              const auto& shade_hits) const {
     const LaneMask met = rays.active && closest.t < infinity;
@@ -189,6 +190,14 @@ class TileHits {
       f(index);
       lanes &= ~bits(indices == Indices(index));
     }
+  }
+
+  /// Returns the radiance of a single hit: shade(hit, lane), or shade(hit) if it takes no lane.
+  [[nodiscard]] static Color shade_in_lane(const auto& shade, const Intersection& hit, int lane) {
+    if constexpr (requires { shade(hit, lane); })
+      return shade(hit, lane);
+    else
+      return shade(hit);
   }
 
   static LaneMask only_lane(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
@@ -327,9 +336,9 @@ class TileHits {
     for (Bits left = bits(lanes); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
       const Ray ray = rays[lane];
-      result.set(lane,
-                 shade_hits(Intersection(
-                     ray, crossing_on(surface, crossing_of<T>(surface, ray, closest, lane), material))));
+      const Intersection hit(ray,
+                             crossing_on(surface, crossing_of<T>(surface, ray, closest, lane), material));
+      result.set(lane, shade_in_lane(shade_hits, hit, lane));
     }
     return result;
   }

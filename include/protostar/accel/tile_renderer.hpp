@@ -11,11 +11,9 @@
 #include <cstdint>
 #include <iterator>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "../render.hpp"
 #include "../render_options.hpp"
@@ -29,6 +27,7 @@
 #include "picture_candidates.hpp"
 #include "pixel_rays.hpp"
 #include "tile_scene.hpp"
+#include "tile_work.hpp"
 #include "visibility.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
@@ -43,7 +42,10 @@ class TileRenderer {
       : image_(image),
         scene_(scene),
         integrator_(integrator),
-        rays_(camera, PixelGrid(image.width(), image.height(), options), image.width(), image.height()),
+        rays_(
+            camera,
+            PixelGrid(image.width(), image.height(), options, protostar::detail::default_sampler<I, View>()),
+            image.width(), image.height()),
         candidates_(scene, rays_, order),
         skips_(skips_that_pay(options, image, scene.scene().size())),
         statistics_(options.statistics) {}
@@ -51,25 +53,28 @@ class TileRenderer {
   /// Fills a tile.
   void operator()(const Tile& tile) const {
     const Fallbacks before = fallbacks;
-    std::unique_ptr<Work> work = take_work();
+    std::unique_ptr<Work> work = works_.take();
     const Frustum frustum(rays_, tile);
     Candidates& in_tile = work->lists[0];
     candidates_.find(tile, frustum, in_tile);
     if constexpr (by_packets && View::rasterizes)
-      if (rays_.is_pinhole()) rasterize(in_tile, tile, *work);
+      if (are_tested_together()) rasterize(in_tile, tile, *work);
     if (!fill_uniform(tile, in_tile, frustum, *work)) fill_parts(tile, in_tile, 0, *work);
     work->state.counts.exact = fallbacks.exact - before.exact;
-    return_work(std::move(work));
+    works_.give_back(std::move(work), statistics_);
   }
 
  private:
   using View = TileScene<S...>;
   using Closest = typename View::Closest;
   using Order = Candidates::Order;
+  using Work = TileWork<S...>;
 
   static constexpr bool by_packets = PacketIntegrator<I>;
   static constexpr bool shades = ShadingIntegrator<I, View>;
-  static constexpr bool shades_anywhere = shades && ShadesAnywhere<I>;
+  static constexpr bool takes_sampler =
+      shades ? ShadesBySampler<I, View> : protostar::detail::takes_sampler<I, View>;
+  static constexpr bool shades_anywhere = shades && ShadesAnywhere<I> && !takes_sampler;
 
   /// An integrator that may ask for all hits needs the scene's order.
   static constexpr Order order = shades || !by_packets ? Order::near_to_far : Order::of_scene;
@@ -80,24 +85,16 @@ class TileRenderer {
   struct Division {
     int width, height, most;
   };
-  static constexpr Division divisions[] = {{32, 32, 64}, {16, 16, -1}, {8, 8, 3}, {8, RayBlock::height, 16}};
+  static constexpr Division divisions[Work::most_divisions] = {
+      {32, 32, 64}, {16, 16, -1}, {8, 8, 3}, {8, RayBlock::height, 16}};
 
   /// First pixel of a packet.
   struct PacketStart {
     int x, y;
   };
-  static constexpr std::size_t most_packets = 16 * ((16 + double_lanes - 1) / double_lanes);
 
   /// Largest number of candidates that are tested in double as fast as in float, for colors that need t.
   static constexpr int most_tested_in_double = 3;
-
-  /// Buffers of a tile and of its parts: the candidates of the tile and of parts of each size, and what the
-  /// pixels of a part see.
-  struct Work {
-    Candidates lists[std::size(divisions) + 1];
-    Visibility visibility;
-    TileState<S...> state;
-  };
 
   /// Returns the skips of the options, without lists of occluders in a picture of fewer than 64 pixels for
   /// each surface: a list would serve so few rays that its search costs more than it saves.
@@ -108,22 +105,6 @@ class TileRenderer {
     Skips skips = options.skips;
     skips.occluder_lists = skips.occluder_lists && pixels >= 64.0 * static_cast<double>(surfaces);
     return skips;
-  }
-
-  /// Returns buffers of an earlier tile, or new ones: they are large.
-  [[nodiscard]] std::unique_ptr<Work> take_work() const {
-    const std::lock_guard lock(sharing_);
-    if (spare_.empty()) return std::unique_ptr<Work>(new Work);
-    std::unique_ptr<Work> work = std::move(spare_.back());
-    spare_.pop_back();
-    (std::get<VisibilityBuffers<S>>(work->state.buffers).clear(), ...);
-    work->state.occluders = {}, work->state.counts = {};
-    return work;
-  }
-  void return_work(std::unique_ptr<Work> work) const {
-    const std::lock_guard lock(sharing_);
-    if (statistics_) *statistics_ += work->state.counts;
-    spare_.push_back(std::move(work));
   }
 
   [[nodiscard]] View view_of(const Candidates& candidates, Work& work) const {
@@ -166,8 +147,9 @@ class TileRenderer {
   /// that candidate, and the integrator may tell its radiance without the points that they meet.
   [[nodiscard]] bool fill_uniform(const Tile& tile, const Candidates& candidates, const Frustum& frustum,
                                   Work& work) const {
-    if constexpr (by_packets) {
-      if (!may_skip_background()) return false;
+    if constexpr (by_packets && (shades || !takes_sampler)) {
+      const PixelGrid& pixels = rays_.pixels();
+      if (!may_skip_background() || (pixels.has_weights() && !pixels.has_common_places())) return false;
       const View view = view_of(candidates, work);
       if (candidates.size() > 0) {
         if constexpr (shades ? !shades_anywhere : !AsksForCrossings<I>) return false;
@@ -176,8 +158,7 @@ class TileRenderer {
           if (!candidates.fills(i, frustum) || view.has_texture(candidates.index(i))) return false;
       }
       fill_tile(image_, tile, uniform_color(tile, candidates, view, work));
-      work.state.counts.pixels_skipped +=
-          pixel_count(tile) * static_cast<std::uint64_t>(rays_.pixels().samples());
+      work.state.counts.pixels_skipped += pixel_count(tile) * static_cast<std::uint64_t>(pixels.samples());
       return true;
     }
     return false;
@@ -203,8 +184,7 @@ class TileRenderer {
       view.set_crossed(&work.state.crossed);
       colors = integrator_.radiance(rays, view);
     }
-    const Color color{colors.r[0], colors.g[0], colors.b[0]};
-    return rays_.pixels().mean([&](int) { return color; });
+    return rays_.pixels().mean_of_equal({colors.r[0], colors.g[0], colors.b[0]});
   }
 
   /// Returns the radiance of pixels that surely see these surfaces, or nothing, without their own rays: any
@@ -231,23 +211,38 @@ class TileRenderer {
     if constexpr (!by_packets) {
       for (int y = part.y0; y < part.y1; ++y)
         for (int x = part.x0; x < part.x1; ++x)
-          image_(x, y) = pixels.mean([&](int i) {
-            const Ray ray = pixels.ray(rays_.camera(), x, y, i);
+          image_(x, y) = pixels.mean(x, y, [&](int i, const auto& place) {
+            const Ray ray = pixels.ray(rays_.camera(), x, y, place);
             view.set_pixel(ray);
-            return protostar::detail::radiance_in(view, integrator_)(ray);
+            return protostar::detail::radiance_of_sample(protostar::detail::radiance_in(view, integrator_),
+                                                         ray, pixels.sampler(x, y, i));
           });
     } else {
-      // The image holds the sum of the samples so far.
+      if (!pixels.keeps_light()) each_packet(part, [&](std::size_t k, int, int) { work.sums[k] = {}; });
       for (int i = 0; i < samples; ++i)
         if constexpr (shades)
           fill_hits(part, candidates, view, i, work);
         else
           fill_radiance(part, candidates, view, i, work);
-      if (samples == 1) return;
-      for (int y = part.y0; y < part.y1; ++y)
-        for (int x = part.x0; x < part.x1; ++x)
-          image_(x, y) = protostar::clamped(image_(x, y) * (1 / static_cast<float>(samples)));
+      if (pixels.keeps_light()) return;
+      each_packet(part, [&](std::size_t k, int x, int y) {
+        set_packet(image_, part, x, y, work.sums[k].mean(static_cast<std::uint32_t>(samples)));
+      });
     }
+  }
+
+  /// Adds colors to the i-th samples of a packet, which begins at pixel (x, y) of a part; or gives them to
+  /// the pixels, if it is their only sample and has the weight 1.
+  void add(const Tile& part, int x, int y, int i, const PacketRays& rays, const Colors& colors,
+           Work& work) const {
+    if (rays_.pixels().keeps_light()) return set_packet(image_, part, x, y, colors);
+    work.sums[PacketSums::index(part, x, y)].add(colors * rays_.weights(i, rays));
+  }
+
+  /// Returns true if float may be asked what rays see: they begin in one point, and those of a block lead
+  /// through the same place of their pixels.
+  [[nodiscard]] bool are_tested_together() const {
+    return rays_.is_pinhole() && rays_.pixels().has_common_places();
   }
 
   /// Adds the i-th sample of a part, for an integrator that shades closest hits. All packets go through one
@@ -261,36 +256,42 @@ class TileRenderer {
       return is_known ? widened(work.visibility(x, y)) : Indices(is_in_doubt);
     };
     // Rays that stand for all that miss; they are used only if visibility is known.
-    const CameraPacket any_rays = rays_.packet(
-        part, part.x0, part.y0, is_known ? rays_.directions(part.x0, part.y0, i) : Vectors(Vec3{0}), i);
+    const CameraPacket any_rays =
+        is_known ? rays_.packet(part, part.x0, part.y0, i) : CameraPacket(Vectors(Vec3{0}), Vectors(Vec3{0}));
     std::array<PacketStart, most_packets> open;
-    std::array<Vectors, most_packets> directions;
+    std::array<PacketRays, most_packets> found;
     std::array<Closest, most_packets> closest;
     std::size_t count = 0;
     std::uint64_t skipped = 0;
     each_packet(part, [&](std::size_t, int x, int y) {
       if (const Indices seen = seen_from(x, y); is_known && !needs_rays(seen, view)) {
         skipped += static_cast<std::uint64_t>(std::min(double_lanes, part.x1 - x));
-        return add_packet(image_, part, x, y, i, shade_seen(seen, any_rays, view));
+        return add(part, x, y, i, found[count], shade_seen(seen, any_rays, view), work);
       }
       if (candidates_.are_from_bvh() && is_known) view.prefetch_seen(seen_from(x, y));
-      directions[count] = rays_.directions(x, y, i);
+      rays_.find(x, y, i, found[count]);
       open[count++] = {x, y};
     });
     for (std::size_t k = 0; k < count; ++k) {
       const auto [x, y] = open[k];
       view.set_first_pixel(x, y, i);
-      closest[k] = view.closest(rays_.packet(part, x, y, directions[k], i), seen_from(x, y));
+      closest[k] = view.closest(rays_.packet(part, x, y, i, found[k]), seen_from(x, y));
       if (candidates_.are_from_bvh()) view.prefetch_materials(closest[k]);
     }
     for (std::size_t k = 0; k < count; ++k) {
       const auto [x, y] = open[k];
       view.set_first_pixel(x, y, i);
-      const CameraPacket rays = rays_.packet(part, x, y, directions[k], i);
-      add_packet(image_, part, x, y, i,
-                 view.shade(
-                     rays, closest[k], [&] { return integrator_.background(rays, view); },
-                     [&](const auto& hits) { return integrator_.shade(hits, view); }));
+      const CameraPacket rays = rays_.packet(part, x, y, i, found[k]);
+      const auto shade = [&](const auto& hits, auto... lane) {
+        if constexpr (takes_sampler)
+          return integrator_.shade(hits, view, sampler_in(rays_.pixels().samplers(x, y, i), lane...));
+        else
+          return integrator_.shade(hits, view);
+      };
+      add(part, x, y, i, found[k],
+          view.shade(
+              rays, closest[k], [&] { return integrator_.background(rays, view); }, shade),
+          work);
     }
     work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
   }
@@ -300,26 +301,37 @@ class TileRenderer {
                      Work& work) const {
     std::uint64_t skipped = 0;
     each_block(part, [&](const Tile& block) {
-      const bool is_tested = AsksForCrossings<I> && rays_.is_pinhole() && skips_.sure_in_float;
+      const bool is_tested = AsksForCrossings<I> && are_tested_together() && skips_.sure_in_float;
       const bool needs_rays = !(is_tested && find_crossed(block, candidates, view, i, work));
       if (!needs_rays) skipped += pixel_count(block);
       each_packet(block, [&](std::size_t, int x, int y) {
         view.set_first_pixel(x, y, i);
         view.set_crossed(is_tested ? &work.state.crossed : nullptr,
                          (y - block.y0) * RayBlock::width + (x - block.x0));
-        const Vectors directions = needs_rays ? rays_.directions(x, y, i) : Vectors(Vec3{0});
-        add_packet(image_, part, x, y, i,
-                   integrator_.radiance(rays_.packet(part, x, y, directions, i), view));
+        PacketRays found;
+        if (needs_rays)
+          rays_.find(x, y, i, found);
+        else
+          found.directions = Vec3{0};
+        const CameraPacket rays = rays_.packet(part, x, y, i, found);
+        const auto radiance = [&] {
+          if constexpr (takes_sampler)
+            return integrator_.radiance(rays, view, rays_.pixels().samplers(x, y, i));
+          else
+            return integrator_.radiance(rays, view);
+        };
+        add(part, x, y, i, found, radiance(), work);
       });
     });
     work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
   }
 
   /// Finds what the pixels of a part see first, as far as float tells. Returns false if float is not asked:
-  /// the camera is no pinhole, a candidate has no bounds, or testing so few candidates in double is as fast.
+  /// the camera is no pinhole, each pixel has places of its own, a candidate has no bounds, or testing so few
+  /// candidates in double is as fast.
   [[nodiscard]] bool find_visibility(const Tile& part, const Candidates& candidates, const View& view, int i,
                                      Work& work) const {
-    if (!rays_.is_pinhole() || !skips_.sure_in_float) return false;
+    if (!are_tested_together() || !skips_.sure_in_float) return false;
     view.set_first_pixel(part.x0, part.y0, i);
     const bool is_in_buffer = view.with_only_buffer([&](const auto& drawn) {
       each_packet(part, [&](std::size_t, int x, int y) {
@@ -380,8 +392,7 @@ class TileRenderer {
   PictureCandidates<S...> candidates_;
   Skips skips_;
   RenderStatistics* statistics_;
-  mutable std::mutex sharing_;                        ///< guards *statistics_ and spare_
-  mutable std::vector<std::unique_ptr<Work>> spare_;  ///< buffers that no tile uses
+  mutable TileWorks<S...> works_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -84,14 +84,16 @@ class TileScene : public TileHits<S...> {
     return shade(rays, closest(rays), background, shade_hits);
   }
 
-  /// Traces each active ray alone; returns shade_hits(hit), or background() for rays that miss.
+  /// Traces each active ray alone; returns shade_hits(hit, lane), or shade_hits(hit) if it takes no lane;
+  /// background() for rays that miss.
   [[nodiscard, gnu::noinline]] Colors follow_each(const RayPacket& rays, const auto& background,
                                                   const auto& shade_hits) const {
     Colors result(background());
     for (Bits alone = bits(rays.active); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       count_alone();
-      if (const auto hit = everything_.intersect(rays[lane], Interval{})) result.set(lane, shade_hits(*hit));
+      if (const auto hit = everything_.intersect(rays[lane], Interval{}))
+        result.set(lane, this->shade_in_lane(shade_hits, *hit, lane));
     }
     return result;
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <initializer_list>
 #include <iterator>
@@ -162,6 +163,15 @@ class JsonCursor {
     const double x = number_between(min, max, allowed);
     require(x == std::floor(x), allowed);
     return static_cast<int>(x);
+  }
+
+  /// Returns a whole number of 64 binary digits. One with a point or an exponent is a double.
+  [[nodiscard]] std::uint64_t whole_word() const {
+    constexpr std::string_view allowed = "a whole number from 0 to 18446744073709551615";
+    if (exists() && value_->is_number_unsigned()) return value_->get<std::uint64_t>();
+    const double x = number_between(0, 0x1.fffffffffffffp63, allowed);
+    require(x == std::floor(x), allowed);
+    return static_cast<std::uint64_t>(x);
   }
 
   // ---- Vectors and colors.

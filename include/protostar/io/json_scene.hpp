@@ -20,6 +20,8 @@
 #include <vector>
 
 #include "../image.hpp"
+#include "../sampling/reconstruction.hpp"
+#include "../sampling/samplers.hpp"
 #include "../shown.hpp"
 #include "../surfaces/csg.hpp"
 #include "image_normal_map.hpp"
@@ -190,8 +192,8 @@ inline Transfer transfer_at(const JsonCursor& at) {
 }
 
 inline void read_settings(const JsonCursor& at, SceneFile& file) {
-  at.with_keys(
-      {"resolution-x", "resolution-y", "samples", "depth", "integrator", "transfer", "tone", "exposure"});
+  at.with_keys({"resolution-x", "resolution-y", "samples", "sampler", "filter", "seed", "depth", "integrator",
+                "transfer", "tone", "exposure"});
   const int most = static_cast<int>(Image::max_pixels);
   file.width = at["resolution-x"].whole_number(1, most);
   file.height = at["resolution-y"].whole_number(1, most);
@@ -199,11 +201,15 @@ inline void read_settings(const JsonCursor& at, SceneFile& file) {
     at.refuse("a picture of at most 2^28 pixels");
   if (at.has("samples")) file.samples = at["samples"].whole_number(0, most_samples);
   if (at.has("depth")) file.depth = at["depth"].whole_number(1, most_depth);
-  if (at.has("integrator")) {
+  const auto name_of = [&](const char* key, const auto& allowed) {
     std::vector<std::pair<std::string_view, std::string_view>> names;
-    for (const std::string_view name : integrator_names) names.push_back({name, name});
-    file.integrator = at["integrator"].one_of(names);
-  }
+    for (const std::string_view name : allowed) names.push_back({name, name});
+    return std::string(at[key].one_of(names));
+  };
+  if (at.has("sampler")) file.sampler = name_of("sampler", sampler_names);
+  if (at.has("filter")) file.filter = name_of("filter", ReconstructionFilter::names);
+  if (at.has("seed")) file.seed = at["seed"].whole_word();
+  if (at.has("integrator")) file.integrator = name_of("integrator", integrator_names);
   if (at.has("transfer")) file.transfer = transfer_at(at["transfer"]);
   if (at.has("tone"))
     file.tone = at["tone"].one_of<Tone>(

@@ -1,6 +1,7 @@
 // Exact sums of several pixels at once, one in each lane.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -37,6 +38,29 @@ class ExactLanes {
   [[nodiscard]] ExactSum operator[](int lane) const {
     return ExactSum(
         {static_cast<std::int64_t>(first_[lane] * 0x1p16), static_cast<std::int64_t>(rest_[lane] * 0x1p47)});
+  }
+
+  /// Returns ExactSum::mean in each lane, for 0 < count < 2^22, by one division of double where that is
+  /// certain to give the nearest float.
+  ///
+  /// Let s be the sum, rounded to double, and q be s/count, rounded. q is off by less than 2^-52 of itself,
+  /// so its float is certain if all doubles within 2^-51 round to the same. It is certain too if s is exact
+  /// and q · count = s, as for many sums of few floats. If q is not in the middle between two floats, it is
+  /// on the same side of each middle as the quotient, since these middles are doubles and rounding to double
+  /// keeps the order. If q is such a middle, it has 25 digits and q · count no more than 47: it is exact, and
+  /// q is the quotient.
+  [[nodiscard]] Floats mean(std::uint32_t count) const {
+    const Doubles n = static_cast<double>(count), s = first_ + rest_, q = s / n;
+    const Doubles other = s - first_, error = (first_ - (s - other)) + (rest_ - other);  // of s, exactly
+    const auto is_near =
+        simd::mask_for<double>(simd::to_float(q * (1 - 0x1p-51)) == simd::to_float(q * (1 + 0x1p-51)));
+    const auto is_sure = is_near || (error == Doubles(0.0) && q * n == s);
+    Floats mean = simd::to_float(q);
+    for (simd::Bits left = bits(!is_sure); left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
+      mean.set(lane, (*this)[lane].mean(count));
+    }
+    return mean;
   }
 
  private:

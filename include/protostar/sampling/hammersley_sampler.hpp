@@ -29,8 +29,9 @@ namespace sampling {
 
 }  // namespace sampling
 
-/// Sampler whose first two numbers of set 0 are the points of pixel_samples (camera.hpp): each of as many
-/// columns and rows as there are samples has one, in its middle.
+/// Sampler whose first two numbers of set 0 are Hammersley's points, the fraction of each moved to the middle
+/// of a column and of a row: each of as many columns and rows as there are samples has one, in its middle. A
+/// single one is the middle of the pixel.
 ///
 /// Points are the same for every pixel, and for every seed. All other numbers are those of SobolSampler for
 /// the pixel (0, 0): for every pixel the same too, so that a soft shadow consists of as many sharp ones as
@@ -39,6 +40,8 @@ namespace sampling {
 template <class Word>
 class BasicHammersleySampler {
  public:
+  using HasCommonPlaces = void;  ///< the first two numbers of set 0 are the same in every pixel
+
   explicit BasicHammersleySampler(const BasicSampleIndex<Word>& at)
       : others_({.seed = at.seed, .sample = at.sample, .samples = at.samples}),
         samples_(std::max(at.samples, std::uint32_t{1})),

@@ -49,8 +49,9 @@ struct FilteredPlace {
 /// everything else biased.
 class ReconstructionFilter {
  public:
-  /// Makes the box of width 1: each place of the pixel counts alike.
-  ReconstructionFilter() : ReconstructionFilter(box()) {}
+  /// Makes the filter of box(): each place of the pixel counts alike. It has no polygon, as the place for
+  /// numbers (u, v) is (u, v).
+  ReconstructionFilter() = default;
 
   /// Returns the filter that weighs all places alike within a width. The default is the pixel itself, and the
   /// place for numbers (u, v) is (u, v).
@@ -118,10 +119,14 @@ class ReconstructionFilter {
   /// Returns the largest distance of a place from the center, along x or y.
   [[nodiscard]] double radius() const { return radius_; }
 
+  /// Returns true if weights may differ from 1.
+  [[nodiscard]] bool has_weights() const { return has_weights_; }
+
   /// Returns the place for two numbers between 0 and 1. Each coordinate grows with its number, so that
   /// numbers that are spread evenly give places that are.
   template <class Number>
   [[nodiscard]] FilteredPlace<Number> operator()(Number u, Number v) const {
+    if (pieces_.empty()) return {u, v, Number(1.0)};
     if (pieces_.size() == 1) return {place_on(pieces_[0], u), place_on(pieces_[0], v), Number(1.0)};
     const auto place = [&](Number number) {
       return of_each(number, [&](double one) { return place_on(piece_of(one), one); });
@@ -201,10 +206,10 @@ class ReconstructionFilter {
     return piece.left + min(2 * s / (piece.height + root), Number(piece.width));
   }
 
-  double radius_, area_ = 0;  ///< area_ is that under |f|
-  bool has_weights_ = false;  ///< other weights than 1
+  double radius_ = 0.5, area_ = 0;  ///< area_ is that under |f|
+  bool has_weights_ = false;        ///< other weights than 1
   std::vector<Piece> pieces_;
-  std::array<std::uint16_t, parts> first_pieces_;
+  std::array<std::uint16_t, parts> first_pieces_{};
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,62 @@
+// Buffers for the work on one tile.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <mutex>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "../render_options.hpp"
+#include "../surface.hpp"
+#include "candidates.hpp"
+#include "drawn.hpp"
+#include "packet_pixels.hpp"
+#include "tile_hits.hpp"
+#include "visibility.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// Buffers of a tile and of its parts: the candidates of the tile and of parts of each size, what the pixels
+/// of a part see, and the sums of their samples.
+template <Surface... S>
+struct TileWork {
+  static constexpr int most_divisions = 4;  ///< how often a tile is divided into smaller parts
+
+  Candidates lists[most_divisions + 1];
+  Visibility visibility;
+  TileState<S...> state;
+  std::array<PacketSums, most_packets> sums;  ///< of the samples so far, unless a pixel keeps a single one
+};
+
+/// Buffers of the tiles of a picture. They are large, so that a tile takes those of an earlier one.
+template <Surface... S>
+class TileWorks {
+ public:
+  using Work = TileWork<S...>;
+
+  /// Returns buffers that no other tile uses.
+  [[nodiscard]] std::unique_ptr<Work> take() {
+    const std::lock_guard lock(sharing_);
+    if (spare_.empty()) return std::unique_ptr<Work>(new Work);
+    std::unique_ptr<Work> work = std::move(spare_.back());
+    spare_.pop_back();
+    (std::get<VisibilityBuffers<S>>(work->state.buffers).clear(), ...);
+    work->state.occluders = {}, work->state.counts = {};
+    return work;
+  }
+
+  /// Takes buffers back, and adds their counts to the statistics, if these are not null.
+  void give_back(std::unique_ptr<Work> work, RenderStatistics* statistics) {
+    const std::lock_guard lock(sharing_);
+    if (statistics) *statistics += work->state.counts;
+    spare_.push_back(std::move(work));
+  }
+
+ private:
+  std::mutex sharing_;  ///< guards the statistics and spare_
+  std::vector<std::unique_ptr<Work>> spare_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd

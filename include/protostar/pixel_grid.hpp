@@ -1,0 +1,179 @@
+// The pixels of an image on the film of a camera, with the places of their samples.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "camera.hpp"
+#include "render_options.hpp"
+#include "sampling/exact_sum.hpp"
+#include "sampling/hammersley_sampler.hpp"
+#include "sampling/pixel_sampler.hpp"
+#include "sampling/reconstruction.hpp"
+#include "simd/simd.hpp"
+#include "simd/vectors.hpp"
+#include "simd/words.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Pixels of an image, which is a whole picture or a part of one, and their samples.
+///
+/// The place of a sample is where the filter takes the first two numbers of the sampler's set 0. These belong
+/// to the pixel of the whole picture, so that a part of it has the same numbers.
+class PixelGrid {
+ public:
+  /// Takes the sampler of the options, or `otherwise` if they have none. Throws std::invalid_argument if the
+  /// number of samples is negative or too large, or if the picture that the image is cropped from does not
+  /// contain it.
+  [[gnu::cold]] PixelGrid(int width, int height, const RenderOptions& options = {},
+                          const SamplerChoice& otherwise = sampler_of<HammersleySampler>)
+      : crop_(options.crop.width == 0 && options.crop.height == 0 ? Crop{0, 0, width, height} : options.crop),
+        sampler_(options.sampler.is_made() ? options.sampler : otherwise),
+        filter_(options.filter),
+        seed_(options.seed) {
+    if (options.samples < 0 || options.samples > most_samples_of_pixel)
+      throw std::invalid_argument("RenderOptions: samples must be from 0 to " +
+                                  std::to_string(most_samples_of_pixel) + "; it is " +
+                                  std::to_string(options.samples));
+    const auto holds = [](int whole, int first, int size) {
+      return first >= 0 && first <= whole && size <= whole - first;
+    };
+    if (!holds(crop_.width, crop_.x, width) || !holds(crop_.height, crop_.y, height))
+      throw std::invalid_argument(
+          "RenderOptions: crop must be the size of a picture that holds the image; " + std::to_string(width) +
+          "x" + std::to_string(height) + " at " + std::to_string(crop_.x) + ", " + std::to_string(crop_.y) +
+          " is not inside " + std::to_string(crop_.width) + "x" + std::to_string(crop_.height));
+    if (options.samples > 0) samples_ = options.samples;
+    set_common_places(options.samples);
+  }
+
+  /// Returns the film's u at a position in column x of the image, or v in row y; position 0 is the left or
+  /// upper edge, 1 the other. In lanes, columns follow each other.
+  [[nodiscard]] double u(int x, double position) const {
+    return Camera::u_at(crop_.x + x + position, crop_.width, crop_.height);
+  }
+  [[nodiscard]] double v(int y, double position) const {
+    return Camera::v_at(crop_.y + y + position, crop_.height);
+  }
+  [[nodiscard]] simd::Doubles u(int x, simd::Doubles position) const {
+    return Camera::u_at(simd::Doubles(crop_.x + x) + simd::iota<double, simd::double_lanes>() + position,
+                        crop_.width, crop_.height);
+  }
+  [[nodiscard]] simd::Doubles v(int y, simd::Doubles position) const {
+    return Camera::v_at(simd::Doubles(crop_.y + y) + position, crop_.height);
+  }
+
+  /// Returns the largest u of any ray, and the largest v: those at the right and at the upper edge of the
+  /// whole picture, moved out as far as the filter reaches.
+  [[nodiscard]] double largest_u() const {
+    return Camera::u_at(crop_.width + margin(), crop_.width, crop_.height);
+  }
+  [[nodiscard]] double largest_v() const { return Camera::v_at(-margin(), crop_.height); }
+
+  /// Returns how far places of samples may be outside of their pixel, in pixels.
+  [[nodiscard]] double margin() const {
+    return filter_.radius() > 0.5 && !(samples_ == 1 && has_common_places()) ? filter_.radius() - 0.5 : 0;
+  }
+
+  [[nodiscard]] int samples() const { return samples_; }
+
+  /// Returns true if the mean of a pixel's samples is the light of the only one, unchanged.
+  [[nodiscard]] bool keeps_light() const { return samples_ == 1 && !has_weights(); }
+
+  /// Returns true if any sample has another weight than 1.
+  [[nodiscard]] bool has_weights() const {
+    return filter_.has_weights() && !(samples_ == 1 && has_common_places());
+  }
+
+  /// Returns true if the places and weights are the same in every pixel.
+  [[nodiscard]] bool has_common_places() const { return !places_.empty(); }
+
+  /// Returns the place of sample i, if it is the same in every pixel.
+  [[nodiscard]] const FilteredPlace<double>& common_place(int i) const {
+    return places_[static_cast<std::size_t>(i)];
+  }
+
+  /// Returns the place of sample i of pixel (x, y) of the image.
+  [[nodiscard]] FilteredPlace<double> place(int x, int y, int i) const {
+    if (has_common_places()) return common_place(i);
+    const SampleSet<double> numbers = sampler(x, y, i)(0);
+    return filter_(numbers[0], numbers[1]);
+  }
+
+  /// Returns the places of sample i of the pixels from (x, y) on to the right.
+  [[nodiscard]] FilteredPlace<simd::Doubles> places(int x, int y, int i) const {
+    const SampleSet<simd::Doubles> numbers = samplers(x, y, i)(0);
+    return filter_(numbers[0], numbers[1]);
+  }
+
+  /// Returns the sampler of sample i of pixel (x, y) of the image.
+  [[nodiscard]] PixelSampler sampler(int x, int y, int i) const {
+    return {sampler_,
+            {seed_, word(crop_.x + x), word(crop_.y + y), static_cast<std::uint32_t>(i),
+             static_cast<std::uint32_t>(samples_)}};
+  }
+
+  /// Returns the samplers of sample i of the pixels from (x, y) on to the right.
+  [[nodiscard]] PacketSampler samplers(int x, int y, int i) const {
+    return {sampler_,
+            {seed_, simd::Words(word(crop_.x + x)) + simd::iota<std::uint32_t, simd::double_lanes>(),
+             simd::Words(word(crop_.y + y)), static_cast<std::uint32_t>(i),
+             static_cast<std::uint32_t>(samples_)}};
+  }
+
+  /// Returns the ray of a camera through a place of pixel (x, y).
+  [[nodiscard]] Ray ray(const Camera& camera, int x, int y, const FilteredPlace<double>& place) const {
+    return camera(u(x, place.x), v(y, place.y));
+  }
+
+  /// Returns the mean of as many equal lights, if places are the same in every pixel or all weights are 1.
+  [[nodiscard]] Color mean_of_equal(const Color& light) const {
+    if (keeps_light()) return light;
+    ExactColorSum sum;
+    for (int i = 0; i < samples_; ++i)
+      sum.add(light * (has_common_places() ? static_cast<float>(common_place(i).weight) : 1.0f));
+    return sum.mean(static_cast<std::uint32_t>(samples_));
+  }
+
+  /// Returns the mean of light(i, place) over the samples i of pixel (x, y), times their weights: a single
+  /// one of weight 1 as it is, otherwise an exact sum, divided and rounded once.
+  [[nodiscard]] Color mean(int x, int y, const auto& light) const {
+    if (keeps_light()) return light(0, place(x, y, 0));
+    ExactColorSum sum;
+    for (int i = 0; i < samples_; ++i) {
+      const FilteredPlace<double> at = place(x, y, i);
+      sum.add(Color(light(i, at)) * static_cast<float>(at.weight));
+    }
+    return sum.mean(static_cast<std::uint32_t>(samples_));
+  }
+
+ private:
+  static std::uint32_t word(int x) { return static_cast<std::uint32_t>(x); }
+
+  /// Computes the places, if they are the same in every pixel; a single one is the center. Their weights are
+  /// divided by the mean weight, which is 1 for random places only, and only on average: otherwise all of the
+  /// picture would be darker or brighter by that factor.
+  void set_common_places(int samples) {
+    if (samples > 0 && !sampler_.has_common_places()) return;
+    if (samples <= 1) return places_.push_back({0.5, 0.5, 1});
+    double sum = 0;
+    for (int i = 0; i < samples; ++i) {
+      const SampleSet<double> numbers = sampler(0, 0, i)(0);
+      sum += places_.emplace_back(filter_(numbers[0], numbers[1])).weight;
+    }
+    if (filter_.has_weights())
+      for (FilteredPlace<double>& place : places_) place.weight *= samples / sum;
+  }
+
+  Crop crop_;
+  SamplerChoice sampler_;
+  ReconstructionFilter filter_;
+  std::uint64_t seed_;
+  int samples_ = 1;
+  std::vector<FilteredPlace<double>> places_;  ///< of the samples; empty if each pixel has its own
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI
