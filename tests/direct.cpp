@@ -5,6 +5,7 @@
 #include <numbers>
 #include <protostar/accel/accelerate.hpp>
 #include <protostar/integrators/unoccluded.hpp>
+#include <protostar/protostar.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "support/errors.hpp"
 #include "support/light_truth.hpp"
 #include "support/meshes.hpp"
+#include "support/pictures.hpp"
 #include "support/random.hpp"
 
 using namespace protostar;
@@ -262,4 +264,30 @@ TEST_CASE("each ray to a lamp takes two numbers of its own, from set 1 on") {
   CHECK(asked() == std::vector<std::uint32_t>{1, 2, 3});
   direct.most_rays = 1;
   CHECK(asked() == std::vector<std::uint32_t>{1});
+}
+
+TEST_CASE("a picture of soft shadows has the same bytes by tiles, by any number of threads and with a tree") {
+  Scene<Plane, Sphere, AnySurface> scene;
+  scene.add(Plane{{0, 1, 0}, -1}, matte);
+  scene.add(Sphere{{0, 0, 4}, 0.7}, matte);
+  scene.add(Sphere{{-1.5, 1, 4}, 0.4}, lamp(3));
+  scene.add(AnySurface(Parallelogram{{1, 1, 3}, {1, 0, 0}, {0, 0.3, 1}}), lamp(2));
+  scene.set_sky(Color{0.5f});
+  const DirectIntegrator direct(scene);
+  const auto camera = Camera::perspective({}, {0, 0, 1}, {0, 1, 0}, 70);
+  for (const int samples : {0, 4}) {
+    RenderOptions options;
+    options.samples = samples;
+    Image tiled(80, 70), fast(80, 70), plain(80, 70);
+    render(tiled, camera, scene, direct, options);
+    options.threads = 3;
+    render(fast, camera, accelerate(scene), direct, options);
+    options.tiles = false;
+    render(plain, camera, scene, direct, options);
+    CHECK(different_pixels(plain, tiled) == 0);
+    CHECK(different_pixels(plain, fast) == 0);
+    CHECK(count_pixels(plain, [&](int x, int y) { return plain(x, y) != Color{0}; }) > 5000);
+    // Chance differs between neighbors on the plane.
+    CHECK(count_pixels(plain, [&](int x, int y) { return x > 0 && plain(x, y) != plain(x - 1, y); }) > 2000);
+  }
 }

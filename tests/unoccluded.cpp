@@ -42,13 +42,13 @@ TEST_CASE("unoccluded light is the emission and the albedo over π times the irr
   REQUIRE(unoccluded.lights.lights().size() == 5);
   const auto camera = Camera::perspective({}, {0, 0, 1}, {0, 1, 0}, 70);
   Image image(32, 24);
-  const PixelGrid pixels(32, 24, {});
   render(image, camera, scene, unoccluded);
   WrongCases wrong;
   int lit = 0, lamps = 0;
   for (int y = 0; y < 24; ++y)
     for (int x = 0; x < 32; ++x) {
-      const auto hit = scene.intersect(pixels.ray(camera, x, y, 0), Interval{});
+      const auto hit =
+          scene.intersect(camera(Camera::u_at(x + 0.5, 32, 24), Camera::v_at(y + 0.5, 24)), Interval{});
       if (!hit) {
         wrong.add(image(x, y) != Color{0}, x, y);
         continue;
@@ -95,7 +95,9 @@ TEST_CASE("unoccluded light has the same bytes by tiles, by any number of thread
   const UnoccludedIntegrator unoccluded(scene);
   const auto camera = Camera::perspective({}, {0, 0, 1}, {0, 1, 0}, 70);
   Image plain(80, 70), tiled(80, 70), fast(80, 70);
-  render(plain, camera, scene, unoccluded, {.tiles = false});
+  RenderOptions by_rays;
+  by_rays.tiles = false;
+  render(plain, camera, scene, unoccluded, by_rays);
   for (const int threads : {1, 3}) {
     render(tiled, camera, scene, unoccluded, {.threads = threads});
     CHECK(different_pixels(plain, tiled) == 0);
@@ -103,7 +105,7 @@ TEST_CASE("unoccluded light has the same bytes by tiles, by any number of thread
   render(fast, camera, accelerate(scene), unoccluded);
   CHECK(different_pixels(plain, fast) == 0);
   // WhittedIntegrator shows emission, and takes packets.
-  render(plain, camera, scene, WhittedIntegrator{}, {.tiles = false});
+  render(plain, camera, scene, WhittedIntegrator{}, by_rays);
   render(tiled, camera, scene, WhittedIntegrator{});
   CHECK(different_pixels(plain, tiled) == 0);
   CHECK(count_pixels(plain, [&](int x, int y) { return plain(x, y) == Color{1, 2, 3}; }) > 20);
