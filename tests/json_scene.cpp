@@ -58,6 +58,7 @@ TEST_CASE("a scene file needs a resolution, a camera and objects; all else has a
   CHECK(material.reflect == 0);
   CHECK(material.refract == 0);
   CHECK(material.ior == 1.5);
+  CHECK(material.emission == Color{0});
 }
 
 TEST_CASE("a scene file chooses sampler, filter and seed") {
@@ -96,6 +97,7 @@ TEST_CASE("all properties of a scene can be given in a scene file") {
   CHECK(red.reflect == 0.25);
   CHECK(red.refract == 0.5);
   CHECK(red.ior == 1.33);
+  CHECK(red.emission == Color{0.25f, 0, 2});
 
   const auto& planes = file.scene.surfaces<Plane>();
   REQUIRE(planes.size() == 1);

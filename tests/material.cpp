@@ -67,6 +67,7 @@ TEST_CASE("an invalid material is refused with the field's name") {
     const Color light{0.5f, static_cast<float>(bad), 0};
     CHECK(refusal({.diffuse = light}) == "Material: diffuse color must be finite and not negative");
     CHECK(refusal({.specular = light}) == "Material: specular color must be finite and not negative");
+    CHECK(refusal({.emission = light}) == "Material: emission must be finite and not negative");
     CHECK(refusal({.shininess = bad}) == "Material: shininess must be finite and not negative");
     CHECK(refusal({.reflect = bad}) == "Material: reflect must be finite as a float and not negative");
     CHECK(refusal({.refract = bad}) == "Material: refract must be finite as a float and not negative");
@@ -77,7 +78,12 @@ TEST_CASE("an invalid material is refused with the field's name") {
   for (const double bad : {0.0, 0x1p-401, 1e121})
     CHECK(refusal({.ior = bad}) == "Material: ior must be from 2^-400 (3.9e-121) to 2^400 (2.6e120)");
   CHECK(refusal({}).empty());
-  CHECK(refusal({.diffuse = Color{9}, .specular = Color{16}, .shininess = 0, .reflect = 2, .refract = 3})
+  CHECK(refusal({.diffuse = Color{9},
+                 .specular = Color{16},
+                 .shininess = 0,
+                 .reflect = 2,
+                 .refract = 3,
+                 .emission = Color{7}})
             .empty());
 }
 

@@ -370,3 +370,15 @@ TEST_CASE("the length of a ray's direction does not change its light") {
   for (const double length : {0x1p-100, 0.5, 8.0, 0x1p100})
     CHECK(near(seen(scene, 5, {{0, 0, 0}, length * Vec3{0.25, 0, 1}}), expected));
 }
+
+TEST_CASE("a surface with an emission is seen so, also in a mirror, and does not light others") {
+  const Color light{0.5f, 2, 0};
+  // A wall that emits, seen directly; then behind glass and in a mirror that emits as well.
+  CHECK(seen(walls({{3, {.emission = light}}})) == light);
+  CHECK(seen(walls({{3, {.reflect = 0.5, .emission = Color{1}}}, {-2, {.emission = light}}})) ==
+        Color{1} + 0.5f * light);
+  CHECK(seen(walls({{3, {.refract = 0.25, .ior = 1}}, {4, {.emission = light}}})) == 0.25f * light);
+  CHECK(seen(walls({{3, {.diffuse = Color{1}}}, {-2, {.emission = light}}})) == Color{0});
+  CHECK(seen(walls({{3, {.emission = Color{std::numeric_limits<float>::max()}}}})) ==
+        Color{std::numeric_limits<float>::max()});
+}

@@ -128,6 +128,9 @@ class Intersection {
     return dot(dot(n, ray_.direction) <= 0 ? n : -n, to_light);
   }
 
+  /// Returns the surface that is hit: its address in the scene.
+  [[nodiscard]] const void* surface() const { return on_.surface; }
+
   /// Returns the index of the primitive that is hit, as the surface counts them; 0 for a surface without
   /// primitives.
   [[nodiscard]] int part() const { return on_.crossing.part; }

@@ -51,8 +51,8 @@ class NormalMap {
   std::shared_ptr<const std::function<Vec3(double, double)>> function_;
 };
 
-/// Reflection and refraction of a surface. The radiance that leaves a point is
-///   Σ over the lights (diffuse · E + specular · E⊥ · cos(r, v)^shininess)
+/// Emission, reflection and refraction of a surface. The radiance that leaves a point is
+///   emission + Σ over the lights (diffuse · E + specular · E⊥ · cos(r, v)^shininess)
 ///     + reflect · (radiance from the mirror direction) + refract · (radiance from the refracted direction)
 /// with the irradiance E of a light and E⊥ without its cosine, and the angle between the mirror image r of
 /// the direction to the light and the direction v to the eye (Phong). There are no other weights: the
@@ -66,6 +66,7 @@ struct Material {
   double reflect = 0;
   double refract = 0;
   double ior = 1.5;  ///< index of refraction inside, the normal pointing outside; outside it is 1
+  Color emission{0};  ///< radiance that the surface itself sends out, on both sides, alike in all directions
 
   /// Throws std::invalid_argument if a number is negative or not finite (reflect and refract as floats), if
   /// ior or the size of a Checker is no size (magnitude.hpp), or if a color of a Checker is negative or not
@@ -82,6 +83,7 @@ struct Material {
       require_rule(is_size(checker->size), "Checker: size must be", size_rule);
     }
     check(is_light(diffuse), "Material: diffuse color must be finite and not negative");
+    check(is_light(emission), "Material: emission must be finite and not negative");
     check(is_light(specular), "Material: specular color must be finite and not negative");
     check(is_share(shininess), "Material: shininess must be finite and not negative");
     check(is_factor(reflect), "Material: reflect must be finite as a float and not negative");

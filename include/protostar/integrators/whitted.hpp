@@ -57,8 +57,8 @@ inline thread_local std::int64_t whitted_rays_left = 0;
 
 }  // namespace detail
 
-/// Integrator of Material's equation: the light from lights that are not occluded, and the radiance from the
-/// mirror direction and the refracted direction, by rays of their own (Whitted 1980, "An Improved
+/// Integrator of Material's equation: the emission, the light from lights that are not occluded, and the
+/// radiance from the mirror direction and the refracted direction, by rays of their own (Whitted 1980, "An Improved
 /// Illumination Model for Shaded Display"). The sky, or black, if there is no hit.
 struct WhittedIntegrator {
   using TakesPackets = WhittedIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
@@ -155,6 +155,7 @@ struct WhittedIntegrator {
     const auto normals = outside.facing(direction);
     R mirrored = onward.with_direction(reflected(direction, normals.shading));
     auto result = direct_radiance(mirrored, normals, color, material, scene);
+    result += material.emission;
     // Rays that are traced must not lead into the surface.
     const auto normal = mirroring_normal(normals, direction);
     if (normals.is_mapped) mirrored = onward.with_direction(reflected(direction, normal));

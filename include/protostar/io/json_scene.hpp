@@ -86,7 +86,7 @@ inline Texture texture_at(const JsonCursor& at) {
 }
 
 inline Material material_at(const JsonCursor& at) {
-  at.with_keys({"diffuse", "specular", "shininess", "reflect", "refract", "ior", "normal-map"});
+  at.with_keys({"diffuse", "specular", "shininess", "reflect", "refract", "ior", "normal-map", "emission"});
   Material material;
   if (at["diffuse"].is(json::value_t::object))
     material.texture = texture_at(at["diffuse"]);
@@ -100,6 +100,7 @@ inline Material material_at(const JsonCursor& at) {
   if (at.has("reflect")) material.reflect = at["reflect"].factor();
   if (at.has("refract")) material.refract = at["refract"].factor();
   if (at.has("ior")) material.ior = at["ior"].size();
+  if (at.has("emission")) material.emission = at["emission"].color();
   return material;
 }
 

@@ -1,0 +1,237 @@
+// Area lights of a scene: its surfaces that emit light, prepared for drawing directions to them.
+//
+// A surface emits light if its material has an emission, L_e. It sends out this radiance from both of its
+// sides and alike in all directions. A ray that hits it sees L_e, whatever the surface is. Spheres,
+// parallelograms, disks, triangles and meshes also light other surfaces, AnySurface that hold them included:
+// directions to them can be drawn. Other surfaces with an emission (planes, boxes, quadrics, instances,
+// solids of several) light nothing but the eye.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "irradiance.hpp"
+#include "sampling/solid_angle.hpp"
+#include "scene.hpp"
+#include "surfaces/disk.hpp"
+#include "surfaces/mesh.hpp"
+#include "surfaces/parallelogram.hpp"
+#include "surfaces/sphere.hpp"
+#include "surfaces/triangle.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// A surface of a scene that lights others.
+class AreaLight {
+ public:
+  /// Triangles of a mesh, and whether they bound a solid.
+  struct Triangles {
+    MeshLight light;
+    bool is_closed;
+  };
+  using Shape = std::variant<Sphere, Parallelogram, Disk, Triangle, std::shared_ptr<const Triangles>>;
+
+  /// `surface` is the surface in its scene, by which hits on it are recognized.
+  AreaLight(Shape shape, const Color& emission, const void* surface)
+      : shape_(std::move(shape)), emission_(emission), surface_(surface) {}
+
+  [[nodiscard]] const Color& emission() const { return emission_; }
+
+ private:
+  [[nodiscard]] auto visit(const auto& f) const {
+    return std::visit(
+        [&]<class T>(const T& shape) {
+          if constexpr (std::is_same_v<T, std::shared_ptr<const Triangles>>)
+            return f(*shape);
+          else
+            return f(shape);
+        },
+        shape_);
+  }
+
+ public:
+  /// Draws a direction from a point with two numbers in (0, 1). `triangle` is the primitive that was drawn; 0
+  /// for a light without primitives.
+  [[nodiscard]] MeshSample sample(const Point& from, double u, double v) const {
+    return visit([&]<class T>(const T& shape) -> MeshSample {
+      if constexpr (std::is_same_v<T, Triangles>)
+        return shape.light.sample(from, u, v);
+      else
+        return {view(shape, from).sample(u, v)};
+    });
+  }
+
+  /// Returns true if a hit is on this light, on the given primitive of it.
+  [[nodiscard]] bool is_hit(const Intersection& hit, std::size_t triangle) const {
+    return hit.surface() == surface_ && static_cast<std::size_t>(hit.part()) == triangle;
+  }
+
+  /// Returns the irradiance that the light would bring with radiance 1 to a hit, by its shading normal, if
+  /// nothing were between: from 0 to π. Triangles of a mesh do not hide each other either. A closed mesh is
+  /// seen through twice, by triangles that turn their outside to the point and by such that turn their inside
+  /// to it; the larger sum of the two counts, which is right for a convex mesh, from outside and from inside.
+  [[nodiscard]] double unoccluded_irradiance(const Intersection& hit) const {
+    const Vec3 normal = hit.facing_normal();
+    return visit([&]<class T>(const T& shape) {
+      if constexpr (std::is_same_v<T, Triangles>)
+        return irradiance_of_mesh(shape, hit, normal);
+      else if (hit.leave(normal).departure == shape.departure())
+        return irradiance_on_itself(shape, hit);
+      else
+        return irradiance_of(shape, hit.point(), normal);
+    });
+  }
+
+  /// Returns the area that a viewer sees of the light, on average over all directions from which it may be
+  /// looked at: a quarter of a sphere, and half of what is flat.
+  [[nodiscard]] double visible_area() const {
+    return visit([]<class T>(const T& shape) -> double {
+      if constexpr (std::is_same_v<T, Sphere>)
+        return std::numbers::pi * shape.radius * shape.radius;
+      else if constexpr (std::is_same_v<T, Disk>)
+        return std::numbers::pi / 2 * shape.radius * shape.radius;
+      else if constexpr (std::is_same_v<T, Parallelogram>)
+        return length(cross(shape.edge_u, shape.edge_v)) / 2;
+      else if constexpr (std::is_same_v<T, Triangle>)
+        return length(cross(shape.b - shape.a, shape.c - shape.a)) / 4;
+      else {
+        double sum = 0;
+        for (const auto& [a, b, c] : shape.light.triangles()) sum += length(cross(b - a, c - a)) / 4;
+        return sum;
+      }
+    });
+  }
+
+ private:
+  static SphereView view(const Sphere& s, const Point& from) { return {from, s.center, s.radius}; }
+  static DiskView view(const Disk& d, const Point& from) { return {from, d.position, d.normal, d.radius}; }
+  static TriangleView view(const Triangle& t, const Point& from) { return {from, t.a, t.b, t.c}; }
+  static ParallelogramView view(const Parallelogram& p, const Point& from) {
+    return {from, p.position, p.edge_u, p.edge_v};
+  }
+
+  static double irradiance_of(const Sphere& s, const Point& point, const Vec3& normal) {
+    return sphere_irradiance(point, normal, s.center, s.radius);
+  }
+  static double irradiance_of(const Disk& d, const Point& point, const Vec3& normal) {
+    return disk_irradiance(point, normal, d.position, d.normal, d.radius);
+  }
+  static double irradiance_of(const Triangle& t, const Point& point, const Vec3& normal) {
+    return triangle_irradiance(point, normal, t.a, t.b, t.c);
+  }
+  static double irradiance_of(const Parallelogram& p, const Point& point, const Vec3& normal) {
+    return parallelogram_irradiance(point, normal, p.position, p.edge_u, p.edge_v);
+  }
+
+  /// Returns the irradiance of a point that lies on the light itself, whatever its digits say: from inside of
+  /// a sphere the light is everywhere, and otherwise it is below the horizon.
+  template <class T>
+  static double irradiance_on_itself(const T&, const Intersection& hit) {
+    const bool is_inside = std::is_same_v<T, Sphere> && dot(hit.surface_normal(), hit.direction()) > 0;
+    return is_inside ? std::numbers::pi : 0;
+  }
+
+  [[nodiscard]] double irradiance_of_mesh(const Triangles& shape, const Intersection& hit,
+                                          const Vec3& normal) const {
+    const Point point = hit.point();
+    double outside = 0, inside = 0;
+    for (std::size_t i = 0; i < shape.light.triangles().size(); ++i) {
+      if (is_hit(hit, i)) continue;
+      const auto& [a, b, c] = shape.light.triangles()[i];
+      const int exponent = exponent_of({a - point, b - a, c - a});
+      const Vec3 e = scaled(b - a, -exponent), f = scaled(c - a, -exponent);
+      const bool is_front = dot(cross(e, f), scaled(a - point, -exponent)) < 0;
+      (is_front ? outside : inside) += triangle_irradiance(point, normal, a, b, c);
+    }
+    return shape.is_closed ? std::max(outside, inside) : outside + inside;
+  }
+
+  Shape shape_;
+  Color emission_;
+  const void* surface_;
+};
+
+/// The area lights of a scene, in the scene's order. They are made once for a picture, and valid as long as
+/// the scene lives, stays in its place and gets no further surfaces. Threads may share them.
+class AreaLights {
+ public:
+  template <Surface... S>
+  explicit AreaLights(const Scene<S...>& scene) : identity_(&scene.lights()), surfaces_(scene.size()) {
+    (add(scene.template surfaces<S>(), scene.template materials<S>()), ...);
+    for (const AreaLight& light : lights_) {
+      const Color& e = light.emission();
+      shares_.add(light.visible_area() * (double{e.r} + e.g + e.b));
+    }
+  }
+
+  [[nodiscard]] const std::vector<AreaLight>& lights() const { return lights_; }
+
+  /// Returns the lights' shares by their power, the product of visible_area and the sum of the emission's
+  /// channels, to choose one of them.
+  [[nodiscard]] const Shares& by_power() const { return shares_; }
+
+  /// Throws std::logic_error if a scene, or a view of it, is not the one of these lights, or has other
+  /// surfaces than when they were made.
+  void require(const auto& scene) const {
+    bool is_same = static_cast<const void*>(&scene.lights()) == identity_;
+    if constexpr (requires { scene.size(); }) is_same = is_same && scene.size() == surfaces_;
+    if (!is_same) [[unlikely]]
+      throw std::logic_error(
+          "AreaLights: the scene is not the one of which they were made, or has been moved or given other "
+          "surfaces since; make them again");
+  }
+
+ private:
+  template <class T>
+  void add(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
+    for (std::size_t i = 0; i < surfaces.size(); ++i)
+      if (const Color& emission = materials[i].emission; !is_black(emission))
+        if (auto shape = shape_of(surfaces[i]))
+          lights_.emplace_back(*std::move(shape), emission, &surfaces[i]);
+  }
+
+  /// Returns the shape of a surface that directions can be drawn to, also of one that is held by AnySurface.
+  template <class T>
+  [[nodiscard]] static std::optional<AreaLight::Shape> shape_of(const T& surface) {
+    std::optional<AreaLight::Shape> shape;
+    const auto try_as = [&]<class Known>(std::type_identity<Known>) {
+      if constexpr (std::is_same_v<T, Known>)
+        shape = shape_as(surface);
+      else if constexpr (requires { surface.template target<Known>(); })
+        if (const Known* const held = surface.template target<Known>()) shape = shape_as(*held);
+    };
+    try_as(std::type_identity<Sphere>{});
+    try_as(std::type_identity<Parallelogram>{});
+    try_as(std::type_identity<Disk>{});
+    try_as(std::type_identity<Triangle>{});
+    try_as(std::type_identity<Mesh>{});
+    return shape;
+  }
+  [[nodiscard]] static AreaLight::Shape shape_as(const auto& surface) { return surface; }
+  [[nodiscard]] static AreaLight::Shape shape_as(const Mesh& mesh) {
+    const MeshData& data = mesh.data();
+    std::vector<TriangleCorners> triangles;
+    triangles.reserve(data.triangles.size());
+    for (std::size_t i = 0; i < data.triangles.size(); ++i) {
+      const Triangle t = data.triangle(i);
+      triangles.push_back({t.a, t.b, t.c});
+    }
+    return std::make_shared<const AreaLight::Triangles>(
+        AreaLight::Triangles{MeshLight(std::move(triangles)), data.is_closed()});
+  }
+
+  const void* identity_;
+  std::size_t surfaces_;
+  std::vector<AreaLight> lights_;
+  Shares shares_{0};
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

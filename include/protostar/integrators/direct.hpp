@@ -1,0 +1,127 @@
+// Shows diffuse surfaces in the light that comes straight from lights of any size, with soft shadows.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "../area_lights.hpp"
+#include "../render.hpp"
+#include "../sampling/sampler.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Numbers of rays to area lights that this thread has traced, and of those that it did not have to: the
+/// light was behind the surface, or seen edge on.
+struct LightRays {
+  std::uint64_t traced = 0, skipped = 0;
+};
+inline thread_local LightRays light_rays;
+
+/// Integrator of direct light: the radiance of a hit is
+///   L_e + ρ/π · Σ E
+/// with its emission L_e, its color as the albedo ρ, and the irradiance E of each light that is not occluded:
+/// the ambient ones, those at a point or in a direction, and the area lights. The sky, or black, if there is
+/// no hit.
+///
+/// The irradiance by an area light is the mean, over directions ω drawn to it, of V L_e cos θ/p(ω), where p
+/// is the density of the direction by solid angle, and the visibility V is 1 if the light is the first
+/// surface that the ray along ω meets. The light thus needs no exception among the occluders, and is visible
+/// from a point exactly where a ray of the camera would see it.
+struct DirectIntegrator : FirstHit<DirectIntegrator> {
+  AreaLights lights;
+
+  /// Largest number of rays to area lights for one hit. If there are no more lights, each gets a ray, and
+  /// chance decides only about the place on the light. If there are more, as many rays are drawn, each to a
+  /// light that is chosen with a probability in proportion to its power; so the time of a hit has a bound.
+  int most_rays = 16;
+
+  /// Prepares the lights of a scene; pictures of that scene can then be drawn.
+  template <Surface... S>
+  explicit DirectIntegrator(const Scene<S...>& scene) : lights(scene) {}
+
+  /// Throws std::invalid_argument if most_rays is less than 1. render calls it.
+  void validate() const {
+    if (most_rays < 1) [[unlikely]]
+      throw std::invalid_argument("DirectIntegrator: most_rays must be at least 1; it is " +
+                                  std::to_string(most_rays));
+  }
+
+  /// Takes two numbers for each ray from the sampler: those of ray k are in set 1 + k/2. With more lights
+  /// than rays, they come after one pair for the choice. Throws std::logic_error if the scene is not the one
+  /// of the lights.
+  [[nodiscard]] Color shade(const Intersection& hit, const auto& scene, const auto& sampler) const {
+    lights.require(scene);
+    const Material& material = hit.material();
+    const Color albedo = hit.color();
+    if (is_black(albedo)) return material.emission;
+    Color light = ambient_of(scene);
+    for (const Light& one : scene.lights()) light += visible_irradiance(scene, hit, one);
+    light *= to_float(1 / std::numbers::pi);
+    light += light_of_areas(hit, scene, sampler);
+    return clamped(material.emission + albedo * clamped(light));
+  }
+
+ private:
+  /// Largest factor of an emission. It is a float, so that black stays black, and no light that is likely to
+  /// be chosen has a larger one.
+  static constexpr double largest_factor = most_irradiance;
+
+  /// Returns an estimate of the irradiance by all area lights, over π.
+  [[nodiscard]] Color light_of_areas(const Intersection& hit, const auto& scene, const auto& sampler) const {
+    const std::vector<AreaLight>& all = lights.lights();
+    const auto rays = static_cast<std::uint32_t>(most_rays);
+    Color sum{0};
+    Pairs pairs(sampler);
+    if (all.size() <= rays) {
+      for (const AreaLight& one : all) sum += light_of(one, hit, scene, pairs.next(), 1);
+      return sum;
+    }
+    // One number chooses all lights: (k + u)/n for k from 0 to n − 1, so that each share of 1/n of all power
+    // gets one ray, and each light n times its share on average.
+    const double u = pairs.next().x;
+    for (std::uint32_t k = 0; k < rays; ++k) {
+      const auto [index, probability, rest] = lights.by_power().choose((k + u) / rays);
+      sum += light_of(all[index], hit, scene, pairs.next(), 1 / (rays * probability));
+    }
+    return sum;
+  }
+
+  /// Returns a weight times an estimate of the irradiance by one light, over π.
+  [[nodiscard]] static Color light_of(const AreaLight& one, const Intersection& hit, const auto& scene,
+                                      const Uv& numbers, double weight) {
+    const auto [drawn, triangle] = one.sample(hit.point(), numbers.x, numbers.y);
+    const double height = hit.height(drawn.direction);
+    const double factor = std::min(weight * height / (std::numbers::pi * drawn.density), largest_factor);
+    if (!(factor > 0)) {
+      ++light_rays.skipped;
+      return Color{0};
+    }
+    ++light_rays.traced;
+    const auto seen = scene.intersect(hit.leave(drawn.direction), Interval{});
+    if (!seen || !one.is_hit(*seen, triangle)) return Color{0};
+    return clamped(one.emission() * to_float(factor));
+  }
+
+  /// The numbers of a sampler from set 1 on, two at a time.
+  template <class Sampler>
+  class Pairs {
+   public:
+    explicit Pairs(const Sampler& sampler) : sampler_(sampler) {}
+    Uv next() {
+      if (is_second_ = !is_second_; is_second_) return {numbers_[2], numbers_[3]};
+      numbers_ = sampler_(++set_);
+      return {numbers_[0], numbers_[1]};
+    }
+
+   private:
+    const Sampler& sampler_;
+    std::uint32_t set_ = 0;
+    bool is_second_ = true;
+    SampleSet<double> numbers_{};
+  };
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,59 @@
+// Tests of estimates of light against its true value, by independent scramblings.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <protostar/render.hpp>
+#include <protostar/sampling/sobol_sampler.hpp>
+#include <vector>
+
+#include "random.hpp"
+#include "wrong_cases.hpp"
+
+/// Estimates of the light along some rays, compared with the truth.
+///
+/// For each ray, the means of independent scramblings are as many independent estimates, whose mean has the
+/// standard error s/√R. If chance alone were at work, one in 5e-9 would be more than 8 standard errors away
+/// from the truth (Student's t with 31 degrees of freedom), so that of 200 rays or fewer a test fails in one
+/// of 10^6 seeds; its seeds are fixed. Light is float: 2^-20 of it is allowed for rounding.
+struct LightTruth {
+  static constexpr int scramblings = 32;
+  static constexpr double most_errors = 8;
+
+  WrongCases wrong;
+  int rays = 0, lit = 0;
+  double largest = 0;     ///< distance from the truth, in standard errors
+  double mean_error = 0;  ///< sum of estimate − truth over all rays
+  double mean_truth = 0;  ///< sum of the truths
+  double variance = 0;    ///< of the sum of errors
+
+  /// Compares the green light of estimate(sampler) with its true value.
+  void compare(const protostar::Ray& ray, const auto& estimate, double truth, int samples) {
+    using namespace protostar;
+    double sum = 0, squares = 0;
+    for (int r = 0; r < scramblings; ++r) {
+      double mean = 0;
+      for (int i = 0; i < samples; ++i)
+        mean += estimate(SobolSampler({.seed = static_cast<std::uint64_t>(r) + 1,
+                                       .x = static_cast<std::uint32_t>(rays),
+                                       .sample = static_cast<std::uint32_t>(i),
+                                       .samples = static_cast<std::uint32_t>(samples)}))
+                    .g;
+      const double error = mean / samples - truth;
+      sum += error, squares += error * error;
+    }
+    const double mean = sum / scramblings;
+    const double square = std::max(0.0, squares / scramblings - mean * mean) / (scramblings - 1);
+    const double allowed = most_errors * std::sqrt(square) + 0x1p-20 * truth;
+    if (square > 0) largest = std::max(largest, std::abs(mean) / std::sqrt(square));
+    wrong.add(!(std::abs(mean) <= allowed), ray.origin, ray.direction, "estimate", mean + truth, "truth",
+              truth, "allowed", allowed);
+    ++rays, lit += truth > 0;
+    mean_error += mean, mean_truth += truth, variance += square;
+  }
+
+  /// Returns the relative bias that would be found, if all rays had it: 8 standard errors of their sum, and
+  /// as many again for chance.
+  [[nodiscard]] double detectable_bias() const { return 2 * most_errors * std::sqrt(variance) / mean_truth; }
+};
