@@ -65,7 +65,7 @@ struct Material {
   double shininess = 50;
   double reflect = 0;
   double refract = 0;
-  double ior = 1.5;  ///< index of refraction inside, the normal pointing outside; outside it is 1
+  double ior = 1.5;   ///< index of refraction inside, the normal pointing outside; outside it is 1
   Color emission{0};  ///< radiance that the surface itself sends out, on both sides, alike in all directions
 
   /// Throws std::invalid_argument if a number is negative or not finite (reflect and refract as floats), if

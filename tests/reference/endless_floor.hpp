@@ -49,8 +49,8 @@ inline Vector endless_floor_along(Real u, Real v) {
   return (irradiance + 0.15f) * color;
 }
 
-/// Returns the picture with the mean of 2^digits rays for each pixel: ray i is in the middle of column i of as
-/// many columns, and in the row whose number has the binary digits of i backwards.
+/// Returns the picture with the mean of 2^digits rays for each pixel: ray i is in the middle of column i of
+/// as many columns, and in the row whose number has the binary digits of i backwards.
 inline Picture endless_floor(int digits) {
   constexpr int width = 640, height = 480;
   const int samples = 1 << digits;

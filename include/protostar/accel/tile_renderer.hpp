@@ -279,7 +279,7 @@ class TileRenderer {
       if (candidates_.are_from_bvh()) view.prefetch_materials(closest[k]);
     }
     for (std::size_t k = 0; k < count; ++k) {
-      const auto [x, y] = open[k];
+      const int x = open[k].x, y = open[k].y;
       view.set_first_pixel(x, y, i);
       const CameraPacket rays = rays_.packet(part, x, y, i, found[k]);
       const auto shade = [&](const auto& hits, auto... lane) {
