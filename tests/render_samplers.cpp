@@ -22,9 +22,9 @@ using namespace protostar;
 namespace {
 
 /// Sampler of a type that a program brings: its numbers are those of another.
-class OwnSampler {
+class FixedSampler {
  public:
-  explicit OwnSampler(const SampleIndex& at) : numbers_(at) {}
+  explicit FixedSampler(const SampleIndex& at) : numbers_(at) {}
   SampleSet<double> operator()(std::uint32_t set) const { return numbers_(set ^ 0x5555); }
 
  private:
@@ -49,8 +49,8 @@ struct Occlusion : FirstHit<Occlusion<by_packets>> {
 };
 
 /// Integrator of rays that may be packets, which makes a color of the numbers of a set.
-struct Numbers {
-  using TakesPackets = Numbers;
+struct SampleNumbers {
+  using TakesPackets = SampleNumbers;
 
   template <class R>
   [[nodiscard]] typename R::Light radiance(const R&, const auto&, const auto& sampler) const {
@@ -82,7 +82,7 @@ Things things() {
 
 const std::vector<SamplerChoice>& all_samplers() {
   static const std::vector<SamplerChoice> all = [] {
-    std::vector<SamplerChoice> choices{sampler_of<OwnSampler>};
+    std::vector<SamplerChoice> choices{sampler_of<FixedSampler>};
     for (const auto name : sampler_names) choices.push_back(*sampler_named(name));
     return choices;
   }();
@@ -136,7 +136,7 @@ TEST_CASE("by tiles, pictures by any sampler and filter have the bytes of those 
       CHECK(drawn_otherwise(scene, camera, WhittedIntegrator{.depth = 3}, options) == 0);
       CHECK(drawn_otherwise(scene, camera, Occlusion<true>{}, options) == 0);
       CHECK(drawn_otherwise(scene, camera, Occlusion<false>{}, options) == 0);
-      CHECK(drawn_otherwise(scene, camera, Numbers{}, options) == 0);
+      CHECK(drawn_otherwise(scene, camera, SampleNumbers{}, options) == 0);
     }
 }
 
