@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <protostar/shown.hpp>
 #include <string_view>
 
@@ -36,9 +37,7 @@ class Json {
     text_ += shown(x);
   }
   void value(float x) { value(static_cast<double>(x)); }
-  void value(int x) { text_ += std::to_string(x); }
-  void value(std::uint16_t x) { text_ += std::to_string(x); }
-  void value(std::size_t x) { text_ += std::to_string(x); }
+  void value(std::integral auto x) { text_ += std::to_string(x); }
   void value(bool x) { text_ += x ? "true" : "false"; }
   void value(std::nullptr_t) { text_ += "null"; }
   void value(const std::string& x) { value(std::string_view(x)); }
