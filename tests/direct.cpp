@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "support/cases.hpp"
 #include "support/catch.hpp"
 #include "support/errors.hpp"
 #include "support/light_truth.hpp"
@@ -26,12 +27,12 @@ const Material matte{.diffuse = Color{0.5f, 0.8f, 0.25f}};
 Material lamp(float light) { return {.emission = Color{2 * light, light, light / 2}}; }
 
 /// For light of which chance hides a large part.
-constexpr int many_samples = PROTOSTAR_LONG_FORMS ? 1024 : 32;
-constexpr int some_rays = PROTOSTAR_LONG_FORMS ? 40 : 8, some_samples = PROTOSTAR_LONG_FORMS ? 128 : 16;
+constexpr int many_samples = cases(32, 1024);
+constexpr int some_rays = cases(8, 40), some_samples = cases(16, 128);
 
 void check(const LightTruth& truth) {
   CHECK(truth.wrong == 0);
-  if (PROTOSTAR_LONG_FORMS) CHECK(truth.detectable_bias() < 0.03);
+  if (cases(0, 1) == 1) CHECK(truth.detectable_bias() < 0.03);
   CHECK(truth.lit >= truth.rays / 2);
   CHECK(std::abs(truth.mean_error) <=
         LightTruth::most_errors * std::sqrt(truth.variance) + 0x1p-20 * truth.mean_truth);

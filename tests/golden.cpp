@@ -185,7 +185,7 @@ TEST_CASE("every stage has a golden, and the goldens are PNG files with three ch
   }
 }
 
-TEST_CASE("the gallery shows each stage in a picture that the stage draws", "[pictures]") {
+TEST_CASE("the gallery shows each stage in a picture that the stage draws") {
   const std::string page = bytes_of(source_dir + "/docs/gallery.md");
   int drawn = 0;
   for (const Golden& picture : goldens) {
@@ -195,7 +195,7 @@ TEST_CASE("the gallery shows each stage in a picture that the stage draws", "[pi
     const Picture shown = read_image(golden("gallery/" + picture.name));
     CHECK(shown.width >= 640);
     CHECK(shown.height >= 480);
-    if (++drawn > pictures(3, 100)) continue;  // the short form draws some of them
+    if (++drawn > cases(3, 100)) continue;  // the short form draws some of them
     const TemporaryFolder folder;
     REQUIRE(run(folder, command(picture) + " --size 640x480 --samples 16") == 0);
     check_equal(read_image((folder / "out.ppm").string()), shown);

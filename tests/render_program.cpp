@@ -202,7 +202,7 @@ TEST_CASE("a scene file sets the size, the integrator and the transfer; options 
 }
 
 // After an intended change: build/stages/render scenes/NAME.json -o tests/golden/scenes/NAME.png
-TEST_CASE("every scene file gives its golden picture, and the gallery shows it", "[pictures]") {
+TEST_CASE("every scene file gives its golden picture, and the gallery shows it") {
   const std::string gallery = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "gallery.md");
   for (const auto& entry : fs::directory_iterator(scenes_folder)) {
     if (entry.path().extension() != ".json") continue;
@@ -214,7 +214,7 @@ TEST_CASE("every scene file gives its golden picture, and the gallery shows it",
     const Picture golden = read_image(
         (fs::path(PROTOSTAR_SOURCE_DIR) / "tests" / "golden" / "scenes" / (name + ".png")).string());
     // The long form draws the whole picture, the short form two rows in its middle.
-    const int width = golden.width, height = pictures(2, golden.height), top = (golden.height - height) / 2;
+    const int width = golden.width, height = cases(2, golden.height), top = (golden.height - height) / 2;
     const TemporaryFolder folder;
     const std::string crop =
         "0," + std::to_string(top) + "," + std::to_string(width) + "," + std::to_string(height);

@@ -257,12 +257,13 @@ TEST_CASE("by tiles, surfaces of any kind look as they do ray by ray") {
 }
 
 TEST_CASE("by tiles, surfaces whose bounds are beyond float, or overflow, look as they do ray by ray") {
-  for (const int others : {5, cases(20, 2100)}) {  // candidates are found among all, or in a tree
+  for (const int others : {5, 2100}) {  // candidates are found among all, or in a tree
     Everything scene = random_spheres(others, 0.01, 0.3, Point{0});
     scene.add(Sphere{.center = {1e120, 0, 0}, .radius = 1.7e120}, Color{0.5f, 0.7f, 0.9f});
     scene.add(AnySurface(BallSomewhere{BoundedBall{.center = {0.5, 0.5, 4}, .radius = 0.8}}),
               Color{0.9f, 0.5f, 0.2f});
-    check_pictures(scene, Camera{}, 70, 33);
+    const bool is_small = others > 5 && cases(0, 1) == 0;
+    check_pictures(scene, Camera{}, is_small ? 17 : 70, is_small ? 9 : 33);
   }
 }
 
