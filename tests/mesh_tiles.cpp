@@ -163,7 +163,7 @@ TEST_CASE("by tiles, triangles of any size around a camera have the same picture
                                     offset + scale * random.point(0.2), random.direction(),
                                     round % 5 == 0 ? 2 : random.real(20, 110));
     if (round % 7 == 0) camera.forward *= 1e-3, camera.right *= 1e-3, camera.up *= 1e-3;
-    Image plain(97, 66), tiles(97, 66);
+    Image plain(cases(49, 97), cases(33, 66)), tiles(plain.width(), plain.height());
     RenderStatistics taken;
     render(tiles, camera, scene, NormalIntegrator{}, {.threads = 1, .statistics = &taken});
     render(plain, camera, scene, NormalIntegrator{}, {.tiles = false});
@@ -176,7 +176,7 @@ TEST_CASE("by tiles, triangles of any size around a camera have the same picture
     CHECK(different_bytes(plain, tiles) == 0);
     drawn += count_pixels(plain, [&](int x, int y) { return plain(x, y) != Color{0}; });
   }
-  CHECK(drawn > 1000 * rounds);
+  CHECK(drawn > cases(250, 1000) * rounds);
   CHECK(in_doubt < 20000);
 }
 
@@ -454,17 +454,19 @@ TEST_CASE("rays that surely miss a rasterized mesh are not tested for crossings 
   const Camera camera = Camera::look_at({0, -2, 1.5}, {0, 0, 0}, {0, 0, 1}, 60);
   for (const SpheresAndMeshes* one : {&scene, &textured}) {
     RenderStatistics taken;
-    Image image(320, 240);
-    CHECK(drawn_otherwise(*one, camera, TransparencyIntegrator{}, {.statistics = &taken}, 320, 240) == 0);
+    Image image(cases(160, 320), cases(120, 240));
+    const auto pixels = static_cast<std::uint64_t>(image.width() * image.height());
+    CHECK(drawn_otherwise(*one, camera, TransparencyIntegrator{}, {.statistics = &taken}, image.width(),
+                          image.height()) == 0);
     render(image, camera, *one, BinaryIntegrator{});
     const auto met = static_cast<std::uint64_t>(
         count_pixels(image, [&](int x, int y) { return image(x, y) != Color{0}; }));
-    CHECK((met > 10000 && met < 320 * 240 / 2));
+    CHECK((met > pixels / 8 && met < pixels / 2));
     // The visibility buffer is queried for all rays; those that may hit the mesh are then tested for
     // crossings.
-    const std::uint64_t tested = taken.surface_tests - 320 * 240;
+    const std::uint64_t tested = taken.surface_tests - pixels;
     CAPTURE(tested, met);
-    CHECK((tested >= met && tested < met + 320 * 240 / 100));
+    CHECK((tested >= met && tested < met + pixels / 100));
   }
 }
 

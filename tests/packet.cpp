@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 
+#include "support/cases.hpp"
 #include "support/catch.hpp"
 #include "support/cylinder.hpp"
 #include "support/random.hpp"
@@ -266,7 +267,7 @@ TEST_CASE("a packet hits a sphere where each of its rays does, or is in doubt") 
           return Ray{r.point(2), r.direction(), Sphere{.center = {1, 0, 0}}.departure()};
         },
         1e-3, 0.003}}));
-  const Comparison tally = compare(row.ray, unit, 2000);
+  const Comparison tally = compare(row.ray, unit, cases(1000, 2000));
   CAPTURE(row.what, tally.asked, tally.met, tally.in_doubt);
   CHECK(tally.wrong == 0);
   CHECK(tally.in_doubt <= row.most_in_doubt * tally.asked);
@@ -291,7 +292,7 @@ TEST_CASE("a packet hits spheres of any size and position where each of its rays
       const Point from = center + r.point(3 * size);
       return Ray{from, (center + r.point(size) - from) * std::exp2(r.real(-2, 2))};
     };
-    const Comparison tally = compare(near_it, at(center, radius), 1000);
+    const Comparison tally = compare(near_it, at(center, radius), cases(250, 1000));
     CHECK(tally.wrong == 0);
   }
   const auto any_sphere = [](Random& r) {
@@ -300,7 +301,7 @@ TEST_CASE("a packet hits spheres of any size and position where each of its rays
   const auto any_ray = [](Random& r) {
     return Ray{{any_size(r), any_size(r), any_size(r)}, {any_size(r), any_size(r), any_size(r)}};
   };
-  CHECK(compare(any_ray, any_sphere, 4000).wrong == 0);
+  CHECK(compare(any_ray, any_sphere, cases(1000, 4000)).wrong == 0);
 }
 
 TEST_CASE("a packet hits a plane where each of its rays does, or is in doubt") {
