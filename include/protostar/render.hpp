@@ -13,8 +13,10 @@
 #include "intersection.hpp"
 #include "parallel.hpp"
 #include "pixel_grid.hpp"
+#include "sampling/film.hpp"
 #include "sampling/hammersley_sampler.hpp"
 #include "sampling/pixel_sampler.hpp"
+#include "sampling/sample_target.hpp"
 #include "sampling/sobol_sampler.hpp"
 #include "scene.hpp"
 
@@ -124,6 +126,25 @@ template <class F>
 
 }  // namespace detail
 
+namespace detail {
+
+/// Gives the light of a camera's view to a target, ray by ray.
+template <Radiance F>
+void draw(const SampleTarget& target, const Camera& camera, const F& radiance, const RenderOptions& options) {
+  const PixelGrid pixels = target.grid(options, default_sampler<F>());
+  const Tile all = target.tile();
+  for_each_in_parallel(all.count(32), options, [&](int i) {
+    const Tile tile = all.part(i, 32);
+    for (int y = tile.y0; y < tile.y1; ++y)
+      for (int x = tile.x0; x < tile.x1; ++x)
+        target.draw(pixels, x, y, [&](int sample, const auto& place) {
+          return radiance_of_sample(radiance, pixels.ray(camera, x, y, place), pixels.sampler(x, y, sample));
+        });
+  });
+}
+
+}  // namespace detail
+
 /// Fills an image with the view of a camera, one ray through each pixel's center unless the options say
 /// otherwise; radiance(ray) or radiance(ray, sampler) returns the radiance along a ray, and is called from
 /// several threads at once. The picture is the same for any number of threads.
@@ -135,18 +156,26 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
             const RenderOptions& options = {}) {
   camera.validate();
   detail::validate(radiance);
-  using Function = std::remove_cvref_t<decltype(radiance)>;
-  const PixelGrid pixels(image.width(), image.height(), options, detail::default_sampler<Function>());
-  const Tile all = image.tile();
-  detail::for_each_in_parallel(all.count(32), options, [&](int i) {
-    const Tile tile = all.part(i, 32);
-    for (int y = tile.y0; y < tile.y1; ++y)
-      for (int x = tile.x0; x < tile.x1; ++x)
-        image(x, y) = pixels.mean(x, y, [&](int sample, const auto& place) {
-          return detail::radiance_of_sample(radiance, pixels.ray(camera, x, y, place),
-                                            pixels.sampler(x, y, sample));
-        });
-  });
+  detail::draw(detail::SampleTarget(image), camera, radiance, options);
+}
+
+/// Adds samples of each pixel to a film, whose tile tells which part of the picture it is. The size of the
+/// picture is that of options.crop, whose position is not used; without one, the picture ends where the tile
+/// does.
+///
+/// Samples added in any order, in any ranges, by any number of threads and machines give the same sums, and
+/// the mean of all options.samples that of an image. If options.samples is 0, samples.last counts as their
+/// number; samplers whose numbers depend on it (StratifiedSampler, HammersleySampler) need it to be the same
+/// each time.
+///
+/// Throws what the render of an image does, and std::invalid_argument if samples.last is greater than
+/// options.samples. If anything was thrown, or a stop requested, any part of the samples may have been added.
+void render(Film& film, const SampleRange& samples, const Camera& camera, const Radiance auto& radiance,
+            const RenderOptions& options = {}) {
+  camera.validate();
+  detail::validate(radiance);
+  if (samples.first >= samples.last) return;
+  detail::draw(detail::SampleTarget(film, samples), camera, radiance, options);
 }
 
 /// Fills an image with the view of a camera in a scene, by an integrator. Throws as the render of a Radiance
@@ -156,6 +185,14 @@ void render(Image& image, const Camera& camera, const S& scene, const I& integra
             const RenderOptions& options = {}) {
   detail::validate(integrator);
   render(image, camera, detail::radiance_in(scene, integrator), options);
+}
+
+/// Adds samples of a camera's view in a scene to a film.
+template <Traceable S, Integrator<S> I>
+void render(Film& film, const SampleRange& samples, const Camera& camera, const S& scene, const I& integrator,
+            const RenderOptions& options = {}) {
+  detail::validate(integrator);
+  render(film, samples, camera, detail::radiance_in(scene, integrator), options);
 }
 
 namespace detail {

@@ -62,6 +62,7 @@ struct RenderOptions {
   SamplerChoice sampler = {};
   ReconstructionFilter filter = {};  ///< weight of the places around a pixel's center
   std::uint64_t seed = 0;            ///< samplers have other numbers for another seed, as good as these
+  double clamp = 0;                  ///< if greater than 0 and finite, channels of samples lie in [0, clamp]
   Crop crop = {};                    ///< picture that the image is a part of
   int threads = 0;      ///< number of threads, with the caller's; 0: one for each core, as far as they start
   StopToken stop = {};  ///< if requested, render returns early; other pixels stay as they were
