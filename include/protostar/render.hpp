@@ -15,6 +15,7 @@
 #include "pixel_grid.hpp"
 #include "sampling/film.hpp"
 #include "sampling/hammersley_sampler.hpp"
+#include "sampling/passes.hpp"
 #include "sampling/pixel_sampler.hpp"
 #include "sampling/sample_target.hpp"
 #include "sampling/sobol_sampler.hpp"
@@ -143,20 +144,32 @@ void draw(const SampleTarget& target, const Camera& camera, const F& radiance, c
   });
 }
 
+/// Draws an image, in passes if the options say so; draw(target, options) gives light to a target.
+void draw_image(Image& image, const RenderOptions& options, const auto& draw) {
+  if (!draws_in_passes(options)) return draw(SampleTarget(image), options);
+  PassLoop(image, options, [&](Film& film, const SampleRange& samples, const RenderOptions& pass) {
+    draw(SampleTarget(film, samples), pass);
+  })();
+}
+
 }  // namespace detail
 
 /// Fills an image with the view of a camera, one ray through each pixel's center unless the options say
 /// otherwise; radiance(ray) or radiance(ray, sampler) returns the radiance along a ray, and is called from
-/// several threads at once. The picture is the same for any number of threads.
+/// several threads at once. The picture is the same for any number of threads. With options.error or seconds,
+/// the picture has as many samples as its error takes, or as fit into the time, and the report tells both.
 ///
-/// Throws std::invalid_argument for an invalid camera, a negative number of threads or samples and a crop
-/// that does not contain the image, anything that radiance.validate() throws, if there is one, and anything
-/// that radiance throws; the pixels of the image may then have any color.
+/// Throws std::invalid_argument for an invalid camera, a negative number of threads or samples, a crop that
+/// does not contain the image and options that make no sense together, anything that radiance.validate()
+/// throws, if there is one, and anything that radiance throws; the pixels of the image may then have any
+/// color.
 void render(Image& image, const Camera& camera, const Radiance auto& radiance,
             const RenderOptions& options = {}) {
   camera.validate();
   detail::validate(radiance);
-  detail::draw(detail::SampleTarget(image), camera, radiance, options);
+  detail::draw_image(image, options, [&](const detail::SampleTarget& target, const RenderOptions& pass) {
+    detail::draw(target, camera, radiance, pass);
+  });
 }
 
 /// Adds samples of each pixel to a film, whose tile tells which part of the picture it is. The size of the

@@ -29,7 +29,7 @@ void fill_by_tiles(const protostar::detail::SampleTarget& target, const Camera& 
 
 namespace detail {
 
-/// Draws a picture by tiles, or ray by ray if the options say so.
+/// Gives the light of a view to a target, by tiles, or ray by ray if the options say so.
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 void draw(const SampleTarget& target, const Camera& camera, const Accelerated<Scene<S...>>& scene,
           const I& integrator, const RenderOptions& options) {
@@ -49,7 +49,9 @@ void render(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& 
   camera.validate();
   detail::validate(integrator);
   scene.require_same_surfaces();
-  detail::draw(detail::SampleTarget(image), camera, scene, integrator, options);
+  detail::draw_image(image, options, [&](const detail::SampleTarget& target, const RenderOptions& pass) {
+    detail::draw(target, camera, scene, integrator, pass);
+  });
 }
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 void render(Image& image, const Camera& camera, const Scene<S...>& scene, const I& integrator,
@@ -57,8 +59,10 @@ void render(Image& image, const Camera& camera, const Scene<S...>& scene, const 
   camera.validate();
   detail::validate(integrator);
   if (!options.tiles) return render(image, camera, detail::radiance_in(scene, integrator), options);
-  detail::draw(detail::SampleTarget(image), camera, Accelerated<Scene<S...>>(scene, options), integrator,
-               options);
+  const Accelerated<Scene<S...>> accelerated(scene, options);
+  detail::draw_image(image, options, [&](const detail::SampleTarget& target, const RenderOptions& pass) {
+    detail::draw(target, camera, accelerated, integrator, pass);
+  });
 }
 
 /// Adds samples of a camera's view in a scene to a film, with the sums of the render of render.hpp, but

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <stdexcept>
 
 #include "../image.hpp"
 #include "../pixel_grid.hpp"
@@ -38,6 +38,9 @@ class SampleTarget {
   /// Returns the pixels with their samples.
   [[nodiscard]] PixelGrid grid(RenderOptions options, const SamplerChoice& otherwise) const {
     if (image_) return {width(), height(), options, otherwise};
+    if (options.error != 0 || options.seconds != 0 || options.every_pixel || options.standard_error)
+      throw std::invalid_argument(
+          "render: error, seconds, every_pixel and standard_error are options of an image, not of a film");
     const bool is_part = options.crop.width != 0 || options.crop.height != 0;
     options.crop = {area_.x0, area_.y0, is_part ? options.crop.width : area_.x1,
                     is_part ? options.crop.height : area_.y1};
