@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
                          .tone = file.tone,
                          .exposure = file.exposure,
                          .samples = file.samples,
+                         .error = file.error,
                          .sampler = file.sampler,
                          .filter = file.filter,
                          .seed = file.seed};

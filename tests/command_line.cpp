@@ -91,10 +91,28 @@ TEST_CASE("the options --version and --help print to stdout and draw nothing") {
   const Outcome help = run_stage(row.name, "--help", folder);
   CHECK(help.status == 0);
   CHECK(help.err == "");
-  for (const char* text :
-       {"-o FILE", "--size WxH", "--samples N", "--sampler NAME", "--filter NAME", "--seed N", "--threads N",
-        "--bits 8|16", "--transfer srgb|linear|gamma=G", "--pixel X,Y", "--explain FILE.json",
-        "--rays FILE.svg|FILE.obj", "--plain", "--quiet", "--help", "--version"})
+  for (const char* text : {"-o FILE",
+                           "--size WxH",
+                           "--samples N",
+                           "--error E",
+                           "--time S",
+                           "--max-samples N",
+                           "--noise FILE.pfm",
+                           "--clamp C",
+                           "--every-pixel",
+                           "--sampler NAME",
+                           "--filter NAME",
+                           "--seed N",
+                           "--threads N",
+                           "--bits 8|16",
+                           "--transfer srgb|linear|gamma=G",
+                           "--pixel X,Y",
+                           "--explain FILE.json",
+                           "--rays FILE.svg|FILE.obj",
+                           "--plain",
+                           "--quiet",
+                           "--help",
+                           "--version"})
     CHECK_THAT(help.out, ContainsSubstring(text));
   CHECK_THAT(help.out, ContainsSubstring("Usage: " + row.name));
   CHECK_THAT(help.out, ContainsSubstring(row.name == "01_gradient"     ? "[100x100]"

@@ -341,3 +341,12 @@ TEST_CASE("the rule of a sequence has its price, and refuses numbers that are no
     CHECK_THAT(message(1, 0.1, wrong),
                ContainsSubstring("failure_probability must be between 0 and 1; it is "));
 }
+
+TEST_CASE("a mean of large variance is known to within a large target after a while") {
+  for (const double target : {0.15, 0.2, 0.25, 0.4}) {
+    BernsteinSequence sequence(BernsteinRule(1, target, 1e-4));
+    for (int i = 0; i < 3000 && !sequence.is_within_target(); ++i) sequence.add(i % 2);
+    CAPTURE(target, sequence.count());
+    CHECK(sequence.is_within_target());
+  }
+}

@@ -61,6 +61,14 @@ TEST_CASE("a scene file needs a resolution, a camera and objects; all else has a
   CHECK(material.emission == Color{0});
 }
 
+TEST_CASE("a scene file may have an error in the place of samples") {
+  CHECK(scene_of_text(patched(R"({"op": "test", "path": "/settings/resolution-x", "value": 8})")).error == 0);
+  const SceneFile file = scene_of_text(patched(R"({"op": "add", "path": "/settings/error", "value": 0.25},
+                 {"op": "add", "path": "/settings/sampler", "value": "independent"})"));
+  CHECK(file.error == 0.25);
+  CHECK(file.samples == 0);
+}
+
 TEST_CASE("a scene file chooses sampler, filter and seed") {
   const SceneFile file =
       scene_of_text(patched(R"({"op": "add", "path": "/settings/sampler", "value": "halton"},

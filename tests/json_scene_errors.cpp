@@ -67,8 +67,8 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
     return Row{replacing("/objects/2/surface", surface), "/objects/2/surface" + error};
   };
   const std::string settings_keys =
-      "resolution-x, resolution-y, samples, sampler, filter, seed, depth, integrator, transfer, tone and "
-      "exposure";
+      "resolution-x, resolution-y, samples, error, sampler, filter, seed, depth, integrator, transfer, tone "
+      "and exposure";
   const std::string ids = R"("black", "red" and "squares")";
   const std::vector<Row> rows{
       {"[]", "the whole: [] is not an object"},
@@ -88,6 +88,15 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       not_allowed("/settings/samples", "-1", samples),
       not_allowed("/settings/samples", "65537", samples),
       not_allowed("/settings/samples", "true", samples),
+      not_allowed("/settings/error", "0", "a number greater than 0"),
+      not_allowed("/settings/error", "\"1\"", "a number greater than 0"),
+      {patched(R"({"op": "add", "path": "/settings/samples", "value": 4},
+                  {"op": "add", "path": "/settings/error", "value": 0.5})"),
+       "/settings/error: 0.5 is not possible beside samples"},
+      {patched(R"({"op": "add", "path": "/settings/sampler", "value": "hammersley"},
+                  {"op": "add", "path": "/settings/error", "value": 0.5})"),
+       "/settings/sampler: \"hammersley\" is not independent, halton or sobol, which can tell the error that "
+       "the settings ask for"},
       not_allowed("/settings/sampler", R"("random")",
                   "\"independent\", \"stratified\", \"halton\", \"sobol\" or \"hammersley\""),
       not_allowed("/settings/filter", "3",

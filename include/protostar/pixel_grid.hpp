@@ -1,35 +1,46 @@
 // The pixels of an image on the film of a camera, with the places of their samples.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "camera.hpp"
 #include "render_options.hpp"
-#include "sampling/exact_sum.hpp"
+#include "sampling/film.hpp"
 #include "sampling/hammersley_sampler.hpp"
 #include "sampling/pixel_sampler.hpp"
 #include "sampling/reconstruction.hpp"
+#include "shown.hpp"
 #include "simd/simd.hpp"
 #include "simd/vectors.hpp"
 #include "simd/words.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Pixels of an image, which is a whole picture or a part of one, and their samples.
+/// Samples [first, last) of each pixel.
+struct SampleRange {
+  std::uint32_t first = 0, last = 0;
+};
+
+/// Pixels of an image, which is a whole picture or a part of one, and their samples, or a range of these.
 ///
 /// The place of a sample is where the filter takes the first two numbers of the sampler's set 0. These belong
 /// to the pixel of the whole picture, so that a part of it has the same numbers.
 class PixelGrid {
  public:
-  /// Takes the sampler of the options, or `otherwise` if they have none. Throws std::invalid_argument if the
-  /// number of samples is negative or too large, or if the picture that the image is cropped from does not
-  /// contain it.
+  /// Takes the sampler of the options, or `otherwise` if they have none, and all samples, or a range that has
+  /// any. Throws std::invalid_argument if the number of samples is negative or too large or ends before the
+  /// range, if the picture that the image is cropped from does not contain it, or for a clamp that is
+  /// negative or NaN.
   [[gnu::cold]] PixelGrid(int width, int height, const RenderOptions& options = {},
-                          const SamplerChoice& otherwise = sampler_of<HammersleySampler>)
+                          const SamplerChoice& otherwise = sampler_of<HammersleySampler>,
+                          const SampleRange& range = {})
       : crop_(options.crop.width == 0 && options.crop.height == 0 ? Crop{0, 0, width, height} : options.crop),
         sampler_(options.sampler.is_made() ? options.sampler : otherwise),
         filter_(options.filter),
@@ -46,7 +57,20 @@ class PixelGrid {
           "RenderOptions: crop must be the size of a picture that holds the image; " + std::to_string(width) +
           "x" + std::to_string(height) + " at " + std::to_string(crop_.x) + ", " + std::to_string(crop_.y) +
           " is not inside " + std::to_string(crop_.width) + "x" + std::to_string(crop_.height));
+    if (!(options.clamp >= 0))
+      throw std::invalid_argument("RenderOptions: clamp must be 0 (none) or greater; it is " +
+                                  shown(options.clamp));
     if (options.samples > 0) samples_ = options.samples;
+    last_ = samples_;
+    if (range.first < range.last) {
+      if (range.last > static_cast<std::uint32_t>(samples_))
+        throw std::invalid_argument("render: samples must end at the " + std::to_string(samples_) +
+                                    " of the options or before; they end at " + std::to_string(range.last));
+      first_ = static_cast<int>(range.first), last_ = static_cast<int>(range.last);
+    }
+    if (options.clamp > 0 && std::isfinite(options.clamp))
+      clamp_ = std::max(to_float(std::min<double>(options.clamp, std::numeric_limits<float>::max())),
+                        std::numeric_limits<float>::denorm_min());
     set_common_places(options.samples);
   }
 
@@ -78,7 +102,19 @@ class PixelGrid {
     return filter_.radius() > 0.5 && !(samples_ == 1 && has_common_places()) ? filter_.radius() - 0.5 : 0;
   }
 
+  /// Returns how many samples a pixel has in all; those of the range are first() to last() − 1.
   [[nodiscard]] int samples() const { return samples_; }
+  [[nodiscard]] int first() const { return first_; }
+  [[nodiscard]] int last() const { return last_; }
+  [[nodiscard]] std::uint64_t drawn() const { return static_cast<std::uint64_t>(last_ - first_); }
+
+  /// Returns light with each channel clamped to [0, clamp], if the options have one; NaN becomes 0.
+  template <class Light>
+  [[nodiscard]] Light bounded(const Light& light) const {
+    if (clamp_ == 0) [[likely]]
+      return light;
+    return {bounded_channel(light.r), bounded_channel(light.g), bounded_channel(light.b)};
+  }
 
   /// Returns true if the mean of a pixel's samples is the light of the only one, unchanged.
   [[nodiscard]] bool keeps_light() const { return samples_ == 1 && !has_weights(); }
@@ -129,28 +165,45 @@ class PixelGrid {
     return camera(u(x, place.x), v(y, place.y));
   }
 
-  /// Returns the mean of as many equal lights, if places are the same in every pixel or all weights are 1.
+  /// Returns the sums of equal lights of all samples of the range, if places are the same in every pixel or
+  /// all weights are 1.
+  [[nodiscard]] PixelSums sums_of_equal(const Color& light) const {
+    PixelSums sums;
+    for (int i = first_; i < last_; ++i)
+      sums.add(static_cast<std::uint32_t>(i),
+               bounded(light) * (has_common_places() ? static_cast<float>(common_place(i).weight) : 1.0f));
+    return sums;
+  }
+
+  /// Returns their mean.
   [[nodiscard]] Color mean_of_equal(const Color& light) const {
-    if (keeps_light()) return light;
-    ExactColorSum sum;
-    for (int i = 0; i < samples_; ++i)
-      sum.add(light * (has_common_places() ? static_cast<float>(common_place(i).weight) : 1.0f));
-    return sum.mean(static_cast<std::uint32_t>(samples_));
+    return keeps_light() ? bounded(light) : sums_of_equal(light).mean();
+  }
+
+  /// Adds light(i, place) of the samples i of pixel (x, y) in the range, times their weights, to sums.
+  void add(int x, int y, const auto& light, PixelSums& sums) const {
+    for (int i = first_; i < last_; ++i) {
+      const FilteredPlace<double> at = place(x, y, i);
+      sums.add(static_cast<std::uint32_t>(i), bounded(Color(light(i, at))) * static_cast<float>(at.weight));
+    }
   }
 
   /// Returns the mean of light(i, place) over the samples i of pixel (x, y), times their weights: a single
   /// one of weight 1 as it is, otherwise an exact sum, divided and rounded once.
   [[nodiscard]] Color mean(int x, int y, const auto& light) const {
-    if (keeps_light()) return light(0, place(x, y, 0));
-    ExactColorSum sum;
-    for (int i = 0; i < samples_; ++i) {
-      const FilteredPlace<double> at = place(x, y, i);
-      sum.add(Color(light(i, at)) * static_cast<float>(at.weight));
-    }
-    return sum.mean(static_cast<std::uint32_t>(samples_));
+    if (keeps_light()) return bounded(Color(light(0, place(x, y, 0))));
+    PixelSums sums;
+    add(x, y, light, sums);
+    return sums.mean();
   }
 
  private:
+  [[nodiscard]] float bounded_channel(float x) const { return x > 0 ? std::min(x, clamp_) : 0; }
+  [[nodiscard]] simd::Floats bounded_channel(simd::Floats x) const {
+    const simd::Floats most = clamp_, none = 0.0f;
+    return select(x > none, select(x < most, x, most), none);
+  }
+
   static std::uint32_t word(int x) { return static_cast<std::uint32_t>(x); }
 
   /// Computes the places, if they are the same in every pixel; a single one is the center. Their weights are
@@ -172,7 +225,8 @@ class PixelGrid {
   SamplerChoice sampler_;
   ReconstructionFilter filter_;
   std::uint64_t seed_;
-  int samples_ = 1;
+  int samples_ = 1, first_ = 0, last_ = 1;
+  float clamp_ = 0;                            ///< 0: none
   std::vector<FilteredPlace<double>> places_;  ///< of the samples; empty if each pixel has its own
 };
 

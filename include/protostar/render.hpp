@@ -13,8 +13,11 @@
 #include "intersection.hpp"
 #include "parallel.hpp"
 #include "pixel_grid.hpp"
+#include "sampling/film.hpp"
 #include "sampling/hammersley_sampler.hpp"
+#include "sampling/passes.hpp"
 #include "sampling/pixel_sampler.hpp"
+#include "sampling/sample_target.hpp"
 #include "sampling/sobol_sampler.hpp"
 #include "scene.hpp"
 
@@ -124,29 +127,68 @@ template <class F>
 
 }  // namespace detail
 
+namespace detail {
+
+/// Gives the light of a camera's view to a target, ray by ray.
+template <Radiance F>
+void draw(const SampleTarget& target, const Camera& camera, const F& radiance, const RenderOptions& options) {
+  const PixelGrid pixels = target.grid(options, default_sampler<F>());
+  const Tile all = target.tile();
+  for_each_in_parallel(all.count(32), options, [&](int i) {
+    const Tile tile = all.part(i, 32);
+    for (int y = tile.y0; y < tile.y1; ++y)
+      for (int x = tile.x0; x < tile.x1; ++x)
+        target.draw(pixels, x, y, [&](int sample, const auto& place) {
+          return radiance_of_sample(radiance, pixels.ray(camera, x, y, place), pixels.sampler(x, y, sample));
+        });
+  });
+}
+
+/// Draws an image, in passes if the options say so; draw(target, options) gives light to a target.
+void draw_image(Image& image, const RenderOptions& options, const auto& draw) {
+  if (!draws_in_passes(options)) return draw(SampleTarget(image), options);
+  PassLoop(image, options, [&](Film& film, const SampleRange& samples, const RenderOptions& pass) {
+    draw(SampleTarget(film, samples), pass);
+  })();
+}
+
+}  // namespace detail
+
 /// Fills an image with the view of a camera, one ray through each pixel's center unless the options say
 /// otherwise; radiance(ray) or radiance(ray, sampler) returns the radiance along a ray, and is called from
-/// several threads at once. The picture is the same for any number of threads.
+/// several threads at once. The picture is the same for any number of threads. With options.error or seconds,
+/// the picture has as many samples as its error takes, or as fit into the time, and the report tells both.
 ///
-/// Throws std::invalid_argument for an invalid camera, a negative number of threads or samples and a crop
-/// that does not contain the image, anything that radiance.validate() throws, if there is one, and anything
-/// that radiance throws; the pixels of the image may then have any color.
+/// Throws std::invalid_argument for an invalid camera, a negative number of threads or samples, a crop that
+/// does not contain the image and options that make no sense together, anything that radiance.validate()
+/// throws, if there is one, and anything that radiance throws; the pixels of the image may then have any
+/// color.
 void render(Image& image, const Camera& camera, const Radiance auto& radiance,
             const RenderOptions& options = {}) {
   camera.validate();
   detail::validate(radiance);
-  using Function = std::remove_cvref_t<decltype(radiance)>;
-  const PixelGrid pixels(image.width(), image.height(), options, detail::default_sampler<Function>());
-  const Tile all = image.tile();
-  detail::for_each_in_parallel(all.count(32), options, [&](int i) {
-    const Tile tile = all.part(i, 32);
-    for (int y = tile.y0; y < tile.y1; ++y)
-      for (int x = tile.x0; x < tile.x1; ++x)
-        image(x, y) = pixels.mean(x, y, [&](int sample, const auto& place) {
-          return detail::radiance_of_sample(radiance, pixels.ray(camera, x, y, place),
-                                            pixels.sampler(x, y, sample));
-        });
+  detail::draw_image(image, options, [&](const detail::SampleTarget& target, const RenderOptions& pass) {
+    detail::draw(target, camera, radiance, pass);
   });
+}
+
+/// Adds samples of each pixel to a film, whose tile tells which part of the picture it is. The size of the
+/// picture is that of options.crop, whose position is not used; without one, the picture ends where the tile
+/// does.
+///
+/// Samples added in any order, in any ranges, by any number of threads and machines give the same sums, and
+/// the mean of all options.samples that of an image. If options.samples is 0, samples.last counts as their
+/// number; samplers whose numbers depend on it (StratifiedSampler, HammersleySampler) need it to be the same
+/// each time.
+///
+/// Throws what the render of an image does, and std::invalid_argument if samples.last is greater than
+/// options.samples. If anything was thrown, or a stop requested, any part of the samples may have been added.
+void render(Film& film, const SampleRange& samples, const Camera& camera, const Radiance auto& radiance,
+            const RenderOptions& options = {}) {
+  camera.validate();
+  detail::validate(radiance);
+  if (samples.first >= samples.last) return;
+  detail::draw(detail::SampleTarget(film, samples), camera, radiance, options);
 }
 
 /// Fills an image with the view of a camera in a scene, by an integrator. Throws as the render of a Radiance
@@ -156,6 +198,14 @@ void render(Image& image, const Camera& camera, const S& scene, const I& integra
             const RenderOptions& options = {}) {
   detail::validate(integrator);
   render(image, camera, detail::radiance_in(scene, integrator), options);
+}
+
+/// Adds samples of a camera's view in a scene to a film.
+template <Traceable S, Integrator<S> I>
+void render(Film& film, const SampleRange& samples, const Camera& camera, const S& scene, const I& integrator,
+            const RenderOptions& options = {}) {
+  detail::validate(integrator);
+  render(film, samples, camera, detail::radiance_in(scene, integrator), options);
 }
 
 namespace detail {

@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 
+#include "image.hpp"
 #include "sampling/pixel_sampler.hpp"
 #include "sampling/reconstruction.hpp"
 #include "stop_token.hpp"
@@ -50,6 +52,21 @@ struct Skips {
   bool sure_in_float = true;   ///< tests in double of camera rays, where float is sure what they see
 };
 
+/// What a picture that is drawn in passes says of itself; after each pass and, if there is progress, before
+/// it is told. Errors are those of channels in linear light, and the truth is the mean of infinitely many
+/// samples.
+struct RenderReport {
+  static constexpr double unknown = std::numeric_limits<double>::infinity();
+
+  int samples = 0;         ///< samples of each pixel so far
+  double error = unknown;  ///< estimate of the RMSE over pixels and channels (PictureError)
+  double bound = unknown;  ///< the RMSE is at most that, with a confidence of 95 %, of 32 pixels or more
+  double pixel_error = unknown;   ///< every_pixel: no channel of any pixel is further off, with 95 %
+  int least_samples = 0;          ///< every_pixel: how many samples the target takes at least
+  bool is_met = false;            ///< true if the target is met, or there is none
+  double seconds_left = unknown;  ///< estimate of the time until the picture is done
+};
+
 /// Options of render. An exception that progress throws ends the render and reaches its caller; after a stop,
 /// progress does not come to 1.
 struct RenderOptions {
@@ -62,7 +79,21 @@ struct RenderOptions {
   SamplerChoice sampler = {};
   ReconstructionFilter filter = {};  ///< weight of the places around a pixel's center
   std::uint64_t seed = 0;            ///< samplers have other numbers for another seed, as good as these
-  Crop crop = {};                    ///< picture that the image is a part of
+  double clamp = 0;                  ///< if greater than 0 and finite, channels of samples lie in [0, clamp]
+
+  /// Target of the picture's RMSE over pixels and channels, in linear light; 0: none. Samples are drawn in
+  /// passes, which double their number, until the RMSE is at most that with a confidence of 95 %
+  /// (PictureError); samples has to be 0. As do seconds and standard_error, it takes SobolSampler by default,
+  /// and another sampler only if its even samples are independent of the odd ones: no HammersleySampler or
+  /// StratifiedSampler.
+  double error = 0;
+  double seconds = 0;        ///< time for the picture, which ends with the last pass that fits; 0: no limit
+  int max_samples = 65536;   ///< samples at which error and seconds end at the latest, from 2 on
+  bool every_pixel = false;  ///< error is that of each channel of each pixel, proven; it needs a clamp
+  RenderReport* report = nullptr;   ///< if given, is told of passes
+  Image* standard_error = nullptr;  ///< if given, becomes that of each pixel's channels (PixelSums)
+
+  Crop crop = {};       ///< picture that the image is a part of
   int threads = 0;      ///< number of threads, with the caller's; 0: one for each core, as far as they start
   StopToken stop = {};  ///< if requested, render returns early; other pixels stay as they were
   bool tiles = true;    ///< fast path for scenes; false: plain path, with the same bytes

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <protostar/integrators/binary.hpp>
 #include <protostar/integrators/color.hpp>
 #include <protostar/integrators/depth.hpp>
@@ -16,7 +17,10 @@ using namespace protostar;
 void draw(Image& image, const SceneFile& file, const std::string& integrator,
           const StageRenderOptions& options) {
   // The command line may ask for other samples than the scene file, which were checked when it was read.
-  if (const auto refusal = refusal_of_samples(options.samples, file.scene.lights().size()))
+  // Until an error is met, there may be many, of which few pictures need more than 1024.
+  const bool is_open = options.error > 0 || options.seconds > 0;
+  const int shares = is_open ? std::min(options.max_samples, 1024) : options.samples;
+  if (const auto refusal = refusal_of_samples(shares, file.scene.lights().size()))
     throw std::runtime_error("--samples: " + *refusal);
   const auto draw_with = [&](const auto& chosen) { render(image, file.camera, file.scene, chosen, options); };
   if (integrator == "binary") return draw_with(BinaryIntegrator{});
@@ -27,7 +31,6 @@ void draw(Image& image, const SceneFile& file, const std::string& integrator,
   if (integrator == "shadow") return draw_with(ShadowIntegrator{});
   if (integrator == "transparency") return draw_with(TransparencyIntegrator{});
   if (integrator == "whitted")
-    return draw_with(
-        WhittedIntegrator{.depth = file.depth, .most_rays = most_rays_of_sample(options.samples)});
+    return draw_with(WhittedIntegrator{.depth = file.depth, .most_rays = most_rays_of_sample(shares)});
   throw std::runtime_error("no such integrator: " + integrator);
 }

@@ -182,11 +182,80 @@ double read_finite(const std::string& option, std::string_view text) {
   return *value;
 }
 
+double read_above_0(const std::string& option, std::string_view text) {
+  const auto value = number_of<double>(text);
+  if (!value || !std::isfinite(*value) || !(*value > 0))
+    refuse(option, text, "a finite number greater than 0");
+  return *value;
+}
+
 double read_timeout(std::string_view text) {
   const auto value = number_of<double>(text);
   if (!value || !(*value >= 0 && *value <= 1e9))
     refuse("--timeout", text, "a number of seconds from 0 to 1e9");
   return *value;
+}
+
+/// Options of the command line that ask for a picture in passes, as far as they are given.
+struct PassTexts {
+  std::string error, seconds, max_samples, noise, clamp;
+  bool every_pixel = false;
+};
+
+/// Declares them.
+void add_pass_options(CLI::App& app, PassTexts& texts) {
+  app.add_option("--error", texts.error,
+                 "Draw samples until the picture's RMSE, in linear light, is at most that (95 %)")
+      ->type_name("E");
+  app.add_option("--time", texts.seconds,
+                 "Draw as many samples as fit into so many seconds, and tell the error")
+      ->type_name("S");
+  app.add_option("--max-samples", texts.max_samples, "With --error or --time: samples to end at [65536]")
+      ->type_name("N");
+  app.add_option("--noise", texts.noise, "A file for the standard error of each pixel")
+      ->type_name("FILE.pfm");
+  app.add_option("--clamp", texts.clamp, "The largest light of a sample, in each channel [none]")
+      ->type_name("C");
+  app.add_flag("--every-pixel", texts.every_pixel,
+               "With --error and --clamp: each channel of each pixel is within E, proven")
+      ->disable_flag_override();
+}
+
+/// Reads the values of those that are given.
+void read_pass_options(const CLI::App& app, const PassTexts& texts, Options& options) {
+  if (app.count("--error")) options.error = read_above_0("--error", texts.error);
+  if (app.count("--time")) options.seconds = read_above_0("--time", texts.seconds);
+  if (app.count("--clamp")) options.clamp = read_above_0("--clamp", texts.clamp);
+  if (app.count("--noise")) check_name("--noise", texts.noise, {".pfm"});
+  if (app.count("--noise") && texts.noise == options.output)
+    refuse("--noise", texts.noise, "another file than the picture's");
+  if (app.count("--max-samples"))
+    options.max_samples = read_whole(
+        "--max-samples", texts.max_samples, [](int n) { return n >= 2 && n <= protostar::most_samples; },
+        "a whole number from 2 to " + std::to_string(protostar::most_samples));
+  options.noise = texts.noise;
+  options.every_pixel = texts.every_pixel;
+}
+
+/// Refuses options of passes that make no sense together, when all settings are known.
+void check_passes(const PassTexts& texts, const Options& options) {
+  const bool is_open = options.error > 0 || options.seconds > 0;
+  if (!texts.max_samples.empty() && !is_open) throw CLI::RequiresError("--max-samples", "--error or --time");
+  if (options.every_pixel && options.error == 0) throw CLI::RequiresError("--every-pixel", "--error E");
+  if (options.every_pixel && options.clamp == 0)
+    throw CLI::RequiresError("--every-pixel", "--clamp C: without a largest light nothing can be proven");
+  if (options.every_pixel && options.filter == "mitchell")
+    refuse("--filter", options.filter, "possible with --every-pixel, since it has negative weights");
+  if (!options.noise.empty() && !is_open && options.samples < 2)
+    throw CLI::RequiresError("--noise", "--error, --time or --samples N of at least 2");
+  if (options.in_passes() && (options.sampler == "hammersley" || options.sampler == "stratified"))
+    refuse("--sampler", options.sampler,
+           std::string("possible with --error, --time and --noise: ") +
+               (options.sampler == "hammersley" ? "its numbers are the same in every pixel and for every seed"
+                                                : "its samples depend on each other and on their number") +
+               ", so they tell no error; sobol, halton and independent do");
+  if (options.pixel && (options.in_passes() || options.clamp > 0))
+    throw CLI::ExcludesError("--pixel", "--error, --time, --noise and --clamp; --samples N sets the samples");
 }
 
 /// Seconds after which `render` gives up a scene file, for each pixel of the picture. Scene files allow 2^22
@@ -241,6 +310,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   std::vector<std::string> numbers(options.numbers.size());
   std::string output = options.output.string(), size, threads, bits, transfer;
   std::string scene, integrator, samples, sampler, filter, seed, crop, timeout, pixel, explain, rays;
+  PassTexts passes;
   bool confine = false;
   const bool of_scene = static_cast<bool>(defaults.read_scene);
   const auto or_of_scene = [&](const std::string& text) { return of_scene ? "the scene's" : text; };
@@ -273,6 +343,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
                  "Another whole number gives other random numbers [" +
                      or_of_scene(std::to_string(defaults.seed)) + "]")
       ->type_name("N");
+  add_pass_options(app, passes);
   app.add_option("--threads", threads, "How many threads work on it; 0: one for each core [0]")
       ->type_name("N");
   app.add_option("--bits", bits, "Bits per channel of a .ppm: 8 or 16 [8]")->type_name("8|16");
@@ -354,6 +425,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
       own_samples = read_whole(
           "--samples", samples, [](int n) { return n >= 0 && n <= protostar::most_samples; },
           "a whole number from 0 to " + std::to_string(protostar::most_samples));
+    if (app.count("--samples") + app.count("--error") + app.count("--time") > 1)
+      throw CLI::ExcludesError("each of --samples, --error and --time", "the others");
+    read_pass_options(app, passes, options);
     if (app.count("--threads"))
       options.threads = read_whole(
           "--threads", threads, [](int n) { return n >= 0; }, "a whole number of at least 0");
@@ -388,13 +462,17 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
         of_scene ? defaults.read_scene(scene, {.confine = confine, .threads = options.threads}) : defaults;
     if (!own_size) crop_to_part({settings.width, settings.height});
     options.integrator = own_integrator.value_or(settings.integrator);
-    options.samples = own_samples.value_or(settings.samples);
+    // Any of --samples, --error and --time takes the place of the samples or the error of the settings.
+    const bool is_open = options.error > 0 || options.seconds > 0;
+    options.samples = own_samples.value_or(is_open ? 0 : settings.samples);
+    if (!own_samples && !is_open) options.error = settings.error;
     options.sampler = own_sampler.value_or(settings.sampler);
     options.filter = own_filter.value_or(settings.filter);
     options.seed = own_seed.value_or(settings.seed);
     options.transfer = own_transfer.value_or(settings.transfer);
     options.tone = settings.tone;
     options.exposure = settings.exposure;
+    check_passes(passes, options);
     if (given("--timeout"))
       options.timeout = own_timeout;
     else if (of_scene)

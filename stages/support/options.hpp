@@ -33,6 +33,7 @@ struct StageDefaults {
   bool plain = false;
   std::vector<NumberOption> numbers = {};  ///< options of this stage alone
   int samples = 0;
+  double error = 0;          ///< RenderOptions::error
   std::string sampler = {};  ///< name; empty: that which the integrator takes by default
   std::string filter = "box";
   std::uint64_t seed = 0;
@@ -54,6 +55,9 @@ struct Options {
     return crop.width > 0 && tone == protostar::Tone::scale_image && !is_linear();
   }
 
+  /// Returns true if the picture is drawn in passes, which tell its error.
+  [[nodiscard]] bool in_passes() const { return error > 0 || seconds > 0 || !noise.empty(); }
+
   std::string program = {};  ///< name that begins each message
   std::filesystem::path output = "out.ppm";
   Format format = Format::ppm;
@@ -64,8 +68,13 @@ struct Options {
   protostar::Tone tone = protostar::Tone::clip;
   std::string integrator = {};
   int samples = 0;
-  std::string sampler = {};  ///< name; empty: that which the integrator takes by default
-  std::string filter = {};   ///< name
+  double error = 0, seconds = 0;     ///< RenderOptions::error and seconds; 0: none
+  int max_samples = 65536;           ///< RenderOptions::max_samples
+  double clamp = 0;                  ///< RenderOptions::clamp; 0: none
+  bool every_pixel = false;          ///< RenderOptions::every_pixel
+  std::filesystem::path noise = {};  ///< file for the standard errors; empty: none
+  std::string sampler = {};          ///< name; empty: that which the integrator takes by default
+  std::string filter = {};           ///< name
   std::uint64_t seed = 0;
   protostar::Crop crop = {};  ///< in the picture, if width and height are those of a part of it
   bool plain = false;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <string>
 
 /// Display of progress on stderr, shown if that is a terminal and the work has taken longer than a second,
 /// and cleared at the end.
@@ -12,8 +13,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Shows the share that is done, from 0 to 1, in percent.
-  void show(double done);
+  /// Shows the share that is done, from 0 to 1, in percent, and a note after it.
+  void show(double done, const std::string& note = "");
 
   /// Clears the line, if something is shown.
   void clear();
@@ -23,5 +24,5 @@ class Progress {
 
   bool wanted_;
   Clock::time_point start_ = Clock::now();
-  int shown_ = -1;  // percent; -1: nothing is on the terminal
+  std::string shown_;  // empty: nothing is on the terminal
 };

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
@@ -20,6 +21,7 @@
 #include <protostar/output_file.hpp>
 #include <protostar/pfm.hpp>
 #include <protostar/ppm.hpp>
+#include <protostar/sampling/every_pixel.hpp>
 #include <protostar/sampling/reconstruction.hpp>
 #include <protostar/sampling/samplers.hpp>
 #include <protostar/shown.hpp>
@@ -45,6 +47,13 @@ bool is_stdout(const std::filesystem::path& path) {
   struct stat file, standard;
   return stat(path.c_str(), &file) == 0 && fstat(STDOUT_FILENO, &standard) == 0 &&
          file.st_dev == standard.st_dev && file.st_ino == standard.st_ino;
+}
+
+/// Returns an error with two digits.
+std::string in_short(double error) {
+  std::array<char, 32> text;
+  std::snprintf(text.data(), text.size(), "%.2g", error);
+  return text.data();
 }
 
 Image part_of(const Image& whole, const Crop& crop, int width, int height) {
@@ -88,13 +97,13 @@ Stage::Stage(const Options& options, StopToken stop)
 Image Stage::image() const {
   if (options_.pixel) return Image(options_.width, options_.height);
   if (options_.format == Options::Format::png) check_png_size(options_.width, options_.height);
-  check_output();
+  check_output(options_.output);
+  if (!options_.noise.empty()) check_output(options_.noise);
   if (options_.draws_more()) return Image(options_.crop.width, options_.crop.height);
   return Image(options_.width, options_.height);
 }
 
-void Stage::check_output() const {
-  const std::filesystem::path& path = options_.output;
+void Stage::check_output(const std::filesystem::path& path) const {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   const bool is_device = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
@@ -115,15 +124,39 @@ StageRenderOptions Stage::render_options() {
                               .sampler = sampler_named(options_.sampler).value_or(SamplerChoice{}),
                               .filter = ReconstructionFilter::named(options_.filter),
                               .seed = options_.seed,
+                              .clamp = options_.clamp,
                               .crop = options_.draws_more() ? Crop{} : options_.crop,
                               .threads = options_.threads,
                               .stop = stop_,
-                              .progress = [this](double done) { progress_.show(done); }});
+                              .progress = [this](double done) { progress_.show(done, note_on_passes()); }});
+  if (options_.in_passes()) set_passes(options);
   if (options_.pixel) {
     options.draws = options_.tone == Tone::scale_image && !options_.is_linear();
     if (explanation_) options.explanation = &*explanation_;
   }
   return options;
+}
+
+void Stage::set_passes(RenderOptions& options) {
+  if (told_passes_) {  // a second picture, to compare with the first
+    options.samples = report_.samples;
+    if (!options.sampler.is_made()) options.sampler = sampler_of<SobolSampler>;
+    return;
+  }
+  options.error = options_.error;
+  options.seconds = options_.seconds;
+  options.max_samples = options_.max_samples;
+  options.every_pixel = options_.every_pixel;
+  options.report = &report_;
+  if (!options_.noise.empty()) options.standard_error = &standard_error_;
+  if (options_.every_pixel) {
+    const bool draws_more = options_.draws_more();
+    const EveryPixel price(options_.error, options_.clamp,
+                           {0, 0, draws_more ? options_.crop.width : options_.width,
+                            draws_more ? options_.crop.height : options_.height});
+    print("every pixel to within " + shown(options_.error) + " takes at least " +
+          shown(price.least_samples()) + " samples in each");
+  }
 }
 
 StageRenderOptions Stage::render_options(const Sphere& sphere) {
@@ -137,6 +170,15 @@ void Stage::save(const Image& image) {
   if (stop_.stop_requested()) return;
   if (options_.pixel) return tell(image);
   const auto rendered = Clock::now();
+  if (options_.in_passes() && !told_passes_ && report_.samples == 0) {  // it was drawn without rays
+    report_.is_met = true;
+    standard_error_ = Image(image.width(), image.height());
+  }
+  if (options_.in_passes() && !told_passes_ && !options_.noise.empty()) {
+    if (options_.draws_more())
+      standard_error_ = part_of(standard_error_, options_.crop, options_.width, options_.height);
+    save_pfm(standard_error_, options_.noise, stop_);
+  }
   if (options_.tone == Tone::clip || options_.is_linear()) {
     write(image);
   } else {
@@ -150,6 +192,40 @@ void Stage::save(const Image& image) {
                 milliseconds(rendered - start_), milliseconds(Clock::now() - rendered));
   print(shown(options_.output.string()) + ": " + std::to_string(options_.width) + "x" +
         std::to_string(options_.height) + ", " + options_.integrator + times.data());
+  if (options_.in_passes()) tell_passes();
+}
+
+std::string Stage::note_on_passes() const {
+  std::string note;
+  if (!options_.in_passes() || told_passes_) return note;
+  if (report_.samples > 0) note += ", " + std::to_string(report_.samples) + " samples";
+  const double error = options_.every_pixel ? report_.pixel_error : report_.error;
+  if (std::isfinite(error)) note += ", error " + in_short(error);
+  if (std::isfinite(report_.seconds_left))
+    note += ", " + std::to_string(static_cast<std::int64_t>(std::ceil(report_.seconds_left))) + " s left";
+  return note;
+}
+
+void Stage::tell_passes() {
+  told_passes_ = true;
+  if (report_.samples == 0) return print("no samples, no error");
+  const std::string samples = std::to_string(report_.samples);
+  std::string line = samples + " samples in each pixel, RMSE about " + in_short(report_.error);
+  const bool is_sure = std::int64_t{options_.width} * options_.height >=
+                       static_cast<std::int64_t>(PictureError::fewest_pixels);
+  if (options_.every_pixel)
+    line += ", no channel of any pixel off by more than " + in_short(report_.pixel_error) + " (95 %)";
+  else if (is_sure)
+    line += ", at most " + in_short(report_.bound) + " (95 %)";
+  if (options_.seconds > 0)
+    line +=
+        "; --samples " + samples + (options_.sampler.empty() ? " --sampler sobol" : "") + " draws the same";
+  print(line);
+  if (!report_.is_met && !stop_.stop_requested())
+    print_error(options_.program, "the error is not surely at most " + shown(options_.error) + " after " +
+                                      samples + " samples in each pixel, but " +
+                                      in_short(options_.every_pixel ? report_.pixel_error : report_.bound) +
+                                      "; --max-samples sets how many there may be");
 }
 
 void Stage::compare(const Image& image, const Image& exact) const {
@@ -244,6 +320,7 @@ int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::f
       Stage stage(*options, interrupt.token());
       draw(stage);
       if (interrupt.came()) return interrupt.status();
+      if (!stage.is_good_enough()) status = 1;
     }
     flush(stdout, "standard output");
     return status;

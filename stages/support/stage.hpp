@@ -48,17 +48,29 @@ class Stage {
   /// Returns the value of one of the stage's own options.
   double number(const std::string& option) const;
 
+  /// Returns true unless the picture was to have an error that it does not surely have.
+  bool is_good_enough() const { return !told_passes_ || report_.is_met; }
+
  private:
   using Clock = std::chrono::steady_clock;
 
   /// Throws std::system_error if the file could not be written, as far as that is known without writing it,
   /// and prints a warning if it cannot be replaced.
-  void check_output() const;
+  void check_output(const std::filesystem::path& path) const;
 
   /// Prints a line, unless the user wants none or the work was stopped; to stderr if stdout leads to the
   /// picture.
   void print(const std::string& line) const;
   void write(const protostar::Image& image) const;
+
+  /// Adds what passes need to the options of a render.
+  void set_passes(protostar::RenderOptions& options);
+
+  /// Returns the samples, the error and the remaining time for the progress display.
+  std::string note_on_passes() const;
+
+  /// Saves the standard errors, and prints how many samples there are and what the error is.
+  void tell_passes();
 
   /// Completes the explanation by the picture's pixel, prints it, and writes the files that are asked for.
   void tell(const protostar::Image& image);
@@ -66,6 +78,9 @@ class Stage {
   Options options_;
   protostar::StopToken stop_;
   Progress progress_;
+  protostar::RenderReport report_;         ///< of a picture in passes
+  protostar::Image standard_error_{1, 1};  ///< with --noise: of its pixels
+  bool told_passes_ = false;
   std::optional<Explanation> explanation_;  ///< until it is told
   Clock::time_point start_ = Clock::now();
 };

@@ -7,6 +7,7 @@
 
 #include "../image.hpp"
 #include "../sampling/exact_lanes.hpp"
+#include "../sampling/sample_target.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/store_lanes.hpp"
 #include "packet.hpp"
@@ -48,6 +49,9 @@ struct PacketSums {
   [[nodiscard]] Colors mean(std::uint32_t count) const {
     return {r.mean(count), g.mean(count), b.mean(count)};
   }
+
+  /// Returns the sum in a lane.
+  [[nodiscard]] ExactColorSum operator[](int lane) const { return {{r[lane], g[lane], b[lane]}}; }
 };
 
 /// Sets the colors of a packet's pixels, as far as these are in the tile. The packet begins at pixel (x, y).
@@ -59,10 +63,27 @@ inline void set_packet(Image& image, const Tile& tile, int x, int y, const Color
   for (int k = 0; k < count; ++k) pixels[k] = {colors.r[k], colors.g[k], colors.b[k]};
 }
 
+/// Gives the sums of so many samples of a packet's pixels, which are their sum number `which`, to the target.
+inline void give_packet(const protostar::detail::SampleTarget& target, const Tile& tile, int x, int y,
+                        const PacketSums& sums, int which, std::uint32_t count) {
+  if (target.image()) return set_packet(*target.image(), tile, x, y, sums.mean(count));
+  for (int k = 0; k < std::min(double_lanes, tile.x1 - x); ++k)
+    target.sums(x + k, y).add(static_cast<std::uint32_t>(which), sums[k], count);
+}
+
 /// Gives all pixels of a tile one color.
 inline void fill_tile(Image& image, const Tile& tile, const Color& color) {
   const Color* const first = std::fill_n(&image(tile.x0, tile.y0), tile.width(), color) - tile.width();
   for (int y = tile.y0 + 1; y < tile.y1; ++y) std::copy_n(first, tile.width(), &image(tile.x0, y));
+}
+
+/// Gives all samples of a tile's pixels one light.
+inline void give_tile(const protostar::detail::SampleTarget& target, const PixelGrid& pixels,
+                      const Tile& tile, const Color& light) {
+  if (target.image()) return fill_tile(*target.image(), tile, pixels.mean_of_equal(light));
+  const PixelSums sums = pixels.sums_of_equal(light);
+  for (int y = tile.y0; y < tile.y1; ++y)
+    for (int x = tile.x0; x < tile.x1; ++x) target.sums(x, y) += sums;
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

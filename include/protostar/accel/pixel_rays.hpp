@@ -60,7 +60,7 @@ class PixelRays {
         has_float_sums_(allows_float_sums(camera, pixels)),
         viewpoint_(is_pinhole_ ? Viewpoint{.apex = camera.position, .is_eye = true} : viewpoint_of_film()) {
     if (pixels.has_common_places())
-      for (int i = 0; i < pixels.samples(); ++i)
+      for (int i = pixels.first(); i < pixels.last(); ++i)
         samples_.push_back(tables(pixels.common_place(i), width, height));
     for (int x = 0; x <= width; x += edge_step) {
       edges_.left.push_back(column_edge_at(x, -margin()));
@@ -75,7 +75,7 @@ class PixelRays {
   /// Returns the directions of the rays through the i-th samples of the pixels from (x, y) on to the right,
   /// if places are the same in all pixels.
   [[nodiscard]] Vectors directions(int x, int y, int i = 0) const {
-    const Tables& sample = samples_[static_cast<std::size_t>(i)];
+    const Tables& sample = tables_of(i);
     return normalize(sample.along.some<Vectors>(x) + Vectors(sample.up[y]) + camera_.forward);
   }
 
@@ -89,7 +89,7 @@ class PixelRays {
   /// by at most u. Other cameras get directions that are computed in double and rounded once.
   [[nodiscard, gnu::always_inline]] WideVectors block_directions(int x, int y, int i = 0) const {
     if (!has_float_sums_) return rounded_directions(x, y, i);
-    const Tables& sample = samples_[static_cast<std::size_t>(i)];
+    const Tables& sample = tables_of(i);
     const auto along = sample.block_along.some<WideVectors>(x * RayBlock::height),
                row = sample.block_row.some<WideVectors>(y * RayBlock::width);
     const auto dx = along.x + row.x, dy = along.y + row.y, dz = along.z + row.z;
@@ -275,7 +275,7 @@ class PixelRays {
   [[nodiscard, gnu::noinline]] Vectors film_origins(int x, int y, int i, const PacketRays& rays) const {
     if (!pixels_.has_common_places())
       return rays.u * camera_.film_right + rays.v * camera_.film_up + camera_.position;
-    const Tables& sample = samples_[static_cast<std::size_t>(i)];
+    const Tables& sample = tables_of(i);
     return sample.film_along.some<Vectors>(x) + Vectors(sample.film_up[y]) + camera_.position;
   }
 
@@ -323,6 +323,10 @@ class PixelRays {
     return viewpoint;
   }
 
+  [[nodiscard]] const Tables& tables_of(int i) const {
+    return samples_[static_cast<std::size_t>(i - pixels_.first())];
+  }
+
   [[nodiscard, gnu::cold]] Tables tables(const FilteredPlace<double>& sample, int width, int height) const {
     // Packets and blocks are read whole, also where only their first pixels are in the image.
     const int columns = width + RayBlock::width + double_lanes, rows = height + RayBlock::height;
@@ -362,7 +366,7 @@ class PixelRays {
   double hand_;
   bool has_float_sums_;
   Viewpoint viewpoint_;
-  std::vector<Tables> samples_;
+  std::vector<Tables> samples_;  ///< of the grid's range
 
   /// Edges of each edge_step-th column and row. Without a margin, those on the right are those on the left,
   /// and the lower ones the upper ones.

@@ -17,6 +17,7 @@
 
 #include "../render.hpp"
 #include "../render_options.hpp"
+#include "../sampling/sample_target.hpp"
 #include "accelerate.hpp"
 #include "candidates.hpp"
 #include "drawn.hpp"
@@ -36,18 +37,19 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 template <class I, Surface... S>
 class TileRenderer {
  public:
-  /// Borrows the image, the scene, the integrator and the statistics.
-  TileRenderer(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& scene, const I& integrator,
-               const RenderOptions& options)
-      : image_(image),
+  using Target = protostar::detail::SampleTarget;
+
+  /// Borrows what the target does, the scene, the integrator and the statistics.
+  TileRenderer(const Target& target, const Camera& camera, const Accelerated<Scene<S...>>& scene,
+               const I& integrator, const RenderOptions& options)
+      : target_(target),
         scene_(scene),
         integrator_(integrator),
-        rays_(
-            camera,
-            PixelGrid(image.width(), image.height(), options, protostar::detail::default_sampler<I, View>()),
-            image.width(), image.height()),
+        rays_(camera, target.grid(options, protostar::detail::default_sampler<I, View>()), target.width(),
+              target.height()),
+        keeps_light_(target.image() && rays_.pixels().keeps_light()),
         candidates_(scene, rays_, order),
-        skips_(skips_that_pay(options, image, scene.scene().size())),
+        skips_(skips_that_pay(options, target.tile(), scene.scene().size())),
         statistics_(options.statistics) {}
 
   /// Fills a tile.
@@ -96,17 +98,6 @@ class TileRenderer {
   /// Largest number of candidates that are tested in double as fast as in float, for colors that need t.
   static constexpr int most_tested_in_double = 3;
 
-  /// Returns the skips of the options, without lists of occluders in a picture of fewer than 64 pixels for
-  /// each surface: a list would serve so few rays that its search costs more than it saves.
-  static Skips skips_that_pay(const RenderOptions& options, const Image& image, std::size_t surfaces) {
-    const Crop& crop = options.crop;
-    const auto pixels =
-        crop.width > 0 ? 1.0 * crop.width * crop.height : 1.0 * image.width() * image.height();
-    Skips skips = options.skips;
-    skips.occluder_lists = skips.occluder_lists && pixels >= 64.0 * static_cast<double>(surfaces);
-    return skips;
-  }
-
   [[nodiscard]] View view_of(const Candidates& candidates, Work& work) const {
     return View(scene_, candidates, skips_, work.state);
   }
@@ -118,7 +109,7 @@ class TileRenderer {
     for (const std::uint32_t index : candidates.indices())
       view.visit(index, [&]<class T>(const T& surface, const Material&) {
         if constexpr (RasterizedSurface<T>)
-          for (int i = 0; i < rays_.pixels().samples(); ++i)
+          for (int i = rays_.pixels().first(); i < rays_.pixels().last(); ++i)
             if (auto* const drawn =
                     std::get<VisibilityBuffers<T>>(work.state.buffers).add(static_cast<int>(index), i))
               surface.draw(*drawn, rays_, i, half_spaces, tile);
@@ -157,8 +148,8 @@ class TileRenderer {
         for (int i = 0; i < candidates.size(); ++i)
           if (!candidates.fills(i, frustum) || view.has_texture(candidates.index(i))) return false;
       }
-      fill_tile(image_, tile, uniform_color(tile, candidates, view, work));
-      work.state.counts.pixels_skipped += pixel_count(tile) * static_cast<std::uint64_t>(pixels.samples());
+      give_tile(target_, pixels, tile, uniform_light(tile, candidates, view, work));
+      work.state.counts.pixels_skipped += pixel_count(tile) * pixels.drawn();
       return true;
     }
     return false;
@@ -170,10 +161,11 @@ class TileRenderer {
     return skips_.empty_tiles && !scene_.scene().environment();
   }
 
-  /// Returns the color of all pixels of a tile that see the same: all candidates.
-  [[nodiscard, gnu::noinline]] Color uniform_color(const Tile& tile, const Candidates& candidates,
+  /// Returns the light of all samples of a tile that see the same: all candidates.
+  [[nodiscard, gnu::noinline]] Color uniform_light(const Tile& tile, const Candidates& candidates,
                                                    const View& view, Work& work) const {
-    const CameraPacket rays = rays_.packet({tile.x0, tile.y0, tile.x0 + 1, tile.y0 + 1}, tile.x0, tile.y0);
+    const CameraPacket rays =
+        rays_.packet({tile.x0, tile.y0, tile.x0 + 1, tile.y0 + 1}, tile.x0, tile.y0, rays_.pixels().first());
     Colors colors(Color{0});
     if constexpr (shades) {
       colors = shade_seen(Indices(candidates.size() == 0 ? sees_nothing : candidates.index(0)), rays, view);
@@ -184,7 +176,7 @@ class TileRenderer {
       view.set_crossed(&work.state.crossed);
       colors = integrator_.radiance(rays, view);
     }
-    return rays_.pixels().mean_of_equal({colors.r[0], colors.g[0], colors.b[0]});
+    return {colors.r[0], colors.g[0], colors.b[0]};
   }
 
   /// Returns the radiance of pixels that surely see these surfaces, or nothing, without their own rays: any
@@ -202,32 +194,37 @@ class TileRenderer {
     return static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
   }
 
-  /// Fills a part of at most 16 × 16 pixels with the mean radiance of each pixel's rays.
+  /// Fills a part of at most 16 × 16 pixels with the radiance of each pixel's rays: all samples that belong
+  /// to the first of a pixel's sums, then all of the next.
   void fill(const Tile& part, const Candidates& candidates, Work& work) const {
     View view = view_of(candidates, work);
     const PixelGrid& pixels = rays_.pixels();
-    const int samples = pixels.samples();
-    work.state.counts.camera_rays += pixel_count(part) * static_cast<std::uint64_t>(samples);
+    work.state.counts.camera_rays += pixel_count(part) * pixels.drawn();
     if constexpr (!by_packets) {
       for (int y = part.y0; y < part.y1; ++y)
         for (int x = part.x0; x < part.x1; ++x)
-          image_(x, y) = pixels.mean(x, y, [&](int i, const auto& place) {
+          target_.draw(pixels, x, y, [&](int i, const auto& place) {
             const Ray ray = pixels.ray(rays_.camera(), x, y, place);
             view.set_pixel(ray);
             return protostar::detail::radiance_of_sample(protostar::detail::radiance_in(view, integrator_),
                                                          ray, pixels.sampler(x, y, i));
           });
     } else {
-      if (!pixels.keeps_light()) each_packet(part, [&](std::size_t k, int, int) { work.sums[k] = {}; });
-      for (int i = 0; i < samples; ++i)
-        if constexpr (shades)
-          fill_hits(part, candidates, view, i, work);
-        else
-          fill_radiance(part, candidates, view, i, work);
-      if (pixels.keeps_light()) return;
-      each_packet(part, [&](std::size_t k, int x, int y) {
-        set_packet(image_, part, x, y, work.sums[k].mean(static_cast<std::uint32_t>(samples)));
-      });
+      const int sums = target_.sums_of_pixel();
+      for (int which = 0; which < sums; ++which) {
+        if (!keeps_light_) each_packet(part, [&](std::size_t k, int, int) { work.sums[k] = {}; });
+        std::uint32_t count = 0;
+        const int first = pixels.first() + (which + sums - pixels.first() % sums) % sums;
+        for (int i = first; i < pixels.last(); i += sums, ++count)
+          if constexpr (shades)
+            fill_hits(part, candidates, view, i, work);
+          else
+            fill_radiance(part, candidates, view, i, work);
+        if (keeps_light_) return;
+        each_packet(part, [&](std::size_t k, int x, int y) {
+          give_packet(target_, part, x, y, work.sums[k], which, count);
+        });
+      }
     }
   }
 
@@ -235,8 +232,9 @@ class TileRenderer {
   /// the pixels, if it is their only sample and has the weight 1.
   void add(const Tile& part, int x, int y, int i, const PacketRays& rays, const Colors& colors,
            Work& work) const {
-    if (rays_.pixels().keeps_light()) return set_packet(image_, part, x, y, colors);
-    work.sums[PacketSums::index(part, x, y)].add(colors * rays_.weights(i, rays));
+    const Colors light = rays_.pixels().bounded(colors);
+    if (keeps_light_) return set_packet(*target_.image(), part, x, y, light);
+    work.sums[PacketSums::index(part, x, y)].add(light * rays_.weights(i, rays));
   }
 
   /// Returns true if float may be asked what rays see: they begin in one point, and those of a block lead
@@ -385,10 +383,11 @@ class TileRenderer {
     return is_sure;
   }
 
-  Image& image_;
+  Target target_;
   const Accelerated<Scene<S...>>& scene_;
   const I& integrator_;
   PixelRays rays_;
+  bool keeps_light_;  ///< true if pixels get the light of their only sample, unchanged
   PictureCandidates<S...> candidates_;
   Skips skips_;
   RenderStatistics* statistics_;

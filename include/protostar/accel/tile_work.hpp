@@ -1,13 +1,15 @@
-// Buffers for the work on one tile.
+// Buffers for the work on one tile, and what of it pays.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <memory>
 #include <mutex>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "../image.hpp"
 #include "../render_options.hpp"
 #include "../surface.hpp"
 #include "candidates.hpp"
@@ -17,6 +19,17 @@
 #include "visibility.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// Returns the skips of the options, without lists of occluders in a picture of fewer than 64 pixels for
+/// each surface: a list would serve so few rays that its search costs more than it saves.
+[[nodiscard]] inline Skips skips_that_pay(const RenderOptions& options, const Tile& drawn,
+                                          std::size_t surfaces) {
+  const Crop& crop = options.crop;
+  const auto pixels = crop.width > 0 ? 1.0 * crop.width * crop.height : 1.0 * drawn.width() * drawn.height();
+  Skips skips = options.skips;
+  skips.occluder_lists = skips.occluder_lists && pixels >= 64.0 * static_cast<double>(surfaces);
+  return skips;
+}
 
 /// Buffers of a tile and of its parts: the candidates of the tile and of parts of each size, what the pixels
 /// of a part see, and the sums of their samples.

@@ -192,8 +192,8 @@ inline Transfer transfer_at(const JsonCursor& at) {
 }
 
 inline void read_settings(const JsonCursor& at, SceneFile& file) {
-  at.with_keys({"resolution-x", "resolution-y", "samples", "sampler", "filter", "seed", "depth", "integrator",
-                "transfer", "tone", "exposure"});
+  at.with_keys({"resolution-x", "resolution-y", "samples", "error", "sampler", "filter", "seed", "depth",
+                "integrator", "transfer", "tone", "exposure"});
   const int most = static_cast<int>(Image::max_pixels);
   file.width = at["resolution-x"].whole_number(1, most);
   file.height = at["resolution-y"].whole_number(1, most);
@@ -207,6 +207,13 @@ inline void read_settings(const JsonCursor& at, SceneFile& file) {
     return std::string(at[key].one_of(names));
   };
   if (at.has("sampler")) file.sampler = name_of("sampler", sampler_names);
+  if (at.has("error")) {
+    if (at.has("samples")) at["error"].refuse_beside("samples");
+    file.error = at["error"].number_above_0();
+    if (file.sampler == "hammersley" || file.sampler == "stratified")
+      at["sampler"].refuse(
+          "independent, halton or sobol, which can tell the error that the settings ask for");
+  }
   if (at.has("filter")) file.filter = name_of("filter", ReconstructionFilter::names);
   if (at.has("seed")) file.seed = at["seed"].whole_word();
   if (at.has("integrator")) file.integrator = name_of("integrator", integrator_names);

@@ -52,6 +52,7 @@ struct SceneFile {
   Camera camera;
   int width = 640, height = 480;       ///< in pixels
   int samples = 0;                     ///< per pixel; 0: one ray through its center
+  double error = 0;                    ///< RenderOptions::error; 0: none
   std::string sampler = {};            ///< one of sampler_names; empty: the default of the integrator
   std::string filter = "box";          ///< one of ReconstructionFilter::names
   std::uint64_t seed = 0;              ///< of the sampler

@@ -140,7 +140,9 @@ class BernsteinRule {
 /// before its observation, and m the mean so far, the interval is
 ///   Σ λ x/Σ λ ± (L + Σ (x − m)² ψ(λ))/Σ λ,   ψ(λ) = −ln(1 − λ) − λ.
 /// For a variance s² the half width is about L/(nλ) + λ s²/2. It comes to the target E by the fewest
-/// observations, n = 2 L s²/E², if λ = E/s²; hence λ = min(.75, E/(variance so far)).
+/// observations, n = 2 L s²/E², if λ = E/s². For targets that are not small against s², the second term is
+/// ψ(λ) s²/λ; with λ = E/(E + s²) it stays below E/2, since ψ(λ)/λ = (1 + r) ln(1 + r)/r − 1 < r/2 for
+/// r = E/s². Hence λ = min(.75, E/(E + variance so far)).
 class BernsteinSequence {
  public:
   explicit BernsteinSequence(const BernsteinRule& rule) : rule_(rule) {}
@@ -148,8 +150,8 @@ class BernsteinSequence {
   /// Adds an observation. One outside of [0, most] counts as the nearer end, and NaN as 0.
   void add(double observation) {
     const double x = observation > 0 ? std::min(observation / rule_.most(), 1.0) : 0.0;
-    const double weight =
-        std::min(BernsteinRule::largest_weight, rule_.target() / (rule_.most() * variance_));
+    const double target = rule_.target() / rule_.most();
+    const double weight = std::min(BernsteinRule::largest_weight, target / (target + variance_));
     weights_ += weight;
     weighted_ += weight * x;
     penalty_ += (x - mean_) * (x - mean_) * upper_psi(weight);

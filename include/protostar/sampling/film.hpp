@@ -29,6 +29,12 @@ struct PixelSums {
     ++counts[i % 2];
   }
 
+  /// Adds the sum of so many samples of a scrambling.
+  void add(std::uint32_t scrambling, const ExactColorSum& sum, std::uint32_t count) {
+    sums[scrambling] += sum;
+    counts[scrambling] += count;
+  }
+
   PixelSums& operator+=(const PixelSums& other) {
     for (std::size_t i = 0; i < 2; ++i) sums[i] += other.sums[i], counts[i] += other.counts[i];
     return *this;

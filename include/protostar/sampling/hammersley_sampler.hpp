@@ -40,6 +40,7 @@ namespace sampling {
 template <class Word>
 class BasicHammersleySampler {
  public:
+  using NeedsNumber = void;      ///< the numbers depend on how many samples there are
   using HasCommonPlaces = void;  ///< the first two numbers of set 0 are the same in every pixel
 
   explicit BasicHammersleySampler(const BasicSampleIndex<Word>& at)

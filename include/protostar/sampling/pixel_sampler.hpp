@@ -26,6 +26,7 @@ class SamplerChoice {
     choice.numbers_ = [](const SampleIndex& at, std::uint32_t set) { return S(at)(set); };
     choice.in_lanes_ = [](const SampleIndices& at, std::uint32_t set) { return SamplerInLanes<S>(at)(set); };
     choice.has_common_places_ = requires { typename S::HasCommonPlaces; };
+    choice.needs_number_ = requires { typename S::NeedsNumber; };
     return choice;
   }
 
@@ -35,6 +36,10 @@ class SamplerChoice {
   /// Returns true if the first two numbers of set 0 are the same in every pixel. A type of sampler declares
   /// this by a type HasCommonPlaces.
   [[nodiscard]] constexpr bool has_common_places() const { return has_common_places_; }
+
+  /// Returns true if the numbers of a sample depend on how many samples there are, or even samples on odd
+  /// ones, so that these tell no error. A type of sampler declares this by a type NeedsNumber.
+  [[nodiscard]] constexpr bool needs_number() const { return needs_number_; }
 
   /// Returns the numbers of a set; a choice must have been made.
   [[nodiscard]] SampleSet<double> operator()(const SampleIndex& at, std::uint32_t set) const {
@@ -51,7 +56,7 @@ class SamplerChoice {
  private:
   SampleSet<double> (*numbers_)(const SampleIndex&, std::uint32_t) = nullptr;
   SampleSet<simd::Doubles> (*in_lanes_)(const SampleIndices&, std::uint32_t) = nullptr;
-  bool has_common_places_ = false;
+  bool has_common_places_ = false, needs_number_ = false;
 };
 
 /// Choice of the sampler S.

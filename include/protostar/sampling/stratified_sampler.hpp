@@ -82,6 +82,8 @@ struct Grid {
 template <class Word>
 class BasicStratifiedSampler {
  public:
+  using NeedsNumber = void;  ///< the numbers depend on how many samples there are
+
   explicit BasicStratifiedSampler(const BasicSampleIndex<Word>& at)
       : key_(sampling::pixel_key(at.seed, at.x, at.y)),
         samples_(std::clamp(at.samples, std::uint32_t{1}, std::uint32_t{1} << 30)),

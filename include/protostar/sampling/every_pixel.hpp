@@ -1,0 +1,100 @@
+// Pictures each pixel of which is known to within an error, with a probability that is proven.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "../image.hpp"
+#include "../parallel.hpp"
+#include "../render_options.hpp"
+#include "estimate.hpp"
+#include "exact_sum.hpp"
+#include "film.hpp"
+#include "hash.hpp"
+#include "sampler.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Rule for the channels of all pixels of a picture: draw until each is known to within an error. With a
+/// probability of at least 95 % none of them is further off, whatever is drawn, as long as light is clamped
+/// and the numbers of samplers are as random as they look.
+///
+/// Samples come in blocks, each of which has a seed of its own, and in a block in two scramblings. The mean
+/// of a block's samples in one scrambling is an observation of BernsteinSequence: observations are
+/// independent of each other, and their mean is the truth, though the samples of a scrambling depend on each
+/// other. The 5 % are shared by all channels of all pixels alike: 5 %/3P each.
+class EveryPixel {
+ public:
+  /// Makes the rule for the pixels of a tile. Throws std::invalid_argument unless the error and the clamp are
+  /// finite and greater than 0.
+  EveryPixel(double error, double clamp, const Tile& area)
+      : rule_(std::min<double>(clamp, ExactSum::most), error,
+              (1 - PictureError::confidence) / channels(area)),
+        in_observation_(samples_of_observation(rule_)),
+        area_(area) {}
+
+  /// Returns the number of samples of a block: one observation for each scrambling.
+  [[nodiscard]] std::uint32_t samples_of_block() const { return scramblings * in_observation_; }
+
+  /// Returns the least number of samples that the rule takes, however little they differ.
+  [[nodiscard]] double least_samples() const {
+    return std::ceil(rule_.least_observations() / scramblings) * samples_of_block();
+  }
+
+  /// Returns the seed of block i of a picture: another one for each block.
+  [[nodiscard]] static std::uint64_t seed_of_block(std::uint64_t seed, std::uint64_t i) {
+    return i == 0 ? seed : sampling::mix(seed + i * sampling::golden);
+  }
+
+  /// Moves the samples of a block to those of the picture, and returns the largest error that any channel of
+  /// their means may have.
+  [[nodiscard]] double add(Film& block, Film& picture, const RenderOptions& options) {
+    if (sequences_.empty())
+      sequences_.resize(static_cast<std::size_t>(channels(area_)), BernsteinSequence(rule_));
+    std::vector<double> largest(static_cast<std::size_t>(area_.height()), 0);
+    detail::for_each_in_parallel(area_.height(), {.threads = options.threads}, [&](int row) {
+      auto sequence = sequences_.begin() + std::ptrdiff_t{3} * row * area_.width();
+      double& most = largest[static_cast<std::size_t>(row)];
+      const int y = area_.y0 + row;
+      for (int x = area_.x0; x < area_.x1; ++x) {
+        PixelSums &drawn = block(x, y), &sums = picture(x, y);
+        sums += drawn;
+        for (std::size_t channel = 0; channel < 3; ++channel, ++sequence) {
+          for (std::size_t s = 0; s < scramblings; ++s)
+            sequence->add(drawn.sums[s].channels[channel].value() / drawn.counts[s]);
+          const double sum = sums.sums[0].channels[channel].value() + sums.sums[1].channels[channel].value();
+          most = std::max(most, sequence->error_of(sum / sums.count()));
+        }
+        drawn = {};
+      }
+    });
+    return *std::max_element(largest.begin(), largest.end());
+  }
+
+ private:
+  static double channels(const Tile& area) { return 3.0 * area.width() * area.height(); }
+
+  /// Returns how many samples m make an observation, a power of two.
+  ///
+  /// The rule takes at least about L C/(.75 E) observations, for C = most, and 2 L s²/E² of variance s². At
+  /// an edge of contrast 1, a sample has a variance of up to 1/4, and the mean of m samples that are spread
+  /// evenly m^-1.5 times that. Both numbers of observations are equal for m^1.5 = .375/(E C); more samples
+  /// than that in an observation would cost more where little differs than they save at edges.
+  static std::uint32_t samples_of_observation(const BernsteinRule& rule) {
+    const double ratio = 0.375 / (rule.target() * rule.most()), square = ratio * ratio;
+    std::uint32_t m = 1;
+    while (m < 64 && 8.0 * m * m * m <= square) m *= 2;
+    return m;
+  }
+
+  BernsteinRule rule_;
+  std::uint32_t in_observation_;
+  Tile area_;
+  std::vector<BernsteinSequence> sequences_;  ///< of the channels of the pixels, in rows
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

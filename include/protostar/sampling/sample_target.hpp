@@ -1,0 +1,71 @@
+// Where the light of a render's samples goes: into an image, or into a film.
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+
+#include "../image.hpp"
+#include "../pixel_grid.hpp"
+#include "../render_options.hpp"
+#include "film.hpp"
+#include "sampler.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+namespace detail {
+
+/// Target of a render: an image, whose pixels get the mean of all of their samples, or a film, to whose
+/// pixels a range of samples is added. Columns and rows are counted from those of the image, or of the film's
+/// tile.
+class SampleTarget {
+ public:
+  /// Borrows the image or the film.
+  explicit SampleTarget(Image& image) : image_(&image), area_(image.tile()) {}
+  SampleTarget(Film& film, const SampleRange& samples) : film_(&film), area_(film.tile()), range_(samples) {}
+
+  [[nodiscard]] int width() const { return area_.width(); }
+  [[nodiscard]] int height() const { return area_.height(); }
+
+  /// Returns the tile of all pixels.
+  [[nodiscard]] Tile tile() const { return {0, 0, width(), height()}; }
+
+  /// Returns the image; null if the target is a film.
+  [[nodiscard]] Image* image() const { return image_; }
+
+  /// Returns the sums of a film's pixel.
+  [[nodiscard]] PixelSums& sums(int x, int y) const { return (*film_)(area_.x0 + x, area_.y0 + y); }
+
+  /// Returns the pixels with their samples.
+  [[nodiscard]] PixelGrid grid(RenderOptions options, const SamplerChoice& otherwise) const {
+    if (image_) return {width(), height(), options, otherwise};
+    if (options.error != 0 || options.seconds != 0 || options.every_pixel || options.standard_error)
+      throw std::invalid_argument(
+          "render: error, seconds, every_pixel and standard_error are options of an image, not of a film");
+    const bool is_part = options.crop.width != 0 || options.crop.height != 0;
+    options.crop = {area_.x0, area_.y0, is_part ? options.crop.width : area_.x1,
+                    is_part ? options.crop.height : area_.y1};
+    if (options.samples == 0) options.samples = static_cast<int>(range_.last);
+    return {width(), height(), options, otherwise, range_};
+  }
+
+  /// Returns how many sums a pixel's samples have: sample i belongs to sum i mod sums.
+  [[nodiscard]] int sums_of_pixel() const { return image_ ? 1 : static_cast<int>(scramblings); }
+
+  /// Gives light(i, place) of the samples of pixel (x, y) to it.
+  void draw(const PixelGrid& pixels, int x, int y, const auto& light) const {
+    if (image_)
+      (*image_)(x, y) = pixels.mean(x, y, light);
+    else
+      pixels.add(x, y, light, sums(x, y));
+  }
+
+ private:
+  Image* image_ = nullptr;
+  Film* film_ = nullptr;
+  Tile area_;
+  SampleRange range_;
+};
+
+}  // namespace detail
+
+}  // namespace protostar::inline PROTOSTAR_ABI

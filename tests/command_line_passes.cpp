@@ -1,0 +1,168 @@
+// Stages that draw until an error is small enough, or for some time, as a user runs them.
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/files.hpp"
+#include "support/process.hpp"
+#include "support/run_render.hpp"
+#include "support/run_stage.hpp"
+
+namespace {
+
+/// Returns the number at the beginning of the last line of a report.
+std::string samples_told(const std::string& report) {
+  const std::size_t line = report.rfind('\n', report.size() - 2) + 1;
+  return report.substr(line, report.find(' ', line) - line);
+}
+
+}  // namespace
+
+TEST_CASE("a stage with --error draws as many samples as it says, and writes the standard errors") {
+  const auto& [stage, error] =
+      GENERATE(std::pair{"13_whitted", "0.03"}, std::pair{"08_naive", "0.03"}, std::pair{"01_gradient", "1"});
+  CAPTURE(stage);
+  const TemporaryFolder folder;
+  const std::string size = "--size 64x48";
+  const Outcome outcome =
+      run_stage(stage, size + " --error " + error + " --noise n.pfm -o a.ppm --quiet", folder);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out + outcome.err == "");
+  CHECK(folder.count() == 2);
+  const std::string noise = bytes_of(folder / "n.pfm");
+  CHECK(noise.starts_with("PF\n64 48\n"));
+  CHECK(noise.size() > 12 * 64 * 48);
+
+  const Outcome told = run_stage(stage, size + " --error " + error + " -o b.ppm --threads 3", folder);
+  CHECK(bytes_of(folder / "b.ppm") == bytes_of(folder / "a.ppm"));
+  if (std::string(stage) == "01_gradient") {
+    CHECK_THAT(told.out, ContainsSubstring("no samples, no error\n"));
+    return;
+  }
+  CHECK_THAT(told.out, ContainsSubstring(" samples in each pixel, RMSE about "));
+  CHECK_THAT(told.out, ContainsSubstring(", at most ") && ContainsSubstring(" (95 %)\n"));
+}
+
+TEST_CASE("the option --noise goes with a number of samples too") {
+  const TemporaryFolder folder;
+  CHECK(run_stage("13_whitted", "--size 32x24 --samples 4 --noise n.pfm -o a.ppm", folder).status == 0);
+  CHECK(bytes_of(folder / "a.ppm") ==
+        stage_picture("13_whitted", "--size 32x24 --samples 4 --sampler sobol"));
+  CHECK(bytes_of(folder / "n.pfm").starts_with("PF\n32 24\n"));
+}
+
+TEST_CASE("a stage with --time draws the bytes of the samples that it says") {
+  const std::string sampler = GENERATE("", " --sampler halton");
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_stage("13_whitted", "--size 32x24 --seed 5 --time 0.2 -o a.ppm" + sampler, folder);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.err == "");
+  const std::string samples = samples_told(outcome.out);
+  const std::string same = "--samples " + samples + (sampler.empty() ? " --sampler sobol" : "");
+  CHECK_THAT(outcome.out, ContainsSubstring("; " + same + " draws the same\n"));
+  CHECK(bytes_of(folder / "a.ppm") == stage_picture("13_whitted", "--size 32x24 --seed 5 " + same + sampler));
+}
+
+TEST_CASE("a target that is not met writes the picture, says its error and ends with 1") {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_stage("13_whitted", "--size 32x24 --error 1e-6 --max-samples 20 -o a.ppm", folder);
+  CHECK(outcome.status == 1);
+  CHECK_THAT(outcome.err,
+             ContainsSubstring("13_whitted: the error is not surely at most 1e-06 after 20 samples in each "
+                               "pixel, but 0.") &&
+                 ContainsSubstring("; --max-samples sets how many there may be\n"));
+  CHECK(bytes_of(folder / "a.ppm") ==
+        stage_picture("13_whitted", "--size 32x24 --samples 20 --sampler sobol"));
+}
+
+TEST_CASE("every pixel tells its price before, and its error after") {
+  const TemporaryFolder folder;
+  const std::string options = "--size 16x12 --clamp 1 --every-pixel -o a.ppm --error ";
+  const Outcome outcome = run_stage("13_whitted", options + "0.3", folder);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out.starts_with("every pixel to within 0.3 takes at least "));
+  CHECK_THAT(outcome.out, ContainsSubstring(", no channel of any pixel off by more than 0."));
+  const Outcome dear = run_stage("13_whitted", options + "0.0001", folder);
+  CHECK(dear.status == 1);
+  CHECK_THAT(dear.err, ContainsSubstring("more than max_samples, 65536"));
+}
+
+TEST_CASE("the option --clamp bounds the light of each sample") {
+  const TemporaryFolder folder;
+  CHECK(run_stage("13_whitted", "--size 32x24 --samples 4 --clamp 0.25 -o a.pfm", folder).status == 0);
+  const std::string bytes = bytes_of(folder / "a.pfm");
+  CHECK(bytes != stage_picture("13_whitted", "--size 32x24 --samples 4", "b.pfm"));
+  CHECK(stage_picture("13_whitted", "--size 32x24 --samples 4 --clamp 1e30", "b.pfm") ==
+        stage_picture("13_whitted", "--size 32x24 --samples 4", "b.pfm"));
+}
+
+TEST_CASE("options of errors that make no sense are refused, and nothing is drawn") {
+  const std::string positive = "is not a finite number greater than 0";
+  const std::vector<std::pair<std::string, std::string>> rows{
+      {"--error 0", "--error: '0' " + positive},
+      {"--error -1", "--error: '-1' " + positive},
+      {"--error nan", "--error: 'nan' " + positive},
+      {"--error inf", "--error: 'inf' " + positive},
+      {"--error 1e999", "--error: '1e999' " + positive},
+      {"--error a", "--error: 'a' " + positive},
+      {"--time 0", "--time: '0' " + positive},
+      {"--time inf", "--time: 'inf' " + positive},
+      {"--clamp 0", "--clamp: '0' " + positive},
+      {"--clamp nan", "--clamp: 'nan' " + positive},
+      {"--error 1 --time 1", "each of --samples, --error and --time excludes the others"},
+      {"--error 1 --samples 4", "each of --samples, --error and --time excludes the others"},
+      {"--samples 4 --time 1", "each of --samples, --error and --time excludes the others"},
+      {"--every-pixel --clamp 1", "--every-pixel requires --error E"},
+      {"--every-pixel --time 1 --clamp 1", "--every-pixel requires --error E"},
+      {"--every-pixel --error 1", "--every-pixel requires --clamp C"},
+      {"--every-pixel --error 1 --clamp 1 --filter mitchell", "--filter: 'mitchell' is not possible"},
+      {"--error 1 --sampler hammersley", "the same in every pixel and for every seed, so they tell no error"},
+      {"--time 1 --sampler stratified", "depend on each other and on their number, so they tell no error"},
+      {"--samples 4 --noise n.pfm --sampler hammersley", "--sampler: 'hammersley' is not possible"},
+      {"--max-samples 8", "--max-samples requires --error or --time"},
+      {"--error 1 --max-samples 1", "--max-samples: '1' is not a whole number from 2 to 65536"},
+      {"--error 1 --max-samples 65537", "--max-samples: '65537' is not a whole number from 2 to 65536"},
+      {"--noise n.pfm", "--noise requires --error, --time or --samples N of at least 2"},
+      {"--samples 1 --noise n.pfm", "--noise requires --error, --time or --samples N of at least 2"},
+      {"--samples 4 --noise n.ppm", "--noise: 'n.ppm' is not a file that ends in .pfm"},
+      {"--samples 4 --noise n.pfm -o n.pfm", "--noise: 'n.pfm' is not another file than the picture's"},
+      {"--pixel 1,1 --error 1", "--pixel excludes --error, --time, --noise and --clamp"},
+      {"--error", "--error"},
+      {"--every-pixel=1", "--every-pixel takes no value"},
+  };
+  for (const auto& [arguments, message] : rows) {
+    CAPTURE(arguments);
+    const TemporaryFolder folder;
+    const Outcome outcome = run_stage("13_whitted", arguments, folder);
+    CHECK(outcome.status == 2);
+    CHECK(outcome.out == "");
+    CHECK(outcome.err.starts_with("13_whitted: "));
+    CHECK_THAT(outcome.err, ContainsSubstring(message));
+    CHECK(folder.count() == 0);
+  }
+}
+
+TEST_CASE("a scene file's error is that of the picture, unless the command line has its own") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "s.json",
+            changed_three_spheres("\"resolution-x\"", "\"error\": 0.05, \"resolution-x\""));
+  const Outcome outcome = run_stage("render", "s.json --size 64x48 -o a.ppm", folder);
+  CHECK(outcome.status == 0);
+  CHECK_THAT(outcome.out, ContainsSubstring("16 samples in each pixel, RMSE about "));
+  CHECK(run_stage("render", "s.json --size 64x48 -o b.ppm --samples 16 --sampler sobol", folder).status == 0);
+  CHECK(bytes_of(folder / "a.ppm") == bytes_of(folder / "b.ppm"));
+  const Outcome smaller = run_stage("render", "s.json --size 64x48 -o b.ppm --error 0.002", folder);
+  CHECK(std::stoi(samples_told(smaller.out)) > 16);
+  CHECK_THAT(run_stage("render", "s.json --sampler hammersley", folder).err,
+             ContainsSubstring("--sampler: 'hammersley' is not possible with --error"));
+  // The error is that before the exposure.
+  put_bytes(folder / "e.json", changed_three_spheres("\"resolution-x\"",
+                                                     "\"exposure\": 100, \"error\": 0.05, \"resolution-x\""));
+  CHECK(samples_told(run_stage("render", "e.json --size 64x48", folder).out) == "16");
+}
