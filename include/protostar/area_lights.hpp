@@ -7,8 +7,11 @@
 // solids of several) light nothing but the eye.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -29,6 +32,13 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+/// Numbers of rays to area lights that this thread has traced, and of those that it did not have to: the
+/// light was behind the surface, or seen edge on.
+struct LightRays {
+  std::uint64_t traced = 0, skipped = 0;
+};
+inline thread_local LightRays light_rays;
+
 /// A surface of a scene that lights others.
 class AreaLight {
  public:
@@ -44,6 +54,7 @@ class AreaLight {
       : shape_(std::move(shape)), emission_(emission), surface_(surface) {}
 
   [[nodiscard]] const Color& emission() const { return emission_; }
+  [[nodiscard]] const void* surface() const { return surface_; }
 
  private:
   [[nodiscard]] auto visit(const auto& f) const {
@@ -72,6 +83,25 @@ class AreaLight {
   /// Returns true if a hit is on this light, on the given primitive of it.
   [[nodiscard]] bool is_hit(const Intersection& hit, std::size_t triangle) const {
     return hit.surface() == surface_ && static_cast<std::size_t>(hit.part()) == triangle;
+  }
+
+  /// Returns an estimate of the irradiance that the light brings to a hit, over π, by one ray to it: two
+  /// numbers in (0, 1) draw a direction, and the light counts, times the weight, if the ray hits it first.
+  [[nodiscard]] Color light_by_ray(const Intersection& hit, const auto& scene, const Uv& numbers,
+                                   double weight) const {
+    const auto [drawn, triangle] = sample(hit.point(), numbers.x, numbers.y);
+    const double height = hit.height(drawn.direction);
+    // The limit is a float, so that black stays black, and no light that is likely to be chosen exceeds it.
+    constexpr double largest_factor = most_irradiance;
+    const double factor = std::min(weight * height / (std::numbers::pi * drawn.density), largest_factor);
+    if (!(factor > 0)) {
+      ++light_rays.skipped;
+      return Color{0};
+    }
+    ++light_rays.traced;
+    const auto seen = scene.intersect(hit.leave(drawn.direction), Interval{});
+    if (!seen || !is_hit(*seen, triangle)) return Color{0};
+    return clamped(emission_ * to_float(factor));
   }
 
   /// Returns the irradiance that the light would bring with radiance 1 to a hit, by its shading normal, if
@@ -170,6 +200,9 @@ class AreaLights {
       const Color& e = light.emission();
       shares_.add(light.visible_area() * (double{e.r} + e.g + e.b));
     }
+    for (std::size_t i = 0; i < lights_.size(); ++i)
+      if (shares_.probability(i) > 0) chosen_.push_back(lights_[i].surface());
+    std::sort(chosen_.begin(), chosen_.end(), std::less<>{});
   }
 
   [[nodiscard]] const std::vector<AreaLight>& lights() const { return lights_; }
@@ -177,6 +210,11 @@ class AreaLights {
   /// Returns the lights' shares by their power, the product of visible_area and the sum of the emission's
   /// channels, to choose one of them.
   [[nodiscard]] const Shares& by_power() const { return shares_; }
+
+  /// Returns true if a hit is on a light that by_power may choose.
+  [[nodiscard]] bool may_choose(const Intersection& hit) const {
+    return std::binary_search(chosen_.begin(), chosen_.end(), hit.surface(), std::less<>{});
+  }
 
   /// Throws std::logic_error if a scene, or a view of it, is not the one of these lights, or has other
   /// surfaces than when they were made.
@@ -232,6 +270,7 @@ class AreaLights {
   std::size_t surfaces_;
   std::vector<AreaLight> lights_;
   Shares shares_{0};
+  std::vector<const void*> chosen_;  ///< surfaces of lights with a share, sorted by address
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,24 +1,17 @@
 // Shows diffuse surfaces in the light that comes straight from lights of any size, with soft shadows.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "../area_lights.hpp"
 #include "../render.hpp"
 #include "../sampling/sampler.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-/// Numbers of rays to area lights that this thread has traced, and of those that it did not have to: the
-/// light was behind the surface, or seen edge on.
-struct LightRays {
-  std::uint64_t traced = 0, skipped = 0;
-};
-inline thread_local LightRays light_rays;
 
 /// Integrator of direct light: the radiance of a hit is
 ///   L_e + ρ/π · Σ E
@@ -65,10 +58,6 @@ struct DirectIntegrator : FirstHit<DirectIntegrator> {
   }
 
  private:
-  /// Largest factor of an emission. It is a float, so that black stays black, and no light that is likely to
-  /// be chosen has a larger one.
-  static constexpr double largest_factor = most_irradiance;
-
   /// Returns an estimate of the irradiance by all area lights, over π.
   [[nodiscard]] Color light_of_areas(const Intersection& hit, const auto& scene, const auto& sampler) const {
     const std::vector<AreaLight>& all = lights.lights();
@@ -76,7 +65,7 @@ struct DirectIntegrator : FirstHit<DirectIntegrator> {
     Color sum{0};
     Pairs pairs(sampler);
     if (all.size() <= rays) {
-      for (const AreaLight& one : all) sum += light_of(one, hit, scene, pairs.next(), 1);
+      for (const AreaLight& one : all) sum += one.light_by_ray(hit, scene, pairs.next(), 1);
       return sum;
     }
     // One number chooses all lights: (k + u)/n for k from 0 to n − 1, so that each share of 1/n of all power
@@ -84,25 +73,9 @@ struct DirectIntegrator : FirstHit<DirectIntegrator> {
     const double u = pairs.next().x;
     for (std::uint32_t k = 0; k < rays; ++k) {
       const auto [index, probability, rest] = lights.by_power().choose((k + u) / rays);
-      sum += light_of(all[index], hit, scene, pairs.next(), 1 / (rays * probability));
+      sum += all[index].light_by_ray(hit, scene, pairs.next(), 1 / (rays * probability));
     }
     return sum;
-  }
-
-  /// Returns a weight times an estimate of the irradiance by one light, over π.
-  [[nodiscard]] static Color light_of(const AreaLight& one, const Intersection& hit, const auto& scene,
-                                      const Uv& numbers, double weight) {
-    const auto [drawn, triangle] = one.sample(hit.point(), numbers.x, numbers.y);
-    const double height = hit.height(drawn.direction);
-    const double factor = std::min(weight * height / (std::numbers::pi * drawn.density), largest_factor);
-    if (!(factor > 0)) {
-      ++light_rays.skipped;
-      return Color{0};
-    }
-    ++light_rays.traced;
-    const auto seen = scene.intersect(hit.leave(drawn.direction), Interval{});
-    if (!seen || !one.is_hit(*seen, triangle)) return Color{0};
-    return clamped(one.emission() * to_float(factor));
   }
 
   /// The numbers of a sampler from set 1 on, two at a time.
