@@ -43,7 +43,10 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       above_0 = "a number greater than 0", color = "a color, an array of three numbers from 0 to 3.4e38",
       factor = "a number from 0 to 3.4e38", direction = "a direction, a vector that is not 0",
       side = "a whole number from 1 to 268435456", samples = "a whole number from 0 to 65536",
-      depth = "a whole number from 1 to 1000", spot_angle = "a number of degrees above 0 and at most 180",
+      depth = "a whole number from 1 to 1000",
+      integrators =
+          R"("binary", "depth", "normal", "color", "diffuse", "transparency", "shadow", "whitted", "ambient-occlusion", "direct" or "path")",
+      spot_angle = "a number of degrees above 0 and at most 180",
       view_angle = "a number of degrees from 1e-100 to below 180", shininess = "a number of at least 0",
       tone = R"("clip", "scale-pixel" or "scale-image")",
       types =
@@ -97,12 +100,8 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       not_allowed("/settings/depth", "0", depth),
       not_allowed("/settings/depth", "1001", depth),
       not_allowed("/settings/depth", "1.5", depth),
-      not_allowed(
-          "/settings/integrator", "\"path\"",
-          R"("binary", "depth", "normal", "color", "diffuse", "transparency", "shadow" or "whitted")"),
-      not_allowed(
-          "/settings/integrator", "null",
-          R"("binary", "depth", "normal", "color", "diffuse", "transparency", "shadow" or "whitted")"),
+      not_allowed("/settings/integrator", "\"paths\"", integrators),
+      not_allowed("/settings/integrator", "null", integrators),
       not_allowed("/settings/transfer", "\"sRGB\"", R"("srgb" or "linear")"),
       not_allowed("/settings/transfer", "2.2", R"("srgb" or "linear")"),
       not_allowed("/settings/transfer/gamma", "0", above_0),

@@ -99,9 +99,10 @@ class AreaLight {
       return Color{0};
     }
     ++light_rays.traced;
-    const auto seen = scene.intersect(hit.leave(drawn.direction), Interval{});
-    if (!seen || !is_hit(*seen, triangle)) return Color{0};
-    return clamped(emission_ * to_float(factor));
+    const Color light = clamped(emission_ * to_float(factor));
+    return follow(
+        hit.leave(drawn.direction), scene, [] { return Color{0}; },
+        [&, part = triangle](const Intersection& seen) { return is_hit(seen, part) ? light : Color{0}; });
   }
 
   /// Returns the irradiance that the light would bring with radiance 1 to a hit, by its shading normal, if

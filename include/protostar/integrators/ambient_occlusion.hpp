@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <string>
 
 #include "../lobes.hpp"
 #include "../render.hpp"
 #include "../sampling/sampler.hpp"
+#include "../shown.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -21,11 +21,14 @@ struct AmbientOcclusionIntegrator : FirstHit<AmbientOcclusionIntegrator> {
   /// Distance in scene units from which on surfaces occlude nothing.
   double distance = std::numeric_limits<double>::infinity();
 
+  AmbientOcclusionIntegrator() = default;
+  explicit AmbientOcclusionIntegrator(double farthest) : distance(farthest) {}
+
   /// Throws std::invalid_argument unless the distance is greater than 0. render calls it.
   void validate() const {
     if (!(distance > 0)) [[unlikely]]
       throw std::invalid_argument("AmbientOcclusionIntegrator: distance must be greater than 0; it is " +
-                                  std::to_string(distance));
+                                  shown(distance));
   }
 
   [[nodiscard]] Color background(const auto&, const auto&) const { return Color{1}; }
