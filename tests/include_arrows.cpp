@@ -55,6 +55,7 @@ const std::set<std::string> on_demand = {
     "numeric/precise_vector.hpp",
     "numeric/radians.hpp",
     "sampling/disk_view.hpp",
+    "sampling/glossy_lobes.hpp",
     "sampling/light_sample.hpp",
     "sampling/mesh_light.hpp",
     "sampling/parallelogram_view.hpp",
