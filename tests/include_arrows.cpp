@@ -50,6 +50,7 @@ const std::set<std::string> on_demand = {
     "environment_light.hpp",
     "integrators/ambient_occlusion.hpp",
     "integrators/direct.hpp",
+    "light_at_hit.hpp",
     "integrators/path.hpp",
     "integrators/unoccluded.hpp",
     "irradiance.hpp",

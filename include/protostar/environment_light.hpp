@@ -53,9 +53,12 @@ class EnvironmentLight {
   /// Returns true if no light comes from the environment.
   [[nodiscard]] bool is_dark() const { return is_dark_; }
 
+  /// Returns true if some directions are better than others; otherwise they are drawn by the cosine.
+  [[nodiscard]] bool has_places() const { return !heights_.empty(); }
+
   /// Draws a direction by two numbers in (0, 1), for a surface with this unit normal.
   [[nodiscard]] DirectionAndDensity sample(const Vec3& normal, double u, double v) const {
-    if (heights_.empty()) return cosine_hemisphere(normal, u, v);
+    if (!has_places()) return cosine_hemisphere(normal, u, v);
     const auto [column, row, probability, x, y] = cells_.choose(u, v);
     const double height = heights_[row] + y * (heights_[row + 1] - heights_[row]);
     const double turn = (static_cast<double>(column) + x) / columns_ - 0.5;
@@ -66,7 +69,7 @@ class EnvironmentLight {
 
   /// Returns the density of a unit direction.
   [[nodiscard]] double density(const Vec3& normal, const Vec3& direction) const {
-    if (heights_.empty()) return cosine_density(dot(normal, direction));
+    if (!has_places()) return cosine_density(dot(normal, direction));
     const double height = 1 - direction.y,
                  turn = polar_angle(direction.x, direction.z) / (2 * std::numbers::pi);
     const auto end = std::upper_bound(heights_.begin() + 1, heights_.end() - 1, height);

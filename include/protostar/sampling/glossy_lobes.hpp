@@ -103,6 +103,9 @@ struct GgxLobe {
   /// grew evenly from 0 to 1 (Burley 2012).
   [[nodiscard]] double width() const { return std::max(roughness * roughness, least_width); }
 
+  /// Returns what a mirror reflects, by the cosine of the angle to its normal.
+  [[nodiscard]] Color reflectance(double cosine) const { return Color(fresnel(cosine)); }
+
   [[nodiscard]] Color value(const Vec3& view, const Vec3& light) const {
     const double factor = projected(view, light) / light.z;
     return factor > 0 ? detail::scaled_light(fresnel(cosine_of_half(view, light)), std::min(factor, 0x1p500))
