@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <numbers>
@@ -22,6 +21,7 @@
 #include <vector>
 
 #include "irradiance.hpp"
+#include "light_at_hit.hpp"
 #include "sampling/solid_angle.hpp"
 #include "scene.hpp"
 #include "surfaces/disk.hpp"
@@ -31,13 +31,6 @@
 #include "surfaces/triangle.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-/// Numbers of rays to area lights that this thread has traced, and of those that it did not have to: the
-/// light was behind the surface, or seen edge on.
-struct LightRays {
-  std::uint64_t traced = 0, skipped = 0;
-};
-inline thread_local LightRays light_rays;
 
 /// A surface of a scene that lights others.
 class AreaLight {
@@ -85,24 +78,28 @@ class AreaLight {
     return hit.surface() == surface_ && static_cast<std::size_t>(hit.part()) == triangle;
   }
 
-  /// Returns an estimate of the irradiance that the light brings to a hit, over π, by one ray to it: two
-  /// numbers in (0, 1) draw a direction, and the light counts, times the weight, if the ray hits it first.
-  [[nodiscard]] Color light_by_ray(const Intersection& hit, const auto& scene, const Uv& numbers,
-                                   double weight) const {
-    const auto [drawn, triangle] = sample(hit.point(), numbers.x, numbers.y);
-    const double height = hit.height(drawn.direction);
-    // The limit is a float, so that black stays black, and no light that is likely to be chosen exceeds it.
-    constexpr double largest_factor = most_irradiance;
-    const double factor = std::min(weight * height / (std::numbers::pi * drawn.density), largest_factor);
-    if (!(factor > 0)) {
-      ++light_rays.skipped;
-      return Color{0};
-    }
-    ++light_rays.traced;
-    const Color light = clamped(emission_ * to_float(factor));
-    return follow(
-        hit.leave(drawn.direction), scene, [] { return Color{0}; },
-        [&, part = triangle](const Intersection& seen) { return is_hit(seen, part) ? light : Color{0}; });
+  /// Returns the density with which sample draws the direction from a point to a hit on this light: alike by
+  /// solid angle, for each triangle of a mesh by itself.
+  [[nodiscard]] double density(const Point& from, const Intersection& hit) const {
+    return visit([&]<class T>(const T& shape) {
+      if constexpr (std::is_same_v<T, Triangles>)
+        return shape.light.density(from, static_cast<std::size_t>(hit.part()));
+      else
+        return 1 / view(shape, from).solid_angle();
+    });
+  }
+
+  /// Returns an estimate of the light that a hit reflects from this light, by one ray to it: two numbers in
+  /// (0, 1) draw a direction, and the light counts, times the weight, if the ray hits it first.
+  [[nodiscard]] ReflectedLight light_by_ray(const Reflector& at, const auto& scene, const Uv& numbers,
+                                            double weight) const {
+    const auto [drawn, triangle] = sample(at.hit.point(), numbers.x, numbers.y);
+    const Vec3& direction = drawn.direction;
+    return at.light_by_ray(direction, drawn.density, weight, [&, part = triangle] {
+      return follow(
+          at.hit.leave(direction), scene, [] { return Color{0}; },
+          [&](const Intersection& seen) { return is_hit(seen, part) ? emission_ : Color{0}; });
+    });
   }
 
   /// Returns the irradiance that the light would bring with radiance 1 to a hit, by its shading normal, if
@@ -201,9 +198,8 @@ class AreaLights {
       const Color& e = light.emission();
       shares_.add(light.visible_area() * (double{e.r} + e.g + e.b));
     }
-    for (std::size_t i = 0; i < lights_.size(); ++i)
-      if (shares_.probability(i) > 0) chosen_.push_back(lights_[i].surface());
-    std::sort(chosen_.begin(), chosen_.end(), std::less<>{});
+    for (std::size_t i = 0; i < lights_.size(); ++i) by_surface_.emplace_back(lights_[i].surface(), i);
+    std::sort(by_surface_.begin(), by_surface_.end(), is_before);
   }
 
   [[nodiscard]] const std::vector<AreaLight>& lights() const { return lights_; }
@@ -212,9 +208,18 @@ class AreaLights {
   /// channels, to choose one of them.
   [[nodiscard]] const Shares& by_power() const { return shares_; }
 
-  /// Returns true if a hit is on a light that by_power may choose.
-  [[nodiscard]] bool may_choose(const Intersection& hit) const {
-    return std::binary_search(chosen_.begin(), chosen_.end(), hit.surface(), std::less<>{});
+  /// Densities with which a direction to a light is drawn.
+  struct Drawn {
+    double density = 0;      ///< by the light's sample, in 1/steradian
+    double probability = 0;  ///< of the light, by by_power
+  };
+
+  /// Returns how the direction from a point to a hit is drawn; zeros if the hit is on no area light.
+  [[nodiscard]] Drawn drawn(const Point& from, const Intersection& hit) const {
+    const std::pair<const void*, std::size_t> wanted{hit.surface(), 0};
+    const auto found = std::lower_bound(by_surface_.begin(), by_surface_.end(), wanted, is_before);
+    if (found == by_surface_.end() || found->first != hit.surface()) return {};
+    return {lights_[found->second].density(from, hit), shares_.probability(found->second)};
   }
 
   /// Throws std::logic_error if a scene, or a view of it, is not the one of these lights, or has other
@@ -267,11 +272,17 @@ class AreaLights {
         AreaLight::Triangles{MeshLight(std::move(triangles)), data.is_closed()});
   }
 
+  static bool is_before(const std::pair<const void*, std::size_t>& a,
+                        const std::pair<const void*, std::size_t>& b) {
+    return std::less<>{}(a.first, b.first);
+  }
+
   const void* identity_;
   std::size_t surfaces_;
   std::vector<AreaLight> lights_;
   Shares shares_{0};
-  std::vector<const void*> chosen_;  ///< surfaces of lights with a share, sorted by address
+  std::vector<std::pair<const void*, std::size_t>>
+      by_surface_;  ///< sorted by address, with the light's index
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "intersection.hpp"
 #include "normals.hpp"
 #include "refraction.hpp"
+#include "sampling/glossy_lobes.hpp"
 #include "sampling/sampler.hpp"
 #include "sampling/warp.hpp"
 
@@ -33,8 +35,11 @@ struct Vertex {
 struct Bounce {
   Vec3 direction{0, 0, 1};
   Color weight{0};  ///< scattered light per light from there · cos θ/density, without that density if sharp
-  bool is_sharp =
-      false;  ///< true for a mirror and glass: light from one direction, which rays to lights miss
+
+  /// Density with which the direction was drawn, as far as light from lights is to be found in it: infinite
+  /// for a mirror and glass, whose one direction rays to lights miss, and 0 for a matte surface, which leaves
+  /// that light to them.
+  double density = std::numeric_limits<double>::infinity();
 };
 
 /// Returns the largest channel.
@@ -67,8 +72,49 @@ struct DiffuseLobe {
   [[nodiscard]] std::optional<Bounce> sample(const Vertex& vertex, const SampleSet<double>& numbers) const {
     const Vec3 direction = cosine_hemisphere(vertex.normals.shading, numbers[0], numbers[1]).direction;
     if (vertex.normals.is_mapped && !(dot(vertex.normals.surface, direction) > 0)) return std::nullopt;
-    return Bounce{direction, albedo, false};
+    return Bounce{direction, albedo, 0};
   }
+};
+
+/// Blurred mirror at a vertex: the GGX lobe of its material around the shading normal, or around the
+/// surface's own where the shading normal faces away.
+class GlossyLobeAt {
+ public:
+  GlossyLobeAt(const Vertex& vertex, const Material& material)
+      : lobe_{material.glossy, material.roughness}, surface_(vertex.normals.surface) {
+    const bool is_seen = dot(vertex.normals.shading, vertex.direction) <= 0;
+    frame_ = frame_around(is_seen ? vertex.normals.shading : surface_);
+    view_ = frame_.local(-vertex.direction);
+    view_.z = std::max(view_.z, 0.0);
+  }
+
+  /// Returns the share of light that a mirror of the material would reflect to the viewer.
+  [[nodiscard]] double share() const { return largest(lobe_.reflectance(view_.z)); }
+
+  /// Returns the light reflected per radiance from a unit direction and steradian; black if it leads into the
+  /// surface.
+  [[nodiscard]] Color reflection(const Vec3& direction) const {
+    if (!(dot(surface_, direction) > 0)) return Color{0};
+    return lobe_.reflection(view_, frame_.local(direction));
+  }
+
+  /// Returns the density with which sample draws a direction.
+  [[nodiscard]] double density(const Vec3& direction) const {
+    return lobe_.density(view_, frame_.local(direction));
+  }
+
+  /// Draws a direction that the lobe reflects from; none if it leads into the surface.
+  [[nodiscard]] std::optional<Bounce> sample(double u, double v) const {
+    const LobeSample drawn = lobe_.sample(view_, u, v);
+    const Vec3 direction = frame_(drawn.direction);
+    if (is_black(drawn.weight) || !(dot(surface_, direction) > 0)) return std::nullopt;
+    return Bounce{direction, drawn.weight, drawn.density};
+  }
+
+ private:
+  GgxLobe lobe_;
+  Vec3 surface_, view_;  // view_ is local
+  Frame frame_;
 };
 
 /// Perfect mirror.
@@ -79,7 +125,7 @@ struct MirrorLobe {
 
   [[nodiscard]] Bounce sample(const Vertex& vertex) const {
     const Vec3 normal = mirroring_normal(vertex.normals, vertex.direction);
-    return {reflected(vertex.direction, normal), Color{reflect}, true};
+    return {reflected(vertex.direction, normal), Color{reflect}};
   }
 };
 
@@ -103,7 +149,7 @@ struct GlassLobe {
     const double share =
         passes ? fresnel_reflectance(-dot(normal, vertex.direction), -dot(normal, bent), ratio) : 1;
     const bool reflects = decide(number, share);
-    return {reflects ? reflected(vertex.direction, normal) : bent, Color{refract}, true};
+    return {reflects ? reflected(vertex.direction, normal) : bent, Color{refract}};
   }
 };
 
