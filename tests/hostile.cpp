@@ -104,6 +104,16 @@ TEST_CASE("every integrator clamps light to the largest float, or to what sums o
         CHECK(image(0, 0) == Color{most});
         CHECK(image(8, 1) == Color{most});
       }
+  file.scene.add(Sphere{.center = {0, 0, 2}, .radius = 0.5},
+                 Material{.refract = 3e38, .emission = Color{3e38f}});
+  for (const std::string integrator : {"direct", "path"})
+    for (const bool tiles : {true, false}) {
+      CAPTURE(integrator, tiles);
+      Image image(9, 2);
+      draw(image, file, integrator, RenderOptions{.samples = 0, .threads = 1, .tiles = tiles});
+      CHECK(image(0, 0) == Color{largest});
+      CHECK(image(8, 1) == Color{largest});
+    }
 
   Image bright(1, 1);
   bright(0, 0) = Color{1, largest, 0};

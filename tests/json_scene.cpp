@@ -59,6 +59,8 @@ TEST_CASE("a scene file needs a resolution, a camera and objects; all else has a
   CHECK(material.refract == 0);
   CHECK(material.ior == 1.5);
   CHECK(material.emission == Color{0});
+  CHECK(material.glossy == Color{0});
+  CHECK(material.roughness == 0.5);
 }
 
 TEST_CASE("a scene file may have an error in the place of samples") {
@@ -106,6 +108,8 @@ TEST_CASE("all properties of a scene can be given in a scene file") {
   CHECK(red.refract == 0.5);
   CHECK(red.ior == 1.33);
   CHECK(red.emission == Color{0.25f, 0, 2});
+  CHECK(red.glossy == Color{0.9f, 0.5f, 0});
+  CHECK(red.roughness == 0.125);
 
   const auto& planes = file.scene.surfaces<Plane>();
   REQUIRE(planes.size() == 1);

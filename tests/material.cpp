@@ -68,6 +68,8 @@ TEST_CASE("an invalid material is refused with the field's name") {
     CHECK(refusal({.diffuse = light}) == "Material: diffuse color must be finite and not negative");
     CHECK(refusal({.specular = light}) == "Material: specular color must be finite and not negative");
     CHECK(refusal({.emission = light}) == "Material: emission must be finite and not negative");
+    CHECK(refusal({.glossy = light}) == "Material: glossy color must be finite and not negative");
+    CHECK(refusal({.roughness = bad}) == "Material: roughness must be from 0 to 1");
     CHECK(refusal({.shininess = bad}) == "Material: shininess must be finite and not negative");
     CHECK(refusal({.reflect = bad}) == "Material: reflect must be finite as a float and not negative");
     CHECK(refusal({.refract = bad}) == "Material: refract must be finite as a float and not negative");
@@ -77,13 +79,17 @@ TEST_CASE("an invalid material is refused with the field's name") {
   CHECK(refusal({.refract = 1e39}) == "Material: refract must be finite as a float and not negative");
   for (const double bad : {0.0, 0x1p-401, 1e121})
     CHECK(refusal({.ior = bad}) == "Material: ior must be from 2^-400 (3.9e-121) to 2^400 (2.6e120)");
+  CHECK(refusal({.roughness = std::nextafter(1, 2)}) == "Material: roughness must be from 0 to 1");
+  CHECK(refusal({.roughness = 0}).empty());
+  CHECK(refusal({.roughness = 1}).empty());
   CHECK(refusal({}).empty());
   CHECK(refusal({.diffuse = Color{9},
                  .specular = Color{16},
                  .shininess = 0,
                  .reflect = 2,
                  .refract = 3,
-                 .emission = Color{7}})
+                 .emission = Color{7},
+                 .glossy = Color{2}})
             .empty());
 }
 

@@ -25,7 +25,8 @@ TEST_CASE("wrong options of render are named, with the right ones, and nothing i
                         "X,Y,W,H, whole numbers of a part of at least one pixel that lies inside the picture",
                     crop_of_size = crop + " of 640x480", samples = "a whole number from 0 to 65536",
                     integrators =
-                        "one of binary, depth, normal, color, diffuse, transparency, shadow, whitted";
+                        "one of binary, depth, normal, color, diffuse, transparency, shadow, whitted, "
+                        "ambient-occlusion, direct, path";
   const auto not_allowed = [](const std::string& option, const std::string& found,
                               const std::string& allowed) {
     return Row{option + " " + found, option + ": '" + found + "' is not " + allowed};
@@ -48,7 +49,7 @@ TEST_CASE("wrong options of render are named, with the right ones, and nothing i
                               not_allowed("--samples", "1.5", samples),
                               not_allowed("--samples", "65537", samples),
                               not_allowed("--samples", "x", samples),
-                              not_allowed("--integrator", "path", integrators),
+                              not_allowed("--integrator", "paths", integrators),
                               not_allowed("--integrator", "Shadow", integrators),
                               {"--size 0x0", "--size: '0x0' is not WIDTHxHEIGHT"},
                               {"stray", "stray"}};
@@ -79,7 +80,7 @@ TEST_CASE("wrong options of render are reported before the scene is read, except
   };
   for (const char* path : {"none.json", "wrong.json"}) {
     for (const char* options :
-         {"--bad-option", "--tone clip", "stray", "--integrator path", "--crop 1,1,1", "--crop 0,0,0,1",
+         {"--bad-option", "--tone clip", "stray", "--integrator paths", "--crop 1,1,1", "--crop 0,0,0,1",
           "--size 8x8 --crop 0,0,9,1", "--samples -1", "--size 0x0", "--threads -1", "--transfer x",
           "--bits 9", "-o a.txt", "-o a.png --bits 16", "-o a.png --plain", "-o a.pfm --transfer srgb"}) {
       const Outcome outcome = outcome_of(path, options);

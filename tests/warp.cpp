@@ -182,15 +182,15 @@ TEST_CASE("directions of a uniform sphere have the density 1/4π") {
   CHECK(uniform_sphere_density * full_angle == 1);
 }
 
-TEST_CASE("directions of Phong's lobe have the density (n + 1)/2π · cosⁿ α") {
+TEST_CASE("directions of a power of the cosine have the density (n + 1)/2π · cosⁿ α") {
   for (const double exponent : {0.0, 1.0, 7.5, 40.0}) {
     CAPTURE(exponent);
-    const PhongLobe lobe{exponent};
+    const CosinePower lobe{exponent};
     check_map([&](double u, double v) { return lobe.sample(u, v); },
               [&](const Vec3& d) { return lobe.density(d.z); }, 0, 6);
   }
-  CHECK(PhongLobe{3}.density(-0.1) == 0);
-  CHECK(PhongLobe{3}.density(0) == 0);
+  CHECK(CosinePower{3}.density(-0.1) == 0);
+  CHECK(CosinePower{3}.density(0) == 0);
 }
 
 TEST_CASE("a direction of a sharp lobe has digits") {
@@ -198,7 +198,7 @@ TEST_CASE("a direction of a sharp lobe has digits") {
   const double u = 0.5, v = 0.8125;  // r = 0.625
   for (const double exponent : {1e3, 1e6, 1e9, 1e12}) {
     CAPTURE(exponent);
-    const Vec3 d = PhongLobe{exponent}.sample(u, v).direction;
+    const Vec3 d = CosinePower{exponent}.sample(u, v).direction;
     const long double log = std::log1p(-0.625L * 0.625L) / (static_cast<long double>(exponent) + 1);
     const double sine = static_cast<double>(std::sqrt(-std::expm1(2 * log)));
     CHECK(std::abs(std::sqrt(d.x * d.x + d.y * d.y) / sine - 1) <
@@ -257,6 +257,6 @@ TEST_CASE("almost smooth microfacets have normals with digits") {
 // These values would differ between machines if functions of the C library took part.
 TEST_CASE("maps have the same bits on every machine") {
   CHECK(cosine_hemisphere(0.3, 0.6).direction.x == -0x1.7a6bca5c20a9fp-2);
-  CHECK(PhongLobe{7.5}.sample(0.3, 0.6).direction.z == 0x1.f59ad0fd926f3p-1);
+  CHECK(CosinePower{7.5}.sample(0.3, 0.6).direction.z == 0x1.f59ad0fd926f3p-1);
   CHECK(VisibleNormals{{0.6, 0, 0.8}, 0.5}.sample(0.3, 0.6).direction.x == 0x1.a196da617b233p-6);
 }

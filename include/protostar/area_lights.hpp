@@ -7,8 +7,10 @@
 // solids of several) light nothing but the eye.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -19,6 +21,7 @@
 #include <vector>
 
 #include "irradiance.hpp"
+#include "light_at_hit.hpp"
 #include "sampling/solid_angle.hpp"
 #include "scene.hpp"
 #include "surfaces/disk.hpp"
@@ -44,6 +47,7 @@ class AreaLight {
       : shape_(std::move(shape)), emission_(emission), surface_(surface) {}
 
   [[nodiscard]] const Color& emission() const { return emission_; }
+  [[nodiscard]] const void* surface() const { return surface_; }
 
  private:
   [[nodiscard]] auto visit(const auto& f) const {
@@ -72,6 +76,30 @@ class AreaLight {
   /// Returns true if a hit is on this light, on the given primitive of it.
   [[nodiscard]] bool is_hit(const Intersection& hit, std::size_t triangle) const {
     return hit.surface() == surface_ && static_cast<std::size_t>(hit.part()) == triangle;
+  }
+
+  /// Returns the density with which sample draws the direction from a point to a hit on this light: alike by
+  /// solid angle, for each triangle of a mesh by itself.
+  [[nodiscard]] double density(const Point& from, const Intersection& hit) const {
+    return visit([&]<class T>(const T& shape) {
+      if constexpr (std::is_same_v<T, Triangles>)
+        return shape.light.density(from, static_cast<std::size_t>(hit.part()));
+      else
+        return 1 / view(shape, from).solid_angle();
+    });
+  }
+
+  /// Returns an estimate of the light that a hit reflects from this light, by one ray to it: two numbers in
+  /// (0, 1) draw a direction, and the light counts, times the weight, if the ray hits it first.
+  [[nodiscard]] ReflectedLight light_by_ray(const Reflector& at, const auto& scene, const Uv& numbers,
+                                            double weight) const {
+    const auto [drawn, triangle] = sample(at.hit.point(), numbers.x, numbers.y);
+    const Vec3& direction = drawn.direction;
+    return at.light_by_ray(direction, drawn.density, weight, [&, part = triangle] {
+      return follow(
+          at.hit.leave(direction), scene, [] { return Color{0}; },
+          [&](const Intersection& seen) { return is_hit(seen, part) ? emission_ : Color{0}; });
+    });
   }
 
   /// Returns the irradiance that the light would bring with radiance 1 to a hit, by its shading normal, if
@@ -170,6 +198,8 @@ class AreaLights {
       const Color& e = light.emission();
       shares_.add(light.visible_area() * (double{e.r} + e.g + e.b));
     }
+    for (std::size_t i = 0; i < lights_.size(); ++i) by_surface_.emplace_back(lights_[i].surface(), i);
+    std::sort(by_surface_.begin(), by_surface_.end(), is_before);
   }
 
   [[nodiscard]] const std::vector<AreaLight>& lights() const { return lights_; }
@@ -177,6 +207,20 @@ class AreaLights {
   /// Returns the lights' shares by their power, the product of visible_area and the sum of the emission's
   /// channels, to choose one of them.
   [[nodiscard]] const Shares& by_power() const { return shares_; }
+
+  /// Densities with which a direction to a light is drawn.
+  struct Drawn {
+    double density = 0;      ///< by the light's sample, in 1/steradian
+    double probability = 0;  ///< of the light, by by_power
+  };
+
+  /// Returns how the direction from a point to a hit is drawn; zeros if the hit is on no area light.
+  [[nodiscard]] Drawn drawn(const Point& from, const Intersection& hit) const {
+    const std::pair<const void*, std::size_t> wanted{hit.surface(), 0};
+    const auto found = std::lower_bound(by_surface_.begin(), by_surface_.end(), wanted, is_before);
+    if (found == by_surface_.end() || found->first != hit.surface()) return {};
+    return {lights_[found->second].density(from, hit), shares_.probability(found->second)};
+  }
 
   /// Throws std::logic_error if a scene, or a view of it, is not the one of these lights, or has other
   /// surfaces than when they were made.
@@ -228,10 +272,17 @@ class AreaLights {
         AreaLight::Triangles{MeshLight(std::move(triangles)), data.is_closed()});
   }
 
+  static bool is_before(const std::pair<const void*, std::size_t>& a,
+                        const std::pair<const void*, std::size_t>& b) {
+    return std::less<>{}(a.first, b.first);
+  }
+
   const void* identity_;
   std::size_t surfaces_;
   std::vector<AreaLight> lights_;
   Shares shares_{0};
+  std::vector<std::pair<const void*, std::size_t>>
+      by_surface_;  ///< sorted by address, with the light's index
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -54,6 +54,7 @@ class NormalMap {
 /// Emission, reflection and refraction of a surface. The radiance that leaves a point is
 ///   emission + Σ over the lights (diffuse · E + specular · E⊥ · cos(r, v)^shininess)
 ///     + reflect · (radiance from the mirror direction) + refract · (radiance from the refracted direction)
+///     + the glossy lobe's reflection of the radiance from all directions
 /// with the irradiance E of a light and E⊥ without its cosine, and the angle between the mirror image r of
 /// the direction to the light and the direction v to the eye (Phong). There are no other weights: the
 /// materials of different ray tracers differ in their numbers alone.
@@ -67,10 +68,12 @@ struct Material {
   double refract = 0;
   double ior = 1.5;   ///< index of refraction inside, the normal pointing outside; outside it is 1
   Color emission{0};  ///< radiance that the surface itself sends out, on both sides, alike in all directions
+  Color glossy{0};    ///< blurred mirror: share of the light reflected at normal incidence; black: none
+  double roughness = 0.5;  ///< of the blurred mirror, from 0, sharp, to 1 (GgxLobe)
 
   /// Throws std::invalid_argument if a number is negative or not finite (reflect and refract as floats), if
-  /// ior or the size of a Checker is no size (magnitude.hpp), or if a color of a Checker is negative or not
-  /// finite. Other textures are not checked.
+  /// roughness is not from 0 to 1, if ior or the size of a Checker is no size (magnitude.hpp), or if a color
+  /// of a Checker is negative or not finite. Other textures are not checked.
   void validate() const {
     const auto check = [](bool holds, const char* rule) {
       if (!holds) throw std::invalid_argument(rule);
@@ -88,6 +91,8 @@ struct Material {
     check(is_share(shininess), "Material: shininess must be finite and not negative");
     check(is_factor(reflect), "Material: reflect must be finite as a float and not negative");
     check(is_factor(refract), "Material: refract must be finite as a float and not negative");
+    check(is_light(glossy), "Material: glossy color must be finite and not negative");
+    check(roughness >= 0 && roughness <= 1, "Material: roughness must be from 0 to 1");
     require_rule(is_size(ior), "Material: ior must be", size_rule);
   }
 };

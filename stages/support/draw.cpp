@@ -27,6 +27,8 @@ void draw(Image& image, const SceneFile& file, const std::string& integrator,
   if (integrator == "color") return draw_with(ColorIntegrator{});
   if (integrator == "depth") return draw_with(DepthIntegrator{});
   if (integrator == "diffuse") return draw_with(DiffuseIntegrator{});
+  if (integrator == "ambient-occlusion" || integrator == "direct" || integrator == "path")
+    return draw_by_chance(image, file, integrator, options);
   if (integrator == "normal") return draw_with(NormalIntegrator{});
   if (integrator == "shadow") return draw_with(ShadowIntegrator{});
   if (integrator == "transparency") return draw_with(TransparencyIntegrator{});

@@ -16,3 +16,7 @@ protostar::SceneFile read_scene_file(const std::filesystem::path& path,
 /// Draws the view of a scene's camera into an image, by the integrator of that name.
 void draw(protostar::Image& image, const protostar::SceneFile& file, const std::string& integrator,
           const StageRenderOptions& options);
+
+/// Does so for the integrators that take a sampler.
+void draw_by_chance(protostar::Image& image, const protostar::SceneFile& file, const std::string& integrator,
+                    const StageRenderOptions& options);

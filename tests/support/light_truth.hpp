@@ -28,6 +28,15 @@ struct LightTruth {
   double mean_truth = 0;  ///< sum of the truths
   double variance = 0;    ///< of the sum of errors
 
+  /// An estimate along a ray: its distance from the truth, and its standard error.
+  struct Estimate {
+    double error, deviation;
+  };
+  std::vector<Estimate> estimates;
+
+  /// Standard errors that are allowed; more than most_errors for more than 200 rays.
+  double allowed_errors = most_errors;
+
   /// Compares the green light of estimate(sampler) with its true value.
   void compare(const protostar::Ray& ray, const auto& estimate, double truth, int samples) {
     using namespace protostar;
@@ -45,10 +54,12 @@ struct LightTruth {
     }
     const double mean = sum / scramblings;
     const double square = std::max(0.0, squares / scramblings - mean * mean) / (scramblings - 1);
-    const double allowed = most_errors * std::sqrt(square) + 0x1p-20 * truth;
-    if (square > 0) largest = std::max(largest, std::abs(mean) / std::sqrt(square));
+    const double allowed = allowed_errors * std::sqrt(square) + 0x1p-20 * truth;
+    if (const double d = std::sqrt(square); d > 0x1p-20 * truth)
+      largest = std::max(largest, std::abs(mean) / d);
     wrong.add(!(std::abs(mean) <= allowed), ray.origin, ray.direction, "estimate", mean + truth, "truth",
               truth, "allowed", allowed);
+    estimates.push_back({mean, std::sqrt(square)});
     ++rays, lit += truth > 0;
     mean_error += mean, mean_truth += truth, variance += square;
   }

@@ -41,7 +41,8 @@ inline const std::string scene_of_everything = R"({
   ],
   "materials": {
     "red": {"diffuse": [0.8, 0.1, 0.1], "specular": [0.5, 0.6, 0.7], "shininess": 20, "reflect": 0.25,
-            "refract": 0.5, "ior": 1.33, "emission": [0.25, 0, 2]},
+            "refract": 0.5, "ior": 1.33, "emission": [0.25, 0, 2], "glossy": [0.9, 0.5, 0],
+            "roughness": 0.125},
     "squares": {"diffuse": {"checker": [[1, 0, 0], [0, 0, 1]], "size": 2}},
     "black": {}
   }

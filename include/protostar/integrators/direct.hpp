@@ -1,24 +1,18 @@
-// Shows diffuse surfaces in the light that comes straight from lights of any size, with soft shadows.
+// Shows matte and glossy surfaces in the light that comes straight from lights of any size, with soft
+// shadows.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "../area_lights.hpp"
 #include "../render.hpp"
 #include "../sampling/sampler.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-/// Numbers of rays to area lights that this thread has traced, and of those that it did not have to: the
-/// light was behind the surface, or seen edge on.
-struct LightRays {
-  std::uint64_t traced = 0, skipped = 0;
-};
-inline thread_local LightRays light_rays;
 
 /// Integrator of direct light: the radiance of a hit is
 ///   L_e + ρ/π · Σ E
@@ -30,6 +24,11 @@ inline thread_local LightRays light_rays;
 /// is the density of the direction by solid angle, and the visibility V is 1 if the light is the first
 /// surface that the ray along ω meets. The light thus needs no exception among the occluders, and is visible
 /// from a point exactly where a ray of the camera would see it.
+///
+/// A material's glossy lobe reflects lights at a point or in a direction, area lights, and what else a mirror
+/// sees that sends out light itself: the sky and other surfaces with an emission. A direction that the lobe
+/// draws is traced for it (light_at_hit.hpp). Ambient light and the sky's light on matte surfaces are not
+/// reflected by it.
 struct DirectIntegrator : FirstHit<DirectIntegrator> {
   AreaLights lights;
 
@@ -50,33 +49,32 @@ struct DirectIntegrator : FirstHit<DirectIntegrator> {
   }
 
   /// Takes two numbers for each ray from the sampler: those of ray k are in set 1 + k/2. With more lights
-  /// than rays, they come after one pair for the choice. Throws std::logic_error if the scene is not the one
-  /// of the lights.
+  /// than rays, they come after one pair for the choice. A glossy lobe takes the next two. Throws
+  /// std::logic_error if the scene is not the one of the lights.
   [[nodiscard]] Color shade(const Intersection& hit, const auto& scene, const auto& sampler) const {
     lights.require(scene);
     const Material& material = hit.material();
     const Color albedo = hit.color();
-    if (is_black(albedo)) return material.emission;
-    Color light = ambient_of(scene);
-    for (const Light& one : scene.lights()) light += visible_irradiance(scene, hit, one);
-    light *= to_float(1 / std::numbers::pi);
-    light += light_of_areas(hit, scene, sampler);
-    return clamped(material.emission + albedo * clamped(light));
+    const Reflector at(hit, albedo);
+    if (!at.reflects()) return material.emission;
+    ReflectedLight light{ambient_of(scene)};
+    for (const Light& one : scene.lights()) light += at.light_of(one, scene);
+    light.matte *= to_float(1 / std::numbers::pi);
+    Pairs pairs(sampler);
+    light += light_of_areas(at, scene, pairs);
+    const Color matte = clamped(material.emission + albedo * clamped(light.matte));
+    if (!at.glossy) return matte;
+    return clamped(matte + clamped(light.glossy + light_along_lobe(at, scene, pairs.next())));
   }
 
  private:
-  /// Largest factor of an emission. It is a float, so that black stays black, and no light that is likely to
-  /// be chosen has a larger one.
-  static constexpr double largest_factor = most_irradiance;
-
-  /// Returns an estimate of the irradiance by all area lights, over π.
-  [[nodiscard]] Color light_of_areas(const Intersection& hit, const auto& scene, const auto& sampler) const {
+  /// Returns an estimate of the light of all area lights.
+  [[nodiscard]] ReflectedLight light_of_areas(const Reflector& at, const auto& scene, auto& pairs) const {
     const std::vector<AreaLight>& all = lights.lights();
     const auto rays = static_cast<std::uint32_t>(most_rays);
-    Color sum{0};
-    Pairs pairs(sampler);
+    ReflectedLight sum;
     if (all.size() <= rays) {
-      for (const AreaLight& one : all) sum += light_of(one, hit, scene, pairs.next(), 1);
+      for (const AreaLight& one : all) sum += one.light_by_ray(at, scene, pairs.next(), 1);
       return sum;
     }
     // One number chooses all lights: (k + u)/n for k from 0 to n − 1, so that each share of 1/n of all power
@@ -84,25 +82,32 @@ struct DirectIntegrator : FirstHit<DirectIntegrator> {
     const double u = pairs.next().x;
     for (std::uint32_t k = 0; k < rays; ++k) {
       const auto [index, probability, rest] = lights.by_power().choose((k + u) / rays);
-      sum += light_of(all[index], hit, scene, pairs.next(), 1 / (rays * probability));
+      sum += all[index].light_by_ray(at, scene, pairs.next(), 1 / (rays * probability));
     }
     return sum;
   }
 
-  /// Returns a weight times an estimate of the irradiance by one light, over π.
-  [[nodiscard]] static Color light_of(const AreaLight& one, const Intersection& hit, const auto& scene,
-                                      const Uv& numbers, double weight) {
-    const auto [drawn, triangle] = one.sample(hit.point(), numbers.x, numbers.y);
-    const double height = hit.height(drawn.direction);
-    const double factor = std::min(weight * height / (std::numbers::pi * drawn.density), largest_factor);
-    if (!(factor > 0)) {
-      ++light_rays.skipped;
-      return Color{0};
-    }
-    ++light_rays.traced;
-    const auto seen = scene.intersect(hit.leave(drawn.direction), Interval{});
-    if (!seen || !one.is_hit(*seen, triangle)) return Color{0};
-    return clamped(one.emission() * to_float(factor));
+  /// Returns an estimate of the light that the glossy lobe reflects, by a direction that it draws: the share
+  /// of area lights that rays to them leave to it, and all of the sky and of other surfaces with an emission.
+  [[nodiscard]] Color light_along_lobe(const Reflector& at, const auto& scene, const Uv& numbers) const {
+    const auto drawn = at.glossy->sample(numbers.x, numbers.y);
+    if (!drawn) return Color{0};
+    const Ray ray = at.hit.leave(drawn->direction);
+    return follow(
+        ray, scene, [&] { return clamped(drawn->weight * background(ray, scene)); },
+        [&](const Intersection& seen) {
+          const Color& emission = seen.material().emission;
+          if (is_black(emission)) return Color{0};
+          return times(clamped(drawn->weight * emission),
+                       power_heuristic(drawn->density, density_by_lights(ray.origin, seen)));
+        });
+  }
+
+  /// Returns the density with which rays to lights draw the direction from a point to a hit.
+  [[nodiscard]] double density_by_lights(const Point& from, const Intersection& seen) const {
+    const auto [density, probability] = lights.drawn(from, seen);
+    const auto rays = static_cast<std::size_t>(most_rays);
+    return lights.lights().size() <= rays ? density : density * most_rays * probability;
   }
 
   /// The numbers of a sampler from set 1 on, two at a time.

@@ -10,38 +10,12 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
 
 #include "../numeric/power.hpp"
+#include "../refraction.hpp"
 #include "../scene.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-/// Returns d, seen in a mirror with this unit normal.
-template <class V>
-[[nodiscard]] V reflected(const V& d, const V& normal) {
-  return d - 2 * dot(normal, d) * normal;
-}
-
-/// Refracted direction, if light passes a surface.
-template <class V, class Answer>
-struct Refraction {
-  Answer passes;  ///< if false, all light is reflected
-  V direction;
-};
-
-/// Returns the unit direction d after it has passed a surface whose unit normal faces it (n·d ≤ 0), by
-/// Snell's law: the sine of its angle to the normal is ratio times as large as before, ratio being the index
-/// of refraction before the surface over that behind it. Light passes if there is such an angle.
-template <class V, class Number>
-[[nodiscard]] auto refracted(const V& d, const V& normal, const Number& ratio) {
-  using std::sqrt;
-  const auto cosine = -dot(normal, d);
-  const auto square = 1 - ratio * ratio * (1 - cosine * cosine);  // square of the cosine behind the surface
-  const auto passes = square >= 0.0;
-  return Refraction<V, std::remove_const_t<decltype(passes)>>{
-      passes, ratio * d + (ratio * cosine - sqrt(square)) * normal};
-}
 
 namespace detail {
 
@@ -172,15 +146,6 @@ struct WhittedIntegrator {
       }
     }
     return clamped(result);
-  }
-
-  /// Returns the normal by which a ray of this direction is mirrored and refracted: the shading normal, or
-  /// the surface's own where the shading normal would mirror the ray into the surface.
-  template <class V>
-  [[nodiscard]] static V mirroring_normal(const Normals<V>& facing, const V& direction) {
-    if (!facing.is_mapped) return facing.shading;
-    const auto leads_away = dot(facing.surface, reflected(direction, facing.shading)) > 0.0;
-    return select(leads_away, facing.shading, facing.surface);
   }
 
   /// Returns the radiance that comes from the lights. The angle between the mirror image of the direction to

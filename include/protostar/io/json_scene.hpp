@@ -86,7 +86,8 @@ inline Texture texture_at(const JsonCursor& at) {
 }
 
 inline Material material_at(const JsonCursor& at) {
-  at.with_keys({"diffuse", "specular", "shininess", "reflect", "refract", "ior", "normal-map", "emission"});
+  at.with_keys({"diffuse", "specular", "shininess", "reflect", "refract", "ior", "normal-map", "emission",
+                "glossy", "roughness"});
   Material material;
   if (at["diffuse"].is(json::value_t::object))
     material.texture = texture_at(at["diffuse"]);
@@ -101,6 +102,8 @@ inline Material material_at(const JsonCursor& at) {
   if (at.has("refract")) material.refract = at["refract"].factor();
   if (at.has("ior")) material.ior = at["ior"].size();
   if (at.has("emission")) material.emission = at["emission"].color();
+  if (at.has("glossy")) material.glossy = at["glossy"].color();
+  if (at.has("roughness")) material.roughness = at["roughness"].number_between(0, 1, "a number from 0 to 1");
   return material;
 }
 

@@ -23,8 +23,9 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Names of the integrators that a file can ask for.
-inline constexpr std::array<std::string_view, 8> integrator_names{
-    "binary", "depth", "normal", "color", "diffuse", "transparency", "shadow", "whitted"};
+inline constexpr std::array<std::string_view, 11> integrator_names{
+    "binary", "depth", "normal", "color", "diffuse", "transparency", "shadow", "whitted", "ambient-occlusion",
+    "direct", "path"};
 
 /// Largest samples and depth that a file can ask for.
 inline constexpr int most_samples = 1 << 16, most_depth = WhittedIntegrator::most_depth;
@@ -57,7 +58,7 @@ struct SceneFile {
   std::string sampler = {};            ///< one of sampler_names; empty: the default of the integrator
   std::string filter = "box";          ///< one of ReconstructionFilter::names
   std::uint64_t seed = 0;              ///< of the sampler
-  int depth = 10;                      ///< WhittedIntegrator::depth
+  int depth = 10;                      ///< WhittedIntegrator::depth, PathIntegrator::depth
   std::string integrator = "whitted";  ///< one of integrator_names
   Transfer transfer = Srgb{};
   Tone tone = Tone::clip;

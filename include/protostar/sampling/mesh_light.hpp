@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "shares.hpp"
 #include "triangle_view.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -20,39 +21,6 @@ using TriangleCorners = std::array<Point, 3>;
 struct MeshSample {
   LightSample light;
   std::size_t triangle = 0;
-};
-
-/// Shares of a whole by which one of several things is chosen with a number in (0, 1).
-class Shares {
- public:
-  explicit Shares(std::size_t count) { ends_.reserve(count); }
-
-  void add(double share) { ends_.push_back(whole() + share); }
-  [[nodiscard]] double whole() const { return ends_.empty() ? 0 : ends_.back(); }
-  [[nodiscard]] std::size_t size() const { return ends_.size(); }
-
-  /// Returns the probability of a thing.
-  [[nodiscard]] double probability(std::size_t i) const { return part(i) / whole(); }
-
-  struct Choice {
-    std::size_t index;
-    double probability, rest;  ///< rest: the place of the number within the share, from 0 to 1
-  };
-
-  /// Chooses a thing. The probability is that of the rounded shares, by which it is chosen.
-  [[nodiscard]] Choice choose(double u) const {
-    const double place = u * whole();
-    // A thing of share 0 ends where the one before it ends, and is never the first end above the place.
-    const auto end = std::min(std::upper_bound(ends_.begin(), ends_.end(), place), ends_.end() - 1);
-    const auto i = static_cast<std::size_t>(end - ends_.begin());
-    return {i, probability(i), std::min((place - begin(i)) / part(i), 1.0)};
-  }
-
- private:
-  [[nodiscard]] double begin(std::size_t i) const { return i == 0 ? 0 : ends_[i - 1]; }
-  [[nodiscard]] double part(std::size_t i) const { return ends_[i] - begin(i); }
-
-  std::vector<double> ends_;
 };
 
 /// The triangles of a light, chosen by their areas: for meshes of any size, since a choice takes the

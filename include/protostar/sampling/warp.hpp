@@ -100,15 +100,16 @@ inline constexpr double uniform_sphere_density = 0.25 / std::numbers::pi;
   return {{r * cosine, r * sine, 1 - 2 * u}, uniform_sphere_density};
 }
 
-/// Phong's lobe around the z axis: the density (n + 1)/(2π) · cosⁿ α, where α is the angle from the axis, on
-/// the hemisphere around it. The exponent n ≥ 0 need not be whole.
-struct PhongLobe {
+/// Power of a cosine around the z axis: the density (n + 1)/(2π) · cosⁿ α, where α is the angle from the
+/// axis, on the hemisphere around it. The exponent n ≥ 0 need not be whole.
+struct CosinePower {
   double exponent = 0;
 
   /// Returns the density for the cosine of α; 0 where that is not positive.
   [[nodiscard]] double density(double cosine) const {
     if (!(cosine > 0)) return 0;
-    const double power = exponent == 0 ? 1 : static_cast<double>(pow(std::min(cosine, 1.0), exponent));
+    const double power =
+        exponent == 0 ? 1 : static_cast<double>(pow(std::clamp(cosine, 0x1p-1000, 1.0), exponent));
     return (exponent + 1) / (2 * std::numbers::pi) * power;
   }
 
@@ -127,7 +128,7 @@ struct PhongLobe {
 };
 
 /// The microfacets of Trowbridge and Reitz (GGX) with roughness α > 0, as seen from a local direction to the
-/// viewer with z > 0: normals of tiny mirrors, of which each is drawn as often as the viewer sees it.
+/// viewer with z ≥ 0: normals of tiny mirrors, of which each is drawn as often as the viewer sees it.
 struct VisibleNormals {
   Vec3 to_viewer{0, 0, 1};
   double roughness = 1;
@@ -144,15 +145,20 @@ struct VisibleNormals {
   /// Returns the share of microfacets towards a direction that others do not hide (Smith's G1): 2/(1 + √(1 +
   /// α² tan² θ)).
   [[nodiscard]] double visible_share(const Vec3& direction) const {
-    const double side = roughness * roughness * (direction.x * direction.x + direction.y * direction.y);
     const double z = std::abs(direction.z);
-    return 2 * z / (z + std::sqrt(z * z + side));
+    return 2 * z / (z + slope_length(direction));
   }
 
-  /// Returns the density of a normal: G1(viewer) · D · max(0, viewer · normal)/viewer.z.
+  /// Returns √(cos² θ + α² sin² θ) of a direction, the length of its ellipse of slopes.
+  [[nodiscard]] double slope_length(const Vec3& d) const {
+    return std::sqrt(d.z * d.z + roughness * roughness * (d.x * d.x + d.y * d.y));
+  }
+
+  /// Returns the density of a normal: G1(viewer) · D · max(0, viewer · normal)/viewer.z. The quotient
+  /// G1/viewer.z is used as one, so that a viewer in the plane of the surface has a density too.
   [[nodiscard]] double density(const Vec3& normal) const {
-    return visible_share(to_viewer) * distribution(normal) * std::max(0.0, dot(to_viewer, normal)) /
-           to_viewer.z;
+    return 2 / (to_viewer.z + slope_length(to_viewer)) * distribution(normal) *
+           std::max(0.0, dot(to_viewer, normal));
   }
 
   /// Returns the density of a direction in which light is mirrored to the viewer, at the normal halfway:
@@ -162,7 +168,7 @@ struct VisibleNormals {
     const Vec3 sum = to_viewer + direction;
     const double square = dot(sum, sum);
     if (!(square > 0 && sum.z > 0)) return 0;
-    return visible_share(to_viewer) * distribution(sum / std::sqrt(square)) / (4 * to_viewer.z);
+    return distribution(sum / std::sqrt(square)) / (2 * (to_viewer.z + slope_length(to_viewer)));
   }
 
   /// Draws a normal (Dupuy and Benyoub 2023). Stretched by 1/α along z, the microfacets are a hemisphere, and

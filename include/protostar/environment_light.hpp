@@ -1,0 +1,139 @@
+// The light of the environment, prepared for drawing directions to where it is bright.
+//
+// A small sun in an image is a light like any other, but no surface: directions that surfaces draw by
+// themselves hardly ever lead to it. Here each pixel of the image is a cell of directions, chosen with a
+// probability in proportion to the light that comes from it.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include "environment_image.hpp"
+#include "light.hpp"
+#include "material.hpp"
+#include "numeric/radians.hpp"
+#include "numeric/trigonometry.hpp"
+#include "sampling/shares.hpp"
+#include "sampling/warp.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Density of directions by the light that a scene's environment or sky sends from there. It is made once for
+/// a picture, from the environment that the scene then has. Threads may share it.
+///
+/// The density of an EnvironmentImage is uniform by solid angle in the cell of a pixel, and the cell's
+/// probability is in proportion to the integral over its u and v of the mixed colors, times its solid angle.
+/// A pixel counts ¾ along each axis in its own cell and ⅛ in each neighbor, so that no direction from which
+/// light comes is left out. Any other function is looked at in the middle of each cell of a grid; it may be
+/// bright between, so an eighth of all directions are drawn as if it were the same everywhere. A sky, and an
+/// image of one color, has no place that is better than others: directions are drawn by the cosine to the
+/// surface's normal.
+class EnvironmentLight {
+ public:
+  /// Cells of the grid for a function that is no image.
+  static constexpr int columns_of_function = 256, rows_of_function = 128;
+
+  explicit EnvironmentLight(const auto& scene) {
+    if constexpr (requires { scene.sky(); }) is_dark_ = is_black(scene.sky().value_or(Color{0}));
+    if constexpr (requires { scene.environment(); }) {
+      const Texture& environment = scene.environment();
+      if (!environment) return;
+      is_dark_ = false;
+      if (const auto* shown = environment.template target<EnvironmentImage>())
+        use(*shown->image, 0);
+      else
+        use(image_of(environment), 1 / 7.0);
+    }
+  }
+
+  /// Returns true if no light comes from the environment.
+  [[nodiscard]] bool is_dark() const { return is_dark_; }
+
+  /// Returns true if some directions are better than others; otherwise they are drawn by the cosine.
+  [[nodiscard]] bool has_places() const { return !heights_.empty(); }
+
+  /// Draws a direction by two numbers in (0, 1), for a surface with this unit normal.
+  [[nodiscard]] DirectionAndDensity sample(const Vec3& normal, double u, double v) const {
+    if (!has_places()) return cosine_hemisphere(normal, u, v);
+    const auto [column, row, probability, x, y] = cells_.choose(u, v);
+    const double height = heights_[row] + y * (heights_[row + 1] - heights_[row]);
+    const double turn = (static_cast<double>(column) + x) / columns_ - 0.5;
+    const auto [sine, cosine] = sine_and_cosine(2 * std::numbers::pi * turn);
+    const double r = std::sqrt(height * (2 - height));
+    return {{r * sine, 1 - height, r * cosine}, probability / solid_angle(row)};
+  }
+
+  /// Returns the density of a unit direction.
+  [[nodiscard]] double density(const Vec3& normal, const Vec3& direction) const {
+    if (!has_places()) return cosine_density(dot(normal, direction));
+    const double height = 1 - direction.y,
+                 turn = polar_angle(direction.x, direction.z) / (2 * std::numbers::pi);
+    const auto end = std::upper_bound(heights_.begin() + 1, heights_.end() - 1, height);
+    const auto row = static_cast<std::size_t>(end - heights_.begin()) - 1;
+    const auto column = std::clamp(static_cast<int>((turn + 0.5) * columns_), 0, columns_ - 1);
+    return cells_.probability(static_cast<std::size_t>(column), row) / solid_angle(row);
+  }
+
+ private:
+  /// Returns a function of u and v as an image of the colors in the middle of its cells.
+  static Image image_of(const Texture& environment) {
+    Image image(columns_of_function, rows_of_function);
+    for (int y = 0; y < image.height(); ++y)
+      for (int x = 0; x < image.width(); ++x) {
+        const Color light = environment((x + 0.5) / image.width(), (y + 0.5) / image.height());
+        image(x, y) = is_light(light) ? light : Color{0};
+      }
+    return image;
+  }
+
+  /// Makes the cells of an image. `even` is the light that is added everywhere, as a share of the mean.
+  void use(const Image& image, double even) {
+    const int w = image.width(), h = image.height();
+    const Color first = image(0, 0);
+    bool is_even = true;
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x) is_even = is_even && image(x, y) == first;
+    if (is_even && (even == 0 || !is_black(first))) {
+      is_dark_ = is_black(first);
+      return;
+    }
+    columns_ = w;
+    heights_.resize(static_cast<std::size_t>(h) + 1);
+    for (int y = 0; y <= h; ++y) {
+      const double sine = sine_of_degrees(90.0 * y / h);  // 1 − cos θ = 2 sin² θ/2
+      heights_[static_cast<std::size_t>(y)] = 2 * sine * sine;
+    }
+    const auto light = [&](int x, int y) {
+      const auto across = [&](int row) {
+        const auto at = [&](int column) {
+          const Color& c = image((column + w) % w, std::clamp(row, 0, h - 1));
+          return double{c.r} + c.g + c.b;
+        };
+        return 0.125 * at(x - 1) + 0.75 * at(x) + 0.125 * at(x + 1);
+      };
+      return (0.125 * across(y - 1) + 0.75 * across(y) + 0.125 * across(y + 1)) *
+             solid_angle(static_cast<std::size_t>(y));
+    };
+    cells_ = GridShares(w, h, light);
+    if (even == 0) return;
+    const double mean = cells_.whole() > 0 ? cells_.whole() / (4 * std::numbers::pi) * even : 1;
+    cells_ = GridShares(
+        w, h, [&](int x, int y) { return light(x, y) + mean * solid_angle(static_cast<std::size_t>(y)); });
+  }
+
+  /// Returns the solid angle of a cell in a row.
+  [[nodiscard]] double solid_angle(std::size_t row) const {
+    return 2 * std::numbers::pi / columns_ * (heights_[row + 1] - heights_[row]);
+  }
+
+  bool is_dark_ = true;
+  int columns_ = 1;
+  std::vector<double> heights_;  ///< 1 − cos θ at the edges of rows, θ from straight up; empty without cells
+  GridShares cells_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,222 @@
+// Shows all light between lights and the eye, by paths that are drawn by chance (Kajiya 1986).
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "../area_lights.hpp"
+#include "../environment_light.hpp"
+#include "../light_at_hit.hpp"
+#include "../lobes.hpp"
+#include "../render.hpp"
+#include "../sampling/sampler.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Integrator of all light: the radiance of a hit is its emission, and the light from everywhere that its
+/// material sends back along the ray, which in turn is the radiance of what is seen there,
+///   L = L_e + ∫ (ρ/π + f) L cos θ dω + reflect · L(mirrored) + refract · (F L(mirrored) + (1 − F)
+///   L(refracted)),
+/// with the color as the albedo ρ, the glossy lobe f, and Fresnel's share F. The sky, or black, if there is
+/// no hit.
+///
+/// A path from the eye follows one of these terms at each vertex, chosen by chance. In the integral, the
+/// light of area lights is found by a ray to one of them, as by DirectIntegrator: directions drawn to a light
+/// by solid angle vary less on matte surfaces than a mixture with those that the surface draws, and take a
+/// ray less. If the path meets that light next, it is not counted again. An environment that is not of one
+/// color is a light like these. Glossy lobes reflect both the light that rays find and the light that the
+/// path meets, weighed by how likely each way was to find it (light_at_hit.hpp). Lights at points or in
+/// directions light matte and glossy surfaces, as in DirectIntegrator; all other light, of a sky of one color
+/// and of surfaces that are no AreaLights, is found by the path itself.
+///
+/// The estimate is unbiased up to the depth. Without glossy lobes it is bounded: no path weighs more than the
+/// product of the sums of shares at its first vertices.
+struct PathIntegrator : FirstHit<PathIntegrator> {
+  /// Largest depth. It bounds the time of a sample, and the coordinates of points (farthest_point).
+  static constexpr int most_depth = 1000;
+
+  /// Number of bounces after which Russian roulette ends paths by chance. Those that go on get the weight of
+  /// those that end, so that no light is lost on average.
+  static constexpr int sure_bounces = 3;
+
+  AreaLights lights;
+  EnvironmentLight environment;
+
+  /// Largest number of bounces between light and eye, from 0 to most_depth: 0 shows emission alone, 1 adds
+  /// what DirectIntegrator shows, if there are no mirrors. A path that is cut adds nothing.
+  int depth = 100;
+
+  /// Largest number of rays from a vertex to lights at points or in directions; of more lights, as many are
+  /// drawn. One more ray is for an area light, chosen with a probability in proportion to its power.
+  int most_rays = 16;
+
+  /// Prepares the lights of a scene; pictures of that scene can then be drawn.
+  template <Surface... S>
+  explicit PathIntegrator(const Scene<S...>& scene) : lights(scene), environment(scene) {}
+
+  /// Throws std::invalid_argument if depth or most_rays is not in its range. render calls it.
+  void validate() const {
+    if (depth < 0 || depth > most_depth) [[unlikely]]
+      throw std::invalid_argument("PathIntegrator: depth must be from 0 to " + std::to_string(most_depth) +
+                                  "; it is " + std::to_string(depth));
+    if (most_rays < 1) [[unlikely]]
+      throw std::invalid_argument("PathIntegrator: most_rays must be at least 1; it is " +
+                                  std::to_string(most_rays));
+  }
+
+  /// Takes set 1 of the sampler at the hit, and the next set at each further vertex: two numbers for the
+  /// direction and two for the light, of which the first also decides how the path goes on. Throws
+  /// std::logic_error if the scene is not the one of the lights.
+  [[nodiscard]] Color shade(const Intersection& first, const auto& scene, const auto& sampler) const {
+    lights.require(scene);
+    Color sum{0}, weight{1};
+    double most_weight = 0, density = std::numeric_limits<double>::infinity();  // of the direction here
+    Ray ray;                                                                    // from the vertex before
+    Vec3 normal;
+    std::optional<Intersection> hit(first);
+    for (int bounce = 0;; ++bounce) {
+      const Material& material = hit->material();
+      if (!is_black(material.emission))
+        if (const double share =
+                bounce == 0 ? 1 : power_heuristic(density, density_by_lights(ray.origin, *hit));
+            share > 0)
+          sum = clamped(sum + times(clamped(weight * material.emission), share));
+      if (bounce >= depth) return sum;
+
+      const SampleSet<double> numbers = sampler(static_cast<std::uint32_t>(1 + bounce));
+      const Color albedo = hit->color();
+      const Vertex vertex(*hit);
+      Reflector at(*hit, albedo);
+      const LobeShares shares(material, albedo, at);
+      if (at.glossy) at.glossy_probability = shares.glossy / shares.whole();
+      if (at.reflects()) {
+        const ReflectedLight light = light_at(at, scene, numbers);
+        Color reflected = clamped(albedo * light.matte);
+        if (at.glossy) reflected = clamped(reflected + light.glossy);
+        sum = clamped(sum + clamped(weight * reflected));
+      }
+
+      double number = numbers[2];
+      const auto onward = scatter(vertex, material, albedo, at, shares, numbers, number);
+      if (!onward) return sum;
+      if (bounce == sure_bounces) most_weight = largest(weight);
+      weight = clamped(weight * onward->weight);
+      if (bounce >= sure_bounces && !survives(weight, most_weight, number)) return sum;
+      density = onward->density;
+      normal = vertex.normals.shading;
+      ray = hit->leave(onward->direction);
+      hit = scene.intersect(ray, Interval{});
+      if (!hit) {
+        const double drawn = share_of_environment() > 0
+                                 ? share_of_environment() * environment.density(normal, ray.direction)
+                                 : 0;
+        const Color sky = background(ray, scene);
+        return clamped(sum + times(clamped(weight * sky), power_heuristic(density, drawn)));
+      }
+    }
+  }
+
+ private:
+  /// Returns the probability that a ray to a light is one to the environment, and not to an area light. A sky
+  /// of one color gets none: directions drawn by the surfaces find it as well.
+  [[nodiscard]] double share_of_environment() const {
+    if (!environment.has_places()) return 0;
+    return lights.by_power().whole() > 0 ? 0.5 : 1;
+  }
+
+  /// Returns the density with which rays to lights draw the direction from a point to a hit.
+  [[nodiscard]] double density_by_lights(const Point& from, const Intersection& hit) const {
+    const auto [drawn, probability] = lights.drawn(from, hit);
+    return drawn * probability * (1 - share_of_environment());
+  }
+
+  /// Returns an estimate of the light that a hit reflects of ambient light, of lights at points or in
+  /// directions, of an area light or of the environment, if they are not occluded.
+  [[nodiscard]] ReflectedLight light_at(const Reflector& at, const auto& scene,
+                                        const SampleSet<double>& numbers) const {
+    ReflectedLight light{ambient_of(scene)};
+    const std::vector<Light>& all = scene.lights();
+    if (const auto rays = static_cast<std::size_t>(most_rays); all.size() <= rays) {
+      for (const Light& one : all) light += at.light_of(one, scene);
+    } else {
+      // One number chooses all: each share of 1/rays of the lights gets a ray.
+      const double step = static_cast<double>(all.size()) / most_rays;
+      for (int k = 0; k < most_rays; ++k) {
+        const auto i = static_cast<std::size_t>((k + numbers[2]) * step);
+        light += at.light_of(all[std::min(i, all.size() - 1)], scene) * to_float(step);
+      }
+    }
+    light.matte = clamped(light.matte) * to_float(1 / std::numbers::pi);
+    double number = numbers[2], share = 1 - share_of_environment();
+    if (share < 1 && !decide(number, share)) {
+      const auto drawn = environment.sample(at.hit.facing_normal(), number, numbers[3]);
+      const Ray ray = at.hit.leave(drawn.direction);
+      light += at.light_by_ray(drawn.direction, drawn.density, 1 / (1 - share), [&] {
+        return scene.occluded(ray, Interval{}) ? Color{0} : background(ray, scene);
+      });
+    } else if (lights.by_power().whole() > 0) {
+      const auto [index, probability, rest] = lights.by_power().choose(number);
+      light += lights.lights()[index].light_by_ray(at, scene, {rest, numbers[3]}, 1 / (probability * share));
+    }
+    light.matte = clamped(light.matte);
+    return light;
+  }
+
+  /// Shares of light that a material's lobes send back.
+  struct LobeShares {
+    double diffuse, glossy, mirror, glass;
+
+    LobeShares(const Material& material, const Color& albedo, const Reflector& at)
+        : diffuse(DiffuseLobe{albedo}.share()),
+          glossy(at.glossy ? at.glossy->share() : 0),
+          mirror(MirrorLobe{to_float(material.reflect)}.share()),
+          glass(GlassLobe{to_float(material.refract), material.ior}.share()) {}
+
+    [[nodiscard]] double sharp() const { return mirror + glass; }
+    [[nodiscard]] double whole() const { return diffuse + glossy + sharp(); }
+  };
+
+  /// Chooses one of the material's lobes, with a probability in proportion to its share, and draws a
+  /// direction by it; none if the material scatters no light, or the direction leads into the surface.
+  [[nodiscard]] static std::optional<Bounce> scatter(const Vertex& vertex, const Material& material,
+                                                     const Color& albedo, const Reflector& at,
+                                                     const LobeShares& shares,
+                                                     const SampleSet<double>& numbers, double& number) {
+    const double whole = shares.whole();
+    if (!(whole > 0)) return std::nullopt;
+    std::optional<Bounce> onward;
+    double share = 0;
+    if (decide(number, shares.diffuse / whole)) {
+      onward = DiffuseLobe{albedo}.sample(vertex, numbers), share = shares.diffuse;
+    } else if (at.glossy && decide(number, shares.glossy / (shares.glossy + shares.sharp()))) {
+      onward = at.glossy->sample(numbers[0], numbers[1]), share = shares.glossy;
+      if (onward) onward->density *= share / whole;
+    } else if (decide(number, shares.mirror / shares.sharp())) {
+      onward = MirrorLobe{to_float(material.reflect)}.sample(vertex), share = shares.mirror;
+    } else {
+      onward = GlassLobe{to_float(material.refract), material.ior}.sample(vertex, number),
+      share = shares.glass;
+    }
+    if (onward) onward->weight = times(onward->weight, whole / share);
+    return onward;
+  }
+
+  /// Russian roulette: a path goes on with a probability in proportion to its weight, and then weighs as much
+  /// as any may.
+  [[nodiscard]] static bool survives(Color& weight, double most_weight, double& number) {
+    const double probability = largest(weight) / most_weight;
+    if (probability >= 1) return true;
+    if (!decide(number, probability)) return false;
+    weight = times(weight, 1 / probability);
+    return true;
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,105 @@
+// Light that arrives at a hit along rays to lights, and what the surface sends back of it to the viewer.
+//
+// A matte surface takes light by rays to lights alone: directions that are drawn to a light by solid angle
+// vary least there. For a glossy lobe, rays to lights are best for a large lobe and a small light, and
+// directions drawn by the lobe for a small lobe and a large light; both are drawn and weighed by the power
+// heuristic, so that of each direction the weights add up to 1 (multiple importance sampling, Veach and
+// Guibas 1995).
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "intersection.hpp"
+#include "light.hpp"
+#include "lobes.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Numbers of rays to area lights and environments that this thread has traced, and of those that it did not
+/// have to: the light was behind the surface, or seen edge on.
+struct LightRays {
+  std::uint64_t traced = 0, skipped = 0;
+};
+inline thread_local LightRays light_rays;
+
+/// Returns the weight of a direction that was drawn with the density `own`, and with `other` in another way:
+/// own²/(own² + other²). It is 1 if nothing else draws it, or the density is infinite, as that of a mirror;
+/// and 0 if `own` is, for a direction that is left to the other way.
+[[nodiscard]] inline double power_heuristic(double own, double other) {
+  if (!(other > 0) || own == std::numeric_limits<double>::infinity()) return 1;
+  const double ratio = other / own;
+  return 1 / (1 + ratio * ratio);
+}
+
+/// Light that a surface receives or reflects, by the ways in which it does.
+struct ReflectedLight {
+  Color matte{0};   ///< irradiance over π, which the albedo reflects
+  Color glossy{0};  ///< radiance that the glossy lobe reflects
+
+  ReflectedLight& operator+=(const ReflectedLight& other) {
+    matte += other.matte, glossy += other.glossy;
+    return *this;
+  }
+  friend ReflectedLight operator*(const ReflectedLight& light, float factor) {
+    return {light.matte * factor, light.glossy * factor};
+  }
+};
+
+/// A hit, as rays to lights need to know it.
+struct Reflector {
+  const Intersection& hit;
+  bool is_matte;
+  std::optional<GlossyLobeAt> glossy;
+
+  /// Density of directions of the glossy lobe, for each that its sample draws: the probability of drawing it
+  /// at all.
+  double glossy_probability = 1;
+
+  Reflector(const Intersection& at, const Color& albedo) : hit(at), is_matte(!is_black(albedo)) {
+    if (const Material& material = at.material(); !is_black(material.glossy)) [[unlikely]]
+      glossy.emplace(Vertex(at), material);
+  }
+
+  /// Returns true if light may be reflected.
+  [[nodiscard]] bool reflects() const { return is_matte || glossy.has_value(); }
+
+  /// Returns the light from a direction that was drawn with a density, times a weight, where radiance()
+  /// traces the ray there and returns the radiance of the light, or black if it is hidden. The ray is traced
+  /// only if its light counts.
+  [[nodiscard]] ReflectedLight light_by_ray(const Vec3& direction, double density, double weight,
+                                            const auto& radiance) const {
+    // The limit is a float, so that black stays black, and no light that is likely to be chosen exceeds it.
+    constexpr double largest_factor = most_irradiance;
+    const double height = is_matte ? hit.height(direction) : 0;
+    const double factor = std::min(weight * height / (std::numbers::pi * density), largest_factor);
+    Color share{0};
+    if (glossy) {
+      const double own = density / weight;
+      const double part = power_heuristic(own, glossy_probability * glossy->density(direction)) / own;
+      share = times(glossy->reflection(direction), std::min(part, largest_factor));
+    }
+    if (!(factor > 0) && is_black(share)) {
+      ++light_rays.skipped;
+      return {};
+    }
+    ++light_rays.traced;
+    const Color light = radiance();
+    return {factor > 0 ? clamped(light * to_float(factor)) : Color{0}, clamped(light * share)};
+  }
+
+  /// Returns the light of a source at a point or in a direction, if nothing occludes it; `matte` is not yet
+  /// over π.
+  [[nodiscard]] ReflectedLight light_of(const Light& light, const auto& scene) const {
+    ReflectedLight sum{visible_irradiance(scene, hit, light)};
+    if (glossy && !is_black(sum.matte))
+      sum.glossy = clamped(glossy->reflection(normalize(light.towards(hit.point()))) *
+                           light.perpendicular_irradiance(hit.point()));
+    return sum;
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,156 @@
+// Lobes: the ways in which a surface scatters light, each drawn by chance with two or three numbers.
+//
+// The light that a surface sends back along a ray is a sum of lobes. A path follows one of them, and each has
+// a function that draws the direction in which the path goes on.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "intersection.hpp"
+#include "normals.hpp"
+#include "refraction.hpp"
+#include "sampling/glossy_lobes.hpp"
+#include "sampling/sampler.hpp"
+#include "sampling/warp.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Place where a surface scatters a path, as the path's ray from the eye sees it.
+struct Vertex {
+  Vec3 direction;         ///< unit vector along the ray, towards the surface
+  Normals<Vec3> normals;  ///< on the side that the ray comes from
+  bool enters;            ///< true if that side is the surface's outside
+
+  explicit Vertex(const Intersection& hit) : direction(normalize(hit.direction())) {
+    const Normals<Vec3> outside = hit.normals();
+    enters = dot(outside.surface, direction) <= 0;
+    normals = outside.facing(direction);
+  }
+};
+
+/// Direction in which a path goes on, and the factor on the light that it meets there.
+struct Bounce {
+  Vec3 direction{0, 0, 1};
+  Color weight{0};  ///< scattered light per light from there · cos θ/density, without that density if sharp
+
+  /// Density with which the direction was drawn, as far as light from lights is to be found in it: infinite
+  /// for a mirror and glass, whose one direction rays to lights miss, and 0 for a matte surface, which leaves
+  /// that light to them.
+  double density = std::numeric_limits<double>::infinity();
+};
+
+/// Returns the largest channel.
+[[nodiscard]] inline double largest(const Color& c) { return std::max({c.r, c.g, c.b}); }
+
+/// Returns a color times a factor, of which double holds the product.
+[[nodiscard]] inline Color times(const Color& c, double factor) {
+  return clamped({to_float(c.r * factor), to_float(c.g * factor), to_float(c.b * factor)});
+}
+
+/// Answers yes with a probability, by a number in [0, 1), and replaces the number by its place among those
+/// with this answer: again a number in [0, 1), for the next question. Samplers have 2^32 different numbers,
+/// so an answer may be 2^-32 too likely.
+[[nodiscard]] inline bool decide(double& number, double probability) {
+  const bool yes = number < probability;
+  const double place = yes ? number / probability : (number - probability) / (1 - probability);
+  number = std::min(place, 1 - 0x1p-53);
+  return yes;
+}
+
+/// Light that is scattered alike in all directions: albedo/π of the irradiance by the shading normal.
+struct DiffuseLobe {
+  Color albedo{0};
+
+  /// Returns the share of light that the lobe sends back, as far as it is known before a direction is drawn.
+  [[nodiscard]] double share() const { return largest(albedo); }
+
+  /// Draws a direction with a density in proportion to its cosine, which cancels that of the irradiance; none
+  /// if it leads into the surface, as beside a tilted normal.
+  [[nodiscard]] std::optional<Bounce> sample(const Vertex& vertex, const SampleSet<double>& numbers) const {
+    const Vec3 direction = cosine_hemisphere(vertex.normals.shading, numbers[0], numbers[1]).direction;
+    if (vertex.normals.is_mapped && !(dot(vertex.normals.surface, direction) > 0)) return std::nullopt;
+    return Bounce{direction, albedo, 0};
+  }
+};
+
+/// Blurred mirror at a vertex: the GGX lobe of its material around the shading normal, or around the
+/// surface's own where the shading normal faces away.
+class GlossyLobeAt {
+ public:
+  GlossyLobeAt(const Vertex& vertex, const Material& material)
+      : lobe_{material.glossy, material.roughness}, surface_(vertex.normals.surface) {
+    const bool is_seen = dot(vertex.normals.shading, vertex.direction) <= 0;
+    frame_ = frame_around(is_seen ? vertex.normals.shading : surface_);
+    view_ = frame_.local(-vertex.direction);
+    view_.z = std::max(view_.z, 0.0);
+  }
+
+  /// Returns the share of light that a mirror of the material would reflect to the viewer.
+  [[nodiscard]] double share() const { return largest(lobe_.reflectance(view_.z)); }
+
+  /// Returns the light reflected per radiance from a unit direction and steradian; black if it leads into the
+  /// surface.
+  [[nodiscard]] Color reflection(const Vec3& direction) const {
+    if (!(dot(surface_, direction) > 0)) return Color{0};
+    return lobe_.reflection(view_, frame_.local(direction));
+  }
+
+  /// Returns the density with which sample draws a direction.
+  [[nodiscard]] double density(const Vec3& direction) const {
+    return lobe_.density(view_, frame_.local(direction));
+  }
+
+  /// Draws a direction that the lobe reflects from; none if it leads into the surface.
+  [[nodiscard]] std::optional<Bounce> sample(double u, double v) const {
+    const LobeSample drawn = lobe_.sample(view_, u, v);
+    const Vec3 direction = frame_(drawn.direction);
+    if (is_black(drawn.weight) || !(dot(surface_, direction) > 0)) return std::nullopt;
+    return Bounce{direction, drawn.weight, drawn.density};
+  }
+
+ private:
+  GgxLobe lobe_;
+  Vec3 surface_, view_;  // view_ is local
+  Frame frame_;
+};
+
+/// Perfect mirror.
+struct MirrorLobe {
+  float reflect = 0;
+
+  [[nodiscard]] double share() const { return reflect; }
+
+  [[nodiscard]] Bounce sample(const Vertex& vertex) const {
+    const Vec3 normal = mirroring_normal(vertex.normals, vertex.direction);
+    return {reflected(vertex.direction, normal), Color{reflect}};
+  }
+};
+
+/// Smooth boundary of a transparent solid: light is reflected or refracted, by Fresnel's equations.
+///
+/// The light that a path carries is radiance over the square of the index of refraction, which refraction
+/// leaves as it is. Outside, where the index is 1, both are the same.
+struct GlassLobe {
+  float refract = 0;
+  double ior = 1;  ///< index of refraction inside
+
+  [[nodiscard]] double share() const { return refract; }
+
+  /// Reflects or refracts, decided by a number, with the probabilities of Fresnel's shares; these need no
+  /// weights then. Where no angle satisfies Snell's law all light is reflected.
+  [[nodiscard]] Bounce sample(const Vertex& vertex, double& number) const {
+    const Vec3 normal = mirroring_normal(vertex.normals, vertex.direction);
+    const double ratio = vertex.enters ? 1 / ior : ior;
+    auto [passes, bent] = refracted(vertex.direction, normal, ratio);
+    if (vertex.normals.is_mapped) passes = passes && dot(vertex.normals.surface, bent) < 0;
+    const double share =
+        passes ? fresnel_reflectance(-dot(normal, vertex.direction), -dot(normal, bent), ratio) : 1;
+    const bool reflects = decide(number, share);
+    return {reflects ? reflected(vertex.direction, normal) : bent, Color{refract}};
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,214 @@
+#include <protostar/environment_light.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <numbers>
+#include <protostar/protostar.hpp>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/chi_squared.hpp"
+#include "support/light_truth.hpp"
+#include "support/random.hpp"
+#include "support/wrong_cases.hpp"
+
+using namespace protostar;
+
+namespace {
+
+/// Returns a dim sky, brighter above, with a sun of one pixel.
+EnvironmentImage sky_with_sun(int width = 32, int height = 16) {
+  Image image(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      image(x, y) =
+          y < height / 2 ? Color{0.2f, 0.3f, 0.5f} * (0.5f + 0.1f * static_cast<float>(x % 7)) : Color{0};
+  image(width / 3, height / 4) = Color{2000, 1500, 1000};
+  return {std::make_shared<const Image>(std::move(image))};
+}
+
+Scene<Sphere> scene_under(Texture environment) {
+  Scene<Sphere> scene;
+  scene.set_environment(std::move(environment));
+  return scene;
+}
+
+/// Returns the integral of a function of directions, by midpoints of u and v, n across each of the cells.
+double integral_over_sky(const auto& f, int columns, int rows, int n) {
+  double sum = 0;
+  const int w = columns * n, h = rows * n;
+  for (int y = 0; y < h; ++y) {
+    const double angle = std::numbers::pi * (y + 0.5) / h;
+    const double area = (std::cos(std::numbers::pi * y / h) - std::cos(std::numbers::pi * (y + 1) / h)) * 2 *
+                        std::numbers::pi / w;
+    for (int x = 0; x < w; ++x) {
+      const double turn = 2 * std::numbers::pi * ((x + 0.5) / w - 0.5);
+      sum +=
+          area * f(Vec3{std::sin(angle) * std::sin(turn), std::cos(angle), std::sin(angle) * std::cos(turn)});
+    }
+  }
+  return sum;
+}
+
+/// Returns light that is brighter below, and in a place between the middles of cells.
+Color spot(double u, double v) {
+  return Color{to_float(0.1 * (1 + v) + (std::abs(u - 0.3) < 0.01 && std::abs(v - 0.3) < 0.01 ? 20 : 0))};
+}
+
+const Vec3 tilted = normalize(Vec3{0.3, 0.9, -0.2});
+
+/// Returns an estimate of the irradiance of a tilted surface by one direction.
+Color irradiance_by(const DirectionAndDensity& drawn, const Texture& environment) {
+  const double height = dot(drawn.direction, tilted);
+  if (!(height > 0)) return Color{0};
+  return environment_radiance(environment, Ray{{}, drawn.direction}) * to_float(height / drawn.density);
+}
+
+}  // namespace
+
+TEST_CASE("the density of directions to an environment integrates to 1, and is that of the samples") {
+  struct Row {
+    Texture environment;
+    int columns, rows;
+  };
+  const auto row = GENERATE(Row{sky_with_sun(), 32, 16}, Row{sky_with_sun(5, 3), 5, 3}, Row{spot, 256, 128});
+  const EnvironmentLight light(scene_under(row.environment));
+  CHECK(!light.is_dark());
+  const double whole = integral_over_sky([&](const Vec3& d) { return light.density(tilted, d); }, row.columns,
+                                         row.rows, row.columns > 100 ? 1 : 4);
+  CHECK(std::abs(whole - 1) < 1e-12);
+
+  // Counts in cells of the image, but for those where next to nothing is expected.
+  std::vector<double> expected(static_cast<std::size_t>(row.columns * row.rows));
+  std::vector<int> counts(expected.size());
+  const auto index = [&](const Vec3& d) {
+    const Uv uv = direction_uv(d);
+    const int x = std::clamp(static_cast<int>(uv.x * row.columns), 0, row.columns - 1);
+    return static_cast<std::size_t>(
+        std::clamp(static_cast<int>(uv.y * row.rows), 0, row.rows - 1) * row.columns + x);
+  };
+  constexpr int count = 20000;
+  Random random(1);
+  WrongCases wrong(random);
+  for (int i = 0; i < count; ++i) {
+    const auto [direction, density] = light.sample(tilted, random.interior(), random.interior());
+    ++counts[index(direction)];
+    wrong.add(!(std::abs(length(direction) - 1) < 1e-15), direction);
+    wrong.add(!(std::abs(light.density(tilted, direction) / density - 1) < 1e-12), direction, density);
+  }
+  CHECK(wrong == 0);
+  static_cast<void>(integral_over_sky(
+      [&](const Vec3& d) {
+        const double height = std::abs(d.y), step = std::numbers::pi / row.rows;
+        const double angle = std::acos(height);
+        const double area = 2 * std::sin(angle) * std::sin(step / 2) * 2 * std::numbers::pi / row.columns;
+        expected[index(d)] = count * light.density(tilted, d) * area;
+        return 0.0;
+      },
+      row.columns, row.rows, 1));
+  double sum = 0, rest = 0, rest_expected = 0;
+  int cells = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    if (expected[i] < 10)
+      rest += counts[i], rest_expected += expected[i];
+    else
+      sum += (counts[i] - expected[i]) * (counts[i] - expected[i]) / expected[i], ++cells;
+  }
+  if (rest_expected > 10) sum += (rest - rest_expected) * (rest - rest_expected) / rest_expected, ++cells;
+  CHECK(sum < chi_squared_bound(cells - 1));
+}
+
+TEST_CASE("each direction from which light comes has a density, and none in the dark below") {
+  const Texture environment = sky_with_sun();
+  const EnvironmentLight light(scene_under(environment));
+  Random random(2);
+  WrongCases wrong(random);
+  for (int i = 0; i < 5000; ++i) {
+    const Vec3 direction = random.direction();
+    const bool is_lit = !is_black(environment_radiance(environment, Ray{{}, direction}));
+    wrong.add(is_lit && !(light.density(tilted, direction) > 0), direction);
+    // A dark row takes an eighth of the light of the row above it.
+    wrong.add(direction.y < -0.3 && light.density(tilted, direction) > 0, "dark", direction);
+  }
+  for (const double x : {0.0, 1e-300, -1e-17, 1e-9})
+    for (const double y : {1.0, -1.0})
+      for (const double z : {0.0, 1e-300, -1e-17})
+        wrong.add(!std::isfinite(light.density(tilted, {x, y, z})), x, y, z);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a sky and an image of one color are drawn by the cosine, and a black one is dark") {
+  Scene<Sphere> sky, dark, black;
+  sky.set_sky(Color{0.5f, 0, 0});
+  black.set_sky(Color{0});
+  const auto of_one_color = [](const Color& color) {
+    Image image(4, 2);
+    for (int i = 0; i < 8; ++i) image(i % 4, i / 4) = color;
+    return scene_under(EnvironmentImage{std::make_shared<const Image>(image)});
+  };
+  for (const auto& scene :
+       {sky, of_one_color(Color{2}), scene_under([](double, double) { return Color{2}; })}) {
+    const EnvironmentLight light(scene);
+    CHECK(!light.is_dark());
+    const auto [direction, density] = light.sample(tilted, 0.3, 0.6);
+    CHECK(direction == cosine_hemisphere(tilted, 0.3, 0.6).direction);
+    CHECK(density == cosine_hemisphere(tilted, 0.3, 0.6).density);
+    CHECK(std::abs(light.density(tilted, direction) / density - 1) < 1e-14);
+    CHECK(light.density(tilted, -direction) == 0);
+  }
+  CHECK(EnvironmentLight(dark).is_dark());
+  CHECK(EnvironmentLight(black).is_dark());
+  CHECK(EnvironmentLight(of_one_color(Color{0})).is_dark());
+  // Where a function is looked at it may be black, and bright elsewhere.
+  const EnvironmentLight hidden(scene_under([](double u, double) { return Color{u == 0.1 ? 1.0f : 0.0f}; }));
+  CHECK(!hidden.is_dark());
+  CHECK(std::abs(hidden.density(tilted, tilted) / uniform_sphere_density - 1) < 1e-12);
+}
+
+TEST_CASE("the irradiance by a sky is π times its radiance, without noise") {
+  Scene<Sphere> scene;
+  scene.set_sky(Color{1});
+  const EnvironmentLight light(scene);
+  Random random(3);
+  for (int i = 0; i < 100; ++i) {
+    const auto [direction, density] = light.sample(tilted, random.interior(), random.interior());
+    CHECK(std::abs(dot(direction, tilted) / density / std::numbers::pi - 1) < 1e-7);
+  }
+}
+
+TEST_CASE(
+    "the irradiance by a sky with a small sun is that of quadrature, with far less noise than by the "
+    "cosine") {
+  struct Row {
+    Texture environment;
+    int columns, rows, steps;
+    double gain;  ///< least ratio of the variances
+  };
+  const auto row = GENERATE(Row{sky_with_sun(), 32, 16, 16, 100}, Row{spot, 500, 500, 1, 4});
+  const EnvironmentLight light(scene_under(row.environment));
+  const double truth = integral_over_sky(
+      [&](const Vec3& d) {
+        const double height = dot(d, tilted);
+        return height > 0 ? height * environment_radiance(row.environment, Ray{{}, d}).g : 0;
+      },
+      row.columns, row.rows, row.steps);
+  LightTruth estimate;
+  double square = 0, square_of_cosine = 0;
+  for (int i = 0; i < 4; ++i)
+    estimate.compare(
+        Ray{},
+        [&](const auto& sampler) {
+          const SampleSet<double> numbers = sampler(1);
+          const Color by_light = irradiance_by(light.sample(tilted, numbers[0], numbers[1]), row.environment);
+          const Color by_cosine =
+              irradiance_by(cosine_hemisphere(tilted, numbers[0], numbers[1]), row.environment);
+          square += (by_light.g - truth) * (by_light.g - truth);
+          square_of_cosine += (by_cosine.g - truth) * (by_cosine.g - truth);
+          return by_light;
+        },
+        truth, 128);
+  CHECK(estimate.wrong == 0);
+  CHECK(square_of_cosine > row.gain * square);
+}

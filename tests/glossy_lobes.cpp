@@ -1,0 +1,277 @@
+#include <protostar/sampling/glossy_lobes.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/chi_squared.hpp"
+#include "support/random.hpp"
+#include "support/wrong_cases.hpp"
+
+using namespace protostar;
+
+static_assert(GlossyLobe<PhongLobe> && GlossyLobe<GgxLobe>);
+
+namespace {
+
+/// Returns a direction to a viewer by the cosine to the normal.
+Vec3 viewer_at(double z) {
+  const double r = std::sqrt((1 - z) * (1 + z));
+  return {r * std::cos(0.7), r * std::sin(0.7), z};
+}
+
+/// Directions by their place around the mirror direction of a view: s from 0 to 1 gives the angle π s⁴ to it,
+/// so that quadrature with equal steps of s resolves narrow lobes, and t from 0 to 1 turns around it.
+struct AroundMirror {
+  Frame frame;
+
+  explicit AroundMirror(const Vec3& view) : frame(frame_around({-view.x, -view.y, view.z})) {}
+
+  static double angle(double s) { return std::numbers::pi * s * s * s * s; }
+
+  Vec3 at(double s, double t) const {
+    const double a = angle(s), turn = 2 * std::numbers::pi * (t - 0.5);
+    return frame({std::sin(a) * std::cos(turn), std::sin(a) * std::sin(turn), std::cos(a)});
+  }
+
+  /// Returns the solid angle per area of (s, t).
+  static double area(double s) {
+    return std::sin(angle(s)) * 4 * std::numbers::pi * s * s * s * 2 * std::numbers::pi;
+  }
+
+  /// Returns the integral of a function of directions over a rectangle of (s, t), by midpoints.
+  double integral(const auto& f, int n, int m, double s0 = 0, double s1 = 1, double t0 = 0,
+                  double t1 = 1) const {
+    double sum = 0;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < m; ++j) {
+        const double s = s0 + (s1 - s0) * (i + 0.5) / n;
+        sum += f(at(s, t0 + (t1 - t0) * (j + 0.5) / m)) * area(s);
+      }
+    return sum * (s1 - s0) * (t1 - t0) / n / m;
+  }
+
+  /// Returns the integral over all directions, in two parts: Phong's density for n = 0 ends abruptly at 90
+  /// degrees.
+  double whole(const auto& f, int n, int m) const {
+    const double right_angle = std::sqrt(std::sqrt(0.5));
+    return integral(f, n, m, 0, right_angle) + integral(f, n / 4, m, right_angle, 1);
+  }
+};
+
+/// Returns χ² of directions that a lobe drew, over its bound, in cells of equal steps around the mirror
+/// direction, against the integral of the density in each cell.
+double chi_squared_of_lobe(const auto& lobe, const Vec3& view, std::uint64_t seed) {
+  constexpr int rings = 16, turns = 8, count = 10000;
+  const AroundMirror around(view);
+  std::vector<int> counts(rings * turns);
+  Random random(seed);
+  for (int i = 0; i < count; ++i) {
+    const double u = random.interior(), v = random.interior();
+    const Vec3 d = around.frame.local(lobe.sample(view, u, v).direction);
+    const double angle = std::atan2(std::sqrt(d.x * d.x + d.y * d.y), d.z);
+    const double s = std::sqrt(std::sqrt(angle / std::numbers::pi));
+    const double t = std::atan2(d.y, d.x) / (2 * std::numbers::pi) + 0.5;
+    const int ring = std::clamp(static_cast<int>(s * rings), 0, rings - 1);
+    ++counts[static_cast<std::size_t>(ring * turns + std::clamp(static_cast<int>(t * turns), 0, turns - 1))];
+  }
+  double rest = 0, rest_expected = 0, sum = 0;
+  int cells = 0;
+  const auto density = [&](const Vec3& d) { return lobe.density(view, d); };
+  for (int i = 0; i < rings * turns; ++i) {
+    const double s = static_cast<double>(i / turns) / rings, t = static_cast<double>(i % turns) / turns;
+    const double expected = count * around.integral(density, 12, 6, s, s + 1.0 / rings, t, t + 1.0 / turns);
+    const double difference = counts[static_cast<std::size_t>(i)] - expected;
+    if (expected < 10)
+      rest += counts[static_cast<std::size_t>(i)], rest_expected += expected;  // one cell together
+    else
+      sum += difference * difference / expected, ++cells;
+  }
+  if (rest_expected > 10) sum += (rest - rest_expected) * (rest - rest_expected) / rest_expected, ++cells;
+  return sum / chi_squared_bound(cells - 1);
+}
+
+/// Checks a lobe for one view: density, samples, weights, albedo, and exchange of view and light.
+void check_lobe(const auto& lobe, double z, double largest_weight) {
+  CAPTURE(z);
+  const Vec3 view = viewer_at(z);
+  const AroundMirror around(view);
+  constexpr int steps = 250;
+  CHECK(std::abs(around.whole([&](const Vec3& d) { return lobe.density(view, d); }, steps, 48) - 1) < 2e-3);
+  CHECK(chi_squared_of_lobe(lobe, view, 1) < 1);
+
+  const double albedo =
+      around.whole([&](const Vec3& d) { return double{lobe.reflection(view, d).g}; }, steps, 48);
+  double largest = 0, sum = 0, squares = 0;
+  constexpr int count = 5000;
+  Random random(2);
+  WrongCases wrong(random);
+  for (int i = 0; i < count; ++i) {
+    const double u = random.interior(), v = random.interior();
+    const auto [direction, density, weight] = lobe.sample(view, u, v);
+    const double w = weight.g;
+    largest = std::max(largest, w);
+    sum += w, squares += w * w;
+    wrong.add(!(std::abs(length(direction) - 1) < 1e-15), "length", u, v, direction);
+    wrong.add(!(density > 0 && std::abs(lobe.density(view, direction) / density - 1) < 1e-7), "density", u, v,
+              density, lobe.density(view, direction));
+    wrong.add((direction.z > 0) != (w > 0), "below the surface", u, v);
+    const double reflected = lobe.reflection(view, direction).g, value = lobe.value(view, direction).g;
+    if (!(direction.z > 0)) continue;
+    wrong.add(!(std::abs(reflected / density / w - 1) < 1e-6), "weight", u, v, w, reflected / density);
+    wrong.add(!(std::abs(value * direction.z / reflected - 1) < 1e-6), "value", u, v, value, reflected);
+    // Exchanged, view and light have half of their sum in common, to the last bit.
+    wrong.add(!(std::abs(lobe.value(direction, view).g / value - 1) < 1e-6), "exchanged", u, v);
+  }
+  CHECK(wrong == 0);
+  CHECK(largest <= largest_weight * (1 + 0x1p-22));  // rounded to float
+  CHECK(albedo < 1 + 2e-3);
+  // Six standard errors are exceeded in one of 5e8 tests.
+  const double mean = sum / count, error = std::sqrt((squares / count - mean * mean) / count);
+  CHECK(std::abs(mean - albedo) < 6 * error + 2e-3 * albedo);
+}
+
+}  // namespace
+
+TEST_CASE("Phong's lobe: its density, samples, weights and albedo are of one piece") {
+  for (const double exponent : {0.0, 12.5, 300.0})
+    for (const double z : {1.0, 0.2}) {
+      CAPTURE(exponent);
+      check_lobe(PhongLobe{.exponent = exponent}, z, (exponent + 2) / (exponent + 1));
+    }
+}
+
+TEST_CASE("a GGX lobe: its density, samples, weights and albedo are of one piece") {
+  for (const double roughness : {0.2, 0.6, 1.0})
+    for (const double z : {1.0, 0.2}) {
+      CAPTURE(roughness);
+      check_lobe(GgxLobe{.color = Color{0.9f, 0.3f, 0.1f}, .roughness = roughness}, z, 1);
+    }
+}
+
+TEST_CASE("at normal incidence Phong's lobe reflects its color's share, for every exponent") {
+  for (const double exponent : {0.0, 1.0, 30.0}) {
+    const PhongLobe lobe{.color = Color{0.8f}, .exponent = exponent};
+    const AroundMirror around({0, 0, 1});
+    const auto reflection = [&](const Vec3& d) { return double{lobe.reflection({0, 0, 1}, d).g}; };
+    CHECK(std::abs(around.whole(reflection, 2000, 4) / double{0.8f} - 1) < 1e-5);
+  }
+  // (n + 2)/2π · cosⁿ, with n = 0 as on a diffuse surface.
+  CHECK(std::abs(PhongLobe{.exponent = 0}.value({0, 0, 1}, {0.6, 0, 0.8}).g * std::numbers::pi - 1) < 1e-6);
+  CHECK(std::abs(PhongLobe{.exponent = 2}.value({0, 0, 1}, {0.6, 0, 0.8}).g * std::numbers::pi / 1.28 - 1) <
+        1e-6);
+}
+
+TEST_CASE("a Phong lobe with an exponent of a million is as narrow as a mirror, and has digits") {
+  const PhongLobe lobe{.exponent = 1e6};
+  const Vec3 view = viewer_at(0.5);
+  Random random(3);
+  WrongCases wrong(random);
+  for (int i = 0; i < 1000; ++i) {
+    const auto [light, density, weight] = lobe.sample(view, random.interior(), random.interior());
+    wrong.add(length(light - Vec3{-view.x, -view.y, view.z}) > 0.01, light);
+    wrong.add(!(std::abs(lobe.density(view, light) / density - 1) < 1e6 * 0x1p-49), light, density);
+    wrong.add(!(std::abs(weight.g / light.z - 1) < 2e-6), light, weight.g);
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a GGX lobe by hand: head on, its value is F/(4π α²), and Schlick's F grows to 1") {
+  // D = 1/(π α²), G = 1, α = 1/4.
+  const GgxLobe lobe{.color = Color{0.5f, 0.25f, 0}, .roughness = 0.5};
+  const Color head_on = lobe.value({0, 0, 1}, {0, 0, 1});
+  CHECK(std::abs(head_on.r * std::numbers::pi / 4 / 0.5 - 1) < 1e-6);
+  CHECK(head_on.g == head_on.r / 2);
+  CHECK(head_on.b == 0);
+  // For α = 1, D = 1/π everywhere. Light and view at 60 degrees on opposite sides have F = F0 + (1 − F0)/32,
+  // G = 1/(1 + Λ + Λ) with Λ = (√(1 + tan² 60°) − 1)/2 = 1/2.
+  const double r = std::sqrt(0.75);
+  const Color rough = GgxLobe{.color = Color{0.5f}, .roughness = 1}.value({r, 0, 0.5}, {-r, 0, 0.5});
+  CHECK(std::abs(rough.g / ((0.5 + 0.5 / 32) / std::numbers::pi * 0.5) - 1) < 1e-6);
+}
+
+TEST_CASE("a lobe without roughness is a mirror, with the color's share and 1 at grazing angles") {
+  const GgxLobe mirror{.color = Color{0.5f}, .roughness = 0};
+  Random random(4);
+  WrongCases wrong(random);
+  for (int i = 0; i < 2000; ++i) {
+    const double z = i % 2 == 0 ? random.real(0.01, 1) : std::exp2(random.real(-40, 0));
+    const Vec3 view = viewer_at(z);
+    // The normals that a grazing view sees are tilted by up to thousands of α.
+    const auto [light, density, weight] = mirror.sample(view, random.interior(), random.real(0, 0.999));
+    wrong.add(!(length(light - Vec3{-view.x, -view.y, view.z}) < (z > 0.01 ? 1e-3 : 1e-2)), view, light);
+    wrong.add(!(density > 1e4 && std::isfinite(density)), view, density);
+    const double rest = std::pow(1 - z, 5);
+    if (i % 2 == 0) wrong.add(!(std::abs(weight.g - (0.5 + 0.5 * rest)) < 1e-3), view, weight.g);
+  }
+  CHECK(wrong == 0);
+  const Vec3 view = viewer_at(0.3);
+  // Beside the mirror direction, only the distribution's tail is left: D = α²/(π sin⁴ θ).
+  const Vec3 beside = normalize(Vec3{-view.x, -view.y, view.z} + 0.2 * Vec3{0, 1, 0});
+  CHECK(mirror.reflection(view, beside).g < 1e-7f);
+}
+
+TEST_CASE("lobes have numbers, and none below 0, for views and lights at the horizon and below") {
+  Random random(5);
+  WrongCases wrong(random);
+  const auto direction = [&](int kind) -> Vec3 {
+    if (kind == 0) return normalize(Vec3{random.real(-1, 1), random.real(-1, 1), 0});
+    if (kind == 1) return normalize(Vec3{1, 0, std::exp2(random.real(-1074, -1))});
+    if (kind == 2) return normalize(Vec3{-1, 0, std::exp2(random.real(-1074, -1))});
+    if (kind == 3) return {0, 0, 1};
+    return random.direction();
+  };
+  const auto is_good = [](const Color& c) { return is_light(c); };
+  const auto check = [&](const auto& lobe, const Vec3& view, const Vec3& light) {
+    const bool is_above = view.z >= 0 && light.z > 0;
+    wrong.add(!is_good(lobe.value(view, light)), "value", view, light);
+    wrong.add(!is_good(lobe.reflection(view, light)), "reflection", view, light);
+    wrong.add(!is_above && lobe.reflection(view, light) != Color{0}, "through the surface", view, light);
+    wrong.add(!is_above && lobe.value(view, light) != Color{0}, "value through the surface", view, light);
+    const double density = lobe.density(view, light);
+    wrong.add(!(density >= 0 && std::isfinite(density)), "density", view, light, density);
+    const auto sample = lobe.sample(view, random.interior(), random.interior());
+    wrong.add(!is_good(sample.weight) || !(sample.density >= 0 && std::isfinite(sample.density)), "sample",
+              view);
+    wrong.add(!(std::abs(length(sample.direction) - 1) < 1e-15), "length", view, sample.direction);
+    wrong.add(!(sample.direction.z > 0 && view.z >= 0) && sample.weight != Color{0}, "weight", view);
+  };
+  for (int i = 0; i < 5000; ++i) {
+    const Vec3 view = direction(i % 5), light = direction(i / 5 % 5);
+    for (const double roughness : {0.0, 0.01, 0.5, 1.0})
+      for (const float color : {0.0f, 0.5f, 1.0f, 3e38f / 4})
+        check(GgxLobe{.color = Color{color}, .roughness = roughness}, view, light);
+    for (const double exponent : {0.0, 0.5, 50.0, 1e6}) check(PhongLobe{.exponent = exponent}, view, light);
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a rough GGX lobe reflects as much of light from everywhere as its comment says") {
+  struct Row {
+    double roughness, share;
+  };
+  for (const auto& [roughness, share] : {Row{0, 1}, Row{0.5, 0.88}, Row{1, 0.41}}) {
+    double sum = 0;
+    constexpr int n = 64, m = 16;
+    for (int i = 0; i < n; ++i)
+      for (int k = 0; k < m * m; ++k) {
+        const Vec3 view = viewer_at(std::sqrt((i + 0.5) / n));  // views in proportion to the cosine
+        const GgxLobe lobe{.roughness = roughness};
+        sum += lobe.sample(view, (k % m + 0.5) / m, (k / m + 0.5) / m).weight.g;
+      }
+    CHECK(std::abs(sum / (n * m * m) - share) < 0.006);
+  }
+}
+
+// These values would differ between machines if functions of the C library took part.
+TEST_CASE("lobes have the same bits on every machine") {
+  const GgxLobe ggx{.color = Color{0.9f, 0.3f, 0.1f}, .roughness = 0.6};
+  const auto [light, density, weight] = ggx.sample({0.6, 0, 0.8}, 0.3, 0.6);
+  CHECK(light.x == -0x1.40baa83332bd5p-1);
+  CHECK(density == 0x1.71ca51edba563p-3);
+  CHECK(weight.b == 0x1.826bap-4f);
+  CHECK(PhongLobe{.exponent = 7.5}.sample({0.6, 0, 0.8}, 0.3, 0.6).direction.x == -0x1.78d4a0f51710dp-1);
+}
