@@ -50,7 +50,6 @@ const std::set<std::string> on_demand = {
     "integrators/unoccluded.hpp",
     "irradiance.hpp",
     "numeric/precise_vector.hpp",
-    "numeric/radians.hpp",
     "sampling/disk_view.hpp",
     "sampling/light_sample.hpp",
     "sampling/mesh_light.hpp",
@@ -59,7 +58,6 @@ const std::set<std::string> on_demand = {
     "sampling/solid_angle.hpp",
     "sampling/sphere_view.hpp",
     "sampling/triangle_view.hpp",
-    "sampling/warp.hpp",
 };
 
 /// External headers of the core, besides the standard library: the smallest part of GLM that will do, and in

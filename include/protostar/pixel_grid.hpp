@@ -1,6 +1,7 @@
 // The pixels of an image on the film of a camera, with the places of their samples.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -13,6 +14,7 @@
 #include "sampling/hammersley_sampler.hpp"
 #include "sampling/pixel_sampler.hpp"
 #include "sampling/reconstruction.hpp"
+#include "sampling/warp.hpp"
 #include "simd/simd.hpp"
 #include "simd/vectors.hpp"
 #include "simd/words.hpp"
@@ -21,8 +23,10 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// Pixels of an image, which is a whole picture or a part of one, and their samples.
 ///
-/// The place of a sample is where the filter takes the first two numbers of the sampler's set 0. These belong
-/// to the pixel of the whole picture, so that a part of it has the same numbers.
+/// The place of a sample is where the filter takes the first two numbers of the sampler's set 0, and its
+/// point of the lens is where the concentric map takes the other two. These belong to the pixel of the whole
+/// picture, so that a part of it has the same numbers. If no number of samples is given, the only ray passes
+/// the centers of the pixel and of the lens, so that its picture is a pinhole's.
 class PixelGrid {
  public:
   /// Takes the sampler of the options, or `otherwise` if they have none. Throws std::invalid_argument if the
@@ -46,7 +50,7 @@ class PixelGrid {
           "RenderOptions: crop must be the size of a picture that holds the image; " + std::to_string(width) +
           "x" + std::to_string(height) + " at " + std::to_string(crop_.x) + ", " + std::to_string(crop_.y) +
           " is not inside " + std::to_string(crop_.width) + "x" + std::to_string(crop_.height));
-    if (options.samples > 0) samples_ = options.samples;
+    if (options.samples > 0) samples_ = options.samples, has_only_centers_ = false;
     set_common_places(options.samples);
   }
 
@@ -80,6 +84,9 @@ class PixelGrid {
 
   [[nodiscard]] int samples() const { return samples_; }
 
+  /// Returns true if the only ray of a pixel passes its center, and that of the lens.
+  [[nodiscard]] bool has_only_centers() const { return has_only_centers_; }
+
   /// Returns true if the mean of a pixel's samples is the light of the only one, unchanged.
   [[nodiscard]] bool keeps_light() const { return samples_ == 1 && !has_weights(); }
 
@@ -105,6 +112,7 @@ class PixelGrid {
 
   /// Returns the places of sample i of the pixels from (x, y) on to the right.
   [[nodiscard]] FilteredPlace<simd::Doubles> places(int x, int y, int i) const {
+    if (has_common_places()) return {common_place(i).x, common_place(i).y, common_place(i).weight};
     const SampleSet<simd::Doubles> numbers = samplers(x, y, i)(0);
     return filter_(numbers[0], numbers[1]);
   }
@@ -124,9 +132,29 @@ class PixelGrid {
              static_cast<std::uint32_t>(samples_)}};
   }
 
-  /// Returns the ray of a camera through a place of pixel (x, y).
-  [[nodiscard]] Ray ray(const Camera& camera, int x, int y, const FilteredPlace<double>& place) const {
-    return camera(u(x, place.x), v(y, place.y));
+  /// Returns the point of the lens, in the unit disk, through which the ray of sample i of pixel (x, y)
+  /// passes.
+  [[nodiscard]] Uv lens_point(int x, int y, int i) const {
+    const SampleSet<double> numbers = sampler(x, y, i)(0);
+    return concentric_disk(numbers[2], numbers[3]);
+  }
+
+  /// Returns the coordinates of these points for sample i of the pixels from (x, y) on to the right.
+  [[nodiscard]] std::array<simd::Doubles, 2> lens_points(int x, int y, int i) const {
+    const SampleSet<simd::Doubles> numbers = samplers(x, y, i)(0);
+    std::array<simd::Doubles, 2> points{0.0, 0.0};
+    for (int lane = 0; lane < simd::double_lanes; ++lane) {
+      const Uv point = concentric_disk(numbers[2][lane], numbers[3][lane]);
+      points[0].set(lane, point.x), points[1].set(lane, point.y);
+    }
+    return points;
+  }
+
+  /// Returns the ray of a camera for sample i of pixel (x, y), which is at a place.
+  [[nodiscard]] Ray ray(const Camera& camera, int x, int y, int i, const FilteredPlace<double>& place) const {
+    const double on_film[] = {u(x, place.x), v(y, place.y)};
+    if (has_only_centers() || !camera.has_lens()) return camera(on_film[0], on_film[1]);
+    return camera(on_film[0], on_film[1], lens_point(x, y, i));
   }
 
   /// Returns the mean of as many equal lights, if places are the same in every pixel or all weights are 1.
@@ -173,6 +201,7 @@ class PixelGrid {
   ReconstructionFilter filter_;
   std::uint64_t seed_;
   int samples_ = 1;
+  bool has_only_centers_ = true;
   std::vector<FilteredPlace<double>> places_;  ///< of the samples; empty if each pixel has its own
 };
 

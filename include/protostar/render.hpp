@@ -84,13 +84,12 @@ void validate(const auto& radiance) {
 template <class I, class... S>
 inline constexpr bool takes_sampler = Radiates<I, S..., PixelSampler>;
 
-/// Returns the sampler of those that are given none by the user.
+/// Returns the sampler of those that are given none by the user: SobolSampler if an integrator, or the lens
+/// of the camera, takes numbers besides places in pixels.
 template <class I, class... S>
-[[nodiscard]] constexpr const SamplerChoice& default_sampler() {
-  if constexpr (takes_sampler<I, S...>)
-    return sampler_of<SobolSampler>;
-  else
-    return sampler_of<HammersleySampler>;
+[[nodiscard]] const SamplerChoice& default_sampler(const Camera& camera) {
+  return takes_sampler<I, S...> || camera.has_lens() ? sampler_of<SobolSampler>
+                                                     : sampler_of<HammersleySampler>;
 }
 
 /// Calls an integrator, or a function, with a ray and the rest of what it takes.
@@ -136,14 +135,14 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
   camera.validate();
   detail::validate(radiance);
   using Function = std::remove_cvref_t<decltype(radiance)>;
-  const PixelGrid pixels(image.width(), image.height(), options, detail::default_sampler<Function>());
+  const PixelGrid pixels(image.width(), image.height(), options, detail::default_sampler<Function>(camera));
   const Tile all = image.tile();
   detail::for_each_in_parallel(all.count(32), options, [&](int i) {
     const Tile tile = all.part(i, 32);
     for (int y = tile.y0; y < tile.y1; ++y)
       for (int x = tile.x0; x < tile.x1; ++x)
         image(x, y) = pixels.mean(x, y, [&](int sample, const auto& place) {
-          return detail::radiance_of_sample(radiance, pixels.ray(camera, x, y, place),
+          return detail::radiance_of_sample(radiance, pixels.ray(camera, x, y, sample, place),
                                             pixels.sampler(x, y, sample));
         });
   });

@@ -127,7 +127,7 @@ void explain_function(Explanation& explanation, const Camera& camera,
     sample.sampler = pixels.sampler(x, y, i);
     sample.u = pixels.u(x, place.x);
     sample.v = pixels.v(y, place.y);
-    sample.ray = pixels.ray(camera, x, y, place);
+    sample.ray = pixels.ray(camera, x, y, i, place);
     return sample.radiance = radiance(sample);
   });
 }

@@ -42,10 +42,10 @@ class TileRenderer {
       : image_(image),
         scene_(scene),
         integrator_(integrator),
-        rays_(
-            camera,
-            PixelGrid(image.width(), image.height(), options, protostar::detail::default_sampler<I, View>()),
-            image.width(), image.height()),
+        rays_(camera,
+              PixelGrid(image.width(), image.height(), options,
+                        protostar::detail::default_sampler<I, View>(camera)),
+              image.width(), image.height()),
         candidates_(scene, rays_, order),
         skips_(skips_that_pay(options, image, scene.scene().size())),
         statistics_(options.statistics) {}
@@ -212,7 +212,7 @@ class TileRenderer {
       for (int y = part.y0; y < part.y1; ++y)
         for (int x = part.x0; x < part.x1; ++x)
           image_(x, y) = pixels.mean(x, y, [&](int i, const auto& place) {
-            const Ray ray = pixels.ray(rays_.camera(), x, y, place);
+            const Ray ray = pixels.ray(rays_.camera(), x, y, i, place);
             view.set_pixel(ray);
             return protostar::detail::radiance_of_sample(protostar::detail::radiance_in(view, integrator_),
                                                          ray, pixels.sampler(x, y, i));
