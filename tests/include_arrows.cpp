@@ -56,7 +56,6 @@ const std::set<std::string> on_demand = {
     "irradiance.hpp",
     "lobes.hpp",
     "numeric/precise_vector.hpp",
-    "numeric/radians.hpp",
     "sampling/disk_view.hpp",
     "sampling/glossy_lobes.hpp",
     "sampling/light_sample.hpp",
@@ -67,7 +66,6 @@ const std::set<std::string> on_demand = {
     "sampling/solid_angle.hpp",
     "sampling/sphere_view.hpp",
     "sampling/triangle_view.hpp",
-    "sampling/warp.hpp",
 };
 
 /// External headers of the core, besides the standard library: the smallest part of GLM that will do, and in

@@ -24,7 +24,8 @@ namespace {
 /// Tests whether two cameras have the same rays.
 bool same_camera(const Camera& a, const Camera& b) {
   return a.position == b.position && a.right == b.right && a.up == b.up && a.forward == b.forward &&
-         a.film_right == b.film_right && a.film_up == b.film_up;
+         a.film_right == b.film_right && a.film_up == b.film_up && a.aperture == b.aperture &&
+         a.focus == b.focus;
 }
 
 }  // namespace
@@ -166,6 +167,17 @@ TEST_CASE("boxes, disks and quadrics of a scene file are read correctly") {
   const Quadric same{{.squares = {1, 2, 3}, .products = {6, 5, 4}, .linear = {7, 8, 9}, .constant = -10}};
   for (const Ray& ray : {Ray{{0, 0, 0}, {1, 2, -3}}, Ray{{1, 0, 2}, {-1, 1, 1}}, Ray{{0, -3, 1}, {2, 5, 1}}})
     CHECK(quadric.intersect(ray) == same.intersect(ray));
+}
+
+TEST_CASE("the camera of a scene file may have a lens, and one of aperture 0 is a pinhole") {
+  const auto with_lens = [](const std::string& aperture) {
+    return scene_of_text(replacing("/camera", R"({"projection": "perspective", "position": [1, 2, 3],
+        "direction": [0, 0, 1], "upward": [0, 1, 0], "field-of-view": 50, "focus": 4, "aperture": )" +
+                                                  aperture + "}"))
+        .camera;
+  };
+  CHECK(same_camera(with_lens("0.25"), Camera::thin_lens({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 50, 0.25, 4)));
+  CHECK(with_lens("0").is_pinhole());
 }
 
 TEST_CASE("a scene file may have one of three kinds of cameras") {

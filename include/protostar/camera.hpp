@@ -27,6 +27,14 @@ namespace protostar::inline PROTOSTAR_ABI {
 ///   start on the film; surfaces between the pinhole and the film are not seen.
 /// - Orthographic: right and up are 0, and all rays run along forward.
 ///
+/// - Thin lens: a pinhole with an aperture. Rays start on a disk around position, spanned by the directions
+/// of
+///   right and up, and all that belong to one film point meet where a pinhole's ray is in focus:
+///     origin    = position + lens point
+///     direction = forward  + u · right + v · up − lens point / focus.
+///   Points at the distance focus, in lengths of forward, are sharp; all others are blurred over disks. Only
+///   pictures of several samples show that, since one ray through a pixel's center passes the lens' center.
+///
 /// Any other film vectors are allowed if right, up and forward span space. The rays of such a camera have no
 /// common point; they are rendered by tiles as all others are, but the tiles cull less.
 ///
@@ -42,6 +50,8 @@ struct Camera {
   Vec3 forward{0, 0, 1};
   Vec3 film_right{0};
   Vec3 film_up{0};
+  double aperture = 0;  ///< radius of the lens; 0: none
+  double focus = 1;     ///< distance of what is in focus, in lengths of forward
 
   /// Largest cosine between the arguments direction and upward of a camera, which should be orthogonal. It is
   /// the allowance of scene files, for directions written in decimals; it shears the picture by less than a
@@ -131,6 +141,30 @@ struct Camera {
     return look_at(position, target, upward, field_of_view).mirrored();
   }
 
+  /// Returns a perspective camera with a lens: the aperture is the lens' radius, and focus the distance along
+  /// direction of the plane that is in focus. Throws as perspective and with_lens do.
+  [[nodiscard]] static Camera thin_lens(const Point& position, const Vec3& direction, const Vec3& upward,
+                                        double field_of_view, double aperture, double focus) {
+    return perspective(position, direction, upward, field_of_view).with_lens(aperture, focus);
+  }
+
+  /// Returns this camera, a pinhole, with a lens instead: look_at(...).with_lens(0.1, 5). With an aperture of
+  /// 0 it stays a pinhole. Throws std::invalid_argument if the aperture is negative or not finite, if the
+  /// distance of focus is not greater than 0 and finite, or if rays do not start at one point.
+  [[nodiscard]] Camera with_lens(double radius, double distance) const {
+    require_length("focus", distance);
+    Camera camera = *this;
+    camera.aperture = radius, camera.focus = distance / length(forward);
+    return valid(camera);
+  }
+
+  /// Returns this camera with no lens but its center: the pinhole camera of the same sharp picture.
+  [[nodiscard]] Camera without_lens() const {
+    Camera camera = *this;
+    camera.aperture = 0;
+    return camera;
+  }
+
   /// Returns the camera whose picture is the mirror image of this one's, left and right exchanged. For the
   /// result of perspective, sensor, viewport or orthographic, this is the camera for a scene in right-handed
   /// coordinates.
@@ -142,15 +176,37 @@ struct Camera {
   }
 
   /// Returns true if all rays start at position.
-  [[nodiscard]] bool is_pinhole() const { return film_right == Vec3{0} && film_up == Vec3{0}; }
+  [[nodiscard]] bool is_pinhole() const { return !has_film() && !has_lens(); }
+
+  [[nodiscard]] bool has_lens() const { return aperture > 0; }
 
   /// Returns true if all rays have the same direction.
   [[nodiscard]] bool is_orthographic() const { return right == Vec3{0} && up == Vec3{0}; }
 
-  /// Returns the ray through the film at (u, v), with a direction of unit length.
+  /// Returns the ray through the film at (u, v), with a direction of unit length. That of a lens passes its
+  /// center.
   [[nodiscard]] Ray operator()(double u, double v) const {
-    return {is_pinhole() ? position : u * film_right + v * film_up + position,
+    return {has_film() ? u * film_right + v * film_up + position : position,
             normalize(u * right + v * up + forward)};
+  }
+
+  /// A lens as rays take it: the one that starts at the point (x, y) of the unit disk starts at position + x
+  /// · right + y · up of these vectors, and has the direction that the center's has at (u − x · u_shift, v −
+  /// y · v_shift).
+  struct Lens {
+    Vec3 right, up;
+    double u_shift, v_shift;
+  };
+  [[nodiscard]] Lens lens() const {
+    const double a = length(right), b = length(up);
+    return {aperture / a * right, aperture / b * up, aperture / focus / a, aperture / focus / b};
+  }
+
+  /// Returns the ray through the film at (u, v) from a point of the lens, given in the unit disk.
+  [[nodiscard]] Ray operator()(double u, double v, const Uv& at) const {
+    const Lens of = lens();
+    return {at.x * of.right + at.y * of.up + position,
+            normalize((u - at.x * of.u_shift) * right + (v - at.y * of.v_shift) * up + forward)};
   }
 
   /// Returns the film coordinate u or v of a point of the image, x and y in pixels from the top left: u runs
@@ -173,7 +229,8 @@ struct Camera {
   /// finite, or if three directions do not span space: right, up and forward, or film_right, film_up and
   /// forward if right and up are both 0. They do not span space if the length of one is not between 2^-400
   /// and 2^400 (about 10^±120), if two are parallel, or if all lie in a plane. Film vectors must always be
-  /// shorter than 2^400.
+  /// shorter than 2^400. Neither an aperture nor its quotient by focus may be above that, focus must be above
+  /// 0, and a camera with a lens has no film.
   [[gnu::cold]] void validate() const {
     for (const Vec3& v : {position, right, up, forward, film_right, film_up})
       if (!is_finite(v))
@@ -188,9 +245,20 @@ struct Camera {
     for (const Vec3& v : {film_right, film_up})
       if (!(dot(v, v) < 0x1p800))
         throw std::invalid_argument("Camera: film_right and film_up must not be longer than 2^400");
+    if (!(aperture >= 0 && aperture <= 0x1p400))
+      refuse("Camera: aperture must be a number from 0 to 2^400; it is ", aperture);
+    if (!(focus > 0 && std::isfinite(focus)))
+      refuse("Camera: focus must be finite and greater than 0; it is ", focus);
+    if (!(aperture / focus <= 0x1p400))
+      refuse("Camera: aperture / focus must be at most 2^400; focus is ", focus);
+    if (has_lens() && has_film())
+      throw std::invalid_argument(
+          "Camera: a lens needs rays that start at one point, so film_right and film_up must be 0");
   }
 
  private:
+  [[nodiscard]] bool has_film() const { return !(film_right == Vec3{0} && film_up == Vec3{0}); }
+
   [[noreturn]] static void refuse(std::string message, double found) {
     char text[32];
     static_cast<void>(std::snprintf(text, sizeof text, "%.9g", found));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -17,6 +18,7 @@
 #include "sampling/pixel_sampler.hpp"
 #include "sampling/reconstruction.hpp"
 #include "shown.hpp"
+#include "sampling/warp.hpp"
 #include "simd/simd.hpp"
 #include "simd/vectors.hpp"
 #include "simd/words.hpp"
@@ -30,8 +32,10 @@ struct SampleRange {
 
 /// Pixels of an image, which is a whole picture or a part of one, and their samples, or a range of these.
 ///
-/// The place of a sample is where the filter takes the first two numbers of the sampler's set 0. These belong
-/// to the pixel of the whole picture, so that a part of it has the same numbers.
+/// The place of a sample is where the filter takes the first two numbers of the sampler's set 0, and its
+/// point of the lens is where the concentric map takes the other two. These belong to the pixel of the whole
+/// picture, so that a part of it has the same numbers. If no number of samples is given, the only ray passes
+/// the centers of the pixel and of the lens, so that its picture is a pinhole's.
 class PixelGrid {
  public:
   /// Takes the sampler of the options, or `otherwise` if they have none, and all samples, or a range that has
@@ -60,7 +64,7 @@ class PixelGrid {
     if (!(options.clamp >= 0))
       throw std::invalid_argument("RenderOptions: clamp must be 0 (none) or greater; it is " +
                                   shown(options.clamp));
-    if (options.samples > 0) samples_ = options.samples;
+    if (options.samples > 0) samples_ = options.samples, has_only_centers_ = false;
     last_ = samples_;
     if (range.first < range.last) {
       if (range.last > static_cast<std::uint32_t>(samples_))
@@ -116,6 +120,9 @@ class PixelGrid {
     return {bounded_channel(light.r), bounded_channel(light.g), bounded_channel(light.b)};
   }
 
+  /// Returns true if the only ray of a pixel passes its center, and that of the lens.
+  [[nodiscard]] bool has_only_centers() const { return has_only_centers_; }
+
   /// Returns true if the mean of a pixel's samples is the light of the only one, unchanged.
   [[nodiscard]] bool keeps_light() const { return samples_ == 1 && !has_weights(); }
 
@@ -141,6 +148,7 @@ class PixelGrid {
 
   /// Returns the places of sample i of the pixels from (x, y) on to the right.
   [[nodiscard]] FilteredPlace<simd::Doubles> places(int x, int y, int i) const {
+    if (has_common_places()) return {common_place(i).x, common_place(i).y, common_place(i).weight};
     const SampleSet<simd::Doubles> numbers = samplers(x, y, i)(0);
     return filter_(numbers[0], numbers[1]);
   }
@@ -160,9 +168,29 @@ class PixelGrid {
              static_cast<std::uint32_t>(samples_)}};
   }
 
-  /// Returns the ray of a camera through a place of pixel (x, y).
-  [[nodiscard]] Ray ray(const Camera& camera, int x, int y, const FilteredPlace<double>& place) const {
-    return camera(u(x, place.x), v(y, place.y));
+  /// Returns the point of the lens, in the unit disk, through which the ray of sample i of pixel (x, y)
+  /// passes.
+  [[nodiscard]] Uv lens_point(int x, int y, int i) const {
+    const SampleSet<double> numbers = sampler(x, y, i)(0);
+    return concentric_disk(numbers[2], numbers[3]);
+  }
+
+  /// Returns the coordinates of these points for sample i of the pixels from (x, y) on to the right.
+  [[nodiscard]] std::array<simd::Doubles, 2> lens_points(int x, int y, int i) const {
+    const SampleSet<simd::Doubles> numbers = samplers(x, y, i)(0);
+    std::array<simd::Doubles, 2> points{0.0, 0.0};
+    for (int lane = 0; lane < simd::double_lanes; ++lane) {
+      const Uv point = concentric_disk(numbers[2][lane], numbers[3][lane]);
+      points[0].set(lane, point.x), points[1].set(lane, point.y);
+    }
+    return points;
+  }
+
+  /// Returns the ray of a camera for sample i of pixel (x, y), which is at a place.
+  [[nodiscard]] Ray ray(const Camera& camera, int x, int y, int i, const FilteredPlace<double>& place) const {
+    const double on_film[] = {u(x, place.x), v(y, place.y)};
+    if (has_only_centers() || !camera.has_lens()) return camera(on_film[0], on_film[1]);
+    return camera(on_film[0], on_film[1], lens_point(x, y, i));
   }
 
   /// Returns the sums of equal lights of all samples of the range, if places are the same in every pixel or
@@ -226,6 +254,7 @@ class PixelGrid {
   ReconstructionFilter filter_;
   std::uint64_t seed_;
   int samples_ = 1, first_ = 0, last_ = 1;
+  bool has_only_centers_ = true;
   float clamp_ = 0;                            ///< 0: none
   std::vector<FilteredPlace<double>> places_;  ///< of the samples; empty if each pixel has its own
 };

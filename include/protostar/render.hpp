@@ -87,13 +87,12 @@ void validate(const auto& radiance) {
 template <class I, class... S>
 inline constexpr bool takes_sampler = Radiates<I, S..., PixelSampler>;
 
-/// Returns the sampler of those that are given none by the user.
+/// Returns the sampler of those that are given none by the user: SobolSampler if an integrator, or the lens
+/// of the camera, takes numbers besides places in pixels.
 template <class I, class... S>
-[[nodiscard]] constexpr const SamplerChoice& default_sampler() {
-  if constexpr (takes_sampler<I, S...>)
-    return sampler_of<SobolSampler>;
-  else
-    return sampler_of<HammersleySampler>;
+[[nodiscard]] const SamplerChoice& default_sampler(const Camera& camera) {
+  return takes_sampler<I, S...> || camera.has_lens() ? sampler_of<SobolSampler>
+                                                     : sampler_of<HammersleySampler>;
 }
 
 /// Calls an integrator, or a function, with a ray and the rest of what it takes.
@@ -132,14 +131,14 @@ namespace detail {
 /// Gives the light of a camera's view to a target, ray by ray.
 template <Radiance F>
 void draw(const SampleTarget& target, const Camera& camera, const F& radiance, const RenderOptions& options) {
-  const PixelGrid pixels = target.grid(options, default_sampler<F>());
+  const PixelGrid pixels = target.grid(options, default_sampler<F>(camera));
   const Tile all = target.tile();
   for_each_in_parallel(all.count(32), options, [&](int i) {
     const Tile tile = all.part(i, 32);
     for (int y = tile.y0; y < tile.y1; ++y)
       for (int x = tile.x0; x < tile.x1; ++x)
         target.draw(pixels, x, y, [&](int sample, const auto& place) {
-          return radiance_of_sample(radiance, pixels.ray(camera, x, y, place), pixels.sampler(x, y, sample));
+          return radiance_of_sample(radiance, pixels.ray(camera, x, y, sample, place), pixels.sampler(x, y, sample));
         });
   });
 }

@@ -70,12 +70,13 @@ struct RenderReport {
 /// Options of render. An exception that progress throws ends the render and reaches its caller; after a stop,
 /// progress does not come to 1.
 struct RenderOptions {
-  /// Rays through each pixel, which gets their mean (PixelGrid); 0: one through its center. Of several,
+  /// Rays through each pixel, which gets their mean (PixelGrid); 0: one through its center, and through that
+  /// of a lens. Of several,
   /// channels beyond ±2^15 count as ±2^15 (ExactSum).
   int samples = 0;
 
   /// Sampler that gives their places, and the numbers of integrators that take a sampler. By default it is
-  /// SobolSampler for these integrators, and HammersleySampler for others.
+  /// SobolSampler for these integrators and for a camera with a lens, and HammersleySampler for others.
   SamplerChoice sampler = {};
   ReconstructionFilter filter = {};  ///< weight of the places around a pixel's center
   std::uint64_t seed = 0;            ///< samplers have other numbers for another seed, as good as these

@@ -123,7 +123,8 @@ void explain_function(Explanation& explanation, const Camera& camera,
     sample.sampler = pixels.sampler(x, y, i);
     sample.u = pixels.u(x, place.x);
     sample.v = pixels.v(y, place.y);
-    sample.ray = pixels.ray(camera, x, y, place);
+    if (camera.has_lens() && !pixels.has_only_centers()) sample.lens = pixels.lens_point(x, y, i);
+    sample.ray = pixels.ray(camera, x, y, i, place);
     return sample.radiance = radiance(sample);
   });
 }

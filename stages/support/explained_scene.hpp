@@ -211,7 +211,7 @@ void explain(Explanation& explanation, const protostar::Camera& camera, const Ex
         explaining::add_lights(sample.all, explanation.lights, integrator);
         return light;
       },
-      options, protostar::detail::default_sampler<I, ExplainedScene>());
+      options, protostar::detail::default_sampler<I, ExplainedScene>(camera));
 }
 
 // The library's own types are compiled once (support/explain.cpp).

@@ -105,6 +105,7 @@ struct SampleRecord {
   protostar::FilteredPlace<double> place{};  ///< in the pixel, and the weight of the light
   protostar::PixelSampler sampler{{}, {}};   ///< gives the numbers of the sample
   double u = 0, v = 0;                       ///< film coordinates
+  std::optional<protostar::Uv> lens = {};    ///< point of the lens in the unit disk, if there is one
   protostar::Ray ray;
   RayRecord all = {};  ///< no ray itself; all.rays are the rays that the integrator traces first
   protostar::Color radiance{0};

@@ -139,6 +139,8 @@ class Writer {
       json_.member("forward", e_.camera.forward);
       json_.member("film_right", e_.camera.film_right);
       json_.member("film_up", e_.camera.film_up);
+      json_.member("aperture", e_.camera.aperture);
+      json_.member("focus", e_.camera.focus);
     });
   }
 
@@ -193,6 +195,7 @@ class Writer {
       json_.key("position").list(std::array{sample.place.x, sample.place.y});
       json_.member("weight", sample.place.weight);
       json_.key("film").list(std::array{sample.u, sample.v});
+      if (sample.lens) json_.key("lens").list(std::array{sample.lens->x, sample.lens->y});
       json_.member("origin", sample.ray.origin);
       json_.member("direction", sample.ray.direction);
       write_following(sample.all);

@@ -137,6 +137,8 @@ class Tree {
       line(depth++, formatted("sample at (%g, %g) in the pixel", sample.place.x, sample.place.y) +
                         (sample.place.weight == 1 ? "" : formatted(", of weight %.9g", sample.place.weight)));
     line(depth, formatted("film point u = %.9g, v = %.9g", sample.u, sample.v));
+    if (sample.lens)
+      line(depth, formatted("point of the lens x = %.9g, y = %.9g", sample.lens->x, sample.lens->y));
     line(depth, "ray from " + text(sample.ray.origin) + " along " + text(sample.ray.direction));
     if (!explanation_.is_recorded) line(depth + 1, "traced by a function of its own, which records nothing");
     write_sky(depth + 1, sample.all);

@@ -40,7 +40,7 @@ struct LightTruth {
   /// Compares the green light of estimate(sampler) with its true value.
   void compare(const protostar::Ray& ray, const auto& estimate, double truth, int samples) {
     using namespace protostar;
-    double sum = 0, squares = 0;
+    std::vector<double> means;
     for (int r = 0; r < scramblings; ++r) {
       double mean = 0;
       for (int i = 0; i < samples; ++i)
@@ -49,16 +49,23 @@ struct LightTruth {
                                        .sample = static_cast<std::uint32_t>(i),
                                        .samples = static_cast<std::uint32_t>(samples)}))
                     .g;
-      const double error = mean / samples - truth;
-      sum += error, squares += error * error;
+      means.push_back(mean / samples);
     }
+    compare(means, truth, ray.origin, ray.direction);
+  }
+
+  /// Compares the means of scramblings with the true value.
+  void compare(const std::vector<double>& means, double truth, const auto&... where) {
+    double sum = 0, squares = 0;
+    for (const double estimate : means)
+      sum += estimate - truth, squares += (estimate - truth) * (estimate - truth);
     const double mean = sum / scramblings;
     const double square = std::max(0.0, squares / scramblings - mean * mean) / (scramblings - 1);
     const double allowed = allowed_errors * std::sqrt(square) + 0x1p-20 * truth;
     if (const double d = std::sqrt(square); d > 0x1p-20 * truth)
       largest = std::max(largest, std::abs(mean) / d);
-    wrong.add(!(std::abs(mean) <= allowed), ray.origin, ray.direction, "estimate", mean + truth, "truth",
-              truth, "allowed", allowed);
+    wrong.add(!(std::abs(mean) <= allowed), where..., "estimate", mean + truth, "truth", truth, "allowed",
+              allowed);
     estimates.push_back({mean, std::sqrt(square)});
     ++rays, lit += truth > 0;
     mean_error += mean, mean_truth += truth, variance += square;

@@ -76,6 +76,8 @@ class WrongCases {
     if constexpr (requires { value.forward; }) member("forward", value.forward);
     if constexpr (requires { value.film_right; }) member("film_right", value.film_right);
     if constexpr (requires { value.film_up; }) member("film_up", value.film_up);
+    if constexpr (requires { value.aperture; }) member("aperture", value.aperture);
+    if constexpr (requires { value.focus; }) member("focus", value.focus);
     if constexpr (requires { value.center; }) member("center", value.center);
     if constexpr (requires { value.normal; }) member("normal", value.normal);
     if constexpr (requires { value.distance; }) member("distance", value.distance);

@@ -56,7 +56,9 @@ class Candidates {
   /// Adds the surfaces of some lanes, each contained in a sphere, but for those wholly behind the film.
   ///
   /// A ray that meets a sphere still does when both are shifted. Hence a ray from the apex meets the sphere
-  /// of that center whose radius r is larger by drift, which is the sphere from here on.
+  /// of that center whose radius r is larger by drift, which is the sphere from here on. For a lens, the
+  /// frustum is that of the rays through its center, and the part of a ray that meets a sphere is shifted by
+  /// drift_of_lens at most; where a ray starts and what is behind the film is told without that.
   ///
   /// With u = 2^-24: the center from the apex, l, is off by at most u|l| in float, a normal by u, and their
   /// product by 3u|l| more; in double, normals and rays have been turned by less than u. Hence the distance
@@ -80,11 +82,12 @@ class Candidates {
   void add(const SurfaceIndices& indices, Bits some, const Viewpoint& viewpoint,
            const SpheresAround& around) {
     const Vectors l = around.center - Vectors(viewpoint.apex);
-    const Doubles radius = around.radius + viewpoint.drift;
     const Doubles distance = length(l),
                   depth = dot(Vectors(viewpoint.ahead), around.center - Vectors(viewpoint.film));
+    const Doubles own = around.radius + viewpoint.drift;
+    const Doubles radius = viewpoint.lens > 0 ? own + viewpoint.drift_of_lens(depth, distance, own) : own;
     const Doubles error = 0x1p-20 * (distance + radius) + 0x1p-140;
-    some &= bits(!(depth < -(radius + error)));
+    some &= bits(!(depth < -(own + error)));
     make_room(size_ + double_lanes);
     const LaneMask fits = distance + radius + abs(depth) < 0x1p120;
     const auto store = [&](Row row, const Doubles& numbers, double otherwise) {
@@ -97,7 +100,7 @@ class Candidates {
     const Doubles sure_square = square - 0x1p-49 * (distance * distance + radius * radius);
     store(row_horizon, select(sure_square > 0.0, sqrt(sure_square) - 4 * error, Doubles(-infinity)),
           -infinity);
-    store(row_nearest, (viewpoint.is_eye ? distance : depth) - radius - error, 0);
+    store(row_nearest, (viewpoint.is_eye ? distance : depth) - own - error, 0);
     store(row_margin, 2 * error, infinity);
     const Doubles inner = around.inner - error;
     const LaneMask is_sure = inner > 0x1p-60 && inner < 0x1p60 && distance > radius + error;

@@ -51,10 +51,32 @@ struct TileHalfSpaces {
     side[2] = {apex, -rays.lower_edge(tile.y1).normal};
     side[3] = {apex, rays.upper_edge(tile.y0).normal};
     side[4] = {apex, TileCone(rays, tile).axis};
-    if (!rays.is_pinhole()) start_on_film(rays, tile);
+    if (rays.camera().has_lens())
+      start_on_lens(rays, tile);
+    else if (!rays.is_pinhole())
+      start_on_film(rays, tile);
   }
 
  private:
+  /// Sets the half-spaces to those that contain the rays from all points of a lens: the sides contain their
+  /// directions, and pass beside the lens.
+  void start_on_lens(const PixelRays& rays, const Tile& tile) {
+    const Viewpoint& viewpoint = rays.viewpoint();
+    if (viewpoint.ahead == Vec3{0}) {
+      for (HalfSpace& half_space : side) half_space.normal = Vec3{0};
+      return;
+    }
+    const double margin = rays.margin(), u = rays.lens().u_shift, v = rays.lens().v_shift;
+    const auto set = [&](HalfSpace& half_space, const Vec3& inwards) {
+      half_space = {viewpoint.apex - (viewpoint.lens + viewpoint.drift) * inwards, inwards};
+    };
+    set(side[0], rays.column_edge_at(tile.x0, -margin, -u).normal);
+    set(side[1], -rays.column_edge_at(tile.x1, margin, u).normal);
+    set(side[2], -rays.row_edge_at(tile.y1, margin, -v).normal);
+    set(side[3], rays.row_edge_at(tile.y0, -margin, v).normal);
+    side[4] = {viewpoint.film - viewpoint.drift * viewpoint.ahead, viewpoint.ahead};
+  }
+
   /// Adapts the half-spaces to rays that start on a film, between two corners in this tile. The last
   /// half-space is then the one ahead of the film. Sides of parallel rays pass through a corner, each through
   /// one of the two. Every half-space is moved out by drift, by which candidates are larger.

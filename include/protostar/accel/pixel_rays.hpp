@@ -16,33 +16,20 @@
 #include "../simd/simd.hpp"
 #include "../simd/vectors.hpp"
 #include "packet.hpp"
+#include "viewpoint.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
-
-/// Origin of the rays of a picture, as culling uses it.
-struct Viewpoint {
-  /// Point from which centers are measured. Each ray, shifted by at most drift, is a part of a ray from here,
-  /// unless rays are parallel.
-  Point apex;
-  double drift = 0;
-  bool is_eye = false;  ///< true if all rays start at the apex
-
-  /// Point and unit normal of the plane on which all rays start, up to drift; they lead to the side of the
-  /// normal. A normal that is not certain is 0.
-  Point film{0};
-  Vec3 ahead{0};
-};
 
 /// Block of as many pixels as a vector has floats. It begins at a multiple of its width and of its height.
 struct RayBlock {
   static constexpr int width = std::min(8, float_lanes), height = float_lanes / width;
 };
 
-/// Directions of the rays of a packet; their film coordinates, and the weights of their light, if each pixel
-/// has places of its own.
+/// Directions of the rays of a packet. If each pixel has places or points of the lens of its own, where they
+/// start, as film coordinates or in the unit disk of the lens, and the weights of their light.
 struct PacketRays {
   Vectors directions;
-  Doubles u, v;
+  Doubles x, y;
   Floats weights;
 };
 
@@ -53,13 +40,15 @@ class PixelRays {
   /// Computes the tables. It is called once for a picture, so that it is compiled for size (gnu::cold), which
   /// takes less of a compiler's time.
   [[gnu::cold]] PixelRays(const Camera& camera, const PixelGrid& pixels, int width, int height)
-      : camera_(camera),
+      : camera_(pixels.has_only_centers() ? camera.without_lens() : camera),
         pixels_(pixels),
-        is_pinhole_(camera.is_pinhole()),
+        is_pinhole_(camera_.is_pinhole()),
+        has_tables_(pixels.has_common_places() && !camera_.has_lens()),
+        lens_(camera_.has_lens() ? camera_.lens() : Camera::Lens{camera.film_right, camera.film_up, 0, 0}),
         hand_(hand_of(camera)),
-        has_float_sums_(allows_float_sums(camera, pixels)),
-        viewpoint_(is_pinhole_ ? Viewpoint{.apex = camera.position, .is_eye = true} : viewpoint_of_film()) {
-    if (pixels.has_common_places())
+        has_float_sums_(allows_float_sums(camera_, pixels)),
+        viewpoint_(viewpoint_of(camera_, pixels, hand_)) {
+    if (has_tables_)
       for (int i = pixels.first(); i < pixels.last(); ++i)
         samples_.push_back(tables(pixels.common_place(i), width, height));
     for (int x = 0; x <= width; x += edge_step) {
@@ -99,7 +88,7 @@ class PixelRays {
 
   /// Finds the rays through the i-th samples of the pixels from (x, y) on to the right.
   void find(int x, int y, int i, PacketRays& rays) const {
-    if (pixels_.has_common_places())
+    if (has_tables_)
       rays.directions = directions(x, y, i);
     else
       find_own(x, y, i, rays);
@@ -113,7 +102,7 @@ class PixelRays {
 
   /// Returns the packet of these rays, of which rays in the tile are active.
   [[nodiscard]] CameraPacket packet(const Tile& tile, int x, int y, int i, const PacketRays& rays) const {
-    return {is_pinhole_ ? Vectors(camera_.position) : film_origins(x, y, i, rays), rays.directions,
+    return {is_pinhole_ ? Vectors(camera_.position) : origins(x, y, i, rays), rays.directions,
             active(tile, x)};
   }
   [[nodiscard]] CameraPacket packet(const Tile& tile, int x, int y, int i = 0) const {
@@ -160,6 +149,19 @@ class PixelRays {
     return y % edge_step == 0 ? edges_.lower[index_of_edge(y)] : row_edge_at(y, margin());
   }
 
+  /// Returns an edge with the normal of a plane that contains the directions forward + u · right + v · up
+  /// with u, or v, fixed; if these are all forward, of the plane that contains forward and the edge of the
+  /// film. u or v may be moved on by a shift.
+  [[nodiscard]] Edge column_edge_at(int x, double position, double u_shift = 0) const {
+    const Vec3& upwards = camera_.is_orthographic() ? camera_.film_up : camera_.up;
+    const Vec3 shift = (pixels_.u(x, position) + u_shift) * camera_.right;
+    return Edge{.shift = shift, .normal = unit(hand_ * cross(upwards, camera_.forward + shift))};
+  }
+  [[nodiscard]] Edge row_edge_at(int y, double position, double v_shift = 0) const {
+    const Vec3& across = camera_.is_orthographic() ? camera_.film_right : camera_.right;
+    const Vec3 shift = (pixels_.v(y, position) + v_shift) * camera_.up;
+    return Edge{.shift = shift, .normal = unit(hand_ * cross(across, camera_.forward + shift))};
+  }
   /// Returns how far places of samples may be outside of their pixel, in pixels.
   [[nodiscard]] double margin() const { return pixels_.margin(); }
 
@@ -167,6 +169,7 @@ class PixelRays {
   [[nodiscard]] const PixelGrid& pixels() const { return pixels_; }
   [[nodiscard]] bool is_pinhole() const { return is_pinhole_; }
   [[nodiscard]] const Viewpoint& viewpoint() const { return viewpoint_; }
+  [[nodiscard]] const Camera::Lens& lens() const { return lens_; }
 
   /// Returns the orientation of right, up and forward, or of film_right, film_up and forward if rays are
   /// parallel: 1, or −1 if the camera is mirrored; 0 if the directions almost lie in a plane.
@@ -182,19 +185,6 @@ class PixelRays {
 
   static std::size_t index_of_edge(int x) { return static_cast<std::size_t>(x / edge_step); }
 
-  /// Returns an edge with the normal of a plane that contains the directions forward + u · right + v · up
-  /// with u, or v, fixed; if these are all forward, of the plane that contains forward and the edge of the
-  /// film.
-  [[nodiscard]] Edge column_edge_at(int x, double position) const {
-    const Vec3& upwards = camera_.is_orthographic() ? camera_.film_up : camera_.up;
-    const Vec3 shift = pixels_.u(x, position) * camera_.right;
-    return Edge{.shift = shift, .normal = unit(hand_ * cross(upwards, camera_.forward + shift))};
-  }
-  [[nodiscard]] Edge row_edge_at(int y, double position) const {
-    const Vec3& across = camera_.is_orthographic() ? camera_.film_right : camera_.right;
-    const Vec3 shift = pixels_.v(y, position) * camera_.up;
-    return Edge{.shift = shift, .normal = unit(hand_ * cross(across, camera_.forward + shift))};
-  }
   static Vec3 unit(const Vec3& v) {
     const double size = length(v);  // within these bounds, squares neither overflow nor vanish
     return 0x1p-500 < size && size < 0x1p500 ? v / size : Vec3{0};
@@ -270,57 +260,26 @@ class PixelRays {
     return {lanes(0), lanes(1), lanes(2)};
   }
 
-  /// Returns where the rays through the i-th samples of some pixels start, on the film of a camera that is no
-  /// pinhole.
-  [[nodiscard, gnu::noinline]] Vectors film_origins(int x, int y, int i, const PacketRays& rays) const {
-    if (!pixels_.has_common_places())
-      return rays.u * camera_.film_right + rays.v * camera_.film_up + camera_.position;
+  /// Returns where the rays through the i-th samples of some pixels start, on the film or the lens of a
+  /// camera that is no pinhole.
+  [[nodiscard, gnu::noinline]] Vectors origins(int x, int y, int i, const PacketRays& rays) const {
+    if (!has_tables_) return rays.x * lens_.right + rays.y * lens_.up + camera_.position;
     const Tables& sample = tables_of(i);
     return sample.film_along.some<Vectors>(x) + Vectors(sample.film_up[y]) + camera_.position;
   }
 
-  /// Finds rays through places that each pixel has of its own.
+  /// Finds rays through places, or points of the lens, that each pixel has of its own.
   [[gnu::noinline]] void find_own(int x, int y, int i, PacketRays& rays) const {
     const FilteredPlace<Doubles> places = pixels_.places(x, y, i);
-    rays.u = pixels_.u(x, places.x), rays.v = pixels_.v(y, places.y);
+    Doubles u = pixels_.u(x, places.x), v = pixels_.v(y, places.y);
+    rays.x = u, rays.y = v;
     rays.weights = to_float(places.weight);
-    rays.directions = normalize(rays.u * camera_.right + rays.v * camera_.up + camera_.forward);
-  }
-
-  /// Returns the viewpoint of a camera whose rays start on a film. With position P, film vectors F, G and
-  /// directions d = f + u a + v b, a ray starts at
-  ///   P + u F + v G = A + k d + e   with   A = P − k f,   e = u (F − k a) + v (G − k b),
-  /// for any k ≥ 0. Shifted by −e, it is a part of the ray from A along d. The k that is used
-  /// minimizes |F − k a|² + |G − k b|² among k ≥ 0: for a sensor, it is the sensor's k, and e is 0 but for
-  /// rounding. |e| is largest in the corners of the image.
-  ///
-  /// The corners of the film are at most R = |u F| + |v G| from P. Origins and A are rounded by less than
-  /// 2^-50 of the sizes of their terms, (|P| + |A| + R). The normal of the film, from vectors at an angle of
-  /// 2^-24 or more, is accurate to 2^-26, and its product with a vector in the film, truly 0, to 2^-26 R; in
-  /// float, a half-space through the film's edge is off by 2^-23 R. Adding 2^-20 R + 2^-49 (|P| + |A|) to the
-  /// bound of |e| covers all of it.
-  [[nodiscard, gnu::cold]] Viewpoint viewpoint_of_film() const {
-    const auto& [position, right, up, forward, film_right, film_up] = camera_;
-    const double u = pixels_.largest_u(), v = pixels_.largest_v();
-    const double film = u * length(film_right) + v * length(film_up);
-    Viewpoint viewpoint{.apex = position, .film = position};
-    double least = 1;  // smallest product of normal and a ray's unit direction
-    const Vec3 normal = hand_ * cross(normalize(film_right), normalize(film_up));
-    if (!camera_.is_orthographic()) {
-      const double k =
-          std::max(0.0, (dot(film_right, right) + dot(film_up, up)) / (dot(right, right) + dot(up, up)));
-      viewpoint.apex = position - k * forward;
-      viewpoint.drift = u * length(film_right - k * right) + v * length(film_up - k * up);
-      for (const Vec3& across : {u * right, -u * right})
-        for (const Vec3& upwards : {v * up, -v * up}) {
-          const Vec3 d = forward + across + upwards;
-          least = std::min(least, dot(normal, d) / length(d));
-        }
+    if (camera_.has_lens()) {
+      const auto [lens_x, lens_y] = pixels_.lens_points(x, y, i);
+      u = u - lens_x * lens_.u_shift, v = v - lens_y * lens_.v_shift;
+      rays.x = lens_x, rays.y = lens_y;
     }
-    viewpoint.drift += 0x1p-20 * film + 0x1p-49 * (length(position) + length(viewpoint.apex));
-    // Rounding turns rays by less than 2^-25, well below 2^-20.
-    if (length(normal) > 0x1p-24 && least > 0x1p-20 * length(normal)) viewpoint.ahead = normalize(normal);
-    return viewpoint;
+    rays.directions = normalize(u * camera_.right + v * camera_.up + camera_.forward);
   }
 
   [[nodiscard]] const Tables& tables_of(int i) const {
@@ -362,7 +321,8 @@ class PixelRays {
 
   Camera camera_;
   PixelGrid pixels_;
-  bool is_pinhole_;
+  bool is_pinhole_, has_tables_;
+  Camera::Lens lens_;  ///< in place of a lens, the vectors of the film
   double hand_;
   bool has_float_sums_;
   Viewpoint viewpoint_;

@@ -45,8 +45,8 @@ class TileRenderer {
       : target_(target),
         scene_(scene),
         integrator_(integrator),
-        rays_(camera, target.grid(options, protostar::detail::default_sampler<I, View>()), target.width(),
-              target.height()),
+        rays_(camera, target.grid(options, protostar::detail::default_sampler<I, View>(camera)),
+              target.width(), target.height()),
         keeps_light_(target.image() && rays_.pixels().keeps_light()),
         candidates_(scene, rays_, order),
         skips_(skips_that_pay(options, target.tile(), scene.scene().size())),
@@ -204,7 +204,7 @@ class TileRenderer {
       for (int y = part.y0; y < part.y1; ++y)
         for (int x = part.x0; x < part.x1; ++x)
           target_.draw(pixels, x, y, [&](int i, const auto& place) {
-            const Ray ray = pixels.ray(rays_.camera(), x, y, place);
+            const Ray ray = pixels.ray(rays_.camera(), x, y, i, place);
             view.set_pixel(ray);
             return protostar::detail::radiance_of_sample(protostar::detail::radiance_in(view, integrator_),
                                                          ray, pixels.sampler(x, y, i));

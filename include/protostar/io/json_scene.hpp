@@ -165,7 +165,8 @@ inline Camera camera_at(const JsonCursor& at) {
   if (is_orthographic)
     at.with_keys({"projection", "position", "direction", "upward", "ortho-scale"});
   else
-    at.with_keys({"projection", "position", "direction", "upward", "field-of-view", "focal-length"});
+    at.with_keys({"projection", "position", "direction", "upward", "field-of-view", "focal-length",
+                  "aperture", "focus"});
 
   const Vec3 position = at["position"].point(), direction = at["direction"].direction();
   const Vec3 upward = at["upward"].direction();
@@ -177,6 +178,7 @@ inline Camera camera_at(const JsonCursor& at) {
     return at.checked([&] { return Camera::orthographic(position, direction, upward, height); });
   }
   if (at.has("field-of-view") && at.has("focal-length")) at["focal-length"].refuse_beside("a field-of-view");
+  if (at.has("aperture") && at.has("focal-length")) at["aperture"].refuse_beside("a focal-length");
   if (at.has("focal-length")) {
     const double focal_length = at["focal-length"].camera_length();
     return at.checked([&] { return Camera::sensor(position, direction, upward, focal_length); });
@@ -186,7 +188,11 @@ inline Camera camera_at(const JsonCursor& at) {
   const std::string degrees = "a number of degrees from 1e-100 to below 180";
   if (!at.has("field-of-view")) at["field-of-view"].refuse(degrees + ", and there is no focal-length");
   const double angle = at["field-of-view"].number_between(1e-100, std::nextafter(180, 0), degrees);
-  return at.checked([&] { return Camera::perspective(position, direction, upward, angle); });
+  if (!at.has("aperture") && !at.has("focus"))
+    return at.checked([&] { return Camera::perspective(position, direction, upward, angle); });
+  const double aperture = at["aperture"].number_between(0, 1e100, "a number from 0 to 1e100");
+  const double focus = at["focus"].camera_length();
+  return at.checked([&] { return Camera::thin_lens(position, direction, upward, angle, aperture, focus); });
 }
 
 inline Transfer transfer_at(const JsonCursor& at) {
