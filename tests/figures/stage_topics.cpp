@@ -254,48 +254,6 @@ void opacity(Drawing& drawing) {
                 Anchor::middle);
 }
 
-/// Returns the share of unpolarized light that is reflected, for the cosines of the angles to the normal and
-/// the indices of refraction before and behind the surface.
-double fresnel_share(double before, double behind, double cosine, double bent_cosine) {
-  const double across = (before * cosine - behind * bent_cosine) / (before * cosine + behind * bent_cosine);
-  const double along = (before * bent_cosine - behind * cosine) / (before * bent_cosine + behind * cosine);
-  return (across * across + along * along) / 2;
-}
-
-void fresnel(Drawing& drawing) {
-  constexpr double left = 70, right = 600, bottom = 290, top = 50;
-  const auto at = [&](double degrees, double share) {
-    return Place{left + (right - left) * degrees / 90, bottom - (bottom - top) * share};
-  };
-  for (const double share : {0.0, 0.5, 1.0}) {
-    drawing.line(at(0, share), at(90, share), Paint::gray, share == 0 ? Stroke::thin : Stroke::dashed);
-    drawing.words({left - 10, at(0, share).y + 6}, text_of(share, 1), Anchor::end);
-  }
-  const Vec3 n{0, 1, 0};
-  for (const auto& [before, behind, paint] : {std::tuple{1.0, 1.5, Paint::blue}, {1.5, 1.0, Paint::red}}) {
-    std::vector<Place> exact, schlick;
-    for (int i = 0; i <= 360; ++i) {
-      const double degrees = 0.25 * i;
-      const Vec3 d = at_angle(degrees - 90);
-      const auto bent = refracted(d, n, before / behind);
-      const double cosine = -dot(n, d);
-      exact.push_back(
-          at(degrees, bent.passes ? fresnel_share(before, behind, cosine, -dot(n, bent.direction)) : 1));
-      const double straight = (before - behind) * (before - behind) / ((before + behind) * (before + behind));
-      schlick.push_back(at(degrees, straight + (1 - straight) * std::pow(1 - cosine, 5)));
-    }
-    drawing.polyline(exact, paint, Stroke::bold);
-    if (before < behind) drawing.polyline(schlick, Paint::green, Stroke::dashed);
-  }
-  for (const double degrees : {0.0, 30.0, 60.0, 90.0})
-    drawing.words({at(degrees, 0).x, bottom + 24}, text_of(degrees, 0) + "°", Anchor::middle);
-  drawing.words({left, 26}, "share of the light that is mirrored");
-  drawing.words({320, bottom + 50}, "angle θ between the ray and the normal", Anchor::middle);
-  drawing.words({at(43, 0).x, 100}, "out of glass", Anchor::start, Paint::red);
-  drawing.words({at(45, 0).x, 190}, "into glass", Anchor::start, Paint::blue);
-  drawing.words({at(45, 0).x, 214}, "Schlick's formula", Anchor::start, Paint::green);
-}
-
 void parameter_space(Drawing& drawing) {
   // The eye and the viewport of scenes/discs.json, and a line from the eye through the viewport, not
   // normalized.
@@ -367,6 +325,108 @@ void sphere_mesh(Drawing& drawing) {
   drawing.words({320, 350}, "green: normals; on the mesh, each side has one", Anchor::middle);
 }
 
+/// Shows how high a thing of height 1 is in the picture, at distances from 1 to 8.
+void projected_height(Drawing& drawing) {
+  const Camera eye = Camera::perspective(Point{0}, {0, 0, 1}, {0, 1, 0}, 90);
+  const Camera plan = Camera::orthographic(Point{0}, {0, 0, 1}, {0, 1, 0}, 2);
+  const auto at = [](double distance, double height) {
+    return Place{70 + 66 * distance, 290 - 220 * height};
+  };
+  std::vector<Place> perspective, orthographic;
+  for (int i = 0; i <= 70; ++i) {
+    const double distance = 1 + 0.1 * i;
+    for (const bool is_plan : {false, true}) {
+      const double v = is_plan ? 1 : 1 / distance;
+      const Ray ray = (is_plan ? plan : eye)(0, v);
+      expect(std::abs(ray.at((distance - ray.origin.z) / ray.direction.z).y - 1) < 1e-12, "projected_height");
+      (is_plan ? orthographic : perspective).push_back(at(distance, v));
+    }
+  }
+  drawing.arrow(at(0, 0), at(8.3, 0), Paint::ink);
+  drawing.arrow(at(0, 0), at(0, 1.15), Paint::ink);
+  for (const double height : {0.5, 1.0}) {
+    drawing.line(at(0, height), at(8, height), Paint::gray, Stroke::dashed);
+    drawing.words({at(0, height).x - 10, at(0, height).y + 6}, text_of(height, 1), Anchor::end);
+  }
+  for (const double distance : {1.0, 2.0, 4.0, 8.0})
+    drawing.words({at(distance, 0).x, 314}, text_of(distance, 0), Anchor::middle);
+  drawing.polyline(perspective, Paint::blue, Stroke::bold);
+  drawing.polyline(orthographic, Paint::orange, Stroke::bold);
+  for (const double distance : {1.0, 2.0, 4.0, 8.0}) drawing.mark(at(distance, 1 / distance), Paint::blue);
+  drawing.words({at(4.5, 0.88).x, at(4.5, 0.88).y}, "parallel rays", Anchor::start, Paint::orange);
+  drawing.words({at(2.2, 0.52).x, at(2.2, 0.56).y}, "rays from one point: 1/z", Anchor::start, Paint::blue);
+  drawing.words({320, 340}, "distance z of a thing of height 1", Anchor::middle);
+  drawing.words({70, 26}, "its height in the picture");
+}
+
+/// Shows two panes of glass and two layers of paint, in both orders.
+void paint_order(Drawing& drawing) {
+  const Color orange{1, 0.3f, 0}, blue{0.1f, 0.3f, 1}, white{1};
+  constexpr float alpha = 0.6f;
+  double left = 36;
+  for (const bool is_paint : {false, true}) {
+    const auto over = [&](const Color& color, const Color& behind) {
+      return is_paint ? alpha * color + (1 - alpha) * behind : ((1 - alpha) * white + alpha * color) * behind;
+    };
+    drawing.words({left + 134, 26}, is_paint ? "paint covers" : "glass is multiplied", Anchor::middle,
+                  Paint::ink, true);
+    std::vector<std::array<int, 3>> overlaps;
+    for (const bool orange_first : {true, false}) {
+      const Color &front = orange_first ? orange : blue, &back = orange_first ? blue : orange;
+      drawing.swatch({left, 46}, 124, 124, shown_color(white));
+      drawing.swatch({left + 12, 58}, 64, 64, shown_color(over(back, white)));
+      drawing.swatch({left + 48, 94}, 64, 64, shown_color(over(front, white)));
+      overlaps.push_back(shown_color(over(front, over(back, white))));
+      drawing.swatch({left + 48, 94}, 28, 28, overlaps.back());
+      drawing.rectangle({left, 46}, 124, 124, Paint::gray, Fill::none);
+      drawing.words({left + 62, 196}, orange_first ? "orange in front" : "blue in front", Anchor::middle);
+      left += 144;
+    }
+    expect((overlaps[0] == overlaps[1]) == !is_paint, "paint_order");
+    left += 16;
+  }
+}
+
+/// Shows two threads that take the next tile, in two steps each and in one.
+void next_tile(Drawing& drawing) {
+  const auto step = [&](double x, double y, double width, const std::string& text, Paint paint) {
+    drawing.rectangle({x, y}, width, 34, paint, Fill::soft);
+    drawing.words({x + width / 2, y + 23}, text, Anchor::middle, paint);
+  };
+  double top = 20;
+  for (const bool is_atomic : {false, true}) {
+    drawing.words({20, top + 8},
+                  is_atomic ? "an atomic number: reads and adds in one step" : "an int: reads, then writes",
+                  Anchor::start, Paint::ink, true);
+    int next = 7;
+    drawing.words({20, top + 46}, "thread A");
+    drawing.words({20, top + 88}, "thread B");
+    if (is_atomic) {
+      for (const bool is_b : {false, true}) {
+        const int tile = next++;
+        step(is_b ? 270 : 120, top + (is_b ? 65 : 23), 140,
+             joined({"reads ", std::to_string(tile), ", adds 1"}), is_b ? Paint::orange : Paint::blue);
+      }
+    } else {
+      const int a = next, b = next;
+      step(120, top + 23, 90, joined({"reads ", std::to_string(a)}), Paint::blue);
+      step(230, top + 65, 90, joined({"reads ", std::to_string(b)}), Paint::orange);
+      next = a + 1;
+      step(340, top + 23, 90, joined({"writes ", std::to_string(next)}), Paint::blue);
+      next = b + 1;
+      step(450, top + 65, 90, joined({"writes ", std::to_string(next)}), Paint::orange);
+    }
+    expect(next == (is_atomic ? 9 : 8), "next_tile");
+    drawing.words({120, top + 128},
+                  joined({"next is ", std::to_string(next),
+                          is_atomic ? ": tiles 7 and 8 are drawn once each" : ": both threads draw tile 7"}),
+                  Anchor::start, is_atomic ? Paint::green : Paint::red);
+    top += 160;
+  }
+  drawing.arrow({120, top}, {600, top}, Paint::gray);
+  drawing.words({600, top + 24}, "time", Anchor::end, Paint::gray);
+}
+
 }  // namespace
 
 std::vector<StageFigure> topic_figures() {
@@ -383,8 +443,13 @@ std::vector<StageFigure> topic_figures() {
       {"srgb_dark", "srgb", "Codes of the darkest light, linear, with gamma and in sRGB", 356, srgb_dark},
       {"threads", "parallelism", "Tiles of a picture shared by four threads, and how long each works", 420,
        threads},
+      {"projected_height", "projections", "The height of a thing in the picture against its distance", 356,
+       projected_height},
+      {"paint_order", "opacity", "Two panes of glass and two layers of paint, in both orders", 216,
+       paint_order},
+      {"next_tile", "parallelism",
+       "Two threads that take the next tile from an int and from an atomic number", 380, next_tile},
       {"opacity", "opacity", "Light through two balls for four values of the share α", 372, opacity},
-      {"fresnel", "fresnel", "Curves of the mirrored share against the angle", 356, fresnel},
   };
 }
 
