@@ -280,6 +280,38 @@ void parameter_space(Drawing& drawing) {
   sketch.words(ray.at(2.2), {0, 110}, "t > 1: the scene", Paint::green, Anchor::middle);
 }
 
+/// Shows the spheres of scenes/discs.json and the edges of the view, from above and from the right.
+void discs_plan(Drawing& drawing) {
+  const Camera camera = Camera::viewport(Point{0}, {0, 0, 1}, {0, 1, 0}, 1, 1, 1);
+  double middle = 170;
+  for (const bool is_above : {true, false}) {
+    const Camera from = is_above ? Camera{.right = {1, 0, 0}, .up = {0, 0, 1}} : Camera{.right = {0, 0, 1}};
+    const Sketch sketch(drawing, is_above ? Place{middle, 316} : Place{middle - 130, 180}, 50, from);
+    drawing.words({middle, 24}, is_above ? "from above" : "from the right", Anchor::middle, Paint::ink, true);
+    for (const auto& [center, paint] : {std::pair{Point{0, -1, 3}, Paint::red},
+                                        {Point{2, 0, 4}, Paint::blue},
+                                        {Point{-2, 0, 4}, Paint::green}}) {
+      const Sphere sphere{.center = center, .radius = 1};
+      expect(sphere.intersect(Ray{.origin = {0, 0, 0}, .direction = center}, {.min = 1}).has_value(),
+             "discs_plan");
+      sketch.circle(sphere.center, sphere.radius, paint);
+    }
+    const auto at_edge = [&](double edge) { return is_above ? camera(edge, 0) : camera(0, edge); };
+    for (const double edge : {-1.0, 1.0}) {
+      const Ray ray = at_edge(edge);
+      sketch.line(Point{0}, ray.at((5.2 - ray.origin.z) / ray.direction.z), Paint::gray, Stroke::dashed);
+    }
+    const Point corner = at_edge(1).origin;
+    sketch.line(corner, at_edge(-1).origin, Paint::orange, Stroke::bold);
+    const Place eye = sketch.of(Point{0});
+    drawing.mark(eye, Paint::ink);
+    drawing.words({eye.x, eye.y + 26}, "eye", Anchor::middle);
+    sketch.words(corner, is_above ? Place{8, 6} : Place{0, -10}, "viewport", Paint::orange,
+                 is_above ? Anchor::start : Anchor::middle);
+    middle += 310;
+  }
+}
+
 void sphere_mesh(Drawing& drawing) {
   constexpr int sides = 8;
   double middle = 160;
@@ -436,6 +468,8 @@ std::vector<StageFigure> topic_figures() {
        "An eye, a film of 16 pixels at distance 1, and the ray of one of them", 380, film_tangent},
       {"parameter_space", "field_of_view", "A line from the eye through the viewport, and what counts on it",
        256, parameter_space},
+      {"discs_plan", "field_of_view",
+       "Three spheres and the edges of the view, from above and from the right", 356, discs_plan},
       {"sphere_mesh", "17_mesh", "A sphere and a mesh of eight sides, with their normals", 366, sphere_mesh},
       {"spot_share", "lights", "The share of a spotlight's light by the angle from its axis", 336,
        spot_share},
