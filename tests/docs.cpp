@@ -362,15 +362,22 @@ TEST_CASE("each page of the stages leads to the one before and after it in their
   }
 }
 
-TEST_CASE("each page of a stage has its idea in a picture, derivations, mistakes, and two diagrams") {
-  for (const std::string& stage : stages()) {
-    CAPTURE(stage);
-    const std::string page = text_of(repository / "docs" / "stages" / (stage + ".md"));
-    for (const std::string heading : {"The idea in one picture", "The mathematics", "Common mistakes"})
+TEST_CASE("each page has its star, idea in a picture, derivations, mistakes, exercises, and two diagrams") {
+  int pages = 0;
+  for (const auto& entry : fs::directory_iterator(repository / "docs" / "stages")) {
+    const std::string name = entry.path().filename().string();
+    if (name == "README.md") continue;
+    CAPTURE(name);
+    ++pages;
+    const std::string page = text_of(entry.path());
+    CHECK_THAT(page, ContainsSubstring("\n## The idea in one picture\n"));
+    CHECK(all_between(page, "](../figures/", ".svg)").size() >= 2);
+    if (name == "introduction.md") continue;  // it comes before the first program
+    for (const std::string heading : {"The mathematics", "Common mistakes", "Exercises"})
       CHECK_THAT(page, ContainsSubstring("\n## " + heading + "\n"));
     CHECK_THAT(page, ContainsSubstring("\n**The star.** "));
-    CHECK(all_between(page, "](../figures/", ".svg)").size() >= 2);
   }
+  CHECK(pages >= 31);
 }
 
 TEST_CASE("docs/coverage.md names a page for each heading and figure of the texts") {

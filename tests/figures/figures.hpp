@@ -37,5 +37,6 @@ std::vector<StageFigure> antialiasing_figures();  ///< stage 18: samples of a pi
 std::vector<StageFigure> normal_map_figures();    ///< stage 27: normal maps
 std::vector<StageFigure>
 topic_figures();  ///< pages beside the stages: history, cameras, lights, tone, threads
+std::vector<StageFigure> fresnel_figures();  ///< the page about Fresnel's equations
 
 }  // namespace figures

@@ -254,48 +254,6 @@ void opacity(Drawing& drawing) {
                 Anchor::middle);
 }
 
-/// Returns the share of unpolarized light that is reflected, for the cosines of the angles to the normal and
-/// the indices of refraction before and behind the surface.
-double fresnel_share(double before, double behind, double cosine, double bent_cosine) {
-  const double across = (before * cosine - behind * bent_cosine) / (before * cosine + behind * bent_cosine);
-  const double along = (before * bent_cosine - behind * cosine) / (before * bent_cosine + behind * cosine);
-  return (across * across + along * along) / 2;
-}
-
-void fresnel(Drawing& drawing) {
-  constexpr double left = 70, right = 600, bottom = 290, top = 50;
-  const auto at = [&](double degrees, double share) {
-    return Place{left + (right - left) * degrees / 90, bottom - (bottom - top) * share};
-  };
-  for (const double share : {0.0, 0.5, 1.0}) {
-    drawing.line(at(0, share), at(90, share), Paint::gray, share == 0 ? Stroke::thin : Stroke::dashed);
-    drawing.words({left - 10, at(0, share).y + 6}, text_of(share, 1), Anchor::end);
-  }
-  const Vec3 n{0, 1, 0};
-  for (const auto& [before, behind, paint] : {std::tuple{1.0, 1.5, Paint::blue}, {1.5, 1.0, Paint::red}}) {
-    std::vector<Place> exact, schlick;
-    for (int i = 0; i <= 360; ++i) {
-      const double degrees = 0.25 * i;
-      const Vec3 d = at_angle(degrees - 90);
-      const auto bent = refracted(d, n, before / behind);
-      const double cosine = -dot(n, d);
-      exact.push_back(
-          at(degrees, bent.passes ? fresnel_share(before, behind, cosine, -dot(n, bent.direction)) : 1));
-      const double straight = (before - behind) * (before - behind) / ((before + behind) * (before + behind));
-      schlick.push_back(at(degrees, straight + (1 - straight) * std::pow(1 - cosine, 5)));
-    }
-    drawing.polyline(exact, paint, Stroke::bold);
-    if (before < behind) drawing.polyline(schlick, Paint::green, Stroke::dashed);
-  }
-  for (const double degrees : {0.0, 30.0, 60.0, 90.0})
-    drawing.words({at(degrees, 0).x, bottom + 24}, text_of(degrees, 0) + "°", Anchor::middle);
-  drawing.words({left, 26}, "share of the light that is mirrored");
-  drawing.words({320, bottom + 50}, "angle θ between the ray and the normal", Anchor::middle);
-  drawing.words({at(43, 0).x, 100}, "out of glass", Anchor::start, Paint::red);
-  drawing.words({at(45, 0).x, 190}, "into glass", Anchor::start, Paint::blue);
-  drawing.words({at(45, 0).x, 214}, "Schlick's formula", Anchor::start, Paint::green);
-}
-
 void parameter_space(Drawing& drawing) {
   // The eye and the viewport of scenes/discs.json, and a line from the eye through the viewport, not
   // normalized.
@@ -320,6 +278,38 @@ void parameter_space(Drawing& drawing) {
   sketch.words(ray.at(-1.1), {0, 110}, "t < 0: behind", Paint::gray, Anchor::middle);
   sketch.words(ray.at(0.5), {0, 110}, "between", Paint::orange, Anchor::middle);
   sketch.words(ray.at(2.2), {0, 110}, "t > 1: the scene", Paint::green, Anchor::middle);
+}
+
+/// Shows the spheres of scenes/discs.json and the edges of the view, from above and from the right.
+void discs_plan(Drawing& drawing) {
+  const Camera camera = Camera::viewport(Point{0}, {0, 0, 1}, {0, 1, 0}, 1, 1, 1);
+  double middle = 170;
+  for (const bool is_above : {true, false}) {
+    const Camera from = is_above ? Camera{.right = {1, 0, 0}, .up = {0, 0, 1}} : Camera{.right = {0, 0, 1}};
+    const Sketch sketch(drawing, is_above ? Place{middle, 316} : Place{middle - 130, 180}, 50, from);
+    drawing.words({middle, 24}, is_above ? "from above" : "from the right", Anchor::middle, Paint::ink, true);
+    for (const auto& [center, paint] : {std::pair{Point{0, -1, 3}, Paint::red},
+                                        {Point{2, 0, 4}, Paint::blue},
+                                        {Point{-2, 0, 4}, Paint::green}}) {
+      const Sphere sphere{.center = center, .radius = 1};
+      expect(sphere.intersect(Ray{.origin = {0, 0, 0}, .direction = center}, {.min = 1}).has_value(),
+             "discs_plan");
+      sketch.circle(sphere.center, sphere.radius, paint);
+    }
+    const auto at_edge = [&](double edge) { return is_above ? camera(edge, 0) : camera(0, edge); };
+    for (const double edge : {-1.0, 1.0}) {
+      const Ray ray = at_edge(edge);
+      sketch.line(Point{0}, ray.at((5.2 - ray.origin.z) / ray.direction.z), Paint::gray, Stroke::dashed);
+    }
+    const Point corner = at_edge(1).origin;
+    sketch.line(corner, at_edge(-1).origin, Paint::orange, Stroke::bold);
+    const Place eye = sketch.of(Point{0});
+    drawing.mark(eye, Paint::ink);
+    drawing.words({eye.x, eye.y + 26}, "eye", Anchor::middle);
+    sketch.words(corner, is_above ? Place{8, 6} : Place{0, -10}, "viewport", Paint::orange,
+                 is_above ? Anchor::start : Anchor::middle);
+    middle += 310;
+  }
 }
 
 void sphere_mesh(Drawing& drawing) {
@@ -367,6 +357,108 @@ void sphere_mesh(Drawing& drawing) {
   drawing.words({320, 350}, "green: normals; on the mesh, each side has one", Anchor::middle);
 }
 
+/// Shows how high a thing of height 1 is in the picture, at distances from 1 to 8.
+void projected_height(Drawing& drawing) {
+  const Camera eye = Camera::perspective(Point{0}, {0, 0, 1}, {0, 1, 0}, 90);
+  const Camera plan = Camera::orthographic(Point{0}, {0, 0, 1}, {0, 1, 0}, 2);
+  const auto at = [](double distance, double height) {
+    return Place{70 + 66 * distance, 290 - 220 * height};
+  };
+  std::vector<Place> perspective, orthographic;
+  for (int i = 0; i <= 70; ++i) {
+    const double distance = 1 + 0.1 * i;
+    for (const bool is_plan : {false, true}) {
+      const double v = is_plan ? 1 : 1 / distance;
+      const Ray ray = (is_plan ? plan : eye)(0, v);
+      expect(std::abs(ray.at((distance - ray.origin.z) / ray.direction.z).y - 1) < 1e-12, "projected_height");
+      (is_plan ? orthographic : perspective).push_back(at(distance, v));
+    }
+  }
+  drawing.arrow(at(0, 0), at(8.3, 0), Paint::ink);
+  drawing.arrow(at(0, 0), at(0, 1.15), Paint::ink);
+  for (const double height : {0.5, 1.0}) {
+    drawing.line(at(0, height), at(8, height), Paint::gray, Stroke::dashed);
+    drawing.words({at(0, height).x - 10, at(0, height).y + 6}, text_of(height, 1), Anchor::end);
+  }
+  for (const double distance : {1.0, 2.0, 4.0, 8.0})
+    drawing.words({at(distance, 0).x, 314}, text_of(distance, 0), Anchor::middle);
+  drawing.polyline(perspective, Paint::blue, Stroke::bold);
+  drawing.polyline(orthographic, Paint::orange, Stroke::bold);
+  for (const double distance : {1.0, 2.0, 4.0, 8.0}) drawing.mark(at(distance, 1 / distance), Paint::blue);
+  drawing.words({at(4.5, 0.88).x, at(4.5, 0.88).y}, "parallel rays", Anchor::start, Paint::orange);
+  drawing.words({at(2.2, 0.52).x, at(2.2, 0.56).y}, "rays from one point: 1/z", Anchor::start, Paint::blue);
+  drawing.words({320, 340}, "distance z of a thing of height 1", Anchor::middle);
+  drawing.words({70, 26}, "its height in the picture");
+}
+
+/// Shows two panes of glass and two layers of paint, in both orders.
+void paint_order(Drawing& drawing) {
+  const Color orange{1, 0.3f, 0}, blue{0.1f, 0.3f, 1}, white{1};
+  constexpr float alpha = 0.6f;
+  double left = 36;
+  for (const bool is_paint : {false, true}) {
+    const auto over = [&](const Color& color, const Color& behind) {
+      return is_paint ? alpha * color + (1 - alpha) * behind : ((1 - alpha) * white + alpha * color) * behind;
+    };
+    drawing.words({left + 134, 26}, is_paint ? "paint covers" : "glass is multiplied", Anchor::middle,
+                  Paint::ink, true);
+    std::vector<std::array<int, 3>> overlaps;
+    for (const bool orange_first : {true, false}) {
+      const Color &front = orange_first ? orange : blue, &back = orange_first ? blue : orange;
+      drawing.swatch({left, 46}, 124, 124, shown_color(white));
+      drawing.swatch({left + 12, 58}, 64, 64, shown_color(over(back, white)));
+      drawing.swatch({left + 48, 94}, 64, 64, shown_color(over(front, white)));
+      overlaps.push_back(shown_color(over(front, over(back, white))));
+      drawing.swatch({left + 48, 94}, 28, 28, overlaps.back());
+      drawing.rectangle({left, 46}, 124, 124, Paint::gray, Fill::none);
+      drawing.words({left + 62, 196}, orange_first ? "orange in front" : "blue in front", Anchor::middle);
+      left += 144;
+    }
+    expect((overlaps[0] == overlaps[1]) == !is_paint, "paint_order");
+    left += 16;
+  }
+}
+
+/// Shows two threads that take the next tile, in two steps each and in one.
+void next_tile(Drawing& drawing) {
+  const auto step = [&](double x, double y, double width, const std::string& text, Paint paint) {
+    drawing.rectangle({x, y}, width, 34, paint, Fill::soft);
+    drawing.words({x + width / 2, y + 23}, text, Anchor::middle, paint);
+  };
+  double top = 20;
+  for (const bool is_atomic : {false, true}) {
+    drawing.words({20, top + 8},
+                  is_atomic ? "an atomic number: reads and adds in one step" : "an int: reads, then writes",
+                  Anchor::start, Paint::ink, true);
+    int next = 7;
+    drawing.words({20, top + 46}, "thread A");
+    drawing.words({20, top + 88}, "thread B");
+    if (is_atomic) {
+      for (const bool is_b : {false, true}) {
+        const int tile = next++;
+        step(is_b ? 270 : 120, top + (is_b ? 65 : 23), 140,
+             joined({"reads ", std::to_string(tile), ", adds 1"}), is_b ? Paint::orange : Paint::blue);
+      }
+    } else {
+      const int a = next, b = next;
+      step(120, top + 23, 90, joined({"reads ", std::to_string(a)}), Paint::blue);
+      step(230, top + 65, 90, joined({"reads ", std::to_string(b)}), Paint::orange);
+      next = a + 1;
+      step(340, top + 23, 90, joined({"writes ", std::to_string(next)}), Paint::blue);
+      next = b + 1;
+      step(450, top + 65, 90, joined({"writes ", std::to_string(next)}), Paint::orange);
+    }
+    expect(next == (is_atomic ? 9 : 8), "next_tile");
+    drawing.words({120, top + 128},
+                  joined({"next is ", std::to_string(next),
+                          is_atomic ? ": tiles 7 and 8 are drawn once each" : ": both threads draw tile 7"}),
+                  Anchor::start, is_atomic ? Paint::green : Paint::red);
+    top += 160;
+  }
+  drawing.arrow({120, top}, {600, top}, Paint::gray);
+  drawing.words({600, top + 24}, "time", Anchor::end, Paint::gray);
+}
+
 }  // namespace
 
 std::vector<StageFigure> topic_figures() {
@@ -376,6 +468,8 @@ std::vector<StageFigure> topic_figures() {
        "An eye, a film of 16 pixels at distance 1, and the ray of one of them", 380, film_tangent},
       {"parameter_space", "field_of_view", "A line from the eye through the viewport, and what counts on it",
        256, parameter_space},
+      {"discs_plan", "field_of_view",
+       "Three spheres and the edges of the view, from above and from the right", 356, discs_plan},
       {"sphere_mesh", "17_mesh", "A sphere and a mesh of eight sides, with their normals", 366, sphere_mesh},
       {"spot_share", "lights", "The share of a spotlight's light by the angle from its axis", 336,
        spot_share},
@@ -383,8 +477,13 @@ std::vector<StageFigure> topic_figures() {
       {"srgb_dark", "srgb", "Codes of the darkest light, linear, with gamma and in sRGB", 356, srgb_dark},
       {"threads", "parallelism", "Tiles of a picture shared by four threads, and how long each works", 420,
        threads},
+      {"projected_height", "projections", "The height of a thing in the picture against its distance", 356,
+       projected_height},
+      {"paint_order", "opacity", "Two panes of glass and two layers of paint, in both orders", 216,
+       paint_order},
+      {"next_tile", "parallelism",
+       "Two threads that take the next tile from an int and from an atomic number", 380, next_tile},
       {"opacity", "opacity", "Light through two balls for four values of the share α", 372, opacity},
-      {"fresnel", "fresnel", "Curves of the mirrored share against the angle", 356, fresnel},
   };
 }
 
