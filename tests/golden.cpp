@@ -18,6 +18,7 @@
 #include "reference/mesh.hpp"
 #include "reference/pictures.hpp"
 #include "reference/primitives.hpp"
+#include "reference/soft_shadows.hpp"
 #include "reference/whitted.hpp"
 #include "support/cases.hpp"
 #include "support/catch.hpp"
@@ -120,6 +121,8 @@ const Golden goldens[] = {
      lines_between_squares},
     {"18_antialiasing", "18_antialiasing", "", [] { return reference::endless_floor(4); }},
     {"18_antialiasing_1", "18_antialiasing", " --samples 1", [] { return reference::endless_floor(0); }},
+    {"19_soft_shadows", "19_soft_shadows", "", [] { return reference::soft_shadows(16); }},
+    {"19_soft_shadows_1", "19_soft_shadows", " --samples 1", [] { return reference::soft_shadows(1); }},
     {"20_lens", "20_lens", "", {}},
     {"27_normal_map", "27_normal_map", "",
      [] {
