@@ -61,7 +61,7 @@ int film_differs(const auto& integrator, const RenderOptions& options) {
     Film film(expected.tile());
     const auto last = static_cast<std::uint32_t>(options.samples);
     for (const auto& [from, to] : {std::pair{last / 2, last}, {0u, 1u}, {1u, last / 2}, {3u, 3u}})
-      render(film, {from, to}, Camera{}, accelerated, integrator, other);
+      add_samples(film, {from, to}, Camera{}, accelerated, integrator, other);
     differences += different_bytes(film.mean(), expected);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
@@ -69,7 +69,7 @@ int film_differs(const auto& integrator, const RenderOptions& options) {
     // A part of the picture has the whole's sums; a scene is drawn as one that was accelerated before.
     Film part(Tile{11, 5, 40, 21});
     other.crop = {.width = width, .height = height};
-    render(part, {0, last}, Camera{}, scene, integrator, other);
+    add_samples(part, {0, last}, Camera{}, scene, integrator, other);
     for (int y = 5; y < 21; ++y)
       for (int x = 11; x < 40; ++x) differences += !(part(x, y) == film(x, y));
   }
@@ -103,7 +103,7 @@ TEST_CASE("sample i of a Sobol film is the same for any number of samples") {
   const auto scene = scene_of_films();
   const auto drawn = [&](int samples) {
     Film film(Tile{0, 0, 20, 15});
-    render(film, {4, 8}, Camera{}, scene, LightByNumber{}, {.samples = samples});
+    add_samples(film, {4, 8}, Camera{}, scene, LightByNumber{}, {.samples = samples});
     return film;
   };
   const Film few = drawn(8), many = drawn(4096);
@@ -114,7 +114,8 @@ TEST_CASE("sample i of a Sobol film is the same for any number of samples") {
 
 TEST_CASE("functions of a ray draw films too") {
   Film film(Tile{0, 0, 20, 15});
-  render(film, {0, 4}, Camera{}, [](const Ray& ray) { return Color{static_cast<float>(ray.direction.x)}; });
+  add_samples(film, {0, 4}, Camera{},
+              [](const Ray& ray) { return Color{static_cast<float>(ray.direction.x)}; });
   Image image(20, 15);
   render(image, Camera{}, [](const Ray& ray) { return Color{static_cast<float>(ray.direction.x)}; },
          {.samples = 4});
@@ -139,7 +140,7 @@ TEST_CASE("samples that a film cannot have are refused") {
   Film film(Tile{3, 4, 20, 15});
   const auto white = [](const Ray&) { return Color{1}; };
   const auto message = [&](const SampleRange& samples, const RenderOptions& options) {
-    return message_of<std::invalid_argument>([&] { render(film, samples, Camera{}, white, options); });
+    return message_of<std::invalid_argument>([&] { add_samples(film, samples, Camera{}, white, options); });
   };
   CHECK(message({0, 9}, {.samples = 8}) ==
         "render: samples must end at the 8 of the options or before; they end at 9");

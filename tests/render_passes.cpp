@@ -94,8 +94,8 @@ TEST_CASE("standard errors of a number of samples are those of its film") {
   CHECK(report.samples == 8);
   CHECK(report.is_met);
   Film film(Tile{5, 7, 35, 27});
-  render(film, {0, 8}, Camera{}, scene, ShadowIntegrator{},
-         {.samples = 8, .sampler = sampler_of<SobolSampler>, .crop = {.width = 60, .height = 40}});
+  add_samples(film, {0, 8}, Camera{}, scene, ShadowIntegrator{},
+              {.samples = 8, .sampler = sampler_of<SobolSampler>, .crop = {.width = 60, .height = 40}});
   CHECK(different_bytes(noise, film.standard_error()) == 0);
   CHECK(different_bytes(image, film.mean()) == 0);
   CHECK(report.error == film.error().rmse());
@@ -325,7 +325,7 @@ TEST_CASE("options of passes that make no sense are refused") {
              ContainsSubstring("is not inside 9x9"));
   Film film(Tile{0, 0, 8, 8});
   CHECK_THAT(message_of<std::invalid_argument>([&] {
-               render(film, {0, 1}, Camera{}, [](const Ray&) { return Color{1}; }, {.error = 1});
+               add_samples(film, {0, 1}, Camera{}, [](const Ray&) { return Color{1}; }, {.error = 1});
              }),
              ContainsSubstring("options of an image, not of a film"));
 }

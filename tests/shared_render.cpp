@@ -49,8 +49,8 @@ struct SharedScene {
   }
 
   void add(Film& film, const WorkUnit& unit) const {
-    render(film, SampleRange{unit.first_sample, unit.last_sample}, camera, scene, ShadowIntegrator{},
-           options);
+    add_samples(film, SampleRange{unit.first_sample, unit.last_sample}, camera, scene, ShadowIntegrator{},
+                options);
   }
 
   [[nodiscard]] Image drawn_whole() const {

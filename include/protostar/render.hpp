@@ -124,23 +124,22 @@ template <class F>
     return radiance_along(ray, radiance);
 }
 
-}  // namespace detail
-
-namespace detail {
-
-/// Gives the light of a camera's view to a target, ray by ray.
+/// Returns a function that gives the light of a camera's view to a target, ray by ray.
 template <Radiance F>
-void draw(const SampleTarget& target, const Camera& camera, const F& radiance, const RenderOptions& options) {
-  const PixelGrid pixels = target.grid(options, default_sampler<F>(camera));
-  const Tile all = target.tile();
-  for_each_in_parallel(all.count(32), options, [&](int i) {
-    const Tile tile = all.part(i, 32);
-    for (int y = tile.y0; y < tile.y1; ++y)
-      for (int x = tile.x0; x < tile.x1; ++x)
-        target.draw(pixels, x, y, [&](int sample, const auto& place) {
-          return radiance_of_sample(radiance, pixels.ray(camera, x, y, sample, place), pixels.sampler(x, y, sample));
-        });
-  });
+[[nodiscard]] auto ray_by_ray(const Camera& camera, const F& radiance) {
+  return [&](const SampleTarget& target, const RenderOptions& options) {
+    const PixelGrid pixels = target.grid(options, default_sampler<F>(camera));
+    const Tile all = target.tile();
+    for_each_in_parallel(all.count(32), options, [&](int i) {
+      const Tile tile = all.part(i, 32);
+      for (int y = tile.y0; y < tile.y1; ++y)
+        for (int x = tile.x0; x < tile.x1; ++x)
+          target.draw(pixels, x, y, [&](int sample, const auto& place) {
+            return radiance_of_sample(radiance, pixels.ray(camera, x, y, sample, place),
+                                      pixels.sampler(x, y, sample));
+          });
+    });
+  };
 }
 
 /// Draws an image, in passes if the options say so; draw(target, options) gives light to a target.
@@ -149,6 +148,11 @@ void draw_image(Image& image, const RenderOptions& options, const auto& draw) {
   PassLoop(image, options, [&](Film& film, const SampleRange& samples, const RenderOptions& pass) {
     draw(SampleTarget(film, samples), pass);
   })();
+}
+
+/// Adds a range of samples to a film, if there are any, by such a function.
+void draw_samples(Film& film, const SampleRange& samples, const RenderOptions& options, const auto& draw) {
+  if (samples.first < samples.last) draw(SampleTarget(film, samples), options);
 }
 
 }  // namespace detail
@@ -166,9 +170,7 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
             const RenderOptions& options = {}) {
   camera.validate();
   detail::validate(radiance);
-  detail::draw_image(image, options, [&](const detail::SampleTarget& target, const RenderOptions& pass) {
-    detail::draw(target, camera, radiance, pass);
-  });
+  detail::draw_image(image, options, detail::ray_by_ray(camera, radiance));
 }
 
 /// Adds samples of each pixel to a film, whose tile tells which part of the picture it is. The size of the
@@ -182,12 +184,11 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
 ///
 /// Throws what the render of an image does, and std::invalid_argument if samples.last is greater than
 /// options.samples. If anything was thrown, or a stop requested, any part of the samples may have been added.
-void render(Film& film, const SampleRange& samples, const Camera& camera, const Radiance auto& radiance,
-            const RenderOptions& options = {}) {
+void add_samples(Film& film, const SampleRange& samples, const Camera& camera, const Radiance auto& radiance,
+                 const RenderOptions& options = {}) {
   camera.validate();
   detail::validate(radiance);
-  if (samples.first >= samples.last) return;
-  detail::draw(detail::SampleTarget(film, samples), camera, radiance, options);
+  detail::draw_samples(film, samples, options, detail::ray_by_ray(camera, radiance));
 }
 
 /// Fills an image with the view of a camera in a scene, by an integrator. Throws as the render of a Radiance
@@ -201,10 +202,10 @@ void render(Image& image, const Camera& camera, const S& scene, const I& integra
 
 /// Adds samples of a camera's view in a scene to a film.
 template <Traceable S, Integrator<S> I>
-void render(Film& film, const SampleRange& samples, const Camera& camera, const S& scene, const I& integrator,
-            const RenderOptions& options = {}) {
+void add_samples(Film& film, const SampleRange& samples, const Camera& camera, const S& scene,
+                 const I& integrator, const RenderOptions& options = {}) {
   detail::validate(integrator);
-  render(film, samples, camera, detail::radiance_in(scene, integrator), options);
+  add_samples(film, samples, camera, detail::radiance_in(scene, integrator), options);
 }
 
 namespace detail {

@@ -31,8 +31,8 @@ extern template AnySurface::AnySurface(Triangle);
 extern template void render(Image&, const Camera&, const Scene<Plane, AnySurface>&, const ShadowIntegrator&,
                             const RenderOptions&);
 
-extern template void render(Film&, const SampleRange&, const Camera&,
-                            const Accelerated<Scene<Plane, AnySurface>>&, const ShadowIntegrator&,
-                            const RenderOptions&);
+extern template void add_samples(Film&, const SampleRange&, const Camera&,
+                                 const Accelerated<Scene<Plane, AnySurface>>&, const ShadowIntegrator&,
+                                 const RenderOptions&);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -70,9 +70,9 @@ void render(protostar::Image& image, const protostar::Camera& camera, const prot
         [&](protostar::Film& film, const protostar::SampleRange& samples,
             const protostar::RenderOptions& of_unit) {
           if constexpr (protostar::Integrator<I, protostar::Accelerated<protostar::Scene<S...>>>)
-            protostar::render(film, samples, camera, accelerated, integrator, of_unit);
+            protostar::add_samples(film, samples, camera, accelerated, integrator, of_unit);
           else
-            protostar::render(film, samples, camera, scene, integrator, of_unit);
+            protostar::add_samples(film, samples, camera, scene, integrator, of_unit);
         });
   }
   if (options.draws) protostar::render(image, camera, scene, integrator, common);
@@ -103,7 +103,7 @@ void render(protostar::Image& image, const protostar::Camera& camera, const F& r
         },
         [&](protostar::Film& film, const protostar::SampleRange& samples,
             const protostar::RenderOptions& of_unit) {
-          protostar::render(film, samples, camera, radiance, of_unit);
+          protostar::add_samples(film, samples, camera, radiance, of_unit);
         });
   if (options.draws) protostar::render(image, camera, radiance, common);
   if (options.explanation == nullptr) return;

@@ -19,7 +19,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 extern template void render(Image&, const Camera&, const Scene<Mesh, Plane>&, const ShadowIntegrator&,
                             const RenderOptions&);
 
-extern template void render(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Mesh, Plane>>&,
-                            const ShadowIntegrator&, const RenderOptions&);
+extern template void add_samples(Film&, const SampleRange&, const Camera&,
+                                 const Accelerated<Scene<Mesh, Plane>>&, const ShadowIntegrator&,
+                                 const RenderOptions&);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -29,14 +29,13 @@ void fill_by_tiles(const protostar::detail::SampleTarget& target, const Camera& 
 
 namespace detail {
 
-/// Gives the light of a view to a target, by tiles, or ray by ray if the options say so.
+/// Returns a function that gives the light of a view to a target, by tiles.
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
-void draw(const SampleTarget& target, const Camera& camera, const Accelerated<Scene<S...>>& scene,
-          const I& integrator, const RenderOptions& options) {
-  if (options.tiles)
+[[nodiscard]] auto by_tiles(const Camera& camera, const Accelerated<Scene<S...>>& scene,
+                            const I& integrator) {
+  return [&](const SampleTarget& target, const RenderOptions& options) {
     simd::fill_by_tiles<I, S...>(target, camera, scene, integrator, options);
-  else
-    draw(target, camera, radiance_in(scene, integrator), options);
+  };
 }
 
 }  // namespace detail
@@ -49,9 +48,8 @@ void render(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& 
   camera.validate();
   detail::validate(integrator);
   scene.require_same_surfaces();
-  detail::draw_image(image, options, [&](const detail::SampleTarget& target, const RenderOptions& pass) {
-    detail::draw(target, camera, scene, integrator, pass);
-  });
+  if (!options.tiles) return render(image, camera, detail::radiance_in(scene, integrator), options);
+  detail::draw_image(image, options, detail::by_tiles(camera, scene, integrator));
 }
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 void render(Image& image, const Camera& camera, const Scene<S...>& scene, const I& integrator,
@@ -60,31 +58,31 @@ void render(Image& image, const Camera& camera, const Scene<S...>& scene, const 
   detail::validate(integrator);
   if (!options.tiles) return render(image, camera, detail::radiance_in(scene, integrator), options);
   const Accelerated<Scene<S...>> accelerated(scene, options);
-  detail::draw_image(image, options, [&](const detail::SampleTarget& target, const RenderOptions& pass) {
-    detail::draw(target, camera, accelerated, integrator, pass);
-  });
+  detail::draw_image(image, options, detail::by_tiles(camera, accelerated, integrator));
 }
 
-/// Adds samples of a camera's view in a scene to a film, with the sums of the render of render.hpp, but
+/// Adds samples of a camera's view in a scene to a film, with the sums of the add_samples of render.hpp, but
 /// faster. Whoever adds samples to a film several times accelerates the scene once.
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
-void render(Film& film, const SampleRange& samples, const Camera& camera,
-            const Accelerated<Scene<S...>>& scene, const I& integrator, const RenderOptions& options = {}) {
+void add_samples(Film& film, const SampleRange& samples, const Camera& camera,
+                 const Accelerated<Scene<S...>>& scene, const I& integrator,
+                 const RenderOptions& options = {}) {
   camera.validate();
   detail::validate(integrator);
   scene.require_same_surfaces();
-  if (samples.first >= samples.last) return;
-  detail::draw(detail::SampleTarget(film, samples), camera, scene, integrator, options);
+  if (!options.tiles)
+    return add_samples(film, samples, camera, detail::radiance_in(scene, integrator), options);
+  detail::draw_samples(film, samples, options, detail::by_tiles(camera, scene, integrator));
 }
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
-void render(Film& film, const SampleRange& samples, const Camera& camera, const Scene<S...>& scene,
-            const I& integrator, const RenderOptions& options = {}) {
+void add_samples(Film& film, const SampleRange& samples, const Camera& camera, const Scene<S...>& scene,
+                 const I& integrator, const RenderOptions& options = {}) {
   camera.validate();
   detail::validate(integrator);
-  if (!options.tiles) return render(film, samples, camera, detail::radiance_in(scene, integrator), options);
-  if (samples.first >= samples.last) return;
-  detail::draw(detail::SampleTarget(film, samples), camera, Accelerated<Scene<S...>>(scene, options),
-               integrator, options);
+  if (!options.tiles)
+    return add_samples(film, samples, camera, detail::radiance_in(scene, integrator), options);
+  const Accelerated<Scene<S...>> accelerated(scene, options);
+  detail::draw_samples(film, samples, options, detail::by_tiles(camera, accelerated, integrator));
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI
