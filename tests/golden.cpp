@@ -124,6 +124,8 @@ const Golden goldens[] = {
     {"19_soft_shadows", "19_soft_shadows", "", [] { return reference::soft_shadows(16); }},
     {"19_soft_shadows_1", "19_soft_shadows", " --samples 1", [] { return reference::soft_shadows(1); }},
     {"20_lens", "20_lens", "", {}},
+    {"25_cornell", "25_cornell", "", {}},
+    {"26_weekend", "26_weekend", "", {}},
     {"27_normal_map", "27_normal_map", "",
      [] {
        using namespace reference;

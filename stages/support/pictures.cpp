@@ -3,6 +3,7 @@
 #include "pictures.hpp"
 #include "any_surfaces.hpp"
 #include "mesh_pictures.hpp"
+#include "path_pictures.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -37,6 +38,9 @@ template void render(Image&, const Camera&, const Scene<Plane, AnySurface>&, con
                      const RenderOptions&);
 
 template void render(Image&, const Camera&, const Scene<Mesh, Plane>&, const ShadowIntegrator&,
+                     const RenderOptions&);
+
+template void render(Image&, const Camera&, const Scene<Sphere, Parallelogram>&, const PathIntegrator&,
                      const RenderOptions&);
 
 template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
