@@ -183,7 +183,11 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
 ///
 /// Throws what the render of an image does, and std::invalid_argument if samples.last is greater than
 /// options.samples. If anything was thrown, or a stop requested, any part of the samples may have been added.
-void render(Film& film, const SampleRange& samples, const Camera& camera, const Radiance auto& radiance,
+///
+/// F is deduced, so that its constraint is looked at before that of a function: testing whether a generic
+/// lambda of a ray and a scene takes a ray and a sampler may be an error.
+template <std::same_as<Film> F, Radiance R>
+void render(F& film, const SampleRange& samples, const Camera& camera, const R& radiance,
             const RenderOptions& options = {}) {
   camera.validate();
   detail::validate(radiance);
@@ -201,8 +205,8 @@ void render(Image& image, const Camera& camera, const S& scene, const I& integra
 }
 
 /// Adds samples of a camera's view in a scene to a film.
-template <Traceable S, Integrator<S> I>
-void render(Film& film, const SampleRange& samples, const Camera& camera, const S& scene, const I& integrator,
+template <std::same_as<Film> F, Traceable S, Integrator<S> I>
+void render(F& film, const SampleRange& samples, const Camera& camera, const S& scene, const I& integrator,
             const RenderOptions& options = {}) {
   detail::validate(integrator);
   render(film, samples, camera, detail::radiance_in(scene, integrator), options);

@@ -61,7 +61,7 @@ void render(Image& image, const Camera& camera, const Scene<S...>& scene, const 
   if (!options.tiles) return render(image, camera, detail::radiance_in(scene, integrator), options);
   const Accelerated<Scene<S...>> accelerated(scene, options);
   detail::draw_image(image, options, [&](const detail::SampleTarget& target, const RenderOptions& pass) {
-    detail::draw(target, camera, accelerated, integrator, pass);
+    simd::fill_by_tiles<I, S...>(target, camera, accelerated, integrator, pass);
   });
 }
 
@@ -83,8 +83,8 @@ void render(Film& film, const SampleRange& samples, const Camera& camera, const 
   detail::validate(integrator);
   if (!options.tiles) return render(film, samples, camera, detail::radiance_in(scene, integrator), options);
   if (samples.first >= samples.last) return;
-  detail::draw(detail::SampleTarget(film, samples), camera, Accelerated<Scene<S...>>(scene, options),
-               integrator, options);
+  simd::fill_by_tiles<I, S...>(detail::SampleTarget(film, samples), camera,
+                               Accelerated<Scene<S...>>(scene, options), integrator, options);
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI
