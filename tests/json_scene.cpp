@@ -65,9 +65,10 @@ TEST_CASE("a scene file needs a resolution, a camera and objects; all else has a
 }
 
 TEST_CASE("a scene file may have an error in the place of samples") {
-  CHECK(scene_of_text(patched(R"({"op": "test", "path": "/settings/resolution-x", "value": 8})")).error == 0);
-  const SceneFile file = scene_of_text(patched(R"({"op": "add", "path": "/settings/error", "value": 0.25},
-                 {"op": "add", "path": "/settings/sampler", "value": "independent"})"));
+  CHECK(scene_of_text(scene_of_everything).error == 0);
+  const SceneFile file = scene_of_text(patched(R"({"op": "remove", "path": "/settings/samples"},
+                 {"op": "add", "path": "/settings/error", "value": 0.25},
+                 {"op": "replace", "path": "/settings/sampler", "value": "independent"})"));
   CHECK(file.error == 0.25);
   CHECK(file.samples == 0);
 }

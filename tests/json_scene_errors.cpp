@@ -69,6 +69,12 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
   const auto surface_row = [](const std::string& surface, const std::string& error) {
     return Row{replacing("/objects/2/surface", surface), "/objects/2/surface" + error};
   };
+  // Takes the samples away, and sets an error.
+  const auto error_setting = [](const std::string& value) {
+    return patched(R"({"op": "remove", "path": "/settings/samples"},
+                      {"op": "add", "path": "/settings/error", "value": )" +
+                   value + "}");
+  };
   const std::string settings_keys =
       "resolution-x, resolution-y, samples, error, sampler, filter, seed, depth, integrator, transfer, tone "
       "and exposure";
@@ -91,15 +97,12 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       not_allowed("/settings/samples", "-1", samples),
       not_allowed("/settings/samples", "65537", samples),
       not_allowed("/settings/samples", "true", samples),
-      not_allowed("/settings/error", "0", "a number greater than 0"),
-      not_allowed("/settings/error", "\"1\"", "a number greater than 0"),
-      {patched(R"({"op": "add", "path": "/settings/samples", "value": 4},
-                  {"op": "add", "path": "/settings/error", "value": 0.5})"),
-       "/settings/error: 0.5 is not possible beside samples"},
-      {patched(R"({"op": "add", "path": "/settings/sampler", "value": "hammersley"},
-                  {"op": "add", "path": "/settings/error", "value": 0.5})"),
-       "/settings/sampler: \"hammersley\" is not independent, halton or sobol, which can tell the error that "
-       "the settings ask for"},
+      {error_setting("0"), "/settings/error: 0 is not a number greater than 0"},
+      {error_setting("\"1\""), "/settings/error: \"1\" is not a number greater than 0"},
+      {scene_with("/settings/error", "0.5"), "/settings/error: 0.5 is not possible beside samples"},
+      {error_setting("0.5"),
+       "/settings/sampler: \"stratified\" is not independent, halton or sobol, which can "
+       "tell the error that the settings ask for"},
       not_allowed("/settings/sampler", R"("random")",
                   "\"independent\", \"stratified\", \"halton\", \"sobol\" or \"hammersley\""),
       not_allowed("/settings/filter", "3",
