@@ -41,6 +41,8 @@ const std::set<std::string> on_demand = {
     "sampling/stratified_sampler.hpp",
     "sampling/halton_sampler.hpp",
     "sampling/samplers.hpp",
+    "sampling/finish.hpp",
+    "sampling/word_file.hpp",
     "sampling/shard.hpp",
     "sampling/shard_file.hpp",
     "area_lights.hpp",

@@ -311,6 +311,12 @@ TEST_CASE("shards of different pictures are not merged") {
       Row{[](SharedPicture& p) { p.sampler = "halton"; }, "sampler 'halton', not 'sobol'"},
       Row{[](SharedPicture& p) { p.filter = "te\nnt"; }, "filter 'te\\x0ant', not 'box'"},
       Row{[](SharedPicture& p) { p.scene = ""; }, "scene '', not '3f2a'"},
+      Row{[](SharedPicture& p) { p.finish.exposure = 0.5; },
+          "finish 'exposure 0.5, tone clip, transfer gamma=2.2', not 'exposure 1, tone clip, transfer "
+          "gamma=2.2'"},
+      Row{[](SharedPicture& p) { p.finish = {.tone = Tone::scale_image, .transfer = Srgb{}, .plain = true}; },
+          "finish 'exposure 1, tone scale-image, transfer srgb, plain', not 'exposure 1, tone clip, transfer "
+          "gamma=2.2'"},
       Row{[](SharedPicture& p) { p.version = "0.0.9"; }, "version '0.0.9', not '" PROTOSTAR_VERSION "'"},
       Row{[](SharedPicture& p) { p.rows_in_unit = 2; }, "rows in a unit 2, not 4"},
       Row{[](SharedPicture& p) { p.samples_in_unit = 2; }, "samples in a unit 2, not 3"});
@@ -397,7 +403,7 @@ TEST_CASE("a wrong number in a shard file is refused with its place and what is 
   const SharedPicture picture = picture_of(1, 4, 6);  // 4 pixels in one band of 2 blocks
   const std::string bytes = bytes_of(drawn(picture, UnitRange{0, 1}));
   // 2 words of magic, the format, 6 words of numbers, 4 texts of 2 words, 3 of units, 4 · 10 of sums, 1.
-  REQUIRE(bytes.size() == 8 * (2 + 1 + 6 + 8 + 3 + 40 + 1));
+  REQUIRE(bytes.size() == 8 * (2 + 1 + 6 + 8 + 4 + 3 + 40 + 1));
   struct Row {
     std::size_t word;
     std::uint64_t value;
@@ -413,14 +419,20 @@ TEST_CASE("a wrong number in a shard file is refused with its place and what is 
       Row{7, 0xffffffff, "rows in a unit are -1"}, Row{7, big | 4, "byte 56: the upper half of the rows"},
       Row{9, 4097, "byte 72: length of a text 4097; allowed are 0 to 4096"},
       Row{12, 0x7800006c6f626f73, "byte 96: a text is filled up with something else than zeros"},
-      Row{17, 3, "byte 136: number of ranges of units 3; allowed are 0 to 2"},
-      Row{18, 3, "byte 144: first unit 3; allowed are 0 to 2"},
-      Row{19, 0, "byte 152: end of a range of units 0; allowed are 1 to 2"},
-      Row{19, 3, "byte 152: end of a range of units 3; allowed are 1 to 2"},
-      Row{20, big, "byte 160: a sum is beyond that of 2 samples"},
-      Row{20, (std::uint64_t{2} << 31) + 1, "byte 160: a sum is beyond that of 2 samples"},
-      Row{23, big, "byte 192: a sum is not canonical"}, Row{24, big, "byte 192: a sum is not canonical"},
-      Row{24, std::uint64_t{1} << 31, "byte 192: a sum is not canonical"});
+      Row{17, detail::bit_cast<std::uint64_t>(-1.0), "Finish: exposure must be from 0 to 3.4e38"},
+      Row{18, 3, "byte 144: tone 3 and plain 0; allowed are 0 to 2, and 0 and 1"},
+      Row{18, std::uint64_t{2} << 32, "byte 144: tone 0 and plain 2"},
+      Row{19, 3, "byte 152: transfer 3; allowed are 0 to 2"},
+      Row{19, 0, "byte 160: an exponent of a transfer that has none"},
+      Row{20, 0, "Finish: gamma must be finite and greater than 0; it is 0"},
+      Row{21, 3, "byte 168: number of ranges of units 3; allowed are 0 to 2"},
+      Row{22, 3, "byte 176: first unit 3; allowed are 0 to 2"},
+      Row{23, 0, "byte 184: end of a range of units 0; allowed are 1 to 2"},
+      Row{23, 3, "byte 184: end of a range of units 3; allowed are 1 to 2"},
+      Row{24, big, "byte 192: a sum is beyond that of 2 samples"},
+      Row{24, (std::uint64_t{2} << 31) + 1, "byte 192: a sum is beyond that of 2 samples"},
+      Row{27, big, "byte 224: a sum is not canonical"}, Row{28, big, "byte 224: a sum is not canonical"},
+      Row{28, std::uint64_t{1} << 31, "byte 224: a sum is not canonical"});
   CHECK_THAT(refusal(changed(bytes, 8 * row.word, row.value)),
              ContainsSubstring("'a.shard': ") && ContainsSubstring(row.message));
   CHECK(refusal(changed(bytes, 64, 7)).empty());  // another seed is a picture of its own
@@ -431,7 +443,7 @@ TEST_CASE("a shard file that claims a huge picture is refused before it takes me
   SharedPicture huge = picture_of(1 << 14, 1 << 14, 4294967295u);
   huge.rows_in_unit = 1 << 14, huge.samples_in_unit = 1;
   std::string bytes = bytes_of(Shard(huge));
-  bytes = changed(bytes.insert(bytes.size() - 8, 16, '\0'), 8 * 17, 1);
-  bytes = changed(bytes, 8 * 19, huge.units());  // all units, of which none is there
+  bytes = changed(bytes.insert(bytes.size() - 8, 16, '\0'), 8 * 21, 1);
+  bytes = changed(bytes, 8 * 23, huge.units());  // all units, of which none is there
   CHECK_THAT(refusal(bytes), ContainsSubstring("too early"));
 }

@@ -18,6 +18,7 @@
 #include "../shown.hpp"
 #include "../version.hpp"
 #include "film.hpp"
+#include "finish.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -51,6 +52,7 @@ struct SharedPicture {
   std::uint64_t seed = 0;
   std::string sampler, filter;              ///< names
   std::string scene;                        ///< fingerprint of all else on which radiance depends
+  Finish finish = {};                       ///< treatment of the light of the merged picture
   std::string version = PROTOSTAR_VERSION;  ///< version of the library
   int rows_in_unit = 16;                    ///< rows of a band; the last one may have fewer
   std::uint32_t samples_in_unit = 16;       ///< samples of a block; the last one may have fewer
@@ -76,6 +78,27 @@ struct SharedPicture {
     for (const std::string* const name : {&sampler, &filter, &scene, &version})
       require(name->size() <= longest_text,
               "a text has " + std::to_string(name->size()) + " bytes; at most 4096 are allowed");
+    finish.validate();
+  }
+
+  /// Cuts the work into units that take a while each, and of which there are many: a thousand if each then
+  /// has 2^16 samples, or 64 if each then has 2^9; not more than 2^20.
+  void cut() {
+    rows_in_unit = 16, samples_in_unit = 16;
+    const auto samples_of_unit = [&] { return std::int64_t{area.width()} * rows_in_unit * samples_in_unit; };
+    while (units() < 1024 && samples_of_unit() > (units() < 64 ? 1 << 9 : 1 << 16) &&
+           (rows_in_unit > 1 || samples_in_unit > 1)) {
+      if (rows_in_unit > static_cast<int>(samples_in_unit))
+        rows_in_unit /= 2;
+      else
+        samples_in_unit /= 2;
+    }
+    while (units() > std::uint64_t{1} << 20) {
+      if (bands() > blocks())
+        rows_in_unit *= 2;
+      else
+        samples_in_unit *= 2;
+    }
   }
 
   [[nodiscard]] std::uint64_t bands() const {
@@ -133,7 +156,7 @@ struct SharedPicture {
     const auto size = [](const SharedPicture& of) {
       return std::to_string(of.width) + "x" + std::to_string(of.height);
     };
-    const std::array<std::array<std::string, 3>, 10> rows{{
+    const std::array<std::array<std::string, 3>, 11> rows{{
         {"version", quoted(version), quoted(other.version)},
         {"size", size(*this), size(other)},
         {"area", text(area), text(other.area)},
@@ -142,6 +165,7 @@ struct SharedPicture {
         {"sampler", quoted(sampler), quoted(other.sampler)},
         {"filter", quoted(filter), quoted(other.filter)},
         {"scene", quoted(scene), quoted(other.scene)},
+        {"finish", quoted(finish.text()), quoted(other.finish.text())},
         {"rows in a unit", std::to_string(rows_in_unit), std::to_string(other.rows_in_unit)},
         {"samples in a unit", number(samples_in_unit), number(other.samples_in_unit)},
     }};

@@ -5,9 +5,11 @@
 //   version of the format: 1
 //   width, height; x0, y0; x1, y1; samples, samples in a unit; rows in a unit, 0      each pair in one word
 //   seed
-//   version of the library, sampler, filter, scene          each: its length, its bytes, zeros to a whole
-//   word number of ranges of units, and of each its first unit and the one after its last for each band with
-//   units, in their order, for each pixel in rows, for both scramblings:
+//   version of the library, sampler, filter, scene
+//     of each its length, its bytes, zeros to a whole word
+//   exposure as a double; tone, 1 if plain; transfer, 0; exponent of a gamma as a double, otherwise 0
+//   number of ranges of units, and of each its first unit and the one after its last
+//   for each band with units, in their order, for each pixel in rows, for both scramblings:
 //     high words of r, g and b; low words of r, g; low word of b, 0
 //   checksum of all words before it
 // Nothing is in it twice, and sums are canonical: equal shards have equal bytes.
@@ -25,11 +27,15 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "../bit_cast.hpp"
 #include "../output_file.hpp"
 #include "../shown.hpp"
+#include "finish.hpp"
 #include "shard.hpp"
+#include "word_file.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -37,142 +43,6 @@ namespace detail {
 
 inline constexpr std::string_view shard_magic = "protostar shard\n";
 inline constexpr std::uint64_t shard_format = 1;
-
-/// Checksum of words. Each step is a bijection of the state for a word, and of the word for a state, so a
-/// change of one word surely changes it; any other goes unnoticed with a probability of 2^-64.
-class WordChecksum {
- public:
-  void add(std::uint64_t word) {
-    state_ = (state_ ^ word) * 0x9e3779b97f4a7c15u;
-    state_ ^= state_ >> 32;
-  }
-  [[nodiscard]] std::uint64_t value() const { return state_; }
-
- private:
-  std::uint64_t state_ = 0x70726f746f737461u;
-};
-
-/// Words written as bytes to a sink, which takes them in blocks as sink(bytes, size).
-template <class Sink>
-class WordWriter {
- public:
-  explicit WordWriter(Sink& sink) : sink_(sink) {}
-
-  void put(std::uint64_t word) {
-    checksum_.add(word);
-    for (int i = 0; i < 8; ++i) block_[size_++] = static_cast<char>(word >> (8 * i) & 0xff);
-    if (size_ == block_.size()) flush();
-  }
-
-  void put(std::uint64_t low, std::uint64_t high) { put(low | high << 32); }
-
-  /// Writes bytes, and zeros up to a whole word.
-  void put_bytes(std::string_view bytes) {
-    for (std::size_t i = 0; i < bytes.size(); i += 8) {
-      std::uint64_t word = 0;
-      for (std::size_t j = i; j < i + 8 && j < bytes.size(); ++j)
-        word |= std::uint64_t{static_cast<unsigned char>(bytes[j])} << (8 * (j - i));
-      put(word);
-    }
-  }
-
-  void end() {
-    put(checksum_.value());
-    flush();
-  }
-
- private:
-  void flush() {
-    sink_(block_.data(), size_);
-    size_ = 0;
-  }
-
-  Sink& sink_;
-  WordChecksum checksum_;
-  std::array<char, 1 << 15> block_;
-  std::size_t size_ = 0;
-};
-
-/// Words read from a source, which gives up to so many bytes as source(bytes, size) and returns how many; 0
-/// at the end. Errors name the file, and the byte at which a word begins.
-template <class Source>
-class WordReader {
- public:
-  WordReader(Source& source, std::string name) : source_(source), name_(std::move(name)) {}
-
-  [[noreturn]] void fail(const std::string& what) const {
-    throw std::runtime_error("'" + name_ + "': " + what);
-  }
-
-  /// Fails with what was found in the word that was read last.
-  [[noreturn]] void fail_at_word(const std::string& what) const {
-    fail("byte " + std::to_string(position_ - 8) + ": " + what);
-  }
-
-  std::uint64_t get() {
-    std::uint64_t word = 0;
-    for (int i = 0; i < 8; ++i) {
-      if (at_ == size_) {
-        at_ = 0;
-        size_ = source_(block_.data(), block_.size());
-        if (size_ == 0)
-          fail("the file ends after " + std::to_string(position_ + static_cast<std::uint64_t>(i)) +
-               " bytes, too early");
-      }
-      word |= std::uint64_t{static_cast<unsigned char>(block_[at_++])} << (8 * i);
-    }
-    position_ += 8;
-    checksum_.add(word);
-    return word;
-  }
-
-  /// Returns a word of at most so much.
-  std::uint64_t get(const char* what, std::uint64_t least, std::uint64_t most) {
-    const std::uint64_t word = get();
-    if (word < least || word > most)
-      fail_at_word(std::string(what) + " " + std::to_string(word) + "; allowed are " + std::to_string(least) +
-                   " to " + std::to_string(most));
-    return word;
-  }
-
-  /// Returns the lower and the upper half of a word.
-  std::pair<std::uint32_t, std::uint32_t> get_pair() {
-    const std::uint64_t word = get();
-    return {static_cast<std::uint32_t>(word), static_cast<std::uint32_t>(word >> 32)};
-  }
-
-  std::string get_bytes(std::size_t size) {
-    std::string bytes;
-    for (std::size_t i = 0; i < size; i += 8) {
-      const std::uint64_t word = get();
-      for (std::size_t j = 0; j < 8; ++j) {
-        const auto byte = static_cast<char>(word >> (8 * j) & 0xff);
-        if (i + j < size)
-          bytes += byte;
-        else if (byte != 0)
-          fail_at_word("a text is filled up with something else than zeros");
-      }
-    }
-    return bytes;
-  }
-
-  /// Reads the checksum and the end of the file.
-  void end() {
-    const std::uint64_t sum = checksum_.value();
-    if (get() != sum)
-      fail_at_word("the checksum does not belong to the bytes before it: the file was damaged");
-    if (char byte = 0; at_ != size_ || source_(&byte, 1) != 0)
-      fail("the file goes on after " + std::to_string(position_) + " bytes, where it should end");
-  }
-
- private:
-  Source& source_;
-  std::string name_;
-  WordChecksum checksum_;
-  std::array<char, 1 << 15> block_;
-  std::size_t at_ = 0, size_ = 0;
-  std::uint64_t position_ = 0;
-};
 
 inline void put_sums(auto& writer, const PixelSums& pixel) {
   for (const ExactColorSum& sum : pixel.sums) {
@@ -208,6 +78,30 @@ inline PixelSums get_sums(auto& reader, const std::array<std::uint32_t, 2>& coun
   return pixel;
 }
 
+inline void put_finish(auto& writer, const Finish& finish) {
+  const auto* const gamma = std::get_if<Gamma>(&finish.transfer);
+  writer.put(bit_cast<std::uint64_t>(finish.exposure));
+  writer.put(static_cast<std::uint64_t>(finish.tone), finish.plain ? 1 : 0);
+  writer.put(finish.transfer.index(), 0);
+  writer.put(gamma ? bit_cast<std::uint64_t>(gamma->exponent) : 0);
+}
+
+/// Reads a finish, whose numbers may be any.
+inline Finish get_finish(auto& reader) {
+  Finish finish{.exposure = bit_cast<double>(reader.get())};
+  const auto [tone, plain] = reader.get_pair();
+  if (tone > static_cast<std::uint32_t>(Tone::scale_image) || plain > 1)
+    reader.fail_at_word("tone " + std::to_string(tone) + " and plain " + std::to_string(plain) +
+                        "; allowed are 0 to 2, and 0 and 1");
+  finish.tone = static_cast<Tone>(tone), finish.plain = plain == 1;
+  const std::uint64_t transfer = reader.get("transfer", 0, 2), exponent = reader.get();
+  if (transfer == 1) finish.transfer = Linear{};
+  if (transfer == 2) finish.transfer = Gamma{bit_cast<double>(exponent)};
+  if (transfer == 0) finish.transfer = Srgb{};
+  if (transfer != 2 && exponent != 0) reader.fail_at_word("an exponent of a transfer that has none");
+  return finish;
+}
+
 /// Reads the description of a picture.
 inline SharedPicture get_picture(auto& reader) {
   SharedPicture picture;
@@ -226,6 +120,7 @@ inline SharedPicture get_picture(auto& reader) {
   for (std::string* const text : {&picture.version, &picture.sampler, &picture.filter, &picture.scene})
     *text = reader.get_bytes(
         static_cast<std::size_t>(reader.get("length of a text", 0, SharedPicture::longest_text)));
+  picture.finish = get_finish(reader);
   try {
     picture.validate();
   } catch (const std::invalid_argument& error) {
@@ -295,6 +190,7 @@ void write_shard(const Shard& shard, auto&& sink) {
     writer.put(text->size());
     writer.put_bytes(*text);
   }
+  detail::put_finish(writer, picture.finish);
   writer.put(shard.units().ranges().size());
   for (const auto& [first, last] : shard.units().ranges()) writer.put(first), writer.put(last);
   for (const auto& [band, pixels] : shard.bands())

@@ -1,0 +1,48 @@
+// Finish: how the light of a picture becomes the numbers of its file.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <variant>
+
+#include "../encode.hpp"
+#include "../shown.hpp"
+#include "../tone.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Treatment of the light of a picture that is drawn in parts, when they are merged, unless the user wants
+/// another one. It is a property of the scene, and so the same in all parts.
+struct Finish {
+  double exposure = 1;
+  Tone tone = Tone::clip;
+  Transfer transfer = Gamma{2.2};
+  bool plain = false;  ///< true if .ppm files hold decimal numbers
+
+  /// Throws std::invalid_argument unless the exposure is a factor that expose takes, and a gamma one that
+  /// Encoder takes.
+  void validate() const {
+    if (!(exposure >= 0 && exposure <= std::numeric_limits<float>::max()))
+      throw std::invalid_argument("Finish: exposure must be from 0 to 3.4e38, the largest float; it is " +
+                                  shown(exposure));
+    if (const auto* gamma = std::get_if<Gamma>(&transfer);
+        gamma && !(gamma->exponent > 0 && std::isfinite(gamma->exponent)))
+      throw std::invalid_argument("Finish: gamma must be finite and greater than 0; it is " +
+                                  shown(gamma->exponent));
+  }
+
+  /// Returns it in words, other ones for any other finish.
+  [[nodiscard]] std::string text() const {
+    const char* const tones[] = {"clip", "scale-pixel", "scale-image"};
+    const auto* gamma = std::get_if<Gamma>(&transfer);
+    return "exposure " + shown(exposure) + ", tone " + tones[static_cast<int>(tone)] + ", transfer " +
+           (gamma                                    ? "gamma=" + shown(gamma->exponent)
+            : std::holds_alternative<Srgb>(transfer) ? "srgb"
+                                                     : "linear") +
+           (plain ? ", plain" : "");
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI
