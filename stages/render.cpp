@@ -18,7 +18,12 @@ int main(int argc, char** argv) {
                          .error = file.error,
                          .sampler = file.sampler,
                          .filter = file.filter,
-                         .seed = file.seed};
+                         .seed = file.seed,
+                         .fingerprint = [&file, path] {
+                           std::vector<std::filesystem::path> files{path};
+                           files.insert(files.end(), file.files.begin(), file.files.end());
+                           return "files " + fingerprint_of(files);
+                         }};
   };
 
   return run_stage(argc, argv, {.read_scene = read}, [&file](Stage& stage) {

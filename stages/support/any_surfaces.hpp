@@ -4,6 +4,7 @@
 
 #include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/shadow.hpp>
+#include <protostar/sampling/film.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/csg.hpp>
@@ -28,6 +29,10 @@ extern template AnySurface::AnySurface(Sphere);
 extern template AnySurface::AnySurface(Triangle);
 
 extern template void render(Image&, const Camera&, const Scene<Plane, AnySurface>&, const ShadowIntegrator&,
+                            const RenderOptions&);
+
+extern template void render(Film&, const SampleRange&, const Camera&,
+                            const Accelerated<Scene<Plane, AnySurface>>&, const ShadowIntegrator&,
                             const RenderOptions&);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

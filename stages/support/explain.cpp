@@ -102,15 +102,11 @@ std::vector<Intersection> ExplainedScene::all_hits(const Ray& ray, Interval rang
   return hits;
 }
 
-namespace {
-
 std::string name_of(const SamplerChoice& sampler) {
   for (const std::string_view name : sampler_names)
     if (sampler_named(name) == sampler) return std::string(name);
   return "own";
 }
-
-}  // namespace
 
 void explain_function(Explanation& explanation, const Camera& camera,
                       const std::function<Color(SampleRecord&)>& radiance, const RenderOptions& options,

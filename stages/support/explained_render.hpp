@@ -2,10 +2,12 @@
 #pragma once
 
 #include <protostar/accel/render_tiles.hpp>
+#include <protostar/sampling/film.hpp>
 #include <utility>
 
 #include "explained_scene.hpp"
 #include "pictures.hpp"
+#include "shared_render.hpp"
 
 /// Options of render for a stage.
 struct StageRenderOptions : protostar::RenderOptions {
@@ -16,7 +18,40 @@ struct StageRenderOptions : protostar::RenderOptions {
 
   /// Sphere that a function of a ray intersects, if that is all that it does; for the explanation.
   const protostar::Sphere* sphere = nullptr;
+
+  SharedRender* shared = nullptr;         ///< if given, the work is drawn in units
+  protostar::SharedPicture picture = {};  ///< with this fingerprint and finish
 };
+
+/// Draws units of a picture, and the picture unless it is a shard. `light` fills a small image with the view,
+/// and `add` adds samples of it to a film.
+inline void render_shared(protostar::Image& image, const StageRenderOptions& options,
+                          const protostar::SamplerChoice& otherwise, const auto& light, const auto& add) {
+  using namespace protostar;
+  const Crop whole = options.crop.width > 0 ? options.crop : Crop{0, 0, image.width(), image.height()};
+  SharedPicture picture = options.picture;
+  picture.width = whole.width, picture.height = whole.height;
+  picture.area = {whole.x, whole.y, whole.x + image.width(), whole.y + image.height()};
+  picture.samples = static_cast<std::uint32_t>(options.samples);
+  picture.seed = options.seed;
+  picture.sampler = name_of(options.sampler.is_made() ? options.sampler : otherwise);
+  picture.cut();
+
+  RenderOptions few = options;
+  few.samples = 0, few.crop = {}, few.stop = {}, few.progress = {}, few.threads = 1;
+  Image seen(32, 24);
+  light(seen, few);
+  picture.scene += ", light " + hexadecimal(word_of_light(seen));
+
+  RenderOptions of_unit = options;
+  of_unit.crop = {0, 0, whole.width, whole.height};
+  of_unit.threads = 1, of_unit.progress = {};
+  options.shared->draw(picture, options, [&](Film& film, const WorkUnit& unit) {
+    add(film, SampleRange{unit.first_sample, unit.last_sample}, of_unit);
+  });
+  const Shard& shard = *options.shared->shard();
+  if (!shard.missing()) image = shard.film().mean();
+}
 
 // The overloads below are chosen for StageRenderOptions, so that a stage calls render as any program does.
 
@@ -25,6 +60,21 @@ template <class... S, class I>
 void render(protostar::Image& image, const protostar::Camera& camera, const protostar::Scene<S...>& scene,
             const I& integrator, const StageRenderOptions& options) {
   const protostar::RenderOptions& common = options;
+  if (options.shared) {
+    const protostar::Accelerated<protostar::Scene<S...>> accelerated(scene, common);
+    return render_shared(
+        image, options, protostar::detail::default_sampler<I, protostar::Scene<S...>>(),
+        [&](protostar::Image& seen, const protostar::RenderOptions& few) {
+          protostar::render(seen, camera, scene, integrator, few);
+        },
+        [&](protostar::Film& film, const protostar::SampleRange& samples,
+            const protostar::RenderOptions& of_unit) {
+          if constexpr (protostar::Integrator<I, protostar::Accelerated<protostar::Scene<S...>>>)
+            protostar::render(film, samples, camera, accelerated, integrator, of_unit);
+          else
+            protostar::render(film, samples, camera, scene, integrator, of_unit);
+        });
+  }
   if (options.draws) protostar::render(image, camera, scene, integrator, common);
   if (options.explanation == nullptr) return;
   if constexpr (protostar::Integrator<I, ExplainedScene>)
@@ -45,6 +95,16 @@ template <protostar::Radiance F>
 void render(protostar::Image& image, const protostar::Camera& camera, const F& radiance,
             const StageRenderOptions& options) {
   const protostar::RenderOptions& common = options;
+  if (options.shared)
+    return render_shared(
+        image, options, protostar::detail::default_sampler<F>(),
+        [&](protostar::Image& seen, const protostar::RenderOptions& few) {
+          protostar::render(seen, camera, radiance, few);
+        },
+        [&](protostar::Film& film, const protostar::SampleRange& samples,
+            const protostar::RenderOptions& of_unit) {
+          protostar::render(film, samples, camera, radiance, of_unit);
+        });
   if (options.draws) protostar::render(image, camera, radiance, common);
   if (options.explanation == nullptr) return;
   if (options.sphere) {

@@ -134,6 +134,9 @@ struct Explanation {
   std::array<std::uint16_t, 3> codes{};
 };
 
+/// Returns the name of a sampler; "own" for a type that is not the library's.
+std::string name_of(const protostar::SamplerChoice& sampler);
+
 /// Returns the explanation as a tree in words.
 std::string text_of(const Explanation& explanation, const Options& options);
 

@@ -75,7 +75,7 @@ void Interrupt::listen() {
   while (is_ignored(signal));
   signal_ = signal;
   if (signal == SIGALRM) std::fputs(timeout_line_.c_str(), stderr);
-  const auto deadline = std::chrono::steady_clock::now() + 100ms;
+  const auto deadline = std::chrono::steady_clock::now() + grace_.load();
   while (std::chrono::steady_clock::now() < deadline) {
     if (done_) return;
     std::this_thread::sleep_for(5ms);

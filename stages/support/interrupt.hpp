@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <protostar/stop_token.hpp>
 #include <string>
@@ -9,7 +10,8 @@
 
 /// Catcher of SIGINT, SIGTERM and SIGHUP: during its lifetime they request a stop. Code that writes a file
 /// looks at the token at every block, and removes an incomplete file. If the work has not ended a tenth of a
-/// second later, the process is ended all the same, so that it outlives the signal by half a second at most.
+/// second later (set_grace), the process is ended all the same, so that it outlives the signal by half a
+/// second at most.
 /// It may then leave a temporary file, of which it was writing a block; as after SIGKILL, SIGQUIT and all
 /// else that is not caught, the next OutputFile for the same target removes it. A signal that the process was
 /// started to ignore, as by nohup or the shell's &, stays ignored.
@@ -27,6 +29,9 @@ class Interrupt {
   /// Requests a stop after the given number of seconds, by SIGALRM, and prints the line; the process then
   /// ends with status 1. Call it once, before the work begins.
   void set_timeout(double seconds, const std::string& line);
+
+  /// Gives the work so much time to end after a stop was requested. Call it before the work begins.
+  void set_grace(std::chrono::milliseconds grace) { grace_ = grace; }
 
   /// Returns true if the listener runs, so that signals request a stop.
   bool listens() const { return listener_.joinable(); }
@@ -46,6 +51,7 @@ class Interrupt {
 
   sigset_t mask_before_;
   std::string timeout_line_;
+  std::atomic<std::chrono::milliseconds> grace_ = std::chrono::milliseconds(100);
   std::atomic<int> signal_ = 0;
   std::atomic<bool> done_ = false;
   std::thread listener_;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/shadow.hpp>
+#include <protostar/sampling/film.hpp>
 #include <protostar/surfaces/mesh.hpp>
 #include <protostar/surfaces/plane.hpp>
 
@@ -17,5 +18,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 extern template void render(Image&, const Camera&, const Scene<Mesh, Plane>&, const ShadowIntegrator&,
                             const RenderOptions&);
+
+extern template void render(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Mesh, Plane>>&,
+                            const ShadowIntegrator&, const RenderOptions&);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,54 +1,27 @@
 #include "options.hpp"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
 #include <protostar/image.hpp>
 #include <protostar/io/scene_file.hpp>
 #include <protostar/io/text.hpp>
-#include <protostar/output_file.hpp>
 #include <protostar/sampling/reconstruction.hpp>
 #include <protostar/sampling/samplers.hpp>
 #include <protostar/version.hpp>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 
-#include "message.hpp"
+#include "option_values.hpp"
+#include "shard_number.hpp"
 
 namespace {
 
-using protostar::Gamma, protostar::Linear, protostar::Srgb, protostar::Transfer;
+using protostar::Transfer;
 using protostar::detail::number_of;
-
-/// Returns an argument of the command line in quotes, shortened to leave room in an error message.
-std::string found_text(std::string_view text) { return "'" + shortened(std::string(text), 200) + "'"; }
-
-/// Throws a usage error, which names the option, the value found and the values allowed.
-[[noreturn]] void refuse(const std::string& option, std::string_view found, const std::string& allowed) {
-  throw CLI::ValidationError(option, found_text(found) + " is not " + allowed);
-}
-
-/// Refuses values that CLI11 misreads: --name= takes the next argument as its value, and a flag with a value,
-/// --help=3, counts as that many flags.
-void refuse_wrong_values(const CLI::App& app, int argc, const char* const* argv) {
-  for (int i = 1; i < argc && argv[i] != std::string_view("--"); ++i) {
-    const std::string_view argument = argv[i];
-    const std::size_t equals = argument.find('=');
-    if (!argument.starts_with('-') || equals == std::string_view::npos) continue;
-    const std::string name(argument.substr(0, equals));
-    const CLI::Option* option = app.get_option_no_throw(name);
-    if (option && option->get_items_expected_max() == 0)
-      throw CLI::ArgumentMismatch(name + " takes no value: " + found_text(argument));
-    if (option && equals == argument.size() - 1)
-      throw CLI::ArgumentMismatch(name + ": a value is missing: " + found_text(argument));
-  }
-}
 
 struct Size {
   int width = 0, height = 0;
@@ -62,31 +35,6 @@ Size read_size(std::string_view text) {
       std::int64_t{*width} * *height > protostar::Image::max_pixels)
     refuse("--size", text, "WIDTHxHEIGHT, whole numbers of at least 1 whose product is at most 2^28");
   return {*width, *height};
-}
-
-Transfer read_transfer(std::string_view text) {
-  if (text == "srgb") return Srgb{};
-  if (text == "linear") return Linear{};
-  if (text.starts_with("gamma="))
-    if (const auto exponent = number_of<double>(text.substr(6));
-        exponent && *exponent > 0 && std::isfinite(*exponent))
-      return Gamma{*exponent};
-  refuse("--transfer", text, "srgb, linear or gamma=G with a number G greater than 0");
-}
-
-std::string name_of(const Transfer& transfer) {
-  if (std::holds_alternative<Srgb>(transfer)) return "srgb";
-  if (std::holds_alternative<Linear>(transfer)) return "linear";
-  std::ostringstream name;
-  name << "gamma=" << std::get<Gamma>(transfer).exponent;
-  return name.str();
-}
-
-int read_whole(const std::string& option, std::string_view text, bool (*is_allowed)(int),
-               const std::string& allowed) {
-  const auto value = number_of<int>(text);
-  if (!value || !is_allowed(*value)) refuse(option, text, allowed);
-  return *value;
 }
 
 /// Part of a picture: its column and row, and its size.
@@ -267,39 +215,57 @@ double pixels_drawn(const Options& options) {
                               : 1.0 * options.width * options.height;
 }
 
-/// Returns the format for a file's extension. A device, a pipe or a descriptor of this process by its name,
-/// such as /dev/fd/1, has none and takes a PPM, even if a regular file is open there; a folder is left to the
-/// writer, whose error says what it is.
-Options::Format format_of(const std::filesystem::path& path) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (fs::exists(status) && (!fs::is_regular_file(status) || protostar::OutputFile::descriptor_of(path)))
-    return Options::Format::ppm;
-
-  std::string name = path.string();
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (name.ends_with(".ppm")) return Options::Format::ppm;
-  if (name.ends_with(".png")) return Options::Format::png;
-  if (name.ends_with(".pfm")) return Options::Format::pfm;
-  if (name.ends_with(".hdr")) return Options::Format::hdr;
-  refuse("-o", path.string(),
-         "a file that ends in .ppm, .png, .pfm or .hdr, or a device or pipe that exists");
+ShardNumber read_shard(std::string_view text) {
+  try {
+    return read_shard_number(text);
+  } catch (const std::invalid_argument& error) {
+    throw CLI::ValidationError("--shard", error.what());
+  }
 }
 
-std::string ending_of(Options::Format format) {
-  switch (format) {
-    case Options::Format::ppm:
-      return ".ppm";
-    case Options::Format::png:
-      return ".png";
-    case Options::Format::pfm:
-      return ".pfm";
-    case Options::Format::hdr:
-      return ".hdr";
-  }
-  throw std::logic_error("a format without an ending");
+/// Refuses options that make no sense with a shard or a checkpoint, and .shard files of whole pictures.
+void check_parts(const std::function<bool(const char*)>& given, const Options& options) {
+  for (const char* const part : {"--shard", "--checkpoint"})
+    for (const char* const other :
+         {"--pixel", "--error", "--time", "--every-pixel", "--noise", "--max-samples"})
+      if (given(part) && given(other))
+        throw CLI::ExcludesError(
+            part, std::string(other) + (other == std::string_view("--pixel")
+                                            ? ", which draws nothing"
+                                            : ", which needs the samples of the whole picture"));
+  const std::string output = options.output.string();
+  if (options.shard && !ends_in(output, ".shard"))
+    refuse("--shard", output, "a .shard file, which -o has to name");
+  if (!options.shard && ends_in(output, ".shard"))
+    refuse("-o", output, "the file of a picture, but of a part of one, which --shard I/N asks for");
+  if (given("--checkpoint") && options.checkpoint.empty()) refuse("--checkpoint", "", "the name of a file");
+  if (given("--checkpoint") && options.checkpoint == options.output)
+    refuse("--checkpoint", output, "another file than that of -o");
+}
+
+/// Refuses pictures whose work cannot be shared: those that are no sums of samples. Shards take Sobol' points
+/// unless another sampler is asked for.
+void check_sums(Options& options) {
+  if (!options.shard && options.checkpoint.empty()) return;
+  const std::string option = options.shard ? "--shard" : "--checkpoint";
+  if (options.in_passes())
+    throw CLI::ValidationError(option,
+                               "needs a known number of samples, and the scene asks for an error; "
+                               "--samples N takes its place");
+  if (options.samples < 2)
+    throw CLI::ValidationError(option, "shares sums of samples, and the picture has " +
+                                           (options.samples == 1 ? std::string("one sample a pixel")
+                                                                 : "one ray through each pixel's center") +
+                                           "; --samples N with a number N of at least 2 is needed");
+  if (!options.shard) return;
+  if (options.sampler.empty()) options.sampler = "sobol";
+  if (options.sampler == "hammersley")
+    refuse("--sampler", options.sampler,
+           "possible with --shard: its places are the same in all pixels and at any seed, so that halves of "
+           "the samples cannot tell the error of the others");
+  if (options.draws_more())
+    refuse("--crop", std::to_string(options.width) + "x" + std::to_string(options.height),
+           "possible with --shard for the tone scale-image, which needs the whole picture");
 }
 
 }  // namespace
@@ -308,7 +274,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
                                      const std::string& program, int& status) {
   Options options{.program = program, .plain = defaults.plain, .numbers = defaults.numbers};
   std::vector<std::string> numbers(options.numbers.size());
-  std::string output = options.output.string(), size, threads, bits, transfer;
+  std::string output = options.output.string(), size, threads, shard, checkpoint;
   std::string scene, integrator, samples, sampler, filter, seed, crop, timeout, pixel, explain, rays;
   PassTexts passes;
   bool confine = false;
@@ -346,11 +312,15 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   add_pass_options(app, passes);
   app.add_option("--threads", threads, "How many threads work on it; 0: one for each core [0]")
       ->type_name("N");
-  app.add_option("--bits", bits, "Bits per channel of a .ppm: 8 or 16 [8]")->type_name("8|16");
-  app.add_option("--transfer", transfer,
-                 "How light becomes numbers: the sRGB curve, as it is, or its G-th root [" +
-                     or_of_scene(name_of(defaults.transfer)) + "]")
-      ->type_name("srgb|linear|gamma=G");
+  FileOptions file;
+  file.add_to(app, or_of_scene(name_of(defaults.transfer)), defaults.plain ? ", as here without it" : "");
+  app.add_option("--shard", shard,
+                 "Draw a part of the samples, part I of N from 0 on, into a .shard file for merge; slurm and "
+                 "mpi: I and N are those of the job")
+      ->type_name("I/N|slurm|mpi");
+  app.add_option("--checkpoint", checkpoint,
+                 "Save the state of the work in this file, and go on from it if it is there")
+      ->type_name("FILE");
   if (of_scene) {
     app.add_option("scene", scene, "The scene, a file as docs/scene-format.md has it")
         ->required()
@@ -374,13 +344,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
       ->type_name("FILE.svg|FILE.obj");
   for (std::size_t i = 0; i < numbers.size(); ++i)
     app.add_option(options.numbers[i].name, numbers[i], options.numbers[i].help)->type_name("X");
-  app.add_flag(
-      "--plain", options.plain,
-      std::string("Write the .ppm as decimal numbers (P3)") + (defaults.plain ? ", as here without it" : ""));
   app.add_flag("--quiet", options.quiet, "Print nothing but errors");
-  app.failure_message([](const CLI::App* of, const CLI::Error& error) {
-    return error_line(of->get_name(), error.what()) + "Run with --help for what is allowed.\n";
-  });
+  set_failure_message(app);
 
   const auto given = [&app](const char* option) {
     const CLI::Option* known = app.get_option_no_throw(option);
@@ -388,20 +353,16 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   };
 
   try {
-    refuse_wrong_values(app, argc, argv);
-    try {
-      app.parse(argc, argv);
-    } catch (const CLI::ExtrasError&) {
-      std::vector<std::string> unexpected = app.remaining();
-      for (std::string& argument : unexpected) argument = found_text(argument);
-      throw CLI::ExtrasError(unexpected);
-    }
+    parse(app, argc, argv);
     options.output = output;
-    options.format = format_of(options.output);
+    if (given("--shard")) options.shard = read_shard(shard);
+    options.checkpoint = checkpoint;
+    check_parts(given, options);
+    options.format = options.shard ? Options::Format::shard : format_of(options.output, "-o");
+    const std::optional<Transfer> own_transfer = file.read(app, options);
     std::optional<Size> own_size;
     std::optional<Part> part;
     std::optional<Pixel> own_pixel;
-    std::optional<Transfer> own_transfer;
     std::optional<std::string> own_integrator, own_sampler, own_filter;
     std::optional<std::uint64_t> own_seed;
     std::optional<int> own_samples;
@@ -432,22 +393,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
       options.threads = read_whole(
           "--threads", threads, [](int n) { return n >= 0; }, "a whole number of at least 0");
     if (given("--timeout")) own_timeout = read_timeout(timeout);
-    if (app.count("--bits"))
-      options.bits = read_whole(
-          "--bits", bits, [](int n) { return n == 8 || n == 16; }, "8 or 16");
-    if (app.count("--transfer")) own_transfer = read_transfer(transfer);
     for (std::size_t i = 0; i < numbers.size(); ++i)
       if (app.count(options.numbers[i].name))
         options.numbers[i].value = read_finite(options.numbers[i].name, numbers[i]);
-
-    // An option that the format cannot follow is refused, not ignored.
-    const std::string ending = ending_of(options.format);
-    if (options.format != Options::Format::ppm) {
-      if (app.count("--plain")) refuse("--plain", ending, "a format with a plain form; .ppm is");
-      if (options.bits != 8) refuse("--bits", bits, "possible in " + ending + "; .ppm can have 16 bits");
-    }
-    if (options.is_linear() && own_transfer && !std::holds_alternative<Linear>(*own_transfer))
-      refuse("--transfer", transfer, "possible in " + ending + ", which holds linear light");
 
     // The scene is read when nothing else is wrong. Without --size, only the scene tells the size of the
     // picture, and thus whether the crop lies inside.
@@ -473,6 +421,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     options.tone = settings.tone;
     options.exposure = settings.exposure;
     check_passes(passes, options);
+    check_sums(options);
+    if (options.shard || !options.checkpoint.empty())
+      options.scene = settings.fingerprint ? settings.fingerprint() : program;
     if (given("--timeout"))
       options.timeout = own_timeout;
     else if (of_scene)

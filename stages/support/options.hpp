@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "shard_number.hpp"
+
 /// Option of one stage that takes a finite number.
 struct NumberOption {
   std::string name, help;
@@ -38,13 +40,16 @@ struct StageDefaults {
   std::string filter = "box";
   std::uint64_t seed = 0;
 
+  /// Returns a text that is another one if a file is that the scene was read from; called if work is shared.
+  std::function<std::string()> fingerprint = {};
+
   /// Reads a scene file and returns its settings; for programs that draw scene files, empty for others.
   std::function<StageDefaults(const std::filesystem::path&, const protostar::ReadOptions&)> read_scene = {};
 };
 
 /// Options of a run, checked as far as possible without opening the output.
 struct Options {
-  enum class Format { ppm, png, pfm, hdr };
+  enum class Format { ppm, png, pfm, hdr, shard };
 
   /// Returns true if the file holds linear light: nothing is encoded, nothing above 1 has to be cut.
   [[nodiscard]] bool is_linear() const { return format == Format::pfm || format == Format::hdr; }
@@ -58,7 +63,8 @@ struct Options {
   /// Returns true if the picture is drawn in passes, which tell its error.
   [[nodiscard]] bool in_passes() const { return error > 0 || seconds > 0 || !noise.empty(); }
 
-  std::string program = {};  ///< name that begins each message
+  std::string program = {};       ///< name that begins each message
+  std::string work = "rendered";  ///< verb for what the program does, for the line that it prints
   std::filesystem::path output = "out.ppm";
   Format format = Format::ppm;
   int width = 0, height = 0;
@@ -76,7 +82,10 @@ struct Options {
   std::string sampler = {};          ///< name; empty: that which the integrator takes by default
   std::string filter = {};           ///< name
   std::uint64_t seed = 0;
-  protostar::Crop crop = {};  ///< in the picture, if width and height are those of a part of it
+  std::optional<ShardNumber> shard = {};  ///< part of the work, if not all of it is drawn
+  std::filesystem::path checkpoint = {};  ///< file for the state of the work; empty: none
+  std::string scene = {};                 ///< fingerprint of the files that the scene consists of
+  protostar::Crop crop = {};              ///< in the picture, if width and height are those of a part of it
   bool plain = false;
   bool quiet = false;
   double exposure = 1;
@@ -84,8 +93,19 @@ struct Options {
   std::filesystem::path explain = {};  ///< file for the explanation as JSON; empty: none
   std::filesystem::path rays = {};     ///< file for a drawing of its rays; empty: none
   double timeout = 0;                  ///< seconds after which the program gives up; 0: never
-  std::vector<NumberOption> numbers;   ///< with the values that are given
+  std::vector<NumberOption> numbers = {};  ///< with the values that are given
 };
+
+/// Command line of merge: a picture's file, and the .shard files of which it is made.
+struct MergeOptions {
+  Options options;
+  std::vector<std::filesystem::path> shards;
+  std::optional<protostar::Transfer> own_transfer;
+};
+
+/// Reads the command line of merge, as parse_options does.
+std::optional<MergeOptions> parse_merge_options(int argc, const char* const* argv, const std::string& program,
+                                                int& status);
 
 /// Reads a command line. Returns nullopt if the program has already printed all there is to say, help or an
 /// error; then status is its exit status: 0, or 2 for an error in usage.

@@ -24,6 +24,7 @@
 #include <protostar/sampling/every_pixel.hpp>
 #include <protostar/sampling/reconstruction.hpp>
 #include <protostar/sampling/samplers.hpp>
+#include <protostar/sampling/shard_file.hpp>
 #include <protostar/shown.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -87,6 +88,8 @@ std::string timeout_text(const Options& options) {
 
 Stage::Stage(const Options& options, StopToken stop)
     : options_(options), stop_(std::move(stop)), progress_(options.quiet) {
+  if (options.shard || !options.checkpoint.empty())
+    shared_.emplace(options.shard.value_or(ShardNumber{}), options.checkpoint);
   if (!options.pixel) return;
   Explanation& explanation = explanation_.emplace();
   explanation.pixel = *options.pixel;
@@ -134,6 +137,12 @@ StageRenderOptions Stage::render_options() {
     options.draws = options_.tone == Tone::scale_image && !options_.is_linear();
     if (explanation_) options.explanation = &*explanation_;
   }
+  if (shared_) {
+    options.shared = &*shared_;
+    options.picture = shared_picture();
+  } else if (options_.shard) {
+    options.draws = false;  // a second picture, to compare the first with
+  }
   return options;
 }
 
@@ -159,6 +168,20 @@ void Stage::set_passes(RenderOptions& options) {
   }
 }
 
+SharedPicture Stage::shared_picture() const {
+  std::ostringstream scene;
+  scene << options_.scene << ", " << options_.integrator;
+  if (options_.clamp > 0) scene << ", clamp " << shown(options_.clamp);
+  for (const NumberOption& own : options_.numbers) scene << ", " << own.name << " " << shown(own.value);
+  return {.seed = options_.seed,
+          .filter = options_.filter,
+          .scene = scene.str(),
+          .finish = {.exposure = options_.exposure,
+                     .tone = options_.tone,
+                     .transfer = options_.transfer,
+                     .plain = options_.plain}};
+}
+
 StageRenderOptions Stage::render_options(const Sphere& sphere) {
   StageRenderOptions options = render_options();
   options.sphere = &sphere;
@@ -169,6 +192,9 @@ void Stage::save(const Image& image) {
   progress_.clear();  // the calling thread need not be the one that does the last tile
   if (stop_.stop_requested()) return;
   if (options_.pixel) return tell(image);
+  if (shared_ && !shared_->shard())
+    throw std::runtime_error(std::string(options_.shard ? "--shard" : "--checkpoint") +
+                             ": this picture is drawn without rays, so it has no samples");
   const auto rendered = Clock::now();
   if (options_.in_passes() && !told_passes_ && report_.samples == 0) {  // it was drawn without rays
     report_.is_met = true;
@@ -179,7 +205,9 @@ void Stage::save(const Image& image) {
       standard_error_ = part_of(standard_error_, options_.crop, options_.width, options_.height);
     save_pfm(standard_error_, options_.noise, stop_);
   }
-  if (options_.tone == Tone::clip || options_.is_linear()) {
+  if (options_.shard) {
+    save_shard(*shared_->shard(), options_.output);
+  } else if (options_.tone == Tone::clip || options_.is_linear()) {
     write(image);
   } else {
     Image toned = image;
@@ -187,12 +215,19 @@ void Stage::save(const Image& image) {
     if (options_.draws_more()) toned = part_of(toned, options_.crop, options_.width, options_.height);
     write(toned);
   }
+  if (stop_.stop_requested()) return;
   std::array<char, 128> times;
-  std::snprintf(times.data(), times.size(), ", rendered in %.2f ms, written in %.2f ms",
+  std::snprintf(times.data(), times.size(), ", %s in %.2f ms, written in %.2f ms", options_.work.c_str(),
                 milliseconds(rendered - start_), milliseconds(Clock::now() - rendered));
-  print(shown(options_.output.string()) + ": " + std::to_string(options_.width) + "x" +
+  std::string units;
+  if (options_.shard)
+    units = std::to_string(shared_->shard()->units().count()) + " of " +
+            std::to_string(shared_->shard()->picture().units()) + " units of ";
+  print(shown(options_.output.string()) + ": " + units + std::to_string(options_.width) + "x" +
         std::to_string(options_.height) + ", " + options_.integrator + times.data());
   if (options_.in_passes()) tell_passes();
+  if (shared_) shared_->finish();
+  shared_.reset();
 }
 
 std::string Stage::note_on_passes() const {
@@ -229,7 +264,7 @@ void Stage::tell_passes() {
 }
 
 void Stage::compare(const Image& image, const Image& exact) const {
-  if (options_.pixel) return;
+  if (options_.pixel || options_.shard) return;
   const Encoder encode(Gamma{2.2}, 255);
   const auto differs = [&](float a, float b) { return std::abs(encode(a) - encode(b)) > 1; };
   std::int64_t wrong = 0;
@@ -299,15 +334,28 @@ void Stage::write(const Image& image) const {
       return save_pfm(image, options_.output, stop_);
     case Options::Format::hdr:
       return save_hdr(image, options_.output, stop_);
+    case Options::Format::shard:
+      throw std::logic_error("a picture is not written as a shard");
   }
 }
 
 int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::function<void(Stage&)>& draw) {
+  return run_program(
+      argc, argv,
+      [&](const std::string& program, int& status) {
+        return parse_options(argc, argv, defaults, program, status);
+      },
+      draw);
+}
+
+int run_program(int argc, char** argv,
+                const std::function<std::optional<Options>(const std::string& program, int& status)>& parse,
+                const std::function<void(Stage&)>& draw) {
   const std::string program = std::filesystem::path(argc > 0 ? argv[0] : "protostar").filename().string();
   try {
     std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes then causes an error, as a full disk does
     int status = 0;
-    const auto options = parse_options(argc, argv, defaults, program, status);
+    const auto options = parse(program, status);
     if (options) {
       Interrupt interrupt;
       if (!interrupt.listens() && !options->quiet)
@@ -317,6 +365,7 @@ int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::f
             "at once, and what it leaves of a file the next run removes");
       if (options->timeout > 0)
         interrupt.set_timeout(options->timeout, error_line(program, timeout_text(*options)));
+      if (!options->checkpoint.empty()) interrupt.set_grace(std::chrono::seconds(10));
       Stage stage(*options, interrupt.token());
       draw(stage);
       if (interrupt.came()) return interrupt.status();

@@ -13,6 +13,7 @@
 #include "options.hpp"
 #include "pictures.hpp"
 #include "progress.hpp"
+#include "shared_render.hpp"
 
 /// Run of a stage, by the options of the user.
 class Stage {
@@ -39,6 +40,9 @@ class Stage {
   /// Saves the image, or the part of it that was asked for, in the format asked for, with the stage's tone
   /// unless the file holds linear light, and prints a line about it. With --pixel, prints the explanation
   /// instead, and writes the files of it that are asked for. Throws std::system_error if it cannot.
+  ///
+  /// A shard is saved instead of the image, with --shard. Throws std::runtime_error if the stage has drawn
+  /// its picture without samples that could be shared. After that, the checkpoint is removed.
   void save(const protostar::Image& image);
 
   /// Prints how many pixels of an image are wrong: more than one level of 255 off the exact image of the same
@@ -72,6 +76,9 @@ class Stage {
   /// Saves the standard errors, and prints how many samples there are and what the error is.
   void tell_passes();
 
+  /// Returns the description of the picture whose work is shared, as far as options tell it.
+  protostar::SharedPicture shared_picture() const;
+
   /// Completes the explanation by the picture's pixel, prints it, and writes the files that are asked for.
   void tell(const protostar::Image& image);
 
@@ -82,9 +89,16 @@ class Stage {
   protostar::Image standard_error_{1, 1};  ///< with --noise: of its pixels
   bool told_passes_ = false;
   std::optional<Explanation> explanation_;  ///< until it is told
+  std::optional<SharedRender> shared_;      ///< until it is drawn and saved
   Clock::time_point start_ = Clock::now();
 };
 
 /// Reads the command line, runs the stage, and returns the exit status of the program: 0, 1 if something
 /// failed or took too long, 2 for an error in usage, 128 plus its number after a signal (130 after Ctrl-C).
 int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::function<void(Stage&)>& draw);
+
+/// Does so for another program that writes a picture: `parse` reads the command line of the program of that
+/// name, as parse_options does.
+int run_program(int argc, char** argv,
+                const std::function<std::optional<Options>(const std::string& program, int& status)>& parse,
+                const std::function<void(Stage&)>& draw);

@@ -258,6 +258,7 @@ inline SceneFile scene_at(const JsonCursor& at) {
     });
   if (const auto refusal = refusal_of_samples(file.samples, file.scene.lights().size()))
     at["settings"]["samples"].refuse("possible: " + *refusal);
+  file.files = at.loaded().paths();
   return file;
 }
 

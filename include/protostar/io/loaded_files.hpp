@@ -2,12 +2,15 @@
 // tinyobjloader is found.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "../image.hpp"
 
@@ -30,6 +33,21 @@ struct LoadedFiles {
   };
   std::map<std::filesystem::path, MeshFile> meshes;
 #endif
+
+  /// Returns the paths of all files.
+  [[nodiscard]] std::vector<std::string> paths() const {
+    std::vector<std::string> all;
+    const auto add = [&](const auto& files) {
+      for (const auto& file : files) all.push_back(file.first.string());
+    };
+    add(images), add(normal_maps);
+#if defined(PROTOSTAR_READS_MESHES)
+    add(meshes);
+#endif
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    return all;
+  }
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::detail

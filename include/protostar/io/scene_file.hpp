@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "../camera.hpp"
 #include "../encode.hpp"
@@ -60,7 +61,8 @@ struct SceneFile {
   std::string integrator = "whitted";  ///< one of integrator_names
   Transfer transfer = Srgb{};
   Tone tone = Tone::clip;
-  double exposure = 1;  ///< a factor on the light, before tone and transfer
+  double exposure = 1;                  ///< a factor on the light, before tone and transfer
+  std::vector<std::string> files = {};  ///< paths of the images and meshes that the file names, each once
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -50,8 +50,8 @@ struct SharedPicture {
   Tile area{0, 0, 0, 0};      ///< part of it that is drawn
   std::uint32_t samples = 1;  ///< samples in each pixel
   std::uint64_t seed = 0;
-  std::string sampler, filter;              ///< names
-  std::string scene;                        ///< fingerprint of all else on which radiance depends
+  std::string sampler = {}, filter = {};    ///< names
+  std::string scene = {};                   ///< fingerprint of all else on which radiance depends
   Finish finish = {};                       ///< treatment of the light of the merged picture
   std::string version = PROTOSTAR_VERSION;  ///< version of the library
   int rows_in_unit = 16;                    ///< rows of a band; the last one may have fewer

@@ -1,0 +1,151 @@
+#include "option_values.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstddef>
+#include <protostar/io/text.hpp>
+#include <protostar/output_file.hpp>
+#include <sstream>
+#include <stdexcept>
+#include <system_error>
+#include <vector>
+
+#include "message.hpp"
+
+using protostar::Gamma, protostar::Linear, protostar::Srgb, protostar::Transfer;
+using protostar::detail::number_of;
+
+std::string found_text(std::string_view text) { return "'" + shortened(std::string(text), 200) + "'"; }
+
+void refuse(const std::string& option, std::string_view found, const std::string& allowed) {
+  throw CLI::ValidationError(option, found_text(found) + " is not " + allowed);
+}
+
+/// Refuses values that CLI11 misreads: --name= takes the next argument as its value, and a flag with a value,
+/// --help=3, counts as that many flags.
+static void refuse_wrong_values(const CLI::App& app, int argc, const char* const* argv) {
+  for (int i = 1; i < argc && argv[i] != std::string_view("--"); ++i) {
+    const std::string_view argument = argv[i];
+    const std::size_t equals = argument.find('=');
+    if (!argument.starts_with('-') || equals == std::string_view::npos) continue;
+    const std::string name(argument.substr(0, equals));
+    const CLI::Option* option = app.get_option_no_throw(name);
+    if (option && option->get_items_expected_max() == 0)
+      throw CLI::ArgumentMismatch(name + " takes no value: " + found_text(argument));
+    if (option && equals == argument.size() - 1)
+      throw CLI::ArgumentMismatch(name + ": a value is missing: " + found_text(argument));
+  }
+}
+
+void parse(CLI::App& app, int argc, const char* const* argv) {
+  refuse_wrong_values(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ExtrasError&) {
+    std::vector<std::string> unexpected = app.remaining();
+    for (std::string& argument : unexpected) argument = found_text(argument);
+    throw CLI::ExtrasError(unexpected);
+  }
+}
+
+void set_failure_message(CLI::App& app) {
+  app.failure_message([](const CLI::App* of, const CLI::Error& error) {
+    return error_line(of->get_name(), error.what()) + "Run with --help for what is allowed.\n";
+  });
+}
+
+Transfer read_transfer(std::string_view text) {
+  if (text == "srgb") return Srgb{};
+  if (text == "linear") return Linear{};
+  if (text.starts_with("gamma="))
+    if (const auto exponent = number_of<double>(text.substr(6));
+        exponent && *exponent > 0 && std::isfinite(*exponent))
+      return Gamma{*exponent};
+  refuse("--transfer", text, "srgb, linear or gamma=G with a number G greater than 0");
+}
+
+std::string name_of(const Transfer& transfer) {
+  if (std::holds_alternative<Srgb>(transfer)) return "srgb";
+  if (std::holds_alternative<Linear>(transfer)) return "linear";
+  std::ostringstream name;
+  name << "gamma=" << std::get<Gamma>(transfer).exponent;
+  return name.str();
+}
+
+int read_whole(const std::string& option, std::string_view text, bool (*is_allowed)(int),
+               const std::string& allowed) {
+  const auto value = number_of<int>(text);
+  if (!value || !is_allowed(*value)) refuse(option, text, allowed);
+  return *value;
+}
+
+bool ends_in(const std::filesystem::path& path, std::string_view ending) {
+  std::string name = path.string();
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return name.ends_with(ending);
+}
+
+Options::Format format_of(const std::filesystem::path& path, const std::string& option) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::exists(status) && (!fs::is_regular_file(status) || protostar::OutputFile::descriptor_of(path)))
+    return Options::Format::ppm;
+
+  if (ends_in(path, ".ppm")) return Options::Format::ppm;
+  if (ends_in(path, ".png")) return Options::Format::png;
+  if (ends_in(path, ".pfm")) return Options::Format::pfm;
+  if (ends_in(path, ".hdr")) return Options::Format::hdr;
+  refuse(option, path.string(),
+         "a file that ends in .ppm, .png, .pfm or .hdr, or a device or pipe that exists");
+}
+
+static std::string ending_of(Options::Format format) {
+  switch (format) {
+    case Options::Format::ppm:
+      return ".ppm";
+    case Options::Format::png:
+      return ".png";
+    case Options::Format::pfm:
+      return ".pfm";
+    case Options::Format::hdr:
+      return ".hdr";
+    case Options::Format::shard:
+      return ".shard";
+  }
+  throw std::logic_error("a format without an ending");
+}
+
+void FileOptions::add_to(CLI::App& app, const std::string& default_transfer,
+                         const std::string& default_plain) {
+  app.add_option("--bits", bits, "Bits per channel of a .ppm: 8 or 16 [8]")->type_name("8|16");
+  app.add_option(
+         "--transfer", transfer,
+         "How light becomes numbers: the sRGB curve, as it is, or its G-th root [" + default_transfer + "]")
+      ->type_name("srgb|linear|gamma=G");
+  app.add_flag("--plain", plain, "Write the .ppm as decimal numbers (P3)" + default_plain);
+}
+
+std::optional<Transfer> FileOptions::read(const CLI::App& app, Options& options) const {
+  std::optional<Transfer> own_transfer;
+  if (app.count("--bits"))
+    options.bits = read_whole(
+        "--bits", bits, [](int n) { return n == 8 || n == 16; }, "8 or 16");
+  if (app.count("--transfer")) own_transfer = read_transfer(transfer);
+  if (plain) options.plain = true;
+  const std::string ending = ending_of(options.format);
+  if (options.format == Options::Format::shard) {
+    for (const char* option : {"--bits", "--transfer", "--plain"})
+      if (app.count(option))
+        throw CLI::ValidationError(
+            option, "is for a picture, and a .shard file is none yet; give the option to merge");
+  } else if (options.format != Options::Format::ppm) {
+    if (plain) refuse("--plain", ending, "a format with a plain form; .ppm is");
+    if (options.bits != 8) refuse("--bits", bits, "possible in " + ending + "; .ppm can have 16 bits");
+  }
+  if (options.is_linear() && own_transfer && !std::holds_alternative<Linear>(*own_transfer))
+    refuse("--transfer", transfer, "possible in " + ending + ", which holds linear light");
+  return own_transfer;
+}

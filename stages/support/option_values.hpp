@@ -1,0 +1,51 @@
+// Values of options that several command lines have, and usage errors.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <protostar/encode.hpp>
+#include <string>
+#include <string_view>
+
+#include "options.hpp"
+
+/// Returns an argument of the command line in quotes, shortened to leave room in an error message.
+std::string found_text(std::string_view text);
+
+/// Throws a usage error, which names the option, the value found and the values allowed.
+[[noreturn]] void refuse(const std::string& option, std::string_view found, const std::string& allowed);
+
+/// Reads a command line. Refuses values that CLI11 misreads, --name= and --help=3, and quotes the arguments
+/// that nothing takes. Throws CLI::ParseError.
+void parse(CLI::App& app, int argc, const char* const* argv);
+
+/// Makes a usage error one line that names the program, and a second one.
+void set_failure_message(CLI::App& app);
+
+protostar::Transfer read_transfer(std::string_view text);
+std::string name_of(const protostar::Transfer& transfer);
+
+int read_whole(const std::string& option, std::string_view text, bool (*is_allowed)(int),
+               const std::string& allowed);
+
+/// Returns true if the name of a file ends so, in upper or lower case.
+bool ends_in(const std::filesystem::path& path, std::string_view ending);
+
+/// Returns the format for a file's extension. A device, a pipe or a descriptor of this process by its name,
+/// such as /dev/fd/1, has none and takes a PPM, even if a regular file is open there; a folder is left to the
+/// writer, whose error says what it is. The option is named in the error.
+Options::Format format_of(const std::filesystem::path& path, const std::string& option);
+
+/// Options of the file of a picture: --bits, --transfer and --plain.
+struct FileOptions {
+  std::string bits = {}, transfer = {};
+  bool plain = false;
+
+  /// Adds them to a command line, with these texts for what holds without them.
+  void add_to(CLI::App& app, const std::string& default_transfer, const std::string& default_plain);
+
+  /// Reads the options but the transfer, which it returns if it is given. An option that the format cannot
+  /// follow is refused, not ignored.
+  std::optional<protostar::Transfer> read(const CLI::App& app, Options& options) const;
+};
