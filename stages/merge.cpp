@@ -22,7 +22,8 @@ int main(int argc, char** argv) {
     Options options = merge->options;
     options.width = shard.picture().area.width();
     options.height = shard.picture().area.height();
-    options.integrator = "of " + std::to_string(merge->shards.size()) + " files";
+    options.integrator =
+        "of " + std::to_string(merge->shards.size()) + (merge->shards.size() == 1 ? " file" : " files");
     options.transfer = merge->own_transfer.value_or(finish.transfer);
     options.tone = finish.tone;
     options.plain = options.plain || finish.plain;

@@ -54,7 +54,7 @@ ShardNumber read_shard_number(std::string_view text) {
     const std::size_t slash = text.find('/');
     const auto index = number_of<std::uint64_t>(text.substr(0, slash));
     const auto count =
-        slash == std::string_view::npos ? std::nullopt : number_of<std::uint64_t>(text.substr(slash + 1));
+        number_of<std::uint64_t>(slash == std::string_view::npos ? "" : text.substr(slash + 1));
     found = "'" + shortened(std::string(text), 100) + "'";
     if (!index || !count || *index >= *count)
       throw std::invalid_argument(found +
