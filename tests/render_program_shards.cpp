@@ -1,0 +1,132 @@
+// Shards and checkpoints of scene files.
+#include <string>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/files.hpp"
+#include "support/process.hpp"
+#include "support/run_render.hpp"
+#include "support/run_stage.hpp"
+
+namespace {
+
+const std::string three_parts = "part0.shard part1.shard part2.shard";
+
+/// Draws a scene in three shards, and merges them into a file.
+std::string merged_picture(const std::string& arguments, const std::string& file,
+                           const TemporaryFolder& folder) {
+  for (const char* number : {"2", "0", "1"}) {
+    const Outcome outcome = run_stage(
+        "render",
+        arguments + " --quiet --threads 1 --shard " + number + "/3 -o part" + std::string(number) + ".shard",
+        folder);
+    CHECK(outcome.status == 0);
+    CHECK(outcome.out + outcome.err == "");
+  }
+  const Outcome outcome = run_stage("merge", file + " --quiet " + three_parts, folder);
+  CHECK(outcome.status == 0);
+  CHECK(outcome.out + outcome.err == "");
+  return bytes_of(folder / file);
+}
+
+}  // namespace
+
+TEST_CASE("shards of a scene file are merged with its exposure, tone and transfer") {
+  const std::string name = GENERATE("exposure", "scale_pixel", "scale_image");
+  CAPTURE(name);
+  const TemporaryFolder folder;
+  const std::string text = changed_three_spheres(
+      R"("transfer": {"gamma": 2.2})", name == "exposure" ? R"("transfer": {"gamma": 2.2}, "exposure": 3.5)"
+                                       : name == "scale_pixel"
+                                           ? R"("transfer": "linear", "exposure": 2, "tone": "scale-pixel")"
+                                           : R"("transfer": {"gamma": 1.8}, "tone": "scale-image")");
+  put_bytes(folder / "scene.json", text);
+  const std::string arguments = "scene.json --size 32x24 --samples 6 --sampler sobol";
+  for (const char* file : {"a.png", "a.pfm"}) {
+    const std::string merged = merged_picture(arguments, file, folder);
+    const Outcome whole = run_stage("render", arguments + " --quiet -o whole" + (file + 1), folder);
+    CHECK(whole.status == 0);
+    CHECK(merged == bytes_of(folder / (std::string("whole") + (file + 1))));
+  }
+}
+
+TEST_CASE("shards of a part of a picture are merged into that part") {
+  const TemporaryFolder folder;
+  const std::string arguments =
+      scene_path("three_spheres") + " --size 64x48 --samples 4 --sampler sobol --crop 11,7,30,23";
+  const std::string merged = merged_picture(arguments, "a.png", folder);
+  CHECK(run_stage("render", arguments + " -o whole.png", folder).status == 0);
+  CHECK(merged == bytes_of(folder / "whole.png"));
+  CHECK(run_stage("render", arguments + " -o again.png --checkpoint state", folder).status == 0);
+  CHECK(merged == bytes_of(folder / "again.png"));
+
+  put_bytes(folder / "scene.json",
+            changed_three_spheres("\"integrator\": \"shadow\"",
+                                  "\"integrator\": \"shadow\", \"tone\": \"scale-image\""));
+  const std::string crop = "scene.json --size 64x48 --samples 4 --sampler sobol --crop 11,7,30,23";
+  const Outcome outcome = run_stage("render", crop + " --shard 0/2 -o a.shard", folder);
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.err, ContainsSubstring("--crop: '30x23' is not possible with --shard for the tone "));
+  CHECK(run_stage("render", crop + " -o whole.png", folder).status == 0);
+  CHECK(run_stage("render", crop + " -o again.png --checkpoint state", folder).status == 0);
+  CHECK(bytes_of(folder / "again.png") == bytes_of(folder / "whole.png"));
+}
+
+TEST_CASE("merge refuses shards of a scene file that was changed, or with a file of it that was") {
+  const TemporaryFolder folder;
+  copy_image("../scenes/bricks.png", folder);
+  const std::string scene = scene_with_image("bricks.png");
+  const auto draw = [&](const std::string& number, const std::string& options = "") {
+    const Outcome outcome = run_stage(
+        "render",
+        "scene.json --samples 4 --quiet --shard " + number + "/2 -o " + number + ".shard " + options, folder);
+    CHECK(outcome.err == "");
+    CHECK(outcome.status == 0);
+  };
+  const auto merge = [&] { return run_stage("merge", "out.png 0.shard 1.shard", folder); };
+  put_bytes(folder / "scene.json", scene);
+  draw("0");
+  draw("1");
+  CHECK(merge().status == 0);
+
+  const auto check_refused = [&](const std::string& difference) {
+    const Outcome outcome = merge();
+    CHECK(outcome.status == 1);
+    CHECK_THAT(outcome.err, ContainsSubstring("'1.shard' is not of the picture of '0.shard': " + difference));
+  };
+  put_bytes(folder / "scene.json", scene + " ");
+  draw("1");
+  check_refused("scene 'files ");
+  put_bytes(folder / "scene.json", scene);
+  draw("1");
+  CHECK(merge().status == 0);
+  const std::string image = bytes_of(folder / "bricks.png");
+  put_bytes(folder / "bricks.png", image + "x");  // the same pixels
+  draw("1");
+  check_refused("scene 'files ");
+  put_bytes(folder / "bricks.png", image);
+  draw("1", "--integrator normal");
+  check_refused("scene 'files ");
+  draw("1", "--clamp 0.5");
+  check_refused("scene 'files ");
+
+  const Outcome piped =
+      run({.program = "/bin/sh",
+           .arguments = {"-c", "cat scene.json | '" PROTOSTAR_BINARY_DIR
+                               "/stages/render' /dev/stdin --samples 4 --shard 0/2 -o a.shard"},
+           .folder = folder / ""});
+  CHECK(piped.status == 1);
+  CHECK_THAT(piped.err, ContainsSubstring("'/dev/stdin' is no regular file: it cannot be read twice"));
+}
+
+TEST_CASE("a scene that asks for an error has no known samples to be shared") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "scene.json", changed_three_spheres("\"integrator\": \"shadow\"",
+                                                         "\"integrator\": \"shadow\", \"error\": 0.1"));
+  const std::string arguments = "scene.json --size 32x24 --shard 0/2 -o a.shard";
+  const Outcome outcome = run_stage("render", arguments, folder);
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.err,
+             ContainsSubstring("--shard: needs a known number of samples, and the scene asks for"));
+  CHECK(run_stage("render", arguments + " --samples 4", folder).status == 0);
+}
