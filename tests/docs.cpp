@@ -38,7 +38,8 @@ std::vector<fs::path> documents() {
 std::vector<std::string> stages() {
   std::vector<std::string> found;
   for (const auto& entry : fs::directory_iterator(repository / "stages"))
-    if (entry.path().extension() == ".cpp" && entry.path().stem() != "render")  // it draws any scene
+    if (entry.path().extension() == ".cpp" && entry.path().stem() != "render" &&  // it draws any scene
+        entry.path().stem() != "merge")                                           // it draws none
       found.push_back(entry.path().stem().string());
   std::sort(found.begin(), found.end());
   return found;

@@ -39,26 +39,26 @@ template void render(Image&, const Camera&, const Scene<Plane, AnySurface>&, con
 template void render(Image&, const Camera&, const Scene<Mesh, Plane>&, const ShadowIntegrator&,
                      const RenderOptions&);
 
-template void render(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+template void render(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                      const BinaryIntegrator&, const RenderOptions&);
-template void render(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+template void render(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                      const ColorIntegrator&, const RenderOptions&);
-template void render(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+template void render(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                      const DepthIntegrator&, const RenderOptions&);
-template void render(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+template void render(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                      const DiffuseIntegrator&, const RenderOptions&);
-template void render(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+template void render(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                      const NormalIntegrator&, const RenderOptions&);
-template void render(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+template void render(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                      const ShadowIntegrator&, const RenderOptions&);
-template void render(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+template void render(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                      const TransparencyIntegrator&, const RenderOptions&);
 template void render(Film&, const SampleRange&, const Camera&,
-                     const Accelerated<Scene<Sphere, Plane, Parallelogram>>&, const WhittedIntegrator&,
+                     const SceneOfUnits<Scene<Sphere, Plane, Parallelogram>>&, const WhittedIntegrator&,
                      const RenderOptions&);
-template void render(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Plane, AnySurface>>&,
+template void render(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Plane, AnySurface>>&,
                      const ShadowIntegrator&, const RenderOptions&);
-template void render(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Mesh, Plane>>&,
+template void render(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Mesh, Plane>>&,
                      const ShadowIntegrator&, const RenderOptions&);
 
 }  // namespace protostar::inline PROTOSTAR_ABI
