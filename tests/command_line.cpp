@@ -111,6 +111,8 @@ TEST_CASE("the options --version and --help print to stdout and draw nothing") {
                            "--pixel X,Y",
                            "--explain FILE.json",
                            "--rays FILE.svg|FILE.obj",
+                           "--shard I/N|slurm|mpi",
+                           "--checkpoint FILE",
                            "--plain",
                            "--quiet",
                            "--help",

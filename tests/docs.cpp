@@ -42,6 +42,7 @@ std::vector<std::string> stages() {
   std::vector<std::string> found;
   for (const auto& entry : fs::directory_iterator(repository / "stages"))
     if (entry.path().extension() == ".cpp" && entry.path().stem() != "render" &&  // it draws any scene
+        entry.path().stem() != "merge" &&                                         // it draws none
         without_pages.count(entry.path().stem().string()) == 0)
       found.push_back(entry.path().stem().string());
   std::sort(found.begin(), found.end());

@@ -128,7 +128,7 @@ TEST_CASE("a generic function of a ray and a scene draws films and images") {
     return NormalIntegrator{}.radiance(ray, traced);
   };
   Film film(Tile{0, 0, 20, 15});
-  render(film, {0, 4}, Camera{}, scene, normals);
+  add_samples(film, {0, 4}, Camera{}, scene, normals);
   Image image(20, 15);
   render(image, Camera{}, scene, normals, {.samples = 4});
   CHECK(different_bytes(film.mean(), image) == 0);

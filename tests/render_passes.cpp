@@ -162,7 +162,7 @@ TEST_CASE("a picture takes little more than the samples that its error needs") {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       Film film(Tile{0, 0, KnownLight::width, KnownLight::height});
       for (std::uint32_t k = 1; k <= 64; ++k) {
-        render(film, {2 * k - 2, 2 * k}, Camera{}, known,
+        add_samples(film, {2 * k - 2, 2 * k}, Camera{}, known,
                {.samples = 128, .sampler = sampler_of<SobolSampler>, .seed = 1000 + seed, .threads = 1});
         squares[k] += known.squared_error(film.mean()) / 20;
       }

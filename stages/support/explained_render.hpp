@@ -7,6 +7,7 @@
 
 #include "explained_scene.hpp"
 #include "pictures.hpp"
+#include "scene_of_units.hpp"
 #include "shared_render.hpp"
 
 /// Options of render for a stage.
@@ -61,7 +62,7 @@ void render(protostar::Image& image, const protostar::Camera& camera, const prot
             const I& integrator, const StageRenderOptions& options) {
   const protostar::RenderOptions& common = options;
   if (options.shared) {
-    const protostar::Accelerated<protostar::Scene<S...>> accelerated(scene, common);
+    const auto& of_units = scene_of_units(scene, common);
     return render_shared(
         image, options, protostar::detail::default_sampler<I, protostar::Scene<S...>>(camera),
         [&](protostar::Image& seen, const protostar::RenderOptions& few) {
@@ -69,8 +70,8 @@ void render(protostar::Image& image, const protostar::Camera& camera, const prot
         },
         [&](protostar::Film& film, const protostar::SampleRange& samples,
             const protostar::RenderOptions& of_unit) {
-          if constexpr (protostar::Integrator<I, protostar::Accelerated<protostar::Scene<S...>>>)
-            protostar::add_samples(film, samples, camera, accelerated, integrator, of_unit);
+          if constexpr (protostar::Integrator<I, SceneOfUnits<protostar::Scene<S...>>>)
+            protostar::add_samples(film, samples, camera, of_units, integrator, of_unit);
           else
             protostar::add_samples(film, samples, camera, scene, integrator, of_unit);
         });
