@@ -1,5 +1,6 @@
 #include <protostar/integrators/path.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <protostar/accel/accelerate.hpp>
@@ -10,6 +11,8 @@
 #include "support/errors.hpp"
 #include "support/path_truth.hpp"
 #include "support/pictures.hpp"
+#include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -87,4 +90,69 @@ TEST_CASE("a picture by paths has the same bytes by tiles, by any number of thre
   CHECK(different_pixels(plain, tiled) == 0);
   CHECK(different_pixels(plain, fast) == 0);
   CHECK(count_pixels(plain, [&](int x, int y) { return x > 0 && plain(x, y) != plain(x - 1, y); }) > 2000);
+}
+
+TEST_CASE("Russian roulette keeps each path at the weight that it has after its sure bounces") {
+  const float albedo = 0.75f;
+  Scene<AnySurface> scene;
+  scene.add(AnySurface(Box{}), Material{.diffuse = Color{albedo, 0.5f, 0.1f}, .emission = Color{1}});
+  const PathIntegrator path(scene);
+  int longest = 0;
+  double mean = 0;
+  constexpr int paths = 400;
+  for (int i = 0; i < paths; ++i) {
+    const SobolSampler numbers({.sample = static_cast<std::uint32_t>(i), .samples = paths});
+    int vertices = 0;
+    const float light = path.radiance({{0.1, 0.2, 0.3}, {1, 2, 3}}, scene,
+                                      [&](std::uint32_t set) {
+                                        ++vertices;
+                                        return numbers(set);
+                                      })
+                            .r;
+    double expected = 0, weight = 1;
+    for (int k = 0; k < vertices; ++k, weight *= k <= PathIntegrator::sure_bounces ? albedo : 1)
+      expected += weight;
+    CHECK(std::abs(light - expected) <= 1e-6 * expected);  // a rounding of float for each vertex
+    longest = std::max(longest, vertices);
+    mean += light / paths;
+  }
+  CHECK(longest > 10);
+  CHECK(std::abs(mean - 4) < 0.2);
+}
+
+TEST_CASE("of more lights than rays, those that get a ray stand for the others") {
+  Scene<Plane> scene;
+  scene.add(Plane{{0, 1, 0}, 0}, Color{0.5f});
+  for (int i = 0; i < 60; ++i) scene.add(PointLight{{0, 2, 0}, Color{1}});
+  const auto light = [&](int rays) {
+    PathIntegrator path(scene);
+    path.most_rays = rays;
+    return path.radiance({{0, 1, 0}, {0, -1, 0}}, scene, SobolSampler(SampleIndex{})).g;
+  };
+  for (const int rays : {1, 7, 16, 59, 60, 100}) CHECK(std::abs(light(rays) / light(60) - 1) < 1e-5);
+}
+
+TEST_CASE("mirrors of paths are those of WhittedIntegrator, with normal maps too") {
+  Scene<Sphere, Plane> scene;
+  const NormalMap tilted([](double u, double v) { return Vec3{std::sin(20 * u), std::cos(30 * v), 1.5}; });
+  scene.add(Sphere{{0, 0, 3}, 1}, Material{.normal_map = tilted, .reflect = 0.5, .emission = Color{0.25f}});
+  scene.add(Sphere{{1.5, 0.5, 2}, 0.7}, Material{.reflect = 1, .emission = Color{0, 0.5f, 0}});
+  scene.add(Plane{{0, 1, 0}, -1}, Material{.reflect = 0.25, .emission = Color{1, 2, 3}});
+  scene.set_sky(Color{0.125f});
+  PathIntegrator path(scene);
+  path.depth = PathIntegrator::sure_bounces;
+  const WhittedIntegrator whitted{.depth = path.depth};
+  Random random(9);
+  WrongCases wrong(random);
+  int compared = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Ray ray{{0, 0, 0}, normalize(random.point(0.4) + Vec3{0, 0, 1})};
+    const Color expected = whitted.radiance(ray, scene),
+                light = path.radiance(ray, scene, SobolSampler(SampleIndex{}));
+    if (expected != WhittedIntegrator{.depth = 20}.radiance(ray, scene)) continue;  // a path that was cut
+    ++compared;
+    wrong.add(!(length(light - expected) <= 1e-6f * length(expected)), ray);
+  }
+  CHECK(wrong == 0);
+  CHECK(compared > 200);
 }

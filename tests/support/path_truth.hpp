@@ -39,9 +39,9 @@ struct PathTruth {
     return integrator->radiance(rays[ray], *scene, sampler);
   }
 
-  // Bounds of chance. Of Student's t with 31 degrees of freedom one in 3e10 is beyond 10, and of numbers that
-  // are nearly normal, as sums over rays, one in 5e8 is beyond 6: of 5000 rays in 30 scenes, a false alarm is
-  // raised by less than one in 10^6 seeds.
+  // Bounds of chance. Student's t with 31 degrees of freedom is beyond 10 with a probability of 3e-11, and a
+  // number that is nearly normal, as a sum over rays, beyond 6 with 2e-9: among 5000 rays in 30 scenes a
+  // false alarm is raised by less than one in 10^6 seeds.
   static constexpr double most_errors_of_ray = 10, most_errors_of_mean = 6;
 
   /// Compares the light along each ray with the truth.
@@ -77,18 +77,14 @@ struct PathTruth {
 
 /// Makes scenes with known light, with so many rays in each.
 ///
-/// - **Inside of a sphere** with the albedo ρ, light that comes from one point is as bright at all others,
-/// since a
-///   patch dA has the solid angle dA cos θ/r², and both cosines are r/2R: cos θ cos θ'/r² = 1/4R². So with
-///   the light L_e that a point sends out by itself, each further bounce adds ρ times the mean of what was
-///   there before:
-///     L(x) = L_e(x) + ρ(x) ⟨L_e⟩/(1 − ⟨ρ⟩),   up to d bounces   L_e(x) + ρ(x) ⟨L_e⟩ (1 − ⟨ρ⟩^d)/(1 − ⟨ρ⟩).
-/// - **In a furnace**, a closed room of any shape, with the same emission and albedo everywhere, L = L_e/(1 −
-/// ρ), in
-///   all directions. All that only turns light away, white, a mirror or glass, looks alike in it, and is
-///   invisible.
-/// - **Parallel mirrors** give L = (L_a + r_a L_b)/(1 − r_a r_b), and a slab of glass lets (1 − F)/(1 + F)
-/// through.
+/// Inside of a sphere, light that comes from one point is as bright at all others: a patch dA has the solid
+/// angle dA cos θ/r², and both cosines are r/2R, so that cos θ cos θ'/r² = 1/4R². If a point sends out L_e by
+/// itself, each bounce adds its albedo ρ times the mean of what was there before:
+///   L = L_e + ρ ⟨L_e⟩/(1 − ⟨ρ⟩),   up to d bounces   L_e + ρ ⟨L_e⟩ (1 − ⟨ρ⟩^d)/(1 − ⟨ρ⟩).
+/// In a furnace, a closed room of any shape with the same emission and albedo everywhere, L = L_e/(1 − ρ) in
+/// all directions. Things in it that only turn light away, white, a mirror or glass, look alike and are
+/// invisible. Parallel mirrors give L = (L_a + r_a L_b)/(1 − r_a r_b), and a slab of glass lets (1 − F)/(1 +
+/// F) through.
 class PathTruths {
  public:
   using Ray = protostar::Ray;
@@ -103,6 +99,8 @@ class PathTruths {
     add_furnaces();
     add_lamps();
     add_glass_and_mirrors();
+    add_glossy();
+    add_environment();
   }
 
   [[nodiscard]] const std::vector<PathTruth>& all() const { return all_; }
@@ -124,14 +122,14 @@ class PathTruths {
       };
       scene.add(protostar::Sphere{center, 2}, Material{.texture = color, .emission = emission});
     };
-    // Of the emission ε, and of an irradiance E everywhere, which lends L_e the share ρ E/π.
+    // The light of an emission ε and of an irradiance E everywhere, which lends L_e the share ρ E/π.
     const auto add = [&](const char* name, const auto& fill, double epsilon, double E, int depth) {
       PathTruth& truth = all_.emplace_back(name, fill, depth);
       for (int i = 0; i < rays_; ++i) {
         const Ray ray{center + random_.point(1), random_.direction()};
         const auto at = truth.scene->intersect(ray)->uv();
         const double rho = albedo(at.x, at.y), sent = E / pi;
-        // Of d bounces the last of E is at the place before.
+        // The light of E is bounced once before it comes to a place that others see.
         const auto bounced = [](double mean, int bounces) {
           return (1 - std::pow(0.5, bounces)) / 0.5 * mean;
         };
@@ -311,6 +309,54 @@ class PathTruths {
       slab.add({{0, 0, -1},
                 {std::sin(before) * std::cos(turn), std::sin(before) * std::sin(turn), std::cos(before)}},
                (1 - F) / (1 + F));
+    }
+  }
+
+  /// Adds a ball in a room of six lamps with a radiance of 1, which reflects the share A of light from
+  /// everywhere: the mean weight of its lobe. Added to that is its matte share.
+  void add_glossy() {
+    const Material varnished{.diffuse = Color{0.3f}, .glossy = Color{0.5f}, .roughness = 0.6};
+    PathTruth& truth = all_.emplace_back(
+        "glossy ball in a room of lamps",
+        [&](Scene& scene) {
+          scene.add(protostar::Sphere{{0, 0, 0}, 0.5}, varnished);
+          for (int axis = 0; axis < 3; ++axis)
+            for (const double side : {-1.0, 1.0}) {
+              Vec3 corner{-1}, u{0}, v{0};
+              corner[axis] = side, u[(axis + 1) % 3] = 2, v[(axis + 2) % 3] = 2;
+              scene.add(protostar::AnySurface(protostar::Parallelogram{corner, u, v}),
+                        Material{.emission = Color{1}});
+            }
+        },
+        deep);
+    const protostar::GgxLobe lobe{varnished.glossy, varnished.roughness};
+    for (int i = 0; i < rays_; ++i) {
+      const Vec3 normal = random_.direction(), eye = 0.9 * random_.direction();
+      if (dot(normal, eye - 0.5 * normal) < 0.02) {
+        --i;
+        continue;
+      }
+      const Vec3 view = protostar::frame_around(normal).local(normalize(eye - 0.5 * normal));
+      double sum = 0;
+      constexpr int steps = 96;
+      for (int k = 0; k < steps * steps; ++k)
+        sum += double{lobe.sample(view, (k / steps + 0.5) / steps, (k % steps + 0.5) / steps).weight.g};
+      truth.add({eye, 0.5 * normal - eye}, double{varnished.diffuse.g} + sum / (steps * steps));
+    }
+  }
+
+  /// Adds a ball under an environment with the radiance a + b ω_y: a surface with the normal n reflects ρ (a
+  /// + ⅔ b n_y).
+  void add_environment() {
+    const auto fill = [](Scene& scene) {
+      scene.add(protostar::Sphere{{0, 0, 0}, 1}, Color{0.8f});
+      scene.set_environment(
+          [](double, double v) { return Color{static_cast<float>(1 + 0.9 * std::cos(pi * v))}; });
+    };
+    PathTruth& truth = all_.emplace_back("ball under an environment", fill, deep);
+    for (int i = 0; i < rays_; ++i) {
+      const Vec3 normal = random_.direction();
+      truth.add({2.0 * normal, -normal}, double{0.8f} * (1 + 2 / 3.0 * 0.9 * normal.y));
     }
   }
 
