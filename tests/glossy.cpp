@@ -86,7 +86,7 @@ PathIntegrator one_bounce(const Scene<S...>& scene) {
   return path;
 }
 
-Material glow(float light) { return {.emission = Color{light}}; }
+Material glowing(float light) { return {.emission = Color{light}}; }
 
 }  // namespace
 
@@ -128,7 +128,7 @@ TEST_CASE("a glossy floor reflects a lamp as quadrature says, large or small, by
   const Material material = metal(row.roughness, row.matte_part);
   Scene<Plane, Sphere> scene;
   scene.add(Plane{{0, 1, 0}, 0}, material);
-  scene.add(Sphere{row.center, row.radius}, glow(3));
+  scene.add(Sphere{row.center, row.radius}, glowing(3));
   const double sine = row.radius / length(row.center);
   const auto truth = [&](const Floor& floor) {
     return 3 * floor.light_of_cone(normalize(row.center), std::sqrt(1 - sine * sine));
@@ -145,7 +145,7 @@ TEST_CASE(
   Scene<Plane, Sphere> scene;
   scene.add(Plane{{0, 1, 0}, 0}, material);
   const Point center{-3, 4, 0};
-  scene.add(Sphere{center, 2}, glow(3));
+  scene.add(Sphere{center, 2}, glowing(3));
   const DirectIntegrator direct(scene);
   const Floor floor{material, views[0]};
   const double truth = 3 * floor.light_of_cone(normalize(center), std::sqrt(1 - 4.0 / 25), 400);
@@ -194,7 +194,7 @@ TEST_CASE(
   for (int i = 0; i < 5; ++i) {
     const Point center{-8.0 + 4 * i, 6, -0.8};  // one of them in the mirror direction of a view
     const float light = 1 + 2 * static_cast<float>(i);
-    scene.add(Sphere{center, 1}, glow(light));
+    scene.add(Sphere{center, 1}, glowing(light));
     const double s = 1 / length(center);
     expected_0 +=
         light * Floor{material, views[0]}.light_of_cone(normalize(center), std::sqrt(1 - s * s), 60);
@@ -217,7 +217,7 @@ TEST_CASE("a glossy floor reflects a mesh as a lamp like the sphere that it stan
   Scene<Plane, AnySurface> scene;
   scene.add(Plane{{0, 1, 0}, 0}, material);
   const Point center{-2, 3, 0};
-  scene.add(AnySurface(Mesh(meshes::moved(meshes::icosphere(3), 1, center))), glow(3));
+  scene.add(AnySurface(Mesh(meshes::moved(meshes::icosphere(3), 1, center))), glowing(3));
   const double s = 1 / length(center);
   for (const Vec3& view : views) {
     const double sphere = 3 * Floor{material, view}.light_of_cone(normalize(center), std::sqrt(1 - s * s));
@@ -264,7 +264,7 @@ TEST_CASE("paths find a small sun in an environment, on glossy and on matte floo
   scene.add(Plane{{0, 1, 0}, 0}, material);
   scene.set_environment(environment);
   const Point center{3, 3, 1};
-  if (has_lamp) scene.add(Sphere{center, 1}, glow(3));
+  if (has_lamp) scene.add(Sphere{center, 1}, glowing(3));
   const double s = 1 / length(center), cosine = std::sqrt(1 - s * s);
   const auto truth = [&](const Floor& floor) {
     constexpr int w = 480, h = 240;
@@ -303,8 +303,8 @@ TEST_CASE(
   Scene<Plane, Sphere, AnySurface> scene;
   scene.add(Plane{{0, 1, 0}, -1}, metal(0.3, 0.2f));
   scene.add(Sphere{{0, 0, 4}, 0.7}, metal(0));
-  scene.add(Sphere{{-1.5, 1, 4}, 0.4}, glow(3));
-  scene.add(AnySurface(Parallelogram{{1, 1, 3}, {1, 0, 0}, {0, 0.3, 1}}), glow(2));
+  scene.add(Sphere{{-1.5, 1, 4}, 0.4}, glowing(3));
+  scene.add(AnySurface(Parallelogram{{1, 1, 3}, {1, 0, 0}, {0, 0.3, 1}}), glowing(2));
   scene.set_environment([](double u, double v) { return Color{Vec3{u, v, 0.5}}; });
   const auto camera = Camera::perspective({}, {0, 0, 1}, {0, 1, 0}, 70);
   const auto check = [&](const auto& integrator) {
