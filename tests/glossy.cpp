@@ -323,3 +323,35 @@ TEST_CASE(
   check(DirectIntegrator(scene));
   check(PathIntegrator(scene));
 }
+
+TEST_CASE("beside a tilted normal a glossy lobe leads out of the surface, and away from it keeps its shape") {
+  const NormalMap map([](double u, double v) { return Vec3{2 * std::sin(9 * u), 2 * std::cos(7 * v), 1}; });
+  Material material = metal(0.5);
+  material.normal_map = map;
+  Scene<Plane> scene;
+  scene.add(Plane{{0, 1, 0}, 0}, material);
+  Random random(6);
+  WrongCases wrong(random);
+  int facing_away = 0, into_surface = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 view = normalize(Vec3{random.real(-1, 1), random.real(0.01, 1), random.real(-1, 1)});
+    const Point at{random.real(-3, 3), 0, random.real(-3, 3)};
+    const auto hit = scene.intersect({at + view, -view}, Interval{});
+    REQUIRE(hit);
+    const Vertex vertex(*hit);
+    const GlossyLobeAt lobe(vertex, material);
+    facing_away += dot(vertex.normals.shading, view) < 0;
+    const Vec3 below = random.direction();
+    wrong.add(below.y <= 0 && lobe.reflection(below) != Color{0}, "from below", view, below);
+    const auto drawn = lobe.sample(random.interior(), random.interior());
+    into_surface += !drawn;
+    if (!drawn) continue;
+    wrong.add(!(drawn->direction.y > 0), "into the surface", view, drawn->direction);
+    wrong.add(!(std::abs(lobe.density(drawn->direction) / drawn->density - 1) < 1e-9), "density", view);
+    const double weight = lobe.reflection(drawn->direction).g / drawn->density;
+    wrong.add(!(std::abs(weight / drawn->weight.g - 1) < 1e-5), "weight", view, weight, drawn->weight.g);
+  }
+  CHECK(wrong == 0);
+  CHECK(facing_away > 100);
+  CHECK(into_surface > 100);
+}
