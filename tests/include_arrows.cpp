@@ -46,6 +46,7 @@ const std::set<std::string> on_demand = {
     "sampling/shard.hpp",
     "sampling/shard_file.hpp",
     "area_lights.hpp",
+    "surfaces/moving.hpp",
     "integrators/direct.hpp",
     "integrators/unoccluded.hpp",
     "irradiance.hpp",
