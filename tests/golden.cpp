@@ -120,7 +120,8 @@ const Golden goldens[] = {
      lines_between_squares},
     {"18_antialiasing", "18_antialiasing", "", [] { return reference::endless_floor(4); }},
     {"18_antialiasing_1", "18_antialiasing", " --samples 1", [] { return reference::endless_floor(0); }},
-    {"20_lens", "20_lens", "", {}},
+    {"20_lens", "20_lens", "", nullptr},
+    {"21_motion", "21_motion", "", nullptr},
     {"27_normal_map", "27_normal_map", "",
      [] {
        using namespace reference;
