@@ -55,7 +55,8 @@ int pixels_beyond_a_level(const Picture& a, const Picture& b) {
 }
 
 /// A golden: the stage that draws it, and its reference picture, which naive stages do not have: they are
-/// wrong on purpose.
+/// wrong on purpose. Nor do stages whose rays take numbers of a sampler besides places: the closed forms of
+/// tests/lens.cpp and tests/moving.cpp judge these.
 struct Golden {
   std::string name, stage, options;
   Picture (*reference)();
