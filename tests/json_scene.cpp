@@ -181,6 +181,30 @@ TEST_CASE("the camera of a scene file may have a lens, and one of aperture 0 is 
   CHECK(with_lens("0").is_pinhole());
 }
 
+TEST_CASE("surfaces of a scene file may move while the camera's shutter is open") {
+  const auto hit_at = [](const std::string& shutter, double time) {
+    const SceneFile file =
+        scene_of_text(patched(R"({"op": "add", "path": "/camera/shutter", "value": )" + shutter + R"(},
+           {"op": "replace", "path": "/objects", "value": [{"surface": {"type": "instance", "surface":
+              {"type": "sphere", "position": [0, 0, 0], "radius": 1}, "translate": [0, 0, 5],
+              "velocity": [0, 0, 2]}, "color": [1, 1, 1]}]})"));
+    return file.scene.intersect(Ray{.time = time}, Interval{}).value().t;
+  };
+  CHECK(hit_at("[0, 1]", 0) == 4);
+  CHECK(hit_at("[0, 1]", 0.5) == 5);
+  CHECK(hit_at("[0, 1]", 7) == 6);
+  CHECK(hit_at("[2, 3]", 2.5) == 9);
+  CHECK(hit_at("[-1, -1]", 0) == 2);
+  CHECK(scene_of_text(patched(R"({"op": "add", "path": "/camera/shutter", "value": [0.25, 0.5]})"))
+            .camera.shutter == Shutter{0.25, 0.5});
+  CHECK(scene_of_text(smallest_scene).camera.shutter == Shutter{});
+  CHECK(scene_error(patched(R"({"op": "replace", "path": "/objects/0/surface", "value": {"type": "instance",
+          "surface": {"type": "sphere", "position": [0, 0, 0], "radius": 1, "velocity": [1, 0, 0]},
+          "translate": [0, 0, 5]}})")) ==
+        "scene.json: /objects/0/surface/surface/velocity: [1,0,0] is not possible in a part of another "
+        "surface: it is the whole surface that moves");
+}
+
 TEST_CASE("a scene file may have one of three kinds of cameras") {
   const std::string sensor = R"({"projection": "perspective", "position": [1, 2, 3], "direction": [0, 0, 1],
       "upward": [0, 1, 0], "focal-length": 3})";
