@@ -102,7 +102,7 @@ class ExplainedScene {
   std::vector<Entry> surfaces_;
   std::vector<Facts> facts_;
   std::vector<protostar::Bounds> bounds_;
-  std::vector<protostar::Light> lights_;
+  const std::vector<protostar::Light>& lights_;
   protostar::Color ambient_;
   std::optional<protostar::Color> sky_;
   protostar::Texture environment_;
