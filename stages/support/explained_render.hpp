@@ -1,8 +1,11 @@
 // Renders for a stage: the picture, or the one pixel that the user asks for, with its explanation.
 #pragma once
 
+#include <functional>
 #include <protostar/accel/render_tiles.hpp>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "explained_scene.hpp"
 #include "pictures.hpp"
@@ -16,6 +19,9 @@ struct StageRenderOptions : protostar::RenderOptions {
 
   /// Sphere that a function of a ray intersects, if that is all that it does; for the explanation.
   const protostar::Sphere* sphere = nullptr;
+
+  /// Writes lines about a ray of the camera, for a function of a ray; for the explanation.
+  std::function<void(const protostar::Ray&, std::vector<std::string>&)> tell = {};
 };
 
 // The overloads below are chosen for StageRenderOptions, so that a stage calls render as any program does.
@@ -62,6 +68,7 @@ void render(protostar::Image& image, const protostar::Camera& camera, const F& r
     explain_function(
         *options.explanation, camera,
         [&](SampleRecord& sample) {
+          if (options.tell) options.tell(sample.ray, sample.told);
           return protostar::detail::radiance_of_sample(radiance, sample.ray, sample.sampler);
         },
         common, protostar::detail::default_sampler<F>());

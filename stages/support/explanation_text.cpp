@@ -138,7 +138,10 @@ class Tree {
                         (sample.place.weight == 1 ? "" : formatted(", of weight %.9g", sample.place.weight)));
     line(depth, formatted("film point u = %.9g, v = %.9g", sample.u, sample.v));
     line(depth, "ray from " + text(sample.ray.origin) + " along " + text(sample.ray.direction));
-    if (!explanation_.is_recorded) line(depth + 1, "traced by a function of its own, which records nothing");
+    if (!explanation_.is_recorded)
+      line(depth + 1, std::string("traced by a function of its own") +
+                          (sample.told.empty() ? ", which records nothing" : ":"));
+    for (const std::string& told : sample.told) line(depth + 2, told);
     write_sky(depth + 1, sample.all);
     for (const RayRecord& ray : sample.all.rays) write(depth + 1, ray, "");
     const std::string formula = formula_of(options_.integrator);
