@@ -97,6 +97,30 @@ TEST_CASE("the option --pixel tells for every stage why a pixel has the codes th
   CHECK(folder.count() == 0);
 }
 
+TEST_CASE(
+    "the option --pixel tells of the rays of a naive stage, and of a surface that hides the light from "
+    "itself") {
+  const TemporaryFolder folder;
+  // A ray that starts on the surface itself hits it again in many pixels of the ground, at a t near 0.
+  int near = 0;
+  for (int x = 0; x < 40; ++x) {
+    const Outcome outcome =
+        run_stage("09_naive", "--size 64x48 --offset 0 --pixel " + std::to_string(x) + ",40", folder);
+    REQUIRE(outcome.status == 0);
+    CHECK_THAT(outcome.out, ContainsSubstring("\n      ray from (0, 0, 0) along ") &&
+                                ContainsSubstring("\n        closest hit at ("));
+    const std::size_t shadow = outcome.out.find("shadow ray, stopped by a hit with t < ");
+    REQUIRE(shadow != std::string::npos);
+    const std::string found = ": hit at t = ";
+    const std::size_t at = outcome.out.find(found, shadow);
+    if (at != std::string::npos && std::stod(outcome.out.substr(at + found.size())) < 0.01) {
+      ++near;
+      CHECK(codes_of(outcome.out) == Codes{0, 0, 0});
+    }
+  }
+  CHECK(near > 0);
+}
+
 #if __has_include(<nlohmann/json.hpp>)
 TEST_CASE(
     "the option --pixel counts in the whole picture of a scene file, with samples, exposure, tone and crop") {

@@ -1,9 +1,12 @@
 // Renders for a stage: the picture, or the one pixel that the user asks for, with its explanation.
 #pragma once
 
+#include <functional>
 #include <protostar/accel/render_tiles.hpp>
 #include <protostar/sampling/film.hpp>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "explained_scene.hpp"
 #include "pictures.hpp"
@@ -19,6 +22,9 @@ struct StageRenderOptions : protostar::RenderOptions {
 
   /// Sphere that a function of a ray intersects, if that is all that it does; for the explanation.
   const protostar::Sphere* sphere = nullptr;
+
+  /// Writes lines about a ray of the camera, for a function of a ray; for the explanation.
+  std::function<void(const protostar::Ray&, std::vector<std::string>&)> tell = {};
 
   SharedRender* shared = nullptr;         ///< if given, the work is drawn in units
   protostar::SharedPicture picture = {};  ///< with this fingerprint and finish
@@ -123,6 +129,7 @@ void render(protostar::Image& image, const protostar::Camera& camera, const F& r
     explain_function(
         *options.explanation, camera,
         [&](SampleRecord& sample) {
+          if (options.tell) options.tell(sample.ray, sample.told);
           return protostar::detail::radiance_of_sample(radiance, sample.ray, sample.sampler);
         },
         common, protostar::detail::default_sampler<F>(camera));
