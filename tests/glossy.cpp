@@ -86,7 +86,7 @@ PathIntegrator one_bounce(const Scene<S...>& scene) {
   return path;
 }
 
-Material glow(float light) { return {.emission = Color{light}}; }
+Material glowing(float light) { return {.emission = Color{light}}; }
 
 }  // namespace
 
@@ -128,7 +128,7 @@ TEST_CASE("a glossy floor reflects a lamp as quadrature says, large or small, by
   const Material material = metal(row.roughness, row.matte_part);
   Scene<Plane, Sphere> scene;
   scene.add(Plane{{0, 1, 0}, 0}, material);
-  scene.add(Sphere{row.center, row.radius}, glow(3));
+  scene.add(Sphere{row.center, row.radius}, glowing(3));
   const double sine = row.radius / length(row.center);
   const auto truth = [&](const Floor& floor) {
     return 3 * floor.light_of_cone(normalize(row.center), std::sqrt(1 - sine * sine));
@@ -145,7 +145,7 @@ TEST_CASE(
   Scene<Plane, Sphere> scene;
   scene.add(Plane{{0, 1, 0}, 0}, material);
   const Point center{-3, 4, 0};
-  scene.add(Sphere{center, 2}, glow(3));
+  scene.add(Sphere{center, 2}, glowing(3));
   const DirectIntegrator direct(scene);
   const Floor floor{material, views[0]};
   const double truth = 3 * floor.light_of_cone(normalize(center), std::sqrt(1 - 4.0 / 25), 400);
@@ -186,15 +186,15 @@ TEST_CASE(
 TEST_CASE(
     "a glossy floor reflects lamps of all kinds, more of them than rays, and others that are no area "
     "lights") {
-  const Material material = metal(0.5, 0.25f);
+  const Material material = metal(0.4, 0.25f);
   Scene<Plane, Sphere, AnySurface> scene;
   scene.add(Plane{{0, 1, 0}, 0}, material);
   // Spheres in a row, which do not hide each other from the origin.
   double expected_0 = 0, expected_1 = 0;
   for (int i = 0; i < 5; ++i) {
-    const Point center{-8.0 + 4 * i, 3.0 + i, 5};
+    const Point center{-8.0 + 4 * i, 6, -0.8};  // one of them in the mirror direction of a view
     const float light = 1 + 2 * static_cast<float>(i);
-    scene.add(Sphere{center, 1}, glow(light));
+    scene.add(Sphere{center, 1}, glowing(light));
     const double s = 1 / length(center);
     expected_0 +=
         light * Floor{material, views[0]}.light_of_cone(normalize(center), std::sqrt(1 - s * s), 60);
@@ -217,7 +217,7 @@ TEST_CASE("a glossy floor reflects a mesh as a lamp like the sphere that it stan
   Scene<Plane, AnySurface> scene;
   scene.add(Plane{{0, 1, 0}, 0}, material);
   const Point center{-2, 3, 0};
-  scene.add(AnySurface(Mesh(meshes::moved(meshes::icosphere(3), 1, center))), glow(3));
+  scene.add(AnySurface(Mesh(meshes::moved(meshes::icosphere(3), 1, center))), glowing(3));
   const double s = 1 / length(center);
   for (const Vec3& view : views) {
     const double sphere = 3 * Floor{material, view}.light_of_cone(normalize(center), std::sqrt(1 - s * s));
@@ -264,7 +264,7 @@ TEST_CASE("paths find a small sun in an environment, on glossy and on matte floo
   scene.add(Plane{{0, 1, 0}, 0}, material);
   scene.set_environment(environment);
   const Point center{3, 3, 1};
-  if (has_lamp) scene.add(Sphere{center, 1}, glow(3));
+  if (has_lamp) scene.add(Sphere{center, 1}, glowing(3));
   const double s = 1 / length(center), cosine = std::sqrt(1 - s * s);
   const auto truth = [&](const Floor& floor) {
     constexpr int w = 480, h = 240;
@@ -303,8 +303,8 @@ TEST_CASE(
   Scene<Plane, Sphere, AnySurface> scene;
   scene.add(Plane{{0, 1, 0}, -1}, metal(0.3, 0.2f));
   scene.add(Sphere{{0, 0, 4}, 0.7}, metal(0));
-  scene.add(Sphere{{-1.5, 1, 4}, 0.4}, glow(3));
-  scene.add(AnySurface(Parallelogram{{1, 1, 3}, {1, 0, 0}, {0, 0.3, 1}}), glow(2));
+  scene.add(Sphere{{-1.5, 1, 4}, 0.4}, glowing(3));
+  scene.add(AnySurface(Parallelogram{{1, 1, 3}, {1, 0, 0}, {0, 0.3, 1}}), glowing(2));
   scene.set_environment([](double u, double v) { return Color{Vec3{u, v, 0.5}}; });
   const auto camera = Camera::perspective({}, {0, 0, 1}, {0, 1, 0}, 70);
   const auto check = [&](const auto& integrator) {
@@ -322,4 +322,36 @@ TEST_CASE(
   };
   check(DirectIntegrator(scene));
   check(PathIntegrator(scene));
+}
+
+TEST_CASE("beside a tilted normal a glossy lobe leads out of the surface, and away from it keeps its shape") {
+  const NormalMap map([](double u, double v) { return Vec3{2 * std::sin(9 * u), 2 * std::cos(7 * v), 1}; });
+  Material material = metal(0.5);
+  material.normal_map = map;
+  Scene<Plane> scene;
+  scene.add(Plane{{0, 1, 0}, 0}, material);
+  Random random(6);
+  WrongCases wrong(random);
+  int facing_away = 0, into_surface = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 view = normalize(Vec3{random.real(-1, 1), random.real(0.01, 1), random.real(-1, 1)});
+    const Point at{random.real(-3, 3), 0, random.real(-3, 3)};
+    const auto hit = scene.intersect({at + view, -view}, Interval{});
+    REQUIRE(hit);
+    const Vertex vertex(*hit);
+    const GlossyLobeAt lobe(vertex, material);
+    facing_away += dot(vertex.normals.shading, view) < 0;
+    const Vec3 below = random.direction();
+    wrong.add(below.y <= 0 && lobe.reflection(below) != Color{0}, "from below", view, below);
+    const auto drawn = lobe.sample(random.interior(), random.interior());
+    into_surface += !drawn;
+    if (!drawn) continue;
+    wrong.add(!(drawn->direction.y > 0), "into the surface", view, drawn->direction);
+    wrong.add(!(std::abs(lobe.density(drawn->direction) / drawn->density - 1) < 1e-9), "density", view);
+    const double weight = lobe.reflection(drawn->direction).g / drawn->density;
+    wrong.add(!(std::abs(weight / drawn->weight.g - 1) < 1e-5), "weight", view, weight, drawn->weight.g);
+  }
+  CHECK(wrong == 0);
+  CHECK(facing_away > 100);
+  CHECK(into_surface > 100);
 }
