@@ -229,7 +229,7 @@ TEST_CASE("an edge in motion fades linearly over its way, pixel by pixel") {
   // The edge is seen at u = (e + t w)/d at time t. Of the times from 0 to 1, the share s = (u d − e)/w,
   // between 0 and 1, has the board at u. Its integral is H.
   const auto integral = [](double s) { return s <= 0 ? 0 : s >= 1 ? s - 0.5 : s * s / 2; };
-  constexpr int width = 32, height = 4, samples = PROTOSTAR_LONG_FORMS ? 256 : 32;
+  constexpr int width = 32, height = 4, samples = PROTOSTAR_LONG_FORMS ? 1024 : 32;
   struct {
     double depth, edge, way;
   } const rows[] = {{1, -1, 4}, {2, 1, 6}, {0.5, -1, 0.75}};
