@@ -80,7 +80,7 @@ inline PathWorkload furnace_workload() {
 inline PathWorkload lamps_workload() {
   using protostar::Color;
   PathWorkload work{
-      "256 lamps", 100, 100, protostar::Camera::look_at({0, 1.5, -4}, {0, 0, -2}, {0, 1, 0}, 50), {}, 1};
+      "256 lamps", 50, 50, protostar::Camera::look_at({0, 1.5, -4}, {0, 0, -2}, {0, 1, 0}, 50), {}, 1};
   work.scene.add(protostar::Parallelogram{{-20, 0, -20}, {0, 0, 40}, {40, 0, 0}}, Color{0.8f});
   Random random(256);
   for (int i = 0; i < 256; ++i) {
