@@ -2,6 +2,7 @@
 // paths leave out; and the way of "Ray Tracing in One Weekend" (weekend_way.hpp) beside them.
 //
 //   bench_paths [--runs N] [--csv FILE] [--quick]
+#include <protostar/accel/render_tiles.hpp>
 #include <protostar/render.hpp>
 #include <protostar/sampling/halton_sampler.hpp>
 #include <protostar/sampling/independent_sampler.hpp>
@@ -14,6 +15,7 @@
 #include <cstdint>
 #include <functional>
 #include <numeric>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -156,13 +158,25 @@ Error error_of(const Way& way, int samples, int pictures, const Light& truth) {
   return error;
 }
 
-/// Number of samples after which an error would be 1/255, by a line through the logarithms of two errors.
+/// Throws if the mean light of a way differs from that of the first by more than noise: the error of a mean
+/// of many pixels, by six times its deviation if pixels know nothing of each other, and 1 % for what is cut
+/// off at 1, which is more where single samples are bright, and for Schlick's approximation.
+void require_same_mean(const std::string& name, const Error& error, const Error& first, double pictures) {
+  const double noise = std::hypot(error.whole, first.whole) / std::sqrt(pictures);
+  if (std::abs(error.mean - first.mean) > 6 * noise + 0.01 * first.mean)
+    throw std::runtime_error(name + ": the pictures have the mean light " + number(error.mean) +
+                             ", and not " + number(first.mean));
+}
+
+/// Number of samples after which an error would be 1/255, by a line through the logarithms of two errors. The
+/// rate of independent samples, -1/2, is certain for all samplers; where rare bright paths hide it, it is
+/// taken.
 struct Line {
   double samples, slope;
 };
 Line line_to_level(int few, double error_of_few, int many, double error_of_many) {
   const double slope = std::log(error_of_many / error_of_few) / std::log(static_cast<double>(many) / few);
-  return {many * std::pow(error_of_many * 255, -1 / slope), slope};
+  return {many * std::pow(error_of_many * 255, -1 / std::min(slope, -0.5)), slope};
 }
 
 void measure(const bench::Options& options, const PathWorkload& work, const std::vector<Way>& ways) {
@@ -181,6 +195,7 @@ void measure(const bench::Options& options, const PathWorkload& work, const std:
   Table table(options, columns);
   const double all = static_cast<double>(work.width) * work.height;
   double first_time = 0, first_best = 0, first_ray = 0;
+  Error first;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     Table::Cells cells = {ways[i].name};
     Error before, error;
@@ -189,6 +204,8 @@ void measure(const bench::Options& options, const PathWorkload& work, const std:
       error = error_of(ways[i], samples, pictures, truth);
       cells.push_back(number(error.whole, 3));
     }
+    if (i == 0) first = error;
+    require_same_mean(ways[i].name, error, first, all * pictures);
     const Line whole = line_to_level(last / 4, before.whole, last, error.whole),
                best = line_to_level(last / 4, before.best, last, error.best);
     const double sample = times.ratio(i, 0) * times.seconds(0) / all / timed;

@@ -385,8 +385,10 @@ std::vector<vec3> render(const World& world, const Camera& camera, int width, in
     for (int x = 0; x < width; ++x) {
       vec3 sum{0};
       for (int i = 0; i < side * side; ++i) {
-        const double px = x + (i % side + random_double()) / side,
-                     py = y + (i / side + random_double()) / side;
+        // Books 1 and 2 draw a place in the pixel, and book 3 one in each cell of it.
+        const int cells = world.lights ? side : 1;
+        const double px = x + (i % side % cells + random_double()) / cells,
+                     py = y + (i / side % cells + random_double()) / cells;
         vec3 origin = camera.from;
         const vec3 target = camera.from - camera.focus * w + half * (2 * px - width) / height * u +
                             half * (height - 2 * py) / height * v;
