@@ -79,12 +79,12 @@ inline PathWorkload furnace_workload() {
 /// = .04 the first is the larger.
 inline PathWorkload lamps_workload() {
   using protostar::Color;
-  PathWorkload work{
-      "256 lamps", 50, 50, protostar::Camera::look_at({0, 1.5, -4}, {0, 0, -2}, {0, 1, 0}, 50), {}, 1};
+  PathWorkload work{"256 lamps", 50, 50, protostar::Camera::look_at({0, 1.5, -4}, {0, 0, -2}, {0, 1, 0}, 50),
+                    {},          1};
   work.scene.add(protostar::Parallelogram{{-20, 0, -20}, {0, 0, 40}, {40, 0, 0}}, Color{0.8f});
   Random random(256);
   for (int i = 0; i < 256; ++i) {
-    const Color light{protostar::Vec3{random.real(10, 300), random.real(10, 300), random.real(10, 300)}};
+    const Color light{protostar::Vec3{random.real(3, 90), random.real(3, 90), random.real(3, 90)}};
     work.scene.add(protostar::Sphere{{i % 16 - 7.5, 2, i / 16 - 7.5}, 0.04},
                    protostar::Material{.emission = light});
   }
