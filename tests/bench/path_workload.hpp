@@ -147,7 +147,7 @@ inline weekend_way::Camera weekend_way_cornell_camera() {
 
 // ---- Counts
 
-/// What the paths of a picture asked of its scene, and what they left out.
+/// Numbers of rays that the paths of a picture asked of their scene, and of work that they left out.
 struct PathCounts {
   std::uint64_t vertices = 0;              ///< hits that a path came to
   std::uint64_t in_sky = 0, on_black = 0;  ///< ends of paths: no hit; surfaces that send nothing on
