@@ -168,6 +168,36 @@ TEST_CASE("a sky and an image of one color are drawn by the cosine, and a black 
   CHECK(std::abs(hidden.density(tilted_normal, tilted_normal) / uniform_sphere_density - 1) < 1e-12);
 }
 
+TEST_CASE("a nearly even environment is drawn by the cosine, as long as that varies less on average") {
+  // Radiance 1 + k in the upper half of the directions and 1 − k in the lower has ⟨L²⟩ = 1 + k² and ⟨L⟩ = 1;
+  // and a bright cap of the share s alone, ⟨L²⟩/⟨L⟩² = 1/s.
+  const auto halves = [](double k) {
+    return EnvironmentLight(
+        scene_under([=](double, double v) { return Color{to_float(v < 0.5 ? 1 + k : 1 - k)}; }));
+  };
+  CHECK(!halves(0.5).has_places());
+  CHECK(!halves(1).has_places());
+  const auto cap = [](double share) {
+    const double edge = std::acos(1 - 2 * share) / std::numbers::pi;
+    return EnvironmentLight(scene_under([=](double, double v) { return Color{v < edge ? 1.0f : 0.0f}; }));
+  };
+  CHECK(!cap(0.39).has_places());
+  CHECK(cap(0.36).has_places());
+
+  // The mean squares of both estimates are the same over all normals for 3/8: by light 8/3 ⟨L⟩² exactly.
+  Random random(4);
+  const double share = 3 / 8.0, top = 1 - 2 * share;
+  double by_cosine = 0, by_light = 0;
+  constexpr int count = 200000;
+  for (int i = 0; i < count; ++i) {
+    const Vec3 normal = random.direction(), d = random.direction();
+    if (d.y < top) continue;
+    const double height = std::max(dot(normal, d), 0.0);
+    by_cosine += 4 * height / count, by_light += 4 * share * 4 * height * height / count;
+  }
+  CHECK(std::abs(by_cosine / by_light - 1) < 0.02);
+}
+
 TEST_CASE("the irradiance by a sky is π times its radiance, without noise") {
   Scene<Sphere> scene;
   scene.set_sky(Color{1});

@@ -29,9 +29,14 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// probability is in proportion to the integral over its u and v of the mixed colors, times its solid angle.
 /// A pixel counts ¾ along each axis in its own cell and ⅛ in each neighbor, so that no direction from which
 /// light comes is left out. Any other function is looked at in the middle of each cell of a grid; it may be
-/// bright between, so an eighth of all directions are drawn as if it were the same everywhere. A sky, and an
-/// image of one color, has no place that is better than others: directions are drawn by the cosine to the
-/// surface's normal.
+/// bright between, so an eighth of all directions are drawn as if it were the same everywhere.
+///
+/// A sky, and an environment that is nearly even, has no place that is better than others: directions are
+/// drawn by the cosine to the surface's normal. Let L be the light by direction and ⟨⟩ a mean over the
+/// sphere. An estimate of the irradiance over π has the mean square ∫ cos⁺ L²/π by the cosine, and 4⟨L⟩ ∫
+/// (cos⁺)² L/π by the light, with the density L/(4π⟨L⟩). Over all normals, cos⁺ is ¼ and its square 1/6 on
+/// average: that makes ⟨L²⟩ and 8/3 ⟨L⟩². The cosine is as good up to ⟨L²⟩ = 8/3 ⟨L⟩², and paths then need no
+/// ray for the environment alone.
 class EnvironmentLight {
  public:
   /// Cells of the grid for a function that is no image.
@@ -93,19 +98,25 @@ class EnvironmentLight {
   /// Makes the cells of an image. `even` is the light that is added everywhere, as a share of the mean.
   void use(const Image& image, double even) {
     const int w = image.width(), h = image.height();
-    const Color first = image(0, 0);
-    bool is_even = true;
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) is_even = is_even && image(x, y) == first;
-    if (is_even && (even == 0 || !is_black(first))) {
-      is_dark_ = is_black(first);
-      return;
-    }
     columns_ = w;
     heights_.resize(static_cast<std::size_t>(h) + 1);
     for (int y = 0; y <= h; ++y) {
       const double sine = sine_of_degrees(90.0 * y / h);  // 1 − cos θ = 2 sin² θ/2
       heights_[static_cast<std::size_t>(y)] = 2 * sine * sine;
+    }
+    double mean_light = 0, mean_square = 0;
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x) {
+        const Color& c = image(x, y);
+        const double light = double{c.r} + c.g + c.b,
+                     share = solid_angle(static_cast<std::size_t>(y)) / (4 * std::numbers::pi);
+        mean_light += share * light, mean_square += share * light * light;
+      }
+    const bool is_black_there = !(mean_light > 0);  // a function may be bright elsewhere
+    if (mean_square <= 8 / 3.0 * mean_light * mean_light && (even == 0 || !is_black_there)) {
+      is_dark_ = is_black_there;
+      heights_.clear();
+      return;
     }
     const auto light = [&](int x, int y) {
       const auto across = [&](int row) {

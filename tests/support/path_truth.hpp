@@ -346,18 +346,31 @@ class PathTruths {
   }
 
   /// Adds a ball under an environment with the radiance a + b ω_y: a surface with the normal n reflects ρ (a
-  /// + ⅔ b n_y).
+  /// + ⅔ b n_y). Another has the radiance (ω_y + ω_y²)², bright above, to which rays are drawn. In Legendre
+  /// polynomials of ω_y it is 8/15 + 6/5 P1 + (2/3 + 4/7) P2 + 4/5 P3 + 8/35 P4, and a surface reflects the
+  /// shares 1, 2/3, 1/4, 0 and −1/24 of them.
   void add_environment() {
-    const auto fill = [](Scene& scene) {
-      scene.add(protostar::Sphere{{0, 0, 0}, 1}, Color{0.8f});
-      scene.set_environment(
-          [](double, double v) { return Color{static_cast<float>(1 + 0.9 * std::cos(pi * v))}; });
+    const auto add = [&](const char* name, const auto& light, const auto& reflected) {
+      const auto fill = [=](Scene& scene) {
+        scene.add(protostar::Sphere{{0, 0, 0}, 1}, Color{0.8f});
+        scene.set_environment(
+            [=](double, double v) { return Color{static_cast<float>(light(std::cos(pi * v)))}; });
+      };
+      PathTruth& truth = all_.emplace_back(name, fill, deep);
+      for (int i = 0; i < rays_; ++i) {
+        const Vec3 normal = random_.direction();
+        truth.add({2.0 * normal, -normal}, double{0.8f} * reflected(normal.y));
+      }
     };
-    PathTruth& truth = all_.emplace_back("ball under an environment", fill, deep);
-    for (int i = 0; i < rays_; ++i) {
-      const Vec3 normal = random_.direction();
-      truth.add({2.0 * normal, -normal}, double{0.8f} * (1 + 2 / 3.0 * 0.9 * normal.y));
-    }
+    add(
+        "ball under an environment", [](double y) { return 1 + 0.9 * y; },
+        [](double y) { return 1 + 2 / 3.0 * 0.9 * y; });
+    add(
+        "ball under a bright zenith", [](double y) { return (y + y * y) * (y + y * y); },
+        [](double y) {
+          const double s = y * y, p2 = (3 * s - 1) / 2, p4 = (35 * s * s - 30 * s + 3) / 8;
+          return 8 / 15.0 + 4 / 5.0 * y + 13 / 42.0 * p2 - p4 / 105;
+        });
   }
 
   int rays_;
