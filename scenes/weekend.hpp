@@ -2,10 +2,8 @@
 // large balls among some hundreds of small ones, each of a material drawn by chance.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
-#include <numbers>
 #include <protostar/camera.hpp>
 #include <protostar/numeric/trigonometry.hpp>
 #include <protostar/scene.hpp>
@@ -57,17 +55,10 @@ inline void weekend_balls(const auto& glass, const auto& metal, const auto& matt
   metal(Sphere{{4, 1, 0}, 1}, Color{0.7f, 0.6f, 0.5f}, 0.0);
 }
 
-/// The light from a direction (protostar::direction_uv): white at the nadir, blue at the zenith, and between
-/// them in proportion to the height, cos πv.
-///
-/// With x = π(½ − v) this is sin x = x − x³/3! + … + x¹³/13!, by Horner's scheme. For |x| ≤ π/2 the first
-/// term left out is below 10^-9, less than the last digit of a float. (std::cos differs between machines.)
-inline protostar::Color weekend_sky(double, double v) {
-  const double x = std::numbers::pi * (0.5 - v), s = x * x;
-  double sine = 1;
-  for (const double n : {1 / 156.0, 1 / 110.0, 1 / 72.0, 1 / 42.0, 1 / 20.0, 1 / 6.0})
-    sine = 1 - s * n * sine;
-  const auto blue = static_cast<float>(0.5 + 0.5 * x * sine);
+/// The light from a unit direction: white at the nadir, blue at the zenith, and between them in proportion to
+/// the height.
+inline protostar::Color weekend_sky(const protostar::Vec3& direction) {
+  const auto blue = static_cast<float>(0.5 + 0.5 * direction.y);
   return protostar::Color{1 - 0.5f * blue, 1 - 0.3f * blue, 1};
 }
 

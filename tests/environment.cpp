@@ -181,3 +181,29 @@ TEST_CASE("an environment without a function is refused") {
              ContainsSubstring("Scene::set_environment"));
   CHECK_FALSE(scene.environment());
 }
+
+TEST_CASE("an environment is a function of the direction, or of its u and v") {
+  const auto by_uv = [](double u, double v) { return Color{Vec3{u, v, 0.5}}; };
+  const auto by_direction = [&](const Vec3& d) {
+    const Uv uv = direction_uv(d);
+    return by_uv(uv.x, uv.y);
+  };
+  const Environment first = by_uv, second = by_direction, copy = second;
+  CHECK(first.by_uv());
+  CHECK_FALSE(second.by_uv());
+  Random random(7);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 d = random.direction();
+    CHECK(first(d) == by_direction(d));
+    CHECK(second(d) == first(d));
+    CHECK(copy(d) == first(d));
+    const double u = random.real(0.01, 0.99), v = random.real(0.01, 0.99);
+    CHECK(first.at(u, v) == by_uv(u, v));
+    const Color light = second.at(u, v);
+    CHECK(std::abs(light.r - u) < 1e-6);
+    CHECK(std::abs(light.g - v) < 1e-6);
+    // The ray may have any length.
+    CHECK(environment_radiance(second, Ray{{}, 0x1p600 * d}) == environment_radiance(second, Ray{{}, d}));
+  }
+  CHECK_FALSE(Environment());
+}

@@ -12,9 +12,9 @@
 #include <numbers>
 #include <vector>
 
+#include "environment.hpp"
 #include "environment_image.hpp"
 #include "light.hpp"
-#include "material.hpp"
 #include "numeric/radians.hpp"
 #include "numeric/trigonometry.hpp"
 #include "sampling/shares.hpp"
@@ -45,10 +45,10 @@ class EnvironmentLight {
   explicit EnvironmentLight(const auto& scene) {
     if constexpr (requires { scene.sky(); }) is_dark_ = is_black(scene.sky().value_or(Color{0}));
     if constexpr (requires { scene.environment(); }) {
-      const Texture& environment = scene.environment();
+      const Environment& environment = scene.environment();
       if (!environment) return;
       is_dark_ = false;
-      if (const auto* shown = environment.template target<EnvironmentImage>())
+      if (const auto* shown = environment.by_uv().template target<EnvironmentImage>())
         use(*shown->image, 0);
       else
         use(image_of(environment), 1 / 7.0);
@@ -84,12 +84,12 @@ class EnvironmentLight {
   }
 
  private:
-  /// Returns a function of u and v as an image of the colors in the middle of its cells.
-  static Image image_of(const Texture& environment) {
+  /// Returns a function as an image of the colors in the middle of its cells.
+  static Image image_of(const Environment& environment) {
     Image image(columns_of_function, rows_of_function);
     for (int y = 0; y < image.height(); ++y)
       for (int x = 0; x < image.width(); ++x) {
-        const Color light = environment((x + 0.5) / image.width(), (y + 0.5) / image.height());
+        const Color light = environment.at((x + 0.5) / image.width(), (y + 0.5) / image.height());
         image(x, y) = is_light(light) ? light : Color{0};
       }
     return image;

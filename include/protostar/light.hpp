@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "environment.hpp"
 #include "interval.hpp"
 #include "magnitude.hpp"
 #include "material.hpp"
@@ -186,12 +187,10 @@ class Light {
     return Color{0};
 }
 
-/// Returns the radiance of an environment along a ray. Straight down v is 1, where a texture that repeats
-/// begins anew: the environment is asked for the v just before.
-[[nodiscard, gnu::noinline]] inline Color environment_radiance(const Texture& environment, const Ray& ray) {
-  const Vec3 direction = normalize(scaled(ray.direction, -exponent_of({ray.direction})));
-  const Uv uv = direction_uv(direction);
-  return environment(uv.x, std::min(uv.y, 1 - 0x1p-53));
+/// Returns the radiance of an environment along a ray.
+[[nodiscard, gnu::noinline]] inline Color environment_radiance(const Environment& environment,
+                                                               const Ray& ray) {
+  return environment(normalize(scaled(ray.direction, -exponent_of({ray.direction}))));
 }
 
 /// Returns the radiance of a ray that hits nothing: the environment's, the sky's, or `fallback` if there is

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "environment.hpp"
 #include "light.hpp"
 #include "material.hpp"
 #include "surface.hpp"
@@ -231,10 +232,10 @@ class Scene<S...> {
     sky_ = sky;
   }
 
-  /// Sets the environment: the radiance of rays that hit nothing, by u and v of their direction
-  /// (direction_uv), with v below 1. It takes precedence over the sky. Throws std::invalid_argument for an
-  /// empty function.
-  void set_environment(Texture environment) {
+  /// Sets the environment: the radiance of rays that hit nothing, as a function of their unit direction, or
+  /// of its u and v (direction_uv), with v below 1. It takes precedence over the sky. Throws
+  /// std::invalid_argument for an empty function.
+  void set_environment(Environment environment) {
     if (!environment)
       throw std::invalid_argument(
           "Scene::set_environment: environment must be a function that can be called");
@@ -279,7 +280,7 @@ class Scene<S...> {
   [[nodiscard]] const std::optional<Color>& sky() const { return sky_; }
 
   /// Returns the radiance of rays that hit nothing as a function of their direction; empty if there is none.
-  [[nodiscard]] const Texture& environment() const { return environment_; }
+  [[nodiscard]] const Environment& environment() const { return environment_; }
 
   /// Returns the number of surfaces.
   [[nodiscard]] std::size_t size() const { return (std::size_t{0} + ... + surfaces<S>().size()); }
@@ -330,7 +331,7 @@ class Scene<S...> {
   std::vector<Light> lights_;
   Color ambient_{0};
   std::optional<Color> sky_;
-  Texture environment_;
+  Environment environment_;
 };
 
 /// Scene that names a type which is no surface: it stops the compiler, with a sentence on each member that

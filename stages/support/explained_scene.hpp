@@ -32,10 +32,10 @@ class ExplainedScene {
   explicit ExplainedScene(const protostar::Scene<S...>& scene)
       : lights_(scene.lights()), ambient_(scene.ambient()), sky_(scene.sky()) {
     (add(scene.template surfaces<S>(), scene.template materials<S>()), ...);
-    if (const protostar::Texture& environment = scene.environment())
-      environment_ = [this, environment](double u, double v) {
-        const protostar::Color light = environment(u, v);
-        current_->sky.push_back({light, protostar::Uv{u, v}});
+    if (const protostar::Environment& environment = scene.environment())
+      environment_ = [this, environment](const protostar::Vec3& direction) {
+        const protostar::Color light = environment(direction);
+        current_->sky.push_back({light, protostar::environment_uv(direction)});
         return light;
       };
   }
@@ -73,7 +73,7 @@ class ExplainedScene {
     current_->sky.push_back({sky_, std::nullopt});
     return sky_;
   }
-  const protostar::Texture& environment() const { return environment_; }
+  const protostar::Environment& environment() const { return environment_; }
 
   /// Returns the lights without a record that they are asked for.
   const std::vector<protostar::Light>& all_lights() const { return lights_; }
@@ -105,7 +105,7 @@ class ExplainedScene {
   const std::vector<protostar::Light>& lights_;  ///< of the real scene, by which AreaLights recognize it
   protostar::Color ambient_;
   std::optional<protostar::Color> sky_;
-  protostar::Texture environment_;
+  protostar::Environment environment_;
   mutable RayRecord* current_ = nullptr;
 };
 

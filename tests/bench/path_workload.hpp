@@ -195,7 +195,7 @@ class CountedScene {
   [[nodiscard]] const std::vector<protostar::Light>& lights() const { return scene_->lights(); }
   [[nodiscard]] const protostar::Color& ambient() const { return scene_->ambient(); }
   [[nodiscard]] const std::optional<protostar::Color>& sky() const { return scene_->sky(); }
-  [[nodiscard]] const protostar::Texture& environment() const { return scene_->environment(); }
+  [[nodiscard]] const protostar::Environment& environment() const { return scene_->environment(); }
 
  private:
   const protostar::Accelerated<PathScene>* scene_;

@@ -68,7 +68,7 @@ class Accelerated<Scene<S...>> {
   [[nodiscard]] const std::vector<Light>& lights() const { return scene_->lights(); }
   [[nodiscard]] const Color& ambient() const { return scene_->ambient(); }
   [[nodiscard]] const std::optional<Color>& sky() const { return scene_->sky(); }
-  [[nodiscard]] const Texture& environment() const { return scene_->environment(); }
+  [[nodiscard]] const Environment& environment() const { return scene_->environment(); }
 
   [[nodiscard]] const Scene<S...>& scene() const { return *scene_; }
 

@@ -118,7 +118,7 @@ struct CameraPacket : RayPacket {
 };
 
 /// Returns the radiance that rays bring from an environment, which is asked ray by ray.
-[[nodiscard, gnu::noinline]] inline Colors environment_radiance(const Texture& environment,
+[[nodiscard, gnu::noinline]] inline Colors environment_radiance(const Environment& environment,
                                                                 const RayPacket& rays) {
   Colors colors(Color{0});
   for (Bits left = bits(rays.active); left != 0; left &= left - 1) {

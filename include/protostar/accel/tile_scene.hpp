@@ -30,7 +30,7 @@ class TileScene : public TileHits<S...> {
   [[nodiscard]] const std::vector<Light>& lights() const { return scene_.lights(); }
   [[nodiscard]] const Color& ambient() const { return scene_.ambient(); }
   [[nodiscard]] const std::optional<Color>& sky() const { return scene_.sky(); }
-  [[nodiscard]] const Texture& environment() const { return scene_.environment(); }
+  [[nodiscard]] const Environment& environment() const { return scene_.environment(); }
 
   // Members of Scene beyond those of Traceable.
   [[nodiscard]] std::size_t size() const { return scene_.size(); }
