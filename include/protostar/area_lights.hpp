@@ -40,7 +40,13 @@ class AreaLight {
     MeshLight light;
     bool is_closed;
   };
-  using Shape = std::variant<Sphere, Parallelogram, Disk, Triangle, std::shared_ptr<const Triangles>>;
+  /// Parallelogram, and what the directions to it have in common.
+  struct PreparedParallelogram : Parallelogram {
+    ParallelogramLight light;
+    explicit PreparedParallelogram(const Parallelogram& p)
+        : Parallelogram(p), light(p.position, p.edge_u, p.edge_v) {}
+  };
+  using Shape = std::variant<Sphere, PreparedParallelogram, Disk, Triangle, std::shared_ptr<const Triangles>>;
 
   /// `surface` is the surface in its scene, by which hits on it are recognized.
   AreaLight(Shape shape, const Color& emission, const void* surface)
@@ -126,7 +132,7 @@ class AreaLight {
         return std::numbers::pi * shape.radius * shape.radius;
       else if constexpr (std::is_same_v<T, Disk>)
         return std::numbers::pi / 2 * shape.radius * shape.radius;
-      else if constexpr (std::is_same_v<T, Parallelogram>)
+      else if constexpr (std::is_same_v<T, PreparedParallelogram>)
         return length(cross(shape.edge_u, shape.edge_v)) / 2;
       else if constexpr (std::is_same_v<T, Triangle>)
         return length(cross(shape.b - shape.a, shape.c - shape.a)) / 4;
@@ -142,9 +148,7 @@ class AreaLight {
   static SphereView view(const Sphere& s, const Point& from) { return {from, s.center, s.radius}; }
   static DiskView view(const Disk& d, const Point& from) { return {from, d.position, d.normal, d.radius}; }
   static TriangleView view(const Triangle& t, const Point& from) { return {from, t.a, t.b, t.c}; }
-  static ParallelogramView view(const Parallelogram& p, const Point& from) {
-    return {from, p.position, p.edge_u, p.edge_v};
-  }
+  static ParallelogramView view(const PreparedParallelogram& p, const Point& from) { return {from, p.light}; }
 
   static double irradiance_of(const Sphere& s, const Point& point, const Vec3& normal) {
     return sphere_irradiance(point, normal, s.center, s.radius);
@@ -260,6 +264,9 @@ class AreaLights {
     return shape;
   }
   [[nodiscard]] static AreaLight::Shape shape_as(const auto& surface) { return surface; }
+  [[nodiscard]] static AreaLight::Shape shape_as(const Parallelogram& p) {
+    return AreaLight::PreparedParallelogram(p);
+  }
   [[nodiscard]] static AreaLight::Shape shape_as(const Mesh& mesh) {
     const MeshData& data = mesh.data();
     std::vector<TriangleCorners> triangles;

@@ -1,6 +1,8 @@
 // Vectors of double-double numbers, for differences and products in which doubles would cancel. u = 2^-53.
 #pragma once
 
+#include <cmath>
+
 #include "../vec3.hpp"
 #include "double_double.hpp"
 #include "scale.hpp"
@@ -39,6 +41,21 @@ struct PreciseVector {
 /// Returns a · b with an error below 14u² |a| |b|.
 [[nodiscard]] inline DoubleDouble dot(const PreciseVector& a, const PreciseVector& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// Returns a · b with an error below 40u² |a| |b|, in a third of the time of dot: the sums of the products'
+/// upper halves are exact as two doubles, and the rest is summed in double (Ogita, Rump and Oishi 2005). Of a
+/// product, lo · lo is left out, and two terms of at most u |a_i b_i| are rounded thrice: 5u² |a_i b_i|. The
+/// rest has eight terms with a sum below 8u |a| |b|, and its four sums add less than 32u² |a| |b|.
+[[nodiscard]] inline DoubleDouble compensated_dot(const PreciseVector& a, const PreciseVector& b) {
+  const DoubleDouble x = two_product(a.x.hi, b.x.hi), y = two_product(a.y.hi, b.y.hi),
+                     z = two_product(a.z.hi, b.z.hi);
+  const DoubleDouble xy = two_sum(x.hi, y.hi), xyz = two_sum(xy.hi, z.hi);
+  const auto rest = [](const DoubleDouble& p, const DoubleDouble& q, double lo) {
+    return std::fma(p.hi, q.lo, std::fma(p.lo, q.hi, lo));
+  };
+  return two_sum(xyz.hi,
+                 rest(a.x, b.x, x.lo) + rest(a.y, b.y, y.lo) + rest(a.z, b.z, z.lo) + (xy.lo + xyz.lo));
 }
 
 /// Returns a × b with an error below 14u² |a| |b|.
