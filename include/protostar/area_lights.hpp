@@ -103,7 +103,7 @@ class AreaLight {
     const Vec3& direction = drawn.direction;
     return at.light_by_ray(direction, drawn.density, weight, [&, part = triangle] {
       return follow(
-          at.hit.leave(direction), scene, [] { return Color{0}; },
+          at.leave(direction), scene, [] { return Color{0}; },
           [&](const Intersection& seen) { return is_hit(seen, part) ? emission_ : Color{0}; });
     });
   }

@@ -92,7 +92,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
       const SampleSet<double> numbers = sampler(static_cast<std::uint32_t>(1 + bounce));
       const Color albedo = hit->color();
       const Vertex vertex(*hit);
-      Reflector at(*hit, albedo);
+      Reflector at(*hit, vertex, albedo);
       const LobeShares shares(material, albedo, at);
       if (at.glossy) at.glossy_probability = shares.glossy / shares.whole();
       if (at.reflects()) {
@@ -109,7 +109,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
       weight = clamped(weight * onward->weight);
       if (bounce >= sure_bounces && !survives(weight, most_weight, number)) return sum;
       density = onward->density;
-      ray = hit->leave(onward->direction);
+      ray = at.leave(onward->direction);
       hit = scene.intersect(ray, Interval{});
       if (!hit) {
         const Color sky = background(ray, scene);
@@ -156,8 +156,8 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     light.matte = clamped(light.matte) * to_float(1 / std::numbers::pi);
     double number = numbers[2], share = 1 - share_of_environment();
     if (share < 1 && !decide(number, share)) {
-      const auto drawn = environment.sample(at.hit.facing_normal(), number, numbers[3]);
-      const Ray ray = at.hit.leave(drawn.direction);
+      const auto drawn = environment.sample(at.normals.shading, number, numbers[3]);
+      const Ray ray = at.leave(drawn.direction);
       light += at.light_by_ray(drawn.direction, drawn.density, 1 / (1 - share), [&] {
         return scene.occluded(ray, Interval{}) ? Color{0} : background(ray, scene);
       });

@@ -22,7 +22,7 @@ struct SineCosine {
 /// π/4 + 2^-50. The series up to rest^17/17! and rest^16/16! lack less than 2^-58. The terms after the first
 /// are below 0.11 |rest| and 0.31, so their roundings together count less than half of one of the result.
 [[nodiscard]] inline SineCosine sine_and_cosine(double angle) {
-  const double quarters = std::round(angle * (2 / detail::pi.hi));
+  const double quarters = std::rint(angle * (2 / detail::pi.hi));
   const double rest = std::fma(-quarters, detail::pi.lo / 2, std::fma(-quarters, detail::pi.hi / 2, angle));
   const double s = rest * rest;
   const double sine =
@@ -63,7 +63,7 @@ struct SineCosine {
   if (is_steep) std::swap(low, high);
   const double ratio = low / high;
   if (!(ratio <= 1)) return high == 0 ? 0 : ratio;
-  const double eighths = std::round(8 * ratio);
+  const double eighths = std::rint(8 * ratio);
   const double part = eighths / 8;
   const double z = std::fma(-high, part, low) / std::fma(low, part, high), s = z * z;
   const double series = std::fma(
