@@ -110,6 +110,7 @@ class Accelerated<Scene<S...>> {
   void look_for_first(const Ray& ray, Interval& range, SurfaceCrossing& first) const {
     const auto& surfaces = scene_->template surfaces<T>();
     const auto& materials = scene_->template materials<T>();
+    if (surfaces.empty()) return;
     std::uint32_t first_index = 0;  // surfaces of other types looked at so far come before
     const auto look_at = [&](std::uint32_t i) {
       const auto crossing = first_crossing(surfaces[i], ray, range);
@@ -131,6 +132,7 @@ class Accelerated<Scene<S...>> {
   template <class T>
   [[nodiscard]] bool occluded_by(const Ray& ray, const Interval& range) const {
     const auto& surfaces = scene_->template surfaces<T>();
+    if (surfaces.empty()) return false;
     const std::uint32_t left = left_by<T>(ray);
     if (left != none && any_hit(surfaces[left], ray, range)) return true;
     return finder<T>().any_crossed(

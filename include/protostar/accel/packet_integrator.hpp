@@ -17,6 +17,11 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 template <class I>
 concept PacketIntegrator = std::same_as<typename I::TakesPackets, I>;
 
+/// Integrator whose camera rays find their closest hits in packets, while each hit is shaded alone, as by a
+/// path that goes on from there. It declares this for its own type only, as the one above.
+template <class I>
+concept ShadesHitsAlone = std::same_as<typename I::ShadesHitsAlone, I>;
+
 /// Integrator that shades a hit by the numbers of a sampler.
 template <class I, class S>
 concept ShadesBySampler = requires(const I& integrator, const Intersection& hit, const S& scene,

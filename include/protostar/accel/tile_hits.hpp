@@ -109,7 +109,8 @@ class TileHits {
 
   /// Returns the radiance of rays with these closest hits: shade_hits(hits) for one surface after the other,
   /// so that nothing has to be gathered from different surfaces, or shade_hits(hit, lane) for each hit of a
-  /// surface whose hits are shaded one by one; background() for rays that miss.
+  /// surface whose hits are shaded one by one, as all are if `alone`; background() for rays that miss.
+  template <bool alone = false>
   [[nodiscard]] Colors shade(const RayPacket& rays, const Closest& closest, const auto& background,
                              const auto& shade_hits) const {
     const LaneMask met = rays.active && closest.t < infinity;
@@ -119,7 +120,10 @@ class TileHits {
       const LaneMask here = left && mask_for<double>(closest.index == Indices(index));
       Colors colors(Color{0});
       visit(index, [&](const auto& surface, const Material& material) {
-        colors = shade_on(surface, material, rays, closest, here, shade_hits);
+        if constexpr (alone)
+          colors = shade_one_by_one(surface, material, rays, closest, here, shade_hits);
+        else
+          colors = shade_on(surface, material, rays, closest, here, shade_hits);
       });
       if (!any(rays.active && !here)) return colors;  // the usual case: all rays hit one surface
       result = select(here, colors, result);

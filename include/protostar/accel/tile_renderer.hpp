@@ -72,7 +72,7 @@ class TileRenderer {
   using Order = Candidates::Order;
   using Work = TileWork<S...>;
 
-  static constexpr bool by_packets = PacketIntegrator<I>;
+  static constexpr bool by_packets = PacketIntegrator<I> || ShadesHitsAlone<I>;
   static constexpr bool shades = ShadingIntegrator<I, View>;
   static constexpr bool takes_sampler =
       shades ? ShadesBySampler<I, View> : protostar::detail::takes_sampler<I, View>;
@@ -287,7 +287,7 @@ class TileRenderer {
           return integrator_.shade(hits, view);
       };
       add(part, x, y, i, found[k],
-          view.shade(
+          view.template shade<ShadesHitsAlone<I>>(
               rays, closest[k], [&] { return integrator_.background(rays, view); }, shade),
           work);
     }

@@ -39,6 +39,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// The estimate is unbiased up to the depth. Without glossy lobes it is bounded: no path weighs more than the
 /// product of the sums of shares at its first vertices.
 struct PathIntegrator : FirstHit<PathIntegrator> {
+  using ShadesHitsAlone = PathIntegrator;  ///< of camera rays in packets (accel/packet_integrator.hpp)
+
   /// Largest depth. It bounds the time of a sample, and the coordinates of points (farthest_point).
   static constexpr int most_depth = 1000;
 
