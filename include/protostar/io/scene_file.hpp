@@ -70,7 +70,7 @@ struct SceneFile {
   std::string sampler = {};            ///< one of sampler_names; empty: the default of the integrator
   std::string filter = "box";          ///< one of ReconstructionFilter::names
   std::uint64_t seed = 0;              ///< of the sampler
-  int depth = 10;                      ///< WhittedIntegrator::depth, PathIntegrator::depth
+  std::optional<int> depth = {};       ///< of WhittedIntegrator or PathIntegrator; none: its default
   std::string integrator = "whitted";  ///< one of integrator_names
   Transfer transfer = Srgb{};
   Tone tone = Tone::clip;
