@@ -201,18 +201,19 @@ TEST_CASE("a lobe without roughness is a mirror, with the color's share and 1 at
   Random random(4);
   WrongCases wrong(random);
   // Normals are tilted by at most α |h.xy|/h.z (VisibleNormals::sample), where h is the sum of a unit vector
-  // and the stretched view w, and h.z = (1 − v) (1 + w.z). Here v ≤ .999, and the sum is at most 2 long: the
-  // tilt is at most 2000 α. For a view of z > .01 the stretched one is upright but for 10^-4, so that
-  // |h.xy|/h.z is at most √(v/(1 − v)) + .05 < 32. Reflected light turns twice as far.
+  // and the stretched view w, and h.z = (1 − v) (1 + w.z). The sum is at most 2 long: the tilt is at most
+  // 2/(1 − v) α. For a view of z > .01, w is upright but for |w.xy| < 10^-4, so that |h.xy|/h.z is √(v/(1 −
+  // v)) but for 10^-4/(2 (1 − v)), which is .05 for v ≤ .999. Reflected light turns twice as far.
   const double width = GgxLobe::least_width;
   // D is 1/(π α² (1 + t²)²) at a tilt of t α; the density is D over twice z + √(z² + α² (1 − z²)), which is
   // at least α. The quotient is least for a view at the horizon, where t comes to 2000: 1.1e4.
   const double least_density = 1e4;
   for (int i = 0; i < 2000; ++i) {
     const double z = i % 2 == 0 ? random.real(0.01, 1) : std::exp2(random.real(-40, 0));
+    const double v = random.real(0, 0.999);
     const Vec3 view = viewer_at(z);
-    const auto [light, density, weight] = mirror.sample(view, random.interior(), random.real(0, 0.999));
-    const double tilt = (z > 0.01 ? 32 : 2000) * width;
+    const auto [light, density, weight] = mirror.sample(view, random.interior(), v);
+    const double tilt = (z > 0.01 ? std::sqrt(v / (1 - v)) + 0.06 : 2 / (1 - v)) * width;
     wrong.add(!(length(light - Vec3{-view.x, -view.y, view.z}) < 2 * tilt), view, light);
     wrong.add(!(density > least_density && std::isfinite(density)), view, density);
     // The cosine to a tilted normal differs by the tilt at most, and the slope of Schlick's ½ (1 − cos)⁵ is
