@@ -1,4 +1,5 @@
 // Stages that draw until an error is small enough, or for some time, as a user runs them.
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -55,17 +56,60 @@ TEST_CASE("the option --noise goes with a number of samples too") {
   CHECK(bytes_of(folder / "n.pfm").starts_with("PF\n32 24\n"));
 }
 
-TEST_CASE("a stage with --time draws the bytes of the samples that it says") {
-  const std::string sampler = GENERATE("", " --sampler halton");
+TEST_CASE("a stage with --time says with what options it draws the same bytes, and does so with these") {
+  const auto& [stage, options] =
+      GENERATE(std::pair{"13_whitted", ""}, std::pair{"13_whitted", " --sampler halton --filter tent"},
+               std::pair{"18_antialiasing", " --clamp 0.5"}, std::pair{"19_soft_shadows", ""},
+               std::pair{"20_lens", ""}, std::pair{"21_motion", ""});
+  CAPTURE(stage, options);
+  const std::string others = std::string("--size 32x24 --seed 5") + options;
   const TemporaryFolder folder;
-  const Outcome outcome =
-      run_stage("13_whitted", "--size 32x24 --seed 5 --time 0.2 -o a.ppm" + sampler, folder);
+  const Outcome outcome = run_stage(stage, others + " --time 0.2 -o a.ppm", folder);
   CHECK(outcome.status == 0);
   CHECK(outcome.err == "");
-  const std::string samples = samples_told(outcome.out);
-  const std::string same = "--samples " + samples + (sampler.empty() ? " --sampler sobol" : "");
-  CHECK_THAT(outcome.out, ContainsSubstring("; " + same + " draws the same\n"));
-  CHECK(bytes_of(folder / "a.ppm") == stage_picture("13_whitted", "--size 32x24 --seed 5 " + same + sampler));
+  const std::size_t begin = outcome.out.rfind("; ") + 2,
+                    end = outcome.out.rfind(" in the place of --time draws");
+  REQUIRE(begin < end);
+  const std::string same = outcome.out.substr(begin, end - begin);
+  CHECK(same.starts_with("--samples " + samples_told(outcome.out)));
+  CHECK(outcome.out.ends_with(same + " in the place of --time draws the same\n"));
+  CHECK(bytes_of(folder / "a.ppm") == stage_picture(stage, others + " " + same));
+}
+
+TEST_CASE("integrators that draw by chance refuse the sampler hammersley, which has none, and say why") {
+  const std::string scene = scene_path("three_spheres");
+  const TemporaryFolder folder;
+  for (const auto& [stage, arguments, integrator] : std::vector<std::array<std::string, 3>>{
+           {"19_soft_shadows", "", "direct"},
+           {"25_cornell", "", "path"},
+           {"26_weekend", "", "path"},
+           {"render", scene + " --integrator path ", "path"},
+           {"render", scene + " --integrator direct ", "direct"},
+           {"render", scene + " --integrator ambient-occlusion ", "ambient-occlusion"},
+           {"render", scene_path("sampler_hammersley") + " --integrator path ", "path"}}) {
+    for (const char* const samples : {"--samples 0", "--samples 4"}) {
+      CAPTURE(stage, arguments, samples);
+      const Outcome outcome =
+          run_stage(stage, arguments + "--size 8x6 --sampler hammersley " + std::string(samples), folder);
+      CHECK(outcome.status == 2);
+      CHECK(outcome.out == "");
+      CHECK(
+          outcome.err.starts_with(stage + ": --sampler: 'hammersley' is not possible here: the integrator " +
+                                  integrator + " draws by chance, and hammersley has the same numbers in "));
+    }
+  }
+  CHECK(folder.count() == 0);
+  // A lens, or a shutter, has the same points or times in every pixel: as many sharp pictures as samples.
+  for (const char* const stage : {"20_lens", "21_motion", "13_whitted"})
+    CHECK(run_stage(stage, "--size 8x6 --samples 2 --sampler hammersley --quiet", folder).status == 0);
+}
+
+TEST_CASE("the scene's sampler hammersley is refused for --integrator path too, without --sampler") {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_stage("render", scene_path("sampler_hammersley") + " --size 8x6 --integrator path", folder);
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.err, ContainsSubstring("--sampler: 'hammersley' is not possible here"));
 }
 
 TEST_CASE("a target that is not met writes the picture, says its error and ends with 1") {

@@ -240,6 +240,34 @@ TEST_CASE("the option --explain writes a file that docs/check_explanation finds 
   CHECK(run({.program = explanation_checker, .arguments = {}, .folder = folder / ""}).status == 2);
 }
 
+TEST_CASE(
+    "an explanation has the sampler's numbers that an integrator takes, and the checker computes them") {
+  const TemporaryFolder folder;
+  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
+    return;  // there is no Python
+  for (const std::string sampler : {"independent", "sobol"}) {
+    CAPTURE(sampler);
+    const std::string options =
+        "--pixel 320,400 --samples 2 --seed 18446744073709551615 --explain a.json --sampler " + sampler;
+    const std::string told = run_stage("19_soft_shadows", options, folder).out;
+    CHECK_THAT(told, ContainsSubstring("set 1 of the sampler: 0."));
+    const std::string text = bytes_of(folder / "a.json");
+    const std::size_t set = text.find("\"set\": 1,"), numbers = text.find("\"numbers\": [0.", set);
+    REQUIRE(numbers < text.size());
+    const auto status_with = [&](std::size_t at, std::size_t size, const std::string& replacement) {
+      put_bytes(folder / "b.json", std::string(text).replace(at, size, replacement));
+      return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""}).status;
+    };
+    const std::size_t first = numbers + std::string("\"numbers\": [").size();
+    CHECK(status_with(0, 0, "") == 0);
+    CHECK(status_with(set, 8, "\"set\": 2") == 1);
+    CHECK(status_with(first, 2, "1.") == 1);
+    // Another digit of a number that is not checked but for its range is accepted.
+    const char digit = text[first + 4];
+    CHECK(status_with(first + 4, 1, digit == '5' ? "6" : "5") == (sampler == "independent" ? 1 : 0));
+  }
+}
+
 TEST_CASE("the option --rays draws the rays of a pixel as SVG or OBJ") {
   const TemporaryFolder folder;
   for (const char* name : {"a.svg", "a.obj"})

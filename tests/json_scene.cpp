@@ -38,7 +38,7 @@ TEST_CASE("a scene file needs a resolution, a camera and objects; all else has a
   CHECK(file.sampler.empty());
   CHECK(file.filter == "box");
   CHECK(file.seed == 0);
-  CHECK(file.depth == 10);
+  CHECK(!file.depth);
   CHECK(file.integrator == "whitted");
   CHECK(std::holds_alternative<Srgb>(file.transfer));
   CHECK(file.tone == Tone::clip);

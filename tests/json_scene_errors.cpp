@@ -103,6 +103,12 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       {error_setting("0.5"),
        "/settings/sampler: \"stratified\" is not independent, halton or sobol, which can "
        "tell the error that the settings ask for"},
+      {patched(R"({"op": "replace", "path": "/settings/sampler", "value": "hammersley"},)"
+               R"({"op": "replace", "path": "/settings/integrator", "value": "path"})"),
+       "/settings/sampler: \"hammersley\" is not independent, stratified, halton or sobol: the integrator "
+       "path "
+       "draws by chance, and hammersley has the same numbers in every pixel and for every seed, so that all "
+       "pixels are wrong in the same way and look as if they were right"},
       not_allowed("/settings/sampler", R"("random")",
                   "\"independent\", \"stratified\", \"halton\", \"sobol\" or \"hammersley\""),
       not_allowed("/settings/filter", "3",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <protostar/accel/accelerate.hpp>
 #include <protostar/protostar.hpp>
 #include <vector>
@@ -46,6 +47,36 @@ TEST_CASE("a path integrator refuses a depth or a number of rays out of range, a
   const Scene<Sphere> copy = scene;
   const auto hit = copy.intersect({{0, 0, 0}, {0, 0, 1}}, Interval{});
   CHECK_THROWS_AS(path.shade(*hit, copy, SobolSampler(SampleIndex{})), std::logic_error);
+}
+
+TEST_CASE("a path integrator refuses a scene that was given another environment, by tiles and ray by ray") {
+  Scene<Sphere> scene;
+  scene.add(Sphere{{0, 0, 3}, 1}, Color{0.5f});
+  const auto of = [](const Color& color) {
+    Image image(2, 2);
+    image(0, 0) = color;
+    return EnvironmentImage{std::make_shared<const Image>(image)};
+  };
+  const auto error_of = [&](const PathIntegrator& path, bool tiles) {
+    return message_of<std::logic_error>([&] {
+      Image image(4, 3);
+      render(image, Camera{}, scene, path, {.samples = 2, .threads = 1, .tiles = tiles});
+    });
+  };
+  const std::string changed =
+      "EnvironmentLight: the scene has been given another environment since it was made; make it again";
+  for (const bool tiles : {false, true}) {
+    CAPTURE(tiles);
+    const PathIntegrator before(scene);
+    scene.set_sky(Color{0.5f});  // found by paths, and no directions are drawn to it
+    CHECK(error_of(before, tiles).empty());
+    scene.set_environment(of(Color{1}));
+    CHECK(error_of(before, tiles) == changed);
+    const PathIntegrator after(scene);
+    CHECK(error_of(after, tiles).empty());
+    scene.set_environment(of(Color{2}));
+    CHECK(error_of(after, tiles) == changed);
+  }
 }
 
 TEST_CASE("a path takes one set of the sampler at each vertex, from set 1 on") {

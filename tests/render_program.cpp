@@ -1,5 +1,6 @@
 // Tests of the program `render` as a user runs it: the picture of a scene file, and options for it.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -238,6 +239,33 @@ TEST_CASE("every scene file of the project is drawn in any size") {
     for (const std::string& row : drawn.rows) varies = varies || row != drawn.rows[0];
     CHECK(varies);
   }
+}
+
+TEST_CASE("without a depth, a path is cut after 100 bounces and one of whitted after 10 rays") {
+  // Inside of a ball that shines, light is a geometric series in .8, of which each bounce adds a term.
+  const auto drawn = [](const std::string& integrator, const std::string& share, const std::string& depth) {
+    const TemporaryFolder folder;
+    put_bytes(folder / "scene.json", R"({
+      "settings": {"resolution-x": 8, "resolution-y": 6, "samples": 16, "integrator": ")" +
+                                         integrator + "\"" + depth + R"(},
+      "camera": {"projection": "perspective", "position": [0, 0.5, 0], "direction": [0, 0, 1],
+                 "upward": [0, 1, 0], "field-of-view": 90},
+      "objects": [{"surface": {"type": "sphere", "position": [0, 0, 0], "radius": 2}, "material-id": "a"}],
+      "materials": {"a": {"emission": [0.1, 0.1, 0.1], )" +
+                                         share + "}}}");
+    CHECK(run_stage("render", "scene.json -o a.pfm", folder).status == 0);
+    return bytes_of(folder / "a.pfm");
+  };
+  const auto [integrator, share, ten, hundred] =
+      GENERATE(std::array{"path", R"("diffuse": [0.8, 0.8, 0.8])", "", "default"},
+               std::array{"whitted", R"("reflect": 0.8)", "default", ""});
+  CAPTURE(integrator);
+  const std::string by_default = drawn(integrator, share, "");
+  const std::string of_ten = drawn(integrator, share, R"(, "depth": 10)");
+  const std::string of_hundred = drawn(integrator, share, R"(, "depth": 100)");
+  CHECK(of_ten != of_hundred);
+  CHECK((by_default == of_ten) == (std::string(ten) == "default"));
+  CHECK((by_default == of_hundred) == (std::string(hundred) == "default"));
 }
 
 TEST_CASE("a crop has the bytes of the same part of the whole picture") {

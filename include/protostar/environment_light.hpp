@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <memory>
 #include <numbers>
+#include <stdexcept>
 #include <vector>
 
 #include "environment.hpp"
@@ -23,7 +24,7 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Density of directions by the light that a scene's environment or sky sends from there. It is made once for
-/// a picture, from the environment that the scene then has. Threads may share it.
+/// a picture, and valid as long as the scene has no other environment. Threads may share it.
 ///
 /// The density of an EnvironmentImage is uniform by solid angle in the cell of a pixel, and the cell's
 /// probability is in proportion to the integral over its u and v of the mixed colors, times its solid angle.
@@ -43,6 +44,7 @@ class EnvironmentLight {
   static constexpr int columns_of_function = 256, rows_of_function = 128;
 
   explicit EnvironmentLight(const auto& scene) {
+    if constexpr (requires { scene.environments(); }) environments_ = scene.environments();
     if constexpr (requires { scene.sky(); }) is_dark_ = is_black(scene.sky().value_or(Color{0}));
     if constexpr (requires { scene.environment(); }) {
       const Environment& environment = scene.environment();
@@ -53,6 +55,17 @@ class EnvironmentLight {
       else
         use(image_of(environment), 1 / 7.0);
     }
+  }
+
+  /// Throws std::logic_error if a scene has been given another environment than it had when this was made. A
+  /// view of a scene that does not tell, by environments(), is taken for the one that it had. A sky may
+  /// change: no direction is better than others, before or after.
+  void require(const auto& scene) const {
+    if constexpr (requires { scene.environments(); })
+      if (scene.environments() != environments_) [[unlikely]]
+        throw std::logic_error(
+            "EnvironmentLight: the scene has been given another environment since it was made; make it "
+            "again");
   }
 
   /// Returns true if no light comes from the environment.
@@ -141,6 +154,7 @@ class EnvironmentLight {
     return 2 * std::numbers::pi / columns_ * (heights_[row + 1] - heights_[row]);
   }
 
+  std::size_t environments_ = 0;
   bool is_dark_ = true;
   int columns_ = 1;
   std::vector<double> heights_;  ///< 1 − cos θ at the edges of rows, θ from straight up; empty without cells

@@ -240,6 +240,7 @@ class Scene<S...> {
       throw std::invalid_argument(
           "Scene::set_environment: environment must be a function that can be called");
     environment_ = std::move(environment);
+    ++environments_;
   }
 
   /// Returns the closest hit in the range, if there is one. The order is exact for surfaces that can refine
@@ -281,6 +282,9 @@ class Scene<S...> {
 
   /// Returns the radiance of rays that hit nothing as a function of their direction; empty if there is none.
   [[nodiscard]] const Environment& environment() const { return environment_; }
+
+  /// Returns how often an environment has been set: by another number, it is another one.
+  [[nodiscard]] std::size_t environments() const { return environments_; }
 
   /// Returns the number of surfaces.
   [[nodiscard]] std::size_t size() const { return (std::size_t{0} + ... + surfaces<S>().size()); }
@@ -332,6 +336,7 @@ class Scene<S...> {
   Color ambient_{0};
   std::optional<Color> sky_;
   Environment environment_;
+  std::size_t environments_ = 0;
 };
 
 /// Scene that names a type which is no surface: it stops the compiler, with a sentence on each member that

@@ -27,12 +27,14 @@ void draw(Image& image, const SceneFile& file, const std::string& integrator,
   if (integrator == "color") return draw_with(ColorIntegrator{});
   if (integrator == "depth") return draw_with(DepthIntegrator{});
   if (integrator == "diffuse") return draw_with(DiffuseIntegrator{});
-  if (integrator == "ambient-occlusion" || integrator == "direct" || integrator == "path")
-    return draw_by_chance(image, file, integrator, options);
+  if (draws_by_chance(integrator)) return draw_by_chance(image, file, integrator, options);
   if (integrator == "normal") return draw_with(NormalIntegrator{});
   if (integrator == "shadow") return draw_with(ShadowIntegrator{});
   if (integrator == "transparency") return draw_with(TransparencyIntegrator{});
-  if (integrator == "whitted")
-    return draw_with(WhittedIntegrator{.depth = file.depth, .most_rays = most_rays_of_sample(shares)});
+  if (integrator == "whitted") {
+    WhittedIntegrator whitted{.most_rays = most_rays_of_sample(shares)};
+    whitted.depth = file.depth.value_or(whitted.depth);
+    return draw_with(whitted);
+  }
   throw std::runtime_error("no such integrator: " + integrator);
 }

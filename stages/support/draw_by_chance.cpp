@@ -13,6 +13,6 @@ void draw_by_chance(Image& image, const SceneFile& file, const std::string& inte
   if (integrator == "ambient-occlusion") return draw_with(AmbientOcclusionIntegrator{});
   if (integrator == "direct") return draw_with(DirectIntegrator(file.scene));
   PathIntegrator path(file.scene);
-  path.depth = file.depth;
+  path.depth = file.depth.value_or(path.depth);
   draw_with(path);
 }

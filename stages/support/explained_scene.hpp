@@ -4,6 +4,7 @@
 // Each query tests all surfaces that the plain path of the library tests, and gives the same answer.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <functional>
@@ -183,6 +184,25 @@ void add_lights(RayRecord& record, const std::vector<protostar::Light>& lights, 
 
 }  // namespace explaining
 
+/// Sampler of a sample, which records the sets that are taken of it.
+class RecordedSampler {
+ public:
+  explicit RecordedSampler(SampleRecord& sample) : sample_(sample) {}
+
+  protostar::SampleSet<double> operator()(std::uint32_t set) const {
+    const protostar::SampleSet<double> numbers = sample_.sampler(set);
+    const auto is_same = [&](const auto& taken) { return taken.first == set; };
+    if (std::none_of(sample_.sets.begin(), sample_.sets.end(), is_same))
+      sample_.sets.emplace_back(set, numbers);
+    return numbers;
+  }
+
+  const protostar::SampleIndex& index() const { return sample_.sampler.index(); }
+
+ private:
+  SampleRecord& sample_;
+};
+
 /// Traces the rays of a pixel by the plain path, and records them; the explanation knows the pixel and the
 /// size of the picture. radiance(sample) returns the radiance along the ray of a sample. Without a sampler in
 /// the options, they take the default.
@@ -201,13 +221,17 @@ void explain(Explanation& explanation, const protostar::Camera& camera, const Ex
   explanation.lights = scene.all_lights();
   explanation.ambient = scene.ambient();
   if constexpr (requires { integrator.depth; }) explanation.depth = integrator.depth;
-  const auto radiance = protostar::detail::radiance_in(scene, integrator);
+  [[maybe_unused]] const auto radiance = protostar::detail::radiance_in(scene, integrator);
   explain_function(
       explanation, camera,
       [&](SampleRecord& sample) {
         scene.record(sample.all);
-        const protostar::Color light =
-            protostar::detail::radiance_of_sample(radiance, sample.ray, sample.sampler);
+        protostar::Color light{0};
+        // A function may ask for a PixelSampler by its type; its numbers are not recorded.
+        if constexpr (protostar::detail::Radiates<I, ExplainedScene, RecordedSampler>)
+          light = protostar::detail::radiance_along(sample.ray, integrator, scene, RecordedSampler(sample));
+        else
+          light = protostar::detail::radiance_of_sample(radiance, sample.ray, sample.sampler);
         explaining::add_lights(sample.all, explanation.lights, integrator);
         return light;
       },

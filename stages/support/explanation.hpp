@@ -12,6 +12,7 @@
 #include <protostar/light.hpp>
 #include <protostar/pixel_grid.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "options.hpp"
@@ -107,6 +108,9 @@ struct SampleRecord {
   double u = 0, v = 0;                       ///< film coordinates
   std::optional<protostar::Uv> lens = {};    ///< point of the lens in the unit disk, if there is one
   protostar::Ray ray;
+
+  /// Sets of numbers that the integrator takes, each once, in the order in which it first asks for them.
+  std::vector<std::pair<std::uint32_t, protostar::SampleSet<double>>> sets = {};
   RayRecord all = {};  ///< no ray itself; all.rays are the rays that the integrator traces first
   protostar::Color radiance{0};
   std::vector<std::string> told = {};  ///< by a function of the ray, in its own words

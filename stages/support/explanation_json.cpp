@@ -199,6 +199,14 @@ class Writer {
       if (e_.camera.shutter.is_open()) json_.member("time", sample.ray.time);
       json_.member("origin", sample.ray.origin);
       json_.member("direction", sample.ray.direction);
+      if (!sample.sets.empty())
+        json_.key("sets").array([&] {
+          for (const auto& [set, numbers] : sample.sets)
+            json_.next().object([&, set = set, &numbers = numbers] {
+              json_.member("set", static_cast<int>(set));
+              json_.key("numbers").list(numbers);
+            });
+        });
       write_following(sample.all);
       json_.member("radiance", sample.radiance);
     });

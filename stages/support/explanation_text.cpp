@@ -143,6 +143,9 @@ class Tree {
       line(depth, formatted("point of the lens x = %.9g, y = %.9g", sample.lens->x, sample.lens->y));
     if (explanation_.camera.shutter.is_open()) line(depth, formatted("time %.9g", sample.ray.time));
     line(depth, "ray from " + text(sample.ray.origin) + " along " + text(sample.ray.direction));
+    for (const auto& [set, numbers] : sample.sets)
+      line(depth, formatted("set %lu of the sampler: %.9g, %.9g, %.9g, %.9g", static_cast<unsigned long>(set),
+                            numbers[0], numbers[1], numbers[2], numbers[3]));
     if (!explanation_.is_recorded)
       line(depth + 1, std::string("traced by a function of its own") +
                           (sample.told.empty() ? ", which records nothing" : ":"));

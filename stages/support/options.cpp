@@ -206,6 +206,13 @@ void check_passes(const PassTexts& texts, const Options& options) {
     throw CLI::ExcludesError("--pixel", "--error, --time, --noise and --clamp; --samples N sets the samples");
 }
 
+/// Refuses the sampler without chance for an integrator that draws by chance.
+void check_sampler(const Options& options) {
+  if (options.sampler == "hammersley" && protostar::draws_by_chance(options.integrator))
+    refuse("--sampler", options.sampler,
+           "possible here: " + protostar::why_not_hammersley(options.integrator));
+}
+
 /// Seconds after which `render` gives up a scene file, for each pixel of the picture. Scene files allow 2^22
 /// rays through a pixel, and a few microseconds for each of them are common.
 constexpr double seconds_a_pixel = 10;
@@ -420,6 +427,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     options.transfer = own_transfer.value_or(settings.transfer);
     options.tone = settings.tone;
     options.exposure = settings.exposure;
+    check_sampler(options);
     check_passes(passes, options);
     check_sums(options);
     if (options.shard || !options.checkpoint.empty())

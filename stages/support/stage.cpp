@@ -253,8 +253,8 @@ void Stage::tell_passes() {
   else if (is_sure)
     line += ", at most " + in_short(report_.bound) + " (95 %)";
   if (options_.seconds > 0)
-    line +=
-        "; --samples " + samples + (options_.sampler.empty() ? " --sampler sobol" : "") + " draws the same";
+    line += "; --samples " + samples + (options_.sampler.empty() ? " --sampler sobol" : "") +
+            " in the place of --time draws the same";
   print(line);
   if (!report_.is_met && !stop_.stop_requested())
     print_error(options_.program, "the error is not surely at most " + shown(options_.error) + " after " +

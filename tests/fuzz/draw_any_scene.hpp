@@ -24,7 +24,7 @@
                                                     const std::vector<std::string>& integrators) {
   using namespace protostar;
   constexpr int width = 8, height = 2;
-  file.depth = std::min(file.depth, 4);
+  file.depth = std::min(file.depth.value_or(4), 4);
   RenderOptions options{.samples = std::min(file.samples, 2), .threads = 1};
   std::ostringstream faults;
   for (const std::string& integrator : integrators) {

@@ -34,6 +34,7 @@ class TileScene : public TileHits<S...> {
 
   // Members of Scene beyond those of Traceable.
   [[nodiscard]] std::size_t size() const { return scene_.size(); }
+  [[nodiscard]] std::size_t environments() const { return scene_.environments(); }
   template <class T>
   [[nodiscard]] const std::vector<T>& surfaces() const {
     return scene_.template surfaces<T>();

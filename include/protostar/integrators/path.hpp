@@ -75,9 +75,10 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
 
   /// Takes set 1 of the sampler at the hit, and the next set at each further vertex: two numbers for the
   /// direction and two for the light, of which the first also decides how the path goes on. Throws
-  /// std::logic_error if the scene is not the one of the lights.
+  /// std::logic_error if the scene is not the one of the lights, or has another environment.
   [[nodiscard]] Color shade(const Intersection& first, const auto& scene, const auto& sampler) const {
     lights.require(scene);
+    environment.require(scene);
     Color sum{0}, weight{1};
     double most_weight = 0;
     Ray ray;                                                   // from the vertex before

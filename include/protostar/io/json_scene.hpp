@@ -237,6 +237,8 @@ inline void read_settings(const JsonCursor& at, SceneFile& file) {
   if (at.has("filter")) file.filter = name_of("filter", ReconstructionFilter::names);
   if (at.has("seed")) file.seed = at["seed"].whole_word();
   if (at.has("integrator")) file.integrator = name_of("integrator", integrator_names);
+  if (file.sampler == "hammersley" && draws_by_chance(file.integrator))
+    at["sampler"].refuse("independent, stratified, halton or sobol: " + why_not_hammersley(file.integrator));
   if (at.has("transfer")) file.transfer = transfer_at(at["transfer"]);
   if (at.has("tone"))
     file.tone = at["tone"].one_of<Tone>(

@@ -27,6 +27,18 @@ inline constexpr std::array<std::string_view, 11> integrator_names{
     "binary", "depth", "normal", "color", "diffuse", "transparency", "shadow", "whitted", "ambient-occlusion",
     "direct", "path"};
 
+/// Returns true for the name of an integrator that draws light by chance, and therefore takes a sampler.
+[[nodiscard]] inline bool draws_by_chance(std::string_view integrator) {
+  return integrator == "ambient-occlusion" || integrator == "direct" || integrator == "path";
+}
+
+/// Returns why such an integrator is not drawn with the sampler hammersley.
+[[nodiscard]] inline std::string why_not_hammersley(std::string_view integrator) {
+  return "the integrator " + std::string(integrator) +
+         " draws by chance, and hammersley has the same numbers in every pixel and for every seed, so that "
+         "all pixels are wrong in the same way and look as if they were right";
+}
+
 /// Largest samples and depth that a file can ask for.
 inline constexpr int most_samples = 1 << 16, most_depth = WhittedIntegrator::most_depth;
 
@@ -58,7 +70,7 @@ struct SceneFile {
   std::string sampler = {};            ///< one of sampler_names; empty: the default of the integrator
   std::string filter = "box";          ///< one of ReconstructionFilter::names
   std::uint64_t seed = 0;              ///< of the sampler
-  int depth = 10;                      ///< WhittedIntegrator::depth, PathIntegrator::depth
+  std::optional<int> depth = {};       ///< of WhittedIntegrator or PathIntegrator; none: its default
   std::string integrator = "whitted";  ///< one of integrator_names
   Transfer transfer = Srgb{};
   Tone tone = Tone::clip;
