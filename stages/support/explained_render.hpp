@@ -63,7 +63,7 @@ void render(protostar::Image& image, const protostar::Camera& camera, const prot
   if (options.shared) {
     const protostar::Accelerated<protostar::Scene<S...>> accelerated(scene, common);
     return render_shared(
-        image, options, protostar::detail::default_sampler<I, protostar::Scene<S...>>(),
+        image, options, protostar::detail::default_sampler<I, protostar::Scene<S...>>(camera),
         [&](protostar::Image& seen, const protostar::RenderOptions& few) {
           protostar::render(seen, camera, scene, integrator, few);
         },
@@ -86,7 +86,7 @@ void render(protostar::Image& image, const protostar::Camera& camera, const prot
           return protostar::detail::radiance_of_sample(protostar::detail::radiance_in(scene, integrator),
                                                        sample.ray, sample.sampler);
         },
-        common, protostar::detail::default_sampler<I, protostar::Scene<S...>>());
+        common, protostar::detail::default_sampler<I, protostar::Scene<S...>>(camera));
   image(options.explanation->pixel.x, options.explanation->pixel.y) = options.explanation->mean;
 }
 
@@ -97,7 +97,7 @@ void render(protostar::Image& image, const protostar::Camera& camera, const F& r
   const protostar::RenderOptions& common = options;
   if (options.shared)
     return render_shared(
-        image, options, protostar::detail::default_sampler<F>(),
+        image, options, protostar::detail::default_sampler<F>(camera),
         [&](protostar::Image& seen, const protostar::RenderOptions& few) {
           protostar::render(seen, camera, radiance, few);
         },
@@ -116,7 +116,7 @@ void render(protostar::Image& image, const protostar::Camera& camera, const F& r
       return protostar::detail::radiance_of_sample(radiance, ray, sampler);
     };
     protostar::RenderOptions by_default = common;
-    if (!by_default.sampler.is_made()) by_default.sampler = protostar::detail::default_sampler<F>();
+    if (!by_default.sampler.is_made()) by_default.sampler = protostar::detail::default_sampler<F>(camera);
     explain(*options.explanation, camera, ExplainedScene(scene), ask, by_default);
   } else {
     explain_function(
@@ -124,7 +124,7 @@ void render(protostar::Image& image, const protostar::Camera& camera, const F& r
         [&](SampleRecord& sample) {
           return protostar::detail::radiance_of_sample(radiance, sample.ray, sample.sampler);
         },
-        common, protostar::detail::default_sampler<F>());
+        common, protostar::detail::default_sampler<F>(camera));
   }
   image(options.explanation->pixel.x, options.explanation->pixel.y) = options.explanation->mean;
 }
