@@ -75,11 +75,11 @@ double edge_on_floor(const Sphere& lamp, const Point& past, int side) {
 void soft_shadow(Drawing& drawing) {
   const auto draw = [&](double left, double radius, double board_height, const char* title) {
     const LampOverBoard over{
-        .lamp = {.center = {0, 5.2, 0}, .radius = radius},
+        .lamp = {.center = {0, 4.9, 0}, .radius = radius},
         .board = {.position = {-0.9, board_height, -50}, .edge_u = {1.8, 0, 0}, .edge_v = {0, 0, 100}}};
     const auto scene = over.scene();
     constexpr double scale = 45, wide = 3.1;
-    const Sketch sketch(drawing, {left, 280}, scale);
+    const Sketch sketch(drawing, {left, 290}, scale);
     const Point a{-0.9, board_height, 0}, b{0.9, board_height, 0};
     // The umbra ends where the lamp's other side begins to be seen past an edge.
     const double outer = edge_on_floor(over.lamp, b, -1), inner = edge_on_floor(over.lamp, b, 1);
@@ -113,9 +113,9 @@ void soft_shadow(Drawing& drawing) {
   const auto [inner, outer] = draw(165, 0.7, 2, "a large lamp");
   const auto small = draw(475, 0.15, 2, "a small lamp");
   expect(small[1] - small[0] < (outer - inner) / 4, "soft_shadow");
-  for (const double left : {165.0, 475.0}) drawing.words({left, 326}, "umbra", Anchor::middle);
-  drawing.words({165 + 45 * (inner + outer) / 2, 348}, "penumbra", Anchor::middle, Paint::blue);
-  drawing.words({165 - 45 * (inner + outer) / 2, 348}, "penumbra", Anchor::middle, Paint::blue);
+  for (const double left : {165.0, 475.0}) drawing.words({left, 334}, "umbra", Anchor::middle);
+  drawing.words({165 + 45 * (inner + outer) / 2, 356}, "penumbra", Anchor::middle, Paint::blue);
+  drawing.words({165 - 45 * (inner + outer) / 2, 356}, "penumbra", Anchor::middle, Paint::blue);
 }
 
 // ---- The cap
@@ -230,7 +230,7 @@ void drawn_directions(Drawing& drawing) {
 std::vector<StageFigure> soft_shadow_figures() {
   return {
       {"soft_shadow", "19_soft_shadows",
-       "Lamps over a board: shadows with a wide border and with a narrow one", 360, soft_shadow},
+       "Lamps over a board: shadows with a wide border and with a narrow one", 368, soft_shadow},
       {"light_cap", "19_soft_shadows", "A lamp as a cap of the directions from a point", 330, light_cap},
       {"projected_cap", "19_soft_shadows",
        "The cap of a lamp and the disk of its rim, over the same part of the floor", 276, projected_cap},
