@@ -4,17 +4,18 @@
 
 #include <protostar/camera.hpp>
 #include <protostar/scene.hpp>
+#include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 
 /// Builds the yard, without any light.
-inline protostar::Scene<protostar::Plane, protostar::Box, protostar::Sphere> yard() {
+inline protostar::Scene<protostar::Plane, protostar::AnySurface> yard() {
   using protostar::Box;
   using protostar::Color;
   using protostar::Plane;
   using protostar::Sphere;
-  protostar::Scene<Plane, Box, Sphere> scene;
+  protostar::Scene<Plane, protostar::AnySurface> scene;
   scene.add(Plane{.normal = {0, 1, 0}, .distance = 0}, Color{0.7f});
   scene.add(Plane{.normal = {0, 0, 1}, .distance = 4}, Color{0.7f});
   scene.add(Box{.min = {-4.5, 0, -1}, .max = {-4, 3, 4}}, Color{0.8f, 0.15f, 0.05f});
@@ -30,7 +31,7 @@ inline protostar::Scene<protostar::Plane, protostar::Box, protostar::Sphere> yar
 }
 
 /// Builds the yard at dusk: under a dark blue sky, with a lantern that is a sphere.
-inline protostar::Scene<protostar::Plane, protostar::Box, protostar::Sphere> yard_at_dusk() {
+inline protostar::Scene<protostar::Plane, protostar::AnySurface> yard_at_dusk() {
   using protostar::Color;
   auto scene = yard();
   scene.add(protostar::Sphere{.center = {2.5, 4, 0}, .radius = 0.5},

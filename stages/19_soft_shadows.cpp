@@ -3,6 +3,7 @@
 #include <protostar/render.hpp>
 
 #include "scenes/two_lamps.hpp"
+#include "support/any_surfaces.hpp"
 #include "support/stage.hpp"
 
 using namespace protostar;

@@ -1,8 +1,9 @@
-// Draws a yard by the share of the sky that each point sees (a next step after §2.4).
+// Draws a yard by how free the space over each point is (a next step after §2.4).
 #include <protostar/integrators/ambient_occlusion.hpp>
 #include <protostar/render.hpp>
 
 #include "scenes/yard.hpp"
+#include "support/any_surfaces.hpp"
 #include "support/stage.hpp"
 
 using namespace protostar;
@@ -13,7 +14,7 @@ int main(int argc, char** argv) {
     const auto scene = yard();
 
     Image image = stage.image();
-    render(image, camera, scene, AmbientOcclusionIntegrator{}, stage.render_options());
+    render(image, camera, scene, AmbientOcclusionIntegrator{2}, stage.render_options());
     stage.save(image);
   });
 }

@@ -3,6 +3,7 @@
 #include <protostar/render.hpp>
 
 #include "scenes/yard.hpp"
+#include "support/any_surfaces.hpp"
 #include "support/stage.hpp"
 
 using namespace protostar;

@@ -266,13 +266,16 @@ Vec direction_out(const Vec& normal, double u, double v) {
 
 const Color white{1, 1, 1}, black{0, 0, 0};
 
+// Surfaces that are farther away than this are not in the way.
+const double farthest = 2;
+
 // The light of a white sky that comes to a point, as one direction finds it: all of it, or none.
 Color ambient_occlusion(const Ray& ray, const Sample& sample) {
   const Hit hit = closest_hit(ray);
   if (hit.t == infinity) return white;
   const Vec normal = facing(hit.normal, ray);
   const Vec direction = direction_out(normal, sample.number(2), sample.number(3));
-  return closest_hit({hit.point + epsilon * normal, direction}).t == infinity ? white : black;
+  return closest_hit({hit.point + epsilon * normal, direction}).t > farthest ? white : black;
 }
 
 // A place in a pixel: x goes from 0 at its left edge to 1 at its right edge, and y from 0 at its upper edge

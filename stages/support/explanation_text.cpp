@@ -94,6 +94,8 @@ constexpr std::array formulas{
     Formula{"color", "the color of the closest hit"},
     Formula{"depth", "1 / t of the closest hit"},
     Formula{"diffuse", "color * (ambient light + irradiance of each light)"},
+    Formula{"direct",
+            "emission + color / pi * (ambient light + irradiance of each light that nothing occludes)"},
     Formula{"normal", "0.5 * normal + 0.5"},
     Formula{"shadow", "color * (ambient light + irradiance of each light that nothing occludes)"},
     Formula{"sphere", "1 if the ray hits the sphere, otherwise 0"},
@@ -231,7 +233,9 @@ class Tree {
     std::size_t following = 0;
     std::size_t i = 0;
     for (const RayRecord& ray : record.rays)
-      if (!is_written[i++]) write(depth, ray, name_of(hit, following++));
+      if (!is_written[i++])
+        write(depth, ray,
+              options_.integrator == "direct" ? "ray to an area light" : name_of(hit, following++));
   }
 
   static std::string text_of_normal(const Vec3& outside, const Vec3& facing) {
