@@ -338,7 +338,7 @@ Color path(Ray ray, const Sample& sample) {
     light = light + weight * light_of_lamps(hit, normal, sample, which);
     weight = weight * hit.color;
     if (bounce >= sure_bounces) {  // Russian roulette
-      const double survival = std::max({weight.x, weight.y, weight.z});
+      const double survival = std::min(1.0, std::max({weight.x, weight.y, weight.z}));
       if (sample.number(which++) >= survival) return light;
       weight = 1 / survival * weight;
     }
