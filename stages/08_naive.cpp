@@ -19,7 +19,11 @@ int main(int argc, char** argv) {
     const auto radiance = [&](const Ray& ray) { return naive::transparency(naive::Ray(ray), offset); };
 
     Image image = stage.image();
-    render(image, camera, radiance, stage.render_options());
+    StageRenderOptions options = stage.render_options();
+    options.tell = [&](const Ray& ray, std::vector<std::string>& lines) {
+      naive::transparency(naive::Ray(ray), offset, naive::Story{lines});
+    };
+    render(image, camera, radiance, options);
     stage.save(image);
 
     Image exact = stage.image();

@@ -11,6 +11,9 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "scenes/three_spheres.hpp"
 
@@ -73,13 +76,66 @@ inline std::optional<Hit> closest_hit(const Ray& ray) {
   return Hit{point, dot(normal, ray.direction) <= 0 ? normal : -normal, closest->color};
 }
 
+/// Listener to the rays of a pixel, which hears nothing.
+struct Silent {
+  void operator()(const auto&...) const {}
+};
+
+/// Listener to the rays of a pixel, which writes a line for each of their steps.
+struct Story {
+  std::vector<std::string>& lines;
+
+  /// Tells of a ray and its closest hit.
+  void operator()(const Ray& ray, const std::optional<Hit>& hit) const {
+    spheres_along(ray);
+    if (hit)
+      add("  closest hit at ", words(hit->point), ", normal ", words(hit->normal), ", color ",
+          words(hit->color));
+    else
+      add("  no hit");
+  }
+
+  /// Tells of a shadow ray, in whose way is all with t < end.
+  void operator()(const Ray& ray, float end) const {
+    add("shadow ray, stopped by a hit with t < ", end);
+    spheres_along(ray);
+  }
+
+ private:
+  void spheres_along(const Ray& ray) const {
+    add("ray from ", words(ray.origin), " along ", words(ray.direction), ", in float");
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      if (const auto t = spheres[i].intersect(ray))
+        add("  sphere ", i, ": hit at t = ", *t);
+      else
+        add("  sphere ", i, ": missed");
+    }
+  }
+
+  static std::string words(const Vec& v) {
+    std::ostringstream text;
+    text.precision(9);  // tells each float from all others
+    text << '(' << v.x << ", " << v.y << ", " << v.z << ')';
+    return text.str();
+  }
+
+  void add(const auto&... parts) const {
+    std::ostringstream line;
+    line.precision(9);
+    (line << ... << parts);
+    lines.push_back(line.str());
+  }
+};
+
 /// Returns light through colored glass: the ray starts again behind every hit, pushed through the surface by
 /// the offset (Figs. 16, 19). Ten hits are the tutorial's limit; three spheres have six at most, so more are
 /// failures of the offset.
-inline Color transparency(Ray ray, float offset) {
+template <class Listener = Silent>
+Color transparency(Ray ray, float offset, const Listener& tell = {}) {
   Color light{1};
   for (int i = 0; i < 10; ++i) {
     const auto hit = closest_hit(ray);
+    tell(ray, hit);
     if (!hit) break;
     light *= hit->color;
     ray.origin = hit->point - offset * hit->normal;
@@ -89,14 +145,17 @@ inline Color transparency(Ray ray, float offset) {
 
 /// Returns diffuse light with shadows: the shadow ray starts above the surface by the offset (Fig. 20), and
 /// ends before the light by as much.
-inline Color shadow(const Ray& ray, float offset) {
+template <class Listener = Silent>
+Color shadow(const Ray& ray, float offset, const Listener& tell = {}) {
   const auto hit = closest_hit(ray);
+  tell(ray, hit);
   if (!hit) return Color{0};
   const Vec light = light_of_the_three_spheres.position;
   const Vec to_light = light - hit->point;
   const float distance = length(to_light), cosine = dot(hit->normal, to_light) / distance;
   if (!(cosine > 0)) return Color{0};
   const Ray shadow_ray{hit->point + offset * hit->normal, to_light / distance};
+  tell(shadow_ray, distance - offset);
   for (const Sphere& sphere : spheres)
     if (const auto t = sphere.intersect(shadow_ray); t && *t < distance - offset) return Color{0};
   const float intensity = 1 / (4 * std::numbers::pi_v<float>);

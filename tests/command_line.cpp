@@ -38,7 +38,8 @@ const std::vector<StageRow> all_stages {
       {"11_mirror", "whitted"}, {"12_glass", "whitted"}, {"13_whitted", "whitted"},
       {"14_primitives", "shadow"}, {"15_csg", "shadow"}, {"16_environment", "whitted"},
       {"18_antialiasing", "shadow", 16}, {"19_soft_shadows", "direct", 16}, {"20_lens", "shadow", 64},
-      {"27_normal_map", "whitted"},
+      {"21_motion", "shadow", 64}, {"23_ambient_occlusion", "ambient-occlusion", 16}, {"24_path", "path", 16},
+      {"25_cornell", "path", 8}, {"26_weekend", "path", 8}, {"27_normal_map", "whitted"},
 #if __has_include(<tiny_obj_loader.h>)  // otherwise this stage is not built
       {"17_mesh", "shadow"},
 #endif
@@ -111,6 +112,8 @@ TEST_CASE("the options --version and --help print to stdout and draw nothing") {
                            "--pixel X,Y",
                            "--explain FILE.json",
                            "--rays FILE.svg|FILE.obj",
+                           "--shard I/N|slurm|mpi",
+                           "--checkpoint FILE",
                            "--plain",
                            "--quiet",
                            "--help",

@@ -53,15 +53,15 @@ double integral_over_sky(const auto& f, int columns, int rows, int n) {
 }
 
 /// Returns light that is brighter below, and in a place between the middles of cells.
-Color spot(double u, double v) {
+Color bright_spot(double u, double v) {
   return Color{to_float(0.1 * (1 + v) + (std::abs(u - 0.3) < 0.01 && std::abs(v - 0.3) < 0.01 ? 20 : 0))};
 }
 
-const Vec3 tilted = normalize(Vec3{0.3, 0.9, -0.2});
+const Vec3 tilted_normal = normalize(Vec3{0.3, 0.9, -0.2});
 
 /// Returns an estimate of the irradiance of a tilted surface by one direction.
 Color irradiance_by(const DirectionAndDensity& drawn, const Texture& environment) {
-  const double height = dot(drawn.direction, tilted);
+  const double height = dot(drawn.direction, tilted_normal);
   if (!(height > 0)) return Color{0};
   return environment_radiance(environment, Ray{{}, drawn.direction}) * to_float(height / drawn.density);
 }
@@ -73,11 +73,12 @@ TEST_CASE("the density of directions to an environment integrates to 1, and is t
     Texture environment;
     int columns, rows;
   };
-  const auto row = GENERATE(Row{sky_with_sun(), 32, 16}, Row{sky_with_sun(5, 3), 5, 3}, Row{spot, 256, 128});
+  const auto row =
+      GENERATE(Row{sky_with_sun(), 32, 16}, Row{sky_with_sun(5, 3), 5, 3}, Row{bright_spot, 256, 128});
   const EnvironmentLight light(scene_under(row.environment));
   CHECK(!light.is_dark());
-  const double whole = integral_over_sky([&](const Vec3& d) { return light.density(tilted, d); }, row.columns,
-                                         row.rows, row.columns > 100 ? 1 : 4);
+  const double whole = integral_over_sky([&](const Vec3& d) { return light.density(tilted_normal, d); },
+                                         row.columns, row.rows, row.columns > 100 ? 1 : 4);
   CHECK(std::abs(whole - 1) < 1e-12);
 
   // Counts in cells of the image, but for those where next to nothing is expected.
@@ -93,10 +94,10 @@ TEST_CASE("the density of directions to an environment integrates to 1, and is t
   Random random(1);
   WrongCases wrong(random);
   for (int i = 0; i < count; ++i) {
-    const auto [direction, density] = light.sample(tilted, random.interior(), random.interior());
+    const auto [direction, density] = light.sample(tilted_normal, random.interior(), random.interior());
     ++counts[index(direction)];
     wrong.add(!(std::abs(length(direction) - 1) < 1e-15), direction);
-    wrong.add(!(std::abs(light.density(tilted, direction) / density - 1) < 1e-12), direction, density);
+    wrong.add(!(std::abs(light.density(tilted_normal, direction) / density - 1) < 1e-12), direction, density);
   }
   CHECK(wrong == 0);
   static_cast<void>(integral_over_sky(
@@ -104,7 +105,7 @@ TEST_CASE("the density of directions to an environment integrates to 1, and is t
         const double height = std::abs(d.y), step = std::numbers::pi / row.rows;
         const double angle = std::acos(height);
         const double area = 2 * std::sin(angle) * std::sin(step / 2) * 2 * std::numbers::pi / row.columns;
-        expected[index(d)] = count * light.density(tilted, d) * area;
+        expected[index(d)] = count * light.density(tilted_normal, d) * area;
         return 0.0;
       },
       row.columns, row.rows, 1));
@@ -128,14 +129,14 @@ TEST_CASE("each direction from which light comes has a density, and none in the 
   for (int i = 0; i < 5000; ++i) {
     const Vec3 direction = random.direction();
     const bool is_lit = !is_black(environment_radiance(environment, Ray{{}, direction}));
-    wrong.add(is_lit && !(light.density(tilted, direction) > 0), direction);
+    wrong.add(is_lit && !(light.density(tilted_normal, direction) > 0), direction);
     // A dark row takes an eighth of the light of the row above it.
-    wrong.add(direction.y < -0.3 && light.density(tilted, direction) > 0, "dark", direction);
+    wrong.add(direction.y < -0.3 && light.density(tilted_normal, direction) > 0, "dark", direction);
   }
   for (const double x : {0.0, 1e-300, -1e-17, 1e-9})
     for (const double y : {1.0, -1.0})
       for (const double z : {0.0, 1e-300, -1e-17})
-        wrong.add(!std::isfinite(light.density(tilted, {x, y, z})), x, y, z);
+        wrong.add(!std::isfinite(light.density(tilted_normal, {x, y, z})), x, y, z);
   CHECK(wrong == 0);
 }
 
@@ -152,11 +153,11 @@ TEST_CASE("a sky and an image of one color are drawn by the cosine, and a black 
        {sky, of_one_color(Color{2}), scene_under([](double, double) { return Color{2}; })}) {
     const EnvironmentLight light(scene);
     CHECK(!light.is_dark());
-    const auto [direction, density] = light.sample(tilted, 0.3, 0.6);
-    CHECK(direction == cosine_hemisphere(tilted, 0.3, 0.6).direction);
-    CHECK(density == cosine_hemisphere(tilted, 0.3, 0.6).density);
-    CHECK(std::abs(light.density(tilted, direction) / density - 1) < 1e-14);
-    CHECK(light.density(tilted, -direction) == 0);
+    const auto [direction, density] = light.sample(tilted_normal, 0.3, 0.6);
+    CHECK(direction == cosine_hemisphere(tilted_normal, 0.3, 0.6).direction);
+    CHECK(density == cosine_hemisphere(tilted_normal, 0.3, 0.6).density);
+    CHECK(std::abs(light.density(tilted_normal, direction) / density - 1) < 1e-14);
+    CHECK(light.density(tilted_normal, -direction) == 0);
   }
   CHECK(EnvironmentLight(dark).is_dark());
   CHECK(EnvironmentLight(black).is_dark());
@@ -164,7 +165,7 @@ TEST_CASE("a sky and an image of one color are drawn by the cosine, and a black 
   // Where a function is looked at it may be black, and bright elsewhere.
   const EnvironmentLight hidden(scene_under([](double u, double) { return Color{u == 0.1 ? 1.0f : 0.0f}; }));
   CHECK(!hidden.is_dark());
-  CHECK(std::abs(hidden.density(tilted, tilted) / uniform_sphere_density - 1) < 1e-12);
+  CHECK(std::abs(hidden.density(tilted_normal, tilted_normal) / uniform_sphere_density - 1) < 1e-12);
 }
 
 TEST_CASE("the irradiance by a sky is π times its radiance, without noise") {
@@ -173,8 +174,8 @@ TEST_CASE("the irradiance by a sky is π times its radiance, without noise") {
   const EnvironmentLight light(scene);
   Random random(3);
   for (int i = 0; i < 100; ++i) {
-    const auto [direction, density] = light.sample(tilted, random.interior(), random.interior());
-    CHECK(std::abs(dot(direction, tilted) / density / std::numbers::pi - 1) < 1e-7);
+    const auto [direction, density] = light.sample(tilted_normal, random.interior(), random.interior());
+    CHECK(std::abs(dot(direction, tilted_normal) / density / std::numbers::pi - 1) < 1e-7);
   }
 }
 
@@ -186,11 +187,11 @@ TEST_CASE(
     int columns, rows, steps;
     double gain;  ///< least ratio of the variances
   };
-  const auto row = GENERATE(Row{sky_with_sun(), 32, 16, 16, 100}, Row{spot, 500, 500, 1, 4});
+  const auto row = GENERATE(Row{sky_with_sun(), 32, 16, 16, 100}, Row{bright_spot, 500, 500, 1, 4});
   const EnvironmentLight light(scene_under(row.environment));
   const double truth = integral_over_sky(
       [&](const Vec3& d) {
-        const double height = dot(d, tilted);
+        const double height = dot(d, tilted_normal);
         return height > 0 ? height * environment_radiance(row.environment, Ray{{}, d}).g : 0;
       },
       row.columns, row.rows, row.steps);
@@ -201,9 +202,10 @@ TEST_CASE(
         Ray{},
         [&](const auto& sampler) {
           const SampleSet<double> numbers = sampler(1);
-          const Color by_light = irradiance_by(light.sample(tilted, numbers[0], numbers[1]), row.environment);
+          const Color by_light =
+              irradiance_by(light.sample(tilted_normal, numbers[0], numbers[1]), row.environment);
           const Color by_cosine =
-              irradiance_by(cosine_hemisphere(tilted, numbers[0], numbers[1]), row.environment);
+              irradiance_by(cosine_hemisphere(tilted_normal, numbers[0], numbers[1]), row.environment);
           square += (by_light.g - truth) * (by_light.g - truth);
           square_of_cosine += (by_cosine.g - truth) * (by_cosine.g - truth);
           return by_light;

@@ -30,7 +30,7 @@ const std::vector<std::string> explaining_stages {
   "01_gradient", "02_sphere", "03_scene", "04_depth", "05_normal", "06_color", "07_diffuse", "08_naive",
       "08_transparency", "09_naive", "09_shadow", "10_phong", "11_mirror", "12_glass", "13_whitted",
       "14_primitives", "15_csg", "16_environment", "18_antialiasing", "19_soft_shadows", "20_lens",
-      "27_normal_map",
+      "21_motion", "23_ambient_occlusion", "24_path", "25_cornell", "26_weekend", "27_normal_map",
 #if __has_include(<tiny_obj_loader.h>)  // otherwise this stage is not built
       "17_mesh",
 #endif
@@ -95,6 +95,30 @@ TEST_CASE("the option --pixel tells for every stage why a pixel has the codes th
   const TemporaryFolder folder;
   compare(picture, [&](const std::string& of_pixel) { return run_stage(name, size + of_pixel, folder); });
   CHECK(folder.count() == 0);
+}
+
+TEST_CASE(
+    "the option --pixel tells of the rays of a naive stage, and of a surface that hides the light from "
+    "itself") {
+  const TemporaryFolder folder;
+  // A ray that starts on the surface itself hits it again in many pixels of the ground, at a t near 0.
+  int near = 0;
+  for (int x = 0; x < 40; ++x) {
+    const Outcome outcome =
+        run_stage("09_naive", "--size 64x48 --offset 0 --pixel " + std::to_string(x) + ",40", folder);
+    REQUIRE(outcome.status == 0);
+    CHECK_THAT(outcome.out, ContainsSubstring("\n      ray from (0, 0, 0) along ") &&
+                                ContainsSubstring("\n        closest hit at ("));
+    const std::size_t shadow = outcome.out.find("shadow ray, stopped by a hit with t < ");
+    REQUIRE(shadow != std::string::npos);
+    const std::string found = ": hit at t = ";
+    const std::size_t at = outcome.out.find(found, shadow);
+    if (at != std::string::npos && std::stod(outcome.out.substr(at + found.size())) < 0.01) {
+      ++near;
+      CHECK(codes_of(outcome.out) == Codes{0, 0, 0});
+    }
+  }
+  CHECK(near > 0);
 }
 
 #if __has_include(<nlohmann/json.hpp>)

@@ -86,7 +86,7 @@ PathIntegrator one_bounce(const Scene<S...>& scene) {
   return path;
 }
 
-Material glow(float light) { return {.emission = Color{light}}; }
+Material glowing(float light) { return {.emission = Color{light}}; }
 
 }  // namespace
 
@@ -128,11 +128,230 @@ TEST_CASE("a glossy floor reflects a lamp as quadrature says, large or small, by
   const Material material = metal(row.roughness, row.matte_part);
   Scene<Plane, Sphere> scene;
   scene.add(Plane{{0, 1, 0}, 0}, material);
-  scene.add(Sphere{row.center, row.radius}, glow(3));
+  scene.add(Sphere{row.center, row.radius}, glowing(3));
   const double sine = row.radius / length(row.center);
   const auto truth = [&](const Floor& floor) {
     return 3 * floor.light_of_cone(normalize(row.center), std::sqrt(1 - sine * sine));
   };
   compare_floor(DirectIntegrator(scene), scene, material, truth);
   compare_floor(one_bounce(scene), scene, material, truth);
+}
+
+TEST_CASE(
+    "rays to lights, directions of the lobe, and both have the same mean, and both are near the better of "
+    "the two") {
+  const double roughness = GENERATE(0.2, 0.5);
+  const Material material = metal(roughness);
+  Scene<Plane, Sphere> scene;
+  scene.add(Plane{{0, 1, 0}, 0}, material);
+  const Point center{-3, 4, 0};
+  scene.add(Sphere{center, 2}, glowing(3));
+  const DirectIntegrator direct(scene);
+  const Floor floor{material, views[0]};
+  const double truth = 3 * floor.light_of_cone(normalize(center), std::sqrt(1 - 4.0 / 25), 400);
+  const Ray ray{0.01 * views[0], -views[0]};
+  const auto hit = scene.intersect(ray, Interval{});
+  const GlossyLobeAt lobe(Vertex(*hit), material);
+  const SphereView lamp(hit->point(), center, 2);
+  LightTruth by_light, by_lobe, by_both;
+  for (int i = 0; i < 4; ++i) {
+    by_light.compare(
+        ray,
+        [&](const auto& sampler) {
+          const SampleSet<double> numbers = sampler(1);
+          const LightSample drawn = lamp.sample(numbers[0], numbers[1]);
+          return 3.0f * times(lobe.reflection(drawn.direction), 1 / drawn.density);
+        },
+        truth, 32);
+    by_lobe.compare(
+        ray,
+        [&](const auto& sampler) {
+          const SampleSet<double> numbers = sampler(1);
+          const auto drawn = lobe.sample(numbers[2], numbers[3]);
+          const auto seen = drawn ? scene.intersect(hit->leave(drawn->direction)) : std::nullopt;
+          return seen ? drawn->weight * seen->material().emission : Color{0};
+        },
+        truth, 32);
+    by_both.compare(
+        ray, [&](const auto& sampler) { return direct.shade(*hit, scene, sampler); }, truth, 32);
+  }
+  CHECK(by_light.wrong == 0);
+  CHECK(by_lobe.wrong == 0);
+  CHECK(by_both.wrong == 0);
+  CAPTURE(by_light.variance, by_lobe.variance, by_both.variance);
+  CHECK(by_both.variance < 1.5 * std::min(by_light.variance, by_lobe.variance));
+  CHECK(by_both.variance < std::max(by_light.variance, by_lobe.variance));
+}
+
+TEST_CASE(
+    "a glossy floor reflects lamps of all kinds, more of them than rays, and others that are no area "
+    "lights") {
+  const Material material = metal(0.4, 0.25f);
+  Scene<Plane, Sphere, AnySurface> scene;
+  scene.add(Plane{{0, 1, 0}, 0}, material);
+  // Spheres in a row, which do not hide each other from the origin.
+  double expected_0 = 0, expected_1 = 0;
+  for (int i = 0; i < 5; ++i) {
+    const Point center{-8.0 + 4 * i, 6, -0.8};  // one of them in the mirror direction of a view
+    const float light = 1 + 2 * static_cast<float>(i);
+    scene.add(Sphere{center, 1}, glowing(light));
+    const double s = 1 / length(center);
+    expected_0 +=
+        light * Floor{material, views[0]}.light_of_cone(normalize(center), std::sqrt(1 - s * s), 60);
+    expected_1 +=
+        light * Floor{material, views[1]}.light_of_cone(normalize(center), std::sqrt(1 - s * s), 60);
+  }
+  const auto truth = [&](const Floor& floor) { return floor.view == views[0] ? expected_0 : expected_1; };
+  for (const int rays : {1, 3, 16}) {
+    CAPTURE(rays);
+    DirectIntegrator direct(scene);
+    direct.most_rays = rays;
+    compare_floor(direct, scene, material, truth, 64);
+  }
+  compare_floor(one_bounce(scene), scene, material, truth, 64);
+}
+
+TEST_CASE("a glossy floor reflects a mesh as a lamp like the sphere that it stands for") {
+  // A closed mesh of a sphere with more and more triangles; its light differs from the sphere's by 2 %.
+  const Material material = metal(0.6);
+  Scene<Plane, AnySurface> scene;
+  scene.add(Plane{{0, 1, 0}, 0}, material);
+  const Point center{-2, 3, 0};
+  scene.add(AnySurface(Mesh(meshes::moved(meshes::icosphere(3), 1, center))), glowing(3));
+  const double s = 1 / length(center);
+  for (const Vec3& view : views) {
+    const double sphere = 3 * Floor{material, view}.light_of_cone(normalize(center), std::sqrt(1 - s * s));
+    const Ray ray{0.01 * view, -view};
+    const auto hit = scene.intersect(ray, Interval{});
+    double sum = 0;
+    const DirectIntegrator direct(scene);
+    constexpr std::uint32_t samples = 512;
+    for (std::uint32_t i = 0; i < samples; ++i)
+      sum += direct.shade(*hit, scene, SobolSampler({.seed = 1, .sample = i, .samples = samples})).g;
+    CHECK(std::abs(sum / samples / sphere - 1) < 0.04);
+  }
+}
+
+TEST_CASE("a glossy floor reflects a light at a point by its lobe's value, and nothing that is occluded") {
+  const Material material = metal(0.4);
+  Scene<Plane, Sphere> scene;
+  scene.add(Plane{{0, 1, 0}, 0}, material);
+  const Point lamp{-2, 3, 0.5};
+  scene.add(ConstantLight{lamp, Color{3}});
+  const Ray ray{0.01 * views[0], -views[0]};
+  const SobolSampler sampler(SampleIndex{});
+  const double expected = 3 * Floor{material, views[0]}.reflection(normalize(lamp));
+  const auto check = [&](double light) {
+    const auto hit = scene.intersect(ray, Interval{});
+    CHECK(std::abs(DirectIntegrator(scene).shade(*hit, scene, sampler).g - light) < 1e-6 * expected);
+    CHECK(std::abs(one_bounce(scene).shade(*hit, scene, sampler).g - light) < 1e-6 * expected);
+  };
+  check(expected);
+  scene.add(Sphere{0.5 * lamp, 0.1}, Color{0.5f});
+  check(0);
+}
+
+TEST_CASE("paths find a small sun in an environment, on glossy and on matte floors, with lamps and without") {
+  Image image(16, 8);
+  for (int i = 0; i < 16 * 8; ++i) image(i % 16, i / 16) = Color{0.25f + 0.05f * static_cast<float>(i % 5)};
+  image(4, 2) = Color{40};
+  const EnvironmentImage environment{std::make_shared<const Image>(image)};
+  const auto row = GENERATE(std::pair{0.4, 0.0f}, std::pair{0.8, 0.5f});
+  const auto has_lamp = GENERATE(false, true);
+  CAPTURE(row.first, has_lamp);
+  const Material material = metal(row.first, row.second);
+  Scene<Plane, Sphere> scene;
+  scene.add(Plane{{0, 1, 0}, 0}, material);
+  scene.set_environment(environment);
+  const Point center{3, 3, 1};
+  if (has_lamp) scene.add(Sphere{center, 1}, glowing(3));
+  const double s = 1 / length(center), cosine = std::sqrt(1 - s * s);
+  const auto truth = [&](const Floor& floor) {
+    constexpr int w = 480, h = 240;
+    double sum = has_lamp ? 3 * floor.light_of_cone(normalize(center), cosine) : 0;
+    for (int y = 0; y < h / 2; ++y)
+      for (int x = 0; x < w; ++x) {
+        const double angle = std::numbers::pi * (y + 0.5) / h,
+                     turn = 2 * std::numbers::pi * ((x + 0.5) / w - 0.5);
+        const Vec3 d{std::sin(angle) * std::sin(turn), std::cos(angle), std::sin(angle) * std::cos(turn)};
+        if (has_lamp && dot(d, normalize(center)) > cosine) continue;
+        sum += std::sin(angle) * std::numbers::pi / h * 2 * std::numbers::pi / w * floor.reflection(d) *
+               environment((x + 0.5) / w, (y + 0.5) / h).g;
+      }
+    return sum;
+  };
+  compare_floor(one_bounce(scene), scene, material, truth, 16);
+}
+
+TEST_CASE("a glossy surface in a furnace sends out as much as it receives if it is smooth and white") {
+  Scene<Sphere> scene;
+  scene.add(Sphere{{0, 0, 0}, 1}, Material{.emission = Color{1}, .glossy = Color{1}, .roughness = 0});
+  PathIntegrator path(scene);
+  for (const int depth : {0, 1, 3}) {
+    path.depth = depth;
+    LightTruth light;
+    const Ray ray{{0.1, 0.2, 0}, normalize(Vec3{1, 2, 3})};
+    const auto hit = scene.intersect(ray, Interval{});
+    light.compare(
+        ray, [&](const auto& sampler) { return path.shade(*hit, scene, sampler); }, 1.0 + depth, 8);
+    CHECK(light.wrong == 0);
+  }
+}
+
+TEST_CASE(
+    "a picture of glossy surfaces has the same bytes by tiles, by any number of threads and with a tree") {
+  Scene<Plane, Sphere, AnySurface> scene;
+  scene.add(Plane{{0, 1, 0}, -1}, metal(0.3, 0.2f));
+  scene.add(Sphere{{0, 0, 4}, 0.7}, metal(0));
+  scene.add(Sphere{{-1.5, 1, 4}, 0.4}, glowing(3));
+  scene.add(AnySurface(Parallelogram{{1, 1, 3}, {1, 0, 0}, {0, 0.3, 1}}), glowing(2));
+  scene.set_environment([](double u, double v) { return Color{Vec3{u, v, 0.5}}; });
+  const auto camera = Camera::perspective({}, {0, 0, 1}, {0, 1, 0}, 70);
+  const auto check = [&](const auto& integrator) {
+    RenderOptions options;
+    options.samples = 2;
+    Image tiled(48, 40), fast(48, 40), plain(48, 40);
+    render(tiled, camera, scene, integrator, options);
+    options.threads = 3;
+    render(fast, camera, accelerate(scene), integrator, options);
+    options.tiles = false;
+    render(plain, camera, scene, integrator, options);
+    CHECK(different_pixels(plain, tiled) == 0);
+    CHECK(different_pixels(plain, fast) == 0);
+    CHECK(count_pixels(plain, [&](int x, int y) { return x > 0 && plain(x, y) != plain(x - 1, y); }) > 1000);
+  };
+  check(DirectIntegrator(scene));
+  check(PathIntegrator(scene));
+}
+
+TEST_CASE("beside a tilted normal a glossy lobe leads out of the surface, and away from it keeps its shape") {
+  const NormalMap map([](double u, double v) { return Vec3{2 * std::sin(9 * u), 2 * std::cos(7 * v), 1}; });
+  Material material = metal(0.5);
+  material.normal_map = map;
+  Scene<Plane> scene;
+  scene.add(Plane{{0, 1, 0}, 0}, material);
+  Random random(6);
+  WrongCases wrong(random);
+  int facing_away = 0, into_surface = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 view = normalize(Vec3{random.real(-1, 1), random.real(0.01, 1), random.real(-1, 1)});
+    const Point at{random.real(-3, 3), 0, random.real(-3, 3)};
+    const auto hit = scene.intersect({at + view, -view}, Interval{});
+    REQUIRE(hit);
+    const Vertex vertex(*hit);
+    const GlossyLobeAt lobe(vertex, material);
+    facing_away += dot(vertex.normals.shading, view) < 0;
+    const Vec3 below = random.direction();
+    wrong.add(below.y <= 0 && lobe.reflection(below) != Color{0}, "from below", view, below);
+    const auto drawn = lobe.sample(random.interior(), random.interior());
+    into_surface += !drawn;
+    if (!drawn) continue;
+    wrong.add(!(drawn->direction.y > 0), "into the surface", view, drawn->direction);
+    wrong.add(!(std::abs(lobe.density(drawn->direction) / drawn->density - 1) < 1e-9), "density", view);
+    const double weight = lobe.reflection(drawn->direction).g / drawn->density;
+    wrong.add(!(std::abs(weight / drawn->weight.g - 1) < 1e-5), "weight", view, weight, drawn->weight.g);
+  }
+  CHECK(wrong == 0);
+  CHECK(facing_away > 100);
+  CHECK(into_surface > 100);
 }

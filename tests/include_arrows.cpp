@@ -49,6 +49,7 @@ const std::set<std::string> on_demand = {
     "environment_image.hpp",
     "environment_light.hpp",
     "integrators/ambient_occlusion.hpp",
+    "surfaces/moving.hpp",
     "integrators/direct.hpp",
     "light_at_hit.hpp",
     "integrators/path.hpp",

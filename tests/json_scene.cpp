@@ -65,9 +65,10 @@ TEST_CASE("a scene file needs a resolution, a camera and objects; all else has a
 }
 
 TEST_CASE("a scene file may have an error in the place of samples") {
-  CHECK(scene_of_text(patched(R"({"op": "test", "path": "/settings/resolution-x", "value": 8})")).error == 0);
-  const SceneFile file = scene_of_text(patched(R"({"op": "add", "path": "/settings/error", "value": 0.25},
-                 {"op": "add", "path": "/settings/sampler", "value": "independent"})"));
+  CHECK(scene_of_text(scene_of_everything).error == 0);
+  const SceneFile file = scene_of_text(patched(R"({"op": "remove", "path": "/settings/samples"},
+                 {"op": "add", "path": "/settings/error", "value": 0.25},
+                 {"op": "replace", "path": "/settings/sampler", "value": "independent"})"));
   CHECK(file.error == 0.25);
   CHECK(file.samples == 0);
 }
@@ -178,6 +179,30 @@ TEST_CASE("the camera of a scene file may have a lens, and one of aperture 0 is 
   };
   CHECK(same_camera(with_lens("0.25"), Camera::thin_lens({1, 2, 3}, {0, 0, 1}, {0, 1, 0}, 50, 0.25, 4)));
   CHECK(with_lens("0").is_pinhole());
+}
+
+TEST_CASE("surfaces of a scene file may move while the camera's shutter is open") {
+  const auto hit_at = [](const std::string& shutter, double time) {
+    const SceneFile file =
+        scene_of_text(patched(R"({"op": "add", "path": "/camera/shutter", "value": )" + shutter + R"(},
+           {"op": "replace", "path": "/objects", "value": [{"surface": {"type": "instance", "surface":
+              {"type": "sphere", "position": [0, 0, 0], "radius": 1}, "translate": [0, 0, 5],
+              "velocity": [0, 0, 2]}, "color": [1, 1, 1]}]})"));
+    return file.scene.intersect(Ray{.time = time}, Interval{}).value().t;
+  };
+  CHECK(hit_at("[0, 1]", 0) == 4);
+  CHECK(hit_at("[0, 1]", 0.5) == 5);
+  CHECK(hit_at("[0, 1]", 7) == 6);
+  CHECK(hit_at("[2, 3]", 2.5) == 9);
+  CHECK(hit_at("[-1, -1]", 0) == 2);
+  CHECK(scene_of_text(patched(R"({"op": "add", "path": "/camera/shutter", "value": [0.25, 0.5]})"))
+            .camera.shutter == Shutter{0.25, 0.5});
+  CHECK(scene_of_text(smallest_scene).camera.shutter == Shutter{});
+  CHECK(scene_error(patched(R"({"op": "replace", "path": "/objects/0/surface", "value": {"type": "instance",
+          "surface": {"type": "sphere", "position": [0, 0, 0], "radius": 1, "velocity": [1, 0, 0]},
+          "translate": [0, 0, 5]}})")) ==
+        "scene.json: /objects/0/surface/surface/velocity: [1,0,0] is not possible in a part of another "
+        "surface: it is the whole surface that moves");
 }
 
 TEST_CASE("a scene file may have one of three kinds of cameras") {

@@ -69,6 +69,12 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
   const auto surface_row = [](const std::string& surface, const std::string& error) {
     return Row{replacing("/objects/2/surface", surface), "/objects/2/surface" + error};
   };
+  // Takes the samples away, and sets an error.
+  const auto error_setting = [](const std::string& value) {
+    return patched(R"({"op": "remove", "path": "/settings/samples"},
+                      {"op": "add", "path": "/settings/error", "value": )" +
+                   value + "}");
+  };
   const std::string settings_keys =
       "resolution-x, resolution-y, samples, error, sampler, filter, seed, depth, integrator, transfer, tone "
       "and exposure";
@@ -91,15 +97,12 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       not_allowed("/settings/samples", "-1", samples),
       not_allowed("/settings/samples", "65537", samples),
       not_allowed("/settings/samples", "true", samples),
-      not_allowed("/settings/error", "0", "a number greater than 0"),
-      not_allowed("/settings/error", "\"1\"", "a number greater than 0"),
-      {patched(R"({"op": "add", "path": "/settings/samples", "value": 4},
-                  {"op": "add", "path": "/settings/error", "value": 0.5})"),
-       "/settings/error: 0.5 is not possible beside samples"},
-      {patched(R"({"op": "add", "path": "/settings/sampler", "value": "hammersley"},
-                  {"op": "add", "path": "/settings/error", "value": 0.5})"),
-       "/settings/sampler: \"hammersley\" is not independent, halton or sobol, which can tell the error that "
-       "the settings ask for"},
+      {error_setting("0"), "/settings/error: 0 is not a number greater than 0"},
+      {error_setting("\"1\""), "/settings/error: \"1\" is not a number greater than 0"},
+      {scene_with("/settings/error", "0.5"), "/settings/error: 0.5 is not possible beside samples"},
+      {error_setting("0.5"),
+       "/settings/sampler: \"stratified\" is not independent, halton or sobol, which can "
+       "tell the error that the settings ask for"},
       not_allowed("/settings/sampler", R"("random")",
                   "\"independent\", \"stratified\", \"halton\", \"sobol\" or \"hammersley\""),
       not_allowed("/settings/filter", "3",
@@ -127,9 +130,11 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       not_allowed("/world/sky/0", "1e+39", factor),
       missing("/camera", "an object"),
       unknown("/camera/fov",
-              "projection, position, direction, upward, field-of-view, focal-length, aperture and focus"),
+              "projection, position, direction, upward, field-of-view, focal-length, aperture, focus and "
+              "shutter"),
       unknown("/camera/ortho-scale",
-              "projection, position, direction, upward, field-of-view, focal-length, aperture and focus"),
+              "projection, position, direction, upward, field-of-view, focal-length, aperture, focus and "
+              "shutter"),
       missing("/camera/projection", R"("perspective" or "orthographic")"),
       not_allowed("/camera/projection", "\"fisheye\"", R"("perspective" or "orthographic")"),
       missing("/camera/position", vector),
@@ -153,7 +158,7 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       missing("/objects/0/surface", "an object"),
       missing("/objects/0/surface/type", types),
       not_allowed("/objects/0/surface/type", "\"cube\"", types),
-      unknown("/objects/0/surface/center", "type, position and radius"),
+      unknown("/objects/0/surface/center", "type, position, radius and velocity"),
       missing("/objects/0/surface/position", vector),
       missing("/objects/0/surface/radius", above_0),
       not_allowed("/objects/0/surface/radius", "0", above_0),
@@ -161,7 +166,7 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       not_allowed("/objects/0/surface/radius", "\"1\"", above_0),
       not_allowed("/objects/1/surface/normal", "[0,0,0]", direction),
       missing("/objects/1/surface/distance", number),
-      unknown("/objects/1/surface/radius", "type, normal and distance"),
+      unknown("/objects/1/surface/radius", "type, normal, distance and velocity"),
       missing("/objects/2/surface/edges", "an array of two vectors"),
       not_allowed("/objects/2/surface/edges", "[[1,0,0]]", "an array of two vectors"),
       not_allowed("/objects/2/surface/edges/1", "[1,0]", vector),
@@ -271,6 +276,15 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       {scene_with("/camera/focal-length", "1"),
        "/camera/focal-length: 1 is not possible beside a field-of-view"},
       missing("/camera/field-of-view", view_angle + ", and there is no focal-length"),
+      {scene_with("/camera/shutter", "[1, 0.5]"),
+       "/camera/shutter: [1,0.5] is not an array of two times, of which the second is not before the first"},
+      {scene_with("/camera/shutter", "1"), "/camera/shutter: 1 is not an array of two times"},
+      {scene_with("/camera/shutter", "[0, 1e121]"), "/camera/shutter/1: 1e+121 is not a number " + most},
+      {scene_with("/camera/shutter", "[0, \"end\"]"), "/camera/shutter/1: \"end\" is not a number"},
+      {scene_with("/objects/0/surface/velocity", "[0, 1e121, 0]"),
+       "/objects/0/surface/velocity: [0,1e+121,0] is not " + place},
+      {scene_with("/objects/0/surface/velocity", "3"),
+       "/objects/0/surface/velocity: 3 is not a vector, an array of three numbers"},
       {scene_with("/camera/aperture", "-0.5"), "/camera/aperture: -0.5 is not a number from 0 to 1e100"},
       {scene_with("/camera/aperture", "\"wide\""),
        "/camera/aperture: \"wide\" is not a number from 0 to 1e100"},
@@ -448,7 +462,7 @@ TEST_CASE("an error in a nested surface of a scene file is reported with its pla
   says(R"({"type":"csg","surfaces":[]})",
        R"(/operation: nothing is not "union", "intersection" or "difference")");
   says(R"({"type":"csg","operands":[]})",
-       "/operands: is not a key here; allowed are type, operation and surfaces");
+       "/operands: is not a key here; allowed are type, operation, surfaces and velocity");
 
   const auto instance = [](const std::string& placement) {
     return R"({"type":"instance","surface":)" + ball_in_json + "," + placement + "}";
@@ -458,9 +472,9 @@ TEST_CASE("an error in a nested surface of a scene file is reported with its pla
       " is not possible: it takes space to a plane or less, or beyond the range of double";
   says(R"({"type":"instance"})", "/surface: nothing is not an object");
   says(instance(R"("shear":1)"),
-       "/shear: is not a key here; allowed are type, surface, scale, rotate and translate");
+       "/shear: is not a key here; allowed are type, surface, scale, rotate, translate and velocity");
   says(instance(R"("matrix":[],"scale":1)"),
-       "/scale: is not a key here; allowed are type, surface and matrix");
+       "/scale: is not a key here; allowed are type, surface, matrix and velocity");
   says(instance(R"("matrix":[])"), "/matrix: [] is not an array of three rows");
   says(instance(R"("matrix":[[1,0,0,0],[0,1,0],[0,0,1,0]])"),
        "/matrix/1: [0,1,0] is not a row, an array of four numbers");

@@ -239,7 +239,8 @@ TEST_CASE(
   CHECK_THAT(error(R"(, "scale": 8e119, "position": [1e120, 0, 0])"),
              ContainsSubstring("/objects/2/surface/position: [1e+120,0,0] is not one that leaves the "
                                "numbers of all vertices at most 2^400"));
-  CHECK_THAT(error(R"(, "smooth": true)"), ContainsSubstring("allowed are type, file, position and scale"));
+  CHECK_THAT(error(R"(, "smooth": true)"),
+             ContainsSubstring("allowed are type, file, position, scale and velocity"));
   put_bytes(folder / "a.obj", "v 0 0 1\nf 1 2 3\n");
   CHECK_THAT(error(""), ContainsSubstring(R"(/objects/2/surface/file: "a.obj" is not possible: )" +
                                           (folder / "a.obj").string() +

@@ -122,6 +122,18 @@ TEST_CASE("functions of a ray draw films too") {
   CHECK(different_bytes(film.mean(), image) == 0);
 }
 
+TEST_CASE("a generic function of a ray and a scene draws films and images") {
+  const auto scene = scene_of_films();
+  const auto normals = [](const Ray& ray, const auto& traced) {
+    return NormalIntegrator{}.radiance(ray, traced);
+  };
+  Film film(Tile{0, 0, 20, 15});
+  add_samples(film, {0, 4}, Camera{}, scene, normals);
+  Image image(20, 15);
+  render(image, Camera{}, scene, normals, {.samples = 4});
+  CHECK(different_bytes(film.mean(), image) == 0);
+}
+
 TEST_CASE("light is clamped sample by sample") {
   const auto light = [](const Ray&, const PixelSampler& sampler) {
     return sampler.index().sample % 2 == 0 ? Color{3, -1, std::numeric_limits<float>::quiet_NaN()}

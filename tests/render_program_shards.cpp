@@ -110,9 +110,10 @@ TEST_CASE("merge refuses shards of a scene file that was changed, or with a file
   draw("1", "--clamp 0.5");
   check_refused("scene 'files ");
 
+  put_bytes(folder / "spheres.json", bytes_of(scene_path("three_spheres")));
   const Outcome piped =
       run({.program = "/bin/sh",
-           .arguments = {"-c", "cat scene.json | '" PROTOSTAR_BINARY_DIR
+           .arguments = {"-c", "cat spheres.json | '" PROTOSTAR_BINARY_DIR
                                "/stages/render' /dev/stdin --samples 4 --shard 0/2 -o a.shard"},
            .folder = folder / ""});
   CHECK(piped.status == 1);

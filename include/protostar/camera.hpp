@@ -11,6 +11,7 @@
 #include "numeric/scale.hpp"
 #include "numeric/trigonometry.hpp"
 #include "ray.hpp"
+#include "shutter.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -52,6 +53,7 @@ struct Camera {
   Vec3 film_up{0};
   double aperture = 0;  ///< radius of the lens; 0: none
   double focus = 1;     ///< distance of what is in focus, in lengths of forward
+  Shutter shutter{};    ///< times of the rays of a pixel; the camera itself does not move
 
   /// Largest cosine between the arguments direction and upward of a camera, which should be orthogonal. It is
   /// the allowance of scene files, for directions written in decimals; it shears the picture by less than a
@@ -165,6 +167,14 @@ struct Camera {
     return camera;
   }
 
+  /// Returns this camera with rays at times from one to another, at which they meet moving surfaces. Throws
+  /// std::invalid_argument as Shutter::validate does.
+  [[nodiscard]] Camera with_shutter(double opens, double closes) const {
+    Camera camera = *this;
+    camera.shutter = {opens, closes};
+    return valid(camera);
+  }
+
   /// Returns the camera whose picture is the mirror image of this one's, left and right exchanged. For the
   /// result of perspective, sensor, viewport or orthographic, this is the camera for a scene in right-handed
   /// coordinates.
@@ -230,7 +240,7 @@ struct Camera {
   /// forward if right and up are both 0. They do not span space if the length of one is not between 2^-400
   /// and 2^400 (about 10^±120), if two are parallel, or if all lie in a plane. Film vectors must always be
   /// shorter than 2^400. Neither an aperture nor its quotient by focus may be above that, focus must be above
-  /// 0, and a camera with a lens has no film.
+  /// 0, and a camera with a lens has no film. The shutter must not close before it opens.
   [[gnu::cold]] void validate() const {
     for (const Vec3& v : {position, right, up, forward, film_right, film_up})
       if (!is_finite(v))
@@ -251,6 +261,7 @@ struct Camera {
       refuse("Camera: focus must be finite and greater than 0; it is ", focus);
     if (!(aperture / focus <= 0x1p400))
       refuse("Camera: aperture / focus must be at most 2^400; focus is ", focus);
+    shutter.validate("Camera");
     if (has_lens() && has_film())
       throw std::invalid_argument(
           "Camera: a lens needs rays that start at one point, so film_right and film_up must be 0");

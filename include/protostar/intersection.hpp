@@ -26,6 +26,9 @@ struct Crossing {
 /// Table of functions for a surface whose type is erased; their first argument is the surface, which
 /// Departure::in_scene names. surface.hpp has one such table for each type.
 struct SurfaceFunctions {
+  /// Returns the point of a moving surface that is at a place at a time, where it was made; the other
+  /// functions take that. Null for surfaces that do not move.
+  Point (*at_rest)(const void* surface, const Point& point, double time);
   Vec3 (*normal_at)(const void* surface, const Point& point, int part);
   Uv (*uv_at)(const void* surface, const Point& point, int part);
   Tangents (*tangents_at)(const void* surface, const Point& point, int part);
@@ -104,14 +107,16 @@ class Intersection {
   [[nodiscard]] const Vec3& direction() const { return ray_.direction; }
 
   /// Returns the surface's own unit normal, on the side that the surface calls its outside (§2.3.1).
-  [[nodiscard]] Vec3 surface_normal() const { return on_.functions->normal_at(on_.surface, point(), part()); }
+  [[nodiscard]] Vec3 surface_normal() const {
+    return on_.functions->normal_at(on_.surface, at_rest(), part());
+  }
 
   /// Returns the surface's own normal and the shading normal, which the material's normal map tilts, on the
   /// surface's outside; or on the side that the ray comes from, as surfaces are two-sided (§2.3.2).
   [[nodiscard]] Normals<Vec3> normals() const {
     const Vec3 n = surface_normal();
     if (!material().normal_map) return {n, n};
-    return {n, mapped_normal(material().normal_map, on_.surface, *on_.functions, point(), part(), n), true};
+    return {n, mapped_normal(material().normal_map, on_.surface, *on_.functions, at_rest(), part(), n), true};
   }
   [[nodiscard]] Normals<Vec3> facing_normals() const { return normals().facing(ray_.direction); }
 
@@ -139,7 +144,12 @@ class Intersection {
   [[nodiscard]] const Material& material() const { return *on_.material; }
 
   /// Returns the surface coordinates u and v; 0 and 0 on a surface that has none.
-  [[nodiscard]] Uv uv() const { return on_.functions->uv_at(on_.surface, point(), part()); }
+  [[nodiscard]] Uv uv() const { return on_.functions->uv_at(on_.surface, at_rest(), part()); }
+
+  /// Returns the directions of these coordinates; 0 and 0 on a surface that does not know them.
+  [[nodiscard]] Tangents tangents() const {
+    return on_.functions->tangents_at(on_.surface, at_rest(), part());
+  }
 
   /// Returns the surface's color here: its material's texture at (u, v), or the diffuse color if there is
   /// none.
@@ -152,7 +162,10 @@ class Intersection {
   /// Returns the ray from here in a direction of any length. Its departure keeps it from hitting the surface
   /// again at its origin; there is no offset.
   [[nodiscard]] Ray leave(const Vec3& direction) const {
-    return {point(), direction, on_.functions->departure(on_.surface, part())};
+    return {.origin = point(),
+            .direction = direction,
+            .departure = on_.functions->departure(on_.surface, part()),
+            .time = ray_.time};
   }
 
   /// Returns t to 1 ulp, for a surface that knows its exact roots, as those of the library do; otherwise t as
@@ -167,6 +180,12 @@ class Intersection {
   [[nodiscard]] bool operator<(const Intersection& other) const { return precedes(ray_, on_, other.on_); }
 
  private:
+  /// Returns the point as the surface's functions take it.
+  [[nodiscard]] Point at_rest() const {
+    return on_.functions->at_rest == nullptr ? point()
+                                             : on_.functions->at_rest(on_.surface, point(), ray_.time);
+  }
+
   Ray ray_;
   SurfaceCrossing on_;
 };

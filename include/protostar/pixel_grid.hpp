@@ -34,8 +34,9 @@ struct SampleRange {
 ///
 /// The place of a sample is where the filter takes the first two numbers of the sampler's set 0, and its
 /// point of the lens is where the concentric map takes the other two. These belong to the pixel of the whole
-/// picture, so that a part of it has the same numbers. If no number of samples is given, the only ray passes
-/// the centers of the pixel and of the lens, so that its picture is a pinhole's.
+/// picture, so that a part of it has the same numbers. Its time is by the first number of set_of_time. If no
+/// number of samples is given, the only ray passes the centers of the pixel and of the lens, so that its
+/// picture is a pinhole's, halfway through the shutter's time.
 class PixelGrid {
  public:
   /// Takes the sampler of the options, or `otherwise` if they have none, and all samples, or a range that has
@@ -189,8 +190,23 @@ class PixelGrid {
   /// Returns the ray of a camera for sample i of pixel (x, y), which is at a place.
   [[nodiscard]] Ray ray(const Camera& camera, int x, int y, int i, const FilteredPlace<double>& place) const {
     const double on_film[] = {u(x, place.x), v(y, place.y)};
-    if (has_only_centers() || !camera.has_lens()) return camera(on_film[0], on_film[1]);
-    return camera(on_film[0], on_film[1], lens_point(x, y, i));
+    Ray ray = has_only_centers() || !camera.has_lens() ? camera(on_film[0], on_film[1])
+                                                       : camera(on_film[0], on_film[1], lens_point(x, y, i));
+    ray.time = time(camera.shutter, x, y, i);
+    return ray;
+  }
+
+  /// Returns the time of sample i of pixel (x, y).
+  [[nodiscard]] double time(const Shutter& shutter, int x, int y, int i) const {
+    if (!shutter.is_open()) return shutter.opens;
+    return shutter.at(has_only_centers() ? 0.5 : sampler(x, y, i)(set_of_time)[0]);
+  }
+
+  /// Returns the times of sample i of the pixels from (x, y) on to the right.
+  [[nodiscard]] simd::Doubles times(const Shutter& shutter, int x, int y, int i) const {
+    if (!shutter.is_open()) return shutter.opens;
+    if (has_only_centers()) return shutter.at(0.5);
+    return shutter.at(samplers(x, y, i)(set_of_time)[0]);
   }
 
   /// Returns the sums of equal lights of all samples of the range, if places are the same in every pixel or

@@ -103,14 +103,19 @@ struct Ray {
   /// Null: the numbers are the ray.
   const RayTransform* transform = nullptr;
   bool is_reversed = false;  ///< true if it leads the opposite way of the ray that it is rounded from
+  double time = 0;           ///< time at which it meets moving surfaces (surfaces/moving.hpp)
 
   [[nodiscard]] Point at(double t) const { return origin + t * direction; }
 
   /// Returns the ray from the same origin in another direction.
-  [[nodiscard]] Ray with_direction(const Vec3& towards) const { return {origin, towards, departure}; }
+  [[nodiscard]] Ray with_direction(const Vec3& towards) const {
+    return {.origin = origin, .direction = towards, .departure = departure, .time = time};
+  }
 
   /// Returns the ray from the same origin in the opposite direction.
-  [[nodiscard]] Ray reversed() const { return {origin, -direction, departure, transform, !is_reversed}; }
+  [[nodiscard]] Ray reversed() const {
+    return {origin, -direction, departure, transform, !is_reversed, time};
+  }
 
   /// Returns the ray as it is; the overload for a packet restricts its active lanes (accel/packet.hpp).
   friend const Ray& masked(bool, const Ray& ray) { return ray; }

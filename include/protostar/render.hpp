@@ -91,8 +91,9 @@ inline constexpr bool takes_sampler = Radiates<I, S..., PixelSampler>;
 /// of the camera, takes numbers besides places in pixels.
 template <class I, class... S>
 [[nodiscard]] const SamplerChoice& default_sampler(const Camera& camera) {
-  return takes_sampler<I, S...> || camera.has_lens() ? sampler_of<SobolSampler>
-                                                     : sampler_of<HammersleySampler>;
+  return takes_sampler<I, S...> || camera.has_lens() || camera.shutter.is_open()
+             ? sampler_of<SobolSampler>
+             : sampler_of<HammersleySampler>;
 }
 
 /// Calls an integrator, or a function, with a ray and the rest of what it takes.

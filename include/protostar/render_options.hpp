@@ -76,7 +76,8 @@ struct RenderOptions {
   int samples = 0;
 
   /// Sampler that gives their places, and the numbers of integrators that take a sampler. By default it is
-  /// SobolSampler for these integrators and for a camera with a lens, and HammersleySampler for others.
+  /// SobolSampler for these integrators and for a camera with a lens or an open shutter, and
+  /// HammersleySampler for others.
   SamplerChoice sampler = {};
   ReconstructionFilter filter = {};  ///< weight of the places around a pixel's center
   std::uint64_t seed = 0;            ///< samplers have other numbers for another seed, as good as these

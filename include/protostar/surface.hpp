@@ -207,7 +207,8 @@ template <Surface S>
   if (surface.intersect(ray, Interval{-tiny, tiny})) return range;
   const auto ahead = surface.intersect(ray, Interval{});
   if (!ahead) return range;
-  const auto behind = surface.intersect(Ray{ray.origin, -ray.direction}, Interval{});
+  const auto behind =
+      surface.intersect(Ray{.origin = ray.origin, .direction = -ray.direction, .time = ray.time}, Interval{});
   if (!(behind && *behind < *ahead) && range.min < *ahead) range.min = *ahead;
   return range;
 }
@@ -301,6 +302,15 @@ void each_crossing(const S& surface, const Ray& ray, Interval range, auto&& visi
 /// Function table of a surface type.
 template <Surface S>
 inline constexpr SurfaceFunctions functions_of{
+    .at_rest =
+        [] {
+          Point (*at_rest)(const void*, const Point&, double) = nullptr;
+          if constexpr (knows_rest<S>)
+            at_rest = [](const void* s, const Point& p, double time) -> Point {
+              return static_cast<const S*>(s)->at_rest(p, time);
+            };
+          return at_rest;
+        }(),
     .normal_at = [](const void* s, const Point& p, int part) -> Vec3 {
       return normal_at(*static_cast<const S*>(s), p, part);
     },

@@ -160,6 +160,23 @@ template <Surface S>
     return knows_uv<S> && knows_tangents<S>;
 }
 
+/// True for a surface that may move: its functions of a point take the point where it was made, which
+/// at_rest(point, time) returns.
+template <class S>
+inline constexpr bool knows_rest = requires(const S& surface, const Point& point) {
+  { surface.at_rest(point, 0.0) } -> std::same_as<Point>;
+};
+
+/// Returns true if a surface moves. A type that holds other surfaces may tell for each object, by
+/// is_moving().
+template <Surface S>
+[[nodiscard]] bool is_moving(const S& surface) {
+  if constexpr (requires { surface.is_moving(); })
+    return surface.is_moving();
+  else
+    return knows_rest<S>;
+}
+
 /// Returns true if the crossings of a surface are on primitives of it. A type that holds other surfaces may
 /// tell for each object, by has_parts().
 template <Surface S>

@@ -19,7 +19,7 @@ struct RayTransform {
 
   /// Returns the line in doubles as a ray with this transform; it departs from nothing.
   [[nodiscard]] Ray ray() const {
-    return {.origin = line.origin, .direction = line.direction, .transform = this};
+    return {.origin = line.origin, .direction = line.direction, .transform = this, .time = outer.time};
   }
 };
 

@@ -16,6 +16,8 @@
 #include <protostar/surfaces/sphere.hpp>
 #include <protostar/surfaces/triangle.hpp>
 
+#include "scene_of_units.hpp"
+
 namespace protostar::inline PROTOSTAR_ABI {
 
 extern template AnySurface::AnySurface(Box);
@@ -32,7 +34,7 @@ extern template void render(Image&, const Camera&, const Scene<Plane, AnySurface
                             const RenderOptions&);
 
 extern template void add_samples(Film&, const SampleRange&, const Camera&,
-                                 const Accelerated<Scene<Plane, AnySurface>>&, const ShadowIntegrator&,
+                                 const SceneOfUnits<Scene<Plane, AnySurface>>&, const ShadowIntegrator&,
                                  const RenderOptions&);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -77,7 +77,7 @@ std::optional<Intersection> ExplainedScene::intersect(const Ray& ray, Interval r
   if (const NormalMap& map = hit.material().normal_map) {
     const Uv uv = hit.uv();
     record.hit->mapped = {.direction = map(uv.x, uv.y),
-                          .tangents = first.functions->tangents_at(first.surface, hit.point(), hit.part()),
+                          .tangents = hit.tangents(),
                           .shading_normal = outside.shading,
                           .facing_shading_normal = facing.shading};
   }

@@ -1,12 +1,16 @@
 // Renders for a stage: the picture, or the one pixel that the user asks for, with its explanation.
 #pragma once
 
+#include <functional>
 #include <protostar/accel/render_tiles.hpp>
 #include <protostar/sampling/film.hpp>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "explained_scene.hpp"
 #include "pictures.hpp"
+#include "scene_of_units.hpp"
 #include "shared_render.hpp"
 
 /// Options of render for a stage.
@@ -18,6 +22,9 @@ struct StageRenderOptions : protostar::RenderOptions {
 
   /// Sphere that a function of a ray intersects, if that is all that it does; for the explanation.
   const protostar::Sphere* sphere = nullptr;
+
+  /// Writes lines about a ray of the camera, for a function of a ray; for the explanation.
+  std::function<void(const protostar::Ray&, std::vector<std::string>&)> tell = {};
 
   SharedRender* shared = nullptr;         ///< if given, the work is drawn in units
   protostar::SharedPicture picture = {};  ///< with this fingerprint and finish
@@ -61,7 +68,7 @@ void render(protostar::Image& image, const protostar::Camera& camera, const prot
             const I& integrator, const StageRenderOptions& options) {
   const protostar::RenderOptions& common = options;
   if (options.shared) {
-    const protostar::Accelerated<protostar::Scene<S...>> accelerated(scene, common);
+    const auto& of_units = scene_of_units(scene, common);
     return render_shared(
         image, options, protostar::detail::default_sampler<I, protostar::Scene<S...>>(camera),
         [&](protostar::Image& seen, const protostar::RenderOptions& few) {
@@ -69,8 +76,8 @@ void render(protostar::Image& image, const protostar::Camera& camera, const prot
         },
         [&](protostar::Film& film, const protostar::SampleRange& samples,
             const protostar::RenderOptions& of_unit) {
-          if constexpr (protostar::Integrator<I, protostar::Accelerated<protostar::Scene<S...>>>)
-            protostar::add_samples(film, samples, camera, accelerated, integrator, of_unit);
+          if constexpr (protostar::Integrator<I, SceneOfUnits<protostar::Scene<S...>>>)
+            protostar::add_samples(film, samples, camera, of_units, integrator, of_unit);
           else
             protostar::add_samples(film, samples, camera, scene, integrator, of_unit);
         });
@@ -122,6 +129,7 @@ void render(protostar::Image& image, const protostar::Camera& camera, const F& r
     explain_function(
         *options.explanation, camera,
         [&](SampleRecord& sample) {
+          if (options.tell) options.tell(sample.ray, sample.told);
           return protostar::detail::radiance_of_sample(radiance, sample.ray, sample.sampler);
         },
         common, protostar::detail::default_sampler<F>(camera));

@@ -109,6 +109,7 @@ struct SampleRecord {
   protostar::Ray ray;
   RayRecord all = {};  ///< no ray itself; all.rays are the rays that the integrator traces first
   protostar::Color radiance{0};
+  std::vector<std::string> told = {};  ///< by a function of the ray, in its own words
 };
 
 /// Explanation of a pixel: what the scene contains, and each sample.

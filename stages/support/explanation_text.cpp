@@ -147,8 +147,12 @@ class Tree {
     line(depth, formatted("film point u = %.9g, v = %.9g", sample.u, sample.v));
     if (sample.lens)
       line(depth, formatted("point of the lens x = %.9g, y = %.9g", sample.lens->x, sample.lens->y));
+    if (explanation_.camera.shutter.is_open()) line(depth, formatted("time %.9g", sample.ray.time));
     line(depth, "ray from " + text(sample.ray.origin) + " along " + text(sample.ray.direction));
-    if (!explanation_.is_recorded) line(depth + 1, "traced by a function of its own, which records nothing");
+    if (!explanation_.is_recorded)
+      line(depth + 1, std::string("traced by a function of its own") +
+                          (sample.told.empty() ? ", which records nothing" : ":"));
+    for (const std::string& told : sample.told) line(depth + 2, told);
     write_sky(depth + 1, sample.all);
     for (const RayRecord& ray : sample.all.rays) write(depth + 1, ray, "");
     const Formula* const formula = formula_of(options_.integrator);

@@ -10,6 +10,8 @@
 #include <protostar/surfaces/mesh.hpp>
 #include <protostar/surfaces/plane.hpp>
 
+#include "scene_of_units.hpp"
+
 /// Returns the mesh that load_obj reads, with each vertex v moved to place(v).
 protostar::Mesh load_mesh(const std::filesystem::path& path,
                           const std::function<protostar::Point(const protostar::Point&)>& place);
@@ -20,7 +22,7 @@ extern template void render(Image&, const Camera&, const Scene<Mesh, Plane>&, co
                             const RenderOptions&);
 
 extern template void add_samples(Film&, const SampleRange&, const Camera&,
-                                 const Accelerated<Scene<Mesh, Plane>>&, const ShadowIntegrator&,
+                                 const SceneOfUnits<Scene<Mesh, Plane>>&, const ShadowIntegrator&,
                                  const RenderOptions&);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -3,6 +3,7 @@
 #include "pictures.hpp"
 #include "any_surfaces.hpp"
 #include "mesh_pictures.hpp"
+#include "path_pictures.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -39,27 +40,30 @@ template void render(Image&, const Camera&, const Scene<Plane, AnySurface>&, con
 template void render(Image&, const Camera&, const Scene<Mesh, Plane>&, const ShadowIntegrator&,
                      const RenderOptions&);
 
-template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+template void render(Image&, const Camera&, const Scene<Sphere, Parallelogram>&, const PathIntegrator&,
+                     const RenderOptions&);
+
+template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                           const BinaryIntegrator&, const RenderOptions&);
-template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                           const ColorIntegrator&, const RenderOptions&);
-template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                           const DepthIntegrator&, const RenderOptions&);
-template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                           const DiffuseIntegrator&, const RenderOptions&);
-template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                           const NormalIntegrator&, const RenderOptions&);
-template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                           const ShadowIntegrator&, const RenderOptions&);
-template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                           const TransparencyIntegrator&, const RenderOptions&);
 template void add_samples(Film&, const SampleRange&, const Camera&,
-                          const Accelerated<Scene<Sphere, Plane, Parallelogram>>&, const WhittedIntegrator&,
+                          const SceneOfUnits<Scene<Sphere, Plane, Parallelogram>>&, const WhittedIntegrator&,
                           const RenderOptions&);
 template void add_samples(Film&, const SampleRange&, const Camera&,
-                          const Accelerated<Scene<Plane, AnySurface>>&, const ShadowIntegrator&,
+                          const SceneOfUnits<Scene<Plane, AnySurface>>&, const ShadowIntegrator&,
                           const RenderOptions&);
-template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Mesh, Plane>>&,
+template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Mesh, Plane>>&,
                           const ShadowIntegrator&, const RenderOptions&);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

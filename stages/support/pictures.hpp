@@ -4,6 +4,8 @@
 
 #include <protostar/protostar.hpp>
 
+#include "scene_of_units.hpp"
+
 namespace protostar::inline PROTOSTAR_ABI {
 
 extern template void render(Image&, const Camera&, const Scene<Sphere>&, const BinaryIntegrator&,
@@ -23,22 +25,22 @@ extern template void render(Image&, const Camera&, const Scene<Sphere>&, const T
 extern template void render(Image&, const Camera&, const Scene<Sphere, Plane, Parallelogram>&,
                             const WhittedIntegrator&, const RenderOptions&);
 
-extern template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+extern template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                                  const BinaryIntegrator&, const RenderOptions&);
-extern template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+extern template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                                  const ColorIntegrator&, const RenderOptions&);
-extern template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+extern template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                                  const DepthIntegrator&, const RenderOptions&);
-extern template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+extern template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                                  const DiffuseIntegrator&, const RenderOptions&);
-extern template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+extern template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                                  const NormalIntegrator&, const RenderOptions&);
-extern template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+extern template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                                  const ShadowIntegrator&, const RenderOptions&);
-extern template void add_samples(Film&, const SampleRange&, const Camera&, const Accelerated<Scene<Sphere>>&,
+extern template void add_samples(Film&, const SampleRange&, const Camera&, const SceneOfUnits<Scene<Sphere>>&,
                                  const TransparencyIntegrator&, const RenderOptions&);
 extern template void add_samples(Film&, const SampleRange&, const Camera&,
-                                 const Accelerated<Scene<Sphere, Plane, Parallelogram>>&,
+                                 const SceneOfUnits<Scene<Sphere, Plane, Parallelogram>>&,
                                  const WhittedIntegrator&, const RenderOptions&);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

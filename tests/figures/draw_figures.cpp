@@ -70,7 +70,8 @@ int draw(const std::string& folder, bool checks) {
                           {"growth", figures::growth(folder)},
                           {"error", figures::error(folder)},
                           {"kernels", figures::kernels(folder)},
-                          {"samplers", figures::samplers(folder)}};
+                          {"samplers", figures::samplers(folder)},
+                          {"paths", figures::paths(folder)}};
   int differ = 0;
   for (const figures::StageFigure& figure : stage_figures()) {
     all.push_back(drawn(figure));

@@ -26,6 +26,7 @@ std::string growth(const std::string& folder);
 std::string error(const std::string& folder);
 std::string kernels(const std::string& folder);
 std::string samplers(const std::string& folder);
+std::string paths(const std::string& folder);
 
 // Figures of the stages' pages.
 std::vector<StageFigure> vector_figures();    ///< stages 00 to 02: vectors, images, cameras and rays

@@ -178,6 +178,31 @@ std::string samplers(const std::string& folder) {
   return chart.drawn();
 }
 
+std::string paths(const std::string& folder) {
+  const CsvTable table = read_csv(folder + "/paths.csv").at(0);
+  LineChart chart{.title = "Error of the balls of stage 26 against the time of a pixel",
+                  .to_the_right = "time of a pixel, microseconds",
+                  .upwards = "error, RMS of light",
+                  .ticks_right = {0.1, 1, 10, 100, 1000},
+                  .ticks_up = {0.001, 0.01, 0.1, 1},
+                  .series = {},
+                  .has_legend = true};
+  const std::vector<std::pair<const char*, Paint>> shown{{"sobol", Paint::blue},
+                                                         {"independent", Paint::green},
+                                                         {"book 1", Paint::red},
+                                                         {"book 1 with the tree of book 2", Paint::orange}};
+  for (const auto& [name, paint] : shown)
+    for (std::size_t i = 0; i < table.size(); ++i) {
+      if (table.name(i) != name) continue;
+      std::vector<Place> points;
+      for (int samples = 1; samples <= 64; samples *= 4)
+        points.push_back({1e-3 * samples * table.number(i, "ns/sample"),
+                          table.number(i, "RMSE " + std::to_string(samples))});
+      chart.series.push_back({name, points, paint});
+    }
+  return chart.drawn();
+}
+
 std::string kernels(const std::string& folder) {
   BarChart chart{.title = "Ray and sphere: wrong decisions in a million hard cases",
                  .axis = "wrong decisions; beside the name, ns for a test",

@@ -70,6 +70,7 @@ struct RayPacket {
   const void* departed = nullptr;  ///< surface of which each ray leaves a primitive; null for other rays
   const SurfaceFunctions* functions = nullptr;  ///< those of that surface
   Indices parts;                                ///< index of that primitive; not set for other rays
+  Doubles time = 0.0;                           ///< Ray::time
 
   /// Sets the members; constructors, since g++ clears an aggregate as a whole before it fills it.
   RayPacket(const Vectors& from, const Vectors& along, LaneMask lanes = true, const Departure& leaves = {})
@@ -98,7 +99,7 @@ struct RayPacket {
 
   /// Returns the ray in a lane.
   [[nodiscard]] Ray operator[](int lane) const {
-    Ray ray{origin[lane], direction[lane], departure};
+    Ray ray{.origin = origin[lane], .direction = direction[lane], .departure = departure, .time = time[lane]};
     if (leave_primitives()) ray.departure = functions->departure(departed, static_cast<int>(parts[lane]));
     return ray;
   }
@@ -275,13 +276,19 @@ class HitPacket {
   [[nodiscard]] Colors color() const { return material_.texture ? texture() : Colors(material_.diffuse); }
 
   [[nodiscard]] RayPacket leave(const Vectors& direction) const {
+    RayPacket rays = leaving(direction);
+    rays.time = rays_.time;
+    return rays;
+  }
+
+ private:
+  [[nodiscard]] RayPacket leaving(const Vectors& direction) const {
     if constexpr (std::same_as<Parts, NoParts>)
       return {point(), direction, which_, departure_of(surface_)};
     else
       return {point(), direction, which_, &surface_, functions_of<S>, parts()};
   }
 
- private:
   [[nodiscard]] Indices parts() const {
     Indices numbers = 0;
     for (Bits left = bits(which_); left != 0; left &= left - 1)

@@ -31,6 +31,7 @@ struct PacketRays {
   Vectors directions;
   Doubles x, y;
   Floats weights;
+  Doubles time;  ///< of each ray, if the shutter is open
 };
 
 /// Rays of a camera through the pixels of an image: PixelGrid::ray. If places in pixels are the same in all
@@ -92,6 +93,7 @@ class PixelRays {
       rays.directions = directions(x, y, i);
     else
       find_own(x, y, i, rays);
+    if (camera_.shutter.is_open()) rays.time = pixels_.times(camera_.shutter, x, y, i);
   }
 
   /// Returns the weights of their light.
@@ -102,8 +104,10 @@ class PixelRays {
 
   /// Returns the packet of these rays, of which rays in the tile are active.
   [[nodiscard]] CameraPacket packet(const Tile& tile, int x, int y, int i, const PacketRays& rays) const {
-    return {is_pinhole_ ? Vectors(camera_.position) : origins(x, y, i, rays), rays.directions,
-            active(tile, x)};
+    CameraPacket packet(is_pinhole_ ? Vectors(camera_.position) : origins(x, y, i, rays), rays.directions,
+                        active(tile, x));
+    packet.time = camera_.shutter.is_open() ? rays.time : Doubles(camera_.shutter.opens);
+    return packet;
   }
   [[nodiscard]] CameraPacket packet(const Tile& tile, int x, int y, int i = 0) const {
     PacketRays rays;

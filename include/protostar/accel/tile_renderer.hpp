@@ -310,7 +310,7 @@ class TileRenderer {
         if (needs_rays)
           rays_.find(x, y, i, found);
         else
-          found.directions = Vec3{0};
+          found.directions = Vec3{0}, found.time = 0.0;
         const CameraPacket rays = rays_.packet(part, x, y, i, found);
         const auto radiance = [&] {
           if constexpr (takes_sampler)

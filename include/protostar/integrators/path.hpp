@@ -77,15 +77,14 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   [[nodiscard]] Color shade(const Intersection& first, const auto& scene, const auto& sampler) const {
     lights.require(scene);
     Color sum{0}, weight{1};
-    double most_weight = 0, density = std::numeric_limits<double>::infinity();  // of the direction here
-    Ray ray;                                                                    // from the vertex before
-    Vec3 normal;
+    double most_weight = 0;
+    Ray ray;                                                   // from the vertex before
+    double density = std::numeric_limits<double>::infinity();  // of its direction
     std::optional<Intersection> hit(first);
     for (int bounce = 0;; ++bounce) {
       const Material& material = hit->material();
       if (!is_black(material.emission))
-        if (const double share =
-                bounce == 0 ? 1 : power_heuristic(density, density_by_lights(ray.origin, *hit));
+        if (const double share = bounce == 0 ? 1 : power_heuristic(density, density_by_lights(ray, *hit));
             share > 0)
           sum = clamped(sum + times(clamped(weight * material.emission), share));
       if (bounce >= depth) return sum;
@@ -110,15 +109,11 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
       weight = clamped(weight * onward->weight);
       if (bounce >= sure_bounces && !survives(weight, most_weight, number)) return sum;
       density = onward->density;
-      normal = vertex.normals.shading;
       ray = hit->leave(onward->direction);
       hit = scene.intersect(ray, Interval{});
       if (!hit) {
-        const double drawn = share_of_environment() > 0
-                                 ? share_of_environment() * environment.density(normal, ray.direction)
-                                 : 0;
         const Color sky = background(ray, scene);
-        return clamped(sum + times(clamped(weight * sky), power_heuristic(density, drawn)));
+        return clamped(sum + times(clamped(weight * sky), power_heuristic(density, density_by_lights(ray))));
       }
     }
   }
@@ -131,10 +126,15 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     return lights.by_power().whole() > 0 ? 0.5 : 1;
   }
 
-  /// Returns the density with which rays to lights draw the direction from a point to a hit.
-  [[nodiscard]] double density_by_lights(const Point& from, const Intersection& hit) const {
-    const auto [drawn, probability] = lights.drawn(from, hit);
+  /// Returns the density with which rays to lights draw the direction of a ray that hits a surface, or
+  /// nothing.
+  [[nodiscard]] double density_by_lights(const Ray& ray, const Intersection& hit) const {
+    const auto [drawn, probability] = lights.drawn(ray.origin, hit);
     return drawn * probability * (1 - share_of_environment());
+  }
+  [[nodiscard]] double density_by_lights(const Ray& ray) const {
+    if (!environment.has_places()) return 0;
+    return share_of_environment() * environment.density(ray.direction, ray.direction);  // needs no normal
   }
 
   /// Returns an estimate of the light that a hit reflects of ambient light, of lights at points or in

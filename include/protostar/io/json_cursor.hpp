@@ -72,7 +72,7 @@ class JsonCursor {
   // ---- Objects and arrays.
 
   /// Refuses all but an object without other keys than these; returns the cursor itself.
-  const JsonCursor& with_keys(std::initializer_list<std::string_view> allowed) const {
+  const JsonCursor& with_keys(const std::vector<std::string_view>& allowed) const {
     each_member([&](std::string_view key, const JsonCursor& value) {
       if (std::find(allowed.begin(), allowed.end(), key) == allowed.end())
         value.say("is not a key here; allowed are " + list_of(allowed));

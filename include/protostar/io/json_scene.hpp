@@ -159,14 +159,15 @@ inline void add_light(const JsonCursor& at, SceneFile& file) {
 
 // ---- Camera, settings, world.
 
-inline Camera camera_at(const JsonCursor& at) {
+/// Returns the camera, whose shutter is that of the time 0 alone.
+inline Camera still_camera_at(const JsonCursor& at) {
   const bool is_orthographic =
       at["projection"].one_of<bool>({{"perspective", false}, {"orthographic", true}});
   if (is_orthographic)
-    at.with_keys({"projection", "position", "direction", "upward", "ortho-scale"});
+    at.with_keys({"projection", "position", "direction", "upward", "ortho-scale", "shutter"});
   else
     at.with_keys({"projection", "position", "direction", "upward", "field-of-view", "focal-length",
-                  "aperture", "focus"});
+                  "aperture", "focus", "shutter"});
 
   const Vec3 position = at["position"].point(), direction = at["direction"].direction();
   const Vec3 upward = at["upward"].direction();
@@ -193,6 +194,16 @@ inline Camera camera_at(const JsonCursor& at) {
   const double aperture = at["aperture"].number_between(0, 1e100, "a number from 0 to 1e100");
   const double focus = at["focus"].camera_length();
   return at.checked([&] { return Camera::thin_lens(position, direction, upward, angle, aperture, focus); });
+}
+
+inline Camera camera_at(const JsonCursor& at) {
+  const Camera camera = still_camera_at(at);
+  if (!at.has("shutter")) return camera;
+  const JsonCursor shutter = at["shutter"].with_size(2, "an array of two times");
+  const double opens = shutter[0].coordinate(), closes = shutter[1].coordinate();
+  if (!(opens <= closes))
+    shutter.refuse("an array of two times, of which the second is not before the first");
+  return camera.with_shutter(opens, closes);
 }
 
 inline Transfer transfer_at(const JsonCursor& at) {

@@ -20,6 +20,7 @@
 #include "../surfaces/csg.hpp"
 #include "../surfaces/disk.hpp"
 #include "../surfaces/instance.hpp"
+#include "../surfaces/moving.hpp"
 #include "../surfaces/parallelogram.hpp"
 #include "../surfaces/plane.hpp"
 #include "../surfaces/quadric.hpp"
@@ -37,18 +38,25 @@
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
+/// Refuses all but an object without other keys than these and that of any surface; returns the cursor
+/// itself.
+inline const JsonCursor& with_surface_keys(const JsonCursor& at, std::vector<std::string_view> allowed) {
+  allowed.push_back("velocity");
+  return at.with_keys(allowed);
+}
+
 inline Sphere sphere_at(const JsonCursor& at) {
-  at.with_keys({"type", "position", "radius"});
+  with_surface_keys(at, {"type", "position", "radius"});
   return {.center = at["position"].point(), .radius = at["radius"].size()};
 }
 
 inline Plane plane_at(const JsonCursor& at) {
-  at.with_keys({"type", "normal", "distance"});
+  with_surface_keys(at, {"type", "normal", "distance"});
   return {.normal = at["normal"].direction(), .distance = at["distance"].coordinate()};
 }
 
 inline Parallelogram parallelogram_at(const JsonCursor& at) {
-  at.with_keys({"type", "position", "edges"});
+  with_surface_keys(at, {"type", "position", "edges"});
   const JsonCursor edges = at["edges"].with_size(2, "an array of two vectors");
   const Parallelogram board{
       .position = at["position"].point(), .edge_u = edges[0].point(), .edge_v = edges[1].point()};
@@ -57,7 +65,7 @@ inline Parallelogram parallelogram_at(const JsonCursor& at) {
 }
 
 inline Triangle triangle_at(const JsonCursor& at) {
-  at.with_keys({"type", "points"});
+  with_surface_keys(at, {"type", "points"});
   const JsonCursor points = at["points"].with_size(3, "an array of three points");
   const Triangle triangle{.a = points[0].point(), .b = points[1].point(), .c = points[2].point()};
   at["points"].checked([&] { triangle.validate(); });
@@ -66,7 +74,7 @@ inline Triangle triangle_at(const JsonCursor& at) {
 
 #if defined(PROTOSTAR_READS_MESHES)
 inline Mesh mesh_at(const JsonCursor& at) {
-  at.with_keys({"type", "file", "position", "scale"});
+  with_surface_keys(at, {"type", "file", "position", "scale"});
   const Vec3 position = at.has("position") ? at["position"].point() : Vec3{0};
   const double scale = at.has("scale") ? at["scale"].size() : 1;
   const NamedFile file = at["file"].named_file();
@@ -97,14 +105,14 @@ inline Sphere mesh_at(const JsonCursor& at) {
 #endif
 
 inline Box box_at(const JsonCursor& at) {
-  at.with_keys({"type", "min", "max"});
+  with_surface_keys(at, {"type", "min", "max"});
   const Box box{.min = at["min"].point(), .max = at["max"].point()};
   at["max"].checked([&] { box.validate(); });
   return box;
 }
 
 inline Disk disk_at(const JsonCursor& at) {
-  at.with_keys({"type", "position", "normal", "radius"});
+  with_surface_keys(at, {"type", "position", "normal", "radius"});
   const Disk disk{
       .position = at["position"].point(), .normal = at["normal"].vector(), .radius = at["radius"].size()};
   at["normal"].checked([&] { disk.validate(); });
@@ -112,7 +120,7 @@ inline Disk disk_at(const JsonCursor& at) {
 }
 
 inline Quadric quadric_at(const JsonCursor& at) {
-  at.with_keys({"type", "matrix"});
+  with_surface_keys(at, {"type", "matrix"});
   const std::string allowed = "a symmetric matrix, an array of four rows of four numbers";
   const JsonCursor rows = at["matrix"].with_size(4, allowed);
   double m[4][4] = {};
@@ -138,7 +146,7 @@ AnySurface surface_at(const JsonCursor& at);
 inline Csg solid_at(const JsonCursor& at);
 
 inline Csg csg_at(const JsonCursor& at) {
-  at.with_keys({"type", "operation", "surfaces"});
+  with_surface_keys(at, {"type", "operation", "surfaces"});
   using Operation = Csg::Operation;
   const auto operation = at["operation"].one_of<Operation>({{"union", Operation::either},
                                                             {"intersection", Operation::all},
@@ -179,8 +187,8 @@ inline Affine matrix_at(const JsonCursor& at) {
 }
 
 inline Affine placement_at(const JsonCursor& at) {
-  if (at.has("matrix")) return matrix_at(at.with_keys({"type", "surface", "matrix"})["matrix"]);
-  at.with_keys({"type", "surface", "scale", "rotate", "translate"});
+  if (at.has("matrix")) return matrix_at(with_surface_keys(at, {"type", "surface", "matrix"})["matrix"]);
+  with_surface_keys(at, {"type", "surface", "scale", "rotate", "translate"});
   Affine map;
   if (at.has("scale")) {
     const JsonCursor scale = at["scale"];
@@ -205,7 +213,8 @@ inline Instance<> instance_at(const JsonCursor& at) {
   return {surface_at(at["surface"]), placement};
 }
 
-/// Functions that read a type of surface: add() into a scene, make() to be held by another surface.
+/// Functions that read a type of surface: add() into a scene whose camera is known, make() to be held by
+/// another surface.
 struct SurfaceReader {
   void (*add)(const JsonCursor&, const Material&, SceneFile&);
   AnySurface (*make)(const JsonCursor&);
@@ -215,7 +224,11 @@ inline constexpr SurfaceReader read_by{
     .add =
         [](const JsonCursor& at, const Material& material, SceneFile& file) {
           const auto surface = some_surface_at(at);
-          at.checked([&] { file.scene.add(surface, material); });
+          if (!at.has("velocity")) return at.checked([&] { file.scene.add(surface, material); });
+          const Vec3 velocity = at["velocity"].point();
+          at.checked([&] {
+            file.scene.add(AnySurface(Moving<>(surface, velocity, file.camera.shutter)), material);
+          });
         },
     .make = [](const JsonCursor& at) -> AnySurface { return some_surface_at(at); }};
 
@@ -233,6 +246,10 @@ inline const std::vector<std::pair<std::string_view, SurfaceReader>> surface_typ
 };
 
 /// Returns a surface of any type, to be held by another.
-inline AnySurface surface_at(const JsonCursor& at) { return at["type"].one_of(surface_types).make(at); }
+inline AnySurface surface_at(const JsonCursor& at) {
+  if (at.has("velocity"))
+    at["velocity"].refuse("possible in a part of another surface: it is the whole surface that moves");
+  return at["type"].one_of(surface_types).make(at);
+}
 
 }  // namespace protostar::inline PROTOSTAR_ABI::detail

@@ -6,7 +6,8 @@
 //
 // Numbers come in sets of four, since numbers of one set are spread evenly together, and those of two sets
 // are not: set 0 is for the place in the pixel and on the lens, and set k for vertex k of the path, two
-// numbers for the direction and two for the light. There are as many sets as a path needs.
+// numbers for the direction and two for the light. There are as many sets as a path needs. The last set is
+// for the time, so that place and lens stay in one set of four.
 #pragma once
 
 #include <array>
@@ -38,6 +39,10 @@ using SampleIndices = BasicSampleIndex<simd::Words>;
 /// Four numbers in the open interval (0, 1): doubles, or a double in each lane.
 template <class Number>
 using SampleSet = std::array<Number, 4>;
+
+/// Set whose first number is the time at which a camera's shutter lets a ray pass. No path is so long that it
+/// takes the set.
+inline constexpr std::uint32_t set_of_time = 0xffffffff;
 
 /// Type that gives the numbers of a sample. Its numbers have to be functions of the sample's index and the
 /// set alone.

@@ -41,6 +41,11 @@ class AnySurface {
     return &held_->functions == &functions_of<S> ? static_cast<const S*>(held_->surface) : nullptr;
   }
 
+  [[nodiscard]] bool is_moving() const { return held_->functions.at_rest != nullptr; }
+  [[nodiscard]] Point at_rest(const Point& point, double time) const {
+    return is_moving() ? held_->functions.at_rest(held_->surface, point, time) : point;
+  }
+
   [[nodiscard]] bool has_parts() const { return held_->has_parts(); }
   [[nodiscard]] Vec3 normal_at(const Point& point, int part = 0) const {
     return held_->functions.normal_at(held_->surface, point, part);

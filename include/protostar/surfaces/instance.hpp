@@ -113,10 +113,12 @@ class Instance<S> {
   [[nodiscard]] const S& surface() const { return surface_; }
   [[nodiscard]] const Affine& placement() const { return inverse_.map(); }
 
-  /// Throws std::invalid_argument if the surface is not valid, the map has no inverse, or a number of the
-  /// inverse is not a coordinate (magnitude.hpp).
+  /// Throws std::invalid_argument if the surface is not valid or moves, the map has no inverse, or a number
+  /// of the inverse is not a coordinate (magnitude.hpp).
   void validate() const {
     if constexpr (requires { surface_.validate(); }) surface_.validate();
+    if (protostar::is_moving(surface_))
+      throw std::invalid_argument("Instance: the surface must not be moving; an instance may be");
     if (!inverse_.exists())
       throw std::invalid_argument("Instance: the map must be finite, and not take space to a plane or less");
     for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
