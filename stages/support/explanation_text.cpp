@@ -85,18 +85,24 @@ const char* text(Considered::Decided decided) {
   return "";
 }
 
-/// Formula of an integrator, in words.
+/// Formula of an integrator, in words, and the name of rays that follow from a hit besides shadow rays, if
+/// they are not those of mirrors and glass.
 struct Formula {
-  const char *integrator, *words;
+  const char *integrator, *words, *ray = nullptr;
 };
 constexpr std::array formulas{
+    Formula{"ambient-occlusion", "1 if nothing is in the way of the ray that is drawn, otherwise 0",
+            "ray in a direction drawn by chance"},
     Formula{"binary", "1 if the ray hits anything, otherwise 0"},
     Formula{"color", "the color of the closest hit"},
     Formula{"depth", "1 / t of the closest hit"},
     Formula{"diffuse", "color * (ambient light + irradiance of each light)"},
     Formula{"direct",
-            "emission + color / pi * (ambient light + irradiance of each light that nothing occludes)"},
+            "emission + color / pi * (ambient light + irradiance of each light that nothing occludes)",
+            "ray to an area light"},
     Formula{"normal", "0.5 * normal + 0.5"},
+    Formula{"path", "emission + light that rays to lights bring + color * light that the path meets",
+            "ray of the path, or to a light"},
     Formula{"shadow", "color * (ambient light + irradiance of each light that nothing occludes)"},
     Formula{"sphere", "1 if the ray hits the sphere, otherwise 0"},
     Formula{"transparency", "light from behind, times the color at each hit"},
@@ -152,14 +158,16 @@ class Tree {
     for (const std::string& told : sample.told) line(depth + 2, told);
     write_sky(depth + 1, sample.all);
     for (const RayRecord& ray : sample.all.rays) write(depth + 1, ray, "");
-    const std::string formula = formula_of(options_.integrator);
-    line(depth, "radiance" + (formula.empty() ? "" : " = " + formula) + ": " + text(sample.radiance));
+    const Formula* const formula = formula_of(options_.integrator);
+    line(depth,
+         "radiance" + (formula ? std::string(" = ") + formula->words : "") + ": " + text(sample.radiance));
   }
 
-  static std::string formula_of(const std::string& integrator) {
+  /// Returns the formula of an integrator, or nullptr.
+  static const Formula* formula_of(const std::string& integrator) {
     for (const Formula& formula : formulas)
-      if (formula.integrator == integrator) return formula.words;
-    return "";
+      if (formula.integrator == integrator) return &formula;
+    return nullptr;
   }
 
   void write(int depth, const RayRecord& record, const std::string& name) {
@@ -239,10 +247,10 @@ class Tree {
     }
     std::size_t following = 0;
     std::size_t i = 0;
+    const Formula* const formula = formula_of(options_.integrator);
     for (const RayRecord& ray : record.rays)
       if (!is_written[i++])
-        write(depth, ray,
-              options_.integrator == "direct" ? "ray to an area light" : name_of(hit, following++));
+        write(depth, ray, formula && formula->ray ? formula->ray : name_of(hit, following++));
   }
 
   static std::string text_of_normal(const Vec3& outside, const Vec3& facing) {

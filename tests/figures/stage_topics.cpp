@@ -34,8 +34,8 @@ void history(Drawing& drawing) {
   for (const auto& [year, who, what, paint] : {std::tuple{1968, "Appel", "shadows", Paint::blue},
                                                {1975, "Phong", "highlights", Paint::green},
                                                {1979, "Whitted", "mirrors, glass", Paint::blue},
-                                               {1984, "Cook and others", "many rays a pixel", Paint::orange},
-                                               {1986, "Kajiya", "all paths of light", Paint::orange},
+                                               {1984, "Cook and others", "many rays a pixel", Paint::blue},
+                                               {1986, "Kajiya", "all paths of light", Paint::blue},
                                                {1996, "Hart", "sphere tracing", Paint::orange}}) {
     const double x = x_of(year), y = above ? 46.0 : 206.0;
     const Anchor anchor = year == 1996 ? Anchor::end : year == 1968 ? Anchor::start : Anchor::middle;
@@ -47,7 +47,7 @@ void history(Drawing& drawing) {
     drawing.words({words_x, y + 44}, what, anchor, Paint::ink);
     above = !above;
   }
-  drawing.words({320, 290}, "blue and green: on these pages;  orange: on later ones", Anchor::middle);
+  drawing.words({320, 290}, "blue and green: on these pages;  orange: on a later one", Anchor::middle);
 }
 
 void film_tangent(Drawing& drawing) {
