@@ -340,9 +340,9 @@ Color soft_shadow(const Hit& hit, const Vec& normal, const Sample& sample, int w
   return 1 / std::numbers::pi * light * hit.color;
 }
 
-// The largest number of metals that a ray may meet one after the other, and how many random numbers each
-// surface takes.
-const int most_depth = 4, numbers_each = 4;
+// The largest number of metals that a ray may meet one after the other, and how many random numbers are
+// kept for each surface.
+const int most_depth = 4, numbers_each = 6;
 
 // The light along a ray.
 // A metal sends on the light of one direction of its lobe, which is another one for each sample.
