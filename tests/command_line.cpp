@@ -38,8 +38,9 @@ const std::vector<StageRow> all_stages {
       {"11_mirror", "whitted"}, {"12_glass", "whitted"}, {"13_whitted", "whitted"},
       {"14_primitives", "shadow"}, {"15_csg", "shadow"}, {"16_environment", "whitted"},
       {"18_antialiasing", "shadow", 16}, {"19_soft_shadows", "direct", 16}, {"20_lens", "shadow", 64},
-      {"21_motion", "shadow", 64}, {"23_ambient_occlusion", "ambient-occlusion", 16}, {"24_path", "path", 16},
-      {"25_cornell", "path", 8}, {"26_weekend", "path", 8}, {"27_normal_map", "whitted"},
+      {"21_motion", "shadow", 64}, {"22_glossy", "path", 16},
+      {"23_ambient_occlusion", "ambient-occlusion", 16}, {"24_path", "path", 16}, {"25_cornell", "path", 8},
+      {"26_weekend", "path", 8}, {"27_normal_map", "whitted"},
 #if __has_include(<tiny_obj_loader.h>)  // otherwise this stage is not built
       {"17_mesh", "shadow"},
 #endif

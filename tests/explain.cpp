@@ -30,7 +30,8 @@ const std::vector<std::string> explaining_stages {
   "01_gradient", "02_sphere", "03_scene", "04_depth", "05_normal", "06_color", "07_diffuse", "08_naive",
       "08_transparency", "09_naive", "09_shadow", "10_phong", "11_mirror", "12_glass", "13_whitted",
       "14_primitives", "15_csg", "16_environment", "18_antialiasing", "19_soft_shadows", "20_lens",
-      "21_motion", "23_ambient_occlusion", "24_path", "25_cornell", "26_weekend", "27_normal_map",
+      "21_motion", "22_glossy", "23_ambient_occlusion", "24_path", "25_cornell", "26_weekend",
+      "27_normal_map",
 #if __has_include(<tiny_obj_loader.h>)  // otherwise this stage is not built
       "17_mesh",
 #endif

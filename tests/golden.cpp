@@ -126,6 +126,7 @@ const Golden goldens[] = {
     {"19_soft_shadows_1", "19_soft_shadows", " --samples 1", [] { return reference::soft_shadows(1); }},
     {"20_lens", "20_lens", "", nullptr},
     {"21_motion", "21_motion", "", nullptr},
+    {"22_glossy", "22_glossy", "", nullptr},
     {"23_ambient_occlusion", "23_ambient_occlusion", "", {}},
     {"24_path", "24_path", "", {}},
     {"24_path_1", "24_path", " --samples 1", {}},
