@@ -67,7 +67,7 @@ void lens_focus(Drawing& drawing) {
 // ---- Circle of confusion
 
 void confusion(Drawing& drawing) {
-  constexpr double focus = 4.6, near = 2.3, aperture = 0.75;
+  constexpr double focus = 4.6, near = 2.0, aperture = 0.75;
   const Camera camera = camera_to_the_right(40, aperture, focus);
   const Sketch sketch(drawing, {60, 155}, 100);
   const Point seen{near, 0, 0};
