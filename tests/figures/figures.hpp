@@ -36,6 +36,8 @@ std::vector<StageFigure> geometry_figures();  ///< stages 13 to 16: surfaces, so
 std::vector<StageFigure> mesh_figures();      ///< stage 17: triangles, meshes, trees of boxes
 std::vector<StageFigure> antialiasing_figures();  ///< stage 18: samples of a pixel
 std::vector<StageFigure> soft_shadow_figures();   ///< stage 19: lamps of any size
+std::vector<StageFigure> lens_figures();          ///< stage 20: a lens
+std::vector<StageFigure> motion_figures();        ///< stage 21: surfaces that move
 std::vector<StageFigure> glossy_figures();        ///< stage 22: blurred mirrors
 std::vector<StageFigure> path_tracing_figures();  ///< stages 23 and 24: free space, paths
 std::vector<StageFigure> normal_map_figures();    ///< stage 27: normal maps
