@@ -25,8 +25,8 @@ std::vector<figures::StageFigure> stage_figures() {
   for (const auto& some :
        {figures::vector_figures(), figures::light_figures(), figures::path_figures(),
         figures::geometry_figures(), figures::mesh_figures(), figures::antialiasing_figures(),
-        figures::soft_shadow_figures(), figures::cornell_figures(), figures::normal_map_figures(),
-        figures::topic_figures(), figures::fresnel_figures()})
+        figures::soft_shadow_figures(), figures::cornell_figures(), figures::weekend_figures(),
+        figures::normal_map_figures(), figures::topic_figures(), figures::fresnel_figures()})
     all.insert(all.end(), some.begin(), some.end());
   return all;
 }

@@ -37,6 +37,7 @@ std::vector<StageFigure> mesh_figures();      ///< stage 17: triangles, meshes, 
 std::vector<StageFigure> antialiasing_figures();  ///< stage 18: samples of a pixel
 std::vector<StageFigure> soft_shadow_figures();   ///< stage 19: lamps of any size
 std::vector<StageFigure> cornell_figures();       ///< stage 25: light of walls, and caustics
+std::vector<StageFigure> weekend_figures();       ///< stage 26: a tree of boxes, blurred mirrors
 std::vector<StageFigure> normal_map_figures();    ///< stage 27: normal maps
 std::vector<StageFigure>
 topic_figures();  ///< pages beside the stages: history, cameras, lights, tone, threads
