@@ -62,17 +62,40 @@ inline protostar::Color weekend_sky(const protostar::Vec3& direction) {
   return protostar::Color{1 - 0.5f * blue, 1 - 0.3f * blue, 1};
 }
 
-/// Builds the scene. Metal is a mirror without a color here, as dark as the metal is on average.
-inline protostar::Scene<protostar::Sphere, protostar::Parallelogram> weekend() {
+/// Builds the scene, with the material metal(color, fuzz) for each ball of metal.
+inline protostar::Scene<protostar::Sphere, protostar::Parallelogram> weekend_of(const auto& metal) {
   using protostar::Color, protostar::Material, protostar::Sphere;
   protostar::Scene<protostar::Sphere, protostar::Parallelogram> scene;
-  weekend_balls([&](const Sphere& ball) { scene.add(ball, Material{.refract = 1, .ior = 1.5}); },
-                [&](const Sphere& ball, const Color& color, double) {
-                  scene.add(ball, Material{.reflect = (double{color.r} + color.g + color.b) / 3});
-                },
-                [&](const Sphere& ball, const Color& color) { scene.add(ball, color); });
+  weekend_balls(
+      [&](const Sphere& ball) { scene.add(ball, Material{.refract = 1, .ior = 1.5}); },
+      [&](const Sphere& ball, const Color& color, double fuzz) { scene.add(ball, metal(color, fuzz)); },
+      [&](const Sphere& ball, const Color& color) { scene.add(ball, color); });
   scene.set_environment(weekend_sky);
   return scene;
+}
+
+/// Returns the roughness of a GgxLobe that, seen along the normal, reflects half of the rays into the same
+/// angle around the mirror direction as the book's metal of a small fuzz f.
+///
+/// The book adds f times a point of the unit sphere to the mirrored direction. Half of these points are less
+/// than √3/2 from the axis of the mirrored direction, so half of the rays are within f √3/2 of it. Half of
+/// the lobe's tiny mirrors are tilted by less than its width α, and turn rays by twice their tilt. So 2 α =
+/// f √3/2, and the roughness is the root of α.
+inline double weekend_roughness(double fuzz) { return std::sqrt(std::sqrt(3.0) / 4 * fuzz); }
+
+/// Builds the scene. Metal is a blurred mirror of its color.
+inline protostar::Scene<protostar::Sphere, protostar::Parallelogram> weekend() {
+  return weekend_of([](const protostar::Color& color, double fuzz) {
+    return protostar::Material{.glossy = color, .roughness = weekend_roughness(fuzz)};
+  });
+}
+
+/// Builds the scene with mirrors without a color in place of metal, as dark as the metal is on average: the
+/// scene that this library and the book's way draw exactly alike.
+inline protostar::Scene<protostar::Sphere, protostar::Parallelogram> weekend_of_mirrors() {
+  return weekend_of([](const protostar::Color& color, double) {
+    return protostar::Material{.reflect = (double{color.r} + color.g + color.b) / 3};
+  });
 }
 
 /// Distance of what is in focus, and radius of the lens, which the book gives by an angle of 0.6 degrees.

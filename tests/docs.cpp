@@ -35,7 +35,7 @@ std::vector<fs::path> documents() {
 }
 
 /// Stages whose pages, plain ray tracers and exercises are still to be written.
-const std::set<std::string> without_pages{"25_cornell", "26_weekend"};
+const std::set<std::string> without_pages{};
 
 /// Returns the names of the other stages, such as 09_shadow.
 std::vector<std::string> stages() {

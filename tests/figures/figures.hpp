@@ -40,6 +40,8 @@ std::vector<StageFigure> lens_figures();          ///< stage 20: a lens
 std::vector<StageFigure> motion_figures();        ///< stage 21: surfaces that move
 std::vector<StageFigure> glossy_figures();        ///< stage 22: blurred mirrors
 std::vector<StageFigure> path_tracing_figures();  ///< stages 23 and 24: free space, paths
+std::vector<StageFigure> cornell_figures();       ///< stage 25: light of walls, and caustics
+std::vector<StageFigure> weekend_figures();       ///< stage 26: a tree of boxes, blurred mirrors
 std::vector<StageFigure> normal_map_figures();    ///< stage 27: normal maps
 std::vector<StageFigure>
 topic_figures();  ///< pages beside the stages: history, cameras, lights, tone, threads

@@ -1,0 +1,439 @@
+// The plain ray tracer, step 25: the Cornell box, with a lamp that is a rectangle, and glass.
+//
+// g++ -O2 -std=c++20 25_cornell.cpp -o 25_cornell && ./25_cornell
+//
+// writes the picture to out.ppm. The page docs/stages/25_cornell.md explains the step.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+// Three numbers: a point, a direction, or the red, green and blue light of a color.
+struct Vec {
+  double x = 0, y = 0, z = 0;
+};
+
+using Color = Vec;
+using Point = Vec;
+
+Vec operator+(const Vec& a, const Vec& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+Vec operator-(const Vec& a, const Vec& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Vec operator*(double s, const Vec& a) { return {s * a.x, s * a.y, s * a.z}; }
+Vec operator*(const Vec& a, const Vec& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+
+// The dot product: |a| |b| times the cosine of the angle between a and b. dot(a, a) is |a|².
+double dot(const Vec& a, const Vec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+double length(const Vec& a) { return std::sqrt(dot(a, a)); }
+Vec normalize(const Vec& a) { return 1 / length(a) * a; }
+
+// The cross product: a vector at right angles to both a and b.
+Vec cross(const Vec& a, const Vec& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+// A picture: the light of each pixel, row by row from the top, each row from the left.
+struct Image {
+  int width, height;
+  std::vector<Color> pixels = std::vector<Color>(width * height);
+
+  Color& at(int x, int y) { return pixels[y * width + x]; }
+};
+
+// Turns light, from 0 for black to 1 for white, into the nearest whole number from 0 to 255.
+// A screen shows the number k with the light (k/255)^2.2, so the number is 255 · light^(1/2.2).
+int code(double light) {
+  return static_cast<int>(255 * std::pow(std::clamp(light, 0.0, 1.0), 1 / 2.2) + 0.5);
+}
+
+// Saves the picture as a PPM file, which is a text: "P3", the size, the largest number, then all pixels.
+void save(const Image& image) {
+  std::ofstream file("out.ppm");
+  file << "P3\n" << image.width << ' ' << image.height << "\n255\n";
+  for (const Color& c : image.pixels) file << code(c.x) << ' ' << code(c.y) << ' ' << code(c.z) << '\n';
+}
+
+// A ray: the points origin + t · direction with t > 0. The direction has length 1, so t is the distance.
+struct Ray {
+  Point origin;
+  Vec direction;
+};
+
+Point point_at(const Ray& ray, double t) { return ray.origin + t * ray.direction; }
+
+// The eye of the camera, and the directions to the right, upwards and forwards from it. The field of view is
+// the angle between the upper and the lower edge of the picture.
+const Point eye{278, 278, -800};
+const Vec right{-1, 0, 0}, up{0, 1, 0}, forward{0, 0, 1};
+const double field_of_view = 40;
+
+// The ray from the eye through a place of the picture, x pixels from its left edge and y from its upper edge.
+Ray camera_ray(const Image& image, double x, double y) {
+  const double half = std::tan(field_of_view / 2 * std::numbers::pi / 180);
+  const double u = (2 * x - image.width) / image.height;
+  const double v = (image.height - 2 * y) / image.height;
+  return {eye, normalize(u * half * right + v * half * up + forward)};
+}
+
+// The t of a ray that hits nothing.
+const double infinity = std::numeric_limits<double>::infinity();
+
+// A point at which the line of a ray crosses a surface. The normal is at right angles to the surface there.
+struct Crossing {
+  double t;
+  Vec normal;
+};
+
+// A surface is a function: it takes a ray and returns all crossings, in their order along the ray.
+using Crossings = std::vector<Crossing>;
+using Surface = std::function<Crossings(const Ray&)>;
+
+// The solutions of a t² + b t + c = 0. For a = 0 this is no quadratic equation, and there is one at most.
+std::vector<double> roots(double a, double b, double c) {
+  if (a == 0) return {-c / b};
+  const double D = b * b - 4 * a * c;
+  if (D < 0) return {};
+  const double t1 = (-b - std::sqrt(D)) / (2 * a), t2 = (-b + std::sqrt(D)) / (2 * a);
+  return {std::min(t1, t2), std::max(t1, t2)};
+}
+
+// A sphere: the points p with |p - center| = radius.
+Surface sphere(Point center, double radius) {
+  return [=](const Ray& ray) {
+    const Vec v = ray.origin - center;
+    Crossings result;
+    for (const double t :
+         roots(dot(ray.direction, ray.direction), 2 * dot(ray.direction, v), dot(v, v) - radius * radius))
+      result.push_back({t, point_at(ray, t) - center});
+    return result;
+  };
+}
+
+// A quadric: the points p with f(p) = squares · p² + 2 linear · p + constant = 0, where p² = (x², y², z²).
+Surface quadric(Vec squares, Vec linear, double constant) {
+  return [=](const Ray& ray) {
+    const Vec o = ray.origin, d = ray.direction;
+    Crossings result;
+    for (const double t : roots(dot(squares, d * d), 2 * (dot(squares, o * d) + dot(linear, d)),
+                                dot(squares, o * o) + 2 * dot(linear, o) + constant))
+      result.push_back({t, squares * point_at(ray, t) + linear});  // half of the gradient of f
+    return result;
+  };
+}
+
+// A box: the points between three pairs of parallel planes. The ray is inside of it from the last plane
+// through which it enters to the first one through which it leaves.
+Surface box(Point low, Point high) {
+  return [=](const Ray& ray) -> Crossings {
+    Crossing enters{-infinity, {}}, leaves{infinity, {}};
+    for (const Vec& axis : {Vec{1, 0, 0}, Vec{0, 1, 0}, Vec{0, 0, 1}}) {
+      const double t1 = dot(axis, low - ray.origin) / dot(axis, ray.direction);
+      const double t2 = dot(axis, high - ray.origin) / dot(axis, ray.direction);
+      if (std::min(t1, t2) > enters.t) enters = {std::min(t1, t2), axis};
+      if (std::max(t1, t2) < leaves.t) leaves = {std::max(t1, t2), axis};
+    }
+    if (enters.t > leaves.t) return {};
+    return {enters, leaves};
+  };
+}
+
+// A part of the plane through a point: the points p at which the outline contains p - point. The ray crosses
+// the plane if normal · (o + t d - point) = 0.
+Surface flat(Point point, Vec normal, std::function<bool(const Vec&)> contains) {
+  return [=](const Ray& ray) -> Crossings {
+    const double t = dot(normal, point - ray.origin) / dot(normal, ray.direction);
+    if (!contains(point_at(ray, t) - point)) return {};
+    return {{t, normal}};
+  };
+}
+
+Surface plane(Point point, Vec normal) {
+  return flat(point, normal, [](const Vec&) { return true; });
+}
+
+Surface disk(Point center, Vec normal, double radius) {
+  return flat(center, normal, [=](const Vec& v) { return length(v) <= radius; });
+}
+
+// The numbers α and β with v = α a + β b, for a vector v in the plane of a and b.
+std::pair<double, double> coordinates(const Vec& v, const Vec& a, const Vec& b) {
+  const Vec n = cross(a, b);
+  return {dot(cross(v, b), n) / dot(n, n), dot(cross(a, v), n) / dot(n, n)};
+}
+
+Surface parallelogram(Point corner, Vec a, Vec b) {
+  return flat(corner, cross(a, b), [=](const Vec& v) {
+    const auto [alpha, beta] = coordinates(v, a, b);
+    return 0 <= alpha && alpha <= 1 && 0 <= beta && beta <= 1;
+  });
+}
+
+Surface triangle(Point p, Point q, Point r) {
+  return flat(p, cross(q - p, r - p), [=](const Vec& v) {
+    const auto [alpha, beta] = coordinates(v, q - p, r - p);
+    return 0 <= alpha && 0 <= beta && alpha + beta <= 1;
+  });
+}
+
+// A lamp: a rectangle that sends out light of this radiance, alike from all of its points and in all
+// directions.
+struct Lamp {
+  Point corner;
+  Vec a, b;
+  Color radiance;
+};
+
+const Lamp ceiling_lamp{{213, 554, 227}, {130, 0, 0}, {0, 0, 105}, {15, 15, 15}};
+
+// A surface in the scene. If it has a second color, it has squares of side 1 in both. A lamp is a surface,
+// too. Glass has no color: it sends all light on.
+struct Object {
+  Surface surface;
+  Color color, second = color;
+  const Lamp* lamp = nullptr;
+  bool is_glass = false;
+};
+
+const Color black{0, 0, 0}, red{0.65, 0.05, 0.05}, white{0.73, 0.73, 0.73}, green{0.12, 0.45, 0.15};
+
+// The tall box is turned by 15 degrees: its edges across and along the view, and upwards.
+const double turned = 15 * std::numbers::pi / 180;
+const Vec across{165 * std::cos(turned), 0, -165 * std::sin(turned)};
+const Vec along{165 * std::sin(turned), 0, 165 * std::cos(turned)};
+const Vec upwards{0, 330, 0};
+const Point corner{265, 0, 295};
+
+const std::vector<Object> objects{
+    {parallelogram({555, 0, 0}, {0, 0, 555}, {0, 555, 0}), green},
+    {parallelogram({0, 0, 555}, {0, 0, -555}, {0, 555, 0}), red},
+    {parallelogram({0, 555, 0}, {555, 0, 0}, {0, 0, 555}), white},
+    {parallelogram({0, 0, 555}, {555, 0, 0}, {0, 0, -555}), white},
+    {parallelogram({555, 0, 555}, {-555, 0, 0}, {0, 555, 0}), white},
+    {parallelogram(corner, across, upwards), white},
+    {parallelogram(corner + across, along, upwards), white},
+    {parallelogram(corner + across + along, -1 * across, upwards), white},
+    {parallelogram(corner + along, -1 * along, upwards), white},
+    {parallelogram(corner + upwards, across, along), white},
+    {sphere({190, 90, 190}, 90), black, black, nullptr, true},
+    {parallelogram(ceiling_lamp.corner, ceiling_lamp.a, ceiling_lamp.b), black, black, &ceiling_lamp},
+};
+
+const std::vector<const Lamp*> lamps{&ceiling_lamp};
+
+// The light of a ray that hits nothing.
+const Color sky = black;
+
+// A hit of a ray on a surface.
+struct Hit {
+  double t = infinity;  // the distance along the ray
+  Point point;
+  Vec normal;  // the direction at a right angle to the surface there, of length 1
+  Color color;
+  const Lamp* lamp = nullptr;  // if the hit is on a lamp
+  bool is_glass = false;
+};
+
+// The closest hit of the ray. If it hits nothing, t stays infinity.
+Hit closest_hit(const Ray& ray) {
+  Hit closest;
+  for (const Object& object : objects)
+    for (const Crossing& crossing : object.surface(ray))
+      if (0 < crossing.t && crossing.t < closest.t) {
+        const Point point = point_at(ray, crossing.t);
+        const bool is_even = std::fmod(std::floor(point.x) + std::floor(point.z), 2) == 0;
+        closest = {
+            crossing.t,  point,          normalize(crossing.normal), is_even ? object.color : object.second,
+            object.lamp, object.is_glass};
+      }
+  return closest;
+}
+
+// The normal on the side from which the ray comes.
+Vec facing(const Vec& normal, const Ray& ray) {
+  return dot(normal, ray.direction) <= 0 ? normal : -1 * normal;
+}
+
+// A ray that goes on from a hit starts this far from the surface. It starts at a rounded point, which may lie
+// on the wrong side of the surface; without the offset, the ray may hit that surface again. The offset has a
+// price: it skips all that is thinner, and it is too small for a scene of large numbers. No single number is
+// right, and the library has none.
+const double epsilon = 1e-4;
+
+// A number between 0 and 1 that looks random. It is another one for each pixel, each sample i and each which,
+// and for these it is always the same one: the whole numbers are stirred until no order is left.
+double random_number(int x, int y, int i, int which) {
+  std::uint32_t stirred = 1;
+  for (const int number : {x, y, i, which}) {
+    stirred = (stirred ^ static_cast<std::uint32_t>(number)) * 0x9e3779b1;
+    stirred = (stirred ^ stirred >> 15) * 0x85ebca77;
+    stirred = stirred ^ stirred >> 13;
+  }
+  return (stirred + 0.5) / 4294967296;  // 2^32
+}
+
+// A sample: ray i of the pixel (x, y), and the random numbers of that ray.
+struct Sample {
+  int x, y, i;
+
+  double number(int which) const { return random_number(x, y, i, which); }
+};
+
+// The direction at an angle of this cosine from the axis, after a part of a turn around it.
+Vec direction_around(const Vec& axis, double cosine, double turn) {
+  const double sine = std::sqrt(1 - cosine * cosine), angle = 2 * std::numbers::pi * turn;
+  const Vec other = std::abs(axis.x) < 0.5 ? Vec{1, 0, 0} : Vec{0, 1, 0};
+  const Vec a = normalize(cross(axis, other)), b = cross(axis, a);
+  return sine * std::cos(angle) * a + sine * std::sin(angle) * b + cosine * axis;
+}
+
+// A direction out of a surface, for two numbers between 0 and 1. It is the more likely, the larger its cosine
+// is.
+Vec direction_out(const Vec& normal, double u, double v) {
+  return direction_around(normal, std::sqrt(1 - u), v);
+}
+
+// The light that a matte surface sends on of the lamps' light: its color, over π, times the light that
+// arrives. A place of the lamp is drawn by chance. The solid angle of the lamp is its area, seen from there:
+// area · cosine at the lamp / distance².
+Color light_of_lamps(const Hit& hit, const Vec& normal, const Sample& sample, int& which) {
+  Color light;
+  for (const Lamp* lamp : lamps) {
+    const double u = sample.number(which++), v = sample.number(which++);
+    const Vec to_lamp = lamp->corner + u * lamp->a + v * lamp->b - hit.point;
+    const Vec direction = normalize(to_lamp);
+    const double cosine = dot(normal, direction);
+    if (cosine <= 0) continue;  // the direction leads into the surface
+    if (closest_hit({hit.point + epsilon * normal, direction}).lamp != lamp) continue;
+    const double turned_area = std::abs(dot(cross(lamp->a, lamp->b), direction));
+    light = light + cosine * turned_area / dot(to_lamp, to_lamp) * lamp->radiance;
+  }
+  return 1 / std::numbers::pi * light * hit.color;
+}
+
+// The share of light that glass mirrors (Fresnel), by the cosines before and behind its surface. The sine
+// behind it is ratio times that before it.
+double mirrored_share(double before, double behind, double ratio) {
+  const double s = (ratio * before - behind) / (ratio * before + behind);
+  const double p = (before - ratio * behind) / (before + ratio * behind);
+  return (s * s + p * p) / 2;
+}
+
+// The ray that goes on from glass: it is mirrored or bent, by chance, each as often as light is.
+Ray through_glass(const Hit& hit, const Ray& ray, double number) {
+  const Vec normal = facing(hit.normal, ray);
+  const double ratio = dot(hit.normal, ray.direction) <= 0 ? 1 / 1.5 : 1.5;
+  const double before = -dot(normal, ray.direction);
+  const double square = 1 - ratio * ratio * (1 - before * before);  // of the cosine behind the surface
+  if (square <= 0 || number < mirrored_share(before, std::sqrt(square), ratio))
+    return {hit.point + epsilon * normal, ray.direction + 2 * before * normal};
+  return {hit.point - epsilon * normal,
+          ratio * (ray.direction + before * normal) - std::sqrt(square) * normal};
+}
+
+// Paths end by chance after this number of bounces, and not before.
+const int sure_bounces = 3;
+
+// No path goes on longer. In glass, light may be mirrored for long.
+const int most_bounces = 100;
+
+// The light along a ray, as one path finds it. It goes on from surface to surface in directions drawn by
+// chance, and at each of them collects light of the lamps. The weight is the share of it that comes to the
+// eye.
+Color path(Ray ray, const Sample& sample) {
+  Color light, weight{1, 1, 1};
+  int which = 2;
+  bool is_asked = false;  // the lamps, at the surface before
+  for (int bounce = 0; bounce <= most_bounces; ++bounce) {
+    const Hit hit = closest_hit(ray);
+    if (hit.t == infinity) return light + weight * sky;
+    if (hit.lamp) return is_asked ? light : light + weight * hit.lamp->radiance;
+    is_asked = !hit.is_glass;
+    if (hit.is_glass) {
+      ray = through_glass(hit, ray, sample.number(which++));
+      continue;
+    }
+    const Vec normal = facing(hit.normal, ray);
+    light = light + weight * light_of_lamps(hit, normal, sample, which);
+    weight = weight * hit.color;
+    if (bounce >= sure_bounces) {  // Russian roulette
+      const double survival = std::min(1.0, std::max({weight.x, weight.y, weight.z}));
+      if (sample.number(which++) >= survival) return light;
+      weight = 1 / survival * weight;
+    }
+    const double u = sample.number(which++), v = sample.number(which++);
+    ray = {hit.point + epsilon * normal, direction_out(normal, u, v)};
+  }
+  return light;
+}
+
+// A place in a pixel: x goes from 0 at its left edge to 1 at its right edge, and y from 0 at its upper edge
+// to 1 at its lower edge.
+struct Place {
+  double x, y;
+};
+
+// Four functions that choose n places in the pixel (x, y).
+using Places = std::vector<Place>;
+
+// A grid: n places in rows, as many in a row as there are rows. This needs a square number n.
+Places grid(int n, int, int) {
+  const int side = static_cast<int>(std::lround(std::sqrt(n)));
+  Places places;
+  for (int i = 0; i < n; ++i) places.push_back({(i % side + 0.5) / side, (i / side + 0.5) / side});
+  return places;
+}
+
+// Random places, which know nothing of each other.
+Places independent(int n, int x, int y) {
+  Places places;
+  for (int i = 0; i < n; ++i) places.push_back({random_number(x, y, i, 0), random_number(x, y, i, 1)});
+  return places;
+}
+
+// A random place in each cell of the grid.
+Places jittered(int n, int x, int y) {
+  const int side = static_cast<int>(std::lround(std::sqrt(n)));
+  Places places;
+  for (int i = 0; i < n; ++i)
+    places.push_back(
+        {(i % side + random_number(x, y, i, 0)) / side, (i / side + random_number(x, y, i, 1)) / side});
+  return places;
+}
+
+// The binary digits of i, read backwards and behind the point: 0, .1, .01, .11, .001, .101, ...
+double reversed(int i) {
+  double value = 0;
+  for (double digit = 0.5; i > 0; i /= 2, digit /= 2) value += i % 2 * digit;
+  return value;
+}
+
+// Hammersley's places: n columns and n rows, and one place in each of them.
+Places hammersley(int n, int, int) {
+  Places places;
+  for (int i = 0; i < n; ++i) places.push_back({(i + 0.5) / n, reversed(i) + 0.5 / n});
+  return places;
+}
+
+// The number of rays through each pixel, and how their places are chosen. With 1 it is the pixel's middle.
+const int samples = 8;
+const auto places_in = hammersley;
+
+// The mean light of a pixel.
+Color mean(const Image& image, int x, int y) {
+  Color sum;
+  int i = 0;
+  for (const Place& place : places_in(samples, x, y))
+    sum = sum + path(camera_ray(image, x + place.x, y + place.y), {x, y, i++});
+  return 1.0 / samples * sum;
+}
+
+int main() {
+  Image image{640, 480};
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) image.at(x, y) = mean(image, x, y);
+  save(image);
+}
