@@ -90,7 +90,7 @@ void confusion(Drawing& drawing) {
   sketch.line({focus, -blur, 0}, {focus, blur, 0}, Paint::orange, Stroke::bold);
   sketch.mark(seen, Paint::ink);
   sketch.words({0, aperture / 2, 0}, {-10, 6}, "R", Paint::blue, Anchor::end);
-  sketch.words({focus, blur / 2, 0}, {10, 6}, "ρ", Paint::orange);
+  sketch.words({focus, blur / 2, 0}, {10, 6}, "R'", Paint::orange);
   const double below = -1.2;
   sketch.arrow({near / 2 - 0.2, below, 0}, {0, below, 0}, Paint::ink);
   sketch.arrow({near / 2 + 0.2, below, 0}, {near, below, 0}, Paint::ink);
