@@ -272,6 +272,40 @@ TEST_CASE("a glossy floor reflects a light at a point by its lobe's value, and n
   check(0);
 }
 
+TEST_CASE(
+    "a glossy floor with a tilted normal reflects a light at a point like a small ball of the same power, "
+    "also one behind that normal") {
+  // Seen from behind, the normal is replaced by the floor's own for the lobe, but not for matte light.
+  const double tilt = GENERATE(-60.0, 20.0, 60.0) * std::numbers::pi / 180;
+  CAPTURE(tilt);
+  Material material = metal(0.8);
+  material.normal_map = NormalMap([=](double, double) { return Vec3{0, std::sin(tilt), std::cos(tilt)}; });
+  const Parallelogram floor{.position = {-50, -1, -50}, .edge_u = {100, 0, 0}, .edge_v = {0, 0, 100}};
+  const Point lamp{0, 3, -4};
+  constexpr double radius = 0.05, power = 400;
+  Scene<Sphere, Parallelogram> point, ball;
+  point.add(floor, material);
+  ball.add(floor, material);
+  point.add(PointLight{.position = lamp, .power = Color{to_float(power)}});
+  constexpr double pi = std::numbers::pi;
+  ball.add(Sphere{lamp, radius}, glowing(to_float(power / (4 * pi * pi * radius * radius))));
+  const Ray ray{{0, -0.2, -3}, {0, -0.8, 3}};
+  const auto hit = point.intersect(ray, Interval{}), same = ball.intersect(ray, Interval{});
+  const double expected = DirectIntegrator(point).shade(*hit, point, SobolSampler(SampleIndex{})).g;
+  CHECK(expected > 0.01);
+  CHECK(one_bounce(point).shade(*hit, point, SobolSampler(SampleIndex{})).g == expected);
+  double sum = 0;
+  const DirectIntegrator direct(ball);
+  constexpr std::uint32_t samples = 512;
+  for (std::uint32_t i = 0; i < samples; ++i)
+    sum += direct.shade(*same, ball, SobolSampler({.seed = 1, .sample = i, .samples = samples})).g;
+  CHECK(std::abs(sum / samples / expected - 1) < 0.02);
+  // What occludes the light occludes it for the lobe as well.
+  point.add(Sphere{hit->point() + 0.5 * (lamp - hit->point()), 0.1}, Color{0.5f});
+  const auto again = point.intersect(ray, Interval{});
+  CHECK(DirectIntegrator(point).shade(*again, point, SobolSampler(SampleIndex{})).g == 0);
+}
+
 TEST_CASE("paths find a small sun in an environment, on glossy and on matte floors, with lamps and without") {
   Image image(16, 8);
   for (int i = 0; i < 16 * 8; ++i) image(i % 16, i / 16) = Color{0.25f + 0.05f * static_cast<float>(i % 5)};

@@ -99,13 +99,16 @@ struct Reflector {
   }
 
   /// Returns the light of a source at a point or in a direction, if nothing occludes it; `matte` is not yet
-  /// over π.
+  /// over π. A glossy lobe may reflect light that is behind a shading normal (GlossyLobeAt).
   [[nodiscard]] ReflectedLight light_of(const Light& light, const auto& scene) const {
-    ReflectedLight sum{visible_irradiance(scene, hit, light)};
-    if (glossy && !is_black(sum.matte))
-      sum.glossy = clamped(glossy->reflection(normalize(light.towards(hit.point()))) *
-                           light.perpendicular_irradiance(hit.point()));
-    return sum;
+    if (!glossy) [[likely]]
+      return {visible_irradiance(scene, hit, light)};
+    const Vec3 to_light = light.towards(hit.point());
+    const double height = is_matte ? hit.height(to_light) : 0;
+    const Color share = glossy->reflection(normalize(to_light));
+    if (!(height > 0) && is_black(share)) return {};
+    if (scene.occluded(hit.leave(to_light), light.occlusion_range())) return {};
+    return {light.received(to_light, height), clamped(share * light.perpendicular_irradiance(hit.point()))};
   }
 
  private:
