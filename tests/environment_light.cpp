@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <protostar/protostar.hpp>
@@ -166,6 +167,33 @@ TEST_CASE("a sky and an image of one color are drawn by the cosine, and a black 
   const EnvironmentLight hidden(scene_under([](double u, double) { return Color{u == 0.1 ? 1.0f : 0.0f}; }));
   CHECK(!hidden.is_dark());
   CHECK(std::abs(hidden.density(tilted_normal, tilted_normal) / uniform_sphere_density - 1) < 1e-12);
+}
+
+TEST_CASE("a pixel that is no light has the cells of a black one") {
+  const auto with_pixel = [](const Color& color) {
+    Image image(8, 4);
+    for (int i = 0; i < 32; ++i) image(i % 8, i / 8) = Color{1};
+    image(5, 1) = Color{30};
+    image(6, 1) = color;
+    return EnvironmentLight(scene_under(EnvironmentImage{std::make_shared<const Image>(image)}));
+  };
+  const EnvironmentLight black = with_pixel(Color{0});
+  CHECK(black.has_places());
+  for (const float number :
+       {-20.0f, -1000.0f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    const EnvironmentLight light = with_pixel({1, number, 1});
+    Random random(5);
+    WrongCases wrong(random);
+    for (int i = 0; i < 500; ++i) {
+      const Vec3 direction = random.direction();
+      const double expected = black.density(tilted_normal, direction);
+      wrong.add(!(expected > 0 && light.density(tilted_normal, direction) == expected), direction);
+      const double u = random.interior(), v = random.interior();
+      wrong.add(light.sample(tilted_normal, u, v).direction != black.sample(tilted_normal, u, v).direction, u,
+                v);
+    }
+    CHECK(wrong == 0);
+  }
 }
 
 TEST_CASE("a nearly even environment is drawn by the cosine, as long as that varies less on average") {

@@ -29,8 +29,9 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// The density of an EnvironmentImage is uniform by solid angle in the cell of a pixel, and the cell's
 /// probability is in proportion to the integral over its u and v of the mixed colors, times its solid angle.
 /// A pixel counts ¾ along each axis in its own cell and ⅛ in each neighbor, so that no direction from which
-/// light comes is left out. Any other function is looked at in the middle of each cell of a grid; it may be
-/// bright between, so an eighth of all directions are drawn as if it were the same everywhere.
+/// light comes is left out. A pixel with a channel that is negative or not finite counts as black. Any other
+/// function is looked at in the middle of each cell of a grid; it may be bright between, so an eighth of all
+/// directions are drawn as if it were the same everywhere.
 ///
 /// A sky, and an environment that is nearly even, has no place that is better than others: directions are
 /// drawn by the cosine to the surface's normal. Let L be the light by direction and ⟨⟩ a mean over the
@@ -101,12 +102,13 @@ class EnvironmentLight {
   static Image image_of(const Environment& environment) {
     Image image(columns_of_function, rows_of_function);
     for (int y = 0; y < image.height(); ++y)
-      for (int x = 0; x < image.width(); ++x) {
-        const Color light = environment.at((x + 0.5) / image.width(), (y + 0.5) / image.height());
-        image(x, y) = is_light(light) ? light : Color{0};
-      }
+      for (int x = 0; x < image.width(); ++x)
+        image(x, y) = environment.at((x + 0.5) / image.width(), (y + 0.5) / image.height());
     return image;
   }
+
+  /// Returns the light of a pixel, the sum of its channels; 0 if one of them is negative or not finite.
+  static double light_of(const Color& c) { return is_light(c) ? double{c.r} + c.g + c.b : 0; }
 
   /// Makes the cells of an image. `even` is the light that is added everywhere, as a share of the mean.
   void use(const Image& image, double even) {
@@ -120,8 +122,7 @@ class EnvironmentLight {
     double mean_light = 0, mean_square = 0;
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
-        const Color& c = image(x, y);
-        const double light = double{c.r} + c.g + c.b,
+        const double light = light_of(image(x, y)),
                      share = solid_angle(static_cast<std::size_t>(y)) / (4 * std::numbers::pi);
         mean_light += share * light, mean_square += share * light * light;
       }
@@ -134,8 +135,7 @@ class EnvironmentLight {
     const auto light = [&](int x, int y) {
       const auto across = [&](int row) {
         const auto at = [&](int column) {
-          const Color& c = image((column + w) % w, std::clamp(row, 0, h - 1));
-          return double{c.r} + c.g + c.b;
+          return light_of(image((column + w) % w, std::clamp(row, 0, h - 1)));
         };
         return 0.125 * at(x - 1) + 0.75 * at(x) + 0.125 * at(x + 1);
       };
