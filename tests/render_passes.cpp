@@ -163,7 +163,7 @@ TEST_CASE("a picture takes little more than the samples that its error needs") {
       Film film(Tile{0, 0, KnownLight::width, KnownLight::height});
       for (std::uint32_t k = 1; k <= 64; ++k) {
         add_samples(film, {2 * k - 2, 2 * k}, Camera{}, known,
-               {.samples = 128, .sampler = sampler_of<SobolSampler>, .seed = 1000 + seed, .threads = 1});
+                    {.samples = 128, .sampler = sampler_of<SobolSampler>, .seed = 1000 + seed, .threads = 1});
         squares[k] += known.squared_error(film.mean()) / 20;
       }
     }
@@ -351,6 +351,9 @@ TEST_CASE("options of passes that make no sense are refused") {
   CHECK_THAT(refusal_of({.samples = 1, .standard_error = &noise}), ContainsSubstring("at least 2"));
   CHECK_THAT(refusal_of({.error = 1, .crop = {.x = 5, .width = 9, .height = 9}}),
              ContainsSubstring("is not inside 9x9"));
+  constexpr int least = std::numeric_limits<int>::min();
+  CHECK_THAT(refusal_of({.samples = 4, .standard_error = &noise, .crop = {1, 0, least, 4}}),
+             ContainsSubstring("is not inside -2147483648x4"));
   Film film(Tile{0, 0, 8, 8});
   CHECK_THAT(message_of<std::invalid_argument>([&] {
                add_samples(film, {0, 1}, Camera{}, [](const Ray&) { return Color{1}; }, {.error = 1});

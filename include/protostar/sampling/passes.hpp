@@ -75,9 +75,8 @@ class PassLoop {
   static Tile area_of(const Image& image, const RenderOptions& options) {
     const auto& [x, y, width, height] = options.crop;
     if (width == 0 && height == 0) return image.tile();
-    // PixelGrid refuses a crop that the picture does not hold; here sums must not overflow.
-    if (x < 0 || y < 0 || image.width() > width - x || image.height() > height - y)
-      static_cast<void>(PixelGrid(image.width(), image.height(), options));
+    // PixelGrid refuses a picture that does not hold the image; of others, the sums below do not overflow.
+    static_cast<void>(PixelGrid(image.width(), image.height(), {.crop = options.crop}));
     return {x, y, x + image.width(), y + image.height()};
   }
 
