@@ -156,6 +156,8 @@ TEST_CASE("samples that a film cannot have are refused") {
   };
   CHECK(message({0, 9}, {.samples = 8}) ==
         "render: samples must end at the 8 of the options or before; they end at 9");
+  CHECK(message({0, 0x80000000}, {}) ==
+        "render: samples must end at 4194303 or before; they end at 2147483648");
   CHECK(message({0, 1}, {.crop = {.width = 19, .height = 15}}).find("is not inside 19x15") !=
         std::string::npos);
   CHECK(message({0, 1}, {.clamp = -1}) == "RenderOptions: clamp must be 0 (none) or greater; it is -1");

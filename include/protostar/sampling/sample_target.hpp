@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <stdexcept>
+#include <string>
 
 #include "../image.hpp"
 #include "../pixel_grid.hpp"
@@ -44,7 +45,12 @@ class SampleTarget {
     const bool is_part = options.crop.width != 0 || options.crop.height != 0;
     options.crop = {area_.x0, area_.y0, is_part ? options.crop.width : area_.x1,
                     is_part ? options.crop.height : area_.y1};
-    if (options.samples == 0) options.samples = static_cast<int>(range_.last);
+    if (options.samples == 0) {
+      if (range_.last > std::uint32_t{most_samples_of_pixel})
+        throw std::invalid_argument("render: samples must end at " + std::to_string(most_samples_of_pixel) +
+                                    " or before; they end at " + std::to_string(range_.last));
+      options.samples = static_cast<int>(range_.last);
+    }
     return {width(), height(), options, otherwise, range_};
   }
 
