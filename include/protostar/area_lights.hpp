@@ -3,8 +3,8 @@
 // A surface emits light if its material has an emission, L_e. It sends out this radiance from both of its
 // sides and alike in all directions. A ray that hits it sees L_e, whatever the surface is. Spheres,
 // parallelograms, disks, triangles and meshes also light other surfaces, AnySurface that hold them included:
-// directions to them can be drawn. Other surfaces with an emission (planes, boxes, quadrics, instances,
-// solids of several) light nothing but the eye.
+// directions to them can be drawn. No directions are drawn to other surfaces with an emission (planes, boxes,
+// quadrics, instances, solids of several, surfaces that move): only PathIntegrator finds their light.
 #pragma once
 
 #include <algorithm>

@@ -29,12 +29,11 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// - Orthographic: right and up are 0, and all rays run along forward.
 ///
 /// - Thin lens: a pinhole with an aperture. Rays start on a disk around position, spanned by the directions
-/// of
-///   right and up, and all that belong to one film point meet where a pinhole's ray is in focus:
+///   of right and up, and all that belong to one film point meet where a pinhole's ray is in focus:
 ///     origin    = position + lens point
 ///     direction = forward  + u · right + v · up − lens point / focus.
 ///   Points at the distance focus, in lengths of forward, are sharp; all others are blurred over disks. Only
-///   pictures of several samples show that, since one ray through a pixel's center passes the lens' center.
+///   pictures of samples show that: without samples, the ray of a pixel's center passes the lens' center.
 ///
 /// Any other film vectors are allowed if right, up and forward span space. The rays of such a camera have no
 /// common point; they are rendered by tiles as all others are, but the tiles cull less.

@@ -71,8 +71,7 @@ struct RenderReport {
 /// progress does not come to 1.
 struct RenderOptions {
   /// Rays through each pixel, which gets their mean (PixelGrid); 0: one through its center, and through that
-  /// of a lens. Of several,
-  /// channels beyond ±2^15 count as ±2^15 (ExactSum).
+  /// of a lens. Of several, channels beyond ±2^15 count as ±2^15 (ExactSum).
   int samples = 0;
 
   /// Sampler that gives their places, and the numbers of integrators that take a sampler. By default it is

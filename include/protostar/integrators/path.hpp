@@ -36,8 +36,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// directions light matte and glossy surfaces, as in DirectIntegrator; all other light, of a sky of one color
 /// and of surfaces that are no AreaLights, is found by the path itself.
 ///
-/// The estimate is unbiased up to the depth. Without glossy lobes it is bounded: no path weighs more than the
-/// product of the sums of shares at its first vertices.
+/// The estimate is unbiased up to the depth. Without glossy lobes, and if the shares of each material add up
+/// to at most 1, it is bounded: no path weighs more than 1.
 struct PathIntegrator : FirstHit<PathIntegrator> {
   using ShadesHitsAlone = PathIntegrator;  ///< of camera rays in packets (accel/packet_integrator.hpp)
 
@@ -52,7 +52,8 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   EnvironmentLight environment;
 
   /// Largest number of bounces between light and eye, from 0 to most_depth: 0 shows emission alone, 1 adds
-  /// what DirectIntegrator shows, if there are no mirrors. A path that is cut adds nothing.
+  /// what DirectIntegrator shows, if there are no mirrors, and the light of the sky and of surfaces that are
+  /// no AreaLights. A path that is cut adds nothing.
   int depth = 100;
 
   /// Largest number of rays from a vertex to lights at points or in directions; of more lights, as many are
