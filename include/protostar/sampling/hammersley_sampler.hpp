@@ -34,8 +34,8 @@ namespace sampling {
 /// single one is the middle of the pixel.
 ///
 /// Points are the same for every pixel, and for every seed. All other numbers are those of SobolSampler for
-/// the pixel (0, 0): for every pixel the same too, so that a soft shadow, or what is out of focus, consists of
-/// as many sharp ones as there are samples, and has no noise. Its error shows in no difference between
+/// the pixel (0, 0): for every pixel the same too, so that a soft shadow, or what is out of focus, consists
+/// of as many sharp ones as there are samples, and has no noise. Its error shows in no difference between
 /// pixels, which is why no estimate of errors can use it.
 template <class Word>
 class BasicHammersleySampler {
