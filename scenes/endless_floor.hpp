@@ -2,17 +2,14 @@
 // sun.
 #pragma once
 
+#include <protostar/any_scene.hpp>
 #include <protostar/camera.hpp>
-#include <protostar/scene.hpp>
-#include <protostar/surfaces/any_surface.hpp>
-#include <protostar/surfaces/plane.hpp>
-#include <protostar/surfaces/sphere.hpp>
 
 /// Builds the scene, of the types of stage 14, whose pictures are compiled once. The squares have sides of
 /// length 1.
-inline protostar::Scene<protostar::Plane, protostar::AnySurface> endless_floor() {
+inline protostar::AnyScene endless_floor() {
   using protostar::Color;
-  protostar::Scene<protostar::Plane, protostar::AnySurface> scene;
+  protostar::AnyScene scene;
   scene.add(protostar::Plane{.normal = {0, 1, 0}, .distance = 0},
             protostar::Material{.texture = protostar::Checker{.first = Color{0.8f}, .second = Color{0.1f}}});
   scene.add(protostar::Sphere{.center = {0.5, 2, 5}, .radius = 2}, Color{1, 0.3f, 0});

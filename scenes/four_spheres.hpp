@@ -5,11 +5,8 @@
 
 #include <array>
 #include <cstddef>
+#include <protostar/any_scene.hpp>
 #include <protostar/camera.hpp>
-#include <protostar/scene.hpp>
-#include <protostar/surfaces/parallelogram.hpp>
-#include <protostar/surfaces/plane.hpp>
-#include <protostar/surfaces/sphere.hpp>
 
 inline const protostar::Material ivory{
     .diffuse = {0.36f, 0.36f, 0.27f}, .specular = protostar::Color{0.5f}, .shininess = 50, .reflect = 0.1};
@@ -34,9 +31,8 @@ inline const protostar::Material checkers{
 
 /// Builds the scene, with what the spheres are made of. It names the types that scene files know, so that
 /// their pictures are compiled once.
-inline protostar::Scene<protostar::Sphere, protostar::Plane, protostar::Parallelogram> four_spheres(
-    const std::array<protostar::Material, 4>& materials) {
-  protostar::Scene<protostar::Sphere, protostar::Plane, protostar::Parallelogram> scene;
+inline protostar::AnyScene four_spheres(const std::array<protostar::Material, 4>& materials) {
+  protostar::AnyScene scene;
   for (std::size_t i = 0; i < materials.size(); ++i) scene.add(the_four_spheres[i], materials[i]);
   for (const protostar::Point& position :
        {protostar::Point{-20, 20, -20}, protostar::Point{30, 50, 25}, protostar::Point{30, 20, -30}})

@@ -1,17 +1,14 @@
 // Balls that pass a standing one on a floor of squares, at different speeds.
 #pragma once
 
+#include <protostar/any_scene.hpp>
 #include <protostar/camera.hpp>
-#include <protostar/scene.hpp>
-#include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/moving.hpp>
-#include <protostar/surfaces/plane.hpp>
-#include <protostar/surfaces/sphere.hpp>
 
 /// Builds the scene, of the types of stage 14, whose pictures are compiled once. Balls move from time 0 to 1.
-inline protostar::Scene<protostar::Plane, protostar::AnySurface> passing_balls() {
+inline protostar::AnyScene passing_balls() {
   using namespace protostar;
-  Scene<Plane, AnySurface> scene;
+  AnyScene scene;
   scene.add(Plane{.normal = {0, 1, 0}, .distance = 0},
             Material{.texture = Checker{.first = Color{0.7f}, .second = Color{0.25f}}});
   scene.add(Sphere{.center = {-2.5, 1, 8}, .radius = 1}, Color{0.9f, 0.2f, 0.1f});

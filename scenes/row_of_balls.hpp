@@ -1,20 +1,17 @@
 // A row of balls that leads away from the viewer over a floor of squares.
 #pragma once
 
+#include <protostar/any_scene.hpp>
 #include <protostar/camera.hpp>
-#include <protostar/scene.hpp>
-#include <protostar/surfaces/any_surface.hpp>
-#include <protostar/surfaces/plane.hpp>
-#include <protostar/surfaces/sphere.hpp>
 
 /// Distance along the camera's direction of the middle of the third ball of row_of_balls.
 inline constexpr double third_ball = 10;
 
 /// Builds the scene, of the types of stage 14, whose pictures are compiled once. The squares have sides of
 /// length 1.
-inline protostar::Scene<protostar::Plane, protostar::AnySurface> row_of_balls() {
+inline protostar::AnyScene row_of_balls() {
   using protostar::Color;
-  protostar::Scene<protostar::Plane, protostar::AnySurface> scene;
+  protostar::AnyScene scene;
   scene.add(protostar::Plane{.normal = {0, 1, 0}, .distance = 0},
             protostar::Material{.texture = protostar::Checker{.first = Color{0.7f}, .second = Color{0.25f}}});
   scene.add(protostar::Sphere{.center = {-1.5, 1, 4}, .radius = 1}, Color{0.9f, 0.2f, 0.1f});

@@ -1,19 +1,16 @@
 // A large lamp and a small one, which throw soft shadows of two balls and a post.
 #pragma once
 
+#include <protostar/any_scene.hpp>
 #include <protostar/camera.hpp>
-#include <protostar/scene.hpp>
-#include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/box.hpp>
-#include <protostar/surfaces/plane.hpp>
-#include <protostar/surfaces/sphere.hpp>
 
 /// Builds the scene. The lamps are spheres that emit light: the large one at the left is warm, and the small
 /// one at the right, whose surface is much brighter, is cold.
-inline protostar::Scene<protostar::Plane, protostar::AnySurface> two_lamps() {
+inline protostar::AnyScene two_lamps() {
   using protostar::Color;
   using protostar::Material;
-  protostar::Scene<protostar::Plane, protostar::AnySurface> scene;
+  protostar::AnyScene scene;
   scene.add(protostar::Plane{.normal = {0, 1, 0}, .distance = 0}, Color{0.7f});
   scene.add(protostar::Plane{.normal = {0, 0, 1}, .distance = 5}, Color{0.7f});
   scene.add(protostar::Box{.min = {-0.25, 0, 1}, .max = {0.25, 2, 1.5}}, Color{0.3f, 0.8f, 0.2f});

@@ -2,20 +2,17 @@
 // under the roof has come there from other surfaces.
 #pragma once
 
+#include <protostar/any_scene.hpp>
 #include <protostar/camera.hpp>
-#include <protostar/scene.hpp>
-#include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/box.hpp>
-#include <protostar/surfaces/plane.hpp>
-#include <protostar/surfaces/sphere.hpp>
 
 /// Builds the yard, without any light.
-inline protostar::Scene<protostar::Plane, protostar::AnySurface> yard() {
+inline protostar::AnyScene yard() {
   using protostar::Box;
   using protostar::Color;
   using protostar::Plane;
   using protostar::Sphere;
-  protostar::Scene<Plane, protostar::AnySurface> scene;
+  protostar::AnyScene scene;
   scene.add(Plane{.normal = {0, 1, 0}, .distance = 0}, Color{0.7f});
   scene.add(Plane{.normal = {0, 0, 1}, .distance = 4}, Color{0.7f});
   scene.add(Box{.min = {-4.5, 0, -1}, .max = {-4, 3, 4}}, Color{0.8f, 0.15f, 0.05f});
@@ -31,7 +28,7 @@ inline protostar::Scene<protostar::Plane, protostar::AnySurface> yard() {
 }
 
 /// Builds the yard at dusk: under a dark blue sky, with a lantern that is a sphere.
-inline protostar::Scene<protostar::Plane, protostar::AnySurface> yard_at_dusk() {
+inline protostar::AnyScene yard_at_dusk() {
   using protostar::Color;
   auto scene = yard();
   scene.add(protostar::Sphere{.center = {2.5, 4, 0}, .radius = 0.5},

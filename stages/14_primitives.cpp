@@ -1,13 +1,10 @@
 // Draws a quadric, a sphere, a box, a disk, a triangle and a parallelogram on a checkered plane.
+#include <protostar/any_scene.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/render.hpp>
-#include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/disk.hpp>
-#include <protostar/surfaces/parallelogram.hpp>
-#include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/quadric.hpp>
-#include <protostar/surfaces/sphere.hpp>
 #include <protostar/surfaces/triangle.hpp>
 
 #include "support/any_surfaces.hpp"
@@ -19,7 +16,7 @@ int main(int argc, char** argv) {
   return run_stage(argc, argv, {.integrator = "shadow"}, [](Stage& stage) {
     const Camera camera = Camera::perspective({0, 4, -6}, {0, -3, 4}, {0, 4, 3}, 60);
 
-    Scene<Plane, AnySurface> scene;  // one list for planes, one for all other surfaces
+    AnyScene scene;  // takes surfaces of any type
     scene.add(Plane{}, Material{.texture = Checker{.first = Color{0.6f}, .second = Color{0.25f}}});
     // 2x² + y + 2z² − 2 = 0: a hill of height 2, with radius 1 on the plane
     scene.add(Quadric{{.squares = {2, 0, 2}, .linear = {0, 0.5, 0}, .constant = -2}},

@@ -1,9 +1,8 @@
 // Draws solids made of solids, each rotated and moved to its position: a cube with holes, a bowl and a lens.
+#include <protostar/any_scene.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/render.hpp>
-#include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/instance.hpp>
-#include <protostar/surfaces/plane.hpp>
 
 #include "scenes/carved_solids.hpp"
 #include "support/any_surfaces.hpp"
@@ -18,7 +17,7 @@ int main(int argc, char** argv) {
       return Affine{}.rotated_about(axis, degrees);
     };
 
-    Scene<Plane, AnySurface> scene;
+    AnyScene scene;
     scene.add(Plane{.normal = {0, 1, 0}, .distance = -1.5}, Color{0.6f});
     scene.add(Instance(rounded_cube_with_holes(),
                        turned({0, 1, 0}, 35).rotated_about({1, 0, 0}, -25).moved_by({0, 0, 5})),

@@ -3,7 +3,6 @@
 #include <protostar/render.hpp>
 
 #include "scenes/endless_floor.hpp"
-#include "support/any_surfaces.hpp"
 #include "support/stage.hpp"
 
 using namespace protostar;

@@ -3,7 +3,6 @@
 #include <protostar/render.hpp>
 
 #include "scenes/row_of_balls.hpp"
-#include "support/any_surfaces.hpp"
 #include "support/stage.hpp"
 
 using namespace protostar;

@@ -3,7 +3,7 @@
 #include <protostar/render.hpp>
 
 #include "scenes/row_of_metals.hpp"
-#include "support/path_pictures.hpp"
+#include "support/chance_pictures.hpp"
 #include "support/stage.hpp"
 
 using namespace protostar;

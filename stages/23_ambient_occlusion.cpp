@@ -4,6 +4,7 @@
 
 #include "scenes/yard.hpp"
 #include "support/any_surfaces.hpp"
+#include "support/chance_pictures.hpp"
 #include "support/stage.hpp"
 
 using namespace protostar;

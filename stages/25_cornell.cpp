@@ -3,7 +3,7 @@
 #include <protostar/render.hpp>
 
 #include "scenes/cornell_box.hpp"
-#include "support/path_pictures.hpp"
+#include "support/chance_pictures.hpp"
 #include "support/stage.hpp"
 
 using namespace protostar;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "accel/render_tiles.hpp"
+#include "any_scene.hpp"
 #include "bounds.hpp"
 #include "camera.hpp"
 #include "encode.hpp"

@@ -1,15 +1,9 @@
 #include <algorithm>
-#include <protostar/integrators/binary.hpp>
-#include <protostar/integrators/color.hpp>
-#include <protostar/integrators/depth.hpp>
-#include <protostar/integrators/diffuse.hpp>
-#include <protostar/integrators/normal.hpp>
-#include <protostar/integrators/shadow.hpp>
-#include <protostar/integrators/transparency.hpp>
-#include <protostar/integrators/whitted.hpp>
 #include <stdexcept>
 #include <string>
 
+#include "chance_pictures.hpp"
+#include "pictures.hpp"
 #include "scene_pictures.hpp"
 
 using namespace protostar;
@@ -27,8 +21,14 @@ void draw(Image& image, const SceneFile& file, const std::string& integrator,
   if (integrator == "color") return draw_with(ColorIntegrator{});
   if (integrator == "depth") return draw_with(DepthIntegrator{});
   if (integrator == "diffuse") return draw_with(DiffuseIntegrator{});
-  if (draws_by_chance(integrator)) return draw_by_chance(image, file, integrator, options);
+  if (integrator == "ambient-occlusion") return draw_with(AmbientOcclusionIntegrator{});
+  if (integrator == "direct") return draw_with(DirectIntegrator(file.scene));
   if (integrator == "normal") return draw_with(NormalIntegrator{});
+  if (integrator == "path") {
+    PathIntegrator path(file.scene);
+    path.depth = file.depth.value_or(path.depth);
+    return draw_with(path);
+  }
   if (integrator == "shadow") return draw_with(ShadowIntegrator{});
   if (integrator == "transparency") return draw_with(TransparencyIntegrator{});
   if (integrator == "whitted") {

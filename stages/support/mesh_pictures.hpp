@@ -4,13 +4,11 @@
 
 #include <filesystem>
 #include <functional>
-#include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/shadow.hpp>
-#include <protostar/sampling/film.hpp>
 #include <protostar/surfaces/mesh.hpp>
 #include <protostar/surfaces/plane.hpp>
 
-#include "scene_of_units.hpp"
+#include "stage_render.hpp"
 
 /// Returns the mesh that load_obj reads, with each vertex v moved to place(v).
 protostar::Mesh load_mesh(const std::filesystem::path& path,
@@ -21,8 +19,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 extern template void render(Image&, const Camera&, const Scene<Mesh, Plane>&, const ShadowIntegrator&,
                             const RenderOptions&);
 
-extern template void add_samples(Film&, const SampleRange&, const Camera&,
-                                 const SceneOfUnits<Scene<Mesh, Plane>>&, const ShadowIntegrator&,
-                                 const RenderOptions&);
-
 }  // namespace protostar::inline PROTOSTAR_ABI
+
+extern template struct StagePicture<protostar::Scene<protostar::Mesh, protostar::Plane>,
+                                    protostar::ShadowIntegrator>;

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <filesystem>
-#include <protostar/accel/render_tiles.hpp>
 #include <protostar/io/read_options.hpp>
 #include <protostar/io/scene_file.hpp>
 #include <string>
 
-#include "explained_render.hpp"
+#include "stage_render.hpp"
 
 /// Reads a scene file, as protostar::read_scene does.
 protostar::SceneFile read_scene_file(const std::filesystem::path& path,
@@ -16,7 +15,3 @@ protostar::SceneFile read_scene_file(const std::filesystem::path& path,
 /// Draws the view of a scene's camera into an image, by the integrator of that name.
 void draw(protostar::Image& image, const protostar::SceneFile& file, const std::string& integrator,
           const StageRenderOptions& options);
-
-/// Does so for the integrators that take a sampler.
-void draw_by_chance(protostar::Image& image, const protostar::SceneFile& file, const std::string& integrator,
-                    const StageRenderOptions& options);

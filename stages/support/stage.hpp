@@ -9,11 +9,11 @@
 #include <protostar/render.hpp>
 #include <string>
 
-#include "explained_render.hpp"
 #include "options.hpp"
 #include "pictures.hpp"
 #include "progress.hpp"
 #include "shared_render.hpp"
+#include "stage_render.hpp"
 
 /// Run of a stage, by the options of the user.
 class Stage {

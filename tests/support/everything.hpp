@@ -1,15 +1,12 @@
 // A scene type for surfaces of any kind, and the three spheres as such a scene.
 #pragma once
 
-#include <protostar/scene.hpp>
-#include <protostar/surfaces/any_surface.hpp>
-#include <protostar/surfaces/plane.hpp>
-#include <protostar/surfaces/sphere.hpp>
+#include <protostar/any_scene.hpp>
 
 #include "scenes/three_spheres.hpp"
 
 /// Scene type of nearly all tests of tiles, since every integrator is compiled anew for each type.
-using Everything = protostar::Scene<protostar::Sphere, protostar::Plane, protostar::AnySurface>;
+using Everything = protostar::AnyScene;
 
 inline Everything three_spheres_and_nothing_else() {
   Everything scene;

@@ -10,14 +10,10 @@
 #include <string_view>
 #include <vector>
 
+#include "../any_scene.hpp"
 #include "../camera.hpp"
 #include "../encode.hpp"
 #include "../integrators/whitted.hpp"
-#include "../scene.hpp"
-#include "../surfaces/any_surface.hpp"
-#include "../surfaces/parallelogram.hpp"
-#include "../surfaces/plane.hpp"
-#include "../surfaces/sphere.hpp"
 #include "../tone.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -62,7 +58,7 @@ inline constexpr std::int64_t most_rays_of_pixel = std::int64_t{1} << 22;
 
 /// Scene, camera, and settings of the picture, initialized to the defaults of what a file may leave out.
 struct SceneFile {
-  Scene<Sphere, Plane, Parallelogram, AnySurface> scene;
+  AnyScene scene;
   Camera camera;
   int width = 640, height = 480;       ///< in pixels
   int samples = 0;                     ///< per pixel; 0: one ray through its center

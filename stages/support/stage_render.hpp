@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "explained_scene.hpp"
-#include "pictures.hpp"
 #include "scene_of_units.hpp"
 #include "shared_render.hpp"
 
@@ -31,57 +30,31 @@ struct StageRenderOptions : protostar::RenderOptions {
 };
 
 /// Draws units of a picture, and the picture unless it is a shard. `light` fills a small image with the view,
-/// and `add` adds samples of it to a film.
-inline void render_shared(protostar::Image& image, const StageRenderOptions& options,
-                          const protostar::SamplerChoice& otherwise, const auto& light, const auto& add) {
-  using namespace protostar;
-  const Crop whole = options.crop.width > 0 ? options.crop : Crop{0, 0, image.width(), image.height()};
-  SharedPicture picture = options.picture;
-  picture.width = whole.width, picture.height = whole.height;
-  picture.area = {whole.x, whole.y, whole.x + image.width(), whole.y + image.height()};
-  picture.samples = static_cast<std::uint32_t>(options.samples);
-  picture.seed = options.seed;
-  picture.sampler = name_of(options.sampler.is_made() ? options.sampler : otherwise);
-  picture.cut();
+/// and `add` adds samples of it to a film; a view without a sampler in the options takes `otherwise`.
+void render_shared(protostar::Image& image, const StageRenderOptions& options,
+                   const protostar::SamplerChoice& otherwise,
+                   const std::function<void(protostar::Image&, const protostar::RenderOptions&)>& light,
+                   const std::function<void(protostar::Film&, const protostar::SampleRange&,
+                                            const protostar::RenderOptions&)>& add);
 
-  RenderOptions few = options;
-  few.samples = 0, few.crop = {}, few.stop = {}, few.progress = {}, few.threads = 1;
-  Image seen(32, 24);
-  light(seen, few);
-  picture.scene += ", light " + hexadecimal(word_of_light(seen));
+/// Picture by an integrator in a scene. It is a class, with functions that are not inline, so that a program
+/// may compile it once for the scenes and integrators that it uses in several units: `extern template`.
+template <class S, class I>
+struct StagePicture {
+  /// Fills the image, or only the pixel that is explained, with the view of a camera.
+  static void draw(protostar::Image& image, const protostar::Camera& camera, const S& scene,
+                   const I& integrator, const StageRenderOptions& options);
 
-  RenderOptions of_unit = options;
-  of_unit.crop = {0, 0, whole.width, whole.height};
-  of_unit.threads = 1, of_unit.progress = {};
-  options.shared->draw(picture, options, [&](Film& film, const WorkUnit& unit) {
-    add(film, SampleRange{unit.first_sample, unit.last_sample}, of_unit);
-  });
-  const Shard& shard = *options.shared->shard();
-  if (!shard.missing()) image = shard.film().mean();
-}
+ private:
+  static void draw_shared(protostar::Image& image, const protostar::Camera& camera, const S& scene,
+                          const I& integrator, const StageRenderOptions& options);
+};
 
-// The overloads below are chosen for StageRenderOptions, so that a stage calls render as any program does.
-
-/// Fills the image, or only the pixel that is explained, with the view of a camera in a scene.
-template <class... S, class I>
-void render(protostar::Image& image, const protostar::Camera& camera, const protostar::Scene<S...>& scene,
-            const I& integrator, const StageRenderOptions& options) {
+template <class S, class I>
+void StagePicture<S, I>::draw(protostar::Image& image, const protostar::Camera& camera, const S& scene,
+                              const I& integrator, const StageRenderOptions& options) {
   const protostar::RenderOptions& common = options;
-  if (options.shared) {
-    const auto& of_units = scene_of_units(scene, common);
-    return render_shared(
-        image, options, protostar::detail::default_sampler<I, protostar::Scene<S...>>(camera),
-        [&](protostar::Image& seen, const protostar::RenderOptions& few) {
-          protostar::render(seen, camera, scene, integrator, few);
-        },
-        [&](protostar::Film& film, const protostar::SampleRange& samples,
-            const protostar::RenderOptions& of_unit) {
-          if constexpr (protostar::Integrator<I, SceneOfUnits<protostar::Scene<S...>>>)
-            protostar::add_samples(film, samples, camera, of_units, integrator, of_unit);
-          else
-            protostar::add_samples(film, samples, camera, scene, integrator, of_unit);
-        });
-  }
+  if (options.shared) return draw_shared(image, camera, scene, integrator, options);
   if (options.draws) protostar::render(image, camera, scene, integrator, common);
   if (options.explanation == nullptr) return;
   if constexpr (protostar::Integrator<I, ExplainedScene>)
@@ -93,8 +66,35 @@ void render(protostar::Image& image, const protostar::Camera& camera, const prot
           return protostar::detail::radiance_of_sample(protostar::detail::radiance_in(scene, integrator),
                                                        sample.ray, sample.sampler);
         },
-        common, protostar::detail::default_sampler<I, protostar::Scene<S...>>(camera));
+        common, protostar::detail::default_sampler<I, S>(camera));
   image(options.explanation->pixel.x, options.explanation->pixel.y) = options.explanation->mean;
+}
+
+template <class S, class I>
+void StagePicture<S, I>::draw_shared(protostar::Image& image, const protostar::Camera& camera, const S& scene,
+                                     const I& integrator, const StageRenderOptions& options) {
+  const auto& of_units = scene_of_units(scene, options);
+  render_shared(
+      image, options, protostar::detail::default_sampler<I, S>(camera),
+      [&](protostar::Image& seen, const protostar::RenderOptions& few) {
+        protostar::render(seen, camera, scene, integrator, few);
+      },
+      [&](protostar::Film& film, const protostar::SampleRange& samples,
+          const protostar::RenderOptions& of_unit) {
+        if constexpr (protostar::Integrator<I, SceneOfUnits<S>>)
+          protostar::add_samples(film, samples, camera, of_units, integrator, of_unit);
+        else
+          protostar::add_samples(film, samples, camera, scene, integrator, of_unit);
+      });
+}
+
+// The overloads below are chosen for StageRenderOptions, so that a stage calls render as any program does.
+
+/// Fills the image, or only the pixel that is explained, with the view of a camera in a scene.
+template <class... S, class I>
+void render(protostar::Image& image, const protostar::Camera& camera, const protostar::Scene<S...>& scene,
+            const I& integrator, const StageRenderOptions& options) {
+  StagePicture<protostar::Scene<S...>, I>::draw(image, camera, scene, integrator, options);
 }
 
 /// Fills the image, or only the pixel that is explained, by a function of the camera's rays.
