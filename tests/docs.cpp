@@ -34,16 +34,12 @@ std::vector<fs::path> documents() {
   return found;
 }
 
-/// Stages whose pages, plain ray tracers and exercises are still to be written.
-const std::set<std::string> without_pages{};
-
-/// Returns the names of the other stages, such as 09_shadow.
+/// Returns the names of the stages, such as 09_shadow.
 std::vector<std::string> stages() {
   std::vector<std::string> found;
   for (const auto& entry : fs::directory_iterator(repository / "stages"))
     if (entry.path().extension() == ".cpp" && entry.path().stem() != "render" &&  // it draws any scene
-        entry.path().stem() != "merge" &&                                         // it draws none
-        without_pages.count(entry.path().stem().string()) == 0)
+        entry.path().stem() != "merge")                                           // it draws none
       found.push_back(entry.path().stem().string());
   std::sort(found.begin(), found.end());
   return found;
@@ -316,14 +312,6 @@ TEST_CASE("every stage has a page with its picture and its code, and both lists 
     CHECK_THAT(page, ContainsSubstring("\n## Exercises\n"));
     CHECK_THAT(readme, ContainsSubstring("docs/stages/" + stage + ".md"));
     CHECK_THAT(index, ContainsSubstring("(" + stage + ".md)"));
-  }
-}
-
-TEST_CASE("a stage that waits for its page has none") {
-  for (const std::string& stage : without_pages) {
-    CAPTURE(stage);
-    CHECK(fs::exists(repository / "stages" / (stage + ".cpp")));
-    CHECK(!fs::exists(repository / "docs" / "stages" / (stage + ".md")));
   }
 }
 
