@@ -315,6 +315,24 @@ TEST_CASE("every stage has a page with its picture and its code, and both lists 
   }
 }
 
+TEST_CASE("every picture of the gallery is at least 640 pixels wide and 480 high") {
+  const std::string gallery = text_of(repository / "docs" / "gallery.md");
+  const std::vector<std::string> pictures = all_between(gallery, "<img src=\"", "\"");
+  CHECK(pictures.size() > 60);
+  for (const std::string& picture : pictures) {
+    CAPTURE(picture);
+    // A PNG file holds width and height in its first chunk, highest byte first (PNG specification, 11.2.1).
+    const std::string file = text_of(repository / "docs" / picture);
+    REQUIRE(file.size() > 24);
+    const auto number = [&](std::size_t at) {
+      const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(file[at + i]); };
+      return byte(0) << 24 | byte(1) << 16 | byte(2) << 8 | byte(3);
+    };
+    CHECK(number(16) >= 640);
+    CHECK(number(20) >= 480);
+  }
+}
+
 TEST_CASE("every stage but the naive ones has a plain ray tracer, and its page shows the step") {
   for (const std::string& stage : stages()) {
     if (stage.ends_with("_naive")) continue;
