@@ -443,6 +443,24 @@ TEST_CASE("every exercise has a hint, a solution, and the picture or the text th
     }
 }
 
+TEST_CASE("an exercise that changes a plain ray tracer says how its copy is built and run") {
+  int copies = 0;
+  for (const auto& entry : fs::directory_iterator(repository / "docs" / "stages")) {
+    CAPTURE(entry.path());
+    std::string page = text_of(entry.path());
+    std::replace(page.begin(), page.end(), '\n', ' ');
+    for (const std::string& stage : all_between(page, "Copy [", ".cpp](../../stages/plain/")) {
+      // The line at the top of the source, with the copy's name.
+      const std::string source = text_of(repository / "stages" / "plain" / (stage + ".cpp"));
+      const std::string command = all_between(source, "\n// g++", "\n").at(0);
+      CHECK_THAT(page,
+                 ContainsSubstring("`g++" + std::regex_replace(command, std::regex(stage), "mine") + "`"));
+      ++copies;
+    }
+  }
+  CHECK(copies >= 33);
+}
+
 TEST_CASE("docs/errata.md: the tutorial's rounding differs in 24 of the 100 columns of the gradient") {
   const protostar::Encoder encode(protostar::Linear{}, 255);
   int differing = 0;
