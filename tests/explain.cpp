@@ -261,13 +261,14 @@ TEST_CASE(
     };
     const std::size_t first = numbers + std::string("\"numbers\": [").size();
     CHECK(status_with(0, 0, "") == 0);
-    CHECK(status_with(set, 8, "\"set\": 2") == 1);
-    CHECK(status_with(first, 2, "1.") == 1);
     const auto with_another_digit = [&](std::size_t at) {
       return status_with(at, 1, text[at] == '5' ? "6" : "5");
     };
     CHECK(with_another_digit(first + 4) == 1);
+    if (sampler != "independent") continue;  // the rest is the same for all
     CHECK(with_another_digit(text.find("0.", text.find("\"position\": [")) + 4) == 1);
+    CHECK(status_with(set, 8, "\"set\": 2") == 1);
+    CHECK(status_with(first, 2, "1.") == 1);
   }
 }
 
@@ -281,13 +282,12 @@ TEST_CASE(
     std::string program, arguments;
     std::vector<std::string> keys;  ///< of numbers, each of which must be refused with another digit
   };
-  std::vector<Row> rows{
-      {"08_naive", "--pixel 330,200", {"\"offset\": ", "\"t\": [", "\"normal\": [", "\"radiance\": ["}},
-      {"09_naive", "--pixel 330,200", {"\"offset\": ", "\"power\": [", "\"end\": ", "\"radiance\": ["}},
-      {"08_transparency", "--pixel 330,200", {"\"point\": [", "\"color\": [", "\"radiance\": ["}},
-      {"16_environment", "--pixel 10,10", {"\"uv\": [", "\"radiance\": ["}}};
+  std::vector<Row> rows{{"08_naive", "--pixel 330,200", {"\"offset\": ", "\"normal\": ["}},
+                        {"09_naive", "--pixel 330,200", {"\"power\": [", "\"end\": "}},
+                        {"08_transparency", "--pixel 330,200", {"\"color\": ["}},
+                        {"16_environment", "--pixel 10,10", {"\"radiance\": ["}}};
 #if __has_include(<nlohmann/json.hpp>)
-  rows.push_back({"render", scene_path("environment") + " --pixel 5,5", {"\"column\": ", "\"color\": ["}});
+  rows.push_back({"render", scene_path("environment") + " --pixel 5,5", {"\"color\": ["}});
 #endif
   for (const auto& [program, arguments, keys] : rows) {
     CAPTURE(program);
