@@ -4,6 +4,7 @@
 #include <protostar/integrators/transparency.hpp>
 #include <protostar/render.hpp>
 
+#include "support/naive_story.hpp"
 #include "support/stage.hpp"
 
 using namespace protostar;
@@ -20,8 +21,8 @@ int main(int argc, char** argv) {
 
     Image image = stage.image();
     StageRenderOptions options = stage.render_options();
-    options.tell = [&](const Ray& ray, std::vector<std::string>& lines) {
-      naive::transparency(naive::Ray(ray), offset, naive::Story{lines});
+    options.tell = [&](SampleRecord& sample) {
+      naive::transparency(naive::Ray(sample.ray), offset, naive::Story(sample, offset));
     };
     render(image, camera, radiance, options);
     stage.save(image);

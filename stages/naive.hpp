@@ -11,9 +11,6 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <sstream>
-#include <string>
-#include <vector>
 
 #include "scenes/three_spheres.hpp"
 
@@ -79,52 +76,6 @@ inline std::optional<Hit> closest_hit(const Ray& ray) {
 /// Listener to the rays of a pixel, which hears nothing.
 struct Silent {
   void operator()(const auto&...) const {}
-};
-
-/// Listener to the rays of a pixel, which writes a line for each of their steps.
-struct Story {
-  std::vector<std::string>& lines;
-
-  /// Tells of a ray and its closest hit.
-  void operator()(const Ray& ray, const std::optional<Hit>& hit) const {
-    spheres_along(ray);
-    if (hit)
-      add("  closest hit at ", words(hit->point), ", normal ", words(hit->normal), ", color ",
-          words(hit->color));
-    else
-      add("  no hit");
-  }
-
-  /// Tells of a shadow ray, in whose way is all with t < end.
-  void operator()(const Ray& ray, float end) const {
-    add("shadow ray, stopped by a hit with t < ", end);
-    spheres_along(ray);
-  }
-
- private:
-  void spheres_along(const Ray& ray) const {
-    add("ray from ", words(ray.origin), " along ", words(ray.direction), ", in float");
-    for (std::size_t i = 0; i < spheres.size(); ++i) {
-      if (const auto t = spheres[i].intersect(ray))
-        add("  sphere ", i, ": hit at t = ", *t);
-      else
-        add("  sphere ", i, ": missed");
-    }
-  }
-
-  static std::string words(const Vec& v) {
-    std::ostringstream text;
-    text.precision(9);  // tells each float from all others
-    text << '(' << v.x << ", " << v.y << ", " << v.z << ')';
-    return text.str();
-  }
-
-  void add(const auto&... parts) const {
-    std::ostringstream line;
-    line.precision(9);
-    (line << ... << parts);
-    lines.push_back(line.str());
-  }
 };
 
 /// Returns light through colored glass: the ray starts again behind every hit, pushed through the surface by

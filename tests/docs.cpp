@@ -34,16 +34,12 @@ std::vector<fs::path> documents() {
   return found;
 }
 
-/// Stages whose pages, plain ray tracers and exercises are still to be written.
-const std::set<std::string> without_pages{};
-
-/// Returns the names of the other stages, such as 09_shadow.
+/// Returns the names of the stages, such as 09_shadow.
 std::vector<std::string> stages() {
   std::vector<std::string> found;
   for (const auto& entry : fs::directory_iterator(repository / "stages"))
     if (entry.path().extension() == ".cpp" && entry.path().stem() != "render" &&  // it draws any scene
-        entry.path().stem() != "merge" &&                                         // it draws none
-        without_pages.count(entry.path().stem().string()) == 0)
+        entry.path().stem() != "merge")                                           // it draws none
       found.push_back(entry.path().stem().string());
   std::sort(found.begin(), found.end());
   return found;
@@ -319,11 +315,21 @@ TEST_CASE("every stage has a page with its picture and its code, and both lists 
   }
 }
 
-TEST_CASE("a stage that waits for its page has none") {
-  for (const std::string& stage : without_pages) {
-    CAPTURE(stage);
-    CHECK(fs::exists(repository / "stages" / (stage + ".cpp")));
-    CHECK(!fs::exists(repository / "docs" / "stages" / (stage + ".md")));
+TEST_CASE("every picture of the gallery is at least 640 pixels wide and 480 high") {
+  const std::string gallery = text_of(repository / "docs" / "gallery.md");
+  const std::vector<std::string> pictures = all_between(gallery, "<img src=\"", "\"");
+  CHECK(pictures.size() > 60);
+  for (const std::string& picture : pictures) {
+    CAPTURE(picture);
+    // A PNG file holds width and height in its first chunk, highest byte first (PNG specification, 11.2.1).
+    const std::string file = text_of(repository / "docs" / picture);
+    REQUIRE(file.size() > 24);
+    const auto number = [&](std::size_t at) {
+      const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(file[at + i]); };
+      return byte(0) << 24 | byte(1) << 16 | byte(2) << 8 | byte(3);
+    };
+    CHECK(number(16) >= 640);
+    CHECK(number(20) >= 480);
   }
 }
 
@@ -435,6 +441,24 @@ TEST_CASE("every exercise has a hint, a solution, and the picture or the text th
       CAPTURE(entry.path());
       CHECK((entry.path().filename() == "check" || names.count(entry.path().stem().string()) == 1));
     }
+}
+
+TEST_CASE("an exercise that changes a plain ray tracer says how its copy is built and run") {
+  int copies = 0;
+  for (const auto& entry : fs::directory_iterator(repository / "docs" / "stages")) {
+    CAPTURE(entry.path());
+    std::string page = text_of(entry.path());
+    std::replace(page.begin(), page.end(), '\n', ' ');
+    for (const std::string& stage : all_between(page, "Copy [", ".cpp](../../stages/plain/")) {
+      // The line at the top of the source, with the copy's name.
+      const std::string source = text_of(repository / "stages" / "plain" / (stage + ".cpp"));
+      const std::string command = all_between(source, "\n// g++", "\n").at(0);
+      CHECK_THAT(page,
+                 ContainsSubstring("`g++" + std::regex_replace(command, std::regex(stage), "mine") + "`"));
+      ++copies;
+    }
+  }
+  CHECK(copies >= 33);
 }
 
 TEST_CASE("docs/errata.md: the tutorial's rounding differs in 24 of the 100 columns of the gradient") {

@@ -246,10 +246,10 @@ TEST_CASE(
   const TemporaryFolder folder;
   if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
     return;  // there is no Python
-  for (const std::string sampler : {"independent", "sobol"}) {
+  for (const std::string sampler : {"independent", "sobol", "halton", "stratified"}) {
     CAPTURE(sampler);
     const std::string options =
-        "--pixel 320,400 --samples 2 --seed 18446744073709551615 --explain a.json --sampler " + sampler;
+        "--pixel 320,400 --samples 6 --seed 18446744073709551615 --explain a.json --sampler " + sampler;
     const std::string told = run_stage("19_soft_shadows", options, folder).out;
     CHECK_THAT(told, ContainsSubstring("set 1 of the sampler: 0."));
     const std::string text = bytes_of(folder / "a.json");
@@ -261,11 +261,56 @@ TEST_CASE(
     };
     const std::size_t first = numbers + std::string("\"numbers\": [").size();
     CHECK(status_with(0, 0, "") == 0);
+    const auto with_another_digit = [&](std::size_t at) {
+      return status_with(at, 1, text[at] == '5' ? "6" : "5");
+    };
+    CHECK(with_another_digit(first + 4) == 1);
+    if (sampler != "independent") continue;  // the rest is the same for all
+    CHECK(with_another_digit(text.find("0.", text.find("\"position\": [")) + 4) == 1);
     CHECK(status_with(set, 8, "\"set\": 2") == 1);
     CHECK(status_with(first, 2, "1.") == 1);
-    // Another digit of a number that is not checked but for its range is accepted.
-    const char digit = text[first + 4];
-    CHECK(status_with(first + 4, 1, digit == '5' ? "6" : "5") == (sampler == "independent" ? 1 : 0));
+  }
+}
+
+TEST_CASE(
+    "an explanation has the steps of a naive stage, the hits in colored glass and the pixels of an "
+    "environment, and the checker computes them") {
+  const TemporaryFolder folder;
+  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
+    return;  // there is no Python
+  struct Row {
+    std::string program, arguments;
+    std::vector<std::string> keys;  ///< of numbers, each of which must be refused with another digit
+  };
+  std::vector<Row> rows{{"08_naive", "--pixel 330,200", {"\"offset\": ", "\"normal\": ["}},
+                        {"09_naive", "--pixel 330,200", {"\"power\": [", "\"end\": "}},
+                        {"08_transparency", "--pixel 330,200", {"\"color\": ["}},
+                        {"16_environment", "--pixel 10,10", {"\"radiance\": ["}}};
+#if __has_include(<nlohmann/json.hpp>)
+  rows.push_back({"render", scene_path("environment") + " --pixel 5,5", {"\"color\": ["}});
+#endif
+  for (const auto& [program, arguments, keys] : rows) {
+    CAPTURE(program);
+    REQUIRE(run_stage(program, arguments + " --explain a.json --quiet", folder).status == 0);
+    const std::string text = bytes_of(folder / "a.json");
+    const auto check = [&](const std::string& file) {
+      put_bytes(folder / "b.json", file);
+      return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""});
+    };
+    const Outcome right = check(text);
+    CHECK(right.status == 0);
+    CHECK(right.out.find("taken from the file: the radiance") == std::string::npos);
+    for (const std::string& key : keys) {
+      CAPTURE(key);
+      std::string changed = text;
+      const std::size_t at = changed.find(key);
+      REQUIRE(at != std::string::npos);
+      char& digit = changed[changed.find_first_of("123456789", at + key.size())];
+      digit = digit == '5' ? '6' : '5';
+      const Outcome wrong = check(changed);
+      CHECK(wrong.status == 1);
+      CHECK(wrong.err.starts_with("b.json:"));
+    }
   }
 }
 

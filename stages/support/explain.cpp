@@ -64,24 +64,27 @@ std::optional<Intersection> ExplainedScene::intersect(const Ray& ray, Interval r
     }
   if (!record.taken) return std::nullopt;
   const Intersection& hit = record.intersection.emplace(ray, first);
-  const Normals<Vec3> outside = hit.normals(), facing = hit.facing_normals();
-  record.hit = {.t = hit.t,
-                .point = hit.point(),
-                .normal = outside.surface,
-                .facing_normal = facing.surface,
-                .part = hit.part(),
-                .uv = hit.uv(),
-                .color = hit.color(),
-                .material = hit.material(),
-                .primitive = surfaces_[*record.taken].primitive(hit.part())};
-  if (const NormalMap& map = hit.material().normal_map) {
-    const Uv uv = hit.uv();
-    record.hit->mapped = {.direction = map(uv.x, uv.y),
-                          .tangents = hit.tangents(),
-                          .shading_normal = outside.shading,
-                          .facing_shading_normal = facing.shading};
-  }
+  record.hit = recorded(hit, *record.taken);
   return hit;
+}
+
+HitRecord ExplainedScene::recorded(const Intersection& hit, std::size_t surface) const {
+  const Normals<Vec3> outside = hit.normals(), facing = hit.facing_normals();
+  HitRecord record{.t = hit.t,
+                   .point = hit.point(),
+                   .normal = outside.surface,
+                   .facing_normal = facing.surface,
+                   .part = hit.part(),
+                   .uv = hit.uv(),
+                   .color = hit.color(),
+                   .material = hit.material(),
+                   .primitive = surfaces_[surface].primitive(hit.part())};
+  if (const NormalMap& map = hit.material().normal_map)
+    record.mapped = {.direction = map(record.uv.x, record.uv.y),
+                     .tangents = hit.tangents(),
+                     .shading_normal = outside.shading,
+                     .facing_shading_normal = facing.shading};
+  return record;
 }
 
 bool ExplainedScene::occluded(const Ray& ray, Interval range) const {
@@ -97,7 +100,7 @@ std::vector<Intersection> ExplainedScene::all_hits(const Ray& ray, Interval rang
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
     for (const Crossing& one : consider(record, i, false).crossings) {
       hits.emplace_back(ray, surfaces_[i].on(one));
-      record.colors.push_back(hits.back().color());
+      record.all_hits.push_back(recorded(hits.back(), i));
     }
   return hits;
 }

@@ -36,7 +36,8 @@ class ExplainedScene {
     if (const protostar::Environment& environment = scene.environment())
       environment_ = [this, environment](const protostar::Vec3& direction) {
         const protostar::Color light = environment(direction);
-        current_->sky.push_back({light, protostar::environment_uv(direction)});
+        const protostar::Uv uv = protostar::environment_uv(direction);
+        current_->sky.push_back({light, uv, look_up_of(environment, uv)});
         return light;
       };
   }
@@ -71,7 +72,7 @@ class ExplainedScene {
   }
   const protostar::Color& ambient() const { return ambient_; }
   const std::optional<protostar::Color>& sky() const {
-    current_->sky.push_back({sky_, std::nullopt});
+    current_->sky.push_back({.radiance = sky_});
     return sky_;
   }
   const protostar::Environment& environment() const { return environment_; }
@@ -97,6 +98,8 @@ class ExplainedScene {
 
   /// Tests a surface, and records what comes of it.
   const Considered& consider(RayRecord& record, std::size_t surface, bool is_first) const;
+  /// Returns a hit of a surface in numbers.
+  HitRecord recorded(const protostar::Intersection& hit, std::size_t surface) const;
   RayRecord& begin(RayRecord::Query query, const protostar::Ray& ray, protostar::Interval range) const;
   std::vector<protostar::Intersection> all_hits(const protostar::Ray& ray, protostar::Interval range) const;
 

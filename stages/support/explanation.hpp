@@ -45,7 +45,8 @@ struct Considered {
 /// Light that an integrator takes from the sky, or from the environment at u and v.
 struct SkyRecord {
   std::optional<protostar::Color> radiance;  ///< empty if the scene has none, and the integrator its own
-  std::optional<protostar::Uv> uv;           ///< empty for a sky of one color
+  std::optional<protostar::Uv> uv = {};      ///< empty for a sky of one color
+  Facts look_up = {};                        ///< how the environment follows from u and v
 };
 
 /// One light at a hit.
@@ -65,7 +66,7 @@ struct MappedNormal {
   protostar::Vec3 shading_normal{0}, facing_shading_normal{0};
 };
 
-/// Closest hit, in numbers.
+/// Hit, in numbers.
 struct HitRecord {
   double t = 0;
   protostar::Point point{0};
@@ -89,10 +90,10 @@ struct RayRecord {
   std::optional<std::size_t> left = {};  ///< surface that the ray leaves
   int left_part = 0;                     ///< part of that surface, as the surface counts them
   std::vector<Considered> considered = {};
-  std::optional<std::size_t> taken = {};      ///< index in considered of the closest hit, or of the occluder
-  std::optional<HitRecord> hit = {};          ///< closest hit
-  std::vector<protostar::Color> colors = {};  ///< of all hits, in the order of considered
-  bool asks_lights = false;                   ///< true if the integrator adds up the lights at the hit
+  std::optional<std::size_t> taken = {};  ///< index in considered of the closest hit, or of the occluder
+  std::optional<HitRecord> hit = {};      ///< closest hit
+  std::vector<HitRecord> all_hits = {};   ///< in the order of considered, if all are asked for
+  bool asks_lights = false;               ///< true if the integrator adds up the lights at the hit
   std::vector<SkyRecord> sky = {};
   std::list<RayRecord> rays = {};  ///< rays that the integrator traces while it shades the hit
   std::optional<protostar::Color> radiance = {};
@@ -113,7 +114,10 @@ struct SampleRecord {
   std::vector<std::pair<std::uint32_t, protostar::SampleSet<double>>> sets = {};
   RayRecord all = {};  ///< no ray itself; all.rays are the rays that the integrator traces first
   protostar::Color radiance{0};
-  std::vector<std::string> told = {};  ///< by a function of the ray, in its own words
+
+  // Of a function of the ray that tells its steps: in words, and in numbers.
+  std::vector<std::string> told = {};
+  std::vector<Facts> steps = {};
 };
 
 /// Explanation of a pixel: what the scene contains, and each sample.

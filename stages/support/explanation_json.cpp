@@ -141,6 +141,8 @@ class Writer {
       json_.member("film_up", e_.camera.film_up);
       json_.member("aperture", e_.camera.aperture);
       json_.member("focus", e_.camera.focus);
+      if (const Shutter& shutter = e_.camera.shutter; shutter.is_open())
+        json_.key("shutter").list(std::array{shutter.opens, shutter.closes});
     });
   }
 
@@ -208,6 +210,13 @@ class Writer {
             });
         });
       write_following(sample.all);
+      if (!sample.steps.empty())
+        json_.key("steps").array([&] {
+          for (const Facts& step : sample.steps) {
+            json_.next();
+            write(step);
+          }
+        });
       json_.member("radiance", sample.radiance);
     });
   }
@@ -217,7 +226,10 @@ class Writer {
       for (const SkyRecord& sky : record.sky)
         json_.next().object([&] {
           json_.member("radiance", sky.radiance);
-          if (sky.uv) json_.member("uv", *sky.uv);
+          if (!sky.uv) return;
+          json_.member("uv", *sky.uv);
+          json_.key("environment");
+          write(sky.look_up);
         });
     });
     json_.key("rays").array([&] {
@@ -244,13 +256,19 @@ class Writer {
         }
       });
       if (record.query == RayRecord::Query::all) {
-        json_.key("colors").array([&] {
-          for (const Color& color : record.colors) json_.next().value(color);
+        json_.key("hits").array([&] {
+          for (const HitRecord& hit : record.all_hits) {
+            json_.next();
+            write(hit, false);
+          }
         });
         return;
       }
       json_.member("taken", record.taken);
-      if (record.hit) write_hit(record);
+      if (record.hit) {
+        json_.key("hit");
+        write(*record.hit, record.asks_lights);
+      }
       if (record.query == RayRecord::Query::any) return;
       write_following(record);
       json_.member("radiance", record.radiance);
@@ -278,9 +296,8 @@ class Writer {
     });
   }
 
-  void write_hit(const RayRecord& record) {
-    const HitRecord& hit = *record.hit;
-    json_.key("hit").object([&] {
+  void write(const HitRecord& hit, bool asks_lights) {
+    json_.object([&] {
       json_.member("t", hit.t);
       json_.member("part", hit.part);
       json_.member("point", hit.point);
@@ -301,7 +318,7 @@ class Writer {
           json_.member("facing_shading_normal", hit.mapped->facing_shading_normal);
         });
       json_.member("color", hit.color);
-      if (!record.asks_lights) return;
+      if (!asks_lights) return;
       json_.key("lights").array([&] {
         for (const LightRecord& light : hit.lights) {
           json_.next();

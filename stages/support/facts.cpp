@@ -1,6 +1,8 @@
 #include "facts.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <protostar/environment_image.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/csg.hpp>
 #include <protostar/surfaces/disk.hpp>
@@ -8,6 +10,8 @@
 #include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/triangle.hpp>
 #include <protostar/transformed_ray.hpp>
+
+#include "scenes/dusk.hpp"
 
 using namespace protostar;
 
@@ -163,5 +167,27 @@ Facts primitive_of(const Mesh& mesh, int part) {
     const Uv& uv = mesh.data().uvs[vertex];
     facts.numbers.push_back({std::string("uv_") + name, {uv.x, uv.y}});
   }
+  return facts;
+}
+
+Facts look_up_of(const Environment& environment, const Uv& uv) {
+  using Function = Color (*)(double, double);
+  if (const auto* function = environment.by_uv().target<Function>())
+    return {.type = *function == dusk ? "dusk" : "function"};
+  const auto* picture = environment.by_uv().target<EnvironmentImage>();
+  if (!picture) return {.type = "function"};
+  const Image& image = *picture->image;
+  const int width = image.width(), height = image.height();
+  const int x = static_cast<int>(std::floor((uv.x - std::floor(uv.x)) * width - 0.5)),
+            y = static_cast<int>(std::floor(uv.y * height - 0.5));
+  Facts facts{"image", {{"size", {double(width), double(height)}}}};
+  for (const int down : {0, 1})
+    for (const int across : {0, 1}) {
+      const int column = (x + across + width) % width, row = std::clamp(y + down, 0, height - 1);
+      facts.parts.push_back({"pixel",
+                             {{"column", {double(column)}},
+                              {"row", {double(row)}},
+                              {"color", list(Vec3(image(column, row)))}}});
+    }
   return facts;
 }

@@ -1,6 +1,7 @@
 // Declares the numbers of surfaces, and of their equations along a ray, for the explanation of a pixel.
 #pragma once
 
+#include <protostar/environment.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/mesh.hpp>
 #include <protostar/surfaces/parallelogram.hpp>
@@ -32,3 +33,7 @@ inline Facts equation_of(const auto&, const protostar::Ray&) { return {.type = "
 Facts primitive_of(const protostar::AnySurface& surface, int part);
 Facts primitive_of(const protostar::Mesh& surface, int part);
 inline Facts primitive_of(const auto&, int) { return {}; }
+
+/// Returns how the radiance of an environment at u and v follows: for an image, its size, the four pixels
+/// around the place, first those of the upper row, and their colors; for a function, its name.
+Facts look_up_of(const protostar::Environment& environment, const protostar::Uv& uv);

@@ -22,8 +22,8 @@ struct StageRenderOptions : protostar::RenderOptions {
   /// Sphere that a function of a ray intersects, if that is all that it does; for the explanation.
   const protostar::Sphere* sphere = nullptr;
 
-  /// Writes lines about a ray of the camera, for a function of a ray; for the explanation.
-  std::function<void(const protostar::Ray&, std::vector<std::string>&)> tell = {};
+  /// Tells the steps of a function of a ray for the ray of a sample; for the explanation.
+  std::function<void(SampleRecord&)> tell = {};
 
   SharedRender* shared = nullptr;         ///< if given, the work is drawn in units
   protostar::SharedPicture picture = {};  ///< with this fingerprint and finish
@@ -129,7 +129,7 @@ void render(protostar::Image& image, const protostar::Camera& camera, const F& r
     explain_function(
         *options.explanation, camera,
         [&](SampleRecord& sample) {
-          if (options.tell) options.tell(sample.ray, sample.told);
+          if (options.tell) options.tell(sample);
           return protostar::detail::radiance_of_sample(radiance, sample.ray, sample.sampler);
         },
         common, protostar::detail::default_sampler<F>(camera));
