@@ -136,11 +136,11 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       not_allowed("/world/sky/0", "1e+39", factor),
       missing("/camera", "an object"),
       unknown("/camera/fov",
-              "projection, position, direction, upward, field-of-view, focal-length, aperture, focus and "
-              "shutter"),
+              "projection, position, direction, upward, field-of-view, focal-length, aperture, focus, "
+              "shutter and velocity"),
       unknown("/camera/ortho-scale",
-              "projection, position, direction, upward, field-of-view, focal-length, aperture, focus and "
-              "shutter"),
+              "projection, position, direction, upward, field-of-view, focal-length, aperture, focus, "
+              "shutter and velocity"),
       missing("/camera/projection", R"("perspective" or "orthographic")"),
       not_allowed("/camera/projection", "\"fisheye\"", R"("perspective" or "orthographic")"),
       missing("/camera/position", vector),
@@ -286,6 +286,7 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
        "/camera/shutter: [1,0.5] is not an array of two times, of which the second is not before the first"},
       {scene_with("/camera/shutter", "1"), "/camera/shutter: 1 is not an array of two times"},
       {scene_with("/camera/shutter", "[0, 1e121]"), "/camera/shutter/1: 1e+121 is not a number " + most},
+      {scene_with("/camera/velocity", "[0, 1e121, 0]"), "/camera/velocity: [0,1e+121,0] is not " + place},
       {scene_with("/camera/shutter", "[0, \"end\"]"), "/camera/shutter/1: \"end\" is not a number"},
       {scene_with("/objects/0/surface/velocity", "[0, 1e121, 0]"),
        "/objects/0/surface/velocity: [0,1e+121,0] is not " + place},

@@ -190,6 +190,7 @@ class PixelGrid {
   /// Returns the ray of a camera for sample i of pixel (x, y), which is at a place.
   [[nodiscard]] Ray ray(const Camera& camera, int x, int y, int i, const FilteredPlace<double>& place) const {
     const double on_film[] = {u(x, place.x), v(y, place.y)};
+    if (camera.is_moving()) ray.origin = camera.origin_at(ray.time, ray.origin);
     Ray ray = has_only_centers() || !camera.has_lens() ? camera(on_film[0], on_film[1])
                                                        : camera(on_film[0], on_film[1], lens_point(x, y, i));
     ray.time = time(camera.shutter, x, y, i);

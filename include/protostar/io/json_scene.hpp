@@ -159,15 +159,15 @@ inline void add_light(const JsonCursor& at, SceneFile& file) {
 
 // ---- Camera, settings, world.
 
-/// Returns the camera, whose shutter is that of the time 0 alone.
+/// Returns the camera at the time 0, the only one of its shutter.
 inline Camera still_camera_at(const JsonCursor& at) {
   const bool is_orthographic =
       at["projection"].one_of<bool>({{"perspective", false}, {"orthographic", true}});
   if (is_orthographic)
-    at.with_keys({"projection", "position", "direction", "upward", "ortho-scale", "shutter"});
+    at.with_keys({"projection", "position", "direction", "upward", "ortho-scale", "shutter", "velocity"});
   else
     at.with_keys({"projection", "position", "direction", "upward", "field-of-view", "focal-length",
-                  "aperture", "focus", "shutter"});
+                  "aperture", "focus", "shutter", "velocity"});
 
   const Vec3 position = at["position"].point(), direction = at["direction"].direction();
   const Vec3 upward = at["upward"].direction();
@@ -197,13 +197,15 @@ inline Camera still_camera_at(const JsonCursor& at) {
 }
 
 inline Camera camera_at(const JsonCursor& at) {
-  const Camera camera = still_camera_at(at);
+  const Camera still = still_camera_at(at);
+  const Vec3 velocity = at.has("velocity") ? at["velocity"].point() : Vec3{0};
+  const Camera camera = at.checked([&] { return still.with_velocity(velocity); });
   if (!at.has("shutter")) return camera;
   const JsonCursor shutter = at["shutter"].with_size(2, "an array of two times");
   const double opens = shutter[0].coordinate(), closes = shutter[1].coordinate();
   if (!(opens <= closes))
     shutter.refuse("an array of two times, of which the second is not before the first");
-  return camera.with_shutter(opens, closes);
+  return at.checked([&] { return camera.with_shutter(opens, closes); });
 }
 
 inline Transfer transfer_at(const JsonCursor& at) {
