@@ -226,9 +226,9 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       not_allowed("/lights/4/ambient", "0.5", color),
       not_allowed("/materials", "[]", "an object"),
       not_allowed("/materials/red", "[1,0,0]", "an object"),
-      unknown(
-          "/materials/red/color",
-          "diffuse, specular, shininess, reflect, refract, ior, normal-map, emission, glossy and roughness"),
+      unknown("/materials/red/color",
+              "diffuse, specular, shininess, reflect, refract, ior, normal-map, emission, glossy, roughness "
+              "and blur"),
       not_allowed("/materials/black", "null", "an object"),  // though no object has it
       not_allowed("/materials/red/diffuse", "\"red\"", color),
       not_allowed("/materials/red/specular", "0.5", color),
@@ -274,9 +274,9 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
        "/materials/red/normal-map/image: 3 is not the path of a file"},
       {scene_with("/materials/red/normal-map", R"({"image": "none.png", "size": [1, 0]})"),
        "/materials/red/normal-map/size/1: 0 is not a number greater than 0"},
-      unknown(
-          "/materials/red/a~1b~0c",
-          "diffuse, specular, shininess, reflect, refract, ior, normal-map, emission, glossy and roughness"),
+      unknown("/materials/red/a~1b~0c",
+              "diffuse, specular, shininess, reflect, refract, ior, normal-map, emission, glossy, roughness "
+              "and blur"),
       {replacing("/settings", R"({"resolution-x": 16385, "resolution-y": 16384})"),
        R"(/settings: {"resolution-x":16385,"resolution-y":16384} is not a picture of at most 2^28 pixels)"},
       {scene_with("/camera/focal-length", "1"),

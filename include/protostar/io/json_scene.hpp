@@ -87,7 +87,7 @@ inline Texture texture_at(const JsonCursor& at) {
 
 inline Material material_at(const JsonCursor& at) {
   at.with_keys({"diffuse", "specular", "shininess", "reflect", "refract", "ior", "normal-map", "emission",
-                "glossy", "roughness"});
+                "glossy", "roughness", "blur"});
   Material material;
   if (at["diffuse"].is(json::value_t::object))
     material.texture = texture_at(at["diffuse"]);
@@ -104,6 +104,12 @@ inline Material material_at(const JsonCursor& at) {
   if (at.has("emission")) material.emission = at["emission"].color();
   if (at.has("glossy")) material.glossy = at["glossy"].color();
   if (at.has("roughness")) material.roughness = at["roughness"].number_between(0, 1, "a number from 0 to 1");
+  if (at.has("blur")) {
+    material.blur = at["blur"].one_of<Blur>({{"ggx", Blur::ggx}, {"phong", Blur::phong}});
+    if (material.blur == Blur::phong && at.has("shininess"))
+      material.shininess = at["shininess"].number_between(0, Material::most_shininess_of_blur,
+                                                          "a number from 0 to 2^30 (1e9), with this blur");
+  }
   return material;
 }
 
