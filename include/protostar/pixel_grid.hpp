@@ -67,10 +67,10 @@ class PixelGrid {
                                   shown(options.clamp));
     if (options.samples > 0) samples_ = options.samples, has_only_centers_ = false;
     last_ = samples_;
-    if (range.first < range.last) {
-      if (range.last > static_cast<std::uint32_t>(samples_))
-        throw std::invalid_argument("render: samples must end at the " + std::to_string(samples_) +
-                                    " of the options or before; they end at " + std::to_string(range.last));
+    if (range.last > static_cast<std::uint32_t>(samples_))
+      throw std::invalid_argument("render: samples must end at the " + std::to_string(samples_) +
+                                  " of the options or before; they end at " + std::to_string(range.last));
+    if (range.first < range.last)
       first_ = static_cast<int>(range.first), last_ = static_cast<int>(range.last);
     if (options.clamp > 0 && std::isfinite(options.clamp)) clamp_ = largest_float_below(options.clamp);
     set_common_places(options.samples);
@@ -187,10 +187,10 @@ class PixelGrid {
   /// Returns the ray of a camera for sample i of pixel (x, y), which is at a place.
   [[nodiscard]] Ray ray(const Camera& camera, int x, int y, int i, const FilteredPlace<double>& place) const {
     const double on_film[] = {u(x, place.x), v(y, place.y)};
-    if (camera.is_moving()) ray.origin = camera.origin_at(ray.time, ray.origin);
     Ray ray = has_only_centers() || !camera.has_lens() ? camera(on_film[0], on_film[1])
                                                        : camera(on_film[0], on_film[1], lens_point(x, y, i));
     ray.time = time(camera.shutter, x, y, i);
+    if (camera.is_moving()) ray.origin = camera.origin_at(ray.time, ray.origin);
     return ray;
   }
 
