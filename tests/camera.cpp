@@ -84,7 +84,7 @@ TEST_CASE("camera rays have unit directions, so that t is a distance") {
 TEST_CASE("a camera whose numbers are not finite is refused") {
   for (const double bad : {infinity, -infinity, not_a_number})
     for (Vec3 Camera::*field : {&Camera::position, &Camera::right, &Camera::up, &Camera::forward,
-                                &Camera::film_right, &Camera::film_up})
+                                &Camera::film_right, &Camera::film_up, &Camera::velocity})
       for (int axis = 0; axis < 3; ++axis) {
         Camera camera;
         (camera.*field)[axis] = bad;
@@ -291,7 +291,7 @@ TEST_CASE("invalid parameters of a camera are refused, with what was found and w
       {[=] {
          return Camera::look_at({1, 2, 3}, {1, 2, 3}, y_axis);
        },
-       "position and target must differ", "(1, 2, 3)"},
+       "target must differ from position", "(1, 2, 3)"},
       {[=] {
          return Camera::look_at(o, {0, -9, 0}, {0, 3, 0});
        },

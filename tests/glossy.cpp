@@ -30,6 +30,14 @@ Material metal(double roughness, float matte_part = 0) {
   return {.diffuse = Color{matte_part}, .glossy = Color{0.9f, 0.6f, 0.3f}, .roughness = roughness};
 }
 
+/// Returns a polished surface with Phong's lobe of this exponent.
+Material polished(double exponent, float matte_part = 0) {
+  return {.diffuse = Color{matte_part},
+          .shininess = exponent,
+          .glossy = Color{0.9f, 0.6f, 0.3f},
+          .blur = Blur::phong};
+}
+
 /// Rays to the floor y = 0 at the origin, from a steep and from a grazing view.
 const Vec3 views[] = {normalize(Vec3{1, 1.5, 0.2}), normalize(Vec3{-0.3, 0.1, 1})};
 
@@ -42,8 +50,10 @@ struct Floor {
 
   [[nodiscard]] double reflection(const Vec3& direction) const {
     if (!(direction.y > 0)) return 0;
-    const GgxLobe lobe{material.glossy, material.roughness};
-    return lobe.reflection(frame.local(view), frame.local(direction)).g +
+    const GgxLobe ggx{material.glossy, material.roughness};
+    const PhongLobe phong{material.glossy, material.shininess};
+    const Vec3 from = frame.local(view), to = frame.local(direction);
+    return (material.blur == Blur::phong ? phong.reflection(from, to) : ggx.reflection(from, to)).g +
            material.diffuse.g / std::numbers::pi * direction.y;
   }
 
@@ -93,10 +103,11 @@ Material glowing(float light) { return {.emission = Color{light}}; }
 }  // namespace
 
 TEST_CASE("under a sky of one color a glossy floor has the albedo of its lobe") {
-  for (const double roughness : {0.25, 0.6, 1.0}) {
-    CAPTURE(roughness);
+  for (const Material& material :
+       {metal(0.25), metal(0.6), metal(1.0), polished(0), polished(5), polished(60)}) {
+    CAPTURE(material.roughness, material.shininess);
     Scene<Plane> scene;
-    scene.add(Plane{{0, 1, 0}, 0}, metal(roughness));
+    scene.add(Plane{{0, 1, 0}, 0}, material);
     scene.set_sky(Color{2});
     // Around the mirror direction, where the lobe is narrow.
     const auto truth = [](const Floor& floor) {
@@ -113,8 +124,8 @@ TEST_CASE("under a sky of one color a glossy floor has the albedo of its lobe") 
         }
       return 2 * sum / n * 2 * std::numbers::pi / m;
     };
-    compare_floor(DirectIntegrator(scene), scene, metal(roughness), truth);
-    compare_floor(one_bounce(scene), scene, metal(roughness), truth);
+    compare_floor(DirectIntegrator(scene), scene, material, truth);
+    compare_floor(one_bounce(scene), scene, material, truth);
   }
 }
 
@@ -126,8 +137,12 @@ TEST_CASE("a glossy floor reflects a lamp as quadrature says, large or small, by
   };
   const auto row = GENERATE(Row{{-2, 3, 0}, 1.5, 0.4, 0.5f}, Row{{-20, 30, -4}, 1, 0.15, 0},
                             Row{{0, 2, -1}, 1.9, 0.9, 0.5f}, Row{{-2, 3, 0}, 1.5, 0.2, 0});
-  CAPTURE(row.radius, row.roughness, row.matte_part);
-  const Material material = metal(row.roughness, row.matte_part);
+  const bool is_metal = GENERATE(true, false);
+  CAPTURE(row.radius, row.roughness, row.matte_part, is_metal);
+  // Of about the same width as the GGX lobe.
+  const double exponent = 2 / std::pow(row.roughness, 4);
+  const Material material =
+      is_metal ? metal(row.roughness, row.matte_part) : polished(exponent, row.matte_part);
   Scene<Plane, Sphere> scene;
   scene.add(Plane{{0, 1, 0}, 0}, material);
   scene.add(Sphere{row.center, row.radius}, glowing(3));

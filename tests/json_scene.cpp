@@ -205,6 +205,32 @@ TEST_CASE("surfaces of a scene file may move while the camera's shutter is open"
         "surface: it is the whole surface that moves");
 }
 
+TEST_CASE("the camera of a scene file may move while its shutter is open") {
+  const auto camera_with = [](const std::string& keys) { return scene_of_text(patched(keys)).camera; };
+  const std::string shutter = R"({"op": "add", "path": "/camera/shutter", "value": [0.25, 0.5]})",
+                    velocity = R"({"op": "add", "path": "/camera/velocity", "value": [1, -2, 0.5]})";
+  const Camera moving = camera_with(shutter + "," + velocity);
+  CHECK(moving.velocity == Vec3{1, -2, 0.5});
+  CHECK(moving.shutter == Shutter{0.25, 0.5});
+  CHECK(camera_with(velocity).velocity == Vec3{1, -2, 0.5});
+  CHECK(!camera_with(shutter).is_moving());
+}
+
+TEST_CASE("a scene file chooses the lobe of a blurred mirror") {
+  const auto material_with = [](const std::string& keys) {
+    const SceneFile file = scene_of_text(
+        patched(R"({"op": "add", "path": "/materials", "value": {"m": {"glossy": [1, 1, 1])" + keys +
+                R"(}}}, {"op": "replace", "path": "/objects", "value": [{"surface": {"type": "sphere",
+           "position": [0, 0, 5], "radius": 1}, "material-id": "m"}]})"));
+    return file.scene.intersect(Ray{}, Interval{}).value().material();
+  };
+  CHECK(material_with("").blur == Blur::ggx);
+  CHECK(material_with(R"(, "blur": "ggx", "shininess": 1e10)").blur == Blur::ggx);
+  const Material phong = material_with(R"(, "blur": "phong", "shininess": 12)");
+  CHECK(phong.blur == Blur::phong);
+  CHECK(phong.shininess == 12);
+}
+
 TEST_CASE("a scene file may have one of three kinds of cameras") {
   const std::string sensor = R"({"projection": "perspective", "position": [1, 2, 3], "direction": [0, 0, 1],
       "upward": [0, 1, 0], "focal-length": 3})";

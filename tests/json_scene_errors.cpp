@@ -136,11 +136,11 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       not_allowed("/world/sky/0", "1e+39", factor),
       missing("/camera", "an object"),
       unknown("/camera/fov",
-              "projection, position, direction, upward, field-of-view, focal-length, aperture, focus and "
-              "shutter"),
+              "projection, position, direction, upward, field-of-view, focal-length, aperture, focus, "
+              "shutter and velocity"),
       unknown("/camera/ortho-scale",
-              "projection, position, direction, upward, field-of-view, focal-length, aperture, focus and "
-              "shutter"),
+              "projection, position, direction, upward, field-of-view, focal-length, aperture, focus, "
+              "shutter and velocity"),
       missing("/camera/projection", R"("perspective" or "orthographic")"),
       not_allowed("/camera/projection", "\"fisheye\"", R"("perspective" or "orthographic")"),
       missing("/camera/position", vector),
@@ -226,9 +226,9 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       not_allowed("/lights/4/ambient", "0.5", color),
       not_allowed("/materials", "[]", "an object"),
       not_allowed("/materials/red", "[1,0,0]", "an object"),
-      unknown(
-          "/materials/red/color",
-          "diffuse, specular, shininess, reflect, refract, ior, normal-map, emission, glossy and roughness"),
+      unknown("/materials/red/color",
+              "diffuse, specular, shininess, reflect, refract, ior, normal-map, emission, glossy, roughness "
+              "and blur"),
       not_allowed("/materials/black", "null", "an object"),  // though no object has it
       not_allowed("/materials/red/diffuse", "\"red\"", color),
       not_allowed("/materials/red/specular", "0.5", color),
@@ -274,9 +274,9 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
        "/materials/red/normal-map/image: 3 is not the path of a file"},
       {scene_with("/materials/red/normal-map", R"({"image": "none.png", "size": [1, 0]})"),
        "/materials/red/normal-map/size/1: 0 is not a number greater than 0"},
-      unknown(
-          "/materials/red/a~1b~0c",
-          "diffuse, specular, shininess, reflect, refract, ior, normal-map, emission, glossy and roughness"),
+      unknown("/materials/red/a~1b~0c",
+              "diffuse, specular, shininess, reflect, refract, ior, normal-map, emission, glossy, roughness "
+              "and blur"),
       {replacing("/settings", R"({"resolution-x": 16385, "resolution-y": 16384})"),
        R"(/settings: {"resolution-x":16385,"resolution-y":16384} is not a picture of at most 2^28 pixels)"},
       {scene_with("/camera/focal-length", "1"),
@@ -286,6 +286,7 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
        "/camera/shutter: [1,0.5] is not an array of two times, of which the second is not before the first"},
       {scene_with("/camera/shutter", "1"), "/camera/shutter: 1 is not an array of two times"},
       {scene_with("/camera/shutter", "[0, 1e121]"), "/camera/shutter/1: 1e+121 is not a number " + most},
+      {scene_with("/camera/velocity", "[0, 1e121, 0]"), "/camera/velocity: [0,1e+121,0] is not " + place},
       {scene_with("/camera/shutter", "[0, \"end\"]"), "/camera/shutter/1: \"end\" is not a number"},
       {scene_with("/objects/0/surface/velocity", "[0, 1e121, 0]"),
        "/objects/0/surface/velocity: [0,1e+121,0] is not " + place},

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <protostar/material.hpp>
 #include <stdexcept>
@@ -14,6 +15,12 @@ namespace {
 
 std::string refusal(const Material& material) {
   return message_of<std::invalid_argument>([&] { material.validate(); });
+}
+
+std::string printed(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", x);
+  return text;
 }
 }  // namespace
 
@@ -65,21 +72,36 @@ TEST_CASE("an invalid material is refused with the field's name") {
   for (const double bad : {-1.0, infinity, not_a_number}) {
     CAPTURE(bad);
     const Color light{0.5f, static_cast<float>(bad), 0};
-    CHECK(refusal({.diffuse = light}) == "Material: diffuse color must be finite and not negative");
-    CHECK(refusal({.specular = light}) == "Material: specular color must be finite and not negative");
-    CHECK(refusal({.emission = light}) == "Material: emission must be finite and not negative");
-    CHECK(refusal({.glossy = light}) == "Material: glossy color must be finite and not negative");
-    CHECK(refusal({.roughness = bad}) == "Material: roughness must be from 0 to 1");
-    CHECK(refusal({.shininess = bad}) == "Material: shininess must be finite and not negative");
-    CHECK(refusal({.reflect = bad}) == "Material: reflect must be finite as a float and not negative");
-    CHECK(refusal({.refract = bad}) == "Material: refract must be finite as a float and not negative");
-    CHECK(refusal({.ior = bad}) == "Material: ior must be from 2^-400 (3.9e-121) to 2^400 (2.6e120)");
+    const std::string of_light = "; it is (0.5, " + printed(bad) + ", 0)",
+                      of_number = "; it is " + printed(bad);
+    CHECK(refusal({.diffuse = light}) ==
+          "Material: diffuse color must be finite and not negative" + of_light);
+    CHECK(refusal({.specular = light}) ==
+          "Material: specular color must be finite and not negative" + of_light);
+    CHECK(refusal({.emission = light}) == "Material: emission must be finite and not negative" + of_light);
+    CHECK(refusal({.glossy = light}) == "Material: glossy color must be finite and not negative" + of_light);
+    CHECK(refusal({.roughness = bad}) == "Material: roughness must be from 0 to 1" + of_number);
+    CHECK(refusal({.shininess = bad}) == "Material: shininess must be finite and not negative" + of_number);
+    CHECK(refusal({.reflect = bad}) ==
+          "Material: reflect must be finite as a float and not negative" + of_number);
+    CHECK(refusal({.refract = bad}) ==
+          "Material: refract must be finite as a float and not negative" + of_number);
+    CHECK(refusal({.ior = bad}) ==
+          "Material: ior must be from 2^-400 (3.9e-121) to 2^400 (2.6e120)" + of_number);
   }
-  CHECK(refusal({.reflect = 1e39}) == "Material: reflect must be finite as a float and not negative");
-  CHECK(refusal({.refract = 1e39}) == "Material: refract must be finite as a float and not negative");
+  CHECK(refusal({.reflect = 1e39}) ==
+        "Material: reflect must be finite as a float and not negative; it is 1e+39");
+  CHECK(refusal({.refract = 1e39}) ==
+        "Material: refract must be finite as a float and not negative; it is 1e+39");
   for (const double bad : {0.0, 0x1p-401, 1e121})
-    CHECK(refusal({.ior = bad}) == "Material: ior must be from 2^-400 (3.9e-121) to 2^400 (2.6e120)");
-  CHECK(refusal({.roughness = std::nextafter(1, 2)}) == "Material: roughness must be from 0 to 1");
+    CHECK(refusal({.ior = bad}) ==
+          "Material: ior must be from 2^-400 (3.9e-121) to 2^400 (2.6e120); it is " + printed(bad));
+  CHECK(refusal({.roughness = 1.5}) == "Material: roughness must be from 0 to 1; it is 1.5");
+  CHECK(refusal({.roughness = std::nextafter(1, 2)}) == "Material: roughness must be from 0 to 1; it is 1");
+  CHECK(refusal({.shininess = 0x1p30, .blur = Blur::phong}).empty());
+  CHECK(refusal({.shininess = 0x1p31}).empty());
+  CHECK(refusal({.shininess = 0x1p31, .blur = Blur::phong}) ==
+        "Material: shininess of a blurred mirror must be at most 2^30; it is 2.14748365e+09");
   CHECK(refusal({.roughness = 0}).empty());
   CHECK(refusal({.roughness = 1}).empty());
   CHECK(refusal({}).empty());
@@ -96,12 +118,12 @@ TEST_CASE("an invalid material is refused with the field's name") {
 TEST_CASE("an invalid checker is refused as a part of its material") {
   for (const double bad : {0.0, -1.0, 0x1p-401, 1e121, infinity, not_a_number})
     CHECK(refusal({.texture = Checker{.size = bad}}) ==
-          "Checker: size must be from 2^-400 (3.9e-121) to 2^400 (2.6e120)");
+          "Checker: size must be from 2^-400 (3.9e-121) to 2^400 (2.6e120); it is " + printed(bad));
   for (const double bad : {-1.0, infinity, not_a_number}) {
     const Color light{0.5f, static_cast<float>(bad), 0};
-    const std::string error = "Checker: first and second color must be finite and not negative";
-    CHECK(refusal({.texture = Checker{.first = light}}) == error);
-    CHECK(refusal({.texture = Checker{.second = light}}) == error);
+    const std::string rule = " color must be finite and not negative; it is (0.5, " + printed(bad) + ", 0)";
+    CHECK(refusal({.texture = Checker{.first = light}}) == "Checker: first" + rule);
+    CHECK(refusal({.texture = Checker{.second = light}}) == "Checker: second" + rule);
   }
   CHECK(refusal({.texture = Checker{.first = Color{9}, .size = 0x1p-400}}).empty());
 }

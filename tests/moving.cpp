@@ -1,11 +1,14 @@
-// Surfaces that move while the camera's shutter is open: crossings, departures, pictures by tiles and trees,
-// and the blur of an edge in motion.
+// Surfaces and cameras that move while the shutter is open: crossings, departures, pictures by tiles and
+// trees, culling, and the blur of an edge in motion.
 #include <protostar/surfaces/moving.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <protostar/accel/accelerate.hpp>
+#include <protostar/accel/candidates.hpp>
+#include <protostar/accel/frustum.hpp>
+#include <protostar/accel/pixel_rays.hpp>
 #include <protostar/integrators/color.hpp>
 #include <protostar/integrators/normal.hpp>
 #include <protostar/integrators/shadow.hpp>
@@ -192,7 +195,17 @@ TEST_CASE("pictures of moving surfaces have the same bytes ray by ray, by tiles 
   const std::vector<Camera> cameras{
       Camera::perspective({0, 0.5, -1}, {0, 0, 1}, {0, 1, 0}, 60).with_shutter(0, 1),
       Camera::thin_lens({0, 0.5, -1}, {0, 0, 1}, {0, 1, 0}, 60, 0.2, 5).with_shutter(0.25, 0.75),
-      Camera::orthographic({0, 0.5, -1}, {0, 0, 1}, {0, 1, 0}, 4).with_shutter(0, 1)};
+      Camera::orthographic({0, 0.5, -1}, {0, 0, 1}, {0, 1, 0}, 4).with_shutter(0, 1),
+      Camera::perspective({0, 0.5, -1}, {0, 0, 1}, {0, 1, 0}, 60)
+          .with_shutter(0, 1)
+          .with_velocity({0.5, -0.25, 1}),
+      Camera::thin_lens({0, 0.5, -1}, {0, 0, 1}, {0, 1, 0}, 60, 0.2, 5)
+          .with_shutter(0.25, 0.75)
+          .with_velocity({-1, 0.5, 0.5}),
+      Camera::orthographic({0, 0.5, -1}, {0, 0, 1}, {0, 1, 0}, 4)
+          .with_shutter(0, 1)
+          .with_velocity({0.5, 0.25, 1}),
+      Camera::sensor({0, 0.5, -1}, {0, 0, 1}, {0, 1, 0}, 1).with_shutter(0.5, 1).with_velocity({-1, 0, 0.5})};
   std::size_t round = 0;
   for (const int count : {8, 200, 2600}) {
     const MovingScene scene = moving_scene(count);
@@ -237,17 +250,23 @@ TEST_CASE("an edge in motion fades linearly over its way, pixel by pixel") {
     for (const SamplerChoice& sampler :
          {sampler_of<SobolSampler>, sampler_of<HaltonSampler>, sampler_of<StratifiedSampler>}) {
       CAPTURE(row.depth, row.edge, row.way);
+      const Parallelogram board{{row.edge, -1000, row.depth}, {1000, 0, 0}, {0, 2000, 0}};
       Scene<Moving<Parallelogram>> scene;
-      scene.add(Moving<Parallelogram>({{row.edge, -1000, row.depth}, {1000, 0, 0}, {0, 2000, 0}},
-                                      {row.way / 0.5, 0, 0}, {2, 2.5}),
-                Color{1});
+      scene.add(Moving<Parallelogram>(board, {row.way / 0.5, 0, 0}, {2, 2.5}), Color{1});
+      Scene<Parallelogram> still;
+      still.add(board, Color{1});
       // The way begins at time 2, at the edge.
       const Camera camera = Camera{.position = {4 * row.way, 0, 0}}.with_shutter(2, 2.5);
       std::vector<Image> pictures;
       for (int r = 0; r < LightTruth::scramblings; ++r) {
         pictures.emplace_back(width, height);
-        render(pictures.back(), camera, scene, ColorIntegrator{},
-               {.samples = samples, .sampler = sampler, .seed = static_cast<std::uint64_t>(r)});
+        const RenderOptions options{
+            .samples = samples, .sampler = sampler, .seed = static_cast<std::uint64_t>(r)};
+        render(pictures.back(), camera, scene, ColorIntegrator{}, options);
+        // At rest, before a camera that moves to the other side instead, the edge has the same picture.
+        Image from_camera(width, height);
+        render(from_camera, camera.with_velocity({-row.way / 0.5, 0, 0}), still, ColorIntegrator{}, options);
+        CHECK(different_pixels(from_camera, pictures.back()) == 0);
       }
       LightTruth truth;
       for (int x = 0; x < width; ++x) {
@@ -267,6 +286,127 @@ TEST_CASE("an edge in motion fades linearly over its way, pixel by pixel") {
             LightTruth::most_errors * std::sqrt(truth.variance) + 0x1p-20 * truth.mean_truth);
       CHECK(truth.detectable_bias() < (PROTOSTAR_LONG_FORMS ? 2e-3 : 0.02));
     }
+}
+
+TEST_CASE("a moving camera sees what one at rest sees if all surfaces move to the other side") {
+  // Origins of rays are o + t v, and in the surfaces' space o − t (−v): the same numbers.
+  const Vec3 velocity{1.25, -0.5, 2};
+  Scene<Sphere, Parallelogram> still;
+  Scene<Moving<Sphere>, Moving<Parallelogram>> moving;
+  Random random(3);
+  for (int i = 0; i < 40; ++i) {
+    const Sphere sphere{{random.real(-4, 4), random.real(-3, 3), random.real(3, 9)}, random.real(0.1, 0.6)};
+    const Material material{.diffuse = random.color()};
+    still.add(sphere, material);
+    moving.add(Moving<Sphere>(sphere, -velocity), material);
+  }
+  const Parallelogram board{{-9, -3, -2}, {18, 0, 0}, {0, 1, 20}};
+  still.add(board, Material{.texture = Checker{.first = Color{0.8f}, .second = Color{0.1f}}});
+  moving.add(Moving<Parallelogram>(board, -velocity),
+             Material{.texture = Checker{.first = Color{0.8f}, .second = Color{0.1f}}});
+  const Point from{0.25, 0.5, -1};
+  const Vec3 forwards{0, 0, 1}, upwards{0, 1, 0};
+  for (const Camera& camera :
+       {Camera::perspective(from, forwards, upwards, 60),
+        Camera::thin_lens(from, forwards, upwards, 60, 0.2, 5),
+        Camera::orthographic(from, forwards, upwards, 4), Camera::sensor(from, forwards, upwards, 1)})
+    for (const Shutter& shutter : {Shutter{0, 1}, Shutter{0.5, 0.5}, Shutter{0.25, 1}})
+      for (const int samples : {0, 3})
+        for (const bool tiles : {false, true}) {
+          const Camera rests = camera.with_shutter(shutter.opens, shutter.closes);
+          const RenderOptions options{.samples = samples, .tiles = tiles};
+          const auto differ = [&](const auto& integrator) {
+            Image a(33, 25), b(33, 25);
+            render(a, rests.with_velocity(velocity), still, integrator, options);
+            render(b, rests, moving, integrator, options);
+            return different_pixels(a, b);
+          };
+          CAPTURE(shutter.opens, samples, tiles, camera.aperture);
+          CHECK(differ(NormalIntegrator{}) == 0);
+          CHECK(differ(ColorIntegrator{}) == 0);
+        }
+}
+
+TEST_CASE(
+    "a tile keeps every sphere that the camera sees through one of its pixels at any place of its way") {
+  Random random(7);
+  WrongCases culled(random), outside(random);
+  int met = 0, kept = 0, all = 0;
+  for (int i = 0; i < 600; ++i) {
+    Camera camera{.position = random.point(2),
+                  .right = random.point(1),
+                  .up = random.point(1),
+                  .forward = random.point(1),
+                  .shutter = {random.real(-2, 0), random.real(0, 2)},
+                  .velocity = random.point(std::exp2(random.real(-6, 3)))};
+    const Vec3 r = normalize(camera.right), u = normalize(camera.up), f = normalize(camera.forward);
+    if (std::abs(dot(cross(r, u), f)) < 0.1) continue;
+    if (i % 4 == 1) camera.aperture = std::exp2(random.real(-6, 1)), camera.focus = random.real(0.5, 9);
+    if (i % 4 == 2) camera.film_right = camera.right, camera.film_up = camera.up;
+    if (i % 4 == 3) {
+      camera.film_right = camera.right, camera.film_up = camera.up;
+      camera.right = camera.up = Vec3{0};
+    }
+    if (i % 5 == 4) camera.position = camera.position + Point{65537, -65537, 131074};
+    if (i % 7 == 6) camera.velocity = 65536.0 * camera.velocity;
+    camera.validate();
+    const int width = 64, height = 48;
+    const simd::PixelRays rays(camera, PixelGrid(width, height, {.samples = 4}), width, height);
+    const Tile tile{16, 8, 32, 16};
+    const simd::Frustum frustum(rays, tile);
+    const simd::TileHalfSpaces half_spaces(rays, tile);
+    for (int k = 0; k < 40; ++k) {
+      // Most places, points and times are at an edge.
+      const auto between = [&](double a, double b) {
+        return a + (b - a) * std::clamp(random.real(-1, 2), 0.0, 1.0);
+      };
+      const double angle = random.real(0, 7), radius = between(0, 1);
+      const double film_u = rays.pixels().u(0, between(tile.x0, tile.x1)),
+                   film_v = rays.pixels().v(0, between(tile.y0, tile.y1));
+      Ray ray = camera.has_lens()
+                    ? camera(film_u, film_v, {radius * std::cos(angle), radius * std::sin(angle)})
+                    : camera(film_u, film_v);
+      ray.time = camera.shutter.at(between(0, 1));
+      ray.origin = camera.origin_at(ray.time, ray.origin);
+      const double t = std::exp2(random.real(-4, 6)), size = std::exp2(random.real(-12, 1));
+      const Vec3 away = normalize(cross(ray.direction, random.direction()));
+      const Sphere sphere{.center = ray.at(t) + size * random.real(0.9, 1.1) * away, .radius = size};
+      simd::Candidates everything, in_tile;
+      everything.add(0, rays.viewpoint(), simd::sphere_around(sphere));
+      in_tile.add(everything, frustum);
+      ++all, kept += in_tile.size();
+      const auto hit = sphere.intersect(ray);
+      if (!hit) continue;
+      ++met;
+      culled.add(in_tile.size() == 0, camera, ray.origin, ray.direction, sphere);
+      everything.sort(simd::Candidates::Order::near_to_far);
+      culled.add(everything.size() == 1 && everything.nearest(0) > *hit, "nearest", everything.nearest(0),
+                 *hit);
+      for (const simd::HalfSpace& side : half_spaces.side)
+        outside.add(dot(side.normal, sphere.center - side.on) <
+                        -sphere.radius - 0x1p-24 * (length(sphere.center) + length(side.on) + t),
+                    camera, ray.origin, ray.direction, sphere);
+    }
+  }
+  CHECK(culled == 0);
+  CHECK(outside == 0);
+  CHECK(met > all / 2);
+  CHECK(kept < all);
+}
+
+TEST_CASE("a camera's velocity has to be coordinates, and lead to coordinates") {
+  const auto refusal = [](const Vec3& velocity, const Shutter& shutter) {
+    return message_of<std::invalid_argument>([&] {
+      static_cast<void>(Camera{}.with_shutter(shutter.opens, shutter.closes).with_velocity(velocity));
+    });
+  };
+  CHECK(refusal({0, 1e121, 0}, {0, 1}) ==
+        "Camera: velocity must have numbers at most 2^400 (2.6e120) in magnitude; it is (0, 1e+121, 0)");
+  CHECK(refusal({0, not_a_number, 0}, {0, 1}) == "Camera: velocity must be finite; it is (0, nan, 0)");
+  CHECK(refusal({0, 0, 1e60}, {0, 1e61}) ==
+        "Camera: position + time · velocity must have numbers at most 2^400 (2.6e120) in magnitude; it is "
+        "(0, 0, 1e+121)");
+  CHECK(refusal({0, 0, 1e60}, {-1, 1e59}).empty());
 }
 
 TEST_CASE("shutters and velocities that make no sense are refused, and moving parts of other surfaces") {

@@ -144,6 +144,10 @@ TEST_CASE("light is clamped sample by sample") {
   CHECK(image(1, 1) == Color{1.25f, 0.125f, 0.5f});
   render(image, Camera{}, light, {.samples = 1, .clamp = 2});
   CHECK(image(1, 1) == Color{2, 0, 0});
+  // No float is above the clamp: that nearest to 1/3 is, and the one below it counts.
+  render(image, Camera{}, light, {.samples = 1, .clamp = 1.0 / 3});
+  CHECK(double{image(1, 1).r} <= 1.0 / 3);
+  CHECK(image(1, 1).r == std::nextafter(static_cast<float>(1.0 / 3), 0.0f));
   render(image, Camera{}, light, {.samples = 2, .clamp = infinity});
   CHECK(image(1, 1) == Color{1.75f, -0.375f, 0.5f});
 }
@@ -163,4 +167,16 @@ TEST_CASE("samples that a film cannot have are refused") {
   CHECK(message({0, 1}, {.clamp = -1}) == "RenderOptions: clamp must be 0 (none) or greater; it is -1");
   CHECK_FALSE(message({0, 1}, {.clamp = std::nan("")}).empty());
   CHECK(message({0, 1}, {}).empty());
+
+  // A range of none is checked alike.
+  CHECK(message({9, 9}, {.samples = 8}) ==
+        "render: samples must end at the 8 of the options or before; they end at 9");
+  CHECK(message({0, 0}, {.clamp = -1}) == "RenderOptions: clamp must be 0 (none) or greater; it is -1");
+  CHECK(message({1, 1}, {.error = 1}).find("options of an image, not of a film") != std::string::npos);
+  CHECK(message({1, 1}, {.threads = -1}).find("threads must be 0 (all cores) or more; it is -1") !=
+        std::string::npos);
+  CHECK(message({1, 1}, {.crop = {.width = 19, .height = 15}}).find("is not inside 19x15") !=
+        std::string::npos);
+  CHECK(message({0, 0}, {}).empty());
+  CHECK(message({3, 3}, {}).empty());
 }

@@ -333,7 +333,8 @@ TEST_CASE("options of passes that make no sense are refused") {
     CHECK_THAT(refusal_of({.error = wrong}), ContainsSubstring("RenderOptions: error must be finite"));
     CHECK_THAT(refusal_of({.seconds = wrong}), ContainsSubstring("RenderOptions: seconds must be finite"));
   }
-  CHECK_THAT(refusal_of({.samples = 4, .error = 1}), ContainsSubstring("only one of samples, error and sec"));
+  CHECK(refusal_of({.samples = 4, .error = 0.5}) ==
+        "RenderOptions: only one of samples, error and seconds may be given; they are 4, 0.5 and 0");
   CHECK_THAT(refusal_of({.error = 1, .seconds = 1}), ContainsSubstring("only one of samples, error and sec"));
   CHECK_THAT(refusal_of({.error = 1, .max_samples = 1}), ContainsSubstring("max_samples must be from 2 to"));
   CHECK_THAT(refusal_of({.error = 1}, 31, 1), ContainsSubstring("32 pixels or more"));

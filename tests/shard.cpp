@@ -425,8 +425,8 @@ TEST_CASE("a wrong number in a shard file is refused with its place and what is 
       Row{19, 3, "byte 152: transfer 3; allowed are 0 to 2"},
       Row{19, 0, "byte 160: an exponent of a transfer that has none"},
       Row{20, 0, "Finish: gamma must be finite and greater than 0; it is 0"},
-      Row{21, 3, "byte 168: number of ranges of units 3; allowed are 0 to 2"},
-      Row{22, 3, "byte 176: first unit 3; allowed are 0 to 2"},
+      Row{21, 3, "byte 168: number of ranges of units 3; allowed are 0 to 1"},
+      Row{22, 3, "byte 176: first unit 3; allowed are 0 to 1"},
       Row{23, 0, "byte 184: end of a range of units 0; allowed are 1 to 2"},
       Row{23, 3, "byte 184: end of a range of units 3; allowed are 1 to 2"},
       Row{24, big, "byte 192: a sum is beyond that of 2 samples"},
@@ -435,6 +435,10 @@ TEST_CASE("a wrong number in a shard file is refused with its place and what is 
       Row{28, std::uint64_t{1} << 31, "byte 224: a sum is not canonical"});
   CHECK_THAT(refusal(changed(bytes, 8 * row.word, row.value)),
              ContainsSubstring("'a.shard': ") && ContainsSubstring(row.message));
+  // Of four units, two ranges may be there, but none that would go on from the one before it.
+  const std::string of_four = bytes_of(drawn(picture_of(1, 4, 10), UnitRange{0, 1}));
+  CHECK_THAT(refusal(changed(changed(of_four, 8 * 21, 2), 8 * 23, 3)),
+             ContainsSubstring("byte 184: a range of units ends at 3 of 4, and another should follow"));
   CHECK(refusal(changed(bytes, 64, 7)).empty());  // another seed is a picture of its own
   CHECK(shard_of(changed(bytes, 64, 7)).picture().seed == 7);
 }

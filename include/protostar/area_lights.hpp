@@ -2,9 +2,9 @@
 //
 // A surface emits light if its material has an emission, L_e. It sends out this radiance from both of its
 // sides and alike in all directions. A ray that hits it sees L_e, whatever the surface is. Spheres,
-// parallelograms, disks, triangles and meshes also light other surfaces, AnySurface that hold them included:
-// directions to them can be drawn. No directions are drawn to other surfaces with an emission (planes, boxes,
-// quadrics, instances, solids of several, surfaces that move): only PathIntegrator finds their light.
+// parallelograms, disks, triangles and meshes also light other surfaces, at rest or Moving, and in AnySurface
+// too: directions to them can be drawn. No directions are drawn to other surfaces with an emission (planes,
+// boxes, quadrics, instances, solids of several): only PathIntegrator finds their light.
 #pragma once
 
 #include <algorithm>
@@ -26,13 +26,15 @@
 #include "scene.hpp"
 #include "surfaces/disk.hpp"
 #include "surfaces/mesh.hpp"
+#include "surfaces/moving.hpp"
 #include "surfaces/parallelogram.hpp"
 #include "surfaces/sphere.hpp"
 #include "surfaces/triangle.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A surface of a scene that lights others.
+/// A surface of a scene that lights others. If it moves, directions to it are those from a moved point to
+/// where it was made, as for rays that meet it (surfaces/moving.hpp).
 class AreaLight {
  public:
   /// Triangles of a mesh, and whether they bound a solid.
@@ -48,9 +50,10 @@ class AreaLight {
   };
   using Shape = std::variant<Sphere, PreparedParallelogram, Disk, Triangle, std::shared_ptr<const Triangles>>;
 
-  /// `surface` is the surface in its scene, by which hits on it are recognized.
-  AreaLight(Shape shape, const Color& emission, const void* surface)
-      : shape_(std::move(shape)), emission_(emission), surface_(surface) {}
+  /// `surface` is the surface in its scene, by which hits on it are recognized; the shape is where it was
+  /// made.
+  AreaLight(Shape shape, const Color& emission, const void* surface, const Motion& motion = {})
+      : shape_(std::move(shape)), emission_(emission), surface_(surface), motion_(motion) {}
 
   [[nodiscard]] const Color& emission() const { return emission_; }
   [[nodiscard]] const void* surface() const { return surface_; }
@@ -68,14 +71,15 @@ class AreaLight {
   }
 
  public:
-  /// Draws a direction from a point with two numbers in (0, 1). `triangle` is the primitive that was drawn; 0
-  /// for a light without primitives.
-  [[nodiscard]] MeshSample sample(const Point& from, double u, double v) const {
+  /// Draws a direction from a point at a time with two numbers in (0, 1). `triangle` is the primitive that
+  /// was drawn; 0 for a light without primitives.
+  [[nodiscard]] MeshSample sample(const Point& from, double u, double v, double time = 0) const {
+    const Point at_rest = motion_.at_rest(from, time);
     return visit([&]<class T>(const T& shape) -> MeshSample {
       if constexpr (std::is_same_v<T, Triangles>)
-        return shape.light.sample(from, u, v);
+        return shape.light.sample(at_rest, u, v);
       else
-        return {view(shape, from).sample(u, v)};
+        return {view(shape, at_rest).sample(u, v)};
     });
   }
 
@@ -87,11 +91,12 @@ class AreaLight {
   /// Returns the density with which sample draws the direction from a point to a hit on this light: alike by
   /// solid angle, for each triangle of a mesh by itself.
   [[nodiscard]] double density(const Point& from, const Intersection& hit) const {
+    const Point at_rest = motion_.at_rest(from, hit.time());
     return visit([&]<class T>(const T& shape) {
       if constexpr (std::is_same_v<T, Triangles>)
-        return shape.light.density(from, static_cast<std::size_t>(hit.part()));
+        return shape.light.density(at_rest, static_cast<std::size_t>(hit.part()));
       else
-        return 1 / view(shape, from).solid_angle();
+        return 1 / view(shape, at_rest).solid_angle();
     });
   }
 
@@ -99,7 +104,7 @@ class AreaLight {
   /// (0, 1) draw a direction, and the light counts, times the weight, if the ray hits it first.
   [[nodiscard]] ReflectedLight light_by_ray(const Reflector& at, const auto& scene, const Uv& numbers,
                                             double weight) const {
-    const auto [drawn, triangle] = sample(at.hit.point(), numbers.x, numbers.y);
+    const auto [drawn, triangle] = sample(at.hit.point(), numbers.x, numbers.y, at.hit.time());
     const Vec3& direction = drawn.direction;
     return at.light_by_ray(direction, drawn.density, weight, [&, part = triangle] {
       return follow(
@@ -114,13 +119,14 @@ class AreaLight {
   /// to it; the larger sum of the two counts, which is right for a convex mesh, from outside and from inside.
   [[nodiscard]] double unoccluded_irradiance(const Intersection& hit) const {
     const Vec3 normal = hit.facing_normal();
+    const Point at_rest = motion_.at_rest(hit.point(), hit.time());
     return visit([&]<class T>(const T& shape) {
       if constexpr (std::is_same_v<T, Triangles>)
-        return irradiance_of_mesh(shape, hit, normal);
-      else if (hit.leave(normal).departure == shape.departure())
+        return irradiance_of_mesh(shape, hit, at_rest, normal);
+      else if (is_moving() ? hit.surface() == surface_ : hit.leave(normal).departure == shape.departure())
         return irradiance_on_itself(shape, hit);
       else
-        return irradiance_of(shape, hit.point(), normal);
+        return irradiance_of(shape, at_rest, normal);
     });
   }
 
@@ -171,9 +177,10 @@ class AreaLight {
     return is_inside ? std::numbers::pi : 0;
   }
 
-  [[nodiscard]] double irradiance_of_mesh(const Triangles& shape, const Intersection& hit,
+  [[nodiscard]] bool is_moving() const { return !(motion_.velocity == Vec3{0}); }
+
+  [[nodiscard]] double irradiance_of_mesh(const Triangles& shape, const Intersection& hit, const Point& point,
                                           const Vec3& normal) const {
-    const Point point = hit.point();
     double outside = 0, inside = 0;
     for (std::size_t i = 0; i < shape.light.triangles().size(); ++i) {
       if (is_hit(hit, i)) continue;
@@ -189,6 +196,7 @@ class AreaLight {
   Shape shape_;
   Color emission_;
   const void* surface_;
+  Motion motion_;
 };
 
 /// The area lights of a scene, in the scene's order. They are made once for a picture, and valid as long as
@@ -242,27 +250,46 @@ class AreaLights {
   void add(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
     for (std::size_t i = 0; i < surfaces.size(); ++i)
       if (const Color& emission = materials[i].emission; !is_black(emission))
-        if (auto shape = shape_of(surfaces[i]))
-          lights_.emplace_back(*std::move(shape), emission, &surfaces[i]);
+        if (auto found = shape_in(surfaces[i]))
+          lights_.emplace_back(std::move(found->shape), emission, &surfaces[i], found->motion);
   }
 
-  /// Returns the shape of a surface that directions can be drawn to, also of one that is held by AnySurface.
+  struct ShapeInMotion {
+    AreaLight::Shape shape;
+    Motion motion;
+  };
+
+  /// Returns the shape of a surface that directions can be drawn to, also of one that moves, or that is held
+  /// by AnySurface, or both.
   template <class T>
-  [[nodiscard]] static std::optional<AreaLight::Shape> shape_of(const T& surface) {
-    std::optional<AreaLight::Shape> shape;
+  [[nodiscard]] static std::optional<ShapeInMotion> shape_in(const T& surface) {
+    std::optional<ShapeInMotion> shape;
     const auto try_as = [&]<class Known>(std::type_identity<Known>) {
-      if constexpr (std::is_same_v<T, Known>)
-        shape = shape_as(surface);
-      else if constexpr (requires { surface.template target<Known>(); })
-        if (const Known* const held = surface.template target<Known>()) shape = shape_as(*held);
+      if (const Known* const still = as<Known>(surface)) shape.emplace(ShapeInMotion{shape_as(*still), {}});
+      if (const Moving<Known>* const moving = as<Moving<Known>>(surface))
+        shape.emplace(ShapeInMotion{shape_as(moving->surface()), moving->motion()});
     };
     try_as(std::type_identity<Sphere>{});
     try_as(std::type_identity<Parallelogram>{});
     try_as(std::type_identity<Disk>{});
     try_as(std::type_identity<Triangle>{});
     try_as(std::type_identity<Mesh>{});
+    if (const Moving<>* const moving = as<Moving<>>(surface))
+      if ((shape = shape_in(moving->surface()))) shape->motion = moving->motion();
     return shape;
   }
+
+  /// Returns the surface if it has a type, or holds one of this type; otherwise null.
+  template <class Wanted, class T>
+  [[nodiscard]] static const Wanted* as(const T& surface) {
+    if constexpr (std::is_same_v<T, Wanted>)
+      return &surface;
+    else if constexpr (requires { surface.template target<Wanted>(); })
+      return surface.template target<Wanted>();
+    else
+      return nullptr;
+  }
+
   [[nodiscard]] static AreaLight::Shape shape_as(const auto& surface) { return surface; }
   [[nodiscard]] static AreaLight::Shape shape_as(const Parallelogram& p) {
     return AreaLight::PreparedParallelogram(p);

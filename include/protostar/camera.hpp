@@ -3,9 +3,9 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "magnitude.hpp"
 #include "numeric/scale.hpp"
@@ -52,7 +52,8 @@ struct Camera {
   Vec3 film_up{0};
   double aperture = 0;  ///< radius of the lens; 0: none
   double focus = 1;     ///< distance of what is in focus, in lengths of forward
-  Shutter shutter{};    ///< times of the rays of a pixel; the camera itself does not move
+  Shutter shutter{};    ///< times of the rays of a pixel
+  Vec3 velocity{0};     ///< the camera is at position + t · velocity at time t, and never turns
 
   /// Largest cosine between the arguments direction and upward of a camera, which should be orthogonal. It is
   /// the allowance of scene files, for directions written in decimals; it shears the picture by less than a
@@ -66,8 +67,7 @@ struct Camera {
   [[nodiscard]] static Camera perspective(const Point& position, const Vec3& direction, const Vec3& upward,
                                           double field_of_view) {
     if (!(field_of_view > 0 && field_of_view < 180))
-      refuse("Camera: the field of view must be greater than 0 and less than 180 degrees; it is ",
-             field_of_view);
+      refuse("Camera: the field of view must be greater than 0 and less than 180 degrees", field_of_view);
     const auto [right, up, forward] = axes(direction, upward);
     const double half = tangent_of_degrees(field_of_view / 2);
     return valid({.position = position, .right = half * right, .up = half * up, .forward = forward});
@@ -124,12 +124,12 @@ struct Camera {
   /// if target equals position, if upward is parallel to their difference, or as perspective does.
   [[nodiscard]] static Camera look_at(const Point& position, const Point& target,
                                       const Vec3& upward = {0, 1, 0}, double field_of_view = 90) {
-    if (position == target) refuse("Camera: position and target must differ; both are ", position);
+    if (position == target) refuse("Camera: target must differ from position", position);
     const Vec3 forward = unit(target - position, "target - position"), above = unit(upward, "upward");
     const Vec3 right = cross(above, forward);
     // Rounding may leave a product of 2^-50 for parallel unit vectors, each good to 2^-52.
     if (!(length(right) > 0x1p-48))
-      refuse("Camera: upward must not be parallel to target - position; it is ", upward);
+      refuse("Camera: upward must not be parallel to target - position", upward);
     return perspective(position, forward, cross(forward, unit(right, "upward")), field_of_view);
   }
 
@@ -174,6 +174,15 @@ struct Camera {
     return valid(camera);
   }
 
+  /// Returns this camera in motion: at each time t of its shutter it is at position + t · velocity. Throws
+  /// std::invalid_argument if a number of the velocity, or of a position in that time, is no coordinate
+  /// (magnitude.hpp).
+  [[nodiscard]] Camera with_velocity(const Vec3& per_time) const {
+    Camera camera = *this;
+    camera.velocity = per_time;
+    return valid(camera);
+  }
+
   /// Returns the camera whose picture is the mirror image of this one's, left and right exchanged. For the
   /// result of perspective, sensor, viewport or orthographic, this is the camera for a scene in right-handed
   /// coordinates.
@@ -185,15 +194,21 @@ struct Camera {
   }
 
   /// Returns true if all rays start at position.
-  [[nodiscard]] bool is_pinhole() const { return !has_film() && !has_lens(); }
+  [[nodiscard]] bool is_pinhole() const { return !has_film() && !has_lens() && !is_moving(); }
 
   [[nodiscard]] bool has_lens() const { return aperture > 0; }
+
+  /// Returns true if rays start on a film, not all at one point of the camera.
+  [[nodiscard]] bool has_film() const { return !(film_right == Vec3{0} && film_up == Vec3{0}); }
+
+  /// Returns true if rays of different times start at different points.
+  [[nodiscard]] bool is_moving() const { return !(velocity == Vec3{0}); }
 
   /// Returns true if all rays have the same direction.
   [[nodiscard]] bool is_orthographic() const { return right == Vec3{0} && up == Vec3{0}; }
 
-  /// Returns the ray through the film at (u, v), with a direction of unit length. That of a lens passes its
-  /// center.
+  /// Returns the ray of time 0 through the film at (u, v), with a direction of unit length. That of a lens
+  /// passes its center.
   [[nodiscard]] Ray operator()(double u, double v) const {
     return {has_film() ? u * film_right + v * film_up + position : position,
             normalize(u * right + v * up + forward)};
@@ -211,12 +226,15 @@ struct Camera {
     return {aperture / a * right, aperture / b * up, aperture / focus / a, aperture / focus / b};
   }
 
-  /// Returns the ray through the film at (u, v) from a point of the lens, given in the unit disk.
+  /// Returns the ray of time 0 through the film at (u, v) from a point of the lens, given in the unit disk.
   [[nodiscard]] Ray operator()(double u, double v, const Uv& at) const {
     const Lens of = lens();
     return {at.x * of.right + at.y * of.up + position,
             normalize((u - at.x * of.u_shift) * right + (v - at.y * of.v_shift) * up + forward)};
   }
+
+  /// Returns where a ray starts at a time, given where it would start at time 0. Both may be in lanes.
+  [[nodiscard]] auto origin_at(const auto& time, const auto& at_0) const { return time * velocity + at_0; }
 
   /// Returns the film coordinate u or v of a point of the image, x and y in pixels from the top left: u runs
   /// over [−width/height, width/height] from left to right, v over [1, −1] from top to bottom. x and y may be
@@ -228,8 +246,8 @@ struct Camera {
     return 1.0 - 2.0 * y / static_cast<double>(height);
   }
 
-  /// Returns the ray through the center of pixel (x, y) of an image of width × height pixels, with (0, 0) at
-  /// the top left.
+  /// Returns the ray of time 0 through the center of pixel (x, y) of an image of width × height pixels, with
+  /// (0, 0) at the top left.
   [[nodiscard]] Ray through_pixel(int x, int y, int width, int height) const {
     return (*this)(u_at(x + 0.5, width, height), v_at(y + 0.5, height));
   }
@@ -239,45 +257,44 @@ struct Camera {
   /// forward if right and up are both 0. They do not span space if the length of one is not between 2^-400
   /// and 2^400 (about 10^±120), if two are parallel, or if all lie in a plane. Film vectors must always be
   /// shorter than 2^400. Neither an aperture nor its quotient by focus may be above that, focus must be above
-  /// 0, and a camera with a lens has no film. The shutter must not close before it opens.
+  /// 0, and a camera with a lens has no film. The shutter must not close before it opens; the velocity, and
+  /// the positions when it does so, must have coordinates.
   [[gnu::cold]] void validate() const {
-    for (const Vec3& v : {position, right, up, forward, film_right, film_up})
-      if (!is_finite(v))
-        throw std::invalid_argument(
-            "Camera: position, right, up, forward, film_right and film_up must be finite");
-    require_rule(is_coordinate(position), "Camera: position must have numbers", coordinate_rule);
+    const std::pair<const char*, const Vec3&> vectors[] = {
+        {"position", position}, {"right", right},           {"up", up},
+        {"forward", forward},   {"film_right", film_right}, {"film_up", film_up},
+        {"velocity", velocity}};
+    for (const auto& [name, v] : vectors)
+      if (!is_finite(v)) refuse(std::string("Camera: ").append(name).append(" must be finite"), v);
+    require_coordinates("position", position);
     if (is_orthographic())
       require_space(film_right, film_up, forward,
                     "Camera: film_right, film_up and forward of a camera whose right and up are zero");
     else
       require_space(right, up, forward, "Camera: right, up and forward");
     for (const Vec3& v : {film_right, film_up})
-      if (!(dot(v, v) < 0x1p800))
-        throw std::invalid_argument("Camera: film_right and film_up must not be longer than 2^400");
+      if (!(dot(v, v) < 0x1p800)) refuse("Camera: film_right and film_up must not be longer than 2^400", v);
     if (!(aperture >= 0 && aperture <= 0x1p400))
-      refuse("Camera: aperture must be a number from 0 to 2^400; it is ", aperture);
+      refuse("Camera: aperture must be a number from 0 to 2^400", aperture);
     if (!(focus > 0 && std::isfinite(focus)))
-      refuse("Camera: focus must be finite and greater than 0; it is ", focus);
+      refuse("Camera: focus must be finite and greater than 0", focus);
     if (!(aperture / focus <= 0x1p400))
-      refuse("Camera: aperture / focus must be at most 2^400; focus is ", focus);
+      refuse("Camera: aperture / focus must be at most 2^400", aperture / focus);
     shutter.validate("Camera");
+    require_coordinates("velocity", velocity);
+    for (const double time : {shutter.opens, shutter.closes})
+      require_coordinates("position + time · velocity", origin_at(time, position));
     if (has_lens() && has_film())
       throw std::invalid_argument(
           "Camera: a lens needs rays that start at one point, so film_right and film_up must be 0");
   }
 
  private:
-  [[nodiscard]] bool has_film() const { return !(film_right == Vec3{0} && film_up == Vec3{0}); }
+  static void refuse(std::string rule, const auto& found) { detail::refuse_found(std::move(rule), found); }
 
-  [[noreturn]] static void refuse(std::string message, double found) {
-    char text[32];
-    static_cast<void>(std::snprintf(text, sizeof text, "%.9g", found));
-    throw std::invalid_argument(message += text);
-  }
-  [[noreturn]] static void refuse(std::string message, const Vec3& found) {
-    char text[96];
-    static_cast<void>(std::snprintf(text, sizeof text, "(%.9g, %.9g, %.9g)", found.x, found.y, found.z));
-    throw std::invalid_argument(message += text);
+  static void require_coordinates(const char* name, const Vec3& v) {
+    if (!is_coordinate(v))
+      refuse(std::string("Camera: ").append(name).append(" must have numbers ").append(coordinate_rule), v);
   }
 
   static Camera valid(const Camera& camera) {
@@ -287,14 +304,13 @@ struct Camera {
 
   static void require_length(const char* name, double value) {
     if (!(value > 0 && std::isfinite(value)))
-      refuse(std::string("Camera: the ").append(name).append(" must be finite and greater than 0; it is "),
-             value);
+      refuse(std::string("Camera: the ").append(name).append(" must be finite and greater than 0"), value);
   }
 
   /// Returns the unit vector along v. Throws std::invalid_argument if v is 0 or not finite.
   static Vec3 unit(const Vec3& v, const char* name) {
     if (!is_finite(v) || v == Vec3{0})
-      refuse(std::string("Camera: ").append(name).append(" must be finite and not zero; it is "), v);
+      refuse(std::string("Camera: ").append(name).append(" must be finite and not zero"), v);
     const Vec3 near_one = scaled(v, -exponent_of({v}));
     return near_one / length(near_one);
   }
@@ -303,8 +319,7 @@ struct Camera {
   static std::array<Vec3, 3> axes(const Vec3& direction, const Vec3& upward) {
     const Vec3 forward = unit(direction, "direction"), up = unit(upward, "upward");
     if (!(std::abs(dot(up, forward)) <= most_cosine))
-      refuse("Camera: upward must be orthogonal to direction, their cosine at most 1e-6; it is ",
-             dot(up, forward));
+      refuse("Camera: upward must be orthogonal to direction, their cosine at most 1e-6", dot(up, forward));
     return {cross(up, forward), up, forward};
   }
 

@@ -33,8 +33,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// function is looked at in the middle of each cell of a grid; it may be bright between, so an eighth of all
 /// directions are drawn as if it were the same everywhere.
 ///
-/// A sky, and an environment that is nearly even, has no place that is better than others: directions are
-/// drawn by the cosine to the surface's normal. Let L be the light by direction and ⟨⟩ a mean over the
+/// A sky, and an environment that is nearly even, has no place that is better than others: a surface draws
+/// directions by the cosine to its normal as well. Let L be the light by direction and ⟨⟩ a mean over the
 /// sphere. An estimate of the irradiance over π has the mean square ∫ cos⁺ L²/π by the cosine, and 4⟨L⟩ ∫
 /// (cos⁺)² L/π by the light, with the density L/(4π⟨L⟩). Over all normals, cos⁺ is ¼ and its square 1/6 on
 /// average: that makes ⟨L²⟩ and 8/3 ⟨L⟩². The cosine is as good up to ⟨L²⟩ = 8/3 ⟨L⟩², and paths then need no
@@ -72,12 +72,11 @@ class EnvironmentLight {
   /// Returns true if no light comes from the environment.
   [[nodiscard]] bool is_dark() const { return is_dark_; }
 
-  /// Returns true if some directions are better than others; otherwise they are drawn by the cosine.
+  /// Returns true if some directions are better than others; only then they are drawn, and have a density.
   [[nodiscard]] bool has_places() const { return !heights_.empty(); }
 
-  /// Draws a direction by two numbers in (0, 1), for a surface with this unit normal.
-  [[nodiscard]] DirectionAndDensity sample(const Vec3& normal, double u, double v) const {
-    if (!has_places()) return cosine_hemisphere(normal, u, v);
+  /// Draws a direction by two numbers in (0, 1).
+  [[nodiscard]] DirectionAndDensity sample(double u, double v) const {
     const auto [column, row, probability, x, y] = cells_.choose(u, v);
     const double height = heights_[row] + y * (heights_[row + 1] - heights_[row]);
     const double turn = (static_cast<double>(column) + x) / columns_ - 0.5;
@@ -87,8 +86,7 @@ class EnvironmentLight {
   }
 
   /// Returns the density of a unit direction.
-  [[nodiscard]] double density(const Vec3& normal, const Vec3& direction) const {
-    if (!has_places()) return cosine_density(dot(normal, direction));
+  [[nodiscard]] double density(const Vec3& direction) const {
     const double height = 1 - direction.y,
                  turn = polar_angle(direction.x, direction.z) / (2 * std::numbers::pi);
     const auto end = std::upper_bound(heights_.begin() + 1, heights_.end() - 1, height);

@@ -106,6 +106,9 @@ class Intersection {
   /// Returns the direction of the ray.
   [[nodiscard]] const Vec3& direction() const { return ray_.direction; }
 
+  /// Returns the time of the ray, at which it hits a moving surface.
+  [[nodiscard]] double time() const { return ray_.time; }
+
   /// Returns the surface's own unit normal, on the side that the surface calls its outside (§2.3.1).
   [[nodiscard]] Vec3 surface_normal() const {
     return on_.functions->normal_at(on_.surface, at_rest(), part());

@@ -76,12 +76,15 @@ struct DiffuseLobe {
   }
 };
 
-/// Blurred mirror at a vertex: the GGX lobe of its material around the shading normal, or around the
+/// Blurred mirror at a vertex: the GGX or Phong lobe of its material around the shading normal, or around the
 /// surface's own where the shading normal faces away.
 class GlossyLobeAt {
  public:
   GlossyLobeAt(const Vertex& vertex, const Material& material)
-      : lobe_{material.glossy, material.roughness}, surface_(vertex.normals.surface) {
+      : ggx_{material.glossy, material.roughness},
+        phong_{material.glossy, material.shininess},
+        is_phong_(material.blur == Blur::phong),
+        surface_(vertex.normals.surface) {
     const bool is_seen = dot(vertex.normals.shading, vertex.direction) <= 0;
     frame_ = frame_around(is_seen ? vertex.normals.shading : surface_);
     view_ = frame_.local(-vertex.direction);
@@ -89,30 +92,34 @@ class GlossyLobeAt {
   }
 
   /// Returns the share of light that a mirror of the material would reflect to the viewer.
-  [[nodiscard]] double share() const { return largest(lobe_.reflectance(view_.z)); }
+  [[nodiscard]] double share() const { return largest(is_phong_ ? phong_.color : ggx_.reflectance(view_.z)); }
 
   /// Returns the light reflected per radiance from a unit direction and steradian; black if it leads into the
   /// surface.
   [[nodiscard]] Color reflection(const Vec3& direction) const {
     if (!(dot(surface_, direction) > 0)) return Color{0};
-    return lobe_.reflection(view_, frame_.local(direction));
+    const Vec3 light = frame_.local(direction);
+    return is_phong_ ? phong_.reflection(view_, light) : ggx_.reflection(view_, light);
   }
 
   /// Returns the density with which sample draws a direction.
   [[nodiscard]] double density(const Vec3& direction) const {
-    return lobe_.density(view_, frame_.local(direction));
+    const Vec3 light = frame_.local(direction);
+    return is_phong_ ? phong_.density(view_, light) : ggx_.density(view_, light);
   }
 
   /// Draws a direction that the lobe reflects from; none if it leads into the surface.
   [[nodiscard]] std::optional<Bounce> sample(double u, double v) const {
-    const LobeSample drawn = lobe_.sample(view_, u, v);
+    const LobeSample drawn = is_phong_ ? phong_.sample(view_, u, v) : ggx_.sample(view_, u, v);
     const Vec3 direction = frame_(drawn.direction);
     if (is_black(drawn.weight) || !(dot(surface_, direction) > 0)) return std::nullopt;
     return Bounce{direction, drawn.weight, drawn.density};
   }
 
  private:
-  GgxLobe lobe_;
+  GgxLobe ggx_;
+  PhongLobe phong_;
+  bool is_phong_;
   Vec3 surface_, view_;  // view_ is local
   Frame frame_;
 };

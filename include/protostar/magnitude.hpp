@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 #include <string>
 
@@ -33,6 +34,19 @@ namespace detail {
 
 [[noreturn, gnu::cold, gnu::noinline]] inline void refuse_by_rule(const char* what, const char* rule) {
   throw std::invalid_argument(std::string(what).append(" ").append(rule));
+}
+
+/// Throws std::invalid_argument with the text "rule; it is found", where found is a number or three.
+[[noreturn, gnu::cold, gnu::noinline]] inline void refuse_found(std::string rule, double found) {
+  char text[32];
+  static_cast<void>(std::snprintf(text, sizeof text, "; it is %.9g", found));
+  throw std::invalid_argument(rule += text);
+}
+[[noreturn, gnu::cold, gnu::noinline]] inline void refuse_found(std::string rule, const Vec3& found) {
+  char text[96];
+  static_cast<void>(
+      std::snprintf(text, sizeof text, "; it is (%.9g, %.9g, %.9g)", found.x, found.y, found.z));
+  throw std::invalid_argument(rule += text);
 }
 
 }  // namespace detail

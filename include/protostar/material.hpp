@@ -6,7 +6,6 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <stdexcept>
 #include <type_traits>
 #include <utility>
 
@@ -51,6 +50,10 @@ class NormalMap {
   std::shared_ptr<const std::function<Vec3(double, double)>> function_;
 };
 
+/// Lobe of a blurred mirror: GgxLobe, whose width is the roughness, or PhongLobe, whose exponent is the
+/// shininess (sampling/glossy_lobes.hpp).
+enum class Blur { ggx, phong };
+
 /// Emission, reflection and refraction of a surface. The radiance that leaves a point is
 ///   emission + Σ over the lights (diffuse · E + specular · E⊥ · cos(r, v)^shininess)
 ///     + reflect · (radiance from the mirror direction) + refract · (radiance from the refracted direction)
@@ -70,30 +73,40 @@ struct Material {
   Color emission{0};  ///< radiance that the surface itself sends out, on both sides, alike in all directions
   Color glossy{0};    ///< blurred mirror: share of the light reflected at normal incidence; black: none
   double roughness = 0.5;  ///< of the blurred mirror, from 0, sharp, to 1 (GgxLobe)
+  Blur blur = Blur::ggx;   ///< lobe of the blurred mirror
 
-  /// Throws std::invalid_argument if a number is negative or not finite (reflect and refract as floats), if
-  /// roughness is not from 0 to 1, if ior or the size of a Checker is no size (magnitude.hpp), or if a color
-  /// of a Checker is negative or not finite. Other textures are not checked.
+  /// Largest shininess of a blurred mirror by Phong's lobe, about 10^9: the error of its numbers, in
+  /// proportion to the exponent, is then below 2^-20. The lobe is as narrow as 2^-15 radians.
+  static constexpr double most_shininess_of_blur = 0x1p30;
+
+  /// Throws std::invalid_argument, with the number that was found, if a number is negative or not finite
+  /// (reflect and refract as floats), if roughness is not from 0 to 1, if the shininess of a blurred mirror
+  /// by Phong's lobe is above most_shininess_of_blur, if ior or the size of a Checker is no size
+  /// (magnitude.hpp), or if a color of a Checker is negative or not finite. Other textures are not checked.
   void validate() const {
-    const auto check = [](bool holds, const char* rule) {
-      if (!holds) throw std::invalid_argument(rule);
+    const auto check = [](bool holds, const char* rule, const auto& found) {
+      if (!holds) detail::refuse_found(rule, found);
     };
+    const auto check_light = [&](const Color& c, const char* rule) { check(is_light(c), rule, Vec3(c)); };
     const auto is_share = [](double x) { return x >= 0 && std::isfinite(x); };
     const auto is_factor = [](double x) { return x >= 0 && x <= std::numeric_limits<float>::max(); };
     if (const auto* checker = texture.target<Checker>()) {
-      check(is_light(checker->first) && is_light(checker->second),
-            "Checker: first and second color must be finite and not negative");
-      require_rule(is_size(checker->size), "Checker: size must be", size_rule);
+      check_light(checker->first, "Checker: first color must be finite and not negative");
+      check_light(checker->second, "Checker: second color must be finite and not negative");
+      check(is_size(checker->size), "Checker: size must be from 2^-400 (3.9e-121) to 2^400 (2.6e120)",
+            checker->size);
     }
-    check(is_light(diffuse), "Material: diffuse color must be finite and not negative");
-    check(is_light(emission), "Material: emission must be finite and not negative");
-    check(is_light(specular), "Material: specular color must be finite and not negative");
-    check(is_share(shininess), "Material: shininess must be finite and not negative");
-    check(is_factor(reflect), "Material: reflect must be finite as a float and not negative");
-    check(is_factor(refract), "Material: refract must be finite as a float and not negative");
-    check(is_light(glossy), "Material: glossy color must be finite and not negative");
-    check(roughness >= 0 && roughness <= 1, "Material: roughness must be from 0 to 1");
-    require_rule(is_size(ior), "Material: ior must be", size_rule);
+    check_light(diffuse, "Material: diffuse color must be finite and not negative");
+    check_light(emission, "Material: emission must be finite and not negative");
+    check_light(specular, "Material: specular color must be finite and not negative");
+    check(is_share(shininess), "Material: shininess must be finite and not negative", shininess);
+    check(is_factor(reflect), "Material: reflect must be finite as a float and not negative", reflect);
+    check(is_factor(refract), "Material: refract must be finite as a float and not negative", refract);
+    check_light(glossy, "Material: glossy color must be finite and not negative");
+    check(roughness >= 0 && roughness <= 1, "Material: roughness must be from 0 to 1", roughness);
+    check(blur != Blur::phong || shininess <= most_shininess_of_blur,
+          "Material: shininess of a blurred mirror must be at most 2^30", shininess);
+    check(is_size(ior), "Material: ior must be from 2^-400 (3.9e-121) to 2^400 (2.6e120)", ior);
   }
 };
 

@@ -67,15 +67,12 @@ class PixelGrid {
                                   shown(options.clamp));
     if (options.samples > 0) samples_ = options.samples, has_only_centers_ = false;
     last_ = samples_;
-    if (range.first < range.last) {
-      if (range.last > static_cast<std::uint32_t>(samples_))
-        throw std::invalid_argument("render: samples must end at the " + std::to_string(samples_) +
-                                    " of the options or before; they end at " + std::to_string(range.last));
+    if (range.last > static_cast<std::uint32_t>(samples_))
+      throw std::invalid_argument("render: samples must end at the " + std::to_string(samples_) +
+                                  " of the options or before; they end at " + std::to_string(range.last));
+    if (range.first < range.last)
       first_ = static_cast<int>(range.first), last_ = static_cast<int>(range.last);
-    }
-    if (options.clamp > 0 && std::isfinite(options.clamp))
-      clamp_ = std::max(to_float(std::min<double>(options.clamp, std::numeric_limits<float>::max())),
-                        std::numeric_limits<float>::denorm_min());
+    if (options.clamp > 0 && std::isfinite(options.clamp)) clamp_ = largest_float_below(options.clamp);
     set_common_places(options.samples);
   }
 
@@ -193,6 +190,7 @@ class PixelGrid {
     Ray ray = has_only_centers() || !camera.has_lens() ? camera(on_film[0], on_film[1])
                                                        : camera(on_film[0], on_film[1], lens_point(x, y, i));
     ray.time = time(camera.shutter, x, y, i);
+    if (camera.is_moving()) ray.origin = camera.origin_at(ray.time, ray.origin);
     return ray;
   }
 
@@ -246,6 +244,13 @@ class PixelGrid {
   [[nodiscard]] simd::Floats bounded_channel(simd::Floats x) const {
     const simd::Floats most = clamp_, none = 0.0f;
     return select(x > none, select(x < most, x, most), none);
+  }
+
+  /// Returns the largest float that is not above x > 0, or the smallest float above 0 if there is none.
+  [[gnu::cold]] static float largest_float_below(double x) {
+    const float nearest = to_float(std::min<double>(x, std::numeric_limits<float>::max()));
+    return std::max(nearest > x ? std::nextafter(nearest, 0.0f) : nearest,
+                    std::numeric_limits<float>::denorm_min());
   }
 
   static std::uint32_t word(int x) { return static_cast<std::uint32_t>(x); }

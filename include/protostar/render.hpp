@@ -151,9 +151,13 @@ void draw_image(Image& image, const RenderOptions& options, const auto& draw) {
   })();
 }
 
-/// Adds a range of samples to a film, if there are any, by such a function.
+/// Adds a range of samples to a film, if there are any, by such a function. Options are checked also if there
+/// are none.
 void draw_samples(Film& film, const SampleRange& samples, const RenderOptions& options, const auto& draw) {
-  if (samples.first < samples.last) draw(SampleTarget(film, samples), options);
+  const SampleTarget target(film, samples);
+  if (samples.first < samples.last) return draw(target, options);
+  static_cast<void>(target.grid(options, sampler_of<HammersleySampler>));
+  require_threads(options);
 }
 
 }  // namespace detail

@@ -85,7 +85,8 @@ struct TileHalfSpaces {
     side[4] = {viewpoint.film, viewpoint.ahead};
     if (rays.camera().is_orthographic()) {
       const auto start = [&](int x, int y, double position) {
-        return rays.camera()(rays.pixels().u(x, position), rays.pixels().v(y, position)).origin;
+        const Point at_0 = rays.camera()(rays.pixels().u(x, position), rays.pixels().v(y, position)).origin;
+        return at_0 + (viewpoint.apex - rays.camera().position);  // to the middle of a moving camera's way
       };
       side[0].on = side[3].on = start(tile.x0, tile.y0, -rays.margin());
       side[1].on = side[2].on = start(tile.x1, tile.y1, rays.margin());

@@ -104,9 +104,10 @@ class PixelRays {
 
   /// Returns the packet of these rays, of which rays in the tile are active.
   [[nodiscard]] CameraPacket packet(const Tile& tile, int x, int y, int i, const PacketRays& rays) const {
-    CameraPacket packet(is_pinhole_ ? Vectors(camera_.position) : origins(x, y, i, rays), rays.directions,
-                        active(tile, x));
-    packet.time = camera_.shutter.is_open() ? rays.time : Doubles(camera_.shutter.opens);
+    const Doubles time = camera_.shutter.is_open() ? rays.time : Doubles(camera_.shutter.opens);
+    CameraPacket packet(is_pinhole_ ? Vectors(camera_.position) : origins(x, y, i, rays, time),
+                        rays.directions, active(tile, x));
+    packet.time = time;
     return packet;
   }
   [[nodiscard]] CameraPacket packet(const Tile& tile, int x, int y, int i = 0) const {
@@ -264,9 +265,15 @@ class PixelRays {
     return {lanes(0), lanes(1), lanes(2)};
   }
 
-  /// Returns where the rays through the i-th samples of some pixels start, on the film or the lens of a
-  /// camera that is no pinhole.
-  [[nodiscard, gnu::noinline]] Vectors origins(int x, int y, int i, const PacketRays& rays) const {
+  /// Returns where the rays through the i-th samples of some pixels start at given times, on the film or the
+  /// lens of a camera that is no pinhole at rest.
+  [[nodiscard, gnu::noinline]] Vectors origins(int x, int y, int i, const PacketRays& rays,
+                                               const Doubles& time) const {
+    const Vectors at_0 = origins_at_0(x, y, i, rays);
+    return camera_.is_moving() ? camera_.origin_at(time, at_0) : at_0;
+  }
+  [[nodiscard]] Vectors origins_at_0(int x, int y, int i, const PacketRays& rays) const {
+    if (!camera_.has_film() && !camera_.has_lens()) return Vectors(camera_.position);
     if (!has_tables_) return rays.x * lens_.right + rays.y * lens_.up + camera_.position;
     const Tables& sample = tables_of(i);
     return sample.film_along.some<Vectors>(x) + Vectors(sample.film_up[y]) + camera_.position;

@@ -38,6 +38,36 @@ template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
   };
 }
 
+/// Returns the scene itself, which has to have the surfaces that it was accelerated with; or the accelerated
+/// scene.
+template <Surface... S>
+[[nodiscard]] const Accelerated<Scene<S...>>& accelerated(const Accelerated<Scene<S...>>& scene,
+                                                          const RenderOptions&) {
+  scene.require_same_surfaces();
+  return scene;
+}
+template <Surface... S>
+[[nodiscard]] Accelerated<Scene<S...>> accelerated(const Scene<S...>& scene, const RenderOptions& options) {
+  return Accelerated<Scene<S...>>(scene, options);
+}
+
+/// Calls use(draw), where draw(target, options) gives the light of a view to a target: by tiles, or ray by
+/// ray if the options say so. Throws what render does for an invalid camera or integrator.
+template <class S, class I>
+void with_view(const Camera& camera, const S& scene, const I& integrator, const RenderOptions& options,
+               const auto& use) {
+  camera.validate();
+  validate(integrator);
+  if (options.tiles) {
+    const auto& fast = accelerated(scene, options);
+    use(by_tiles(camera, fast, integrator));
+  } else {
+    if constexpr (requires { scene.require_same_surfaces(); }) scene.require_same_surfaces();
+    const auto radiance = radiance_in(scene, integrator);
+    use(ray_by_ray(camera, radiance));
+  }
+}
+
 }  // namespace detail
 
 /// Fills an image with the view of a camera in a scene, with the bytes of the render of render.hpp, but
@@ -45,20 +75,14 @@ template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 void render(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& scene, const I& integrator,
             const RenderOptions& options = {}) {
-  camera.validate();
-  detail::validate(integrator);
-  scene.require_same_surfaces();
-  if (!options.tiles) return render(image, camera, detail::radiance_in(scene, integrator), options);
-  detail::draw_image(image, options, detail::by_tiles(camera, scene, integrator));
+  detail::with_view(camera, scene, integrator, options,
+                    [&](const auto& draw) { detail::draw_image(image, options, draw); });
 }
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 void render(Image& image, const Camera& camera, const Scene<S...>& scene, const I& integrator,
             const RenderOptions& options = {}) {
-  camera.validate();
-  detail::validate(integrator);
-  if (!options.tiles) return render(image, camera, detail::radiance_in(scene, integrator), options);
-  const Accelerated<Scene<S...>> accelerated(scene, options);
-  detail::draw_image(image, options, detail::by_tiles(camera, accelerated, integrator));
+  detail::with_view(camera, scene, integrator, options,
+                    [&](const auto& draw) { detail::draw_image(image, options, draw); });
 }
 
 /// Adds samples of a camera's view in a scene to a film, with the sums of the add_samples of render.hpp, but
@@ -67,22 +91,14 @@ template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 void add_samples(Film& film, const SampleRange& samples, const Camera& camera,
                  const Accelerated<Scene<S...>>& scene, const I& integrator,
                  const RenderOptions& options = {}) {
-  camera.validate();
-  detail::validate(integrator);
-  scene.require_same_surfaces();
-  if (!options.tiles)
-    return add_samples(film, samples, camera, detail::radiance_in(scene, integrator), options);
-  detail::draw_samples(film, samples, options, detail::by_tiles(camera, scene, integrator));
+  detail::with_view(camera, scene, integrator, options,
+                    [&](const auto& draw) { detail::draw_samples(film, samples, options, draw); });
 }
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 void add_samples(Film& film, const SampleRange& samples, const Camera& camera, const Scene<S...>& scene,
                  const I& integrator, const RenderOptions& options = {}) {
-  camera.validate();
-  detail::validate(integrator);
-  if (!options.tiles)
-    return add_samples(film, samples, camera, detail::radiance_in(scene, integrator), options);
-  const Accelerated<Scene<S...>> accelerated(scene, options);
-  detail::draw_samples(film, samples, options, detail::by_tiles(camera, accelerated, integrator));
+  detail::with_view(camera, scene, integrator, options,
+                    [&](const auto& draw) { detail::draw_samples(film, samples, options, draw); });
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -138,7 +138,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   }
   [[nodiscard]] double density_by_lights(const Ray& ray) const {
     if (!environment.has_places()) return 0;
-    return share_of_environment() * environment.density(ray.direction, ray.direction);  // needs no normal
+    return share_of_environment() * environment.density(ray.direction);
   }
 
   /// Returns an estimate of the light that a hit reflects of ambient light, of lights at points or in
@@ -160,7 +160,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     light.matte = clamped(light.matte) * to_float(1 / std::numbers::pi);
     double number = numbers[2], share = 1 - share_of_environment();
     if (share < 1 && !decide(number, share)) {
-      const auto drawn = environment.sample(at.normals.shading, number, numbers[3]);
+      const auto drawn = environment.sample(number, numbers[3]);
       const Ray ray = at.leave(drawn.direction);
       light += at.light_by_ray(drawn.direction, drawn.density, 1 / (1 - share), [&] {
         return scene.occluded(ray, Interval{}) ? Color{0} : background(ray, scene);

@@ -87,7 +87,7 @@ inline Texture texture_at(const JsonCursor& at) {
 
 inline Material material_at(const JsonCursor& at) {
   at.with_keys({"diffuse", "specular", "shininess", "reflect", "refract", "ior", "normal-map", "emission",
-                "glossy", "roughness"});
+                "glossy", "roughness", "blur"});
   Material material;
   if (at["diffuse"].is(json::value_t::object))
     material.texture = texture_at(at["diffuse"]);
@@ -104,6 +104,12 @@ inline Material material_at(const JsonCursor& at) {
   if (at.has("emission")) material.emission = at["emission"].color();
   if (at.has("glossy")) material.glossy = at["glossy"].color();
   if (at.has("roughness")) material.roughness = at["roughness"].number_between(0, 1, "a number from 0 to 1");
+  if (at.has("blur")) {
+    material.blur = at["blur"].one_of<Blur>({{"ggx", Blur::ggx}, {"phong", Blur::phong}});
+    if (material.blur == Blur::phong && at.has("shininess"))
+      material.shininess = at["shininess"].number_between(0, Material::most_shininess_of_blur,
+                                                          "a number from 0 to 2^30 (1e9), with this blur");
+  }
   return material;
 }
 
@@ -159,15 +165,15 @@ inline void add_light(const JsonCursor& at, SceneFile& file) {
 
 // ---- Camera, settings, world.
 
-/// Returns the camera, whose shutter is that of the time 0 alone.
+/// Returns the camera at the time 0, the only one of its shutter.
 inline Camera still_camera_at(const JsonCursor& at) {
   const bool is_orthographic =
       at["projection"].one_of<bool>({{"perspective", false}, {"orthographic", true}});
   if (is_orthographic)
-    at.with_keys({"projection", "position", "direction", "upward", "ortho-scale", "shutter"});
+    at.with_keys({"projection", "position", "direction", "upward", "ortho-scale", "shutter", "velocity"});
   else
     at.with_keys({"projection", "position", "direction", "upward", "field-of-view", "focal-length",
-                  "aperture", "focus", "shutter"});
+                  "aperture", "focus", "shutter", "velocity"});
 
   const Vec3 position = at["position"].point(), direction = at["direction"].direction();
   const Vec3 upward = at["upward"].direction();
@@ -197,13 +203,15 @@ inline Camera still_camera_at(const JsonCursor& at) {
 }
 
 inline Camera camera_at(const JsonCursor& at) {
-  const Camera camera = still_camera_at(at);
+  const Camera still = still_camera_at(at);
+  const Vec3 velocity = at.has("velocity") ? at["velocity"].point() : Vec3{0};
+  const Camera camera = at.checked([&] { return still.with_velocity(velocity); });
   if (!at.has("shutter")) return camera;
   const JsonCursor shutter = at["shutter"].with_size(2, "an array of two times");
   const double opens = shutter[0].coordinate(), closes = shutter[1].coordinate();
   if (!(opens <= closes))
     shutter.refuse("an array of two times, of which the second is not before the first");
-  return camera.with_shutter(opens, closes);
+  return at.checked([&] { return camera.with_shutter(opens, closes); });
 }
 
 inline Transfer transfer_at(const JsonCursor& at) {

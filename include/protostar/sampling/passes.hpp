@@ -90,7 +90,8 @@ class PassLoop {
     require(o.seconds >= 0 && std::isfinite(o.seconds),
             "seconds must be finite and greater than 0, or 0 (none); they are " + shown(o.seconds));
     require((o.error > 0) + (o.seconds > 0) + (o.samples > 0) <= 1,
-            "only one of samples, error and seconds may be given");
+            "only one of samples, error and seconds may be given; they are " + std::to_string(o.samples) +
+                ", " + shown(o.error) + " and " + shown(o.seconds));
     const bool is_open = o.error > 0 || o.seconds > 0;
     require(is_open || o.every_pixel || o.samples >= 2,
             "standard_error needs samples of at least 2, an error or seconds");

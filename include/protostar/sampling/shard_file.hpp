@@ -132,12 +132,15 @@ inline SharedPicture get_picture(auto& reader) {
 /// Reads ranges of units in rising order.
 inline UnitSet get_units(auto& reader, const SharedPicture& picture) {
   UnitSet units;
+  const std::uint64_t all = picture.units();
   std::uint64_t least =
       0;  // a range begins after the end of the one before it, at which that one would go on
-  for (std::uint64_t count = reader.get("number of ranges of units", 0, picture.units()); count > 0;
-       --count) {
-    const std::uint64_t first = reader.get("first unit", least, picture.units());
-    const std::uint64_t last = reader.get("end of a range of units", first + 1, picture.units());
+  for (std::uint64_t count = reader.get("number of ranges of units", 0, (all + 1) / 2); count > 0; --count) {
+    if (least >= all)
+      reader.fail_at_word("a range of units ends at " + std::to_string(least - 1) + " of " +
+                          std::to_string(all) + ", and another should follow");
+    const std::uint64_t first = reader.get("first unit", least, all - 1);
+    const std::uint64_t last = reader.get("end of a range of units", first + 1, all);
     units.add({first, last});
     least = last + 1;
   }

@@ -14,6 +14,18 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+/// A way along a straight line: at each time t, what moves is at t · velocity from where it was made. It
+/// moves during the times given; before and after them it stands still.
+struct Motion {
+  Vec3 velocity{0};
+  Shutter during{0, 1};
+
+  [[nodiscard]] Vec3 way(double time) const { return during.nearest(time) * velocity; }
+
+  /// Returns the point, where all was made, of a point at a time.
+  [[nodiscard]] Point at_rest(const Point& point, double time) const { return point - way(time); }
+};
+
 /// A surface that is, at each time t, at t · velocity from where it was made. It moves during the times
 /// given, which should be those of the camera's shutter; before and after them it stands still.
 ///
@@ -23,21 +35,21 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// time of the ray that hit it, and so it leaves it where that has hit.
 ///
 /// It is no solid for Csg and cannot be in an Instance, but may hold both. A surface that coincides with it,
-/// at one time or at all, is not left together with it. Light from it is not sampled (AreaLights).
+/// at one time or at all, is not left together with it.
 template <Surface S = AnySurface>
 class Moving {
   static_assert(detail::SurfaceOffers<S>::hold);
 
  public:
   Moving(S surface, const Vec3& velocity, const Shutter& during = {0, 1})
-      : surface_(std::move(surface)), velocity_(velocity), during_(during) {}
+      : surface_(std::move(surface)), motion_{velocity, during} {}
 
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
     return first_t(*this, ray, range);
   }
 
   /// Returns the point at rest of a point of the surface at a time. All functions of a point take it.
-  [[nodiscard]] Point at_rest(const Point& point, double time) const { return point - way(time); }
+  [[nodiscard]] Point at_rest(const Point& point, double time) const { return motion_.at_rest(point, time); }
 
   /// Functions of a point at rest.
   [[nodiscard]] Vec3 normal_at(const Point& at_rest, int part = 0) const {
@@ -80,30 +92,29 @@ class Moving {
   /// sum's rounding.
   [[nodiscard]] Bounds bounds() const {
     const Bounds rest = bounds_of(surface_);
-    const Vec3 a = way(during_.opens), b = way(during_.closes);
+    const Vec3 a = motion_.way(during().opens), b = motion_.way(during().closes);
     const Vec3 margin = 0x1p-50 * (max(abs(rest.min), abs(rest.max)) + max(abs(a), abs(b)));
     return {rest.min + min(a, b) - margin, rest.max + max(a, b) + margin};
   }
 
   [[nodiscard]] const S& surface() const { return surface_; }
-  [[nodiscard]] const Vec3& velocity() const { return velocity_; }
-  [[nodiscard]] const Shutter& during() const { return during_; }
+  [[nodiscard]] const Motion& motion() const { return motion_; }
+  [[nodiscard]] const Vec3& velocity() const { return motion_.velocity; }
+  [[nodiscard]] const Shutter& during() const { return motion_.during; }
 
   /// Throws std::invalid_argument if the surface is not valid or moves itself, if the times are not
   /// (Shutter), or if a number of the velocity or of the way is no coordinate (magnitude.hpp).
   void validate() const {
     if constexpr (requires { surface_.validate(); }) surface_.validate();
     if (is_moving(surface_)) throw std::invalid_argument("Moving: the surface must not be moving itself");
-    during_.validate("Moving");
-    require_rule(is_coordinate(velocity_), "Moving: velocity must have numbers", coordinate_rule);
-    for (const double time : {during_.opens, during_.closes})
-      require_rule(is_coordinate(way(time)), "Moving: velocity times time must have numbers",
+    during().validate("Moving");
+    require_rule(is_coordinate(velocity()), "Moving: velocity must have numbers", coordinate_rule);
+    for (const double time : {during().opens, during().closes})
+      require_rule(is_coordinate(motion_.way(time)), "Moving: velocity times time must have numbers",
                    coordinate_rule);
   }
 
  private:
-  [[nodiscard]] Vec3 way(double time) const { return during_.nearest(time) * velocity_; }
-
   /// Returns the ray at rest. It departs from the surface if the ray left this one; any other surface that it
   /// may have left is elsewhere.
   [[nodiscard]] Ray at_rest(const Ray& ray) const {
@@ -114,8 +125,7 @@ class Moving {
   }
 
   S surface_;
-  Vec3 velocity_;
-  Shutter during_;
+  Motion motion_;
 };
 
 static_assert(CompositeSurface<Moving<>> && is_made_of_parts<Moving<>> && !Solid<Moving<>>);
