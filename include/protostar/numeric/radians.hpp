@@ -42,16 +42,11 @@ inline constexpr double arc_tangent_terms[] = {-1 / 3.0,  1 / 5.0,  -1 / 7.0, 1 
   const double s = rest * rest;
   const double sine = std::fma(rest * s, detail::polynomial(detail::sine_terms, s), rest);
   const double cosine = std::fma(s, detail::polynomial(detail::cosine_terms, s), 1.0);
-  switch (static_cast<int>(quarters) & 3) {
-    case 0:
-      return {sine, cosine};
-    case 1:
-      return {cosine, -sine};
-    case 2:
-      return {-sine, -cosine};
-    default:
-      return {-cosine, sine};
-  }
+  // Angles are mostly drawn by chance: a branch for each quarter would seldom be foreseen.
+  constexpr double sign[2] = {1, -1};
+  const double both[2] = {sine, cosine};
+  const auto quarter = static_cast<unsigned>(static_cast<int>(quarters)) % 4;
+  return {both[quarter % 2] * sign[quarter / 2], both[(quarter + 1) % 2] * sign[(quarter + 1) / 2 % 2]};
 }
 
 /// Returns the angle from the x axis to (x, y), from −π to π with the sign of y, with a relative error below
