@@ -184,9 +184,9 @@ TEST_CASE(
         ray,
         [&](const auto& sampler) {
           const SampleSet<double> numbers = sampler(1);
-          const auto drawn = lobe.sample(numbers[2], numbers[3]);
-          const auto seen = drawn ? scene.intersect(hit->leave(drawn->direction)) : std::nullopt;
-          return seen ? drawn->weight * seen->material().emission : Color{0};
+          const Bounce drawn = lobe.sample(numbers[2], numbers[3]);
+          const auto seen = drawn.goes_on() ? scene.intersect(hit->leave(drawn.direction)) : std::nullopt;
+          return seen ? drawn.weight * seen->material().emission : Color{0};
         },
         truth, 32);
     by_both.compare(
@@ -413,13 +413,13 @@ TEST_CASE("beside a tilted normal a glossy lobe leads out of the surface, and aw
     facing_away += dot(vertex.normals.shading, view) < 0;
     const Vec3 below = random.direction();
     wrong.add(below.y <= 0 && lobe.reflection(below) != Color{0}, "from below", view, below);
-    const auto drawn = lobe.sample(random.interior(), random.interior());
-    into_surface += !drawn;
-    if (!drawn) continue;
-    wrong.add(!(drawn->direction.y > 0), "into the surface", view, drawn->direction);
-    wrong.add(!(std::abs(lobe.density(drawn->direction) / drawn->density - 1) < 1e-9), "density", view);
-    const double weight = lobe.reflection(drawn->direction).g / drawn->density;
-    wrong.add(!(std::abs(weight / drawn->weight.g - 1) < 1e-5), "weight", view, weight, drawn->weight.g);
+    const Bounce drawn = lobe.sample(random.interior(), random.interior());
+    into_surface += !drawn.goes_on();
+    if (!drawn.goes_on()) continue;
+    wrong.add(!(drawn.direction.y > 0), "into the surface", view, drawn.direction);
+    wrong.add(!(std::abs(lobe.density(drawn.direction) / drawn.density - 1) < 1e-9), "density", view);
+    const double weight = lobe.reflection(drawn.direction).g / drawn.density;
+    wrong.add(!(std::abs(weight / drawn.weight.g - 1) < 1e-5), "weight", view, weight, drawn.weight.g);
   }
   CHECK(wrong == 0);
   CHECK(facing_away > 100);

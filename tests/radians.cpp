@@ -1,12 +1,16 @@
 #include <protostar/numeric/radians.hpp>
+#include <protostar/sampling/radians_of_each.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 
+#include "support/cases.hpp"
 #include "support/catch.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
@@ -74,6 +78,30 @@ TEST_CASE("the polar angle has an error below 4 units of roundoff") {
   }
   CHECK(most > 0.5);
   CHECK(most < 4);
+}
+
+TEST_CASE("sines and polar angles of several numbers at once have the bits of those one by one") {
+  Random random(64);
+  WrongCases wrong;
+  const auto number = [&]() -> double {
+    if (const auto rare = random.whole(9); std::abs(rare) <= 1) return static_cast<double>(rare);
+    return random.real(-1, 1) * std::exp2(random.real(-60, 60));
+  };
+  for (int i = 0; i < cases(2000, 1000000); ++i) {
+    const int count = 1 + i % 8;
+    FewNumbers angles{}, y{}, x{};
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+      angles[k] = random.real(0, 0.75 * std::numbers::pi);
+      y[k] = std::abs(number());
+      x[k] = i % 3 == 0 ? y[k] * random.real(-1.01, 1.01) : number();
+    }
+    const FewNumbers sines = sines_of_each(angles, count), polar = polar_angles_of_each(y, x, count);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+      wrong.add(sines[k] != sine_and_cosine(angles[k]).sine, "sine", angles[k]);
+      wrong.add(polar[k] != polar_angle(y[k], x[k]), "angle", y[k], x[k]);
+    }
+  }
+  CHECK(wrong == 0);
 }
 
 TEST_CASE("a half angle has digits for small angles and for those close to a half turn") {

@@ -117,9 +117,14 @@ class Intersection {
   /// Returns the surface's own normal and the shading normal, which the material's normal map tilts, on the
   /// surface's outside; or on the side that the ray comes from, as surfaces are two-sided (§2.3.2).
   [[nodiscard]] Normals<Vec3> normals() const {
-    const Vec3 n = surface_normal();
-    if (!material().normal_map) return {n, n};
-    return {n, mapped_normal(material().normal_map, on_.surface, *on_.functions, at_rest(), part(), n), true};
+    Normals<Vec3> n{.surface = surface_normal(), .shading = {}};
+    n.shading = copied(n.surface);
+    if (material().normal_map) [[unlikely]] {
+      n.shading =
+          mapped_normal(material().normal_map, on_.surface, *on_.functions, at_rest(), part(), n.surface);
+      n.is_mapped = true;
+    }
+    return n;
   }
   [[nodiscard]] Normals<Vec3> facing_normals() const { return normals().facing(ray_.direction); }
 

@@ -190,7 +190,7 @@ class Light {
 /// Returns the radiance of an environment along a ray.
 [[nodiscard, gnu::noinline]] inline Color environment_radiance(const Environment& environment,
                                                                const Ray& ray) {
-  return environment(normalize(scaled(ray.direction, -exponent_of({ray.direction}))));
+  return environment(normalize(of_moderate_size(ray.direction)));
 }
 
 /// Returns the radiance of a ray that hits nothing: the environment's, the sky's, or `fallback` if there is

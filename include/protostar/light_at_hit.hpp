@@ -49,11 +49,11 @@ struct ReflectedLight {
   }
 };
 
-/// A hit, as rays to lights need to know it. What several rays have in common is computed once: the normals,
-/// and what the rays depart from.
+/// A hit, as rays that leave it need to know it. What several rays have in common is computed once: the
+/// normals, and what the rays depart from.
 struct Reflector {
   const Intersection& hit;
-  Normals<Vec3> normals;  ///< on the side that the ray comes from
+  Vertex vertex;
   bool is_matte;
   std::optional<GlossyLobeAt> glossy;
 
@@ -61,15 +61,16 @@ struct Reflector {
   /// at all.
   double glossy_probability = 1;
 
-  Reflector(const Intersection& at, const Color& albedo) : Reflector(at, Vertex(at), albedo) {}
-  Reflector(const Intersection& at, const Vertex& vertex, const Color& albedo)
-      : hit(at), normals(vertex.normals), is_matte(!is_black(albedo)), away_(at.leave(vertex.direction)) {
+  Reflector(const Intersection& at, const Color& albedo)
+      : hit(at), vertex(at), is_matte(!is_black(albedo)), away_(at.leave(vertex.direction)) {
     if (const Material& material = at.material(); !is_black(material.glossy)) [[unlikely]]
       glossy.emplace(vertex, material);
   }
 
   /// Returns the ray from the hit in a direction of any length (Intersection::leave).
   [[nodiscard]] Ray leave(const Vec3& direction) const { return away_.with_direction(direction); }
+
+  void leave(const Vec3& direction, Ray& ray) const { ray.follow(away_, direction); }
 
   /// Returns true if light may be reflected.
   [[nodiscard]] bool reflects() const { return is_matte || glossy.has_value(); }
@@ -81,7 +82,7 @@ struct Reflector {
                                             const auto& radiance) const {
     // The limit is a float, so that black stays black, and no light that is likely to be chosen exceeds it.
     constexpr double largest_factor = most_irradiance;
-    const double height = is_matte ? normals.height(direction) : 0;
+    const double height = is_matte ? vertex.normals.height(direction) : 0;
     const double factor = std::min(weight * height / (std::numbers::pi * density), largest_factor);
     Color share{0};
     if (glossy) {

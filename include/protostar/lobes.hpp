@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "intersection.hpp"
 #include "normals.hpp"
@@ -24,14 +23,14 @@ struct Vertex {
   Normals<Vec3> normals;  ///< on the side that the ray comes from
   bool enters;            ///< true if that side is the surface's outside
 
-  explicit Vertex(const Intersection& hit) : direction(normalize(hit.direction())) {
-    const Normals<Vec3> outside = hit.normals();
-    enters = dot(outside.surface, direction) <= 0;
-    normals = outside.facing(direction);
+  explicit Vertex(const Intersection& hit) : direction(normalize(hit.direction())), normals(hit.normals()) {
+    enters = dot(normals.surface, direction) <= 0;
+    if (!enters) normals.turn();
   }
 };
 
-/// Direction in which a path goes on, and the factor on the light that it meets there.
+/// Direction in which a path goes on, and the factor on the light that it meets there. A path of the weight 0
+/// does not go on.
 struct Bounce {
   Vec3 direction{0, 0, 1};
   Color weight{0};  ///< scattered light per light from there · cos θ/density, without that density if sharp
@@ -40,6 +39,9 @@ struct Bounce {
   /// for a mirror and glass, whose one direction rays to lights miss, and 0 for a matte surface, which leaves
   /// that light to them.
   double density = std::numeric_limits<double>::infinity();
+
+  /// Returns true if the path goes on.
+  [[nodiscard]] bool goes_on() const { return !is_black(weight); }
 };
 
 /// Returns the largest channel.
@@ -67,12 +69,12 @@ struct DiffuseLobe {
   /// Returns the share of light that the lobe sends back, as far as it is known before a direction is drawn.
   [[nodiscard]] double share() const { return largest(albedo); }
 
-  /// Draws a direction with a density in proportion to its cosine, which cancels that of the irradiance; none
-  /// if it leads into the surface, as beside a tilted normal.
-  [[nodiscard]] std::optional<Bounce> sample(const Vertex& vertex, const SampleSet<double>& numbers) const {
-    const Vec3 direction = cosine_hemisphere(vertex.normals.shading, numbers[0], numbers[1]).direction;
-    if (vertex.normals.is_mapped && !(dot(vertex.normals.surface, direction) > 0)) return std::nullopt;
-    return Bounce{direction, albedo, 0};
+  /// Draws a direction with a density in proportion to its cosine, which cancels that of the irradiance. A
+  /// path that it leads into the surface, as beside a tilted normal, does not go on.
+  [[nodiscard]] Bounce sample(const Vertex& vertex, const SampleSet<double>& numbers) const {
+    const auto& [direction, density] = cosine_hemisphere(vertex.normals.shading, numbers[0], numbers[1]);
+    const bool is_inside = vertex.normals.is_mapped && !(dot(vertex.normals.surface, direction) > 0);
+    return {copied(direction), is_inside ? Color{0} : albedo, 0};
   }
 };
 
@@ -108,12 +110,11 @@ class GlossyLobeAt {
     return is_phong_ ? phong_.density(view_, light) : ggx_.density(view_, light);
   }
 
-  /// Draws a direction that the lobe reflects from; none if it leads into the surface.
-  [[nodiscard]] std::optional<Bounce> sample(double u, double v) const {
+  /// Draws a direction that the lobe reflects from. A path that it leads into the surface does not go on.
+  [[nodiscard]] Bounce sample(double u, double v) const {
     const LobeSample drawn = is_phong_ ? phong_.sample(view_, u, v) : ggx_.sample(view_, u, v);
     const Vec3 direction = frame_(drawn.direction);
-    if (is_black(drawn.weight) || !(dot(surface_, direction) > 0)) return std::nullopt;
-    return Bounce{direction, drawn.weight, drawn.density};
+    return {direction, dot(surface_, direction) > 0 ? drawn.weight : Color{0}, drawn.density};
   }
 
  private:

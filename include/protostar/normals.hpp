@@ -51,6 +51,9 @@ struct Normals {
     return {n, n};
   }
 
+  /// Takes the normals on the other side.
+  void turn() { surface *= -1.0, shading *= -1.0; }
+
   /// Returns n·l for the shading normal n and the vector l to a light; 0 if the light is behind the surface,
   /// which it does not shine through, however the shading normal is tilted.
   [[nodiscard]] auto height(const V& to_light) const {

@@ -335,7 +335,10 @@ inline constexpr SurfaceFunctions functions_of{
 template <Surface S>
 [[nodiscard]] SurfaceCrossing crossing_on(const S& surface, const Crossing& crossing,
                                           const Material& material) {
-  return {.crossing = crossing, .surface = &surface, .functions = &functions_of<S>, .material = &material};
+  return {.crossing = {crossing.t, crossing.root, crossing.part},
+          .surface = &surface,
+          .functions = &functions_of<S>,
+          .material = &material};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

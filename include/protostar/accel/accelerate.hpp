@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "../bvh/box_space.hpp"
@@ -49,7 +50,7 @@ class Accelerated<Scene<S...>> {
     SurfaceCrossing first;
     (look_for_first<S>(ray, range, first), ...);
     if (first.surface == nullptr) return std::nullopt;
-    return Intersection(ray, first);
+    return std::optional<Intersection>(std::in_place, ray, first);  // in place, since a ray is large
   }
 
   /// Returns true if there is any crossing inside the range.

@@ -35,10 +35,10 @@ struct AmbientOcclusionIntegrator : FirstHit<AmbientOcclusionIntegrator> {
 
   /// Takes two numbers of the sampler's set 1.
   [[nodiscard]] Color shade(const Intersection& hit, const auto& scene, const auto& sampler) const {
-    const auto bounce = DiffuseLobe{Color{1}}.sample(Vertex(hit), sampler(1));
+    const Bounce bounce = DiffuseLobe{Color{1}}.sample(Vertex(hit), sampler(1));
     const bool sees_sky =
-        bounce && !scene.occluded(hit.leave(bounce->direction), Interval{.min = 0, .max = distance});
-    return sees_sky ? bounce->weight : Color{0};
+        bounce.goes_on() && !scene.occluded(hit.leave(bounce.direction), Interval{.min = 0, .max = distance});
+    return sees_sky ? bounce.weight : Color{0};
   }
 };
 

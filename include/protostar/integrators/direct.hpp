@@ -90,16 +90,16 @@ struct DirectIntegrator : FirstHit<DirectIntegrator> {
   /// Returns an estimate of the light that the glossy lobe reflects, by a direction that it draws: the share
   /// of area lights that rays to them leave to it, and all of the sky and of other surfaces with an emission.
   [[nodiscard]] Color light_along_lobe(const Reflector& at, const auto& scene, const Uv& numbers) const {
-    const auto drawn = at.glossy->sample(numbers.x, numbers.y);
-    if (!drawn) return Color{0};
-    const Ray ray = at.leave(drawn->direction);
+    const Bounce drawn = at.glossy->sample(numbers.x, numbers.y);
+    if (!drawn.goes_on()) return Color{0};
+    const Ray ray = at.leave(drawn.direction);
     return follow(
-        ray, scene, [&] { return clamped(drawn->weight * background(ray, scene)); },
+        ray, scene, [&] { return clamped(drawn.weight * background(ray, scene)); },
         [&](const Intersection& seen) {
           const Color& emission = seen.material().emission;
           if (is_black(emission)) return Color{0};
-          return times(clamped(drawn->weight * emission),
-                       power_heuristic(drawn->density, density_by_lights(ray.origin, seen)));
+          return times(clamped(drawn.weight * emission),
+                       power_heuristic(drawn.density, density_by_lights(ray.origin, seen)));
         });
   }
 

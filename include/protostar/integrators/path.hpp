@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -80,49 +79,73 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   [[nodiscard]] Color shade(const Intersection& first, const auto& scene, const auto& sampler) const {
     lights.require(scene);
     environment.require(scene);
-    Color sum{0}, weight{1};
-    double most_weight = 0;
-    Ray ray;                                                   // from the vertex before
-    double density = std::numeric_limits<double>::infinity();  // of its direction
-    std::optional<Intersection> hit(first);
-    for (int bounce = 0;; ++bounce) {
-      const Material& material = hit->material();
-      if (!is_black(material.emission))
-        if (const double share = bounce == 0 ? 1 : power_heuristic(density, density_by_lights(ray, *hit));
-            share > 0)
-          sum = clamped(sum + times(clamped(weight * material.emission), share));
-      if (bounce >= depth) return sum;
-
-      const SampleSet<double> numbers = sampler(static_cast<std::uint32_t>(1 + bounce));
-      const Color albedo = hit->color();
-      const Vertex vertex(*hit);
-      Reflector at(*hit, vertex, albedo);
-      const LobeShares shares(material, albedo, at);
-      if (at.glossy) at.glossy_probability = shares.glossy / shares.whole();
-      if (at.reflects()) {
-        const ReflectedLight light = light_at(at, scene, numbers);
-        Color reflected = clamped(albedo * light.matte);
-        if (at.glossy) reflected = clamped(reflected + light.glossy);
-        sum = clamped(sum + clamped(weight * reflected));
-      }
-
-      double number = numbers[2];
-      const auto onward = scatter(vertex, material, albedo, at, shares, numbers, number);
-      if (!onward) return sum;
-      if (bounce == sure_bounces) most_weight = largest(weight);
-      weight = clamped(weight * onward->weight);
-      if (bounce >= sure_bounces && !survives(weight, most_weight, number)) return sum;
-      density = onward->density;
-      ray = at.leave(onward->direction);
-      hit = scene.intersect(ray, Interval{});
-      if (!hit) {
-        const Color sky = background(ray, scene);
-        return clamped(sum + times(clamped(weight * sky), power_heuristic(density, density_by_lights(ray))));
-      }
+    Path path;
+    bool goes_on = meet(path, first, scene, sampler);
+    while (goes_on) {
+      const auto hit = scene.intersect(path.ray, Interval{});
+      if (!hit) return leave(path, scene);
+      goes_on = meet(path, *hit, scene, sampler);
     }
+    return path.sum;
   }
 
  private:
+  /// Path on its way from the eye: the light that it has found, and the ray on which it goes on.
+  struct Path {
+    Color sum{0}, weight{1};
+    double most_weight = 0;  ///< after sure_bounces
+    int bounces = 0;
+    Ray ray;
+    double density = std::numeric_limits<double>::infinity();  ///< with which the ray was drawn
+  };
+
+  /// Adds the light that a path finds at a hit, and chooses how it goes on from there; returns false if it
+  /// ends.
+  [[nodiscard]] bool meet(Path& path, const Intersection& hit, const auto& scene, const auto& sampler) const {
+    const Material& material = hit.material();
+    if (!is_black(material.emission))
+      if (const double share =
+              path.bounces == 0 ? 1 : power_heuristic(path.density, density_by_lights(path.ray, hit));
+          share > 0)
+        path.sum = clamped(path.sum + times(clamped(path.weight * material.emission), share));
+    if (path.bounces >= depth) return false;
+
+    const SampleSet<double> numbers = sampler(static_cast<std::uint32_t>(1 + path.bounces));
+    const Color albedo = hit.color();
+    Reflector at(hit, albedo);
+    const LobeShares shares(material, albedo, at);
+    if (at.glossy) at.glossy_probability = shares.glossy / shares.whole();
+    if (at.reflects() && has_light(scene)) {
+      const ReflectedLight light = light_at(at, scene, numbers);
+      Color reflected = clamped(albedo * light.matte);
+      if (at.glossy) reflected = clamped(reflected + light.glossy);
+      path.sum = clamped(path.sum + clamped(path.weight * reflected));
+    }
+
+    double number = numbers[2];
+    const Bounce onward = scatter(material, albedo, at, shares, numbers, number);
+    if (!onward.goes_on()) return false;
+    if (path.bounces == sure_bounces) path.most_weight = largest(path.weight);
+    path.weight = clamped(path.weight * onward.weight);
+    if (path.bounces >= sure_bounces && !survives(path.weight, path.most_weight, number)) return false;
+    path.density = onward.density;
+    at.leave(onward.direction, path.ray);
+    ++path.bounces;
+    return true;
+  }
+
+  /// Returns the light of a path whose ray hits nothing.
+  [[nodiscard]] Color leave(const Path& path, const auto& scene) const {
+    const Color sky = clamped(path.weight * background(path.ray, scene));
+    return clamped(path.sum + times(sky, power_heuristic(path.density, density_by_lights(path.ray))));
+  }
+
+  /// Returns true if light_at may find any light.
+  [[nodiscard]] bool has_light(const auto& scene) const {
+    return lights.by_power().whole() > 0 || !scene.lights().empty() || environment.has_places() ||
+           !is_black(ambient_of(scene));
+  }
+
   /// Returns the probability that a ray to a light is one to the environment, and not to an area light. A sky
   /// of one color gets none: directions drawn by the surfaces find it as well.
   [[nodiscard]] double share_of_environment() const {
@@ -173,6 +196,8 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     return light;
   }
 
+  enum class Lobe { diffuse, glossy, mirror, glass };
+
   /// Shares of light that a material's lobes send back.
   struct LobeShares {
     double diffuse, glossy, mirror, glass;
@@ -185,30 +210,36 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
 
     [[nodiscard]] double sharp() const { return mirror + glass; }
     [[nodiscard]] double whole() const { return diffuse + glossy + sharp(); }
+
+    struct Choice {
+      Lobe lobe;
+      double share;
+    };
+
+    /// Chooses a lobe, with a probability in proportion to its share. Precondition: there is any.
+    [[nodiscard]] Choice choose(double& number) const {
+      if (decide(number, diffuse / whole())) return {Lobe::diffuse, diffuse};
+      if (glossy > 0 && decide(number, glossy / (glossy + sharp()))) return {Lobe::glossy, glossy};
+      if (decide(number, mirror / sharp())) return {Lobe::mirror, mirror};
+      return {Lobe::glass, glass};
+    }
   };
 
-  /// Chooses one of the material's lobes, with a probability in proportion to its share, and draws a
-  /// direction by it; none if the material scatters no light, or the direction leads into the surface.
-  [[nodiscard]] static std::optional<Bounce> scatter(const Vertex& vertex, const Material& material,
-                                                     const Color& albedo, const Reflector& at,
-                                                     const LobeShares& shares,
-                                                     const SampleSet<double>& numbers, double& number) {
+  /// Chooses one of the material's lobes and draws a direction by it. A path does not go on if the material
+  /// scatters no light, or the direction leads into the surface.
+  [[nodiscard]] static Bounce scatter(const Material& material, const Color& albedo, const Reflector& at,
+                                      const LobeShares& shares, const SampleSet<double>& numbers,
+                                      double& number) {
     const double whole = shares.whole();
-    if (!(whole > 0)) return std::nullopt;
-    std::optional<Bounce> onward;
-    double share = 0;
-    if (decide(number, shares.diffuse / whole)) {
-      onward = DiffuseLobe{albedo}.sample(vertex, numbers), share = shares.diffuse;
-    } else if (at.glossy && decide(number, shares.glossy / (shares.glossy + shares.sharp()))) {
-      onward = at.glossy->sample(numbers[0], numbers[1]), share = shares.glossy;
-      if (onward) onward->density *= share / whole;
-    } else if (decide(number, shares.mirror / shares.sharp())) {
-      onward = MirrorLobe{to_float(material.reflect)}.sample(vertex), share = shares.mirror;
-    } else {
-      onward = GlassLobe{to_float(material.refract), material.ior}.sample(vertex, number),
-      share = shares.glass;
-    }
-    if (onward) onward->weight = times(onward->weight, whole / share);
+    if (!(whole > 0)) return {};
+    const auto [lobe, share] = shares.choose(number);
+    Bounce onward = lobe == Lobe::diffuse  ? DiffuseLobe{albedo}.sample(at.vertex, numbers)
+                    : lobe == Lobe::glossy ? at.glossy->sample(numbers[0], numbers[1])
+                    : lobe == Lobe::mirror
+                        ? MirrorLobe{to_float(material.reflect)}.sample(at.vertex)
+                        : GlassLobe{to_float(material.refract), material.ior}.sample(at.vertex, number);
+    if (lobe == Lobe::glossy) onward.density *= share / whole;
+    onward.weight = times(onward.weight, whole / share);
     return onward;
   }
 

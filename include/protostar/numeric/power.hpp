@@ -40,10 +40,11 @@ inline constexpr DoubleDouble log2_e{0x1.71547652b82fep+0, 0x1.777d0ffda0d24p-56
 }
 
 /// Returns c0 + c1 x + c2 x² + ….
-template <std::size_t N>
-[[nodiscard]] double polynomial(const double (&c)[N], double x) {
-  double sum = c[N - 1];
-  for (std::size_t i = N - 1; i-- > 0;) sum = std::fma(sum, x, c[i]);
+template <std::size_t N, class T>
+[[nodiscard]] T polynomial(const double (&c)[N], T x) {
+  using std::fma;
+  T sum = c[N - 1];
+  for (std::size_t i = N - 1; i-- > 0;) sum = fma(sum, x, T(c[i]));
   return sum;
 }
 

@@ -15,6 +15,21 @@ struct SineCosine {
   double sine = 0, cosine = 1;
 };
 
+namespace detail {
+
+/// Terms of the series of sine, cosine and arc tangent in s = x², after the first: the sine is x + x s (…),
+/// the cosine 1 + s (…), and the arc tangent x + x s (…).
+inline constexpr double sine_terms[] = {
+    -1 / 6.0,        1 / 120.0,        -1 / 5040.0,          1 / 362880.0,
+    -1 / 39916800.0, 1 / 6227020800.0, -1 / 1307674368000.0, 1 / 355687428096000.0};
+inline constexpr double cosine_terms[] = {
+    -1 / 2.0,       1 / 24.0,        -1 / 720.0,         1 / 40320.0,
+    -1 / 3628800.0, 1 / 479001600.0, -1 / 87178291200.0, 1 / 20922789888000.0};
+inline constexpr double arc_tangent_terms[] = {-1 / 3.0,  1 / 5.0,  -1 / 7.0, 1 / 9.0,
+                                               -1 / 11.0, 1 / 13.0, -1 / 15.0};
+
+}  // namespace detail
+
 /// Returns sine and cosine of an angle with |angle| ≤ 7, each with a relative error below 2u.
 ///
 /// n quarter turns are subtracted: n · π.hi/2 by a fused operation, whose result is small beside both and
@@ -25,28 +40,13 @@ struct SineCosine {
   const double quarters = std::rint(angle * (2 / detail::pi.hi));
   const double rest = std::fma(-quarters, detail::pi.lo / 2, std::fma(-quarters, detail::pi.hi / 2, angle));
   const double s = rest * rest;
-  const double sine =
-      std::fma(rest * s,
-               detail::polynomial({-1 / 6.0, 1 / 120.0, -1 / 5040.0, 1 / 362880.0, -1 / 39916800.0,
-                                   1 / 6227020800.0, -1 / 1307674368000.0, 1 / 355687428096000.0},
-                                  s),
-               rest);
-  const double cosine =
-      std::fma(s,
-               detail::polynomial({-1 / 2.0, 1 / 24.0, -1 / 720.0, 1 / 40320.0, -1 / 3628800.0,
-                                   1 / 479001600.0, -1 / 87178291200.0, 1 / 20922789888000.0},
-                                  s),
-               1.0);
-  switch (static_cast<int>(quarters) & 3) {
-    case 0:
-      return {sine, cosine};
-    case 1:
-      return {cosine, -sine};
-    case 2:
-      return {-sine, -cosine};
-    default:
-      return {-cosine, sine};
-  }
+  const double sine = std::fma(rest * s, detail::polynomial(detail::sine_terms, s), rest);
+  const double cosine = std::fma(s, detail::polynomial(detail::cosine_terms, s), 1.0);
+  // Angles are mostly drawn by chance: a branch for each quarter would seldom be foreseen.
+  constexpr double sign[2] = {1, -1};
+  const double both[2] = {sine, cosine};
+  const auto quarter = static_cast<unsigned>(static_cast<int>(quarters)) % 4;
+  return {both[quarter % 2] * sign[quarter / 2], both[(quarter + 1) % 2] * sign[(quarter + 1) / 2 % 2]};
 }
 
 /// Returns the angle from the x axis to (x, y), from −π to π with the sign of y, with a relative error below
@@ -66,9 +66,7 @@ struct SineCosine {
   const double eighths = std::rint(8 * ratio);
   const double part = eighths / 8;
   const double z = std::fma(-high, part, low) / std::fma(low, part, high), s = z * z;
-  const double series = std::fma(
-      z * s, detail::polynomial({-1 / 3.0, 1 / 5.0, -1 / 7.0, 1 / 9.0, -1 / 11.0, 1 / 13.0, -1 / 15.0}, s),
-      z);
+  const double series = std::fma(z * s, detail::polynomial(detail::arc_tangent_terms, s), z);
   double angle = detail::arc_tangent_of_eighths(static_cast<int>(eighths)).hi + series;
   if (is_steep) angle = (detail::pi.hi / 2 - angle) + detail::pi.lo / 2;
   if (x < 0) angle = (detail::pi.hi - angle) + detail::pi.lo;

@@ -25,10 +25,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "../numeric/precise_vector.hpp"
-#include "../numeric/radians.hpp"
 #include "light_sample.hpp"
+#include "radians_of_each.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -47,13 +48,13 @@ struct HalfStrip {
   }
 };
 
-/// Returns the solid angle of the strip between a.x and b.x ≥ a.x, where width = b.x − a.x.
-[[nodiscard]] inline double solid_angle_between(const HalfStrip& a, const HalfStrip& b, double width,
-                                                double hl) {
+/// Adds a pair to some, of which polar_angle is half of the solid angle of the strip between a.x and b.x ≥
+/// a.x, where width = b.x − a.x.
+inline void add_part_between(const HalfStrip& a, const HalfStrip& b, double width, double hl, auto& add) {
   const double sum = a.x + b.x;
   const double dr0 = width * sum / (a.r0 + b.r0), dr1 = width * sum / (a.r1 + b.r1);
   const double difference = b.r0 * dr1 + a.r1 * dr0 + width * (b.r0 + b.r1) + a.x * (dr0 + dr1) + width * sum;
-  return 2 * polar_angle(hl * difference, a.D * b.D + hl * hl);
+  add(hl * difference, a.D * b.D + hl * hl);
 }
 
 }  // namespace detail
@@ -110,19 +111,23 @@ class RectangleView {
     if (!(h_ > 0)) return;
 
     const double l = depth.hi, hl = h_ * l;
-    Delta_ = polar_angle(hl, h_ * h_ + y0_ * y1_);
-    kappa0_ = polar_angle(h_, -y0_), kappa1_ = polar_angle(h_, y1_);
     const detail::HalfStrip at_0(h_, y0_, y1_, 0), at_x0(h_, y0_, y1_, std::abs(x0_)),
         at_x1(h_, y0_, y1_, x1_);
-    const double near = detail::solid_angle_between(at_0, at_x0, std::abs(x0_), hl);
-    right_ = 2 * polar_angle(hl, at_x1.D);
-    if (x0_ >= 0) {
-      left_ = Delta_ + near;
-      solid_angle_ = detail::solid_angle_between(at_x0, at_x1, width.hi, hl);
-    } else {
-      left_ = 2 * polar_angle(hl, at_x0.D);
-      solid_angle_ = near + detail::solid_angle_between(at_0, at_x1, x1_, hl);
-    }
+    FewNumbers y{}, x{};
+    std::size_t count = 0;
+    const auto add = [&](double of_y, double of_x) { y[count] = of_y, x[count++] = of_x; };
+    add(hl, h_ * h_ + y0_ * y1_), add(h_, -y0_), add(h_, y1_), add(hl, at_x1.D);
+    detail::add_part_between(at_0, at_x0, std::abs(x0_), hl, add);
+    if (x0_ >= 0)
+      detail::add_part_between(at_x0, at_x1, width.hi, hl, add);
+    else
+      add(hl, at_x0.D), detail::add_part_between(at_0, at_x1, x1_, hl, add);
+    const FewNumbers angles = polar_angles_of_each(y, x, static_cast<int>(count));
+    const double Delta = angles[0], near = 2 * angles[4];
+    kappa0_ = angles[1], kappa1_ = angles[2];
+    right_ = 2 * angles[3];
+    left_ = x0_ >= 0 ? Delta + near : 2 * angles[5];
+    solid_angle_ = x0_ >= 0 ? 2 * angles[5] : near + 2 * angles[6];
   }
 
   /// Returns the solid angle in steradians; 0 for a point in the plane.
@@ -132,14 +137,14 @@ class RectangleView {
   [[nodiscard]] LightSample sample(double u, double v) const {
     if (!(solid_angle_ > 0)) return {};
     const double p = (left_ + u * solid_angle_) / 2, q = (right_ + (1 - u) * solid_angle_) / 2;  // halves
-    const auto sine_of = [](double angle, double supplement) {
-      return sine_and_cosine(std::min(angle, supplement)).sine;
-    };
-    // π − |g| for g = p − q is κ0 + κ1 + 2 min(p, q).
-    const double sine = sine_of(std::abs(p - q), kappa0_ + kappa1_ + 2 * std::min(p, q));
-    const double product = sine_of(p, kappa0_ + kappa1_ + q) * sine_of(q, kappa0_ + kappa1_ + p) *
-                           sine_of(kappa1_ + p, kappa0_ + q) * sine_of(kappa1_ + q, kappa0_ + p);
-    const double x = std::clamp(std::copysign(h_ * sine / (2 * std::sqrt(product)), p - q), x0_, x1_);
+    // Each angle or its supplement. π − |g| for g = p − q is κ0 + κ1 + 2 min(p, q).
+    const FewNumbers sines =
+        sines_of_each({std::min(std::abs(p - q), kappa0_ + kappa1_ + 2 * std::min(p, q)),
+                       std::min(p, kappa0_ + kappa1_ + q), std::min(q, kappa0_ + kappa1_ + p),
+                       std::min(kappa1_ + p, kappa0_ + q), std::min(kappa1_ + q, kappa0_ + p)},
+                      5);
+    const double product = sines[1] * sines[2] * sines[3] * sines[4];
+    const double x = std::clamp(std::copysign(h_ * sines[0] / (2 * std::sqrt(product)), p - q), x0_, x1_);
 
     // y = ρ w/√(1 − w²) for a w between w0 and w1; 1 − w and 1 + w are sums of those of the ends.
     const double rho = std::sqrt(x * x + h_ * h_);
@@ -160,7 +165,7 @@ class RectangleView {
   Vec3 x_{0}, y_{0}, z_{0};                           // unit axes
   double x0_ = 0, x1_ = 0, y0_ = 0, y1_ = 0, h_ = 0;  // scaled by 2^-exponent_
   double farthest_ = 0;
-  double Delta_ = 0, kappa0_ = 0, kappa1_ = 0, left_ = 0, right_ = 0, solid_angle_ = 0;
+  double kappa0_ = 0, kappa1_ = 0, left_ = 0, right_ = 0, solid_angle_ = 0;
   int exponent_ = 0;
 };
 

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include <cmath>
+
 #include "../vec3.hpp"
 #include "simd.hpp"
 #include "vector_registers.hpp"
@@ -19,6 +21,18 @@ using LaneMask = Mask<double, double_lanes>;  ///< mask of some lanes
 using WideFloats = Lanes<float, float_lanes>;
 using WideIndices = Lanes<std::int32_t, float_lanes>;
 using WideMask = Mask<float, float_lanes>;
+
+/// Returns a b + c, rounded once, in each lane.
+[[nodiscard]] inline Doubles fma(Doubles a, Doubles b, Doubles c) {
+#if defined(PROTOSTAR_BIT_MASKS)
+  return _mm512_fmadd_pd((__m512d)a.v, (__m512d)b.v, (__m512d)c.v);
+#elif defined(PROTOSTAR_VECTORS) && defined(__AVX2__) && defined(__FMA__)
+  return _mm256_fmadd_pd((__m256d)a.v, (__m256d)b.v, (__m256d)c.v);
+#else
+  for (int i = 0; i < double_lanes; ++i) c.set(i, std::fma(a[i], b[i], c[i]));
+  return c;
+#endif
+}
 
 /// Returns f(number) in each lane.
 [[nodiscard]] Doubles of_each(Doubles x, const auto& f) {

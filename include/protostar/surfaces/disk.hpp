@@ -54,10 +54,7 @@ struct Disk {
   /// Returns true if a ray, or the rays of a packet, depart from the plane of the disk.
   [[nodiscard]] bool is_left_by(const auto& rays) const {
     const auto& [x, y, z] = std::array{normal.x, normal.y, normal.z};
-    return rays.departure.is_planar() &&
-           !surely_differs(rays.departure.geometry, position, Vec3{0, -z, y}, Vec3{z, 0, -x},
-                           Vec3{-y, x, 0}) &&
-           rays.departure == departure();
+    return is_plane_left_by(rays, *this, position, Vec3{0, -z, y}, Vec3{z, 0, -x}, Vec3{-y, x, 0});
   }
 
   /// Returns the box that reaches from the center by √(n_j² + n_k²) · radius on each axis i, for the unit

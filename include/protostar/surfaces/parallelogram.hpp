@@ -52,8 +52,7 @@ struct Parallelogram {
 
   /// Returns true if a ray, or the rays of a packet, depart from the plane of the parallelogram.
   [[nodiscard]] bool is_left_by(const auto& rays) const {
-    return rays.departure.is_planar() && !surely_differs(rays.departure.geometry, position, edge_u, edge_v) &&
-           rays.departure == departure();
+    return is_plane_left_by(rays, *this, position, edge_u, edge_v);
   }
 
   [[nodiscard]] Bounds bounds() const {

@@ -25,4 +25,13 @@ namespace protostar::inline PROTOSTAR_ABI {
   return {.kind = Departure::Kind::rounded_plane, .geometry = equation()};
 }
 
+/// Returns true if a ray, or the rays of a packet, depart from the plane of a surface through a position
+/// along some vectors. Its equation is written down only for rays that leave another surface, perhaps in the
+/// same plane.
+[[nodiscard]] bool is_plane_left_by(const auto& rays, const auto& surface, const Point& position,
+                                    const auto&... along) {
+  return rays.departure.is_planar() && !surely_differs(rays.departure.geometry, position, along...) &&
+         (rays.departure.in_scene == &surface || rays.departure == surface.departure());
+}
+
 }  // namespace protostar::inline PROTOSTAR_ABI

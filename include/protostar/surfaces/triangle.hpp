@@ -55,8 +55,7 @@ struct Triangle {
 
   /// Returns true if a ray, or the rays of a packet, depart from the plane of the triangle.
   [[nodiscard]] bool is_left_by(const auto& rays) const {
-    return rays.departure.is_planar() && !surely_differs(rays.departure.geometry, a, b - a, c - a) &&
-           rays.departure == departure();
+    return is_plane_left_by(rays, *this, a, b - a, c - a);
   }
 
   [[nodiscard]] Bounds bounds() const { return {min(a, min(b, c)), max(a, max(b, c))}; }
