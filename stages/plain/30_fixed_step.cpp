@@ -108,7 +108,7 @@ Vec normal_at(const Point& p) {
 }
 
 // How long a step is, and where a ray ends.
-const double epsilon = 0.1;
+const double epsilon = 0.25;
 const double far = 50;
 
 // Steps along the ray until a point is not outside any more. Returns its t, or infinity if there is none.
