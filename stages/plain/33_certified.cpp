@@ -106,8 +106,8 @@ Interval operator-(const Interval& a) { return {-a.hi, -a.lo}; }
 Interval operator+(const Interval& a, const Interval& b) { return widened(a.lo + b.lo, a.hi + b.hi); }
 Interval operator-(const Interval& a, const Interval& b) { return a + -b; }
 Interval operator*(const Interval& a, const Interval& b) {
-  const auto [lo, hi] = std::minmax({a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi});
-  return widened(lo, hi);
+  const double w = a.lo * b.lo, x = a.lo * b.hi, y = a.hi * b.lo, z = a.hi * b.hi;
+  return widened(std::min(std::min(w, x), std::min(y, z)), std::max(std::max(w, x), std::max(y, z)));
 }
 Interval square(const Interval& a) {
   const double near = a.lo > 0 ? a.lo : a.hi < 0 ? a.hi : 0, most = std::max(-a.lo, a.hi);
@@ -129,9 +129,6 @@ struct Number {
 
 Number operator+(const Number& a, const Number& b) { return {a.value + b.value, a.slope + b.slope}; }
 Number operator-(const Number& a, const Number& b) { return {a.value - b.value, a.slope - b.slope}; }
-Number operator*(const Number& a, const Number& b) {
-  return {a.value * b.value, a.slope * b.value + a.value * b.slope};
-}
 
 // The smaller number has its own slope where it is surely smaller, and otherwise one of both.
 Number min(const Number& a, const Number& b) {
@@ -174,7 +171,7 @@ Number field(const Place& p) {
 // The field along the ray from t = lo to t = hi: an interval with all of its values, and one with all slopes.
 Number along(const Ray& ray, double lo, double hi) {
   const auto coordinate = [&](double o, double d) {
-    return Number(o) + Number({lo, hi}, {1, 1}) * Number(d);
+    return Number(Interval{o, o} + Interval{lo, hi} * Interval{d, d}, {d, d});
   };
   return field({coordinate(ray.origin.x, ray.direction.x), coordinate(ray.origin.y, ray.direction.y),
                 coordinate(ray.origin.z, ray.direction.z)});
@@ -234,7 +231,7 @@ double march(const Ray& ray) {
     if (is_free(ray, t, next, over)) {
       t = next;
       step = 2 * step;
-    } else if (over.slope.hi < 0 && along(ray, next, next).value.hi < 0) {
+    } else if (over.slope.hi <= 0 && along(ray, next, next).value.hi < 0) {
       return halved(ray, t, next);
     } else {
       step = step / 2;
