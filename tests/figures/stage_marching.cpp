@@ -474,7 +474,7 @@ void near_misses(Drawing& drawing) {
                                   {1e-4, "10⁻⁴"},
                                   {1e-5, "10⁻⁵"},
                                   {1e-6, "10⁻⁶"}}) {
-    const Sphere sphere{.center = {3, 1 + gap, 0}, .radius = 1};
+    const Sphere sphere{.center = {3.3, 1 + gap, 0}, .radius = 1};
     const Ray ray{.origin = {0, 0, 0}, .direction = {1, 0, 0}};
     const auto all = segments(sphere, ray, 6, false);
     expect(!all.empty() && all.back().is_free, "near_misses");
