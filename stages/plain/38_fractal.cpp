@@ -230,7 +230,7 @@ const Shape& nearest(const Point& p) {
 }
 
 // Where a ray ends.
-const double far = 60;
+const double far = 1000;
 
 // Returns true if there surely is no surface from t = lo to t = hi. The field is known at both ends, and from
 // there it changes by the way times one of its slopes: from the left end, and from the right end backwards.
