@@ -49,7 +49,7 @@ struct FieldValue {
 template <class Line>
 [[nodiscard]] std::optional<MarchedRoot> proven_root(Line& line, double start, double guess, double slope) {
   const double error = line.error(), least = std::max(3 * error / -slope, 0x1p-50 * std::abs(guess));
-  const auto behind = [&](double side) -> std::optional<double> {
+  const auto decided_on = [&](double side) -> std::optional<double> {
     double delta = least;
     for (int i = 0; i < 4; ++i, delta *= 4) {
       const double t = std::max(start, guess + side * delta);
@@ -58,9 +58,9 @@ template <class Line>
     }
     return std::nullopt;
   };
-  const auto max = behind(1);
+  const auto max = decided_on(1);
   if (!max || !(line.template slope<double>(start, *max).slope.upper <= 0)) return std::nullopt;
-  const double min = behind(-1).value_or(start);
+  const double min = decided_on(-1).value_or(start);
   if (!is_narrow(min, *max)) return std::nullopt;
   return MarchedRoot{MarchedRoot::Answer::hit, min, *max};
 }
