@@ -77,8 +77,9 @@ template <class Line>
     if (!(slope < 0)) return std::nullopt;
     const double next = second.t - second.v / slope;
     if (!(start <= next && next < end)) return std::nullopt;
-    // A step below 2^-24 of t is followed by one below 2^-48 of it, by which t would hardly change.
-    const bool converges = i > 0 && std::abs(next - second.t) < 0x1p-24 * std::abs(next);
+    // The error of the next guess is about the product of the last two: below 2^-48 of t if they are about
+    // 2^-18 and 2^-30 of it.
+    const bool converges = i > 0 && std::abs(next - second.t) < 0x1p-30 * std::abs(next);
     if (converges || std::abs(second.v) <= 2 * line.error()) return proven_root(line, start, next, slope);
     const FieldValue at_next{next, line.value(next)};
     if (at_next.v == second.v || next == second.t) return proven_root(line, start, next, slope);
