@@ -104,10 +104,12 @@ template <class B, class Line>
     if (at_t.upper < B(0.0)) return b = t, at_b = at_t, true;
     return false;
   };
-  for (int i = 0; i < 200 && b - a > enclosure_width / 4 * std::min(std::abs(a), std::abs(b)); ++i) {
+  for (int i = 0; i < 200 && b - a > 0x1p-42 * std::min(std::abs(a), std::abs(b)); ++i) {
     const double v_a = static_cast<double>(at_a.lower + at_a.upper),
                  v_b = static_cast<double>(at_b.lower + at_b.upper);
-    const double secant = a + (b - a) * (v_a / (v_a - v_b)), side = enclosure_width / 16 * std::abs(b);
+    // On both sides of the secant's root, where F is four times its error. Values are doubled here.
+    const double unsure = std::is_same_v<B, double> ? 8 * line.error() * ((b - a) / (v_a - v_b)) : 0;
+    const double secant = a + (b - a) * (v_a / (v_a - v_b)), side = std::max(0x1p-45 * std::abs(b), unsure);
     const double middle = 0.5 * (a + b);
     if (i % 3 == 0) {
       take(secant - side);
