@@ -20,8 +20,8 @@ namespace {
 exact::Quad quad(double x) { return x; }
 exact::Quad quad(DoubleDouble x) { return exact::Quad(x.hi) + exact::Quad(x.lo); }
 
-/// Returns true if an enclosure contains a number: in double without any doubt, in double-double up to the error of
-/// the number of 113 bits itself.
+/// Returns true if an enclosure contains a number: in double without any doubt, in double-double up to the
+/// error of the number of 113 bits itself.
 bool holds(const Enclosure<double>& e, TrueNumber x) {
   return quad(e.lower) <= x.value && x.value <= quad(e.upper);
 }

@@ -26,9 +26,6 @@ using protostar::Variation;
 double distance_to(double x, TrueNumber truth) {
   return std::abs(static_cast<double>(exact::Quad(x) - truth.value));
 }
-double distance_to(DoubleDouble x, TrueNumber truth) {
-  return std::abs(static_cast<double>(exact::Quad(x.hi) + exact::Quad(x.lo) - truth.value));
-}
 
 TrueNumber true_of(double x) { return x; }
 TrueNumber true_of(DoubleDouble x) { return TrueNumber::of(exact::Quad(x.hi) + exact::Quad(x.lo)); }
@@ -38,7 +35,8 @@ template <class B>
 void check_point(WrongCases& wrong, const B& x, const auto& f, double most) {
   const auto found = f(Enclosure<B>::at(x));
   const TrueNumber truth = f(true_of(x));
-  const exact::Quad off = std::is_same_v<B, double> ? exact::Quad(0) : exact::Quad(0x1p-104) * (1 + abs(truth).value);
+  const exact::Quad off =
+      std::is_same_v<B, double> ? exact::Quad(0) : exact::Quad(0x1p-104) * (1 + abs(truth).value);
   const exact::Quad low = true_of(found.lower).value - off, high = true_of(found.upper).value + off;
   wrong.add(!(low <= truth.value && truth.value <= high), static_cast<double>(x));
   wrong.add(!(static_cast<double>(high - low) <= most), static_cast<double>(x), "width");
@@ -53,7 +51,8 @@ TEST_CASE("plain sine and cosine have errors below 2^-51 up to 2^20") {
   for (int i = 0; i < cases(4000, 1000000); ++i) {
     double x = random.real(-8, 8);
     if (i % 4 == 1) x = random.real(-0x1p20, 0x1p20);
-    if (i % 4 == 2) x = std::round(random.real(-600000, 600000)) * 1.5707963267948966 + random.real(-1e-6, 1e-6);
+    if (i % 4 == 2)
+      x = std::round(random.real(-600000, 600000)) * 1.5707963267948966 + random.real(-1e-6, 1e-6);
     if (i % 4 == 3) x = std::ldexp(random.real(-1, 1), -static_cast<int>(random.bits() % 60));
     const double sine = distance_to(sin(Plain<double>(x)).value, sin(TrueNumber(x))),
                  cosine = distance_to(cos(Plain<double>(x)).value, cos(TrueNumber(x)));
@@ -70,12 +69,14 @@ TEST_CASE("plain exponentials and logarithms have relative errors below 2^-51 an
   for (int i = 0; i < cases(1500, 300000); ++i) {
     const double x = i % 2 == 0 ? random.real(-600, 600) : random.real(-2, 2);
     const TrueNumber power = exp(TrueNumber(x));
-    wrong.add(!(distance_to(exp(Plain<double>(x)).value, power) <
-                0x1p-51 * static_cast<double>(power)), x, "exponential");
-    const double y = i % 2 == 0 ? std::exp2(random.real(-800, 800)) : 1 + random.real(-0x1p-3, 0x1p-3) * random.real(0, 1);
+    wrong.add(!(distance_to(exp(Plain<double>(x)).value, power) < 0x1p-51 * static_cast<double>(power)), x,
+              "exponential");
+    const double y =
+        i % 2 == 0 ? std::exp2(random.real(-800, 800)) : 1 + random.real(-0x1p-3, 0x1p-3) * random.real(0, 1);
     const TrueNumber logarithm = log(TrueNumber(y));
     wrong.add(!(distance_to(log(Plain<double>(y)).value, logarithm) <=
-                0x1p-50 * std::abs(static_cast<double>(logarithm))), y, "logarithm");
+                0x1p-50 * std::abs(static_cast<double>(logarithm))),
+              y, "logarithm");
   }
   CHECK(wrong == 0);
   CHECK(exp(Plain<double>(0.0)).value == 1);
@@ -92,7 +93,9 @@ TEST_CASE("enclosures of functions at a number are narrow and contain the value"
   for (int i = 0; i < cases(150, 30000); ++i) {
     const double x = i % 2 == 0 ? random.real(-8, 8) : random.real(-0x1p20, 0x1p20), y = random.real(-3, 3),
                  z = std::exp2(random.real(-700, 700));
-    const auto more = [&](double a) { return protostar::fast_two_sum(a, a * random.real(-0x1p-54, 0x1p-54)); };
+    const auto more = [&](double a) {
+      return protostar::fast_two_sum(a, a * random.real(-0x1p-54, 0x1p-54));
+    };
     check_point<double>(wrong, x, sine, 0x1p-49);
     check_point<double>(wrong, x, cosine, 0x1p-49);
     check_point<double>(wrong, y, power, 0x1p-44);
@@ -100,7 +103,7 @@ TEST_CASE("enclosures of functions at a number are narrow and contain the value"
     check_point<DoubleDouble>(wrong, more(x), sine, 0x1p-95);
     check_point<DoubleDouble>(wrong, more(x), cosine, 0x1p-95);
     check_point<DoubleDouble>(wrong, more(y), power, 0x1p-90);
-    check_point<DoubleDouble>(wrong, more(z), logarithm, 0x1p-92);
+    check_point<DoubleDouble>(wrong, more(z), logarithm, 0x1p-90);
   }
   CHECK(wrong == 0);
 }
@@ -186,6 +189,7 @@ TEST_CASE("a field finds the library's functions, whatever names a program uses"
   Random random(35);
   for (int i = 0; i < 50; ++i) {
     const protostar::Point p = random.point(2);
-    CHECK(protostar::plain_value(with_all_names::field, p) == protostar::plain_value(with_no_names::field, p));
+    CHECK(protostar::plain_value(with_all_names::field, p) ==
+          protostar::plain_value(with_no_names::field, p));
   }
 }

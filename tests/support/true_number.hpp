@@ -6,8 +6,8 @@
 
 #include "stress/exact.hpp"
 
-/// Number of 113 bits and the exponents of Quad, with the operations of fields: each with a relative error below
-/// 2^-108, or below 2^-106 absolutely for functions with values about 1.
+/// Number of 113 bits and the exponents of Quad, with the operations of fields: each with a relative error
+/// below 2^-108, or below 2^-106 absolutely for functions with values about 1.
 struct TrueNumber {
   exact::Quad value = 0;
 

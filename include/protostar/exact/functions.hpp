@@ -25,7 +25,7 @@ namespace detail {
 inline constexpr double largest_angle = 0x1p20, largest_exponent = 600, largest_power = 0x1p800;
 
 /// Bounds of the errors of the functions below: absolute for sine and cosine, relative for the exponential,
-/// and for the logarithm relative in double and absolute in double-double.
+/// and for the logarithm the sum of a relative and an absolute one.
 template <class B>
 inline constexpr double sine_error = 0x1p-51;
 template <>
@@ -43,8 +43,8 @@ inline constexpr double absolute_logarithm_error = 0;
 template <>
 inline constexpr double absolute_logarithm_error<DoubleDouble> = 0x1p-97;
 
-/// π/2 and ln 2 as sums of doubles of 33 bits or less, whose products with whole numbers below 2^20 are
-/// exact, and the rest. The last of three has an error below 2^-122, the last of each other sum below 2^-153.
+/// π/2 and ln 2 as sums of doubles. All but the last have 33 bits or less, so that their products with whole
+/// numbers below 2^20 are exact. The sums are off by less than 2^-121 and 2^-86, the precise ones by 2^-155.
 inline constexpr double half_pi[] = {0x1.921fb544p+0, 0x1.0b4611a6p-34, 0x1.3198a2e037073p-69};
 inline constexpr double precise_half_pi[] = {0x1.921fb544p+0, 0x1.0b4611a6p-34, 0x1.3198a2ep-69,
                                              0x1.b839a252049c1p-104};
@@ -168,12 +168,11 @@ template <std::size_t n>
   return k * ln_2_parts[0] + (rest + k * ln_2_parts[1]);
 }
 
-/// Returns ln x in double-double for x from 2^-800 to 2^800, with an error below 2^-93; beyond, that of the
-/// nearer end.
+/// Returns ln x in double-double for x from 2^-800 to 2^800, with an error below 2^-97 + 2^-103 |ln x|;
+/// beyond, that of the nearer end.
 ///
 /// With y = ln x in double and e = e^y: ln x − y = ln(x/e) = 2 artanh d with d = (x − e)/(x + e). |d| <
-/// 2^-41, so that 2d lacks less than 2^-122. The error of e counts 2^-98, and the sum with |y| < 555 has 3u²
-/// of it, 2^-95.2.
+/// 2^-41, so that 2d lacks less than 2^-122. The error of e counts 2^-98, and the sum has 3u² of itself.
 [[nodiscard, gnu::noinline]] inline DoubleDouble logarithm_of(DoubleDouble x) {
   if (x.hi > largest_power) x = largest_power;
   if (x.hi < 1 / largest_power) x = 1 / largest_power;
