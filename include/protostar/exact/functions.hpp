@@ -2,9 +2,9 @@
 //
 // They use only operations that IEEE 754 rounds correctly, so that a result has the same bits on every
 // machine and in every lane. Sine and cosine hold for |x| ≤ 2^20, the exponential for |x| ≤ 600, and the
-// logarithm for x from 2^-800 to 2^800: of other arguments enclosures are all that the function can be, and
-// the error of plain values is taken as infinite. The bounds hold as well if a compiler fuses products with
-// sums. u = 2^-53.
+// logarithm for x from 2^-800 to 2^800. Enclosures for other arguments are all values that the function can
+// have, and the error of plain values is taken as infinite. The bounds hold as well if a compiler fuses
+// products with sums. u = 2^-53.
 #pragma once
 
 #include <algorithm>
@@ -154,7 +154,7 @@ template <std::size_t n>
 /// x = 2^k m with m from √½ to √2, and ln x = k ln 2 + 2z (1 + s/3 + s²/5 + …) with z = (m − 1)/(m + 1), s =
 /// z². m − 1 is exact, so z has 2u, the bracket u and u/20, and their product u: 4.1u of 2|z| · 1.01, which
 /// is at most 0.35, and the whole for k = 0. |s| < 0.0295, so that the series up to s^10/21 lacks less than
-/// 2^-60. For other k |ln x| > 0.34. Of it k ln 2 is at most twice as large; its first product is exact, the
+/// 2^-60. For other k |ln x| > 0.34, and k ln 2 is at most twice as large; its first product is exact, the
 /// second and the error of ln 2 count less than 2^-32 u, and the two sums 2u and u of it at most: below 8u.
 [[nodiscard]] inline double logarithm_of(double x) {
   int exponent = 0;
