@@ -133,6 +133,19 @@ TEST_CASE("enclosures of functions on intervals contain all values") {
   CHECK(cos(Enclosure<double>(3.2, 6)).lower > -1);
 }
 
+TEST_CASE("a peak of the sine just inside the end of an interval is not missed") {
+  for (const double turns : {0.0, 3.0, 1000.0, 100000.0}) {
+    const DoubleDouble half_pi(0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54),
+        peak = DoubleDouble(4 * turns + 1) * half_pi;
+    const Enclosure<DoubleDouble> before{peak - DoubleDouble(0x1p-20), peak + DoubleDouble(0x1p-70)},
+        after{peak - DoubleDouble(0x1p-70), peak + DoubleDouble(0x1p-20)};
+    CHECK(sin(before).upper.hi == 1);
+    CHECK(sin(after).upper.hi == 1);
+    CHECK(DoubleDouble(1) <= sin(after).upper);
+    CHECK(DoubleDouble(1) <= sin(before).upper);
+  }
+}
+
 TEST_CASE("beyond the range of a function nothing is claimed") {
   const Enclosure<double> far(0x1p21), large(700), small(-700), tiny(0x1p-900);
   CHECK(sin(far).lower == -1);

@@ -7,7 +7,6 @@
 // products with sums. u = 2^-53.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -120,7 +119,7 @@ template <std::size_t n>
 /// less than 2^-57. r + r² q is off by 0.6u, of q below 0.07/r² with 4u and a sum below 0.42, and the sum
 /// with 1 by u of itself. Relative to e^r ≥ 0.7 that is u + 0.6u/0.7 + u/3.
 [[nodiscard]] inline double exponential_of(double x) {
-  x = std::clamp(x, -largest_exponent, largest_exponent);
+  x = rounding::min(rounding::max(-largest_exponent, x), largest_exponent);  // also for NaN
   const double k = rounding::nearest_integer(x * log2_e.hi);
   const double r = (x - k * ln_2_parts[0]) - k * ln_2_parts[1];
   const double rest =
@@ -157,8 +156,9 @@ template <std::size_t n>
 /// 2^-60. For other k |ln x| > 0.34, and k ln 2 is at most twice as large; its first product is exact, the
 /// second and the error of ln 2 count less than 2^-32 u, and the two sums 2u and u of it at most: below 8u.
 [[nodiscard]] inline double logarithm_of(double x) {
+  const double in_range = rounding::min(rounding::max(1 / largest_power, x), largest_power);  // also for NaN
   int exponent = 0;
-  double m = std::frexp(std::clamp(x, 1 / largest_power, largest_power), &exponent);  // in [1/2, 1)
+  double m = std::frexp(in_range, &exponent);  // in [1/2, 1)
   if (m < 0x1.6a09e667f3bcdp-1) m *= 2, --exponent;
   const double z = (m - 1) / (m + 1), s = z * z, k = exponent;
   const double rest = 2 * z *
@@ -195,12 +195,12 @@ template <int N>
 /// n, with turns = (a + quarter · π/2) / 2π; elsewhere the extremes are at the ends.
 template <class B>
 [[nodiscard]] Enclosure<B> sine_over(const Enclosure<B>& a, double quarter) {
-  constexpr double per_angle = 0x1.45f306dc9c883p-3;  // 1/2π
+  constexpr double per_angle = 0x1.45f306dc9c883p-3;  // the double nearest to 1/2π
   const Enclosure<B> turns =
-      a * Enclosure<B>(rounding::below(B(per_angle)), rounding::above(B(per_angle))) + 0.25 * quarter;
+      a * Enclosure<B>(rounding::below(per_angle), rounding::above(per_angle)) + 0.25 * quarter;
   const auto meets_integer = [](const Enclosure<B>& x) { return x.lower <= rounding::floor(x.upper); };
   const B first = sine_of(a.lower, quarter), last = sine_of(a.upper, quarter);
-  const B error(sine_error<B> + 0x1p-104);  // with the rounding of a sum of numbers below 2
+  const B error(sine_error<B>);
   const B least = rounding::below(rounding::min(first, last) - error),
           most = rounding::above(rounding::max(first, last) + error);
   const Enclosure<B> values{
