@@ -40,13 +40,31 @@ const std::vector<StageRow> all_stages {
       {"18_antialiasing", "shadow", 16}, {"19_soft_shadows", "direct", 16}, {"20_lens", "shadow", 64},
       {"21_motion", "shadow", 64}, {"22_glossy", "path", 16},
       {"23_ambient_occlusion", "ambient-occlusion", 16}, {"24_path", "path", 16}, {"25_cornell", "path", 8},
-      {"26_weekend", "path", 8}, {"27_normal_map", "whitted"},
+      {"26_weekend", "path", 8}, {"27_normal_map", "whitted"}, {"34_fields", "diffuse"},
+      {"35_blend", "diffuse"}, {"36_repetition", "diffuse"}, {"37_marched_shadow", "shadow"},
+      {"38_fractal", "shadow"},
 #if __has_include(<tiny_obj_loader.h>)  // otherwise this stage is not built
       {"17_mesh", "shadow"},
 #endif
 };
 
 }  // namespace
+
+TEST_CASE("the option --epsilon takes finite numbers above 0, and a march with a proof has no such option") {
+  const TemporaryFolder folder;
+  for (const std::string stage : {"30_fixed_step", "31_sphere_tracing", "32_enhanced"}) {
+    CAPTURE(stage);
+    CHECK(run_stage(stage, "--size 16x12 --epsilon 0.5", folder).status == 0);
+    for (const std::string value : {"0", "-1", "nan", "inf", "1e400", "x"}) {
+      const Outcome outcome = run_stage(stage, "--size 16x12 --epsilon " + value, folder);
+      CAPTURE(value);
+      CHECK(outcome.status == 2);
+      CHECK_THAT(outcome.err, ContainsSubstring("'" + value + "' is not a finite number greater than 0"));
+    }
+  }
+  for (const std::string stage : {"33_certified", "37_marched_shadow"})
+    CHECK(run_stage(stage, "--size 16x12 --epsilon 0.5", folder).status == 2);
+}
 
 TEST_CASE("every stage writes out.ppm in the requested size, and reports it in one line") {
   const StageRow row = GENERATE(from_range(all_stages));

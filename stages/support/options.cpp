@@ -402,7 +402,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     if (given("--timeout")) own_timeout = read_timeout(timeout);
     for (std::size_t i = 0; i < numbers.size(); ++i)
       if (app.count(options.numbers[i].name))
-        options.numbers[i].value = read_finite(options.numbers[i].name, numbers[i]);
+        options.numbers[i].value =
+            (options.numbers[i].positive ? read_above_0 : read_finite)(options.numbers[i].name, numbers[i]);
 
     // The scene is read when nothing else is wrong. Without --size, only the scene tells the size of the
     // picture, and thus whether the crop lies inside.

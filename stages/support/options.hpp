@@ -14,10 +14,11 @@
 
 #include "shard_number.hpp"
 
-/// Option of one stage that takes a finite number.
+/// Option of one stage that takes a finite number, or one greater than 0.
 struct NumberOption {
   std::string name, help;
-  double value;  ///< default if the option is not given
+  double value;           ///< default if the option is not given
+  bool positive = false;  ///< takes numbers greater than 0 only
 };
 
 /// Pixel of a picture, counted from 0 at the upper left.

@@ -28,7 +28,7 @@ std::vector<figures::StageFigure> stage_figures() {
         figures::soft_shadow_figures(), figures::lens_figures(), figures::motion_figures(),
         figures::glossy_figures(), figures::path_tracing_figures(), figures::cornell_figures(),
         figures::weekend_figures(), figures::normal_map_figures(), figures::topic_figures(),
-        figures::fresnel_figures()})
+        figures::fresnel_figures(), figures::marching_figures(), figures::field_figures()})
     all.insert(all.end(), some.begin(), some.end());
   return all;
 }

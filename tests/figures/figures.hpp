@@ -43,6 +43,8 @@ std::vector<StageFigure> path_tracing_figures();  ///< stages 23 and 24: free sp
 std::vector<StageFigure> cornell_figures();       ///< stage 25: light of walls, and caustics
 std::vector<StageFigure> weekend_figures();       ///< stage 26: a tree of boxes, blurred mirrors
 std::vector<StageFigure> normal_map_figures();    ///< stage 27: normal maps
+std::vector<StageFigure> marching_figures();      ///< stages 30 to 33: steps along a ray, and proofs
+std::vector<StageFigure> field_figures();         ///< stages 34 to 38: distance fields of shapes
 std::vector<StageFigure>
 topic_figures();  ///< pages beside the stages: history, cameras, lights, tone, threads
 std::vector<StageFigure> fresnel_figures();  ///< the page about Fresnel's equations

@@ -87,4 +87,12 @@ struct DoubleDouble {
 }
 [[nodiscard]] inline DoubleDouble abs(DoubleDouble a) { return a.hi < 0 ? -a : a; }
 
+// Comparisons are exact, as hi is the double nearest to the sum; with NaN they are false.
+[[nodiscard]] inline bool operator<(DoubleDouble a, DoubleDouble b) {
+  return a.hi < b.hi || (a.hi == b.hi && a.lo < b.lo);
+}
+[[nodiscard]] inline bool operator<=(DoubleDouble a, DoubleDouble b) {
+  return a.hi < b.hi || (a.hi == b.hi && a.lo <= b.lo);
+}
+
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,206 @@
+// Interval arithmetic with outward rounding.
+//
+// An Enclosure<B> is an interval that surely contains a number. Arithmetic and functions of enclosures
+// contain the exact results for all numbers in their arguments, so that a formula written once, for any
+// number type, gives bounds of all its values. B is double, DoubleDouble, or simd::Lanes of doubles. A
+// result that is not known, after an overflow or a division by 0, is (−∞, ∞), never NaN.
+//
+//   const Enclosure<double> x(1, 2);
+//   const auto y = sqrt(x * x + 1.0) - 0.3;   // y.lower ≤ √(x² + 1) − 0.3 ≤ y.upper for each x in [1, 2]
+//
+// + − * / (with doubles too), unary −, min, max, abs, sqrt, square, fold, wrap, smooth_min, length_of,
+// signed_length_of; hull, select. Sine, cosine, exponential and logarithm are in functions.hpp.
+#pragma once
+
+#include <cstddef>
+
+#include "rounding.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Interval lower ≤ x ≤ upper that surely contains a number x. Constants are taken as they are in double.
+template <class B>
+struct Enclosure {
+  using Truth = decltype(B{} < B{});  ///< bool, or a mask with a truth value for each lane
+
+  B lower, upper;
+
+  /// Constructs [0, 0].
+  Enclosure() : Enclosure(0.0) {}
+
+  /// Constructs an interval that is a single finite number.
+  Enclosure(double number) : lower(number), upper(number) {}
+
+  Enclosure(const B& least, const B& most) : lower(least), upper(most) {}
+
+  /// Returns the interval that is a single number.
+  [[nodiscard]] static Enclosure at(const B& number) { return {number, number}; }
+
+  /// Returns the interval of all numbers.
+  [[nodiscard]] static Enclosure whole() { return {B(-infinity), B(infinity)}; }
+
+  /// Tests whether the interval contains a number.
+  [[nodiscard]] Truth contains(const B& x) const { return lower <= x && x <= upper; }
+
+  /// Returns the largest magnitude of its numbers.
+  [[nodiscard]] B magnitude() const { return rounding::max(-lower, upper); }
+
+  friend Enclosure operator-(const Enclosure& a) { return {-a.upper, -a.lower}; }
+  friend Enclosure operator+(const Enclosure& a, const Enclosure& b) {
+    return {rounding::below(a.lower + b.lower), rounding::above(a.upper + b.upper)};
+  }
+  friend Enclosure operator-(const Enclosure& a, const Enclosure& b) { return a + -b; }
+
+  friend Enclosure operator*(const Enclosure& a, const Enclosure& b) {
+    return spanned(a, b, a.lower * b.lower, a.lower * b.upper, a.upper * b.lower, a.upper * b.upper);
+  }
+  friend Enclosure operator*(const Enclosure& a, double b) {
+    const B first = a.lower * B(b), second = a.upper * B(b);
+    return spanned(a, b, first, first, second, second);
+  }
+  friend Enclosure operator*(double a, const Enclosure& b) { return b * a; }
+
+  friend Enclosure operator/(const Enclosure& a, const Enclosure& b) {
+    const Enclosure quotient =
+        spanned(a, b, a.lower / b.lower, a.lower / b.upper, a.upper / b.lower, a.upper / b.upper);
+    return select(b.contains(B(0.0)), whole(), quotient);
+  }
+
+  friend Enclosure min(const Enclosure& a, const Enclosure& b) {
+    return {rounding::min(a.lower, b.lower), rounding::min(a.upper, b.upper)};
+  }
+  friend Enclosure max(const Enclosure& a, const Enclosure& b) {
+    return {rounding::max(a.lower, b.lower), rounding::max(a.upper, b.upper)};
+  }
+  friend Enclosure abs(const Enclosure& a) {
+    return {rounding::max(B(0.0), rounding::max(a.lower, -a.upper)), a.magnitude()};
+  }
+
+  friend Enclosure square(const Enclosure& a) {
+    const Enclosure size = abs(a);
+    return {rounding::max(B(0.0), rounding::below(size.lower * size.lower, rounding::underflow<B>)),
+            above_unless_zero(size.upper, size.upper * size.upper, rounding::underflow<B>)};
+  }
+
+  /// Returns the square root; negative numbers count as 0, for all number types of fields.
+  friend Enclosure sqrt(const Enclosure& a) {
+    const B least = rounding::max(a.lower, B(0.0)), most = rounding::max(a.upper, B(0.0));
+    return {rounding::max(B(0.0), rounding::below(rounding::sqrt(least), rounding::root_underflow<B>)),
+            above_unless_zero(most, rounding::sqrt(most), rounding::root_underflow<B>)};
+  }
+
+  /// Returns the distance to the nearest even number, which is between 0 and 1: mirrored repetition with the
+  /// period 2. Exact but where a kink lies inside.
+  ///
+  /// A number x less an even number is exact: both are multiples of the last place of x or of 1, and so is
+  /// the difference, which is at most 1. From 2^50 on the answer is [0, 1].
+  friend Enclosure fold(const Enclosure& a) {
+    const B first = from_even(a.lower), last = from_even(a.upper);
+    // Largest even and odd numbers that are at most the upper end.
+    const B even = rounding::floor(a.upper * B(0.5)) * B(2.0);
+    const B odd = rounding::floor((rounding::floor(a.upper) + B(1.0)) * B(0.5)) * B(2.0) - B(1.0);
+    const Enclosure folded{select(a.lower <= even, B(0.0), rounding::min(first, last)),
+                           select(a.lower <= odd, B(1.0), rounding::max(first, last))};
+    return select(a.magnitude() < B(0x1p50), folded, Enclosure{B(0.0), B(1.0)});
+  }
+
+  /// Returns the difference from the nearest integer, from −1/2 to 1/2, for repetition. It jumps halfway
+  /// between integers; slopes are those of its branches (slope.hpp). Exact, but where a jump lies inside it
+  /// is [−1/2, 1/2].
+  friend Enclosure wrap(const Enclosure& a) {
+    const B first = rounding::nearest_integer(a.lower), last = rounding::nearest_integer(a.upper);
+    return select(!(first < last) && a.magnitude() < B(0x1p50), Enclosure{a.lower - first, a.upper - last},
+                  Enclosure{B(-0.5), B(0.5)});
+  }
+
+  /// Returns the polynomial smooth minimum of Quilez, min(a, b) − max(k − |a − b|, 0)²/(4k), for k > 0. It
+  /// increases with a and with b, so its ends are those at the ends of both.
+  friend Enclosure smooth_min(const Enclosure& a, const Enclosure& b, double k) {
+    const auto between = [&](const B& x, const B& y) {
+      const Enclosure p = at(x), q = at(y);
+      return min(p, q) - square(max(k - abs(p - q), 0.0)) / (Enclosure(4.0) * k);
+    };
+    return {between(a.lower, b.lower).lower, between(a.upper, b.upper).upper};
+  }
+
+  /// Returns the length of a vector.
+  template <std::size_t n>
+  friend Enclosure length_of(const Enclosure (&v)[n]) {
+    Enclosure sum = square(v[0]);
+    for (std::size_t i = 1; i < n; ++i) sum = sum + square(v[i]);
+    return sqrt(sum);
+  }
+
+  /// Returns the signed distance of q from the octant (or quadrant) of the vectors without a positive
+  /// component: |max(q, 0)| outside, and the largest component, which is negative, inside.
+  template <std::size_t n>
+  friend Enclosure signed_length_of(const Enclosure (&q)[n]) {
+    Enclosure outside[n], largest = q[0];
+    for (std::size_t i = 0; i < n; ++i) outside[i] = max(q[i], 0.0), largest = max(largest, q[i]);
+    return length_of(outside) + min(largest, 0.0);
+  }
+
+  /// Returns the smallest interval that contains both.
+  friend Enclosure hull(const Enclosure& a, const Enclosure& b) {
+    return {rounding::min(a.lower, b.lower), rounding::max(a.upper, b.upper)};
+  }
+
+  /// Returns the numbers in both, for two enclosures of one number.
+  friend Enclosure common(const Enclosure& a, const Enclosure& b) {
+    return {rounding::max(a.lower, b.lower), rounding::min(a.upper, b.upper)};
+  }
+
+  /// Returns component / length of a vector, which is in [−1, 1] whatever the enclosures are. It increases
+  /// with the component; a positive one is divided by the other end of the length. Quotients 0/0 and ∞/∞ are
+  /// NaN, for which the functions below return the limit.
+  friend Enclosure unit_component(const Enclosure& component, const Enclosure& length) {
+    const B zero(0.0), least = component.lower, most = component.upper;
+    const B low = rounding::below(least / rounding::select(least < zero, length.lower, length.upper),
+                                  rounding::underflow<B>);
+    const B high = rounding::above(most / rounding::select(zero < most, length.lower, length.upper),
+                                   rounding::underflow<B>);
+    return {rounding::max(rounding::select(zero <= least, zero, B(-1.0)), low),
+            rounding::min(rounding::select(most <= zero, zero, B(1.0)), high)};
+  }
+
+  /// Returns the part of a that is in [least, most]; the nearer end of it for what lies outside.
+  friend Enclosure clamp(const Enclosure& a, double least, double most) {
+    const auto one = [&](const B& x) { return rounding::min(rounding::max(x, B(least)), B(most)); };
+    return {one(a.lower), one(a.upper)};
+  }
+
+  /// Returns a where the answer is true, and b elsewhere.
+  friend Enclosure select(Truth so, const Enclosure& a, const Enclosure& b) {
+    return {rounding::select(so, a.lower, b.lower), rounding::select(so, a.upper, b.upper)};
+  }
+
+ private:
+  /// Returns the distance of x from the nearest even number, exactly.
+  static B from_even(const B& x) { return rounding::abs(x - rounding::nearest_integer(x * B(0.5)) * B(2.0)); }
+
+  /// Returns an upper bound of the exact result that was rounded to c, and is 0 if its argument x ≥ 0 is.
+  static B above_unless_zero(const B& x, const B& c, double slack) {
+    return rounding::select(x <= B(0.0), B(0.0), rounding::above(c, slack));
+  }
+
+  /// Returns the interval of the products or quotients of a and b, from those of their ends. Signs of the
+  /// factors tell signs of the result, which underflow does not change; an end that is exactly 0 stays so.
+  /// Infinite ends may give NaN, for one or for the sum of all, and then nothing is known.
+  static Enclosure spanned(const Enclosure& a, const Enclosure& b, const B& p, const B& q, const B& r,
+                           const B& s) {
+    const B zero(0.0);
+    const B least =
+        rounding::below(rounding::min(rounding::min(p, q), rounding::min(r, s)), rounding::underflow<B>);
+    const B most =
+        rounding::above(rounding::max(rounding::max(p, q), rounding::max(r, s)), rounding::underflow<B>);
+    const Truth may_be_negative = (a.lower < zero && zero < b.upper) || (zero < a.upper && b.lower < zero);
+    const Truth may_be_positive = (a.lower < zero && b.lower < zero) || (zero < a.upper && zero < b.upper);
+    const B sum = p + q + r + s;
+    return select(sum <= B(infinity),  // false for NaN
+                  Enclosure{rounding::select(may_be_negative, least, rounding::max(least, zero)),
+                            rounding::select(may_be_positive, most, rounding::min(most, zero))},
+                  whole());
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

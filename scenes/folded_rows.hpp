@@ -1,0 +1,35 @@
+// Two rows of columns with rings, which are one column in folded space (stages 36 and 37).
+#pragma once
+
+#include <numbers>
+#include <protostar/scene.hpp>
+#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/distance_field.hpp>
+#include <protostar/surfaces/plane.hpp>
+
+/// Point of folded space: x and z are the distances from the nearest column, which stand 3 apart.
+auto in_rows(const auto& p) {
+  const auto folded = [](const auto& x) { return fold((x - 1.5) * (2.0 / 3)) * 1.5; };
+  return protostar::FieldPoint{folded(p.x), p.y, folded(p.z)};
+}
+
+inline protostar::Scene<protostar::AnySurface> folded_rows() {
+  using namespace protostar;
+
+  const auto columns = [](const auto& p) {
+    const auto q = in_rows(p);
+    return length(FieldPoint{q.x, max(abs(q.y) - 1.2, 0.0), q.z}) - 0.3;
+  };
+  const auto rings = [](const auto& p) {
+    const auto q = in_rows(p);
+    return length(Vec2{length(Vec2{q.x, q.z}) - 0.5, q.y}) - 0.14;
+  };
+  const Bounds bounds{{-60, -1.6, -6}, {60, 1.6, 60}};
+
+  Scene<AnySurface> scene;
+  scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, Color{0.2f, 0.4f, 0.8f});
+  scene.add(Marched{columns, bounds}, Color{1, 0.3f, 0});
+  scene.add(Marched{rings, bounds}, Color{0.2f, 0.7f, 0.1f});
+  scene.add(PointLight{.position = {0, 2.5, 3}, .power = Color{160 * std::numbers::pi_v<float>}});
+  return scene;
+}

@@ -1,0 +1,20 @@
+// Draws rows of columns, which are one column in folded space (§3.4).
+#include <protostar/integrators/diffuse.hpp>
+#include <protostar/render.hpp>
+
+#include "scenes/folded_rows.hpp"
+#include "support/any_surfaces.hpp"
+#include "support/stage.hpp"
+
+using namespace protostar;
+
+int main(int argc, char** argv) {
+  return run_stage(argc, argv, {.integrator = "diffuse"}, [](Stage& stage) {
+    const Camera camera;
+    const auto scene = folded_rows();
+
+    Image image = stage.image();
+    render(image, camera, scene, DiffuseIntegrator{}, stage.render_options());
+    stage.save(image);
+  });
+}

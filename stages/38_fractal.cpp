@@ -1,0 +1,20 @@
+// Draws Menger's sponge with shadows (§3.4).
+#include <protostar/integrators/shadow.hpp>
+#include <protostar/render.hpp>
+
+#include "scenes/sponge.hpp"
+#include "support/any_surfaces.hpp"
+#include "support/stage.hpp"
+
+using namespace protostar;
+
+int main(int argc, char** argv) {
+  return run_stage(argc, argv, {.integrator = "shadow"}, [](Stage& stage) {
+    const Camera camera;
+    const auto scene = sponge();
+
+    Image image = stage.image();
+    render(image, camera, scene, ShadowIntegrator{}, stage.render_options());
+    stage.save(image);
+  });
+}
