@@ -21,6 +21,7 @@ struct RenderStatistics {
   std::uint64_t surface_tests = 0;   ///< tests of rays with surfaces in double, or with visibility buffers
   std::uint64_t in_doubt = 0;        ///< tests in packets that double left in doubt, decided ray by ray
   std::uint64_t exact = 0;           ///< decisions that double left in doubt, made without rounding
+  std::uint64_t undecided = 0;       ///< decisions about marched surfaces that more digits left open, too
   std::uint64_t pixels_skipped = 0;  ///< samples of pixels without a ray, as what they see tells their color
 
   RenderStatistics& operator+=(const RenderStatistics& other) {
@@ -28,7 +29,7 @@ struct RenderStatistics {
     rays_alone += other.rays_alone;
     float_tests += other.float_tests, surface_tests += other.surface_tests;
     in_doubt += other.in_doubt;
-    exact += other.exact;
+    exact += other.exact, undecided += other.undecided;
     pixels_skipped += other.pixels_skipped;
     return *this;
   }

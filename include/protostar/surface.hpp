@@ -10,6 +10,11 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#ifndef NDEBUG
+#include <atomic>
+#include <cstdio>
+#include <typeinfo>
+#endif
 
 #include "intersection.hpp"
 #include "interval.hpp"
@@ -193,6 +198,36 @@ template <Surface S>
   return detail::lies_inside_refined(surface, ray, crossing, range);
 }
 
+namespace detail {
+
+#ifndef NDEBUG
+/// Tells once on stderr that the intersect of a type of surface does not keep to its range.
+[[gnu::noinline, gnu::cold]] inline void warn_of_range(const char* type, double t, Interval range) {
+  static std::atomic_flag is_told = ATOMIC_FLAG_INIT;
+  if (is_told.test_and_set()) return;
+  std::fprintf(
+      stderr,
+      "protostar: Surface %s: intersect returned t = %.17g, which is not inside the range that it was "
+      "given; it must return the smallest t with %.17g < t < %.17g of a crossing, or none. Such a hit "
+      "is left out, and with it those behind it: shadows or whole surfaces are missing.\n",
+      type, t, range.min, range.max);
+}
+#endif
+
+/// Returns the answer of a surface's own intersect; none if it is not inside the range. In a debug build, one
+/// without NDEBUG, the first such answer is reported on stderr.
+template <Surface S>
+[[nodiscard]] std::optional<double> own_intersect(const S& surface, const Ray& ray, Interval range) {
+  const std::optional<double> t = surface.intersect(ray, range);
+  if (!t || range.contains(*t)) return t;
+#ifndef NDEBUG
+  warn_of_range(typeid(S).name(), *t, range);
+#endif
+  return std::nullopt;
+}
+
+}  // namespace detail
+
 /// Returns the part of the range that is left for a ray that departs from a surface without departure().
 ///
 /// The crossing at t = 0 is computed and comes out as a little more or less. The line's crossing nearest to
@@ -204,11 +239,11 @@ template <Surface S>
 [[nodiscard]] Interval beyond_departure(const S& surface, const Ray& ray, Interval range) {
   constexpr double tiny =
       std::numeric_limits<double>::denorm_min();  // the open interval (-tiny, tiny) holds 0 alone
-  if (surface.intersect(ray, Interval{-tiny, tiny})) return range;
-  const auto ahead = surface.intersect(ray, Interval{});
+  if (detail::own_intersect(surface, ray, Interval{-tiny, tiny})) return range;
+  const auto ahead = detail::own_intersect(surface, ray, Interval{});
   if (!ahead) return range;
-  const auto behind =
-      surface.intersect(Ray{.origin = ray.origin, .direction = -ray.direction, .time = ray.time}, Interval{});
+  const Ray back{.origin = ray.origin, .direction = -ray.direction, .time = ray.time};
+  const auto behind = detail::own_intersect(surface, back, Interval{});
   if (!(behind && *behind < *ahead) && range.min < *ahead) range.min = *ahead;
   return range;
 }
@@ -251,8 +286,8 @@ template <Surface S>
       if (const Crossing crossing{roots[i], i}; lies_inside(surface, ray, crossing, range)) return crossing;
     return std::nullopt;
   } else {
-    const auto t = surface.intersect(ray, range);
-    return t && range.contains(*t) ? std::optional(Crossing{*t}) : std::nullopt;
+    const auto t = detail::own_intersect(surface, ray, range);
+    return t ? std::optional(Crossing{*t}) : std::nullopt;
   }
 }
 
@@ -292,7 +327,7 @@ void each_crossing(const S& surface, const Ray& ray, Interval range, auto&& visi
       if (const Crossing crossing{roots[i], i}; lies_inside(surface, ray, crossing, range)) visit(crossing);
   } else {
     int root = 0;
-    for (auto t = surface.intersect(ray, range); t && range.contains(*t); t = surface.intersect(ray, range)) {
+    while (const auto t = detail::own_intersect(surface, ray, range)) {
       visit(Crossing{*t, root++});
       range.min = *t;
     }

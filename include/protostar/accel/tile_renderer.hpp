@@ -63,6 +63,7 @@ class TileRenderer {
       if (are_tested_together()) rasterize(in_tile, tile, *work);
     if (!fill_uniform(tile, in_tile, frustum, *work)) fill_parts(tile, in_tile, 0, *work);
     work->state.counts.exact = fallbacks.exact - before.exact;
+    work->state.counts.undecided = fallbacks.undecided - before.undecided;
     works_.give_back(std::move(work), statistics_);
   }
 

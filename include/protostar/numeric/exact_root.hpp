@@ -9,10 +9,12 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Root (b + sign·√D) / A, with A > 0, D ≥ 0 and a sign of 1 or -1, of a quadratic equation or, with D = 0,
-/// of a linear one.
+/// of a linear one. A root that no formula gives, as of a surface that is marched, is only enclosed: it is
+/// off that number by at most `error`.
 struct ExactRoot {
   ExactNumber A, b, D;
   int sign = 1;
+  ExactNumber error{};  ///< at least 0
 };
 
 /// Returns a double as an exact root.
@@ -39,16 +41,33 @@ namespace detail {
 
 }  // namespace detail
 
-/// Returns the sign of r − s.
-[[nodiscard, gnu::cold, gnu::noinline]] inline int order(const ExactRoot& r, const ExactRoot& s) {
+namespace detail {
+
+/// Returns the sign of r + shift − s, whatever the errors of both are.
+[[nodiscard, gnu::cold, gnu::noinline]] inline int sign_of_difference(const ExactRoot& r,
+                                                                      const ExactNumber& shift,
+                                                                      const ExactRoot& s) {
+  const ExactNumber b = shift.sign() == 0 ? r.b : r.b + r.A * shift;
   // Roots along one ray mostly have the same A = d·d; then the difference is multiplied by A > 0.
-  if (r.A == s.A) return detail::sign_of_sum(r.b - s.b, r.sign, r.D, -s.sign, s.D);
+  if (r.A == s.A) return sign_of_sum(b - s.b, r.sign, r.D, -s.sign, s.D);
   // Otherwise, the difference is multiplied by both A.
-  return detail::sign_of_sum(r.b * s.A - s.b * r.A, r.sign, r.D * s.A * s.A, -s.sign, s.D * r.A * r.A);
+  return sign_of_sum(b * s.A - s.b * r.A, r.sign, r.D * s.A * s.A, -s.sign, s.D * r.A * r.A);
 }
 
-/// Returns a root in double-double, with an error of at most 2^-97 of itself; infinite above the range of
-/// double, and less precise below 2^-1000.
+}  // namespace detail
+
+/// Returns the sign of r − s. If the errors of enclosed roots leave it open, it is 0, as for equal roots, and
+/// fallbacks.undecided counts it.
+[[nodiscard, gnu::cold, gnu::noinline]] inline int order(const ExactRoot& r, const ExactRoot& s) {
+  const ExactNumber error = r.error + s.error;
+  const int sign = detail::sign_of_difference(r, -error, s);
+  if (error.sign() == 0 || sign == detail::sign_of_difference(r, error, s)) return sign;
+  ++fallbacks.undecided;
+  return 0;
+}
+
+/// Returns a root in double-double, with an error of at most 2^-97 of itself, besides that of an enclosed
+/// root; infinite above the range of double, and less precise below 2^-1000.
 ///
 /// If b and sign·√D have different signs, (b + sign·√D) (b − sign·√D) = b² − D avoids cancellation.
 /// Approximations have an error of 2^-103; √D has half of it and 4u², a sum of two numbers of one sign 3u²

@@ -1,0 +1,144 @@
+// All crossings of a ray with the surface of a field, also of a ray that leaves the surface; and their order
+// among those of other surfaces.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "../numeric/exact_root.hpp"
+#include "march.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+namespace detail {
+
+/// Place from which a march begins: no root lies between it and the last one. F is at least `known` there, if
+/// that is above 0.
+struct MarchStart {
+  double t = 0, known = 0;
+};
+
+/// Turns F so that it is above 0 at t. Returns false if double-double does not tell its sign.
+template <class Line>
+[[nodiscard]] bool is_turned_at(Line& line, double t) {
+  const auto is_known = [&](const auto& F, const auto& zero) {
+    if (F.upper < zero) line.turn_to(-line.sign());
+    return zero < F.lower || F.upper < zero;
+  };
+  return is_known(line.enclosed(t), 0.0) || is_known(line.enclosed(DoubleDouble(t)), DoubleDouble(0.0));
+}
+
+/// Returns the nearest place behind t where double-double tells the sign of F, which is turned to be above 0,
+/// or the end of the line. The distance doubles from try to try.
+template <class Line>
+[[nodiscard]] double decided_behind(Line& line, double t) {
+  const double end = line.span().max;
+  for (double h = std::max(0x1p-52 * std::abs(t), line.resolution()); t + h < end; h *= 2)
+    if (is_turned_at(line, t + h)) return t + h;
+  return end;
+}
+
+/// Returns where the march of a ray that leaves the surface begins. It leaves the level set through its
+/// origin, and the next crossing is the first t > 0 with F(t) = F(0); of F − F(0) the root 0 is divided out:
+/// by the mean value theorem (F(t) − F(0)) / t lies in the slopes over [0, t]. If these are never below 0, or
+/// never above, over [0, h], the departure is the only root there, and |F(h) − F(0)| is at least h times the
+/// least slope, without cancellation. If no h proves that, the ray leaves along the surface, which is counted
+/// as undecided; the march then begins where F surely differs from F(0).
+template <class Line>
+[[nodiscard]] MarchStart deflated_start(Line& line) {
+  line.leave_level();
+  const auto start_at = [&](double h, const auto& slope) -> std::optional<MarchStart> {
+    const double lo = static_cast<double>(slope.lower), hi = static_cast<double>(slope.upper);
+    if (!(lo >= 0 || hi <= 0)) return std::nullopt;
+    if (!(lo >= 0)) line.turn_to(-line.sign());
+    line.trace().proven(MarchProof::deflation, 0, h);
+    return MarchStart{h, (lo >= 0 ? lo : -hi) * h * (1 - 0x1p-50)};
+  };
+  double h = line.extent() / 4;
+  for (; h > 0x1p-43 * line.extent(); h /= 8)
+    if (const auto start = start_at(h, line.slope(0.0, h).slope)) return *start;
+  for (; h > 0x1p-97 * line.extent(); h /= 8)
+    if (const auto start = start_at(h, line.slope(DoubleDouble(0.0), DoubleDouble(h)).slope)) return *start;
+  ++fallbacks.undecided;
+  return {decided_behind(line, 0)};
+}
+
+/// Calls visit(const MarchedRoot&) for the roots of a line in t > begin, near to far, until it returns true.
+/// If the ray leaves the surface, `begin` is 0, and the root 0 does not count; so it is if F is 0 there to
+/// the last digit. A touch is two roots. Roots behind `stop` need not be visited.
+template <class Line>
+void each_root(Line& line, double begin, double stop, bool leaves, const auto& visit) {
+  const double end = line.span().max;
+  if (!(begin < end)) return;
+  MarchStart at{begin};
+  if (leaves) {
+    at = deflated_start(line);
+  } else if (!is_turned_at(line, begin)) {
+    ++fallbacks.undecided;
+    if (begin == 0) {
+      at = deflated_start(line);
+    } else {
+      if (visit(MarchedRoot{MarchedRoot::Answer::undecided, begin, begin})) return;
+      at = {decided_behind(line, begin)};
+    }
+  }
+  bool may_be_departure = at.t > begin;
+  while (at.t < end && at.t < stop) {
+    const MarchedRoot root = March(line, at.t, at.known, end, stop).root();
+    if (root.answer == MarchedRoot::Answer::miss) return;
+    if (root.answer == MarchedRoot::Answer::hit) {
+      if (visit(root)) return;
+      line.turn_to(-line.sign());
+      at = {root.max};
+    } else {
+      // A march that does not get away from the departure has found no other root.
+      const bool is_departure = may_be_departure && root.min == at.t;
+      if (!is_departure && visit(root)) return;
+      const double sign = line.sign();
+      at = {decided_behind(line, root.max)};
+      if (!is_departure && line.sign() == sign && visit(root)) return;
+    }
+    may_be_departure = false;
+  }
+}
+
+/// Returns the root near t for comparisons with others: enclosed in double-double, to about 2^-95 of itself
+/// where the field allows. F must change its sign there and have one slope; otherwise t is off by as much as
+/// a march leaves it.
+template <class Line>
+[[nodiscard, gnu::noinline, gnu::cold]] ExactRoot enclosed_root(Line& line, double t) {
+  const DoubleDouble zero(0.0);
+  const double widest = enclosure_width * std::abs(t);
+  for (double h = std::max(0x1p-53 * std::abs(t), line.resolution()); h < widest; h *= 2) {
+    DoubleDouble a = two_sum(t, -h), b = two_sum(t, h);
+    const auto at_a = line.enclosed(a), at_b = line.enclosed(b);
+    const bool falls = zero < at_a.lower && at_b.upper < zero, rises = at_a.upper < zero && zero < at_b.lower;
+    if (!falls && !rises) continue;
+    const auto slope = line.slope(a, b).slope;
+    if (!(falls ? slope.upper <= zero : zero <= slope.lower)) break;
+    /// Moves an end to a share of the segment, if the sign of F is certain there.
+    const auto take = [&](double share) {
+      const DoubleDouble m = a + DoubleDouble(share) * (b - a);
+      const auto at_m = line.enclosed(m);
+      if (zero < at_m.lower) return (falls ? a : b) = m, true;
+      if (at_m.upper < zero) return (falls ? b : a) = m, true;
+      return false;
+    };
+    while ((b - a).hi > 0x1p-97 * std::abs(t)) {
+      if (take(0.5)) continue;
+      const bool moved = take(0.25);
+      if (!take(moved ? 2.0 / 3 : 0.75) && !moved) break;
+    }
+    const DoubleDouble middle = a + DoubleDouble(0.5) * (b - a);
+    return {.A = 1.0,
+            .b = ExactNumber(middle.hi) + ExactNumber(middle.lo),
+            .D = {},
+            .error = (b - a).hi * (0.5 + 0x1p-40)};
+  }
+  return {.A = 1.0, .b = t, .D = {}, .error = widest};
+}
+
+}  // namespace detail
+
+}  // namespace protostar::inline PROTOSTAR_ABI

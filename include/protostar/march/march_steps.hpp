@@ -1,0 +1,55 @@
+// What a march tells of its steps: each evaluation of the field, and each part of the ray that is proven
+// empty.
+#pragma once
+
+#include <cstdint>
+
+#include "../platform.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Kind of an evaluation of a field by a march.
+enum class Evaluation : std::uint8_t {
+  value,          ///< a plain value in double, at one t
+  slope,          ///< an enclosure of value and slope in double, over a segment
+  precise_value,  ///< an enclosure of the value in double-double, at one t
+  precise_slope   ///< an enclosure of value and slope in double-double, over a segment
+};
+
+/// Proof that a part of a ray is empty, or that it has one crossing.
+enum class MarchProof : std::uint8_t {
+  ball,         ///< a value: the field cannot reach 0 nearer to it than (v − E) / (L |d|)
+  two_balls,    ///< two values whose balls cover what is between them, after an over-relaxed step
+  segment,      ///< an enclosure of value and slope over the segment
+  deflation,    ///< the slope has one sign from the surface that is left on: nothing but the departure
+  sign_change,  ///< the field has one slope and another sign at the end: the segment has one crossing
+  touch         ///< not proven in double-double: the field comes nearer to 0 than its digits tell
+};
+
+/// Trace of a march that listens to nothing. A trace of your own has the same two functions: it is told of
+/// each evaluation over a ≤ t ≤ b, and then of what it proves about a segment of the ray. After a sign change
+/// or a touch the segment is the enclosure of t.
+struct NoTrace {
+  void evaluated(Evaluation, double /*a*/, double /*b*/) {}
+  void proven(MarchProof, double /*a*/, double /*b*/) {}
+};
+
+/// Trace that counts the evaluations of a march.
+struct MarchCounts {
+  std::uint64_t values = 0, slopes = 0, precise_values = 0, precise_slopes = 0;
+
+  void evaluated(Evaluation kind, double, double) {
+    ++(kind == Evaluation::value           ? values
+       : kind == Evaluation::slope         ? slopes
+       : kind == Evaluation::precise_value ? precise_values
+                                           : precise_slopes);
+  }
+  void proven(MarchProof, double, double) {}
+
+  /// Returns the number of all evaluations.
+  [[nodiscard]] std::uint64_t evaluations() const {
+    return values + slopes + precise_values + precise_slopes;
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,315 @@
+// Surfaces that are marched: the points where a field is 0, as a distance field is on a surface (§3.2).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../exact/distance_field.hpp"
+#include "../magnitude.hpp"
+#include "../march/field_roots.hpp"
+#include "../surface.hpp"
+#include "coordinates.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+namespace detail {
+
+/// Returns the largest side of a box. Throws std::invalid_argument for one in which nothing can be marched.
+[[nodiscard]] inline double largest_side(const Bounds& bounds) {
+  for (int k = 0; k < 3; ++k) {
+    const double low = bounds.min[k], high = bounds.max[k];
+    if (is_coordinate(low) && is_coordinate(high) && is_size(high - low)) continue;
+    throw std::invalid_argument("Marched: bounds." + std::string(1, "xyz"[k]) + " goes from " +
+                                std::to_string(low) + " to " + std::to_string(high) +
+                                "; both must be finite, at most 2^400 (2.6e120) in magnitude, and the second "
+                                "must be larger than the first");
+  }
+  const Vec3 size = bounds.max - bounds.min;
+  return std::max({size.x, size.y, size.z});
+}
+
+/// Returns a box that is wider by a margin on each side.
+[[nodiscard]] inline Bounds widened(const Bounds& bounds, double margin) {
+  return {bounds.min - Vec3(margin), bounds.max + Vec3(margin)};
+}
+
+}  // namespace detail
+
+/// Field as a plain function of a point, in double: the library knows no more of it than its values.
+template <class F>
+concept PlainField = !DistanceField<F> && std::copy_constructible<F> && requires(const F& field, Point p) {
+  { field(p) } -> std::convertible_to<double>;
+};
+
+/// Surface of a field: the points inside the bounds where the field is 0. Where the field is below 0 is the
+/// inside. It is made of the field and the bounds: `Marched{field, Bounds{...}}`.
+///
+/// A DistanceField is a generic function of a point, as [](const auto& p) { return length(p) - 1.0; }. From
+/// it the library derives how fast it changes, and how much it is rounded, and each hit is proven: t is
+/// enclosed to 2^-30 of itself, nothing lies before it, and a miss is a miss. Where a ray comes nearer to the
+/// surface than double-double tells, about 2^-95, it hits, and fallbacks.undecided counts it.
+///
+/// A plain function of a Point takes a Lipschitz constant besides, and nothing is proven then.
+template <class F>
+class Marched;
+
+/// Surface of a DistanceField, marched with a proof.
+template <DistanceField F>
+class Marched<F> {
+ public:
+  /// Makes the surface; derives the field's Lipschitz constant and rounding with at most `evaluations`
+  /// evaluations over boxes, of which a field that is no exact distance needs many. Throws
+  /// std::invalid_argument if the bounds are not finite, or empty, or the field has no bounded slope or value
+  /// in them.
+  Marched(F field, const Bounds& bounds, int evaluations = 20000) : field_(std::move(field)) {
+    // Faces that lie in the bounds are inside of boxes that are a thousandth larger. Points of rays may come
+    // out beyond that by as much again.
+    setup_.margin = 0x1p-10 * detail::largest_side(bounds);
+    setup_.inside = detail::widened(bounds, setup_.margin);
+    setup_.bound = lipschitz_bound(field_, detail::widened(setup_.inside, setup_.margin), evaluations);
+    if (!std::isfinite(setup_.bound.lipschitz) || !std::isfinite(setup_.bound.error))
+      throw std::invalid_argument(
+          "Marched: in the bounds the field must have finite values, and slopes that are finite; found a "
+          "slope of up to " +
+          std::to_string(setup_.bound.lipschitz) + " and an error of up to " +
+          std::to_string(setup_.bound.error));
+  }
+
+  [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
+    return first_t(*this, ray, range);
+  }
+
+  /// Returns the unit gradient at a point of the surface, towards where the field is above 0. At an edge,
+  /// where the gradient jumps, it is one between those of both sides; where it vanishes, it is (0, 0, 1).
+  [[nodiscard]] Vec3 normal_at(const Point& point) const {
+    Vec3 gradient{0};
+    for (int k = 0; k < 3; ++k) {
+      using E = Enclosure<double>;
+      const auto coordinate = [&](int i) {
+        const double one = i == k ? 1 : 0;
+        return Slope<E>{E{point[i], point[i]}, E{one, one}};
+      };
+      const Slope<E> f = field_(FieldPoint<Slope<E>>{coordinate(0), coordinate(1), coordinate(2)});
+      gradient[k] = 0.5 * (f.slope.lower + f.slope.upper);
+    }
+    return unit_along(gradient);
+  }
+
+  [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
+    NoTrace trace;
+    const auto root = first_root(ray, range, trace);
+    return root ? std::optional(root->first) : std::nullopt;
+  }
+
+  /// Calls visit(const Crossing&) for all crossings in the range, near to far. A touch is two.
+  void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
+    NoTrace trace;
+    each(ray, range, trace, [&](const Crossing& crossing, const MarchedRoot&) {
+      if (lies_inside(*this, ray, crossing, range)) visit(crossing);
+      return false;
+    });
+  }
+
+  /// Returns a crossing, enclosed in double-double.
+  [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
+    NoTrace trace;
+    FieldLine line(field_, setup_, ray, trace);
+    if (is_left_by(ray)) line.leave_level();
+    return detail::enclosed_root(line, crossing.t);
+  }
+
+  /// Marches along a ray, and tells a trace of each step (march_steps.hpp). Returns the first crossing in the
+  /// range, with its enclosure, or a miss.
+  template <class Trace>
+  [[nodiscard]] MarchedRoot march(const Ray& ray, Interval range, Trace& trace) const {
+    const auto root = first_root(ray, range, trace);
+    return root ? root->second : MarchedRoot{};
+  }
+
+  /// Returns this surface, recognized by its address.
+  [[nodiscard]] Departure departure() const { return {.kind = Departure::Kind::object, .object = this}; }
+  [[nodiscard]] bool is_left_by(const Ray& ray) const {
+    return ray.departure.kind == Departure::Kind::object && ray.departure.object == this;
+  }
+
+  /// Returns true if the field is proven to be above 0 all over the faces of the bounds: then the surface is
+  /// closed.
+  [[nodiscard]] bool is_solid() const {
+    const Bounds& box = setup_.inside;
+    int left = 1 << 16;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double side : {box.min[axis], box.max[axis]}) {
+        Bounds face = box;
+        face.min[axis] = face.max[axis] = side;
+        if (!is_positive_over(face, left)) return false;
+      }
+    return true;
+  }
+  /// Returns false: the far end of a ray is outside the bounds.
+  [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
+
+  /// Returns the bounds as they were given, with a margin in which faces that lie in them are seen.
+  [[nodiscard]] Bounds bounds() const { return detail::widened(setup_.inside, 0x1p-20 * setup_.margin); }
+
+  [[nodiscard]] const F& field() const { return field_; }
+  [[nodiscard]] const MarchSetup& setup() const { return setup_; }
+
+ private:
+  /// Calls visit(const Crossing&, const MarchedRoot&) for the crossings of a ray's line, near to far, until
+  /// it returns true; those at t < 0 only if the range has some. They do not depend on the range otherwise:
+  /// it only ends the search.
+  void each(const Ray& ray, Interval range, auto& trace, const auto& visit) const {
+    if (!is_proper(ray)) return;
+    FieldLine line(field_, setup_, ray, trace);
+    const Interval span = line.span();
+    if (!(span.min < span.max && std::isfinite(span.min) && std::isfinite(span.max))) return;
+    const bool leaves = is_left_by(ray);
+    int index = 0;
+    const auto visit_next = [&](const MarchedRoot& root) {
+      const Crossing crossing{root.t(), index++};
+      return visit(crossing, root);
+    };
+    if (range.min < 0 && leaves && span.min < 0) {
+      std::vector<MarchedRoot> behind;
+      const Ray back = ray.reversed();
+      FieldLine line_back(field_, setup_, back, trace);
+      detail::each_root(line_back, 0, -range.min, true, [&](const MarchedRoot& root) {
+        behind.push_back({root.answer, -root.max, -root.min});
+        return false;
+      });
+      for (auto root = behind.rbegin(); root != behind.rend(); ++root)
+        if (visit_next(*root)) return;
+    }
+    const double begin = leaves ? 0 : range.min < 0 ? span.min : std::max(0.0, span.min);
+    detail::each_root(line, begin, range.max, leaves, visit_next);
+  }
+
+  [[nodiscard]] std::optional<std::pair<Crossing, MarchedRoot>> first_root(const Ray& ray, Interval range,
+                                                                           auto& trace) const {
+    std::optional<std::pair<Crossing, MarchedRoot>> first;
+    each(ray, range, trace, [&](const Crossing& crossing, const MarchedRoot& root) {
+      if (lies_inside(*this, ray, crossing, range)) first = std::pair(crossing, root);
+      return first.has_value();
+    });
+    return first;
+  }
+
+  /// Tests whether F > 0 all over a part of a face, by halves; `left` counts the evaluations that are left.
+  [[nodiscard]] bool is_positive_over(const Bounds& part, int& left) const {
+    if (--left < 0) return false;
+    using E = Enclosure<double>;
+    const auto over = [&](int k) { return E{part.min[k], part.max[k]}; };
+    const E values = field_(FieldPoint<E>{over(0), over(1), over(2)});
+    if (values.lower > 0) return true;
+    if (values.upper < 0) return false;
+    const Point middle = 0.5 * (part.min + part.max);
+    const Vec3 size = part.max - part.min;
+    int axis = 0;
+    for (int k = 1; k < 3; ++k)
+      if (size[k] > size[axis]) axis = k;
+    if (!(part.min[axis] < middle[axis] && middle[axis] < part.max[axis])) return false;
+    Bounds low = part, high = part;
+    low.max[axis] = high.min[axis] = middle[axis];
+    return is_positive_over(low, left) && is_positive_over(high, left);
+  }
+
+  F field_;
+  MarchSetup setup_;
+};
+
+template <class F>
+requires(DistanceField<F>) Marched(F, const Bounds&)
+->Marched<F>;
+template <class F>
+requires(DistanceField<F>) Marched(F, const Bounds&, int)
+->Marched<F>;
+template <class F>
+requires(PlainField<F>) Marched(F, const Bounds&, double)
+->Marched<F>;
+
+/// Surface of a plain function of a point, marched without a proof. The user's constant says how fast the
+/// function changes at most: |f(p) − f(q)| ≤ lipschitz · |p − q|. If it does not hold, a ray may pass through
+/// the surface. Even if it holds, nothing is proven: a ray hits where it comes closer to the surface than
+/// 2^-40 of the bounds' size, and while a ray that starts is as close, it hits nothing.
+template <PlainField F>
+class Marched<F> {
+ public:
+  /// Makes the surface. Throws std::invalid_argument if the bounds are not finite or are empty, or the
+  /// constant is not a number from 2^-400 to 2^400.
+  Marched(F field, const Bounds& bounds, double lipschitz)
+      : field_(std::move(field)), size_(detail::largest_side(bounds)), lipschitz_(lipschitz) {
+    if (!is_size(lipschitz))
+      throw std::invalid_argument("Marched: lipschitz is " + std::to_string(lipschitz) +
+                                  "; it must be a number " + size_rule);
+    bounds_ = detail::widened(bounds, 0x1p-10 * size_);
+  }
+
+  /// Returns t of the first crossing in the range that the march finds, in steps of |f| / lipschitz. A change
+  /// of sign is narrowed by bisection. A march of more than 65,536 steps ends as a hit.
+  [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
+    if (!is_proper(ray)) return std::nullopt;
+    const Interval span = detail::inside_of(bounds_, ray.origin, ray.direction);
+    const double end = std::min(span.max, range.max);
+    const auto value = [&](double t) { return static_cast<double>(field_(ray.at(t))); };
+    const double speed = lipschitz_ * std::hypot(ray.direction.x, ray.direction.y, ray.direction.z);
+    const double close = 0x1p-40 * size_ * lipschitz_;
+    double t = std::max(span.min, range.min);
+    if (!(t < end)) return std::nullopt;
+    double v = value(t);
+    for (double step = close / speed; std::abs(v) <= close; step *= 2) {  // the surface that the ray leaves
+      if (!(t + step < end)) return std::nullopt;
+      v = value(t += step);
+    }
+    for (int i = 0; i < 1 << 16; ++i) {
+      const double next = std::min(t + std::abs(v) / speed, end), v_next = value(next);
+      if ((v < 0) != (v_next < 0)) return root_between(value, t, next, range);
+      t = next, v = v_next;
+      if (std::abs(v) <= close) break;
+      if (!(t < end)) return std::nullopt;
+    }
+    return range.contains(t) ? std::optional(t) : std::nullopt;
+  }
+
+  /// Returns the unit gradient at a point, by differences over 2^-17 of the bounds' size, where their error
+  /// and that of rounding are about equal.
+  [[nodiscard]] Vec3 normal_at(const Point& point) const {
+    const double h = 0x1p-17 * size_;
+    Vec3 gradient{0};
+    for (int k = 0; k < 3; ++k) {
+      Point a = point, b = point;
+      a[k] -= h, b[k] += h;
+      gradient[k] = static_cast<double>(field_(b)) - static_cast<double>(field_(a));
+    }
+    return unit_along(gradient);
+  }
+
+  /// Returns the bounds as they were given, with a margin.
+  [[nodiscard]] Bounds bounds() const { return detail::widened(bounds_, 0x1p-20 * size_); }
+
+  /// Returns this surface, recognized by its address. It is left as any place close to it is.
+  [[nodiscard]] Departure departure() const { return {.kind = Departure::Kind::object, .object = this}; }
+
+ private:
+  /// Returns the place between a and b where a value changes its sign, to the last digits of t.
+  [[nodiscard]] static std::optional<double> root_between(const auto& value, double a, double b,
+                                                          Interval range) {
+    const bool is_inside = value(a) < 0;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (a + b);
+      ((value(middle) < 0) == is_inside ? a : b) = middle;
+    }
+    return range.contains(b) ? std::optional(b) : std::nullopt;
+  }
+
+  F field_;
+  Bounds bounds_{};
+  double size_, lipschitz_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI
