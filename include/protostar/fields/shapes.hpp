@@ -292,15 +292,18 @@ struct MengerSponge {
 };
 
 /// Implicit field of balls that blend into each other where they are near (Blinn 1982): 1 − Σ exp(b (1 − |p −
-/// center|²/radius²)), with the sharpness b. It is times r/2b, where r is the smallest radius, so that the
-/// slope at a ball of that radius alone is 1. A ball alone has its own radius.
+/// center|²/radius²)), with the sharpness b; exponents below −500 count as −500. It is times r/2b, where r is
+/// the smallest radius, so that the slope at a ball of that radius alone is 1. A ball alone has its own
+/// radius.
 struct Metaballs {
   struct Ball {
     Point center{0};
     double radius = 1;
   };
   std::vector<Ball> balls;
-  double sharpness = 2;
+  double sharpness = 2;  ///< above 0, and at most most_sharpness
+
+  static constexpr double most_sharpness = 100;
 
   template <class T>
   [[nodiscard]] T operator()(const FieldPoint<T>& p) const {
@@ -308,7 +311,8 @@ struct Metaballs {
     for (const Ball& ball : balls) {
       const FieldPoint<T> q = p - ball.center;
       const T squares = square(q.x) + square(q.y) + square(q.z);
-      rest = rest - exp(squares * (-sharpness / (ball.radius * ball.radius)) + sharpness);
+      const T exponent = squares * (-sharpness / (ball.radius * ball.radius)) + sharpness;
+      rest = rest - exp(max(exponent, -500.0));
     }
     return rest * (smallest_radius() / (2 * sharpness));
   }
@@ -334,7 +338,8 @@ struct Metaballs {
                    coordinate_rule);
       require_rule(is_size(ball.radius), "fields::Metaballs: each radius must be", size_rule);
     }
-    require_rule(is_size(sharpness), "fields::Metaballs: sharpness must be", size_rule);
+    if (!(is_size(sharpness) && sharpness <= most_sharpness))
+      throw std::invalid_argument("fields::Metaballs: sharpness must be above 0 and at most 100");
   }
 
  private:

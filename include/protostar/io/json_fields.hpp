@@ -108,7 +108,11 @@ inline fields::Field sponge_field_at(const FieldCursor& cursor) {
 inline fields::Field metaballs_field_at(const FieldCursor& cursor) {
   const JsonCursor& at = cursor.with_keys({"balls", "sharpness"});
   fields::Metaballs metaballs;
-  if (at.has("sharpness")) metaballs.sharpness = at["sharpness"].size();
+  if (at.has("sharpness")) {
+    metaballs.sharpness = at["sharpness"].size();
+    if (!(metaballs.sharpness <= fields::Metaballs::most_sharpness))
+      at["sharpness"].refuse("a number greater than 0, and at most 100");
+  }
   at["balls"].each_element([&](const JsonCursor& ball) {
     ball.with_keys({"position", "radius"});
     metaballs.balls.push_back({ball["position"].point(), ball["radius"].size()});
