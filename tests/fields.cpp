@@ -47,7 +47,7 @@ struct KnownField {
   Field field;
   std::function<bool(Real, Real, Real)> is_inside;
   std::function<Real(Real, Real, Real)> distance = {};  ///< none for a bound and an implicit field
-  double steepest = 1;  ///< largest slope that may be derived, larger than the true one
+  double steepest = 1 + 0x1p-40;                        ///< largest Lipschitz constant that may be derived
   bool is_implicit = false;
 };
 
@@ -173,7 +173,7 @@ const std::vector<KnownField>& shapes() {
                               1;
                      },
                      {},
-                     2,
+                     4,
                      true});
     return known;
   }();
