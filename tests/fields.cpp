@@ -41,7 +41,7 @@ Real from_brick(const std::vector<Real>& x, const std::vector<Real>& half) {
   return outside_or(std::sqrt(squares), depth);
 }
 
-/// What is known of a field without its formula.
+/// Facts about a field that do not come from its formula.
 struct KnownField {
   std::string name;
   Field field;
@@ -202,6 +202,10 @@ const std::vector<KnownField>& operations() {
            const Real w = std::clamp(0.5L + (b - a), Real(0), Real(1));  // the mix of both, w of a
            return b + w * (a - b) - 0.5L * w * (1 - w) < 0;
          }});
+    known.push_back(by_distance("smooth union with itself",
+                                fields::JoinedList<fields::SmoothlySmaller, Field>{
+                                    List{fields::Sphere{0.75}, fields::Sphere{0.75}}, {0.5}},
+                                [](Real x, Real y, Real z) { return length_3(x, y, z) - 0.875L; }));
     known.push_back(by_distance("shell", fields::Shell<Field>{unit_ball, 0.25}, [](Real x, Real y, Real z) {
       return std::max(length_3(x, y, z) - 1.125L, 0.875L - length_3(x, y, z));
     }));

@@ -1,4 +1,4 @@
-// The fields of scene files: what is read, and the message for each kind of error.
+// The fields of scene files: their values, and the message for each kind of error.
 #include <cmath>
 #include <protostar/fields/field.hpp>
 #include <protostar/io/json_scene.hpp>
@@ -144,8 +144,8 @@ TEST_CASE("a field of a scene file may be 64 deep and take 4096 shapes and opera
   CHECK_THAT(field_error(rounded(ball_field, 64)),
              ContainsSubstring("is not possible here: at most 64 fields"));
   CHECK(field_error(union_of(4095)) == "");
-  CHECK_THAT(
-      field_error(union_of(4096)),
-      Catch::Matchers::EndsWith("is not possible: Field: an evaluation takes 4097 shapes and operations; at most 4096 are "
-               "allowed"));
+  CHECK_THAT(field_error(union_of(4096)),
+             Catch::Matchers::EndsWith(
+                 "is not possible: Field: an evaluation takes 4097 shapes and operations; at most 4096 are "
+                 "allowed"));
 }

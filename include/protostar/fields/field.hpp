@@ -74,7 +74,7 @@ class Field {
   /// Returns the number of shapes and operations on the way from the root to the farthest shape.
   [[nodiscard]] int depth() const { return depth_; }
 
-  /// Returns the number of shapes and operations that an evaluation takes: those of a repeated field once for
+  /// Returns the number of shapes and operations that an evaluation takes. A repeated field counts once for
   /// each copy, metaballs once for each ball, a sponge once for each level, a polygon once for each corner.
   [[nodiscard]] std::size_t size() const { return size_; }
 

@@ -140,8 +140,8 @@ template <class A, class B>
 
 // ---- Other surfaces of one field.
 
-/// Shell around the surface of a field: |value| − thickness/2. Of a distance a distance in the neighborhood,
-/// and the wall has that thickness; of other fields the wall is thicker.
+/// Shell around the surface of a field: |value| − thickness/2. A distance near the surface of a distance,
+/// whose wall has that thickness. The wall of a bound is thicker.
 template <class F>
 struct Shell {
   F field;
@@ -158,7 +158,8 @@ template <class F>
 Shell(F, double) -> Shell<F>;
 
 /// Shape that is larger by a radius on all sides, whose corners and edges are round: value − radius. A
-/// distance outside of a distance's shape; of a bound a bound, whose shape is larger.
+/// distance outside of a distance's shape. A bound grows by more than the radius in places, and stays a
+/// bound.
 template <class F>
 struct Rounded {
   F field;

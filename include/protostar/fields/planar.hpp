@@ -85,7 +85,8 @@ class Polygon {
     return value;
   }
 
-  /// Where sides with the unit normals n and m meet, the field is `level` at the corner plus level (n + m)/(1
+  /// Returns the rectangle. Beside the corner between sides with the unit normals n and m, the field is
+  /// `level` at the corner plus level (n + m)/(1
   /// + n · m).
   [[nodiscard]] PlanarBounds bounds(double level = 0) const {
     PlanarBounds all{Uv(infinity), Uv(-infinity)};

@@ -75,8 +75,8 @@ struct Box {
   }
 };
 
-/// Distance from a box whose edges and corners are rounded by spheres of a radius: that from a box that is
-/// smaller by the radius on each side, less the radius.
+/// Distance from a box whose edges and corners are rounded by spheres of a radius: the distance from a
+/// box that is smaller by the radius on each side, less the radius.
 struct RoundedBox {
   Vec3 size{1, 1, 1};
   double radius = 0.1;  ///< at most half the shortest side
@@ -94,10 +94,10 @@ struct RoundedBox {
   }
 };
 
-/// Distance from a torus around the y axis: that of (|(x, z)| − radius, y) from a circle of the tube's
-/// radius.
+/// Distance from a torus around the y axis: the distance of (|(x, z)| − radius, y) from a circle of the
+/// tube's radius.
 struct Torus {
-  double radius = 1;   ///< of the circle in the middle of the tube
+  double radius = 1;   ///< radius of the circle in the middle of the tube
   double tube = 0.25;  ///< radius of the tube
 
   template <class T>
@@ -221,7 +221,7 @@ struct Octahedron {
 /// 1643). |(y, z)| − 1/x changes by at most √(1 + 1/x⁴) ≤ √2 for each unit of length, by which it is divided.
 struct GabrielsHorn {
   double end = 8;           ///< above 1
-  double thickness = 0.05;  ///< of the wall, measured across the axis
+  double thickness = 0.05;  ///< thickness of the wall, measured across the axis
 
   template <class T>
   [[nodiscard]] T operator()(const FieldPoint<T>& p) const {
@@ -316,9 +316,9 @@ struct Metaballs {
     }
     return rest * (smallest_radius() / (2 * sharpness));
   }
-  /// Where the field is at most level, the sum is at least m = 1 − 2b level/r, and one of n balls adds at
-  /// least m/n of it: |p − center|² ≤ radius² (1 + ln(n/m)/b). A logarithm is less than 0.7 times the
-  /// exponent of 2 above its number.
+  /// Returns the box. If the field is at most level, the sum is at least m = 1 − 2b level/r, and one of n
+  /// balls adds at least m/n of it: |p − center|² ≤ radius² (1 + ln(n/m)/b). A logarithm is less than 0.7
+  /// times the exponent of 2 above its number.
   [[nodiscard]] Bounds bounds(double level = 0) const {
     const double least = 1 - 2 * sharpness * level / smallest_radius();
     if (!(least > 0)) return {Point(-infinity), Point(infinity)};

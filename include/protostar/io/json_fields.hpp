@@ -288,7 +288,7 @@ inline fields::Field field_at(const FieldCursor& cursor) {
   }
 }
 
-/// Returns the box in which a field is drawn: that of the file, or else the field's own.
+/// Returns the box in which a field is drawn: the box in the file, or else the field's own.
 inline Bounds bounds_of_field(const JsonCursor& at, const fields::Field& field) {
   if (at.has("bounds")) {
     const JsonCursor bounds = at["bounds"].with_keys({"min", "max"});
