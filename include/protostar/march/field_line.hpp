@@ -117,7 +117,7 @@ class FieldLine {
     const double L = setup.bound.lipschitz;
     error_ = off < setup.margin / 2 ? (L * off + setup.bound.error) * more : infinity;
     reach_ = (1 - 0x1p-40) / (L * (d + d_error));
-    if (!(reach_ > 0 && reach_ < infinity)) error_ = infinity;
+    if (!(d > 0x1p-450 && reach_ > 0 && reach_ < infinity)) error_ = infinity;  // squares may underflow
     extent_ = largest(setup.inside.max - setup.inside.min) / (2 * d);
     resolution_ = 0x1p-100 * (o / d + T);
   }
@@ -190,7 +190,8 @@ class FieldLine {
   }
 
  private:
-  [[nodiscard]] static double norm(const Vec3& v) { return std::hypot(v.x, v.y, v.z); }
+  /// Returns the length of a vector, by operations that are rounded alike everywhere.
+  [[nodiscard]] static double norm(const Vec3& v) { return std::sqrt(dot(v, v)); }
   [[nodiscard]] static double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 
   [[nodiscard]] double plain(double t) const {

@@ -49,7 +49,7 @@ struct FieldValue {
 template <class Line>
 [[nodiscard]] std::optional<MarchedRoot> proven_root(Line& line, double start, double guess, double slope) {
   const double error = line.error(), least = std::max(3 * error / -slope, 0x1p-50 * std::abs(guess));
-  const auto behind = [&](double side) -> std::optional<double> {
+  const auto decided_on = [&](double side) -> std::optional<double> {
     double delta = least;
     for (int i = 0; i < 4; ++i, delta *= 4) {
       const double t = std::max(start, guess + side * delta);
@@ -58,9 +58,9 @@ template <class Line>
     }
     return std::nullopt;
   };
-  const auto max = behind(1);
+  const auto max = decided_on(1);
   if (!max || !(line.template slope<double>(start, *max).slope.upper <= 0)) return std::nullopt;
-  const double min = behind(-1).value_or(start);
+  const double min = decided_on(-1).value_or(start);
   if (!is_narrow(min, *max)) return std::nullopt;
   return MarchedRoot{MarchedRoot::Answer::hit, min, *max};
 }
@@ -77,8 +77,9 @@ template <class Line>
     if (!(slope < 0)) return std::nullopt;
     const double next = second.t - second.v / slope;
     if (!(start <= next && next < end)) return std::nullopt;
-    // A step below 2^-24 of t is followed by one below 2^-48 of it, by which t would hardly change.
-    const bool converges = i > 0 && std::abs(next - second.t) < 0x1p-24 * std::abs(next);
+    // The error of the next guess is about the product of the last two: below 2^-48 of t if they are about
+    // 2^-18 and 2^-30 of it.
+    const bool converges = i > 0 && std::abs(next - second.t) < 0x1p-30 * std::abs(next);
     if (converges || std::abs(second.v) <= 2 * line.error()) return proven_root(line, start, next, slope);
     const FieldValue at_next{next, line.value(next)};
     if (at_next.v == second.v || next == second.t) return proven_root(line, start, next, slope);

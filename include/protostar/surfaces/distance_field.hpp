@@ -223,15 +223,21 @@ class Marched<F> {
   MarchSetup setup_;
 };
 
+/// Surface of a field that is a constant, as decltype(field) names it: Scene<Marched<decltype(field)>> takes
+/// Marched{field, ...}.
 template <class F>
-requires(DistanceField<F>) Marched(F, const Bounds&)
-->Marched<F>;
-template <class F>
-requires(DistanceField<F>) Marched(F, const Bounds&, int)
-->Marched<F>;
-template <class F>
-requires(PlainField<F>) Marched(F, const Bounds&, double)
-->Marched<F>;
+class Marched<const F> : public Marched<F> {
+ public:
+  using Marched<F>::Marched;
+  Marched(Marched<F> surface) : Marched<F>(std::move(surface)) {}
+};
+
+template <DistanceField F>
+Marched(F, const Bounds&) -> Marched<F>;
+template <DistanceField F>
+Marched(F, const Bounds&, int) -> Marched<F>;
+template <PlainField F>
+Marched(F, const Bounds&, double) -> Marched<F>;
 
 /// Surface of a plain function of a point, marched without a proof. The user's constant says how fast the
 /// function changes at most: |f(p) − f(q)| ≤ lipschitz · |p − q|. If it does not hold, a ray may pass through
@@ -257,7 +263,7 @@ class Marched<F> {
     const Interval span = detail::inside_of(bounds_, ray.origin, ray.direction);
     const double end = std::min(span.max, range.max);
     const auto value = [&](double t) { return static_cast<double>(field_(ray.at(t))); };
-    const double speed = lipschitz_ * std::hypot(ray.direction.x, ray.direction.y, ray.direction.z);
+    const double speed = lipschitz_ * std::sqrt(dot(ray.direction, ray.direction));
     const double close = 0x1p-40 * size_ * lipschitz_;
     double t = std::max(span.min, range.min);
     if (!(t < end)) return std::nullopt;

@@ -1,0 +1,174 @@
+// Surfaces of fields that are marched: the crossings are those of exact surfaces and of subdivision.
+#include <cmath>
+#include <protostar/surfaces/box.hpp>
+#include <protostar/surfaces/distance_field.hpp>
+#include <protostar/surfaces/sphere.hpp>
+
+#include "support/cases.hpp"
+#include "support/catch.hpp"
+#include "support/common.hpp"
+#include "support/errors.hpp"
+#include "support/fields.hpp"
+#include "support/random.hpp"
+#include "support/wrong_cases.hpp"
+
+using namespace protostar;
+
+namespace {
+
+/// Returns the ray past a point of a surface at a distance, outside of it: at a right angle to the normal.
+Ray ray_past(Random& random, const Point& point, const Vec3& normal, double distance) {
+  const Vec3 along = normalize(cross(normal, random.direction()));
+  return {.origin = point + distance * normal - 2.0 * along, .direction = along};
+}
+
+/// Returns true if a march found what is true: the same answer, and t in the enclosure, but for the last
+/// digits of both.
+bool is_right(const MarchedRoot& root, const TrueRoot& truth) {
+  if (truth.answer == TrueRoot::Answer::miss) return root.answer == MarchedRoot::Answer::miss;
+  const double slack = 4 * ulp * std::abs(truth.t);
+  return root.answer == MarchedRoot::Answer::hit && root.min <= truth.t + slack &&
+         truth.t <= root.max + slack;
+}
+
+}  // namespace
+
+TEST_CASE("a march finds the first crossing, enclosed, or proves that there is none") {
+  fallbacks = {};
+  each_test_field([](const char* name, const auto& field, double half) {
+    const Marched surface(field, cube_bounds(half), 4000);
+    Random random(1);
+    WrongCases wrong(random), wide(random);
+    int hits = 0;
+    for (int i = 0; i < cases(12, 2000); ++i) {
+      const Ray ray = ray_into(random, half);
+      MarchCounts counts;
+      const MarchedRoot root = surface.march(ray, {}, counts);
+      const TrueRoot truth = true_first_root(field, ray, 4 - 2 * half, 4 + 2 * half);
+      wrong.add(!is_right(root, truth), name, ray, root.min, root.max, truth.t, truth.answer);
+      wide.add(root.max - root.min > 0x1p-30 * root.max, name, ray, root.min, root.max);
+      hits += root.answer == MarchedRoot::Answer::hit;
+      CHECK(counts.evaluations() >= 1);
+    }
+    CHECK(wrong == 0);
+    CHECK(wide == 0);
+    CHECK(hits > cases(2, 400));
+  });
+  CHECK(fallbacks.undecided == 0);
+}
+
+TEST_CASE("rays that graze a surface are decided down to the digits of double") {
+  each_test_field([](const char* name, const auto& field, double half) {
+    const Marched surface(field, cube_bounds(half), 4000);
+    Random random(2);
+    WrongCases wrong(random);
+    int decided = 0;
+    for (int i = 0; i < cases(17, 1700); ++i) {
+      const Ray to = ray_into(random, half);
+      const auto t = surface.intersect(to);
+      if (!t) continue;
+      const Point point = to.at(*t);
+      const Ray ray = ray_past(random, point, surface.normal_at(point), std::pow(10, -1 - i % 17));
+      NoTrace trace;
+      const TrueRoot truth = true_first_root(field, ray, 0, 8);
+      if (truth.answer == TrueRoot::Answer::unknown) continue;
+      const MarchedRoot root = surface.march(ray, {}, trace);
+      if (root.answer == MarchedRoot::Answer::undecided) continue;
+      wrong.add(!is_right(root, truth), name, ray, root.min, root.max, truth.t, truth.answer);
+      ++decided;
+    }
+    CHECK(wrong == 0);
+    CHECK(decided > 0);
+  });
+}
+
+TEST_CASE("a marched sphere and a marched box are hit where the exact ones are") {
+  const Marched marched_sphere(sphere_field, cube_bounds(1));
+  const Sphere exact_sphere{.center = {0, 0, 0}, .radius = 1};
+  const Marched marched_box(box_field, Bounds{{-1, -0.7, -0.5}, {1, 0.7, 0.5}});
+  const Box exact_box{.min = {-1, -0.7, -0.5}, .max = {1, 0.7, 0.5}};
+  Random random(3);
+  WrongCases wrong(random), normals(random);
+  const auto compare = [&](const auto& marched, const auto& exact, const Ray& ray) {
+    NoTrace trace;
+    const MarchedRoot root = marched.march(ray, {}, trace);
+    const auto crossing = first_crossing(exact, ray, {});
+    wrong.add((root.answer == MarchedRoot::Answer::hit) != crossing.has_value(), ray);
+    if (!crossing || root.answer != MarchedRoot::Answer::hit) return;
+    const ExactRoot truth = exact_root(exact, ray, *crossing);
+    wrong.add(order(exact_root_of(root.min), truth) > 0 || order(truth, exact_root_of(root.max)) > 0, ray,
+              root.min, root.max);
+    const Point point = ray.at(root.t());
+    const Vec3 off = marched.normal_at(point) - normal_at(exact, point, crossing->part);
+    normals.add(!(dot(off, off) < 1e-20), ray, point);
+  };
+  for (int i = 0; i < cases(400, 40000); ++i) {
+    compare(marched_sphere, exact_sphere, ray_into(random, 1.1));
+    compare(marched_box, exact_box, ray_into(random, 1.1));
+  }
+  CHECK(wrong == 0);
+  CHECK(normals == 0);
+}
+
+TEST_CASE("all crossings of a line with a marched surface are found, also behind the origin") {
+  const Marched marched(torus_field, cube_bounds(1.3));
+  const Ray through{.origin = {0, 0, 0}, .direction = {1, 0, 0}};
+  const auto all = crossings_of(marched, through, everywhere);
+  const std::vector<double> truth{-1.3, -0.7, 0.7, 1.3};
+  REQUIRE(all.size() == truth.size());
+  for (std::size_t i = 0; i < truth.size(); ++i) CHECK(std::abs(all[i] - truth[i]) < 1e-9);
+  CHECK(crossings_of(marched, through).size() == 2);
+  CHECK(crossings_of(marched, through, {0.7, 1.3}).size() <= 2);
+  CHECK(crossings_of(marched, through, {0.71, 1.29}).empty());
+  CHECK(marched.intersect(through, {0.71, 5}).has_value());
+}
+
+TEST_CASE("the order of a marched crossing among those of other surfaces is decided far below double") {
+  const Marched marched(sphere_field, cube_bounds(1));
+  const Ray ray{.origin = {0.3, -0.2, -4}, .direction = {0, 0, 1}};
+  const auto crossing = first_crossing(marched, ray, {});
+  REQUIRE(crossing);
+  const ExactRoot truth = exact_root(Sphere{}, ray, *first_crossing(Sphere{}, ray, {}));
+  const ExactRoot enclosed = marched.exact_root(ray, *crossing);
+  CHECK(enclosed.error.sign() > 0);
+  CHECK(std::abs(static_cast<double>(DoubleDouble(enclosed.error))) < 0x1p-90);
+
+  fallbacks = {};
+  CHECK(order(enclosed, truth) == 0);  // the same root, which no number of digits tells from the enclosure
+  CHECK(fallbacks.undecided == 1);
+  ExactRoot shifted = truth;
+  shifted.b += truth.A * ExactNumber(0x1p-85);
+  CHECK(order(enclosed, shifted) == -1);
+  CHECK(order(shifted, enclosed) == 1);
+  CHECK(fallbacks.undecided == 1);
+}
+
+TEST_CASE("bounds that are empty, infinite or not numbers are refused with what was found") {
+  const auto message = [](const Bounds& bounds) {
+    return message_of<std::invalid_argument>([&] { Marched surface(sphere_field, bounds); });
+  };
+  CHECK_THAT(message({{-1, 2, -1}, {1, 1, 1}}), ContainsSubstring("bounds.y goes from 2"));
+  CHECK_THAT(message({{-1, -1, -infinity}, {1, 1, 1}}), ContainsSubstring("bounds.z goes from -inf"));
+  CHECK_THAT(message({{not_a_number, -1, -1}, {1, 1, 1}}), ContainsSubstring("bounds.x goes from"));
+  CHECK_THAT(message({{-1, -1, -1}, {1, 1, -1}}), ContainsSubstring("must be larger"));
+}
+
+TEST_CASE("a plain function is marched by the user's own bound") {
+  const auto plain = [](const Point& p) { return length(p) - 1; };
+  const Marched marched(plain, cube_bounds(1), 1.0);
+  Random random(6);
+  WrongCases wrong(random);
+  for (int i = 0; i < cases(200, 20000); ++i) {
+    const Ray ray = ray_into(random, 0.9);
+    const auto t = marched.intersect(ray), exact = Sphere{}.intersect(ray);
+    wrong.add(t.has_value() != exact.has_value() || (t && std::abs(*t - *exact) > 1e-6), ray);
+    if (!t) continue;
+    Ray leaving{.origin = ray.at(*t), .direction = ray.direction, .departure = marched.departure()};
+    wrong.add(!marched.intersect(leaving), leaving);
+    leaving.direction = marched.normal_at(leaving.origin);
+    wrong.add(marched.intersect(leaving).has_value(), leaving);
+  }
+  CHECK(wrong == 0);
+  CHECK_THAT(message_of<std::invalid_argument>([&] { Marched surface(plain, cube_bounds(1), 0.0); }),
+             ContainsSubstring("lipschitz is 0"));
+}
