@@ -52,6 +52,14 @@ const std::set<std::string> on_demand = {
     "fields/operations.hpp",
     "fields/planar.hpp",
     "fields/shapes.hpp",
+    "exact/distance_field.hpp",
+    "exact/enclosure.hpp",
+    "exact/field_point.hpp",
+    "exact/functions.hpp",
+    "exact/lipschitz.hpp",
+    "exact/plain.hpp",
+    "exact/rounding.hpp",
+    "exact/slope.hpp",
     "integrators/ambient_occlusion.hpp",
     "surfaces/moving.hpp",
     "surfaces/distance_field.hpp",
@@ -151,13 +159,16 @@ const std::set<std::string> of_surfaces = {"surface_concepts.hpp", "surface.hpp"
                                            "material.hpp",         "light.hpp",   "scene.hpp",
                                            "camera.hpp",           "render.hpp"};
 
-/// Tests whether a header may include another by the rooms of both, as far as simd/, bvh/ and sampling/ are
-/// concerned: these know numbers, boxes and pixels, and no surface.
+/// Tests whether a header may include another by the rooms of both, as far as simd/, exact/, bvh/ and
+/// sampling/ are concerned: these know numbers, boxes and pixels, and no surface.
 bool may_include(const std::string& header, const std::string& name) {
   const std::string room = room_of(header), other = room_of(name);
   if (room == "simd") return other == "simd" || name == "platform.hpp" || name == "vec3.hpp";
   const bool knows_no_surface = other == "simd" || (other.empty() && !of_surfaces.contains(name));
   if (room == "sampling") return other == "sampling" || other == "numeric" || knows_no_surface;
+  if (room == "exact")
+    return other == "exact" || other == "numeric" || other == "simd" || name == "platform.hpp" ||
+           name == "vec3.hpp" || name == "interval.hpp" || name == "bounds.hpp";
   if (room == "bvh") return other == "bvh" || knows_no_surface;
   return true;
 }

@@ -2,8 +2,8 @@
 //
 // An Enclosure<B> is an interval that surely contains a number. Arithmetic and functions of enclosures
 // contain the exact results for all numbers in their arguments, so that a formula written once, for any
-// number type, gives bounds of all its values. B is double, DoubleDouble, or simd::Lanes of doubles. What
-// cannot be known, after an overflow or a division by 0, is (−∞, ∞), never NaN.
+// number type, gives bounds of all its values. B is double, DoubleDouble, or simd::Lanes of doubles. A
+// result that is not known, after an overflow or a division by 0, is (−∞, ∞), never NaN.
 //
 //   const Enclosure<double> x(1, 2);
 //   const auto y = sqrt(x * x + 1.0) - 0.3;   // y.lower ≤ √(x² + 1) − 0.3 ≤ y.upper for each x in [1, 2]

@@ -2,12 +2,11 @@
 //
 // They use only operations that IEEE 754 rounds correctly, so that a result has the same bits on every
 // machine and in every lane. Sine and cosine hold for |x| ≤ 2^20, the exponential for |x| ≤ 600, and the
-// logarithm for x from 2^-800 to 2^800: of other arguments enclosures are all that the function can be, and
-// the error of plain values is taken as infinite. The bounds hold as well if a compiler fuses products with
-// sums. u = 2^-53.
+// logarithm for x from 2^-800 to 2^800. Enclosures for other arguments are all values that the function can
+// have, and the error of plain values is taken as infinite. The bounds hold as well if a compiler fuses
+// products with sums. u = 2^-53.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -25,7 +24,7 @@ namespace detail {
 inline constexpr double largest_angle = 0x1p20, largest_exponent = 600, largest_power = 0x1p800;
 
 /// Bounds of the errors of the functions below: absolute for sine and cosine, relative for the exponential,
-/// and for the logarithm relative in double and absolute in double-double.
+/// and for the logarithm the sum of a relative and an absolute one.
 template <class B>
 inline constexpr double sine_error = 0x1p-51;
 template <>
@@ -43,8 +42,8 @@ inline constexpr double absolute_logarithm_error = 0;
 template <>
 inline constexpr double absolute_logarithm_error<DoubleDouble> = 0x1p-97;
 
-/// π/2 and ln 2 as sums of doubles of 33 bits or less, whose products with whole numbers below 2^20 are
-/// exact, and the rest. The last of three has an error below 2^-122, the last of each other sum below 2^-153.
+/// π/2 and ln 2 as sums of doubles. All but the last have 33 bits or less, so that their products with whole
+/// numbers below 2^20 are exact. The sums are off by less than 2^-121 and 2^-86, the precise ones by 2^-155.
 inline constexpr double half_pi[] = {0x1.921fb544p+0, 0x1.0b4611a6p-34, 0x1.3198a2e037073p-69};
 inline constexpr double precise_half_pi[] = {0x1.921fb544p+0, 0x1.0b4611a6p-34, 0x1.3198a2ep-69,
                                              0x1.b839a252049c1p-104};
@@ -120,7 +119,7 @@ template <std::size_t n>
 /// less than 2^-57. r + r² q is off by 0.6u, of q below 0.07/r² with 4u and a sum below 0.42, and the sum
 /// with 1 by u of itself. Relative to e^r ≥ 0.7 that is u + 0.6u/0.7 + u/3.
 [[nodiscard]] inline double exponential_of(double x) {
-  x = std::clamp(x, -largest_exponent, largest_exponent);
+  x = rounding::min(rounding::max(-largest_exponent, x), largest_exponent);  // also for NaN
   const double k = rounding::nearest_integer(x * log2_e.hi);
   const double r = (x - k * ln_2_parts[0]) - k * ln_2_parts[1];
   const double rest =
@@ -154,11 +153,12 @@ template <std::size_t n>
 /// x = 2^k m with m from √½ to √2, and ln x = k ln 2 + 2z (1 + s/3 + s²/5 + …) with z = (m − 1)/(m + 1), s =
 /// z². m − 1 is exact, so z has 2u, the bracket u and u/20, and their product u: 4.1u of 2|z| · 1.01, which
 /// is at most 0.35, and the whole for k = 0. |s| < 0.0295, so that the series up to s^10/21 lacks less than
-/// 2^-60. For other k |ln x| > 0.34. Of it k ln 2 is at most twice as large; its first product is exact, the
+/// 2^-60. For other k |ln x| > 0.34, and k ln 2 is at most twice as large; its first product is exact, the
 /// second and the error of ln 2 count less than 2^-32 u, and the two sums 2u and u of it at most: below 8u.
 [[nodiscard]] inline double logarithm_of(double x) {
+  const double in_range = rounding::min(rounding::max(1 / largest_power, x), largest_power);  // also for NaN
   int exponent = 0;
-  double m = std::frexp(std::clamp(x, 1 / largest_power, largest_power), &exponent);  // in [1/2, 1)
+  double m = std::frexp(in_range, &exponent);  // in [1/2, 1)
   if (m < 0x1.6a09e667f3bcdp-1) m *= 2, --exponent;
   const double z = (m - 1) / (m + 1), s = z * z, k = exponent;
   const double rest = 2 * z *
@@ -168,12 +168,11 @@ template <std::size_t n>
   return k * ln_2_parts[0] + (rest + k * ln_2_parts[1]);
 }
 
-/// Returns ln x in double-double for x from 2^-800 to 2^800, with an error below 2^-93; beyond, that of the
-/// nearer end.
+/// Returns ln x in double-double for x from 2^-800 to 2^800, with an error below 2^-97 + 2^-103 |ln x|;
+/// beyond, that of the nearer end.
 ///
 /// With y = ln x in double and e = e^y: ln x − y = ln(x/e) = 2 artanh d with d = (x − e)/(x + e). |d| <
-/// 2^-41, so that 2d lacks less than 2^-122. The error of e counts 2^-98, and the sum with |y| < 555 has 3u²
-/// of it, 2^-95.2.
+/// 2^-41, so that 2d lacks less than 2^-122. The error of e counts 2^-98, and the sum has 3u² of itself.
 [[nodiscard, gnu::noinline]] inline DoubleDouble logarithm_of(DoubleDouble x) {
   if (x.hi > largest_power) x = largest_power;
   if (x.hi < 1 / largest_power) x = 1 / largest_power;
@@ -196,12 +195,12 @@ template <int N>
 /// n, with turns = (a + quarter · π/2) / 2π; elsewhere the extremes are at the ends.
 template <class B>
 [[nodiscard]] Enclosure<B> sine_over(const Enclosure<B>& a, double quarter) {
-  constexpr double per_angle = 0x1.45f306dc9c883p-3;  // 1/2π
+  constexpr double per_angle = 0x1.45f306dc9c883p-3;  // the double nearest to 1/2π
   const Enclosure<B> turns =
-      a * Enclosure<B>(rounding::below(B(per_angle)), rounding::above(B(per_angle))) + 0.25 * quarter;
+      a * Enclosure<B>(rounding::below(per_angle), rounding::above(per_angle)) + 0.25 * quarter;
   const auto meets_integer = [](const Enclosure<B>& x) { return x.lower <= rounding::floor(x.upper); };
   const B first = sine_of(a.lower, quarter), last = sine_of(a.upper, quarter);
-  const B error(sine_error<B> + 0x1p-104);  // with the rounding of a sum of numbers below 2
+  const B error(sine_error<B>);
   const B least = rounding::below(rounding::min(first, last) - error),
           most = rounding::above(rounding::max(first, last) + error);
   const Enclosure<B> values{

@@ -164,8 +164,7 @@ class Variation {
   }
 
   /// Returns the signed distance of q from the vectors without a positive component, which changes by no
-  /// more than |q| does: of |max(q, 0)| and the largest component one is at work, and both are continued by
-  /// 0.
+  /// more than |q| does, as distances do. Its plain value is a sum.
   template <std::size_t n>
   friend Variation signed_length_of(const Variation (&q)[n]) {
     Variation parts[n], largest = q[0];

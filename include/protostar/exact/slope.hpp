@@ -4,7 +4,7 @@
 // its slopes there. Start with t itself, Slope{interval, 1.0}: coordinate k of a point on a ray is
 // Slope{origin[k] + t * direction[k], direction[k]}.
 //
-// Where min, max, abs and fold have a kink, the slope is the hull of those on both sides. It contains
+// At a kink of min, max, abs or fold the slope is the hull of those on both sides. It contains
 // Clarke's generalized gradient, so that the mean value theorem holds (Lebourg 1975): (F(b) − F(a)) / (b − a)
 // is in the slope over [a, b].
 #pragma once

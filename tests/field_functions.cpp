@@ -1,0 +1,208 @@
+// Tests of sine, cosine, exponential and logarithm of fields (exact/functions.hpp).
+#include <math.h>  // with its functions at global scope, which must not be taken for a field's
+
+#include <protostar/exact/distance_field.hpp>
+#include <protostar/exact/functions.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include "support/cases.hpp"
+#include "support/catch.hpp"
+#include "support/random.hpp"
+#include "support/true_number.hpp"
+#include "support/wrong_cases.hpp"
+
+namespace {
+
+using protostar::DoubleDouble;
+using protostar::Enclosure;
+using protostar::Plain;
+using protostar::Slope;
+using protostar::Variation;
+
+/// Returns |x − truth| in double.
+double distance_to(double x, TrueNumber truth) {
+  return std::abs(static_cast<double>(exact::Quad(x) - truth.value));
+}
+
+TrueNumber true_of(double x) { return x; }
+TrueNumber true_of(DoubleDouble x) { return TrueNumber::of(exact::Quad(x.hi) + exact::Quad(x.lo)); }
+
+/// Checks that an enclosure has both ends around f(x), and that its width is at most `most`.
+template <class B>
+void check_point(WrongCases& wrong, const B& x, const auto& f, double most) {
+  const auto found = f(Enclosure<B>::at(x));
+  const TrueNumber truth = f(true_of(x));
+  const exact::Quad off =
+      std::is_same_v<B, double> ? exact::Quad(0) : exact::Quad(0x1p-104) * (1 + abs(truth).value);
+  const exact::Quad low = true_of(found.lower).value - off, high = true_of(found.upper).value + off;
+  wrong.add(!(low <= truth.value && truth.value <= high), static_cast<double>(x));
+  wrong.add(!(static_cast<double>(high - low) <= most), static_cast<double>(x), "width");
+}
+
+}  // namespace
+
+TEST_CASE("plain sine and cosine have errors below 2^-51 up to 2^20") {
+  Random random(31);
+  WrongCases wrong(random);
+  double most = 0;
+  for (int i = 0; i < cases(4000, 1000000); ++i) {
+    double x = random.real(-8, 8);
+    if (i % 4 == 1) x = random.real(-0x1p20, 0x1p20);
+    if (i % 4 == 2)
+      x = std::round(random.real(-600000, 600000)) * 1.5707963267948966 + random.real(-1e-6, 1e-6);
+    if (i % 4 == 3) x = std::ldexp(random.real(-1, 1), -static_cast<int>(random.bits() % 60));
+    const double sine = distance_to(sin(Plain<double>(x)).value, sin(TrueNumber(x))),
+                 cosine = distance_to(cos(Plain<double>(x)).value, cos(TrueNumber(x)));
+    wrong.add(!(sine < 0x1p-51 && cosine < 0x1p-51), x, sine, cosine);
+    most = std::max({most, sine, cosine});
+  }
+  CHECK(wrong == 0);
+  CHECK(most > 0x1p-54);
+}
+
+TEST_CASE("plain exponentials and logarithms have relative errors below 2^-51 and 2^-50") {
+  Random random(32);
+  WrongCases wrong(random);
+  for (int i = 0; i < cases(1500, 300000); ++i) {
+    const double x = i % 2 == 0 ? random.real(-600, 600) : random.real(-2, 2);
+    const TrueNumber power = exp(TrueNumber(x));
+    wrong.add(!(distance_to(exp(Plain<double>(x)).value, power) < 0x1p-51 * static_cast<double>(power)), x,
+              "exponential");
+    const double y =
+        i % 2 == 0 ? std::exp2(random.real(-800, 800)) : 1 + random.real(-0x1p-3, 0x1p-3) * random.real(0, 1);
+    const TrueNumber logarithm = log(TrueNumber(y));
+    wrong.add(!(distance_to(log(Plain<double>(y)).value, logarithm) <=
+                0x1p-50 * std::abs(static_cast<double>(logarithm))),
+              y, "logarithm");
+  }
+  CHECK(wrong == 0);
+  CHECK(exp(Plain<double>(0.0)).value == 1);
+  CHECK(log(Plain<double>(1.0)).value == 0);
+}
+
+TEST_CASE("enclosures of functions at a number are narrow and contain the value") {
+  Random random(33);
+  WrongCases wrong(random);
+  const auto sine = [](const auto& x) { return sin(x); };
+  const auto cosine = [](const auto& x) { return cos(x); };
+  const auto power = [](const auto& x) { return exp(x); };
+  const auto logarithm = [](const auto& x) { return log(x); };
+  for (int i = 0; i < cases(150, 30000); ++i) {
+    const double x = i % 2 == 0 ? random.real(-8, 8) : random.real(-0x1p20, 0x1p20), y = random.real(-3, 3),
+                 z = std::exp2(random.real(-700, 700));
+    const auto more = [&](double a) {
+      return protostar::fast_two_sum(a, a * random.real(-0x1p-54, 0x1p-54));
+    };
+    check_point<double>(wrong, x, sine, 0x1p-49);
+    check_point<double>(wrong, x, cosine, 0x1p-49);
+    check_point<double>(wrong, y, power, 0x1p-44);
+    check_point<double>(wrong, z, logarithm, 0x1p-38);
+    check_point<DoubleDouble>(wrong, more(x), sine, 0x1p-95);
+    check_point<DoubleDouble>(wrong, more(x), cosine, 0x1p-95);
+    check_point<DoubleDouble>(wrong, more(y), power, 0x1p-90);
+    check_point<DoubleDouble>(wrong, more(z), logarithm, 0x1p-90);
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("enclosures of functions on intervals contain all values") {
+  Random random(34);
+  WrongCases wrong(random);
+  for (int i = 0; i < cases(2000, 500000); ++i) {
+    const double first = random.real(-9, 9), width = std::exp2(random.real(-40, 3)),
+                 x = std::min(first + width * random.real(0, 1), first + width);
+    const Enclosure<double> interval(first, first + width);
+    const auto look = [&](const Enclosure<double>& found, TrueNumber truth, const char* name) {
+      wrong.add(!(exact::Quad(found.lower) <= truth.value && truth.value <= exact::Quad(found.upper)), first,
+                width, x, name);
+    };
+    look(sin(interval), sin(TrueNumber(x)), "sine");
+    look(cos(interval), cos(TrueNumber(x)), "cosine");
+    look(exp(interval), exp(TrueNumber(x)), "exponential");
+    if (x > 0) look(log(interval), log(TrueNumber(x)), "logarithm");
+  }
+  CHECK(wrong == 0);
+  CHECK(sin(Enclosure<double>(1, 2)).upper == 1);
+  CHECK(sin(Enclosure<double>(4, 5)).lower == -1);
+  CHECK(cos(Enclosure<double>(-1, 1)).upper == 1);
+  CHECK(cos(Enclosure<double>(3, 4)).lower == -1);
+  CHECK(sin(Enclosure<double>(1, 1.5)).upper < 1);
+  CHECK(cos(Enclosure<double>(3.2, 6)).lower > -1);
+}
+
+TEST_CASE("a peak of the sine just inside the end of an interval is not missed") {
+  for (const double turns : {0.0, 3.0, 1000.0, 100000.0}) {
+    const DoubleDouble half_pi(0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54),
+        peak = DoubleDouble(4 * turns + 1) * half_pi;
+    const Enclosure<DoubleDouble> before{peak - DoubleDouble(0x1p-20), peak + DoubleDouble(0x1p-70)},
+        after{peak - DoubleDouble(0x1p-70), peak + DoubleDouble(0x1p-20)};
+    CHECK(sin(before).upper.hi == 1);
+    CHECK(sin(after).upper.hi == 1);
+    CHECK(DoubleDouble(1) <= sin(after).upper);
+    CHECK(DoubleDouble(1) <= sin(before).upper);
+  }
+}
+
+TEST_CASE("beyond the range of a function nothing is claimed") {
+  const Enclosure<double> far(0x1p21), large(700), small(-700), tiny(0x1p-900);
+  CHECK(sin(far).lower == -1);
+  CHECK(sin(far).upper == 1);
+  CHECK(exp(large).upper == protostar::infinity);
+  CHECK(exp(small).lower == 0);
+  CHECK(exp(small).upper > 0);
+  CHECK(log(tiny).lower == -protostar::infinity);
+  const auto error = [](double least, double most, const auto& f) {
+    return f(Variation::of_coordinate(0, least, most)).error;
+  };
+  const auto sine = [](const auto& x) { return sin(x); };
+  CHECK(error(0, 0x1p20, sine) < 0x1p-50);
+  CHECK(error(0, 0x1p21, sine) == protostar::infinity);
+  CHECK(error(0, 700, [](const auto& x) { return exp(x); }) == protostar::infinity);
+  CHECK(error(0, 1, [](const auto& x) { return log(x); }) == protostar::infinity);
+  CHECK(error(0.5, 1, [](const auto& x) { return log(x); }) < 0x1p-49);
+}
+
+namespace {
+
+// A user's programs: with both namespaces, and with none.
+namespace with_all_names {
+using namespace std;
+using namespace protostar;
+constexpr auto field = [](const auto& p) {
+  const auto ring = length(Vec2{p.x, p.z}) - 1.0;
+  const auto wave = sin(p.x * 3) + cos(p.y) * exp(-abs(p.z)) - log(2 + square(p.x));
+  return max(min(length(Vec2{ring, p.y}) - 0.3, wave), sqrt(abs(wave)) - fold(p.y) / 2);
+};
+}  // namespace with_all_names
+
+namespace with_no_names {
+constexpr auto field = [](const auto& p) {
+  const auto ring = length(protostar::Vec2{p.x, p.z}) - 1.0;
+  const auto wave = sin(p.x * 3) + cos(p.y) * exp(-abs(p.z)) - log(2 + square(p.x));
+  return max(min(length(protostar::Vec2{ring, p.y}) - 0.3, wave), sqrt(abs(wave)) - fold(p.y) / 2);
+};
+}  // namespace with_no_names
+
+/// Callable on plain points only: no distance field.
+struct OnlyPlain {
+  double operator()(const protostar::FieldPoint<Plain<double>>& p) const { return p.x.value; }
+};
+
+}  // namespace
+
+TEST_CASE("a field finds the library's functions, whatever names a program uses") {
+  static_assert(protostar::DistanceField<decltype(with_all_names::field)>);
+  static_assert(protostar::DistanceField<decltype(with_no_names::field)>);
+  static_assert(!protostar::DistanceField<OnlyPlain>);
+  static_assert(!protostar::DistanceField<int>);
+  protostar::require_distance_field<decltype(with_all_names::field)>();
+  Random random(35);
+  for (int i = 0; i < 50; ++i) {
+    const protostar::Point p = random.point(2);
+    CHECK(protostar::plain_value(with_all_names::field, p) ==
+          protostar::plain_value(with_no_names::field, p));
+  }
+}

@@ -1,0 +1,111 @@
+// Tests of Lipschitz constants and rounding errors of fields (exact/lipschitz.hpp).
+#include <protostar/exact/distance_field.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "support/cases.hpp"
+#include "support/catch.hpp"
+#include "support/random.hpp"
+#include "support/sample_fields.hpp"
+#include "support/true_number.hpp"
+#include "support/wrong_cases.hpp"
+
+using namespace protostar;
+
+namespace {
+
+TrueNumber true_at(const auto& field, const Point& p) { return field(FieldPoint<TrueNumber>{p.x, p.y, p.z}); }
+
+Bounds cube_of(double size) { return {Point{-size}, Point{size}}; }
+
+}  // namespace
+
+TEST_CASE("fields vary by no more than their Lipschitz constant") {
+  for_each_sample_field([](const char* name, const auto& field, double size) {
+    INFO(name);
+    Random random(41);
+    WrongCases wrong(random);
+    const FieldBound bound = lipschitz_bound(field, cube_of(size), 100);
+    double most = 0;
+    for (int i = 0; i < cases(400, 100000); ++i) {
+      const Point p = random.point(size);
+      Point q = p + std::exp2(random.real(-30, 0)) * random.direction();
+      for (int k = 0; k < 3; ++k) q[k] = std::clamp(q[k], -size, size);
+      if (i % 5 == 0) q[i % 3] = p[i % 3];
+      const TrueNumber way[] = {TrueNumber(q.x) - p.x, TrueNumber(q.y) - p.y, TrueNumber(q.z) - p.z};
+      const double ratio = static_cast<double>(abs(true_at(field, p) - true_at(field, q)) / length_of(way));
+      wrong.add(!(ratio <= bound.lipschitz), p, q, ratio, bound.lipschitz);
+      most = std::max(most, ratio);
+    }
+    CHECK(wrong == 0);
+    CHECK(bound.lipschitz < 30 * most);
+  });
+}
+
+TEST_CASE("plain values are off by no more than the bound of their error, which is not much larger") {
+  for_each_sample_field([](const char* name, const auto& field, double size) {
+    INFO(name);
+    Random random(42);
+    WrongCases wrong(random);
+    const FieldBound bound = lipschitz_bound(field, cube_of(size), 100);
+    double most = 0;
+    for (int i = 0; i < cases(400, 100000); ++i) {
+      const Point p = random.point(size);
+      const double off = static_cast<double>(abs(TrueNumber(plain_value(field, p)) - true_at(field, p)));
+      wrong.add(!(off <= bound.error), p, off, bound.error);
+      most = std::max(most, off);
+    }
+    CHECK(wrong == 0);
+    CHECK(bound.error < 200 * most);
+    CHECK(bound.error < 1e-13);
+  });
+}
+
+TEST_CASE("the Lipschitz constant of a distance, derived by one evaluation, is 1") {
+  int distances = 0;
+  for_each_sample_field([&](const std::string& name, const auto& field, double size) {
+    if (name == "gyroid" || name == "twist" || name == "horn" || name == "growth") return;
+    INFO(name);
+    const FieldBound bound = lipschitz_bound(field, cube_of(size), 1);
+    CHECK(bound.lipschitz >= 1);
+    CHECK(bound.lipschitz <= 1 + 0x1p-40);
+    ++distances;
+  });
+  CHECK(distances == 7);
+}
+
+TEST_CASE("the Lipschitz constant of a gyroid falls as its box is divided") {
+  for_each_sample_field([&](const std::string& name, const auto& field, double size) {
+    if (name != "gyroid") return;
+    double before = infinity;
+    for (const int evaluations : {1, 1000, 10000}) {
+      const double constant = lipschitz_bound(field, cube_of(size), evaluations).lipschitz;
+      CHECK(constant >= 10.275);  // the steepest slope that has been seen
+      CHECK(constant < before);
+      before = constant;
+    }
+    CHECK(lipschitz_bound(field, cube_of(size), 1).lipschitz <= 20.8);
+    CHECK(before < 17);
+  });
+}
+
+TEST_CASE("a box need not be a cube, and may be a point or infinite") {
+  const auto bent = [](const auto& p) { return square(p.x) + p.y; };
+  CHECK(lipschitz_bound(bent, {{-3, 0, 0}, {1, 1, 1}}, 1).lipschitz >= std::sqrt(37.0));
+  CHECK(lipschitz_bound(bent, {{-3, 0, 0}, {1, 1, 1}}, 1).lipschitz <= std::sqrt(37.0) * (1 + 0x1p-40));
+  CHECK(lipschitz_bound(bent, {{1, 0, 0}, {1, 1, 1}}, 100).lipschitz <= std::sqrt(5.0) * (1 + 0x1p-40));
+  const auto sphere = [](const auto& p) { return length(p) - 1.0; };
+  const FieldBound everywhere = lipschitz_bound(sphere, {Point{-infinity}, Point{infinity}}, 100);
+  CHECK(everywhere.lipschitz <= 1 + 0x1p-40);
+  CHECK(everywhere.error == infinity);
+  CHECK(lipschitz_bound(bent, {Point{-infinity}, Point{infinity}}, 100).lipschitz == infinity);
+  // Nothing is known of 1/x where x may be 0, and of a root's slope there.
+  const auto pole = [](const auto& p) { return 1.0 / p.x; };
+  CHECK(lipschitz_bound(pole, cube_of(1), 100).lipschitz == infinity);
+  CHECK(lipschitz_bound(pole, cube_of(1), 100).error == infinity);
+  const auto root = [](const auto& p) { return sqrt(p.x); };
+  CHECK(lipschitz_bound(root, cube_of(1), 1).lipschitz == infinity);
+  CHECK(lipschitz_bound(root, cube_of(1), 1).error < 0x1p-52);
+}
