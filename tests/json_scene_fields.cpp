@@ -36,7 +36,7 @@ std::string rounded(const std::string& field, int times) {
 
 const std::string ball_field = R"({"type": "sphere", "radius": 0.5})";
 
-std::string union_of(int count) {
+std::string union_of_balls(int count) {
   std::string fields = ball_field;
   for (int i = 1; i < count; ++i) fields += "," + ball_field;
   return R"({"type": "union", "fields": [)" + fields + "]}";
@@ -143,8 +143,8 @@ TEST_CASE("a field of a scene file may be 64 deep and take 4096 shapes and opera
   CHECK(field_error(rounded(ball_field, 63)) == "");
   CHECK_THAT(field_error(rounded(ball_field, 64)),
              ContainsSubstring("is not possible here: at most 64 fields"));
-  CHECK(field_error(union_of(4095)) == "");
-  CHECK_THAT(field_error(union_of(4096)),
+  CHECK(field_error(union_of_balls(4095)) == "");
+  CHECK_THAT(field_error(union_of_balls(4096)),
              Catch::Matchers::EndsWith(
                  "is not possible: Field: an evaluation takes 4097 shapes and operations; at most 4096 are "
                  "allowed"));
