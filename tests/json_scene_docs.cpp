@@ -26,15 +26,15 @@ namespace {
 using Vocabulary = std::map<std::string, std::set<std::string>>;
 
 /// Returns the kind of place that a JSON pointer leads to: * stands for the index or the name of one of many.
-/// A nested surface has the kind of the surface that contains it.
+/// A nested surface has the kind of the surface that contains it, and a nested field that of the outer field.
 std::string kind_of(const std::string& pointer) {
   std::string kind;
   std::istringstream steps(pointer);
   steps.get();  // the first slash
   for (std::string step; std::getline(steps, step, '/');)
-    if (step == "surfaces")
+    if (step == "surfaces" || step == "fields")
       std::getline(steps, step, '/');
-    else if (step != "surface" || !kind.ends_with("/surface"))
+    else if ((step != "surface" && step != "field") || !kind.ends_with('/' + step))
       kind += '/' + (kind == "/materials" || (step[0] >= '0' && step[0] <= '9') ? "*" : step);
   return kind;
 }

@@ -50,7 +50,7 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       view_angle = "a number of degrees from 1e-100 to below 180", shininess = "a number of at least 0",
       tone = R"("clip", "scale-pixel" or "scale-image")",
       types =
-          R"("sphere", "plane", "parallelogram", "triangle", "mesh", "box", "disk", "quadric", "csg" or "instance")",
+          R"("sphere", "plane", "parallelogram", "triangle", "mesh", "box", "disk", "quadric", "csg", "instance" or "field")",
       light =
           "a light: position and intensity, position and power, direction and intensity, "
           "position, direction, angle and power, or ambient";

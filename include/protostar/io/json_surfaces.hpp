@@ -4,6 +4,7 @@
 // surface_types; a type that SceneFile::scene does not list is held as AnySurface.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <stdexcept>
@@ -19,6 +20,7 @@
 #include "../surfaces/box.hpp"
 #include "../surfaces/csg.hpp"
 #include "../surfaces/disk.hpp"
+#include "../surfaces/distance_field.hpp"
 #include "../surfaces/instance.hpp"
 #include "../surfaces/moving.hpp"
 #include "../surfaces/parallelogram.hpp"
@@ -28,6 +30,7 @@
 #include "../surfaces/triangle.hpp"
 #include "../vec3.hpp"
 #include "json_cursor.hpp"
+#include "json_fields.hpp"
 #include "json_tree.hpp"
 #include "loaded_files.hpp"
 #include "scene_file.hpp"
@@ -140,6 +143,16 @@ inline Quadric quadric_at(const JsonCursor& at) {
   return quadric;
 }
 
+/// Reads the surface of a field. Its Lipschitz constant is derived by fewer evaluations if each takes longer:
+/// some hundredths of a second for the whole.
+inline Marched<fields::Field> marched_at(const JsonCursor& at) {
+  with_surface_keys(at, {"type", "field", "bounds"});
+  const fields::Field field = field_at({at["field"]});
+  const Bounds bounds = bounds_of_field(at, field);
+  const int evaluations = static_cast<int>(std::clamp<std::size_t>(16'384 / field.size(), 64, 2048));
+  return at.checked([&] { return Marched<fields::Field>(field, bounds, evaluations); });
+}
+
 AnySurface surface_at(const JsonCursor& at);
 
 /// Returns the solid of a value: an operation on solids, or one closed surface.
@@ -243,6 +256,7 @@ inline const std::vector<std::pair<std::string_view, SurfaceReader>> surface_typ
     {"quadric", read_by<quadric_at>},
     {"csg", read_by<csg_at>},
     {"instance", read_by<instance_at>},
+    {"field", read_by<marched_at>},
 };
 
 /// Returns a surface of any type, to be held by another.

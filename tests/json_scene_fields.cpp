@@ -1,0 +1,151 @@
+// The fields of scene files: their values, and the message for each kind of error.
+#include <cmath>
+#include <protostar/fields/field.hpp>
+#include <protostar/io/json_scene.hpp>
+#include <protostar/surfaces/distance_field.hpp>
+#include <string>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/scene_files.hpp"
+
+using namespace protostar;
+using fields::Field;
+
+namespace {
+
+std::string surface_of_field(const std::string& field, const std::string& rest = "") {
+  return R"({"type": "field", "field": )" + field + rest + "}";
+}
+
+const std::string any_box = R"(, "bounds": {"min": [-1, -1, -1], "max": [1, 1, 1]})";
+
+/// Returns the error of a scene with a field, without the name of the file and the pointer to its surface.
+std::string field_error(const std::string& field, const std::string& rest = "") {
+  const std::string error = scene_error(with_surface(surface_of_field(field, rest)));
+  const std::string before = "scene.json: /objects/0/surface";
+  return error.starts_with(before) ? error.substr(before.size()) : error;
+}
+
+/// Returns a field in a number of others, each of which rounds it.
+std::string rounded(const std::string& field, int times) {
+  std::string begin, end;
+  for (int i = 0; i < times; ++i) begin += R"({"type": "round", "radius": 0.01, "field": )", end += "}";
+  return begin + field + end;
+}
+
+const std::string ball_field = R"({"type": "sphere", "radius": 0.5})";
+
+std::string union_of_balls(int count) {
+  std::string fields = ball_field;
+  for (int i = 1; i < count; ++i) fields += "," + ball_field;
+  return R"({"type": "union", "fields": [)" + fields + "]}";
+}
+
+}  // namespace
+
+TEST_CASE("a field of a scene file is the field that the library makes of the same numbers") {
+  const AnySurface surface = only_surface(surface_of_field(
+      R"({"type": "difference", "fields": [
+            {"type": "twist", "rate": 30, "field": {"type": "box", "size": [1, 2, 1]}},
+            {"type": "translate", "by": [0, 1, 0], "field": {"type": "torus", "radius": 0.5, "tube": 0.125}}]})"));
+  const auto* const marched = surface.target<Marched<Field>>();
+  REQUIRE(marched != nullptr);
+  const Field expected = fields::JoinedList<fields::Without, Field>{
+      {fields::Twisted<Field>{fields::Box{{1, 2, 1}}, 30},
+       fields::Moved<Field>{fields::Torus{0.5, 0.125}, {0, 1, 0}}}};
+  for (const Point& p : {Point{0.1, 0.2, 0.3}, Point{0.5, 1, 0.1}, Point{-0.4, -0.9, 0.4}})
+    CHECK(plain_value(marched->field(), p) == plain_value(expected, p));
+}
+
+TEST_CASE("a ray hits a field of a scene file where it is 0, and its bounds cut it") {
+  const Ray down{{0.25, 5, 0}, {0, -1, 0}};
+  const auto t_of = [&](const std::string& surface) { return only_surface(surface).intersect(down); };
+  const auto t = t_of(surface_of_field(R"({"type": "cylinder", "radius": 1, "height": 3})"));
+  REQUIRE(t);
+  CHECK(std::abs(*t - 3.5) <= 0x1p-29);
+  const auto plane =
+      t_of(surface_of_field(R"({"type": "plane", "normal": [0, 2, 0], "distance": 0.5})", any_box));
+  REQUIRE(plane);
+  CHECK(std::abs(*plane - 4.5) <= 0x1p-29);
+  CHECK(!t_of(surface_of_field(R"({"type": "plane", "normal": [0, 2, 0], "distance": 1.5})", any_box)));
+}
+
+TEST_CASE("a wrong field is reported with its place, what was found and what is allowed") {
+  struct Row {
+    std::string error, expected;
+  };
+  const std::string size = "a number from 2^-400 (3.9e-121) to 2^400 (2.6e120)",
+                    above_0 = "a number greater than 0";
+  for (
+      const auto& [error, expected] : std::vector<Row>{
+          {field_error(R"({"type": "sphere", "radius": 0})"), "/field/radius: 0 is not " + above_0},
+          {field_error(R"({"type": "sphere", "radius": -1})"), "/field/radius: -1 is not " + above_0},
+          {field_error(R"({"type": "sphere", "radius": 1e-300})"), "/field/radius: 1e-300 is not " + size},
+          {field_error(R"({"type": "sphere", "radius": "1"})"), "/field/radius: \"1\" is not " + above_0},
+          {field_error(R"({"type": "sphere"})"), "/field/radius: nothing is not " + above_0},
+          {field_error(R"({"type": "sphere", "radius": 1, "center": [0, 0, 0]})"),
+           "/field/center: is not a key here; allowed are type and radius"},
+          {field_error("3"), "/field: 3 is not an object"},
+          {field_error(R"({"type": "sphere", "radius": 1e999})"),
+           "/field/radius: 1e999 is not a number that a double holds, up to 1.8e308"},
+          {field_error(R"({"type": "union", "fields": []})"),
+           "/field/fields: [] is not an array of at least one field"},
+          {field_error(R"({"type": "union", "fields": [)" + ball_field +
+                       R"(, {"type": "shell", "thickness": 0, "field": )" + ball_field + "}]}"),
+           "/field/fields/1/thickness: 0 is not " + above_0},
+          {field_error(R"({"type": "box", "size": [1, 0, 1]})"), "/field/size/1: 0 is not " + above_0},
+          {field_error(R"({"type": "box", "size": 1})"),
+           "/field/size: 1 is not an array of three numbers greater than 0"},
+          {field_error(R"({"type": "rounded-box", "size": [1, 1, 1], "radius": 0.75})"),
+           "/field/radius: 0.75 is not possible: fields::RoundedBox: radius must be above 0, and at most "
+           "half the "
+           "shortest side"},
+          {field_error(R"({"type": "horn", "end": 1, "thickness": 0.1})"),
+           "/field/end: 1 is not a number greater than 1, where the mouth of the horn is"},
+          {field_error(R"({"type": "sponge", "size": 1, "levels": 13})"),
+           "/field/levels: 13 is not a whole number from 0 to 12"},
+          {field_error(R"({"type": "metaballs", "balls": []})"),
+           "/field/balls: [] is not an array of at least one ball"},
+          {field_error(
+               R"({"type": "metaballs", "sharpness": 101, "balls": [{"position": [0, 0, 0], "radius": 1}]})"),
+           "/field/sharpness: 101 is not a number greater than 0, and at most 100"},
+          {field_error(R"({"type": "extrusion", "height": 1, "shape": {"type": "star"}})"),
+           R"(/field/shape/type: "star" is not "circle", "rectangle" or "polygon")"},
+          {field_error(
+               R"({"type": "extrusion", "height": 1, "shape": {"type": "polygon", "corners": [[0,0],[0,1],[1,0]]}})"),
+           "/field/shape/corners: [[0,0],[0,1],[1,0]] is not possible: fields::Polygon: corners must be "
+           "three or "
+           "more of a convex polygon, counterclockwise"},
+          {field_error(R"({"type": "repeat", "step": [1, 0, 0], "count": [40, 40, 1], "field": )" +
+                       ball_field + "}"),
+           "/field/count: [40,40,1] is not possible: fields::Repeated: count must be above 0 along each "
+           "axis, and "
+           "1024 in all at most"},
+          {field_error(R"({"type": "scale", "factor": 0, "field": )" + ball_field + "}"),
+           "/field/factor: 0 is not " + above_0},
+          {field_error(R"({"type": "plane", "normal": [0, 1, 0], "distance": 0})"),
+           "/bounds: nothing is not min and max of a box; a field that has no bounds of its own needs them"},
+          {field_error(R"({"type": "mirror", "cell": [1, 0, 0], "field": )" + ball_field + "}"),
+           "/bounds: nothing is not min and max of a box; a field that has no bounds of its own needs them"},
+          {field_error(ball_field, R"(, "bounds": {"min": [0, 0, 0], "max": [1, 0, 1]})"),
+           "/bounds/max: [1,0,1] is not greater than min in each of its numbers"},
+          {field_error(ball_field, R"(, "bounds": {"min": [0, 0, 0]})"),
+           "/bounds/max: nothing is not a vector, an array of three numbers"}}) {
+    CAPTURE(expected);
+    CHECK(error == expected);
+  }
+  CHECK_THAT(field_error(R"({"type": "blob", "radius": 1})"),
+             Catch::Matchers::StartsWith(R"(/field/type: "blob" is not "sphere", "plane", "box")"));
+}
+
+TEST_CASE("a field of a scene file may be 64 deep and take 4096 shapes and operations") {
+  CHECK(field_error(rounded(ball_field, 63)) == "");
+  CHECK_THAT(field_error(rounded(ball_field, 64)),
+             ContainsSubstring("is not possible here: at most 64 fields"));
+  CHECK(field_error(union_of_balls(4095)) == "");
+  CHECK_THAT(field_error(union_of_balls(4096)),
+             Catch::Matchers::EndsWith(
+                 "is not possible: Field: an evaluation takes 4097 shapes and operations; at most 4096 are "
+                 "allowed"));
+}
