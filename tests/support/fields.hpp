@@ -93,7 +93,7 @@ TrueRoot true_first_root(const auto& field, const protostar::Ray& ray, double a,
   const D zero(0.0);
   const auto sign_of = [&](const E& x) { return zero < x.lower ? 1 : x.upper < zero ? -1 : 0; };
   std::vector<std::pair<double, double>> parts{{a, b}};
-  for (int i = 0; i < cases(2000, 100000) && !parts.empty(); ++i) {
+  for (int i = 0; i < cases(500, 100000) && !parts.empty(); ++i) {
     auto [low, high] = parts.back();
     parts.pop_back();
     const auto over = at(D(low), D(high));
