@@ -42,7 +42,8 @@ void check_point(WrongCases& wrong, const B& x, const auto& f, double most) {
                               : exact::Quad(0x1p-104) * (1 + abs(truth).value) + exact::Quad(0x1p-112) * size;
   const exact::Quad low = true_of(found.lower).value - off, high = true_of(found.upper).value + off;
   wrong.add(!(low <= truth.value && truth.value <= high), static_cast<double>(x));
-  wrong.add(!(static_cast<double>(high - low) <= most), static_cast<double>(x), "width");
+  const exact::Quad width = true_of(found.upper).value - true_of(found.lower).value;
+  wrong.add(!(static_cast<double>(width) <= most), static_cast<double>(x), "width");
 }
 
 }  // namespace
