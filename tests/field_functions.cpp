@@ -35,11 +35,15 @@ template <class B>
 void check_point(WrongCases& wrong, const B& x, const auto& f, double most) {
   const auto found = f(Enclosure<B>::at(x));
   const TrueNumber truth = f(true_of(x));
-  const exact::Quad off =
-      std::is_same_v<B, double> ? exact::Quad(0) : exact::Quad(0x1p-104) * (1 + abs(truth).value);
+  // In double-double, numbers of 113 bits are off by 2^-104 of the value, and by 2^-112 of an angle's digits.
+  const exact::Quad size = std::min(std::abs(static_cast<double>(x)), 0x1p20);
+  const exact::Quad off = std::is_same_v<B, double>
+                              ? exact::Quad(0)
+                              : exact::Quad(0x1p-104) * (1 + abs(truth).value) + exact::Quad(0x1p-112) * size;
   const exact::Quad low = true_of(found.lower).value - off, high = true_of(found.upper).value + off;
   wrong.add(!(low <= truth.value && truth.value <= high), static_cast<double>(x));
-  wrong.add(!(static_cast<double>(high - low) <= most), static_cast<double>(x), "width");
+  const exact::Quad width = true_of(found.upper).value - true_of(found.lower).value;
+  wrong.add(!(static_cast<double>(width) <= most), static_cast<double>(x), "width");
 }
 
 }  // namespace

@@ -91,6 +91,15 @@ TEST_CASE("the Lipschitz constant of a gyroid falls as its box is divided") {
   });
 }
 
+TEST_CASE("components that grow in one direction have a longer length") {
+  const auto diagonal = [](const auto& p) { return length(Vec2{p.x, p.x}); };
+  const auto thrice = [](const auto& p) { return signed_length(FieldPoint{p.x, p.x, p.x}); };
+  CHECK(lipschitz_bound(diagonal, cube_of(1), 1).lipschitz >= std::sqrt(2.0));
+  CHECK(lipschitz_bound(diagonal, cube_of(1), 1).lipschitz <= std::sqrt(2.0) * (1 + 0x1p-40));
+  CHECK(lipschitz_bound(thrice, cube_of(1), 1).lipschitz >= std::sqrt(3.0));
+  CHECK(lipschitz_bound(thrice, cube_of(1), 1).lipschitz <= std::sqrt(3.0) * (1 + 0x1p-40));
+}
+
 TEST_CASE("a box need not be a cube, and may be a point or infinite") {
   const auto bent = [](const auto& p) { return square(p.x) + p.y; };
   CHECK(lipschitz_bound(bent, {{-3, 0, 0}, {1, 1, 1}}, 1).lipschitz >= std::sqrt(37.0));
