@@ -2,12 +2,10 @@
 #pragma once
 
 #include <numbers>
-#include <protostar/scene.hpp>
-#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/any_scene.hpp>
 #include <protostar/surfaces/distance_field.hpp>
-#include <protostar/surfaces/plane.hpp>
 
-inline protostar::Scene<protostar::AnySurface> blended_balls() {
+inline protostar::AnyScene blended_balls() {
   using namespace protostar;
 
   const auto drop = [](const auto& p) {
@@ -19,7 +17,7 @@ inline protostar::Scene<protostar::AnySurface> blended_balls() {
     return smooth_min(all, ball({0.4, 1.2, 3.2}, 0.35), 0.8);
   };
 
-  Scene<AnySurface> scene;
+  AnyScene scene;
   scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, Color{0.2f, 0.4f, 0.8f});
   scene.add(Marched{drop, Bounds{{-2.2, -1.1, 1.9}, {2.2, 1.8, 4.2}}}, Color{1, 0.3f, 0});
   scene.add(PointLight{.position = {-2, 4, 0}, .power = Color{100 * std::numbers::pi_v<float>}});

@@ -3,12 +3,10 @@
 
 #include <cmath>
 #include <numbers>
-#include <protostar/scene.hpp>
-#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/any_scene.hpp>
 #include <protostar/surfaces/distance_field.hpp>
-#include <protostar/surfaces/plane.hpp>
 
-inline protostar::Scene<protostar::AnySurface> field_shapes() {
+inline protostar::AnyScene field_shapes() {
   using namespace protostar;
 
   // The points at a distance from a circle, which stands in the plane of x and y.
@@ -40,7 +38,7 @@ inline protostar::Scene<protostar::AnySurface> field_shapes() {
     return max(max(max(side.x, side.y), side.z) - 0.6, -(length(q) - 0.78));
   };
 
-  Scene<AnySurface> scene;
+  AnyScene scene;
   scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, Color{0.2f, 0.4f, 0.8f});
   scene.add(Marched{torus, Bounds{{-2.75, -0.95, 3.15}, {-1.05, 0.75, 3.65}}}, Color{1, 0.3f, 0});
   scene.add(Marched{rounded_box, Bounds{{-1.4, -1, 3.7}, {-0.4, 0, 4.7}}}, Color{0.9f, 0.6f, 0.1f});

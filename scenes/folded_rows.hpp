@@ -2,10 +2,8 @@
 #pragma once
 
 #include <numbers>
-#include <protostar/scene.hpp>
-#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/any_scene.hpp>
 #include <protostar/surfaces/distance_field.hpp>
-#include <protostar/surfaces/plane.hpp>
 
 /// Point of folded space: x and z are the distances from the nearest column, which stand 3 apart.
 auto in_rows(const auto& p) {
@@ -13,7 +11,7 @@ auto in_rows(const auto& p) {
   return protostar::FieldPoint{folded(p.x), p.y, folded(p.z)};
 }
 
-inline protostar::Scene<protostar::AnySurface> folded_rows() {
+inline protostar::AnyScene folded_rows() {
   using namespace protostar;
 
   const auto columns = [](const auto& p) {
@@ -26,7 +24,7 @@ inline protostar::Scene<protostar::AnySurface> folded_rows() {
   };
   const Bounds bounds{{-60, -1.6, -6}, {60, 1.6, 60}};
 
-  Scene<AnySurface> scene;
+  AnyScene scene;
   scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, Color{0.2f, 0.4f, 0.8f});
   scene.add(Marched{columns, bounds}, Color{1, 0.3f, 0});
   scene.add(Marched{rings, bounds}, Color{0.2f, 0.7f, 0.1f});

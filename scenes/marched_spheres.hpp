@@ -1,7 +1,7 @@
 // The tutorial's scene of three spheres (three_spheres.hpp), as fields that are marched.
 #pragma once
 
-#include <protostar/scene.hpp>
+#include <protostar/any_scene.hpp>
 #include <protostar/surfaces/distance_field.hpp>
 
 #include "three_spheres.hpp"
@@ -13,8 +13,8 @@ struct DistanceFromSphere {
   auto operator()(const auto& p) const { return length(p - sphere.center) - sphere.radius; }
 };
 
-inline protostar::Scene<protostar::Marched<DistanceFromSphere>> marched_spheres() {
-  protostar::Scene<protostar::Marched<DistanceFromSphere>> scene;
+inline protostar::AnyScene marched_spheres() {
+  protostar::AnyScene scene;
   for (const auto& [sphere, color] : the_three_spheres) {
     const protostar::Vec3 half(sphere.radius);
     scene.add(protostar::Marched{DistanceFromSphere{sphere},

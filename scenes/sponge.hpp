@@ -2,10 +2,8 @@
 #pragma once
 
 #include <numbers>
-#include <protostar/scene.hpp>
-#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/any_scene.hpp>
 #include <protostar/surfaces/distance_field.hpp>
-#include <protostar/surfaces/plane.hpp>
 
 /// A cube from −1 to 1 with square holes along the axes, each of its pieces with smaller ones, and so on. At
 /// each level space is folded to one piece, and what is taken away is around its middle.
@@ -25,7 +23,7 @@ struct Sponge {
   }
 };
 
-inline protostar::Scene<protostar::AnySurface> sponge() {
+inline protostar::AnyScene sponge() {
   using namespace protostar;
 
   // Turned around the y axis, so that an edge shows.
@@ -34,7 +32,7 @@ inline protostar::Scene<protostar::AnySurface> sponge() {
     return Sponge{}(FieldPoint{q.x * 0.8 - q.z * 0.6, q.y, q.x * 0.6 + q.z * 0.8});
   };
 
-  Scene<AnySurface> scene;
+  AnyScene scene;
   scene.add(Plane{.normal = {0, 1, 0}, .distance = -2.63}, Color{0.2f, 0.4f, 0.8f});
   scene.add(Marched{turned, Bounds{{-1.5, -2.7, 2.3}, {1.5, -0.5, 5.3}}}, Color{0.9f, 0.6f, 0.3f});
   scene.add(PointLight{.position = {-2, 3, 1}, .power = Color{100 * std::numbers::pi_v<float>}});

@@ -124,14 +124,14 @@ inline void draw(Stage& stage, const auto& march) {
 
   protostar::Image image = stage.image();
   StageRenderOptions options = stage.render_options();
-  options.tell = [&](const Ray& ray, std::vector<std::string>& lines) {
+  options.tell = [&](SampleRecord& sample) {
     const auto add = [&](double t, double value) {
       char line[80];
       std::snprintf(line, sizeof line, "t = %.17g: the field is %.17g", t, value);
-      lines.emplace_back(line);
+      sample.told.emplace_back(line);
     };
-    const auto t = march(ray, epsilon, add);
-    lines.emplace_back(t ? "hit at the last of these t" : "no hit");
+    const auto t = march(sample.ray, epsilon, add);
+    sample.told.emplace_back(t ? "hit at the last of these t" : "no hit");
   };
   render(
       image, camera, [&](const Ray& ray) { return diffuse(ray, march(ray, epsilon, Silent{})); }, options);
