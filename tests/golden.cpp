@@ -172,7 +172,7 @@ TEST_CASE("each stage writes its golden to out.ppm") {
 // A single level may come from rounding light to float, which moves it by 2^-24 of itself and its code, at
 // most 255, by 255/2.2 · 2^-24 = 7e-6 of a level: a few of the 921,600 codes of a picture cross the middle
 // between two levels.
-TEST_CASE("no pixel of a golden is more than one level from exact arithmetic") {
+TEST_CASE("no pixel of a golden is more than one level from exact arithmetic", "[long]") {
   // References take seconds; the cores share them.
   std::vector<std::future<Picture>> references;
   for (const Golden& picture : goldens)
@@ -254,7 +254,7 @@ TEST_CASE("a naive stage reports how many of its pixels differ from those of the
 }
 
 TEST_CASE("the number of threads changes no byte of a picture") {
-  const std::string size = cases(0, 1) == 1 ? "" : " --size 320x240";  // the short form draws fewer tiles
+  const std::string size = cases(0, 1) == 1 ? "" : " --size 160x120";  // the short form draws fewer tiles
   for (const Golden& picture : goldens) {
     INFO(picture.name);
     const TemporaryFolder folder;
