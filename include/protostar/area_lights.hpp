@@ -204,15 +204,7 @@ class AreaLight {
 class AreaLights {
  public:
   template <Surface... S>
-  explicit AreaLights(const Scene<S...>& scene) : identity_(&scene.lights()), surfaces_(scene.size()) {
-    (add(scene.template surfaces<S>(), scene.template materials<S>()), ...);
-    for (const AreaLight& light : lights_) {
-      const Color& e = light.emission();
-      shares_.add(light.visible_area() * (double{e.r} + e.g + e.b));
-    }
-    for (std::size_t i = 0; i < lights_.size(); ++i) by_surface_.emplace_back(lights_[i].surface(), i);
-    std::sort(by_surface_.begin(), by_surface_.end(), is_before);
-  }
+  explicit AreaLights(const Scene<S...>& scene);
 
   [[nodiscard]] const std::vector<AreaLight>& lights() const { return lights_; }
 
@@ -318,5 +310,17 @@ class AreaLights {
   std::vector<std::pair<const void*, std::size_t>>
       by_surface_;  ///< sorted by address, with the light's index
 };
+
+// Not inline, so that programs may compile it once for a scene type: `extern template`.
+template <Surface... S>
+AreaLights::AreaLights(const Scene<S...>& scene) : identity_(&scene.lights()), surfaces_(scene.size()) {
+  (add(scene.template surfaces<S>(), scene.template materials<S>()), ...);
+  for (const AreaLight& light : lights_) {
+    const Color& e = light.emission();
+    shares_.add(light.visible_area() * (double{e.r} + e.g + e.b));
+  }
+  for (std::size_t i = 0; i < lights_.size(); ++i) by_surface_.emplace_back(lights_[i].surface(), i);
+  std::sort(by_surface_.begin(), by_surface_.end(), is_before);
+}
 
 }  // namespace protostar::inline PROTOSTAR_ABI

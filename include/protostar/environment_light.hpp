@@ -44,19 +44,8 @@ class EnvironmentLight {
   /// Cells of the grid for a function that is no image.
   static constexpr int columns_of_function = 256, rows_of_function = 128;
 
-  explicit EnvironmentLight(const auto& scene) {
-    if constexpr (requires { scene.environments(); }) environments_ = scene.environments();
-    if constexpr (requires { scene.sky(); }) is_dark_ = is_black(scene.sky().value_or(Color{0}));
-    if constexpr (requires { scene.environment(); }) {
-      const Environment& environment = scene.environment();
-      if (!environment) return;
-      is_dark_ = false;
-      if (const auto* shown = environment.by_uv().template target<EnvironmentImage>())
-        use(*shown->image, 0);
-      else
-        use(image_of(environment), 1 / 7.0);
-    }
-  }
+  template <class S>
+  explicit EnvironmentLight(const S& scene);
 
   /// Throws std::logic_error if a scene has been given another environment than it had when this was made. A
   /// view of a scene that does not tell, by environments(), is taken for the one that it had. A sky may
@@ -158,5 +147,21 @@ class EnvironmentLight {
   std::vector<double> heights_;  ///< 1 − cos θ at the edges of rows, θ from straight up; empty without cells
   GridShares cells_;
 };
+
+// Not inline, so that programs may compile it once for a scene type: `extern template`.
+template <class S>
+EnvironmentLight::EnvironmentLight(const S& scene) {
+  if constexpr (requires { scene.environments(); }) environments_ = scene.environments();
+  if constexpr (requires { scene.sky(); }) is_dark_ = is_black(scene.sky().value_or(Color{0}));
+  if constexpr (requires { scene.environment(); }) {
+    const Environment& environment = scene.environment();
+    if (!environment) return;
+    is_dark_ = false;
+    if (const auto* shown = environment.by_uv().template target<EnvironmentImage>())
+      use(*shown->image, 0);
+    else
+      use(image_of(environment), 1 / 7.0);
+  }
+}
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -3,6 +3,11 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+template AreaLights::AreaLights(const AnyScene&);
+template AreaLights::AreaLights(const Scene<Sphere, Parallelogram>&);
+template EnvironmentLight::EnvironmentLight(const AnyScene&);
+template EnvironmentLight::EnvironmentLight(const Scene<Sphere, Parallelogram>&);
+
 template void render(Image&, const Camera&, const AnyScene&, const AmbientOcclusionIntegrator&,
                      const RenderOptions&);
 template void render(Image&, const Camera&, const AnyScene&, const DirectIntegrator&, const RenderOptions&);

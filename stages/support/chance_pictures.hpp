@@ -11,6 +11,11 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+extern template AreaLights::AreaLights(const AnyScene&);
+extern template AreaLights::AreaLights(const Scene<Sphere, Parallelogram>&);
+extern template EnvironmentLight::EnvironmentLight(const AnyScene&);
+extern template EnvironmentLight::EnvironmentLight(const Scene<Sphere, Parallelogram>&);
+
 extern template void render(Image&, const Camera&, const AnyScene&, const AmbientOcclusionIntegrator&,
                             const RenderOptions&);
 extern template void render(Image&, const Camera&, const AnyScene&, const DirectIntegrator&,
