@@ -1,14 +1,16 @@
-// Tests of memory in large pages, if the system has them (large_pages.hpp).
+// Tests of vectors of elements that are copied byte by byte, and of large pages, if the system has them.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
-#include <protostar/large_pages.hpp>
+#include <protostar/plain_vector.hpp>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "support/catch.hpp"
 
@@ -16,16 +18,51 @@ using namespace protostar;
 
 TEST_CASE("a vector in large pages can be copied and moved and is aligned to 64 bytes") {
   for (const std::size_t size : {std::size_t{3}, std::size_t{1'000'000}}) {
-    LargeVector<std::uint32_t> numbers(size);
+    PlainVector<std::uint32_t> numbers(size);
     CHECK(reinterpret_cast<std::uintptr_t>(numbers.data()) % 64 == 0);
     std::iota(numbers.begin(), numbers.end(), 7u);
-    LargeVector<std::uint32_t> others = numbers;
+    PlainVector<std::uint32_t> others = numbers;
     others.resize(2 * size);
-    const LargeVector<std::uint32_t> moved = std::move(numbers);
+    const PlainVector<std::uint32_t> moved = std::move(numbers);
     CHECK(moved.size() == size);
     CHECK(std::equal(moved.begin(), moved.end(), others.begin()));
     CHECK(moved.back() == size + 6);
   }
+}
+
+TEST_CASE("a vector grows, shrinks, and compares as std::vector does") {
+  PlainVector<int> numbers;
+  std::vector<int> expected;
+  CHECK(numbers.empty());
+  for (int i = 0; i < 1000; ++i) {
+    CHECK(numbers.push_back(i) == i);
+    expected.push_back(i);
+  }
+  numbers.push_back(numbers[3]), expected.push_back(expected[3]);
+  numbers.resize(3000, numbers[7]), expected.resize(3000, 7);
+  CHECK(std::equal(numbers.begin(), numbers.end(), expected.begin(), expected.end()));
+  PlainVector<int> copy(5, 1);
+  copy = numbers;
+  CHECK(copy == numbers);
+  copy[2999] = 8;
+  CHECK_FALSE(copy == numbers);
+  copy.resize(10);
+  CHECK_FALSE(copy == numbers);
+  CHECK(copy.back() == 9);
+  numbers = std::move(copy);
+  CHECK(numbers.size() == 10);
+  CHECK(copy.empty());
+  numbers.clear();
+  CHECK(numbers.empty());
+  CHECK_THROWS_AS(numbers.resize(static_cast<std::size_t>(-1) / 8), std::length_error);
+}
+
+TEST_CASE("elements of a vector that have initial values get them") {
+  struct Initial {
+    int x = 7;
+  };
+  PlainVector<Initial> all(3);
+  CHECK(all.back().x == 7);
 }
 
 // Linux marks memory with "hg" if large pages were requested for it.
@@ -49,8 +86,8 @@ TEST_CASE("large pages are requested for a vector that fills some, and for no ot
     FAIL("the address is nowhere");
     return false;
   };
-  const LargeVector<char> large(std::size_t{40} << 20);
-  const LargeVector<char> small(1000);
+  const PlainVector<char> large(std::size_t{40} << 20);
+  const PlainVector<char> small(1000);
   CHECK(is_asked_for(large.data()));
   CHECK_FALSE(is_asked_for(small.data()));
 }

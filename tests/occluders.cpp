@@ -149,7 +149,7 @@ TEST_CASE(
   for (int i = 0; i < 100; ++i) {
     const auto* indices =
         occluders.between(to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1 * apart), true, search);
-    if (i > 2) REQUIRE((indices != nullptr && *indices == std::vector<int>{7}));
+    if (i > 2) REQUIRE((indices != nullptr && *indices == PlainVector<int>(1, 7)));
   }
   CHECK(searches < 4);
 
@@ -194,5 +194,5 @@ TEST_CASE("rays with different ends leave no wrong list of occluders for later r
   rays.direction.x.set(simd::double_lanes - 1, 1);
   CHECK(occluders.between(rays, true, search) == nullptr);
   const auto* const indices = occluders.between(rays, simd::mask_of<double, simd::double_lanes>(1), search);
-  CHECK((indices == nullptr || *indices == std::vector<int>{7}));
+  CHECK((indices == nullptr || *indices == PlainVector<int>(1, 7)));
 }

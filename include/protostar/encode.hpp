@@ -9,10 +9,10 @@
 #include <limits>
 #include <stdexcept>
 #include <variant>
-#include <vector>
 
 #include "bit_cast.hpp"
 #include "numeric/power.hpp"
+#include "plain_vector.hpp"
 #include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -83,7 +83,6 @@ class Encoder {
     if (const auto* gamma = std::get_if<Gamma>(&transfer))
       if (!(gamma->exponent > 0 && std::isfinite(gamma->exponent)))
         throw std::invalid_argument("Gamma: exponent must be finite and greater than 0");
-    thresholds_.reserve(static_cast<std::size_t>(max_code));
     for (int code = 1; code <= max_code; ++code)
       thresholds_.push_back(smallest_float_from(
           std::visit([&](auto curve) { return decode(curve, 2 * code - 1, 2 * max_code); }, transfer)));
@@ -157,8 +156,8 @@ class Encoder {
   // Not constants, since g++ turns the minimum and maximum with known values into branches, which light
   // mispredicts.
   float darkest_ = 0, brightest_ = 1;
-  std::vector<float> thresholds_;  ///< thresholds of the codes from 1 on
-  std::vector<Bin> bins_;          ///< bins up to the one of light 1
+  PlainVector<float> thresholds_;  ///< thresholds of the codes from 1 on
+  PlainVector<Bin> bins_;          ///< bins up to the one of light 1
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

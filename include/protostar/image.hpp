@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "large_pages.hpp"
+#include "plain_vector.hpp"
 #include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -70,7 +70,7 @@ class Image {
 
   int width_;
   int height_;
-  LargeVector<Color> pixels_;
+  PlainVector<Color> pixels_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

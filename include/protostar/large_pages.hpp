@@ -9,7 +9,6 @@
 
 #include <cstddef>
 #include <new>
-#include <vector>
 
 #if __has_include(<sys/mman.h>)
 #include <sys/mman.h>
@@ -19,56 +18,31 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Allocator that asks for large pages if it allocates at least one, and otherwise allocates as usual.
-/// Elements made without a value are not set to 0.
-template <class T>
-class LargePages {
- public:
-  using value_type = T;
+namespace detail {
 
-  LargePages() = default;
-  template <class U>
-  LargePages(const LargePages<U>&) {}
+inline constexpr std::size_t large_page = std::size_t{1} << 21, cache_line = 64;  ///< in bytes
 
-  [[nodiscard]] T* allocate(std::size_t count) {
-    const std::size_t bytes = whole_pages(count * sizeof(T));
-    void* const memory = ::operator new(bytes, alignment(bytes));
+/// Returns the alignment of so many bytes of allocate_pages.
+[[nodiscard]] inline std::align_val_t alignment_of_pages(std::size_t bytes) {
+  return std::align_val_t{bytes >= large_page ? large_page : cache_line};
+}
+
+/// Returns new memory, in large pages if it fills at least one. The last page is then a whole one, so that it
+/// is large too.
+[[nodiscard]] inline void* allocate_pages(std::size_t bytes) {
+  if (bytes >= large_page) bytes = (bytes + large_page - 1) / large_page * large_page;
+  void* const memory = ::operator new(bytes, alignment_of_pages(bytes));
 #if defined(MADV_HUGEPAGE)
-    if (bytes >= page) madvise(memory, bytes, MADV_HUGEPAGE);  // if this fails, pages are small
+  if (bytes >= large_page) madvise(memory, bytes, MADV_HUGEPAGE);  // if this fails, pages are small
 #endif
-    return static_cast<T*>(memory);
-  }
-  void deallocate(T* memory, std::size_t count) { ::operator delete(memory, alignment(count * sizeof(T))); }
+  return memory;
+}
 
-  template <class U>
-  void construct(U* place) {
-    ::new (static_cast<void*>(place)) U;
-  }
-  template <class U, class... Values>
-  void construct(U* place, Values&&... values) {
-    ::new (static_cast<void*>(place)) U(static_cast<Values&&>(values)...);
-  }
+/// Frees memory of so many bytes that allocate_pages returned.
+inline void free_pages(void* memory, std::size_t bytes) {
+  ::operator delete(memory, alignment_of_pages(bytes));
+}
 
-  template <class U>
-  bool operator==(const LargePages<U>&) const {
-    return true;
-  }
-
- private:
-  static constexpr std::size_t page = std::size_t{1} << 21, line = 64;  ///< bytes, in memory and cache
-  static_assert(alignof(T) <= line);
-
-  /// Returns a size of at least one page as a number of whole pages, so that the last one is large too.
-  static std::size_t whole_pages(std::size_t bytes) {
-    return bytes >= page ? (bytes + page - 1) / page * page : bytes;
-  }
-
-  static std::align_val_t alignment(std::size_t bytes) {
-    return std::align_val_t{bytes >= page ? page : line};
-  }
-};
-
-template <class T>
-using LargeVector = std::vector<T, LargePages<T>>;
+}  // namespace detail
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cstddef>
 #include <exception>
-#include <functional>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -13,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "function_ref.hpp"
 #include "render_options.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -40,8 +40,7 @@ inline void require_threads(const RenderOptions& options) {
 /// them and is thrown in the caller's thread. If the options leave the number to the machine, the threads
 /// that can be started share the work; if a number that was asked for cannot be started, std::system_error is
 /// thrown.
-inline void for_each_in_parallel(int count, const RenderOptions& options,
-                                 const std::function<void(int)>& work) {
+inline void for_each_in_parallel(int count, const RenderOptions& options, FunctionRef<void(int)> work) {
   require_threads(options);
   const int thread_count =
       options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());

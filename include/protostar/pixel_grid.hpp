@@ -9,9 +9,9 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "camera.hpp"
+#include "plain_vector.hpp"
 #include "render_options.hpp"
 #include "sampling/film.hpp"
 #include "sampling/hammersley_sampler.hpp"
@@ -260,11 +260,14 @@ class PixelGrid {
   /// picture would be darker or brighter by that factor.
   void set_common_places(int samples) {
     if (samples > 0 && !sampler_.has_common_places()) return;
-    if (samples <= 1) return places_.push_back({0.5, 0.5, 1});
+    if (samples <= 1) {
+      places_.push_back({0.5, 0.5, 1});
+      return;
+    }
     double sum = 0;
     for (int i = 0; i < samples; ++i) {
       const SampleSet<double> numbers = sampler(0, 0, i)(0);
-      sum += places_.emplace_back(filter_(numbers[0], numbers[1])).weight;
+      sum += places_.push_back(filter_(numbers[0], numbers[1])).weight;
     }
     if (filter_.has_weights())
       for (FilteredPlace<double>& place : places_) place.weight *= samples / sum;
@@ -277,7 +280,7 @@ class PixelGrid {
   int samples_ = 1, first_ = 0, last_ = 1;
   bool has_only_centers_ = true;
   float clamp_ = 0;                            ///< 0: none
-  std::vector<FilteredPlace<double>> places_;  ///< of the samples; empty if each pixel has its own
+  PlainVector<FilteredPlace<double>> places_;  ///< of the samples; empty if each pixel has its own
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -8,11 +8,11 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "encode.hpp"
 #include "image.hpp"
 #include "output_file.hpp"
+#include "plain_vector.hpp"
 #include "stop_token.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -34,8 +34,8 @@ struct DecimalText {
 };
 
 /// Returns the texts of the codes from 0 on.
-inline std::vector<DecimalText> decimal_texts(std::size_t count) {
-  std::vector<DecimalText> texts(count);
+inline PlainVector<DecimalText> decimal_texts(std::size_t count) {
+  PlainVector<DecimalText> texts(count);
   for (std::size_t code = 0; code < count; ++code) {
     char* const begin = texts[code].characters.data();
     char* const end = std::to_chars(begin, begin + 5, code).ptr;

@@ -16,6 +16,7 @@
 
 #include "../bvh/box_space.hpp"
 #include "../parallel.hpp"
+#include "../plain_vector.hpp"
 #include "../render_options.hpp"
 #include "../scene.hpp"
 #include "finder.hpp"
@@ -142,7 +143,7 @@ class Accelerated<Scene<S...>> {
 
   template <class T>
   void cross(const Ray& ray, const Interval& range, auto&& visit) const {
-    std::vector<std::uint32_t> candidates;
+    PlainVector<std::uint32_t> candidates;
     const std::uint32_t left = left_by<T>(ray);
     if (left != none) candidates.push_back(left);
     finder<T>().each_crossed(ray, range, [&](std::uint32_t i) {

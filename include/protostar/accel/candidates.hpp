@@ -13,9 +13,9 @@
 #include <numeric>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "../interval.hpp"
+#include "../plain_vector.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/store_lanes.hpp"
 #include "../simd/vectors.hpp"
@@ -192,14 +192,14 @@ class Candidates {
     std::size_t start[slabs + 1] = {};
     for (int i = 0; i < size_; ++i) ++start[slab(i) + 1];
     for (std::size_t k = 0; k < slabs; ++k) start[k + 1] += start[k];
-    std::vector<std::size_t> order(slot(size_));
+    PlainVector<std::size_t> order(slot(size_));
     for (int i = 0; i < size_; ++i) order[start[slab(i)]++] = slot(i);
     reorder(order);
     for (int i = size_ - 2; i >= 0; --i) *at(row_nearest, i) = std::min(nearest(i), nearest(i + 1));
   }
 
   void order_by_index() {
-    std::vector<std::size_t> order(slot(size_));
+    PlainVector<std::size_t> order(slot(size_));
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(),
               [&](std::size_t a, std::size_t b) { return index_[a] < index_[b]; });
@@ -209,7 +209,7 @@ class Candidates {
   static std::size_t slot(int i) { return static_cast<std::size_t>(i); }
 
   /// Moves the order[i]-th surface to i.
-  void reorder(const std::vector<std::size_t>& order) {
+  void reorder(const PlainVector<std::size_t>& order) {
     const auto move = [&](auto& row) {
       auto moved = row;
       for (std::size_t i = 0; i < order.size(); ++i) moved[i] = row[order[i]];
@@ -224,14 +224,14 @@ class Candidates {
     const std::size_t needed = slot(count + float_lanes);
     if (index_.size() >= needed) return;
     const std::size_t room = std::max(needed, 2 * index_.size());
-    for (auto& row : rows_) row.resize(room);
-    index_.resize(room);
+    for (auto& row : rows_) row.resize(room, 0);
+    index_.resize(room, 0);
   }
 
   int size_ = 0;
   bool is_ordered_ = false;  ///< true if near surfaces come first
-  std::vector<float> rows_[row_count];
-  std::vector<std::uint32_t> index_;
+  PlainVector<float> rows_[row_count];
+  PlainVector<std::uint32_t> index_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

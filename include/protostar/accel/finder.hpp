@@ -14,6 +14,7 @@
 #include "../bvh/node.hpp"
 #include "../bvh/ray_in_bvh.hpp"
 #include "../interval.hpp"
+#include "../plain_vector.hpp"
 #include "../ray.hpp"
 #include "../render_options.hpp"
 #include "../simd/simd.hpp"
@@ -68,10 +69,10 @@ class Finder {
   std::uint32_t count_;
 };
 
-[[nodiscard]] inline std::vector<BoxHalfSpace> in_box_space(std::span<const HalfSpace> half_spaces,
+[[nodiscard]] inline PlainVector<BoxHalfSpace> in_box_space(std::span<const HalfSpace> half_spaces,
                                                             const Bvh& bvh) {
-  std::vector<BoxHalfSpace> seen;
-  for (const HalfSpace& half_space : half_spaces) seen.emplace_back(half_space, bvh.space());
+  PlainVector<BoxHalfSpace> seen;
+  for (const HalfSpace& half_space : half_spaces) seen.push_back({half_space, bvh.space()});
   return seen;
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "../bvh/bvh.hpp"
+#include "../plain_vector.hpp"
 #include "packet.hpp"
 #include "sphere_around.hpp"
 
@@ -178,8 +179,8 @@ class InCone {
   /// Value of unused lanes: a distance beyond the end of all cones.
   static constexpr float nowhere = std::numeric_limits<float>::infinity();
 
-  std::vector<int> indices_;
-  std::vector<float> rows_;  ///< one row for each number, of as many spheres as a vector holds
+  PlainVector<int> indices_;
+  PlainVector<float> rows_;  ///< one row for each number, of as many spheres as a vector holds
 };
 
 /// Lists of occluders of a tile, a few for each light.
@@ -188,7 +189,7 @@ class Occluders {
   /// Returns the surfaces that rays in 0 < t < 1 may hit, as indices in the scene's order; null if each ray
   /// is better traced alone. search(half_spaces, visit) calls visit(SurfacesAround) for all surfaces that may
   /// be in half-spaces.
-  [[nodiscard]] const std::vector<int>* between(const RayPacket& rays, LaneMask which, const auto& search) {
+  [[nodiscard]] const PlainVector<int>* between(const RayPacket& rays, LaneMask which, const auto& search) {
     ToLight& to_light = lists_for(rays, std::countr_zero(bits(which)));
     List* list = to_light.list_of(rays, which);
     if (list == nullptr) {
@@ -282,7 +283,7 @@ class Occluders {
   }
 
   std::vector<ToLight> lights_;
-  std::vector<int> indices_;  ///< list for the last packet
+  PlainVector<int> indices_;  ///< list for the last packet
   std::size_t next_ = 0;
 };
 

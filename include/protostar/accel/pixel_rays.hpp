@@ -13,6 +13,7 @@
 #include "../camera.hpp"
 #include "../image.hpp"
 #include "../pixel_grid.hpp"
+#include "../plain_vector.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/vectors.hpp"
 #include "packet.hpp"
@@ -199,7 +200,7 @@ class PixelRays {
   template <class T>
   class Table {
    public:
-    explicit Table(int size) : size_(index(size)), numbers_(3 * size_) {}
+    explicit Table(int size) : size_(index(size)), numbers_(3 * size_, T{0}) {}
 
     void set(int i, const Vec3& v) {
       for (std::size_t axis = 0; axis < 3; ++axis)
@@ -219,7 +220,7 @@ class PixelRays {
     [[nodiscard]] const T* row(std::size_t axis, int i) const { return &numbers_[axis * size_ + index(i)]; }
 
     std::size_t size_;
-    std::vector<T> numbers_;
+    PlainVector<T> numbers_;
   };
 
   /// Terms that the rays through one sample of all pixels share.
@@ -342,7 +343,7 @@ class PixelRays {
   /// Edges of each edge_step-th column and row. Without a margin, those on the right are those on the left,
   /// and the lower ones the upper ones.
   struct {
-    std::vector<Edge> left, right, upper, lower;
+    PlainVector<Edge> left, right, upper, lower;
   } edges_;
 };
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <concepts>
 #include <cstdint>
-#include <functional>
 
+#include "../function_ref.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/vectors.hpp"
 #include "../surface.hpp"
@@ -46,7 +46,7 @@ struct SurfacesAround {
 };
 
 /// Function that is told of some surfaces at a time.
-using VisitSurfaces = std::function<void(const SurfacesAround&)>;
+using VisitSurfaces = FunctionRef<void(const SurfacesAround&)>;
 
 /// Returns true if a surface has finite bounds. The leaves of a BVH hold just these surfaces.
 template <Surface S>

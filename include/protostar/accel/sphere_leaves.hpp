@@ -26,6 +26,7 @@
 
 #include "../bvh/bvh.hpp"
 #include "../bvh/node.hpp"
+#include "../plain_vector.hpp"
 #include "../simd/prefetch.hpp"
 #include "../surfaces/sphere.hpp"
 #include "packet.hpp"
@@ -124,7 +125,7 @@ class SphereLeaves {
   }
 
   /// Numbers of each leaf, from 4 · first on: all x, all y, all z of the centers, and the radii.
-  LargeVector<float> rows_;
+  PlainVector<float> rows_;
 };
 
 /// Spheres few enough that testing them all in double, as many at once as a vector holds, is faster than a

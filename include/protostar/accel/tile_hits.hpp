@@ -7,8 +7,8 @@
 #include <span>
 #include <tuple>
 #include <type_traits>
-#include <vector>
 
+#include "../plain_vector.hpp"
 #include "../render_options.hpp"
 #include "../scene.hpp"
 #include "../simd/prefetch.hpp"
@@ -31,7 +31,7 @@ template <Surface... S>
 struct TileState {
   Occluders occluders;
   std::tuple<VisibilityBuffers<S>...> buffers;  ///< of surfaces that are rasterized
-  std::vector<CrossedByBlock> crossed;          ///< surfaces that a block of camera rays may cross
+  PlainVector<CrossedByBlock> crossed;          ///< surfaces that a block of camera rays may cross
   RenderStatistics counts;
 };
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "../plain_vector.hpp"
 #include "accelerate.hpp"
 #include "occluders.hpp"
 #include "packet.hpp"
@@ -124,7 +125,7 @@ class TileScene : public TileHits<S...> {
   /// Sets the surfaces that a block of camera rays may cross; the next packet's first ray is ray
   /// `first_lane` of the block, and crossings are asked for in t > 0. Null: no block has been tested in
   /// float.
-  void set_crossed(const std::vector<CrossedByBlock>* crossed, int first_lane = 0) const {
+  void set_crossed(const PlainVector<CrossedByBlock>* crossed, int first_lane = 0) const {
     crossed_ = crossed, first_lane_ = first_lane;
   }
 
@@ -178,7 +179,7 @@ class TileScene : public TileHits<S...> {
   }
 
   [[nodiscard, gnu::noinline]] LaneMask occluded_among_many(const RayPacket& rays, Interval range) const {
-    const std::vector<int>* indices = nullptr;
+    const PlainVector<int>* indices = nullptr;
     if (skips_.occluder_lists && range.min == 0 && range.max == 1)
       indices = state_.occluders.between(rays, rays.active,
                                          [&](const auto& half_spaces, const VisitSurfaces& visit_some) {
@@ -316,7 +317,7 @@ class TileScene : public TileHits<S...> {
   const Accelerated<Scene<S...>>& everything_;
   const Skips& skips_;
   Ray pixel_;
-  mutable const std::vector<CrossedByBlock>* crossed_ = nullptr;
+  mutable const PlainVector<CrossedByBlock>* crossed_ = nullptr;
   mutable int first_lane_ = 0;
 };
 

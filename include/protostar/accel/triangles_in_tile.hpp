@@ -11,6 +11,7 @@
 
 #include "../bvh/node.hpp"
 #include "../bvh/traversal.hpp"
+#include "../plain_vector.hpp"
 #include "../surfaces/mesh_tree.hpp"
 #include "frustum.hpp"
 #include "packet.hpp"
@@ -170,8 +171,8 @@ class TrianglesInTile {
   void each_in_tile(const Screen& screen, const TileHalfSpaces& half_spaces, const auto& is_hidden,
                     const auto& visit) {
     int budget = most_tried_a_pixel * tile_.width() * tile_.height();  // boxes and triangles
-    std::vector<BoxHalfSpace> sides;
-    for (const HalfSpace& half_space : half_spaces.side) sides.emplace_back(half_space, tree_->bvh().space());
+    PlainVector<BoxHalfSpace> sides;
+    for (const HalfSpace& half_space : half_spaces.side) sides.push_back({half_space, tree_->bvh().space()});
     const auto hidden = [&](const BoxOnScreen& box) { return --budget < 0 || is_hidden(box); };
     tree_->each_leaf(SeenOnScreen<decltype(hidden)>{screen, {sides}, hidden}, [&](Leaf leaf) {
       budget -= static_cast<int>(leaf.count);

@@ -15,14 +15,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <limits>
-#include <memory>
 #include <utility>
-#include <vector>
 
-#include "../large_pages.hpp"
 #include "../parallel.hpp"
+#include "../plain_vector.hpp"
 #include "../render_options.hpp"
 #include "../simd/simd.hpp"
 #include "box_slices.hpp"
@@ -40,7 +37,7 @@ struct LeafSize {
 class TreeBuilder {
  public:
   /// Takes the boxes of primitives; order[i] is the index of the one in boxes[i].
-  TreeBuilder(LargeVector<Box> boxes, LargeVector<std::uint32_t> order, LeafSize leaf_size,
+  TreeBuilder(PlainVector<Box> boxes, PlainVector<std::uint32_t> order, LeafSize leaf_size,
               const RenderOptions& options)
       : boxes_(std::move(boxes)), leaf_size_(leaf_size), options_{.threads = options.threads} {
     tree_.order = std::move(order);
@@ -53,7 +50,7 @@ class TreeBuilder {
       return std::move(tree_);
     }
     tree_.root = Child::node(0);
-    std::vector<Range> level{cut_beforehand(all_of(count))};
+    PlainVector<Range> level(1, cut_beforehand(all_of(count)));
     for (int depth = 0; !level.empty(); ++depth) level = nodes_of(level, depth);
     return std::move(tree_);
   }
@@ -62,6 +59,7 @@ class TreeBuilder {
   using Parts = protostar::detail::Parts;
   static inline const RenderOptions alone{.threads = 1};
   struct Halves;
+  static constexpr int most_rounds = 16;  ///< limits cuts that leave nearly all on one side
 
   /// Primitives at consecutive positions, with the box around them and the box around their middles.
   struct Range {
@@ -89,7 +87,7 @@ class TreeBuilder {
 
   [[nodiscard]] Range all_of(std::uint32_t count) const {
     const Parts parts{0, count};
-    std::vector<Range> of_parts(static_cast<std::size_t>(parts.count()));
+    PlainVector<Range> of_parts(static_cast<std::size_t>(parts.count()));
     parts.each(options_, [&](std::size_t part, std::size_t first, std::size_t last) {
       of_parts[part] = range_of(static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last));
     });
@@ -105,33 +103,34 @@ class TreeBuilder {
   /// of more than for_all_threads are cut by all threads together, the others by one thread each.
   [[nodiscard]] Range cut_beforehand(Range all) {
     constexpr std::uint32_t many = 4096, for_all_threads = 1u << 16;
-    constexpr int most_rounds = 16;  // limits cuts that leave nearly all on one side
-    std::vector<Range*> ranges;
+    PlainVector<Range*> ranges;
     if (all.count() > many) ranges.push_back(&all);
     for (int round = 0; round < most_rounds && !ranges.empty(); ++round) {
-      const std::size_t first = cuts_.size();
-      for (Range* range : ranges) range->halves = &cuts_.emplace_back();
+      PlainVector<Halves>& cuts = cuts_[round];
+      cuts.resize(ranges.size());
+      for (std::size_t i = 0; i < ranges.size(); ++i) ranges[i]->halves = &cuts[i];
       const auto is_for_all = [&](std::size_t i) { return ranges[i]->count() > for_all_threads; };
       for (std::size_t i = 0; i < ranges.size(); ++i)
-        if (is_for_all(i)) cuts_[first + i] = cut_by_cost(*ranges[i], options_);
+        if (is_for_all(i)) cuts[i] = cut_by_cost(*ranges[i], options_);
       protostar::detail::for_each_in_parallel(static_cast<int>(ranges.size()), options_, [&](int k) {
         const auto i = static_cast<std::size_t>(k);
-        if (!is_for_all(i)) cuts_[first + i] = cut_by_cost(*ranges[i], alone);
+        if (!is_for_all(i)) cuts[i] = cut_by_cost(*ranges[i], alone);
       });
       ranges.clear();
-      for (std::size_t i = first; i < cuts_.size(); ++i)
-        for (Range* range : {&cuts_[i].left, &cuts_[i].right})
-          if (range->count() > many) ranges.push_back(range);
+      for (Halves& both : cuts) {
+        if (both.left.count() > many) ranges.push_back(&both.left);
+        if (both.right.count() > many) ranges.push_back(&both.right);
+      }
     }
     return all;
   }
 
   /// Makes a node of each range; returns the ranges of their children that are nodes too.
-  [[nodiscard]] std::vector<Range> nodes_of(const std::vector<Range>& level, int depth) {
+  [[nodiscard]] PlainVector<Range> nodes_of(const PlainVector<Range>& level, int depth) {
     const std::size_t first = tree_.nodes.size();
     tree_.nodes.resize(first + level.size());
-    const std::unique_ptr<Range[]> inner(new Range[level.size() * node_width]);
-    std::vector<int> counts(level.size());
+    PlainVector<Range> inner(level.size() * node_width);
+    PlainVector<int> counts(level.size());
     std::uint32_t things = 0;
     for (const Range& range : level) things += range.count();
     protostar::detail::for_each_in_parallel(
@@ -140,7 +139,7 @@ class TreeBuilder {
           counts[at] = make_node(tree_.nodes[first + at], level[at], depth, &inner[at * node_width]);
         });
 
-    std::vector<Range> next;
+    PlainVector<Range> next;
     for (std::size_t i = 0; i < level.size(); ++i) {
       Node& node = tree_.nodes[first + i];
       for (int k = 0; k < counts[i]; ++k) {
@@ -253,7 +252,7 @@ class TreeBuilder {
   [[nodiscard]] Slices sliced(const Slicing& slicing, const Parts& parts,
                               const RenderOptions& threads) const {
     if (parts.count() == 1) return sliced(slicing, parts.first, parts.last);
-    std::vector<Slices> of_parts(static_cast<std::size_t>(parts.count()));
+    PlainVector<Slices> of_parts(static_cast<std::size_t>(parts.count()));
     parts.each(threads, [&](std::size_t part, std::size_t first, std::size_t last) {
       of_parts[part] = sliced(slicing, first, last);
     });
@@ -327,7 +326,7 @@ class TreeBuilder {
       return divided(static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last), is_right);
     };
     if (parts.count() == 1) return of_one(parts.first, parts.last);
-    std::vector<Divided> of_parts(static_cast<std::size_t>(parts.count()));
+    PlainVector<Divided> of_parts(static_cast<std::size_t>(parts.count()));
     parts.each(threads, [&](std::size_t part, std::size_t first, std::size_t last) {
       of_parts[part] = of_one(first, last);
     });
@@ -343,7 +342,7 @@ class TreeBuilder {
 
   /// Swaps the primitives of the right side that stand before the overall middle with those of the left side
   /// behind it.
-  void bring_together(const std::vector<Divided>& parts, std::uint32_t middle) {
+  void bring_together(const PlainVector<Divided>& parts, std::uint32_t middle) {
     auto other = parts.begin();
     std::uint32_t left = middle;
     for (const Divided& part : parts)
@@ -363,10 +362,10 @@ class TreeBuilder {
     return {range_of(range.first, middle), range_of(middle, range.last)};
   }
 
-  LargeVector<Box> boxes_;
+  PlainVector<Box> boxes_;
   LeafSize leaf_size_;
   RenderOptions options_;
-  std::deque<Halves> cuts_;  ///< made before the nodes
+  PlainVector<Halves> cuts_[most_rounds];  ///< made before the nodes
   Tree tree_;
 };
 

@@ -9,12 +9,11 @@
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "../bounds.hpp"
 #include "../interval.hpp"
-#include "../large_pages.hpp"
 #include "../parallel.hpp"
+#include "../plain_vector.hpp"
 #include "../render_options.hpp"
 #include "../simd/prefetch.hpp"
 #include "../simd/simd.hpp"
@@ -40,7 +39,7 @@ class Bvh {
       Bounds bounds{Point{infinity}, Point{-infinity}};
       std::size_t count = 0;  ///< number of primitives with finite bounds
     };
-    std::vector<Part> of_parts(static_cast<std::size_t>(parts.count()));
+    PlainVector<Part> of_parts(static_cast<std::size_t>(parts.count()));
     parts.each(options, [&](std::size_t k, std::size_t first, std::size_t last) {
       Part part;
       for (std::size_t i = first; i < last; ++i)
@@ -61,8 +60,8 @@ class Bvh {
           unbounded_.push_back(static_cast<std::uint32_t>(i));
     if (all.count == 0) return;
     space_ = BoxSpace(all.bounds);
-    LargeVector<Box> boxes(all.count);
-    LargeVector<std::uint32_t> order(all.count);
+    PlainVector<Box> boxes(all.count);
+    PlainVector<std::uint32_t> order(all.count);
     parts.each(options, [&](std::size_t k, std::size_t first, std::size_t last) {
       std::size_t place = of_parts[k].count;
       for (std::size_t i = first; i < last; ++i)
@@ -97,7 +96,7 @@ class Bvh {
  private:
   BoxSpace space_;
   Tree tree_;
-  std::vector<std::uint32_t> unbounded_;
+  PlainVector<std::uint32_t> unbounded_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "../large_pages.hpp"
+#include "../plain_vector.hpp"
 #include "../platform.hpp"
 #include "../simd/vector_registers.hpp"
 
@@ -53,8 +53,8 @@ struct alignas(64) Node {
 /// A BVH over boxes; primitives are stored in the order of the leaves.
 struct Tree {
   Child root = Child(0);  ///< any value if the tree is empty
-  LargeVector<Node> nodes;
-  LargeVector<std::uint32_t> order;  ///< index of the primitive at each position
+  PlainVector<Node> nodes;
+  PlainVector<std::uint32_t> order;  ///< index of the primitive at each position
 };
 
 /// Number of levels that are cut by cost; below them, ranges are cut into halves. All levels are then at most

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "../image.hpp"
-#include "../large_pages.hpp"
+#include "../plain_vector.hpp"
 #include "estimate.hpp"
 #include "exact_sum.hpp"
 
@@ -146,7 +146,7 @@ class Film {
   }
 
   Tile area_;
-  LargeVector<PixelSums> pixels_;
+  PlainVector<PixelSums> pixels_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

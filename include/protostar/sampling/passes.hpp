@@ -6,11 +6,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "../function_ref.hpp"
 #include "../image.hpp"
 #include "../parallel.hpp"
 #include "../pixel_grid.hpp"
@@ -34,15 +34,11 @@ namespace detail {
 /// Loop over the passes of a picture. A pass adds samples to a film by the function that it is given.
 class PassLoop {
  public:
-  using Draw = std::function<void(Film&, const SampleRange&, const RenderOptions&)>;
+  using Draw = FunctionRef<void(Film&, const SampleRange&, const RenderOptions&)>;
 
   /// Borrows the image. Throws std::invalid_argument for options that make no sense together.
   PassLoop(Image& image, const RenderOptions& options, Draw draw)
-      : image_(image),
-        options_(options),
-        pass_(options),
-        draw_(std::move(draw)),
-        film_(area_of(image, options)) {
+      : image_(image), options_(options), pass_(options), draw_(draw), film_(area_of(image, options)) {
     validate();
     if (!pass_.sampler.is_made()) pass_.sampler = sampler_of<SobolSampler>;
     pass_.error = pass_.seconds = 0, pass_.every_pixel = false;

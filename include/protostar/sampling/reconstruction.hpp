@@ -15,11 +15,11 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "../numeric/double_double.hpp"
 #include "../numeric/power.hpp"
 #include "../numeric/trigonometry.hpp"
+#include "../plain_vector.hpp"
 #include "../platform.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/vectors.hpp"
@@ -208,7 +208,7 @@ class ReconstructionFilter {
 
   double radius_ = 0.5, area_ = 0;  ///< area_ is that under |f|
   bool has_weights_ = false;        ///< other weights than 1
-  std::vector<Piece> pieces_;
+  PlainVector<Piece> pieces_;
   std::array<std::uint16_t, parts> first_pieces_{};
 };
 

@@ -1,10 +1,10 @@
 // A surface of any type, held as a value: Scene<AnySurface> is the tutorial's std::vector<Surface*> (§2.3.1).
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <utility>
 
+#include "../function_ref.hpp"
 #include "../surface.hpp"
 #include "../surface_concepts.hpp"
 
@@ -72,14 +72,14 @@ class AnySurface {
   }
   [[nodiscard]] bool any_hit(const Ray& ray, Interval range) const { return held_->any_hit(ray, range); }
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
-    held_->each_crossing(ray, range, std::ref(visit));
+    held_->each_crossing(ray, range, [&](const Crossing& crossing) { visit(crossing); });
   }
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
     return held_->functions.exact_root(held_->surface, ray, crossing);
   }
 
  private:
-  using Visitor = std::function<void(const Crossing&)>;
+  using Visitor = FunctionRef<void(const Crossing&)>;
 
   struct Holder {
     const SurfaceFunctions& functions;
@@ -90,7 +90,7 @@ class AnySurface {
     virtual std::unique_ptr<Holder> copy() const = 0;
     virtual std::optional<Crossing> first_crossing(const Ray&, Interval) const = 0;
     virtual bool any_hit(const Ray&, Interval) const = 0;
-    virtual void each_crossing(const Ray&, Interval, const Visitor&) const = 0;
+    virtual void each_crossing(const Ray&, Interval, Visitor) const = 0;
     virtual bool has_parts() const = 0;
     virtual bool has_uv() const = 0;
     virtual bool has_tangents() const = 0;
@@ -113,7 +113,7 @@ class AnySurface {
     bool any_hit(const Ray& ray, Interval range) const override {
       return protostar::any_hit(one, ray, range);
     }
-    void each_crossing(const Ray& ray, Interval range, const Visitor& visit) const override {
+    void each_crossing(const Ray& ray, Interval range, Visitor visit) const override {
       protostar::each_crossing(one, ray, range, visit);
     }
     bool has_parts() const override { return protostar::has_parts(one); }

@@ -16,6 +16,7 @@
 
 #include "../bvh/bvh.hpp"
 #include "../bvh/node.hpp"
+#include "../plain_vector.hpp"
 #include "../simd/prefetch.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/vectors.hpp"
@@ -130,9 +131,9 @@ class TriangleLeaves {
 
   /// Returns true if a T holds all numbers; if not, some have not been stored.
   template <class T>
-  static bool fill(LargeVector<T>& all, const Bvh& bvh, const auto& triangle, const RenderOptions& options) {
+  static bool fill(PlainVector<T>& all, const Bvh& bvh, const auto& triangle, const RenderOptions& options) {
     const std::size_t count = rows * bvh.order().size();
-    all = LargeVector<T>(count + double_lanes);
+    all = PlainVector<T>(count + double_lanes);
     std::fill_n(&all[count], double_lanes, T{0});  // padding, read behind the last triangle
     std::atomic<bool> holds = true;
     const auto fill_leaf = [&](Leaf leaf) {
@@ -160,8 +161,8 @@ class TriangleLeaves {
 
   /// Numbers of each leaf, from rows · first on: all a.x, all a.y, ..., all c.z, and the bits of the
   /// triangles' indices. One of these is empty.
-  LargeVector<float> floats_;
-  LargeVector<double> doubles_;
+  PlainVector<float> floats_;
+  PlainVector<double> doubles_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd
