@@ -145,10 +145,11 @@ template <Radiance F>
 
 /// Draws an image, in passes if the options say so; draw(target, options) gives light to a target.
 void draw_image(Image& image, const RenderOptions& options, const auto& draw) {
-  if (!draws_in_passes(options)) return draw(SampleTarget(image), options);
-  PassLoop(image, options, [&](Film& film, const SampleRange& samples, const RenderOptions& pass) {
+  const auto draw_in_passes = options.passes();
+  if (draw_in_passes == nullptr) return draw(SampleTarget(image), options);
+  draw_in_passes(image, options, [&](Film& film, const SampleRange& samples, const RenderOptions& pass) {
     draw(SampleTarget(film, samples), pass);
-  })();
+  });
 }
 
 /// Adds a range of samples to a film, if there are any, by such a function. Options are checked also if there

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 
+#include "function_ref.hpp"
 #include "image.hpp"
 #include "sampling/pixel_sampler.hpp"
 #include "sampling/reconstruction.hpp"
@@ -68,6 +69,39 @@ struct RenderReport {
   double seconds_left = unknown;  ///< estimate of the time until the picture is done
 };
 
+class Film;
+struct RenderOptions;
+struct SampleRange;
+
+namespace detail {
+
+/// Function that adds a range of samples to a film.
+using DrawSamples = FunctionRef<void(Film&, const SampleRange&, const RenderOptions&)>;
+
+/// Draws an image in passes (sampling/passes.hpp).
+inline void draw_in_passes(Image& image, const RenderOptions& options, DrawSamples draw);
+
+}  // namespace detail
+
+/// Option that asks for a picture in passes: a value of type T, which it may be used as. With a value it
+/// refers to the function that draws in passes, so that only programs that give one compile this function. A
+/// program that includes headers one by one needs render.hpp for that.
+template <class T>
+class PassOption {
+ public:
+  constexpr PassOption() = default;
+  PassOption(T value) : value_(value), draw_(&detail::draw_in_passes) {}
+
+  constexpr operator T() const { return value_; }
+
+  /// Returns the function that draws in passes, or null if no value was given.
+  [[nodiscard]] auto draw() const { return draw_; }
+
+ private:
+  T value_{};
+  void (*draw_)(Image&, const RenderOptions&, detail::DrawSamples) = nullptr;
+};
+
 /// Options of render. An exception that progress throws ends the render and reaches its caller; after a stop,
 /// progress does not come to 1.
 struct RenderOptions {
@@ -88,12 +122,14 @@ struct RenderOptions {
   /// (PictureError); samples has to be 0. As do seconds and standard_error, it takes SobolSampler by default,
   /// and another sampler only if its even samples are independent of the odd ones: no HammersleySampler or
   /// StratifiedSampler.
-  double error = 0;
-  double seconds = 0;        ///< time for the picture, which ends with the last pass that fits; 0: no limit
-  int max_samples = 65536;   ///< samples at which error and seconds end at the latest, from 2 on
-  bool every_pixel = false;  ///< error is that of each channel of each pixel, proven; it needs a clamp
-  RenderReport* report = nullptr;   ///< if given, is told of passes
-  Image* standard_error = nullptr;  ///< if given, becomes that of each pixel's channels (PixelSums)
+  PassOption<double> error = {};
+  PassOption<double> seconds =
+      {};                   ///< time for the picture, which ends with the last pass that fits; 0: no limit
+  int max_samples = 65536;  ///< samples at which error and seconds end at the latest, from 2 on
+  PassOption<bool> every_pixel =
+      {};                          ///< error is that of each channel of each pixel, proven; it needs a clamp
+  RenderReport* report = nullptr;  ///< if given, is told of passes
+  PassOption<Image*> standard_error = {};  ///< if given, becomes that of each pixel's channels (PixelSums)
 
   Crop crop = {};       ///< picture that the image is a part of
   int threads = 0;      ///< number of threads, with the caller's; 0: one for each core, as far as they start
@@ -102,6 +138,15 @@ struct RenderOptions {
   Skips skips = {};     ///< work left out, on the fast path only
   RenderStatistics* statistics = nullptr;          ///< if given, counts are added here, on the fast path only
   std::function<void(double done)> progress = {};  ///< called in the caller's thread with a share from 0 to 1
+
+  /// Returns the function that draws the picture in passes, or null if no option asks for these.
+  [[nodiscard]] auto passes() const {
+    return error != 0       ? error.draw()
+           : seconds != 0   ? seconds.draw()
+           : every_pixel    ? every_pixel.draw()
+           : standard_error ? standard_error.draw()
+                            : nullptr;
+  }
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

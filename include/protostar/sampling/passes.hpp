@@ -10,7 +10,6 @@
 #include <string>
 #include <utility>
 
-#include "../function_ref.hpp"
 #include "../image.hpp"
 #include "../parallel.hpp"
 #include "../pixel_grid.hpp"
@@ -25,19 +24,11 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// Returns true if the options ask for a picture in passes, and not for a number of samples alone.
-[[nodiscard]] inline bool draws_in_passes(const RenderOptions& options) {
-  return options.error != 0 || options.seconds != 0 || options.standard_error != nullptr ||
-         options.every_pixel;
-}
-
 /// Loop over the passes of a picture. A pass adds samples to a film by the function that it is given.
 class PassLoop {
  public:
-  using Draw = FunctionRef<void(Film&, const SampleRange&, const RenderOptions&)>;
-
   /// Borrows the image. Throws std::invalid_argument for options that make no sense together.
-  PassLoop(Image& image, const RenderOptions& options, Draw draw)
+  PassLoop(Image& image, const RenderOptions& options, DrawSamples draw)
       : image_(image), options_(options), pass_(options), draw_(draw), film_(area_of(image, options)) {
     validate();
     if (!pass_.sampler.is_made()) pass_.sampler = sampler_of<SobolSampler>;
@@ -225,7 +216,7 @@ class PassLoop {
   Image& image_;
   const RenderOptions& options_;
   RenderOptions pass_;  ///< options of a pass
-  Draw draw_;
+  DrawSamples draw_;
   Film film_;
   PictureError error_;
   RenderReport report_;
@@ -234,6 +225,10 @@ class PassLoop {
   double shown_ = 0;             ///< progress so far
   int end_ = 0;                  ///< samples at the end of the pass that is drawn
 };
+
+inline void draw_in_passes(Image& image, const RenderOptions& options, DrawSamples draw) {
+  PassLoop(image, options, draw)();
+}
 
 }  // namespace detail
 
