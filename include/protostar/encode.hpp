@@ -60,6 +60,11 @@ struct DecodedLight {
   return {.p = n, .q = d, .power = gamma.exponent};
 }
 
+[[nodiscard]] inline DecodedLight decode(const Transfer& transfer, double n, double d) {
+  if (const auto* gamma = std::get_if<Gamma>(&transfer)) return decode(*gamma, n, d);
+  return std::holds_alternative<Srgb>(transfer) ? decode(Srgb{}, n, d) : decode(Linear{}, n, d);
+}
+
 /// Returns the linear light in [0, 1] that a transfer encodes as the given value in [0, 1].
 template <class Curve>
 [[nodiscard]] double decode(Curve curve, double value) {
@@ -84,8 +89,7 @@ class Encoder {
       if (!(gamma->exponent > 0 && std::isfinite(gamma->exponent)))
         throw std::invalid_argument("Gamma: exponent must be finite and greater than 0");
     for (int code = 1; code <= max_code; ++code)
-      thresholds_.push_back(smallest_float_from(
-          std::visit([&](auto curve) { return decode(curve, 2 * code - 1, 2 * max_code); }, transfer)));
+      thresholds_.push_back(smallest_float_from(decode(transfer, 2 * code - 1, 2 * max_code)));
 
     bins_.resize(bin_of(1) + 1);
     for (std::size_t i = 0, bin = 0; bin < bins_.size(); ++bin) {

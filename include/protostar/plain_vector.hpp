@@ -31,18 +31,13 @@ class PlainMemory {
     return *this;
   }
   ~PlainMemory() {
-    if (data_ != nullptr) free_pages(data_, room_ * element_);
+    if (data_ != nullptr) free();
   }
 
   /// Makes room for so many elements, and at least doubles the memory if it does not suffice.
   void make_room(std::size_t count) {
-    if (count <= room_) return;
-    if (count > largest / element_) throw std::length_error("PlainVector: too many elements");
-    const std::size_t room = count > 2 * room_ ? count : 2 * room_;
-    void* const data = allocate_pages(room * element_);
-    if (size_ > 0) std::memcpy(data, data_, size_ * element_);
-    if (data_ != nullptr) free_pages(data_, room_ * element_);
-    data_ = data, room_ = room;
+    if (count > room_) [[unlikely]]
+      grow(count);
   }
 
   [[nodiscard]] void* data() const { return data_; }
@@ -53,7 +48,17 @@ class PlainMemory {
  private:
   static constexpr std::size_t largest = static_cast<std::size_t>(-1) / 4;  ///< in bytes
 
-  void assign(const PlainMemory& other) {
+  // Not inlined, as they take more code than all else that a caller does with the vector.
+  [[gnu::noinline]] void free() { free_pages(data_, room_ * element_); }
+  [[gnu::noinline]] void grow(std::size_t count) {
+    if (count > largest / element_) throw std::length_error("PlainVector: too many elements");
+    const std::size_t room = count > 2 * room_ ? count : 2 * room_;
+    void* const data = allocate_pages(room * element_);
+    if (size_ > 0) std::memcpy(data, data_, size_ * element_);
+    if (data_ != nullptr) free();
+    data_ = data, room_ = room;
+  }
+  [[gnu::noinline]] void assign(const PlainMemory& other) {
     size_ = 0;
     make_room(other.size_);
     if (other.size_ > 0) std::memcpy(data_, other.data_, other.size_ * element_);

@@ -7,7 +7,6 @@
 #include <mutex>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "../image.hpp"
 #include "../render_options.hpp"
@@ -41,6 +40,7 @@ struct TileWork {
   Visibility visibility;
   TileState<S...> state;
   std::array<PacketSums, most_packets> sums;  ///< of the samples so far, unless a pixel keeps a single one
+  std::unique_ptr<TileWork> next;             ///< in the list of buffers that no tile uses
 };
 
 /// Buffers of the tiles of a picture. They are large, so that a tile takes those of an earlier one.
@@ -52,9 +52,9 @@ class TileWorks {
   /// Returns buffers that no other tile uses.
   [[nodiscard]] std::unique_ptr<Work> take() {
     const std::lock_guard lock(sharing_);
-    if (spare_.empty()) return std::unique_ptr<Work>(new Work);
-    std::unique_ptr<Work> work = std::move(spare_.back());
-    spare_.pop_back();
+    if (!spare_) return std::unique_ptr<Work>(new Work);
+    std::unique_ptr<Work> work = std::move(spare_);
+    spare_ = std::move(work->next);
     (std::get<VisibilityBuffers<S>>(work->state.buffers).clear(), ...);
     work->state.occluders = {}, work->state.counts = {};
     return work;
@@ -64,12 +64,13 @@ class TileWorks {
   void give_back(std::unique_ptr<Work> work, RenderStatistics* statistics) {
     const std::lock_guard lock(sharing_);
     if (statistics) *statistics += work->state.counts;
-    spare_.push_back(std::move(work));
+    work->next = std::move(spare_);
+    spare_ = std::move(work);
   }
 
  private:
-  std::mutex sharing_;  ///< guards the statistics and spare_
-  std::vector<std::unique_ptr<Work>> spare_;
+  std::mutex sharing_;           ///< guards the statistics and spare_
+  std::unique_ptr<Work> spare_;  ///< first of those that no tile uses
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd
