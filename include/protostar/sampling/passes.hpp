@@ -72,10 +72,11 @@ class PassLoop {
   }
   void validate() const {
     const RenderOptions& o = options_;
-    require(o.error >= 0 && std::isfinite(o.error),
-            "error must be finite and greater than 0, or 0 (none); it is " + shown(o.error));
-    require(o.seconds >= 0 && std::isfinite(o.seconds),
-            "seconds must be finite and greater than 0, or 0 (none); they are " + shown(o.seconds));
+    const double error = o.error, seconds = o.seconds;
+    require(error >= 0 && std::isfinite(error),
+            "error must be finite and greater than 0, or 0 (none); it is " + shown(error));
+    require(seconds >= 0 && std::isfinite(seconds),
+            "seconds must be finite and greater than 0, or 0 (none); they are " + shown(seconds));
     require((o.error > 0) + (o.seconds > 0) + (o.samples > 0) <= 1,
             "only one of samples, error and seconds may be given; they are " + std::to_string(o.samples) +
                 ", " + shown(o.error) + " and " + shown(o.seconds));
