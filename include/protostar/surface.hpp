@@ -203,7 +203,7 @@ namespace detail {
 #ifndef NDEBUG
 /// Tells once on stderr that the intersect of a type of surface does not keep to its range.
 [[gnu::noinline, gnu::cold]] inline void warn_of_range(const char* type, double t, Interval range) {
-  static std::atomic_flag is_told = ATOMIC_FLAG_INIT;
+  static std::atomic_flag is_told;
   if (is_told.test_and_set()) return;
   std::fprintf(
       stderr,
