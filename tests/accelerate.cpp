@@ -7,6 +7,7 @@
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/sphere.hpp>
+#include <protostar/surfaces/torus.hpp>
 
 #include <bit>
 #include <cmath>
@@ -196,6 +197,8 @@ TEST_CASE("surfaces of several types, with and without bounds, are hit as in the
     scene.add(AnySurface(Box{corner, corner + abs(random.point(0.5))}), number(300 + 3 * i));
     scene.add(AnySurface(Disk{random.point(1), random.direction(), random.real(0.1, 0.4)}),
               number(301 + 3 * i));
+    scene.add(AnySurface(Torus{random.point(1), random.direction(), random.real(0.1, 0.4), 0.05}),
+              number(400 + i));
     const double size = random.real(4, 40);
     if (i < 2)
       scene.add(AnySurface(Quadric{{size * random.direction(), {}, random.point(1), -1}}),

@@ -143,7 +143,7 @@ TEST_CASE("all properties of a scene can be given in a scene file") {
   CHECK(file.scene.ambient() == Color{0.1f, 0.1f, 0.2f});
 }
 
-TEST_CASE("boxes, disks and quadrics of a scene file are read correctly") {
+TEST_CASE("boxes, disks, quadrics and tori of a scene file are read correctly") {
   const auto only = [](const std::string& surface) {
     const SceneFile file =
         scene_of_text(replacing("/objects", R"([{"color": [1, 1, 1], "surface": )" + surface + "}]"));
@@ -168,6 +168,12 @@ TEST_CASE("boxes, disks and quadrics of a scene file are read correctly") {
   const Quadric same{{.squares = {1, 2, 3}, .products = {6, 5, 4}, .linear = {7, 8, 9}, .constant = -10}};
   for (const Ray& ray : {Ray{{0, 0, 0}, {1, 2, -3}}, Ray{{1, 0, 2}, {-1, 1, 1}}, Ray{{0, -3, 1}, {2, 5, 1}}})
     CHECK(quadric.intersect(ray) == same.intersect(ray));
+  const AnySurface torus =
+      only(R"({"type": "torus", "position": [1, 2, 3], "axis": [2, 0, 0], "radius": 2, "tube": 0.5})");
+  CHECK(torus.intersect({{-9, 2, 5}, {1, 0, 0}}) == 9.5);
+  CHECK_FALSE(torus.intersect({{-9, 2, 4}, {1, 0, 0}}));
+  const AnySurface upright = only(R"({"type": "torus", "position": [0, 0, 0], "radius": 2, "tube": 0.5})");
+  CHECK(upright.intersect({{0, -9, 2}, {0, 1, 0}}) == 8.5);
 }
 
 TEST_CASE("the camera of a scene file may have a lens, and one of aperture 0 is a pinhole") {

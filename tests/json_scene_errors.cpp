@@ -50,7 +50,7 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       view_angle = "a number of degrees from 1e-100 to below 180", shininess = "a number of at least 0",
       tone = R"("clip", "scale-pixel" or "scale-image")",
       types =
-          R"("sphere", "plane", "parallelogram", "triangle", "mesh", "box", "disk", "quadric", "csg", "instance" or "field")",
+          R"("sphere", "plane", "parallelogram", "triangle", "mesh", "box", "disk", "quadric", "torus", "csg", "instance" or "field")",
       light =
           "a light: position and intensity, position and power, direction and intensity, "
           "position, direction, angle and power, or ambient";
@@ -199,6 +199,13 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
           R"({"type": "quadric", "matrix": [[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]]})",
           "/matrix: [[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]] is not possible: Quadric: the form must not be "
           "constant"),
+      surface_row(R"({"type": "torus", "position": [0,0,0], "axis": [0,0,0], "radius": 2, "tube": 1})",
+                  "/axis: [0,0,0] is not possible: Torus: axis must not be 0"),
+      surface_row(R"({"type": "torus", "position": [0,0,0], "radius": 1, "tube": 1})",
+                  "/tube: 1 is not possible: Torus: tube must be less than radius, so that there is a hole; "
+                  "it is 1"),
+      surface_row(R"({"type": "torus", "position": [0,0,0], "radius": 1, "tube": 0})",
+                  "/tube: 0 is not " + above_0),
       not_allowed("/objects/2/color", "[1,1]", color),
       not_allowed("/objects/0/material-id", "\"blue\"", "the name of one of the materials: " + ids),
       missing("/objects/0/material-id", "the name of one of the materials, and there is no color"),

@@ -13,6 +13,7 @@ template AnySurface::AnySurface(Parallelogram);
 template AnySurface::AnySurface(Plane);
 template AnySurface::AnySurface(Quadric);
 template AnySurface::AnySurface(Sphere);
+template AnySurface::AnySurface(Torus);
 template AnySurface::AnySurface(Triangle);
 
 template void render(Image&, const Camera&, const AnyScene&, const BinaryIntegrator&, const RenderOptions&);

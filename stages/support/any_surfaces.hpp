@@ -11,6 +11,7 @@
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/sphere.hpp>
+#include <protostar/surfaces/torus.hpp>
 #include <protostar/surfaces/triangle.hpp>
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -24,6 +25,7 @@ extern template AnySurface::AnySurface(Parallelogram);
 extern template AnySurface::AnySurface(Plane);
 extern template AnySurface::AnySurface(Quadric);
 extern template AnySurface::AnySurface(Sphere);
+extern template AnySurface::AnySurface(Torus);
 extern template AnySurface::AnySurface(Triangle);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

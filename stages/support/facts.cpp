@@ -8,6 +8,7 @@
 #include <protostar/surfaces/disk.hpp>
 #include <protostar/surfaces/instance.hpp>
 #include <protostar/surfaces/quadric.hpp>
+#include <protostar/surfaces/torus.hpp>
 #include <protostar/surfaces/triangle.hpp>
 #include <protostar/transformed_ray.hpp>
 
@@ -23,8 +24,8 @@ template <class F>
 static Facts with_held(const AnySurface& any, const F& f, Facts facts = {.type = "surface"}) {
   const auto take = [&]<class... S>(const S*... held) { ((held ? void(facts = f(*held)) : void()), ...); };
   take(any.target<Sphere>(), any.target<Plane>(), any.target<Parallelogram>(), any.target<Triangle>(),
-       any.target<Disk>(), any.target<Box>(), any.target<Quadric>(), any.target<Csg>(), any.target<Mesh>(),
-       any.target<Instance<Csg>>(), any.target<Instance<>>());
+       any.target<Disk>(), any.target<Box>(), any.target<Quadric>(), any.target<Torus>(), any.target<Csg>(),
+       any.target<Mesh>(), any.target<Instance<Csg>>(), any.target<Instance<>>());
   return facts;
 }
 
@@ -41,6 +42,11 @@ static Facts facts_of(const Quadric& s) {
            {"products", list(s.form.products)},
            {"linear", list(s.form.linear)},
            {"constant", {s.form.constant}}}};
+}
+
+static Facts facts_of(const Torus& s) {
+  return {"torus",
+          {{"center", list(s.center)}, {"axis", list(s.axis)}, {"radius", {s.radius}}, {"tube", {s.tube}}}};
 }
 
 /// Returns the solids, and the tree of operations: for each node its parent (−1: none), the weight with which
@@ -100,6 +106,7 @@ static Facts equation_of(const Triangle& s, const Ray& ray) {
   return equation_with_edges(s, s.a, s.b - s.a, s.c - s.a, ray);
 }
 static Facts equation_of(const Quadric& s, const Ray& ray) { return equation(s, ray); }
+static Facts equation_of(const Torus&, const Ray&) { return {.type = "torus"}; }
 /// Returns the equation, and the distance of the crossing from the center and the radius, both times |slope|.
 static Facts equation_of(const Disk& s, const Ray& ray) {
   Facts facts = equation(s, ray);

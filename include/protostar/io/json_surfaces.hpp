@@ -27,6 +27,7 @@
 #include "../surfaces/plane.hpp"
 #include "../surfaces/quadric.hpp"
 #include "../surfaces/sphere.hpp"
+#include "../surfaces/torus.hpp"
 #include "../surfaces/triangle.hpp"
 #include "../vec3.hpp"
 #include "json_cursor.hpp"
@@ -143,6 +144,16 @@ inline Quadric quadric_at(const JsonCursor& at) {
   return quadric;
 }
 
+inline Torus torus_at(const JsonCursor& at) {
+  with_surface_keys(at, {"type", "position", "axis", "radius", "tube"});
+  const Torus torus{.center = at["position"].point(),
+                    .axis = at.has("axis") ? at["axis"].point() : Vec3{0, 1, 0},
+                    .radius = at["radius"].size(),
+                    .tube = at["tube"].size()};
+  at[torus.axis == Vec3{0} ? "axis" : "tube"].checked([&] { torus.validate(); });
+  return torus;
+}
+
 /// Reads the surface of a field. Its Lipschitz constant is derived by fewer evaluations if each takes longer:
 /// some hundredths of a second for the whole.
 inline Marched<fields::Field> marched_at(const JsonCursor& at) {
@@ -254,6 +265,7 @@ inline const std::vector<std::pair<std::string_view, SurfaceReader>> surface_typ
     {"box", read_by<box_at>},
     {"disk", read_by<disk_at>},
     {"quadric", read_by<quadric_at>},
+    {"torus", read_by<torus_at>},
     {"csg", read_by<csg_at>},
     {"instance", read_by<instance_at>},
     {"field", read_by<marched_at>},
