@@ -125,12 +125,19 @@ inline void draw(Stage& stage, const auto& march) {
   protostar::Image image = stage.image();
   StageRenderOptions options = stage.render_options();
   options.tell = [&](SampleRecord& sample) {
+    sample.steps.push_back({.type = "marched spheres"});
+    for (const auto& [sphere, color] : the_three_spheres)
+      sample.steps[0].parts.push_back(
+          {"sphere",
+           {{"center", {sphere.center.x, sphere.center.y, sphere.center.z}}, {"radius", {sphere.radius}}}});
     const auto add = [&](double t, double value) {
       char line[80];
       std::snprintf(line, sizeof line, "t = %.17g: the field is %.17g", t, value);
       sample.told.emplace_back(line);
+      sample.steps.push_back({"value", {{"t", {t}}, {"field", {value}}}});
     };
     const auto t = march(sample.ray, epsilon, add);
+    sample.steps[0].numbers = {{"epsilon", {epsilon}}, {"hits", {t ? 1.0 : 0.0}}};
     sample.told.emplace_back(t ? "hit at the last of these t" : "no hit");
   };
   render(

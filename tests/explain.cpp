@@ -31,7 +31,8 @@ const std::vector<std::string> explaining_stages {
       "08_transparency", "09_naive", "09_shadow", "10_phong", "11_mirror", "12_glass", "13_whitted",
       "14_primitives", "15_csg", "16_environment", "18_antialiasing", "19_soft_shadows", "20_lens",
       "21_motion", "22_glossy", "23_ambient_occlusion", "24_path", "25_cornell", "26_weekend",
-      "27_normal_map",
+      "27_normal_map", "30_fixed_step", "31_sphere_tracing", "32_enhanced", "33_certified", "34_fields",
+      "35_blend", "36_repetition", "37_marched_shadow", "38_fractal",
 #if __has_include(<tiny_obj_loader.h>)  // otherwise this stage is not built
       "17_mesh",
 #endif
@@ -285,7 +286,9 @@ TEST_CASE(
   std::vector<Row> rows{{"08_naive", "--pixel 330,200", {"\"offset\": ", "\"normal\": ["}},
                         {"09_naive", "--pixel 330,200", {"\"power\": [", "\"end\": "}},
                         {"08_transparency", "--pixel 330,200", {"\"color\": ["}},
-                        {"16_environment", "--pixel 10,10", {"\"radiance\": ["}}};
+                        {"16_environment", "--pixel 10,10", {"\"radiance\": ["}},
+                        {"33_certified", "--pixel 330,200", {"\"to\": ", "\"from\": "}},
+                        {"31_sphere_tracing", "--pixel 330,200", {"\"field\": "}}};
 #if __has_include(<nlohmann/json.hpp>)
   rows.push_back({"render", scene_path("environment") + " --pixel 5,5", {"\"color\": ["}});
 #endif

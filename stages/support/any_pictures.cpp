@@ -8,6 +8,7 @@ template AnySurface::AnySurface(Box);
 template AnySurface::AnySurface(Csg);
 template AnySurface::AnySurface(Disk);
 template AnySurface::AnySurface(Instance<Csg>);
+template AnySurface::AnySurface(Marched<fields::Field>);
 template AnySurface::AnySurface(Moving<Sphere>);
 template AnySurface::AnySurface(Parallelogram);
 template AnySurface::AnySurface(Plane);

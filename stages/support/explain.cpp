@@ -47,7 +47,7 @@ const Considered& ExplainedScene::consider(RayRecord& record, std::size_t surfac
                        : fallbacks.double_double > before.double_double
                            ? Considered::Decided::in_double_double
                            : Considered::Decided::in_double;
-  considered.equation = surfaces_[surface].equation(record.ray);
+  considered.equation = surfaces_[surface].equation(record.ray, record.range, is_first);
   return considered;
 }
 

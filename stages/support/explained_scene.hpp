@@ -88,7 +88,7 @@ class ExplainedScene {
     const void* address;
     std::function<std::vector<protostar::Crossing>(const protostar::Ray&, protostar::Interval, bool is_first)>
         crossings;
-    std::function<Facts(const protostar::Ray&)> equation;
+    std::function<Facts(const protostar::Ray&, protostar::Interval, bool is_first)> equation;
     std::function<protostar::SurfaceCrossing(const protostar::Crossing&)> on;
     std::function<Facts(int part)> primitive;
   };
@@ -130,7 +130,12 @@ void ExplainedScene::add(const std::vector<T>& surfaces, const std::vector<proto
                  all.push_back(*first);
                return all;
              },
-         .equation = [&](const protostar::Ray& ray) { return equation_of(surface, ray); },
+         .equation =
+             [&](const protostar::Ray& ray, protostar::Interval range, bool is_first) {
+               if constexpr (std::same_as<T, protostar::AnySurface>)
+                 if (is_first && surface.march_setup()) return march_of(surface, ray, range);
+               return equation_of(surface, ray);
+             },
          .on = [&](const protostar::Crossing& one) { return protostar::crossing_on(surface, one, material); },
          .primitive = [&](int part) { return primitive_of(surface, part); }});
     facts_.push_back(facts_of(surface));

@@ -73,6 +73,30 @@ std::string text_of_equation(const Facts& e, bool is_hit) {
   return "";
 }
 
+/// Returns a step of a march in words: where, what the field is, and what that proves.
+std::string text_of_step(const Facts& step) {
+  const auto numbers = [&](const char* name) {
+    for (const Named& number : step.numbers)
+      if (number.name == name && !number.values.empty())
+        return number.values.size() == 1 ? formatted("%.6g", number.values[0])
+                                         : formatted("[%.6g, %.6g]", number.values[0], number.values[1]);
+    return std::string("?");
+  };
+  const double from = step.numbers[0].values[0], to = step.numbers[1].values[0];
+  const std::string part = formatted("t = %.9g to %.9g: ", from, to);
+  const std::string slopes =
+      step.type == "ball" || step.type == "two balls" ? "" : "slope in " + numbers("slopes");
+  if (step.type == "ball") return part + "empty by a ball, value " + numbers("value");
+  if (step.type == "two balls")
+    return part + "empty by two balls, values " + numbers("value") + " and " + numbers("value_at_to");
+  if (step.type == "deflation") return part + slopes + ": the surface that is left is not crossed again";
+  if (step.type == "sign change")
+    return part + slopes + ", and the sign changes: one crossing, enclosed by " +
+           formatted("[%.13g, %.13g]", step.numbers[3].values[0], to);
+  if (step.type == "touch") return formatted("t = %.9g: undecided, taken for a hit", from);
+  return part + "empty by a " + step.type + ", values in " + numbers("values") + ", " + slopes;
+}
+
 const char* text(Considered::Decided decided) {
   switch (decided) {
     case Considered::Decided::in_double:
@@ -203,6 +227,8 @@ class Tree {
     line(depth, words);
     // The numbers of a line's equation do not show the root 0, which does not count for a ray that starts
     // there.
+    if (one.equation.type == "march")
+      for (const Facts& step : one.equation.parts) line(depth + 1, text_of_step(step));
     if (is_left) return;
     if (const std::string equation = text_of_equation(one.equation, !one.crossings.empty());
         !equation.empty())

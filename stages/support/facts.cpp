@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <protostar/environment_image.hpp>
+#include <protostar/march/field_line.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/csg.hpp>
 #include <protostar/surfaces/disk.hpp>
@@ -137,7 +139,83 @@ static Facts equation_of(const Instance<S>& s, const Ray& ray) {
   return facts;
 }
 
+/// Keeps the steps of a march, with the evaluations that prove each of them.
+class MarchSteps final : public MarchListener {
+ public:
+  void evaluated(Evaluation kind, double a, double b, const Result& result) override {
+    if (kind == Evaluation::value || kind == Evaluation::precise_value)
+      values_[a] = result;
+    else
+      slope_ = {a, b, kind == Evaluation::precise_slope, result};
+  }
+
+  void proven(MarchProof proof, double a, double b) override {
+    const Result& over = slope_.result;
+    switch (proof) {
+      case MarchProof::ball:
+        return add("ball", a, b, {{"value", value_at(a)}});
+      case MarchProof::two_balls:
+        return add("two balls", a, b, {{"value", value_at(a)}, {"value_at_to", value_at(b)}});
+      case MarchProof::segment:
+        return add(slope_.is_precise ? "precise segment" : "segment", a, b,
+                   {{"values", {over.lower, over.upper}},
+                    {"slopes", {over.slope_lower, over.slope_upper}},
+                    {"value", value_at(a)},
+                    {"value_at_to", value_at(b)}});
+      case MarchProof::deflation:
+        return add("deflation", a, b, {{"slopes", {over.slope_lower, over.slope_upper}}});
+      case MarchProof::sign_change:
+        return add("sign change", slope_.a, b,
+                   {{"slopes", {over.slope_lower, over.slope_upper}},
+                    {"min", {a}},
+                    {"value_at_min", value_at(a)},
+                    {"value_at_to", value_at(b)}});
+      case MarchProof::touch:
+        return add("touch", a, b, {});
+    }
+  }
+
+  [[nodiscard]] const Facts& facts() const { return facts_; }
+
+ private:
+  void add(const char* type, double from, double to, std::vector<Named> numbers) {
+    numbers.insert(numbers.begin(), {{"from", {from}}, {"to", {to}}});
+    facts_.parts.push_back({type, std::move(numbers)});
+  }
+
+  /// Returns the value at t, or its enclosure if it was evaluated in double-double; nothing if it was not
+  /// evaluated there.
+  [[nodiscard]] std::vector<double> value_at(double t) const {
+    const auto found = values_.find(t);
+    if (found == values_.end()) return {};
+    const Result& value = found->second;
+    return value.lower == value.upper ? std::vector{value.lower} : std::vector{value.lower, value.upper};
+  }
+
+  Facts facts_{"march"};
+  std::map<double, Result> values_;
+  struct {
+    double a = 0, b = 0;
+    bool is_precise = false;
+    Result result;
+  } slope_;
+};
+
+Facts march_of(const AnySurface& surface, const Ray& ray, Interval range) {
+  const Fallbacks before = fallbacks;
+  MarchSteps steps;
+  surface.march(ray, range, steps);
+  fallbacks = before;
+  return steps.facts();
+}
+
 Facts facts_of(const AnySurface& surface) {
+  if (const MarchSetup* setup = surface.march_setup())
+    return {"marched",
+            {{"min", list(setup->inside.min)},
+             {"max", list(setup->inside.max)},
+             {"lipschitz", {setup->bound.lipschitz}},
+             {"error", {setup->bound.error}}}};
   return with_held(surface, [](const auto& held) { return facts_of(held); });
 }
 Facts facts_of(const Sphere& s) { return {"sphere", {{"center", list(s.center)}, {"radius", {s.radius}}}}; }
@@ -151,6 +229,7 @@ Facts facts_of(const Mesh& s) {
 }
 
 Facts equation_of(const AnySurface& surface, const Ray& ray) {
+  if (surface.march_setup()) return {.type = "march"};
   return with_held(surface, [&](const auto& held) { return equation_of(held, ray); });
 }
 Facts equation_of(const Sphere& s, const Ray& ray) { return equation(s, ray); }

@@ -27,6 +27,16 @@ Facts equation_of(const protostar::Parallelogram& surface, const protostar::Ray&
 Facts equation_of(const protostar::Mesh& surface, const protostar::Ray& ray);
 inline Facts equation_of(const auto&, const protostar::Ray&) { return {.type = "surface"}; }
 
+/// Returns the steps of a march to the first crossing in the range, each of which proves a part of the ray:
+/// "from" and "to" are its ends, and the numbers are those that it is proven by. They are:
+/// - ball: value of the field at from;
+/// - two balls: values at from and at to;
+/// - segment and precise segment: enclosures of value and slope over it, and the values at both ends;
+/// - deflation: enclosure of the slope over it;
+/// - sign change: slope over it, and the values at min and to, which enclose t;
+/// - touch: none; the field comes nearer to 0 at from than double-double tells.
+Facts march_of(const protostar::AnySurface& surface, const protostar::Ray& ray, protostar::Interval range);
+
 /// Returns the numbers of the primitive of a surface that a ray hits: the triangle of a mesh, with the
 /// normals and the texture coordinates of its vertices if it has some; nothing for surfaces whose parts are
 /// told by facts_of.

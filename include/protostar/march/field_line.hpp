@@ -156,8 +156,9 @@ class FieldLine {
 
   /// Returns F(t) in double, off by at most error().
   [[nodiscard]] double value(double t) {
-    trace_.evaluated(Evaluation::value, t, t);
-    return sign_ * (plain(t) - level_);
+    const double v = sign_ * (plain(t) - level_);
+    tell(Evaluation::value, t, t, v, v);
+    return v;
   }
 
   /// Returns F(t), enclosed; in double by the bound of its error. The difference from the level and the sums
@@ -168,8 +169,9 @@ class FieldLine {
       const double v = value(t), error = error_ + 0x1p-50 * std::abs(v);
       return {v - error, v + error};
     } else {
-      trace_.evaluated(Evaluation::precise_value, t.hi, t.hi);
-      return turned(over(Enclosure<B>::at(t)) - level<B>());
+      const Enclosure<B> v = turned(over(Enclosure<B>::at(t)) - level<B>());
+      tell(Evaluation::precise_value, t.hi, t.hi, v.lower, v.upper);
+      return v;
     }
   }
 
@@ -177,8 +179,6 @@ class FieldLine {
   /// F(x)) / (y − x), at kinks as well.
   template <class B>
   [[nodiscard]] Slope<Enclosure<B>> slope(B a, B b) {
-    trace_.evaluated(std::is_same_v<B, double> ? Evaluation::slope : Evaluation::precise_slope,
-                     static_cast<double>(a), static_cast<double>(b));
     const auto& along = line<B>();
     const Enclosure<B> t{a, b};
     const auto coordinate = [&](int k) {
@@ -186,10 +186,22 @@ class FieldLine {
     };
     const Slope<Enclosure<B>> f =
         field_(FieldPoint<Slope<Enclosure<B>>>{coordinate(0), coordinate(1), coordinate(2)});
-    return {turned(f.value - level<B>()), turned(f.slope)};
+    const Slope<Enclosure<B>> result{turned(f.value - level<B>()), turned(f.slope)};
+    tell(std::is_same_v<B, double> ? Evaluation::slope : Evaluation::precise_slope, static_cast<double>(a),
+         static_cast<double>(b), result.value.lower, result.value.upper, result.slope.lower,
+         result.slope.upper);
+    return result;
   }
 
  private:
+  /// Tells the trace of an evaluation over [a, b], and a trace that takes results of these.
+  void tell(Evaluation kind, double a, double b, const auto&... result) {
+    if constexpr (std::is_base_of_v<MarchListener, Trace>)
+      trace_.evaluated(kind, a, b, {static_cast<double>(result)...});
+    else
+      trace_.evaluated(kind, a, b);
+  }
+
   /// Returns the length of a vector, by operations that are rounded alike everywhere.
   [[nodiscard]] static double norm(const Vec3& v) { return std::sqrt(dot(v, v)); }
   [[nodiscard]] static double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }

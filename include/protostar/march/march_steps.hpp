@@ -34,6 +34,26 @@ struct NoTrace {
   void proven(MarchProof, double /*a*/, double /*b*/) {}
 };
 
+struct MarchSetup;
+
+/// Trace that is called through virtual functions, so that one can be given to a march of any field. It is
+/// also told of the result of each evaluation: an enclosure of the value, or in double the value itself,
+/// whose error the surface's set-up bounds; and of the slope, if that was evaluated, otherwise 0. The results
+/// have the sign for which the march comes from where the field is above 0.
+class MarchListener {
+ public:
+  /// Enclosures by their ends; those in double-double are rounded to double.
+  struct Result {
+    double lower = 0, upper = 0, slope_lower = 0, slope_upper = 0;
+  };
+
+  virtual void evaluated(Evaluation kind, double a, double b, const Result& result) = 0;
+  virtual void proven(MarchProof proof, double a, double b) = 0;
+
+ protected:
+  ~MarchListener() = default;
+};
+
 /// Trace that counts the evaluations of a march.
 struct MarchCounts {
   std::uint64_t values = 0, slopes = 0, precise_values = 0, precise_slopes = 0;

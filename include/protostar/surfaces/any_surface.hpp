@@ -10,6 +10,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+class MarchListener;  // march/march_steps.hpp
+struct MarchSetup;    // march/field_line.hpp
+
 /// Holds a copy of a surface and forwards to it through virtual calls. It offers all that the surface offers;
 /// roots and departures stay as exact as they are. Copying it copies the surface; a moved-from one may only
 /// be assigned to.
@@ -78,6 +81,14 @@ class AnySurface {
     return held_->functions.exact_root(held_->surface, ray, crossing);
   }
 
+  /// Returns the set-up of a surface that is marched with a proof (Marched), otherwise null.
+  [[nodiscard]] const MarchSetup* march_setup() const { return held_->march_setup(); }
+  /// Marches to the first crossing in the range, and tells the listener of each step, if the surface is one
+  /// that is marched with a proof.
+  void march(const Ray& ray, Interval range, MarchListener& listener) const {
+    held_->march(ray, range, listener);
+  }
+
  private:
   using Visitor = FunctionRef<void(const Crossing&)>;
 
@@ -99,6 +110,8 @@ class AnySurface {
     virtual int part_count() const = 0;
     virtual Bounds bounds() const = 0;
     virtual void validate() const = 0;
+    virtual const MarchSetup* march_setup() const { return nullptr; }
+    virtual void march(const Ray&, Interval, MarchListener&) const {}
   };
 
   template <class S>
@@ -125,6 +138,14 @@ class AnySurface {
     Bounds bounds() const override { return bounds_of(one); }
     void validate() const override {
       if constexpr (requires { one.validate(); }) one.validate();
+    }
+    static constexpr bool is_marched = requires(const S& s, const MarchSetup*& setup) { setup = &s.setup(); };
+    const MarchSetup* march_setup() const override {
+      if constexpr (is_marched) return &one.setup();
+      return nullptr;
+    }
+    void march(const Ray& ray, Interval range, MarchListener& listener) const override {
+      if constexpr (is_marched) static_cast<void>(one.march(ray, range, listener));
     }
 
     S one;
