@@ -29,16 +29,20 @@ class March {
       : line_(line), t_(t), known_(known), end_(end), stop_(stop) {}
 
   /// Returns the first root.
-  [[nodiscard]] MarchedRoot root() {
-    while (!is_done()) {
-      const double before = t_;
-      if (known_ > 0 || !march_by_balls()) {
+  [[nodiscard]] MarchedRoot root() { return root_from(t_, known_ > 0); }
+
+  /// Returns the first root of a march that has come here from `before`, and that goes on by segments or by
+  /// balls.
+  [[nodiscard]] MarchedRoot root_from(double before, bool by_segments) {
+    for (;;) {
+      if (by_segments || !march_by_balls()) {
         if (!is_done() && !march_by_segments<double>() && !is_done() && !march_by_segments<DoubleDouble>())
           return undecided();
       }
-      if (!is_done() && !(t_ > before)) return undecided();
+      if (is_done()) return root_;
+      if (!(t_ > before)) return undecided();
+      before = t_, by_segments = known_ > 0;
     }
-    return root_;
   }
 
  private:
