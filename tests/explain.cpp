@@ -302,7 +302,8 @@ TEST_CASE(
     };
     const Outcome right = check(text);
     CHECK(right.status == 0);
-    CHECK(right.out.find("taken from the file: the radiance") == std::string::npos);
+    const bool computes_radiance = program != "31_sphere_tracing";  // of which the steps alone are checked
+    CHECK((right.out.find("taken from the file: the radiance") == std::string::npos) == computes_radiance);
     for (const std::string& key : keys) {
       CAPTURE(key);
       std::string changed = text;
