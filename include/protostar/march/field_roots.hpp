@@ -105,11 +105,12 @@ void each_root(Line& line, double begin, double stop, bool leaves, const auto& v
 
 /// Returns the root near t for comparisons with others: enclosed in double-double, to about 2^-95 of itself
 /// where the field allows. F must change its sign there and have one slope; otherwise t is off by as much as
-/// a march leaves it.
+/// a march leaves it: 2^-30 of itself, or of the size of the bounds where a ray leaves at a grazing angle
+/// (narrowed_root).
 template <class Line>
 [[nodiscard, gnu::noinline, gnu::cold]] ExactRoot enclosed_root(Line& line, double t) {
   const DoubleDouble zero(0.0);
-  const double widest = enclosure_width * std::abs(t);
+  const double widest = enclosure_width * std::max(std::abs(t), line.extent());
   for (double h = std::max(0x1p-53 * std::abs(t), line.resolution()); h < widest; h *= 2) {
     DoubleDouble a = two_sum(t, -h), b = two_sum(t, h);
     const auto at_a = line.enclosed(a), at_b = line.enclosed(b);

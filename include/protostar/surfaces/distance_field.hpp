@@ -55,7 +55,9 @@ concept PlainField = !DistanceField<F> && std::copy_constructible<F> && requires
 /// A DistanceField is a generic function of a point, as [](const auto& p) { return length(p) - 1.0; }. From
 /// it the library derives how fast it changes, and how much it is rounded, and each hit is proven: t is
 /// enclosed to 2^-30 of itself, nothing lies before it, and a miss is a miss. Where a ray comes nearer to the
-/// surface than double-double tells, about 2^-95, it hits, and fallbacks.undecided counts it.
+/// surface than double-double tells, about 2^-95, it hits, and fallbacks.undecided counts it. A ray that
+/// leaves at a grazing angle may cross the surface again so near that t is enclosed only to 2^-30 of the size
+/// of the bounds; its order among crossings of other surfaces as near is not proven.
 ///
 /// A plain function of a Point takes a Lipschitz constant besides, and nothing is proven then.
 template <class F>
