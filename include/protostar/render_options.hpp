@@ -124,14 +124,12 @@ struct RenderOptions {
   /// (PictureError); samples has to be 0. As do seconds and standard_error, it takes SobolSampler by default,
   /// and another sampler only if its even samples are independent of the odd ones: no HammersleySampler or
   /// StratifiedSampler.
-  PassOption<double> error = {};
-  PassOption<double> seconds =
-      {};                   ///< time for the picture, which ends with the last pass that fits; 0: no limit
-  int max_samples = 65536;  ///< samples at which error and seconds end at the latest, from 2 on
-  PassOption<bool> every_pixel =
-      {};                          ///< error is that of each channel of each pixel, proven; it needs a clamp
+  PassOption<double> error{};
+  PassOption<double> seconds{};    ///< time for the picture; the last pass that fits ends it; 0: no limit
+  int max_samples = 65536;         ///< samples at which error and seconds end at the latest, from 2 on
+  PassOption<bool> every_pixel{};  ///< error is that of each channel of each pixel, proven; it needs a clamp
   RenderReport* report = nullptr;  ///< if given, is told of passes
-  PassOption<Image*> standard_error = {};  ///< if given, becomes that of each pixel's channels (PixelSums)
+  PassOption<Image*> standard_error{};  ///< if given, becomes that of each pixel's channels (PixelSums)
 
   Crop crop = {};       ///< picture that the image is a part of
   int threads = 0;      ///< number of threads, with the caller's; 0: one for each core, as far as they start

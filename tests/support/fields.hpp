@@ -1,4 +1,4 @@
-// Fields for tests of marches, each a generic function of a point, and their first roots by subdivision.
+// Fields that tests march, and their first roots by subdivision.
 #pragma once
 
 #include <optional>
@@ -7,49 +7,7 @@
 
 #include "cases.hpp"
 #include "random.hpp"
-
-inline constexpr auto sphere_field = [](const auto& p) { return length(p) - 1.0; };
-
-inline constexpr auto torus_field = [](const auto& p) {
-  using protostar::Vec2;
-  const auto ring = length(Vec2{p.x, p.z}) - 1.0;
-  return length(Vec2{ring, p.y}) - 0.3;
-};
-
-inline constexpr auto box_field = [](const auto& p) {
-  using protostar::FieldPoint;
-  return signed_length(FieldPoint{abs(p.x) - 1.0, abs(p.y) - 0.7, abs(p.z) - 0.5});
-};
-
-/// Two spheres, of radii 1 ± 1e-6.
-inline constexpr auto shell_field = [](const auto& p) { return abs(length(p) - 1.0) - 1e-6; };
-
-inline constexpr auto blend_field = [](const auto& p) {
-  using protostar::FieldPoint;
-  const auto ball = [&](double x, double y, double z, double radius) {
-    return length(FieldPoint{p.x - x, p.y - y, p.z - z}) - radius;
-  };
-  return smooth_min(smooth_min(ball(-0.6, 0, 0, 0.6), ball(0.6, 0.1, 0, 0.5), 0.3), ball(0.1, 0.7, 0.3, 0.4),
-                    0.3);
-};
-
-inline constexpr auto gyroid_field = [](const auto& p) {
-  const auto x = p.x * 6.0, y = p.y * 6.0, z = p.z * 6.0;
-  const auto g = sin(x) * cos(y) + sin(y) * cos(z) + sin(z) * cos(x);
-  return max(abs(g) - 0.3, length(p) - 1.4);
-};
-
-/// A Menger sponge of two levels.
-inline constexpr auto sponge_field = [](const auto& p) {
-  auto d = max(abs(p.x), max(abs(p.y), abs(p.z))) - 1.0;
-  double scale = 1;
-  for (int i = 0; i < 2; ++i, scale *= 3) {
-    const auto x = fold(p.x * scale + 1.0), y = fold(p.y * scale + 1.0), z = fold(p.z * scale + 1.0);
-    const auto hole = max(min(x, y), max(min(y, z), min(z, x))) - 2.0 / 3;
-    d = max(d, hole * (1 / scale));
-  }
-  return d;
-};
+#include "sample_fields.hpp"
 
 /// Calls test(name, field, half the side of its bounds) for each of the fields.
 void each_test_field(const auto& test) {
@@ -59,7 +17,7 @@ void each_test_field(const auto& test) {
   test("shell", shell_field, 1.1);
   test("blend", blend_field, 1.4);
   test("gyroid", gyroid_field, 1.4);
-  test("sponge", sponge_field, 1.0);
+  test("sponge", SpongeField{}, 1.0);
 }
 
 /// Returns the box from −half to half in each coordinate.

@@ -1,55 +1,69 @@
-// Distance fields for tests, each with the box that it is looked at in.
+// Distance fields for tests, each a generic function of a point.
 #pragma once
 
 #include <protostar/bounds.hpp>
 #include <protostar/exact/field_point.hpp>
 #include <protostar/vec3.hpp>
 
+inline constexpr auto sphere_field = [](const auto& p) { return length(p) - 1.0; };
+
+inline constexpr auto torus_field = [](const auto& p) {
+  using protostar::Vec2;
+  const auto ring = length(Vec2{p.x, p.z}) - 1.0;
+  return length(Vec2{ring, p.y}) - 0.3;
+};
+
+inline constexpr auto box_field = [](const auto& p) {
+  using protostar::FieldPoint;
+  return signed_length(FieldPoint{abs(p.x) - 1.0, abs(p.y) - 0.7, abs(p.z) - 0.5});
+};
+
+/// Two spheres, of radii 1 ± 1e-6.
+inline constexpr auto shell_field = [](const auto& p) { return abs(length(p) - 1.0) - 1e-6; };
+
+inline constexpr auto blend_field = [](const auto& p) {
+  using protostar::FieldPoint;
+  const auto ball = [&](double x, double y, double z, double radius) {
+    return length(FieldPoint{p.x - x, p.y - y, p.z - z}) - radius;
+  };
+  return smooth_min(smooth_min(ball(-0.6, 0, 0, 0.6), ball(0.6, 0.1, 0, 0.5), 0.3), ball(0.1, 0.7, 0.3, 0.4),
+                    0.3);
+};
+
+inline constexpr auto gyroid_field = [](const auto& p) {
+  const auto x = p.x * 6.0, y = p.y * 6.0, z = p.z * 6.0;
+  const auto g = sin(x) * cos(y) + sin(y) * cos(z) + sin(z) * cos(x);
+  return max(abs(g) - 0.3, length(p) - 1.4);
+};
+
+/// A Menger sponge.
+struct SpongeField {
+  int levels = 2;
+
+  auto operator()(const auto& p) const {
+    auto d = max(abs(p.x), max(abs(p.y), abs(p.z))) - 1.0;
+    double scale = 1;
+    for (int i = 0; i < levels; ++i, scale *= 3) {
+      const auto q = fold(p * scale + protostar::Vec3{1, 1, 1});
+      const auto hole = max(min(q.x, q.y), max(min(q.y, q.z), min(q.z, q.x))) - 2.0 / 3;
+      d = max(d, hole * (1 / scale));
+    }
+    return d;
+  }
+};
+
 /// Calls test(name, field, half side of a cube around the coordinate origin) for each field: for distances,
 /// with kinks and without, and for functions that are none.
 void for_each_sample_field(const auto& test) {
   using protostar::FieldPoint;
   using protostar::Vec2;
-  using protostar::Vec3;
-  const auto torus = [](const auto& p) {
-    const auto ring = length(Vec2{p.x, p.z}) - 1.0;
-    return length(Vec2{ring, p.y}) - 0.3;
-  };
-  const auto box = [](const auto& p) { return signed_length(abs(p) - Vec3{1, 0.7, 0.5}); };
-  test(
-      "sphere", [](const auto& p) { return length(p) - 1.0; }, 1.1);
-  test("torus", torus, 1.4);
-  test("box", box, 1.4);
-  test(
-      "blend",
-      [](const auto& p) {
-        const auto a = length(p - Vec3{-0.6, 0, 0}) - 0.6, b = length(p - Vec3{0.6, 0.1, 0}) - 0.5;
-        return smooth_min(smooth_min(a, b, 0.3), length(p - Vec3{0.1, 0.7, 0.3}) - 0.4, 0.3);
-      },
-      1.4);
-  test(
-      "sponge",
-      [](const auto& p) {
-        auto d = max(abs(p.x), max(abs(p.y), abs(p.z))) - 1.0;
-        double s = 1;
-        for (int level = 0; level < 3; ++level, s *= 3) {
-          const auto q = fold(p * s + Vec3{1, 1, 1});
-          const auto cross = max(min(q.x, q.y), max(min(q.y, q.z), min(q.z, q.x))) - 2.0 / 3.0;
-          d = max(d, cross * (1 / s));
-        }
-        return d;
-      },
-      1.8);
-  test(
-      "shell", [](const auto& p) { return abs(length(p) - 1.0) - 1e-6; }, 1.1);
-  test(
-      "gyroid",
-      [](const auto& p) {
-        const auto q = p * 6.0;
-        const auto g = sin(q.x) * cos(q.y) + sin(q.y) * cos(q.z) + sin(q.z) * cos(q.x);
-        return max(abs(g) - 0.3, length(p) - 1.4);
-      },
-      1.5);
+  test("sphere", sphere_field, 1.1);
+  test("torus", torus_field, 1.4);
+  test("box", box_field, 1.4);
+  test("blend", blend_field, 1.4);
+  test("sponge", SpongeField{3}, 1.8);
+  test("shell", shell_field, 1.1);
+  test("gyroid", gyroid_field, 1.5);
   // A row of spheres: the nearest one and its neighbors are looked at, so nothing jumps.
   test(
       "row",
@@ -62,9 +76,9 @@ void for_each_sample_field(const auto& test) {
   // A twisted box, a quotient, a root, an exponential and a logarithm.
   test(
       "twist",
-      [box](const auto& p) {
+      [](const auto& p) {
         const auto s = sin(p.y * 2.0), c = cos(p.y * 2.0);
-        return box(FieldPoint{c * p.x - s * p.z, p.y, s * p.x + c * p.z});
+        return box_field(FieldPoint{c * p.x - s * p.z, p.y, s * p.x + c * p.z});
       },
       1.4);
   test(
