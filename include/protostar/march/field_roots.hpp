@@ -130,11 +130,7 @@ template <class Line>
       const bool moved = take(0.25);
       if (!take(moved ? 2.0 / 3 : 0.75) && !moved) break;
     }
-    const DoubleDouble middle = a + DoubleDouble(0.5) * (b - a);
-    return {.A = 1.0,
-            .b = ExactNumber(middle.hi) + ExactNumber(middle.lo),
-            .D = {},
-            .error = (b - a).hi * (0.5 + 0x1p-40)};
+    return exact_root_between(a, b);
   }
   return {.A = 1.0, .b = t, .D = {}, .error = widest};
 }
