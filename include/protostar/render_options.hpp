@@ -55,7 +55,7 @@ struct Skips {
   bool sure_in_float = true;   ///< tests in double of camera rays, where float is sure what they see
 };
 
-/// What a picture that is drawn in passes says of itself; after each pass and, if there is progress, before
+/// Report of a picture that is drawn in passes, filled in after each pass and, if there is progress, before
 /// it is told. Errors are those of channels in linear light, and the truth is the mean of infinitely many
 /// samples.
 struct RenderReport {
@@ -125,12 +125,12 @@ struct RenderOptions {
   /// and another sampler only if its even samples are independent of the odd ones: no HammersleySampler or
   /// StratifiedSampler.
   PassOption<double> error = {};
-  PassOption<double> seconds =
-      {};                   ///< time for the picture, which ends with the last pass that fits; 0: no limit
+  /// Time for the picture in seconds, which ends with the last pass that fits; 0: no limit.
+  PassOption<double> seconds = {};
   int max_samples = 65536;  ///< samples at which error and seconds end at the latest, from 2 on
-  PassOption<bool> every_pixel =
-      {};                          ///< error is that of each channel of each pixel, proven; it needs a clamp
-  RenderReport* report = nullptr;  ///< if given, is told of passes
+  /// If true, error is that of each channel of each pixel, proven; it needs a clamp.
+  PassOption<bool> every_pixel = {};
+  RenderReport* report = nullptr;          ///< if given, is told of passes
   PassOption<Image*> standard_error = {};  ///< if given, becomes that of each pixel's channels (PixelSums)
 
   Crop crop = {};       ///< picture that the image is a part of
