@@ -48,9 +48,9 @@ class March {
  private:
   using Answer = MarchedRoot::Answer;
 
-  /// Most segments of a march in one precision between two looks at balls, far more than any ray of the tests
-  /// has needed. It is not derived: it ends marches that creep. A ray that needs more in double and then in
-  /// double-double is undecided.
+  /// Most segments of a march in one precision between two looks at balls, far more than any ray that was
+  /// seen has needed. It is not derived: it ends marches that creep. A ray that needs more in double and then
+  /// in double-double is undecided, and hits where it has come to.
   static constexpr int most_segments = 3000;
 
   [[nodiscard]] bool is_done() const { return is_done_; }
@@ -77,6 +77,9 @@ class March {
 
   /// Marches by balls until the march ends, and returns true, or until segments do better. F(t) > 0 is proven
   /// where it stops, if it has moved at all.
+  ///
+  /// The lengths of steps, and when others try, are choices for speed, measured and not derived. They move
+  /// the last digits of t, and prove nothing: each step counts by its balls alone.
   [[nodiscard]] bool march_by_balls() {
     const double error = line_.error(), reach = line_.reach(), extent = line_.extent();
     // Balls that are hardly larger than their error: it takes 1/65 or more from the radius of a smaller one.

@@ -66,9 +66,9 @@ template <DistanceField F>
 class Marched<F> {
  public:
   /// Makes the surface; derives the field's Lipschitz constant and rounding with at most `evaluations`
-  /// evaluations over boxes, of which a field that is no exact distance needs many: more of them make the
-  /// constant smaller and the march faster, never the picture another one. The number 20000 is a choice, and
-  /// not derived. Throws std::invalid_argument if the bounds are not finite, or empty, or the field has no
+  /// evaluations over boxes, of which a field that is no exact distance needs many: more of them may
+  /// make the constant smaller and marches faster; the constant holds with any number, and 20000 is a choice.
+  /// Throws std::invalid_argument if the bounds are not finite, or empty, or the field has no
   /// bounded slope or value in them.
   Marched(F field, const Bounds& bounds, int evaluations = 20000) : field_(std::move(field)) {
     // Faces that lie in the bounds are inside of boxes that are a thousandth larger. Points of rays may come
