@@ -185,9 +185,7 @@ class Marched<F> {
 
   /// Returns this surface, recognized by its address.
   [[nodiscard]] Departure departure() const { return {.kind = Departure::Kind::object, .object = this}; }
-  [[nodiscard]] bool is_left_by(const Ray& ray) const {
-    return ray.departure.kind == Departure::Kind::object && ray.departure.object == this;
-  }
+  [[nodiscard]] bool is_left_by(const Ray& ray) const { return ray.departure.is_from(this); }
 
   /// Returns true if the field is proven to be above 0 all over the faces of the bounds: then the surface is
   /// closed.

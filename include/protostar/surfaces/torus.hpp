@@ -96,9 +96,7 @@ struct Torus {
 
   /// Returns this torus, recognized by its address.
   [[nodiscard]] Departure departure() const { return {.kind = Departure::Kind::object, .object = this}; }
-  [[nodiscard]] bool is_left_by(const Ray& ray) const {
-    return ray.departure.kind == Departure::Kind::object && ray.departure.object == this;
-  }
+  [[nodiscard]] bool is_left_by(const Ray& ray) const { return ray.departure.is_from(this); }
 
   /// Returns false: the far end of a ray is outside a torus (Solid).
   [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
