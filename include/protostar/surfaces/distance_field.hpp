@@ -310,12 +310,12 @@ class Marched<F> {
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
     if (!is_proper(ray)) return std::nullopt;
     const Interval span = detail::inside_of(bounds_, ray.origin, ray.direction);
-    const double end = std::min(span.max, range.max);
+    const double end = span.max;  // steps do not depend on range.max, and with them the digits of t
     const auto value = [&](double t) { return static_cast<double>(field_(ray.at(t))); };
     const double speed = lipschitz_ * std::sqrt(dot(ray.direction, ray.direction));
     const double close = 0x1p-40 * size_ * lipschitz_;
     double t = std::max(span.min, range.min);
-    if (!(t < end)) return std::nullopt;
+    if (!(t < end && t < range.max)) return std::nullopt;
     double v = value(t);
     for (double step = close / speed; std::abs(v) <= close; step *= 2) {  // the surface that the ray leaves
       if (!(t + step < end)) return std::nullopt;
@@ -326,7 +326,7 @@ class Marched<F> {
       if ((v < 0) != (v_next < 0)) return root_between(value, t, next, range);
       t = next, v = v_next;
       if (std::abs(v) <= close) break;
-      if (!(t < end)) return std::nullopt;
+      if (!(t < end && t < range.max)) return std::nullopt;
     }
     return range.contains(t) ? std::optional(t) : std::nullopt;
   }
