@@ -1,4 +1,4 @@
-// Reference to a function of any type, for parameters of functions that are no templates.
+// Reference to a function object of any type, for parameters of functions that are no templates.
 #pragma once
 
 #include <concepts>
@@ -12,8 +12,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 template <class>
 class FunctionRef;
 
-/// Refers to a function, such as a lambda, which has to live as long. A std::function would hold a copy of
-/// it, and takes a compiler ten functions for each type of function instead of one.
+/// Refers to a function object, such as a lambda, which has to live as long and is called as a constant. A
+/// std::function would hold a copy of it, and takes a compiler ten functions for each type instead of one.
 template <class R, class... Arguments>
 class FunctionRef<R(Arguments...)> {
  public:

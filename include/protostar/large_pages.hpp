@@ -22,7 +22,7 @@ namespace detail {
 
 inline constexpr std::size_t large_page = std::size_t{1} << 21, cache_line = 64;  ///< in bytes
 
-/// Returns the alignment of so many bytes of allocate_pages.
+/// Returns the alignment of a block that allocate_pages returns for a number of bytes.
 [[nodiscard]] inline std::align_val_t alignment_of_pages(std::size_t bytes) {
   return std::align_val_t{bytes >= large_page ? large_page : cache_line};
 }
@@ -38,7 +38,7 @@ inline constexpr std::size_t large_page = std::size_t{1} << 21, cache_line = 64;
   return memory;
 }
 
-/// Frees memory of so many bytes that allocate_pages returned.
+/// Frees a block that allocate_pages returned for this number of bytes.
 inline void free_pages(void* memory, std::size_t bytes) {
   ::operator delete(memory, alignment_of_pages(bytes));
 }

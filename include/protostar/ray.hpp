@@ -38,6 +38,9 @@ struct Departure {
 
   [[nodiscard]] bool is_planar() const { return kind == Kind::plane || kind == Kind::rounded_plane; }
 
+  /// Returns true if a surface that recognizes itself by its address is left.
+  [[nodiscard]] bool is_from(const void* surface) const { return kind == Kind::object && object == surface; }
+
   /// Returns true if both are of one geometry; for planes and spheres neither object nor part counts. For
   /// planes the answer is exact if both equations are, which may be multiples of each other. If one is
   /// rounded, equal planes are always found to be equal, and two others only if their equations are rounded

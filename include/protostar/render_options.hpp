@@ -55,7 +55,7 @@ struct Skips {
   bool sure_in_float = true;   ///< tests in double of camera rays, where float is sure what they see
 };
 
-/// What a picture that is drawn in passes says of itself; after each pass and, if there is progress, before
+/// Report of a picture that is drawn in passes, filled in after each pass and, if there is progress, before
 /// it is told. Errors are those of channels in linear light, and the truth is the mean of infinitely many
 /// samples.
 struct RenderReport {
@@ -124,12 +124,14 @@ struct RenderOptions {
   /// (PictureError); samples has to be 0. As do seconds and standard_error, it takes SobolSampler by default,
   /// and another sampler only if its even samples are independent of the odd ones: no HammersleySampler or
   /// StratifiedSampler.
-  PassOption<double> error{};
-  PassOption<double> seconds{};    ///< time for the picture; the last pass that fits ends it; 0: no limit
-  int max_samples = 65536;         ///< samples at which error and seconds end at the latest, from 2 on
-  PassOption<bool> every_pixel{};  ///< error is that of each channel of each pixel, proven; it needs a clamp
-  RenderReport* report = nullptr;  ///< if given, is told of passes
-  PassOption<Image*> standard_error{};  ///< if given, becomes that of each pixel's channels (PixelSums)
+  PassOption<double> error = {};
+  /// Time for the picture in seconds, which ends with the last pass that fits; 0: no limit.
+  PassOption<double> seconds = {};
+  int max_samples = 65536;  ///< samples at which error and seconds end at the latest, from 2 on
+  /// If true, error is that of each channel of each pixel, proven; it needs a clamp.
+  PassOption<bool> every_pixel = {};
+  RenderReport* report = nullptr;          ///< if given, is told of passes
+  PassOption<Image*> standard_error = {};  ///< if given, becomes that of each pixel's channels (PixelSums)
 
   Crop crop = {};       ///< picture that the image is a part of
   int threads = 0;      ///< number of threads, with the caller's; 0: one for each core, as far as they start

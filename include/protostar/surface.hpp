@@ -253,8 +253,7 @@ template <Surface S>
 template <Surface S>
 [[nodiscard]] Interval range_for(const S& surface, const Ray& ray, Interval range) {
   if constexpr (!knows_departure<S>)
-    if (ray.departure.kind == Departure::Kind::object && ray.departure.object == &surface)
-      return beyond_departure(surface, ray, range);
+    if (ray.departure.is_from(&surface)) return beyond_departure(surface, ray, range);
   return range;
 }
 

@@ -2,8 +2,8 @@
 //
 //   const auto sphere = [](const auto& p) { return length(p) - 1.0; };
 //   plain_value(sphere, {3, 0, 0});                                  // 2, rounded as in double
-//   value_at<double>(sphere, origin, direction, t);                  // enclosure of the values for t in [a,
-//   b] slope_at<double>(sphere, origin, direction, t);                  // values and slopes for t in [a, b]
+//   value_at<double>(sphere, origin, direction, t);                  // enclosure of values, t an interval
+//   slope_at<double>(sphere, origin, direction, t);                  // enclosures of values and slopes
 //   lipschitz_bound(sphere, bounds, 1000);                           // {Lipschitz constant, error}
 //
 // It is positive outside of its surface, 0 on it and negative inside, and continuous.

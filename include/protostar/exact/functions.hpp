@@ -191,8 +191,8 @@ template <int N>
   return x;
 }
 
-/// Returns the sine of a + quarter · π/2. It is 1 at turns + ¼ = n and −1 at turns − ¼ = n + ½, for integers
-/// n, with turns = (a + quarter · π/2) / 2π; elsewhere the extremes are at the ends.
+/// Returns the sine of a + quarter · π/2. It is 1 where turns − ¼ is an integer and −1 where turns + ¼ is
+/// one, with turns = (a + quarter · π/2) / 2π; elsewhere the extremes are at the ends.
 template <class B>
 [[nodiscard]] Enclosure<B> sine_over(const Enclosure<B>& a, double quarter) {
   constexpr double per_angle = 0x1.45f306dc9c883p-3;  // the double nearest to 1/2π

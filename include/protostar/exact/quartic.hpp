@@ -145,6 +145,8 @@ class RootSearch {
 
   /// Narrows an interval around one root, before which the polynomial has a sign, as far as digits allow: to
   /// m − f(m)/F' for its middle m and the slopes F' over it, if these are not 0, and otherwise by halves.
+  /// Each turn leaves ¾ of the width or less, or is the last: 200 of them 2^-82 of the interval, if Newton's
+  /// method never helps.
   [[nodiscard]] Enclosure<B> narrowed(Enclosure<B> x, int sign_before) const {
     const auto width = [&] { return static_cast<double>(x.upper - x.lower); };
     for (int i = 0; i < 200; ++i) {

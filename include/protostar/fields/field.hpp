@@ -124,10 +124,12 @@ requires(!std::same_as<S, Field>) Field::Field(S shape) {
     size_ += static_cast<std::size_t>(shape.levels);
   if (depth_ > most_depth)
     throw std::invalid_argument("Field: the tree is " + std::to_string(depth_) +
-                                " shapes and operations deep; at most 64 are allowed");
+                                " shapes and operations deep; at most " + std::to_string(most_depth) +
+                                " are allowed");
   if (size_ > most_nodes)
     throw std::invalid_argument("Field: an evaluation takes " + std::to_string(size_) +
-                                " shapes and operations; at most 4096 are allowed");
+                                " shapes and operations; at most " + std::to_string(most_nodes) +
+                                " are allowed");
   node_ = std::make_shared<const Node>(Node{std::move(shape)});
 }
 

@@ -85,9 +85,8 @@ class Polygon {
     return value;
   }
 
-  /// Returns the rectangle. Beside the corner between sides with the unit normals n and m, the field is
-  /// `level` at the corner plus level (n + m)/(1
-  /// + n · m).
+  /// Returns the rectangle. Beside the corner c between sides with the unit normals n and m, the field is
+  /// `level` at c + w (n + m) with w = level / (1 + n · m).
   [[nodiscard]] PlanarBounds bounds(double level = 0) const {
     PlanarBounds all{Uv(infinity), Uv(-infinity)};
     for (std::size_t i = 0; i < sides_.size(); ++i) {

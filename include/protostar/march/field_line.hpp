@@ -117,8 +117,10 @@ class FieldLine {
     const double L = setup.bound.lipschitz;
     error_ = off < setup.margin / 2 ? (L * off + setup.bound.error) * more : infinity;
     reach_ = (1 - 0x1p-40) / (L * (d + d_error));
-    if (!(d > 0x1p-450 && reach_ > 0 && reach_ < infinity)) error_ = infinity;  // squares may underflow
+    // Squares of components that count are then above 2^-953, and lose nothing by underflow below 2^-1022.
+    if (!(d > 0x1p-450 && reach_ > 0 && reach_ < infinity)) error_ = infinity;
     extent_ = largest(setup.inside.max - setup.inside.min) / (2 * d);
+    // Points in double-double are off by a few 2^-104 of |o| + T|d|: by less than that in t.
     resolution_ = 0x1p-100 * (o / d + T);
   }
 

@@ -53,8 +53,12 @@ template <class Line>
     if (!(lo >= 0 || hi <= 0)) return std::nullopt;
     if (!(lo >= 0)) line.turn_to(-line.sign());
     line.trace().proven(MarchProof::deflation, 0, h);
+    // The slope is rounded to double, and so are the products: less than 4u, of which 2^-50 is 8.
     return MarchStart{h, (lo >= 0 ? lo : -hi) * h * (1 - 0x1p-50)};
   };
+  // The slopes over [0, h] are as wide as h makes them and as rounding of the points does. At 2^-43 of the
+  // bounds, 2^10 last places of double, and at 2^-97, 2^9 of double-double, a smaller h makes them hardly
+  // narrower and would prove no more.
   double h = line.extent() / 4;
   for (; h > 0x1p-43 * line.extent(); h /= 8)
     if (const auto start = start_at(h, line.slope(0.0, h).slope)) return *start;
@@ -126,16 +130,13 @@ template <class Line>
       if (at_m.upper < zero) return (falls ? b : a) = m, true;
       return false;
     };
+    // Points are off by a few 2^-104 of t; at 2^-97 their signs are mostly certain yet.
     while ((b - a).hi > 0x1p-97 * std::abs(t)) {
       if (take(0.5)) continue;
       const bool moved = take(0.25);
       if (!take(moved ? 2.0 / 3 : 0.75) && !moved) break;
     }
-    const DoubleDouble middle = a + DoubleDouble(0.5) * (b - a);
-    return {.A = 1.0,
-            .b = ExactNumber(middle.hi) + ExactNumber(middle.lo),
-            .D = {},
-            .error = (b - a).hi * (0.5 + 0x1p-40)};
+    return exact_root_between(a, b);
   }
   return {.A = 1.0, .b = t, .D = {}, .error = widest};
 }

@@ -48,7 +48,9 @@ class March {
  private:
   using Answer = MarchedRoot::Answer;
 
-  /// Most segments of a march between two looks at balls, far more than any ray has needed.
+  /// Most segments of a march in one precision between two looks at balls, far more than any ray that was
+  /// seen has needed. It is not derived: it ends marches that creep. A ray that needs more in double and then
+  /// in double-double is undecided, and hits where it has come to.
   static constexpr int most_segments = 3000;
 
   [[nodiscard]] bool is_done() const { return is_done_; }
@@ -75,9 +77,13 @@ class March {
 
   /// Marches by balls until the march ends, and returns true, or until segments do better. F(t) > 0 is proven
   /// where it stops, if it has moved at all.
+  ///
+  /// The lengths of steps, and when others try, are choices for speed, measured and not derived. They move
+  /// the last digits of t, and prove nothing: each step counts by its balls alone.
   [[nodiscard]] bool march_by_balls() {
     const double error = line_.error(), reach = line_.reach(), extent = line_.extent();
-    const double near = 64 * error * reach;  // balls that are hardly larger than their error
+    // Balls that are hardly larger than their error: it takes 1/65 or more from the radius of a smaller one.
+    const double near = 64 * error * reach;
     FieldValue at{t_, line_.value(t_)};
     double radius = (at.v - error) * reach, trend = -1, next_try = infinity;
     int failed = 0, slow = 0;
@@ -152,6 +158,8 @@ class March {
     const bool is_known = known_ > 0;
     if (is_known && at.lower < B(known_)) at.lower = B(known_);
     if (!(zero < at.lower)) return false;
+    // Balls take over where the bound of F is above 128 errors: then a value is above 127, and its ball of a
+    // radius above 126 is not left again at once as one of less than 64 (march_by_balls).
     const double reach = line_.reach(), worth = 128 * line_.error();
     double h =
         is_known ? 0.5 * t_ : std::max(2 * static_cast<double>(at.lower) * reach, 0x1p-50 * std::abs(t_));

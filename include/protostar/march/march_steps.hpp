@@ -1,5 +1,5 @@
-// What a march tells of its steps: each evaluation of the field, and each part of the ray that is proven
-// empty.
+// Traces, which a march tells of its steps: of each evaluation of the field, and of each part of the ray that
+// is proven empty.
 #pragma once
 
 #include <cstdint>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "exact_number.hpp"
 #include "roots.hpp"
@@ -19,6 +20,18 @@ struct ExactRoot {
 
 /// Returns a double as an exact root.
 [[nodiscard]] inline ExactRoot exact_root_of(double t) { return {.A = 1.0, .b = t, .D = {}}; }
+
+/// Returns a root that lies between a and b ≥ a: their middle, off by at most half of b − a. The middle is
+/// rounded by 3u² = 3 · 2^-106 of itself, for which 2^-103 of it is added; 2^-40 of the width is more than
+/// the roundings of the width and of the error.
+[[nodiscard, gnu::cold, gnu::noinline]] inline ExactRoot exact_root_between(const DoubleDouble& a,
+                                                                            const DoubleDouble& b) {
+  const DoubleDouble width = b - a, middle = a + DoubleDouble(0.5) * width;
+  return {.A = 1.0,
+          .b = ExactNumber(middle.hi) + ExactNumber(middle.lo),
+          .D = {},
+          .error = width.hi * (0.5 + 0x1p-40) + 0x1p-103 * std::abs(middle.hi)};
+}
 
 namespace detail {
 

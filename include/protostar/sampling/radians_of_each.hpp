@@ -32,7 +32,8 @@ namespace detail {
 
 }  // namespace detail
 
-/// Returns the sines of the first `count` angles, from 0 to 3π/4, with the bits of sine_and_cosine.
+/// Returns the sines of the first `count` angles, from 0 to less than 3π/4, with the bits of
+/// sine_and_cosine: at 3π/4 the number of quarter turns, 1 below, becomes 2, and the sign would change.
 [[nodiscard]] inline FewNumbers sines_of_each(const FewNumbers& angles, int count) {
   using simd::Doubles;
   FewNumbers sines{};

@@ -54,9 +54,7 @@ struct Quadric {
   [[nodiscard]] auto equation(const ExactLine& line) const { return quadric_equation(line, form); }
   [[nodiscard]] bool has_finite_numbers() const { return is_finite(form); }
 
-  [[nodiscard]] bool is_left_by(const Ray& ray) const {
-    return ray.departure.kind == Departure::Kind::object && ray.departure.object == this;
-  }
+  [[nodiscard]] bool is_left_by(const Ray& ray) const { return ray.departure.is_from(this); }
 
   /// Returns all crossings of the ray's line; if the ray departs from the quadric, only the one that it does
   /// not come from. This one does not count outside of the bounds, where it can be only if the origin is

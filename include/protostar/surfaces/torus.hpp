@@ -88,8 +88,7 @@ struct Torus {
       const Enclosure<DoubleDouble>& t = roots.root[i];
       const DoubleDouble middle = DoubleDouble(0.5) * (t.lower + t.upper);
       if (!(std::abs(middle.hi - crossing.t) <= enclosure_width * std::abs(crossing.t))) continue;
-      root.b = ExactNumber(middle.hi) + ExactNumber(middle.lo);
-      root.error = (t.upper - t.lower).hi * (0.5 + 0x1p-40);
+      root = exact_root_between(t.lower, t.upper);
       if (i >= crossing.root) break;  // of equal ones that with the same index
     }
     return root;
@@ -97,9 +96,7 @@ struct Torus {
 
   /// Returns this torus, recognized by its address.
   [[nodiscard]] Departure departure() const { return {.kind = Departure::Kind::object, .object = this}; }
-  [[nodiscard]] bool is_left_by(const Ray& ray) const {
-    return ray.departure.kind == Departure::Kind::object && ray.departure.object == this;
-  }
+  [[nodiscard]] bool is_left_by(const Ray& ray) const { return ray.departure.is_from(this); }
 
   /// Returns false: the far end of a ray is outside a torus (Solid).
   [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
@@ -229,8 +226,8 @@ struct Torus {
     const Enclosure<B> R = Enclosure<B>(radius) * unit, r = Enclosure<B>(tube) * unit, outer = R + r;
     const Enclosure<B> A = product(d, d), b = product(p, d), P = product(p, p);
     // The square of the distance of the line from the center, times A: above (R + r)² A the line misses.
-    if (certain_sign(A * P - square(b) - square(outer) * A) > 0) return roots;
-    if (!(certain_sign(A - abs(b) - sqrt(A) * outer) > 0)) {
+    if (detail::certain_sign(A * P - square(b) - square(outer) * A) > 0) return roots;
+    if (!(detail::certain_sign(A - abs(b) - sqrt(A) * outer) > 0)) {
       roots.are_certain = false;
       return roots;
     }
@@ -244,11 +241,6 @@ struct Torus {
     roots = roots_in_unit_interval(f);
     for (int i = 0; i < roots.count; ++i) roots.root[i] = Enclosure<B>(t0) + roots.root[i] * S;
     return roots;
-  }
-
-  template <class B>
-  [[nodiscard]] static int certain_sign(const Enclosure<B>& x) {
-    return detail::certain_sign(x);
   }
 };
 
