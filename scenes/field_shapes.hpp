@@ -9,12 +9,12 @@
 inline protostar::AnyScene field_shapes() {
   using namespace protostar;
 
-  // The points at a distance from a circle, which stands in the plane of x and y.
+  // The points at most 0.25 away from a circle, which stands in a plane of x and y.
   const auto torus = [](const auto& p) {
     const auto q = p - Vec3{-1.9, -0.1, 3.4};
     return length(Vec2{length(Vec2{q.x, q.y}) - 0.6, q.z}) - 0.25;
   };
-  // The points at a distance from a box.
+  // The points at most 0.2 away from a box.
   const auto rounded_box = [](const auto& p) {
     return length(max(abs(p - Vec3{-0.9, -0.5, 4.2}) - Vec3{0.3, 0.3, 0.3}, 0.0)) - 0.2;
   };
@@ -22,7 +22,7 @@ inline protostar::AnyScene field_shapes() {
     const auto q = abs(p - Vec3{0.05, 0.1, 3.7});
     return (q.x + q.y + q.z - 0.9) * std::sqrt(1.0 / 3);
   };
-  // The points at a distance from a part of a vertical line.
+  // The points at most 0.4 away from a part of a vertical line.
   const auto capsule = [](const auto& p) {
     const auto q = p - Vec3{1, -0.1, 4.5};
     return length(FieldPoint{q.x, max(abs(q.y) - 0.5, 0.0), q.z}) - 0.4;

@@ -1,11 +1,12 @@
-// Two rows of columns with rings, which are one column in folded space (stages 36 and 37).
+// Rows of columns with rings, all of which are one column in folded space (stages 36 and 37).
 #pragma once
 
 #include <numbers>
 #include <protostar/any_scene.hpp>
 #include <protostar/surfaces/distance_field.hpp>
 
-/// Point of folded space: x and z are the distances from the nearest column, which stand 3 apart.
+/// Returns the point in folded space: its x and z are the distances, in x and in z, from the axis of the
+/// nearest column. Columns stand 3 apart.
 auto in_rows(const auto& p) {
   const auto folded = [](const auto& x) { return fold((x - 1.5) * (2.0 / 3)) * 1.5; };
   return protostar::FieldPoint{folded(p.x), p.y, folded(p.z)};

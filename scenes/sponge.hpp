@@ -5,8 +5,9 @@
 #include <protostar/any_scene.hpp>
 #include <protostar/surfaces/distance_field.hpp>
 
-/// A cube from −1 to 1 with square holes along the axes, each of its pieces with smaller ones, and so on. At
-/// each level space is folded to one piece, and what is taken away is around its middle.
+/// Field of a cube from −1 to 1 with square holes along the axes, each of its pieces with smaller ones, and
+/// so on. At each level space is folded to one piece, and three square holes are taken away through its
+/// middle.
 struct Sponge {
   int levels = 4;
 
@@ -26,7 +27,7 @@ struct Sponge {
 inline protostar::AnyScene sponge() {
   using namespace protostar;
 
-  // Turned around the y axis, so that an edge shows.
+  // The sponge, moved and turned around the y axis, so that an edge shows.
   const auto turned = [](const auto& p) {
     const auto q = p - Vec3{0, -1.6, 3.8};
     return Sponge{}(FieldPoint{q.x * 0.8 - q.z * 0.6, q.y, q.x * 0.6 + q.z * 0.8});

@@ -1,8 +1,8 @@
-// Finds the three spheres without their equation, by the ways to march that stop at an epsilon, for the
-// stages 30 to 32 (§3.2).
+// Finds the three spheres without their equation, by three ways to march that depend on a length epsilon, for
+// the stages 30 to 32 (§3.2).
 //
-// Nothing here is part of the library. Each march follows the text that describes it, and each misses
-// surfaces or finds some that are not there: 33_certified shows how a march decides all of them.
+// Nothing here is part of the library. Each march is that of its publication, and each misses surfaces or
+// finds some that are not there. The march of the stage 33_certified decides all rays of this scene.
 #pragma once
 
 #include <algorithm>
@@ -46,7 +46,7 @@ inline Vec3 normal_at(const Point& p) {
       Vec3{field(p + x) - field(p - x), field(p + y) - field(p - y), field(p + z) - field(p - z)});
 }
 
-/// The t at which a ray ends. The horizon of the ground is nearer: at 44.7.
+/// The t at which a ray ends, in scene units. The horizon of the ground is nearer: at 44.7.
 constexpr double far = 50;
 
 /// Listener to the steps of a march, which hears nothing.
@@ -55,7 +55,7 @@ struct Silent {
 };
 
 /// Marches by steps of the length epsilon, of which it takes 100,000 at most, until a point is not outside.
-/// Returns its t. The listener is told each t with the value of the field there.
+/// Returns the t of that point, or none. The listener is told each t with the value of the field there.
 template <class Listener = Silent>
 std::optional<double> fixed_step(const Ray& ray, double epsilon, const Listener& tell = {}) {
   double t = epsilon;
@@ -70,8 +70,8 @@ std::optional<double> fixed_step(const Ray& ray, double epsilon, const Listener&
 /// The number of steps after which the other marches give up.
 constexpr int most_steps = 512;
 
-/// Marches by the distance to the nearest surface (Hart 1996). Returns the first t at which this is less than
-/// epsilon.
+/// Marches by steps as long as the distance to the nearest surface (Hart 1996). Returns the first t at which
+/// this distance is less than epsilon, or none.
 template <class Listener = Silent>
 std::optional<double> sphere_tracing(const Ray& ray, double epsilon, const Listener& tell = {}) {
   double t = 0;
@@ -84,8 +84,10 @@ std::optional<double> sphere_tracing(const Ray& ray, double epsilon, const Liste
   return std::nullopt;
 }
 
-/// Marches by 1.6 times that distance (Keinert et al. 2014). If the free balls around the two ends of a step
-/// do not overlap, the step is taken back to the end of the first ball, and the relaxation ends.
+/// Marches by steps of 1.6 times the distance to the nearest surface (Keinert et al. 2014). If the balls
+/// around the two ends of a step, which have these distances for radii, leave a gap between them, the ray
+/// goes back to the edge of the first ball, and from there by steps of 1 times the distance. Returns the
+/// first t at which the distance is less than epsilon, or none.
 template <class Listener = Silent>
 std::optional<double> enhanced(const Ray& ray, double epsilon, const Listener& tell = {}) {
   double t = 0, before = 0, step = 0, relaxation = 1.6;
@@ -116,8 +118,8 @@ inline Color diffuse(const Ray& ray, const std::optional<double>& t) {
   return nearest(point).color * light.irradiance(point, facing);
 }
 
-/// Draws the three spheres by a march with the stage's epsilon, and prints how many pixels differ from the
-/// exact picture, which 33_certified draws, too.
+/// Draws the three spheres by a march with the stage's epsilon, and prints how many pixels are wrong,
+/// compared with the picture that the spheres' equation gives.
 inline void draw(Stage& stage, const auto& march) {
   const protostar::Camera camera;
   const double epsilon = stage.number("--epsilon");

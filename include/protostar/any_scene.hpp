@@ -10,7 +10,7 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Scene that takes surfaces of any type. The most frequent types have lists of their own, which are drawn
-/// faster than an AnySurface. A picture of it is compiled once, whatever it contains.
+/// faster than an AnySurface. As all such scenes have one type, rendering is compiled once for all of them.
 using AnyScene = Scene<Sphere, Plane, Parallelogram, AnySurface>;
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -153,18 +153,18 @@ Number length(const Place& v) {
 // Fields of shapes around (0, 0, 0). Each is greater than 0 outside, 0 on the surface, less than 0 inside.
 Number sphere(const Place& p, double radius) { return length(p) - radius; }
 
-// A ring: the points at a distance from a circle, which stands in the plane of x and y.
+// A ring: the points at most a thickness away from a circle in the plane of x and y.
 Number torus(const Place& p, double radius, double thickness) {
   const Number from_circle = length({p.x, p.y, 0}) - radius;
   return length({from_circle, p.z, 0}) - thickness;
 }
 
-// A box is where six planes are behind the point. It has its corners at (±a, ±b, ±c).
+// A box: the points behind the planes of all six sides. It has its corners at (±a, ±b, ±c).
 Number box(const Place& p, double a, double b, double c) {
   return max(max(abs(p.x) - a, abs(p.y) - b), abs(p.z) - c);
 }
 
-// The points at a distance from such a box.
+// A box with round edges: the points at most a radius away from a box.
 Number rounded_box(const Place& p, double a, double b, double c, double radius) {
   return length({max(abs(p.x) - a, 0), max(abs(p.y) - b, 0), max(abs(p.z) - c, 0)}) - radius;
 }
@@ -178,7 +178,7 @@ Number cylinder(const Place& p, double radius, double height) {
   return max(length({p.x, 0, p.z}) - radius, abs(p.y) - height);
 }
 
-// The points at a distance from a part of the y axis.
+// The points at most a radius away from a part of the y axis.
 Number capsule(const Place& p, double radius, double height) {
   return length({p.x, max(abs(p.y) - height, 0), p.z}) - radius;
 }
@@ -252,7 +252,7 @@ const Shape& nearest(const Point& p) {
   return *std::min_element(shapes.begin(), shapes.end(), is_nearer);
 }
 
-// Where a ray ends.
+// The t at which a ray ends.
 const double far = 1000;
 
 // Returns true if there surely is no surface from t = lo to t = hi. The field is known at both ends, and from

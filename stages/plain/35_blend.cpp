@@ -131,7 +131,7 @@ Number min(const Number& a, const Number& b) {
 Number max(const Number& a, const Number& b) { return -min(-a, -b); }
 Number abs(const Number& a) { return max(a, -a); }
 
-// A minimum without a kink: where a and b differ by less than the width, it goes from the one to the other
+// A minimum without a kink: while a and b differ by less than the width, it goes from the one to the other
 // along a parabola. It grows with a and with b, so its least value is that of their least values. Its slope
 // is a mean of both slopes, with weights from 0 to 1.
 Number smooth_min(const Number& a, const Number& b, double width) {
@@ -224,7 +224,7 @@ const Shape& nearest(const Point& p) {
   return *std::min_element(shapes.begin(), shapes.end(), is_nearer);
 }
 
-// Where a ray ends.
+// The t at which a ray ends.
 const double far = 1000;
 
 // Returns true if there surely is no surface from t = lo to t = hi. The field is known at both ends, and from

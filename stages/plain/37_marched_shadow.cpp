@@ -160,12 +160,12 @@ Number length(const Place& v) {
   return {value, slope};
 }
 
-// The points at a distance from a part of the y axis.
+// The points at most a radius away from a part of the y axis.
 Number capsule(const Place& p, double radius, double height) {
   return length({p.x, max(abs(p.y) - height, 0), p.z}) - radius;
 }
 
-// The points at a distance from a circle in the plane of x and z.
+// The points at most a thickness away from a circle in the plane of x and z.
 Number ring(const Place& p, double radius, double thickness) {
   const Number from_circle = length({p.x, 0, p.z}) - radius;
   return length({from_circle, p.y, 0}) - thickness;
@@ -220,7 +220,7 @@ const Shape& nearest(const Point& p) {
   return *std::min_element(shapes.begin(), shapes.end(), is_nearer);
 }
 
-// Where a ray ends.
+// The t at which a ray ends.
 const double far = 60;
 
 // Returns true if there surely is no surface from t = lo to t = hi. The field is known at both ends, and from
