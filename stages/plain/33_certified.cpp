@@ -195,7 +195,7 @@ const Sphere& nearest(const Point& p) {
   return *std::min_element(spheres.begin(), spheres.end(), is_nearer);
 }
 
-// Where a ray ends.
+// Length at which a ray ends.
 const double far = 50;
 
 // Returns true if there surely is no surface from t = lo to t = hi. The field is known at both ends, and from

@@ -224,7 +224,7 @@ const Shape& nearest(const Point& p) {
   return *std::min_element(shapes.begin(), shapes.end(), is_nearer);
 }
 
-// Where a ray ends.
+// Length at which a ray ends.
 const double far = 1000;
 
 // Returns true if there surely is no surface from t = lo to t = hi. The field is known at both ends, and from

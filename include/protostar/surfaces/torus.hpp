@@ -31,7 +31,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// A torus around an axis of any length but 0 through the center. The tube is thinner than the radius, so
 /// that there is a hole. Each hit is proven: t is enclosed to 2^-30 of itself, nothing lies before it, and a
-/// miss is a miss. Where a ray comes nearer to the torus than double-double tells, it hits, and
+/// miss is a miss. A ray that comes nearer to the torus than double-double tells hits, and
 /// fallbacks.undecided counts it.
 struct Torus {
   Point center{0};
@@ -90,7 +90,7 @@ struct Torus {
       if (!(std::abs(middle.hi - crossing.t) <= enclosure_width * std::abs(crossing.t))) continue;
       root.b = ExactNumber(middle.hi) + ExactNumber(middle.lo);
       root.error = (t.upper - t.lower).hi * (0.5 + 0x1p-40);
-      if (i >= crossing.root) break;  // of equal ones that with the same index
+      if (i >= crossing.root) break;  // the one with the same index, of equal ones
     }
     return root;
   }
