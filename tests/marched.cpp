@@ -22,8 +22,8 @@ Ray ray_past(Random& random, const Point& point, const Vec3& normal, double dist
   return {.origin = point + distance * normal - 2.0 * along, .direction = along};
 }
 
-/// Returns true if a march found what is true: its answer is the true one, and t is in the enclosure, but for the
-/// last digits of both.
+/// Returns true if a march found what is true: its answer is the true one, and t is in the enclosure, but for
+/// the last digits of both.
 bool is_right(const MarchedRoot& root, const TrueRoot& truth) {
   if (truth.answer == TrueRoot::Answer::miss) return root.answer == MarchedRoot::Answer::miss;
   const double slack = 4 * ulp * std::abs(truth.t);
