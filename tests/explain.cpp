@@ -281,7 +281,7 @@ TEST_CASE(
     return;  // there is no Python
   struct Row {
     std::string program, arguments;
-    std::vector<std::string> keys;  ///< of numbers, each of which must be refused with another digit
+    std::vector<std::string> keys;  ///< before numbers, each of which must be refused with another digit
   };
   std::vector<Row> rows{{"08_naive", "--pixel 330,200", {"\"offset\": ", "\"normal\": ["}},
                         {"09_naive", "--pixel 330,200", {"\"power\": [", "\"end\": "}},
@@ -302,7 +302,7 @@ TEST_CASE(
     };
     const Outcome right = check(text);
     CHECK(right.status == 0);
-    const bool computes_radiance = program != "31_sphere_tracing";  // of which the steps alone are checked
+    const bool computes_radiance = program != "31_sphere_tracing";  // its steps alone are checked
     CHECK((right.out.find("taken from the file: the radiance") == std::string::npos) == computes_radiance);
     for (const std::string& key : keys) {
       CAPTURE(key);

@@ -139,7 +139,7 @@ TEST_CASE("a glossy floor reflects a lamp as quadrature says, large or small, by
                             Row{{0, 2, -1}, 1.9, 0.9, 0.5f}, Row{{-2, 3, 0}, 1.5, 0.2, 0});
   const bool is_metal = GENERATE(true, false);
   CAPTURE(row.radius, row.roughness, row.matte_part, is_metal);
-  // Of about the same width as the GGX lobe.
+  // About as wide as the GGX lobe.
   const double exponent = 2 / std::pow(row.roughness, 4);
   const Material material =
       is_metal ? metal(row.roughness, row.matte_part) : polished(exponent, row.matte_part);

@@ -58,7 +58,8 @@ int pixels_beyond_a_level(const Picture& a, const Picture& b) {
 
 /// A golden: the stage that draws it, and its reference picture, which naive stages do not have: they are
 /// wrong on purpose. Nor do stages whose rays take numbers of a sampler besides places: the closed forms of
-/// tests/lens.cpp and tests/moving.cpp judge these.
+/// tests/lens.cpp and tests/moving.cpp judge these. The fields of 34 to 38 have no equation:
+/// tests/marched.cpp judges hits on fields.
 struct Golden {
   std::string name, stage, options;
   Picture (*reference)();

@@ -22,8 +22,8 @@ Ray ray_past(Random& random, const Point& point, const Vec3& normal, double dist
   return {.origin = point + distance * normal - 2.0 * along, .direction = along};
 }
 
-/// Returns true if a march found what is true: the same answer, and t in the enclosure, but for the last
-/// digits of both.
+/// Returns true if a march found what is true: its answer is the true one, and t is in the enclosure, but for
+/// the last digits of both.
 bool is_right(const MarchedRoot& root, const TrueRoot& truth) {
   if (truth.answer == TrueRoot::Answer::miss) return root.answer == MarchedRoot::Answer::miss;
   const double slack = 4 * ulp * std::abs(truth.t);
@@ -134,7 +134,7 @@ TEST_CASE("the order of a marched crossing among those of other surfaces is deci
   CHECK(std::abs(static_cast<double>(DoubleDouble(enclosed.error))) < 0x1p-90);
 
   fallbacks = {};
-  CHECK(order(enclosed, truth) == 0);  // the same root, which no number of digits tells from the enclosure
+  CHECK(order(enclosed, truth) == 0);  // no number of digits tells this root from the enclosure
   CHECK(fallbacks.undecided == 1);
   ExactRoot shifted = truth;
   shifted.b += truth.A * ExactNumber(0x1p-85);

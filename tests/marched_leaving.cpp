@@ -63,7 +63,7 @@ TEST_CASE("a ray that leaves a marched surface hits what is next, and never wher
         NoTrace trace;
         const MarchedRoot root = surface.march(*ray, {}, trace);
         const bool is_hit = root.answer == MarchedRoot::Answer::hit;
-        if (is_hit && root.max < 2 * begin) continue;  // so near, the truth does not tell
+        if (is_hit && root.max < 2 * begin) continue;  // the truth does not tell so near
         ++looked_at;
         acne.add(is_hit && truth.answer == TrueRoot::Answer::miss, name, *ray, root.min, root.max);
         missed.add(!is_hit && truth.answer == TrueRoot::Answer::hit, name, *ray, truth.t);

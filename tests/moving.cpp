@@ -289,7 +289,7 @@ TEST_CASE("an edge in motion fades linearly over its way, pixel by pixel") {
 }
 
 TEST_CASE("a moving camera sees what one at rest sees if all surfaces move to the other side") {
-  // Origins of rays are o + t v, and in the surfaces' space o − t (−v): the same numbers.
+  // Origins of rays are o + t v, and in the surfaces' space o − t (−v), which is equal.
   const Vec3 velocity{1.25, -0.5, 2};
   Scene<Sphere, Parallelogram> still;
   Scene<Moving<Sphere>, Moving<Parallelogram>> moving;

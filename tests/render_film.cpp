@@ -144,7 +144,7 @@ TEST_CASE("light is clamped sample by sample") {
   CHECK(image(1, 1) == Color{1.25f, 0.125f, 0.5f});
   render(image, Camera{}, light, {.samples = 1, .clamp = 2});
   CHECK(image(1, 1) == Color{2, 0, 0});
-  // No float is above the clamp: that nearest to 1/3 is, and the one below it counts.
+  // No float is above the clamp: the nearest to 1/3 would be, and the one below it counts.
   render(image, Camera{}, light, {.samples = 1, .clamp = 1.0 / 3});
   CHECK(double{image(1, 1).r} <= 1.0 / 3);
   CHECK(image(1, 1).r == std::nextafter(static_cast<float>(1.0 / 3), 0.0f));

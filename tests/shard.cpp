@@ -435,7 +435,7 @@ TEST_CASE("a wrong number in a shard file is refused with its place and what is 
       Row{28, std::uint64_t{1} << 31, "byte 224: a sum is not canonical"});
   CHECK_THAT(refusal(changed(bytes, 8 * row.word, row.value)),
              ContainsSubstring("'a.shard': ") && ContainsSubstring(row.message));
-  // Of four units, two ranges may be there, but none that would go on from the one before it.
+  // Two ranges of four units may be there, but none that would go on from the one before it.
   const std::string of_four = bytes_of(drawn(picture_of(1, 4, 10), UnitRange{0, 1}));
   CHECK_THAT(refusal(changed(changed(of_four, 8 * 21, 2), 8 * 23, 3)),
              ContainsSubstring("byte 184: a range of units ends at 3 of 4, and another should follow"));

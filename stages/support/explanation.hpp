@@ -115,7 +115,7 @@ struct SampleRecord {
   RayRecord all = {};  ///< no ray itself; all.rays are the rays that the integrator traces first
   protostar::Color radiance{0};
 
-  // Of a function of the ray that tells its steps: in words, and in numbers.
+  // Steps that a function of the ray tells: in words, and in numbers.
   std::vector<std::string> told = {};
   std::vector<Facts> steps = {};
 };

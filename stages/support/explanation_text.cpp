@@ -73,7 +73,7 @@ std::string text_of_equation(const Facts& e, bool is_hit) {
   return "";
 }
 
-/// Returns a step of a march in words: where, what the field is, and what that proves.
+/// Returns a step of a march in words, with its place, the value of the field, and what that proves.
 std::string text_of_step(const Facts& step) {
   const auto numbers = [&](const char* name) {
     for (const Named& number : step.numbers)

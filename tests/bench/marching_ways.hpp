@@ -14,7 +14,7 @@ namespace bench {
 /// Number of steps after which marches that stop at an epsilon give up.
 inline constexpr int most_steps = 512;
 
-/// What a way returns for a ray that misses.
+/// Result of a way for a ray that misses.
 inline constexpr double no_hit = -1;
 
 /// Ray with the part of it in which it is marched. Its direction is a unit vector.

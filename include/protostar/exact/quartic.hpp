@@ -4,7 +4,7 @@
 // coefficient, and has at most as many roots as the coefficients change their sign, and that many less an
 // even number (Descartes). Intervals are divided (de Casteljau) until no sign changes, or one does, so that
 // there is one root, which Newton's method on intervals narrows. The signs of enclosed coefficients are
-// certain or unknown; what stays unknown in double is asked again in double-double.
+// certain or unknown. Signs that stay unknown in double are computed again in double-double.
 #pragma once
 
 #include <algorithm>
@@ -76,7 +76,7 @@ class RootSearch {
     Enclosure<B> at[5];
   };
 
-  /// Number of bits after the point that the ends of intervals may have. Those of at most 1 are exact with 50
+  /// Number of bits after the point that the ends of intervals may have. Ends of at most 1 are exact with 50
   /// in double and with 98 in double-double.
   static constexpr int most_bits = sizeof(B) == sizeof(double) ? 50 : 98;
 

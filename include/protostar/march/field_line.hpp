@@ -113,7 +113,7 @@ class FieldLine {
     const double T = std::max(std::abs(span_.min), std::abs(span_.max));
     constexpr double u = 0x1p-53, more = 1 + 0x1p-40;  // more than the rounding of these formulas
     const double off = u * (2 * o + 6 * T * d) + 2 * (o_error + T * d_error);
-    // Where points may come out beyond the margin, the set-up says nothing, and only enclosures count.
+    // The set-up says nothing of points that may come out beyond the margin: then only enclosures count.
     const double L = setup.bound.lipschitz;
     error_ = off < setup.margin / 2 ? (L * off + setup.bound.error) * more : infinity;
     reach_ = (1 - 0x1p-40) / (L * (d + d_error));

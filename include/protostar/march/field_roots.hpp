@@ -40,7 +40,7 @@ template <class Line>
 }
 
 /// Returns where the march of a ray that leaves the surface begins. It leaves the level set through its
-/// origin, and the next crossing is the first t > 0 with F(t) = F(0); of F − F(0) the root 0 is divided out:
+/// origin, and the next crossing is the first t > 0 with F(t) = F(0). The root 0 of F − F(0) is divided out:
 /// by the mean value theorem (F(t) − F(0)) / t lies in the slopes over [0, t]. If these are never below 0, or
 /// never above, over [0, h], the departure is the only root there, and |F(h) − F(0)| is at least h times the
 /// least slope, without cancellation. If no h proves that, the ray leaves along the surface, which is counted
@@ -69,7 +69,7 @@ template <class Line>
 }
 
 /// Calls visit(const MarchedRoot&) for the roots of a line in t > begin, near to far, until it returns true.
-/// If the ray leaves the surface, `begin` is 0, and the root 0 does not count; so it is if F is 0 there to
+/// If the ray leaves the surface, `begin` is 0, and the root 0 does not count, nor does it if F is 0 there to
 /// the last digit. A touch is two roots. Roots behind `stop` need not be visited.
 template <class Line>
 void each_root(Line& line, double begin, double stop, bool leaves, const auto& visit) {

@@ -42,7 +42,7 @@ struct MarchSetup;
 /// have the sign for which the march comes from where the field is above 0.
 class MarchListener {
  public:
-  /// Enclosures by their ends; those in double-double are rounded to double.
+  /// Enclosures by their ends, which are rounded to double if they are in double-double.
   struct Result {
     double lower = 0, upper = 0, slope_lower = 0, slope_upper = 0;
   };

@@ -111,7 +111,7 @@ class PacketMarch {
     const LaneMask are_balls = radius > near;
     answer.to_segments = live && !are_balls;
     live = live && are_balls;
-    Values first = at, second = at;   // of lanes that wait for the secant method
+    Values first = at, second = at;   // at both ends, in lanes that wait for the secant method
     LaneMask is_turned_back = false;  // lanes whose step was not covered: they take that of their ball
     while (any(live)) {
       LaneMask waits = false, has_crossed = false;

@@ -49,8 +49,8 @@ concept PlainField = !DistanceField<F> && std::copy_constructible<F> && requires
   { field(p) } -> std::convertible_to<double>;
 };
 
-/// Surface of a field: the points inside the bounds where the field is 0. Where the field is below 0 is the
-/// inside. It is made of the field and the bounds: `Marched{field, Bounds{...}}`.
+/// Surface of a field: the points inside the bounds where the field is 0. The inside is the points where it
+/// is below 0. It is made of the field and the bounds: `Marched{field, Bounds{...}}`.
 ///
 /// A DistanceField is a generic function of a point, as [](const auto& p) { return length(p) - 1.0; }. From
 /// it the library derives how fast it changes, and how much it is rounded, and each hit is proven: t is
@@ -91,7 +91,7 @@ class Marched<F> {
   }
 
   /// Returns the unit gradient at a point of the surface, towards where the field is above 0. At an edge,
-  /// where the gradient jumps, it is one between those of both sides; where it vanishes, it is (0, 0, 1).
+  /// where the gradient jumps, it is one between those of both sides, and if it vanishes, it is (0, 0, 1).
   [[nodiscard]] Vec3 normal_at(const Point& point) const {
     Vec3 gradient{0};
     for (int k = 0; k < 3; ++k) {
@@ -213,8 +213,8 @@ class Marched<F> {
 
  private:
   /// Calls visit(const Crossing&, const MarchedRoot&) for the crossings of a ray's line, near to far, until
-  /// it returns true; those at t < 0 only if the range has some. They do not depend on the range otherwise:
-  /// it only ends the search.
+  /// it returns true, and crossings at t < 0 only if the range has some. They do not depend on the range
+  /// otherwise: it only ends the search.
   void each(const Ray& ray, Interval range, auto& trace, const auto& visit) const {
     if (!is_proper(ray)) return;
     FieldLine line(field_, setup_, ray, trace);

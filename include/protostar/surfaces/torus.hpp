@@ -31,7 +31,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// A torus around an axis of any length but 0 through the center. The tube is thinner than the radius, so
 /// that there is a hole. Each hit is proven: t is enclosed to 2^-30 of itself, nothing lies before it, and a
-/// miss is a miss. Where a ray comes nearer to the torus than double-double tells, it hits, and
+/// miss is a miss. A ray that comes nearer to the torus than double-double tells hits, and
 /// fallbacks.undecided counts it.
 struct Torus {
   Point center{0};
