@@ -33,6 +33,20 @@ bool is_right(const MarchedRoot& root, const TrueRoot& truth) {
 
 }  // namespace
 
+TEST_CASE("a ray beside thousands of waves that nearly touch it misses them all") {
+  // sin x cos (x + 1) = (sin (2x + 1) − sin 1) / 2 ≥ −0.921, but over a long segment the enclosed factors
+  // allow −1.
+  const auto waves = [](const auto& p) { return sin(p.x) * cos(p.x + 1.0) + p.y; };
+  const Marched surface{waves, Bounds{Point(-10000, -2, -1), Point(10000, 2, 1)}};
+  const auto before = fallbacks.undecided;
+  const auto hit = [&](double y) {
+    return surface.intersect({.origin = {-10001, y, 0}, .direction = {1, 0, 0}});
+  };
+  CHECK_FALSE(hit(0.922));
+  CHECK(hit(0.92));
+  CHECK(fallbacks.undecided == before);
+}
+
 TEST_CASE("a march finds the first crossing, enclosed, or proves that there is none") {
   fallbacks = {};
   each_test_field([](const char* name, const auto& field, double half) {
@@ -151,6 +165,14 @@ TEST_CASE("bounds that are empty, infinite or not numbers are refused with what 
   CHECK_THAT(message({{-1, -1, -infinity}, {1, 1, 1}}), ContainsSubstring("bounds.z goes from -inf"));
   CHECK_THAT(message({{not_a_number, -1, -1}, {1, 1, 1}}), ContainsSubstring("bounds.x goes from"));
   CHECK_THAT(message({{-1, -1, -1}, {1, 1, -1}}), ContainsSubstring("must be larger"));
+}
+
+TEST_CASE("a plain function is marched past steps below the last digit of t") {
+  const auto sphere = [](const Point& p) { return length(p) - 1; };
+  const Marched surface{sphere, Bounds{Point(-1), Point(1)}, 1.0};
+  // Digits of t are 2^-23 apart, and the field is 2^-24 where the ray is nearest.
+  const Ray ray{.origin = {0x1p30, 1 + 0x1p-24, 0}, .direction = {-1, 0, 0}};
+  CHECK_FALSE(surface.intersect(ray));
 }
 
 TEST_CASE("a plain function is marched by the user's own bound") {

@@ -214,11 +214,12 @@ class Variation {
   /// Returns a bound, and ∞ instead of NaN.
   static double known(double bound) { return bound >= 0 ? bound : infinity; }
 
-  /// Sets the Lipschitz constant to the smaller of a bound and the largest length of a gradient.
+  /// Sets the Lipschitz constant to the smaller of a bound and the largest length of a gradient, of which
+  /// 2^-500 exceeds the root of all underflow.
   void set_lipschitz(double bound) {
     double squares = 0;
     for (const Values& g : gradient) squares += g.magnitude() * g.magnitude();
-    lipschitz = larger_by_rounding * smaller(known(bound), known(std::sqrt(squares)));
+    lipschitz = larger_by_rounding * smaller(known(bound), known(std::sqrt(squares) + 0x1p-500));
   }
 
   /// Sets the error to that of the arguments, and one rounding of a value of the function.

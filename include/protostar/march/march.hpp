@@ -48,10 +48,12 @@ class March {
  private:
   using Answer = MarchedRoot::Answer;
 
-  /// Most segments of a march in one precision between two looks at balls, far more than any ray that was
-  /// seen has needed. It is not derived: it ends marches that creep. A ray that needs more in double and then
-  /// in double-double is undecided, and hits where it has come to.
+  /// Most segments of a march between two looks at balls. A march that they do not bring farther by
+  /// least_progress of the extent creeps: in double it goes on in double-double, and there it is undecided.
+  /// The two are not derived: they bound the time of a march, to 2^9 times as many segments in each
+  /// precision.
   static constexpr int most_segments = 3000;
+  static constexpr double least_progress = 0x1p-8;
 
   [[nodiscard]] bool is_done() const { return is_done_; }
 
@@ -154,6 +156,7 @@ class March {
   [[nodiscard]] bool march_by_segments() {
     using E = Enclosure<B>;
     const B zero(0.0);
+    const double begin = t_;
     E at = line_.enclosed(B(t_));
     const bool is_known = known_ > 0;
     if (is_known && at.lower < B(known_)) at.lower = B(known_);
@@ -189,7 +192,7 @@ class March {
       h *= 0.5;
       if (h < 0x1p-53 * std::abs(t_) + line_.resolution()) return false;
     }
-    return false;
+    return t_ - begin > least_progress * line_.extent();
   }
 
   Line& line_;

@@ -324,7 +324,9 @@ class Marched<F> {
       v = value(t += step);
     }
     for (int i = 0; i < 1 << 16; ++i) {
-      const double next = std::min(t + std::abs(v) / speed, end), v_next = value(next);
+      // A step below the last digit of t, as far from the coordinate origin, is the next double.
+      const double step = std::max(t + std::abs(v) / speed, std::nextafter(t, infinity));
+      const double next = std::min(step, end), v_next = value(next);
       if ((v < 0) != (v_next < 0)) return root_between(value, t, next, range);
       t = next, v = v_next;
       if (std::abs(v) <= close) break;
