@@ -2,6 +2,7 @@
 from fractions import Fraction
 
 from .exact import add, BLACK, clamped, f32, length, minus, sizes, times, unit
+from .filters import CURVES, Filter
 from .hits import Hits
 from .light import BY_CHANCE, check_code, FORMULAS, mean_of, times_float
 from .lights import Lights
@@ -46,8 +47,12 @@ class Check(Rays, Hits, Lights, Radiance):
                 in_pixel.must_equal(self.numbers_of(0)[:2])
             if sample["weight"].number() != 1:
                 sample["weight"].refuse(sample["weight"].number(), 1)
-        else:
-            self.given.add("the places and weights of samples that a filter chooses")
+        elif self.file["filter"].data not in CURVES:
+            self.given.add("the places and weights of samples by a filter that is not the library's")
+        elif self.numbers_of:
+            every = [self.sampler_of(k, count, pixel)(0)[:2] for k in range(count)] \
+                if self.file["sampler"].data == "hammersley" else None
+            self.filter().check(sample, self.numbers_of(0)[:2], every)
         (px, py), (x, y), (width, height) = in_pixel.vector(2), pixel, size
         u, v = width / height * (2 * (x + px) / width - 1), 1 - 2 * (y + py) / height
         # Each coordinate passes at most five roundings; before the last difference it is at most 2, times the ratio.
@@ -103,6 +108,12 @@ class Check(Rays, Hits, Lights, Radiance):
             return None
         seed, at = self.file["seed"].word_of_64(), tuple(map(int, pixel))
         return lambda set_number: numbers_of(seed, at, set_number, i, count)
+
+    def filter(self):
+        """Returns the filter of the file, which takes a while to make."""
+        if not hasattr(self, "of_filter"):
+            self.of_filter = Filter(self.file["filter"].word())
+        return self.of_filter
 
     def check_sets(self, sets):
         """Checks the sets of numbers that an integrator takes of a sample."""

@@ -1,9 +1,10 @@
 """Light: environments, shares of lights, sums, and the encoding."""
 import math
-from decimal import Decimal, localcontext
+from decimal import localcontext
 from fractions import Fraction
 
 from .exact import dot, f32, length, minus, times, unit
+from .functions import decimal
 from .solids import Csg, Instance
 from .surfaces import Quadric, Sphere
 from .torus import Torus
@@ -79,20 +80,6 @@ def mean_of(samples):
     return [f32(Fraction(sum(units(x) for x in channel), 2**47 * len(lights))) for channel in zip(*lights)]
 
 
-def decimal(x):
-    return Decimal(x.numerator) / Decimal(x.denominator)
-
-
-def power(x, exponent):
-    """Returns x^exponent to 2^-100, for x up to 1 and a little; 0 if x is not positive."""
-    if x <= 0:
-        return Fraction(0)
-    with localcontext() as context:
-        context.prec = 60
-        logarithm = decimal(min(x, Fraction(1))).ln() * decimal(exponent)
-        return Fraction(logarithm.exp()) if logarithm > -2000 else Fraction(0)
-
-
 def spot_share(cosine, light):
     """Returns the share of a spotlight's light in a direction, to 2^-40 by the C library's arc cosine."""
     inside = light["angle"].number() - Fraction(math.degrees(math.acos(max(-1.0, min(1.0, float(cosine))))))
@@ -135,4 +122,3 @@ def exceeds_or_is(light, value, f):
 
 FORMULAS = ("binary", "color", "depth", "diffuse", "normal", "shadow", "sphere", "transparency", "whitted")
 BY_CHANCE = ("ambient-occlusion", "direct", "path")
-PI = Fraction("3.14159265358979323846264338327950288419716939937510582")

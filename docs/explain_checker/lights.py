@@ -3,7 +3,8 @@ import math
 from fractions import Fraction
 
 from .exact import add, BLACK, clamped, dot, length, minus, product32, sizes, times, unit
-from .light import dusk, mirror, PI, power, shading_normal, spot_share
+from .functions import PI, power
+from .light import dusk, mirror, shading_normal, spot_share
 from .values import U, Wrong
 
 

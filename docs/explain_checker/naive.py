@@ -2,7 +2,8 @@
 from fractions import Fraction
 
 from .exact import add, BLACK, f32, length, minus, product32, root, sum32, times
-from .light import PI, times_float
+from .functions import PI
+from .light import times_float
 from .values import shown, U, Unreadable, Wrong
 
 
