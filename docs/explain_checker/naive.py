@@ -1,8 +1,8 @@
 """The naive stages: each step is rounded, and the file holds exactly what comes out."""
 from fractions import Fraction
 
-from .exact import add, BLACK, f32, length, minus, product32, root, sum32, times
-from .functions import PI
+from .exact import add, BLACK, dot, f32, length, minus, product32, root, sum32, times, unit
+from .functions import PI, power
 from .light import times_float
 from .values import shown, U, Unreadable, Wrong
 
@@ -132,3 +132,30 @@ def check_naive_march(sample, integrator):
     if not is_hit and t < 50 and len(steps) < (100000 if is_fixed else 512):
         raise Wrong(sample["steps"].at(f"ends at t = {shown(t)}, before the hit"))
     scene["hits"].must_be(int(is_hit))
+    check_light_of_march(sample, scene, spheres, steps[-1]["t"].number() if is_hit else None)
+
+
+def check_light_of_march(sample, scene, spheres, t):
+    """Checks the light of a matte sphere at the point that a march of the stages 30 to 32 ends at; t is None for black.
+    The normal follows from differences of the field over the width 2h, whose values are rounded."""
+    if t is None:
+        return sample["radiance"].must_equal(BLACK)
+    point = add(sample["origin"].vector(), times(t, sample["direction"].vector()))
+    h = Fraction(1e-4)
+    distances = lambda p: [length(minus(p, center)) - radius for center, radius in spheres]
+    aside = lambda axis, step: [x + step * int(i == axis) for i, x in enumerate(point)]
+    gradient = [min(distances(aside(i, h))) - min(distances(aside(i, -h))) for i in range(3)]
+    normal = unit(gradient)
+    largest = max(map(abs, [*point, *(x for center, radius in spheres for x in (*center, radius))]))
+    error = 128 * U * largest / length(gradient)
+    if dot(normal, sample["direction"].vector()) > 0:
+        normal = times(-1, normal)
+    own = distances(point)
+    color = scene["parts"][min(range(len(spheres)), key=lambda i: own[i])]["color"].vector()
+    to_light = minus(scene["position"].vector(), point)
+    distance = length(to_light)
+    cosine, falloff = max(dot(normal, to_light) / distance, Fraction(0)), 1 / (4 * PI * distance**2)
+    # The float of the factor is rounded, and so are its products with the power and the color.
+    for value, share, power in zip(sample["radiance"], color, scene["power"].vector()):
+        right = cosine * falloff * share * power
+        value.must_be_near(right, right / 2**22 + error * falloff * share * power)

@@ -224,12 +224,14 @@ Facts facts_of(const Parallelogram& s) {
   return {"parallelogram",
           {{"position", list(s.position)}, {"edge_u", list(s.edge_u)}, {"edge_v", list(s.edge_v)}}};
 }
-/// Returns a whole mesh: the number of triangles, and as lists without a structure the vertices, three indices
-/// of vertices for each triangle, and the normals and texture coordinates of the vertices if there are any.
+/// Returns a whole mesh: the number of triangles, and as lists without a structure the vertices, three
+/// indices of vertices for each triangle, and the normals and texture coordinates of the vertices if there
+/// are any.
 Facts facts_of(const Mesh& s) {
   const MeshData& data = s.data();
-  Facts facts{"mesh",
-              {{"triangles", {static_cast<double>(data.triangles.size())}}, {"vertices", {}}, {"corners", {}}}};
+  Facts facts{
+      "mesh",
+      {{"triangles", {static_cast<double>(data.triangles.size())}}, {"vertices", {}}, {"corners", {}}}};
   const auto flat = [](const auto& vectors, int size) {
     std::vector<double> numbers;
     for (const auto& v : vectors)
