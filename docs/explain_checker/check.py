@@ -1,6 +1,7 @@
 """Checks an explanation, from the camera to the codes."""
 from fractions import Fraction
 
+from .chance import Chance
 from .exact import add, BLACK, clamped, f32, length, minus, sizes, times, unit
 from .filters import CURVES, Filter
 from .hits import Hits
@@ -14,7 +15,7 @@ from .surfaces import surface_of
 from .values import U, Wrong
 
 
-class Check(Rays, Hits, Lights, Radiance):
+class Check(Rays, Hits, Lights, Radiance, Chance):
     def __init__(self, file):
         self.file = file
         self.given = set()
@@ -130,10 +131,7 @@ class Check(Rays, Hits, Lights, Radiance):
         """Checks the rays of a sample and its radiance."""
         rays, name = sample["rays"], self.integrator
         if name in BY_CHANCE:
-            for key in ("origin", "direction"):
-                rays[0][key].must_equal(sample[key].vector())
-            self.given.add("the directions and the light of an integrator that draws by chance")
-            return self.check_by_chance(rays, [])
+            return self.check_by_chance(sample)
         if name not in FORMULAS:
             self.given.add("the radiance of an integrator that is not the library's")
             return
@@ -147,23 +145,6 @@ class Check(Rays, Hits, Lights, Radiance):
             ray[key].must_equal(sample[key].vector())
         radiance = self.radiance_of(ray, sample, 1)
         sample["radiance"].must_equal(radiance)
-
-    def check_by_chance(self, rays, hits):
-        """Checks where rays start and what they hit, but not why they go there; adds their hits to those before."""
-        for ray in rays:
-            if hits:
-                start = [ray["leaves"].whole(), ray["leaves_part"].whole(), ray["origin"].vector()]
-                if start not in hits:
-                    raise Wrong(ray["origin"].at("must be a point that a ray hit before, on the surface that it leaves"))
-            else:
-                ray["leaves"].must_be(None)
-            line, _, taken = self.check_ray(ray)
-            if ray["query"].word() != "closest":
-                continue
-            if taken is not None:
-                hit = self.check_hit(ray["hit"], line, ray["considered"][taken])
-                hits.append([taken, hit["part"].whole(), hit["point"].vector()])
-            self.check_by_chance(ray["rays"], hits)
 
     # The picture.
 

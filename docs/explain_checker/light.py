@@ -3,7 +3,7 @@ import math
 from decimal import localcontext
 from fractions import Fraction
 
-from .exact import dot, f32, length, minus, times, unit
+from .exact import add, dot, f32, length, minus, root, times, unit
 from .functions import decimal
 from .solids import Csg, Instance
 from .surfaces import Quadric, Sphere
@@ -36,6 +36,14 @@ def times_float(k, color):
 
 def mirror(d, normal):
     return minus(d, times(2 * dot(normal, d), normal))
+
+
+def refracted(d, normal, ratio):
+    """Returns the direction of a refracted ray, the square of the cosine of its angle, below 0 if there is none, and the
+    ratio of the indices of refraction."""
+    cosine = -dot(normal, d)
+    square = 1 - ratio**2 * (1 - cosine**2)
+    return add(times(ratio, d), times(ratio * cosine - root(square), normal)), square, ratio
 
 
 def shading_normal(hit):

@@ -2,7 +2,7 @@
 from fractions import Fraction
 
 from .exact import add, BLACK, dot, f32, length, minus, product32, root, sum32, times, unit
-from .functions import PI, power
+from .functions import PI
 from .light import times_float
 from .values import shown, U, Unreadable, Wrong
 
@@ -156,6 +156,6 @@ def check_light_of_march(sample, scene, spheres, t):
     distance = length(to_light)
     cosine, falloff = max(dot(normal, to_light) / distance, Fraction(0)), 1 / (4 * PI * distance**2)
     # The float of the factor is rounded, and so are its products with the power and the color.
-    for value, share, power in zip(sample["radiance"], color, scene["power"].vector()):
-        right = cosine * falloff * share * power
-        value.must_be_near(right, right / 2**22 + error * falloff * share * power)
+    for value, share, flux in zip(sample["radiance"], color, scene["power"].vector()):
+        right = cosine * falloff * share * flux
+        value.must_be_near(right, right / 2**22 + error * falloff * share * flux)

@@ -1,8 +1,8 @@
 """The light along a ray, by the formulas of the integrators that use no chance."""
 from fractions import Fraction
 
-from .exact import add, BLACK, clamped, dot, f32, f64, product32, root, sum32, times, unit
-from .light import mirror, shading_normal, times_float
+from .exact import BLACK, clamped, dot, f32, f64, product32, root, sum32, unit
+from .light import mirror, refracted, shading_normal, times_float
 from .values import U, Wrong
 
 
@@ -66,9 +66,7 @@ class Radiance:
             enters = hit["normal"].vector() == own
             ior = material["ior"].number()
             ratio = 1 / ior if enters else ior
-            cosine = -dot(normal, d)
-            square = 1 - ratio**2 * (1 - cosine**2)
-            bent = add(times(ratio, d), times(ratio * cosine - root(square), normal))
+            bent, square, ratio = refracted(d, normal, ratio)
             # With a normal map, light may bend back to the side from which it comes, and does not pass then.
             if square >= 0 and (dot(own, bent) < 0 or "normal_map" not in hit):
                 # Near total reflection the square root magnifies the errors of the square.

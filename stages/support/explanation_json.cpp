@@ -337,9 +337,13 @@ class Writer {
         json_.member("second", checker->second);
         json_.member("size", checker->size);
       });
-    if (options_.integrator != "whitted") return;
-    json_.member("specular", material.specular);
-    json_.member("shininess", material.shininess);
+    if (options_.integrator == "path") json_.member("glossy", material.glossy);
+    if (options_.integrator == "whitted") {
+      json_.member("specular", material.specular);
+      json_.member("shininess", material.shininess);
+    } else if (options_.integrator != "path") {
+      return;
+    }
     json_.member("reflect", material.reflect);
     json_.member("refract", material.refract);
     json_.member("ior", material.ior);
