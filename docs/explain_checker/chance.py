@@ -59,6 +59,29 @@ def fresnel(before, behind, ratio):
     return (across**2 + along**2) / 2
 
 
+class Weight:
+    """The largest channel of the weight that a path has, from which follows where chance ends it; unknown after a glossy
+    lobe."""
+
+    def __init__(self):
+        self.channels, self.most = [Fraction(1)] * 3, None
+
+    def survives(self, bounces, color, factor, choice):
+        """Multiplies the weight by a color and a factor, and returns whether chance lets the path go on."""
+        if bounces == SURE_BOUNCES and self.channels:
+            self.most = max(self.channels)
+        if not self.channels:
+            choice.is_sure = choice.is_sure and bounces < SURE_BOUNCES
+            return True
+        self.channels = [x * y * factor for x, y in zip(self.channels, color)]
+        probability = max(self.channels) / self.most if bounces >= SURE_BOUNCES else 1
+        if probability >= 1:
+            return True
+        goes_on = choice.decide(probability)
+        self.channels = [x / probability for x in self.channels]
+        return goes_on
+
+
 class Chance:
     """Checks of what is drawn by chance."""
 
@@ -71,9 +94,9 @@ class Chance:
         self.given.add("the light of an integrator that draws by chance, and its directions to lights of any size")
         if self.integrator == "direct":
             self.given.add("the directions that glossy lobes draw")
-        self.check_drawn(rays, [], sample, 0)
+        self.check_drawn(rays, [], sample, 0, Weight())
 
-    def check_drawn(self, rays, hits, sample, bounces):
+    def check_drawn(self, rays, hits, sample, bounces, weight):
         """Checks where rays start and what they hit, and where paths go on; adds their hits to those before."""
         for ray in rays:
             if hits:
@@ -90,14 +113,14 @@ class Chance:
                 hit = self.check_hit(ray["hit"], line, ray["considered"][taken])
                 hits.append([taken, hit["part"].whole(), hit["point"].vector()])
                 if goes_on and self.integrator == "path":
-                    self.check_bounce(ray, hit, line, sample, bounces)
-            self.check_drawn(ray["rays"], hits, sample, bounces + 1)
+                    self.check_bounce(ray, hit, line, sample, bounces, weight)
+            self.check_drawn(ray["rays"], hits, sample, bounces + 1, weight)
 
     def is_of_path(self, ray):
         """Returns true for a ray along which a path goes on. One to a light has a radiance of its own."""
         return self.integrator == "path" and ray["query"].word() == "closest" and ray["radiance"].is_null()
 
-    def check_bounce(self, ray, hit, line, sample, bounces):
+    def check_bounce(self, ray, hit, line, sample, bounces, weight):
         """Checks that a path goes on in the direction that the sampler's numbers give, or that it ends."""
         following = [one for one in ray["rays"] if self.is_of_path(one)]
         if bounces >= self.depth:
@@ -108,7 +131,8 @@ class Chance:
             raise Wrong(following[1].at("is a second ray along which the path goes on"))
         material = hit["material"]
         if any(material["glossy"].vector()):
-            self.given.add("the directions of paths on surfaces with a glossy lobe")
+            self.given.add("the directions of paths on surfaces with a glossy lobe, and where chance ends them after these")
+            weight.channels = None
             return
         sets = sample["sets"] if "sets" in sample else ()
         if len(sets) <= bounces:
@@ -122,6 +146,7 @@ class Chance:
                 raise Wrong(following[0].at("leaves a black surface"))
             return
         d, own, normal, error = unit(line.direction), hit["facing_normal"].vector(), shading_normal(hit), 64 * U
+        color, share = hit["color"].vector(), diffuse
         if choice.decide(diffuse / whole):
             right = cosine_direction(normal, u, v)
             if "normal_map" in hit and dot(own, right) <= DOUBT:
@@ -129,22 +154,26 @@ class Chance:
         else:
             if dot(own, mirror(d, normal)) <= 0:
                 normal = own
-            right = mirror(d, normal)
+            right, color, share = mirror(d, normal), [mirrored] * 3, mirrored
             if not choice.decide(mirrored / (mirrored + glass)):
+                color, share = [glass] * 3, glass
                 enters, ior = hit["normal"].vector() == own, material["ior"].number()
                 bent, square, ratio = refracted(d, normal, 1 / ior if enters else ior)
                 passes = square >= 0 and (dot(own, bent) < 0 or "normal_map" not in hit)
-                share = fresnel(-dot(normal, d), -dot(normal, bent), ratio) if passes else Fraction(1)
-                if not choice.decide(share):
+                reflectance = fresnel(-dot(normal, d), -dot(normal, bent), ratio) if passes else Fraction(1)
+                if not choice.decide(reflectance):
                     right = bent
                     error += 64 * U * (1 + ratio**2) / (root(square) + Fraction(1, 2**26))
-        if following and choice.is_sure:
+        goes_on = weight.survives(bounces, color, whole / share, choice)
+        if not choice.is_sure:
+            return
+        if goes_on != bool(following):
+            raise Wrong(ray["rays"].at(f"must have {'a' if goes_on else 'no'} ray along which the path goes on"))
+        if following:
             following[0]["query"].must_be("closest")
             following[0]["range_end"].must_be("infinity")
             following[0]["direction"].must_be_near_vector(right, error)
             self.check_start(following[0], ray, hit)
-        if not following and bounces < SURE_BOUNCES:
-            raise Wrong(ray["rays"].at("must have a ray along which the path goes on"))
 
     def check_ambient_occlusion(self, sample):
         """Checks the light of a white sky in one direction that the first numbers give."""

@@ -5,6 +5,7 @@ from .chance import Chance
 from .exact import add, BLACK, clamped, f32, length, minus, sizes, times, unit
 from .filters import CURVES, Filter
 from .hits import Hits
+from .images import Images
 from .light import BY_CHANCE, check_code, FORMULAS, mean_of, times_float
 from .lights import Lights
 from .naive import check_naive, check_naive_march
@@ -19,6 +20,7 @@ class Check(Rays, Hits, Lights, Radiance, Chance):
     def __init__(self, file):
         self.file = file
         self.given = set()
+        self.images = Images()
 
     def run(self):
         f = self.file

@@ -71,8 +71,8 @@ class Filter:
         for value, number in zip(sample["position"], numbers):
             share, turns = self.share_up_to(value.number())
             if not turns or abs(share - number) > CLOSE:
-                raise Wrong(value.at(f"is {shown(value.number())}, up to which the filter has {shown(share)} of its area, "
-                                     f"and not the sampler's {shown(number)}"))
+                raise Wrong(value.at(f"is {shown(value.number())}, up to which the filter has {shown(share)} of its "
+                                     f"area, and not the sampler's {shown(number)}"))
             if len(turns) == 2:
                 return  # on the edge between two signs
             right *= turns.pop()

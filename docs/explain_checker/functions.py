@@ -49,8 +49,8 @@ def sine_and_cosine(x):
 
 
 def arc_tangent(y, x):
-    """Returns the angle of the point (x, y) in radians, from −π to π, by a step of Newton's method after the C library's
-    function."""
+    """Returns the angle of the point (x, y) in radians, from −π to π, by Newton's method from the C library's
+    number on."""
     angle = Fraction(math.atan2(float(y), float(x)))
     if x == 0 and y == 0:
         return angle

@@ -2,7 +2,8 @@
 import math
 from fractions import Fraction
 
-from .exact import add, cross, dot, length, minus, sign, sizes, times, unit
+from .exact import add, cross, dot, f32, length, minus, sign, sizes, times, unit
+from .images import light_of_code
 from .light import angles_of, check_along
 from .mesh import Mesh
 from .surfaces import is_given
@@ -58,7 +59,7 @@ class Hits:
     def check_normal_map(self, hit, surface, point, part):
         """Checks the tangents, and the shading normal that follows from them, the normal and the map's direction."""
         mapped, normal = hit["normal_map"], hit["normal"].vector()
-        self.given.add("the directions that normal maps hold at u and v")
+        self.check_direction(hit, mapped)
         if is_given(surface):
             self.given.add("the tangents of a surface whose triangles, or whose type, the file does not tell")
         else:
@@ -82,12 +83,31 @@ class Hits:
         turn = 1 if hit["facing_normal"].vector() == normal else -1
         mapped["facing_shading_normal"].must_equal(times(turn, found.vector()))
 
+    def check_direction(self, hit, mapped):
+        """Checks the direction that a normal map holds at u and v: twice the numbers of a pixel, less 1."""
+        if "image" not in mapped:
+            self.given.add("the directions that normal maps of a function hold at u and v")
+            return
+        codes, reason = self.images.codes_at(mapped["image"], hit["uv"].vector(2))
+        if reason:
+            self.given.add(f"the directions of {reason}")
+        else:
+            mapped["direction"].must_equal([2 * f32(Fraction(code, 255)) - 1 for code in codes])
+
     def check_color(self, hit):
         material = hit["material"]
+        if "image" in material:
+            codes, reason = self.images.codes_at(material["image"], hit["uv"].vector(2))
+            if reason:
+                self.given.add(f"the colors of {reason}")
+            else:  # of a double, which is rounded itself
+                right = [light_of_code(code) for code in codes]
+                hit["color"].must_be_near_vector(right, [x / 2**23 for x in right])
+            return
         if "diffuse" in material:
             color = material["diffuse"].vector()
         elif "checker" not in material:
-            self.given.add("colors of textures that are images or functions")
+            self.given.add("colors of textures that are functions")
             return
         else:
             checker = material["checker"]
