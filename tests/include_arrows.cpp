@@ -50,6 +50,7 @@ const std::set<std::string> on_demand = {
     "sampling/shard_file.hpp",
     "area_lights.hpp",
     "environment_image.hpp",
+    "texture_image.hpp",
     "environment_light.hpp",
     "fields/field.hpp",
     "fields/operations.hpp",
