@@ -127,11 +127,13 @@ class Marched<F> {
       first.t = select(first.is_there, t, first.t);
       // A march that finds nothing inside the range goes on behind it, alone.
       alone = answer.alone || (answer.met && !first.is_there && t - margin < range.max);
-      set_one_by_one(first, answer.to_segments, [&](int lane) -> std::optional<Crossing> {
+      set_one_by_one(first, answer.crosses || answer.precisely, [&](int lane) -> std::optional<Crossing> {
         const Ray ray = rays.ray(lane);
         FieldLine line(field_, setup_, ray, trace);
-        const MarchedRoot root = detail::March(line, answer.at[lane], 0, answer.end[lane], range.max)
-                                     .root_from(answer.begin[lane], true);
+        detail::March march(line, answer.at[lane], 0, answer.end[lane], range.max);
+        const bool crosses = (bits(answer.crosses) >> lane & 1) != 0;
+        const MarchedRoot root = crosses ? march.root_in_segment(answer.begin[lane], answer.max[lane])
+                                         : march.precise_root(answer.begin[lane]);
         if (root.answer == MarchedRoot::Answer::miss) return std::nullopt;
         const Crossing crossing{root.t(), 0};
         return lies_inside(*this, ray, crossing, range) ? crossing : first_crossing(ray, range);
