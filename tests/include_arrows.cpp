@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 /// only they need.
 const std::set<std::string> on_demand = {
     "march/packet_march.hpp",
+    "march/step_rules.hpp",
     "sampling/radians_of_each.hpp",
     "surfaces/csg.hpp",
     "surfaces/instance.hpp",
