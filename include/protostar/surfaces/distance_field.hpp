@@ -13,35 +13,13 @@
 
 #include "../exact/distance_field.hpp"
 #include "../magnitude.hpp"
+#include "../march/field_bounds.hpp"
 #include "../march/field_roots.hpp"
 #include "../march/packet_march.hpp"
 #include "../surface.hpp"
 #include "coordinates.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-namespace detail {
-
-/// Returns the largest side of a box. Throws std::invalid_argument for one in which nothing can be marched.
-[[nodiscard]] inline double largest_side(const Bounds& bounds) {
-  for (int k = 0; k < 3; ++k) {
-    const double low = bounds.min[k], high = bounds.max[k];
-    if (is_coordinate(low) && is_coordinate(high) && is_size(high - low)) continue;
-    throw std::invalid_argument("Marched: bounds." + std::string(1, "xyz"[k]) + " goes from " +
-                                std::to_string(low) + " to " + std::to_string(high) +
-                                "; both must be finite, at most 2^400 (2.6e120) in magnitude, and the second "
-                                "must be larger than the first");
-  }
-  const Vec3 size = bounds.max - bounds.min;
-  return std::max({size.x, size.y, size.z});
-}
-
-/// Returns a box that is wider by a margin on each side.
-[[nodiscard]] inline Bounds widened(const Bounds& bounds, double margin) {
-  return {bounds.min - Vec3(margin), bounds.max + Vec3(margin)};
-}
-
-}  // namespace detail
 
 /// Field as a plain function of a point, in double: the library knows no more of it than its values.
 template <class F>
@@ -208,6 +186,13 @@ class Marched<F> {
   /// Returns the bounds as they were given, with a margin in which faces that lie in them are seen.
   [[nodiscard]] Bounds bounds() const { return detail::widened(setup_.inside, 0x1p-20 * setup_.margin); }
 
+  /// Returns a lower bound of the distance from a point to the surface, less than 0 where the field is;
+  /// rounded. It is 0 on the surface, and as tight as the field is near to a distance.
+  [[nodiscard]] double distance_bound(const Point& point) const {
+    return detail::distance_bound(point, setup_.inside, setup_.bound.lipschitz,
+                                  [&](const Point& p) { return plain_value(field_, p); });
+  }
+
   [[nodiscard]] const F& field() const { return field_; }
   [[nodiscard]] const MarchSetup& setup() const { return setup_; }
 
@@ -346,6 +331,13 @@ class Marched<F> {
       gradient[k] = static_cast<double>(field_(b)) - static_cast<double>(field_(a));
     }
     return unit_along(gradient);
+  }
+
+  /// Returns a lower bound of the distance from a point to the surface, if the Lipschitz constant holds; less
+  /// than 0 where the field is.
+  [[nodiscard]] double distance_bound(const Point& point) const {
+    return detail::distance_bound(point, bounds_, lipschitz_,
+                                  [&](const Point& p) { return static_cast<double>(field_(p)); });
   }
 
   /// Returns the bounds as they were given, with a margin.
