@@ -73,6 +73,7 @@ const std::set<std::string> on_demand = {
     "scene_fields.hpp",
     "surfaces/moving.hpp",
     "surfaces/distance_field.hpp",
+    "march/enclosed_line.hpp",
     "march/field_bounds.hpp",
     "march/field_line.hpp",
     "march/field_roots.hpp",
