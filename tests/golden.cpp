@@ -269,6 +269,21 @@ TEST_CASE("a naive stage reports how many of its pixels differ from those of the
   }
 }
 
+TEST_CASE("pages state the counts of wrong pixels that the stages print") {
+  struct Row {
+    std::string stage, options, count, page, sentence;
+  };
+  for (const auto& [stage, options, count, page, sentence] :
+       {Row{"31_sphere_tracing", " --epsilon 1e-6", "923", "31_sphere_tracing", "with a millionth 923"},
+        Row{"32_enhanced", " --epsilon 1e-6", "430", "32_enhanced", "430 pixels are wrong, and not 923"}}) {
+    INFO(stage << options);
+    const TemporaryFolder folder;
+    REQUIRE(run(folder, quoted(binary_dir + "/stages/" + stage) + options) == 0);
+    CHECK((bytes_of(folder / "output.txt").ends_with("\n" + count + " of 307200 pixels are wrong\n")));
+    CHECK_THAT(bytes_of(source_dir + "/docs/stages/" + page + ".md"), ContainsSubstring(sentence));
+  }
+}
+
 TEST_CASE("the number of threads changes no byte of a picture") {
   const std::string size = cases(0, 1) == 1 ? "" : " --size 160x120";  // the short form draws fewer tiles
   for (const Golden& picture : goldens) {

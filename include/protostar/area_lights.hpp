@@ -58,6 +58,9 @@ class AreaLight {
   [[nodiscard]] const Color& emission() const { return emission_; }
   [[nodiscard]] const void* surface() const { return surface_; }
 
+  /// Returns the light if it is a sphere that does not move, otherwise null.
+  [[nodiscard]] const Sphere* sphere() const { return is_moving() ? nullptr : std::get_if<Sphere>(&shape_); }
+
  private:
   [[nodiscard]] auto visit(const auto& f) const {
     return std::visit(

@@ -160,6 +160,22 @@ template <Surface S>
     return knows_uv<S> && knows_tangents<S>;
 }
 
+/// True for a surface that tells how far a point is away from it at least.
+template <class S>
+inline constexpr bool knows_distance = requires(const S& surface, const Point& point) {
+  { surface.distance_bound(point) } -> std::same_as<double>;
+};
+
+/// Returns true if a surface tells a bound of distances from it. A type that holds other surfaces may tell
+/// for each object, by has_distance_bound().
+template <Surface S>
+[[nodiscard]] bool has_distance_bound(const S& surface) {
+  if constexpr (requires { surface.has_distance_bound(); })
+    return surface.has_distance_bound();
+  else
+    return knows_distance<S>;
+}
+
 /// True for a surface that may move: its functions of a point take the point where it was made, which
 /// at_rest(point, time) returns.
 template <class S>

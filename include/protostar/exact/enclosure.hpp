@@ -42,6 +42,9 @@ struct Enclosure {
   /// Tests whether the interval contains a number.
   [[nodiscard]] Truth contains(const B& x) const { return lower <= x && x <= upper; }
 
+  /// Returns the middle, rounded.
+  [[nodiscard]] B middle() const { return B(0.5) * (lower + upper); }
+
   /// Returns the largest magnitude of its numbers.
   [[nodiscard]] B magnitude() const { return rounding::max(-lower, upper); }
 

@@ -20,7 +20,7 @@
 #include "../exact/distance_field.hpp"
 #include "../exact/rounding.hpp"
 #include "../interval.hpp"
-#include "../transformed_ray.hpp"
+#include "enclosed_line.hpp"
 #include "march_steps.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -85,50 +85,6 @@ struct LineScale {
     resolution = R(0x1p-100) * (o / d + T);
   }
 };
-
-/// Line of points whose coordinates are enclosed.
-template <class B>
-struct EnclosedLine {
-  Enclosure<B> origin[3], direction[3];
-};
-
-/// Returns the line of a ray in double: its numbers, or for a ray that an instance has mapped, what they are
-/// off.
-[[nodiscard]] inline EnclosedLine<double> enclosed_line(const RoundedLine& line) {
-  EnclosedLine<double> result;
-  for (int k = 0; k < 3; ++k) {
-    // The error is far above the rounding of the sum, so twice as much of it is outward.
-    const double o = line.origin[k], d = line.direction[k];
-    const double o_error = 2 * line.origin_error[k], d_error = 2 * line.direction_error[k];
-    result.origin[k] = {o - o_error, o + o_error};
-    result.direction[k] = {d - d_error, d + d_error};
-  }
-  return result;
-}
-
-/// Returns the line of a ray in double-double. Digits of exact numbers are off by 2^-103, and a quotient of
-/// two by less than 2^-101; the enclosure is twice as wide.
-[[nodiscard, gnu::noinline, gnu::cold]] inline EnclosedLine<DoubleDouble> enclosed_exact_line(
-    const Ray& ray) {
-  EnclosedLine<DoubleDouble> result;
-  const auto at = [](double x) { return Enclosure<DoubleDouble>{DoubleDouble(x), DoubleDouble(x)}; };
-  if (ray.transform == nullptr) {
-    for (int k = 0; k < 3; ++k)
-      result.origin[k] = at(ray.origin[k]), result.direction[k] = at(ray.direction[k]);
-    return result;
-  }
-  const ExactLine line = exact_line(ray);
-  const DoubleDouble weight(line.weight);
-  const auto quotient = [&](const ExactNumber& x) {
-    const DoubleDouble q = DoubleDouble(x) / weight, margin = std::abs(q.hi) * 0x1p-100;
-    return Enclosure<DoubleDouble>{q - margin, q + margin};
-  };
-  for (std::size_t k = 0; k < 3; ++k) {
-    result.origin[k] = quotient(line.origin[k]);
-    result.direction[k] = quotient(line.direction[k]);
-  }
-  return result;
-}
 
 }  // namespace detail
 

@@ -6,13 +6,14 @@
 #include <cmath>
 #include <optional>
 
+#include "../numeric/roots.hpp"
 #include "field_line.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Largest width of an enclosure of t, as a share of t. Roots are known to that (Roots::relative_error), so
-/// that t in the middle is closer yet.
-inline constexpr double enclosure_width = 0x1p-30;
+/// Largest width of an enclosure of t, as a share of t: roots are known to that, and t in the middle is
+/// closer yet.
+inline constexpr double enclosure_width = Roots::relative_error;
 
 /// First crossing of a march, or how it ended without one.
 struct MarchedRoot {

@@ -62,6 +62,9 @@ class AnySurface {
   [[nodiscard]] Tangents tangents_at(const Point& point, int part = 0) const {
     return held_->functions.tangents_at(held_->surface, point, part);
   }
+  [[nodiscard]] bool has_distance_bound() const { return held_->has_distance_bound(); }
+  /// Returns the bound of a surface that has one, otherwise 0, which bounds any distance.
+  [[nodiscard]] double distance_bound(const Point& point) const { return held_->distance_bound(point); }
   [[nodiscard]] Departure departure(int part = 0) const {
     return held_->functions.departure(held_->surface, part);
   }
@@ -114,6 +117,8 @@ class AnySurface {
     virtual bool has_parts() const = 0;
     virtual bool has_uv() const = 0;
     virtual bool has_tangents() const = 0;
+    virtual bool has_distance_bound() const = 0;
+    virtual double distance_bound(const Point&) const { return 0; }
     virtual bool is_solid() const = 0;
     virtual bool ends_inside(const Ray&) const = 0;
     virtual int part_count() const = 0;
@@ -147,6 +152,11 @@ class AnySurface {
     bool has_parts() const override { return protostar::has_parts(one); }
     bool has_uv() const override { return protostar::has_uv(one); }
     bool has_tangents() const override { return protostar::has_tangents(one); }
+    bool has_distance_bound() const override { return protostar::has_distance_bound(one); }
+    double distance_bound(const Point& point) const override {
+      if constexpr (knows_distance<S>) return one.distance_bound(point);
+      return 0;
+    }
     bool is_solid() const override { return protostar::is_solid(one); }
     bool ends_inside(const Ray& ray) const override { return protostar::ends_inside(one, ray); }
     int part_count() const override { return protostar::part_count(one); }

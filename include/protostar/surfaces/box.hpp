@@ -97,6 +97,17 @@ struct Box {
   /// Returns the box, widened by near().
   [[nodiscard]] Bounds bounds() const { return outward({min - near(), max + near()}); }
 
+  /// Returns the distance of a point from the box, less than 0 inside; rounded.
+  [[nodiscard]] double distance_bound(const Point& point) const {
+    double squares = 0, largest = -infinity;
+    for (int k = 0; k < 3; ++k) {
+      const double beyond = std::max(min[k] - point[k], point[k] - max[k]);
+      squares += std::max(beyond, 0.0) * std::max(beyond, 0.0);
+      largest = std::max(largest, beyond);
+    }
+    return largest > 0 ? std::sqrt(squares) : largest;
+  }
+
   /// Returns the plane of a face; surfaces and faces in one plane are left together.
   [[nodiscard]] Departure departure(int face) const {
     Departure departure = departure_across(face / 2, place(face));

@@ -12,6 +12,7 @@
 
 #include "../exact/distance_field.hpp"
 #include "../magnitude.hpp"
+#include "../march/field_bounds.hpp"
 #include "../march/field_roots.hpp"
 #include "../march/packet_march.hpp"
 #include "../ray_lanes.hpp"
@@ -19,29 +20,6 @@
 #include "coordinates.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-namespace detail {
-
-/// Returns the largest side of a box. Throws std::invalid_argument for one in which nothing can be marched.
-[[nodiscard]] inline double largest_side(const Bounds& bounds) {
-  for (int k = 0; k < 3; ++k) {
-    const double low = bounds.min[k], high = bounds.max[k];
-    if (is_coordinate(low) && is_coordinate(high) && is_size(high - low)) continue;
-    throw std::invalid_argument("Marched: bounds." + std::string(1, "xyz"[k]) + " goes from " +
-                                std::to_string(low) + " to " + std::to_string(high) +
-                                "; both must be finite, at most 2^400 (2.6e120) in magnitude, and the second "
-                                "must be larger than the first");
-  }
-  const Vec3 size = bounds.max - bounds.min;
-  return std::max({size.x, size.y, size.z});
-}
-
-/// Returns a box that is wider by a margin on each side.
-[[nodiscard]] inline Bounds widened(const Bounds& bounds, double margin) {
-  return {bounds.min - Vec3(margin), bounds.max + Vec3(margin)};
-}
-
-}  // namespace detail
 
 /// Field as a plain function of a point, in double: the library knows no more of it than its values.
 template <class F>
@@ -59,6 +37,9 @@ concept PlainField = !DistanceField<F> && std::copy_constructible<F> && requires
 /// leaves at a grazing angle may cross the surface again so near that t is enclosed only to 2^-30 of the size
 /// of the bounds; its order among crossings of other surfaces as near is not proven.
 ///
+/// A field has to be continuous, which nothing checks: one made with wrap jumps at the borders of its cells
+/// unless it looks at the neighbors too, and proofs of a field that jumps do not hold.
+///
 /// A plain function of a Point takes a Lipschitz constant besides, and nothing is proven then.
 template <class F>
 class Marched;
@@ -67,12 +48,16 @@ class Marched;
 template <DistanceField F>
 class Marched<F> {
  public:
+  /// Number of evaluations over boxes for the Lipschitz constant if none is given: a choice. A distance needs
+  /// few of them; a field that is none takes all, and more may make its constant smaller, and marches faster.
+  /// The constant holds with any number.
+  static constexpr int usual_evaluations = 20000;
+
   /// Makes the surface; derives the field's Lipschitz constant and rounding with at most `evaluations`
-  /// evaluations over boxes, of which a field that is no exact distance needs many: more of them may
-  /// make the constant smaller and marches faster; the constant holds with any number, and 20000 is a choice.
+  /// evaluations over boxes.
   /// Throws std::invalid_argument if the bounds are not finite, or empty, or the field has no
   /// bounded slope or value in them.
-  Marched(F field, const Bounds& bounds, int evaluations = 20000) : field_(std::move(field)) {
+  Marched(F field, const Bounds& bounds, int evaluations = usual_evaluations) : field_(std::move(field)) {
     // Faces that lie in the bounds are inside of boxes that are a thousandth larger. Points of rays may come
     // out beyond that by as much again.
     setup_.margin = 0x1p-10 * detail::largest_side(bounds);
@@ -101,7 +86,7 @@ class Marched<F> {
         return Slope<E>{E{point[i], point[i]}, E{one, one}};
       };
       const Slope<E> f = field_(FieldPoint<Slope<E>>{coordinate(0), coordinate(1), coordinate(2)});
-      gradient[k] = 0.5 * (f.slope.lower + f.slope.upper);
+      gradient[k] = f.slope.middle();
     }
     return unit_along(gradient);
   }
@@ -184,7 +169,7 @@ class Marched<F> {
   /// closed.
   [[nodiscard]] bool is_solid() const {
     const Bounds& box = setup_.inside;
-    int left = 1 << 16;  // of evaluations: a choice, which bounds the time; without a proof it is no solid
+    int left = most_face_evaluations;
     for (int axis = 0; axis < 3; ++axis)
       for (const double side : {box.min[axis], box.max[axis]}) {
         Bounds face = box;
@@ -198,6 +183,13 @@ class Marched<F> {
 
   /// Returns the bounds as they were given, with a margin in which faces that lie in them are seen.
   [[nodiscard]] Bounds bounds() const { return detail::widened(setup_.inside, 0x1p-20 * setup_.margin); }
+
+  /// Returns a lower bound of the distance from a point to the surface, less than 0 where the field is;
+  /// rounded. It is 0 on the surface, and as tight as the field is near to a distance.
+  [[nodiscard]] double distance_bound(const Point& point) const {
+    return detail::distance_bound(point, setup_.inside, setup_.bound.lipschitz,
+                                  [&](const Point& p) { return plain_value(field_, p); });
+  }
 
   [[nodiscard]] const F& field() const { return field_; }
   [[nodiscard]] const MarchSetup& setup() const { return setup_; }
@@ -241,6 +233,10 @@ class Marched<F> {
     });
     return first;
   }
+
+  /// Number of evaluations after which a surface counts as no solid, without a proof: a choice, which bounds
+  /// the time for a field that comes near to 0 on a face.
+  static constexpr int most_face_evaluations = 1 << 16;
 
   /// Tests whether F > 0 all over a part of a face, by halves; `left` counts the evaluations that are left.
   [[nodiscard]] bool is_positive_over(const Bounds& part, int& left) const {
@@ -298,15 +294,24 @@ class Marched<F> {
     bounds_ = detail::widened(bounds, 0x1p-10 * size_);
   }
 
+  /// Distance at which a ray hits, as a share of the bounds' size: a choice, as nothing is known of the
+  /// field's rounding. It is 2^12 last places of a coordinate as large as the bounds, 2^-52 of it, enough for
+  /// a field of some hundred operations that do not cancel; and far below a pixel.
+  static constexpr double closest = 0x1p-40;
+
+  /// Number of steps after which a march ends as a hit: a choice, which bounds the time of a ray that passes
+  /// close along a surface.
+  static constexpr int most_steps = 1 << 16;
+
   /// Returns t of the first crossing in the range that the march finds, in steps of |f| / lipschitz. A change
-  /// of sign is narrowed by bisection. A march of more than 65,536 steps ends as a hit.
+  /// of sign is narrowed by bisection. A march of more than most_steps ends as a hit.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
     if (!is_proper(ray)) return std::nullopt;
     const Interval span = detail::inside_of(bounds_, ray.origin, ray.direction);
     const double end = span.max;  // steps do not depend on range.max, and with them the digits of t
     const auto value = [&](double t) { return static_cast<double>(field_(ray.at(t))); };
     const double speed = lipschitz_ * std::sqrt(dot(ray.direction, ray.direction));
-    const double close = 0x1p-40 * size_ * lipschitz_;
+    const double close = closest * size_ * lipschitz_;
     double t = std::max(span.min, range.min);
     if (!(t < end && t < range.max)) return std::nullopt;
     double v = value(t);
@@ -314,7 +319,7 @@ class Marched<F> {
       if (!(t + step < end)) return std::nullopt;
       v = value(t += step);
     }
-    for (int i = 0; i < 1 << 16; ++i) {
+    for (int i = 0; i < most_steps; ++i) {
       // A step below the last digit of t, as far from the coordinate origin, is the next double.
       const double step = std::max(t + std::abs(v) / speed, std::nextafter(t, infinity));
       const double next = std::min(step, end), v_next = value(next);
@@ -337,6 +342,13 @@ class Marched<F> {
       gradient[k] = static_cast<double>(field_(b)) - static_cast<double>(field_(a));
     }
     return unit_along(gradient);
+  }
+
+  /// Returns a lower bound of the distance from a point to the surface, if the Lipschitz constant holds; less
+  /// than 0 where the field is.
+  [[nodiscard]] double distance_bound(const Point& point) const {
+    return detail::distance_bound(point, bounds_, lipschitz_,
+                                  [&](const Point& p) { return static_cast<double>(field_(p)); });
   }
 
   /// Returns the bounds as they were given, with a margin.

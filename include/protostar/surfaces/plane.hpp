@@ -42,6 +42,11 @@ struct Plane {
 
   [[nodiscard]] Tangents tangents_at(const Point& point) const { return plane_tangents(normal_at(point)); }
 
+  /// Returns the distance of a point from the plane, less than 0 on the side away from the normal; rounded.
+  [[nodiscard]] double distance_bound(const Point& point) const {
+    return (dot(normal, point) - distance) / length(normal);
+  }
+
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
     return plane_equation(rays, normal, distance);
   }

@@ -136,6 +136,9 @@ struct Sphere {
     return direction_tangents(unit_along(point - center));
   }
 
+  /// Returns the distance of a point from the sphere, less than 0 inside; rounded.
+  [[nodiscard]] double distance_bound(const Point& point) const { return length(point - center) - radius; }
+
   /// Returns the equation of the sphere and a ray, or of each ray of a packet, in double with its error; of a
   /// line in exact numbers, without rounding.
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {

@@ -1,0 +1,89 @@
+// Shows diffuse surfaces in the light of spheres, with soft shadows as the distances along one ray to each
+// lamp tell them: without chance.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "../area_lights.hpp"
+#include "../numeric/radians.hpp"
+#include "../render.hpp"
+#include "../scene_fields.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Integrator of soft shadows by distance, an approximation of DirectIntegrator for lamps that are spheres.
+/// The radiance of a hit is
+///   L_e + ρ/π · Σ V E
+/// with its emission L_e, its color as the albedo ρ, and the irradiance E of each light. Of an area light it
+/// is that in closed form, as if nothing hid it, and V the share of the lamp that is seen (seen_share). Other
+/// lights are seen or not. The sky, or black, if there is no hit.
+///
+/// Full light and full shadow are right, up to rounding, as far as distances are true ones; between the two,
+/// V is that of a straight edge. A lamp that the horizon of the hit cuts loses its light twice, by V and by
+/// E.
+struct DistanceShadowIntegrator : FirstHit<DistanceShadowIntegrator> {
+  AreaLights lights;
+  SceneFields fields;
+
+  /// Prepares lights and distances of a scene; pictures of that scene can then be drawn. Throws
+  /// std::invalid_argument if an area light is no sphere at rest, or a surface that is no light tells no
+  /// distance.
+  template <Surface... S>
+  explicit DistanceShadowIntegrator(const Scene<S...>& scene) : lights(scene), fields(scene) {
+    for (const AreaLight& light : lights.lights())
+      if (light.sphere() == nullptr)
+        throw std::invalid_argument(
+            "DistanceShadowIntegrator: surfaces that emit light must be spheres that do not move; another is "
+            "in the scene");
+    fields.require_distances("DistanceShadowIntegrator");
+  }
+
+  /// Throws std::logic_error if the scene is not the one of the lights.
+  [[nodiscard]] Color shade(const Intersection& hit, const auto& scene) const {
+    lights.require(scene);
+    const Material& material = hit.material();
+    const Color albedo = hit.color();
+    if (is_black(albedo)) return material.emission;
+    Color light = ambient_of(scene);
+    for (const Light& one : scene.lights()) light += visible_irradiance(scene, hit, one);
+    light *= to_float(1 / std::numbers::pi);
+    for (const AreaLight& one : lights.lights()) {
+      const double all = one.unoccluded_irradiance(hit);
+      if (!(all > 0)) continue;
+      light += one.emission() * to_float(all / std::numbers::pi * seen_share(hit.point(), *one.sphere()));
+    }
+    return clamped(material.emission + albedo * clamped(light));
+  }
+
+  /// Returns the share V of a lamp that seems to be seen from a point, from 0 to 1.
+  ///
+  /// At the way t towards the center, at the distance D, rays to the lamp of radius r fill a disk of the
+  /// radius k t about, k = r/D. A distance f there says that all of it is free if f ≥ k t, and all of it is
+  /// in a solid if f ≤ −k t. The least s = f/(k t) along the way decides: V is the share of a disk on one
+  /// side of a straight line at s radii from its center,
+  ///   V = ½ + (s √(1 − s²) + arcsin s)/π.
+  ///
+  /// A step from t looks for a smaller s. As f changes no faster than t, it is m k (t + δ) or more up to δ =
+  /// (f − m k t)/(1 + m k), m being the least s so far. A step is not shorter than k t/8: s changes by at
+  /// most (1 + k |s|)/8 in it, and V by 2/π of that, about 0.08. The way begins at D/2^20, where V counts
+  /// only what the surface itself hides.
+  [[nodiscard]] double seen_share(const Point& from, const Sphere& lamp) const {
+    const Vec3 to_center = lamp.center - from;
+    const double D = length(to_center), k = lamp.radius / D;
+    const Vec3 direction = to_center / D;
+    double least = 1;
+    for (double t = 0x1p-20 * D; t < D - lamp.radius;) {
+      const double f = fields.distance_bound(from + t * direction);
+      least = std::min(least, f / (k * t));
+      if (!(least > -1)) return 0;
+      t += std::max((f - least * k * t) / (1 + least * k), k * t / 8);
+    }
+    const double q = std::sqrt((1 - least) * (1 + least));
+    return 0.5 + (least * q + polar_angle(least, q)) / std::numbers::pi;
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI

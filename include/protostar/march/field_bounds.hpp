@@ -1,0 +1,49 @@
+// The box of a marched field: what is asked of it, and how far a point is from the surface in it.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "../bounds.hpp"
+#include "../magnitude.hpp"
+#include "../vec3.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+namespace detail {
+
+/// Returns the largest side of a box. Throws std::invalid_argument for one in which nothing can be marched.
+[[nodiscard]] inline double largest_side(const Bounds& bounds) {
+  for (int k = 0; k < 3; ++k) {
+    const double low = bounds.min[k], high = bounds.max[k];
+    if (is_coordinate(low) && is_coordinate(high) && is_size(high - low)) continue;
+    throw std::invalid_argument("Marched: bounds." + std::string(1, "xyz"[k]) + " goes from " +
+                                std::to_string(low) + " to " + std::to_string(high) +
+                                "; both must be finite, at most 2^400 (2.6e120) in magnitude, and the second "
+                                "must be larger than the first");
+  }
+  const Vec3 size = bounds.max - bounds.min;
+  return std::max({size.x, size.y, size.z});
+}
+
+/// Returns a box that is wider by a margin on each side.
+[[nodiscard]] inline Bounds widened(const Bounds& bounds, double margin) {
+  return {bounds.min - Vec3(margin), bounds.max + Vec3(margin)};
+}
+
+/// Returns a lower bound of the distance from a point to the surface of a field, with the rounding errors of
+/// double: |f| / Λ, with its sign, for a field whose value changes at most Λ times as much as the point. The
+/// surface is cut off by a box. Outside of it, a point p has a nearest point q in the box, and for each s in
+/// the box |p − s|² ≥ |p − q|² + |q − s|², since the angle at q is 90° or more.
+[[nodiscard]] double distance_bound(const Point& p, const Bounds& box, double lipschitz, const auto& value) {
+  Point q = p;
+  for (int k = 0; k < 3; ++k) q[k] = std::clamp(p[k], box.min[k], box.max[k]);
+  const double gap = length(p - q), bound = value(q) / lipschitz;
+  return gap == 0 ? bound : std::sqrt(gap * gap + std::max(bound, 0.0) * std::max(bound, 0.0));
+}
+
+}  // namespace detail
+
+}  // namespace protostar::inline PROTOSTAR_ABI

@@ -1,0 +1,137 @@
+// The fields of a scene: marches along all of its marched surfaces, and distances from all of its surfaces.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "march/march_steps.hpp"
+#include "scene.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Count of a ray's march, and the enclosure of t that it ends with, if the march ends with a crossing.
+class CountedMarch final : public MarchListener {
+ public:
+  void evaluated(Evaluation kind, double a, double b, const Result&) override {
+    counts_.evaluated(kind, a, b);
+  }
+  void proven(MarchProof proof, double a, double b) override {
+    is_hit_ = proof == MarchProof::sign_change || proof == MarchProof::touch;
+    enclosure_ = {a, b};
+  }
+
+  [[nodiscard]] const MarchCounts& counts() const { return counts_; }
+  [[nodiscard]] bool is_hit() const { return is_hit_; }
+
+  /// Returns the interval that contains t, if the march ended with a crossing. It is empty at a touch, of
+  /// which nothing is proven.
+  [[nodiscard]] const Interval& enclosure() const { return enclosure_; }
+
+ private:
+  MarchCounts counts_;
+  Interval enclosure_{0, 0};
+  bool is_hit_ = false;
+};
+
+/// Fields of a scene's surfaces. They are made once for a picture, and valid as long as the scene lives,
+/// stays in its place and gets no further surfaces. Threads may share them.
+///
+/// Surfaces that are marched with a proof (Marched of a DistanceField, in AnySurface too) tell the steps of
+/// their marches. These, boxes, spheres, planes, and all that have a distance_bound tell distances.
+class SceneFields {
+ public:
+  template <Surface... S>
+  explicit SceneFields(const Scene<S...>& scene) : identity_(&scene.lights()), surfaces_(scene.size()) {
+    (add(scene.template surfaces<S>(), scene.template materials<S>()), ...);
+  }
+
+  /// Tells visit(surface, const CountedMarch&) of the march of a ray along each field, as far as the closest
+  /// hit of the scene needs it: along the field that is hit, to the hit; along the others, until they are
+  /// past it or miss. The surface is named by its address in the scene.
+  void each_march(const Ray& ray, const std::optional<Intersection>& hit, const auto& visit) const {
+    for (const Field& field : fields_) {
+      if (field.march == nullptr) continue;
+      const bool is_hit = hit && hit->surface() == field.surface;
+      CountedMarch counted;
+      field.march(field.surface, ray, Interval{0, hit && !is_hit ? hit->t : infinity}, counted);
+      visit(field.surface, counted);
+    }
+  }
+
+  /// Returns a bound of the distance from a point to the nearest surface that emits no light: none
+  /// is nearer, up to rounding. Less than 0 inside of solids; ∞ if there are no surfaces.
+  [[nodiscard]] double distance_bound(const Point& point) const {
+    double least = infinity;
+    for (const Field& field : fields_)
+      if (!field.emits) least = std::min(least, field.distance_bound(field.surface, point));
+    return least;
+  }
+
+  /// Throws std::invalid_argument, in the name of an integrator, if a surface that emits no light tells no
+  /// distance.
+  void require_distances(const std::string& integrator) const {
+    for (std::size_t i = 0; i < fields_.size(); ++i)
+      if (!fields_[i].emits && fields_[i].distance_bound == nullptr)
+        throw std::invalid_argument(
+            integrator + ": surface " + std::to_string(i) +
+            " of the scene, counted from 0 in the order of its types, tells no distance; marched surfaces, "
+            "boxes, spheres and planes do, and surfaces with double distance_bound(const Point&) const");
+  }
+
+  /// Throws std::logic_error if a scene, or a view of it, is not the one of these fields, or has other
+  /// surfaces than when they were made.
+  void require(const auto& scene) const {
+    bool is_same = static_cast<const void*>(&scene.lights()) == identity_;
+    if constexpr (requires { scene.size(); }) is_same = is_same && scene.size() == surfaces_;
+    if (!is_same) [[unlikely]]
+      throw std::logic_error(
+          "SceneFields: the scene is not the one of which they were made, or has been moved or given other "
+          "surfaces since; make them again");
+  }
+
+ private:
+  /// Surface as functions, of which those that it lacks are null.
+  struct Field {
+    const void* surface;
+    bool emits;
+    void (*march)(const void* surface, const Ray& ray, Interval range, MarchListener& listener);
+    double (*distance_bound)(const void* surface, const Point& point);
+  };
+
+  template <class T>
+  void add(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+      Field field{&surfaces[i], !is_black(materials[i].emission), nullptr, nullptr};
+      if constexpr (requires(const T& s, MarchListener& listener) { s.march(Ray{}, Interval{}, listener); })
+        if (is_marched(surfaces[i]))
+          field.march = [](const void* s, const Ray& ray, Interval range, MarchListener& listener) {
+            static_cast<void>(static_cast<const T*>(s)->march(ray, range, listener));
+          };
+      if constexpr (knows_distance<T>)
+        if (has_distance_bound(surfaces[i]) && !is_moving(surfaces[i]))
+          field.distance_bound = [](const void* s, const Point& point) {
+            return static_cast<const T*>(s)->distance_bound(point);
+          };
+      fields_.push_back(field);
+    }
+  }
+
+  /// Returns true if a surface is marched; a type that holds other surfaces may tell for each object.
+  [[nodiscard]] static bool is_marched(const auto& surface) {
+    if constexpr (requires { surface.march_setup(); })
+      return surface.march_setup() != nullptr;
+    else
+      return true;
+  }
+
+  std::vector<Field> fields_;
+  const void* identity_;
+  std::size_t surfaces_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI
