@@ -15,6 +15,9 @@ import {modules} from './modules.mjs';
 /// Names of all stages, and 'render', which draws scene files.
 export const stageNames = Object.keys(modules);
 
+/// Files that stages read from scenes/.
+const filesOf = {'17_mesh': ['knot.obj']};
+
 const folder = new URL('.', import.meta.url);
 const compiled = new Map(), instances = new Map();
 
@@ -23,21 +26,22 @@ function moduleOf(name) {
   return modules[name];
 }
 
-async function compileFile(file) {
+/// Returns the bytes of a file beside this one.
+async function fetched(file) {
   const url = new URL(file, folder);
   if (url.protocol === 'file:') {  // node
     const {readFile} = await import('node:fs/promises');
-    return WebAssembly.compile(await readFile(url));
+    return readFile(url);
   }
   const response = await fetch(url);
   if (!response.ok) throw new Error(`${url}: ${response.status} ${response.statusText}`);
-  return WebAssembly.compile(await response.arrayBuffer());
+  return new Uint8Array(await response.arrayBuffer());
 }
 
 /// Fetches and compiles the module of a stage, once. Returns the WebAssembly.Module, which may be posted to workers.
 export function compiledModule(name) {
   const module = moduleOf(name);
-  if (!compiled.has(module)) compiled.set(module, compileFile(module + '.wasm'));
+  if (!compiled.has(module)) compiled.set(module, fetched(module + '.wasm').then(code => WebAssembly.compile(code)));
   return compiled.get(module);
 }
 
@@ -82,6 +86,7 @@ async function instantiate(name, module) {
     print: line => { printed.out += line + '\n'; },
     printErr: line => { printed.error += line + '\n'; },
   });
+  instance.FS.mkdir('/scenes');
   instance.FS.mkdir('/work');
   instance.FS.chdir('/work');
   instance.printed = printed;
@@ -94,5 +99,9 @@ export async function loadStage(name, module) {
   const key = moduleOf(name);
   if (!instances.has(key))
     instances.set(key, Promise.resolve(module ?? compiledModule(name)).then(code => instantiate(name, code)));
-  return new Stage(name, await instances.get(key));
+  const instance = await instances.get(key);
+  for (const file of filesOf[name] ?? [])
+    if (!instance.FS.analyzePath('/scenes/' + file).exists)
+      instance.FS.writeFile('/scenes/' + file, await fetched('scenes/' + file));
+  return new Stage(name, instance);
 }
