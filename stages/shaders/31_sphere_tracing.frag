@@ -62,16 +62,9 @@ Sphere nearest(vec3 p) {
 // The distance field of the scene: for each point, the distance to the nearest surface.
 float field(vec3 p) { return distance_from(nearest(p), p); }
 
-#ifdef DIFF
-vec3 normal_at(vec3 p) {
-  float h = DIFF; vec3 x=vec3(h,0,0),y=vec3(0,h,0),z=vec3(0,0,h);
-  return normalize(vec3(field(p + x) - field(p - x), field(p + y) - field(p - y), field(p + z) - field(p - z)));
-}
-#else
 // The direction in which the field grows fastest: away from the center of the nearest sphere. Differences of the field
 // over a short way, as in the plain tracer, have hardly a digit that is right: a float at 1000 has steps of 0.00006.
 vec3 normal_at(vec3 p) { return normalize(p - nearest(p).center); }
-#endif
 
 // How near to a surface a ray ends, in scene units. A page may define another value, or a slider.
 #ifndef EPSILON
