@@ -62,8 +62,9 @@ Sphere nearest(vec3 p) {
 // The distance field of the scene: for each point, the distance to the nearest surface.
 float field(vec3 p) { return distance_from(nearest(p), p); }
 
-// The direction in which the field grows fastest: away from the center of the nearest sphere. Differences of the field
-// over a short way, as in the plain tracer, have hardly a digit that is right: a float at 1000 has steps of 0.00006.
+// The direction in which the field grows fastest: away from the center of the nearest sphere. Differences of the
+// field over a short way, as in the plain tracer, have hardly a digit that is right: a float at 1000 has steps of
+// 0.00006.
 vec3 normal_at(vec3 p) { return normalize(p - nearest(p).center); }
 
 // How long a step is, in scene units. A page may define another value, or a slider.
