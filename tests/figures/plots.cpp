@@ -218,7 +218,7 @@ std::string kernels(const std::string& folder) {
 }
 
 std::string shaders(const std::string& folder) {
-  BarChart chart{.title = "Pixels of shaders that differ from the golden by more than a level",
+  BarChart chart{.title = "Pixels of shaders that are wrong by more than a level",
                  .axis = "pixels, of 307200",
                  .base = 1,
                  .ticks = {1, 10, 100, 1000, 10000, 100000},
@@ -230,8 +230,9 @@ std::string shaders(const std::string& folder) {
     if (shader < "02" || shader > "40") continue;                 // no rays; solutions of exercises
     if (is_naive && shader == table.text(i, "golden")) continue;  // compared with a picture in float
     const double count = table.number(i, "above_one");
-    chart.bars.push_back({shader + (numbers.empty() ? "" : " " + numbers), std::max(count, 1.0),
-                          table.text(i, "above_one"), is_naive ? Paint::red : Paint::blue});
+    const std::string label = shader.substr(0, shader.find('_', 3)) + (numbers.empty() ? "" : ", offset 0");
+    chart.bars.push_back(
+        {label, std::max(count, 1.0), table.text(i, "above_one"), is_naive ? Paint::red : Paint::blue});
   }
   return chart.drawn();
 }

@@ -46,7 +46,7 @@ void float_roots(Drawing& drawing) {
     char text[32];
     for (const auto& [error, paint] :
          {std::pair{errors.difference, Paint::red}, {errors.quotient, Paint::blue}}) {
-      const double high = 90 * std::log10(1 + 1e6 * error);
+      const double high = 150 * std::log10(1 + 1e6 * error);
       drawing.rectangle({x, bottom - high}, 34, high, paint, Fill::soft);
       std::snprintf(text, sizeof text, "%.2g", 1e6 * error);
       drawing.words({x + 17, bottom - 8 - high}, text, Anchor::middle, paint);
