@@ -68,6 +68,11 @@ struct Enclosure {
         spanned(a, b, a.lower / b.lower, a.lower / b.upper, a.upper / b.lower, a.upper / b.upper);
     return select(b.contains(B(0.0)), whole(), quotient);
   }
+  friend Enclosure operator/(const Enclosure& a, double b) {
+    if (b == 0) return whole();
+    const B first = a.lower / B(b), second = a.upper / B(b);
+    return spanned(a, b, first, first, second, second);
+  }
 
   friend Enclosure min(const Enclosure& a, const Enclosure& b) {
     return {rounding::min(a.lower, b.lower), rounding::min(a.upper, b.upper)};
@@ -117,13 +122,22 @@ struct Enclosure {
   }
 
   /// Returns the polynomial smooth minimum of Quilez, min(a, b) − max(k − |a − b|, 0)²/(4k), for k > 0. It
-  /// increases with a and with b, so its ends are those at the ends of both.
+  /// increases with a and with b, so its ends are those at the ends of both: below, with the largest square
+  /// that roundings allow, and above with the least. Infinite ends may give NaN for a − b, which counts as
+  /// the 0 or ∞ that is on the safe side.
   friend Enclosure smooth_min(const Enclosure& a, const Enclosure& b, double k) {
-    const auto between = [&](const B& x, const B& y) {
-      const Enclosure p = at(x), q = at(y);
-      return min(p, q) - square(max(k - abs(p - q), 0.0)) / (Enclosure(4.0) * k);
-    };
-    return {between(a.lower, b.lower).lower, between(a.upper, b.upper).upper};
+    using rounding::above, rounding::below;
+    constexpr double slack = rounding::underflow<B>;
+    const B zero(0.0), width(k), divisor(4 * k);
+    const B least = rounding::max(zero, below(rounding::abs(a.lower - b.lower))),
+            most = above(rounding::abs(a.upper - b.upper));
+    const B large = rounding::max(zero, above(width - least)),
+            small = rounding::max(zero, below(width - most));
+    const B most_cut = above(above(large * large, slack) / divisor, slack),
+            least_cut =
+                rounding::max(zero, below(rounding::max(zero, below(small * small, slack)) / divisor, slack));
+    return {below(rounding::min(a.lower, b.lower) - most_cut),
+            above(rounding::min(a.upper, b.upper) - least_cut)};
   }
 
   /// Returns the length of a vector.

@@ -59,7 +59,8 @@ template <class R, std::size_t n>
   return sum;
 }
 
-/// Returns the sine of x + quarter · π/2, for quarter 0 or 1 and |x| ≤ 2^20, with an error below 2^-51.
+/// Sine of x + quarter · π/2, for quarter 0 or 1 and |x| ≤ 2^20, with an error below 2^-51. Both are found
+/// together.
 ///
 /// With k the integer next to x · 2/π, |k| < 2^20, and up to roundings of 2^-30 |r| ≤ π/4 for r = x − k π/2.
 /// The first difference below is exact: for k ≠ 0 its terms are multiples of 2^-53, and it is below 1. The
@@ -71,22 +72,31 @@ template <class R, std::size_t n>
 /// last sum, at most 1, is rounded by half a u: below 3.1u in all with the error of r, for the cosine 0.71 ·
 /// 1u.
 template <class R>
-[[nodiscard]] R sine_of(const R& x, double quarter) {
-  using rounding::select;
-  const R k = rounding::nearest_integer(x * R(0x1.45f306dc9c883p-1));
-  const R r = ((x - k * R(half_pi[0])) - k * R(half_pi[1])) - k * R(half_pi[2]);
-  const R s = r * r;
-  const R sine = r + r * (s * series({-1 / 6.0, 1 / 120.0, -1 / 5040.0, 1 / 362880.0, -1 / 39916800.0,
-                                      1 / 6227020800.0, -1 / 1307674368000.0, 1 / 355687428096000.0},
-                                     s));
-  const R cosine = R(1.0) + s * series({-1 / 2.0, 1 / 24.0, -1 / 720.0, 1 / 40320.0, -1 / 3628800.0,
-                                        1 / 479001600.0, -1 / 87178291200.0, 1 / 20922789888000.0},
-                                       s);
-  // Quarter turns: −2, −1, 0, 1 or 2.
-  const R turns = k + R(quarter), turn = turns - R(4.0) * rounding::nearest_integer(turns * R(0.25));
-  const R size = rounding::abs(turn), value = select(size == R(1.0), cosine, sine);
-  return select(size == R(2.0) || turn == R(-1.0), -value, value);
-}
+class Sines {
+ public:
+  explicit Sines(const R& x) {
+    turns_ = rounding::nearest_integer(x * R(0x1.45f306dc9c883p-1));
+    const R r = ((x - turns_ * R(half_pi[0])) - turns_ * R(half_pi[1])) - turns_ * R(half_pi[2]);
+    const R s = r * r;
+    sine_ = r + r * (s * series({-1 / 6.0, 1 / 120.0, -1 / 5040.0, 1 / 362880.0, -1 / 39916800.0,
+                                 1 / 6227020800.0, -1 / 1307674368000.0, 1 / 355687428096000.0},
+                                s));
+    cosine_ = R(1.0) + s * series({-1 / 2.0, 1 / 24.0, -1 / 720.0, 1 / 40320.0, -1 / 3628800.0,
+                                   1 / 479001600.0, -1 / 87178291200.0, 1 / 20922789888000.0},
+                                  s);
+  }
+
+  [[nodiscard]] R at(double quarter) const {
+    using rounding::select;
+    // Quarter turns: −2, −1, 0, 1 or 2.
+    const R turns = turns_ + R(quarter), turn = turns - R(4.0) * rounding::nearest_integer(turns * R(0.25));
+    const R size = rounding::abs(turn), value = select(size == R(1.0), cosine_, sine_);
+    return select(size == R(2.0) || turn == R(-1.0), -value, value);
+  }
+
+ private:
+  R turns_, sine_, cosine_;
+};
 
 /// Returns x − k · parts, in the order of the parts, which is that of their sizes.
 template <std::size_t n>
@@ -95,8 +105,8 @@ template <std::size_t n>
   return x;
 }
 
-/// Returns the sine as above, in double-double, with an error below 2^-98: r has four roundings of 3u² of
-/// numbers below 1, and the last part of π/2 an error of 2^20 · 2^-157. Series up to θ^27/27! and θ^26/26!
+/// Returns the sine as Sines does, in double-double, with an error below 2^-98: r has four roundings of 3u²
+/// of numbers below 1, and the last part of π/2 an error of 2^20 · 2^-157. Series up to θ^27/27! and θ^26/26!
 /// lack less than 2^-104. Each step of them has errors of 20u² of a term below 0.31, the product with the
 /// square and the quotient, and 3u² of the difference: below 15u² in the end, and the sine's product with r
 /// adds 5u².
@@ -111,6 +121,16 @@ template <std::size_t n>
   const DoubleDouble value = is_cosine ? sum : r * sum;
   return std::abs(turn) == 2 || turn == -1 ? -value : value;
 }
+
+template <>
+class Sines<DoubleDouble> {
+ public:
+  explicit Sines(DoubleDouble x) : x_(x) {}
+  [[nodiscard]] DoubleDouble at(double quarter) const { return sine_of(x_, quarter); }
+
+ private:
+  DoubleDouble x_;
+};
 
 /// Returns e^x for |x| ≤ 600, with a relative error below 2^-51; beyond, that of ±600.
 ///
@@ -191,33 +211,42 @@ template <int N>
   return x;
 }
 
-/// Returns the sine of a + quarter · π/2. It is 1 where turns − ¼ is an integer and −1 where turns + ¼ is
-/// one, with turns = (a + quarter · π/2) / 2π; elsewhere the extremes are at the ends.
+/// Sine of a + quarter · π/2, for quarter 0 or 1, with a in an interval. It is 1 where turns − ¼ is an
+/// integer and −1 where turns + ¼ is one, with turns = (a + quarter · π/2) / 2π; elsewhere the extremes are
+/// at the ends.
 template <class B>
-[[nodiscard]] Enclosure<B> sine_over(const Enclosure<B>& a, double quarter) {
-  constexpr double per_angle = 0x1.45f306dc9c883p-3;  // the double nearest to 1/2π
-  const Enclosure<B> turns =
-      a * Enclosure<B>(rounding::below(per_angle), rounding::above(per_angle)) + 0.25 * quarter;
-  const auto meets_integer = [](const Enclosure<B>& x) { return x.lower <= rounding::floor(x.upper); };
-  const B first = sine_of(a.lower, quarter), last = sine_of(a.upper, quarter);
-  const B error(sine_error<B>);
-  const B least = rounding::below(rounding::min(first, last) - error),
-          most = rounding::above(rounding::max(first, last) + error);
-  const Enclosure<B> values{
-      rounding::select(meets_integer(turns + 0.25), B(-1.0), rounding::max(B(-1.0), least)),
-      rounding::select(meets_integer(turns - 0.25), B(1.0), rounding::min(B(1.0), most))};
-  return select(a.magnitude() <= B(largest_angle), values, Enclosure<B>{B(-1.0), B(1.0)});
-}
+class SinesOver {
+ public:
+  explicit SinesOver(const Enclosure<B>& a) : a_(a), first_(a.lower), last_(a.upper) {}
+
+  [[nodiscard]] Enclosure<B> at(double quarter) const {
+    constexpr double per_angle = 0x1.45f306dc9c883p-3;  // the double nearest to 1/2π
+    const Enclosure<B> turns =
+        a_ * Enclosure<B>(rounding::below(per_angle), rounding::above(per_angle)) + 0.25 * quarter;
+    const auto meets_integer = [](const Enclosure<B>& x) { return x.lower <= rounding::floor(x.upper); };
+    const B first = first_.at(quarter), last = last_.at(quarter), error(sine_error<B>);
+    const B least = rounding::below(rounding::min(first, last) - error),
+            most = rounding::above(rounding::max(first, last) + error);
+    const Enclosure<B> values{
+        rounding::select(meets_integer(turns + 0.25), B(-1.0), rounding::max(B(-1.0), least)),
+        rounding::select(meets_integer(turns - 0.25), B(1.0), rounding::min(B(1.0), most))};
+    return select(a_.magnitude() <= B(largest_angle), values, Enclosure<B>{B(-1.0), B(1.0)});
+  }
+
+ private:
+  Enclosure<B> a_;
+  Sines<B> first_, last_;
+};
 
 }  // namespace detail
 
 template <class R>
 [[nodiscard]] Plain<R> sin(const Plain<R>& a) {
-  return Plain<R>::of(detail::sine_of(a.value, 0));
+  return Plain<R>::of(detail::Sines<R>(a.value).at(0));
 }
 template <class R>
 [[nodiscard]] Plain<R> cos(const Plain<R>& a) {
-  return Plain<R>::of(detail::sine_of(a.value, 1));
+  return Plain<R>::of(detail::Sines<R>(a.value).at(1));
 }
 template <class R>
 [[nodiscard]] Plain<R> exp(const Plain<R>& a) {
@@ -230,11 +259,11 @@ template <class R>
 
 template <class B>
 [[nodiscard]] Enclosure<B> sin(const Enclosure<B>& a) {
-  return detail::sine_over(a, 0);
+  return detail::SinesOver<B>(a).at(0);
 }
 template <class B>
 [[nodiscard]] Enclosure<B> cos(const Enclosure<B>& a) {
-  return detail::sine_over(a, 1);
+  return detail::SinesOver<B>(a).at(1);
 }
 
 /// Returns e^a; from 0 where a is below the range of the function, and to ∞ above.
@@ -257,13 +286,15 @@ template <class B>
                 Enclosure<B>::whole());
 }
 
-template <class N>
-[[nodiscard]] Slope<N> sin(const Slope<N>& a) {
-  return {sin(a.value), cos(a.value) * a.slope};
+template <class B>
+[[nodiscard]] Slope<Enclosure<B>> sin(const Slope<Enclosure<B>>& a) {
+  const detail::SinesOver<B> over(a.value);
+  return {over.at(0), over.at(1) * a.slope};
 }
-template <class N>
-[[nodiscard]] Slope<N> cos(const Slope<N>& a) {
-  return {cos(a.value), -sin(a.value) * a.slope};
+template <class B>
+[[nodiscard]] Slope<Enclosure<B>> cos(const Slope<Enclosure<B>>& a) {
+  const detail::SinesOver<B> over(a.value);
+  return {over.at(1), -over.at(0) * a.slope};
 }
 template <class N>
 [[nodiscard]] Slope<N> exp(const Slope<N>& a) {

@@ -42,6 +42,19 @@ template <class R>
   return select(size < R(0x1p52), copysign((size + R(0x1p52)) - R(0x1p52), x), x);
 }
 
+template <int N>
+[[nodiscard]] simd::Lanes<double, N> nearest_integer(simd::Lanes<double, N> x) {
+#if defined(PROTOSTAR_VECTORS) && defined(__AVX__)
+  constexpr int to_nearest = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
+  using V = decltype(x.v);
+#if defined(__AVX512F__)
+  if constexpr (N == 8) return (V)_mm512_maskz_roundscale_pd(0xff, (__m512d)x.v, to_nearest);
+#endif
+  if constexpr (N == 4) return (V)_mm256_round_pd((__m256d)x.v, to_nearest);
+#endif
+  return nearest_integer<simd::Lanes<double, N>>(x);
+}
+
 /// Returns the largest integer that is at most x.
 template <class R>
 [[nodiscard]] R floor(R x) {

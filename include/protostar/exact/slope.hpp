@@ -78,7 +78,7 @@ struct Slope {
 
   /// Returns the smooth minimum. Its slope is w a' + (1 − w) b' with w = ½ + (b − a)/2k, in [0, 1].
   friend Slope smooth_min(const Slope& a, const Slope& b, double k) {
-    const N weight = clamp((b.value - a.value) / (N(2.0) * k) + 0.5, 0, 1);
+    const N weight = clamp((b.value - a.value) / (2 * k) + 0.5, 0, 1);
     const N mixed = b.slope + weight * (a.slope - b.slope), outer = hull(a.slope, b.slope);
     return {smooth_min(a.value, b.value, k), common(mixed, outer)};
   }

@@ -277,7 +277,7 @@ struct MengerSponge {
     T value = max(abs(p.x), max(abs(p.y), abs(p.z))) - 0.5 * size;
     double cells = 2 / size;
     for (int i = 0; i < levels; ++i, cells *= 3) {
-      const FieldPoint<T> q = fold(p * T(cells) + Vec3(1));
+      const FieldPoint<T> q = fold(p * Vec3(cells) + Vec3(1));
       const T cross = max(min(q.x, q.y), max(min(q.y, q.z), min(q.z, q.x))) - 2.0 / 3.0;
       value = max(value, cross * (1 / cells));
     }

@@ -67,10 +67,11 @@ struct Torus {
 
   /// Returns the first crossing in the range.
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
-    const Roots4 roots = roots_of_line(ray);
-    for (int i = 0; i < roots.count; ++i)
-      if (const Crossing crossing{roots.t[i], i}; lies_inside(*this, ray, crossing, range)) return crossing;
-    return std::nullopt;
+    std::optional<Crossing> first;
+    each_crossing(ray, range, [&](const Crossing& crossing) {
+      if (!first) first = crossing;
+    });
+    return first;
   }
 
   /// Calls visit(const Crossing&) for all crossings in the range, near to far. A touch is two.
@@ -166,14 +167,17 @@ struct Torus {
     }
     ++fallbacks.double_double;
     const auto second = enclosed_roots<DoubleDouble>(ray, detail::enclosed_exact_line(ray));
-    if (!second.are_certain) ++fallbacks.undecided;
+    bool is_decided = second.are_certain;
     for (int i = 0; i < second.count; ++i) {
       const Enclosure<DoubleDouble>& t = second.root[i];
-      if (!t.contains(DoubleDouble(0.0)))
+      if (!t.contains(DoubleDouble(0.0))) {
+        is_decided = is_decided && detail::is_narrow(t.lower.hi, t.upper.hi);
         add(static_cast<double>(DoubleDouble(0.5) * (t.lower + t.upper)));
-      else if (!is_left_by(ray))
+      } else if (!is_left_by(ray)) {
         add(0);
+      }
     }
+    if (!is_decided) ++fallbacks.undecided;
     return roots;
   }
 
