@@ -127,11 +127,11 @@ inline void draw(Stage& stage, const auto& march) {
   protostar::Image image = stage.image();
   StageRenderOptions options = stage.render_options();
   options.tell = [&](SampleRecord& sample) {
+    const auto list = [](const auto& v) { return std::vector<double>{v.x, v.y, v.z}; };
     sample.steps.push_back({.type = "marched spheres"});
     for (const auto& [sphere, color] : the_three_spheres)
       sample.steps[0].parts.push_back(
-          {"sphere",
-           {{"center", {sphere.center.x, sphere.center.y, sphere.center.z}}, {"radius", {sphere.radius}}}});
+          {"sphere", {{"center", list(sphere.center)}, {"radius", {sphere.radius}}, {"color", list(color)}}});
     const auto add = [&](double t, double value) {
       char line[80];
       std::snprintf(line, sizeof line, "t = %.17g: the field is %.17g", t, value);
@@ -139,7 +139,11 @@ inline void draw(Stage& stage, const auto& march) {
       sample.steps.push_back({"value", {{"t", {t}}, {"field", {value}}}});
     };
     const auto t = march(sample.ray, epsilon, add);
-    sample.steps[0].numbers = {{"epsilon", {epsilon}}, {"hits", {t ? 1.0 : 0.0}}};
+    const auto& light = light_of_the_three_spheres;
+    sample.steps[0].numbers = {{"epsilon", {epsilon}},
+                               {"hits", {t ? 1.0 : 0.0}},
+                               {"position", list(light.position)},
+                               {"power", list(light.power)}};
     sample.told.emplace_back(t ? "hit at the last of these t" : "no hit");
   };
   render(

@@ -301,7 +301,7 @@ TEST_CASE("a long render goes on from its checkpoint, also in parts, and removes
 }
 
 TEST_CASE("a render that is stopped twice has the bytes of one that is not", "[long]") {
-  const std::string options = "--size 160x120 --samples 1600 --threads 1 --filter mitchell";
+  const std::string options = "--size 160x120 --samples 800 --threads 1 --filter mitchell";
   const std::string expected = stage_picture("13_whitted", options);
   const TemporaryFolder folder;
   std::uint64_t units = 0;

@@ -218,7 +218,7 @@ TEST_CASE("error targets hold for pictures of one kind and for small ones", "[lo
   const std::vector<SyntheticPixel> pixels = picture(row.pixels, row.all_kinds, row.rare);
   for (const double samples : {64, 256}) {
     const double target = std::sqrt(mean_variance(pixels) / samples);
-    const int seeds = cases(40, 200);
+    const int seeds = cases(20, 200);
     const Coverage found = coverage(pixels, target, seeds);
     CAPTURE(row.pixels, row.all_kinds, row.rare, samples, found.wrong, found.wrong_without_margin,
             found.samples);

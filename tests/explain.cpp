@@ -1,5 +1,6 @@
 // The explanation of a pixel, which every stage and render print: it ends with the pixel's codes in the
 // picture.
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstddef>
@@ -281,16 +282,26 @@ TEST_CASE(
     return;  // there is no Python
   struct Row {
     std::string program, arguments;
-    std::vector<std::string> keys;  ///< before numbers, each of which must be refused with another digit
+    /// Texts before numbers, each of which must be refused with another digit; "..." stands for any text.
+    std::vector<std::string> keys;
   };
-  std::vector<Row> rows{{"08_naive", "--pixel 330,200", {"\"offset\": ", "\"normal\": ["}},
-                        {"09_naive", "--pixel 330,200", {"\"power\": [", "\"end\": "}},
-                        {"08_transparency", "--pixel 330,200", {"\"color\": ["}},
-                        {"16_environment", "--pixel 10,10", {"\"radiance\": ["}},
-                        {"33_certified", "--pixel 330,200", {"\"to\": ", "\"from\": "}},
-                        {"31_sphere_tracing", "--pixel 330,200", {"\"field\": "}}};
+  std::vector<Row> rows{
+      {"08_naive", "--pixel 330,200", {"\"offset\": ", "\"normal\": ["}},
+      {"09_naive", "--pixel 330,200", {"\"power\": [", "\"end\": "}},
+      {"08_transparency", "--pixel 330,200", {"\"color\": ["}},
+      {"16_environment", "--pixel 10,10", {"\"radiance\": ["}},
+      {"33_certified", "--pixel 330,200", {"\"to\": ", "\"from\": "}},
+      {"31_sphere_tracing", "--pixel 330,200", {"\"field\": ", "\"power\": [", "\"color\": ["}},
+      {"23_ambient_occlusion", "--pixel 320,400 --samples 1", {"\"query\": \"any\"...\"direction\": ["}},
+      {"26_weekend",
+       "--pixel 320,400 --samples 1",
+       {"\"query\": \"closest\"...\"query\": \"closest\"...\"direction\": ["}},
+      {"18_antialiasing",
+       "--pixel 330,200 --samples 2 --filter mitchell",
+       {"\"position\": [0.", "\"weight\": "}}};
 #if __has_include(<nlohmann/json.hpp>)
   rows.push_back({"render", scene_path("environment") + " --pixel 5,5", {"\"color\": ["}});
+  rows.push_back({"render", scene_path("torus") + " --pixel 330,260", {"\"radius\": ", "\"tube\": "}});
 #endif
   for (const auto& [program, arguments, keys] : rows) {
     CAPTURE(program);
@@ -302,14 +313,20 @@ TEST_CASE(
     };
     const Outcome right = check(text);
     CHECK(right.status == 0);
-    const bool computes_radiance = program != "31_sphere_tracing";  // its steps alone are checked
-    CHECK((right.out.find("taken from the file: the radiance") == std::string::npos) == computes_radiance);
+    CHECK(right.out.find("taken from the file: the radiance") == std::string::npos);
     for (const std::string& key : keys) {
       CAPTURE(key);
       std::string changed = text;
-      const std::size_t at = changed.find(key);
-      REQUIRE(at != std::string::npos);
-      char& digit = changed[changed.find_first_of("123456789", at + key.size())];
+      std::size_t at = 0;
+      for (std::size_t begin = 0; begin <= key.size();) {
+        const std::size_t end = std::min(key.find("...", begin), key.size());
+        const std::string part = key.substr(begin, end - begin);
+        at = changed.find(part, at);
+        REQUIRE(at != std::string::npos);
+        at += part.size();
+        begin = end + 3;
+      }
+      char& digit = changed[changed.find_first_of("123456789", at)];
       digit = digit == '5' ? '6' : '5';
       const Outcome wrong = check(changed);
       CHECK(wrong.status == 1);
@@ -317,6 +334,52 @@ TEST_CASE(
     }
   }
 }
+
+#if __has_include(<tiny_obj_loader.h>)
+TEST_CASE("an explanation has all triangles of a mesh, and the checker finds those that a ray crosses") {
+  const TemporaryFolder folder;
+  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
+    return;  // there is no Python
+  REQUIRE(run_stage("17_mesh", "--pixel 300,260 --explain a.json --quiet", folder).status == 0);
+  const std::string text = bytes_of(folder / "a.json");
+  const auto status_of = [&](const std::string& file) {
+    put_bytes(folder / "b.json", file);
+    return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""}).status;
+  };
+  CHECK(status_of(text) == 0);
+
+  // A vertex of the triangle that is hit, among all vertices.
+  const std::string before = "\"a\": [";
+  const std::size_t corner = text.find(before, text.find("\"primitive\"")) + before.size();
+  REQUIRE(corner < text.size());
+  const std::string vertex = text.substr(corner, text.find(']', corner) - corner);
+  const std::size_t place = text.find(vertex, text.find("\"vertices\": ["));
+  REQUIRE(place < corner);
+  std::string changed = text;
+  char& digit = changed[changed.find_first_of("123456789", place)];
+  digit = digit == '5' ? '6' : '5';
+  CHECK(status_of(changed) == 1);
+
+  // Another triangle, in front of all.
+  const auto append = [&](const std::string& list, const std::string& numbers) {
+    const std::size_t begin = changed.find("\"" + list + "\": ["), end = changed.find(']', begin);
+    REQUIRE(end < changed.size());
+    changed.insert(end, ", " + numbers);
+    return std::count(changed.begin() + static_cast<std::ptrdiff_t>(begin),
+                      changed.begin() + static_cast<std::ptrdiff_t>(end), ',');
+  };
+  changed = text;
+  const auto count = (append("vertices", "-9, -9, 0.5, 9, -9, 0.5, 0, 9, 0.5") + 1) / 3;
+  append("normals", "0, 0, 1, 0, 0, 1, 0, 0, 1");
+  CHECK(status_of(changed) == 0);  // three more vertices, of no triangle
+  append("corners",
+         std::to_string(count) + ", " + std::to_string(count + 1) + ", " + std::to_string(count + 2));
+  const std::string triangles = "\"triangles\": 3600";
+  CHECK(status_of(changed) == 1);  // which is one more than the file says
+  changed.replace(changed.find(triangles), triangles.size(), "\"triangles\": 3601");
+  CHECK(status_of(changed) == 1);
+}
+#endif
 
 TEST_CASE("the option --rays draws the rays of a pixel as SVG or OBJ") {
   const TemporaryFolder folder;

@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 /// only they need.
 const std::set<std::string> on_demand = {
     "march/packet_march.hpp",
+    "march/step_rules.hpp",
     "sampling/radians_of_each.hpp",
     "surfaces/csg.hpp",
     "surfaces/instance.hpp",
@@ -50,6 +51,7 @@ const std::set<std::string> on_demand = {
     "sampling/shard_file.hpp",
     "area_lights.hpp",
     "environment_image.hpp",
+    "texture_image.hpp",
     "environment_light.hpp",
     "fields/field.hpp",
     "fields/operations.hpp",

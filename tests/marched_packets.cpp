@@ -1,9 +1,12 @@
 #include <protostar/accel/packet.hpp>
 #include <protostar/exact/functions.hpp>
+#include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/distance_field.hpp>
+#include <protostar/surfaces/sphere.hpp>
 
 #include <bit>
 #include <cstdint>
+#include <type_traits>
 
 #include "support/cases.hpp"
 #include "support/catch.hpp"
@@ -35,7 +38,9 @@ void compare_marches(const char* name, const Marched<F>& surface, double size, i
     const simd::LaneMask active = simd::mask_of<double, simd::double_lanes>(i % 3 == 0 ? 0x55 : 0xff);
     const simd::RayPacket rays(origin, directions, active);
     const Interval range = i % 2 == 0 ? Interval{} : Interval{0, 1};
-    const auto found = surface.first_crossing_of_each(rays, active, range, together);
+    const auto ray = [&rays](int lane) { return rays[lane]; };
+    const RayLanes in_lanes{rays.origin, rays.direction, active, false, ray};
+    const FirstOfLanes found = surface.first_of_lanes(in_lanes, range, together);
     for (int lane = 0; lane < simd::double_lanes; ++lane) {
       const simd::Bits bit = simd::Bits{1} << lane;
       if ((bits(active) & bit) == 0) continue;
@@ -61,4 +66,34 @@ TEST_CASE("Packets of rays march to the crossings of their single rays, bit by b
   each_test_field([](const char* name, const auto& field, double half) {
     compare_marches(name, Marched(field, cube_bounds(half), 1000), half, cases(60, 20000));
   });
+}
+
+namespace {
+
+/// Ball that counts the searches for crossings of several rays.
+struct CountedBall : Marched<std::remove_cv_t<decltype(sphere_field)>> {
+  using Marched::first_of_lanes;
+  using Marched::Marched;
+  [[nodiscard]] FirstOfLanes first_of_lanes(const RayLanes& rays, Interval range) const {
+    ++searches;
+    return Marched::first_of_lanes(rays, range);
+  }
+
+  inline static int searches = 0;
+};
+
+}  // namespace
+
+TEST_CASE("A surface of any type hands the rays of a packet on to the surface that it holds") {
+  const AnySurface counted(CountedBall(sphere_field, cube_bounds(1))), sphere(Sphere{Point(0), 1});
+  const simd::RayPacket rays(Point(0, 0, 3), simd::Vectors(Vec3(0.1, 0.2, -1)));
+  const int before = CountedBall::searches;
+  const simd::ClosestCrossings marched = first_crossings(counted, rays, true, Interval{});
+  CHECK(CountedBall::searches == before + 1);
+  const simd::ClosestCrossings exact = first_crossings(sphere, rays, true, Interval{});
+  for (int lane = 0; lane < simd::double_lanes; ++lane) {
+    CHECK(marched.t[lane] == counted.first_crossing(rays[lane], {})->t);
+    CHECK(exact.t[lane] == sphere.first_crossing(rays[lane], {})->t);
+  }
+  CHECK(!any(!(marched.met && exact.met)));
 }

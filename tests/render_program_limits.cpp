@@ -210,7 +210,7 @@ TEST_CASE("small files that promise large images or repeat their files take litt
   put_bytes(folder / "a.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 65536 +X 7\n" +
                                   std::string(std::size_t{4} * 7 * 65536, '\x80'));
   // Behind the camera: it is read, and no ray has to find the first of equal triangles.
-  std::string mesh = "v 0 0 -1\nv 2 0 -1\nv 0 2 -1\n";
+  std::string mesh = "v 0 0 -9\nv 2 0 -9\nv 0 2 -9\n";
   for (int i = 0; i < 100'000; ++i) mesh += "f 1 2 3\n";
   put_bytes(folder / "a.obj", mesh);
   std::string materials, objects;
@@ -250,12 +250,13 @@ TEST_CASE("the values of a scene file are counted before they take memory", "[lo
 
 TEST_CASE("running out of memory while a scene is read ends render with status 1 and one line", "[long]") {
   const TemporaryFolder folder;
+  // Behind the camera: it is read, and no ray has to find the first of equal surfaces.
   const std::string sphere = R"({"surface": {"type": "csg", "operation": "union", "surfaces": [
-      {"type": "sphere", "position": [0, 0, 3], "radius": 0.1}]}, "color": [1, 1, 1]},)";
+      {"type": "sphere", "position": [0, 0, -3], "radius": 0.1}]}, "color": [1, 1, 1]},)";
   std::string spheres;
   for (int i = 0; i < 8'000; ++i) spheres += sphere;
   put_bytes(folder / "spheres.json", changed_three_spheres("\"objects\": [", "\"objects\": [" + spheres));
-  std::string mesh = "v 0 0 1\nv 2 0 1\nv 0 2 1\n";
+  std::string mesh = "v 0 0 -1\nv 2 0 -1\nv 0 2 -1\n";
   for (int i = 0; i < 60'000; ++i) mesh += "f 1 2 3\n";
   put_bytes(folder / "a.obj", mesh);
   put_bytes(folder / "mesh.json",

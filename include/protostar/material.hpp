@@ -44,6 +44,12 @@ class NormalMap {
       : function_(std::make_shared<const std::function<Vec3(double, double)>>(std::move(function))) {}
 
   explicit operator bool() const { return function_ != nullptr; }
+
+  /// Returns the function that is held if it is of type F, otherwise null.
+  template <class F>
+  [[nodiscard]] const F* target() const {
+    return function_ ? function_->template target<F>() : nullptr;
+  }
   [[nodiscard]] Vec3 operator()(double u, double v) const { return (*function_)(u, v); }
 
  private:

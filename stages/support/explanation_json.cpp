@@ -3,6 +3,7 @@
 #include <cmath>
 #include <concepts>
 #include <protostar/shown.hpp>
+#include <protostar/texture_image.hpp>
 #include <string_view>
 
 #include "explanation.hpp"
@@ -308,11 +309,12 @@ class Writer {
         json_.key("primitive");
         write(hit.primitive);
       }
-      json_.key("material").object([&] { write(hit.material); });
+      json_.key("material").object([&] { write(hit.material, hit.uv); });
       if (hit.material.texture || hit.mapped) json_.member("uv", hit.uv);
       if (hit.mapped)
         json_.key("normal_map").object([&] {
           json_.member("direction", hit.mapped->direction);
+          if (const auto* map = hit.material.normal_map.target<ImageNormalMap>()) write(map->colors, hit.uv);
           json_.member("tangent_u", hit.mapped->tangents.u);
           json_.member("tangent_v", hit.mapped->tangents.v);
           json_.member("shading_normal", hit.mapped->shading_normal);
@@ -329,7 +331,19 @@ class Writer {
     });
   }
 
-  void write(const Material& material) {
+  /// Writes which pixel of an image is at u and v, with the sizes that it follows from.
+  void write(const ImageTexture& texture, const Uv& uv) {
+    json_.key("image").object([&] {
+      json_.member("file", texture.file);
+      json_.key("pixels").list(std::array{texture.image->width(), texture.image->height()});
+      json_.key("size").list(std::array{texture.size_u, texture.size_v});
+      json_.member("column", texture.column_at(uv.x));
+      json_.member("row", texture.row_at(uv.y));
+    });
+  }
+
+  void write(const Material& material, const Uv& uv) {
+    if (const auto* image = material.texture.target<ImageTexture>()) write(*image, uv);
     if (!material.texture) json_.member("diffuse", material.diffuse);
     if (const auto* checker = material.texture.target<Checker>())
       json_.key("checker").object([&] {
@@ -337,9 +351,13 @@ class Writer {
         json_.member("second", checker->second);
         json_.member("size", checker->size);
       });
-    if (options_.integrator != "whitted") return;
-    json_.member("specular", material.specular);
-    json_.member("shininess", material.shininess);
+    if (options_.integrator == "path") json_.member("glossy", material.glossy);
+    if (options_.integrator == "whitted") {
+      json_.member("specular", material.specular);
+      json_.member("shininess", material.shininess);
+    } else if (options_.integrator != "path") {
+      return;
+    }
     json_.member("reflect", material.reflect);
     json_.member("refract", material.refract);
     json_.member("ior", material.ior);

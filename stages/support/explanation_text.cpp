@@ -42,7 +42,9 @@ std::string text(const Facts& facts) {
     for (const Facts& part : facts.parts) all += (&part == facts.parts.data() ? " " : ", ") + part.type;
     return all;
   }
-  for (const Named& number : facts.numbers) all += ", " + number.name + " " + text(number.values);
+  for (const Named& number : facts.numbers)
+    if (number.values.size() <= 3)  // but not the vertices of a mesh
+      all += ", " + number.name + " " + text(number.values);
   return all;
 }
 

@@ -224,8 +224,26 @@ Facts facts_of(const Parallelogram& s) {
   return {"parallelogram",
           {{"position", list(s.position)}, {"edge_u", list(s.edge_u)}, {"edge_v", list(s.edge_v)}}};
 }
+/// Returns a whole mesh: the number of triangles, and as lists without a structure the vertices, three
+/// indices of vertices for each triangle, and the normals and texture coordinates of the vertices if there
+/// are any.
 Facts facts_of(const Mesh& s) {
-  return {"mesh", {{"triangles", {static_cast<double>(s.data().triangles.size())}}}};
+  const MeshData& data = s.data();
+  Facts facts{
+      "mesh",
+      {{"triangles", {static_cast<double>(data.triangles.size())}}, {"vertices", {}}, {"corners", {}}}};
+  const auto flat = [](const auto& vectors, int size) {
+    std::vector<double> numbers;
+    for (const auto& v : vectors)
+      for (int k = 0; k < size; ++k) numbers.push_back(static_cast<double>(v[k]));
+    return numbers;
+  };
+  facts.numbers[1].values = flat(data.vertices, 3);
+  for (const auto& corners : data.triangles)
+    facts.numbers[2].values.insert(facts.numbers[2].values.end(), corners.begin(), corners.end());
+  if (!data.normals.empty()) facts.numbers.push_back({"normals", flat(data.normals, 3)});
+  if (!data.uvs.empty()) facts.numbers.push_back({"uvs", flat(data.uvs, 2)});
+  return facts;
 }
 
 Facts equation_of(const AnySurface& surface, const Ray& ray) {

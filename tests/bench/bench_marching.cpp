@@ -160,8 +160,8 @@ void measure(const bench::Options& options, Table& table, const std::string& nam
                   2});
   rows.push_back({"certified, packets", in_packets([&surface](const Packet& packet, std::uint64_t&) {
                     const simd::RayPacket of_rays(packet.origin, packet.direction);
-                    const auto first = surface.first_crossing_of_each(of_rays, true, Interval{});
-                    return select(first.is_there, first.t, simd::Doubles(no_hit));
+                    const auto first = simd::first_crossings(surface, of_rays, true, Interval{});
+                    return select(first.met, first.t, simd::Doubles(no_hit));
                   }),
                   2});
   for (const double epsilon : {1e-3, 1e-4, 1e-5}) add_epsilon("enhanced ", epsilon, enhanced);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "../ray_lanes.hpp"
 #include "../scene.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/vectors.hpp"
@@ -141,13 +142,6 @@ inline constexpr bool takes_packets =
   surface.equation(rays);
 };
 
-/// True for a surface that finds the first crossings of several rays at once by other means than an equation.
-template <class S>
-inline constexpr bool finds_crossings_of_packets = requires(const S& surface, const RayPacket& rays,
-                                                            LaneMask active) {
-  surface.first_crossing_of_each(rays, active, Interval{});
-};
-
 /// Lanes whose t lies inside a range, surely or maybe, as lies_inside decides. Roots have the sign of the
 /// true ones, so that at 0 nothing is in doubt; a root beyond the range of double is infinity and lies inside
 /// no range.
@@ -196,8 +190,11 @@ template <Surface S>
 template <Surface S>
 [[nodiscard]] ClosestCrossings first_crossings(const S& surface, const RayPacket& rays, LaneMask active,
                                                Interval range) {
-  if constexpr (finds_crossings_of_packets<S>) {
-    const FirstRootOfEach<Doubles, LaneMask> first = surface.first_crossing_of_each(rays, active, range);
+  if constexpr (SurfaceOfLanes<S>) {
+    const auto ray = [&rays](int lane) { return rays[lane]; };
+    const bool may_depart = rays.departure.kind != Departure::Kind::none || rays.leave_primitives();
+    const FirstOfLanes first =
+        surface.first_of_lanes(RayLanes{rays.origin, rays.direction, active, may_depart, ray}, range);
     return {.t = first.t, .met = first.is_there, .in_doubt = first.in_doubt};
   } else if constexpr (!takes_packets<S>) {
     Indices numbers = -1;

@@ -153,17 +153,18 @@ struct Enclosure {
     return {rounding::max(a.lower, b.lower), rounding::min(a.upper, b.upper)};
   }
 
-  /// Returns component / length of a vector, which is in [−1, 1] whatever the enclosures are. It increases
-  /// with the component; a positive one is divided by the other end of the length. Quotients 0/0 and ∞/∞ are
-  /// NaN, for which the functions below return the limit.
-  friend Enclosure unit_component(const Enclosure& component, const Enclosure& length) {
-    const B zero(0.0), least = component.lower, most = component.upper;
+  /// Returns a / length for a number a of which at most `largest` · length is the magnitude, whatever the
+  /// enclosures are: for a component of a vector, 1. The quotient increases with a; a positive one is divided
+  /// by the other end of the length. Quotients 0/0 and ∞/∞ are NaN, for which the functions below return the
+  /// limit.
+  friend Enclosure unit_component(const Enclosure& a, const Enclosure& length, const B& largest = B(1.0)) {
+    const B zero(0.0), least = a.lower, most = a.upper;
     const B low = rounding::below(least / rounding::select(least < zero, length.lower, length.upper),
                                   rounding::underflow<B>);
     const B high = rounding::above(most / rounding::select(zero < most, length.lower, length.upper),
                                    rounding::underflow<B>);
-    return {rounding::max(rounding::select(zero <= least, zero, B(-1.0)), low),
-            rounding::min(rounding::select(most <= zero, zero, B(1.0)), high)};
+    return {rounding::max(rounding::select(zero <= least, zero, -largest), low),
+            rounding::min(rounding::select(most <= zero, zero, largest), high)};
   }
 
   /// Returns the part of a that is in [least, most]; the nearer end of it for what lies outside.

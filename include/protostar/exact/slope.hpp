@@ -83,15 +83,20 @@ struct Slope {
     return {smooth_min(a.value, b.value, k), common(mixed, outer)};
   }
 
-  /// Returns the length of v, and its slope e · v' with e = v/|v|, whose components are in [−1, 1].
+  /// Returns the length of v, and its slope v · v' / |v|, which is at most Σ |v'_i| in magnitude, also where
+  /// |v| may be 0. One quotient decides its sign by that of v · v' alone.
   template <std::size_t n>
   friend Slope length_of(const Slope (&v)[n]) {
     N values[n];
     for (std::size_t i = 0; i < n; ++i) values[i] = v[i].value;
+    N product = v[0].value * v[0].slope;
+    auto largest = v[0].slope.magnitude();
+    for (std::size_t i = 1; i < n; ++i) {
+      product = product + v[i].value * v[i].slope;
+      largest = rounding::above(largest + v[i].slope.magnitude());
+    }
     const N length = length_of(values);
-    N sum = unit_component(values[0], length) * v[0].slope;
-    for (std::size_t i = 1; i < n; ++i) sum = sum + unit_component(values[i], length) * v[i].slope;
-    return {length, sum};
+    return {length, unit_component(product, length, largest)};
   }
 
   /// Returns the signed distance of q from the vectors without a positive component. As one operation it has

@@ -13,19 +13,10 @@
 #include "../magnitude.hpp"
 #include "../material.hpp"
 #include "../shown.hpp"
+#include "../texture_image.hpp"
 #include "image_texture.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-/// Normal map that takes its directions from an image, which its copies share, and which lies on the surface
-/// as that of an ImageTexture does. A pixel's red, green and blue, from 0 to 1, stand for the direction
-/// (2r − 1, 2g − 1, 2b − 1). Hence ½ is no tilt, and no number of 8 bits is ½: 127/255 and 128/255 tilt by
-/// 0.2 degrees to either side.
-struct ImageNormalMap {
-  ImageTexture colors;
-
-  [[nodiscard]] Vec3 operator()(double u, double v) const { return 2.0 * Vec3(colors(u, v)) - 1.0; }
-};
 
 /// Reads the linear numbers of a normal map from its file: the codes of a PNG or a JPEG over 255, without a
 /// decoding of sRGB, and the numbers of an HDR. Throws the errors of load_image, and std::runtime_error if
@@ -48,7 +39,8 @@ struct ImageNormalMap {
 [[nodiscard]] inline NormalMap image_normal_map(const std::filesystem::path& path, double size_u = 1,
                                                 double size_v = 1) {
   require_rule(is_size(size_u) && is_size(size_v), "image_normal_map: size_u and size_v must be", size_rule);
-  return ImageNormalMap{{std::make_shared<const Image>(load_normal_map(path)), size_u, size_v}};
+  return ImageNormalMap{
+      {std::make_shared<const Image>(load_normal_map(path)), size_u, size_v, path.string()}};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -62,32 +62,13 @@ inline void* stb_resized(void* memory, std::size_t size) {
 #include "../image.hpp"
 #include "../magnitude.hpp"
 #include "../material.hpp"
+#include "../texture_image.hpp"
 #include "check_jpeg.hpp"
 #include "check_png.hpp"
 #include "read_hdr.hpp"
 #include "text.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-/// Texture that shows an image, which its copies share. The image lies on 0 ≤ u < size_u and 0 ≤ v < size_v,
-/// with its left edge at u = 0 and its top row at v = 0, and repeats in both directions. A point has the
-/// color of the pixel that contains it, without interpolation.
-struct ImageTexture {
-  std::shared_ptr<const Image> image;
-  double size_u = 1, size_v = 1;  ///< in units of u and v; sizes (magnitude.hpp)
-
-  [[nodiscard]] Color operator()(double u, double v) const {
-    return (*image)(pixel(u / size_u, image->width()), pixel(v / size_v, image->height()));
-  }
-
- private:
-  /// Returns the index of the pixel that contains x, if `count` pixels fill 0 to 1 and repeat; 0 for NaN.
-  static int pixel(double x, int count) {
-    const double place = (x - std::floor(x)) * count;
-    // For x a little below 0, x − floor(x) may be rounded to 1, past the last pixel.
-    return place > 0 ? std::min(static_cast<int>(place), count - 1) : 0;
-  }
-};
 
 namespace detail {
 
@@ -164,7 +145,7 @@ inline Image decoded_by_stb(std::string_view checked, const ImageBytes& file, co
 [[nodiscard]] inline Texture image_texture(const std::filesystem::path& path, double size_u = 1,
                                            double size_v = 1) {
   require_rule(is_size(size_u) && is_size(size_v), "image_texture: size_u and size_v must be", size_rule);
-  return ImageTexture{std::make_shared<const Image>(load_image(path)), size_u, size_v};
+  return ImageTexture{std::make_shared<const Image>(load_image(path)), size_u, size_v, path.string()};
 }
 
 /// Returns the picture in a file as an environment (Scene::set_environment). Throws the errors of load_image.

@@ -75,6 +75,7 @@ inline ImageTexture placed_image(const JsonCursor& at,
     placed.size_u = size[0].size(), placed.size_v = size[1].size();
   }
   placed.image = image(at["image"]);
+  placed.file = at["image"].named_file().path.string();
   return placed;
 }
 

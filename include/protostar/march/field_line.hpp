@@ -18,6 +18,7 @@
 
 #include "../bounds.hpp"
 #include "../exact/distance_field.hpp"
+#include "../exact/rounding.hpp"
 #include "../interval.hpp"
 #include "enclosed_line.hpp"
 #include "march_steps.hpp"
@@ -34,22 +35,56 @@ struct MarchSetup {
 
 namespace detail {
 
+/// Parameters from min to max of a line, or of one in each lane.
+template <class R>
+struct Span {
+  R min = R(-infinity), max = R(infinity);
+
+  /// Leaves the part where a coordinate o + t d is between two numbers.
+  void narrow(const R& o, const R& d, double low, double high) {
+    const auto is_along = d == R(0.0), is_between = R(low) <= o && o <= R(high);
+    const R a = (R(low) - o) / d, b = (R(high) - o) / d;
+    const R least = rounding::select(is_between, min, R(infinity));
+    const R most = rounding::select(is_between, max, R(-infinity));
+    min = rounding::select(is_along, least, rounding::max(min, rounding::min(a, b)));
+    max = rounding::select(is_along, most, rounding::min(max, rounding::max(a, b)));
+  }
+};
+
 /// Returns the parameters of a line inside a box; they are not in order if there are none. They are rounded,
 /// so the margin of a march has to be far wider than that.
 [[nodiscard]] inline Interval inside_of(const Bounds& box, const Point& origin, const Vec3& direction) {
-  Interval span{-infinity, infinity};
-  for (int k = 0; k < 3; ++k) {
-    const double o = origin[k], d = direction[k], low = box.min[k], high = box.max[k];
-    if (d == 0) {
-      if (!(low <= o && o <= high)) return {infinity, -infinity};
-      continue;
-    }
-    const double a = (low - o) / d, b = (high - o) / d;
-    span.min = std::max(span.min, std::min(a, b));
-    span.max = std::min(span.max, std::max(a, b));
-  }
-  return span;
+  Span<double> span;
+  for (int k = 0; k < 3; ++k) span.narrow(origin[k], direction[k], box.min[k], box.max[k]);
+  return {span.min, span.max};
 }
+
+/// Numbers of a march along a line, or along one in each lane.
+template <class R>
+struct LineScale {
+  R error;       ///< bound of the error of plain values, infinite if double proves nothing on this line
+  R reach;       ///< a proven value times this is the distance in t to which F keeps its sign
+  R extent;      ///< half the size of the field's box, as a difference of t
+  R resolution;  ///< difference in t below the digits of points in double-double
+
+  /// Takes the lengths of a line's origin and direction, and of their errors, and the largest |t| on it.
+  LineScale(const MarchSetup& setup, const R& o, const R& d, const R& largest_t, const R& o_error,
+            const R& d_error) {
+    constexpr double u = 0x1p-53, more = 1 + 0x1p-40;  // more than the rounding of these formulas
+    const R T = largest_t, L(setup.bound.lipschitz);
+    const R off = R(u) * (R(2) * o + R(6) * T * d) + R(2) * (o_error + T * d_error);
+    reach = R(1 - 0x1p-40) / (L * (d + d_error));
+    // The set-up says nothing of points that may come out beyond the margin: then only enclosures count.
+    // Squares of components that count are above 2^-953, and lose nothing by underflow below 2^-1022.
+    const auto is_known =
+        off < R(setup.margin / 2) && R(0x1p-450) < d && R(0.0) < reach && reach < R(infinity);
+    error = rounding::select(is_known, (L * off + R(setup.bound.error)) * R(more), R(infinity));
+    const Vec3 size = setup.inside.max - setup.inside.min;
+    extent = R(std::max({size.x, size.y, size.z})) / (R(2) * d);
+    // Points in double-double are off by a few 2^-104 of |o| + T|d|: by less than that in t.
+    resolution = R(0x1p-100) * (o / d + T);
+  }
+};
 
 }  // namespace detail
 
@@ -61,23 +96,15 @@ class FieldLine {
  public:
   /// Precondition: the ray is proper.
   FieldLine(const F& field, const MarchSetup& setup, const Ray& ray, Trace& trace)
-      : field_(field), ray_(ray), trace_(trace), line_(rounded_line(ray)) {
+      : field_(field),
+        ray_(ray),
+        trace_(trace),
+        line_(rounded_line(ray)),
+        span_(detail::inside_of(setup.inside, line_.origin, line_.direction)),
+        scale_(setup, norm(line_.origin), norm(line_.direction),
+               std::max(std::abs(span_.min), std::abs(span_.max)), norm(line_.origin_error),
+               norm(line_.direction_error)) {
     in_double_ = detail::enclosed_line(line_);
-    span_ = detail::inside_of(setup.inside, line_.origin, line_.direction);
-    const double o = norm(line_.origin), d = norm(line_.direction);
-    const double o_error = norm(line_.origin_error), d_error = norm(line_.direction_error);
-    const double T = std::max(std::abs(span_.min), std::abs(span_.max));
-    constexpr double u = 0x1p-53, more = 1 + 0x1p-40;  // more than the rounding of these formulas
-    const double off = u * (2 * o + 6 * T * d) + 2 * (o_error + T * d_error);
-    // The set-up says nothing of points that may come out beyond the margin: then only enclosures count.
-    const double L = setup.bound.lipschitz;
-    error_ = off < setup.margin / 2 ? (L * off + setup.bound.error) * more : infinity;
-    reach_ = (1 - 0x1p-40) / (L * (d + d_error));
-    // Squares of components that count are then above 2^-953, and lose nothing by underflow below 2^-1022.
-    if (!(d > 0x1p-450 && reach_ > 0 && reach_ < infinity)) error_ = infinity;
-    extent_ = largest(setup.inside.max - setup.inside.min) / (2 * d);
-    // Points in double-double are off by a few 2^-104 of |o| + T|d|: by less than that in t.
-    resolution_ = 0x1p-100 * (o / d + T);
   }
 
   FieldLine(const FieldLine&) = delete;
@@ -87,36 +114,38 @@ class FieldLine {
   [[nodiscard]] Interval span() const { return span_; }
 
   /// Bound of the error of value(t), infinite if double proves nothing on this line.
-  [[nodiscard]] double error() const { return error_; }
+  [[nodiscard]] double error() const { return scale_.error; }
 
   /// Number by which a proven value is multiplied for the distance in t to which F keeps its sign.
-  [[nodiscard]] double reach() const { return reach_; }
+  [[nodiscard]] double reach() const { return scale_.reach; }
 
   /// Half the size of the field's box, as a difference of t.
-  [[nodiscard]] double extent() const { return extent_; }
+  [[nodiscard]] double extent() const { return scale_.extent; }
 
   /// Difference in t that lies below the digits of points in double-double.
-  [[nodiscard]] double resolution() const { return resolution_; }
+  [[nodiscard]] double resolution() const { return scale_.resolution; }
 
   [[nodiscard]] Trace& trace() { return trace_; }
 
   /// Turns F around: a march goes on behind a crossing, or leaves inward.
-  void turn_to(double sign) { sign_ = sign; }
+  void turn_to(double sign) { sign_ = sign, is_kept_ = false; }
   [[nodiscard]] double sign() const { return sign_; }
 
   /// Takes f at t = 0 for the level. Its own error enters that of each value.
   void leave_level() {
     level_ = plain(0);
-    level_error_ = error_;
-    error_ *= 2;
-    has_level_ = true;
+    level_error_ = scale_.error;
+    scale_.error *= 2;
+    has_level_ = true, is_kept_ = false;
   }
 
-  /// Returns F(t) in double, off by at most error().
+  /// Returns F(t) in double, off by at most error(). The last value is kept: where one part of a march ends,
+  /// the next begins with it.
   [[nodiscard]] double value(double t) {
-    const double v = sign_ * (plain(t) - level_);
-    tell(Evaluation::value, t, t, v, v);
-    return v;
+    if (is_kept_ && t == kept_t_) return kept_;
+    kept_ = sign_ * (plain(t) - level_), kept_t_ = t, is_kept_ = true;
+    tell(Evaluation::value, t, t, kept_, kept_);
+    return kept_;
   }
 
   /// Returns F(t), enclosed; in double by the bound of its error. The difference from the level and the sums
@@ -124,7 +153,7 @@ class FieldLine {
   template <class B>
   [[nodiscard]] Enclosure<B> enclosed(B t) {
     if constexpr (std::is_same_v<B, double>) {
-      const double v = value(t), error = error_ + 0x1p-50 * std::abs(v);
+      const double v = value(t), error = scale_.error + 0x1p-50 * std::abs(v);
       return {v - error, v + error};
     } else {
       const Enclosure<B> v = turned(over(Enclosure<B>::at(t)) - level<B>());
@@ -162,7 +191,6 @@ class FieldLine {
 
   /// Returns the length of a vector, by operations that are rounded alike everywhere.
   [[nodiscard]] static double norm(const Vec3& v) { return std::sqrt(dot(v, v)); }
-  [[nodiscard]] static double largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 
   [[nodiscard]] double plain(double t) const {
     return plain_value(field_, line_.origin + t * line_.direction);
@@ -211,9 +239,10 @@ class FieldLine {
   std::optional<detail::EnclosedLine<DoubleDouble>> precise_;
   std::optional<Enclosure<DoubleDouble>> precise_level_;
   Interval span_;
-  double error_ = 0, reach_ = 0, extent_ = 0, resolution_ = 0;
+  detail::LineScale<double> scale_;
   double sign_ = 1, level_ = 0, level_error_ = 0;
-  bool has_level_ = false;
+  double kept_t_ = 0, kept_ = 0;
+  bool has_level_ = false, is_kept_ = false;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -10,9 +10,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "hit_proof.hpp"
+#include "step_rules.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -29,31 +32,37 @@ class March {
       : line_(line), t_(t), known_(known), end_(end), stop_(stop) {}
 
   /// Returns the first root.
-  [[nodiscard]] MarchedRoot root() { return root_from(t_, known_ > 0); }
+  [[nodiscard]] MarchedRoot root() { return root_from(t_, known_ > 0 ? Next::segment : Next::ball); }
 
-  /// Returns the first root of a march that has come here from `before`, and that goes on by segments or by
-  /// balls.
-  [[nodiscard]] MarchedRoot root_from(double before, bool by_segments) {
-    for (;;) {
-      if (by_segments || !march_by_balls()) {
-        if (!is_done() && !march_by_segments<double>() && !is_done() && !march_by_segments<DoubleDouble>())
-          return undecided();
-      }
-      if (is_done()) return root_;
-      if (!(t_ > before)) return undecided();
-      before = t_, by_segments = known_ > 0;
-    }
+  /// Returns the first root of a march in which F is proven to fall over [t, end of segment] and to change
+  /// its sign. The last look at balls was at `before`.
+  [[nodiscard]] MarchedRoot root_in_segment(double before, double end_of_segment) {
+    const auto root = narrowed_root<double>(line_, t_, end_of_segment);
+    return root && finish(*root) ? root_ : precise_root(before);
   }
+
+  /// Returns the first root of a march that goes on in double-double. The last look at balls was at `before`.
+  [[nodiscard]] MarchedRoot precise_root(double before) { return root_from(before, Next::precise_segment); }
 
  private:
   using Answer = MarchedRoot::Answer;
 
-  /// Most segments of a march between two looks at balls. A march that they do not bring farther by
-  /// least_progress of the extent creeps: in double it goes on in double-double, and there it is undecided.
-  /// The two are not derived: they bound the time of a march, to 2^9 times as many segments in each
-  /// precision.
-  static constexpr int most_segments = 3000;
-  static constexpr double least_progress = 0x1p-8;
+  /// Step with which a march goes on.
+  enum class Next : std::uint8_t { ball, segment, precise_segment };
+
+  [[nodiscard]] MarchedRoot root_from(double before, Next next) {
+    for (;;) {
+      if (next != Next::ball || !march_by_balls()) {
+        const bool is_in_double = next != Next::precise_segment;
+        if (!is_done() && !(is_in_double && march_by_segments<double>()) && !is_done() &&
+            !march_by_segments<DoubleDouble>())
+          return undecided();
+      }
+      if (is_done()) return root_;
+      if (!(t_ > before)) return undecided();
+      before = t_, next = known_ > 0 ? Next::segment : Next::ball;
+    }
+  }
 
   [[nodiscard]] bool is_done() const { return is_done_; }
 
@@ -79,25 +88,20 @@ class March {
 
   /// Marches by balls until the march ends, and returns true, or until segments do better. F(t) > 0 is proven
   /// where it stops, if it has moved at all.
-  ///
-  /// The lengths of steps, and when others try, are choices for speed, measured and not derived. They move
-  /// the last digits of t, and prove nothing: each step counts by its balls alone.
   [[nodiscard]] bool march_by_balls() {
+    using Rules = StepRules;
     const double error = line_.error(), reach = line_.reach(), extent = line_.extent();
-    // Balls that are hardly larger than their error: it takes 1/65 or more from the radius of a smaller one.
-    const double near = 64 * error * reach;
     FieldValue at{t_, line_.value(t_)};
-    double radius = (at.v - error) * reach, trend = -1, next_try = infinity;
+    double radius = (at.v - error) * reach, stretch = 1, trend = -1, next_try = infinity;
     int failed = 0, slow = 0;
-    while (radius > near) {
-      // At a trend of −1, as on the way to a plane, the next ball touches the root: the step is the radius.
-      double t = std::min(at.t + radius * (1 + 0.9 * (1 + trend) / (1 - trend)), end_);
+    while (radius > Rules::least_ball * error * reach) {
+      double t = std::min(at.t + radius * stretch, end_);
       if (t == end_ && at.t + radius >= end_) return advance_to(end_, MarchProof::ball);
       FieldValue next{t, line_.value(t)};
       double next_radius = (next.v - error) * reach;
       MarchProof proof = MarchProof::two_balls;
       if (!(t - at.t <= radius + next_radius)) {
-        if (next.v < -error && failed < 2) {
+        if (next.v < -error && failed < Rules::most_failed - 1) {
           if (const auto root = root_by_secant(line_, at, next, end_)) return finish(*root);
           ++failed;
         }
@@ -106,48 +110,22 @@ class March {
         next_radius = (next.v - error) * reach;
         proof = MarchProof::ball;
       }
-      const double slope = std::clamp((next_radius - radius) / (t - at.t), -0.999, 0.9);
-      const bool is_straight = slope < -0.02 && std::abs(slope - trend) < -0.25 * slope;
+      const double gain = next_radius - radius, way = t - at.t;
+      const double last = std::exchange(trend, Rules::trend(gain, way));
       const FieldValue before = at;
-      at = next, radius = next_radius, trend = slope;
+      at = next, radius = next_radius, stretch = Rules::stretch(gain, way);
       // At the border of a ball, F may be too near to 0 to be proven positive: then it stays behind.
       if (!(radius > 0)) return false;
       if (advance_to(t, proof)) return true;
-      if (radius < 0.02 * extent && ++slow > 12) return false;
-      if (trend < 0 && (is_straight || radius < 0.01 * extent) && radius < next_try && radius < extent) {
+      if (radius < Rules::slow_ball * extent && ++slow > Rules::most_slow) return false;
+      const bool is_near = Rules::is_straight(trend, last) || radius < Rules::secant_ball * extent;
+      if (trend < 0 && is_near && radius < next_try && radius < extent) {
         if (const auto root = root_by_secant(line_, before, at, end_)) return finish(*root);
-        next_try = 0.25 * radius;
-        if (++failed >= 3) return false;
+        next_try = Rules::again * radius;
+        if (++failed >= Rules::most_failed) return false;
       }
     }
     return false;
-  }
-
-  /// Returns a lower bound of F over a segment of a width, given F at both ends, and over the segment. F lies
-  /// above its range; above the line of the steepest fall from the left end; above that of the steepest rise
-  /// to the right end; and hence above the point at which the two meet, which is
-  /// (hi F₀ − lo F₁ + lo hi width) / (hi − lo). Only the sign of that counts: it stands for the bound.
-  template <class B>
-  [[nodiscard]] static B least(const Slope<Enclosure<B>>& over, const Enclosure<B>& left,
-                               const Enclosure<B>& right, const Enclosure<B>& width) {
-    using E = Enclosure<B>;
-    const B zero(0.0), lo = over.slope.lower, hi = over.slope.upper;
-    B low = over.value.lower;
-    const auto raise = [&](const B& bound) {
-      if (low < bound) low = bound;
-    };
-    if (zero <= lo) {
-      raise(left.lower);
-    } else if (hi <= zero) {
-      raise(right.lower);
-    } else {
-      raise((E::at(left.lower) + E::at(lo) * width).lower);
-      raise((E::at(right.lower) - E::at(hi) * width).lower);
-      const auto meeting =
-          E::at(hi) * E::at(left.lower) - E::at(lo) * E::at(right.lower) + E::at(lo) * E::at(hi) * width;
-      if (zero < left.lower && zero < right.lower && zero < meeting.lower) raise(B(0x1p-1000));
-    }
-    return low;
   }
 
   /// Marches by segments until the march ends or balls are faster again, and returns true, or until this
@@ -161,22 +139,18 @@ class March {
     const bool is_known = known_ > 0;
     if (is_known && at.lower < B(known_)) at.lower = B(known_);
     if (!(zero < at.lower)) return false;
-    // Balls take over where the bound of F is above 128 errors: then a value is above 127, and its ball of a
-    // radius above 126 is not left again at once as one of less than 64 (march_by_balls).
-    const double reach = line_.reach(), worth = 128 * line_.error();
+    const double reach = line_.reach(), worth = StepRules::worth_balls * line_.error();
     double h =
         is_known ? 0.5 * t_ : std::max(2 * static_cast<double>(at.lower) * reach, 0x1p-50 * std::abs(t_));
-    for (int i = 0; i < most_segments; ++i) {
+    for (int i = 0; i < StepRules::most_segments; ++i) {
       const double t = std::min(t_ + h, end_);
       if (!(t > t_)) return false;
       const Slope<Enclosure<B>> over = line_.slope(B(t_), B(t));
       E right = line_.enclosed(B(t));
       const E width = E::at(B(t)) - E::at(B(t_));
-      const B low = least(over, at, right, width);
-      if (zero < low) {
-        const B carried = (E::at(at.lower) + E::at(over.slope.lower) * width).lower;
-        for (const B& bound : {low, carried})
-          if (right.lower < bound) right.lower = bound;
+      const SegmentProof<B> proof(over, at.lower, right.lower, width);
+      if (proof.is_empty) {
+        right.lower = proof.at_end;
         known_ = 0;
         if (advance_to(t, MarchProof::segment)) return true;
         at = right;
@@ -192,7 +166,7 @@ class March {
       h *= 0.5;
       if (h < 0x1p-53 * std::abs(t_) + line_.resolution()) return false;
     }
-    return t_ - begin > least_progress * line_.extent();
+    return t_ - begin > StepRules::least_progress * line_.extent();
   }
 
   Line& line_;

@@ -1,16 +1,15 @@
 // Marches of several rays at once, each with the bits of a march alone (march.hpp).
 //
-// The lanes take steps by balls, the secant method and the proof of the crossing together. Each lane takes
-// the steps that its ray takes alone. A lane waits while others go on, and one that needs segments leaves the
-// packet: its ray goes on alone from where it is.
+// The lanes take steps by balls, the secant method and the proof of the crossing together, and segments
+// where balls are small. Each lane takes the steps that its ray takes alone. A lane waits while others go on.
+// One that needs more than double leaves the packet: its ray goes on alone from where it is.
 #pragma once
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
 
 #include "../simd/vectors.hpp"
 #include "march.hpp"
+#include "step_rules.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
@@ -25,40 +24,45 @@ class PacketMarch {
   /// Crossings that are enclosed in [min, max], and what is left to be done for the other rays. A ray in none
   /// of the masks misses.
   struct Answer {
-    LaneMask met = false;          ///< rays whose first crossing is proven
-    LaneMask to_segments = false;  ///< rays that balls have brought to `at`, and that go on by segments
-    LaneMask alone = false;        ///< rays that have to begin anew, alone
+    LaneMask met = false;        ///< rays whose first crossing is proven
+    LaneMask crosses = false;    ///< rays along which F falls from above 0 at `at` to below 0 at `max`
+    LaneMask precisely = false;  ///< rays that go on alone from `at`, in double-double
+    LaneMask alone = false;      ///< rays that have to begin anew, alone
     Doubles min = 0.0, max = 0.0;
-    Doubles begin = 0.0, at = 0.0, end = 0.0;  ///< parameters where a march begins, is, and ends
+    Doubles begin = 0.0, at = 0.0, end = 0.0;  ///< where the last look at balls was, the march is, and ends
   };
 
   /// Marches not farther than `stop`; nothing behind it is wanted.
   PacketMarch(const F& field, const MarchSetup& setup, const simd::Vectors& origin,
               const simd::Vectors& direction, double stop, Trace& trace)
-      : field_(field), trace_(trace), origin_(origin), direction_(direction), stop_(stop) {
-    set_span(setup.inside);
-    // The formulas of FieldLine, whose comments derive them.
-    const Doubles o = length(origin), d = length(direction);
-    const Doubles T = simd::max(simd::abs(span_min_), simd::abs(span_max_));
-    constexpr double u = 0x1p-53, more = 1 + 0x1p-40;
-    const Doubles off = u * (2.0 * o + 6.0 * T * d);
-    const double L = setup.bound.lipschitz;
-    reach_ = Doubles(1 - 0x1p-40) / (L * d);
-    error_ = select(off < setup.margin / 2 && d > 0x1p-450 && reach_ > 0.0 && reach_ < infinity,
-                    (L * off + setup.bound.error) * more, Doubles(infinity));
-    const Vec3 size = setup.inside.max - setup.inside.min;
-    extent_ = Doubles(std::max({size.x, size.y, size.z})) / (2.0 * d);
-  }
+      : field_(field),
+        trace_(trace),
+        origin_(origin),
+        direction_(direction),
+        span_(span_in(setup.inside, origin, direction)),
+        scale_(setup, length(origin), length(direction),
+               simd::max(simd::abs(span_.min), simd::abs(span_.max)), 0.0, 0.0),
+        stop_(stop) {}
 
   /// Marches the active rays.
   [[nodiscard]] Answer march(LaneMask active) {
-    const LaneMask is_known = error_ < infinity && is_finite(origin_) && is_finite(direction_);
+    const LaneMask is_known = scale_.error < infinity && is_finite(origin_) && is_finite(direction_);
     Answer answer{.alone = active && !is_known};
-    const Doubles begin = simd::max(Doubles(0.0), span_min_);
-    LaneMask live = active && is_known && span_min_ < span_max_ && begin < span_max_ &&
-                    simd::abs(span_min_) < infinity && span_max_ < infinity && begin < stop_;
-    answer.begin = answer.at = begin, answer.end = span_max_;
-    if (any(live)) march_by_balls(live, answer);
+    const Doubles begin = simd::max(Doubles(0.0), span_.min);
+    LaneMask live = active && is_known && span_.min < span_.max && begin < span_.max &&
+                    simd::abs(span_.min) < infinity && span_.max < infinity && begin < stop_;
+    answer.begin = answer.at = begin, answer.end = span_.max;
+    if (!any(live)) return answer;
+    Values at{begin, values(begin, live)};
+    const LaneMask is_outside = at.v - (scale_.error + 0x1p-50 * simd::abs(at.v)) > 0.0;
+    answer.alone = answer.alone || (live && !is_outside);
+    live = live && is_outside;
+    while (any(live)) {
+      const LaneMask to_segments = march_by_balls(live, at, answer);
+      live = any(to_segments) ? march_by_segments(to_segments, at, answer) : LaneMask(false);
+      answer.begin = select(live, at.t, answer.begin);
+    }
+    answer.at = at.t;
     return answer;
   }
 
@@ -73,21 +77,14 @@ class PacketMarch {
     return one(v.x) && one(v.y) && one(v.z);
   }
 
-  /// Sets the parameters inside a box, as inside_of does.
-  void set_span(const Bounds& box) {
-    span_min_ = -infinity, span_max_ = infinity;
-    LaneMask is_empty = false;
-    const auto narrow = [&](Doubles o, Doubles d, double low, double high) {
-      const LaneMask is_along = d == 0.0;
-      is_empty = is_empty || (is_along && !(low <= o && o <= high));
-      const Doubles a = (low - o) / d, b = (high - o) / d;
-      span_min_ = select(is_along, span_min_, simd::max(span_min_, simd::min(a, b)));
-      span_max_ = select(is_along, span_max_, simd::min(span_max_, simd::max(a, b)));
-    };
-    narrow(origin_.x, direction_.x, box.min.x, box.max.x);
-    narrow(origin_.y, direction_.y, box.min.y, box.max.y);
-    narrow(origin_.z, direction_.z, box.min.z, box.max.z);
-    span_max_ = select(is_empty, Doubles(-infinity), span_max_);
+  /// Returns the parameters inside a box, as inside_of does.
+  static Span<Doubles> span_in(const Bounds& box, const simd::Vectors& origin,
+                               const simd::Vectors& direction) {
+    Span<Doubles> span;
+    span.narrow(origin.x, direction.x, box.min.x, box.max.x);
+    span.narrow(origin.y, direction.y, box.min.y, box.max.y);
+    span.narrow(origin.z, direction.z, box.min.z, box.max.z);
+    return span;
   }
 
   /// Returns F(t); the lanes that ask for it are told to the trace.
@@ -99,83 +96,122 @@ class PacketMarch {
     return plain_values(field_, origin_ + t * direction_);
   }
 
-  /// Takes the steps of March::march_by_balls in each lane, and those of root_by_secant.
-  void march_by_balls(LaneMask live, Answer& answer) {
-    const Doubles error = error_, reach = reach_, extent = extent_, end = span_max_;
-    const Doubles near = 64.0 * error * reach;
-    Values at{answer.begin, values(answer.begin, live)};
-    const LaneMask is_outside = at.v - (error + 0x1p-50 * simd::abs(at.v)) > 0.0;
-    answer.alone = answer.alone || (live && !is_outside);
-    live = live && is_outside;
-    Doubles radius = (at.v - error) * reach, trend = -1.0, next_try = infinity, failed = 0.0, slow = 0.0;
-    const LaneMask are_balls = radius > near;
-    answer.to_segments = live && !are_balls;
-    live = live && are_balls;
+  /// Takes the steps of March::march_by_balls in each lane, from where F > 0 is proven, and those of
+  /// root_by_secant. Returns the lanes where segments do better.
+  [[nodiscard]] LaneMask march_by_balls(LaneMask live, Values& at, Answer& answer) {
+    using Rules = StepRules;
+    const Doubles error = scale_.error, reach = scale_.reach, extent = scale_.extent, end = span_.max;
+    const Doubles near = Doubles(Rules::least_ball) * error * reach;
+    Doubles radius = (at.v - error) * reach, stretch = 1.0, trend = -1.0, next_try = infinity, failed = 0.0,
+            slow = 0.0;
+    LaneMask to_segments = live && !(radius > near);
+    live = live && radius > near;
     Values first = at, second = at;   // at both ends, in lanes that wait for the secant method
     LaneMask is_turned_back = false;  // lanes whose step was not covered: they take that of their ball
     while (any(live)) {
       LaneMask waits = false, has_crossed = false;
       while (any(live)) {
-        const Doubles ball = at.t + radius;
-        const Doubles far = at.t + radius * (1.0 + 0.9 * (1.0 + trend) / (1.0 - trend));
+        const Doubles ball = at.t + radius, far = at.t + radius * stretch;
         const Doubles t = select(is_turned_back, ball, simd::min(far, end));
         live = live && !(!is_turned_back && t == end && ball >= end);  // the others miss
         if (!any(live)) break;
         const Values next{t, values(t, live)};
         const Doubles next_radius = (next.v - error) * reach;
         const LaneMask is_covered = is_turned_back || t - at.t <= radius + next_radius;
-        const LaneMask crosses = live && !is_covered && next.v < -error && failed < 2.0;
+        const LaneMask crosses =
+            live && !is_covered && next.v < -error && failed < Doubles(Rules::most_failed - 1);
         is_turned_back = live && !is_covered && !crosses;
-        first = {select(crosses, at.t, first.t), select(crosses, at.v, first.v)};
-        second = {select(crosses, next.t, second.t), select(crosses, next.v, second.v)};
-        has_crossed = has_crossed || crosses;
-
         LaneMask moves = live && is_covered;
-        const Doubles change = (next_radius - radius) / (t - at.t);
-        const Doubles slope = simd::select(change < -0.999, Doubles(-0.999), simd::min(change, Doubles(0.9)));
-        const LaneMask is_straight = slope < -0.02 && simd::abs(slope - trend) < -0.25 * slope;
+        const Doubles gain = next_radius - radius, way = t - at.t;
+        const Doubles next_trend = Rules::trend(gain, way);
+        const LaneMask is_straight = Rules::is_straight(next_trend, trend);
         const Values before = at;
-        at = {select(moves, next.t, at.t), select(moves, next.v, at.v)};
-        radius = select(moves, next_radius, radius), trend = select(moves, slope, trend);
-        LaneMask leaves = moves && !(radius > 0.0);
+        // At the border of a ball, F may be too near to 0 to be proven positive: then it stays behind.
+        LaneMask leaves = moves && !(next_radius > 0.0);
         moves = moves && !leaves;
-        answer.at = select(moves, t, answer.at);
+        at = {select(moves, next.t, at.t), select(moves, next.v, at.v)};
+        radius = select(moves, next_radius, radius), trend = select(moves, next_trend, trend);
+        stretch = select(moves, Rules::stretch(gain, way), stretch);
         moves = moves && !(t >= end || t >= stop_);
-        const LaneMask is_slow = moves && radius < 0.02 * extent;
+        const LaneMask is_slow = moves && radius < Rules::slow_ball * extent;
         slow = select(is_slow, slow + 1.0, slow);
-        const LaneMask is_too_slow = is_slow && slow > 12.0;
+        const LaneMask is_too_slow = is_slow && slow > Doubles(Rules::most_slow);
         moves = moves && !is_too_slow;
-        const LaneMask tries = moves && trend < 0.0 && (is_straight || radius < 0.01 * extent) &&
-                               radius < next_try && radius < extent;
-        first = {select(tries, before.t, first.t), select(tries, before.v, first.v)};
-        second = {select(tries, at.t, second.t), select(tries, at.v, second.v)};
-        waits = waits || tries;
-        moves = moves && !tries;
+        const LaneMask tries = moves && trend < 0.0 &&
+                               (is_straight || radius < Rules::secant_ball * extent) && radius < next_try &&
+                               radius < extent;
+        if (any(tries || crosses)) {
+          first = {select(tries || crosses, before.t, first.t), select(tries || crosses, before.v, first.v)};
+          second = {select(tries || crosses, next.t, second.t), select(tries || crosses, next.v, second.v)};
+          has_crossed = has_crossed || crosses, waits = waits || tries;
+          moves = moves && !tries;
+        }
         leaves = leaves || is_too_slow || (moves && !(radius > near));
-        answer.to_segments = answer.to_segments || leaves;
+        to_segments = to_segments || leaves;
         live = (moves && !leaves) || is_turned_back;
       }
       const LaneMask asked = waits || has_crossed;
-      if (!any(asked)) return;
+      if (!any(asked)) break;
       const LaneMask found = root_by_secant(asked, first, second, answer);
       answer.met = answer.met || found;
       failed = select(asked, failed + 1.0, failed);
-      next_try = select(waits, 0.25 * radius, next_try);
+      next_try = select(waits, Rules::again * radius, next_try);
       is_turned_back = has_crossed && !found;
-      const LaneMask go_on = waits && !found && failed < 3.0 && radius > near;
-      answer.to_segments = answer.to_segments || (waits && !found && !go_on);
+      const LaneMask go_on = waits && !found && failed < Doubles(Rules::most_failed) && radius > near;
+      to_segments = to_segments || (waits && !found && !go_on);
       live = is_turned_back || go_on;
     }
+    return to_segments;
+  }
+
+  /// Takes the steps of March::march_by_segments in each lane. Returns the lanes where balls are faster
+  /// again.
+  [[nodiscard]] LaneMask march_by_segments(LaneMask live, Values& at, Answer& answer) {
+    const Doubles error = scale_.error, reach = scale_.reach, end = span_.max, begin = at.t;
+    const Doubles worth = Doubles(StepRules::worth_balls) * error;
+    const auto below = [&](Doubles v) { return v - (error + 0x1p-50 * simd::abs(v)); };
+    const auto above = [&](Doubles v) { return v + (error + 0x1p-50 * simd::abs(v)); };
+    Doubles least = below(at.v);
+    LaneMask to_balls = false, fails = live && !(least > 0.0);
+    live = live && !fails;
+    Doubles h = simd::max(0x1p-50 * simd::abs(at.t), 2.0 * least * reach);
+    for (int i = 0; i < StepRules::most_segments && any(live); ++i) {
+      const Doubles t = simd::min(at.t + h, end);
+      const LaneMask is_stuck = live && !(t > at.t);
+      fails = fails || is_stuck, live = live && !is_stuck;
+      if (!any(live)) break;
+      const Slope<Enclosure<Doubles>> over = over_segments(at.t, t, live);
+      const Doubles v = values(t, live);
+      using E = Enclosure<Doubles>;
+      const SegmentProof<Doubles> proof(over, least, below(v), E::at(t) - E::at(at.t));
+      const LaneMask is_empty = live && proof.is_empty;
+      at = {select(is_empty, t, at.t), select(is_empty, v, at.v)};
+      least = select(is_empty, proof.at_end, least);
+      LaneMask goes_on = is_empty && !(t >= end || t >= stop_);  // the others miss
+      const LaneMask has_crossed = live && !is_empty && over.slope.upper <= 0.0 && above(v) < 0.0;
+      answer.max = select(has_crossed, t, answer.max);
+      answer.crosses = answer.crosses || has_crossed;
+      const LaneMask is_halved = live && !is_empty && !has_crossed;
+      h = select(is_halved, 0.5 * h, 2.0 * h);
+      const LaneMask are_worth = goes_on && least > worth && least * reach > 0.5 * h;
+      to_balls = to_balls || are_worth, goes_on = goes_on && !are_worth;
+      const LaneMask is_tiny = is_halved && h < 0x1p-53 * simd::abs(at.t) + scale_.resolution;
+      fails = fails || is_tiny;
+      live = goes_on || (is_halved && !is_tiny);
+    }
+    const LaneMask creeps = live && !(at.t - begin > Doubles(StepRules::least_progress) * scale_.extent);
+    answer.precisely = answer.precisely || fails || creeps;
+    return to_balls || (live && !creeps);
   }
 
   /// Takes the steps of root_by_secant, and proves the crossings. Returns the lanes where that succeeds.
   [[nodiscard]] LaneMask root_by_secant(LaneMask open, const Values& first, Values second, Answer& answer) {
-    const Doubles error = error_, start = select(second.v > 0.0, second.t, first.t);
+    const Doubles error = scale_.error, start = select(second.v > 0.0, second.t, first.t);
     Doubles slope = (second.v - first.v) / (second.t - first.t), guess = second.t, steepness = slope;
     LaneMask ready = false;
     for (int i = 0; i < 8; ++i) {
       const Doubles next = second.t - second.v / slope;
-      open = open && slope < 0.0 && start <= next && next < span_max_;
+      open = open && slope < 0.0 && start <= next && next < span_.max;
       LaneMask ends = simd::abs(second.v) <= 2.0 * error;
       if (i > 0) ends = ends || simd::abs(next - second.t) < 0x1p-30 * simd::abs(next);
       LaneMask goes_on = open && !ends;
@@ -196,7 +232,7 @@ class PacketMarch {
   /// Proves crossings as proven_root does, and sets their enclosures. Returns the lanes where that succeeds.
   [[nodiscard]] LaneMask proven_root(LaneMask open, Doubles start, Doubles guess, Doubles slope,
                                      Answer& answer) {
-    const Doubles error = error_;
+    const Doubles error = scale_.error;
     const Doubles least = simd::max(3.0 * error / -slope, 0x1p-50 * simd::abs(guess));
     Doubles last = guess, delta = least;
     LaneMask asks = open;
@@ -207,7 +243,7 @@ class PacketMarch {
     }
     open = open && !asks;
     if (!any(open)) return open;
-    open = open && slopes_over(start, last, open).upper <= 0.0;
+    open = open && over_segments(start, last, open).slope.upper <= 0.0;
     Doubles min = start;
     asks = open, delta = least;
     for (int i = 0; i < 4 && any(asks); ++i, delta = delta * 4.0) {
@@ -226,8 +262,8 @@ class PacketMarch {
     return open;
   }
 
-  /// Returns the slopes over [a, b] in each lane.
-  [[nodiscard]] Enclosure<Doubles> slopes_over(Doubles a, Doubles b, LaneMask asked) {
+  /// Returns F over [a, b], and the slopes there, in each lane, as FieldLine::slope does.
+  [[nodiscard]] Slope<Enclosure<Doubles>> over_segments(Doubles a, Doubles b, LaneMask asked) {
     for (simd::Bits left = bits(asked); left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
       trace_.evaluated(Evaluation::slope, a[lane], b[lane]);
@@ -241,13 +277,14 @@ class PacketMarch {
     const Slope<E> f =
         field_(FieldPoint<Slope<E>>{coordinate(origin_.x, direction_.x), coordinate(origin_.y, direction_.y),
                                     coordinate(origin_.z, direction_.z)});
-    return f.slope;
+    return {f.value - E(0.0), f.slope};  // less the level, which is 0
   }
 
   const F& field_;
   Trace& trace_;
   simd::Vectors origin_, direction_;
-  Doubles span_min_, span_max_, error_, reach_, extent_;
+  Span<Doubles> span_;
+  LineScale<Doubles> scale_;
   double stop_;
 };
 

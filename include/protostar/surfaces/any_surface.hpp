@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "../function_ref.hpp"
+#include "../ray_lanes.hpp"
 #include "../surface.hpp"
 #include "../surface_concepts.hpp"
 
@@ -76,6 +77,9 @@ class AnySurface {
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
     return held_->first_crossing(ray, range);
   }
+  [[nodiscard]] FirstOfLanes first_of_lanes(const RayLanes& rays, Interval range) const {
+    return held_->first_of_lanes(rays, range);
+  }
   [[nodiscard]] bool any_hit(const Ray& ray, Interval range) const { return held_->any_hit(ray, range); }
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
     held_->each_crossing(ray, range, [&](const Crossing& crossing) { visit(crossing); });
@@ -103,6 +107,11 @@ class AnySurface {
     virtual ~Holder() = default;
     virtual std::unique_ptr<Holder> copy() const = 0;
     virtual std::optional<Crossing> first_crossing(const Ray&, Interval) const = 0;
+    virtual FirstOfLanes first_of_lanes(const RayLanes& rays, Interval range) const {
+      FirstOfLanes first{.t = infinity, .is_there = false, .in_doubt = false};
+      set_one_by_one(first, rays.active, [&](int lane) { return first_crossing(rays.ray(lane), range); });
+      return first;
+    }
     virtual bool any_hit(const Ray&, Interval) const = 0;
     virtual void each_crossing(const Ray&, Interval, Visitor) const = 0;
     virtual bool has_parts() const = 0;
@@ -127,6 +136,12 @@ class AnySurface {
     std::unique_ptr<Holder> copy() const override { return std::make_unique<Held>(one); }
     std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const override {
       return protostar::first_crossing(one, ray, range);
+    }
+    FirstOfLanes first_of_lanes(const RayLanes& rays, Interval range) const override {
+      if constexpr (SurfaceOfLanes<S>)
+        return one.first_of_lanes(rays, range);
+      else
+        return Holder::first_of_lanes(rays, range);
     }
     bool any_hit(const Ray& ray, Interval range) const override {
       return protostar::any_hit(one, ray, range);

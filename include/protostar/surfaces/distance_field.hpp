@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <concepts>
 #include <optional>
@@ -16,6 +15,7 @@
 #include "../march/field_bounds.hpp"
 #include "../march/field_roots.hpp"
 #include "../march/packet_march.hpp"
+#include "../ray_lanes.hpp"
 #include "../surface.hpp"
 #include "coordinates.hpp"
 
@@ -97,52 +97,43 @@ class Marched<F> {
     return root ? std::optional(root->first) : std::nullopt;
   }
 
-  /// Returns the first crossings of the active ones of several rays in lanes, in a range from 0 on, with the
-  /// bits of single rays. The trace is told of their evaluations in turn.
-  template <class Rays, class Trace>
-  [[nodiscard]] auto first_crossing_of_each(const Rays& rays, simd::LaneMask active, Interval range,
-                                            Trace& trace) const {
-    using simd::Bits, simd::Doubles, simd::LaneMask;
-    FirstRootOfEach<Doubles, LaneMask> first{.t = infinity, .is_there = false, .in_doubt = false};
-    const auto set = [&](int lane, const std::optional<Crossing>& crossing) {
-      if (!crossing) return;
-      first.t.set(lane, crossing->t);
-      first.is_there = first.is_there || simd::mask_of<double, simd::double_lanes>(Bits{1} << lane);
-    };
-    const auto each_lane = [](LaneMask lanes, const auto& visit) {
-      for (Bits left = bits(lanes); left != 0; left &= left - 1) visit(std::countr_zero(left));
-    };
-    LaneMask alone = active;
-    if (range.min == 0 && rays.departure.kind == Departure::Kind::none && !rays.leave_primitives()) {
+  /// Returns the first crossings of rays in lanes, in a range from 0 on, with the bits of single rays. The
+  /// trace is told of their evaluations in turn.
+  template <class Trace>
+  [[nodiscard]] FirstOfLanes first_of_lanes(const RayLanes& rays, Interval range, Trace& trace) const {
+    using simd::Doubles, simd::LaneMask;
+    FirstOfLanes first{.t = infinity, .is_there = false, .in_doubt = false};
+    LaneMask alone = rays.active;
+    if (range.min == 0 && !rays.may_depart) {
       detail::PacketMarch packet(field_, setup_, rays.origin, rays.direction, range.max, trace);
-      const auto answer = packet.march(active);
+      const auto answer = packet.march(rays.active);
       const Doubles t = 0.5 * (answer.min + answer.max), margin = 2 * Roots::relative_error * abs(t);
       first.is_there = answer.met && 0.0 < t - margin && t + margin < range.max;
       first.t = select(first.is_there, t, first.t);
       // A march that finds nothing inside the range goes on behind it, alone.
       alone = answer.alone || (answer.met && !first.is_there && t - margin < range.max);
-      each_lane(answer.to_segments, [&](int lane) {
-        const Ray ray = rays[lane];
+      set_one_by_one(first, answer.crosses || answer.precisely, [&](int lane) -> std::optional<Crossing> {
+        const Ray ray = rays.ray(lane);
         FieldLine line(field_, setup_, ray, trace);
-        const MarchedRoot root = detail::March(line, answer.at[lane], 0, answer.end[lane], range.max)
-                                     .root_from(answer.begin[lane], true);
-        if (root.answer == MarchedRoot::Answer::miss) return;
+        detail::March march(line, answer.at[lane], 0, answer.end[lane], range.max);
+        const bool crosses = (bits(answer.crosses) >> lane & 1) != 0;
+        const MarchedRoot root = crosses ? march.root_in_segment(answer.begin[lane], answer.max[lane])
+                                         : march.precise_root(answer.begin[lane]);
+        if (root.answer == MarchedRoot::Answer::miss) return std::nullopt;
         const Crossing crossing{root.t(), 0};
-        set(lane,
-            lies_inside(*this, ray, crossing, range) ? std::optional(crossing) : first_crossing(ray, range));
+        return lies_inside(*this, ray, crossing, range) ? crossing : first_crossing(ray, range);
       });
     }
-    each_lane(alone, [&](int lane) {
-      const auto root = first_root(rays[lane], range, trace);
-      if (root) set(lane, root->first);
+    set_one_by_one(first, alone, [&](int lane) -> std::optional<Crossing> {
+      const auto root = first_root(rays.ray(lane), range, trace);
+      return root ? std::optional(root->first) : std::nullopt;
     });
     return first;
   }
 
-  template <class Rays>
-  [[nodiscard]] auto first_crossing_of_each(const Rays& rays, simd::LaneMask active, Interval range) const {
+  [[nodiscard]] FirstOfLanes first_of_lanes(const RayLanes& rays, Interval range) const {
     NoTrace trace;
-    return first_crossing_of_each(rays, active, range, trace);
+    return first_of_lanes(rays, range, trace);
   }
 
   /// Calls visit(const Crossing&) for all crossings in the range, near to far. A touch is two.

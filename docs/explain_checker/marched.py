@@ -1,0 +1,138 @@
+"""Fields that are marched: the steps of a march and the numbers that prove them."""
+from fractions import Fraction
+
+from .exact import length, sign, sizes
+from .surfaces import Departure, surface_type
+from .values import shown, U, Unreadable, Wrong
+
+
+@surface_type("marched")
+class Marched:
+    """A field that is marched. Its values are the file's; what follows from them about the ray is checked."""
+
+    is_given = True
+
+    def __init__(self, facts):
+        self.ends = facts["min"].vector(), facts["max"].vector()
+        self.lipschitz, self.error = facts["lipschitz"].number(), facts["error"].number()
+
+    def departure(self, part):
+        return Departure("object", None, self, part)
+
+    def span(self, line):
+        """Returns the part of the line inside the box of the field; its ends are not in order if there is none."""
+        low, high = None, None
+        for a, b, o, d in zip(*self.ends, line.origin, line.direction):
+            if d == 0:
+                if not a <= o <= b:
+                    return 1, 0
+                continue
+            first, second = sorted(((a - o) / d, (b - o) / d))
+            low = first if low is None else max(low, first)
+            high = second if high is None else min(high, second)
+        return low, high
+
+    def check_march(self, steps, line, end):
+        """Checks the steps of a march: that they cover the ray in the box without a gap, up to a crossing in the range
+        or to the end of both, and each by the numbers that prove it. Returns the enclosures of the last crossing in
+        the range."""
+        low, high = self.span(line)
+        leaves = line.left is not None and line.left.owner is self
+        if low >= high or high <= 0:
+            if len(steps):
+                raise Wrong(steps.at(f"has {len(steps)} steps, and the ray misses the box of the field"))
+            return []
+        d, slack = length(line.direction), 1 + Fraction(1, 2**30)
+        # The bound of the error of a value on this line (docs/numerics.md); twice that for the difference of two.
+        error = self.lipschitz * U * (2 * length(line.origin) + 6 * max(abs(low), abs(high)) * d) + self.error
+        error, reach = error * slack * (2 if leaves else 1), 1 / (self.lipschitz * d)
+        at, found = Fraction(0) if leaves else max(low, Fraction(0)), []
+        # Ends of the box are rounded.
+        near = max(abs(low), abs(high), *sizes(line.origin)) / 2**40
+        known = None  # lower bound of the field at `at`, from the last step
+        for i, step in enumerate(steps):
+            if found:
+                raise Wrong(step.at("follows a step that has found the first crossing"))
+            kind, begin, to = step["type"].word(), step["from"], step["to"].number()
+            begin.must_be_near(at, near if i == 0 else 0)
+            start = begin.number()
+            if kind == "touch":
+                found.append((start, start))
+                continue
+            if to <= start:
+                step["to"].refuse(to, start)
+            if to > high + near:
+                step["to"].refuse(to, high)
+            at, width = to, to - start
+            last, known = known, None
+            if kind in ("ball", "two balls"):
+                radius = (step["value"].number() - error) * reach
+                if kind == "two balls":
+                    radius += (step["value_at_to"].number() - error) * reach
+                # A ball leads to its border, or to the end of the box.
+                error_of_radius = radius / 2**25 + 8 * U * abs(to)
+                if width > radius + error_of_radius or \
+                        (kind == "ball" and width < radius - error_of_radius - error * reach and abs(to - high) > near):
+                    step["to"].refuse(to, start + radius)
+            elif kind in ("segment", "precise segment"):
+                known = self.check_segment(step, width, last, error, kind == "segment")
+            elif kind == "deflation":
+                if i or not leaves:
+                    raise Wrong(step.at("must be the first step of a ray that leaves this surface"))
+                a, b = step["slopes"].vector(2)
+                if a < 0 < b:
+                    raise Wrong(step["slopes"].at("must be of one sign"))
+                known = (a if a >= 0 else -b) * width * (1 - Fraction(1, 2**49))
+            elif kind == "sign change":
+                least, most = step["min"].number(), to
+                if not start <= least <= most:
+                    step["min"].refuse(least, start)
+                if step["slopes"].vector(2)[1] > 0:
+                    step["slopes"][1].refuse(step["slopes"][1].number(), Fraction(0))
+                self.check_sign(step["value_at_to"], error, -1)
+                if least > start:
+                    self.check_sign(step["value_at_min"], error, 1)
+                if most > 0 and (end is None or least < end):
+                    found.append((least, most))
+            else:
+                raise Wrong(step["type"].at("must be ball, two balls, segment, precise segment, deflation, sign change "
+                                            "or touch"))
+        if not found and not (at >= high - near or (end is not None and at >= end)):
+            raise Wrong(steps.at(f"must reach the end of the box, at t = {shown(high)}, and ends at {shown(at)}"))
+        return found
+
+    def check_sign(self, value, error, right):
+        """Checks that a value has a sign for certain: in double beyond its error, or enclosed on one side of 0."""
+        if isinstance(value.data, list):
+            nearest_to_0 = value.vector(2)[0 if right > 0 else 1]
+        else:
+            nearest_to_0 = value.number() - right * error * (1 - Fraction(1, 2**20))
+        if sign(nearest_to_0) != right:
+            raise Wrong(value.at(f"must be {'above' if right > 0 else 'below'} 0 for certain"))
+
+    def check_segment(self, step, width, known, error, is_double):
+        """Checks that the field is above 0 all over a segment, and returns a lower bound at its end. Numbers of
+        double-double are rounded in the file: there the signs are checked alone."""
+        values, (lo, hi) = step["values"].vector(2), step["slopes"].vector(2)
+
+        def least_of(value):
+            if isinstance(value.data, list):
+                return value.vector(2)[0] if len(value) else None
+            return value.number() - error * (1 - Fraction(1, 2**20))
+
+        left, right = least_of(step["value"]), least_of(step["value_at_to"])
+        left = known if left is None else left if known is None else max(left, known)
+        if left is None or right is None:
+            raise Unreadable(step.at("must have values at both ends"))
+        bounds = [values[0]]
+        if lo >= 0:
+            bounds.append(left)
+        elif hi <= 0:
+            bounds.append(right)
+        else:
+            bounds += [left + lo * width, right - hi * width]
+            if left > 0 and right > 0:
+                bounds.append((hi * left - lo * right + lo * hi * width) / (hi - lo))
+        if is_double and max(bounds) <= 0:
+            raise Wrong(step["values"].at("and the other numbers of the segment must prove the field to be above 0"))
+        return max(right, max(bounds), left + lo * width)

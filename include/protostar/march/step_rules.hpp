@@ -1,0 +1,86 @@
+// Rules of a march that hold for one ray as for each of several in lanes: lengths of steps, and what an
+// enclosure proves of a segment.
+#pragma once
+
+#include "../exact/enclosure.hpp"
+#include "../exact/slope.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::detail {
+
+/// Lengths of steps by balls, and when other steps are tried instead. They are choices for speed, measured
+/// and not derived. They move the last digits of t, and prove nothing: each step counts by its balls alone.
+struct StepRules {
+  /// Balls that are hardly larger than their error, as multiples of it: it takes 1/65 or more from the radius
+  /// of a smaller one.
+  static constexpr double least_ball = 64;
+  /// Bound of F in errors from which balls take over from segments: a value is then above 127, and its ball
+  /// of a radius above 126 is not left again at once as one of less than least_ball.
+  static constexpr double worth_balls = 128;
+
+  /// Balls smaller than this share of the field's extent are slow, and after more than this many of them
+  /// segments take over.
+  static constexpr double slow_ball = 0.02;
+  static constexpr int most_slow = 12;
+
+  /// The secant method is tried where balls shrink steadily, or are smaller than this share of the extent;
+  /// again after they have shrunk to a quarter; and in all less often than this.
+  static constexpr double secant_ball = 0.01, again = 0.25;
+  static constexpr int most_failed = 3;
+
+  /// Most segments of a march between two looks at balls. A march that they do not bring farther by
+  /// least_progress of the extent creeps: in double it goes on in double-double, and there it is undecided.
+  /// The two bound the time of a march, to 2^9 times as many segments in each precision.
+  static constexpr int most_segments = 3000;
+  static constexpr double least_progress = 0x1p-8;
+
+  /// Returns the next step as a multiple of the radius, after one of length `way` by which the radius has
+  /// changed by `gain`. If it goes on to change as much, with the trend m = gain/way, the next ball touches
+  /// this one behind a step of 1 + (1 + m)/(1 − m) radii: 1 where the way goes straight to a plane, m = −1,
+  /// and 2 beside one. A bit less is taken, and m from −0.999 to 0.9. One quotient gives (1 + m)/(1 − m).
+  template <class R>
+  [[nodiscard]] static R stretch(const R& gain, const R& way) {
+    const R ratio = (way + gain) / (way - gain);  // at least 0.001/1.999, at most 1.9/0.1; for NaN the least
+    return R(1.0) + R(0.9) * rounding::min(rounding::max(R(0x1p-11), ratio), R(19.0));
+  }
+
+  /// Returns the trend of the radius, for the comparison with the last one.
+  template <class R>
+  [[nodiscard]] static R trend(const R& gain, const R& way) {
+    return rounding::min(rounding::max(R(-0.999), gain / way), R(0.9));
+  }
+
+  /// Tests whether balls shrink as fast as at the last step, so that F is nearly straight.
+  template <class R>
+  [[nodiscard]] static auto is_straight(const R& trend, const R& last) {
+    return trend < R(-0.02) && rounding::abs(trend - last) < R(-0.25) * trend;
+  }
+};
+
+/// Proof that F > 0 over a segment, and a lower bound of F at its end.
+template <class B>
+struct SegmentProof {
+  typename Enclosure<B>::Truth is_empty;
+  B at_end;
+
+  /// Takes F over the segment, lower bounds of F > 0 at its left end and of F at its right end, and its
+  /// width.
+  ///
+  /// F lies above its range; above the line of the steepest fall from the left end; above that of the
+  /// steepest rise to the right end; and hence above the point at which the two meet, which is
+  /// (hi F₀ − lo F₁ + lo hi width) / (hi − lo) for a fall of lo ≤ 0 and a rise of hi ≥ 0. Only the sign of
+  /// that is taken. Slopes of one sign are enclosed by [lo, 0] or [0, hi] as well.
+  SegmentProof(const Slope<Enclosure<B>>& over, const B& left, const B& right, const Enclosure<B>& width) {
+    using E = Enclosure<B>;
+    const B zero(0.0);
+    const E fall = E::at(rounding::min(over.slope.lower, zero)),
+            rise = E::at(rounding::max(over.slope.upper, zero));
+    const B from_left = (E::at(left) + fall * width).lower, from_right = (E::at(right) - rise * width).lower;
+    const B least = rounding::max(over.value.lower, rounding::max(from_left, from_right));
+    const B meeting = (rise * E::at(left) - fall * E::at(right) + fall * rise * width).lower;
+    is_empty = zero < least || (zero < left && zero < right && zero < meeting);
+    at_end =
+        rounding::max(rounding::max(right, least), (E::at(left) + E::at(over.slope.lower) * width).lower);
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::detail

@@ -1,0 +1,48 @@
+// Rays in lanes and their first crossings, as a surface finds them that searches for all at once. A surface
+// that holds another of any type hands them on (surfaces/any_surface.hpp).
+#pragma once
+
+#include <bit>
+#include <concepts>
+
+#include "function_ref.hpp"
+#include "interval.hpp"
+#include "numeric/rounded_equation.hpp"
+#include "ray.hpp"
+#include "simd/vectors.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Rays, one in each lane. It borrows the function that returns the ray of a lane, with all that it knows.
+struct RayLanes {
+  const simd::Vectors& origin;
+  const simd::Vectors& direction;
+  simd::LaneMask active;  ///< lanes of rays that are asked for; results in the others do not matter
+  bool may_depart;        ///< false if no ray leaves any geometry
+  FunctionRef<Ray(int)> ray;
+};
+
+/// First crossing of each ray inside a range. A surface without parts has no more to say of it than t.
+using FirstOfLanes = FirstRootOfEach<simd::Doubles, simd::LaneMask>;
+
+/// Surface that finds the first crossings of several rays at once, with the bits of single rays, by
+/// `FirstOfLanes first_of_lanes(const RayLanes&, Interval) const`.
+template <class S>
+concept SurfaceOfLanes = requires(const S& surface, const RayLanes& rays) {
+  { surface.first_of_lanes(rays, Interval{}) } -> std::same_as<FirstOfLanes>;
+};
+
+/// Sets the first crossings of rays that are searched for one by one, where `find` returns one for a lane's
+/// ray.
+void set_one_by_one(FirstOfLanes& first, simd::LaneMask lanes, const auto& find) {
+  using simd::Bits;
+  for (Bits left = bits(lanes); left != 0; left &= left - 1) {
+    const int lane = std::countr_zero(left);
+    const auto crossing = find(lane);
+    if (!crossing) continue;
+    first.t.set(lane, crossing->t);
+    first.is_there = first.is_there || simd::mask_of<double, simd::double_lanes>(Bits{1} << lane);
+  }
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI
