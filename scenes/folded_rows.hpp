@@ -12,7 +12,10 @@ auto in_rows(const auto& p) {
   return protostar::FieldPoint{folded(p.x), p.y, folded(p.z)};
 }
 
-inline protostar::AnyScene folded_rows() {
+/// The lamp of the rows: a point, or a sphere of the same power that lights its surroundings alike.
+enum class RowLamp { point, sphere };
+
+inline protostar::AnyScene folded_rows(RowLamp lamp = RowLamp::point) {
   using namespace protostar;
 
   const auto columns = [](const auto& p) {
@@ -29,6 +32,15 @@ inline protostar::AnyScene folded_rows() {
   scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, Color{0.2f, 0.4f, 0.8f});
   scene.add(Marched{columns, bounds}, Color{1, 0.3f, 0});
   scene.add(Marched{rings, bounds}, Color{0.2f, 0.7f, 0.1f});
-  scene.add(PointLight{.position = {0, 2.5, 3}, .power = Color{160 * std::numbers::pi_v<float>}});
+  const Point position{0, 2.5, 3};
+  const float power = 40 * std::numbers::pi_v<float>, radius = 0.3f;
+  // A color is albedo/π where the lamp is a point, and an albedo where it is a surface (docs/errata.md). On a
+  // surface that faces it, a point brings power/(4π d²), and a sphere of radius r about emission · r²/d².
+  if (lamp == RowLamp::point)
+    scene.add(PointLight{.position = position, .power = Color{power}});
+  else
+    scene.add(Sphere{.center = position, .radius = radius},
+              Material{.diffuse = Color{0},
+                       .emission = Color{power / (4 * std::numbers::pi_v<float> * radius * radius)}});
   return scene;
 }

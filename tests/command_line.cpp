@@ -66,6 +66,26 @@ TEST_CASE("the option --epsilon takes finite numbers above 0, and a march with a
     CHECK(run_stage(stage, "--size 16x12 --epsilon 0.5", folder).status == 2);
 }
 
+TEST_CASE("the option --show chooses among the integrators of a stage that has several") {
+  const TemporaryFolder folder;
+  for (const auto& [stage, name] : {std::pair<std::string, std::string>{"33_certified", "evaluations"},
+                                    {"33_certified", "enclosure-width"},
+                                    {"37_marched_shadow", "distance-occlusion"},
+                                    {"37_marched_shadow", "distance-shadow"},
+                                    {"37_marched_shadow", "ambient-occlusion"},
+                                    {"37_marched_shadow", "direct"},
+                                    {"38_fractal", "evaluations"}}) {
+    CAPTURE(stage, name);
+    const Outcome outcome = run_stage(stage, "--size 16x12 --show " + name, folder);
+    CHECK(outcome.status == 0);
+    CHECK_THAT(outcome.out, ContainsSubstring(name));
+  }
+  const Outcome unknown = run_stage("38_fractal", "--show width", folder);
+  CHECK(unknown.status == 2);
+  CHECK_THAT(unknown.err, ContainsSubstring("'width' is not one of shadow, evaluations"));
+  CHECK(run_stage("07_diffuse", "--show evaluations", folder).status == 2);
+}
+
 TEST_CASE("every stage writes out.ppm in the requested size, and reports it in one line") {
   const StageRow row = GENERATE(from_range(all_stages));
   CAPTURE(row.name);

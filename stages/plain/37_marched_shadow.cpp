@@ -74,7 +74,7 @@ struct Light {
   double power;
 };
 
-const std::vector<Light> lights{{{0, 2.5, 3}, 160 * std::numbers::pi}};
+const std::vector<Light> lights{{{0, 2.5, 3}, 40 * std::numbers::pi}};
 
 // An interval: all numbers from lo to hi. Each operation has a result that contains those of all numbers of
 // its operands.

@@ -34,7 +34,7 @@ struct Light {
   float power;
 };
 
-const Light lights[1] = Light[1](Light(vec3(0, 2.5, 3), 160.0 * pi));
+const Light lights[1] = Light[1](Light(vec3(0, 2.5, 3), 40.0 * pi));
 
 // An interval: all numbers from lo to hi. Each operation has a result that contains those of all numbers of
 // its operands.

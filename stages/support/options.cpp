@@ -330,6 +330,13 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
       ->type_name("FILE");
   app.add_option("--crop", crop, "Only W x H pixels of the picture, from column X and row Y on")
       ->type_name("X,Y,W,H");
+  if (!defaults.shows.empty()) {
+    std::string names = defaults.integrator;
+    for (const std::string& name : defaults.shows) names += ", " + name;
+    app.add_option("--show", integrator,
+                   "What light a ray brings: " + names + " [" + defaults.integrator + "]")
+        ->type_name("NAME");
+  }
   if (of_scene) {
     app.add_option("scene", scene, "The scene, a file as docs/scene-format.md has it")
         ->required()
@@ -385,6 +392,11 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     options.rays = rays;
     if (given("--integrator"))
       own_integrator = read_name("--integrator", integrator, protostar::integrator_names);
+    if (given("--show")) {
+      std::vector<std::string> names = defaults.shows;
+      names.insert(names.begin(), defaults.integrator);
+      own_integrator = read_name("--show", integrator, names);
+    }
     if (app.count("--sampler")) own_sampler = read_name("--sampler", sampler, protostar::sampler_names);
     if (app.count("--filter"))
       own_filter = read_name("--filter", filter, protostar::ReconstructionFilter::names);

@@ -35,6 +35,10 @@ struct StageDefaults {
   double exposure = 1;  ///< factor on the light that the program applies, for the explanation of a pixel
   bool plain = false;
   std::vector<NumberOption> numbers = {};  ///< options of this stage alone
+
+  /// Names of integrators that the option --show chooses from; without names there is no such option.
+  std::vector<std::string> shows = {};
+
   int samples = 0;
   double error = 0;          ///< RenderOptions::error
   std::string sampler = {};  ///< name; empty: that which the integrator takes by default

@@ -277,6 +277,26 @@ void Stage::compare(const Image& image, const Image& exact) const {
         " pixels are wrong");
 }
 
+void Stage::tell_range(const Image& numbers, const std::string& what) const {
+  if (options_.pixel || options_.shard) return;
+  double least = infinity, most = 0, sum = 0;
+  std::int64_t count = 0;
+  for (int y = 0; y < numbers.height(); ++y)
+    for (int x = 0; x < numbers.width(); ++x) {
+      const double number = numbers(x, y).r;
+      if (!(number >= 0)) continue;
+      least = std::min(least, number);
+      most = std::max(most, number);
+      sum += number;
+      ++count;
+    }
+  if (count == 0) return print(what + ": none");
+  char line[96];
+  std::snprintf(line, sizeof line, ": %.4g at least, %.4g on average, %.4g at most", least,
+                sum / static_cast<double>(count), most);
+  print(what + line);
+}
+
 double Stage::number(const std::string& option) const {
   for (const NumberOption& own : options_.numbers)
     if (own.name == option) return own.value;

@@ -49,6 +49,10 @@ class Stage {
   /// size, as gamma 2.2 encodes them.
   void compare(const protostar::Image& image, const protostar::Image& exact) const;
 
+  /// Prints the least, the mean and the largest number of an image whose pixels hold one in all channels.
+  /// Pixels with a number below 0 have none.
+  void tell_range(const protostar::Image& numbers, const std::string& what) const;
+
   /// Returns the value of one of the stage's own options.
   double number(const std::string& option) const;
 
