@@ -38,7 +38,8 @@ constexpr std::array kind_names{"camera", "grazing", "out", "out grazing", "in",
 bool leaves(Kind kind) { return kind >= Kind::out; }
 
 /// Counts of the rays of one kind to one field.
-struct Tally {
+class Tally {
+ public:
   std::uint64_t rays = 0, hits = 0, missed = 0, not_there = 0, off = 0, wide = 0;
   std::uint64_t undecided = 0, along = 0, unknown = 0, in_closed_form = 0, disagree = 0, differ = 0;
   double widest = -2000, sum_of_widths = 0;  ///< logarithms to the base 2, of the width by max(1, t)
@@ -52,8 +53,15 @@ struct Tally {
     widest = std::max(widest, other.widest), farthest = std::max(farthest, other.farthest);
   }
   [[nodiscard]] std::uint64_t wrong() const { return missed + not_there + off + wide + disagree + differ; }
-  [[nodiscard]] double mean_width() const {
-    return sum_of_widths / static_cast<double>(std::max<std::uint64_t>(hits, 1));
+  /// Returns a logarithm of widths in words, or "-" without a hit.
+  [[nodiscard]] std::string widest_width() const { return in_words(widest); }
+  [[nodiscard]] std::string mean_width() const { return in_words(sum_of_widths / static_cast<double>(hits)); }
+
+ private:
+  [[nodiscard]] std::string in_words(double logarithm) const {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2f", logarithm);
+    return hits > 0 ? text : "-";
   }
 };
 
@@ -202,10 +210,12 @@ Tally judged(const Truth& truth, const Surface& surface, Kind kind, Random& rand
     directions.x.set(lane, direction.x), directions.y.set(lane, direction.y),
         directions.z.set(lane, direction.z);
     if (i % lanes + 1 != lanes) continue;
-    const auto first = surface.first_crossing_of_each(simd::RayPacket(origins, directions), true, Interval{});
+    const simd::ClosestCrossings first =
+        simd::first_crossings(surface, simd::RayPacket(origins, directions), true, Interval{});
     for (std::size_t k = 0; k < lanes; ++k) {
       const MarchedRoot& root = packet[k].root;
-      const bool is_there = (bits(first.is_there) >> k & 1) != 0;
+      const bool is_there = (bits(first.met) >> k & 1) != 0;
+      if ((bits(first.in_doubt) >> k & 1) != 0) continue;  // traced alone
       if (is_there == (root.answer != MarchedRoot::Answer::miss) &&
           (!is_there || first.t[static_cast<int>(k)] == root.t()))
         continue;
@@ -239,15 +249,15 @@ int stress(int argc, char** argv) {
         return judged(truth, *surface, static_cast<Kind>(k), random, rays);
       });
       std::printf("%-12s%-12s%10" PRIu64 "%10" PRIu64 "%7" PRIu64 "%7" PRIu64 "%7" PRIu64 "%7" PRIu64
-                  "%10" PRIu64 "%9" PRIu64 "%9" PRIu64 "%10" PRIu64 "%9" PRIu64 "%8" PRIu64
-                  "%8.2f%8.2f%10.2g\n",
+                  "%10" PRIu64 "%9" PRIu64 "%9" PRIu64 "%10" PRIu64 "%9" PRIu64 "%8" PRIu64 "%8s%8s%10.2g\n",
                   field, kind_names[k], tally.rays, tally.hits, tally.missed, tally.not_there, tally.off,
                   tally.wide, tally.undecided, tally.along, tally.unknown, tally.in_closed_form,
-                  tally.disagree, tally.differ, tally.widest, tally.mean_width(), tally.farthest);
+                  tally.disagree, tally.differ, tally.widest_width().c_str(), tally.mean_width().c_str(),
+                  tally.farthest);
       std::fflush(stdout);
       csv.row(field, kind_names[k], tally.rays, tally.hits, tally.missed, tally.not_there, tally.off,
               tally.wide, tally.undecided, tally.along, tally.unknown, tally.in_closed_form, tally.disagree,
-              tally.differ, tally.widest, tally.mean_width(), tally.farthest);
+              tally.differ, tally.widest_width(), tally.mean_width(), tally.farthest);
       wrong += tally.wrong(), ++rows;
     }
   });
