@@ -2,10 +2,12 @@
 // sphere tracing (Keinert et al. 2014), and the certified march; the last two also in packets.
 //
 //   bench_marching [--runs N] [--csv FILE] [--quick]
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <protostar/accel/packet.hpp>
 #include <protostar/exact/functions.hpp>
 #include <protostar/fields/operations.hpp>
@@ -38,10 +40,11 @@ struct Packet {
 struct CameraRays {
   std::vector<MarchedRay> single;
   std::vector<Packet> packets;
+  double far = 0;  ///< largest parameter at which a ray leaves the ball
 
   /// Takes the rays through side × side pixels, one at random in each, that enter the ball of a radius. They
-  /// are marched inside of a box.
-  CameraRays(double radius, const Bounds& box, int side) {
+  /// start where they enter it, and end where they leave it, so that all ways march the same part of a ray.
+  CameraRays(double radius, int side) {
     Random random(11);
     const Point eye(2.1, 1.7, 3.1);
     const Vec3 forward = normalize(-eye), right = normalize(cross(forward, Vec3{0, 1, 0}));
@@ -50,17 +53,23 @@ struct CameraRays {
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x) {
         const double u = on_film(x), v = on_film(y);
-        const Ray ray{.origin = eye, .direction = normalize(forward + u * right + v * up)};
-        const double along = dot(eye, ray.direction);
-        if (dot(eye, eye) - along * along < radius * radius)
-          single.push_back({ray, detail::inside_of(box, ray.origin, ray.direction)});
+        const Vec3 direction = normalize(forward + u * right + v * up);
+        const double along = dot(eye, direction), D = along * along - dot(eye, eye) + radius * radius;
+        if (!(D > 0)) continue;
+        const double half = std::sqrt(D);
+        single.push_back(
+            {{.origin = eye + (-along - half) * direction, .direction = direction}, {0, 2 * half}});
+        far = std::max(far, 2 * half);
       }
     single.resize(single.size() / lanes * lanes);
     for (std::size_t i = 0; i < single.size(); i += lanes) {
-      Packet packet{eye, Vec3{0}, 0.0, 0.0};
+      Packet packet{Vec3{0}, Vec3{0}, 0.0, 0.0};
       for (std::size_t k = 0; k < lanes; ++k) {
         const auto lane = static_cast<int>(k);
         const auto& [ray, span] = single[i + k];
+        packet.origin.x.set(lane, ray.origin.x);
+        packet.origin.y.set(lane, ray.origin.y);
+        packet.origin.z.set(lane, ray.origin.z);
         packet.direction.x.set(lane, ray.direction.x);
         packet.direction.y.set(lane, ray.direction.y);
         packet.direction.z.set(lane, ray.direction.z);
@@ -97,24 +106,26 @@ Way in_packets(auto march) {
   };
 }
 
-/// Wrong answers, per million rays, and the error of the hits that are right.
+/// Wrong answers, per million rays, and the error of the hits that are right, relative to t and at least to
+/// 1; without a hit that is right the error is none.
 struct Errors {
-  double missed = 0, not_there = 0, off = 0, rms = 0;
+  double missed = 0, not_there = 0, off = 0;
+  std::optional<double> rms;
 
   Errors(const std::vector<double>& found, const std::vector<double>& truth) {
-    double asked = 0, right = 0, squares = 0;
+    double asked = 0, hits = 0, squares = 0;
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (std::isnan(truth[i])) continue;
       ++asked;
       missed += found[i] < 0 && truth[i] >= 0;
       not_there += found[i] >= 0 && truth[i] < 0;
       if (found[i] < 0 || truth[i] < 0) continue;
-      const double error = std::abs(found[i] - truth[i]) / truth[i];
+      const double error = std::abs(found[i] - truth[i]) / std::max(1.0, truth[i]);
       off += error > 1e-6;
-      ++right, squares += error * error;
+      ++hits, squares += error * error;
     }
-    for (double* const count : {&missed, &not_there, &off}) *count *= 1e6 / asked;
-    rms = std::sqrt(squares / right);
+    for (double* const count : {&missed, &not_there, &off}) *count *= 1e6 / std::max(asked, 1.0);
+    if (hits > 0) rms = std::sqrt(squares / hits);
   }
 };
 
@@ -124,7 +135,7 @@ template <class F>
 void measure(const bench::Options& options, Table& table, const std::string& name, const F& field,
              double radius, int side, const auto& truth) {
   const Marched<F> surface(field, Bounds{Point(-radius), Point(radius)});
-  const CameraRays rays(radius, surface.setup().inside, options.quick ? 12 : side);
+  const CameraRays rays(radius, options.quick ? 12 : side);
   const std::size_t count = rays.single.size();
   std::vector<double> true_t;
   for (const auto& [ray, span] : rays.single) true_t.push_back(truth(ray, span));
@@ -147,7 +158,7 @@ void measure(const bench::Options& options, Table& table, const std::string& nam
   add_epsilon("enhanced ", 1e-6, enhanced);
   rows.push_back({"certified", one_by_one([&surface](const MarchedRay& marched, std::uint64_t& n) {
                     MarchCounts counts;
-                    const MarchedRoot root = surface.march(marched.ray, {}, counts);
+                    const MarchedRoot root = surface.march(marched.ray, {0, marched.span.max}, counts);
                     n += counts.evaluations();
                     return root.answer == MarchedRoot::Answer::miss ? no_hit : root.t();
                   }),
@@ -158,9 +169,9 @@ void measure(const bench::Options& options, Table& table, const std::string& nam
                                            1e-6);
                   }),
                   2});
-  rows.push_back({"certified, packets", in_packets([&surface](const Packet& packet, std::uint64_t&) {
+  rows.push_back({"certified, packets", in_packets([&surface, &rays](const Packet& packet, std::uint64_t&) {
                     const simd::RayPacket of_rays(packet.origin, packet.direction);
-                    const auto first = simd::first_crossings(surface, of_rays, true, Interval{});
+                    const auto first = simd::first_crossings(surface, of_rays, true, Interval{0, rays.far});
                     return select(first.met, first.t, simd::Doubles(no_hit));
                   }),
                   2});
@@ -188,9 +199,9 @@ void measure(const bench::Options& options, Table& table, const std::string& nam
     const auto of = static_cast<double>(answers[i].evaluations);
     table.row({name + ", " + rows[i].name, of > 0 ? number(a_ray(of)) : "",
                of > 0 ? number(of / static_cast<double>(answers[0].evaluations)) : "",
-               number(a_ray(1e9 * times.shortest(i))),
-               number(times.shortest(i) / times.shortest(rows[i].reference)), number(errors.missed),
-               number(errors.not_there), number(errors.off), number(errors.rms)});
+               number(a_ray(1e9 * times.shortest(i))), number(times.ratio(i, rows[i].reference)),
+               number(errors.missed), number(errors.not_there), number(errors.off),
+               errors.rms ? number(*errors.rms) : "-"});
   }
 }
 
