@@ -36,6 +36,13 @@ class Interrupt {
   /// Returns true if the listener runs, so that signals request a stop.
   bool listens() const { return listener_.joinable(); }
 
+  /// Tells whether the system has signals at all; WebAssembly has none, and its pages end their workers.
+#if defined(__EMSCRIPTEN__)
+  static constexpr bool has_signals = false;
+#else
+  static constexpr bool has_signals = true;
+#endif
+
   protostar::StopToken token() const {
     return [this] { return came(); };
   }

@@ -328,6 +328,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   app.add_option("--checkpoint", checkpoint,
                  "Save the state of the work in this file, and go on from it if it is there")
       ->type_name("FILE");
+  app.add_option("--crop", crop, "Only W x H pixels of the picture, from column X and row Y on")
+      ->type_name("X,Y,W,H");
   if (of_scene) {
     app.add_option("scene", scene, "The scene, a file as docs/scene-format.md has it")
         ->required()
@@ -335,8 +337,6 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     app.add_option("--integrator", integrator,
                    "What light a ray brings, such as color or shadow [the scene's]")
         ->type_name("I");
-    app.add_option("--crop", crop, "Only W x H pixels of the picture, from column X and row Y on")
-        ->type_name("X,Y,W,H");
     app.add_option("--timeout", timeout,
                    "Give up when drawing takes more seconds than that; 0: never [10 for each pixel]")
         ->type_name("SECONDS");

@@ -358,7 +358,7 @@ int run_program(int argc, char** argv,
     const auto options = parse(program, status);
     if (options) {
       Interrupt interrupt;
-      if (!interrupt.listens() && !options->quiet)
+      if (Interrupt::has_signals && !interrupt.listens() && !options->quiet)
         print_error(
             program,
             "Ctrl-C is not caught, since no thread can be started that waits for it: it ends the program "

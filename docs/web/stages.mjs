@@ -1,0 +1,107 @@
+// Runs stages in the browser, or in node: each as its program runs, with a command line, files, and an exit status.
+//
+//   import {loadStage} from './stages.mjs';
+//   const stage = await loadStage('09_shadow');
+//   const {status, stdout, stderr, files} = stage.run(['--size', '320x240', '-o', 'out.ppm']);
+//   files['out.ppm'];  // a Uint8Array
+//
+// Several stages share a module, which is fetched and compiled once in each page or worker. A page that starts workers
+// compiles it once for all of them:
+//
+//   worker.postMessage({module: await compiledModule('09_shadow')});     // in the page
+//   const stage = await loadStage('09_shadow', event.data.module);       // in the worker
+import {modules} from './modules.mjs';
+
+/// Names of all stages, and 'render', which draws scene files.
+export const stageNames = Object.keys(modules);
+
+/// Files that stages read from scenes/.
+const filesOf = {'17_mesh': ['knot.obj']};
+
+const folder = new URL('.', import.meta.url);
+const compiled = new Map(), instances = new Map();
+
+function moduleOf(name) {
+  if (!(name in modules)) throw new Error(`no stage is named '${name}'; the stages are ${stageNames.join(', ')}`);
+  return modules[name];
+}
+
+/// Returns the bytes of a file beside this one.
+async function fetched(file) {
+  const url = new URL(file, folder);
+  if (url.protocol === 'file:') {  // node
+    const {readFile} = await import('node:fs/promises');
+    return readFile(url);
+  }
+  const response = await fetch(url);
+  if (!response.ok) throw new Error(`${url}: ${response.status} ${response.statusText}`);
+  return new Uint8Array(await response.arrayBuffer());
+}
+
+/// Fetches and compiles the module of a stage, once. Returns the WebAssembly.Module, which may be posted to workers.
+export function compiledModule(name) {
+  const module = moduleOf(name);
+  if (!compiled.has(module)) compiled.set(module, fetched(module + '.wasm').then(code => WebAssembly.compile(code)));
+  return compiled.get(module);
+}
+
+/// A stage whose module has been instantiated in this page or worker.
+class Stage {
+  constructor(name, instance) {
+    this.name = name;
+    this.instance = instance;
+  }
+
+  /// Runs the stage, in a folder that holds these files, texts or Uint8Arrays by their names. Returns the exit status
+  /// (as the program's: 0, 1 for a failure, 2 for an error in usage), the texts printed, and all files of the folder
+  /// afterwards. Nothing but the memory stays from one run to the next. Throws what WebAssembly throws, such as a
+  /// RangeError for memory that the browser refuses; loadStage then gives a new instance.
+  run(args, files = {}) {
+    const {FS, ccall, printed} = this.instance;
+    for (const name of FS.readdir('.')) if (name !== '.' && name !== '..') FS.unlink(name);
+    for (const [name, content] of Object.entries(files)) FS.writeFile(name, content);
+    printed.out = printed.error = '';
+    const words = [this.name, ...args];
+    let status;
+    try {
+      status = ccall('run_stage_named', 'number', ['string', 'number'], [words.join('\0') + '\0', words.length]);
+    } catch (error) {
+      instances.delete(moduleOf(this.name));
+      throw error;
+    }
+    const result = {};
+    for (const name of FS.readdir('.')) if (name !== '.' && name !== '..') result[name] = FS.readFile(name);
+    return {status, stdout: printed.out, stderr: printed.error, files: result};
+  }
+}
+
+async function instantiate(name, module) {
+  const {default: create} = await import(new URL(moduleOf(name) + '.mjs', folder).href);
+  const printed = {out: '', error: ''};
+  const instance = await create({
+    instantiateWasm(imports, done) {
+      WebAssembly.instantiate(module, imports).then(instance => done(instance, module));
+      return {};
+    },
+    print: line => { printed.out += line + '\n'; },
+    printErr: line => { printed.error += line + '\n'; },
+  });
+  instance.FS.mkdir('/scenes');
+  instance.FS.mkdir('/work');
+  instance.FS.chdir('/work');
+  instance.printed = printed;
+  return instance;
+}
+
+/// Returns the stage of a name. Stages of the same module share an instance. `module` is what compiledModule gave to
+/// the page; without it the module is fetched.
+export async function loadStage(name, module) {
+  const key = moduleOf(name);
+  if (!instances.has(key))
+    instances.set(key, Promise.resolve(module ?? compiledModule(name)).then(code => instantiate(name, code)));
+  const instance = await instances.get(key);
+  for (const file of filesOf[name] ?? [])
+    if (!instance.FS.analyzePath('/scenes/' + file).exists)
+      instance.FS.writeFile('/scenes/' + file, await fetched('scenes/' + file));
+  return new Stage(name, instance);
+}
