@@ -335,7 +335,27 @@ class StageView {
   }
 }
 
+// Compares the picture with that of the stage's shader, in the part of the page that is for it, when the user asks for it.
+// The numbers of the stage alone, such as --offset, are numbers of the shader, such as OFFSET.
+function offerShader(section, view) {
+  const button = made('button', {type: 'button', textContent: 'Draw it by the shader, and compare'});
+  const result = made('div', {className: 'pictures'});
+  button.addEventListener('click', async () => {
+    const {showShader} = await import('./shader.js');
+    const {canvas, controls} = view;
+    const numbers = Object.fromEntries(controls.options.filter(({meta}) => meta === 'X').map(({name, byDefault}) =>
+        [name.slice(2).toUpperCase().replaceAll('-', '_'), Number(controls.fields.get(name).value || byDefault)]));
+    await showShader(result, view.name, canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height),
+                     {numbers, folder: new URL('.', new URL(section.dataset.shader, location.href))});
+  });
+  section.append(made('p', {}, button, ' This stage is also a shader for the graphics processor, which computes in float.'),
+                 result);
+}
+
 for (const section of document.querySelectorAll('section.stage')) {
   const view = new StageView(section);
-  view.start().catch(error => view.failed(error));
+  view.start().then(() => {
+    const shader = document.querySelector('section.shader');
+    if (shader) offerShader(shader, view);
+  }, error => view.failed(error));
 }
