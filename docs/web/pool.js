@@ -1,5 +1,5 @@
 // Shares runs of stages among workers. Workers have no memory in common, so any static host may serve the page.
-import {compiledModule} from '../stages.mjs';
+import {compiledModule} from '../modules/stages.mjs';
 
 // Thrown by runs that were cancelled.
 export class Cancelled extends Error {}

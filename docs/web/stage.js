@@ -55,6 +55,8 @@ class StageView {
     [this.canvas.width, this.canvas.height] = this.controls.size;
     this.canvas.getContext('2d').drawImage(image, 0, 0, this.canvas.width, this.canvas.height);  // until the stage draws
     image.replaceWith(this.frame);
+    this.plan = made('img', {className: 'plan', alt: 'The rays of this pixel, from above and from the side', hidden: true});
+    figure.append(this.plan);
 
     this.answer = made('div', {className: 'answer'});
     this.answer.setAttribute('aria-live', 'polite');
@@ -177,12 +179,10 @@ class StageView {
       });
       const text = made('pre', {tabIndex: 0}, ...lines);
       const parts = [made('h2', {textContent: `Pixel ${x},${y}` + except}), text];
-      if (result.files['rays.svg']) {
-        const drawing = new TextDecoder().decode(result.files['rays.svg']);
-        parts.push(made('img', {className: 'plan', alt: 'The rays of this pixel, from above and from the side',
-                                src: 'data:image/svg+xml,' + encodeURIComponent(drawing)}));
-      }
       this.answer.replaceChildren(...parts);
+      const drawing = new TextDecoder().decode(result.files['rays.svg']);
+      this.plan.hidden = false;
+      this.plan.src = 'data:image/svg+xml,' + encodeURIComponent(drawing);
       this.section.dispatchEvent(new CustomEvent('answered', {detail: {x, y, width, height, text: result.stdout}}));
     } catch (error) {
       this.failed(error);

@@ -1,5 +1,5 @@
 // Runs stages for pool.js, in a thread of its own: one message is one run of a program.
-import {loadStage} from '../stages.mjs';
+import {loadStage} from '../modules/stages.mjs';
 
 onmessage = async ({data: {id, stage, module, args, files}}) => {
   try {
