@@ -40,7 +40,7 @@ function made(tag, properties = {}, ...children) {
 // Form with the options of a stage. It calls `changed` when the user has changed one.
 export class Controls {
   constructor(options, changed) {
-    this.options = options.filter(isShown);
+    this.options = options.filter(isShown).sort((a, b) => (b.meta === 'X') - (a.meta === 'X'));  // the stage's own first
     this.fields = new Map();
     this.element = made('form', {className: 'controls'});
     this.element.setAttribute('aria-label', 'Options');

@@ -13,7 +13,8 @@ export class Pool {
 
   get size() { return this.workers.length; }
 
-  // Runs a stage as its program would run. Returns {status, stdout, stderr, files}, as docs/web/stages.mjs describes it.
+  // Runs a stage as its program would run. Returns {status, stdout, stderr, files}, as docs/web/stages.mjs describes it, and
+  // time, the milliseconds of the run alone.
   run(stage, args, files = {}) {
     return new Promise((resolve, reject) => {
       this.waiting.push({id: ++this.count, stage, args, files, resolve, reject});

@@ -94,7 +94,7 @@ class StageView {
       const first = performance.now() - start;
       // An error is one of the whole picture, so that its samples cannot be drawn in bands.
       const whole = !this.takesCrops || this.controls.has('--error');
-      const expected = small * 64;
+      const expected = small.run * 64;
       const bands = whole || expected < 150 ? 1
                   : Math.min(this.pool.size * Math.ceil(expected / this.pool.size / 200), 64, height);
       const lines = [];
@@ -128,7 +128,7 @@ class StageView {
     return [`${sum(1)} of ${sum(2)} ${counts[0][3]}`];
   }
 
-  // Draws the picture at a part of its size, and returns the milliseconds until it was seen.
+  // Draws the picture at a part of its size. Returns milliseconds: those of the run, and those until it was seen.
   async drawSmall(scale) {
     const start = performance.now(), [width, height] = this.controls.size;
     const [w, h] = [width, height].map(x => Math.max(1, Math.round(x / scale)));
@@ -140,7 +140,7 @@ class StageView {
     context.imageSmoothingEnabled = false;
     context.drawImage(canvas, 0, 0, width, height);
     this.size = [w, h];
-    return performance.now() - start;
+    return {run: result.time, seen: performance.now() - start};
   }
 
   resize(width, height) {
@@ -261,7 +261,7 @@ class StageView {
       this.scale ??= 8;
       while (this.again) {
         this.again = false;
-        const time = await this.drawSmall(this.scale);
+        const time = (await this.drawSmall(this.scale)).seen;
         this.slowest = Math.max(this.slowest ?? 0, time);
         this.status.textContent = `Dragged: ${this.size.join(' × ')} in ${milliseconds(time)} ` +
                                   `(slowest ${milliseconds(this.slowest)} of ${dragLimit} ms)`;
