@@ -539,3 +539,18 @@ TEST_CASE("progress is shown on a terminal, and then cleared, if a render takes 
     CHECK(outcome.err == "");
   }
 }
+
+TEST_CASE("every stage draws a part of its picture with the bytes of the whole") {
+  const StageRow row = GENERATE(from_range(all_stages));
+  CAPTURE(row.name);
+  constexpr std::size_t width = 40, height = 30, pixel = 12, x = 3, y = 7, columns = 21, rows = 11;
+  const std::string options = "--size 40x30" + std::string(row.samples > 0 ? " --samples 2" : "");
+  // PFM has three floats a pixel, and its last row first.
+  const std::string whole = stage_picture(row.name, options, "whole.pfm"),
+                    part = stage_picture(row.name, options + " --crop 3,7,21,11", "part.pfm");
+  const std::size_t begin = whole.size() - width * height * pixel,
+                    part_begin = part.size() - columns * rows * pixel;
+  for (std::size_t i = 0; i < rows; ++i)
+    CHECK(part.substr(part_begin + i * columns * pixel, columns * pixel) ==
+          whole.substr(begin + ((height - y - rows + i) * width + x) * pixel, columns * pixel));
+}

@@ -1,15 +1,19 @@
 // Draws the picture of each stage by WebAssembly, in node, and compares it with its golden, byte for byte.
 //
-//   node tests/wasm/check.mjs SITE GOLDEN [STAGE...]
+//   node tests/wasm/check.mjs SITE GOLDEN [NAME...]
 //
-// SITE is the folder that docs/web/build made, GOLDEN that of the goldens. Without names all stages are drawn. The exit
-// status is 1 if anything is not as it should be.
+// SITE is the folder that docs/web/build made, GOLDEN that of the goldens. A name is that of a stage or of a module; without
+// names all stages are drawn. The exit status is 1 if anything is not as it should be.
 import {existsSync, readFileSync} from 'node:fs';
 import {resolve} from 'node:path';
 import {pathToFileURL} from 'node:url';
 
-const [site, golden, ...chosen] = process.argv.slice(2);
+const [site, golden, ...wanted] = process.argv.slice(2);
 const {compiledModule, loadStage, stageNames} = await import(pathToFileURL(resolve(site, 'modules/stages.mjs')));
+const {modules} = await import(pathToFileURL(resolve(site, 'modules/modules.mjs')));
+const chosen = wanted.length === 0 ? stageNames
+  : stageNames.filter(name => wanted.includes(name) || wanted.includes(modules[name]));
+if (chosen.length === 0) throw new Error(`no stage or module is named ${wanted.join(', ')}`);
 let failures = 0;
 
 function expect(condition, message) {
@@ -27,7 +31,7 @@ function rowsOf(file, width, height) {
   return Array.from({length: height}, (_, y) => pixels.subarray(row * (height - 1 - y), row * (height - y)));
 }
 
-const names = chosen.length > 0 ? chosen : stageNames.filter(name => name !== 'render');
+const names = chosen.filter(name => name !== 'render');
 for (const name of names) {
   const stage = await loadStage(name);
   const start = performance.now();
@@ -46,28 +50,28 @@ for (const name of names) {
 }
 
 // A run leaves nothing behind: an error, the explanation of a pixel, and then a picture as before.
-const stage = await loadStage(names[0]);
-const usage = stage.run(['--size', '0x7']);
-expect(usage.status === 2 && usage.stderr.includes('0x7') && usage.stdout === '', `an error in usage: ${usage.stderr}`);
-const pixel = stage.run(['--pixel', '3,4', '--explain', 'pixel.json']);
-expect(pixel.status === 0 && JSON.parse(Buffer.from(pixel.files['pixel.json'])).pixel !== undefined, 'no explanation');
-const again = stage.run(['-o', 'out.png', '--quiet']);
-expect(equal(again.files['out.png'], readFileSync(`${golden}/${names[0]}.png`)), 'a later run draws another picture');
-expect(Object.keys(again.files).join() === 'out.png', `files of earlier runs are left: ${Object.keys(again.files)}`);
-const absent = stage.run(['-o', 'folder/out.png', '--quiet']);
-expect(absent.status === 1 && absent.stderr.includes('folder/out.png'), `a file that cannot be written: ${absent.stderr}`);
-
-// What the page compiled, a worker takes instead of fetching it.
-expect(await compiledModule(names[0]) instanceof WebAssembly.Module, 'no module to be posted');
+if (names.length > 0) {
+  const [name] = names, stage = await loadStage(name);
+  const usage = stage.run(['--size', '0x7']);
+  expect(usage.status === 2 && usage.stderr.includes('0x7') && usage.stdout === '', `an error in usage: ${usage.stderr}`);
+  const pixel = stage.run(['--pixel', '3,4', '--explain', 'pixel.json']);
+  expect(pixel.status === 0 && JSON.parse(Buffer.from(pixel.files['pixel.json'])).pixel !== undefined, 'no explanation');
+  const again = stage.run(['-o', 'out.png', '--quiet']);
+  expect(equal(again.files['out.png'], readFileSync(`${golden}/${name}.png`)), 'a later run draws another picture');
+  expect(Object.keys(again.files).join() === 'out.png', `files of earlier runs are left: ${Object.keys(again.files)}`);
+  const absent = stage.run(['-o', 'folder/out.png', '--quiet']);
+  expect(absent.status === 1 && absent.stderr.includes('folder/out.png'), `no error for a folder: ${absent.stderr}`);
+  expect(await compiledModule(name) instanceof WebAssembly.Module, 'no module that a worker could take');
+}
 let refused = '';
 await loadStage('00_nothing').catch(error => { refused = error.message; });
 expect(refused.includes('00_nothing') && refused.includes('09_shadow'), `a stage that is not there: ${refused}`);
 
 // Scene files, where their module is built: with the files they name.
-if (chosen.length === 0 || chosen.includes('render')) {
+if (chosen.includes('render')) {
   const scenes = resolve(golden, '../../scenes');
   const render = await loadStage('render');
-  for (const name of ['three_spheres', 'csg', 'mesh', 'image', 'normal_map', 'environment', 'fields', 'torus']) {
+  for (const name of ['whitted', 'csg', 'mesh', 'image', 'normal_map', 'environment', 'fields', 'torus']) {
     const files = {};
     for (const file of [`${name}.json`, 'knot.obj', 'bricks.png', 'dusk.hdr'])
       if (existsSync(`${scenes}/${file}`)) files[file] = readFileSync(`${scenes}/${file}`);

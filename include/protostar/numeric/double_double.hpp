@@ -18,6 +18,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 #if defined(__GNUC__) && defined(__SSE2__)
   __asm__("" : "+x"(x));
   return x;
+#elif defined(__wasm__)
+  return x;  // WebAssembly has no instruction that fuses them
 #else
   volatile double hidden = x;
   return hidden;

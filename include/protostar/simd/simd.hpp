@@ -60,7 +60,8 @@ struct Lanes {
   /// Sets every lane to the number.
   Lanes(T number) : v(detail::everywhere<T, N>(number)) {}
 
-  /// Returns the numbers f(0), f(1), ...
+  /// Returns the numbers f(0), f(1), ... The lanes are written out: clang takes a loop over lanes of
+  /// WebAssembly for so expensive that it does not unroll it, and each lane then goes through memory.
   static Lanes of_each(const auto& f) {
     return [&]<int... i>(std::integer_sequence<int, i...>) { return Lanes(detail::Vector<T, N>{f(i)...}); }
     (std::make_integer_sequence<int, N>());
@@ -134,10 +135,15 @@ template <class T, int N>
   if constexpr (size == 16 && sizeof(T) == 4) return static_cast<Bits>(_mm_movemask_ps((__m128)mask.v));
   if constexpr (size == 16 && sizeof(T) == 8) return static_cast<Bits>(_mm_movemask_pd((__m128d)mask.v));
 #endif
+#if defined(__wasm_simd128__)
+  if constexpr (size == 16 && sizeof(T) == 4) return wasm_i32x4_bitmask((v128_t)mask.v);
+  if constexpr (size == 16 && sizeof(T) == 8) return wasm_i64x2_bitmask((v128_t)mask.v);
 #endif
-  Bits result = 0;
-  for (int i = 0; i < N; ++i) result |= static_cast<Bits>(mask.v[i] & 1) << i;
-  return result;
+#endif
+  return [&]<int... i>(std::integer_sequence<int, i...>) {
+    return ((static_cast<Bits>(mask.v[i] & 1) << i) | ...);
+  }
+  (std::make_integer_sequence<int, N>());
 #endif
 }
 
@@ -165,8 +171,7 @@ template <class T, int N>
   return Mask<T, N>(lanes & first_bits(N));
 #else
   using Truth = detail::Truth<T>;
-  detail::Vector<Truth, N> bit{};
-  for (int i = 0; i < N; ++i) bit[i] = Truth{1} << i;
+  const auto bit = Lanes<Truth, N>::of_each([](int i) { return static_cast<Truth>(Truth{1} << i); }).v;
   return Mask<T, N>((detail::everywhere<Truth, N>(static_cast<Truth>(lanes)) & bit) == bit);
 #endif
 }
@@ -186,9 +191,7 @@ template <class M, class T, int N>
 /// Returns the numbers 0, 1, 2, ...
 template <class T, int N>
 [[nodiscard]] Lanes<T, N> iota() {
-  Lanes<T, N> lanes;
-  for (int i = 0; i < N; ++i) lanes.set(i, static_cast<T>(i));
-  return lanes;
+  return Lanes<T, N>::of_each([](int i) { return static_cast<T>(i); });
 }
 
 /// Returns the square root in each lane; NaN for a negative number.
@@ -209,9 +212,12 @@ template <class T, int N>
   if constexpr (size == 16 && sizeof(T) == 4) return (V)_mm_sqrt_ps((__m128)a.v);
   if constexpr (size == 16 && sizeof(T) == 8) return (V)_mm_sqrt_pd((__m128d)a.v);
 #endif
+#if defined(__wasm_simd128__)
+  if constexpr (size == 16 && sizeof(T) == 4) return (V)wasm_f32x4_sqrt((v128_t)a.v);
+  if constexpr (size == 16 && sizeof(T) == 8) return (V)wasm_f64x2_sqrt((v128_t)a.v);
 #endif
-  for (int i = 0; i < N; ++i) a.set(i, std::sqrt(a[i]));
-  return a;
+#endif
+  return Lanes<T, N>::of_each([&](int i) { return std::sqrt(a[i]); });
 }
 
 /// Returns 1/√a in each lane, off by less than 8u = 2^-21 of it, for a from 2^-100 to 2^100.

@@ -18,6 +18,8 @@
 #include <immintrin.h>  // 40,000 lines, which no other processor needs
 #elif defined(__SSE2__)
 #include <emmintrin.h>
+#elif defined(__wasm_simd128__)
+#include <wasm_simd128.h>
 #endif
 #if defined(__AVX512VL__)
 #define PROTOSTAR_BIT_MASKS 1

@@ -29,15 +29,13 @@ using WideMask = Mask<float, float_lanes>;
 #elif defined(PROTOSTAR_VECTORS) && defined(__AVX2__) && defined(__FMA__)
   return _mm256_fmadd_pd((__m256d)a.v, (__m256d)b.v, (__m256d)c.v);
 #else
-  for (int i = 0; i < double_lanes; ++i) c.set(i, std::fma(a[i], b[i], c[i]));
-  return c;
+  return Doubles::of_each([&](int i) { return std::fma(a[i], b[i], c[i]); });
 #endif
 }
 
 /// Returns f(number) in each lane.
 [[nodiscard]] Doubles of_each(Doubles x, const auto& f) {
-  for (int lane = 0; lane < double_lanes; ++lane) x.set(lane, f(x[lane]));
-  return x;
+  return Doubles::of_each([&](int lane) { return f(x[lane]); });
 }
 
 /// A vector of floats in each lane.
