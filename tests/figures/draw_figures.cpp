@@ -28,7 +28,8 @@ std::vector<figures::StageFigure> stage_figures() {
         figures::soft_shadow_figures(), figures::lens_figures(), figures::motion_figures(),
         figures::glossy_figures(), figures::path_tracing_figures(), figures::cornell_figures(),
         figures::weekend_figures(), figures::normal_map_figures(), figures::topic_figures(),
-        figures::fresnel_figures(), figures::marching_figures(), figures::field_figures()})
+        figures::fresnel_figures(), figures::marching_figures(), figures::field_figures(),
+        figures::porting_figures()})
     all.insert(all.end(), some.begin(), some.end());
   return all;
 }
@@ -73,7 +74,8 @@ int draw(const std::string& folder, bool checks) {
                           {"error", figures::error(folder)},
                           {"kernels", figures::kernels(folder)},
                           {"samplers", figures::samplers(folder)},
-                          {"paths", figures::paths(folder)}};
+                          {"paths", figures::paths(folder)},
+                          {"shaders", figures::shaders(folder)}};
   int differ = 0;
   for (const figures::StageFigure& figure : stage_figures()) {
     all.push_back(drawn(figure));

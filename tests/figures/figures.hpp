@@ -27,6 +27,7 @@ std::string error(const std::string& folder);
 std::string kernels(const std::string& folder);
 std::string samplers(const std::string& folder);
 std::string paths(const std::string& folder);
+std::string shaders(const std::string& folder);
 
 // Figures of the stages' pages.
 std::vector<StageFigure> vector_figures();    ///< stages 00 to 02: vectors, images, cameras and rays
@@ -45,6 +46,7 @@ std::vector<StageFigure> weekend_figures();       ///< stage 26: a tree of boxes
 std::vector<StageFigure> normal_map_figures();    ///< stage 27: normal maps
 std::vector<StageFigure> marching_figures();      ///< stages 30 to 33: steps along a ray, and proofs
 std::vector<StageFigure> field_figures();         ///< stages 34 to 38: distance fields of shapes
+std::vector<StageFigure> porting_figures();       ///< the page about shaders
 std::vector<StageFigure>
 topic_figures();  ///< pages beside the stages: history, cameras, lights, tone, threads
 std::vector<StageFigure> fresnel_figures();  ///< the page about Fresnel's equations

@@ -217,4 +217,24 @@ std::string kernels(const std::string& folder) {
   return chart.drawn();
 }
 
+std::string shaders(const std::string& folder) {
+  BarChart chart{.title = "Pixels of shaders that are wrong by more than a level",
+                 .axis = "pixels, of 307200",
+                 .base = 1,
+                 .ticks = {1, 10, 100, 1000, 10000, 100000},
+                 .bars = {}};
+  const CsvTable table = read_csv(folder + "/shaders.csv").at(0);
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const std::string shader = table.name(i), numbers = table.text(i, "numbers");
+    const bool is_naive = shader.ends_with("_naive");
+    if (shader < "02" || shader > "40") continue;                 // no rays; solutions of exercises
+    if (is_naive && shader == table.text(i, "golden")) continue;  // compared with a picture in float
+    const double count = table.number(i, "above_one");
+    const std::string label = shader.substr(0, shader.find('_', 3)) + (numbers.empty() ? "" : ", offset 0");
+    chart.bars.push_back(
+        {label, std::max(count, 1.0), table.text(i, "above_one"), is_naive ? Paint::red : Paint::blue});
+  }
+  return chart.drawn();
+}
+
 }  // namespace figures

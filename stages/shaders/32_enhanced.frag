@@ -1,0 +1,159 @@
+// The ray tracer as a shader, step 32: longer steps, which are taken back if they were too long.
+//
+// Paste the file at https://www.shadertoy.com, or open the page of the stage in a browser.
+//
+// The page docs/stages/porting.md tells what is different from stages/plain/32_enhanced.cpp.
+
+const vec3 black = vec3(0), white = vec3(1);
+const float pi = 3.14159265358979;
+
+// Turns light, from 0 for black to 1 for white, into what the screen is given, from 0 to 1.
+// A screen shows the number x with the light x^2.2, so it is given light^(1/2.2).
+vec3 code(vec3 light) { return pow(clamp(light, 0.0, 1.0), vec3(1.0 / 2.2)); }
+
+// A ray: the points origin + t · direction with t > 0. The direction has length 1, so t is the distance.
+struct Ray {
+  vec3 origin;
+  vec3 direction;
+};
+
+// The ray from the eye, at (0, 0, 0), through the middle of a pixel of the picture, which stands at z = 1.
+// There v is 1 at the upper edge of the picture and -1 at the lower edge, and u is 0 in the middle.
+Ray camera_ray(vec2 pixel) {
+  float u = (2.0 * pixel.x - iResolution.x) / iResolution.y;
+  float v = (2.0 * pixel.y - iResolution.y) / iResolution.y;
+  return Ray(vec3(0), normalize(vec3(u, v, 1)));
+}
+
+// The t of a ray that hits nothing.
+const float infinity = 1e30;
+
+// A sphere: the points p with |p - center| = radius.
+struct Sphere {
+  vec3 center;
+  float radius;
+  vec3 color;
+};
+
+const Sphere spheres[3] = Sphere[3](
+    Sphere(vec3(0, 0, 3), 1.0, vec3(1, 0.3, 0)),              // in the middle
+    Sphere(vec3(-1.5, 0, 5), 1.0, vec3(0.2, 0.7, 0.1)),       // to the left, behind the first
+    Sphere(vec3(0, -1001, 3), 1000.0, vec3(0.2, 0.4, 0.8)));  // the ground, large enough to look flat
+
+// A light: a point that sends its power, in watts, alike in all directions.
+struct Light {
+  vec3 position;
+  float power;
+};
+
+const Light lights[1] = Light[1](Light(vec3(0, 3, 0), 40.0 * pi));
+
+// The distance from a point to a sphere: greater than 0 outside, 0 on the sphere, less than 0 inside.
+float distance_from(Sphere sphere, vec3 p) { return length(p - sphere.center) - sphere.radius; }
+
+// The sphere that is nearest to a point.
+Sphere nearest(vec3 p) {
+  Sphere result = spheres[0];
+  for (int i = 1; i < 3; ++i)
+    if (distance_from(spheres[i], p) < distance_from(result, p)) result = spheres[i];
+  return result;
+}
+
+// The distance field of the scene: for each point, the distance to the nearest surface.
+float field(vec3 p) { return distance_from(nearest(p), p); }
+
+// The direction in which the field grows fastest: away from the center of the nearest sphere. Differences of the
+// field over a short way, as in the plain tracer, have hardly a digit that is right: a float at 1000 has steps of
+// 0.00006.
+vec3 normal_at(vec3 p) { return normalize(p - nearest(p).center); }
+
+// How near to a surface a ray ends, in scene units. A page may define another value, or a slider.
+#ifndef EPSILON
+#define EPSILON 1e-3
+#endif
+
+// Where a ray ends otherwise, and after how many steps.
+const float far = 50.0;
+const int most_steps = 512;
+
+// Steps along the ray by more than the distance to the nearest surface. After the step, the free balls around
+// its two ends must overlap; otherwise a surface could be between them, and the step is taken back. Returns
+// the t of the first point that is nearer than epsilon to a surface, or infinity if there is none.
+float march(Ray ray, float epsilon) {
+  float t = 0.0, before = 0.0, way = 0.0, relaxation = 1.6;
+  for (int i = 0; i < most_steps && t < far; ++i) {
+    float free = field(ray.origin + t * ray.direction);
+    if (relaxation > 1.0 && before + abs(free) < way) {
+      t += before - way;  // back, and on from the end of the ball
+      way = before;
+      relaxation = 1.0;  // from here on with steps that are always right
+      continue;
+    }
+    if (free < epsilon) return t;
+    before = free;
+    way = relaxation * free;
+    t += way;
+  }
+  return infinity;
+}
+
+// A hit of a ray on a surface.
+struct Hit {
+  float t;  // the distance along the ray
+  vec3 point;
+  vec3 normal;  // the direction at a right angle to the surface there, of length 1
+  vec3 color;
+};
+
+// The closest hit of the ray. If it hits nothing, t is infinity.
+Hit closest_hit(Ray ray) {
+  float t = march(ray, EPSILON);
+  if (t == infinity) return Hit(infinity, vec3(0), vec3(0), black);
+  vec3 point = ray.origin + t * ray.direction;
+  return Hit(t, point, normal_at(point), nearest(point).color);
+}
+
+// The normal on the side from which the ray comes.
+vec3 facing(vec3 normal, Ray ray) {
+  return dot(normal, ray.direction) <= 0.0 ? normal : -1.0 * normal;
+}
+
+// Step 03: white where the ray hits something.
+vec3 binary(Ray ray) { return closest_hit(ray).t < infinity ? white : black; }
+
+// Step 04: the nearer, the lighter; 1 / infinity is as good as 0, black.
+vec3 depth(Ray ray) { return 1.0 / closest_hit(ray).t * white; }
+
+// Step 05: the normal's x, y and z, from -1 to 1, as red, green and blue from 0 to 1.
+vec3 normals(Ray ray) {
+  Hit hit = closest_hit(ray);
+  return hit.t < infinity ? 0.5 * hit.normal + 0.5 * white : black;
+}
+
+// Step 06: the color of the surface.
+vec3 flat_color(Ray ray) {
+  Hit hit = closest_hit(ray);
+  return hit.t < infinity ? hit.color : black;
+}
+
+// Step 07: the light that a matte surface sends on.
+// A lamp of power P brings P / (4π distance²) to a surface that faces it, and less by the cosine of the angle
+// to one that is tilted.
+vec3 diffuse(Ray ray) {
+  Hit hit = closest_hit(ray);
+  if (hit.t == infinity) return black;
+  vec3 normal = facing(hit.normal, ray);
+  vec3 sum = black;
+  for (int i = 0; i < 1; ++i) {
+    vec3 to_light = lights[i].position - hit.point;
+    float distance = length(to_light), cosine = dot(normal, to_light) / distance;
+    if (cosine <= 0.0) continue;  // the light is behind the surface
+    sum = sum + lights[i].power * cosine / (4.0 * pi * distance * distance) * hit.color;
+  }
+  return sum;
+}
+
+void mainImage(out vec4 color, in vec2 pixel) {
+  Ray ray = camera_ray(pixel);
+  color = vec4(code(diffuse(ray)), 1);
+}
