@@ -89,7 +89,8 @@ export function difference(pixels, reference) {
   const {width, height} = pixels, a = pixels.data, b = reference.data;
   if (reference.width !== width || reference.height !== height)
     throw new Error(`pictures of ${width}×${height} and ${reference.width}×${reference.height} pixels are compared`);
-  const result = {compared: 0, differing: 0, above_one: 0, elsewhere: 0, largest: 0, image: new ImageData(width, height)};
+  const image = new ImageData(width, height);
+  const result = {compared: 0, differing: 0, above_one: 0, elsewhere: 0, largest: 0, image};
   for (let y = 0; y < height; ++y)
     for (let x = 0; x < width; ++x) {
       const at = 4 * (y * width + x);
@@ -106,7 +107,7 @@ export function difference(pixels, reference) {
         if (!is_edge) ++result.elsewhere;
         color = is_edge ? [255, 170, 40] : [255, 50, 50];
       }
-      result.image.data.set([...color, 255], at);
+      image.data.set([...color, 255], at);
     }
   return result;
 }
