@@ -242,7 +242,10 @@ class StageView {
     const chosen = () => this.canvas.classList.toggle('moves', this.choice.value >= 0);
     this.choice.addEventListener('change', chosen);
     chosen();
-    for (let i = 0; i < this.pool.size; ++i) this.pool.run('render', ['--version']).catch(() => {});  // ready for the first drag
+    // Each worker draws once, so that the code of `render` is ready for the first drag.
+    for (let i = 0; i < this.pool.size; ++i)
+      this.pool.run('render', ['scene.json', '--integrator', this.scene.explanation.integrator, '--size', '40x30'],
+                    {'scene.json': text}).catch(() => {});
     this.section.dispatchEvent(new CustomEvent('movable'));
   }
 
