@@ -5,13 +5,14 @@ import {MovableScene} from './scene.js';
 
 const dragLimit = 50;  // milliseconds until a dragged thing is seen where it is
 
-// Returns a binary PPM file (P6) with 8 bits a channel as the pixels of a canvas.
+// Returns a PPM file with 8 bits a channel as the pixels of a canvas: binary (P6), or decimal numbers as a text (P3).
 function imageOf(file) {
-  const head = /^P6\s+(\d+)\s+(\d+)\s+255\s/.exec(String.fromCharCode(...file.subarray(0, 40)));
+  const head = /^P([36])\s+(\d+)\s+(\d+)\s+255\s/.exec(String.fromCharCode(...file.subarray(0, 40)));
   if (!head) throw new Error('The stage wrote no picture.');
-  const image = new ImageData(Number(head[1]), Number(head[2]));
-  for (let from = head[0].length, to = 0; from < file.length; from += 3, to += 4) {
-    image.data[to] = file[from], image.data[to + 1] = file[from + 1], image.data[to + 2] = file[from + 2];
+  const image = new ImageData(Number(head[2]), Number(head[3])), body = file.subarray(head[0].length);
+  const numbers = head[1] === '6' ? body : new TextDecoder().decode(body).trim().split(/\s+/).map(Number);
+  for (let from = 0, to = 0; to < image.data.length; from += 3, to += 4) {
+    image.data[to] = numbers[from], image.data[to + 1] = numbers[from + 1], image.data[to + 2] = numbers[from + 2];
     image.data[to + 3] = 255;
   }
   return image;
