@@ -171,7 +171,8 @@ class StageView {
     this.point(x, y);
     try {
       const except = this.controls.has('--error') ? ' (The samples of --error are left out.)' : '';
-      const result = await this.explain(x, y, '--rays', 'rays.svg');
+      // A stage that draws without rays refuses to draw them.
+      const result = await this.explain(x, y, '--rays', 'rays.svg').catch(() => this.explain(x, y));
       // A line that is too long goes on below its own beginning.
       const lines = result.stdout.replace(/\n$/, '').split('\n').map(line => {
         const element = made('span', {textContent: line + '\n'});
@@ -181,9 +182,9 @@ class StageView {
       const text = made('pre', {tabIndex: 0}, ...lines);
       const parts = [made('h2', {textContent: `Pixel ${x},${y}` + except}), text];
       this.answer.replaceChildren(...parts);
-      const drawing = new TextDecoder().decode(result.files['rays.svg']);
-      this.plan.hidden = false;
-      this.plan.src = 'data:image/svg+xml,' + encodeURIComponent(drawing);
+      const drawing = result.files['rays.svg'];
+      this.plan.hidden = !drawing;
+      if (drawing) this.plan.src = 'data:image/svg+xml,' + encodeURIComponent(new TextDecoder().decode(drawing));
       this.section.dispatchEvent(new CustomEvent('answered', {detail: {x, y, width, height, text: result.stdout}}));
     } catch (error) {
       this.failed(error);
