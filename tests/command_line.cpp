@@ -114,6 +114,7 @@ TEST_CASE("the options --version and --help print to stdout and draw nothing") {
   CHECK(help.status == 0);
   CHECK(help.err == "");
   for (const char* text : {"-o FILE",
+                           "--crop X,Y,W,H",
                            "--size WxH",
                            "--samples N",
                            "--error E",
