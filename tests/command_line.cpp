@@ -134,6 +134,7 @@ TEST_CASE("the options --version and --help print to stdout and draw nothing") {
   CHECK(help.status == 0);
   CHECK(help.err == "");
   for (const char* text : {"-o FILE",
+                           "--crop X,Y,W,H",
                            "--size WxH",
                            "--samples N",
                            "--error E",
@@ -163,6 +164,7 @@ TEST_CASE("the options --version and --help print to stdout and draw nothing") {
                                          : row.integrator == "whitted" ? "[1024x768]"
                                                                        : "[640x480]"));
   CHECK_THAT(help.out, ContainsSubstring("through its center [" + std::to_string(row.samples) + "]"));
+  if (row.name.ends_with("_naive")) CHECK_THAT(help.out, ContainsSubstring("in scene units [0.0001]"));
   CHECK(folder.count() == 0);
 }
 

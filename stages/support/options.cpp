@@ -10,6 +10,7 @@
 #include <protostar/sampling/reconstruction.hpp>
 #include <protostar/sampling/samplers.hpp>
 #include <protostar/version.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -142,6 +143,13 @@ double read_timeout(std::string_view text) {
   if (!value || !(*value >= 0 && *value <= 1e9))
     refuse("--timeout", text, "a number of seconds from 0 to 1e9");
   return *value;
+}
+
+/// Returns a text for a number, with up to six digits.
+std::string text_of(double number) {
+  std::ostringstream text;
+  text << number;
+  return text.str();
 }
 
 /// Options of the command line that ask for a picture in passes, as far as they are given.
@@ -357,7 +365,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   app.add_option("--rays", rays, "With --pixel: a file for a drawing of its rays")
       ->type_name("FILE.svg|FILE.obj");
   for (std::size_t i = 0; i < numbers.size(); ++i)
-    app.add_option(options.numbers[i].name, numbers[i], options.numbers[i].help)->type_name("X");
+    app.add_option(options.numbers[i].name, numbers[i],
+                   options.numbers[i].help + " [" + text_of(options.numbers[i].value) + "]")
+        ->type_name("X");
   app.add_flag("--quiet", options.quiet, "Print nothing but errors");
   set_failure_message(app);
 

@@ -71,7 +71,7 @@ expect(refused.includes('00_nothing') && refused.includes('09_shadow'), `a stage
 if (chosen.includes('render')) {
   const scenes = resolve(golden, '../../scenes');
   const render = await loadStage('render');
-  for (const name of ['whitted', 'csg', 'mesh', 'image', 'normal_map', 'environment', 'fields', 'torus']) {
+  for (const name of ['glass', 'csg', 'mesh', 'normal_map', 'environment', 'fields', 'torus']) {
     const files = {};
     for (const file of [`${name}.json`, 'knot.obj', 'bricks.png', 'dusk.hdr'])
       if (existsSync(`${scenes}/${file}`)) files[file] = readFileSync(`${scenes}/${file}`);

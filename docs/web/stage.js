@@ -1,0 +1,366 @@
+// The part of a page that runs its stage: the picture, the options, and the answer to a pixel.
+import {Controls, parseHelp} from './options.js';
+import {Cancelled, Pool} from './pool.js';
+import {MovableScene} from './scene.js';
+
+const dragLimit = 50;  // milliseconds until a dragged thing is seen where it is
+
+// Returns a PPM file with 8 bits a channel as the pixels of a canvas: binary (P6), or decimal numbers as a text (P3).
+function imageOf(file) {
+  const head = /^P([36])\s+(\d+)\s+(\d+)\s+255\s/.exec(String.fromCharCode(...file.subarray(0, 40)));
+  if (!head) throw new Error('The stage wrote no picture.');
+  const image = new ImageData(Number(head[2]), Number(head[3])), body = file.subarray(head[0].length);
+  const numbers = head[1] === '6' ? body : new TextDecoder().decode(body).trim().split(/\s+/).map(Number);
+  for (let from = 0, to = 0; to < image.data.length; from += 3, to += 4) {
+    image.data[to] = numbers[from], image.data[to + 1] = numbers[from + 1], image.data[to + 2] = numbers[from + 2];
+    image.data[to + 3] = 255;
+  }
+  return image;
+}
+
+function made(tag, properties = {}, ...children) {
+  const element = Object.assign(document.createElement(tag), properties);
+  element.append(...children);
+  return element;
+}
+
+const milliseconds = time => time < 10 ? `${time.toFixed(1)} ms` : time < 10000 ? `${time.toFixed(0)} ms`
+                                                                             : `${(time / 1000).toFixed(0)} s`;
+
+// The running stage. Its events at the section: `drawn` when the whole picture is on the canvas, `answered` when a pixel is
+// explained, `failed` with a message.
+class StageView {
+  constructor(section) {
+    this.section = section;
+    this.name = section.dataset.stage;
+    this.pool = new Pool();
+    this.drawing = 0;  // number of the picture that is drawn; runs of an older one have no effect
+    section.view = this;
+  }
+
+  async start() {
+    const figure = this.section.querySelector('figure'), image = figure.querySelector('img');
+    this.status = made('figcaption', {className: 'status', textContent: 'The stage is loaded.'});
+    this.status.setAttribute('role', 'status');
+    figure.append(this.status);
+    const help = await this.pool.run(this.name, ['--help']);
+    const options = parseHelp(help.stdout);
+    this.takesCrops = options.some(({name}) => name === '--crop');
+    this.controls = new Controls(options, () => this.draw());
+
+    this.canvas = made('canvas', {tabIndex: 0, textContent: image.alt});
+    this.canvas.setAttribute('role', 'img');
+    this.canvas.setAttribute('aria-label', `${image.alt}. Arrow keys move a cursor, Enter asks the pixel below it.`);
+    this.cursor = made('div', {className: 'cursor', hidden: true});
+    this.frame = made('div', {className: 'frame'}, this.canvas, this.cursor);
+    [this.canvas.width, this.canvas.height] = this.controls.size;
+    this.canvas.getContext('2d').drawImage(image, 0, 0, this.canvas.width, this.canvas.height);  // until the stage draws
+    image.replaceWith(this.frame);
+    this.plan = made('img', {className: 'plan', alt: 'The rays of this pixel, from above and from the side', hidden: true});
+    figure.append(this.plan);
+
+    this.answer = made('div', {className: 'answer'});
+    this.answer.setAttribute('aria-live', 'polite');
+    this.tell('Ask a pixel why it has its color: click it.');
+    const side = made('div', {className: 'side'}, this.controls.element);
+    if (this.section.dataset.scene) side.append(this.mover());
+    side.append(this.answer);
+    this.section.append(side);
+    this.listen();
+    await this.draw();
+    if (this.section.dataset.scene) await this.loadScene();
+  }
+
+  // Runs the stage, or `render` with the scene file if something was moved. Throws an Error with what the program says.
+  async run(...args) {
+    const files = this.scene?.moved ? {'scene.json': this.scene.text} : {};
+    const program = this.scene?.moved ? ['scene.json', '--integrator', this.scene.explanation.integrator] : [];
+    const result = await this.pool.run(this.scene?.moved ? 'render' : this.name,
+                                       [...program, ...this.controls.args('--size'), ...args], files);
+    if (result.status !== 0 && !result.files['out.ppm']) throw new Error(result.stderr.trim());
+    return result;
+  }
+
+  // Draws the picture: first an eighth of the size, then whole, in bands that appear one by one if it takes long.
+  async draw() {
+    const drawing = ++this.drawing;
+    this.pool.cancel();
+    const [width, height] = this.controls.size;
+    this.controls.command.textContent = ['build/stages/' + this.name, ...this.controls.args()].join(' ');
+    this.section.classList.add('busy');
+    try {
+      const start = performance.now();
+      const small = await this.drawSmall(8);
+      if (drawing !== this.drawing) return;
+      const first = performance.now() - start;
+      // An error is one of the whole picture, so that its samples cannot be drawn in bands.
+      const whole = !this.takesCrops || this.controls.has('--error');
+      const expected = small.run * 64;
+      const bands = whole || expected < 150 ? 1
+                  : Math.min(this.pool.size * Math.ceil(expected / this.pool.size / 200), 64, height);
+      const lines = [];
+      let done = 0;
+      await Promise.all(Array.from({length: bands}, async (_, i) => {
+        const from = Math.round(i * height / bands), to = Math.round((i + 1) * height / bands);
+        const crop = bands > 1 ? ['--crop', `0,${from},${width},${to - from}`] : [];
+        const result = await this.run('--size', `${width}x${height}`, '--threads', '1', ...crop);
+        if (drawing !== this.drawing) return;
+        this.show(imageOf(result.files['out.ppm']), from, done++ === 0 && bands === 1);
+        lines.push(...result.stdout.trim().split('\n').slice(1));
+        if (done < bands) this.status.textContent = `Drawn: ${done} of ${bands} bands`;
+      }));
+      if (drawing !== this.drawing) return;
+      const time = performance.now() - start;
+      this.status.textContent = [`${width} × ${height}: first picture after ${milliseconds(first)}, whole after ` +
+                                 `${milliseconds(time)} on ${Math.min(bands, this.pool.size)} ` +
+                                 (bands > 1 ? 'workers' : 'worker'), ...this.sums(lines)].join('. ');
+      this.section.classList.remove('busy');
+      this.section.dispatchEvent(new CustomEvent('drawn', {detail: {first, time, bands}}));
+    } catch (error) {
+      this.failed(error, drawing);
+    }
+  }
+
+  // Lines that a stage prints about its picture; the counts of wrong pixels of bands are added up.
+  sums(lines) {
+    const counts = lines.map(line => /^(\d+) of (\d+) (pixels are wrong)/.exec(line));
+    if (!lines.length || counts.some(count => !count)) return lines;
+    const sum = i => counts.reduce((total, count) => total + Number(count[i]), 0);
+    return [`${sum(1)} of ${sum(2)} ${counts[0][3]}`];
+  }
+
+  // Draws the picture at a part of its size. Returns milliseconds: those of the run, and those until it was seen.
+  async drawSmall(scale) {
+    const start = performance.now(), [width, height] = this.controls.size;
+    const [w, h] = [width, height].map(x => Math.max(1, Math.round(x / scale)));
+    const result = await this.run('--size', `${w}x${h}`, '--threads', '1');
+    const canvas = new OffscreenCanvas(w, h);
+    canvas.getContext('2d').putImageData(imageOf(result.files['out.ppm']), 0, 0);
+    this.resize(width, height);
+    const context = this.canvas.getContext('2d');
+    context.imageSmoothingEnabled = false;
+    context.drawImage(canvas, 0, 0, width, height);
+    this.size = [w, h];
+    return {run: result.time, seen: performance.now() - start};
+  }
+
+  resize(width, height) {
+    if (this.canvas.width !== width) this.canvas.width = width;
+    if (this.canvas.height !== height) this.canvas.height = height;
+  }
+
+  show(image, row, isWhole) {
+    if (isWhole) this.resize(image.width, image.height);
+    this.canvas.getContext('2d').putImageData(image, 0, row);
+  }
+
+  failed(error, drawing = this.drawing) {
+    if (error instanceof Cancelled || drawing !== this.drawing) return;
+    this.section.classList.remove('busy');
+    this.status.textContent = error.message;
+    this.section.dispatchEvent(new CustomEvent('failed', {detail: error.message}));
+  }
+
+  tell(text) { this.answer.replaceChildren(made('p', {textContent: text})); }
+
+  // ---- Asking a pixel.
+
+  // Shows why a pixel has its color: the words of --pixel beside the drawing of --rays.
+  async ask(x, y) {
+    const [width, height] = this.controls.size;
+    this.point(x, y);
+    try {
+      const except = this.controls.has('--error') ? ' (The samples of --error are left out.)' : '';
+      // A stage that draws without rays refuses to draw them.
+      const result = await this.explain(x, y, '--rays', 'rays.svg').catch(() => this.explain(x, y));
+      // A line that is too long goes on below its own beginning.
+      const lines = result.stdout.replace(/\n$/, '').split('\n').map(line => {
+        const element = made('span', {textContent: line + '\n'});
+        element.style.setProperty('--indent', /^ */.exec(line)[0].length);
+        return element;
+      });
+      const text = made('pre', {tabIndex: 0}, ...lines);
+      const parts = [made('h2', {textContent: `Pixel ${x},${y}` + except}), text];
+      this.answer.replaceChildren(...parts);
+      const drawing = result.files['rays.svg'];
+      this.plan.hidden = !drawing;
+      if (drawing) this.plan.src = 'data:image/svg+xml,' + encodeURIComponent(new TextDecoder().decode(drawing));
+      this.section.dispatchEvent(new CustomEvent('answered', {detail: {x, y, width, height, text: result.stdout}}));
+    } catch (error) {
+      this.failed(error);
+    }
+  }
+
+  // Runs --pixel. It takes no samples by an error.
+  async explain(x, y, ...args) {
+    const [width, height] = this.controls.size;
+    const moved = this.scene?.moved;
+    const program = moved ? ['scene.json', '--integrator', this.scene.explanation.integrator] : [];
+    const own = this.controls.args('--size', '--error', '--max-samples', '--clamp');
+    const result = await this.pool.run(moved ? 'render' : this.name,
+                                       [...program, ...own, '--size', `${width}x${height}`, '--pixel', `${x},${y}`, ...args],
+                                       moved ? {'scene.json': this.scene.text} : {});
+    if (result.status !== 0) throw new Error(result.stderr.trim());
+    return result;
+  }
+
+  // Returns what --explain tells of a pixel.
+  async explanation(x, y) {
+    const result = await this.explain(x, y, '--explain', 'pixel.json');
+    return JSON.parse(new TextDecoder().decode(result.files['pixel.json']));
+  }
+
+  // Puts the cursor on a pixel.
+  point(x, y) {
+    this.at = [x, y];
+    this.cursor.hidden = false;
+    this.cursor.style.left = `${100 * (x + 0.5) / this.canvas.width}%`;
+    this.cursor.style.top = `${100 * (y + 0.5) / this.canvas.height}%`;
+  }
+
+  // ---- Moving spheres and lights.
+
+  mover() {
+    this.choice = made('select', {disabled: true});
+    this.back = made('button', {type: 'button', textContent: 'Put back', disabled: true});
+    this.back.addEventListener('click', () => {
+      this.scene.reset();
+      this.back.disabled = true;
+      this.draw();
+    });
+    const label = made('label', {}, 'Drag, or move by arrow keys: ', this.choice);
+    return made('p', {className: 'line mover'}, label, this.back);
+  }
+
+  async loadScene() {
+    const address = new URL(this.section.dataset.scene, location.href);
+    const response = await fetch(address);
+    if (!response.ok) throw new Error(`${address}: ${response.status} ${response.statusText}`);
+    const text = await response.text();
+    this.scene = new MovableScene(text, await this.explanation(0, 0));
+    this.choice.append(made('option', {value: -1, textContent: 'the sphere in sight'}),
+                       ...this.scene.things.map(({name}, i) => made('option', {value: i, textContent: name})));
+    this.choice.disabled = false;
+    const chosen = () => this.canvas.classList.toggle('moves', this.choice.value >= 0);
+    this.choice.addEventListener('change', chosen);
+    chosen();
+    // Each worker draws once, so that the code of `render` is ready for the first drag.
+    for (let i = 0; i < this.pool.size; ++i)
+      this.pool.run('render', ['scene.json', '--integrator', this.scene.explanation.integrator, '--size', '40x30'],
+                    {'scene.json': text}).catch(() => {});
+    this.section.dispatchEvent(new CustomEvent('movable'));
+  }
+
+  // Moves a thing, and draws it there. Positions that come while a picture is drawn wait for the next one, together.
+  async move(index, right, down) {
+    if (this.section.classList.contains('busy')) this.pool.cancel();  // a whole picture would be in the way
+    ++this.drawing;
+    this.section.classList.remove('busy');
+    this.scene.move(index, right, down, this.canvas.height);
+    this.back.disabled = false;
+    clearTimeout(this.whole);
+    this.again = true;
+    if (this.moving) return;
+    this.moving = true;
+    try {
+      this.scale ??= 8;
+      while (this.again) {
+        this.again = false;
+        const time = (await this.drawSmall(this.scale)).seen;
+        this.slowest = Math.max(this.slowest ?? 0, time);
+        this.status.textContent = `Dragged: ${this.size.join(' × ')} in ${milliseconds(time)} ` +
+                                  `(slowest ${milliseconds(this.slowest)} of ${dragLimit} ms)`;
+        // The time grows with the number of pixels: aim at half of the limit. An eighth of the size is enough to see.
+        this.scale = Math.min(Math.max(this.scale * Math.sqrt(time / (dragLimit / 2)), 8), 40);
+      }
+    } catch (error) {
+      this.failed(error);
+    } finally {
+      this.moving = false;
+    }
+    if (!this.held) this.whole = setTimeout(() => this.draw(), 200);
+  }
+
+  // ---- Pointer and keys.
+
+  pixelAt(event) {
+    const box = this.canvas.getBoundingClientRect();
+    const within = (x, size) => Math.min(Math.max(Math.floor(x), 0), size - 1);
+    return [within((event.clientX - box.left) / box.width * this.canvas.width, this.canvas.width),
+            within((event.clientY - box.top) / box.height * this.canvas.height, this.canvas.height)];
+  }
+
+  listen() {
+    let start = null;
+    this.canvas.addEventListener('pointerdown', event => {
+      if (event.button !== 0) return;
+      const [x, y] = this.pixelAt(event);
+      start = {x, y, last: [x, y], dragged: false, thing: null};
+      if (!this.scene) return;
+      this.canvas.setPointerCapture(event.pointerId);
+      const chosen = Number(this.choice.value), mine = start;
+      if (chosen >= 0) mine.thing = chosen;
+      else this.explanation(x, y).then(told => { mine.thing = this.scene.seenBy(told); }, () => {});
+    });
+    this.canvas.addEventListener('pointermove', event => {
+      if (!start) return;
+      const [x, y] = this.pixelAt(event);
+      const near = 4 * this.canvas.width / this.canvas.clientWidth;
+      if (!start.dragged && Math.hypot(x - start.x, y - start.y) < near) return;
+      start.dragged = this.held = true;
+      if (start.thing === null || start.thing < 0) return;
+      this.move(start.thing, x - start.last[0], y - start.last[1]);
+      start.last = [x, y];
+    });
+    const end = event => {
+      const was = start;
+      start = null;
+      this.held = false;
+      if (!was) return;
+      if (!was.dragged && event.type === 'pointerup') this.ask(was.x, was.y);
+      else if (was.thing >= 0 && was.thing !== null && !this.moving) this.whole = setTimeout(() => this.draw(), 50);
+    };
+    this.canvas.addEventListener('pointerup', end);
+    this.canvas.addEventListener('pointercancel', end);
+
+    this.canvas.addEventListener('keydown', event => {
+      const way = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[event.key];
+      if (way) {
+        event.preventDefault();
+        const step = event.shiftKey ? 16 : 1, chosen = Number(this.choice?.value ?? -1);
+        if (this.scene && chosen >= 0) return this.move(chosen, 4 * step * way[0], 4 * step * way[1]);
+        const [x, y] = this.at ?? [this.canvas.width >> 1, this.canvas.height >> 1];
+        const within = (value, size) => Math.min(Math.max(value, 0), size - 1);
+        this.point(within(x + step * way[0], this.canvas.width), within(y + step * way[1], this.canvas.height));
+      } else if (event.key === 'Enter' || event.key === ' ') {
+        event.preventDefault();
+        this.ask(...(this.at ?? [this.canvas.width >> 1, this.canvas.height >> 1]));
+      }
+    });
+  }
+}
+
+// Compares the picture with that of the stage's shader, in the part of the page that is for it, when the user asks for it.
+// The numbers of the stage alone, such as --offset, are numbers of the shader, such as OFFSET.
+function offerShader(section, view) {
+  const button = made('button', {type: 'button', textContent: 'Draw it by the shader, and compare'});
+  const result = made('div', {className: 'pictures'});
+  button.addEventListener('click', async () => {
+    const {showShader} = await import('./shader.js');
+    const {canvas, controls} = view;
+    const numbers = Object.fromEntries(controls.options.filter(({meta}) => meta === 'X').map(({name, byDefault}) =>
+        [name.slice(2).toUpperCase().replaceAll('-', '_'), Number(controls.fields.get(name).value || byDefault)]));
+    await showShader(result, view.name, canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height),
+                     {numbers, folder: new URL('.', new URL(section.dataset.shader, location.href))});
+  });
+  section.append(made('p', {}, button, ' This stage is also a shader for the graphics processor, which computes in float.'),
+                 result);
+}
+
+for (const section of document.querySelectorAll('section.stage')) {
+  const view = new StageView(section);
+  view.start().then(() => {
+    const shader = document.querySelector('section.shader');
+    if (shader) offerShader(shader, view);
+  }, error => view.failed(error));
+}
