@@ -7,8 +7,12 @@
 using namespace protostar;
 
 int main(int argc, char** argv) {
-  const StageDefaults defaults{
-      .integrator = "gradient", .width = 100, .height = 100, .transfer = Linear{}, .plain = true};
+  const StageDefaults defaults{.integrator = "gradient",
+                               .width = 100,
+                               .height = 100,
+                               .transfer = Linear{},
+                               .plain = true,
+                               .fills_whole = true};
 
   return run_stage(argc, argv, defaults, [](Stage& stage) {
     Image image = stage.image();

@@ -107,6 +107,7 @@ const std::set<std::string> glm_headers = {"glm/vec2.hpp", "glm/vec3.hpp", "glm/
 const std::set<std::pair<std::string, std::string>> of_the_machine = {
     {"simd/vector_registers.hpp", "immintrin.h"},
     {"simd/vector_registers.hpp", "emmintrin.h"},
+    {"simd/vector_registers.hpp", "wasm_simd128.h"},
     {"large_pages.hpp", "sys/mman.h"},
     {"system_file.hpp", "dirent.h"},
     {"system_file.hpp", "fcntl.h"},

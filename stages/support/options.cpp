@@ -287,7 +287,10 @@ void check_sums(Options& options) {
 
 std::optional<Options> parse_options(int argc, const char* const* argv, const StageDefaults& defaults,
                                      const std::string& program, int& status) {
-  Options options{.program = program, .plain = defaults.plain, .numbers = defaults.numbers};
+  Options options{.program = program,
+                  .plain = defaults.plain,
+                  .fills_whole = defaults.fills_whole,
+                  .numbers = defaults.numbers};
   std::vector<std::string> numbers(options.numbers.size());
   std::string output = options.output.string(), size, threads, shard, checkpoint;
   std::string scene, integrator, samples, sampler, filter, seed, crop, timeout, pixel, explain, rays;

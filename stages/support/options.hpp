@@ -34,6 +34,7 @@ struct StageDefaults {
   protostar::Tone tone = protostar::Tone::clip;  ///< not applied to files of linear light
   double exposure = 1;  ///< factor on the light that the program applies, for the explanation of a pixel
   bool plain = false;
+  bool fills_whole = false;                ///< true if the stage fills all pixels itself, not render
   std::vector<NumberOption> numbers = {};  ///< options of this stage alone
 
   /// Names of integrators that the option --show chooses from; without names there is no such option.
@@ -59,10 +60,10 @@ struct Options {
   /// Returns true if the file holds linear light: nothing is encoded, nothing above 1 has to be cut.
   [[nodiscard]] bool is_linear() const { return format == Format::pfm || format == Format::hdr; }
 
-  /// Returns true if all of the picture is drawn though a part of it is asked for, since the largest channel
-  /// of the picture sets the scale of the part.
+  /// Returns true if all of the picture is drawn though a part of it is asked for: if the largest channel of
+  /// the picture sets the scale of the part, or the stage does not draw parts.
   [[nodiscard]] bool draws_more() const {
-    return crop.width > 0 && tone == protostar::Tone::scale_image && !is_linear();
+    return crop.width > 0 && (fills_whole || (tone == protostar::Tone::scale_image && !is_linear()));
   }
 
   /// Returns true if the picture is drawn in passes, which tell its error.
@@ -92,6 +93,7 @@ struct Options {
   std::string scene = {};                 ///< fingerprint of the files that the scene consists of
   protostar::Crop crop = {};              ///< in the picture, if width and height are those of a part of it
   bool plain = false;
+  bool fills_whole = false;  ///< true if the stage fills all pixels itself, also those outside of the crop
   bool quiet = false;
   double exposure = 1;
   std::optional<Pixel> pixel = {};     ///< explained, and nothing is drawn; the crop is then that of no part

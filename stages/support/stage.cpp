@@ -207,11 +207,11 @@ void Stage::save(const Image& image) {
   }
   if (options_.shard) {
     save_shard(*shared_->shard(), options_.output);
-  } else if (options_.tone == Tone::clip || options_.is_linear()) {
+  } else if (!options_.draws_more() && (options_.tone == Tone::clip || options_.is_linear())) {
     write(image);
   } else {
     Image toned = image;
-    apply(options_.tone, toned);
+    if (!options_.is_linear()) apply(options_.tone, toned);
     if (options_.draws_more()) toned = part_of(toned, options_.crop, options_.width, options_.height);
     write(toned);
   }
