@@ -35,6 +35,7 @@ class StageView {
     this.name = section.dataset.stage;
     this.pool = new Pool();
     this.drawing = 0;  // number of the picture that is drawn; runs of an older one have no effect
+    this.asked = 0;    // number of the last question for a pixel; answers to older ones are not shown
     section.view = this;
   }
 
@@ -118,6 +119,7 @@ class StageView {
       this.section.dispatchEvent(new CustomEvent('drawn', {detail: {first, time, bands}}));
     } catch (error) {
       this.failed(error, drawing);
+      if (drawing === this.drawing) this.pool.cancel();  // further bands would write over the message
     }
   }
 
@@ -167,12 +169,13 @@ class StageView {
 
   // Shows why a pixel has its color: the words of --pixel beside the drawing of --rays.
   async ask(x, y) {
-    const [width, height] = this.controls.size;
+    const [width, height] = this.controls.size, question = ++this.asked;
     this.point(x, y);
     try {
       const except = this.controls.has('--error') ? ' (The samples of --error are left out.)' : '';
       // A stage that draws without rays refuses to draw them.
       const result = await this.explain(x, y, '--rays', 'rays.svg').catch(() => this.explain(x, y));
+      if (question !== this.asked) return;
       // A line that is too long goes on below its own beginning.
       const lines = result.stdout.replace(/\n$/, '').split('\n').map(line => {
         const element = made('span', {textContent: line + '\n'});
@@ -187,7 +190,10 @@ class StageView {
       if (drawing) this.plan.src = 'data:image/svg+xml,' + encodeURIComponent(new TextDecoder().decode(drawing));
       this.section.dispatchEvent(new CustomEvent('answered', {detail: {x, y, width, height, text: result.stdout}}));
     } catch (error) {
-      this.failed(error);
+      if (error instanceof Cancelled || question !== this.asked) return;
+      this.tell(error.message);
+      this.plan.hidden = true;
+      this.section.dispatchEvent(new CustomEvent('failed', {detail: error.message}));
     }
   }
 
@@ -237,7 +243,10 @@ class StageView {
     const response = await fetch(address);
     if (!response.ok) throw new Error(`${address}: ${response.status} ${response.statusText}`);
     const text = await response.text();
-    this.scene = new MovableScene(text, await this.explanation(0, 0));
+    let explanation;  // asked for again where a new picture has cancelled the run
+    while (!explanation)
+      explanation = await this.explanation(0, 0).catch(error => { if (!(error instanceof Cancelled)) throw error; });
+    this.scene = new MovableScene(text, explanation);
     this.choice.append(made('option', {value: -1, textContent: 'the sphere in sight'}),
                        ...this.scene.things.map(({name}, i) => made('option', {value: i, textContent: name})));
     this.choice.disabled = false;
@@ -324,6 +333,7 @@ class StageView {
     this.canvas.addEventListener('pointercancel', end);
 
     this.canvas.addEventListener('keydown', event => {
+      if (event.ctrlKey || event.altKey || event.metaKey) return;  // keys of the browser, such as Alt and an arrow
       const way = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[event.key];
       if (way) {
         event.preventDefault();
@@ -346,6 +356,8 @@ function offerShader(section, view) {
   const button = made('button', {type: 'button', textContent: 'Draw it by the shader, and compare'});
   const result = made('div', {className: 'pictures'});
   button.addEventListener('click', async () => {
+    if (view.scene?.moved || view.section.classList.contains('busy'))
+      return result.replaceChildren('Wait until the picture is whole, and put back what was moved.');
     const {showShader} = await import('./shader.js');
     const {canvas, controls} = view;
     const numbers = Object.fromEntries(controls.options.filter(({meta}) => meta === 'X').map(({name, byDefault}) =>
@@ -359,8 +371,8 @@ function offerShader(section, view) {
 
 for (const section of document.querySelectorAll('section.stage')) {
   const view = new StageView(section);
-  view.start().then(() => {
+  view.start().catch(error => view.failed(error)).then(() => {
     const shader = document.querySelector('section.shader');
-    if (shader) offerShader(shader, view);
-  }, error => view.failed(error));
+    if (shader && view.controls) offerShader(shader, view);
+  });
 }

@@ -38,11 +38,20 @@ async function fetched(file) {
   return new Uint8Array(await response.arrayBuffer());
 }
 
+/// Returns the promise under a key, which `make` gives the first time. One that is rejected is made again the next time.
+function once(promises, key, make) {
+  if (!promises.has(key))
+    promises.set(key, make().catch(error => {
+      promises.delete(key);
+      throw error;
+    }));
+  return promises.get(key);
+}
+
 /// Fetches and compiles the module of a stage, once. Returns the WebAssembly.Module, which may be posted to workers.
 export function compiledModule(name) {
   const module = moduleOf(name);
-  if (!compiled.has(module)) compiled.set(module, fetched(module + '.wasm').then(code => WebAssembly.compile(code)));
-  return compiled.get(module);
+  return once(compiled, module, () => fetched(module + '.wasm').then(code => WebAssembly.compile(code)));
 }
 
 /// A stage whose module has been instantiated in this page or worker.
@@ -78,13 +87,15 @@ class Stage {
 async function instantiate(name, module) {
   const {default: create} = await import(new URL(moduleOf(name) + '.mjs', folder).href);
   const printed = {out: '', error: ''};
-  const instance = await create({
-    instantiateWasm(imports, done) {
-      WebAssembly.instantiate(module, imports).then(instance => done(instance, module));
-      return {};
-    },
-    print: line => { printed.out += line + '\n'; },
-    printErr: line => { printed.error += line + '\n'; },
+  const instance = await new Promise((resolve, reject) => {
+    create({
+      instantiateWasm(imports, done) {
+        WebAssembly.instantiate(module, imports).then(instance => done(instance, module)).catch(reject);
+        return {};
+      },
+      print: line => { printed.out += line + '\n'; },
+      printErr: line => { printed.error += line + '\n'; },
+    }).then(resolve, reject);
   });
   instance.FS.mkdir('/scenes');
   instance.FS.mkdir('/work');
@@ -97,9 +108,7 @@ async function instantiate(name, module) {
 /// the page; without it the module is fetched.
 export async function loadStage(name, module) {
   const key = moduleOf(name);
-  if (!instances.has(key))
-    instances.set(key, Promise.resolve(module ?? compiledModule(name)).then(code => instantiate(name, code)));
-  const instance = await instances.get(key);
+  const instance = await once(instances, key, async () => instantiate(name, await (module ?? compiledModule(name))));
   for (const file of filesOf[name] ?? [])
     if (!instance.FS.analyzePath('/scenes/' + file).exists)
       instance.FS.writeFile('/scenes/' + file, await fetched('scenes/' + file));
