@@ -64,13 +64,14 @@ template <class R, std::size_t n>
 ///
 /// With k the integer next to x · 2/π, |k| < 2^20, and up to roundings of 2^-30 |r| ≤ π/4 for r = x − k π/2.
 /// The first difference below is exact: for k ≠ 0 its terms are multiples of 2^-53, and it is below 1. The
-/// second is rounded by 2^-54 at most, and so is the third, of which the product adds 2^-101. r is off by 2u.
+/// second is rounded by 2^-54 at most, and so is the third, of which the product and the error of π/2 add
+/// 2^-100: r is off by 1.01u.
 ///
-/// Series up to r^17/17! and r^16/16! lack less than 2^-63 and 2^-58. The sine is r + r p, |r p| ≤ 0.09, the
+/// Series up to r^17/17! and r^16/16! lack less than 2^-62 and 2^-58. The sine is r + r p, |r p| ≤ 0.09, the
 /// cosine 1 + s q, |s q| ≤ 0.31; p and q have relative errors below 3u, of their first coefficients and the
 /// sums with the rest, s = r² has u, and products u each, so that r p is off by 0.5u and s q by 1.6u. The
-/// last sum, at most 1, is rounded by half a u: below 3.1u in all with the error of r, for the cosine 0.71 ·
-/// 1u.
+/// last sum, at most 1, is rounded by half a u. The error of r counts in full for the sine, and 0.71 times
+/// for the cosine, whose slope is at most that: 2.1u and 2.9u in all.
 template <class R>
 class Sines {
  public:
@@ -106,7 +107,7 @@ template <std::size_t n>
 }
 
 /// Returns the sine as Sines does, in double-double, with an error below 2^-98: r has four roundings of 3u²
-/// of numbers below 1, and the last part of π/2 an error of 2^20 · 2^-157. Series up to θ^27/27! and θ^26/26!
+/// of numbers below 1, and π/2 an error of 2^-155 times k < 2^20. Series up to θ^27/27! and θ^26/26!
 /// lack less than 2^-104. Each step of them has errors of 20u² of a term below 0.31, the product with the
 /// square and the quotient, and 3u² of the difference: below 15u² in the end, and the sine's product with r
 /// adds 5u².

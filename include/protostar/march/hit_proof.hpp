@@ -48,7 +48,8 @@ struct FieldValue {
 /// may vanish, and at a kink all its slopes count. δ begins where F is three times its error E by the slope:
 /// a value there is off by E, so it is beyond 2E, and the guess may be off by as much as one E counts. At
 /// least 2^-50 of t, four last places, makes guess ± δ differ from the guess. Four tries take δ to 64 times
-/// that, which bounds the work for guesses that are worse.
+/// that, which bounds the work for guesses that are worse. Values behind the end of the box have no bound of
+/// their error, and prove nothing.
 template <class Line>
 [[nodiscard]] std::optional<MarchedRoot> proven_root(Line& line, double start, double guess, double slope) {
   const double error = line.error(), least = std::max(3 * error / -slope, 0x1p-50 * std::abs(guess));
@@ -62,7 +63,8 @@ template <class Line>
     return std::nullopt;
   };
   const auto max = decided_on(1);
-  if (!max || !(line.template slope<double>(start, *max).slope.upper <= 0)) return std::nullopt;
+  if (!max || *max > line.span().max) return std::nullopt;
+  if (!(line.template slope<double>(start, *max).slope.upper <= 0)) return std::nullopt;
   const double min = decided_on(-1).value_or(start);
   if (!is_narrow(min, *max)) return std::nullopt;
   return MarchedRoot{MarchedRoot::Answer::hit, min, *max};

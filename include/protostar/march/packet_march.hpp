@@ -241,7 +241,7 @@ class PacketMarch {
       last = select(asks, t, last);
       asks = asks && !(values(t, asks) < -error);
     }
-    open = open && !asks;
+    open = open && !asks && last <= span_.max;
     if (!any(open)) return open;
     open = open && over_segments(start, last, open).slope.upper <= 0.0;
     Doubles min = start;

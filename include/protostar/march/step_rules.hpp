@@ -7,8 +7,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
-/// Lengths of steps by balls, and when other steps are tried instead. They are choices for speed, measured
-/// and not derived. They move the last digits of t, and prove nothing: each step counts by its balls alone.
+/// Lengths of steps by balls, and when other steps are tried instead. They are choices for speed and
+/// not derived; bench_marching counts the evaluations that they take. They move the last digits of t, and
+/// prove nothing: each step counts by its balls alone.
 struct StepRules {
   /// Balls that are hardly larger than their error, as multiples of it: it takes 1/65 or more from the radius
   /// of a smaller one.
