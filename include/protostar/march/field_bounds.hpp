@@ -1,4 +1,4 @@
-// The box of a marched field: what is asked of it, and how far a point is from the surface in it.
+// Box of a marched field: its requirements, and a lower bound of the distance to the surface inside it.
 #pragma once
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 
 #include "../bounds.hpp"
 #include "../magnitude.hpp"
+#include "../shown.hpp"
 #include "../vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -19,8 +20,8 @@ namespace detail {
   for (int k = 0; k < 3; ++k) {
     const double low = bounds.min[k], high = bounds.max[k];
     if (is_coordinate(low) && is_coordinate(high) && is_size(high - low)) continue;
-    throw std::invalid_argument("Marched: bounds." + std::string(1, "xyz"[k]) + " goes from " +
-                                std::to_string(low) + " to " + std::to_string(high) +
+    throw std::invalid_argument("Marched: bounds." + std::string(1, "xyz"[k]) + " goes from " + shown(low) +
+                                " to " + shown(high) +
                                 "; both must be finite, at most 2^400 (2.6e120) in magnitude, and the second "
                                 "must be larger than the first");
   }

@@ -67,8 +67,7 @@ class Marched<F> {
       throw std::invalid_argument(
           "Marched: in the bounds the field must have finite values, and slopes that are finite; found a "
           "slope of up to " +
-          std::to_string(setup_.bound.lipschitz) + " and an error of up to " +
-          std::to_string(setup_.bound.error));
+          shown(setup_.bound.lipschitz) + " and an error of up to " + shown(setup_.bound.error));
   }
 
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
@@ -289,8 +288,8 @@ class Marched<F> {
   Marched(F field, const Bounds& bounds, double lipschitz)
       : field_(std::move(field)), size_(detail::largest_side(bounds)), lipschitz_(lipschitz) {
     if (!is_size(lipschitz))
-      throw std::invalid_argument("Marched: lipschitz is " + std::to_string(lipschitz) +
-                                  "; it must be a number " + size_rule);
+      throw std::invalid_argument("Marched: lipschitz is " + shown(lipschitz) + "; it must be a number " +
+                                  size_rule);
     bounds_ = detail::widened(bounds, 0x1p-10 * size_);
   }
 
