@@ -123,8 +123,14 @@ class StageView {
     }
   }
 
-  // Lines that a stage prints about its picture; the counts of wrong pixels of bands are added up.
+  // Lines that a stage prints about its picture; the counts of wrong pixels of bands are added up, and their ranges of
+  // numbers become one. Its mean is left out, as bands do not tell how many numbers they have.
   sums(lines) {
+    const ranges = lines.filter(line => !line.endsWith(': none'))
+                        .map(line => /^(.*): (\S+) at least, .* (\S+) at most$/.exec(line));
+    if (lines.length > 1 && ranges.length && ranges.every(range => range))
+      return [`${ranges[0][1]}: ${Math.min(...ranges.map(range => Number(range[2])))} at least, ` +
+              `${Math.max(...ranges.map(range => Number(range[3])))} at most`];
     const counts = lines.map(line => /^(\d+) of (\d+) (pixels are wrong)/.exec(line));
     if (!lines.length || counts.some(count => !count)) return lines;
     const sum = i => counts.reduce((total, count) => total + Number(count[i]), 0);
