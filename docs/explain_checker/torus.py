@@ -91,7 +91,8 @@ class PolynomialRoot:
 
     def about(self):
         while self.high - self.low > max(abs(self.low), abs(self.high)) / 2**200:
-            self.halve()
+            if not self.halve():
+                break  # at 0, of which no interval is a small share
         return (self.low + self.high) / 2
 
 
