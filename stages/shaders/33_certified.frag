@@ -1,4 +1,4 @@
-// The ray tracer as a shader, step 33: a march with intervals, as in step 33, but without its proof.
+// The ray tracer as a shader, step 33: a march with intervals, which prove nothing here.
 //
 // Paste the file at https://www.shadertoy.com, or open the page of the stage in a browser.
 //

@@ -30,7 +30,8 @@ struct StepRules {
 
   /// Most segments of a march between two looks at balls. A march that they do not bring farther by
   /// least_progress of the extent creeps: in double it goes on in double-double, and there it is undecided.
-  /// The two bound the time of a march, to 2^9 times as many segments in each precision.
+  /// The way through the box is at most 2√3 extents, along a diagonal: the two bound the time of a march, to
+  /// 2^10 times as many segments in each precision.
   static constexpr int most_segments = 3000;
   static constexpr double least_progress = 0x1p-8;
 
