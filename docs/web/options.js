@@ -23,11 +23,11 @@ const ofThePage = new Set(['--threads', '--crop', '--pixel', '--time', '--bits']
 const isShown = ({name, meta}) => meta && !/^FILE|^I\/N/.test(meta) && !ofThePage.has(name);
 
 // Options that stand at the top: those of the stage alone, whose value is called X, and how much work is done.
-const isMain = ({name, meta}) => meta === 'X' || name === '--samples' || name === '--error';
+const isMain = ({name, meta}) => meta === 'X' || ['--show', '--samples', '--error'].includes(name);
 
-// Names that a text lists, as in "Where samples are: independent, halton or sobol"; none if it lists none.
+// Names that a text lists, as in "Where samples are: independent, halton or sobol", also without "or"; none if it lists none.
 function namesIn(help) {
-  const list = /: ((?:[\w-]+, )*[\w-]+ or [\w-]+)$/.exec(help);
+  const list = /: ((?:[\w-]+, )+[\w-]+|(?:[\w-]+, )*[\w-]+ or [\w-]+)$/.exec(help);
   return list ? list[1].split(/, | or /) : [];
 }
 

@@ -362,8 +362,8 @@ function offerShader(section, view) {
   const button = made('button', {type: 'button', textContent: 'Draw it by the shader, and compare'});
   const result = made('div', {className: 'pictures'});
   button.addEventListener('click', async () => {
-    if (view.scene?.moved || view.section.classList.contains('busy'))
-      return result.replaceChildren('Wait until the picture is whole, and put back what was moved.');
+    if (view.scene?.moved || view.controls.has('--show') || view.section.classList.contains('busy'))
+      return result.replaceChildren('Wait until the picture is whole, put back what was moved, and choose no --show.');
     const {showShader} = await import('./shader.js');
     const {canvas, controls} = view;
     const numbers = Object.fromEntries(controls.options.filter(({meta}) => meta === 'X').map(({name, byDefault}) =>
