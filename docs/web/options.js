@@ -1,5 +1,5 @@
-// The options of a stage as controls of a page. What there is to set is read from the program's own --help, so that no
-// second list has to be kept.
+// The options of a stage as controls of a page. They are read from the program's own --help, so that no second list has
+// to be kept.
 
 // Returns the options in the text of --help: {name, meta, help, byDefault} each, in the order of the text. `meta` stands
 // for the value, such as N; it is empty for options that take none.

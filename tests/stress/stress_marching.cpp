@@ -1,5 +1,5 @@
 // Marches along random rays to ten fields, and judges every answer by intervals of its own, in double and
-// with 113 bits; where a root has a closed form, by that as well.
+// with 113 bits; roots that have a closed form are also compared with it.
 //
 //   stress_marching [--tests N] [--seed S] [--threads N] [--field F] [--kind K] [--csv FILE]
 //

@@ -23,9 +23,9 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// share is 2c/(π √(1 − c²)). Hence w(x) = 2x²/(π √(1 − x²)): with x = sin α, sin² α is the weight of equal
 /// parts of α. Eight parts leave less than 1/1000 of error for any wall.
 ///
-/// Anything else is off: of two walls only the nearer counts, so that corners and slots are too bright; and
-/// whatever is nearby counts as such a wall, as large as it may be, so that the surroundings of small things
-/// are too dark.
+/// Anything else is off: only the nearer one of two walls counts, so that corners and slots are too bright;
+/// and whatever is nearby counts as such a wall, as large as it may be, so that the surroundings of small
+/// things are too dark.
 struct DistanceOcclusionIntegrator : FirstHit<DistanceOcclusionIntegrator> {
   SceneFields fields;
 

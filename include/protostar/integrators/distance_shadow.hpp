@@ -17,8 +17,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Integrator of soft shadows by distance, an approximation of DirectIntegrator for lamps that are spheres.
 /// The radiance of a hit is
 ///   L_e + ρ/π · Σ V E
-/// with its emission L_e, its color as the albedo ρ, and the irradiance E of each light. Of an area light it
-/// is that in closed form, as if nothing hid it, and V the share of the lamp that is seen (seen_share). Other
+/// with its emission L_e, its color as the albedo ρ, and the irradiance E of each light. E of an area light
+/// is the closed form, as if nothing hid it, and V is the share of the lamp that is seen (seen_share). Other
 /// lights are seen or not. The sky, or black, if there is no hit.
 ///
 /// Full light and full shadow are right, up to rounding, as far as distances are true ones; between the two,

@@ -16,9 +16,9 @@ using exact::Quad;
 template <class T>
 inline constexpr double share = std::same_as<T, double> ? 0x1p-52 : 0x1p-104;
 
-/// Bounds of the errors of sine and cosine. That of double is a guess about the C library: half a unit of the
-/// last place is 2^-54, and no library is known whose sine is off by as much as 2^-50. That of Quad: an angle
-/// below 100 less a multiple of π/2 is off by 2^-105, and the series (sine) by less than 2^-108.
+/// Bounds of the errors of sine and cosine. The one of double is a guess about the C library: half a unit of
+/// the last place is 2^-54, and no library is known whose sine is off by as much as 2^-50. The one of Quad:
+/// an angle below 100 less a multiple of π/2 is off by 2^-105, and the series (sine) by less than 2^-108.
 template <class T>
 inline constexpr double sine_error = std::same_as<T, double> ? 0x1p-50 : 0x1p-100;
 
