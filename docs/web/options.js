@@ -31,6 +31,8 @@ function namesIn(help) {
   return list ? list[1].split(/, | or /) : [];
 }
 
+const sizeIn = text => /^([1-9]\d*)x([1-9]\d*)$/.exec(text);
+
 function made(tag, properties = {}, ...children) {
   const element = Object.assign(document.createElement(tag), properties);
   element.append(...children);
@@ -87,10 +89,16 @@ export class Controls {
 
   has(name) { return this.fields.get(name)?.value.trim() !== '' && this.fields.has(name); }
 
-  // Width and height of the picture; those of the program if the user's are none, so that the program tells the mistake.
+  // Width and height of the picture; those of the program if the user's are none.
   get size() {
-    const size = /^(\d+)x(\d+)$/.exec(this.fields.get('--size').value.trim()) ??
-                 /^(\d+)x(\d+)$/.exec(this.options.find(({name}) => name === '--size').byDefault);
+    const size = sizeIn(this.fields.get('--size').value.trim()) ??
+                 sizeIn(this.options.find(({name}) => name === '--size').byDefault);
     return [Number(size[1]), Number(size[2])];
+  }
+
+  // The user's text for a size that is none; otherwise empty.
+  get wrongSize() {
+    const text = this.fields.get('--size').value.trim();
+    return sizeIn(text) ? '' : text;
   }
 }

@@ -90,6 +90,7 @@ class StageView {
     this.controls.command.textContent = ['build/stages/' + this.name, ...this.controls.args()].join(' ');
     this.section.classList.add('busy');
     try {
+      if (this.controls.wrongSize) await this.run('--size', this.controls.wrongSize);  // the program tells the mistake
       const start = performance.now();
       const small = await this.drawSmall(8);
       if (drawing !== this.drawing) return;
