@@ -30,8 +30,8 @@ struct StepRules {
 
   /// Most segments of a march between two looks at balls. A march that they do not bring farther by
   /// least_progress of the extent creeps: in double it goes on in double-double, and there it is undecided.
-  /// The way through the box is at most 2√3 extents, along a diagonal: the two bound the time of a march, to
-  /// 2^10 times as many segments in each precision.
+  /// The way through the box is at most 2√3 extents, along a diagonal, so that two looks that both find
+  /// progress are made less than 2^10 times in each precision.
   static constexpr int most_segments = 3000;
   static constexpr double least_progress = 0x1p-8;
 
@@ -41,7 +41,8 @@ struct StepRules {
   /// and 2 beside one. A bit less is taken, and m from −0.999 to 0.9. One quotient gives (1 + m)/(1 − m).
   template <class R>
   [[nodiscard]] static R stretch(const R& gain, const R& way) {
-    const R ratio = (way + gain) / (way - gain);  // at least 0.001/1.999, at most 1.9/0.1; for NaN the least
+    // For m from −0.999, about 2^-11, to 0.9: 1.9/0.1. Any other quotient, also NaN, is cut to these.
+    const R ratio = (way + gain) / (way - gain);
     return R(1.0) + R(0.9) * rounding::min(rounding::max(R(0x1p-11), ratio), R(19.0));
   }
 
