@@ -50,7 +50,7 @@ class StageView {
     this.controls = new Controls(options, () => this.draw());
 
     this.canvas = made('canvas', {tabIndex: 0, textContent: image.alt});
-    this.canvas.setAttribute('role', 'img');
+    this.canvas.setAttribute('role', 'application');  // so that screen readers pass it the keys
     this.canvas.setAttribute('aria-label', `${image.alt}. Arrow keys move a cursor, Enter asks the pixel below it.`);
     this.cursor = made('div', {className: 'cursor', hidden: true});
     this.frame = made('div', {className: 'frame'}, this.canvas, this.cursor);
@@ -369,8 +369,13 @@ function offerShader(section, view) {
     const {canvas, controls} = view;
     const numbers = Object.fromEntries(controls.options.filter(({meta}) => meta === 'X').map(({name, byDefault}) =>
         [name.slice(2).toUpperCase().replaceAll('-', '_'), Number(controls.fields.get(name).value || byDefault)]));
-    await showShader(result, view.name, canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height),
-                     {numbers, folder: new URL('.', new URL(section.dataset.shader, location.href))});
+    button.disabled = true;
+    try {
+      await showShader(result, view.name, canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height),
+                       {numbers, folder: new URL('.', new URL(section.dataset.shader, location.href))});
+    } finally {
+      button.disabled = false;
+    }
   });
   section.append(made('p', {}, button, ' This stage is also a shader for the graphics processor, which computes in float.'),
                  result);

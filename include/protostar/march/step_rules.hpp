@@ -30,8 +30,8 @@ struct StepRules {
 
   /// Most segments of a march between two looks at balls. A march that they do not bring farther by
   /// least_progress of the extent creeps: in double it goes on in double-double, and there it is undecided.
-  /// The way through the box is at most 2√3 extents, along a diagonal, so that two looks that both find
-  /// progress are made less than 2^10 times in each precision.
+  /// The way through the box is at most 2√3 extents, along a diagonal, so that fewer than 2^10 looks find
+  /// progress in each precision.
   static constexpr int most_segments = 3000;
   static constexpr double least_progress = 0x1p-8;
 
