@@ -23,14 +23,14 @@ export class Shader {
   // source is the text of a .frag file. names are those of its numbers that draw() may set, as "OFFSET".
   // Throws an Error with a message for the reader: there is no WebGL 2, or that of the compiler.
   constructor(source, names = []) {
-    this.canvas = document.createElement("canvas");
+    this.canvas = document.createElement('canvas');
     const options = {alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true};
-    const gl = this.gl = this.canvas.getContext("webgl2", options);
-    if (!gl) throw new Error("This browser has no WebGL 2, so it cannot draw the shader.");
-    const uniforms = names.map(name => `uniform float page_${name};\n#define ${name} page_${name}\n`).join("");
+    const gl = this.gl = this.canvas.getContext('webgl2', options);
+    if (!gl) throw new Error('This browser has no WebGL 2, so it cannot draw the shader.');
+    const uniforms = names.map(name => `uniform float page_${name};\n#define ${name} page_${name}\n`).join('');
     const program = gl.createProgram();
     gl.attachShader(program, compiled(gl, gl.VERTEX_SHADER, vertices));
-    gl.attachShader(program, compiled(gl, gl.FRAGMENT_SHADER, before + uniforms + "#line 1\n" + source + after));
+    gl.attachShader(program, compiled(gl, gl.FRAGMENT_SHADER, before + uniforms + '#line 1\n' + source + after));
     gl.linkProgram(program);
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
     gl.useProgram(program);
@@ -47,9 +47,9 @@ export class Shader {
     this.canvas.height = height;
     gl.viewport(0, 0, width, height);
     gl.enable(gl.SCISSOR_TEST);
-    gl.uniform3f(gl.getUniformLocation(this.program, "iResolution"), width, height, 1);
+    gl.uniform3f(gl.getUniformLocation(this.program, 'iResolution'), width, height, 1);
     for (const [name, value] of Object.entries(numbers))
-      gl.uniform1f(gl.getUniformLocation(this.program, "page_" + name), value);
+      gl.uniform1f(gl.getUniformLocation(this.program, 'page_' + name), value);
     for (let top = 0; top < height; top += every * rows) {
       const count = Math.min(rows, height - top), bottom = height - top - count;  // y counts from below in WebGL
       gl.scissor(0, bottom, width, count);
@@ -60,14 +60,14 @@ export class Shader {
         const row = (count - 1 - y) * width * 4;
         pixels.data.set(upwards.subarray(row, row + width * 4), (top + y) * width * 4);
       }
-      if (gl.isContextLost()) throw new Error("The browser has stopped the shader, as it took too long.");
+      if (gl.isContextLost()) throw new Error('The browser has stopped the shader, as it took too long.');
       await new Promise(resolve => setTimeout(resolve));
     }
     return pixels;
   }
 
   // Frees what the graphics processor holds. Browsers keep some sixteen contexts alive at a time.
-  close() { this.gl.getExtension("WEBGL_lose_context")?.loseContext(); }
+  close() { this.gl.getExtension('WEBGL_lose_context')?.loseContext(); }
 }
 
 function compiled(gl, kind, source) {
@@ -130,8 +130,8 @@ function lies_between_neighbors(a, at, b, x, y, width, height) {
 // ImageData: how many there are, and the largest difference. numbers has a value for each number of the shader that the
 // page sets, as {OFFSET: 0}. folder is the address of the shaders. Says so if the browser cannot draw it.
 export async function showShader(element, stage, reference,
-                                 {numbers = {}, folder = new URL("shaders/", import.meta.url)} = {}) {
-  element.replaceChildren("The shader is drawn …");
+                                 {numbers = {}, folder = new URL('shaders/', import.meta.url)} = {}) {
+  element.replaceChildren('The shader is drawn …');
   let shader;
   try {
     const answer = await fetch(new URL(`${stage}.frag`, new URL(folder, location.href)));
@@ -153,14 +153,14 @@ export async function showShader(element, stage, reference,
 }
 
 function figure(pixels, text) {
-  const canvas = document.createElement("canvas"), caption = document.createElement("figcaption");
+  const canvas = document.createElement('canvas'), caption = document.createElement('figcaption');
   canvas.width = pixels.width;
   canvas.height = pixels.height;
-  canvas.setAttribute("role", "img");
-  canvas.setAttribute("aria-label", text);
-  canvas.getContext("2d").putImageData(pixels, 0, 0);
+  canvas.setAttribute('role', 'img');
+  canvas.setAttribute('aria-label', text);
+  canvas.getContext('2d').putImageData(pixels, 0, 0);
   caption.textContent = text;
-  const result = document.createElement("figure");
+  const result = document.createElement('figure');
   result.append(canvas, caption);
   return result;
 }
