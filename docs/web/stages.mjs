@@ -85,6 +85,8 @@ class Stage {
 }
 
 async function instantiate(name, module) {
+  // The names of temporary files are random. Node has the browsers' source of random numbers by this name from 19 on.
+  if (folder.protocol === 'file:') globalThis.crypto ??= (await import('node:crypto')).webcrypto;
   const {default: create} = await import(new URL(moduleOf(name) + '.mjs', folder).href);
   const printed = {out: '', error: ''};
   const instance = await new Promise((resolve, reject) => {

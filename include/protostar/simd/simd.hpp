@@ -231,7 +231,7 @@ template <int N>
     return y * (Lanes<float, N>(1.5f) - Lanes<float, N>(0.5f) * a * y * y);
   };
 #if defined(PROTOSTAR_VECTORS)
-  constexpr std::size_t size = sizeof(a.v);
+  [[maybe_unused]] constexpr std::size_t size = sizeof(a.v);
   using V [[maybe_unused]] = detail::Vector<float, N>;
 #if defined(__AVX512F__)
   if constexpr (size == 64) return improved((V)_mm512_maskz_rsqrt14_ps(0xffff, (__m512)a.v));
