@@ -14,7 +14,6 @@
 #include <memory>
 #include <numbers>
 #include <optional>
-#include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -22,6 +21,7 @@
 
 #include "irradiance.hpp"
 #include "light_at_hit.hpp"
+#include "prepared_scene.hpp"
 #include "sampling/solid_angle.hpp"
 #include "scene.hpp"
 #include "surfaces/disk.hpp"
@@ -231,14 +231,7 @@ class AreaLights {
 
   /// Throws std::logic_error if a scene, or a view of it, is not the one of these lights, or has other
   /// surfaces than when they were made.
-  void require(const auto& scene) const {
-    bool is_same = static_cast<const void*>(&scene.lights()) == identity_;
-    if constexpr (requires { scene.size(); }) is_same = is_same && scene.size() == surfaces_;
-    if (!is_same) [[unlikely]]
-      throw std::logic_error(
-          "AreaLights: the scene is not the one of which they were made, or has been moved or given other "
-          "surfaces since; make them again");
-  }
+  void require(const auto& scene) const { scene_.require(scene, "AreaLights"); }
 
  private:
   template <class T>
@@ -306,8 +299,7 @@ class AreaLights {
     return std::less<>{}(a.first, b.first);
   }
 
-  const void* identity_;
-  std::size_t surfaces_;
+  PreparedScene scene_;
   std::vector<AreaLight> lights_;
   Shares shares_{0};
   std::vector<std::pair<const void*, std::size_t>>
@@ -316,7 +308,7 @@ class AreaLights {
 
 // Not inline, so that programs may compile it once for a scene type: `extern template`.
 template <Surface... S>
-AreaLights::AreaLights(const Scene<S...>& scene) : identity_(&scene.lights()), surfaces_(scene.size()) {
+AreaLights::AreaLights(const Scene<S...>& scene) : scene_(scene) {
   (add(scene.template surfaces<S>(), scene.template materials<S>()), ...);
   for (const AreaLight& light : lights_) {
     const Color& e = light.emission();

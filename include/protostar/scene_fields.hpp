@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "march/march_steps.hpp"
+#include "prepared_scene.hpp"
 #include "scene.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -46,7 +47,7 @@ class CountedMarch final : public MarchListener {
 class SceneFields {
  public:
   template <Surface... S>
-  explicit SceneFields(const Scene<S...>& scene) : identity_(&scene.lights()), surfaces_(scene.size()) {
+  explicit SceneFields(const Scene<S...>& scene) : scene_(scene) {
     (add(scene.template surfaces<S>(), scene.template materials<S>()), ...);
   }
 
@@ -85,14 +86,7 @@ class SceneFields {
 
   /// Throws std::logic_error if a scene, or a view of it, is not the one of these fields, or has other
   /// surfaces than when they were made.
-  void require(const auto& scene) const {
-    bool is_same = static_cast<const void*>(&scene.lights()) == identity_;
-    if constexpr (requires { scene.size(); }) is_same = is_same && scene.size() == surfaces_;
-    if (!is_same) [[unlikely]]
-      throw std::logic_error(
-          "SceneFields: the scene is not the one of which they were made, or has been moved or given other "
-          "surfaces since; make them again");
-  }
+  void require(const auto& scene) const { scene_.require(scene, "SceneFields"); }
 
  private:
   /// Surface as functions, of which those that it lacks are null.
@@ -129,9 +123,8 @@ class SceneFields {
       return true;
   }
 
+  PreparedScene scene_;
   std::vector<Field> fields_;
-  const void* identity_;
-  std::size_t surfaces_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -21,9 +21,10 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// is the closed form, as if nothing hid it, and V is the share of the lamp that is seen (seen_share). Other
 /// lights are seen or not. The sky, or black, if there is no hit.
 ///
-/// Full light and full shadow are right, up to rounding, as far as distances are true ones; between the two,
-/// V is that of a straight edge. A lamp that the horizon of the hit cuts loses its light twice, by V and by
-/// E.
+/// V is that of a straight edge, and an estimate for anything else: if two solids hide another half of a lamp
+/// each, V is ½. V is 0 where one solid hides all of the lamp, and 1 where no surface comes as near to the
+/// way towards its center as the outermost rays to it are; both but for what a step may pass (seen_share). A
+/// lamp that the horizon of the hit cuts loses its light twice, by V and by E.
 struct DistanceShadowIntegrator : FirstHit<DistanceShadowIntegrator> {
   AreaLights lights;
   SceneFields fields;
@@ -68,8 +69,11 @@ struct DistanceShadowIntegrator : FirstHit<DistanceShadowIntegrator> {
   ///
   /// A step from t looks for a smaller s. As f changes no faster than t, it is m k (t + δ) or more up to δ =
   /// (f − m k t)/(1 + m k), m being the least s so far. A step is not shorter than k t/8: s changes by at
-  /// most (1 + k |s|)/8 in it, and V by 2/π of that, about 0.08. The way begins at D/2^20, where V counts
-  /// only what the surface itself hides.
+  /// most (1 + k |s|)/8 in it, and V by 2/π of that, about 0.08.
+  ///
+  /// At the hit itself f and k t are both 0. The way begins at t = D/2^20, where k t is 2^-20 r. The quotient
+  /// is that of the surface of the hit there, off by the rounding of f, about 2^-53 |from|: by 2^-33
+  /// |from|/r. Anything that ends before is not seen.
   [[nodiscard]] double seen_share(const Point& from, const Sphere& lamp) const {
     const Vec3 to_center = lamp.center - from;
     const double D = length(to_center), k = lamp.radius / D;

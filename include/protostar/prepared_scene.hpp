@@ -1,0 +1,35 @@
+// Check that what has been prepared of a scene is used with that scene.
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+#include "scene.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// Note of the scene of which something has been prepared, such as its area lights: where the scene is, and
+/// how many surfaces it had.
+class PreparedScene {
+ public:
+  template <Surface... S>
+  explicit PreparedScene(const Scene<S...>& scene) : lights_(&scene.lights()), surfaces_(scene.size()) {}
+
+  /// Throws std::logic_error, in the name of what was prepared, if a scene, or a view of it, is another one
+  /// or has other surfaces than then.
+  void require(const auto& scene, const char* prepared) const {
+    bool is_same = static_cast<const void*>(&scene.lights()) == lights_;
+    if constexpr (requires { scene.size(); }) is_same = is_same && scene.size() == surfaces_;
+    if (!is_same) [[unlikely]]
+      throw std::logic_error(std::string(prepared) +
+                             ": the scene is not the one of which they were made, or has been moved or given "
+                             "other surfaces since; make them again");
+  }
+
+ private:
+  const void* lights_;  ///< address of the scene's lights, which its views have as well
+  std::size_t surfaces_;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI
