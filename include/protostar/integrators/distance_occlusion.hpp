@@ -14,15 +14,15 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Integrator of ambient occlusion by distance, an approximation of AmbientOcclusionIntegrator. The radiance
 /// of a hit is
 ///   1 − Σ w_i (1 − f_i/h_i)
-/// with the distance f_i to the nearest surface at the height h_i over the hit, along its normal. Over an
-/// open plane f_i = h_i, and nothing is occluded. White if there is no hit.
+/// with the distance f_i, cut to 0 … h_i, from the point at the height h_i over the hit, along its normal, to
+/// the nearest surface. Over an open plane f_i = h_i, and nothing is occluded. White if there is no hit.
 ///
 /// The weights make the result right for an endless wall that stands on a plane. From a point at the distance
-/// a of it, the wall hides the directions with the component c = a/R or more towards it, R being the farthest
-/// distance: the share (arccos c − c √(1 − c²))/π of the light. With f = min(h, a) and a weight w(x) for the
-/// height xR the sum is ∫ w(x) (1 − c/x) dx over x > c, whose second derivative by c is w(c)/c; that of the
-/// share is 2c/(π √(1 − c²)). Hence w(x) = 2x²/(π √(1 − x²)): with x = sin α, sin² α is the weight of equal
-/// parts of α. Eight parts leave less than 1/1000 of error for any wall.
+/// a from it, the wall hides the directions with a component of c = a/R or more towards it, R being the
+/// farthest distance: the share (arccos c − c √(1 − c²))/π of the light. With f = min(h, a) and a weight w(x)
+/// for the height xR the sum is ∫ w(x) (1 − c/x) dx over x > c, whose second derivative by c is w(c)/c; that
+/// of the share is 2c/(π √(1 − c²)). Hence w(x) = 2x²/(π √(1 − x²)): with x = sin α, equal parts of α have
+/// weights in proportion to sin² α. Eight parts leave less than 1/1000 of error for any wall.
 ///
 /// Anything else is off: only the nearer one of two walls counts, so that corners and slots are too bright;
 /// and anything nearby counts as an endless wall, however small it is, so that the surroundings of small
@@ -34,7 +34,7 @@ struct DistanceOcclusionIntegrator : FirstHit<DistanceOcclusionIntegrator> {
   double distance;
 
   /// Prepares the distances of a scene; pictures of that scene can then be drawn. Throws
-  /// std::invalid_argument if a surface of the scene tells none.
+  /// std::invalid_argument if a surface of the scene has none.
   template <Surface... S>
   DistanceOcclusionIntegrator(const Scene<S...>& scene, double farthest) : fields(scene), distance(farthest) {
     fields.require_distances("DistanceOcclusionIntegrator");
