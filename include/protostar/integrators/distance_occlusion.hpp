@@ -34,7 +34,7 @@ struct DistanceOcclusionIntegrator : FirstHit<DistanceOcclusionIntegrator> {
   double distance;
 
   /// Prepares the distances of a scene; pictures of that scene can then be drawn. Throws
-  /// std::invalid_argument if a surface of the scene has none.
+  /// std::invalid_argument if no distance is known for a surface that emits no light.
   template <Surface... S>
   DistanceOcclusionIntegrator(const Scene<S...>& scene, double farthest) : fields(scene), distance(farthest) {
     fields.require_distances("DistanceOcclusionIntegrator");
