@@ -12,7 +12,7 @@ auto in_rows(const auto& p) {
   return protostar::FieldPoint{folded(p.x), p.y, folded(p.z)};
 }
 
-/// The lamp of the rows: a point, or a sphere of the same power that lights its surroundings alike.
+/// Lamp of the rows: a point, or a sphere around it that lights its surroundings alike.
 enum class RowLamp { point, sphere };
 
 inline protostar::AnyScene folded_rows(RowLamp lamp = RowLamp::point) {
@@ -34,8 +34,9 @@ inline protostar::AnyScene folded_rows(RowLamp lamp = RowLamp::point) {
   scene.add(Marched{rings, bounds}, Color{0.2f, 0.7f, 0.1f});
   const Point position{0, 2.5, 3};
   const float power = 40 * std::numbers::pi_v<float>, radius = 0.3f;
-  // A color is albedo/π where the lamp is a point, and an albedo where it is a surface (docs/errata.md). On a
-  // surface that faces it, a point brings power/(4π d²), and a sphere of radius r about emission · r²/d².
+  // Both lamps light alike. A matte surface of color c that faces a point at the distance d has the radiance
+  // c · power/(4π d²): its c stands for albedo/π (docs/errata.md). One that faces a sphere of radius r has
+  // about c/π · π r²/d² · emission, with c as its albedo. They are equal for emission = power/(4π r²).
   if (lamp == RowLamp::point)
     scene.add(PointLight{.position = position, .power = Color{power}});
   else

@@ -12,9 +12,10 @@ using namespace protostar;
 
 namespace {
 
-/// Draws the rows by the distances along one ray, or as they are by many rays (--samples).
+/// Draws ambient occlusion or soft shadows of the rows, by distances along one ray or by many rays
+/// (--samples).
 void draw_by_distance(Stage& stage, const Camera& camera) {
-  const double farthest = 1;  // way in scene units from which on nothing occludes the sky
+  const double farthest = 1;  // in scene units; surfaces farther away do not hide the sky
   const auto rows = folded_rows(), lit = folded_rows(RowLamp::sphere);
   Image image = stage.image();
   const auto draw = [&](const AnyScene& scene, const auto& integrator) {

@@ -1,5 +1,5 @@
-// Rays in lanes and their first crossings, as a surface finds them that searches for all at once. A surface
-// that holds another of any type hands them on (surfaces/any_surface.hpp).
+// Rays in lanes, and their first crossings, for surfaces that search for all of them at once. A surface that
+// holds one of any type passes them on (surfaces/any_surface.hpp).
 #pragma once
 
 #include <bit>
@@ -22,18 +22,17 @@ struct RayLanes {
   FunctionRef<Ray(int)> ray;
 };
 
-/// First crossing of each ray inside a range. A surface without parts has no more to say of it than t.
+/// First crossing of each ray inside a range: its t alone, as such surfaces have no primitives.
 using FirstOfLanes = FirstRootOfEach<simd::Doubles, simd::LaneMask>;
 
-/// Surface that finds the first crossings of several rays at once, with the bits of single rays, by
+/// Surface that finds the first crossings of several rays at once, with the same bits as ray by ray, by
 /// `FirstOfLanes first_of_lanes(const RayLanes&, Interval) const`.
 template <class S>
 concept SurfaceOfLanes = requires(const S& surface, const RayLanes& rays) {
   { surface.first_of_lanes(rays, Interval{}) } -> std::same_as<FirstOfLanes>;
 };
 
-/// Sets the first crossings of rays that are searched for one by one, where `find` returns one for a lane's
-/// ray.
+/// Sets the first crossing of each of the given lanes to the one that `find(lane)` returns, if there is one.
 void set_one_by_one(FirstOfLanes& first, simd::LaneMask lanes, const auto& find) {
   using simd::Bits;
   for (Bits left = bits(lanes); left != 0; left &= left - 1) {

@@ -15,7 +15,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Count of a ray's march, and the enclosure of t that it ends with, if the march ends with a crossing.
+/// Listener that counts the evaluations of a march, and keeps the enclosure of t if the march ends with a
+/// crossing.
 class CountedMarch final : public MarchListener {
  public:
   void evaluated(Evaluation kind, double a, double b, const Result&) override {
@@ -29,8 +30,8 @@ class CountedMarch final : public MarchListener {
   [[nodiscard]] const MarchCounts& counts() const { return counts_; }
   [[nodiscard]] bool is_hit() const { return is_hit_; }
 
-  /// Returns the interval that contains t, if the march ended with a crossing. It is empty at a touch, of
-  /// which nothing is proven.
+  /// Returns the interval that contains t, if the march ended with a crossing. Both ends are equal at a
+  /// touch, of which nothing is proven.
   [[nodiscard]] const Interval& enclosure() const { return enclosure_; }
 
  private:
@@ -42,8 +43,9 @@ class CountedMarch final : public MarchListener {
 /// Fields of a scene's surfaces. They are made once for a picture, and valid as long as the scene lives,
 /// stays in its place and gets no further surfaces. Threads may share them.
 ///
-/// Surfaces that are marched with a proof (Marched of a DistanceField, in AnySurface too) tell the steps of
-/// their marches. These, boxes, spheres, planes, and all that have a distance_bound tell distances.
+/// Marches are known for surfaces that are marched with a proof: Marched of a DistanceField, in AnySurface
+/// too. Distances are known for these, for boxes, spheres and planes, and for all surfaces with a
+/// distance_bound.
 class SceneFields {
  public:
   template <Surface... S>
@@ -51,9 +53,9 @@ class SceneFields {
     (add(scene.template surfaces<S>(), scene.template materials<S>()), ...);
   }
 
-  /// Tells visit(surface, const CountedMarch&) of the march of a ray along each field, as far as the closest
-  /// hit of the scene needs it: along the field that is hit, to the hit; along the others, until they are
-  /// past it or miss. The surface is named by its address in the scene.
+  /// Calls visit(surface, const CountedMarch&) with the march of a ray along each field, as far as the
+  /// closest hit of the scene needs it: along the field that is hit, up to the hit; along each other field,
+  /// until the march is past that hit, or misses. The surface is named by its address in the scene.
   void each_march(const Ray& ray, const std::optional<Intersection>& hit, const auto& visit) const {
     for (const Field& field : fields_) {
       if (field.march == nullptr) continue;
@@ -73,8 +75,8 @@ class SceneFields {
     return least;
   }
 
-  /// Throws std::invalid_argument, in the name of an integrator, if a surface that emits no light tells no
-  /// distance.
+  /// Throws std::invalid_argument, in the name of an integrator, if no distance is known for a surface that
+  /// emits no light.
   void require_distances(const std::string& integrator) const {
     for (std::size_t i = 0; i < fields_.size(); ++i)
       if (!fields_[i].emits && fields_[i].distance_bound == nullptr)
@@ -89,7 +91,7 @@ class SceneFields {
   void require(const auto& scene) const { scene_.require(scene, "SceneFields"); }
 
  private:
-  /// Surface as functions, of which those that it lacks are null.
+  /// Surface with its functions for marches and distances, which are null if it has none.
   struct Field {
     const void* surface;
     bool emits;
@@ -115,7 +117,7 @@ class SceneFields {
     }
   }
 
-  /// Returns true if a surface is marched; a type that holds other surfaces may tell for each object.
+  /// Returns true if a surface is marched. A type that holds surfaces of any type knows it of each object.
   [[nodiscard]] static bool is_marched(const auto& surface) {
     if constexpr (requires { surface.march_setup(); })
       return surface.march_setup() != nullptr;

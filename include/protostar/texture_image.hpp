@@ -17,7 +17,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 struct ImageTexture {
   std::shared_ptr<const Image> image;
   double size_u = 1, size_v = 1;  ///< in units of u and v; sizes (magnitude.hpp)
-  std::string file = {};          ///< that holds the image, for those who ask; empty if none does
+  std::string file = {};          ///< path of the image's file, which explanations name; empty if unknown
 
   [[nodiscard]] Color operator()(double u, double v) const { return (*image)(column_at(u), row_at(v)); }
 

@@ -130,7 +130,7 @@ Number max(const Number& a, const Number& b) { return -min(-a, -b); }
 Number abs(const Number& a) { return max(a, -a); }
 
 // The distance from the nearest multiple of a period, from 0 to half of the period: space is folded like
-// paper, at the multiples and in the middle between them. A long way has all values.
+// paper, at the multiples and in the middle between them. Over several folds it may have all of them.
 Number folded(const Number& a, double period) {
   const double half = period / 2;
   const Number offset = a - std::round(a.value.lo / period) * period;

@@ -11,11 +11,11 @@ const float pi = 3.14159265358979;
 // A screen shows the number x with the light x^2.2, so it is given light^(1/2.2).
 vec3 code(vec3 light) { return pow(clamp(light, 0.0, 1.0), vec3(1.0 / 2.2)); }
 
-// No sphere: the number of the sphere that a ray leaves, if it leaves none.
+// The number that stands for no sphere: in a ray that leaves none, and in the hit of a ray that misses.
 const int none = -1;
 
 // A ray: the points origin + t · direction with t > 0. The direction has length 1, so t is the distance.
-// A ray that goes on from a hit leaves the sphere with the number leaves.
+// A ray from a hit leaves the sphere there, whose number is leaves.
 struct Ray {
   vec3 origin;
   vec3 direction;
@@ -55,8 +55,8 @@ const Light lights[1] = Light[1](Light(vec3(0, 3, 0), 40.0 * pi));
 
 // The smallest t > 0 at which the ray hits the sphere, or infinity. The point o + t d is on the sphere if
 // |o + t d - center|² = radius². With v = o - center, this is the equation a t² + b t + c = 0.
-// A ray that leaves the sphere starts on it, so c is 0, whatever its digits say. What remains, t (a t + b) = 0,
-// has the solution 0, from which the ray comes, and another one.
+// A ray that leaves the sphere starts on it, so c is 0, though its rounded value may not be. The equation is
+// t (a t + b) = 0 then: one solution is 0, where the ray starts, and the other one is -b / a.
 float intersect(Sphere sphere, Ray ray, bool leaves) {
   vec3 v = ray.origin - sphere.center;
   float a = dot(ray.direction, ray.direction);

@@ -1,4 +1,4 @@
-// The ray tracer as a shader, step 33: a march with intervals, which prove nothing here.
+// The ray tracer as a shader, step 33: a march with intervals, but without a proof of the result.
 //
 // Paste the file at https://www.shadertoy.com, or open the page of the stage in a browser.
 //
@@ -54,8 +54,8 @@ struct Interval {
   float lo, hi;
 };
 
-// Makes an interval a little wider. Sums and products of floats are wrong by less than 2^-23 of the result, in
-// whichever direction the processor rounds, and the widening is rounded as well; the least normal number makes up
+// Makes an interval a little wider. Sums and products of floats are wrong by less than 2^-23 of the result,
+// whether the processor rounds up or down, and the widening is rounded as well; the least normal number makes up
 // for results that are nearly 0, as smaller ones may become 0.
 Interval widened(float lo, float hi) {
   const float share = 2.4e-7, tiny = 1.2e-38;  // a little more than 2^-22 and 2^-126
@@ -63,7 +63,7 @@ Interval widened(float lo, float hi) {
 }
 
 // Makes the interval of a quotient or a root wider. GLSL ES lets a quotient be wrong by 2.5 units of the last
-// digit, and a root, which is 1 divided by the inverse of a root, by 2 more.
+// digit, and a root by 2 more, as it may be computed as 1 divided by inversesqrt.
 Interval widened_more(float lo, float hi) {
   const float share = 9.6e-7, tiny = 1.2e-38;  // a little more than 2^-20 and 2^-126
   return Interval(lo - share * abs(lo) - tiny, hi + share * abs(hi) + tiny);
@@ -192,7 +192,7 @@ bool is_free(Ray ray, float lo, float hi, Number over) {
   return difference(along(ray, hi, hi).value, product(way, over.slope)).lo > 0.0;
 }
 
-// The steps of each loop below: a graphics processor that computes for seconds is stopped. No ray needs as many.
+// The most steps of each loop below: a browser stops a shader that computes for seconds. No ray needs as many.
 const int most_steps = 1000;
 
 // Halves an interval of t in which the field falls from above 0 to below 0, as long as it tells on

@@ -1,4 +1,4 @@
-// Instantiates pictures by integrators that only marched scenes have, once.
+// Instantiates, once for all stages, pictures by the integrators of marched scenes.
 #include "march_pictures.hpp"
 
 using namespace protostar;
@@ -10,7 +10,7 @@ template struct StagePicture<AnyScene, MarchEvaluationsIntegrator>;
 
 namespace {
 
-/// Draws a heat map, and after it an image of its numbers, of which the stage prints the range.
+/// Draws and saves the heat map of an integrator, and prints the range of its numbers over all pixels.
 void draw_heat_map(Stage& stage, const Camera& camera, const AnyScene& scene, const auto& integrator,
                    const std::string& what, const auto& number) {
   Image image = stage.image();

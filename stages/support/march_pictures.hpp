@@ -1,4 +1,4 @@
-// Declares pictures by integrators that only marched scenes have, which are compiled once for all stages
+// Declares pictures by the integrators of marched scenes, which are compiled once for all stages
 // (support/march_pictures.cpp).
 #pragma once
 
@@ -16,8 +16,8 @@ extern template struct StagePicture<protostar::AnyScene, protostar::DistanceShad
 extern template struct StagePicture<protostar::AnyScene, protostar::EnclosureWidthIntegrator>;
 extern template struct StagePicture<protostar::AnyScene, protostar::MarchEvaluationsIntegrator>;
 
-/// Draws and saves the heat map of a scene's evaluations, and prints how many a ray takes.
+/// Draws and saves the heat map of the evaluations that each ray of a scene takes, and prints their range.
 void draw_evaluations(Stage& stage, const protostar::Camera& camera, const protostar::AnyScene& scene);
 
-/// Draws and saves the heat map of the widths of enclosures, and prints to how many bits hits are proven.
+/// Draws and saves the heat map of the bits to which each hit is proven, and prints their range.
 void draw_enclosures(Stage& stage, const protostar::Camera& camera, const protostar::AnyScene& scene);

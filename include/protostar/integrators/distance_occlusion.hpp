@@ -1,5 +1,5 @@
-// Shows how much of the space over surfaces is free, as the distances from surfaces nearby tell it: without a
-// ray, and without chance.
+// Shows ambient occlusion as an approximation by a few distances from the surfaces nearby, without rays and
+// without chance.
 #pragma once
 
 #include <algorithm>
@@ -11,29 +11,30 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Integrator of ambient occlusion by distance, an approximation of AmbientOcclusionIntegrator: the distances
-/// f_i from surfaces, at the heights h_i over a hit along its normal, give
-///   1 − Σ w_i (1 − f_i/h_i).
-/// Over an open plane f_i = h_i, and nothing is occluded. White if there is no hit.
+/// Integrator of ambient occlusion by distance, an approximation of AmbientOcclusionIntegrator. The radiance
+/// of a hit is
+///   1 − Σ w_i (1 − f_i/h_i)
+/// with the distance f_i, cut to 0 … h_i, from the point at the height h_i over the hit, along its normal, to
+/// the nearest surface. Over an open plane f_i = h_i, and nothing is occluded. White if there is no hit.
 ///
-/// The weights are those with which an endless wall beside a plane is right. From a point at a distance a of
-/// it, the wall hides the directions with the component c = a/R or more towards it, R being the farthest
-/// distance: the share (arccos c − c √(1 − c²))/π of the light. With f = min(h, a) and a weight w(x) for the
-/// height xR the sum is ∫ w(x) (1 − c/x) dx over x > c, whose second derivative by c is w(c)/c; that of the
-/// share is 2c/(π √(1 − c²)). Hence w(x) = 2x²/(π √(1 − x²)): with x = sin α, sin² α is the weight of equal
-/// parts of α. Eight parts leave less than 1/1000 of error for any wall.
+/// The weights make the result right for an endless wall that stands on a plane. From a point at the distance
+/// a from it, the wall hides the directions with a component of c = a/R or more towards it, R being the
+/// farthest distance: the share (arccos c − c √(1 − c²))/π of the light. With f = min(h, a) and a weight w(x)
+/// for the height xR the sum is ∫ w(x) (1 − c/x) dx over x > c, whose second derivative by c is w(c)/c; that
+/// of the share is 2c/(π √(1 − c²)). Hence w(x) = 2x²/(π √(1 − x²)): with x = sin α, equal parts of α have
+/// weights in proportion to sin² α. Eight parts leave less than 1/1000 of error for any wall.
 ///
 /// Anything else is off: only the nearer one of two walls counts, so that corners and slots are too bright;
-/// and whatever is nearby counts as such a wall, as large as it may be, so that the surroundings of small
+/// and anything nearby counts as an endless wall, however small it is, so that the surroundings of small
 /// things are too dark.
 struct DistanceOcclusionIntegrator : FirstHit<DistanceOcclusionIntegrator> {
   SceneFields fields;
 
-  /// Distance R in scene units from which on surfaces occlude nothing, as in AmbientOcclusionIntegrator.
+  /// Distance R in scene units beyond which surfaces occlude nothing, as in AmbientOcclusionIntegrator.
   double distance;
 
   /// Prepares the distances of a scene; pictures of that scene can then be drawn. Throws
-  /// std::invalid_argument if a surface of the scene tells none.
+  /// std::invalid_argument if no distance is known for a surface that emits no light.
   template <Surface... S>
   DistanceOcclusionIntegrator(const Scene<S...>& scene, double farthest) : fields(scene), distance(farthest) {
     fields.require_distances("DistanceOcclusionIntegrator");

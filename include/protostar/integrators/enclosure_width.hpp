@@ -11,11 +11,12 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Integrator of the bits to which the t of a hit on a marched surface is proven: −log2((max − min)/t), with
-/// t in [min, max]. Radiance is the heat_color of their share between the two numbers of bits below. Black if
-/// a ray hits nothing, or what is not marched, or a touch, of which nothing is proven.
+/// t in [min, max]. The radiance is the heat_color of their place between `fewest`, 0, and `most`, 1. Black
+/// if a ray hits nothing, hits a surface that is not marched, or only touches one, of which nothing is
+/// proven.
 struct EnclosureWidthIntegrator {
-  /// Every hit is proven to 30 bits (enclosure_width), and a double has 53: an enclosure without a number
-  /// between its ends has about 52.
+  /// Every hit is proven to 30 bits (enclosure_width), and a double has 53: an enclosure whose ends are
+  /// neighboring doubles has about 52.
   static constexpr double fewest = 30, most = 53;
 
   SceneFields fields;
@@ -26,7 +27,7 @@ struct EnclosureWidthIntegrator {
 
   /// Returns the bits to which the closest hit is proven, if it is on a marched surface; 0 for a touch. The
   /// logarithm is exact at powers of 2 and interpolated linearly between them, which is too small by less
-  /// than 0.09. It takes no function of the C library that differs from machine to machine. Throws
+  /// than 0.09; std::log2 would give other last digits on other machines. Throws
   /// std::logic_error if the scene is not the one of the fields.
   [[nodiscard]] std::optional<double> bits(const Ray& ray, const auto& scene) const {
     fields.require(scene);

@@ -12,8 +12,8 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Integrator that counts the evaluations of all fields that the marches of a ray take, values and slopes
-/// alike, until its closest hit is proven, or its miss. Radiance is the heat_color of their number's share of
-/// `most`. Surfaces that are not marched take none.
+/// alike, until its closest hit or its miss is proven. The radiance is the heat_color of their number divided
+/// by `most`. Surfaces that are not marched take none.
 struct MarchEvaluationsIntegrator {
   SceneFields fields;
   double most = 128;  ///< number of evaluations from which on the color is white

@@ -15,12 +15,12 @@ struct EnclosedLine {
   Enclosure<B> origin[3], direction[3];
 };
 
-/// Returns the line of a ray in double: its numbers, or for a ray that an instance has mapped, what they are
-/// off.
+/// Returns the line of a ray in double: exact, or for a ray that an instance has mapped, with the errors of
+/// its numbers.
 [[nodiscard]] inline EnclosedLine<double> enclosed_line(const RoundedLine& line) {
   EnclosedLine<double> result;
   for (int k = 0; k < 3; ++k) {
-    // The error is far above the rounding of the sum, so twice as much of it is outward.
+    // The error is far above the rounding of the sums here, so twice the error makes up for both.
     const double o = line.origin[k], d = line.direction[k];
     const double o_error = 2 * line.origin_error[k], d_error = 2 * line.direction_error[k];
     result.origin[k] = {o - o_error, o + o_error};
@@ -29,8 +29,8 @@ struct EnclosedLine {
   return result;
 }
 
-/// Returns the line of a ray in double-double. Digits of exact numbers are off by 2^-103, and a quotient of
-/// two by less than 2^-101; the enclosure is twice as wide.
+/// Returns the line of a ray in double-double. Exact numbers are rounded to it with relative errors of
+/// 2^-103, and a quotient of two has one of less than 2^-101; the enclosure is twice as wide.
 [[nodiscard, gnu::noinline, gnu::cold]] inline EnclosedLine<DoubleDouble> enclosed_exact_line(
     const Ray& ray) {
   EnclosedLine<DoubleDouble> result;

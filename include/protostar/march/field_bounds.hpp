@@ -34,10 +34,11 @@ namespace detail {
   return {bounds.min - Vec3(margin), bounds.max + Vec3(margin)};
 }
 
-/// Returns a lower bound of the distance from a point to the surface of a field, with the rounding errors of
-/// double: |f| / Λ, with its sign, for a field whose value changes at most Λ times as much as the point. The
-/// surface is cut off by a box. Outside of it, a point p has a nearest point q in the box, and for each s in
-/// the box |p − s|² ≥ |p − q|² + |q − s|², since the angle at q is 90° or more.
+/// Returns a lower bound of the distance from a point to the surface of a field, up to rounding errors of
+/// double: |f| / Λ with the sign of f, for a field with the Lipschitz constant Λ. The surface counts inside a
+/// box only. A point p outside of the box has a nearest point q in it, and for each s in the box
+/// |p − s|² ≥ |p − q|² + |q − s|², since the angle at q is 90° or more. Hence the bound at q and the distance
+/// |p − q| are the legs of a right triangle, whose hypotenuse is the bound at p.
 [[nodiscard]] double distance_bound(const Point& p, const Bounds& box, double lipschitz, const auto& value) {
   Point q = p;
   for (int k = 0; k < 3; ++k) q[k] = std::clamp(p[k], box.min[k], box.max[k]);

@@ -56,9 +56,9 @@ template <class Line>
     // The slope is rounded to double, and so are the products: less than 4u, of which 2^-50 is 8.
     return MarchStart{h, (lo >= 0 ? lo : -hi) * h * (1 - 0x1p-50)};
   };
-  // The slopes over [0, h] are as wide as h makes them and as rounding of the points does. At 2^-43 of the
-  // bounds, 2^10 last places of double, and at 2^-97, 2^9 of double-double, a smaller h makes them hardly
-  // narrower and would prove no more.
+  // The enclosure of the slopes over [0, h] is as wide as h and the rounding of the points make it. From
+  // 2^-43 of the bounds on, 2^10 last places of double, and from 2^-97 on, 2^9 of double-double, a smaller h
+  // makes it hardly narrower and would prove no more.
   double h = line.extent() / 4;
   for (; h > 0x1p-43 * line.extent(); h /= 8)
     if (const auto start = start_at(h, line.slope(0.0, h).slope)) return *start;
@@ -130,7 +130,7 @@ template <class Line>
       if (at_m.upper < zero) return (falls ? b : a) = m, true;
       return false;
     };
-    // Points are off by a few 2^-104 of t; at 2^-97 their signs are mostly certain yet.
+    // Points are off by a few 2^-104 of t; at distances down to 2^-97 signs of F are mostly still certain.
     while ((b - a).hi > 0x1p-97 * std::abs(t)) {
       if (take(0.5)) continue;
       const bool moved = take(0.25);

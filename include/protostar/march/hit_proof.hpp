@@ -45,11 +45,11 @@ struct FieldValue {
 /// Proves the first crossing near a guess, from a parameter `start` up to which F > 0 is proven. Behind the
 /// crossing, F(guess + δ) < −E; over [start, guess + δ] the slope is never above 0; before it, F(guess − δ) >
 /// E. F falls all along, hence the first root lies between the two. Nothing is divided by the slope, which
-/// may vanish, and at a kink all its slopes count. δ begins where F is three times its error E by the slope:
-/// a value there is off by E, so it is beyond 2E, and the guess may be off by as much as one E counts. At
-/// least 2^-50 of t, four last places, makes guess ± δ differ from the guess. Four tries take δ to 64 times
-/// that, which bounds the work for guesses that are worse. Values behind the end of the box have no bound of
-/// their error, and prove nothing.
+/// may vanish, and at a kink all its slopes count. δ begins where F, by the slope, is three times its error
+/// E: a value there, off by E, is still beyond 2E, and so beyond E if the guess is off by no more than E
+/// divided by the slope. It is at least 2^-50 of t, four last places, so that guess ± δ differ from the
+/// guess. Four tries take δ to 64 times that, which bounds the work for worse guesses. Values behind the end
+/// of the box have no bound of their error, and prove nothing.
 template <class Line>
 [[nodiscard]] std::optional<MarchedRoot> proven_root(Line& line, double start, double guess, double slope) {
   const double error = line.error(), least = std::max(3 * error / -slope, 0x1p-50 * std::abs(guess));
@@ -99,10 +99,10 @@ template <class Line>
 /// too wide. Double-double is the last to ask: a root so near to the origin that it is not enclosed to 2^-30
 /// of itself, as behind a departure at a grazing angle, needs no more than 2^-30 of the size of the bounds.
 ///
-/// The proof needs 2^-30 (is_narrow). The search goes on to 2^-42, for 12 bits more of t, which cost a value
-/// or two where the secant converges. Its sides are 2^-45 from it: the two of them leave 2^-44, less than
-/// 2^-42. Each three steps halve the segment if the sign in its middle is certain, and leave ¾ of it
-/// otherwise: 200 steps halve it 66 times, more often than a double has digits.
+/// The proof needs 2^-30 (is_narrow). The search goes on to 2^-42, for 12 more bits of t, which cost a value
+/// or two where the secant converges. Values are taken at 2^-45 on both sides of the secant's root, which
+/// leaves a segment of 2^-44, less than 2^-42. Every three steps halve the segment if the sign in its middle
+/// is certain, and leave ¾ of it otherwise: 200 steps halve it 66 times, more often than a double has digits.
 template <class B, class Line>
 [[nodiscard]] std::optional<MarchedRoot> narrowed_root(Line& line, double a, double b) {
   Enclosure<B> at_a = line.enclosed(B(a)), at_b = line.enclosed(B(b));

@@ -4,8 +4,8 @@
 // Steps are longer than a radius where the radius grows or shrinks steadily (over-relaxation), and they count
 // if the balls at both ends cover what is between them. Near the surface, where balls are small, an enclosure
 // of value and slope proves a whole segment. Segments double where they succeed and are halved where they
-// fail, so that a ray which passes at a distance g takes about log 1/g of them. Double-double tells what
-// double does not.
+// fail, so that a ray which passes at a distance g takes about log 1/g of them. Double-double decides
+// where double cannot.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Marches of several rays at once, each with the bits of a march alone (march.hpp).
+// Marches of several rays at once, each with the same bits as the march of its ray alone (march.hpp).
 //
 // The lanes take steps by balls, the secant method and the proof of the crossing together, and segments
 // where balls are small. Each lane takes the steps that its ray takes alone. A lane waits while others go on.

@@ -7,24 +7,26 @@
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
-/// Lengths of steps by balls, and when other steps are tried instead. They are choices for speed and
-/// not derived; bench_marching counts the evaluations that they take. They move the last digits of t, and
-/// prove nothing: each step counts by its balls alone.
+/// Lengths of steps by balls, and when other steps are tried instead. They are chosen for speed and not
+/// derived; bench_marching counts the evaluations that they take. They change the last digits of t, but no
+/// proof depends on them: each step is proven by its balls alone.
 struct StepRules {
-  /// Balls that are hardly larger than their error, as multiples of it: it takes 1/65 or more from the radius
-  /// of a smaller one.
+  /// Largest radius, as a multiple of its error, of a ball that is too small for steps: the error takes 1/65
+  /// or more from it.
   static constexpr double least_ball = 64;
-  /// Bound of F in errors from which balls take over from segments: a value is then above 127, and its ball
-  /// of a radius above 126 is not left again at once as one of less than least_ball.
+  /// Lower bound of F, as a multiple of its error, above which balls take over from segments. A value is then
+  /// above 127 errors and the radius of its ball above 126, far more than least_ball, so that segments do not
+  /// take over again at once.
   static constexpr double worth_balls = 128;
 
-  /// Balls smaller than this share of the field's extent are slow, and after more than this many of them
-  /// segments take over.
+  /// Share of the field's extent below which a ball is slow, and the most slow balls before segments take
+  /// over.
   static constexpr double slow_ball = 0.02;
   static constexpr int most_slow = 12;
 
-  /// The secant method is tried where balls shrink steadily, or are smaller than this share of the extent;
-  /// again after they have shrunk to a quarter; and in all less often than this.
+  /// Rules of the secant method. It is tried where balls shrink steadily, or are smaller than `secant_ball`
+  /// of the extent, and again after they have shrunk to `again` of their size. After `most_failed` tries that
+  /// failed, segments take over.
   static constexpr double secant_ball = 0.01, again = 0.25;
   static constexpr int most_failed = 3;
 
@@ -37,8 +39,9 @@ struct StepRules {
 
   /// Returns the next step as a multiple of the radius, after one of length `way` by which the radius has
   /// changed by `gain`. If it goes on to change as much, with the trend m = gain/way, the next ball touches
-  /// this one behind a step of 1 + (1 + m)/(1 − m) radii: 1 where the way goes straight to a plane, m = −1,
-  /// and 2 beside one. A bit less is taken, and m from −0.999 to 0.9. One quotient gives (1 + m)/(1 − m).
+  /// this one after a step of 1 + (1 + m)/(1 − m) radii: 1 where the way goes straight to a plane, m = −1,
+  /// and 2 beside one. The step takes 0.9 of the quotient, and m is cut to −0.999 … 0.9. One division gives
+  /// (1 + m)/(1 − m).
   template <class R>
   [[nodiscard]] static R stretch(const R& gain, const R& way) {
     // For m from −0.999, about 2^-11, to 0.9: 1.9/0.1. Any other quotient, also NaN, is cut to these.
@@ -52,7 +55,7 @@ struct StepRules {
     return rounding::min(rounding::max(R(-0.999), gain / way), R(0.9));
   }
 
-  /// Tests whether balls shrink as fast as at the last step, so that F is nearly straight.
+  /// Returns true if balls shrink about as fast as at the last step, so that F is nearly straight.
   template <class R>
   [[nodiscard]] static auto is_straight(const R& trend, const R& last) {
     return trend < R(-0.02) && rounding::abs(trend - last) < R(-0.25) * trend;
@@ -71,7 +74,7 @@ struct SegmentProof {
   /// F lies above its range; above the line of the steepest fall from the left end; above that of the
   /// steepest rise to the right end; and hence above the point at which the two meet, which is
   /// (hi F₀ − lo F₁ + lo hi width) / (hi − lo) for a fall of lo ≤ 0 and a rise of hi ≥ 0. Only the sign of
-  /// that is taken. Slopes of one sign are enclosed by [lo, 0] or [0, hi] as well.
+  /// that is needed. Slopes of one sign are enclosed by [lo, 0] or [0, hi] as well.
   SegmentProof(const Slope<Enclosure<B>>& over, const B& left, const B& right, const Enclosure<B>& width) {
     using E = Enclosure<B>;
     const B zero(0.0);
