@@ -284,6 +284,29 @@ TEST_CASE("pages state the counts of wrong pixels that the stages print") {
   }
 }
 
+TEST_CASE("pages show the heat maps and the light by distance that the stages draw") {
+  struct Row {
+    std::string stage, options, figure;
+  };
+  std::vector<Row> rows{{"33_certified", "evaluations", "33_evaluations"},
+                        {"33_certified", "enclosure-width", "33_widths"},
+                        {"38_fractal", "evaluations", "38_evaluations"}};
+  if (cases(0, 1) == 1) {
+    rows.push_back({"37_marched_shadow", "distance-occlusion --samples 16", "37_distance_occlusion"});
+    rows.push_back({"37_marched_shadow", "distance-shadow --samples 16", "37_distance_shadow"});
+    rows.push_back({"37_marched_shadow", "ambient-occlusion --samples 64", "37_true_occlusion"});
+    rows.push_back({"37_marched_shadow", "direct --samples 64", "37_true_shadow"});
+  }
+  for (const auto& [stage, options, figure] : rows) {
+    INFO(figure);
+    const TemporaryFolder folder;
+    REQUIRE(run(folder, quoted(binary_dir + "/stages/" + stage) + " --size 320x240 -o out.ppm --show " +
+                            options) == 0);
+    check_equal(read_image((folder / "out.ppm").string()),
+                read_image(source_dir + "/docs/figures/marching/" + figure + ".png"));
+  }
+}
+
 TEST_CASE("the number of threads changes no byte of a picture") {
   const std::string size = cases(0, 1) == 1 ? "" : " --size 160x120";  // the short form draws fewer tiles
   for (const Golden& picture : goldens) {
