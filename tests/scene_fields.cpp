@@ -6,7 +6,6 @@
 #include <protostar/any_scene.hpp>
 #include <protostar/encode.hpp>
 #include <protostar/exact/functions.hpp>
-#include <protostar/integrators/direct.hpp>
 #include <protostar/integrators/distance_occlusion.hpp>
 #include <protostar/integrators/distance_shadow.hpp>
 #include <protostar/integrators/enclosure_width.hpp>
@@ -113,6 +112,21 @@ TEST_CASE("a hit on a marched surface is proven to the bits of its enclosure, ot
     CHECK(*found >= 30);
     CHECK(integrator.radiance(ray, scene) == heat_color((*found - 30) / 23));
   }
+  // The march along the other field may end with its crossing behind the closest hit, which does not count.
+  const std::size_t first = scene.surfaces<AnySurface>().size() - 2;
+  int on_ball = 0, different = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Ray ray{{0, 0, 0}, {-0.3 + 0.0015 * i, 0.01, 1}};
+    const auto hit = scene.intersect(ray, Interval{});
+    if (!hit || hit->surface() != &scene.surfaces<AnySurface>()[first]) continue;
+    ++on_ball;
+    const MarchedRoot root = ball.march(ray, {}, trace);
+    const double bits = std::log2(root.max / (root.max - root.min)),
+                 found = integrator.bits(ray, scene).value_or(0);
+    if (!(found <= bits && found > bits - 0.09)) ++different;
+  }
+  CHECK(on_ball > 100);
+  CHECK(different == 0);
   CHECK(!integrator.bits({{0, 0, 0}, {0.1, -1, 0.3}}, scene));
   CHECK(!integrator.bits({{0, 0, 0}, {0, 1, 0}}, scene));
   CHECK(integrator.radiance({{0, 0, 0}, {0.1, -1, 0.3}}, scene) == Color{0});
@@ -125,6 +139,7 @@ TEST_CASE("distances of surfaces are lower bounds, and tight where the field is 
   // Outside of the box, the distance is by way of the nearest point in it.
   CHECK(ball.distance_bound({0, 0, -1}) <= 4);
   CHECK(ball.distance_bound({0, 0, -1}) >= 3);
+  CHECK(ball.distance_bound({5, 3, 2}) <= length(Vec3{5, 3, -2}) - 1);
   const Box box{.min = {0, 0, 0}, .max = {2, 4, 6}};
   CHECK(box.distance_bound({3, 5, 3}) == Approx(std::sqrt(2)));
   CHECK(box.distance_bound({1, 1, 0.5}) == Approx(-0.5));
@@ -184,6 +199,17 @@ TEST_CASE("a soft shadow by distance is that of a straight edge, and right in fu
   }
 }
 
+TEST_CASE("light by distance is that of all spheres which the hit faces, where nothing hides them") {
+  AnyScene scene;
+  scene.add(Plane{.normal = {0, 1, 0}}, Color{0.5f});
+  scene.add(Sphere{.center = {0, -3, 0}, .radius = 1}, Material{.emission = Color{9}});
+  scene.add(Sphere{.center = {0, 3, 0}, .radius = 1}, Material{.emission = Color{1, 2, 3}});
+  scene.add(Sphere{.center = {0, 8, 0}, .radius = 2}, Material{.emission = Color{16}});
+  // A sphere straight above has π (r/d)² of the irradiance of a sky as bright. Floats round at 2^-24 of it.
+  const Color radiance = DistanceShadowIntegrator(scene).radiance({{1, 1, 0}, {-1, -1, 0}}, scene);
+  for (int k = 0; k < 3; ++k) CHECK(radiance[k] == Approx(0.5 * ((1.0 + k) / 9 + 1)).epsilon(1e-6));
+}
+
 TEST_CASE("pictures of distances refuse scenes that do not tell them, and other scenes than theirs") {
   AnyScene scene = marched_and_floor();
   const DistanceOcclusionIntegrator integrator(scene, 1);
@@ -193,6 +219,7 @@ TEST_CASE("pictures of distances refuse scenes that do not tell them, and other 
   CHECK(message_of<std::invalid_argument>([&] { MarchEvaluationsIntegrator(scene, -1).validate(); }) ==
         "MarchEvaluationsIntegrator: most must be greater than 0; it is -1");
   scene.add(Disk{.position = {0, 0, 9}}, Color{1});
+  CHECK_THROWS_AS(integrator.radiance(Ray{{0, 0, 0}, {0, 0, 1}}, scene), std::logic_error);
   CHECK(
       message_of<std::invalid_argument>([&] { DistanceShadowIntegrator{scene}; }) ==
       "DistanceShadowIntegrator: surface 3 of the scene, counted from 0 in the order of its types, tells no "
