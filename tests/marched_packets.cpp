@@ -86,7 +86,9 @@ struct CountedBall : Marched<std::remove_cv_t<decltype(sphere_field)>> {
 
 TEST_CASE("A surface of any type hands the rays of a packet on to the surface that it holds") {
   const AnySurface counted(CountedBall(sphere_field, cube_bounds(1))), sphere(Sphere{Point(0), 1});
-  const simd::RayPacket rays(Point(0, 0, 3), simd::Vectors(Vec3(0.1, 0.2, -1)));
+  simd::Vectors directions(Vec3(0.1, 0.2, -1));
+  for (int lane = 0; lane < simd::double_lanes; ++lane) directions.x.set(lane, 0.03 * lane);
+  const simd::RayPacket rays(Point(0, 0, 3), directions);
   const int before = CountedBall::searches;
   const simd::ClosestCrossings marched = first_crossings(counted, rays, true, Interval{});
   CHECK(CountedBall::searches == before + 1);
