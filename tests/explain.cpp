@@ -284,26 +284,36 @@ TEST_CASE(
     std::string program, arguments;
     /// Texts before numbers, each of which must be refused with another digit; "..." stands for any text.
     std::vector<std::string> keys;
+    /// What the message for each of them says, where a number has a check of its own: later ones would refuse
+    /// it, too.
+    std::vector<std::string> messages{};
   };
-  std::vector<Row> rows{
-      {"08_naive", "--pixel 330,200", {"\"offset\": ", "\"normal\": ["}},
-      {"09_naive", "--pixel 330,200", {"\"power\": [", "\"end\": "}},
-      {"08_transparency", "--pixel 330,200", {"\"color\": ["}},
-      {"16_environment", "--pixel 10,10", {"\"radiance\": ["}},
-      {"33_certified", "--pixel 330,200", {"\"to\": ", "\"from\": "}},
-      {"31_sphere_tracing", "--pixel 330,200", {"\"field\": ", "\"power\": [", "\"color\": ["}},
-      {"23_ambient_occlusion", "--pixel 320,400 --samples 1", {"\"query\": \"any\"...\"direction\": ["}},
-      {"26_weekend",
-       "--pixel 320,400 --samples 1",
-       {"\"query\": \"closest\"...\"query\": \"closest\"...\"direction\": ["}},
-      {"18_antialiasing",
-       "--pixel 330,200 --samples 2 --filter mitchell",
-       {"\"position\": [0.", "\"weight\": "}}};
+  std::vector<Row> rows{{"08_naive", "--pixel 330,200", {"\"offset\": ", "\"normal\": ["}},
+                        {"09_naive", "--pixel 330,200", {"\"power\": [", "\"end\": "}},
+                        {"08_transparency", "--pixel 330,200", {"\"color\": ["}},
+                        {"16_environment", "--pixel 10,10", {"\"radiance\": ["}},
+                        {"33_certified", "--pixel 330,200", {"\"to\": ", "\"from\": "}},
+                        {"31_sphere_tracing",
+                         "--pixel 330,200",
+                         {"\"field\": ", "\"power\": [", "\"color\": ["},
+                         {"/field is ", "/radiance/0 is ", "/radiance/0 is "}},
+                        {"23_ambient_occlusion",
+                         "--pixel 320,400 --samples 1",
+                         {"\"query\": \"any\"...\"direction\": ["},
+                         {"/direction/0 is "}},
+                        {"26_weekend",
+                         "--pixel 320,400 --samples 1",
+                         {"\"query\": \"closest\"...\"query\": \"closest\"...\"direction\": ["},
+                         {"/direction/0 is "}},
+                        {"18_antialiasing",
+                         "--pixel 330,200 --samples 2 --filter mitchell",
+                         {"\"position\": [0.", "\"weight\": "},
+                         {", up to which the filter has ", "/weight is "}}};
 #if __has_include(<nlohmann/json.hpp>)
   rows.push_back({"render", scene_path("environment") + " --pixel 5,5", {"\"color\": ["}});
   rows.push_back({"render", scene_path("torus") + " --pixel 330,260", {"\"radius\": ", "\"tube\": "}});
 #endif
-  for (const auto& [program, arguments, keys] : rows) {
+  for (const auto& [program, arguments, keys, messages] : rows) {
     CAPTURE(program);
     REQUIRE(run_stage(program, arguments + " --explain a.json --quiet", folder).status == 0);
     const std::string text = bytes_of(folder / "a.json");
@@ -314,7 +324,8 @@ TEST_CASE(
     const Outcome right = check(text);
     CHECK(right.status == 0);
     CHECK(right.out.find("taken from the file: the radiance") == std::string::npos);
-    for (const std::string& key : keys) {
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      const std::string& key = keys[i];
       CAPTURE(key);
       std::string changed = text;
       std::size_t at = 0;
@@ -331,6 +342,7 @@ TEST_CASE(
       const Outcome wrong = check(changed);
       CHECK(wrong.status == 1);
       CHECK(wrong.err.starts_with("b.json:"));
+      if (!messages.empty()) CHECK_THAT(wrong.err, ContainsSubstring(messages[i]));
     }
   }
 }
