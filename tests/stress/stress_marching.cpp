@@ -7,8 +7,9 @@
 // rays of a camera, which go in packets too; rays that pass a point of the surface at a distance of 10^-1 to
 // 10^-17; and rays that leave the surface outward or inward, in random directions or with a cosine of 10^-1
 // to 10^-14. Exits with 1 if an answer was wrong, an enclosure was wider than 2^-30 of t and of the field's
-// size, a packet differed from its rays, or the two judges from each other, and prints the first such rays in
-// hexadecimal. The counts do not depend on the number of threads (1; 0: all cores).
+// size, a packet differed from its rays, the two judges from each other, or a ray of a camera was not decided
+// by the march or its judge; and prints the first wrong rays in hexadecimal. The counts do not depend on the
+// number of threads (1; 0: all cores).
 
 #include <algorithm>
 #include <array>
@@ -259,6 +260,7 @@ int stress(int argc, char** argv) {
               tally.wide, tally.undecided, tally.along, tally.unknown, tally.in_closed_form, tally.disagree,
               tally.differ, tally.widest_width(), tally.mean_width(), tally.farthest);
       wrong += tally.wrong(), ++rows;
+      if (static_cast<Kind>(k) == Kind::camera) wrong += tally.undecided + tally.unknown;
     }
   });
   if (rows == 0) throw std::invalid_argument("no such field or kind");
