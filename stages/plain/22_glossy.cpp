@@ -315,8 +315,8 @@ Vec direction_in_lobe(const Vec& mirror, double n, double u, double v) {
   return direction_around(mirror, std::pow(u, 1 / (n + 1)), v);
 }
 
-// How much of the light along a direction the metal sends on, for light of one watt per area: (n + 2)/(2π)
-// times that cosine to the power n.
+// The share of the light from a direction that the metal sends to the viewer, per solid angle and but for the
+// color: (n + 2)/(2π) times the cosine of the angle to the mirror direction, to the power n.
 double reflectance(double cosine, double n) {
   return cosine > 0 ? (n + 2) / (2 * std::numbers::pi) * std::pow(cosine, n) : 0;
 }

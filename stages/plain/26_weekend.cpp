@@ -241,7 +241,7 @@ struct Part {
   std::vector<Part> halves;
 };
 
-// Sorts the balls of a part along the longest side of its box, and gives each half a box.
+// Sorts the balls of a part along the longer level side of its box, and gives each half a box.
 Part tree(int first, int last) {
   Part part{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}, first, last, {}};
   for (int i = first; i < last; ++i) {
