@@ -157,6 +157,43 @@ TEST_CASE("the order of a marched crossing among those of other surfaces is deci
   CHECK(fallbacks.undecided == 1);
 }
 
+TEST_CASE("rays past an edge or a seam, and rays that meet one, are undecided only in the last places") {
+  // Each field is 0 at the origin, and rays come there at t = 1/3, between two doubles.
+  const Vec3 start{1, -2, 0}, past{-3, 6, 0};
+  const auto undecided_of = [](const auto& field, const Ray& ray, MarchedRoot::Answer answer) {
+    const Marched surface(field, cube_bounds(3), 100);
+    fallbacks = {};
+    MarchCounts counts;
+    CHECK(surface.march(ray, {}, counts).answer == answer);
+    return fallbacks.undecided;
+  };
+  const auto wedge = [](double gap) { return [gap](const auto& p) { return max(p.x, p.y) + gap; }; };
+  const auto box = [](double gap) {
+    return [gap](const auto& p) {
+      const auto x = abs(p.x + 1.0) - 1.0, y = abs(p.y + 1.0) - 1.0;
+      return length(Vec2{max(x, 0.0), max(y, 0.0)}) + min(max(x, y), 0.0) + gap;
+    };
+  };
+  const auto two_balls = [](double gap) {  // they meet at the origin, among others
+    return [gap](const auto& p) {
+      return min(length(p - Vec3{-0.75, 1, 0}), length(p - Vec3{0.75, 1, 0})) - 1.25 - gap;
+    };
+  };
+  using enum MarchedRoot::Answer;
+  // The slopes over a piece around the edge are the hull of those on both sides.
+  CHECK(undecided_of(wedge(0x1p-95), {start, past}, miss) == 0);
+  CHECK(undecided_of(wedge(0x1p-110), {start, past}, undecided) == 1);
+  // They are more for the sum in the formula of a box, whose terms have their kinks in one place.
+  CHECK(undecided_of(box(0x1p-50), {start, past}, miss) == 0);
+  CHECK(undecided_of(box(0x1p-56), {start, past}, undecided) == 1);
+  // Past a seam, from one ball to the other: the first crossing is where the ray leaves the second one.
+  CHECK(undecided_of(two_balls(0x1p-95), {{-0.25, 0.125, 0}, {0.75, -0.375, 0}}, hit) == 0);
+  CHECK(undecided_of(two_balls(0x1p-110), {{-0.25, 0.125, 0}, {0.75, -0.375, 0}}, undecided) == 1);
+  // Crossings at the edge and at the seam.
+  CHECK(undecided_of(box(0), {{1, 2, 0}, {-3, -6, 0}}, hit) == 0);
+  CHECK(undecided_of(two_balls(0), {{0.25, -1, 0}, {-0.75, 3, 0}}, hit) == 0);
+}
+
 TEST_CASE("bounds that are empty, infinite or not numbers are refused with what was found") {
   const auto message = [](const Bounds& bounds) {
     return message_of<std::invalid_argument>([&] { Marched surface(sphere_field, bounds); });
