@@ -64,7 +64,7 @@ const std::set<std::string> on_demand = {
     "exact/functions.hpp",
     "exact/lipschitz.hpp",
     "exact/plain.hpp",
-    "exact/quartic.hpp",
+    "exact/polynomial_roots.hpp",
     "exact/rounding.hpp",
     "exact/slope.hpp",
     "heat_color.hpp",

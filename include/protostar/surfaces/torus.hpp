@@ -18,7 +18,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "../exact/quartic.hpp"
+#include "../exact/polynomial_roots.hpp"
 #include "../magnitude.hpp"
 #include "../march/field_line.hpp"
 #include "../march/hit_proof.hpp"
