@@ -204,6 +204,27 @@ TEST_CASE("bounds that are empty, infinite or not numbers are refused with what 
   CHECK_THAT(message({{-1, -1, -1}, {1, 1, -1}}), ContainsSubstring("must be larger"));
 }
 
+TEST_CASE("a field that jumps at the borders of cells is refused, and one of the neighbors too is not") {
+  // A ball at the right of each cell of the size `cell`, in the middle of its y and z.
+  const auto balls = [](double cell, bool with_neighbors) {
+    return [=](const auto& p) {
+      const auto x = wrap(p.x / cell), y = wrap(p.y / cell), z = wrap(p.z / cell);
+      const auto ball = [&](double place) {
+        return length(FieldPoint{x - place, y, z}) * cell - 0.125 * cell;
+      };
+      const auto own = ball(0.375);
+      return with_neighbors ? min(own, min(ball(-0.625), ball(1.375))) : own;
+    };
+  };
+  for (const double cell : {1.5, 0.25, 0x1p-5}) {
+    CAPTURE(cell);
+    CHECK_NOTHROW(Marched(balls(cell, true), cube_bounds(1), 200));
+    CHECK_THAT(
+        message_of<std::invalid_argument>([&] { Marched surface(balls(cell, false), cube_bounds(1), 200); }),
+        ContainsSubstring("Marched: the field jumps, so that proofs about it would not hold: from ("));
+  }
+}
+
 TEST_CASE("a plain function is marched past steps below the last digit of t") {
   const auto sphere = [](const Point& p) { return length(p) - 1; };
   const Marched surface{sphere, Bounds{Point(-1), Point(1)}, 1.0};

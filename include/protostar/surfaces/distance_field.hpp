@@ -18,6 +18,7 @@
 #include "../ray_lanes.hpp"
 #include "../surface.hpp"
 #include "coordinates.hpp"
+#include "field_jumps.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -38,8 +39,9 @@ concept PlainField = !DistanceField<F> && std::copy_constructible<F> && requires
 /// a grazing angle may cross the surface again so near that t is enclosed only to 2^-30 of the size of the
 /// bounds; its order among crossings of other surfaces as near is not proven.
 ///
-/// A field has to be continuous, which nothing checks: one made with wrap jumps at the borders of its cells
-/// unless it looks at the neighbors too, and proofs of a field that jumps do not hold.
+/// A field has to be continuous: one made with wrap jumps at the borders of its cells unless it looks at the
+/// neighbors too, and proofs of a field that jumps do not hold. Most jumps are found and refused, but a small
+/// one may not be found (field_jumps.hpp).
 ///
 /// A plain function of a Point takes a Lipschitz constant besides, and nothing is proven then.
 template <class F>
@@ -57,7 +59,7 @@ class Marched<F> {
   /// Makes the surface; derives the field's Lipschitz constant and rounding with at most `evaluations`
   /// evaluations over boxes.
   /// Throws std::invalid_argument if the bounds are not finite, or empty, or the field has no
-  /// bounded slope or value in them.
+  /// bounded slope or value in them, or is found to jump.
   Marched(F field, const Bounds& bounds, int evaluations = usual_evaluations) : field_(std::move(field)) {
     // Faces that lie in the bounds are inside of boxes that are a thousandth larger. Points of rays may come
     // out beyond that by as much again.
@@ -69,6 +71,7 @@ class Marched<F> {
           "Marched: in the bounds the field must have finite values, and slopes that are finite; found a "
           "slope of up to " +
           shown(setup_.bound.lipschitz) + " and an error of up to " + shown(setup_.bound.error));
+    detail::refuse_jumps(field_, setup_.inside, setup_.bound);
   }
 
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
