@@ -257,8 +257,11 @@ TEST_CASE("names in a scene file may be any text, and numbers may have any form 
         Transfer(Linear{}).index());
   CHECK(scene_of_text(replacing("/settings/tone", R"("scale-image")")).tone == Tone::scale_image);
   CHECK(scene_of_text(replacing("/settings/tone", R"("clip")")).tone == Tone::clip);
-  for (const std::string_view name : integrator_names)
+  for (const std::string_view name : integrator_names) {
+    // Some need distances from all surfaces, or marched ones (json_scene_fields.cpp).
+    if (name.starts_with("distance-") || name == "evaluations" || name == "enclosure-width") continue;
     CHECK(scene_of_text(replacing("/settings/integrator", json(name).dump())).integrator == name);
+  }
   CHECK(scene_of_text(replacing("/objects", "[]")).scene.size() == 0);
   CHECK(scene_of_text(scene_with("/materials/~1~0 \xc3\xa4\\n", "{}")).scene.size() == 3);
   CHECK(scene_of_text("\xef\xbb\xbf" + smallest_scene).width == 8);  // a byte order mark

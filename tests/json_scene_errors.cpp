@@ -45,7 +45,7 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       direction = "a direction, a vector that is not 0", side = "a whole number from 1 to 268435456",
       samples = "a whole number from 0 to 65536", depth = "a whole number from 1 to 1000",
       integrators =
-          R"("binary", "depth", "normal", "color", "diffuse", "transparency", "shadow", "whitted", "ambient-occlusion", "direct" or "path")",
+          R"("binary", "depth", "normal", "color", "diffuse", "transparency", "shadow", "whitted", "ambient-occlusion", "direct", "path", "distance-occlusion", "distance-shadow", "evaluations" or "enclosure-width")",
       spot_angle = "a number of degrees above 0 and at most 180",
       view_angle = "a number of degrees from 1e-100 to below 180", shininess = "a number of at least 0",
       tone = R"("clip", "scale-pixel" or "scale-image")",
@@ -76,8 +76,9 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
                    value + "}");
   };
   const std::string settings_keys =
-      "resolution-x, resolution-y, samples, error, sampler, filter, seed, depth, integrator, transfer, tone "
-      "and exposure";
+      "resolution-x, resolution-y, samples, error, sampler, filter, seed, depth, integrator, "
+      "occlusion-distance, "
+      "transfer, tone and exposure";
   const std::string ids = R"("black", "red" and "squares")";
   const std::vector<Row> rows{
       {"[]", "the whole: [] is not an object"},

@@ -1,5 +1,6 @@
 // The fields of scene files: their values, and the message for each kind of error.
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <protostar/fields/field.hpp>
 #include <protostar/io/json_scene.hpp>
 #include <protostar/surfaces/distance_field.hpp>
@@ -7,10 +8,12 @@
 #include <vector>
 
 #include "support/catch.hpp"
+#include "support/files.hpp"
 #include "support/scene_files.hpp"
 
 using namespace protostar;
 using fields::Field;
+using nlohmann::json;
 
 namespace {
 
@@ -148,4 +151,56 @@ TEST_CASE("a field of a scene file may be 64 deep and take 4096 shapes and opera
              Catch::Matchers::EndsWith(
                  "is not possible: Field: an evaluation takes 4097 shapes and operations; at most 4096 are "
                  "allowed"));
+}
+
+TEST_CASE("an integrator of fields is refused for a scene that lacks what it needs, with the reason") {
+  const auto error_of = [](const std::string& integrator, const std::string& surface,
+                           const std::string& material, const json& farthest = nullptr) {
+    json scene = json::parse(with_surface(surface));
+    scene["settings"]["integrator"] = integrator;
+    if (!farthest.is_null()) scene["settings"]["occlusion-distance"] = farthest;
+    scene["objects"][0].erase("color");
+    scene["objects"][0]["material-id"] = "only";
+    scene["materials"]["only"][material] = {1, 1, 1};
+    return scene_error(scene.dump());
+  };
+  const auto refused = [](const std::string& integrator, const std::string& why) {
+    return R"(scene.json: /settings/integrator: ")" + integrator + R"(" is not possible: )" + why;
+  };
+  const std::string
+      field = surface_of_field(ball_field),
+      diffuse = "diffuse", emits = "emission",
+      moves = surface_of_field(ball_field, R"(, "velocity": [0, 0, 1])"),
+      board = R"({"type": "parallelogram", "position": [0, 0, 3], "edges": [[1, 0, 0], [0, 1, 0]]})";
+  const std::string no_march =
+      ": no surface of the scene is marched with a proof, so that there is nothing to show; surfaces of "
+      "distance fields are";
+  const std::string no_distance =
+      ": surface 0 of the scene, counted from 0 in the order of its types, tells no distance; marched "
+      "surfaces, boxes, spheres and planes do, and surfaces with double distance_bound(const Point&) const";
+  for (const std::string integrator : {"evaluations", "enclosure-width", "distance-shadow"})
+    CHECK(error_of(integrator, field, diffuse) == "");
+  CHECK(error_of("distance-occlusion", field, diffuse, 1) == "");
+  CHECK(error_of("distance-shadow", ball_in_json, emits) == "");
+  CHECK(error_of("distance-occlusion", board, emits, 1) == "");
+  CHECK(error_of("evaluations", ball_in_json, diffuse) ==
+        refused("evaluations", "MarchEvaluationsIntegrator" + no_march));
+  CHECK(error_of("enclosure-width", board, diffuse) ==
+        refused("enclosure-width", "EnclosureWidthIntegrator" + no_march));
+  CHECK(error_of("distance-shadow", board, diffuse) ==
+        refused("distance-shadow", "DistanceShadowIntegrator" + no_distance));
+  CHECK(
+      error_of("distance-shadow", board, emits) ==
+      refused("distance-shadow",
+              "DistanceShadowIntegrator: surfaces that emit light must be spheres that do not move; another "
+              "is in the scene"));
+  CHECK(error_of("distance-occlusion", moves, diffuse, 1) ==
+        refused("distance-occlusion", "DistanceOcclusionIntegrator" + no_distance));
+  CHECK(error_of("distance-occlusion", field, diffuse) ==
+        refused("distance-occlusion", "distance-occlusion: the settings have no occlusion-distance"));
+  CHECK(scene_of_text(scene_with("/settings/occlusion-distance", "2")).occlusion_distance == 2);
+  CHECK(error_of("distance-occlusion", field, diffuse, 0) ==
+        "scene.json: /settings/occlusion-distance: 0 is not a number greater than 0");
+  CHECK_THAT(bytes_of(std::string(PROTOSTAR_SOURCE_DIR) + "/docs/scene-format.md"),
+             ContainsSubstring("render: " + error_of("evaluations", ball_in_json, diffuse) + "\n"));
 }

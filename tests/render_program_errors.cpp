@@ -26,7 +26,8 @@ TEST_CASE("wrong options of render are named, with the right ones, and nothing i
                     crop_of_size = crop + " of 640x480", samples = "a whole number from 0 to 65536",
                     integrators =
                         "one of binary, depth, normal, color, diffuse, transparency, shadow, whitted, "
-                        "ambient-occlusion, direct, path";
+                        "ambient-occlusion, direct, path, distance-occlusion, distance-shadow, evaluations, "
+                        "enclosure-width";
   const auto not_allowed = [](const std::string& option, const std::string& found,
                               const std::string& allowed) {
     return Row{option + " " + found, option + ": '" + found + "' is not " + allowed};

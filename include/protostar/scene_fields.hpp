@@ -86,6 +86,15 @@ class SceneFields {
             "boxes, spheres and planes do, and surfaces with double distance_bound(const Point&) const");
   }
 
+  /// Throws std::invalid_argument, in the name of an integrator, if no surface is marched.
+  void require_marches(const std::string& integrator) const {
+    for (const Field& field : fields_)
+      if (field.march != nullptr) return;
+    throw std::invalid_argument(integrator +
+                                ": no surface of the scene is marched with a proof, so that there is nothing "
+                                "to show; surfaces of distance fields are");
+  }
+
   /// Throws std::logic_error if a scene, or a view of it, is not the one of these fields, or has other
   /// surfaces than when they were made.
   void require(const auto& scene) const { scene_.require(scene, "SceneFields"); }

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "chance_pictures.hpp"
+#include "march_pictures.hpp"
 #include "pictures.hpp"
 #include "scene_pictures.hpp"
 
@@ -16,13 +17,19 @@ void draw(Image& image, const SceneFile& file, const std::string& integrator,
   const int shares = is_open ? std::min(options.max_samples, 1024) : options.samples;
   if (const auto refusal = refusal_of_samples(shares, file.scene.lights().size()))
     throw std::runtime_error("--samples: " + *refusal);
+  require_integrator(integrator, file);
+  const double farthest = file.occlusion_distance.value_or(infinity);
   const auto draw_with = [&](const auto& chosen) { render(image, file.camera, file.scene, chosen, options); };
   if (integrator == "binary") return draw_with(BinaryIntegrator{});
   if (integrator == "color") return draw_with(ColorIntegrator{});
   if (integrator == "depth") return draw_with(DepthIntegrator{});
   if (integrator == "diffuse") return draw_with(DiffuseIntegrator{});
-  if (integrator == "ambient-occlusion") return draw_with(AmbientOcclusionIntegrator{});
+  if (integrator == "ambient-occlusion") return draw_with(AmbientOcclusionIntegrator(farthest));
   if (integrator == "direct") return draw_with(DirectIntegrator(file.scene));
+  if (integrator == "distance-occlusion") return draw_with(DistanceOcclusionIntegrator(file.scene, farthest));
+  if (integrator == "distance-shadow") return draw_with(DistanceShadowIntegrator(file.scene));
+  if (integrator == "enclosure-width") return draw_with(EnclosureWidthIntegrator(file.scene));
+  if (integrator == "evaluations") return draw_with(MarchEvaluationsIntegrator(file.scene));
   if (integrator == "normal") return draw_with(NormalIntegrator{});
   if (integrator == "path") {
     PathIntegrator path(file.scene);

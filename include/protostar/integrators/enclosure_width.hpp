@@ -21,9 +21,12 @@ struct EnclosureWidthIntegrator {
 
   SceneFields fields;
 
-  /// Prepares the fields of a scene; pictures of that scene can then be drawn.
+  /// Prepares the fields of a scene; pictures of that scene can then be drawn. Throws std::invalid_argument
+  /// if no surface is marched.
   template <Surface... S>
-  explicit EnclosureWidthIntegrator(const Scene<S...>& scene) : fields(scene) {}
+  explicit EnclosureWidthIntegrator(const Scene<S...>& scene) : fields(scene) {
+    fields.require_marches("EnclosureWidthIntegrator");
+  }
 
   /// Returns the bits to which the closest hit is proven, if it is on a marched surface; 0 for a touch. The
   /// logarithm is exact at powers of 2 and interpolated linearly between them, which is too small by less

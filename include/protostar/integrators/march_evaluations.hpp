@@ -18,10 +18,13 @@ struct MarchEvaluationsIntegrator {
   SceneFields fields;
   double most = 128;  ///< number of evaluations from which on the color is white
 
-  /// Prepares the fields of a scene; pictures of that scene can then be drawn.
+  /// Prepares the fields of a scene; pictures of that scene can then be drawn. Throws std::invalid_argument
+  /// if no surface is marched.
   template <Surface... S>
   explicit MarchEvaluationsIntegrator(const Scene<S...>& scene, double white = 128)
-      : fields(scene), most(white) {}
+      : fields(scene), most(white) {
+    fields.require_marches("MarchEvaluationsIntegrator");
+  }
 
   /// Throws std::invalid_argument unless `most` is greater than 0. render calls it.
   void validate() const {

@@ -222,7 +222,7 @@ inline Transfer transfer_at(const JsonCursor& at) {
 
 inline void read_settings(const JsonCursor& at, SceneFile& file) {
   at.with_keys({"resolution-x", "resolution-y", "samples", "error", "sampler", "filter", "seed", "depth",
-                "integrator", "transfer", "tone", "exposure"});
+                "integrator", "occlusion-distance", "transfer", "tone", "exposure"});
   const int most = static_cast<int>(Image::max_pixels);
   file.width = at["resolution-x"].whole_number(1, most);
   file.height = at["resolution-y"].whole_number(1, most);
@@ -248,6 +248,7 @@ inline void read_settings(const JsonCursor& at, SceneFile& file) {
   if (at.has("integrator")) file.integrator = name_of("integrator", integrator_names);
   if (file.sampler == "hammersley" && draws_by_chance(file.integrator))
     at["sampler"].refuse("independent, stratified, halton or sobol: " + why_not_hammersley(file.integrator));
+  if (at.has("occlusion-distance")) file.occlusion_distance = at["occlusion-distance"].size();
   if (at.has("transfer")) file.transfer = transfer_at(at["transfer"]);
   if (at.has("tone"))
     file.tone = at["tone"].one_of<Tone>(
@@ -289,6 +290,8 @@ inline SceneFile scene_at(const JsonCursor& at) {
     });
   if (const auto refusal = refusal_of_samples(file.samples, file.scene.lights().size()))
     at["settings"]["samples"].refuse("possible: " + *refusal);
+  if (at["settings"].has("integrator"))
+    at["settings"]["integrator"].checked([&] { require_integrator(file.integrator, file); });
   file.files = at.loaded().paths();
   return file;
 }

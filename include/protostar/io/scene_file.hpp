@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,15 +14,22 @@
 #include "../any_scene.hpp"
 #include "../camera.hpp"
 #include "../encode.hpp"
+#include "../integrators/distance_occlusion.hpp"
+#include "../integrators/distance_shadow.hpp"
+#include "../integrators/enclosure_width.hpp"
+#include "../integrators/march_evaluations.hpp"
 #include "../integrators/whitted.hpp"
 #include "../tone.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Names of the integrators that a file can ask for.
-inline constexpr std::array<std::string_view, 11> integrator_names{
-    "binary", "depth", "normal", "color", "diffuse", "transparency", "shadow", "whitted", "ambient-occlusion",
-    "direct", "path"};
+inline constexpr std::array<std::string_view, 15> integrator_names{
+    "binary",          "depth",       "normal",
+    "color",           "diffuse",     "transparency",
+    "shadow",          "whitted",     "ambient-occlusion",
+    "direct",          "path",        "distance-occlusion",
+    "distance-shadow", "evaluations", "enclosure-width"};
 
 /// Returns true for the name of an integrator that draws light by chance, and therefore takes a sampler.
 [[nodiscard]] inline bool draws_by_chance(std::string_view integrator) {
@@ -68,10 +76,28 @@ struct SceneFile {
   std::uint64_t seed = 0;              ///< of the sampler
   std::optional<int> depth = {};       ///< of WhittedIntegrator or PathIntegrator; none: its default
   std::string integrator = "whitted";  ///< one of integrator_names
+
+  /// Distance beyond which surfaces occlude nothing, of AmbientOcclusionIntegrator, ∞ by default, and of
+  /// DistanceOcclusionIntegrator, which needs one.
+  std::optional<double> occlusion_distance = {};
+
   Transfer transfer = Srgb{};
   Tone tone = Tone::clip;
   double exposure = 1;                  ///< a factor on the light, before tone and transfer
   std::vector<std::string> files = {};  ///< paths of the images and meshes that the file names, each once
 };
+
+/// Throws std::invalid_argument if the scene and the settings of a file lack what an integrator needs:
+/// marched surfaces, distances from all surfaces, or lamps that are spheres.
+inline void require_integrator(std::string_view integrator, const SceneFile& file) {
+  if (integrator == "evaluations") static_cast<void>(MarchEvaluationsIntegrator(file.scene));
+  if (integrator == "enclosure-width") static_cast<void>(EnclosureWidthIntegrator(file.scene));
+  if (integrator == "distance-shadow") static_cast<void>(DistanceShadowIntegrator(file.scene));
+  if (integrator == "distance-occlusion") {
+    if (!file.occlusion_distance)
+      throw std::invalid_argument("distance-occlusion: the settings have no occlusion-distance");
+    static_cast<void>(DistanceOcclusionIntegrator(file.scene, *file.occlusion_distance));
+  }
+}
 
 }  // namespace protostar::inline PROTOSTAR_ABI
