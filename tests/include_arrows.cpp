@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 /// Headers that a program includes itself if it uses them: some surfaces, and samplers, with the headers that
 /// only they need.
 const std::set<std::string> on_demand = {
+    "exact/recorded.hpp",
     "march/packet_march.hpp",
     "march/step_rules.hpp",
     "sampling/radians_of_each.hpp",

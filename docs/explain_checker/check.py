@@ -8,6 +8,7 @@ from .hits import Hits
 from .images import Images
 from .light import BY_CHANCE, check_code, FORMULAS, mean_of, times_float
 from .lights import Lights
+from .paths import Paths
 from .naive import check_naive, check_naive_march
 from .radiance import Radiance
 from .rays import Rays
@@ -16,7 +17,7 @@ from .surfaces import surface_of
 from .values import U, Wrong
 
 
-class Check(Rays, Hits, Lights, Radiance, Chance):
+class Check(Rays, Hits, Lights, Radiance, Chance, Paths):
     def __init__(self, file):
         self.file = file
         self.given = set()

@@ -112,7 +112,7 @@ class Lights:
             if abs(d[1]) < 1 - Fraction(1, 2**20):
                 sky["uv"][0].must_be_near(Fraction(u), error)
             sky["uv"][1].must_be_near(Fraction(min(v, 1 - 2**-53)), error if abs(d[1]) < 0.999 else Fraction(1, 2**24))
-            self.check_look_up(sky)
+            self.check_look_up(sky, d)
         elif sky["radiance"].is_null():
             return fallback
         else:
@@ -121,13 +121,13 @@ class Lights:
             sky["radiance"].must_equal(known)
         return sky["radiance"].vector()
 
-    def check_look_up(self, sky):
-        """Checks the radiance of an environment at u and v."""
+    def check_look_up(self, sky, direction):
+        """Checks the radiance of an environment at u and v, or in a direction."""
         way, (u, v) = sky["environment"], sky["uv"].vector(2)
         name = way["type"].word()
         if name == "image":
             # A double next to an edge between two pixels may round to the edge: the place is that of doubles.
-            size = [x.index(2**31) for x in way["size"]]
+            size, image = [x.index(2**31) for x in way["size"]], way["file"]
             place = [float(u - math.floor(u)) * size[0] - 0.5, float(v) * size[1] - 0.5]
             first = [math.floor(x) for x in place]
             (across, down), right, largest = [Fraction(x) - k for x, k in zip(place, first)], BLACK, Fraction(0)
@@ -137,11 +137,20 @@ class Lights:
                 pixel["column"].must_be((first[0] + k % 2) % size[0])
                 pixel["row"].must_be(min(max(first[1] + k // 2, 0), size[1] - 1))
                 color = pixel["color"].vector()
+                known, error, reason = self.images.light_at(image, size, way["size"], pixel["column"].whole(),
+                                                            pixel["row"].whole())
+                if known:
+                    pixel["color"].must_be_near_vector(known, [error * x for x in known])
+                else:
+                    self.given.add(f"the colors of {reason}, which is the environment")
                 share = (across if k % 2 else 1 - across) * (down if k // 2 else 1 - down)
                 right, largest = add(right, times(share, color)), max(largest, *sizes(color))
-            self.given.add("the colors of the pixels of an environment's image")
         elif name == "dusk":
             right, largest = dusk(u, v)
+        elif name == "weekend":  # of floats: white below, blue above
+            blue = (1 + direction[1]) / 2
+            sky["radiance"].must_be_near_vector([1 - blue / 2, 1 - Fraction(3, 10) * blue, Fraction(1)], Fraction(1, 2**22))
+            return
         else:
             self.given.add("the radiance of an environment that is a function")
             return

@@ -1,20 +1,38 @@
 """Fields that are marched: the steps of a march and the numbers that prove them."""
 from fractions import Fraction
 
-from .exact import length, sign, sizes
+from .exact import length, sign, sizes, unit
+from .field import Field, FieldAlong, fraction
 from .surfaces import Departure, surface_type
 from .values import shown, U, Unreadable, Wrong
 
 
 @surface_type("marched")
 class Marched:
-    """A field that is marched. Its values are the file's; what follows from them about the ray is checked."""
+    """A field that is marched. The steps of the march say where to look; each is proven again, by the field itself if it
+    is in the file. Otherwise its values are the file's, and what follows from them about the ray is checked."""
 
     is_given = True
 
     def __init__(self, facts):
         self.ends = facts["min"].vector(), facts["max"].vector()
         self.lipschitz, self.error = facts["lipschitz"].number(), facts["error"].number()
+        self.field = Field(facts["parts"]) if "parts" in facts else None
+
+    def normal(self, point, part):
+        """Returns the direction of the gradient."""
+        return unit([fraction(low + high) for low, high in self.gradient(point)])
+
+    def normal_error(self, point, part):
+        """Returns the error of the normal: that of a gradient which is known for points as near as roundings of the
+        library move them. Where it jumps, at an edge, any normal between those of both sides is right."""
+        gradient = self.gradient(point)
+        middle = length([fraction(low + high) / 2 for low, high in gradient])
+        width = length([fraction(high - low) for low, high in gradient])
+        return Fraction(2) if width > middle / 4 else 2 * width / middle + Fraction(1, 2**40)
+
+    def gradient(self, point):
+        return self.field.gradient(point, (1 + max(sizes(point))) / 2**46)
 
     def departure(self, part):
         return Departure("object", None, self, part)
@@ -49,6 +67,7 @@ class Marched:
         at, found = Fraction(0) if leaves else max(low, Fraction(0)), []
         # Ends of the box are rounded.
         near = max(abs(low), abs(high), *sizes(line.origin)) / 2**40
+        along = FieldAlong(self.field, line, leaves) if self.field else None
         known = None  # lower bound of the field at `at`, from the last step
         for i, step in enumerate(steps):
             if found:
@@ -57,6 +76,8 @@ class Marched:
             begin.must_be_near(at, near if i == 0 else 0)
             start = begin.number()
             if kind == "touch":
+                if along:
+                    along.check_touch(step, start)
                 found.append((start, start))
                 continue
             if to <= start:
@@ -65,6 +86,8 @@ class Marched:
                 step["to"].refuse(to, high)
             at, width = to, to - start
             last, known = known, None
+            if along:
+                along.check_step(step, kind, start, to, error)
             if kind in ("ball", "two balls"):
                 radius = (step["value"].number() - error) * reach
                 if kind == "two balls":

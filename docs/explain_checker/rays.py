@@ -22,9 +22,11 @@ class Rays:
         if ray["range_end"].data == "infinity":
             end = None
         else:
-            if self.integrator != "ambient-occlusion":  # which looks as far as a distance that is given
-                ray["range_end"].must_be(1)
             end = ray["range_end"].number()
+            if self.integrator != "ambient-occlusion":
+                ray["range_end"].must_be(1)
+            elif end != self.file["distance"].data:  # from which on surfaces occlude nothing
+                ray["range_end"].refuse(end, self.file["distance"].number())
         query = ray["query"].word()
         if query not in ("closest", "any", "all"):
             raise Wrong(ray["query"].at("must be closest, any or all"))
@@ -62,7 +64,8 @@ class Rays:
         if not is_given(surface):
             return surface.roots(line)
         if isinstance(surface, Marched) and query != "all":
-            self.given.add("the values and slopes of a field that is marched, and its Lipschitz constant")
+            if not surface.field:
+                self.given.add("the values and slopes of a field that is marched, and its Lipschitz constant")
             one["equation"]["type"].must_be("march")
             steps = one["equation"]["parts"] if "parts" in one["equation"] else Value(one.line, one.path)
             if steps.is_null():
@@ -72,7 +75,7 @@ class Rays:
                 for low, high in found:
                     t.must_be_near((low + high) / 2, 2 * U * high)
             return [Root(Fraction(1), (low + high) / 2) for low, high in found]
-        self.given.add("the crossings of a surface of a type of your own")
+        self.given.add("the crossings of a surface of a type of your own, and all crossings of a field")
         return [Root(Fraction(1), t.number(), part=part.whole()) for t, part in zip(one["t"], one["parts"])]
 
     def check_crossings(self, one, found, given):

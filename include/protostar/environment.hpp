@@ -56,6 +56,11 @@ class Environment {
   /// Returns the function of u and v; empty if it is one of the direction.
   [[nodiscard]] const Texture& by_uv() const { return by_uv_; }
 
+  /// Returns the function of the direction; empty if it is one of u and v.
+  [[nodiscard]] const std::function<Color(const Vec3& direction)>& by_direction() const {
+    return by_direction_;
+  }
+
  private:
   std::function<Color(const Vec3& direction)> by_direction_;
   Texture by_uv_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string>
 
 #include "image.hpp"
 #include "vec3.hpp"
@@ -14,6 +15,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// image, v from the top row to the bottom row. Between the centers of four pixels, their colors are mixed.
 struct EnvironmentImage {
   std::shared_ptr<const Image> image;
+  std::string file = {};  ///< path of the image's file, which explanations name; empty if unknown
 
   [[nodiscard]] Color operator()(double u, double v) const {
     const auto across = between((u - std::floor(u)) * image->width() - 0.5);

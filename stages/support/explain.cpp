@@ -29,10 +29,9 @@ RayRecord& ExplainedScene::begin(RayRecord::Query query, const Ray& ray, Interva
   record.query = query;
   record.ray = ray;
   record.range = range;
-  const auto left = std::find_if(surfaces_.begin(), surfaces_.end(),
-                                 [&](const Entry& entry) { return entry.address == ray.departure.in_scene; });
-  if (left == surfaces_.end()) return record;
-  record.left = static_cast<std::size_t>(left - surfaces_.begin());
+  const std::size_t left = index_of(ray.departure.in_scene);
+  if (left == surfaces_.size()) return record;
+  record.left = left;
   // The departure of a solid that is made of solids counts the parts of one of them.
   record.left_part = before.hit && before.taken == record.left ? before.hit->part : ray.departure.part;
   return record;

@@ -79,6 +79,13 @@ class ExplainedScene {
 
   /// Returns the lights without a record that they are asked for.
   const std::vector<protostar::Light>& all_lights() const { return lights_; }
+
+  /// Returns the index of a surface by its address in the real scene; the number of surfaces if it is none.
+  std::size_t index_of(const void* address) const {
+    const auto found = std::find_if(surfaces_.begin(), surfaces_.end(),
+                                    [&](const Entry& entry) { return entry.address == address; });
+    return static_cast<std::size_t>(found - surfaces_.begin());
+  }
   const std::vector<Facts>& facts() const { return facts_; }
   const std::vector<protostar::Bounds>& bounds() const { return bounds_; }
 
@@ -229,6 +236,14 @@ void explain(Explanation& explanation, const protostar::Camera& camera, const Ex
   explanation.lights = scene.all_lights();
   explanation.ambient = scene.ambient();
   if constexpr (requires { integrator.depth; }) explanation.depth = integrator.depth;
+  if constexpr (requires { integrator.distance; }) explanation.distance = integrator.distance;
+  if constexpr (requires { integrator.lights.by_power(); integrator.most_rays; }) {
+    explanation.most_rays = integrator.most_rays;
+    for (const auto& light : integrator.lights.lights())
+      explanation.area_lights.push_back({scene.index_of(light.surface()), light.emission()});
+  }
+  if constexpr (requires { integrator.environment.has_places(); })
+    explanation.environment_has_places = integrator.environment.has_places();
   [[maybe_unused]] const auto radiance = protostar::detail::radiance_in(scene, integrator);
   explain_function(
       explanation, camera,

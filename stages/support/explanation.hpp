@@ -29,6 +29,7 @@ struct Facts {
   std::string type;
   std::vector<Named> numbers = {};
   std::vector<Facts> parts = {};
+  std::string file = {};  ///< path of the file of an image; empty if unknown
 };
 
 /// Surface that a ray is tested with, and the result.
@@ -57,6 +58,12 @@ struct LightRecord {
   protostar::Color irradiance{0};
   std::optional<protostar::Color> share = {};  ///< of the radiance, if nothing occludes the light
   std::optional<std::size_t> shadow_ray = {};  ///< index among the rays; empty if none was needed
+};
+
+/// Surface that is a light of any size, to which directions are drawn.
+struct AreaLightRecord {
+  std::size_t surface = 0;
+  protostar::Color emission{0};
 };
 
 /// Normal that a normal map gives to a hit, and the numbers that it follows from.
@@ -127,7 +134,11 @@ struct Explanation {
   bool is_recorded = false;  ///< true if they were traced in a scene that records them
   int width = 0, height = 0;
   protostar::Camera camera;
-  int depth = 0;  ///< of WhittedIntegrator, otherwise 0
+  int depth = 0;      ///< of WhittedIntegrator and PathIntegrator, otherwise 0
+  int most_rays = 0;  ///< of DirectIntegrator and PathIntegrator, otherwise 0
+  double distance = 0;  ///< of AmbientOcclusionIntegrator, otherwise 0
+  std::vector<AreaLightRecord> area_lights = {};
+  bool environment_has_places = false;  ///< true if directions are drawn to the environment
   std::vector<Facts> surfaces = {};
   std::vector<protostar::Bounds> bounds = {};  ///< of the surfaces; infinite where there are none
   std::vector<protostar::Light> lights = {};

@@ -132,6 +132,11 @@ class Writer {
   }
 
  private:
+  /// Returns true for the integrators that draw directions to lights and by glossy lobes.
+  [[nodiscard]] bool draws_light() const {
+    return options_.integrator == "direct" || options_.integrator == "path";
+  }
+
   void write_camera() {
     json_.key("camera").object([&] {
       json_.member("position", e_.camera.position);
@@ -156,6 +161,18 @@ class Writer {
       }
     });
     json_.member("depth", e_.depth);
+    if (options_.integrator == "ambient-occlusion") json_.member("distance", e_.distance);
+    if (draws_light()) {
+      json_.member("most_rays", e_.most_rays);
+      json_.key("area_lights").array([&] {
+        for (const AreaLightRecord& light : e_.area_lights)
+          json_.next().object([&] {
+            json_.member("surface", light.surface);
+            json_.member("emission", light.emission);
+          });
+      });
+      json_.member("environment_has_places", e_.environment_has_places);
+    }
     if (std::none_of(e_.samples.begin(), e_.samples.end(),
                      [](const SampleRecord& sample) { return asks_lights(sample.all); }))
       return;
@@ -179,6 +196,7 @@ class Writer {
   void write(const Facts& facts) {
     json_.object([&] {
       json_.member("type", facts.type);
+      if (facts.type == "image") json_.member("file", facts.file);
       for (const Named& number : facts.numbers)
         if (number.values.size() == 1 && facts.type != "csg")
           json_.member(number.name, number.values[0]);
@@ -351,7 +369,16 @@ class Writer {
         json_.member("second", checker->second);
         json_.member("size", checker->size);
       });
-    if (options_.integrator == "path") json_.member("glossy", material.glossy);
+    if (draws_light()) {
+      json_.member("emission", material.emission);
+      json_.member("glossy", material.glossy);
+      if (!is_black(material.glossy)) {
+        const bool is_phong = material.blur == Blur::phong;
+        json_.member("blur", is_phong ? "phong" : "ggx");
+        json_.member(is_phong ? "shininess" : "roughness",
+                     is_phong ? material.shininess : material.roughness);
+      }
+    }
     if (options_.integrator == "whitted") {
       json_.member("specular", material.specular);
       json_.member("shininess", material.shininess);

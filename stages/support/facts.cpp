@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <protostar/environment_image.hpp>
+#include <protostar/exact/recorded.hpp>
 #include <protostar/march/field_line.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/csg.hpp>
@@ -15,6 +16,7 @@
 #include <protostar/transformed_ray.hpp>
 
 #include "scenes/dusk.hpp"
+#include "scenes/weekend.hpp"
 
 using namespace protostar;
 
@@ -209,13 +211,26 @@ Facts march_of(const AnySurface& surface, const Ray& ray, Interval range) {
   return steps.facts();
 }
 
+/// Returns an operation of a field: its name, the indices of the operations that it takes, and a number.
+static Facts facts_of(const FieldTape::Operation& one) {
+  Facts facts{.type = std::string(one.name)};
+  if (!one.of.empty()) facts.numbers.push_back({"of", {one.of.begin(), one.of.end()}});
+  if (one.name == "constant" || one.name == "smooth_min") facts.numbers.push_back({"number", {one.number}});
+  return facts;
+}
+
 Facts facts_of(const AnySurface& surface) {
-  if (const MarchSetup* setup = surface.march_setup())
-    return {"marched",
-            {{"min", list(setup->inside.min)},
-             {"max", list(setup->inside.max)},
-             {"lipschitz", {setup->bound.lipschitz}},
-             {"error", {setup->bound.error}}}};
+  if (const MarchSetup* setup = surface.march_setup()) {
+    Facts facts{"marched",
+                {{"min", list(setup->inside.min)},
+                 {"max", list(setup->inside.max)},
+                 {"lipschitz", {setup->bound.lipschitz}},
+                 {"error", {setup->bound.error}}}};
+    FieldTape field;
+    surface.record_field(field);
+    for (const FieldTape::Operation& one : field.operations()) facts.parts.push_back(facts_of(one));
+    return facts;
+  }
   return with_held(surface, [](const auto& held) { return facts_of(held); });
 }
 Facts facts_of(const Sphere& s) { return {"sphere", {{"center", list(s.center)}, {"radius", {s.radius}}}}; }
@@ -276,6 +291,9 @@ Facts primitive_of(const Mesh& mesh, int part) {
 
 Facts look_up_of(const Environment& environment, const Uv& uv) {
   using Function = Color (*)(double, double);
+  using OfDirection = Color (*)(const Vec3&);
+  if (const auto* function = environment.by_direction().target<OfDirection>())
+    return {.type = *function == weekend_sky ? "weekend" : "function"};
   if (const auto* function = environment.by_uv().target<Function>())
     return {.type = *function == dusk ? "dusk" : "function"};
   const auto* picture = environment.by_uv().target<EnvironmentImage>();
@@ -284,7 +302,9 @@ Facts look_up_of(const Environment& environment, const Uv& uv) {
   const int width = image.width(), height = image.height();
   const int x = static_cast<int>(std::floor((uv.x - std::floor(uv.x)) * width - 0.5)),
             y = static_cast<int>(std::floor(uv.y * height - 0.5));
-  Facts facts{"image", {{"size", {double(width), double(height)}}}};
+  Facts facts{.type = "image",
+              .numbers = {{"size", {double(width), double(height)}}},
+              .file = picture->file};
   for (const int down : {0, 1})
     for (const int across : {0, 1}) {
       const int column = (x + across + width) % width, row = std::clamp(y + down, 0, height - 1);

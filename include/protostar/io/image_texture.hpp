@@ -150,7 +150,7 @@ inline Image decoded_by_stb(std::string_view checked, const ImageBytes& file, co
 
 /// Returns the picture in a file as an environment (Scene::set_environment). Throws the errors of load_image.
 [[nodiscard]] inline Texture environment_image(const std::filesystem::path& path) {
-  return EnvironmentImage{std::make_shared<const Image>(load_image(path))};
+  return EnvironmentImage{std::make_shared<const Image>(load_image(path)), path.string()};
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

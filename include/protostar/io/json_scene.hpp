@@ -261,7 +261,8 @@ inline void read_world(const JsonCursor& at, SceneFile& file) {
   if (at.has("sky") && at.has("environment")) at["sky"].refuse_beside("an environment");
   if (at.has("sky")) file.scene.set_sky(at["sky"].color());
   if (at.has("environment")) {
-    file.scene.set_environment(EnvironmentImage{light_at(at["environment"])});
+    const JsonCursor image = at["environment"];
+    file.scene.set_environment(EnvironmentImage{light_at(image), image.named_file().path.string()});
   }
 }
 

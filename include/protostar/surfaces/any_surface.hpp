@@ -11,6 +11,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+class FieldTape;      // exact/recorded.hpp
 class MarchListener;  // march/march_steps.hpp
 struct MarchSetup;    // march/field_line.hpp
 
@@ -95,6 +96,8 @@ class AnySurface {
   void march(const Ray& ray, Interval range, MarchListener& listener) const {
     held_->march(ray, range, listener);
   }
+  /// Writes down the field of such a surface.
+  void record_field(FieldTape& tape) const { held_->record_field(tape); }
 
  private:
   using Visitor = FunctionRef<void(const Crossing&)>;
@@ -126,6 +129,7 @@ class AnySurface {
     virtual void validate() const = 0;
     virtual const MarchSetup* march_setup() const { return nullptr; }
     virtual void march(const Ray&, Interval, MarchListener&) const {}
+    virtual void record_field(FieldTape&) const {}
   };
 
   template <class S>
@@ -171,6 +175,9 @@ class AnySurface {
     }
     void march(const Ray& ray, Interval range, MarchListener& listener) const override {
       if constexpr (is_marched) static_cast<void>(one.march(ray, range, listener));
+    }
+    void record_field(FieldTape& tape) const override {
+      if constexpr (is_marched) one.record_field(tape);
     }
 
     S one;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "../exact/distance_field.hpp"
+#include "../exact/recorded.hpp"
 #include "../magnitude.hpp"
 #include "../march/field_bounds.hpp"
 #include "../march/field_roots.hpp"
@@ -195,6 +196,10 @@ class Marched<F> {
   }
 
   [[nodiscard]] const F& field() const { return field_; }
+  /// Writes down the field, for a program that evaluates it again (exact/recorded.hpp).
+  void record_field(FieldTape& tape) const {
+    if constexpr (FieldOver<F, Recorded>) tape.record(field_);
+  }
   [[nodiscard]] const MarchSetup& setup() const { return setup_; }
 
  private:

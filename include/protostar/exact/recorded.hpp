@@ -1,0 +1,118 @@
+// Fields written down: a number type that keeps the operations of a field in place of numbers.
+//
+//   FieldTape tape;
+//   tape.record([](const auto& p) { return length(p) - 1.0; });   // x, y, z, length, 1, difference
+//
+// A field has no branches that depend on values, since its number types have no comparisons (plain.hpp). So
+// one call writes down all that it ever does, and another program can evaluate it, in any arithmetic.
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "field_point.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+class Recorded;
+
+/// List of the operations of a field, each after those whose results it takes.
+class FieldTape {
+ public:
+  struct Operation {
+    std::string_view name;
+    std::vector<std::size_t> of;  ///< indices of the operations whose results it takes
+    double number = 0;            ///< of a constant, and the width of a smooth minimum
+  };
+
+  /// Writes down a field, once for each tape. The last operation is named "result".
+  void record(const auto& field);
+
+  [[nodiscard]] const std::vector<Operation>& operations() const { return operations_; }
+
+ private:
+  friend class Recorded;
+
+  std::size_t add(std::string_view name, std::vector<std::size_t> of, double number = 0) {
+    operations_.push_back({name, std::move(of), number});
+    return operations_.size() - 1;
+  }
+
+  std::vector<Operation> operations_;
+};
+
+/// Result of an operation on the tape that this thread writes, or a constant that is not on it yet.
+class Recorded {
+ public:
+  Recorded() = default;
+  Recorded(double number) : number_(number) {}
+
+  friend Recorded operator-(const Recorded& a) { return of("minus", a); }
+  friend Recorded operator+(const Recorded& a, const Recorded& b) { return of("sum", a, b); }
+  friend Recorded operator-(const Recorded& a, const Recorded& b) { return of("difference", a, b); }
+  friend Recorded operator*(const Recorded& a, const Recorded& b) { return of("product", a, b); }
+  friend Recorded operator/(const Recorded& a, const Recorded& b) { return of("quotient", a, b); }
+  friend Recorded min(const Recorded& a, const Recorded& b) { return of("min", a, b); }
+  friend Recorded max(const Recorded& a, const Recorded& b) { return of("max", a, b); }
+  friend Recorded abs(const Recorded& a) { return of("abs", a); }
+  friend Recorded square(const Recorded& a) { return of("square", a); }
+  friend Recorded sqrt(const Recorded& a) { return of("sqrt", a); }
+  friend Recorded fold(const Recorded& a) { return of("fold", a); }
+  friend Recorded wrap(const Recorded& a) { return of("wrap", a); }
+  friend Recorded sin(const Recorded& a) { return of("sin", a); }
+  friend Recorded cos(const Recorded& a) { return of("cos", a); }
+  friend Recorded exp(const Recorded& a) { return of("exp", a); }
+  friend Recorded log(const Recorded& a) { return of("log", a); }
+  friend Recorded smooth_min(const Recorded& a, const Recorded& b, double k) {
+    return written("smooth_min", {a.index(), b.index()}, k);
+  }
+
+  template <std::size_t n>
+  friend Recorded length_of(const Recorded (&v)[n]) {
+    std::vector<std::size_t> all;
+    for (const Recorded& x : v) all.push_back(x.index());
+    return written("length", std::move(all));
+  }
+  template <std::size_t n>
+  friend Recorded signed_length_of(const Recorded (&q)[n]) {
+    Recorded outside[n], largest = q[0];
+    for (std::size_t i = 0; i < n; ++i) outside[i] = max(q[i], 0.0);
+    for (std::size_t i = 1; i < n; ++i) largest = max(largest, q[i]);
+    return length_of(outside) + min(largest, 0.0);
+  }
+
+ private:
+  friend class FieldTape;
+
+  static Recorded written(std::string_view name, std::vector<std::size_t> of, double number = 0) {
+    Recorded result;
+    result.index_ = tape_->add(name, std::move(of), number), result.is_written_ = true;
+    return result;
+  }
+  static Recorded of(std::string_view name, const auto&... operands) {
+    return written(name, {operands.index()...});
+  }
+
+  /// Returns the operation; writes down a constant first.
+  [[nodiscard]] std::size_t index() const {
+    return is_written_ ? index_ : tape_->add("constant", {}, number_);
+  }
+
+  static inline thread_local FieldTape* tape_ = nullptr;
+
+  bool is_written_ = false;
+  std::size_t index_ = 0;
+  double number_ = 0;
+};
+
+void FieldTape::record(const auto& field) {
+  FieldTape* const before = std::exchange(Recorded::tape_, this);
+  const Recorded x = Recorded::of("x"), y = Recorded::of("y"), z = Recorded::of("z");
+  const Recorded value = field(FieldPoint<Recorded>{x, y, z});
+  add("result", {value.index()});
+  Recorded::tape_ = before;
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI
