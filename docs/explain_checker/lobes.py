@@ -6,7 +6,7 @@ covers the roundings here and those of the library, and is far above both.
 import math
 from fractions import Fraction
 
-from .exact import add, dot, f32, minus, nearest, root, times, unit
+from .exact import add, dot, f32, length, minus, nearest, root, times, unit
 from .functions import PI, power, sine_and_cosine
 from .light import shading_normal
 from .values import U, Wrong
@@ -77,15 +77,18 @@ class Ggx:
         r, (sine, cosine) = root(below * (2 - below)), sine_and_cosine(2 * PI * u)
         h = add([r * cosine, r * sine, 1 - below], stretched)
         n = short(unit([self.width * h[0], self.width * h[1], h[2]]))
-        light = short(minus(times(2 * dot(view, n), n), view))
+        light = short(unit(minus(times(2 * dot(view, n), n), view)))  # a normal may be longer than 1 by some hundred U
         view, n, to_light = floats(view), floats(n), floats(light)
         density = self.distribution(n) / (2 * (view[2] + self.length(view)))
         weight = [0.0] * 3
         if light[2] > 0:
             both = self.length(view) + view[2] / to_light[2] * self.length(to_light)
             weight = [(view[2] + self.length(view)) / both * f for f in self.reflectance(dot_of(view, n))]
-        # The height in the cap is a difference of numbers up to 2, off by U, and (1 − v)(1 + z).
-        return light, 64 * U * (1 + 1 / (1 - v)), density, weight
+        # The height in the cap is a difference of numbers up to 2, off by U, and (1 − v)(1 + z). The viewer's height is
+        # off by a few U, and the stretch turns what is at its angle by up to 1/z and 1/α as much, and back by `turn`.
+        turn = self.width * dot(h, h) / (h[2]**2 + self.width**2 * (h[0]**2 + h[1]**2))
+        steep = 1 / max(Fraction(view[2]), self.width)
+        return light, 64 * U * (1 + 1 / (1 - v)) + 16 * U * turn * (1 + steep) / length(h), density, weight
 
 
 class Phong:

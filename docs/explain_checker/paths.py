@@ -256,7 +256,7 @@ class Paths:
                     most_weight = max(weight)
                 weight = product32(weight, factor)
                 probability = float(max(weight)) / float(most_weight) if bounces >= SURE_BOUNCES else 1.0
-                if not is_exact and abs(1 - probability) <= ROUGH:
+                if bounces >= SURE_BOUNCES and not is_exact and abs(1 - probability) <= ROUGH:
                     raise NoDirections("a path where chance decides by the last digits")
                 if probability < 1:
                     goes_on = choice.decide(Fraction(probability))
