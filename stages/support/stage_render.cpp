@@ -2,6 +2,8 @@
 
 using namespace protostar;
 
+template struct FunctionPicture<Color(const Ray&)>;
+
 void render_shared(Image& image, const StageRenderOptions& options, const SamplerChoice& otherwise,
                    const std::function<void(Image&, const RenderOptions&)>& light,
                    const std::function<void(Film&, const SampleRange&, const RenderOptions&)>& add) {

@@ -88,19 +88,19 @@ void StagePicture<S, I>::draw_shared(protostar::Image& image, const protostar::C
       });
 }
 
-// The overloads below are chosen for StageRenderOptions, so that a stage calls render as any program does.
+/// Picture by a function of the camera's rays, with this signature.
+template <class Signature>
+struct FunctionPicture {
+  using F = std::function<Signature>;
 
-/// Fills the image, or only the pixel that is explained, with the view of a camera in a scene.
-template <class... S, class I>
-void render(protostar::Image& image, const protostar::Camera& camera, const protostar::Scene<S...>& scene,
-            const I& integrator, const StageRenderOptions& options) {
-  StagePicture<protostar::Scene<S...>, I>::draw(image, camera, scene, integrator, options);
-}
+  /// Fills the image, or only the pixel that is explained, with the view of a camera.
+  static void draw(protostar::Image& image, const protostar::Camera& camera, const F& radiance,
+                   const StageRenderOptions& options);
+};
 
-/// Fills the image, or only the pixel that is explained, by a function of the camera's rays.
-template <protostar::Radiance F>
-void render(protostar::Image& image, const protostar::Camera& camera, const F& radiance,
-            const StageRenderOptions& options) {
+template <class Signature>
+void FunctionPicture<Signature>::draw(protostar::Image& image, const protostar::Camera& camera,
+                                      const F& radiance, const StageRenderOptions& options) {
   const protostar::RenderOptions& common = options;
   if (options.shared)
     return render_shared(
@@ -135,4 +135,29 @@ void render(protostar::Image& image, const protostar::Camera& camera, const F& r
         common, protostar::detail::default_sampler<F>(camera));
   }
   image(options.explanation->pixel.x, options.explanation->pixel.y) = options.explanation->mean;
+}
+
+extern template struct FunctionPicture<protostar::Color(const protostar::Ray&)>;
+
+// The overloads below are chosen for StageRenderOptions, so that a stage calls render as any program does.
+
+/// Fills the image, or only the pixel that is explained, with the view of a camera in a scene.
+template <class... S, class I>
+void render(protostar::Image& image, const protostar::Camera& camera, const protostar::Scene<S...>& scene,
+            const I& integrator, const StageRenderOptions& options) {
+  StagePicture<protostar::Scene<S...>, I>::draw(image, camera, scene, integrator, options);
+}
+
+/// Fills the image, or only the pixel that is explained, by a function of the camera's rays. It is called by
+/// way of std::function, so that the pictures of all functions of a ray are compiled once.
+template <protostar::Radiance F>
+void render(protostar::Image& image, const protostar::Camera& camera, const F& radiance,
+            const StageRenderOptions& options) {
+  protostar::detail::validate(radiance);
+  if constexpr (protostar::detail::takes_sampler<F>)
+    FunctionPicture<protostar::Color(const protostar::Ray&, const protostar::PixelSampler&)>::draw(
+        image, camera, std::cref(radiance), options);
+  else
+    FunctionPicture<protostar::Color(const protostar::Ray&)>::draw(image, camera, std::cref(radiance),
+                                                                   options);
 }
