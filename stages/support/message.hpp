@@ -1,6 +1,7 @@
-// Formats text from elsewhere, such as the name of a file, for the lines that a program prints.
+// Formats text from elsewhere, such as the name of a file, and numbers for the lines that a program prints.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdio>
 #include <new>
@@ -16,6 +17,13 @@ inline std::string shortened(const std::string& text, std::size_t most) {
   while (first > 0 && continues(first)) --first;
   while (last < text.size() && continues(last)) ++last;
   return text.substr(0, first) + "..." + text.substr(last);
+}
+
+/// Returns a number with so many significant digits, such as 0.1 or 1e-05.
+inline std::string in_digits(double number, int digits) {
+  std::array<char, 32> text;  // of 17 digits, a sign, a point and an exponent such as e-308
+  std::snprintf(text.data(), text.size(), "%.*g", digits, number);
+  return text.data();
 }
 
 /// Returns an error or a warning as one line: control characters are shown and not sent to the terminal, and

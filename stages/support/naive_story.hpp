@@ -1,12 +1,14 @@
 // Tells of the rays that the naive stages trace, for the explanation of a pixel.
 #pragma once
 
-#include <sstream>
+#include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "../naive.hpp"
 #include "explanation.hpp"
+#include "message.hpp"
 
 namespace naive {
 
@@ -61,18 +63,14 @@ class Story {
   static std::vector<double> list(const auto& v) { return {v.x, v.y, v.z}; }
 
   static std::string words(const auto& v) {
-    std::ostringstream text;
-    text.precision(9);  // tells each float from all others
-    text << '(' << v.x << ", " << v.y << ", " << v.z << ')';
-    return text.str();
+    return "(" + text(v.x) + ", " + text(v.y) + ", " + text(v.z) + ")";
   }
 
-  void add(const auto&... parts) const {
-    std::ostringstream line;
-    line.precision(9);
-    (line << ... << parts);
-    sample_.told.push_back(line.str());
-  }
+  static std::string text(float number) { return in_digits(number, 9); }  // tells each float from all others
+  static std::string text(std::size_t number) { return std::to_string(number); }
+  static std::string text(const std::string& words) { return words; }
+
+  void add(const auto&... parts) const { sample_.told.push_back((text(parts) + ...)); }
 
   SampleRecord& sample_;
 };

@@ -1,11 +1,10 @@
 #include "shared_render.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstddef>
-#include <fstream>
-#include <iterator>
+#include <cstdio>
+#include <memory>
 #include <mutex>
 #include <protostar/bit_cast.hpp>
 #include <protostar/output_file.hpp>
@@ -114,13 +113,16 @@ std::string fingerprint_of(const std::vector<std::filesystem::path>& files) {
     if (!std::filesystem::is_regular_file(path))
       throw std::runtime_error(
           quoted(path) + " is no regular file: it cannot be read twice, which --shard and --checkpoint do");
-    std::ifstream file(path, std::ios::binary);
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
     detail::WordChecksum word;
     std::uint64_t size = 0;
-    for (std::array<char, 1 << 16> block{}; file.read(block.data(), block.size()), file.gcount() > 0;)
-      for (std::streamsize i = 0; i < file.gcount(); ++i, ++size)
-        word.add(static_cast<unsigned char>(block[static_cast<std::size_t>(i)]));
-    if (!file.eof()) throw std::system_error(errno, std::generic_category(), "cannot read " + quoted(path));
+    std::vector<unsigned char> block(1 << 16);
+    while (const std::size_t count = file ? std::fread(block.data(), 1, block.size(), file.get()) : 0) {
+      for (std::size_t i = 0; i < count; ++i) word.add(block[i]);
+      size += count;
+    }
+    if (!file || std::ferror(file.get()))
+      throw std::system_error(errno, std::generic_category(), "cannot read " + quoted(path));
     word.add(size);
     words.push_back(word.value());
   }

@@ -26,7 +26,6 @@
 #include <protostar/sampling/samplers.hpp>
 #include <protostar/sampling/shard_file.hpp>
 #include <protostar/shown.hpp>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -51,11 +50,7 @@ bool is_stdout(const std::filesystem::path& path) {
 }
 
 /// Returns an error with two digits.
-std::string in_short(double error) {
-  std::array<char, 32> text;
-  std::snprintf(text.data(), text.size(), "%.2g", error);
-  return text.data();
-}
+std::string in_short(double error) { return in_digits(error, 2); }
 
 Image part_of(const Image& whole, const Crop& crop, int width, int height) {
   Image part(width, height);
@@ -78,10 +73,8 @@ void flush(std::FILE* stream, const char* name) {
 
 /// Returns the message for a picture that is not done in time.
 std::string timeout_text(const Options& options) {
-  std::ostringstream text;
-  text << "the picture is not done after " << options.timeout
-       << " seconds; --timeout sets how many it may take";
-  return text.str();
+  return "the picture is not done after " + in_digits(options.timeout, 6) +
+         " seconds; --timeout sets how many it may take";
 }
 
 }  // namespace
@@ -169,13 +162,12 @@ void Stage::set_passes(RenderOptions& options) {
 }
 
 SharedPicture Stage::shared_picture() const {
-  std::ostringstream scene;
-  scene << options_.scene << ", " << options_.integrator;
-  if (options_.clamp > 0) scene << ", clamp " << shown(options_.clamp);
-  for (const NumberOption& own : options_.numbers) scene << ", " << own.name << " " << shown(own.value);
+  std::string scene = options_.scene + ", " + options_.integrator;
+  if (options_.clamp > 0) scene += ", clamp " + shown(options_.clamp);
+  for (const NumberOption& own : options_.numbers) scene += ", " + own.name + " " + shown(own.value);
   return {.seed = options_.seed,
           .filter = options_.filter,
-          .scene = scene.str(),
+          .scene = scene,
           .finish = {.exposure = options_.exposure,
                      .tone = options_.tone,
                      .transfer = options_.transfer,

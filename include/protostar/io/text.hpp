@@ -6,15 +6,15 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <clocale>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
-#include <locale>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -74,12 +74,16 @@ std::optional<Number> number_of(std::string_view text) {
   Number value{};
 #if !defined(__cpp_lib_to_chars)  // from_chars of libc++ 14 reads whole numbers only
   if constexpr (std::is_same_v<Number, double>) {
-    std::istringstream stream{std::string(text)};
-    stream.imbue(std::locale::classic());
-    stream >> std::noskipws >> value;
-    // Reading also fails for numbers below 2.3e-308 and above the largest double, but gives them.
-    const bool is_number = !text.starts_with('+') && text.find_first_of("xX") == text.npos && stream.eof() &&
-                           (!stream.fail() || value != 0) && std::isfinite(value);
+    // strtod also reads blanks, a +, hexadecimal digits, inf and nan, and takes the point of the locale.
+    if (text.empty() || text[0] == '+' || text.find_first_not_of("0123456789.eE+-") != text.npos)
+      return std::nullopt;
+    std::string digits(text);
+    if (const std::size_t point = digits.find('.'); point != digits.npos)
+      digits.replace(point, 1, std::localeconv()->decimal_point);
+    char* end = nullptr;
+    errno = 0;
+    value = std::strtod(digits.c_str(), &end);
+    const bool is_number = *end == '\0' && std::isfinite(value) && (errno == 0 || value != 0);
     return is_number ? std::optional(value) : std::nullopt;
   } else
 #endif
