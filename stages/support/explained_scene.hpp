@@ -237,7 +237,10 @@ void explain(Explanation& explanation, const protostar::Camera& camera, const Ex
   explanation.ambient = scene.ambient();
   if constexpr (requires { integrator.depth; }) explanation.depth = integrator.depth;
   if constexpr (requires { integrator.distance; }) explanation.distance = integrator.distance;
-  if constexpr (requires { integrator.lights.by_power(); integrator.most_rays; }) {
+  if constexpr (requires {
+                  integrator.lights.by_power();
+                  integrator.most_rays;
+                }) {
     explanation.most_rays = integrator.most_rays;
     for (const auto& light : integrator.lights.lights())
       explanation.area_lights.push_back({scene.index_of(light.surface()), light.emission()});

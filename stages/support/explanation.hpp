@@ -134,8 +134,8 @@ struct Explanation {
   bool is_recorded = false;  ///< true if they were traced in a scene that records them
   int width = 0, height = 0;
   protostar::Camera camera;
-  int depth = 0;      ///< of WhittedIntegrator and PathIntegrator, otherwise 0
-  int most_rays = 0;  ///< of DirectIntegrator and PathIntegrator, otherwise 0
+  int depth = 0;        ///< of WhittedIntegrator and PathIntegrator, otherwise 0
+  int most_rays = 0;    ///< of DirectIntegrator and PathIntegrator, otherwise 0
   double distance = 0;  ///< of AmbientOcclusionIntegrator, otherwise 0
   std::vector<AreaLightRecord> area_lights = {};
   bool environment_has_places = false;  ///< true if directions are drawn to the environment

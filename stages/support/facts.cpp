@@ -302,9 +302,7 @@ Facts look_up_of(const Environment& environment, const Uv& uv) {
   const int width = image.width(), height = image.height();
   const int x = static_cast<int>(std::floor((uv.x - std::floor(uv.x)) * width - 0.5)),
             y = static_cast<int>(std::floor(uv.y * height - 0.5));
-  Facts facts{.type = "image",
-              .numbers = {{"size", {double(width), double(height)}}},
-              .file = picture->file};
+  Facts facts{.type = "image", .numbers = {{"size", {double(width), double(height)}}}, .file = picture->file};
   for (const int down : {0, 1})
     for (const int across : {0, 1}) {
       const int column = (x + across + width) % width, row = std::clamp(y + down, 0, height - 1);

@@ -4,9 +4,9 @@
 #include <cctype>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <protostar/io/text.hpp>
 #include <protostar/output_file.hpp>
-#include <sstream>
 #include <stdexcept>
 #include <system_error>
 #include <vector>
@@ -18,41 +18,12 @@ using protostar::detail::number_of;
 
 std::string found_text(std::string_view text) { return "'" + shortened(std::string(text), 200) + "'"; }
 
+void print_usage_error(const std::string& program, const UsageError& error) {
+  std::fputs((error_line(program, error.what()) + "Run with --help for what is allowed.\n").c_str(), stderr);
+}
+
 void refuse(const std::string& option, std::string_view found, const std::string& allowed) {
-  throw CLI::ValidationError(option, found_text(found) + " is not " + allowed);
-}
-
-/// Refuses values that CLI11 misreads: --name= takes the next argument as its value, and a flag with a value,
-/// --help=3, counts as that many flags.
-static void refuse_wrong_values(const CLI::App& app, int argc, const char* const* argv) {
-  for (int i = 1; i < argc && argv[i] != std::string_view("--"); ++i) {
-    const std::string_view argument = argv[i];
-    const std::size_t equals = argument.find('=');
-    if (!argument.starts_with('-') || equals == std::string_view::npos) continue;
-    const std::string name(argument.substr(0, equals));
-    const CLI::Option* option = app.get_option_no_throw(name);
-    if (option && option->get_items_expected_max() == 0)
-      throw CLI::ArgumentMismatch(name + " takes no value: " + found_text(argument));
-    if (option && equals == argument.size() - 1)
-      throw CLI::ArgumentMismatch(name + ": a value is missing: " + found_text(argument));
-  }
-}
-
-void parse(CLI::App& app, int argc, const char* const* argv) {
-  refuse_wrong_values(app, argc, argv);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ExtrasError&) {
-    std::vector<std::string> unexpected = app.remaining();
-    for (std::string& argument : unexpected) argument = found_text(argument);
-    throw CLI::ExtrasError(unexpected);
-  }
-}
-
-void set_failure_message(CLI::App& app) {
-  app.failure_message([](const CLI::App* of, const CLI::Error& error) {
-    return error_line(of->get_name(), error.what()) + "Run with --help for what is allowed.\n";
-  });
+  throw UsageError(option, found_text(found) + " is not " + allowed);
 }
 
 Transfer read_transfer(std::string_view text) {
@@ -68,9 +39,7 @@ Transfer read_transfer(std::string_view text) {
 std::string name_of(const Transfer& transfer) {
   if (std::holds_alternative<Srgb>(transfer)) return "srgb";
   if (std::holds_alternative<Linear>(transfer)) return "linear";
-  std::ostringstream name;
-  name << "gamma=" << std::get<Gamma>(transfer).exponent;
-  return name.str();
+  return "gamma=" + in_digits(std::get<Gamma>(transfer).exponent, 6);
 }
 
 int read_whole(const std::string& option, std::string_view text, bool (*is_allowed)(int),
@@ -118,29 +87,27 @@ static std::string ending_of(Options::Format format) {
   throw std::logic_error("a format without an ending");
 }
 
-void FileOptions::add_to(CLI::App& app, const std::string& default_transfer,
+void FileOptions::add_to(CommandLine& line, const std::string& default_transfer,
                          const std::string& default_plain) {
-  app.add_option("--bits", bits, "Bits per channel of a .ppm: 8 or 16 [8]")->type_name("8|16");
-  app.add_option(
-         "--transfer", transfer,
-         "How light becomes numbers: the sRGB curve, as it is, or its G-th root [" + default_transfer + "]")
-      ->type_name("srgb|linear|gamma=G");
-  app.add_flag("--plain", plain, "Write the .ppm as decimal numbers (P3)" + default_plain);
+  line.add_option("--bits", bits, "8|16", "Bits per channel of a .ppm: 8 or 16 [8]");
+  line.add_option(
+      "--transfer", transfer, "srgb|linear|gamma=G",
+      "How light becomes numbers: the sRGB curve, as it is, or its G-th root [" + default_transfer + "]");
+  line.add_flag("--plain", plain, "Write the .ppm as decimal numbers (P3)" + default_plain);
 }
 
-std::optional<Transfer> FileOptions::read(const CLI::App& app, Options& options) const {
+std::optional<Transfer> FileOptions::read(const CommandLine& line, Options& options) const {
   std::optional<Transfer> own_transfer;
-  if (app.count("--bits"))
+  if (line.given("--bits"))
     options.bits = read_whole(
         "--bits", bits, [](int n) { return n == 8 || n == 16; }, "8 or 16");
-  if (app.count("--transfer")) own_transfer = read_transfer(transfer);
+  if (line.given("--transfer")) own_transfer = read_transfer(transfer);
   if (plain) options.plain = true;
   const std::string ending = ending_of(options.format);
   if (options.format == Options::Format::shard) {
     for (const char* option : {"--bits", "--transfer", "--plain"})
-      if (app.count(option))
-        throw CLI::ValidationError(
-            option, "is for a picture, and a .shard file is none yet; give the option to merge");
+      if (line.given(option))
+        throw UsageError(option, "is for a picture, and a .shard file is none yet; give the option to merge");
   } else if (options.format != Options::Format::ppm) {
     if (plain) refuse("--plain", ending, "a format with a plain form; .ppm is");
     if (options.bits != 8) refuse("--bits", bits, "possible in " + ending + "; .ppm can have 16 bits");

@@ -1,27 +1,23 @@
 // Values of options that several command lines have, and usage errors.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 #include <protostar/encode.hpp>
 #include <string>
 #include <string_view>
 
+#include "command_line.hpp"
 #include "options.hpp"
 
 /// Returns an argument of the command line in quotes, shortened to leave room in an error message.
 std::string found_text(std::string_view text);
 
+/// Prints a usage error to stderr: one line that names the program, and a second one.
+void print_usage_error(const std::string& program, const UsageError& error);
+
 /// Throws a usage error, which names the option, the value found and the values allowed.
 [[noreturn]] void refuse(const std::string& option, std::string_view found, const std::string& allowed);
-
-/// Reads a command line. Refuses values that CLI11 misreads, --name= and --help=3, and quotes the arguments
-/// that nothing takes. Throws CLI::ParseError.
-void parse(CLI::App& app, int argc, const char* const* argv);
-
-/// Makes a usage error one line that names the program, and a second one.
-void set_failure_message(CLI::App& app);
 
 protostar::Transfer read_transfer(std::string_view text);
 std::string name_of(const protostar::Transfer& transfer);
@@ -43,9 +39,9 @@ struct FileOptions {
   bool plain = false;
 
   /// Adds them to a command line, with these texts for what holds without them.
-  void add_to(CLI::App& app, const std::string& default_transfer, const std::string& default_plain);
+  void add_to(CommandLine& line, const std::string& default_transfer, const std::string& default_plain);
 
   /// Reads the options but the transfer, which it returns if it is given. An option that the format cannot
   /// follow is refused, not ignored.
-  std::optional<protostar::Transfer> read(const CLI::App& app, Options& options) const;
+  std::optional<protostar::Transfer> read(const CommandLine& line, Options& options) const;
 };

@@ -1,6 +1,5 @@
 #include "options.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
@@ -9,13 +8,13 @@
 #include <protostar/io/text.hpp>
 #include <protostar/sampling/reconstruction.hpp>
 #include <protostar/sampling/samplers.hpp>
-#include <protostar/version.hpp>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "command_line.hpp"
+#include "message.hpp"
 #include "option_values.hpp"
 #include "shard_number.hpp"
 
@@ -145,13 +144,6 @@ double read_timeout(std::string_view text) {
   return *value;
 }
 
-/// Returns a text for a number, with up to six digits.
-std::string text_of(double number) {
-  std::ostringstream text;
-  text << number;
-  return text.str();
-}
-
 /// Options of the command line that ask for a picture in passes, as far as they are given.
 struct PassTexts {
   std::string error, seconds, max_samples, noise, clamp;
@@ -159,33 +151,28 @@ struct PassTexts {
 };
 
 /// Declares them.
-void add_pass_options(CLI::App& app, PassTexts& texts) {
-  app.add_option("--error", texts.error,
-                 "Draw samples until the picture's RMSE, in linear light, is at most that (95 %)")
-      ->type_name("E");
-  app.add_option("--time", texts.seconds,
-                 "Draw as many samples as fit into so many seconds, and tell the error")
-      ->type_name("S");
-  app.add_option("--max-samples", texts.max_samples, "With --error or --time: samples to end at [65536]")
-      ->type_name("N");
-  app.add_option("--noise", texts.noise, "A file for the standard error of each pixel")
-      ->type_name("FILE.pfm");
-  app.add_option("--clamp", texts.clamp, "The largest light of a sample, in each channel [none]")
-      ->type_name("C");
-  app.add_flag("--every-pixel", texts.every_pixel,
-               "With --error and --clamp: each channel of each pixel is within E, proven")
-      ->disable_flag_override();
+void add_pass_options(CommandLine& line, PassTexts& texts) {
+  line.add_option("--error", texts.error, "E",
+                  "Draw samples until the picture's RMSE, in linear light, is at most that (95 %)");
+  line.add_option("--time", texts.seconds, "S",
+                  "Draw as many samples as fit into so many seconds, and tell the error");
+  line.add_option("--max-samples", texts.max_samples, "N",
+                  "With --error or --time: samples to end at [65536]");
+  line.add_option("--noise", texts.noise, "FILE.pfm", "A file for the standard error of each pixel");
+  line.add_option("--clamp", texts.clamp, "C", "The largest light of a sample, in each channel [none]");
+  line.add_flag("--every-pixel", texts.every_pixel,
+                "With --error and --clamp: each channel of each pixel is within E, proven");
 }
 
 /// Reads the values of those that are given.
-void read_pass_options(const CLI::App& app, const PassTexts& texts, Options& options) {
-  if (app.count("--error")) options.error = read_above_0("--error", texts.error);
-  if (app.count("--time")) options.seconds = read_above_0("--time", texts.seconds);
-  if (app.count("--clamp")) options.clamp = read_above_0("--clamp", texts.clamp);
-  if (app.count("--noise")) check_name("--noise", texts.noise, {".pfm"});
-  if (app.count("--noise") && texts.noise == options.output)
+void read_pass_options(const CommandLine& line, const PassTexts& texts, Options& options) {
+  if (line.given("--error")) options.error = read_above_0("--error", texts.error);
+  if (line.given("--time")) options.seconds = read_above_0("--time", texts.seconds);
+  if (line.given("--clamp")) options.clamp = read_above_0("--clamp", texts.clamp);
+  if (line.given("--noise")) check_name("--noise", texts.noise, {".pfm"});
+  if (line.given("--noise") && texts.noise == options.output)
     refuse("--noise", texts.noise, "another file than the picture's");
-  if (app.count("--max-samples"))
+  if (line.given("--max-samples"))
     options.max_samples = read_whole(
         "--max-samples", texts.max_samples, [](int n) { return n >= 2 && n <= protostar::most_samples; },
         "a whole number from 2 to " + std::to_string(protostar::most_samples));
@@ -196,14 +183,14 @@ void read_pass_options(const CLI::App& app, const PassTexts& texts, Options& opt
 /// Refuses options of passes that make no sense together, when all settings are known.
 void check_passes(const PassTexts& texts, const Options& options) {
   const bool is_open = options.error > 0 || options.seconds > 0;
-  if (!texts.max_samples.empty() && !is_open) throw CLI::RequiresError("--max-samples", "--error or --time");
-  if (options.every_pixel && options.error == 0) throw CLI::RequiresError("--every-pixel", "--error E");
+  if (!texts.max_samples.empty() && !is_open) throw UsageError("--max-samples requires --error or --time");
+  if (options.every_pixel && options.error == 0) throw UsageError("--every-pixel requires --error E");
   if (options.every_pixel && options.clamp == 0)
-    throw CLI::RequiresError("--every-pixel", "--clamp C: without a largest light nothing can be proven");
+    throw UsageError("--every-pixel requires --clamp C: without a largest light nothing can be proven");
   if (options.every_pixel && options.filter == "mitchell")
     refuse("--filter", options.filter, "possible with --every-pixel, since it has negative weights");
   if (!options.noise.empty() && !is_open && options.samples < 2)
-    throw CLI::RequiresError("--noise", "--error, --time or --samples N of at least 2");
+    throw UsageError("--noise requires --error, --time or --samples N of at least 2");
   if (options.in_passes() && (options.sampler == "hammersley" || options.sampler == "stratified"))
     refuse("--sampler", options.sampler,
            std::string("possible with --error, --time and --noise: ") +
@@ -211,7 +198,7 @@ void check_passes(const PassTexts& texts, const Options& options) {
                                                 : "its samples depend on each other and on their number") +
                ", so they tell no error; sobol, halton and independent do");
   if (options.pixel && (options.in_passes() || options.clamp > 0))
-    throw CLI::ExcludesError("--pixel", "--error, --time, --noise and --clamp; --samples N sets the samples");
+    throw UsageError("--pixel excludes --error, --time, --noise and --clamp; --samples N sets the samples");
 }
 
 /// Refuses the sampler without chance for an integrator that draws by chance.
@@ -234,7 +221,7 @@ ShardNumber read_shard(std::string_view text) {
   try {
     return read_shard_number(text);
   } catch (const std::invalid_argument& error) {
-    throw CLI::ValidationError("--shard", error.what());
+    throw UsageError("--shard", error.what());
   }
 }
 
@@ -244,10 +231,10 @@ void check_parts(const std::function<bool(const char*)>& given, const Options& o
     for (const char* const other :
          {"--pixel", "--error", "--time", "--every-pixel", "--noise", "--max-samples"})
       if (given(part) && given(other))
-        throw CLI::ExcludesError(
-            part, std::string(other) + (other == std::string_view("--pixel")
-                                            ? ", which draws nothing"
-                                            : ", which needs the samples of the whole picture"));
+        throw UsageError(std::string(part) + " excludes " + other +
+                         (other == std::string_view("--pixel")
+                              ? ", which draws nothing"
+                              : ", which needs the samples of the whole picture"));
   const std::string output = options.output.string();
   if (options.shard && !ends_in(output, ".shard"))
     refuse("--shard", output, "a .shard file, which -o has to name");
@@ -264,14 +251,14 @@ void check_sums(Options& options) {
   if (!options.shard && options.checkpoint.empty()) return;
   const std::string option = options.shard ? "--shard" : "--checkpoint";
   if (options.in_passes())
-    throw CLI::ValidationError(option,
-                               "needs a known number of samples, and the scene asks for an error; "
-                               "--samples N takes its place");
+    throw UsageError(option,
+                     "needs a known number of samples, and the scene asks for an error; "
+                     "--samples N takes its place");
   if (options.samples < 2)
-    throw CLI::ValidationError(option, "shares sums of samples, and the picture has " +
-                                           (options.samples == 1 ? std::string("one sample a pixel")
-                                                                 : "one ray through each pixel's center") +
-                                           "; --samples N with a number N of at least 2 is needed");
+    throw UsageError(option, "shares sums of samples, and the picture has " +
+                                 (options.samples == 1 ? std::string("one sample a pixel")
+                                                       : "one ray through each pixel's center") +
+                                 "; --samples N with a number N of at least 2 is needed");
   if (!options.shard) return;
   if (options.sampler.empty()) options.sampler = "sobol";
   if (options.sampler == "hammersley")
@@ -299,94 +286,71 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   const bool of_scene = static_cast<bool>(defaults.read_scene);
   const auto or_of_scene = [&](const std::string& text) { return of_scene ? "the scene's" : text; };
 
-  CLI::App app(
+  CommandLine line(
       of_scene ? "Draws the picture of a scene file." : "Draws the picture of one section of the tutorial.",
       program);
-  app.set_version_flag("--version", std::string("protostar ") + PROTOSTAR_VERSION);
-  app.add_option("-o", output,
-                 "The picture's file: .ppm, .png, or .pfm and .hdr for the linear light [out.ppm]")
-      ->type_name("FILE");
-  app.add_option("--size", size,
-                 "Its size in pixels [" +
-                     or_of_scene(std::to_string(defaults.width) + "x" + std::to_string(defaults.height)) +
-                     "]")
-      ->type_name("WxH");
-  app.add_option("--samples", samples,
-                 "Rays through each pixel; 0: one through its center [" +
-                     or_of_scene(std::to_string(defaults.samples)) + "]")
-      ->type_name("N");
-  app.add_option("--sampler", sampler,
-                 "Where samples are: independent, stratified, halton, sobol or hammersley [" +
-                     or_of_scene("hammersley, or sobol if the stage draws by chance") + "]")
-      ->type_name("NAME");
-  app.add_option("--filter", filter,
-                 "What places around a pixel count: box, tent, gaussian, mitchell or blackman-harris [" +
-                     or_of_scene(defaults.filter) + "]")
-      ->type_name("NAME");
-  app.add_option("--seed", seed,
-                 "Another whole number gives other random numbers [" +
-                     or_of_scene(std::to_string(defaults.seed)) + "]")
-      ->type_name("N");
-  add_pass_options(app, passes);
-  app.add_option("--threads", threads, "How many threads work on it; 0: one for each core [0]")
-      ->type_name("N");
+  line.add_option("-o", output, "FILE",
+                  "The picture's file: .ppm, .png, or .pfm and .hdr for the linear light [out.ppm]");
+  line.add_option("--size", size, "WxH",
+                  "Its size in pixels [" +
+                      or_of_scene(std::to_string(defaults.width) + "x" + std::to_string(defaults.height)) +
+                      "]");
+  line.add_option("--samples", samples, "N",
+                  "Rays through each pixel; 0: one through its center [" +
+                      or_of_scene(std::to_string(defaults.samples)) + "]");
+  line.add_option("--sampler", sampler, "NAME",
+                  "Where samples are: independent, stratified, halton, sobol or hammersley [" +
+                      or_of_scene("hammersley, or sobol if the stage draws by chance") + "]");
+  line.add_option("--filter", filter, "NAME",
+                  "What places around a pixel count: box, tent, gaussian, mitchell or blackman-harris [" +
+                      or_of_scene(defaults.filter) + "]");
+  line.add_option(
+      "--seed", seed, "N",
+      "Another whole number gives other random numbers [" + or_of_scene(std::to_string(defaults.seed)) + "]");
+  add_pass_options(line, passes);
+  line.add_option("--threads", threads, "N", "How many threads work on it; 0: one for each core [0]");
   FileOptions file;
-  file.add_to(app, or_of_scene(name_of(defaults.transfer)), defaults.plain ? ", as here without it" : "");
-  app.add_option("--shard", shard,
-                 "Draw a part of the samples, part I of N from 0 on, into a .shard file for merge; slurm and "
-                 "mpi: I and N are those of the job")
-      ->type_name("I/N|slurm|mpi");
-  app.add_option("--checkpoint", checkpoint,
-                 "Save the state of the work in this file, and go on from it if it is there")
-      ->type_name("FILE");
-  app.add_option("--crop", crop, "Only W x H pixels of the picture, from column X and row Y on")
-      ->type_name("X,Y,W,H");
+  file.add_to(line, or_of_scene(name_of(defaults.transfer)), defaults.plain ? ", as here without it" : "");
+  line.add_option(
+      "--shard", shard, "I/N|slurm|mpi",
+      "Draw a part of the samples, part I of N from 0 on, into a .shard file for merge; slurm and "
+      "mpi: I and N are those of the job");
+  line.add_option("--checkpoint", checkpoint, "FILE",
+                  "Save the state of the work in this file, and go on from it if it is there");
+  line.add_option("--crop", crop, "X,Y,W,H", "Only W x H pixels of the picture, from column X and row Y on");
   if (!defaults.shows.empty()) {
     std::string names = defaults.integrator;
     for (const std::string& name : defaults.shows) names += ", " + name;
-    app.add_option("--show", integrator,
-                   "What light a ray brings: " + names + " [" + defaults.integrator + "]")
-        ->type_name("NAME");
+    line.add_option("--show", integrator, "NAME",
+                    "What light a ray brings: " + names + " [" + defaults.integrator + "]");
   }
   if (of_scene) {
-    app.add_option("scene", scene, "The scene, a file as docs/scene-format.md has it")
-        ->required()
-        ->type_name("SCENE.json");
-    app.add_option("--integrator", integrator,
-                   "What light a ray brings, such as color or shadow [the scene's]")
-        ->type_name("I");
-    app.add_option("--timeout", timeout,
-                   "Give up when drawing takes more seconds than that; 0: never [10 for each pixel]")
-        ->type_name("SECONDS");
-    app.add_flag("--confine", confine, "Refuse images and meshes that are not inside the scene's folder")
-        ->disable_flag_override();
+    line.add_word("scene", scene, "SCENE.json", "The scene, a file as docs/scene-format.md has it");
+    line.add_option("--integrator", integrator, "I",
+                    "What light a ray brings, such as color or shadow [the scene's]");
+    line.add_option("--timeout", timeout, "SECONDS",
+                    "Give up when drawing takes more seconds than that; 0: never [10 for each pixel]");
+    line.add_flag("--confine", confine, "Refuse images and meshes that are not inside the scene's folder");
   }
-  app.add_option("--pixel", pixel,
-                 "Draw nothing, but tell why this pixel, counted from 0,0 at the upper left, has its color")
-      ->type_name("X,Y");
-  app.add_option("--explain", explain, "With --pixel: a file for all of its numbers")->type_name("FILE.json");
-  app.add_option("--rays", rays, "With --pixel: a file for a drawing of its rays")
-      ->type_name("FILE.svg|FILE.obj");
+  line.add_option("--pixel", pixel, "X,Y",
+                  "Draw nothing, but tell why this pixel, counted from 0,0 at the upper left, has its color");
+  line.add_option("--explain", explain, "FILE.json", "With --pixel: a file for all of its numbers");
+  line.add_option("--rays", rays, "FILE.svg|FILE.obj", "With --pixel: a file for a drawing of its rays");
   for (std::size_t i = 0; i < numbers.size(); ++i)
-    app.add_option(options.numbers[i].name, numbers[i],
-                   options.numbers[i].help + " [" + text_of(options.numbers[i].value) + "]")
-        ->type_name("X");
-  app.add_flag("--quiet", options.quiet, "Print nothing but errors");
-  set_failure_message(app);
+    line.add_option(options.numbers[i].name, numbers[i], "X",
+                    options.numbers[i].help + " [" + in_digits(options.numbers[i].value, 6) + "]");
+  line.add_flag("--quiet", options.quiet, "Print nothing but errors");
 
-  const auto given = [&app](const char* option) {
-    const CLI::Option* known = app.get_option_no_throw(option);
-    return known && known->count() > 0;
-  };
+  const auto given = [&line](const char* option) { return line.given(option); };
 
   try {
-    parse(app, argc, argv);
+    if (!line.read(argc, argv)) return std::nullopt;
     options.output = output;
     if (given("--shard")) options.shard = read_shard(shard);
     options.checkpoint = checkpoint;
     check_parts(given, options);
     options.format = options.shard ? Options::Format::shard : format_of(options.output, "-o");
-    const std::optional<Transfer> own_transfer = file.read(app, options);
+    const std::optional<Transfer> own_transfer = file.read(line, options);
     std::optional<Size> own_size;
     std::optional<Part> part;
     std::optional<Pixel> own_pixel;
@@ -394,11 +358,12 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     std::optional<std::uint64_t> own_seed;
     std::optional<int> own_samples;
     double own_timeout = 0;
-    if (app.count("--size")) own_size = read_size(size);
+    if (line.given("--size")) own_size = read_size(size);
     if (given("--crop")) part = read_crop(crop);
     if (given("--pixel")) own_pixel = read_pixel(pixel);
     for (const auto& [option, name] : {std::pair{"--explain", explain}, {"--rays", rays}})
-      if (given(option) && !own_pixel) throw CLI::RequiresError(option, "--pixel X,Y, which names the pixel");
+      if (given(option) && !own_pixel)
+        throw UsageError(std::string(option) + " requires --pixel X,Y, which names the pixel");
     if (given("--explain")) check_name("--explain", explain, {".json"});
     if (given("--rays")) check_name("--rays", rays, {".svg", ".obj"});
     options.explain = explain;
@@ -410,23 +375,23 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
       names.insert(names.begin(), defaults.integrator);
       own_integrator = read_name("--show", integrator, names);
     }
-    if (app.count("--sampler")) own_sampler = read_name("--sampler", sampler, protostar::sampler_names);
-    if (app.count("--filter"))
+    if (line.given("--sampler")) own_sampler = read_name("--sampler", sampler, protostar::sampler_names);
+    if (line.given("--filter"))
       own_filter = read_name("--filter", filter, protostar::ReconstructionFilter::names);
-    if (app.count("--seed")) own_seed = read_seed(seed);
-    if (app.count("--samples"))
+    if (line.given("--seed")) own_seed = read_seed(seed);
+    if (line.given("--samples"))
       own_samples = read_whole(
           "--samples", samples, [](int n) { return n >= 0 && n <= protostar::most_samples; },
           "a whole number from 0 to " + std::to_string(protostar::most_samples));
-    if (app.count("--samples") + app.count("--error") + app.count("--time") > 1)
-      throw CLI::ExcludesError("each of --samples, --error and --time", "the others");
-    read_pass_options(app, passes, options);
-    if (app.count("--threads"))
+    if (line.given("--samples") + line.given("--error") + line.given("--time") > 1)
+      throw UsageError("each of --samples, --error and --time excludes the others");
+    read_pass_options(line, passes, options);
+    if (line.given("--threads"))
       options.threads = read_whole(
           "--threads", threads, [](int n) { return n >= 0; }, "a whole number of at least 0");
     if (given("--timeout")) own_timeout = read_timeout(timeout);
     for (std::size_t i = 0; i < numbers.size(); ++i)
-      if (app.count(options.numbers[i].name))
+      if (line.given(options.numbers[i].name))
         options.numbers[i].value =
             (options.numbers[i].positive ? read_above_0 : read_finite)(options.numbers[i].name, numbers[i]);
 
@@ -463,8 +428,9 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     else if (of_scene)
       options.timeout = seconds_a_pixel * pixels_drawn(options);
     return options;
-  } catch (const CLI::ParseError& message) {
-    status = app.exit(message) == 0 ? 0 : 2;  // prints the message
+  } catch (const UsageError& error) {
+    print_usage_error(program, error);
+    status = 2;
     return std::nullopt;
   }
 }
