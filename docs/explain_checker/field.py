@@ -7,6 +7,7 @@ also across kinks. Hence a mean value bounds the values as well, f(t) ∈ f(m) +
 import math
 from fractions import Fraction
 
+from .exact import length, sizes
 from .functions import decimal, exponential, sine_and_cosine
 from .values import U, Wrong
 
@@ -349,11 +350,12 @@ class FieldAlong:
             raise Wrong(step["to"].at("must end a segment where the field is nowhere 0, which it does not"))
 
     def check_touch(self, step, t):
-        """Checks that the field nearly vanishes, so that its sign is not certain in double-double."""
-        low = size_of(self.value(t))[0]
-        scale = 1 + max(abs(o) + abs(t * d) for o, d in zip(self.line.origin, self.line.direction))
-        if fraction(low) > scale / 2**80:
-            raise Wrong(step["from"].at(f"must be where the field is 0, and it is {float(fraction(low))} there"))
+        """Checks that the field may vanish next to t: a march ends there whose segments are as short as the last digits of
+        t, or of points in double-double."""
+        near = (abs(t) + max(sizes(self.line.origin)) / length(self.line.direction)) / 2**50
+        low, high = self.over(t - near, t + near)[0]
+        if low > 0 or high < 0:
+            raise Wrong(step["from"].at("must be next to a place where the field is 0"))
 
     def check_value(self, value, t, error):
         """Checks the magnitude of a value of the file at t, which may be turned around: a number with an error, or an
