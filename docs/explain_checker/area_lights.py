@@ -167,7 +167,7 @@ class AreaLight:
         self.index = light["surface"].index(len(surfaces))
         self.surface, self.emission, self.light = surfaces[self.index], light["emission"].vector(), light
         if isinstance(self.surface, Mesh):
-            self.triangles = [self.surface.triangle(i).corners for i in range(len(self.surface.indices) // 3)]
+            self.triangles = [self.surface.triangle(i).corners for i in range(len(self.surface.corners))]
             areas = [length(cross(minus(b, a), minus(c, a))) for a, b, c in self.triangles]
             self.by_area, area = Shares(areas), sum(areas) / 4
         elif isinstance(self.surface, Sphere):
