@@ -13,6 +13,7 @@ from .naive import check_naive, check_naive_march
 from .radiance import Radiance
 from .rays import Rays
 from .samplers import point_of_disk, SAMPLERS, SET_OF_TIME
+from .solids import Moving
 from .surfaces import surface_of
 from .values import U, Wrong
 
@@ -45,6 +46,9 @@ class Check(Rays, Hits, Lights, Radiance, Chance, Paths):
     def check_sample(self, sample, i, count, pixel, size):
         in_pixel = sample["position"]
         self.numbers_of = self.sampler_of(i, count, pixel)
+        for surface in self.surfaces if self.is_recorded else ():
+            if isinstance(surface, Moving):
+                surface.move_to(sample["time"].number() if "time" in sample else Fraction(0))
         is_center = count == 1 and in_pixel.vector(2) == [Fraction(1, 2)] * 2
         if is_center or self.file["filter"].data == "box":
             if not is_center and self.numbers_of:  # without a number of samples, the only ray passes the center

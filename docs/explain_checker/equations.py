@@ -3,7 +3,7 @@ from fractions import Fraction
 
 from .exact import add, cross, dot, length, minus, sizes
 from .flat_surfaces import Box, Disk, Planar, WithEdges
-from .solids import Csg, Instance
+from .solids import Csg, Instance, Moving
 from .surfaces import Line, Quadric, Sphere
 from .values import U, Wrong
 
@@ -16,6 +16,9 @@ def check_equation(found, surface, line, is_inside):
         found["type"].must_be("instance")
         inside = surface.line_inside(line)
         return check_equation(found["parts"][0], surface.inner, Line(inside.origin, inside.direction), True)
+    if isinstance(surface, Moving):
+        found["type"].must_be("moving")
+        return check_equation(found["parts"][0], surface.inner, surface.line_inside(line), is_inside)
     if isinstance(surface, Csg):
         found["type"].must_be("csg")
         if len(found["parts"]) != len(surface.leaves):

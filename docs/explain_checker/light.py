@@ -5,7 +5,7 @@ from fractions import Fraction
 
 from .exact import add, dot, f32, length, minus, root, times, unit
 from .functions import decimal
-from .solids import Csg, Instance
+from .solids import Csg, Instance, Moving
 from .surfaces import Quadric, Sphere
 from .torus import Torus
 from .values import shown, U, Wrong
@@ -53,7 +53,7 @@ def shading_normal(hit):
 
 def angles_of(surface, part):
     """Returns which of u and v are angles, of which 0 is 1: 0 for u, 1 for v."""
-    if isinstance(surface, Instance):
+    if isinstance(surface, (Instance, Moving)):
         return angles_of(surface.inner, part)
     if isinstance(surface, Csg):
         i = surface.leaf_of(part)

@@ -1,7 +1,55 @@
 """Instances and solids made of solids."""
-from .exact import add, cross, dot, minus, root, sizes, times, unit
+from fractions import Fraction
+
+from .exact import add, cross, dot, f64, minus, root, sizes, times, unit
 from .surfaces import Departure, Line, surface_of, surface_type
 from .values import U, Wrong
+
+
+@surface_type("moving")
+class Moving:
+    """A surface on its way along a straight line, at the time of the rays of a sample: they are moved to where it was
+    made, by one rounding of the way and one of the origin."""
+
+    def __init__(self, facts):
+        self.velocity, self.during = facts["velocity"].vector(), facts["during"].vector(2)
+        self.inner = surface_of(facts["parts"][0])
+        self.move_to(Fraction(0))
+
+    def move_to(self, time):
+        opens, closes = self.during
+        self.way = [f64(min(max(time, opens), closes) * v) for v in self.velocity]
+
+    def at_rest(self, point):
+        return [f64(x - w) for x, w in zip(point, self.way)]
+
+    def departure(self, part):
+        return Departure("object", None, self, part)
+
+    def line_inside(self, line):
+        left = self.inner.departure(line.left.part) if line.left and line.left.owner is self else None
+        return Line(self.at_rest(line.origin), line.direction, left)
+
+    def roots(self, line):
+        return self.inner.roots(self.line_inside(line))
+
+    def ends_inside(self, line):
+        return self.inner.ends_inside(self.line_inside(line))
+
+    def normal(self, point, part):
+        return self.inner.normal(self.at_rest(point), part)
+
+    def normal_error(self, point, part):
+        return self.inner.normal_error(self.at_rest(point), part)
+
+    def uv(self, point, part):
+        return self.inner.uv(self.at_rest(point), part)
+
+    def uv_errors(self, point, part, moved):
+        return self.inner.uv_errors(self.at_rest(point), part, moved)
+
+    def tangents(self, point, part, moved):
+        return self.inner.tangents(self.at_rest(point), part, moved)
 
 
 @surface_type("instance")

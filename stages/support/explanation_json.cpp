@@ -218,7 +218,8 @@ class Writer {
       json_.member("weight", sample.place.weight);
       json_.key("film").list(std::array{sample.u, sample.v});
       if (sample.lens) json_.key("lens").list(std::array{sample.lens->x, sample.lens->y});
-      if (e_.camera.shutter.is_open() || e_.camera.is_moving()) json_.member("time", sample.ray.time);
+      if (e_.camera.shutter.is_open() || e_.camera.is_moving() || sample.ray.time != 0)
+        json_.member("time", sample.ray.time);
       json_.member("origin", sample.ray.origin);
       json_.member("direction", sample.ray.direction);
       if (!sample.sets.empty())

@@ -10,6 +10,7 @@
 #include <protostar/surfaces/csg.hpp>
 #include <protostar/surfaces/disk.hpp>
 #include <protostar/surfaces/instance.hpp>
+#include <protostar/surfaces/moving.hpp>
 #include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/torus.hpp>
 #include <protostar/surfaces/triangle.hpp>
@@ -29,7 +30,8 @@ static Facts with_held(const AnySurface& any, const F& f, Facts facts = {.type =
   const auto take = [&]<class... S>(const S*... held) { ((held ? void(facts = f(*held)) : void()), ...); };
   take(any.target<Sphere>(), any.target<Plane>(), any.target<Parallelogram>(), any.target<Triangle>(),
        any.target<Disk>(), any.target<Box>(), any.target<Quadric>(), any.target<Torus>(), any.target<Csg>(),
-       any.target<Mesh>(), any.target<Instance<Csg>>(), any.target<Instance<>>());
+       any.target<Mesh>(), any.target<Instance<Csg>>(), any.target<Instance<>>(),
+       any.target<Moving<Sphere>>(), any.target<Moving<>>());
   return facts;
 }
 
@@ -76,6 +78,14 @@ static Facts facts_of(const Instance<S>& s) {
   Facts facts{
       "instance",
       {{"x", list(map.x)}, {"y", list(map.y)}, {"z", list(map.z)}, {"translation", list(map.translation)}}};
+  facts.parts.push_back(facts_of(s.surface()));
+  return facts;
+}
+
+template <class S>
+static Facts facts_of(const Moving<S>& s) {
+  Facts facts{"moving",
+              {{"velocity", list(s.velocity())}, {"during", {s.during().opens, s.during().closes}}}};
   facts.parts.push_back(facts_of(s.surface()));
   return facts;
 }
@@ -138,6 +148,16 @@ static Facts equation_of(const Instance<S>& s, const Ray& ray) {
   const RayTransform transform(ray, inverse);
   Facts facts{"instance"};
   facts.parts.push_back(equation_of(s.surface(), transform.ray()));
+  return facts;
+}
+
+/// Returns the equation of the surface at rest, and of the ray that is moved there.
+template <class S>
+static Facts equation_of(const Moving<S>& s, const Ray& ray) {
+  Ray rest = ray;
+  rest.origin = s.at_rest(ray.origin, ray.time);
+  Facts facts{"moving"};
+  facts.parts.push_back(equation_of(s.surface(), rest));
   return facts;
 }
 
