@@ -55,8 +55,23 @@ class Paths:
             (self.check_path if self.integrator == "path" else self.check_direct)(root_ray, sample, tally)
         except NoDirections as what:
             self.given.add(f"{what}; and the light of the sample")
-            return
+            return self.check_rays_alone(sample["rays"], [])
         tally.check(sample["radiance"])
+
+    def check_rays_alone(self, rays, hits):
+        """Checks where rays start and what they hit, whatever draws their directions; adds their hits to those before."""
+        for ray in rays:
+            if hits:
+                start = [ray["leaves"].whole(), ray["leaves_part"].whole(), ray["origin"].vector()]
+                if start not in hits:
+                    raise Wrong(ray["origin"].at("must be a point that a ray hit before, on the surface that it leaves"))
+            line, _, taken = self.check_ray(ray)
+            if ray["query"].word() != "closest":
+                continue
+            if taken is not None:
+                hit = self.check_hit(ray["hit"], line, ray["considered"][taken])
+                hits.append([taken, hit["part"].whole(), hit["point"].vector()])
+            self.check_rays_alone(ray["rays"], hits)
 
     def numbers_of_set(self, sample, k):
         sets = sample["sets"] if "sets" in sample else ()
