@@ -2,7 +2,6 @@
 #pragma once
 
 #include <protostar/any_scene.hpp>
-#include <protostar/surfaces/distance_field.hpp>
 
 #include "three_spheres.hpp"
 
@@ -13,14 +12,4 @@ struct DistanceFromSphere {
   auto operator()(const auto& p) const { return length(p - sphere.center) - sphere.radius; }
 };
 
-inline protostar::AnyScene marched_spheres() {
-  protostar::AnyScene scene;
-  for (const auto& [sphere, color] : the_three_spheres) {
-    const protostar::Vec3 half(sphere.radius);
-    scene.add(protostar::Marched{DistanceFromSphere{sphere},
-                                 protostar::Bounds{sphere.center - half, sphere.center + half}},
-              color);
-  }
-  scene.add(light_of_the_three_spheres);
-  return scene;
-}
+protostar::AnyScene marched_spheres();
