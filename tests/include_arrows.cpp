@@ -24,7 +24,6 @@ const std::set<std::string> on_demand = {
     "exact/recorded.hpp",
     "march/packet_march.hpp",
     "march/step_rules.hpp",
-    "sampling/radians_of_each.hpp",
     "surfaces/csg.hpp",
     "surfaces/instance.hpp",
     "surfaces/mesh_leaves.hpp",

@@ -104,6 +104,26 @@ TEST_CASE("sines and polar angles of several numbers at once have the bits of th
   CHECK(wrong == 0);
 }
 
+TEST_CASE("sine and cosine of each of several angles have the bits of the one alone") {
+  using simd::Doubles;
+  Random random(5);
+  WrongCases wrong(random);
+  for (int i = 0; i < 20000; ++i) {
+    // Half of the angles are near the eighths of a turn, where the nearest quarter changes.
+    const auto angle = [&](int) {
+      if (random.real(0, 1) < 0.5) return random.real(-7, 7);
+      return std::numbers::pi / 4 * std::round(random.real(-8.4, 8.4)) + std::exp2(random.real(-60, -20));
+    };
+    const Doubles angles = Doubles::of_each(angle);
+    const auto [sines, cosines] = sine_and_cosine_of_each(angles);
+    for (int lane = 0; lane < simd::double_lanes; ++lane) {
+      const auto [sine, cosine] = sine_and_cosine(angles[lane]);
+      wrong.add(sines[lane] != sine || cosines[lane] != cosine, angles[lane]);
+    }
+  }
+  CHECK(wrong == 0);
+}
+
 TEST_CASE("a half angle has digits for small angles and for those close to a half turn") {
   if (!long_double_judges) return;
   Random random(3);

@@ -1,4 +1,5 @@
 #include <protostar/sampling/warp.hpp>
+#include <protostar/sampling/warp_lanes.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -204,6 +205,24 @@ TEST_CASE("a direction of a sharp lobe has digits") {
     CHECK(std::abs(std::sqrt(d.x * d.x + d.y * d.y) / sine - 1) <
           0x1p-57 * exponent + 1e-15);  // sin² is about 1/exponent
   }
+}
+
+TEST_CASE("maps in lanes have the bits that each pair of numbers has alone") {
+  using simd::Doubles;
+  Random random(10);
+  WrongCases wrong(random);
+  for (int i = 0; i < 10000; ++i) {
+    // Now and then both are on a diagonal of the square, or in its center.
+    const Doubles u = Doubles::of_each([&](int) { return i % 5 == 0 ? 0.5 : random.interior(); });
+    const Doubles v = i % 7 == 0 ? u : Doubles::of_each([&](int) { return random.interior(); });
+    const auto [x, y] = simd::concentric_disk(u, v);
+    const simd::Vectors directions = simd::cosine_hemisphere(u, v);
+    for (int lane = 0; lane < simd::double_lanes; ++lane) {
+      wrong.add(Uv{x[lane], y[lane]} != concentric_disk(u[lane], v[lane]), u[lane], v[lane]);
+      wrong.add(directions[lane] != cosine_hemisphere(u[lane], v[lane]).direction, u[lane], v[lane]);
+    }
+  }
+  CHECK(wrong == 0);
 }
 
 TEST_CASE("visible normals of GGX have the density that a viewer sees") {

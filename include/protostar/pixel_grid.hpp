@@ -18,6 +18,7 @@
 #include "sampling/pixel_sampler.hpp"
 #include "sampling/reconstruction.hpp"
 #include "sampling/warp.hpp"
+#include "sampling/warp_lanes.hpp"
 #include "shown.hpp"
 #include "simd/simd.hpp"
 #include "simd/vectors.hpp"
@@ -158,12 +159,16 @@ class PixelGrid {
              static_cast<std::uint32_t>(samples_)}};
   }
 
-  /// Returns the samplers of sample i of the pixels from (x, y) on to the right.
-  [[nodiscard]] PacketSampler samplers(int x, int y, int i) const {
+  /// Returns the samplers of sample i of some pixels of the image.
+  [[nodiscard]] PacketSampler samplers(simd::Words x, simd::Words y, int i) const {
     return {sampler_,
-            {seed_, simd::Words(word(crop_.x + x)) + simd::iota<std::uint32_t, simd::double_lanes>(),
-             simd::Words(word(crop_.y + y)), static_cast<std::uint32_t>(i),
-             static_cast<std::uint32_t>(samples_)}};
+            {seed_, x + simd::Words(word(crop_.x)), y + simd::Words(word(crop_.y)),
+             static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(samples_)}};
+  }
+  /// Returns those of the pixels from (x, y) on to the right.
+  [[nodiscard]] PacketSampler samplers(int x, int y, int i) const {
+    return samplers(simd::Words(word(x)) + simd::iota<std::uint32_t, simd::double_lanes>(),
+                    simd::Words(word(y)), i);
   }
 
   /// Returns the point of the lens, in the unit disk, through which the ray of sample i of pixel (x, y)
@@ -176,12 +181,7 @@ class PixelGrid {
   /// Returns the coordinates of these points for sample i of the pixels from (x, y) on to the right.
   [[nodiscard]] std::array<simd::Doubles, 2> lens_points(int x, int y, int i) const {
     const SampleSet<simd::Doubles> numbers = samplers(x, y, i)(0);
-    std::array<simd::Doubles, 2> points{0.0, 0.0};
-    for (int lane = 0; lane < simd::double_lanes; ++lane) {
-      const Uv point = concentric_disk(numbers[2][lane], numbers[3][lane]);
-      points[0].set(lane, point.x), points[1].set(lane, point.y);
-    }
-    return points;
+    return simd::concentric_disk(numbers[2], numbers[3]);
   }
 
   /// Returns the ray of a camera for sample i of pixel (x, y), which is at a place.

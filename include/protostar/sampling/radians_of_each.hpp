@@ -32,6 +32,27 @@ namespace detail {
 
 }  // namespace detail
 
+/// Sine and cosine in each lane.
+struct SinesCosines {
+  simd::Doubles sine, cosine;
+};
+
+/// Returns sine and cosine of each angle, |angle| ≤ 7 and not −0, with the bits of sine_and_cosine.
+[[nodiscard]] inline SinesCosines sine_and_cosine_of_each(simd::Doubles angle) {
+  using simd::Doubles;
+  const Doubles quarters = detail::nearest_whole(angle * Doubles(2 / detail::pi.hi));
+  const Doubles rest = fma(-quarters, detail::pi.lo / 2, fma(-quarters, detail::pi.hi / 2, angle));
+  const Doubles s = rest * rest;
+  const Doubles sine = fma(rest * s, detail::polynomial(detail::sine_terms, s), rest);
+  const Doubles cosine = fma(s, detail::polynomial(detail::cosine_terms, s), 1.0);
+  // Whole turns taken off, the quarters are from −2 to 2.
+  const Doubles left = quarters - 4.0 * detail::nearest_whole(0.25 * quarters);
+  const auto is_odd = abs(left) == Doubles(1.0), is_half = abs(left) == Doubles(2.0);
+  const Doubles first = select(is_odd, cosine, sine), second = select(is_odd, sine, cosine);
+  return {select(is_half || left == Doubles(-1.0), -first, first),
+          select(is_half || left == Doubles(1.0), -second, second)};
+}
+
 /// Returns the sines of the first `count` angles, from 0 to less than 3π/4, with the bits of
 /// sine_and_cosine: at 3π/4 the number of quarter turns, 1 below, becomes 2, and the sign would change.
 [[nodiscard]] inline FewNumbers sines_of_each(const FewNumbers& angles, int count) {
