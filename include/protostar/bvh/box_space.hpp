@@ -93,15 +93,21 @@ struct BoxRay {
   /// Maps a ray; all primitives are widened by `widen`, a length in the world.
   BoxRay(const Ray& ray, const BoxSpace& space, double widen) {
     const Point o = space(ray.origin);
-    const Vec3 d = ray.direction * space.scale;
-    const double A = dot(d, d), far = std::abs(o.x) + std::abs(o.y) + std::abs(o.z);
-    const double wide = 2 * widen * space.scale;
-    usable = 0x1p-800 < A && A < 0x1p800 && far + wide < 0x1p60;
+    const double far = std::abs(o.x) + std::abs(o.y) + std::abs(o.z), wide = 2 * widen * space.scale;
+    usable = far + wide < 0x1p60;
+    if (const double square = dot(ray.direction, ray.direction); std::abs(square - 1) <= 0x1p-40) {
+      // A unit vector to within 2^-41, as further rays of paths have: others wait for a root and a division.
+      length = space.scale;
+      direction = float4(ray.direction);
+    } else {
+      const Vec3 d = ray.direction * space.scale;
+      const double A = dot(d, d);
+      usable = usable && 0x1p-800 < A && A < 0x1p800;
+      length = std::sqrt(A);
+      direction = float4(d * (1 / length));
+    }
     if (!usable) return;
-    length = std::sqrt(A);
-    const double step = 1 / length;
     origin = float4(o);
-    direction = float4(d * step);
     distance = static_cast<float>(far + 0x1p-40);
     widening = static_cast<float>(wide);
   }
