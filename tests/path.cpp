@@ -79,6 +79,40 @@ TEST_CASE("a path integrator refuses a scene that was given another environment,
   }
 }
 
+/// Integrator whose paths end at once: the light is t of the first hit to its last digit.
+struct RefinedDistance : FirstHit<RefinedDistance> {
+  using FollowsPaths = RefinedDistance;
+  struct Path {
+    Color sum{0};
+    Ray ray;
+  };
+  struct Numbers {
+    Numbers(const SampleSet<double>&, const Vec3&) {}
+  };
+
+  void require(const auto&) const {}
+  [[nodiscard]] Color shade(const Intersection& hit, const auto&, const auto&) const {
+    return Color{static_cast<float>(hit.refined())};
+  }
+  [[nodiscard]] bool meet(Path& path, const Intersection& hit, const auto& scene, const auto& draw) const {
+    path.sum = shade(hit, scene, draw);
+    return false;
+  }
+  [[nodiscard]] Color leave(const Path& path, const auto&) const { return path.sum; }
+};
+
+TEST_CASE("paths of several pixels begin at the root of the surface at which each begins alone") {
+  Scene<Sphere> scene;
+  scene.add(Sphere{{0, 0, 1}, 4}, Color{1});  // around the camera: the second root of its line
+  scene.add(Sphere{{0, 0, 3}, 1}, Color{1});
+  Image tiles(37, 23), plain(37, 23);
+  render(tiles, Camera{}, scene, RefinedDistance{}, {.samples = 2, .threads = 1});
+  render(plain, Camera{}, scene, RefinedDistance{}, {.samples = 2, .threads = 1, .tiles = false});
+  CHECK(tiles(0, 0).r > 4);
+  CHECK(std::abs(tiles(18, 11).r - 2) < 0.01f);
+  CHECK(different_pixels(plain, tiles) == 0);
+}
+
 TEST_CASE("a path takes one set of the sampler at each vertex, from set 1 on") {
   Scene<Plane, Sphere> scene;
   scene.add(Plane{{0, 1, 0}, -1}, Color{1});

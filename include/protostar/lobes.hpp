@@ -72,7 +72,12 @@ struct DiffuseLobe {
   /// Draws a direction with a density in proportion to its cosine, which cancels that of the irradiance. A
   /// path that it leads into the surface, as beside a tilted normal, does not go on.
   [[nodiscard]] Bounce sample(const Vertex& vertex, const SampleSet<double>& numbers) const {
-    const auto& [direction, density] = cosine_hemisphere(vertex.normals.shading, numbers[0], numbers[1]);
+    return along(vertex, cosine_hemisphere(numbers[0], numbers[1]).direction);
+  }
+
+  /// Returns the bounce in a local direction that cosine_hemisphere has drawn.
+  [[nodiscard]] Bounce along(const Vertex& vertex, const Vec3& local) const {
+    const Vec3 direction = frame_around(vertex.normals.shading)(local);
     const bool is_inside = vertex.normals.is_mapped && !(dot(vertex.normals.surface, direction) > 0);
     return {copied(direction), is_inside ? Color{0} : albedo, 0};
   }

@@ -132,7 +132,8 @@ struct CameraPacket : RayPacket {
 /// Closest hit of each ray of a packet with a surface inside a range.
 struct ClosestCrossings {
   Doubles t;
-  LaneMask met, in_doubt;  ///< a ray in doubt has to be traced alone
+  LaneMask met, in_doubt;   ///< a ray in doubt has to be traced alone
+  LaneMask is_far = false;  ///< true if it is the second root of its line, for a surface that takes packets
 };
 
 /// True for a surface whose equation, and normal_at, take several rays at once.
@@ -202,11 +203,13 @@ template <Surface S>
   } else {
     if (range.min != 0) return {.t = infinity, .met = false, .in_doubt = active};
     const FirstRootOfEach<Doubles, LaneMask> root = first_root_of_each(surface, rays, active);
-    if (range.max == infinity) return {.t = root.t, .met = root.is_there, .in_doubt = root.in_doubt};
+    if (range.max == infinity)
+      return {.t = root.t, .met = root.is_there, .in_doubt = root.in_doubt, .is_far = root.is_far};
     const Inside inside = lies_inside(root.t, range);
     return {.t = root.t,
             .met = root.is_there && inside.surely,
-            .in_doubt = root.in_doubt || (root.is_there && inside.maybe && !inside.surely)};
+            .in_doubt = root.in_doubt || (root.is_there && inside.maybe && !inside.surely),
+            .is_far = root.is_far};
   }
 }
 

@@ -17,10 +17,12 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 template <class I>
 concept PacketIntegrator = std::same_as<typename I::TakesPackets, I>;
 
-/// Integrator whose camera rays find their closest hits in packets, while each hit is shaded alone, as by a
-/// path that goes on from there. It declares this for its own type only, as the one above.
+/// Integrator of paths that begin at the closest hits of camera rays, which are found in packets, and go on
+/// from hit to hit: meet(path, hit, scene, draw) returns true if the path goes on along path.ray, and
+/// leave(path, scene) the light of one that hits nothing. Paths of several pixels go on together. It declares
+/// this for its own type only, as the one above.
 template <class I>
-concept ShadesHitsAlone = std::same_as<typename I::ShadesHitsAlone, I>;
+concept FollowsPaths = std::same_as<typename I::FollowsPaths, I>;
 
 /// Integrator that shades a hit by the numbers of a sampler.
 template <class I, class S>

@@ -15,6 +15,11 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
+/// First pixel of a packet.
+struct PacketStart {
+  int x, y;
+};
+
 /// Calls visit(i, x, y) for the packets of a tile, the i-th of which begins at pixel (x, y).
 inline void each_packet(const Tile& tile, const auto& visit) {
   std::size_t i = 0;

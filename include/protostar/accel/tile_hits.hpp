@@ -50,8 +50,9 @@ class TileHits {
   };
   /// Closest hit of each ray.
   struct Closest {
-    Doubles t;      ///< infinity if the ray misses
-    Indices index;  ///< surface's index in the scene's order; sees_nothing if the ray misses
+    Doubles t;                ///< infinity if the ray misses
+    Indices index;            ///< surface's index in the scene's order; sees_nothing if the ray misses
+    LaneMask is_far = false;  ///< true at the second root of a surface that takes packets
 
     /// Primitive that is hit: entry ≥ 0 of a visibility buffer, or number_of(Crossing) < 0.
     [[no_unique_address]] std::conditional_t<has_primitives, Indices, Nothing> primitive = -1;
@@ -109,8 +110,7 @@ class TileHits {
 
   /// Returns the radiance of rays with these closest hits: shade_hits(hits) for one surface after the other,
   /// so that nothing has to be gathered from different surfaces, or shade_hits(hit, lane) for each hit of a
-  /// surface whose hits are shaded one by one, as all are if `alone`; background() for rays that miss.
-  template <bool alone = false>
+  /// surface whose hits are shaded one by one; background() for rays that miss.
   [[nodiscard]] Colors shade(const RayPacket& rays, const Closest& closest, const auto& background,
                              const auto& shade_hits) const {
     const LaneMask met = rays.active && closest.t < infinity;
@@ -120,16 +120,26 @@ class TileHits {
       const LaneMask here = left && mask_for<double>(closest.index == Indices(index));
       Colors colors(Color{0});
       visit(index, [&](const auto& surface, const Material& material) {
-        if constexpr (alone)
-          colors = shade_one_by_one(surface, material, rays, closest, here, shade_hits);
-        else
-          colors = shade_on(surface, material, rays, closest, here, shade_hits);
+        colors = shade_on(surface, material, rays, closest, here, shade_hits);
       });
       if (!any(rays.active && !here)) return colors;  // the usual case: all rays hit one surface
       result = select(here, colors, result);
       left = left && !here;
     }
     return any(rays.active && !met) ? select(met, result, Colors(background())) : result;
+  }
+
+  /// Calls tell(ray, crossing, lane) for each of these closest hits, and returns which rays have one.
+  LaneMask each_hit(const RayPacket& rays, const Closest& closest, const auto& tell) const {
+    const LaneMask met = rays.active && closest.t < infinity;
+    for (Bits left = bits(met); left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
+      const Ray ray = rays[lane];
+      visit(closest.index[lane], [&](const auto& surface, const Material& material) {
+        tell(ray, crossing_on(surface, crossing_of(surface, ray, closest, lane), material), lane);
+      });
+    }
+    return met;
   }
 
   /// Returns the radiance of pixels that surely see these surfaces, or nothing, by an integrator that needs
@@ -313,6 +323,7 @@ class TileHits {
     in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
     closest.t = select(sooner, first.t, closest.t);
     closest.index = select(sooner, Indices(index), closest.index);
+    closest.is_far = (sooner && first.is_far) || (!sooner && closest.is_far);
     return sooner;
   }
 
@@ -346,15 +357,18 @@ class TileHits {
     }
     return result;
   }
-  /// Returns the crossing of a closest hit. It is computed again for a surface without primitives, and for a
-  /// hit from a visibility buffer.
+  /// Returns the crossing of a closest hit. It is computed again for a surface that takes no packets and has
+  /// no primitives, and for a hit from a visibility buffer.
   template <Surface T>
   [[nodiscard]] static Crossing crossing_of(const T& surface, const Ray& ray, const Closest& closest,
                                             int lane) {
     if constexpr (is_made_of_parts<T>)
       if (has_parts(surface) && closest.primitive[lane] < 0)
         return crossing_at(closest.t[lane], closest.primitive[lane]);
-    return *first_crossing(surface, ray, Interval{});
+    if constexpr (takes_packets<T> && !SurfaceOfLanes<T>)
+      return {.t = closest.t[lane], .root = static_cast<int>(bits(closest.is_far) >> lane & 1)};
+    else
+      return *first_crossing(surface, ray, Interval{});
   }
 
   /// Returns the closest hits, with each ray in doubt traced alone. `closest` is passed by value, so that
@@ -368,6 +382,8 @@ class TileHits {
       const auto [index, crossing] = closest_of_one_ray(rays[lane], indices);
       closest.t = select(only_lane(lane), Doubles(index < 0 ? infinity : crossing.crossing.t), closest.t);
       closest.index = select(only_lane(lane), Indices(index), closest.index);
+      const LaneMask others = closest.is_far && !only_lane(lane);
+      closest.is_far = crossing.crossing.root == 0 ? others : others || only_lane(lane);
       if constexpr (has_primitives)
         closest.primitive = select(only_lane(lane), Indices(number_of(crossing.crossing)), closest.primitive);
     }

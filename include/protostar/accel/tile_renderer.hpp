@@ -25,6 +25,7 @@
 #include "packet.hpp"
 #include "packet_integrator.hpp"
 #include "packet_pixels.hpp"
+#include "path_wave.hpp"
 #include "picture_candidates.hpp"
 #include "pixel_rays.hpp"
 #include "tile_scene.hpp"
@@ -73,7 +74,7 @@ class TileRenderer {
   using Order = Candidates::Order;
   using Work = TileWork<S...>;
 
-  static constexpr bool by_packets = PacketIntegrator<I> || ShadesHitsAlone<I>;
+  static constexpr bool by_packets = PacketIntegrator<I> || FollowsPaths<I>;
   static constexpr bool shades = ShadingIntegrator<I, View>;
   static constexpr bool takes_sampler =
       shades ? ShadesBySampler<I, View> : protostar::detail::takes_sampler<I, View>;
@@ -90,11 +91,6 @@ class TileRenderer {
   };
   static constexpr Division divisions[Work::most_divisions] = {
       {32, 32, 64}, {16, 16, -1}, {8, 8, 3}, {8, RayBlock::height, 16}};
-
-  /// First pixel of a packet.
-  struct PacketStart {
-    int x, y;
-  };
 
   /// Largest number of candidates that are tested in double as fast as in float, for colors that need t.
   static constexpr int most_tested_in_double = 3;
@@ -277,21 +273,27 @@ class TileRenderer {
       closest[k] = view.closest(rays_.packet(part, x, y, i, found[k]), seen_from(x, y));
       if (candidates_.are_from_bvh()) view.prefetch_materials(closest[k]);
     }
-    for (std::size_t k = 0; k < count; ++k) {
-      const int x = open[k].x, y = open[k].y;
-      view.set_first_pixel(x, y, i);
-      const CameraPacket rays = rays_.packet(part, x, y, i, found[k]);
-      const auto shade = [&](const auto& hits, auto... lane) {
-        if constexpr (takes_sampler)
-          return integrator_.shade(hits, view, sampler_in(rays_.pixels().samplers(x, y, i), lane...));
-        else
-          return integrator_.shade(hits, view);
-      };
-      add(part, x, y, i, found[k],
-          view.template shade<ShadesHitsAlone<I>>(
-              rays, closest[k], [&] { return integrator_.background(rays, view); }, shade),
-          work);
-    }
+    if constexpr (FollowsPaths<I>)
+      follow_paths(integrator_, view, rays_, part, i, {open.data(), count}, found.data(), closest.data(),
+                   [&](std::size_t k, const Colors& light) {
+                     add(part, open[k].x, open[k].y, i, found[k], light, work);
+                   });
+    else
+      for (std::size_t k = 0; k < count; ++k) {
+        const int x = open[k].x, y = open[k].y;
+        view.set_first_pixel(x, y, i);
+        const CameraPacket rays = rays_.packet(part, x, y, i, found[k]);
+        const auto shade = [&](const auto& hits, auto... lane) {
+          if constexpr (takes_sampler)
+            return integrator_.shade(hits, view, sampler_in(rays_.pixels().samplers(x, y, i), lane...));
+          else
+            return integrator_.shade(hits, view);
+        };
+        add(part, x, y, i, found[k],
+            view.shade(
+                rays, closest[k], [&] { return integrator_.background(rays, view); }, shade),
+            work);
+      }
     work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
   }
 

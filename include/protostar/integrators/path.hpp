@@ -38,7 +38,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// The estimate is unbiased up to the depth. Without glossy lobes, and if the shares of each material add up
 /// to at most 1, it is bounded: no path weighs more than 1.
 struct PathIntegrator : FirstHit<PathIntegrator> {
-  using ShadesHitsAlone = PathIntegrator;  ///< of camera rays in packets (accel/packet_integrator.hpp)
+  using FollowsPaths = PathIntegrator;  ///< those of several pixels together (accel/packet_integrator.hpp)
 
   /// Largest depth. It bounds the time of a sample, and the coordinates of points (farthest_point).
   static constexpr int most_depth = 1000;
@@ -73,23 +73,6 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
                                   std::to_string(most_rays));
   }
 
-  /// Takes set 1 of the sampler at the hit, and the next set at each further vertex: two numbers for the
-  /// direction and two for the light, of which the first also decides how the path goes on. Throws
-  /// std::logic_error if the scene is not the one of the lights, or has another environment.
-  [[nodiscard]] Color shade(const Intersection& first, const auto& scene, const auto& sampler) const {
-    lights.require(scene);
-    environment.require(scene);
-    Path path;
-    bool goes_on = meet(path, first, scene, sampler);
-    while (goes_on) {
-      const auto hit = scene.intersect(path.ray, Interval{});
-      if (!hit) return leave(path, scene);
-      goes_on = meet(path, *hit, scene, sampler);
-    }
-    return path.sum;
-  }
-
- private:
   /// Path on its way from the eye: the light that it has found, and the ray on which it goes on.
   struct Path {
     Color sum{0}, weight{1};
@@ -97,20 +80,58 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     int bounces = 0;
     Ray ray;
     double density = std::numeric_limits<double>::infinity();  ///< with which the ray was drawn
+
+    /// Returns true for the camera's ray, and one that a mirror or glass has sent on: light is found by it
+    /// alone.
+    [[nodiscard]] bool is_sharp() const { return density == std::numeric_limits<double>::infinity(); }
+
+    /// Returns the set of numbers that it takes at its next vertex.
+    [[nodiscard]] std::uint32_t set() const { return static_cast<std::uint32_t>(1 + bounces); }
   };
 
-  /// Adds the light that a path finds at a hit, and chooses how it goes on from there; returns false if it
-  /// ends.
-  [[nodiscard]] bool meet(Path& path, const Intersection& hit, const auto& scene, const auto& sampler) const {
+  /// Numbers of a set, and the local direction of cosine_hemisphere to which the first two lead.
+  struct Numbers : SampleSet<double> {
+    Vec3 hemisphere;
+    Numbers(const SampleSet<double>& set, const Vec3& direction)
+        : SampleSet<double>(set), hemisphere(direction) {}
+    explicit Numbers(const SampleSet<double>& set)
+        : Numbers(set, cosine_hemisphere(set[0], set[1]).direction) {}
+  };
+
+  /// Takes set 1 of the sampler at the hit, and the next set at each further vertex: two numbers for the
+  /// direction and two for the light, of which the first also decides how the path goes on. Throws
+  /// std::logic_error if the scene is not the one of the lights, or has another environment.
+  [[nodiscard]] Color shade(const Intersection& first, const auto& scene, const auto& sampler) const {
+    require(scene);
+    Path path;
+    const auto draw = [&] { return Numbers(sampler(path.set())); };
+    bool goes_on = meet(path, first, scene, draw);
+    while (goes_on) {
+      const auto hit = scene.intersect(path.ray, Interval{});
+      if (!hit) return leave(path, scene);
+      goes_on = meet(path, *hit, scene, draw);
+    }
+    return path.sum;
+  }
+
+  /// Throws std::logic_error if the scene is not the one of the lights, or has another environment.
+  void require(const auto& scene) const {
+    lights.require(scene);
+    environment.require(scene);
+  }
+
+  /// Adds the light that a path finds at a hit, and chooses how it goes on from there, by the numbers of
+  /// path.set(), which draw() returns; returns false if it ends.
+  [[nodiscard]] bool meet(Path& path, const Intersection& hit, const auto& scene, const auto& draw) const {
     const Material& material = hit.material();
     if (!is_black(material.emission))
       if (const double share =
-              path.bounces == 0 ? 1 : power_heuristic(path.density, density_by_lights(path.ray, hit));
+              path.is_sharp() ? 1 : power_heuristic(path.density, density_by_lights(path.ray, hit));
           share > 0)
         path.sum = clamped(path.sum + times(clamped(path.weight * material.emission), share));
     if (path.bounces >= depth) return false;
 
-    const SampleSet<double> numbers = sampler(static_cast<std::uint32_t>(1 + path.bounces));
+    const Numbers numbers = draw();
     const Color albedo = hit.color();
     Reflector at(hit, albedo);
     const LobeShares shares(material, albedo, at);
@@ -140,6 +161,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     return clamped(path.sum + times(sky, power_heuristic(path.density, density_by_lights(path.ray))));
   }
 
+ private:
   /// Returns true if light_at may find any light.
   [[nodiscard]] bool has_light(const auto& scene) const {
     return lights.by_power().whole() > 0 || !scene.lights().empty() || environment.has_places() ||
@@ -218,6 +240,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
 
     /// Chooses a lobe, with a probability in proportion to its share. Precondition: there is any.
     [[nodiscard]] Choice choose(double& number) const {
+      if (diffuse == whole()) return {Lobe::diffuse, diffuse};  // the number stays as it is
       if (decide(number, diffuse / whole())) return {Lobe::diffuse, diffuse};
       if (glossy > 0 && decide(number, glossy / (glossy + sharp()))) return {Lobe::glossy, glossy};
       if (decide(number, mirror / sharp())) return {Lobe::mirror, mirror};
@@ -228,12 +251,11 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   /// Chooses one of the material's lobes and draws a direction by it. A path does not go on if the material
   /// scatters no light, or the direction leads into the surface.
   [[nodiscard]] static Bounce scatter(const Material& material, const Color& albedo, const Reflector& at,
-                                      const LobeShares& shares, const SampleSet<double>& numbers,
-                                      double& number) {
+                                      const LobeShares& shares, const Numbers& numbers, double& number) {
     const double whole = shares.whole();
     if (!(whole > 0)) return {};
     const auto [lobe, share] = shares.choose(number);
-    Bounce onward = lobe == Lobe::diffuse  ? DiffuseLobe{albedo}.sample(at.vertex, numbers)
+    Bounce onward = lobe == Lobe::diffuse  ? DiffuseLobe{albedo}.along(at.vertex, numbers.hemisphere)
                     : lobe == Lobe::glossy ? at.glossy->sample(numbers[0], numbers[1])
                     : lobe == Lobe::mirror
                         ? MirrorLobe{to_float(material.reflect)}.sample(at.vertex)

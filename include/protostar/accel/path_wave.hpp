@@ -1,0 +1,163 @@
+// Paths of some pixels on their way together: each takes a step, then each takes the next.
+//
+// The operations of one path wait for each other, from the hit to the direction and from there to the next
+// hit; those of different paths do not, and the processor works at several at once. All paths of a wave have
+// come equally far, so that they take the same set of their samplers, whose numbers are drawn in lanes.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <optional>
+#include <span>
+
+#include "../intersection.hpp"
+#include "../interval.hpp"
+#include "../pixel_grid.hpp"
+#include "../sampling/pixel_sampler.hpp"
+#include "../sampling/warp_lanes.hpp"
+#include "../simd/words.hpp"
+#include "packet.hpp"
+#include "packet_pixels.hpp"
+#include "pixel_rays.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// Paths of an integrator that follows them (FollowsPaths), and the light of the packets in which they began.
+template <class I>
+class PathWave {
+ public:
+  /// Largest number of packets: enough to hide what operations wait for, and so few that their paths and hits
+  /// stay in the first cache.
+  static constexpr std::size_t most_packets = std::max(32 / double_lanes, 1);
+
+  /// Begins the path of a pixel, in a lane of a packet, at the first hit of its ray.
+  void begin(const Ray& ray, const SurfaceCrossing& first, int x, int y, std::size_t packet, int lane) {
+    hits_[count_].emplace(ray, first);
+    paths_[count_] = {};
+    pixels_[count_] = {static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
+                       packet * lanes + static_cast<std::size_t>(lane)};
+    on_the_way_[count_] = count_;
+    ++count_;
+  }
+
+  /// Sets the light of all lanes of a packet, whose paths have not been followed yet.
+  void set(std::size_t packet, const Colors& light) {
+    light.r.store(&light_[0][packet * lanes]);
+    light.g.store(&light_[1][packet * lanes]);
+    light.b.store(&light_[2][packet * lanes]);
+  }
+
+  /// Returns the light of a packet, whose paths have been followed.
+  [[nodiscard]] Colors light(std::size_t packet) const {
+    const auto load = [&](std::size_t channel) { return Floats::load(&light_[channel][packet * lanes]); };
+    return {load(0), load(1), load(2)};
+  }
+
+  /// Follows all paths to their ends, those of the i-th samples of their pixels.
+  void follow(const I& integrator, const auto& scene, const PixelGrid& grid, int i) {
+    const auto finish = [&](std::size_t k, const Color& light) {
+      for (int channel = 0; channel < 3; ++channel)
+        light_[static_cast<std::size_t>(channel)][pixels_[k].number] = light[channel];
+    };
+    if (count_ > 0) integrator.require(scene);
+    for (std::uint32_t set = 1; count_ > 0; ++set) {
+      std::size_t on_the_way = 0;
+      for (std::size_t first = 0; first < count_; first += lanes) {
+        const std::size_t some = std::min(lanes, count_ - first);
+        const Drawn drawn = draw(grid, i, set, first, some);
+        for (std::size_t lane = 0; lane < some; ++lane) {
+          const std::size_t k = on_the_way_[first + lane];
+          if (integrator.meet(paths_[k], *hits_[k], scene, [&] { return drawn[lane]; }))
+            on_the_way_[on_the_way++] = k;
+          else
+            finish(k, paths_[k].sum);
+        }
+      }
+      count_ = on_the_way;
+      on_the_way = 0;
+      for (std::size_t n = 0; n < count_; ++n) {
+        const std::size_t k = on_the_way_[n];
+        new (&hits_[k]) std::optional<Intersection>(scene.intersect(paths_[k].ray, Interval{}));  // in place
+        if (hits_[k])
+          on_the_way_[on_the_way++] = k;
+        else
+          finish(k, integrator.leave(paths_[k], scene));
+      }
+      count_ = on_the_way;
+    }
+  }
+
+ private:
+  static constexpr std::size_t lanes = static_cast<std::size_t>(double_lanes), most = most_packets * lanes;
+
+  /// Pixel of the image, and the number of its lane in all packets.
+  struct Pixel {
+    std::uint32_t x, y;
+    std::size_t number;
+  };
+
+  /// I::Numbers, one in each lane: those of a set, and the local directions to which they lead.
+  struct Drawn {
+    double numbers[4][lanes], hemisphere[3][lanes];
+
+    [[nodiscard]] typename I::Numbers operator[](std::size_t lane) const {
+      return {{numbers[0][lane], numbers[1][lane], numbers[2][lane], numbers[3][lane]},
+              {hemisphere[0][lane], hemisphere[1][lane], hemisphere[2][lane]}};
+    }
+  };
+
+  /// Draws a set of numbers for some of the paths, one in each lane.
+  [[nodiscard]] Drawn draw(const PixelGrid& grid, int i, std::uint32_t set, std::size_t first,
+                           std::size_t some) const {
+    std::array<std::uint32_t, lanes> x{}, y{};
+    for (std::size_t lane = 0; lane < some; ++lane) {
+      const Pixel& pixel = pixels_[on_the_way_[first + lane]];
+      x[lane] = pixel.x, y[lane] = pixel.y;
+    }
+    const SampleSet<Doubles> numbers = grid.samplers(Words::load(x.data()), Words::load(y.data()), i)(set);
+    const Vectors hemisphere = cosine_hemisphere(numbers[0], numbers[1]);
+    Drawn drawn;
+    for (std::size_t d = 0; d < 4; ++d) numbers[d].store(drawn.numbers[d]);
+    hemisphere.x.store(drawn.hemisphere[0]);
+    hemisphere.y.store(drawn.hemisphere[1]);
+    hemisphere.z.store(drawn.hemisphere[2]);
+    return drawn;
+  }
+
+  std::size_t count_ = 0;
+  std::array<std::size_t, most> on_the_way_;
+  std::array<Pixel, most> pixels_;
+  std::array<typename I::Path, most> paths_;
+  std::array<std::optional<Intersection>, most> hits_;
+  std::array<std::array<float, most>, 3> light_;
+};
+
+/// Follows the paths of the i-th samples of some packets in a part of a tile, and calls give(k, light) with
+/// the light of the k-th. A path begins at the closest hit of its camera ray; found[k] are the packet's rays.
+template <class I, class View>
+[[gnu::noinline]] void follow_paths(const I& integrator, const View& view, const PixelRays& rays_of,
+                                    const Tile& part, int i, std::span<const PacketStart> packets,
+                                    const PacketRays* found, const typename View::Closest* closest,
+                                    const auto& give) {
+  PathWave<I> wave;
+  for (std::size_t first = 0; first < packets.size(); first += wave.most_packets) {
+    const std::size_t count = std::min(wave.most_packets, packets.size() - first);
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto [x, y] = packets[first + k];
+      view.set_first_pixel(x, y, i);
+      const CameraPacket rays = rays_of.packet(part, x, y, i, found[first + k]);
+      const auto begin = [&, x = x, y = y](const Ray& ray, const SurfaceCrossing& hit, int lane) {
+        wave.begin(ray, hit, x + lane, y, k, lane);
+      };
+      const LaneMask met = view.each_hit(rays, closest[first + k], begin);
+      wave.set(k, any(rays.active && !met) ? Colors(integrator.background(rays, view)) : Colors(Color{0}));
+    }
+    wave.follow(integrator, view, rays_of.pixels(), i);
+    for (std::size_t k = 0; k < count; ++k) give(first + k, wave.light(k));
+  }
+}
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd
