@@ -6,10 +6,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "../image.hpp"
 #include "../parallel.hpp"
+#include "../plain_vector.hpp"
 #include "../render_options.hpp"
 #include "estimate.hpp"
 #include "exact_sum.hpp"
@@ -55,9 +55,9 @@ class EveryPixel {
   [[nodiscard]] double add(Film& block, Film& picture, const RenderOptions& options) {
     if (sequences_.empty())
       sequences_.resize(static_cast<std::size_t>(channels(area_)), BernsteinSequence(rule_));
-    std::vector<double> largest(static_cast<std::size_t>(area_.height()), 0);
+    PlainVector<double> largest(static_cast<std::size_t>(area_.height()), 0);
     detail::for_each_in_parallel(area_.height(), {.threads = options.threads}, [&](int row) {
-      auto sequence = sequences_.begin() + std::ptrdiff_t{3} * row * area_.width();
+      BernsteinSequence* sequence = sequences_.begin() + std::ptrdiff_t{3} * row * area_.width();
       double& most = largest[static_cast<std::size_t>(row)];
       const int y = area_.y0 + row;
       for (int x = area_.x0; x < area_.x1; ++x) {
@@ -94,7 +94,7 @@ class EveryPixel {
   BernsteinRule rule_;
   std::uint32_t in_observation_;
   Tile area_;
-  std::vector<BernsteinSequence> sequences_;  ///< of the channels of the pixels, in rows
+  PlainVector<BernsteinSequence> sequences_;  ///< of the channels of the pixels, in rows
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI
