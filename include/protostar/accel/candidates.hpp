@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -181,29 +180,43 @@ class Candidates {
   /// Sorts by nearest(), roughly, near first; then lowers each nearest(i) to the least from i on.
   void order_by_distance() {
     is_ordered_ = true;
-    constexpr std::size_t slabs = 256;
     float least = std::numeric_limits<float>::infinity(), most = 0;
     for (int i = 0; i < size_; ++i) least = std::min(least, nearest(i)), most = std::max(most, nearest(i));
     const float scale = (slabs - 1) / (most - least);
-    const auto slab = [&](int i) {
-      const float depth = (nearest(i) - least) * scale;
+    const auto slab = [&](std::size_t i) {
+      const float depth = (nearest(static_cast<int>(i)) - least) * scale;
       return depth >= 0 && depth < slabs ? static_cast<std::size_t>(depth) : 0;  // 0 for NaN too
     };
-    std::size_t start[slabs + 1] = {};
-    for (int i = 0; i < size_; ++i) ++start[slab(i) + 1];
-    for (std::size_t k = 0; k < slabs; ++k) start[k + 1] += start[k];
-    PlainVector<std::size_t> order(slot(size_));
-    for (int i = 0; i < size_; ++i) order[start[slab(i)]++] = slot(i);
+    PlainVector<std::size_t> order = places();
+    sort_by(slab, order);
     reorder(order);
     for (int i = size_ - 2; i >= 0; --i) *at(row_nearest, i) = std::min(nearest(i), nearest(i + 1));
   }
 
   void order_by_index() {
-    PlainVector<std::size_t> order(slot(size_));
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return index_[a] < index_[b]; });
+    PlainVector<std::size_t> order = places();
+    for (int byte = 0; byte < 4; ++byte)
+      sort_by([&](std::size_t i) { return index_[i] >> (8 * byte) & 255; }, order);
     reorder(order);
+  }
+
+  static constexpr std::size_t slabs = 256;
+
+  /// Returns the place of each surface.
+  [[nodiscard]] PlainVector<std::size_t> places() const {
+    PlainVector<std::size_t> all(slot(size_));
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+    return all;
+  }
+
+  /// Sorts places by slab_of(place), below `slabs`; those with the same slab stay in their order.
+  static void sort_by(const auto& slab_of, PlainVector<std::size_t>& order) {
+    std::size_t start[slabs + 1] = {};
+    for (const std::size_t i : order) ++start[slab_of(i) + 1];
+    for (std::size_t k = 0; k < slabs; ++k) start[k + 1] += start[k];
+    PlainVector<std::size_t> sorted(order.size());
+    for (const std::size_t i : order) sorted[start[slab_of(i)]++] = i;
+    order = std::move(sorted);
   }
 
   static std::size_t slot(int i) { return static_cast<std::size_t>(i); }
