@@ -10,7 +10,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "../bvh/bvh.hpp"
 #include "../plain_vector.hpp"
@@ -186,6 +185,8 @@ class InCone {
 /// Lists of occluders of a tile, a few for each light.
 class Occluders {
  public:
+  void clear() { count_ = next_ = 0; }
+
   /// Returns the surfaces that rays in 0 < t < 1 may hit, as indices in the scene's order; null if each ray
   /// is better traced alone. search(half_spaces, visit) calls visit(SurfacesAround) for all surfaces that may
   /// be in half-spaces.
@@ -254,8 +255,8 @@ class Occluders {
 
   /// Lists for one light: several, since rays of neighboring pixels may start on surfaces that are far apart.
   struct ToLight {
-    Point light;
-    double near;  ///< largest distance from the light at which its rays end
+    Point light{0};
+    double near = 0;  ///< largest distance from the light at which its rays end
     std::array<List, lists_each> lists;
     std::size_t next = 0;
     double wide = 4;  ///< width of a cone, as a multiple of that of a packet's rays
@@ -270,21 +271,18 @@ class Occluders {
 
   ToLight& lists_for(const RayPacket& rays, int lane) {
     const Point end = rays.origin[lane] + rays.direction[lane];
-    for (ToLight& to_light : lights_)
-      if (glm::length(end - to_light.light) < to_light.near) return to_light;
+    for (std::size_t i = 0; i < count_; ++i)
+      if (glm::length(end - lights_[i].light) < lights_[i].near) return lights_[i];
     const double near = 0x1p-46 * (glm::length(end) + glm::length(rays.direction[lane]));
-    if (lights_.size() < most_lights) {
-      lights_.push_back({.light = end, .near = near, .lists = {}});
-      return lights_.back();
-    }
-    next_ = (next_ + 1) % most_lights;
-    lights_[next_] = {.light = end, .near = near, .lists = {}};
-    return lights_[next_];
+    if (count_ < most_lights) ++count_;
+    ToLight& to_light = lights_[next_++ % most_lights];
+    to_light = {.light = end, .near = near, .lists = {}};
+    return to_light;
   }
 
-  std::vector<ToLight> lights_;
+  std::array<ToLight, most_lights> lights_;
   PlainVector<int> indices_;  ///< list for the last packet
-  std::size_t next_ = 0;
+  std::size_t count_ = 0, next_ = 0;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

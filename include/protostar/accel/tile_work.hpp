@@ -56,7 +56,7 @@ class TileWorks {
     std::unique_ptr<Work> work = std::move(spare_);
     spare_ = std::move(work->next);
     (std::get<VisibilityBuffers<S>>(work->state.buffers).clear(), ...);
-    work->state.occluders = {}, work->state.counts = {};
+    work->state.occluders.clear(), work->state.counts = {};
     return work;
   }
 
