@@ -8,7 +8,6 @@
 #include <concepts>
 #include <cstddef>
 #include <limits>
-#include <vector>
 
 #include "../camera.hpp"
 #include "../image.hpp"
@@ -50,9 +49,7 @@ class PixelRays {
         hand_(hand_of(camera)),
         has_float_sums_(allows_float_sums(camera_, pixels)),
         viewpoint_(viewpoint_of(camera_, pixels, hand_)) {
-    if (has_tables_)
-      for (int i = pixels.first(); i < pixels.last(); ++i)
-        samples_.push_back(tables(pixels.common_place(i), width, height));
+    if (has_tables_) compute_tables(width, height);
     for (int x = 0; x <= width; x += edge_step) {
       edges_.left.push_back(column_edge_at(x, -margin()));
       if (margin() > 0) edges_.right.push_back(column_edge_at(x, margin()));
@@ -66,8 +63,9 @@ class PixelRays {
   /// Returns the directions of the rays through the i-th samples of the pixels from (x, y) on to the right,
   /// if places are the same in all pixels.
   [[nodiscard]] Vectors directions(int x, int y, int i = 0) const {
-    const Tables& sample = tables_of(i);
-    return normalize(sample.along.some<Vectors>(x) + Vectors(sample.up[y]) + camera_.forward);
+    const int sample = i - pixels_.first();
+    return normalize(tables_.along.some<Vectors>(sample, x) + Vectors(tables_.up.at(sample, y)) +
+                     camera_.forward);
   }
 
   /// Returns approximate directions of a pinhole's rays through the i-th samples of the block that begins at
@@ -80,9 +78,9 @@ class PixelRays {
   /// by at most u. Other cameras get directions that are computed in double and rounded once.
   [[nodiscard, gnu::always_inline]] WideVectors block_directions(int x, int y, int i = 0) const {
     if (!has_float_sums_) return rounded_directions(x, y, i);
-    const Tables& sample = tables_of(i);
-    const auto along = sample.block_along.some<WideVectors>(x * RayBlock::height),
-               row = sample.block_row.some<WideVectors>(y * RayBlock::width);
+    const int sample = i - pixels_.first();
+    const auto along = tables_.block_along.some<WideVectors>(sample, x * RayBlock::height),
+               row = tables_.block_row.some<WideVectors>(sample, y * RayBlock::width);
     const auto dx = along.x + row.x, dy = along.y + row.y, dz = along.z + row.z;
     const auto scale = reciprocal_sqrt(dx * dx + dy * dy + dz * dz);
     return {dx * scale, dy * scale, dz * scale};
@@ -196,34 +194,42 @@ class PixelRays {
     return 0x1p-500 < size && size < 0x1p500 ? v / size : Vec3{0};
   }
 
-  /// Vectors of numbers of type T, stored as one row for each component.
+  /// Vectors of numbers of type T, as many for each sample, stored as one row for each component.
   template <class T>
   class Table {
    public:
-    explicit Table(int size) : size_(index(size)), numbers_(3 * size_, T{0}) {}
-
-    void set(int i, const Vec3& v) {
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        numbers_[axis * size_ + index(i)] = static_cast<T>(v[static_cast<int>(axis)]);
+    void resize(int samples, int size) {
+      size_ = index(size);
+      numbers_.resize(3 * size_ * index(samples), T{0});
     }
-    [[nodiscard]] Vec3 operator[](int i) const { return {*row(0, i), *row(1, i), *row(2, i)}; }
+    void set(int sample, int i, const Vec3& v) {
+      for (int axis = 0; axis < 3; ++axis) numbers_[place(sample, axis, i)] = static_cast<T>(v[axis]);
+    }
+    [[nodiscard]] Vec3 at(int sample, int i) const {
+      return {*row(sample, 0, i), *row(sample, 1, i), *row(sample, 2, i)};
+    }
 
     /// Returns V{x, y, z} with the components of the vectors from `first` on in the lanes.
     template <class V>
-    [[nodiscard]] V some(int first) const {
+    [[nodiscard]] V some(int sample, int first) const {
       using L = decltype(V::x);
-      return {L::load(row(0, first)), L::load(row(1, first)), L::load(row(2, first))};
+      return {L::load(row(sample, 0, first)), L::load(row(sample, 1, first)), L::load(row(sample, 2, first))};
     }
 
    private:
     static std::size_t index(int i) { return static_cast<std::size_t>(i); }
-    [[nodiscard]] const T* row(std::size_t axis, int i) const { return &numbers_[axis * size_ + index(i)]; }
+    [[nodiscard]] std::size_t place(int sample, int axis, int i) const {
+      return index(3 * sample + axis) * size_ + index(i);
+    }
+    [[nodiscard]] const T* row(int sample, int axis, int i) const {
+      return &numbers_[place(sample, axis, i)];
+    }
 
-    std::size_t size_;
+    std::size_t size_ = 0;  ///< number of vectors of a sample
     PlainVector<T> numbers_;
   };
 
-  /// Terms that the rays through one sample of all pixels share.
+  /// Terms that the rays through a sample of all pixels share.
   struct Tables {
     Table<double> along, up;            ///< u · right of each column and v · up of each row
     Table<double> film_along, film_up;  ///< u · film_right and v · film_up; empty for a pinhole
@@ -248,7 +254,7 @@ class PixelRays {
   /// Returns true if the directions of a camera may be added up in float (block_directions). Before they are
   /// normalized, they are at least half as long as forward and no longer than the sum of all three vectors,
   /// so that squares stay between 2^-100 and 2^100.
-  static bool allows_float_sums(const Camera& camera, const PixelGrid& pixels) {
+  [[gnu::cold]] static bool allows_float_sums(const Camera& camera, const PixelGrid& pixels) {
     const double longest = length(camera.forward) + pixels.largest_u() * length(camera.right) +
                            pixels.largest_v() * length(camera.up);
     return camera.is_pinhole() && std::abs(volume_of(camera)) > 0.5 + 0x1p-20 &&
@@ -276,8 +282,9 @@ class PixelRays {
   [[nodiscard]] Vectors origins_at_0(int x, int y, int i, const PacketRays& rays) const {
     if (!camera_.has_film() && !camera_.has_lens()) return Vectors(camera_.position);
     if (!has_tables_) return rays.x * lens_.right + rays.y * lens_.up + camera_.position;
-    const Tables& sample = tables_of(i);
-    return sample.film_along.some<Vectors>(x) + Vectors(sample.film_up[y]) + camera_.position;
+    const int sample = i - pixels_.first();
+    return tables_.film_along.some<Vectors>(sample, x) + Vectors(tables_.film_up.at(sample, y)) +
+           camera_.position;
   }
 
   /// Finds rays through places, or points of the lens, that each pixel has of its own.
@@ -294,41 +301,39 @@ class PixelRays {
     rays.directions = normalize(u * camera_.right + v * camera_.up + camera_.forward);
   }
 
-  [[nodiscard]] const Tables& tables_of(int i) const {
-    return samples_[static_cast<std::size_t>(i - pixels_.first())];
-  }
-
-  [[nodiscard, gnu::cold]] Tables tables(const FilteredPlace<double>& sample, int width, int height) const {
+  [[gnu::cold]] void compute_tables(int width, int height) {
     // Packets and blocks are read whole, also where only their first pixels are in the image.
     const int columns = width + RayBlock::width + double_lanes, rows = height + RayBlock::height;
     const int film_columns = is_pinhole_ ? 0 : columns, film_rows = is_pinhole_ ? 0 : rows;
-    Tables tables{.along = Table<double>(columns),
-                  .up = Table<double>(rows),
-                  .film_along = Table<double>(film_columns),
-                  .film_up = Table<double>(film_rows),
-                  .block_along = Table<float>(is_pinhole_ ? columns * RayBlock::height : 0),
-                  .block_row = Table<float>(is_pinhole_ ? rows * RayBlock::width : 0)};
+    const int samples = pixels_.last() - pixels_.first();
+    tables_.along.resize(samples, columns), tables_.up.resize(samples, rows);
+    tables_.film_along.resize(samples, film_columns), tables_.film_up.resize(samples, film_rows);
+    tables_.block_along.resize(samples, is_pinhole_ ? columns * RayBlock::height : 0);
+    tables_.block_row.resize(samples, is_pinhole_ ? rows * RayBlock::width : 0);
+    for (int i = 0; i < samples; ++i)
+      compute_tables(i, pixels_.common_place(pixels_.first() + i), width, height);
+  }
+  [[gnu::cold]] void compute_tables(int i, const FilteredPlace<double>& sample, int width, int height) {
     for (int x = 0; x < width; ++x) {
       const double u = pixels_.u(x, sample.x);
-      tables.along.set(x, u * camera_.right);
+      tables_.along.set(i, x, u * camera_.right);
       if (is_pinhole_)
         for (int k = 0; k < RayBlock::height; ++k)
-          tables.block_along.set(
-              x / RayBlock::width * float_lanes + k * RayBlock::width + x % RayBlock::width,
+          tables_.block_along.set(
+              i, x / RayBlock::width * float_lanes + k * RayBlock::width + x % RayBlock::width,
               u * camera_.right);
       else
-        tables.film_along.set(x, u * camera_.film_right);
+        tables_.film_along.set(i, x, u * camera_.film_right);
     }
     for (int y = 0; y < height; ++y) {
       const double v = pixels_.v(y, sample.y);
-      tables.up.set(y, v * camera_.up);
+      tables_.up.set(i, y, v * camera_.up);
       if (is_pinhole_)
         for (int k = 0; k < RayBlock::width; ++k)
-          tables.block_row.set(y * RayBlock::width + k, camera_.forward + v * camera_.up);
+          tables_.block_row.set(i, y * RayBlock::width + k, camera_.forward + v * camera_.up);
       else
-        tables.film_up.set(y, v * camera_.film_up);
+        tables_.film_up.set(i, y, v * camera_.film_up);
     }
-    return tables;
   }
 
   Camera camera_;
@@ -338,7 +343,7 @@ class PixelRays {
   double hand_;
   bool has_float_sums_;
   Viewpoint viewpoint_;
-  std::vector<Tables> samples_;  ///< of the grid's range
+  Tables tables_;  ///< of the samples of the grid's range
 
   /// Edges of each edge_step-th column and row. Without a margin, those on the right are those on the left,
   /// and the lower ones the upper ones.
