@@ -5,12 +5,11 @@
 #include <atomic>
 #include <cstddef>
 #include <exception>
-#include <mutex>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 #include <thread>
-#include <vector>
 
 #include "function_ref.hpp"
 #include "render_options.hpp"
@@ -20,12 +19,22 @@ namespace protostar::inline PROTOSTAR_ABI {
 namespace detail {
 
 /// Threads that are joined at the end, as std::jthread is, which libc++ 14 does not have.
-struct JoinedThreads {
-  std::vector<std::thread> threads;
-
+class JoinedThreads {
+ public:
+  explicit JoinedThreads(int most) : threads_(new std::thread[static_cast<std::size_t>(most)]) {}
   ~JoinedThreads() {
-    for (std::thread& thread : threads) thread.join();
+    for (std::size_t i = 0; i < count_; ++i) threads_[i].join();
   }
+
+  /// Starts a thread, at most `most` of them.
+  void start(FunctionRef<void()> work) {
+    threads_[count_] = std::thread(work);
+    ++count_;
+  }
+
+ private:
+  std::unique_ptr<std::thread[]> threads_;
+  std::size_t count_ = 0;  ///< of those that have started
 };
 
 /// Throws std::invalid_argument if the number of threads is negative.
@@ -40,16 +49,17 @@ inline void require_threads(const RenderOptions& options) {
 /// them and is thrown in the caller's thread. If the options leave the number to the machine, the threads
 /// that can be started share the work; if a number that was asked for cannot be started, std::system_error is
 /// thrown.
-inline void for_each_in_parallel(int count, const RenderOptions& options, FunctionRef<void(int)> work) {
+[[gnu::cold]] inline void for_each_in_parallel(int count, const RenderOptions& options,
+                                               FunctionRef<void(int)> work) {
   require_threads(options);
   const int thread_count =
       options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
 
   std::atomic<int> next = 0, done = 0;
   std::exception_ptr failure;
-  std::once_flag failed;
+  std::atomic<bool> failed = false;
   const auto fail = [&](const std::exception_ptr& exception) {
-    std::call_once(failed, [&] { failure = exception; });
+    if (!failed.exchange(true)) failure = exception;
     next = count;
   };
   const auto run = [&](const auto& after_each) {
@@ -69,10 +79,11 @@ inline void for_each_in_parallel(int count, const RenderOptions& options, Functi
     if (options.progress) options.progress(static_cast<double>(reported) / count);
   };
   {
-    JoinedThreads helpers;
+    const int most = std::min(thread_count, count);
+    const auto help = [&] { run([] {}); };
+    JoinedThreads helpers(std::max(0, most - 1));
     try {
-      for (int i = 1; i < std::min(thread_count, count); ++i)
-        helpers.threads.emplace_back([&] { run([] {}); });
+      for (int i = 1; i < most; ++i) helpers.start(help);
     } catch (const std::system_error& error) {
       if (options.threads > 0)
         fail(std::make_exception_ptr(std::system_error(
