@@ -11,6 +11,7 @@
 #include <string>
 
 #include "camera.hpp"
+#include "function_ref.hpp"
 #include "plain_vector.hpp"
 #include "render_options.hpp"
 #include "sampling/film.hpp"
@@ -30,6 +31,10 @@ namespace protostar::inline PROTOSTAR_ABI {
 struct SampleRange {
   std::uint32_t first = 0, last = 0;
 };
+
+/// Light of sample i of a pixel, which is at a place. It is no parameter of a template, so that an integrator
+/// is compiled once and not for each use of its light.
+using LightOfSample = FunctionRef<Color(int i, const FilteredPlace<double>& place)>;
 
 /// Pixels of an image, which is a whole picture or a part of one, and their samples, or a range of these.
 ///
@@ -223,17 +228,17 @@ class PixelGrid {
   }
 
   /// Adds light(i, place) of the samples i of pixel (x, y) in the range, times their weights, to sums.
-  void add(int x, int y, const auto& light, PixelSums& sums) const {
+  void add(int x, int y, LightOfSample light, PixelSums& sums) const {
     for (int i = first_; i < last_; ++i) {
       const FilteredPlace<double> at = place(x, y, i);
-      sums.add(static_cast<std::uint32_t>(i), bounded(Color(light(i, at))) * static_cast<float>(at.weight));
+      sums.add(static_cast<std::uint32_t>(i), bounded(light(i, at)) * static_cast<float>(at.weight));
     }
   }
 
   /// Returns the mean of light(i, place) over the samples i of pixel (x, y), times their weights: a single
   /// one of weight 1 as it is, otherwise an exact sum, divided and rounded once.
-  [[nodiscard]] Color mean(int x, int y, const auto& light) const {
-    if (keeps_light()) return bounded(Color(light(0, place(x, y, 0))));
+  [[nodiscard]] Color mean(int x, int y, LightOfSample light) const {
+    if (keeps_light()) return bounded(light(0, place(x, y, 0)));
     PixelSums sums;
     add(x, y, light, sums);
     return sums.mean();
@@ -258,7 +263,7 @@ class PixelGrid {
   /// Computes the places, if they are the same in every pixel; a single one is the center. Their weights are
   /// divided by the mean weight, which is 1 for random places only, and only on average: otherwise all of the
   /// picture would be darker or brighter by that factor.
-  void set_common_places(int samples) {
+  [[gnu::cold]] void set_common_places(int samples) {
     if (samples > 0 && !sampler_.has_common_places()) return;
     if (samples <= 1) {
       places_.push_back({0.5, 0.5, 1});

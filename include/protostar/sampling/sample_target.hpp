@@ -58,7 +58,7 @@ class SampleTarget {
   [[nodiscard]] int sums_of_pixel() const { return image_ ? 1 : static_cast<int>(scramblings); }
 
   /// Gives light(i, place) of the samples of pixel (x, y) to it.
-  void draw(const PixelGrid& pixels, int x, int y, const auto& light) const {
+  void draw(const PixelGrid& pixels, int x, int y, LightOfSample light) const {
     if (image_)
       (*image_)(x, y) = pixels.mean(x, y, light);
     else
