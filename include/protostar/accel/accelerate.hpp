@@ -37,7 +37,7 @@ class Accelerated;
 template <Surface... S>
 class Accelerated<Scene<S...>> {
  public:
-  explicit Accelerated(const Scene<S...>& scene, const RenderOptions& options = {})
+  [[gnu::cold]] explicit Accelerated(const Scene<S...>& scene, const RenderOptions& options = {})
       : scene_(&scene),
         counts_{scene.template surfaces<S>().size()...},
         finders_(simd::Finder<S>(scene.template surfaces<S>(), options)...) {
