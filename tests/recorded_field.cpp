@@ -7,7 +7,9 @@
 #include <protostar/fields/field.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/distance_field.hpp>
+#include <protostar/surfaces/sphere.hpp>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "support/catch.hpp"

@@ -6,7 +6,7 @@ digits; the library's formulas, in double, do not cancel.
 from bisect import bisect_right
 from fractions import Fraction
 
-from .exact import add, cross, dot, length, minus, root, times, unit
+from .exact import add, cross, dot, length, minus, root, short, times, unit
 from .flat_surfaces import Disk, Parallelogram, Triangle
 from .functions import arc_tangent, PI, sine_and_cosine
 from .mesh import Mesh
@@ -46,7 +46,7 @@ class SphereView:
     def __init__(self, point, sphere):
         to = minus(sphere.center, point)
         square, radius2 = dot(to, to), sphere.radius**2
-        axis = unit(to)
+        axis = short(unit(to))
         self.frame, self.is_outside = Frame(axis), square >= radius2
         if self.is_outside:
             self.height = radius2 / square / (1 + root((square - radius2) / square))  # 1 − cos σ
@@ -67,7 +67,7 @@ class SphereView:
 
 def angle_between(n, m):
     """Returns the angle between two vectors."""
-    return arc_tangent(length(cross(n, m)), dot(n, m))
+    return arc_tangent(*short([length(cross(n, m)), dot(n, m)]))
 
 
 class RectangleView:
@@ -75,8 +75,8 @@ class RectangleView:
     is below it, and the larger part of it on the positive side of both."""
 
     def __init__(self, point, corner, u, v):
-        self.x, self.y, to = unit(u), unit(v), minus(corner, point)
-        self.z = unit(cross(u, v))
+        self.x, self.y, to = short(unit(u)), short(unit(v)), minus(corner, point)
+        self.z = short(unit(cross(u, v)))
         if dot(to, self.z) < 0:
             self.z = times(-1, self.z)
         self.h = dot(to, self.z)
@@ -95,23 +95,22 @@ class RectangleView:
             return
         h = self.h
         corners = [[x0, y0, -h], [x1, y0, -h], [x1, y1, -h], [x0, y1, -h]]  # as the paper looks at it
-        normals = [unit(cross(a, b)) for a, b in zip(corners, corners[1:] + corners[:1])]
+        normals = [short(unit(cross(a, b))) for a, b in zip(corners, corners[1:] + corners[:1])]
         g = [PI - angle_between(a, b) for a, b in zip(normals, normals[1:] + normals[:1])]  # angles of the polygon
         self.b0, self.b1 = normals[0][2], normals[2][2]
-        self.k = 2 * PI - g[2] - g[3]
-        self.solid_angle = g[0] + g[1] - self.k
+        self.k, self.solid_angle = short([2 * PI - g[2] - g[3], g[0] + g[1] + g[2] + g[3] - 2 * PI])
         # A direction on a narrow rectangle is a difference of two that are nearly the same.
         self.error += 64 * U * (1 + h / (x1 - x0))
 
     def direction(self, u, v):
         (x0, x1), (y0, y1), h = *self.ends, self.h
-        sine, cosine = sine_and_cosine(u * self.solid_angle + self.k)
+        sine, cosine = short(sine_and_cosine(u * self.solid_angle + self.k))
         f = (cosine * self.b0 - self.b1) / sine
         square = f * f + self.b0**2
-        x = min(max((1 if f > 0 else -1) * h / root(square - 1), x0), x1)
+        x, = short([min(max((1 if f > 0 else -1) * h / root(square - 1), x0), x1)])
         d2 = x * x + h * h
         low, high = (y / root(d2 + y * y) for y in (y0, y1))
-        w = low + v * (high - low)
+        w, = short([low + v * (high - low)])
         y = min(max(root(d2) * w / root(1 - w * w), y0), y1)
         return unit(add(add(times(x, self.x), times(y, self.y)), times(h, self.z)))
 
@@ -121,29 +120,31 @@ class TriangleView:
     which the area is cut."""
 
     def __init__(self, point, corners):
-        units = [unit(minus(corner, point)) for corner in corners]
+        units = [short(unit(minus(corner, point))) for corner in corners]
         b = max(range(3), key=lambda i: dot(units[(i + 1) % 3], units[(i + 2) % 3]))
         self.b, self.a, self.c = units[b], units[(b + 1) % 3], units[(b + 2) % 3]
         a, b, c = self.a, self.b, self.c
         volume = abs(dot(a, cross(b, c)))
         self.solid_angle = 2 * arc_tangent(volume, 1 + dot(a, b) + dot(b, c) + dot(c, a))
         self.beta = angle_between(cross(b, a), cross(b, c))
+        self.solid_angle, self.beta = short([self.solid_angle, self.beta])
         # Near its plane and the lines of its edges, digits are lost.
         self.error = ERROR + 64 * U / (volume + Fraction(1, 2**450))
 
     def direction(self, u, v):
-        sine, cosine = sine_and_cosine(u * self.solid_angle - self.beta)
-        sine_b, cosine_b = sine_and_cosine(self.beta)
+        sine, cosine = short(sine_and_cosine(u * self.solid_angle - self.beta))
+        sine_b, cosine_b = short(sine_and_cosine(self.beta))
         p, q = cosine - cosine_b, sine + sine_b * dot(self.a, self.b)
         z = ((q * cosine - p * sine) * cosine_b - q) / ((q * sine + p * cosine) * sine_b)
         z = min(max(z, Fraction(-1)), Fraction(1))
-        end = add(times(z, self.b), times(root(1 - z * z), self.across(self.c, self.b)))
+        z, = short([z])
+        end = short(add(times(z, self.b), times(root(1 - z * z), self.across(self.c, self.b))))
         z = 1 - v * (1 - dot(end, self.a))
         return add(times(z, self.a), times(root(1 - z * z), self.across(end, self.a)))
 
     @staticmethod
     def across(x, axis):
-        return unit(minus(x, times(dot(x, axis), axis)))
+        return short(unit(minus(x, times(dot(x, axis), axis))))
 
 
 class TwoTriangles:

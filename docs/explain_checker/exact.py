@@ -60,6 +60,11 @@ def nearest(x, digits, least):
     return round(x / unit_of) * unit_of  # round() of a fraction rounds ties to even
 
 
+def short(v):
+    """Returns a vector, rounded to 200 digits, so that the digits of products of fractions stay few."""
+    return [nearest(x, 200, -1200) for x in v]
+
+
 def f32(x):
     return nearest(x, 24, -149)
 

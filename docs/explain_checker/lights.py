@@ -4,7 +4,7 @@ from fractions import Fraction
 
 from .exact import add, BLACK, clamped, dot, length, minus, product32, sizes, times, unit
 from .functions import PI, power
-from .light import dusk, mirror, shading_normal, spot_share
+from .light import BY_CHANCE, dusk, mirror, shading_normal, spot_share
 from .values import U, Wrong
 
 
@@ -78,6 +78,8 @@ class Lights:
     def check_share(self, own, hit, line, in_front):
         """Checks the share of the radiance; returns whether it is more than 0."""
         if own["share"].is_null():
+            if self.integrator in BY_CHANCE:  # which add up the light in another place
+                return True
             self.given.add("the share of a light by an integrator that is not the library's")
             return True
         color, irradiance = hit["color"].vector(), own["irradiance"].vector()

@@ -6,7 +6,7 @@ covers the roundings here and those of the library, and is far above both.
 import math
 from fractions import Fraction
 
-from .exact import add, dot, f32, length, minus, nearest, root, times, unit
+from .exact import add, dot, f32, length, minus, root, short, times, unit
 from .functions import PI, power, sine_and_cosine
 from .light import shading_normal
 from .values import U, Wrong
@@ -21,11 +21,6 @@ def floats(v):
 
 def dot_of(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def short(v):
-    """Returns a vector, rounded to 200 digits, so that the digits of products of fractions stay few."""
-    return [nearest(x, 200, -1200) for x in v]
 
 
 class Ggx:
