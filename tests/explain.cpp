@@ -276,8 +276,8 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "an explanation has the steps of a naive stage, the hits in colored glass and the pixels of an "
-    "environment, and the checker computes them") {
+    "an explanation has the steps of a naive stage, fields, hits in colored glass, light by chance and the "
+    "pixels of an environment, and the checker computes them") {
   const TemporaryFolder folder;
   if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
     return;  // there is no Python
@@ -289,27 +289,42 @@ TEST_CASE(
     /// it, too.
     std::vector<std::string> messages{};
   };
-  std::vector<Row> rows{{"08_naive", "--pixel 330,200", {"\"offset\": ", "\"normal\": ["}},
-                        {"09_naive", "--pixel 330,200", {"\"power\": [", "\"end\": "}},
-                        {"08_transparency", "--pixel 330,200", {"\"color\": ["}},
-                        {"16_environment", "--pixel 10,10", {"\"radiance\": ["}},
-                        {"33_certified", "--pixel 330,200", {"\"to\": ", "\"from\": "}},
-                        {"31_sphere_tracing",
-                         "--pixel 330,200",
-                         {"\"field\": ", "\"power\": [", "\"color\": ["},
-                         {"/field is ", "/radiance/0 is ", "/radiance/0 is "}},
-                        {"23_ambient_occlusion",
-                         "--pixel 320,400 --samples 1",
-                         {"\"query\": \"any\"...\"direction\": ["},
-                         {"/direction/0 is "}},
-                        {"26_weekend",
-                         "--pixel 320,400 --samples 1",
-                         {"\"query\": \"closest\"...\"query\": \"closest\"...\"direction\": ["},
-                         {"/direction/0 is "}},
-                        {"18_antialiasing",
-                         "--pixel 330,200 --samples 2 --filter mitchell",
-                         {"\"position\": [0.", "\"weight\": "},
-                         {", up to which the filter has ", "/weight is "}}};
+  const std::string constant = "\"type\": \"constant\"...",
+                    third_constant = constant + constant + constant + "\"number\": ";
+  std::vector<Row> rows{
+      {"08_naive", "--pixel 330,200", {"\"offset\": ", "\"normal\": ["}},
+      {"09_naive", "--pixel 330,200", {"\"power\": [", "\"end\": "}},
+      {"08_transparency", "--pixel 330,200", {"\"color\": ["}},
+      {"16_environment", "--pixel 10,10", {"\"radiance\": ["}},
+      {"33_certified",
+       "--pixel 330,200",
+       {"\"to\": ", "\"from\": ", third_constant},
+       {"/to ", "/from ", "/value is "}},
+      {"19_soft_shadows",
+       "--size 160x120 --pixel 42,53 --samples 4",
+       {"\"emission\": [", "\"query\": \"closest\"...\"query\": \"closest\"...\"direction\": ["},
+       {"/material/emission/0 is ", "/direction/0 is "}},
+      {"22_glossy", "--size 160x120 --pixel 80,59 --samples 4", {"\"roughness\": "}, {"/direction/0 is "}},
+      {"21_motion",
+       "--size 160x120 --pixel 54,102 --samples 4",
+       {"\"type\": \"moving\"...\"velocity\": ["},
+       {"/equation/parts/0/b is "}},
+      {"31_sphere_tracing",
+       "--pixel 330,200",
+       {"\"field\": ", "\"power\": [", "\"color\": ["},
+       {"/field is ", "/radiance/0 is ", "/radiance/0 is "}},
+      {"23_ambient_occlusion",
+       "--pixel 320,400 --samples 1",
+       {"\"query\": \"any\"...\"direction\": ["},
+       {"/direction/0 is "}},
+      {"26_weekend",
+       "--pixel 320,400 --samples 1",
+       {"\"query\": \"closest\"...\"query\": \"closest\"...\"direction\": ["},
+       {"/direction/0 is "}},
+      {"18_antialiasing",
+       "--pixel 330,200 --samples 2 --filter mitchell",
+       {"\"position\": [0.", "\"weight\": "},
+       {", up to which the filter has ", "/weight is "}}};
 #if __has_include(<nlohmann/json.hpp>)
   rows.push_back({"render", scene_path("environment") + " --pixel 5,5", {"\"color\": ["}});
   rows.push_back({"render", scene_path("torus") + " --pixel 330,260", {"\"radius\": ", "\"tube\": "}});
