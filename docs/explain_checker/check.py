@@ -8,14 +8,15 @@ from .hits import Hits
 from .images import Images
 from .light import BY_CHANCE, check_code, FORMULAS, mean_of, times_float
 from .lights import Lights
-from .paths import Paths
 from .naive import check_naive, check_naive_march
+from .paths import Paths
 from .radiance import Radiance
 from .rays import Rays
-from .samplers import point_of_disk, SAMPLERS, SET_OF_TIME
+from .samplers import SAMPLERS, SET_OF_TIME
 from .solids import Moving
 from .surfaces import surface_of
 from .values import U, Wrong
+from .warps import disk_point
 
 
 class Check(Rays, Hits, Lights, Radiance, Chance, Paths):
@@ -78,7 +79,7 @@ class Check(Rays, Hits, Lights, Radiance, Chance, Paths):
         along_sizes = across_sizes("right", "up", "forward")
         if "lens" in sample:
             if self.numbers_of:
-                sample["lens"].must_be_near_vector(point_of_disk(*self.numbers_of(0)[2:]), Fraction(1, 2**47))
+                sample["lens"].must_be_near_vector(disk_point(*self.numbers_of(0)[2:]), Fraction(1, 2**47))
             lens_x, lens_y = sample["lens"].vector(2)
             aperture, focus = of_camera["aperture"].number(), of_camera["focus"].number()
             point = times(aperture, add(times(lens_x, unit(camera["right"])), times(lens_y, unit(camera["up"]))))

@@ -172,15 +172,3 @@ def stratified_numbers(seed, pixel, set_number, sample, count):
 
 SAMPLERS = {"hammersley": hammersley_numbers, "sobol": sobol_numbers, "halton": halton_numbers,
             "stratified": stratified_numbers, "independent": independent_numbers}
-
-
-def point_of_disk(u, v):
-    """Returns the point of the unit disk to which Shirley and Chiu's concentric map takes (u, v), to 2^-48."""
-    a, b = 2 * float(u) - 1, 2 * float(v) - 1
-    if a == b == 0:
-        return [Fraction(0)] * 2
-    if abs(a) > abs(b):
-        angle, size = math.pi / 4 * (b / a), a
-    else:
-        angle, size = math.pi / 2 - math.pi / 4 * (a / b), b
-    return [Fraction(size * math.cos(angle)), Fraction(size * math.sin(angle))]

@@ -10,7 +10,8 @@
 
 #include "explanation.hpp"
 
-/// Returns the numbers that define a surface; for a type that is not known here, its name alone.
+/// Returns the numbers that define a surface; for a type that is not known here, its name alone. A field that
+/// is marched is a list of operations (exact/recorded.hpp).
 Facts facts_of(const protostar::AnySurface& surface);
 Facts facts_of(const protostar::Sphere& surface);
 Facts facts_of(const protostar::Plane& surface);
@@ -44,6 +45,6 @@ Facts primitive_of(const protostar::AnySurface& surface, int part);
 Facts primitive_of(const protostar::Mesh& surface, int part);
 inline Facts primitive_of(const auto&, int) { return {}; }
 
-/// Returns how the radiance of an environment at u and v follows: for an image, its size, the four pixels
-/// around the place, first those of the upper row, and their colors; for a function, its name.
+/// Returns how the radiance of an environment at u and v follows: for an image, its file and size, the four
+/// pixels around the place, first those of the upper row, and their colors; for a function, its name.
 Facts look_up_of(const protostar::Environment& environment, const protostar::Uv& uv);
