@@ -76,6 +76,7 @@ const std::set<std::string> on_demand = {
     "scene_fields.hpp",
     "surfaces/moving.hpp",
     "surfaces/distance_field.hpp",
+    "surfaces/field_jumps.hpp",
     "march/enclosed_line.hpp",
     "march/field_bounds.hpp",
     "march/field_line.hpp",
