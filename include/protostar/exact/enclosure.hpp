@@ -12,6 +12,7 @@
 // signed_length_of; hull, select. Sine, cosine, exponential and logarithm are in functions.hpp.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 
 #include "rounding.hpp"
@@ -58,8 +59,7 @@ struct Enclosure {
     return spanned(a, b, a.lower * b.lower, a.lower * b.upper, a.upper * b.lower, a.upper * b.upper);
   }
   friend Enclosure operator*(const Enclosure& a, double b) {
-    const B first = a.lower * B(b), second = a.upper * B(b);
-    return spanned(a, b, first, first, second, second);
+    return scaled(a, b, a.lower * B(b), a.upper * B(b));
   }
   friend Enclosure operator*(double a, const Enclosure& b) { return b * a; }
 
@@ -69,9 +69,7 @@ struct Enclosure {
     return select(b.contains(B(0.0)), whole(), quotient);
   }
   friend Enclosure operator/(const Enclosure& a, double b) {
-    if (b == 0) return whole();
-    const B first = a.lower / B(b), second = a.upper / B(b);
-    return spanned(a, b, first, first, second, second);
+    return b == 0 ? whole() : scaled(a, b, a.lower / B(b), a.upper / B(b));
   }
 
   friend Enclosure min(const Enclosure& a, const Enclosure& b) {
@@ -199,6 +197,19 @@ struct Enclosure {
   /// Returns an upper bound of the exact result that was rounded to c, and is 0 if its argument x ≥ 0 is.
   static B above_unless_zero(const B& x, const B& c, double slack) {
     return rounding::select(x <= B(0.0), B(0.0), rounding::above(c, slack));
+  }
+
+  /// Returns the product or quotient of a and a number b, from those of the ends of a. With b ≠ 0 they are
+  /// never NaN, and their order is known.
+  static Enclosure scaled(const Enclosure& a, double b, const B& first, const B& second) {
+    if (!(b != 0 && std::abs(b) < infinity)) return spanned(a, b, first, first, second, second);
+    const B zero(0.0), least = rounding::below(b > 0 ? first : second, rounding::underflow<B>),
+                       most = rounding::above(b > 0 ? second : first, rounding::underflow<B>);
+    const Truth may_be_negative = b > 0                                  ? a.lower < zero
+                                  : zero<a.upper, may_be_positive = b> 0 ? zero < a.upper
+                                                                         : a.lower < zero;
+    return {rounding::select(may_be_negative, least, rounding::max(least, zero)),
+            rounding::select(may_be_positive, most, rounding::min(most, zero))};
   }
 
   /// Returns the interval of the products or quotients of a and b, from those of their ends. Signs of the

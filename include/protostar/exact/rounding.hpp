@@ -28,7 +28,11 @@ using simd::select;
 [[nodiscard]] inline DoubleDouble abs(DoubleDouble a) { return protostar::abs(a); }
 [[nodiscard]] inline DoubleDouble sqrt(DoubleDouble a) { return protostar::sqrt(a); }
 
+/// Returns its argument, as any(mask) tells for lanes.
+[[nodiscard]] inline bool any(bool so) { return so; }
+
 using simd::abs;
+using simd::any;
 using simd::copysign;
 using simd::max;
 using simd::min;
@@ -60,6 +64,18 @@ template <class R>
 [[nodiscard]] R floor(R x) {
   const R nearest = nearest_integer(x);
   return select(x < nearest, nearest - R(1.0), nearest);
+}
+template <int N>
+[[nodiscard]] simd::Lanes<double, N> floor(simd::Lanes<double, N> x) {
+#if defined(PROTOSTAR_VECTORS) && defined(__AVX__)
+  constexpr int down = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
+  using V = decltype(x.v);
+#if defined(__AVX512F__)
+  if constexpr (N == 8) return (V)_mm512_maskz_roundscale_pd(0xff, (__m512d)x.v, down);
+#endif
+  if constexpr (N == 4) return (V)_mm256_round_pd((__m256d)x.v, down);
+#endif
+  return floor<simd::Lanes<double, N>>(x);
 }
 [[nodiscard]] inline DoubleDouble floor(DoubleDouble x) {
   const double high = floor(x.hi);
@@ -97,10 +113,14 @@ template <int N>
   return simd::Lanes<double, N>(0x1p-52) * abs(c);
 }
 
-/// Returns a number that the exact result does not fall below; −∞ if c is infinite or NaN. The error may
-/// exceed that of the operation by the slack.
+/// Returns a number that the exact result does not fall below; −∞ if c is infinite or NaN.
 template <class B>
-[[nodiscard]] B below(B c, double slack = 0) {
+[[nodiscard]] B below(B c) {
+  return max(B(-infinity), c - share_of(c));
+}
+/// Returns such a number where the error may exceed that of the operation by the slack.
+template <class B>
+[[nodiscard]] B below(B c, double slack) {
   return max(B(-infinity), c - (share_of(c) + slack));
 }
 [[nodiscard]] inline DoubleDouble below(DoubleDouble c, double slack = 0) {
@@ -110,7 +130,12 @@ template <class B>
 
 /// Returns a number that the exact result does not exceed; ∞ if c is infinite or NaN.
 template <class B>
-[[nodiscard]] B above(B c, double slack = 0) {
+[[nodiscard]] B above(B c) {
+  return min(B(infinity), c + share_of(c));
+}
+/// Returns such a number where the error may exceed that of the operation by the slack.
+template <class B>
+[[nodiscard]] B above(B c, double slack) {
   return min(B(infinity), c + (share_of(c) + slack));
 }
 [[nodiscard]] inline DoubleDouble above(DoubleDouble c, double slack = 0) {
