@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 /// only they need.
 const std::set<std::string> on_demand = {
     "exact/recorded.hpp",
-    "march/packet_march.hpp",
+    "march/field_lines.hpp",
     "march/step_rules.hpp",
     "surfaces/csg.hpp",
     "surfaces/instance.hpp",

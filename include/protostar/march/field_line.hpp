@@ -51,11 +51,20 @@ struct Span {
   }
 };
 
-/// Returns the parameters of a line inside a box; they are not in order if there are none. They are rounded,
-/// so the margin of a march has to be far wider than that.
+/// Returns the parameters of a line inside a box, or of one in each lane; they are not in order if there are
+/// none. They are rounded, so the margin of a march has to be far wider than that.
+template <class R>
+[[nodiscard]] Span<R> span_inside(const Bounds& box, const auto& origin, const auto& direction) {
+  Span<R> span;
+  span.narrow(origin.x, direction.x, box.min.x, box.max.x);
+  span.narrow(origin.y, direction.y, box.min.y, box.max.y);
+  span.narrow(origin.z, direction.z, box.min.z, box.max.z);
+  return span;
+}
+
+/// Returns the parameters of a line inside a box.
 [[nodiscard]] inline Interval inside_of(const Bounds& box, const Point& origin, const Vec3& direction) {
-  Span<double> span;
-  for (int k = 0; k < 3; ++k) span.narrow(origin[k], direction[k], box.min[k], box.max[k]);
+  const Span<double> span = span_inside<double>(box, origin, direction);
   return {span.min, span.max};
 }
 
@@ -94,6 +103,9 @@ struct LineScale {
 template <class F, class Trace>
 class FieldLine {
  public:
+  using Number = double;
+  using Truth = bool;
+
   /// Precondition: the ray is proper.
   FieldLine(const F& field, const MarchSetup& setup, const Ray& ray, Trace& trace)
       : field_(field),
@@ -127,6 +139,11 @@ class FieldLine {
 
   [[nodiscard]] Trace& trace() { return trace_; }
 
+  /// Tells the trace of a proof about [a, b], if there is one.
+  void proven(MarchProof proof, bool is_proven, double a, double b) {
+    if (is_proven) trace_.proven(proof, a, b);
+  }
+
   /// Turns F around: a march goes on behind a crossing, or leaves inward.
   void turn_to(double sign) { sign_ = sign, is_kept_ = false; }
   [[nodiscard]] double sign() const { return sign_; }
@@ -140,8 +157,8 @@ class FieldLine {
   }
 
   /// Returns F(t) in double, off by at most error(). The last value is kept: where one part of a march ends,
-  /// the next begins with it.
-  [[nodiscard]] double value(double t) {
+  /// the next begins with it. `asked` is for marches in lanes (field_lines.hpp): one line alone asks.
+  [[nodiscard]] double value(double t, bool /*asked*/ = true) {
     if (is_kept_ && t == kept_t_) return kept_;
     kept_ = sign_ * (plain(t) - level_), kept_t_ = t, is_kept_ = true;
     tell(Evaluation::value, t, t, kept_, kept_);
@@ -151,7 +168,7 @@ class FieldLine {
   /// Returns F(t), enclosed; in double by the bound of its error. The difference from the level and the sums
   /// here are rounded, each by u of its result.
   template <class B>
-  [[nodiscard]] Enclosure<B> enclosed(B t) {
+  [[nodiscard]] Enclosure<B> enclosed(B t, bool /*asked*/ = true) {
     if constexpr (std::is_same_v<B, double>) {
       const double v = value(t), error = scale_.error + 0x1p-50 * std::abs(v);
       return {v - error, v + error};
@@ -165,7 +182,7 @@ class FieldLine {
   /// Returns F over [a, b], enclosed, and the slope there: all F' lie in it, and so do all quotients (F(y) −
   /// F(x)) / (y − x), at kinks as well.
   template <class B>
-  [[nodiscard]] Slope<Enclosure<B>> slope(B a, B b) {
+  [[nodiscard, gnu::noinline]] Slope<Enclosure<B>> slope(B a, B b, bool /*asked*/ = true) {
     const auto& along = line<B>();
     const Enclosure<B> t{a, b};
     const auto coordinate = [&](int k) {

@@ -89,7 +89,7 @@ void each_root(Line& line, double begin, double stop, bool leaves, const auto& v
   }
   bool may_be_departure = at.t > begin;
   while (at.t < end && at.t < stop) {
-    const MarchedRoot root = March(line, at.t, at.known, end, stop).root();
+    const MarchedRoot root = March(line, at.t, stop, at.known).root();
     if (root.answer == MarchedRoot::Answer::miss) return;
     if (root.answer == MarchedRoot::Answer::hit) {
       if (visit(root)) return;

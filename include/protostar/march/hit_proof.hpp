@@ -2,9 +2,8 @@
 // the only one there.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
+#include <cstdint>
+#include <type_traits>
 
 #include "../numeric/roots.hpp"
 #include "field_line.hpp"
@@ -32,108 +31,145 @@ struct MarchedRoot {
 
 namespace detail {
 
-/// A value of F in double at a parameter.
+/// A value of F in double at a parameter, or at one in each lane.
+template <class R>
 struct FieldValue {
-  double t, v;
+  R t, v;
 };
 
+/// First crossings of a line, or of one in each lane, where `met` says so: enclosed in [min, max].
+template <class R, class M>
+struct ProvenRoots {
+  M met = false;
+  R min = 0.0, max = 0.0;
+};
+template <class Line>
+using RootsOf = ProvenRoots<typename Line::Number, typename Line::Truth>;
+
 /// Returns true if an enclosure of t is narrow enough.
-[[nodiscard]] inline bool is_narrow(double a, double b) {
-  return b - a <= enclosure_width * std::min(std::abs(a), std::abs(b));
+template <class R>
+[[nodiscard]] auto is_narrow(const R& a, const R& b) {
+  return b - a <= R(enclosure_width) * rounding::min(rounding::abs(a), rounding::abs(b));
 }
 
-/// Proves the first crossing near a guess, from a parameter `start` up to which F > 0 is proven. Behind the
-/// crossing, F(guess + δ) < −E; over [start, guess + δ] the slope is never above 0; before it, F(guess − δ) >
-/// E. F falls all along, hence the first root lies between the two. Nothing is divided by the slope, which
-/// may vanish, and at a kink all its slopes count. δ begins where F, by the slope, is three times its error
-/// E: a value there, off by E, is still beyond 2E, and so beyond E if the guess is off by no more than E
-/// divided by the slope. It is at least 2^-50 of t, four last places, so that guess ± δ differ from the
-/// guess. Four tries take δ to 64 times that, which bounds the work for worse guesses. Values behind the end
-/// of the box have no bound of their error, and prove nothing.
-template <class Line>
-[[nodiscard]] std::optional<MarchedRoot> proven_root(Line& line, double start, double guess, double slope) {
-  const double error = line.error(), least = std::max(3 * error / -slope, 0x1p-50 * std::abs(guess));
-  const auto decided_on = [&](double side) -> std::optional<double> {
-    double delta = least;
-    for (int i = 0; i < 4; ++i, delta *= 4) {
-      const double t = std::max(start, guess + side * delta);
-      if (side < 0 && (t == start || line.value(t) > error)) return t;
-      if (side > 0 && line.value(t) < -error) return t;
-    }
-    return std::nullopt;
-  };
-  const auto max = decided_on(1);
-  if (!max || *max > line.span().max) return std::nullopt;
-  if (!(line.template slope<double>(start, *max).slope.upper <= 0)) return std::nullopt;
-  const double min = decided_on(-1).value_or(start);
-  if (!is_narrow(min, *max)) return std::nullopt;
-  return MarchedRoot{MarchedRoot::Answer::hit, min, *max};
+/// Proves the first crossing near a guess, from a parameter `start` up to which F > 0 is proven, in the lanes
+/// that ask. Behind the crossing, F(guess + δ) < −E; over [start, guess + δ] the slope is never above 0;
+/// before it, F(guess − δ) > E. F falls all along, hence the first root lies between the two. Nothing is
+/// divided by the slope, which may vanish, and at a kink all its slopes count. δ begins where F, by the
+/// slope, is three times its error E: a value there, off by E, is still beyond 2E, and so beyond E if the
+/// guess is off by no more than E divided by the slope. It is at least 2^-50 of t, four last places, so that
+/// guess ± δ differ from the guess. Four tries take δ to 64 times that, which bounds the work for worse
+/// guesses. Values behind the end of the box have no bound of their error, and prove nothing.
+template <class Line, class R, class M>
+[[nodiscard, gnu::flatten, gnu::noinline]] ProvenRoots<R, M> proven_root(Line& line, M open, const R& start,
+                                                                         const R& guess, const R& slope) {
+  const R error = line.error();
+  const R least = rounding::max(R(3.0) * error / -slope, R(0x1p-50) * rounding::abs(guess));
+  ProvenRoots<R, M> root{.met = open, .min = start, .max = guess};
+  M asks = open;
+  R delta = least;
+  for (int i = 0; i < 4 && rounding::any(asks); ++i, delta = delta * R(4.0)) {
+    const R t = rounding::max(start, guess + delta);
+    root.max = rounding::select(asks, t, root.max);
+    asks = asks && !(line.value(t, asks) < -error);
+  }
+  root.met = root.met && !asks && root.max <= R(line.span().max);
+  if (!rounding::any(root.met)) return root;
+  root.met = root.met && line.template slope<R>(start, root.max, root.met).slope.upper <= R(0.0);
+  asks = root.met, delta = least;
+  for (int i = 0; i < 4 && rounding::any(asks); ++i, delta = delta * R(4.0)) {
+    const R t = rounding::max(start, guess - delta);
+    asks = asks && !(t == start);  // min is that already
+    if (!rounding::any(asks)) break;
+    const M is_before = asks && line.value(t, asks) > error;
+    root.min = rounding::select(is_before, t, root.min);
+    asks = asks && !is_before;
+  }
+  root.met = root.met && is_narrow(root.min, root.max);
+  return root;
 }
 
 /// Looks for a crossing by the line through two values of F, of which the first is above 0 and no root lies
 /// before it; if `second` is above 0 as well, none lies before that. The secant method finds a guess in a few
-/// steps. Returns nothing if they do not converge, or nothing is proven.
-template <class Line>
-[[nodiscard]] std::optional<MarchedRoot> root_by_secant(Line& line, FieldValue first, FieldValue second,
-                                                        double end) {
-  const double start = second.v > 0 ? second.t : first.t;
-  double slope = (second.v - first.v) / (second.t - first.t);
+/// steps. Nothing is met in lanes where they do not converge, or nothing is proven.
+template <class Line, class R, class M>
+[[nodiscard, gnu::flatten, gnu::noinline]] ProvenRoots<R, M> root_by_secant(Line& line, M open,
+                                                                            const FieldValue<R>& first,
+                                                                            FieldValue<R> second) {
+  const R start = rounding::select(second.v > R(0.0), second.t, first.t), end(line.span().max);
+  R slope = (second.v - first.v) / (second.t - first.t), guess = second.t, steepness = slope;
+  M ready = false;
   for (int i = 0; i < 8; ++i) {
-    if (!(slope < 0)) return std::nullopt;
-    const double next = second.t - second.v / slope;
-    if (!(start <= next && next < end)) return std::nullopt;
+    const R next = second.t - second.v / slope;
+    open = open && slope < R(0.0) && start <= next && next < end;
     // The error of the next guess is about the product of the last two: below 2^-48 of t if they are about
     // 2^-18 and 2^-30 of it.
-    const bool converges = i > 0 && std::abs(next - second.t) < 0x1p-30 * std::abs(next);
-    if (converges || std::abs(second.v) <= 2 * line.error()) return proven_root(line, start, next, slope);
-    const FieldValue at_next{next, line.value(next)};
-    if (at_next.v == second.v || next == second.t) return proven_root(line, start, next, slope);
-    slope = (at_next.v - second.v) / (next - second.t);
-    second = at_next;
+    M ends = rounding::abs(second.v) <= R(2.0) * line.error();
+    if (i > 0) ends = ends || rounding::abs(next - second.t) < R(0x1p-30) * rounding::abs(next);
+    guess = rounding::select(open, next, guess), steepness = rounding::select(open, slope, steepness);
+    ready = ready || (open && ends);
+    open = open && !ends;
+    if (!rounding::any(open)) break;
+    const R v = line.value(next, open);
+    ends = v == second.v || next == second.t;
+    ready = ready || (open && ends);
+    open = open && !ends;
+    slope = rounding::select(open, (v - second.v) / (next - second.t), slope);
+    second = {rounding::select(open, next, second.t), rounding::select(open, v, second.v)};
   }
-  return std::nullopt;
+  if (!rounding::any(ready)) return {};
+  return proven_root(line, ready, start, guess, steepness);
 }
 
 /// Narrows a segment [a, b] over which F falls, is above 0 at a and below at b, by values between: a third of
-/// them by the secant from either side, and a third by bisection. Returns nothing if the enclosure remains
-/// too wide. Double-double is the last to ask: a root so near to the origin that it is not enclosed to 2^-30
-/// of itself, as behind a departure at a grazing angle, needs no more than 2^-30 of the size of the bounds.
+/// them by the secant from either side, and a third by bisection, in the lanes that ask. Nothing is met where
+/// the enclosure remains too wide. Double-double is the last to ask: a root so near to the origin that it is
+/// not enclosed to 2^-30 of itself, as behind a departure at a grazing angle, needs no more than 2^-30 of the
+/// size of the bounds.
 ///
 /// The proof needs 2^-30 (is_narrow). The search goes on to 2^-42, for 12 more bits of t, which cost a value
 /// or two where the secant converges. Values are taken at 2^-45 on both sides of the secant's root, which
 /// leaves a segment of 2^-44, less than 2^-42. Every three steps halve the segment if the sign in its middle
 /// is certain, and leave ¾ of it otherwise: 200 steps halve it 66 times, more often than a double has digits.
-template <class B, class Line>
-[[nodiscard]] std::optional<MarchedRoot> narrowed_root(Line& line, double a, double b) {
-  Enclosure<B> at_a = line.enclosed(B(a)), at_b = line.enclosed(B(b));
-  /// Moves an end to t, if the sign of F is certain there.
-  const auto take = [&](double t) {
-    if (!(a < t && t < b)) return false;
-    const Enclosure<B> at_t = line.enclosed(B(t));
-    if (B(0.0) < at_t.lower) return a = t, at_a = at_t, true;
-    if (at_t.upper < B(0.0)) return b = t, at_b = at_t, true;
-    return false;
+template <class B, class Line, class R, class M>
+[[nodiscard]] ProvenRoots<R, M> narrowed_root(Line& line, M open, R a, R b) {
+  using rounding::any, rounding::select;
+  const M asked = open;
+  const B zero(0.0);
+  Enclosure<B> at_a = line.enclosed(B(a), open), at_b = line.enclosed(B(b), open);
+  /// Moves an end to t in lanes where the sign of F is certain there. Returns these lanes.
+  const auto take = [&](const R& t, M lanes) {
+    lanes = lanes && a < t && t < b;
+    if (!any(lanes)) return lanes;
+    const Enclosure<B> at_t = line.enclosed(B(t), lanes);
+    const M is_before = lanes && zero < at_t.lower, is_behind = lanes && at_t.upper < zero;
+    a = select(is_before, t, a), at_a = select(is_before, at_t, at_a);
+    b = select(is_behind, t, b), at_b = select(is_behind, at_t, at_b);
+    return is_before || is_behind;
   };
-  for (int i = 0; i < 200 && b - a > 0x1p-42 * std::min(std::abs(a), std::abs(b)); ++i) {
-    const double v_a = static_cast<double>(at_a.lower + at_a.upper),
-                 v_b = static_cast<double>(at_b.lower + at_b.upper);
+  for (int i = 0; i < 200; ++i) {
+    open = open && b - a > R(0x1p-42) * rounding::min(rounding::abs(a), rounding::abs(b));
+    if (!any(open)) break;
+    const R v_a = static_cast<R>(at_a.lower + at_a.upper), v_b = static_cast<R>(at_b.lower + at_b.upper);
     // On both sides of the secant's root, where F is four times its error. Values are doubled here.
-    const double unsure = std::is_same_v<B, double> ? 8 * line.error() * ((b - a) / (v_a - v_b)) : 0;
-    const double secant = a + (b - a) * (v_a / (v_a - v_b)), side = std::max(0x1p-45 * std::abs(b), unsure);
-    const double middle = 0.5 * (a + b);
+    const R unsure = std::is_same_v<B, R> ? R(8.0) * line.error() * ((b - a) / (v_a - v_b)) : R(0.0);
+    const R secant = a + (b - a) * (v_a / (v_a - v_b)),
+            side = rounding::max(R(0x1p-45) * rounding::abs(b), unsure);
+    const R middle = R(0.5) * (a + b);
     if (i % 3 == 0) {
-      take(secant - side);
+      take(secant - side, open);
     } else if (i % 3 == 1) {
-      take(secant + side);
-    } else if (!take(middle)) {
-      const double quarter = 0.25 * (b - a);
-      const bool moved = take(middle - quarter);
-      if (!take(middle + quarter) && !moved) break;
+      take(secant + side, open);
+    } else {
+      const M stays = open && !take(middle, open);
+      if (!any(stays)) continue;
+      const R quarter = R(0.25) * (b - a);
+      const M moved = take(middle - quarter, stays), moved_back = take(middle + quarter, stays);
+      open = open && !(stays && !moved && !moved_back);
     }
   }
-  const bool is_last = std::is_same_v<B, DoubleDouble> && b - a <= enclosure_width * line.extent();
-  if (!is_narrow(a, b) && !is_last) return std::nullopt;
-  return MarchedRoot{MarchedRoot::Answer::hit, a, b};
+  const M is_last = std::is_same_v<B, DoubleDouble> && b - a <= R(enclosure_width) * line.extent();
+  return {.met = asked && (is_narrow(a, b) || is_last), .min = a, .max = b};
 }
 
 }  // namespace detail

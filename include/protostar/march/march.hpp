@@ -8,12 +8,6 @@
 // where double cannot.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <optional>
-#include <utility>
-
 #include "hit_proof.hpp"
 #include "step_rules.hpp"
 
@@ -21,158 +15,225 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// March along one line, from where F > 0 to its first root.
+/// March along one line, or along one in each lane, from where F > 0 to the first root. `Line` is a FieldLine
+/// or FieldLines. Lanes march together, and each takes the steps that its line takes alone: it waits while
+/// others go on. One that needs more than double goes on alone, from where it is.
 template <class Line>
 class March {
  public:
+  using R = typename Line::Number;  ///< double, or simd::Doubles
+  using M = typename Line::Truth;   ///< bool, or a mask of lanes
+
   /// Starts at t, up to which no root is left, and where F is at least `known`, if that is above 0. A march
-  /// to `end` proves a miss; one that comes to `stop` goes no farther, since no root behind it is wanted. The
-  /// steps, and with them the digits of the root, do not depend on `stop`.
-  March(Line& line, double t, double known, double end, double stop)
-      : line_(line), t_(t), known_(known), end_(end), stop_(stop) {}
+  /// to the end of the line proves a miss; one that comes to `stop` goes no farther, since no root behind it
+  /// is wanted. The steps, and with them the digits of the root, do not depend on `stop`.
+  March(Line& line, const R& t, double stop, const R& known = 0.0)
+      : line_(line), t_(t), known_(known), before_(t), end_(line.span().max), stop_(stop) {}
 
-  /// Returns the first root.
-  [[nodiscard]] MarchedRoot root() { return root_from(t_, known_ > 0 ? Next::segment : Next::ball); }
-
-  /// Returns the first root of a march in which F is proven to fall over [t, end of segment] and to change
-  /// its sign. The last look at balls was at `before`.
-  [[nodiscard]] MarchedRoot root_in_segment(double before, double end_of_segment) {
-    const auto root = narrowed_root<double>(line_, t_, end_of_segment);
-    return root && finish(*root) ? root_ : precise_root(before);
+  /// Marches in double, in these lanes. Returns those where it proves nothing more. The others have met their
+  /// first root, or there is none.
+  [[nodiscard]] M in_double(M live) {
+    M to_segments = live && R(0.0) < known_, to_balls = live && !to_segments, fails = false;
+    while (any(live)) {
+      before_ = select(live, t_, before_);
+      if (any(to_balls)) to_segments = to_segments || march_by_balls(to_balls);
+      if (!any(to_segments)) break;
+      const Segments after = march_by_segments<R>(to_segments);
+      fails = fails || after.fail;
+      to_balls = live = after.are_worth_balls, to_segments = false;
+    }
+    return fails;
   }
 
+  /// Returns the first root.
+  [[nodiscard]] MarchedRoot root() { return in_double(true) ? precise_root(before_) : found(); }
+
   /// Returns the first root of a march that goes on in double-double. The last look at balls was at `before`.
-  [[nodiscard]] MarchedRoot precise_root(double before) { return root_from(before, Next::precise_segment); }
-
- private:
-  using Answer = MarchedRoot::Answer;
-
-  /// Step with which a march goes on.
-  enum class Next : std::uint8_t { ball, segment, precise_segment };
-
-  [[nodiscard]] MarchedRoot root_from(double before, Next next) {
+  [[nodiscard]] MarchedRoot precise_root(double before) {
     for (;;) {
-      if (next != Next::ball || !march_by_balls()) {
-        const bool is_in_double = next != Next::precise_segment;
-        if (!is_done() && !(is_in_double && march_by_segments<double>()) && !is_done() &&
-            !march_by_segments<DoubleDouble>())
-          return undecided();
-      }
-      if (is_done()) return root_;
+      const Segments after = march_by_segments<DoubleDouble>(true);
+      if (after.fail) return undecided();
+      if (!after.are_worth_balls) return found();
       if (!(t_ > before)) return undecided();
-      before = t_, next = known_ > 0 ? Next::segment : Next::ball;
+      if (!in_double(true)) return found();
+      before = before_;
     }
   }
 
-  [[nodiscard]] bool is_done() const { return is_done_; }
+  /// Returns the roots that have been met.
+  [[nodiscard]] const ProvenRoots<R, M>& roots() const { return roots_; }
 
-  /// Ends the march with a root, or with a miss.
-  bool finish(const MarchedRoot& root = {}) {
-    root_ = root;
-    if (root.answer == Answer::hit) line_.trace().proven(MarchProof::sign_change, root.min, root.max);
-    return is_done_ = true;
+  /// Returns where the march is, and where the last look at balls was.
+  [[nodiscard]] const R& t() const { return t_; }
+  [[nodiscard]] const R& before() const { return before_; }
+
+ private:
+  /// Lanes that do not end with a march by segments.
+  struct Segments {
+    M are_worth_balls;  ///< balls are faster again
+    M fail;             ///< this precision proves nothing more
+  };
+
+  [[nodiscard]] MarchedRoot found() const {
+    return {roots_.met ? MarchedRoot::Answer::hit : MarchedRoot::Answer::miss, roots_.min, roots_.max};
   }
 
   [[nodiscard]] MarchedRoot undecided() {
     ++fallbacks.undecided;
-    line_.trace().proven(MarchProof::touch, t_, t_);
-    return {Answer::undecided, t_, t_};
+    line_.proven(MarchProof::touch, true, t_, t_);
+    return {MarchedRoot::Answer::undecided, t_, t_};
   }
 
-  /// Goes on to t, as the way there is proven empty; ends the march there if no more of the ray is wanted.
-  bool advance_to(double t, MarchProof proof) {
-    line_.trace().proven(proof, t_, t);
-    t_ = t;
-    return t >= end_ || t >= stop_ ? finish() : false;
+  /// Takes roots. Returns the lanes that have met theirs.
+  M meet(const ProvenRoots<R, M>& found) {
+    line_.proven(MarchProof::sign_change, found.met, found.min, found.max);
+    roots_.min = select(found.met, found.min, roots_.min);
+    roots_.max = select(found.met, found.max, roots_.max);
+    roots_.met = roots_.met || found.met;
+    return found.met;
   }
 
-  /// Marches by balls until the march ends, and returns true, or until segments do better. F(t) > 0 is proven
-  /// where it stops, if it has moved at all.
-  [[nodiscard]] bool march_by_balls() {
+  /// Goes on to t, as the way there is proven empty. Returns the lanes that are to go farther: a march ends
+  /// at the end of its line, and where no more of it is wanted.
+  M advance(M lanes, const R& t) {
+    t_ = select(lanes, t, t_);
+    return lanes && !(t >= end_ || t >= R(stop_));
+  }
+
+  /// Marches by balls. Returns the lanes where segments do better; F > 0 is proven where they stop, if they
+  /// have moved at all. The field is inlined (flatten), here and in hit_proof.hpp: g++ 12 calls some of its
+  /// operations otherwise, and vectors then go through memory.
+  [[nodiscard, gnu::flatten]] M march_by_balls(M live) {
     using Rules = StepRules;
-    const double error = line_.error(), reach = line_.reach(), extent = line_.extent();
-    FieldValue at{t_, line_.value(t_)};
-    double radius = (at.v - error) * reach, stretch = 1, trend = -1, next_try = infinity;
-    int failed = 0, slow = 0;
-    while (radius > Rules::least_ball * error * reach) {
-      double t = std::min(at.t + radius * stretch, end_);
-      if (t == end_ && at.t + radius >= end_) return advance_to(end_, MarchProof::ball);
-      FieldValue next{t, line_.value(t)};
-      double next_radius = (next.v - error) * reach;
-      MarchProof proof = MarchProof::two_balls;
-      if (!(t - at.t <= radius + next_radius)) {
-        if (next.v < -error && failed < Rules::most_failed - 1) {
-          if (const auto root = root_by_secant(line_, at, next, end_)) return finish(*root);
-          ++failed;
+    const R error = line_.error(), reach = line_.reach(), extent = line_.extent();
+    const R near = R(Rules::least_ball) * error * reach;
+    R v = line_.value(t_, live), radius = (v - error) * reach, stretch(1.0), trend(-1.0), next_try(infinity);
+    R failed(0.0), slow(0.0);
+    M to_segments = live && !(radius > near);
+    live = live && radius > near;
+    FieldValue<R> first{t_, v}, second = first;  // at both ends, in lanes that wait for the secant method
+    M is_turned_back = false;                    // lanes whose step was not covered take that of their ball
+    while (any(live)) {
+      M tries_any = false, crosses_any = false;
+      while (any(live)) {
+        // There are branches where lanes mostly agree, so that one line alone does not wait for selections.
+        const R ball = t_ + radius;
+        R t = rounding::min(t_ + radius * stretch, end_);
+        if (any(is_turned_back)) [[unlikely]]
+          t = select(is_turned_back, ball, t);
+        const M misses = live && !is_turned_back && t == end_ && ball >= end_;
+        if (any(misses)) [[unlikely]] {
+          line_.proven(MarchProof::ball, misses, t_, end_);
+          live = live && !misses;
+          if (!any(live)) break;
         }
-        t = at.t + radius;
-        next = {t, line_.value(t)};
-        next_radius = (next.v - error) * reach;
-        proof = MarchProof::ball;
+        const R next_v = line_.value(t, live), next_radius = (next_v - error) * reach;
+        const M is_covered = is_turned_back || t - t_ <= radius + next_radius;
+        const M crosses = live && !is_covered && next_v < -error && failed < R(Rules::most_failed - 1);
+        // At the border of a ball, F may be too near to 0 to be proven positive: then it stays behind.
+        const M moves = live && is_covered && next_radius > R(0.0);
+        M leaves = live && is_covered && !(next_radius > R(0.0));
+        const M by_ball = moves && is_turned_back;
+        is_turned_back = live && !is_covered && !crosses;
+        const FieldValue<R> before{t_, v};
+        M goes_on = false, tries = false;
+        if (any(moves)) [[likely]] {
+          const R gain = next_radius - radius, way = t - t_, last = trend;
+          stretch = select(moves, Rules::stretch(gain, way), stretch);  // first: the next t waits for it
+          trend = select(moves, Rules::trend(gain, way), trend);
+          v = select(moves, next_v, v), radius = select(moves, next_radius, radius);
+          line_.proven(MarchProof::ball, by_ball, t_, t);
+          line_.proven(MarchProof::two_balls, moves && !by_ball, t_, t);
+          goes_on = advance(moves, t);
+          const M is_slow = goes_on && radius < R(Rules::slow_ball) * extent;
+          slow = select(is_slow, slow + R(1.0), slow);
+          const M is_too_slow = is_slow && slow > R(Rules::most_slow);
+          leaves = leaves || is_too_slow, goes_on = goes_on && !is_too_slow;
+          const M is_near = Rules::is_straight(trend, last) || radius < R(Rules::secant_ball) * extent;
+          tries = goes_on && trend < R(0.0) && is_near && radius < next_try && radius < extent;
+        }
+        if (any(tries || crosses)) [[unlikely]] {
+          first = {select(tries || crosses, before.t, first.t), select(tries || crosses, before.v, first.v)};
+          second = {select(tries || crosses, t, second.t), select(tries || crosses, next_v, second.v)};
+          tries_any = tries_any || tries, crosses_any = crosses_any || crosses;
+          goes_on = goes_on && !tries;
+        }
+        leaves = leaves || (goes_on && !(radius > near));
+        to_segments = to_segments || leaves;
+        live = (goes_on && !leaves) || is_turned_back;
       }
-      const double gain = next_radius - radius, way = t - at.t;
-      const double last = std::exchange(trend, Rules::trend(gain, way));
-      const FieldValue before = at;
-      at = next, radius = next_radius, stretch = Rules::stretch(gain, way);
-      // At the border of a ball, F may be too near to 0 to be proven positive: then it stays behind.
-      if (!(radius > 0)) return false;
-      if (advance_to(t, proof)) return true;
-      if (radius < Rules::slow_ball * extent && ++slow > Rules::most_slow) return false;
-      const bool is_near = Rules::is_straight(trend, last) || radius < Rules::secant_ball * extent;
-      if (trend < 0 && is_near && radius < next_try && radius < extent) {
-        if (const auto root = root_by_secant(line_, before, at, end_)) return finish(*root);
-        next_try = Rules::again * radius;
-        if (++failed >= Rules::most_failed) return false;
-      }
+      const M asked = tries_any || crosses_any;
+      if (!any(asked)) break;
+      const M met = meet(root_by_secant(line_, asked, first, second));
+      failed = select(asked && !met, failed + R(1.0), failed);
+      next_try = select(tries_any, R(Rules::again) * radius, next_try);
+      is_turned_back = crosses_any && !met;
+      const M go_on = tries_any && !met && failed < R(Rules::most_failed) && radius > near;
+      to_segments = to_segments || (tries_any && !met && !go_on);
+      live = is_turned_back || go_on;
     }
-    return false;
+    return to_segments;
   }
 
-  /// Marches by segments until the march ends or balls are faster again, and returns true, or until this
-  /// precision proves nothing more.
+  /// Marches by segments, with values in B.
   template <class B>
-  [[nodiscard]] bool march_by_segments() {
+  [[nodiscard]] Segments march_by_segments(M live) {
     using E = Enclosure<B>;
     const B zero(0.0);
-    const double begin = t_;
-    E at = line_.enclosed(B(t_));
-    const bool is_known = known_ > 0;
-    if (is_known && at.lower < B(known_)) at.lower = B(known_);
-    if (!(zero < at.lower)) return false;
-    const double reach = line_.reach(), worth = StepRules::worth_balls * line_.error();
-    double h =
-        is_known ? 0.5 * t_ : std::max(2 * static_cast<double>(at.lower) * reach, 0x1p-50 * std::abs(t_));
-    for (int i = 0; i < StepRules::most_segments; ++i) {
-      const double t = std::min(t_ + h, end_);
-      if (!(t > t_)) return false;
-      const Slope<Enclosure<B>> over = line_.slope(B(t_), B(t));
-      E right = line_.enclosed(B(t));
-      const E width = E::at(B(t)) - E::at(B(t_));
-      const SegmentProof<B> proof(over, at.lower, right.lower, width);
-      if (proof.is_empty) {
-        right.lower = proof.at_end;
-        known_ = 0;
-        if (advance_to(t, MarchProof::segment)) return true;
-        at = right;
-        h *= 2;
-        const double proven = static_cast<double>(at.lower);
-        if (proven > worth && proven * reach > 0.5 * h) return true;
-        continue;
-      }
-      if (over.slope.upper <= zero && right.upper < zero) {
-        const auto root = narrowed_root<B>(line_, t_, t);
-        return root && finish(*root);
-      }
-      h *= 0.5;
-      if (h < 0x1p-53 * std::abs(t_) + line_.resolution()) return false;
+    const R begin = t_, reach = line_.reach(), worth = R(StepRules::worth_balls) * line_.error();
+    B least = line_.enclosed(B(t_), live).lower;
+    const M is_known = live && R(0.0) < known_;
+    least = select(is_known && least < B(known_), B(known_), least);
+    Segments after{.are_worth_balls = false, .fail = live && !(zero < least)};
+    live = live && !after.fail;
+    R h = select(is_known, R(0.5) * t_,
+                 rounding::max(R(0x1p-50) * rounding::abs(t_), R(2.0) * static_cast<R>(least) * reach));
+    M has_crossed = false;
+    R crossed = t_;
+    for (int i = 0; i < StepRules::most_segments && any(live); ++i) {
+      const R t = rounding::min(t_ + h, end_);
+      const M is_stuck = live && !(t > t_);
+      after.fail = after.fail || is_stuck, live = live && !is_stuck;
+      if (!any(live)) break;
+      const Slope<E> over = line_.slope(B(t_), B(t), live);
+      const E right = line_.enclosed(B(t), live);
+      const SegmentProof<B> proof(over, least, right.lower, E::at(B(t)) - E::at(B(t_)));
+      const M is_empty = live && proof.is_empty;
+      const M crosses = live && !is_empty && over.slope.upper <= zero && right.upper < zero;
+      const M is_halved = live && !is_empty && !crosses;
+      crossed = select(crosses, t, crossed), has_crossed = has_crossed || crosses;
+      least = select(is_empty, proof.at_end, least);
+      known_ = select(is_empty, R(0.0), known_);
+      line_.proven(MarchProof::segment, is_empty, t_, t);
+      const M goes_on = advance(is_empty, t);
+      h = select(is_halved, R(0.5) * h, R(2.0) * h);
+      const R proven = static_cast<R>(least);
+      const M are_worth = goes_on && proven > worth && proven * reach > R(0.5) * h;
+      after.are_worth_balls = after.are_worth_balls || are_worth;
+      const M is_tiny = is_halved && h < R(0x1p-53) * rounding::abs(t_) + line_.resolution();
+      after.fail = after.fail || is_tiny;
+      live = (goes_on && !are_worth) || (is_halved && !is_tiny);
     }
-    return t_ - begin > StepRules::least_progress * line_.extent();
+    if (any(has_crossed)) {
+      const M met = meet(narrowed_root<B>(line_, has_crossed, t_, crossed));
+      after.fail = after.fail || (has_crossed && !met);
+    }
+    const M creeps = live && !(t_ - begin > R(StepRules::least_progress) * line_.extent());
+    after.fail = after.fail || creeps;
+    after.are_worth_balls = after.are_worth_balls || (live && !creeps);
+    return after;
   }
 
+  template <class T>
+  static T select(M so, const T& a, const T& b) {
+    return rounding::select(so, a, b);
+  }
+  static bool any(M so) { return rounding::any(so); }
+
   Line& line_;
-  double t_, known_, end_, stop_;
-  MarchedRoot root_{};
-  bool is_done_ = false;
+  R t_, known_, before_, end_;
+  double stop_;
+  ProvenRoots<R, M> roots_;
 };
 
 }  // namespace detail

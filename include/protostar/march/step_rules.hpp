@@ -75,7 +75,8 @@ struct SegmentProof {
   /// steepest rise to the right end; and hence above the point at which the two meet, which is
   /// (hi F₀ − lo F₁ + lo hi width) / (hi − lo) for a fall of lo ≤ 0 and a rise of hi ≥ 0. Only the sign of
   /// that is needed. Slopes of one sign are enclosed by [lo, 0] or [0, hi] as well.
-  SegmentProof(const Slope<Enclosure<B>>& over, const B& left, const B& right, const Enclosure<B>& width) {
+  [[gnu::flatten]] SegmentProof(const Slope<Enclosure<B>>& over, const B& left, const B& right,
+                                const Enclosure<B>& width) {
     using E = Enclosure<B>;
     const B zero(0.0);
     const E fall = E::at(rounding::min(over.slope.lower, zero)),

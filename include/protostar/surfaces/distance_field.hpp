@@ -14,8 +14,8 @@
 #include "../exact/recorded.hpp"
 #include "../magnitude.hpp"
 #include "../march/field_bounds.hpp"
+#include "../march/field_lines.hpp"
 #include "../march/field_roots.hpp"
-#include "../march/packet_march.hpp"
 #include "../ray_lanes.hpp"
 #include "../surface.hpp"
 #include "coordinates.hpp"
@@ -109,20 +109,25 @@ class Marched<F> {
     FirstOfLanes first{.t = infinity, .is_there = false, .in_doubt = false};
     LaneMask alone = rays.active;
     if (range.min == 0 && !rays.may_depart) {
-      detail::PacketMarch packet(field_, setup_, rays.origin, rays.direction, range.max, trace);
-      const auto answer = packet.march(rays.active);
-      const Doubles t = 0.5 * (answer.min + answer.max), margin = 2 * Roots::relative_error * abs(t);
-      first.is_there = answer.met && 0.0 < t - margin && t + margin < range.max;
+      FieldLines lines(field_, setup_, rays.origin, rays.direction, trace);
+      const Doubles begin = lines.begin();
+      const LaneMask is_known = lines.is_known();
+      const LaneMask live = rays.active && is_known && begin < lines.span().max && begin < range.max;
+      const LaneMask is_outside = live && lines.enclosed(begin, live).lower > 0.0;
+      detail::March march(lines, begin, range.max);
+      const LaneMask precisely = march.in_double(is_outside);
+      const auto& roots = march.roots();
+      const Doubles t = 0.5 * (roots.min + roots.max), margin = 2 * Roots::relative_error * abs(t);
+      first.is_there = roots.met && 0.0 < t - margin && t + margin < range.max;
       first.t = select(first.is_there, t, first.t);
       // A march that finds nothing inside the range goes on behind it, alone.
-      alone = answer.alone || (answer.met && !first.is_there && t - margin < range.max);
-      set_one_by_one(first, answer.crosses || answer.precisely, [&](int lane) -> std::optional<Crossing> {
+      alone = (rays.active && !is_known) || (live && !is_outside) ||
+              (roots.met && !first.is_there && t - margin < range.max);
+      set_one_by_one(first, precisely, [&](int lane) -> std::optional<Crossing> {
         const Ray ray = rays.ray(lane);
         FieldLine line(field_, setup_, ray, trace);
-        detail::March march(line, answer.at[lane], 0, answer.end[lane], range.max);
-        const bool crosses = (bits(answer.crosses) >> lane & 1) != 0;
-        const MarchedRoot root = crosses ? march.root_in_segment(answer.begin[lane], answer.max[lane])
-                                         : march.precise_root(answer.begin[lane]);
+        detail::March one(line, march.t()[lane], range.max);
+        const MarchedRoot root = one.precise_root(march.before()[lane]);
         if (root.answer == MarchedRoot::Answer::miss) return std::nullopt;
         const Crossing crossing{root.t(), 0};
         return lies_inside(*this, ray, crossing, range) ? crossing : first_crossing(ray, range);

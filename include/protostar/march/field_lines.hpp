@@ -1,0 +1,109 @@
+// A distance field along several rays at once, one in each lane, with the bits of each ray alone
+// (field_line.hpp).
+#pragma once
+
+#include <bit>
+
+#include "../simd/vectors.hpp"
+#include "field_line.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI {
+
+/// A field along the rays of a packet. None leaves the surface, and none is mapped by an instance. Each
+/// evaluation in a lane is told to the trace as that of a single ray.
+template <class F, class Trace>
+class FieldLines {
+ public:
+  using Number = simd::Doubles;
+  using Truth = simd::LaneMask;
+
+  FieldLines(const F& field, const MarchSetup& setup, const simd::Vectors& origin,
+             const simd::Vectors& direction, Trace& trace)
+      : field_(field),
+        trace_(trace),
+        origin_(origin),
+        direction_(direction),
+        span_(detail::span_inside<Number>(setup.inside, origin, direction)),
+        scale_(setup, length(origin), length(direction),
+               simd::max(simd::abs(span_.min), simd::abs(span_.max)), 0.0, 0.0) {}
+
+  /// Returns the lanes that can be marched: of finite rays for which double proves something.
+  [[nodiscard]] Truth is_known() const {
+    return scale_.error < infinity && is_finite(origin_) && is_finite(direction_);
+  }
+
+  /// Returns where marches from the origins on begin; infinity where a ray is not in the box.
+  [[nodiscard]] Number begin() const {
+    const Truth is_there = span_.min < span_.max && simd::abs(span_.min) < infinity && span_.max < infinity;
+    return select(is_there, simd::max(Number(0.0), span_.min), infinity);
+  }
+
+  [[nodiscard]] const detail::Span<Number>& span() const { return span_; }
+  [[nodiscard]] Number error() const { return scale_.error; }
+  [[nodiscard]] Number reach() const { return scale_.reach; }
+  [[nodiscard]] Number extent() const { return scale_.extent; }
+  [[nodiscard]] Number resolution() const { return scale_.resolution; }
+
+  /// Returns F(t) in double in the lanes that ask, off by at most error().
+  [[nodiscard]] Number value(Number t, Truth asked) {
+    const Truth is_new = asked && !(t == kept_t_);
+    if (!any(is_new)) return kept_;
+    each(is_new, [&](int lane) { trace_.evaluated(Evaluation::value, t[lane], t[lane]); });
+    kept_t_ = select(is_new, t, kept_t_), kept_ = select(is_new, plain(t), kept_);
+    return kept_;
+  }
+
+  /// Returns F(t) in the lanes that ask, enclosed by the bound of its error.
+  template <class B>
+  [[nodiscard]] Enclosure<B> enclosed(B t, Truth asked) {
+    const B v = value(t, asked), error = scale_.error + 0x1p-50 * simd::abs(v);
+    return {v - error, v + error};
+  }
+
+  /// Returns F over [a, b], enclosed, and the slope there, in the lanes that ask.
+  template <class B>
+  [[nodiscard]] Slope<Enclosure<B>> slope(B a, B b, Truth asked) {
+    each(asked, [&](int lane) { trace_.evaluated(Evaluation::slope, a[lane], b[lane]); });
+    return over(a, b);
+  }
+
+  /// Tells the trace of a proof about [a, b] in each of these lanes.
+  void proven(MarchProof proof, Truth lanes, Number a, Number b) {
+    each(lanes, [&](int lane) { trace_.proven(proof, a[lane], b[lane]); });
+  }
+
+ private:
+  static void each(Truth lanes, const auto& visit) {
+    for (simd::Bits left = bits(lanes); left != 0; left &= left - 1) visit(std::countr_zero(left));
+  }
+
+  static Truth is_finite(const simd::Vectors& v) {
+    const auto one = [](Number x) { return simd::abs(x) < infinity; };
+    return one(v.x) && one(v.y) && one(v.z);
+  }
+
+  [[nodiscard]] Number plain(Number t) const { return plain_values(field_, origin_ + t * direction_); }
+
+  /// Returns the field over [a, b], in a function of its own, with all operations inlined as in march.hpp.
+  [[nodiscard, gnu::flatten, gnu::noinline]] Slope<Enclosure<Number>> over(Number a, Number b) const {
+    using E = Enclosure<Number>;
+    const E t{a, b};
+    const auto coordinate = [&](Number o, Number d) {
+      const E along = E::at(d);
+      return Slope<E>{E::at(o) + t * along, along};
+    };
+    const Slope<E> f =
+        field_(FieldPoint<Slope<E>>{coordinate(origin_.x, direction_.x), coordinate(origin_.y, direction_.y),
+                                    coordinate(origin_.z, direction_.z)});
+    return {f.value - E(0.0), f.slope};  // less the level, which is 0
+  }
+
+  const F& field_;
+  Trace& trace_;
+  simd::Vectors origin_, direction_;
+  detail::Span<Number> span_;
+  detail::LineScale<Number> scale_;
+  Number kept_t_ = -infinity, kept_ = 0.0;
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI
