@@ -112,8 +112,8 @@ class SceneFields {
   void add(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
       Field field{&surfaces[i], !is_black(materials[i].emission), nullptr, nullptr};
-      if constexpr (requires(const T& s, MarchListener& listener) { s.march(Ray{}, Interval{}, listener); })
-        if (is_marched(surfaces[i]))
+      if constexpr (MarchedSurface<T>)
+        if (surfaces[i].march_setup() != nullptr)
           field.march = [](const void* s, const Ray& ray, Interval range, MarchListener& listener) {
             static_cast<void>(static_cast<const T*>(s)->march(ray, range, listener));
           };
@@ -124,14 +124,6 @@ class SceneFields {
           };
       fields_.push_back(field);
     }
-  }
-
-  /// Returns true if a surface is marched. A type that holds surfaces of any type knows it of each object.
-  [[nodiscard]] static bool is_marched(const auto& surface) {
-    if constexpr (requires { surface.march_setup(); })
-      return surface.march_setup() != nullptr;
-    else
-      return true;
   }
 
   PreparedScene scene_;

@@ -16,6 +16,10 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+class FieldTape;      // exact/recorded.hpp
+class MarchListener;  // march/march_steps.hpp
+struct MarchSetup;    // march/field_line.hpp
+
 namespace detail {
 
 // Tests whether a type has one member, for the concepts and for the sentences on what is missing.
@@ -73,6 +77,17 @@ template <Surface S>
   else
     return {Point{-infinity}, Point{infinity}};
 }
+
+/// Surface that may be marched with a proof: march_setup() returns its set-up, or null if it is not marched,
+/// march(ray, range, listener) tells a listener of each step to the first crossing in the range, and
+/// record_field(tape) writes the field down.
+template <class S>
+concept MarchedSurface = Surface<S> &&
+    requires(const S& surface, const Ray& ray, Interval range, MarchListener& listener, FieldTape& tape) {
+  { surface.march_setup() } -> std::same_as<const MarchSetup*>;
+  surface.march(ray, range, listener);
+  surface.record_field(tape);
+};
 
 /// Surface that offers its roots, all crossings with the ray's line, and its departure; it omits the root t =
 /// 0 for a ray with that departure. A point of tangency counts as two.

@@ -11,10 +11,6 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-class FieldTape;      // exact/recorded.hpp
-class MarchListener;  // march/march_steps.hpp
-struct MarchSetup;    // march/field_line.hpp
-
 /// Holds a copy of a surface and forwards to it through virtual calls. It offers all that the surface offers;
 /// roots and departures stay as exact as they are. Copying it copies the surface; a moved-from one may only
 /// be assigned to.
@@ -168,16 +164,15 @@ class AnySurface {
     void validate() const override {
       if constexpr (requires { one.validate(); }) one.validate();
     }
-    static constexpr bool is_marched = requires(const S& s, const MarchSetup*& setup) { setup = &s.setup(); };
     const MarchSetup* march_setup() const override {
-      if constexpr (is_marched) return &one.setup();
+      if constexpr (MarchedSurface<S>) return one.march_setup();
       return nullptr;
     }
     void march(const Ray& ray, Interval range, MarchListener& listener) const override {
-      if constexpr (is_marched) static_cast<void>(one.march(ray, range, listener));
+      if constexpr (MarchedSurface<S>) static_cast<void>(one.march(ray, range, listener));
     }
     void record_field(FieldTape& tape) const override {
-      if constexpr (is_marched) one.record_field(tape);
+      if constexpr (MarchedSurface<S>) one.record_field(tape);
     }
 
     S one;

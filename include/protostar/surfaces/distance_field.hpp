@@ -205,7 +205,7 @@ class Marched<F> {
   void record_field(FieldTape& tape) const {
     if constexpr (FieldOver<F, Recorded>) tape.record(field_);
   }
-  [[nodiscard]] const MarchSetup& setup() const { return setup_; }
+  [[nodiscard]] const MarchSetup* march_setup() const { return &setup_; }
 
  private:
   /// Calls visit(const Crossing&, const MarchedRoot&) for the crossings of a ray's line, near to far, until
