@@ -1,8 +1,8 @@
 // Paths of some pixels on their way together: each takes a step, then each takes the next.
 //
-// The operations of one path wait for each other, from the hit to the direction and from there to the next
-// hit; those of different paths do not, and the processor works at several at once. All paths of a wave have
-// come equally far, so that they take the same set of their samplers, whose numbers are drawn in lanes.
+// All paths of a wave have come equally far, so that they take the same set of their samplers, and its numbers
+// and the directions to which they lead are drawn in lanes. All else is done path by path: without the lanes,
+// a wave takes as long as its paths one after the other.
 #pragma once
 
 #include <algorithm>
@@ -29,8 +29,8 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 template <class I>
 class PathWave {
  public:
-  /// Largest number of packets: enough to hide what operations wait for, and so few that their paths and hits
-  /// stay in the first cache.
+  /// Largest number of packets: enough that lanes are full after some bounces as well, and so few that their
+  /// paths and hits stay in the first cache (?).
   static constexpr std::size_t most_packets = std::max(32 / double_lanes, 1);
 
   /// Begins the path of a pixel, in a lane of a packet, at the first hit of its ray.
