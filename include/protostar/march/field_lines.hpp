@@ -27,7 +27,7 @@ class FieldLines {
         scale_(setup, length(origin), length(direction),
                simd::max(simd::abs(span_.min), simd::abs(span_.max)), 0.0, 0.0) {}
 
-  /// Returns the lanes that can be marched: of finite rays for which double proves something.
+  /// Returns the lanes that can be marched: finite rays for which double proves something.
   [[nodiscard]] Truth is_known() const {
     return scale_.error < infinity && is_finite(origin_) && is_finite(direction_);
   }
