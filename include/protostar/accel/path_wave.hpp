@@ -1,8 +1,8 @@
 // Paths of some pixels on their way together: each takes a step, then each takes the next.
 //
-// All paths of a wave have come equally far, so that they take the same set of their samplers, and its numbers
-// and the directions to which they lead are drawn in lanes. All else is done path by path: without the lanes,
-// a wave takes as long as its paths one after the other.
+// All paths of a wave have come equally far, so that they take the same set of their samplers, and its
+// numbers and the directions to which they lead are drawn in lanes. All else is done path by path: without
+// the lanes, a wave takes as long as its paths one after the other.
 #pragma once
 
 #include <algorithm>
