@@ -82,7 +82,7 @@ class Marched:
                 continue
             if to <= start:
                 step["to"].refuse(to, start)
-            if to > high + near:
+            if to > high + near and kind != "deflation":  # which need not end in the box
                 step["to"].refuse(to, high)
             at, width = to, to - start
             last, known = known, None
