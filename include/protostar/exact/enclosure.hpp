@@ -203,11 +203,12 @@ struct Enclosure {
   /// never NaN, and their order is known.
   static Enclosure scaled(const Enclosure& a, double b, const B& first, const B& second) {
     if (!(b != 0 && std::abs(b) < infinity)) return spanned(a, b, first, first, second, second);
-    const B zero(0.0), least = rounding::below(b > 0 ? first : second, rounding::underflow<B>),
-                       most = rounding::above(b > 0 ? second : first, rounding::underflow<B>);
-    const Truth may_be_negative = b > 0                                  ? a.lower < zero
-                                  : zero<a.upper, may_be_positive = b> 0 ? zero < a.upper
-                                                                         : a.lower < zero;
+    const bool is_positive = b > 0;
+    const B zero(0.0);
+    const B least = rounding::below(is_positive ? first : second, rounding::underflow<B>);
+    const B most = rounding::above(is_positive ? second : first, rounding::underflow<B>);
+    const Truth may_be_negative = is_positive ? a.lower < zero : zero < a.upper;
+    const Truth may_be_positive = is_positive ? zero < a.upper : a.lower < zero;
     return {rounding::select(may_be_negative, least, rounding::max(least, zero)),
             rounding::select(may_be_positive, most, rounding::min(most, zero))};
   }

@@ -46,36 +46,39 @@ template <class R>
   return select(size < R(0x1p52), copysign((size + R(0x1p52)) - R(0x1p52), x), x);
 }
 
-template <int N>
-[[nodiscard]] simd::Lanes<double, N> nearest_integer(simd::Lanes<double, N> x) {
-#if defined(PROTOSTAR_VECTORS) && defined(__AVX__)
-  constexpr int to_nearest = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
-  using V = decltype(x.v);
-#if defined(__AVX512F__)
-  if constexpr (N == 8) return (V)_mm512_maskz_roundscale_pd(0xff, (__m512d)x.v, to_nearest);
-#endif
-  if constexpr (N == 4) return (V)_mm256_round_pd((__m256d)x.v, to_nearest);
-#endif
-  return nearest_integer<simd::Lanes<double, N>>(x);
-}
-
 /// Returns the largest integer that is at most x.
 template <class R>
 [[nodiscard]] R floor(R x) {
   const R nearest = nearest_integer(x);
   return select(x < nearest, nearest - R(1.0), nearest);
 }
-template <int N>
-[[nodiscard]] simd::Lanes<double, N> floor(simd::Lanes<double, N> x) {
+
+/// Direction in which numbers are rounded to integers.
+enum class To { nearest, down };
+
+/// Returns the nearest integers, or the largest that are at most x: by one instruction where there is one.
+template <To to, int N>
+[[nodiscard]] simd::Lanes<double, N> to_integer(simd::Lanes<double, N> x) {
 #if defined(PROTOSTAR_VECTORS) && defined(__AVX__)
-  constexpr int down = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
+  constexpr int direction = to == To::nearest ? _MM_FROUND_TO_NEAREST_INT : _MM_FROUND_TO_NEG_INF;
+  constexpr int mode = direction | _MM_FROUND_NO_EXC;
   using V = decltype(x.v);
 #if defined(__AVX512F__)
-  if constexpr (N == 8) return (V)_mm512_maskz_roundscale_pd(0xff, (__m512d)x.v, down);
+  if constexpr (N == 8) return (V)_mm512_maskz_roundscale_pd(0xff, (__m512d)x.v, mode);
 #endif
-  if constexpr (N == 4) return (V)_mm256_round_pd((__m256d)x.v, down);
+  if constexpr (N == 4) return (V)_mm256_round_pd((__m256d)x.v, mode);
 #endif
-  return floor<simd::Lanes<double, N>>(x);
+  using L = simd::Lanes<double, N>;
+  return to == To::nearest ? nearest_integer<L>(x) : floor<L>(x);
+}
+
+template <int N>
+[[nodiscard]] simd::Lanes<double, N> nearest_integer(simd::Lanes<double, N> x) {
+  return to_integer<To::nearest>(x);
+}
+template <int N>
+[[nodiscard]] simd::Lanes<double, N> floor(simd::Lanes<double, N> x) {
+  return to_integer<To::down>(x);
 }
 [[nodiscard]] inline DoubleDouble floor(DoubleDouble x) {
   const double high = floor(x.hi);
