@@ -36,7 +36,7 @@ void history(Drawing& drawing) {
                                                {1979, "Whitted", "mirrors, glass", Paint::blue},
                                                {1984, "Cook and others", "many rays a pixel", Paint::blue},
                                                {1986, "Kajiya", "all paths of light", Paint::blue},
-                                               {1996, "Hart", "sphere tracing", Paint::orange}}) {
+                                               {1996, "Hart", "sphere tracing", Paint::blue}}) {
     const double x = x_of(year), y = above ? 46.0 : 206.0;
     const Anchor anchor = year == 1996 ? Anchor::end : year == 1968 ? Anchor::start : Anchor::middle;
     const double words_x = year == 1984 ? x - 20 : year == 1986 ? x + 26 : x;
@@ -47,7 +47,7 @@ void history(Drawing& drawing) {
     drawing.words({words_x, y + 44}, what, anchor, Paint::ink);
     above = !above;
   }
-  drawing.words({320, 290}, "blue and green: on these pages;  orange: on a later one", Anchor::middle);
+  drawing.words({320, 290}, "blue: works that the tutorial names", Anchor::middle);
 }
 
 void film_tangent(Drawing& drawing) {
