@@ -63,7 +63,8 @@ void fixed_steps(Drawing& drawing) {
   sketch.cross(ray.at(*exact), Paint::green);
   sketch.words(ray.at(*exact), {0, 30}, "missed", Paint::green, Anchor::middle);
   sketch.words(ray.at(t), {10, -10}, "hit: too late", Paint::red);
-  sketch.words({1.1, -0.1, 0}, {0, 26}, "ε", Paint::blue, Anchor::middle);
+  sketch.line({1, -0.14, 0}, {1.5, -0.14, 0}, Paint::blue);
+  sketch.words({1.25, -0.14, 0}, {0, 22}, "ε", Paint::blue, Anchor::middle);
   drawing.words({320, 30}, "steps of the length ε", Anchor::middle, Paint::ink, true);
 }
 
