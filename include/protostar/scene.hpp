@@ -300,12 +300,23 @@ class Scene<S...> {
     return std::get<Group<T>>(groups_).materials;
   }
 
+  /// Returns true if any material of the surfaces of one type has a texture, or a normal map.
+  template <class T>
+  [[nodiscard]] bool has_textures() const {
+    return std::get<Group<T>>(groups_).has_textures;
+  }
+  template <class T>
+  [[nodiscard]] bool has_normal_maps() const {
+    return std::get<Group<T>>(groups_).has_normal_maps;
+  }
+
  private:
   /// Surfaces of one type, and their materials.
   template <Surface T>
   struct Group {
     std::vector<T> surfaces;
     std::vector<Material> materials;
+    bool has_textures = false, has_normal_maps = false;  ///< true if any of the materials has one
 
     void add(T surface, Material material) {
       if constexpr (requires { surface.validate(); }) surface.validate();
@@ -318,6 +329,8 @@ class Scene<S...> {
       // If memory runs out, it does so before one of the vectors has grown.
       if (materials.size() == materials.capacity()) materials.reserve(2 * materials.size() + 1);
       surfaces.push_back(std::move(surface));
+      has_textures = has_textures || material.texture;
+      has_normal_maps = has_normal_maps || material.normal_map;
       materials.push_back(std::move(material));
     }
   };

@@ -78,10 +78,13 @@ class TileHits {
     static_cast<void>((is_of(scene_.template surfaces<S>(), scene_.template materials<S>()) || ...));
   }
 
-  /// Returns true if the surface with this index has a texture.
+  /// Returns true if the surface with this index has a texture. Its material, which may be anywhere in
+  /// memory, is read only if there is any texture.
   [[nodiscard]] bool has_texture(std::int64_t index) const {
     bool has = false;
-    visit(index, [&](const auto&, const Material& material) { has = static_cast<bool>(material.texture); });
+    visit(index, [&]<class T>(const T&, const Material& material) {
+      has = scene_.template has_textures<T>() && material.texture;
+    });
     return has;
   }
 
@@ -331,7 +334,7 @@ class TileHits {
   template <Surface T>
   [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const RayPacket& rays,
                                 const Closest& closest, LaneMask lanes, const auto& shade_hits) const {
-    if (material.normal_map) [[unlikely]]
+    if (scene_.template has_normal_maps<T>() && material.normal_map) [[unlikely]]
       return shade_one_by_one(surface, material, rays, closest, lanes, shade_hits);
     if constexpr (RasterizedSurface<T>)
       if (!any(lanes && mask_for<double>(closest.primitive < Indices(0)))) {
