@@ -104,20 +104,30 @@ struct Frustum {
 
   Normal normal[5];      ///< normals of the four sides, and the axis of the cone
   float offset[4] = {};  ///< normal · x for the points x of a side, measured from the apex
-  float cosine, sine;    ///< cosine and sine of the cone's half-angle; 0 and 1 if not certain, or above 60°
+  float cosine,
+      sine;  ///< of the cone's half-angle; 0 and 1 if there is none, it is not certain, or above 60°
 
-  [[gnu::noinline]] Frustum(const PixelRays& rays, const Tile& tile)
-      : normal{rays.left_edge(tile.x0).inwards, rays.right_edge(tile.x1).outwards,
-               rays.lower_edge(tile.y1).outwards, rays.upper_edge(tile.y0).inwards} {
-    const TileCone cone(rays, tile);
-    const bool sure = cone.cosine_square > 0.25;
-    normal[4] = PixelRays::rounded(cone.axis);
-    cosine = sure ? static_cast<float>(std::sqrt(cone.cosine_square)) : 0;
-    sine = sure ? static_cast<float>(std::sqrt(1 - cone.cosine_square)) : 1;
+  /// The cone is optional, since it takes longer than the planes and serves few tiles.
+  [[gnu::noinline]] Frustum(const PixelRays& rays, const Tile& tile, bool has_cone = true)
+      : normal{rays.left_edge(tile.x0).inwards,
+               rays.right_edge(tile.x1).outwards,
+               rays.lower_edge(tile.y1).outwards,
+               rays.upper_edge(tile.y0).inwards,
+               {}},
+        cosine(0),
+        sine(1) {
+    if (has_cone) set_cone(TileCone(rays, tile));
     if (rays.camera().is_orthographic()) set_offsets(TileHalfSpaces(rays, tile), rays.viewpoint());
   }
 
  private:
+  void set_cone(const TileCone& cone) {
+    normal[4] = PixelRays::rounded(cone.axis);
+    if (!(cone.cosine_square > 0.25)) return;
+    cosine = static_cast<float>(std::sqrt(cone.cosine_square));
+    sine = static_cast<float>(std::sqrt(1 - cone.cosine_square));
+  }
+
   /// Sets the offsets of parallel rays. No candidate that float holds is as far out as 2^120.
   void set_offsets(const TileHalfSpaces& half_spaces, const Viewpoint& viewpoint) {
     for (int i = 0; i < 4; ++i) {

@@ -50,11 +50,11 @@ class PixelRays {
         has_float_sums_(allows_float_sums(camera_, pixels)),
         viewpoint_(viewpoint_of(camera_, pixels, hand_)) {
     if (has_tables_) compute_tables(width, height);
-    for (int x = 0; x <= width; x += edge_step) {
+    for (int x = 0; x <= width; x += RayBlock::width) {
       edges_.left.push_back(column_edge_at(x, -margin()));
       if (margin() > 0) edges_.right.push_back(column_edge_at(x, margin()));
     }
-    for (int y = 0; y <= height; y += edge_step) {
+    for (int y = 0; y <= height; y += RayBlock::height) {
       edges_.upper.push_back(row_edge_at(y, -margin()));
       if (margin() > 0) edges_.lower.push_back(row_edge_at(y, margin()));
     }
@@ -139,18 +139,18 @@ class PixelRays {
   /// before these, right and lower. The edges' planes pass through the camera's apex, unless rays are
   /// parallel.
   [[nodiscard]] Edge left_edge(int x) const {
-    return x % edge_step == 0 ? edges_.left[index_of_edge(x)] : column_edge_at(x, -margin());
+    return x % RayBlock::width == 0 ? edges_.left[column_of_blocks(x)] : column_edge_at(x, -margin());
   }
   [[nodiscard]] Edge right_edge(int x) const {
     if (margin() == 0) return left_edge(x);
-    return x % edge_step == 0 ? edges_.right[index_of_edge(x)] : column_edge_at(x, margin());
+    return x % RayBlock::width == 0 ? edges_.right[column_of_blocks(x)] : column_edge_at(x, margin());
   }
   [[nodiscard]] Edge upper_edge(int y) const {
-    return y % edge_step == 0 ? edges_.upper[index_of_edge(y)] : row_edge_at(y, -margin());
+    return y % RayBlock::height == 0 ? edges_.upper[row_of_blocks(y)] : row_edge_at(y, -margin());
   }
   [[nodiscard]] Edge lower_edge(int y) const {
     if (margin() == 0) return upper_edge(y);
-    return y % edge_step == 0 ? edges_.lower[index_of_edge(y)] : row_edge_at(y, margin());
+    return y % RayBlock::height == 0 ? edges_.lower[row_of_blocks(y)] : row_edge_at(y, margin());
   }
 
   /// Returns an edge with the normal of a plane that contains the directions forward + u · right + v · up
@@ -185,9 +185,8 @@ class PixelRays {
   [[nodiscard]] double hand() const { return hand_; }
 
  private:
-  static constexpr int edge_step = 8;  ///< most tiles begin and end at multiples of this
-
-  static std::size_t index_of_edge(int x) { return static_cast<std::size_t>(x / edge_step); }
+  static std::size_t column_of_blocks(int x) { return static_cast<std::size_t>(x / RayBlock::width); }
+  static std::size_t row_of_blocks(int y) { return static_cast<std::size_t>(y / RayBlock::height); }
 
   static Vec3 unit(const Vec3& v) {
     const double size = length(v);  // within these bounds, squares neither overflow nor vanish
@@ -345,8 +344,8 @@ class PixelRays {
   Viewpoint viewpoint_;
   Tables tables_;  ///< of the samples of the grid's range
 
-  /// Edges of each edge_step-th column and row. Without a margin, those on the right are those on the left,
-  /// and the lower ones the upper ones.
+  /// Edges of the columns and rows of blocks, at which most tiles and parts begin and end. Without a margin,
+  /// those on the right are those on the left, and the lower ones the upper ones.
   struct {
     PlainVector<Edge> left, right, upper, lower;
   } edges_;
