@@ -183,53 +183,52 @@ class Candidates {
     float least = std::numeric_limits<float>::infinity(), most = 0;
     for (int i = 0; i < size_; ++i) least = std::min(least, nearest(i)), most = std::max(most, nearest(i));
     const float scale = (slabs - 1) / (most - least);
-    const auto slab = [&](std::size_t i) {
+    const auto slab = [&](std::uint32_t i) {
       const float depth = (nearest(static_cast<int>(i)) - least) * scale;
       return depth >= 0 && depth < slabs ? static_cast<std::size_t>(depth) : 0;  // 0 for NaN too
     };
-    PlainVector<std::size_t> order = places();
-    sort_by(slab, order);
-    reorder(order);
+    start_order();
+    sort_by(slab);
+    reorder();
     for (int i = size_ - 2; i >= 0; --i) *at(row_nearest, i) = std::min(nearest(i), nearest(i + 1));
   }
 
   void order_by_index() {
-    PlainVector<std::size_t> order = places();
+    start_order();
     for (int byte = 0; byte < 4; ++byte)
-      sort_by([&](std::size_t i) { return index_[i] >> (8 * byte) & 255; }, order);
-    reorder(order);
+      sort_by([&](std::uint32_t i) { return index_[i] >> (8 * byte) & 255; });
+    reorder();
   }
 
   static constexpr std::size_t slabs = 256;
 
-  /// Returns the place of each surface.
-  [[nodiscard]] PlainVector<std::size_t> places() const {
-    PlainVector<std::size_t> all(slot(size_));
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
-    return all;
+  /// Sets order_ to the order that the surfaces have.
+  void start_order() {
+    order_.resize(slot(size_));
+    for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<std::uint32_t>(i);
   }
 
-  /// Sorts places by slab_of(place), below `slabs`; those with the same slab stay in their order.
-  static void sort_by(const auto& slab_of, PlainVector<std::size_t>& order) {
-    std::size_t start[slabs + 1] = {};
-    for (const std::size_t i : order) ++start[slab_of(i) + 1];
+  /// Sorts order_ by slab_of(place), below `slabs`; places with the same slab stay in their order.
+  void sort_by(const auto& slab_of) {
+    std::uint32_t start[slabs + 1] = {};
+    for (const std::uint32_t i : order_) ++start[slab_of(i) + 1];
     for (std::size_t k = 0; k < slabs; ++k) start[k + 1] += start[k];
-    PlainVector<std::size_t> sorted(order.size());
-    for (const std::size_t i : order) sorted[start[slab_of(i)]++] = i;
-    order = std::move(sorted);
+    sorted_.resize(order_.size());
+    for (const std::uint32_t i : order_) sorted_[start[slab_of(i)]++] = i;
+    std::swap(order_, sorted_);
   }
 
   static std::size_t slot(int i) { return static_cast<std::size_t>(i); }
 
-  /// Moves the order[i]-th surface to i.
-  void reorder(const PlainVector<std::size_t>& order) {
-    const auto move = [&](auto& row) {
-      auto moved = row;
-      for (std::size_t i = 0; i < order.size(); ++i) moved[i] = row[order[i]];
-      row = std::move(moved);
+  /// Moves the order_[i]-th surface to i.
+  void reorder() {
+    const auto move = [&](auto& row, auto& moved) {
+      moved.resize(row.size(), 0);  // whole vectors are read, also behind the last surface
+      for (std::size_t i = 0; i < order_.size(); ++i) moved[i] = row[order_[i]];
+      std::swap(row, moved);
     };
-    for (auto& row : rows_) move(row);
-    move(index_);
+    for (auto& row : rows_) move(row, moved_row_);
+    move(index_, sorted_);
   }
 
   /// Makes room for count surfaces, and for the lanes that a store of a whole vector writes behind them.
@@ -245,6 +244,10 @@ class Candidates {
   bool is_ordered_ = false;  ///< true if near surfaces come first
   PlainVector<float> rows_[row_count];
   PlainVector<std::uint32_t> index_;
+
+  /// Buffers of sort().
+  PlainVector<std::uint32_t> order_, sorted_;
+  PlainVector<float> moved_row_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

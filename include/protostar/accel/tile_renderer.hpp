@@ -59,7 +59,7 @@ class TileRenderer {
     std::unique_ptr<Work> work = works_.take();
     const Frustum frustum(rays_, tile);
     Candidates& in_tile = work->lists[0];
-    candidates_.find(tile, frustum, in_tile);
+    candidates_.find(tile, frustum, in_tile, work->found);
     if constexpr (by_packets && View::rasterizes)
       if (are_tested_together()) rasterize(in_tile, tile, *work);
     if (!fill_uniform(tile, in_tile, frustum, *work)) fill_parts(tile, in_tile, 0, *work);

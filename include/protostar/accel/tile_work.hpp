@@ -36,6 +36,7 @@ template <Surface... S>
 struct TileWork {
   static constexpr int most_divisions = 4;  ///< how often a tile is divided into smaller parts
 
+  Candidates found;  ///< what the BVH finds for a tile
   Candidates lists[most_divisions + 1];
   Visibility visibility;
   TileState<S...> state;
