@@ -208,8 +208,12 @@ class Finder<Sphere> {
       }
       return false;
     };
-    const auto fetch = soon();
-    traverse(bvh_, InHalfSpaces{sides}, visit_leaf, FetchChild<Read::soon, Fetch>{bvh_, fetch});
+    const auto fetch_leaf = [&](Leaf leaf) {
+      leaves_.fetch_all(leaf);
+      prefetch(&bvh_.order()[leaf.first]);
+    };
+    traverse(bvh_, InHalfSpaces{sides}, visit_leaf,
+             FetchChild<Read::soon, decltype(fetch_leaf)>{bvh_, fetch_leaf});
     for (const std::uint32_t i : bvh_.unbounded()) visit(unbounded_surface(first + i));
   }
 

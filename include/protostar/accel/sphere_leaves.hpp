@@ -62,10 +62,15 @@ class SphereLeaves {
     bvh.each_leaf(fill, options);
   }
 
+  /// Prefetches the first of a leaf's numbers, or all.
   void fetch(Leaf leaf) const {
     const float* const row = &rows_[4 * std::size_t{leaf.first}];
     prefetch(row);
     prefetch(row + 16);
+  }
+  void fetch_all(Leaf leaf) const {
+    const float* const row = &rows_[4 * std::size_t{leaf.first}];
+    for (std::uint32_t i = 0; i < 4 * leaf.count + 15; i += 16) prefetch(row + i);
   }
 
   /// Tests the spheres from the i-th of a leaf on, as many as a vector holds, with a ray within a reach. The
