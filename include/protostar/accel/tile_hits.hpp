@@ -1,7 +1,9 @@
 // Closest hits of packets of rays among the surfaces of a tile, and their shading.
 #pragma once
 
+#include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -168,9 +170,9 @@ class TileHits {
     for (const std::uint32_t index : candidates_.indices())
       prefetch_surface(static_cast<std::int64_t>(index));
   }
-  /// Prefetches the surfaces that pixels see.
-  void prefetch_seen(const Indices& seen) const {
-    each_index(seen, bits(seen >= Indices(0)), [&](std::int64_t index) { prefetch_surface(index); });
+  /// Prefetches the surfaces that pixels see. How many differ is as good as random, and therefore no branch.
+  void prefetch_seen(const Visibility::SurfaceIndices& seen) const {
+    for (int lane = 0; lane < double_lanes; ++lane) prefetch_surface(std::max(seen[lane], 0));
   }
   /// Prefetches the materials of closest hits.
   void prefetch_materials(const Closest& closest) const {
@@ -197,7 +199,7 @@ class TileHits {
   };
 
   void prefetch_surface(std::int64_t index) const {
-    visit(index, [](const auto& surface, const Material&) { prefetch(&surface); });
+    visit(index, [](const auto& surface, const Material&) { prefetch_start(surface); });
   }
 
   /// Calls f once for each different index in some lanes.

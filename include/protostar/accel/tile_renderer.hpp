@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <concepts>
 #include <cstddef>
@@ -31,6 +30,7 @@
 #include "tile_scene.hpp"
 #include "tile_work.hpp"
 #include "visibility.hpp"
+#include "waiting_packets.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -70,7 +70,6 @@ class TileRenderer {
 
  private:
   using View = TileScene<S...>;
-  using Closest = typename View::Closest;
   using Order = Candidates::Order;
   using Work = TileWork<S...>;
 
@@ -126,7 +125,11 @@ class TileRenderer {
         const Frustum frustum(rays_, part, next + 1 < std::size(divisions));
         in_part.clear();
         in_part.add(candidates, frustum);
-        if (!fill_uniform(part, in_part, frustum, work)) fill_parts(part, in_part, next + 1, work);
+        if (fill_uniform(part, in_part, frustum, work)) continue;
+        fill_parts(part, in_part, next + 1, work);
+        if constexpr (by_packets && shades)
+          if (most < 0 && work.waiting.count > 0)
+            shade_waiting(part, view_of(in_part, work), rays_.pixels().first(), work);
       }
   }
 
@@ -240,61 +243,62 @@ class TileRenderer {
     return rays_.is_pinhole() && rays_.pixels().has_common_places();
   }
 
-  /// Adds the i-th sample of a part, for an integrator that shades closest hits. All packets go through one
-  /// step after the other, directions, closest hits, colors, so that the latencies of their square roots and
-  /// divisions overlap.
+  /// Adds the i-th sample of a part, for an integrator that shades closest hits. If a pixel has only this
+  /// sample, the packets wait for all others of the 16 × 16 pixels.
   [[gnu::flatten]] void fill_hits(const Tile& part, const Candidates& candidates, const View& view, int i,
                                   Work& work) const {
     const bool is_known = find_visibility(part, candidates, view, i, work);
     if (candidates_.are_from_bvh() && !is_known) view.prefetch_candidates();
-    const auto seen_from = [&](int x, int y) {
-      return is_known ? widened(work.visibility(x, y)) : Indices(is_in_doubt);
-    };
     // Rays that stand for all that miss; they are used only if visibility is known.
     const CameraPacket any_rays =
         is_known ? rays_.packet(part, part.x0, part.y0, i) : CameraPacket(Vectors(Vec3{0}), Vectors(Vec3{0}));
-    std::array<PacketStart, most_packets> open;
-    std::array<PacketRays, most_packets> found;
-    std::array<Closest, most_packets> closest;
-    std::size_t count = 0;
+    auto& waiting = work.waiting;
+    const std::size_t first = waiting.count;
     std::uint64_t skipped = 0;
     each_packet(part, [&](std::size_t, int x, int y) {
-      if (const Indices seen = seen_from(x, y); is_known && !needs_rays(seen, view)) {
+      const Indices seen = is_known ? widened(work.visibility(x, y)) : Indices(is_in_doubt);
+      if (is_known && !needs_rays(seen, view)) {
         skipped += static_cast<std::uint64_t>(std::min(double_lanes, part.x1 - x));
-        return add(part, x, y, i, found[count], shade_seen(seen, any_rays, view), work);
+        return add(part, x, y, i, PacketRays(), shade_seen(seen, any_rays, view), work);
       }
-      if (candidates_.are_from_bvh() && is_known) view.prefetch_seen(seen_from(x, y));
-      rays_.find(x, y, i, found[count]);
-      open[count++] = {x, y};
+      if (candidates_.are_from_bvh() && is_known) view.prefetch_seen(work.visibility(x, y));
+      rays_.find(x, y, i, waiting.add(x, y, seen));
     });
-    for (std::size_t k = 0; k < count; ++k) {
-      const auto [x, y] = open[k];
-      view.set_first_pixel(x, y, i);
-      closest[k] = view.closest(rays_.packet(part, x, y, i, found[k]), seen_from(x, y));
-      if (candidates_.are_from_bvh()) view.prefetch_materials(closest[k]);
-    }
+    if (is_known)
+      waiting.test_from(first, true, rays_, part, view, i, candidates_.are_from_bvh());
+    else
+      for (std::size_t k = first; k < waiting.count; ++k)
+        waiting.test(k, is_in_doubt, rays_, part, view, i, candidates_.are_from_bvh());
+    if (!keeps_light_) shade_waiting(part, view, i, work);
+    work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
+  }
+
+  /// Shades the waiting packets, which are the i-th samples of their pixels.
+  [[gnu::flatten]] void shade_waiting(const Tile& part, const View& view, int i, Work& work) const {
+    auto& waiting = work.waiting;
+    waiting.test_from(0, false, rays_, part, view, i, candidates_.are_from_bvh());
+    const std::size_t count = std::exchange(waiting.count, 0);
     if constexpr (FollowsPaths<I>)
-      follow_paths(integrator_, view, rays_, part, i, {open.data(), count}, found.data(), closest.data(),
-                   [&](std::size_t k, const Colors& light) {
-                     add(part, open[k].x, open[k].y, i, found[k], light, work);
+      follow_paths(integrator_, view, rays_, part, i, {waiting.start.data(), count}, waiting.rays.data(),
+                   waiting.closest.data(), [&](std::size_t k, const Colors& light) {
+                     add(part, waiting.start[k].x, waiting.start[k].y, i, waiting.rays[k], light, work);
                    });
     else
       for (std::size_t k = 0; k < count; ++k) {
-        const int x = open[k].x, y = open[k].y;
+        const auto [x, y] = waiting.start[k];
         view.set_first_pixel(x, y, i);
-        const CameraPacket rays = rays_.packet(part, x, y, i, found[k]);
-        const auto shade = [&](const auto& hits, auto... lane) {
+        const CameraPacket rays = rays_.packet(part, x, y, i, waiting.rays[k]);
+        const auto shade = [&, x = x, y = y](const auto& hits, auto... lane) {
           if constexpr (takes_sampler)
             return integrator_.shade(hits, view, sampler_in(rays_.pixels().samplers(x, y, i), lane...));
           else
             return integrator_.shade(hits, view);
         };
-        add(part, x, y, i, found[k],
+        add(part, x, y, i, waiting.rays[k],
             view.shade(
-                rays, closest[k], [&] { return integrator_.background(rays, view); }, shade),
+                rays, waiting.closest[k], [&] { return integrator_.background(rays, view); }, shade),
             work);
       }
-    work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
   }
 
   /// Adds the i-th sample of a part, for an integrator that is asked for the radiance of rays.
@@ -303,7 +307,9 @@ class TileRenderer {
     std::uint64_t skipped = 0;
     each_block(part, [&](const Tile& block) {
       const bool is_tested = AsksForCrossings<I> && are_tested_together() && skips_.sure_in_float;
-      const bool needs_rays = !(is_tested && find_crossed(block, candidates, view, i, work));
+      const bool needs_rays =
+          !(is_tested && view.find_crossed(rays_.block_directions(block.x0, block.y0, i)) &&
+            may_skip_background());
       if (!needs_rays) skipped += pixel_count(block);
       each_packet(block, [&](std::size_t, int x, int y) {
         view.set_first_pixel(x, y, i);
@@ -365,25 +371,6 @@ class TileRenderer {
       left &= ~bits(seen == Indices(index));
     }
     return false;
-  }
-
-  /// Lists the surfaces that the rays of a block may cross, for an integrator that asks for crossings alone;
-  /// returns true if float tells all of them, and their colors do not depend on the rays.
-  [[nodiscard]] bool find_crossed(const Tile& block, const Candidates& candidates, const View& view, int i,
-                                  Work& work) const {
-    auto& crossed = work.state.crossed;
-    crossed.clear();
-    bool is_sure = may_skip_background();
-    const WideVectors directions = rays_.block_directions(block.x0, block.y0, i);
-    work.state.counts.float_tests += static_cast<std::uint64_t>(candidates.size() * float_lanes);
-    for (int k = 0; k < candidates.size(); ++k) {
-      const SpherePass passed = pass(candidates.sphere(k), directions);
-      const Bits maybe = bits(passed.maybe());
-      if (maybe == 0) continue;
-      crossed.push_back({candidates.index(k), maybe, bits(passed.surely()) & maybe});
-      is_sure = is_sure && crossed.back().surely == maybe && !view.has_texture(candidates.index(k));
-    }
-    return is_sure;
   }
 
   Target target_;

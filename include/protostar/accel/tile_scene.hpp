@@ -122,6 +122,23 @@ class TileScene : public TileHits<S...> {
       return inlined_occluded(rays, range);
   }
 
+  /// Lists the surfaces that the rays of a block may cross, in these directions; returns true if float tells
+  /// all of them, and their colors do not depend on the rays.
+  [[nodiscard]] bool find_crossed(const WideVectors& directions) const {
+    state_.crossed.clear();
+    bool is_sure = true;
+    state_.counts.float_tests += static_cast<std::uint64_t>(candidates_.size() * float_lanes);
+    for (int k = 0; k < candidates_.size(); ++k) {
+      const SpherePass passed = pass(candidates_.sphere(k), directions);
+      const Bits maybe = bits(passed.maybe());
+      if (maybe == 0) continue;
+      const Bits surely = bits(passed.surely()) & maybe;
+      state_.crossed.push_back({candidates_.index(k), maybe, surely});
+      is_sure = is_sure && surely == maybe && !this->has_texture(candidates_.index(k));
+    }
+    return is_sure;
+  }
+
   /// Sets the surfaces that a block of camera rays may cross; the next packet's first ray is ray
   /// `first_lane` of the block, and crossings are asked for in t > 0. Null: no block has been tested in
   /// float.

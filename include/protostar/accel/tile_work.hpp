@@ -16,6 +16,7 @@
 #include "packet_pixels.hpp"
 #include "tile_hits.hpp"
 #include "visibility.hpp"
+#include "waiting_packets.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -39,6 +40,7 @@ struct TileWork {
   Candidates found;  ///< what the BVH finds for a tile
   Candidates lists[most_divisions + 1];
   Visibility visibility;
+  WaitingPackets<typename TileHits<S...>::Closest> waiting;
   TileState<S...> state;
   std::array<PacketSums, most_packets> sums;  ///< of the samples so far, unless a pixel keeps a single one
   std::unique_ptr<TileWork> next;             ///< in the list of buffers that no tile uses

@@ -36,4 +36,11 @@ void prefetch_whole(const T& object) {
   prefetch(bytes + sizeof(T) - 1);
 }
 
+/// Prefetches the start of an object, as many bytes as a line of the cache has, though they may be in two.
+template <class T>
+void prefetch_start(const T& object) {
+  const auto* const bytes = reinterpret_cast<const char*>(&object);
+  prefetch(bytes), prefetch(bytes + (sizeof(T) < 64 ? sizeof(T) : 64) - 1);
+}
+
 }  // namespace protostar::inline PROTOSTAR_ABI::simd
