@@ -14,7 +14,7 @@
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
 /// Packets of a part of a tile that wait for their colors. All of a part go through one step after the other:
-/// directions, closest hits, colors. So the latencies of their square roots and divisions overlap, and what
+/// directions, closest hits, colors. The latencies of their square roots and divisions overlap, and what
 /// memory has to fetch for a packet is on its way while others go on.
 template <class Closest>
 struct WaitingPackets {
