@@ -13,17 +13,13 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 enum class Read { soon, later };
 
 /// Prefetches an address that will be read.
+///
+/// Without the empty asm g++ takes a function that does nothing but prefetch for one without effect, and may
+/// never call it.
 template <Read read = Read::soon>
 void prefetch([[maybe_unused]] const void* address) {
 #if defined(__GNUC__)
   __builtin_prefetch(address, 0, read == Read::soon ? 3 : 2);
-#endif
-}
-
-/// Keeps the calls of a function that does nothing but prefetch: g++ takes it for one without effect, and may
-/// never call it.
-inline void keep_calls() {
-#if defined(__GNUC__)
   asm volatile("");
 #endif
 }

@@ -88,7 +88,6 @@ class TriangleLeaves {
       const std::size_t count = rows * leaf.count;
       for (std::size_t i = 0; i < count; i += line) prefetch<read>(row + i);
       prefetch<read>(row + count - 1);  // a leaf may begin inside a line, and then ends in one more
-      keep_calls();
     });
   }
 
