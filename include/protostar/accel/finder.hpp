@@ -17,6 +17,7 @@
 #include "../plain_vector.hpp"
 #include "../ray.hpp"
 #include "../render_options.hpp"
+#include "../simd/prefetch.hpp"
 #include "../simd/simd.hpp"
 #include "../surface.hpp"
 #include "../surfaces/sphere.hpp"
@@ -128,7 +129,8 @@ template <>
 class Finder<Sphere> {
  public:
   Finder(const std::vector<Sphere>& spheres, const RenderOptions& options)
-      : bvh_(
+      : spheres_(&spheres),
+        bvh_(
             spheres.size(), [&](std::size_t i) { return spheres[i].bounds(); }, {.most = node_width},
             options),
         leaves_(
@@ -139,7 +141,7 @@ class Finder<Sphere> {
     if (few_.has_all()) return each_of_few(ray, range, visit);
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes)
-        if (any_of(leaves_.met(leaf, i, line, left).maybe, leaf.first + i, visit)) return true;
+        if (any_of(maybe(leaves_.pass(leaf, i, line), leaf, i, left), leaf.first + i, visit)) return true;
       return false;
     };
     return each_along<Order::any>(bvh_, ray, range, visit, visit_leaf, soon());
@@ -149,9 +151,12 @@ class Finder<Sphere> {
     if (few_.has_all()) return each_of_few(ray, range, visit);
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
-        const auto met = leaves_.met(leaf, i, line, left);
-        const Bits surely = met.surely & bits(met.until < WideFloats(left.until * (1 - 0x1p-18f)));
-        if ((met.maybe & surely) != 0 || any_of(met.maybe, leaf.first + i, visit)) return true;
+        const SpherePass passed = leaves_.pass(leaf, i, line);
+        const Bits met = maybe(passed, leaf, i, left);
+        if (met == 0) continue;
+        const Bits surely =
+            bits(passed.surely_within(left.from * (1 + 0x1p-18f), left.until * (1 - 0x1p-18f)));
+        if ((met & surely) != 0 || any_of(met, leaf.first + i, visit)) return true;
       }
       return false;
     };
@@ -173,16 +178,22 @@ class Finder<Sphere> {
     std::uint32_t waiting = 0;
     float waiting_near = infinite;
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
+      prefetch(&bvh_.order()[leaf.first]);
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
-        const auto met = leaves_.met(leaf, i, line, left);
-        for (Bits spheres = met.maybe; spheres != 0; spheres &= spheres - 1) {
-          const int k = std::countr_zero(spheres);
-          if (met.near[k] > left.until) continue;
+        const SpherePass passed = leaves_.pass(leaf, i, line);
+        Bits met = maybe(passed, leaf, i, left);
+        if (met == 0) continue;
+        const auto [near, until] = passed.entry();
+        const Bits surely = bits(passed.surely() && near > WideFloats(left.from * (1 + 0x1p-18f)));
+        for (; met != 0; met &= met - 1) {
+          const int k = std::countr_zero(met);
+          if (near[k] > left.until) continue;
           const std::uint32_t position = leaf.first + i + static_cast<std::uint32_t>(k);
-          if ((met.surely >> k & 1) != 0 && met.until[k] < waiting_near) {
-            waiting = position;
-            waiting_near = met.near[k];
-            left.until = std::min(left.until, met.until[k]);
+          if ((surely >> k & 1) != 0 && until[k] < waiting_near) {
+            waiting = bvh_.order()[position];
+            prefetch(spheres_->data() + waiting);
+            waiting_near = near[k];
+            left.until = std::min(left.until, until[k]);
           } else {
             visit(bvh_.order()[position]);
             left.until = std::min(left.until, line.at_most(range.max));
@@ -192,7 +203,7 @@ class Finder<Sphere> {
       return false;
     };
     each_along<Order::near_first>(bvh_, ray, range, visit_one, visit_leaf, soon());
-    if (waiting_near < infinite) visit(bvh_.order()[waiting]);
+    if (waiting_near < infinite) visit(waiting);
   }
 
   void frustum_query(std::span<const HalfSpace> half_spaces, std::uint32_t first,
@@ -234,6 +245,12 @@ class Finder<Sphere> {
         [&](int lane) { return order[std::min(from + static_cast<std::size_t>(lane), order.size() - 1)]; });
   }
 
+  /// Returns which of the spheres from the i-th of a leaf on a ray may meet within its reach.
+  [[nodiscard, gnu::always_inline]] static Bits maybe(const SpherePass& passed, Leaf leaf, std::uint32_t i,
+                                                      Reach reach) {
+    return bits(passed.maybe_within(reach.from, reach.until)) & first_bits(static_cast<int>(leaf.count - i));
+  }
+
   bool each_of_few(const Ray& ray, const Interval& range, const auto& visit) const {
     for (Bits met = few_.met(ray, range); met != 0; met &= met - 1)
       if (visit(static_cast<std::uint32_t>(std::countr_zero(met)))) return true;
@@ -247,6 +264,7 @@ class Finder<Sphere> {
     return false;
   }
 
+  const std::vector<Sphere>* spheres_;
   Bvh bvh_;
   SphereLeaves leaves_;
   FewSpheres few_;

@@ -18,8 +18,15 @@
 // enters the sphere.
 //
 // First hit: it is at t ≥ b − √(R² − |p|²) − m, and if the sphere is surely met by a ray that starts outside,
-// at t ≤ b − √(i² − |p|²) + m. No hit is beyond b + √(R² − |p|²) + m. Bounds that need no root are
-// b − R − m and b + m.
+// at t ≤ b − √(i² − |p|²) + m. Bounds that need no root are b − R − m and b + m.
+//
+// Within a part of the ray, from t = f to t = g: a ray that meets the sphere there has f − b ≤ h and
+// b − g ≤ h. Let a be the larger of f − b − m and b − g − m, or 0 if both are below it. Then a ≤ h, hence
+// a² + |p|² ≤ R²: the center is not farther than R from the part. And a ray with b − m − f > 0 and
+// (b − m − f)² + |p|² > R² starts the part outside and before the center; if the line surely meets the
+// sphere, the ray enters it behind f. It does so before g, if the center or a point inside is before g: for
+// b + m ≤ g, or (b + m − g)² + |p|² < i². None of these needs a root. In float the squares and their sums
+// are off by 4u, u = 2^-24, which is less than an eighth of what R² and i² leave (tests/proofs).
 #pragma once
 
 #include "../simd/simd.hpp"
@@ -51,6 +58,21 @@ struct SpherePass : LinePass {
     return inner > WideFloats(0.0f) && squared < inner * inner && along > margin;
   }
 
+  /// Returns where a ray may meet a sphere within a part of it.
+  [[nodiscard]] WideMask maybe_within(float from, float until) const {
+    const WideFloats apart =
+        max(max(WideFloats(from) - along, along - WideFloats(until)) - margin, WideFloats(0.0f));
+    return apart * apart + squared <= reach * reach + WideFloats(0x1p-120f);
+  }
+  /// Returns where a ray surely enters a sphere within a part of it.
+  [[nodiscard]] WideMask surely_within(float from, float until) const {
+    const WideFloats before = along - margin - WideFloats(from),
+                     behind = max(along + margin - WideFloats(until), WideFloats(0.0f));
+    return inner > WideFloats(0.0f) && before > WideFloats(0.0f) &&
+           before * before + squared > reach * reach + WideFloats(0x1p-120f) &&
+           behind * behind + squared < inner * inner;
+  }
+
   /// Bounds of t at the first hit: a lower one if there may be a hit, an upper one if there surely is.
   struct Entry {
     WideFloats from, until;
@@ -59,8 +81,6 @@ struct SpherePass : LinePass {
     return {along - half_chord(reach) - margin, along - half_chord(inner) + margin};
   }
   [[nodiscard]] Entry entry_roughly() const { return {along - reach - margin, along + margin}; }
-  /// Returns an upper bound of t at any hit.
-  [[nodiscard]] WideFloats exit() const { return along + half_chord(reach) + margin; }
 
  private:
   [[nodiscard]] WideFloats half_chord(const WideFloats& radius) const {

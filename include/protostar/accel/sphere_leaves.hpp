@@ -9,10 +9,9 @@
 //
 // A line that meets the sphere, or seems to in float, has |l| ≤ |b| + r, these errors apart. Hence the errors
 // of b and p are together at most u (6|o| + 17|b| + 17r), and e = 32u (|o| + |b| + r) leaves 15u of each term
-// for the rounding of r, of squares and of sums, and for distances to boxes, which are off by 4u of
-// themselves (Slabs). So the reach is R = r + e, the inner radius i = r − e, and the margin m = e. That p is
-// off by less than e/2, and what follows for R and i, is proved in tests/proofs/leaves.gappa and
-// leaves_radii.gappa.
+// for the rounding of r, of squares and of sums. So the reach is R = r + e, the inner radius i = r − e, and
+// the margin m = e. That p is off by less than e/2, and what follows for R and i, is proved in
+// tests/proofs/leaves.gappa and leaves_radii.gappa.
 //
 // A ray that starts inside of a sphere or on it has a lower bound of the first hit that is not above 0, since
 // its line meets the sphere at a t ≤ 0.
@@ -38,12 +37,6 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// Spheres of the leaves of a BVH, or spheres around its surfaces, as rows of floats in box space.
 class SphereLeaves {
  public:
-  /// Spheres that a ray may meet: bit and lane k are the k-th of those tested.
-  struct Met {
-    Bits maybe, surely;      ///< may be met; and are surely entered
-    WideFloats near, until;  ///< lower bound of where it is met, and upper bound of where it is entered
-  };
-
   SphereLeaves() = default;
   SphereLeaves(const Bvh& bvh, const auto& sphere_of, const RenderOptions& options)
       : rows_(4 * bvh.order().size() + static_cast<std::size_t>(float_lanes)) {
@@ -73,19 +66,21 @@ class SphereLeaves {
     for (std::uint32_t i = 0; i < 4 * leaf.count + 15; i += 16) prefetch(row + i);
   }
 
-  /// Tests the spheres from the i-th of a leaf on, as many as a vector holds, with a ray within a reach. The
-  /// ends of the reach may be off by 2^-19 of themselves.
-  [[nodiscard]] Met met(Leaf leaf, std::uint32_t i, const BoxRay& ray, Reach reach) const {
-    const SpherePass passed = pass(leaf, i, ray);
-    const Bits close = bits(passed.maybe()) & first_bits(static_cast<int>(leaf.count - i));
-    if (close == 0) return {.maybe = 0, .surely = 0, .near = {}, .until = {}};
-    const auto [near, until] = passed.entry();
-    return {.maybe = close & bits(near <= WideFloats(reach.until) && passed.exit() >= WideFloats(reach.from)),
-            .surely = bits(passed.surely() && near > WideFloats(reach.from * (1 + 0x1p-18f))),
-            .near = near,
-            .until = until};
+  /// Returns how a ray passes the spheres from the i-th of a leaf on, as many as a vector holds; lanes behind
+  /// the last of the leaf are of no sphere. A reach may be off by 2^-19 of itself in what is asked then.
+  [[nodiscard, gnu::always_inline]] SpherePass pass(Leaf leaf, std::uint32_t i, const BoxRay& ray) const {
+    const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
+    const auto from_origin = [&](int axis) {
+      return WideFloats::load(row + static_cast<std::uint32_t>(axis) * leaf.count) -
+             WideFloats(ray.origin[axis]);
+    };
+    const LinePass line({ray.direction[0], ray.direction[1], ray.direction[2]},
+                        {from_origin(0), from_origin(1), from_origin(2)});
+    const WideFloats r = WideFloats::load(row + 3 * leaf.count);
+    const WideFloats e =
+        WideFloats(0x1p-19f) * (abs(line.along) + r) + WideFloats(0x1p-19f * ray.distance + ray.widening);
+    return {line, r + e, r - e, e};
   }
-
   /// Returns which spheres, from the i-th of a leaf on, may reach into every one of the half-spaces.
   [[nodiscard]] Bits within(Leaf leaf, std::uint32_t i, std::span<const BoxHalfSpace> half_spaces) const {
     const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
@@ -115,20 +110,6 @@ class SphereLeaves {
   }
 
  private:
-  [[nodiscard, gnu::always_inline]] SpherePass pass(Leaf leaf, std::uint32_t i, const BoxRay& ray) const {
-    const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
-    const auto from_origin = [&](int axis) {
-      return WideFloats::load(row + static_cast<std::uint32_t>(axis) * leaf.count) -
-             WideFloats(ray.origin[axis]);
-    };
-    const LinePass line({ray.direction[0], ray.direction[1], ray.direction[2]},
-                        {from_origin(0), from_origin(1), from_origin(2)});
-    const WideFloats r = WideFloats::load(row + 3 * leaf.count);
-    const WideFloats e =
-        WideFloats(0x1p-19f) * (abs(line.along) + r) + WideFloats(0x1p-19f * ray.distance + ray.widening);
-    return {line, r + e, r - e, e};
-  }
-
   /// Numbers of each leaf, from 4 · first on: all x, all y, all z of the centers, and the radii.
   PlainVector<float> rows_;
 };
