@@ -100,11 +100,10 @@ struct BoxRay {
       length = space.scale;
       direction = float4(ray.direction);
     } else {
-      const Vec3 d = ray.direction * space.scale;
-      const double A = dot(d, d);
-      usable = usable && 0x1p-800 < A && A < 0x1p800;
-      length = std::sqrt(A);
-      direction = float4(d * (1 / length));
+      const double root = std::sqrt(square);
+      length = root * space.scale;
+      direction = float4(ray.direction * (1 / root));
+      usable = usable && 0x1p-800 < square && 0x1p-400 < length && length < 0x1p400;  // false for NaN
     }
     if (!usable) return;
     origin = float4(o);
@@ -115,46 +114,57 @@ struct BoxRay {
   /// Returns a lower bound (at_least) or an upper bound (at_most) of t as a distance in box space, 2^-20 of
   /// it away: this covers three roundings here and those of the distances that it is compared with (Slabs).
   [[nodiscard]] float at_least(double t) const {
-    return static_cast<float>(t * length * (t > 0 ? 1 - 0x1p-20 : 1 + 0x1p-20));
+    const double s = t * length;
+    return static_cast<float>(s - 0x1p-20 * std::abs(s));
   }
   [[nodiscard]] float at_most(double t) const {
-    return static_cast<float>(t * length * (t > 0 ? 1 + 0x1p-20 : 1 - 0x1p-20));
+    const double s = t * length;
+    return static_cast<float>(s + 0x1p-20 * std::abs(s));
   }
 };
 
-/// A ray as it is tested against boxes.
+/// A ray as it is tested against boxes: an end of a box on axis i is at s = end · inverse_i + shift_i.
 ///
 /// The line meets a box where, on every axis i, min_i ≤ o_i + s d_i ≤ max_i, hence from s = (min_i − o_i)/d_i
-/// to (max_i − o_i)/d_i, or the other way round for d_i < 0. In float, with u = 2^-24:
+/// to (max_i − o_i)/d_i, or the other way round for d_i < 0. In float, with u = 2^-24, v = inverse_i and an
+/// end m, |m| ≤ 1 + 4u:
 ///
-/// - o_i is moved out by a margin of 2^-22 |o_i| + 2^-38 (1 + |o|), of which the rounding of o_i and of the
-///   sum take at most half. near_origin is moved to the side from which the box looks nearer, far_origin to
-///   the other.
-/// - d_i and 1/d_i are rounded, the difference and the product once each, and each keeps the sign: the
-///   relative error of s is at most 4u. far_inverse is 16u larger than inverse, more than the errors of both
-///   ends.
-/// - |d_i| < 2^-60 is replaced by 2^-60. Inside a box s < |o| + 2, so that the line moves by less than 2^-59
-///   (|o| + 2) on that axis: the margin covers this and all underflows.
+/// - d_i and 1/d_i are rounded, so that v is off by 2u of itself, and m v by 2u |m v| from m/d_i.
+/// - o_i, its product with v, and the sum with the margin are rounded: 5u |o_i v|, with the errors of v.
+/// - The product m v may be rounded, and the sum of both is: 2u |m v| + u |o_i v|.
+///
+/// These are at most u |v| (4 |m| + 6 |o_i|), but for 5u of themselves. near_shift is lower than −o_i v by a
+/// margin of |v| (2^-21 (1 + |o_i|) + 2^-38 |o| + widening), with 2^-21 = 8u, and far_shift is higher by it:
+/// the nearer end comes out no farther than it is, and the farther end no nearer.
+///
+/// |d_i| < 2^-60 is replaced by 2^-60. The line comes to the nearer end no later by that. Inside a box
+/// s < |o| + 2, and the farther end may be up to s too near; the margin is at least 2^60 (4u + 2^-38 |o|)
+/// more than the errors, which is more than s.
 ///
 /// Hence a box that the line meets has near ≤ far. There is no infinity and no NaN in it.
 struct Slabs {
-  Float4 near_origin = 0.0f, far_origin = 0.0f, inverse = 0.0f, far_inverse = 0.0f;
-  int nearer[3] = {};  ///< which end of a box looks nearer on each axis: 0 is min, 1 max
+  Float4 inverse = 0.0f, near_shift = 0.0f, far_shift = 0.0f;
+  /// Ends of a box that look nearer and farther on each axis: their places in Node::end.
+  std::uint32_t near_end[3] = {}, far_end[3] = {};
 
   Slabs() = default;  ///< for no ray
-  explicit Slabs(const BoxRay& ray) {
-    const Float4 margin =
-        Float4(0x1p-22f) * abs(ray.origin) + Float4(0x1p-38f + 0x1p-38f * ray.distance + ray.widening);
-    const Float4 shift = copysign(margin, ray.direction);
-    near_origin = ray.origin + shift;
-    far_origin = ray.origin - shift;
+  /// Makes those of a ray for nodes of some width.
+  Slabs(const BoxRay& ray, std::uint32_t width) {
     inverse = copysign(Float4(1) / max(abs(ray.direction), Float4(0x1p-60f)), ray.direction);
-    far_inverse = inverse * Float4(1 + 0x1p-20f);
+    const Float4 margin = abs(inverse) * (Float4(0x1p-21f) * abs(ray.origin) +
+                                          Float4(0x1p-21f + 0x1p-38f * ray.distance + ray.widening));
+    const Float4 shift = ray.origin * inverse;
+    near_shift = -shift - margin;
+    far_shift = margin - shift;
     // The sign bit is read as an integer: g++ 12 vectorizes three calls of std::signbit at -O3 to an
     // instruction that it does not recognize ("internal compiler error: in extract_insn") unless it compiles
     // for AVX-512.
-    for (int axis = 0; axis < 3; ++axis)
-      nearer[axis] = static_cast<int>(protostar::detail::bit_cast<std::uint32_t>(ray.direction[axis]) >> 31);
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+      const std::uint32_t sign =
+          protostar::detail::bit_cast<std::uint32_t>(ray.direction[static_cast<int>(axis)]) >> 31;
+      near_end[axis] = (3 * sign + axis) * width;
+      far_end[axis] = (3 * (1 - sign) + axis) * width;
+    }
   }
 };
 

@@ -40,14 +40,16 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 ///
 /// A ray that departs from a sphere starts on the sphere by definition, whatever its digits say. If these put
 /// its origin outside, they put the other root, 2b/A, outside too: the point there is as far from the center
-/// as the origin is. The rounding is at most 4u of the distance and of the difference, with u = 2^-53.
+/// as the origin is, at the distance D = |l|. With D ≥ r, D − r = (D² − r²)/(D + r) is at most (D² − r²)/2r.
+/// With u = 2^-53, the difference of the squares is off by at most 6u D² + 2u r², and what follows rounds by
+/// 2u of it and a quotient: 2^-49 = 16u covers both.
 [[nodiscard]] inline double widening(const Ray& ray, const BoxSpace& space) {
   if (ray.transform != nullptr) return error_of(*ray.transform, space);
   if (ray.departure.kind != Departure::Kind::sphere) return 0;
   const auto& [x, y, z, r] = ray.departure.geometry;
   const Vec3 l = Point{x, y, z} - ray.origin;
-  const double distance = std::sqrt(dot(l, l));
-  return std::max(0.0, distance - r + 0x1p-50 * (distance + r));
+  const double ll = dot(l, l), rr = r * r;
+  return std::max(0.0, ll - rr + 0x1p-49 * (ll + rr)) * (0.5 / r);
 }
 
 /// Returns the widening for a query, whose ray may start at a distance from its origin on each axis.
@@ -92,18 +94,22 @@ AlongRay<order> search_along(const Bvh& bvh, const BoxRay& line, const Interval&
 /// every leaf that a ray may meet inside the range, until a call returns true; returns true if one did. A
 /// visit may shorten the reach if near leaves come first. Calls fetch(leaf) for leaves that have to wait.
 template <Order order, class Fetch = Ignore>
-bool each_along(const Bvh& bvh, const BoxRay& line, const Interval& range, const auto& visit,
-                const auto& visit_leaf, const Fetch& fetch = {}) {
+[[gnu::always_inline]] inline bool each_along(const Bvh& bvh, const BoxRay& line, const Interval& range,
+                                              const auto& visit, const auto& visit_leaf,
+                                              const Fetch& fetch = {}) {
   if (const auto found = each_without_box(bvh, line, range, visit)) return *found;
   auto search = search_along<order>(bvh, line, range);
-  return traverse(
-      bvh, search, [&](Leaf leaf) { return visit_leaf(line, leaf, search.reach); },
-      FetchChild<Read::soon, Fetch>{bvh, fetch});
+  const auto visit_one = [&](Leaf leaf) { return visit_leaf(line, leaf, search.reach); };
+  if constexpr (order == Order::any)
+    return traverse(bvh, search, visit_one);
+  else
+    return traverse(bvh, search, visit_one, FetchChild<Read::soon, Fetch>{bvh, fetch});
 }
 
 template <Order order, class Fetch = Ignore>
-bool each_along(const Bvh& bvh, const Ray& ray, const Interval& range, const auto& visit,
-                const auto& visit_leaf, const Fetch& fetch = {}) {
+[[gnu::always_inline]] inline bool each_along(const Bvh& bvh, const Ray& ray, const Interval& range,
+                                              const auto& visit, const auto& visit_leaf,
+                                              const Fetch& fetch = {}) {
   return each_along<order>(bvh, BoxRay(ray, bvh.space(), widening(ray, bvh.space())), range, visit,
                            visit_leaf, fetch);
 }
@@ -119,6 +125,7 @@ void each_along_interleaved(const Bvh& bvh, std::size_t count, const auto& make,
     decltype(make(std::size_t{0})) query;
     BoxRay line;
     AlongRay<order> search;
+    Waiting<AlongRay<order>> waiting;
     Traversal<AlongRay<order>> traversal;
 
     Traveller(const Bvh& in, std::size_t k, decltype(make) make_query)
@@ -126,7 +133,7 @@ void each_along_interleaved(const Bvh& bvh, std::size_t count, const auto& make,
           query(make_query(k)),  // made in place, since a ray is large
           line(query.ray, in.space(), widening(query, in.space())),
           search(search_along<order>(in, line, query.range)),
-          traversal(in) {}
+          traversal(in, waiting) {}
   };
   // Enough for prefetched data to have mostly arrived by a ray's next turn.
   constexpr std::size_t at_a_time = 16;

@@ -11,6 +11,7 @@
 #include "../simd/prefetch.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/store_lanes.hpp"
+#include "../simd/vectors.hpp"
 #include "box_space.hpp"
 #include "bvh.hpp"
 #include "node.hpp"
@@ -49,6 +50,17 @@ struct Met {
   Bits met;
 };
 
+/// Largest number of children that wait in a traversal: on each level all but one.
+inline constexpr int most_waiting = most_levels * node_width;
+
+/// Children that wait in a traversal, with their keys. It is apart from the rest of a Traversal, which the
+/// compiler then keeps in registers.
+template <class Search>
+struct Waiting {
+  std::uint32_t children[most_waiting];  ///< Child::bits()
+  typename Search::Key keys[most_waiting];
+};
+
 /// Traversal of one BVH by one search, step by step, so that several searches can take turns.
 ///
 /// A search has a type Key, by which children are ordered, or NoKey for any order. Its look(node) returns the
@@ -59,7 +71,8 @@ template <class Search>
 class Traversal {
  public:
   /// Begins at the root of a tree that is not empty.
-  explicit Traversal(const Bvh& bvh) : nodes_(bvh.nodes().data()), next_(bvh.root()) {}
+  Traversal(const Bvh& bvh, Waiting<Search>& waiting)
+      : nodes_(bvh.nodes().data()), waiting_(&waiting), next_(bvh.root()) {}
 
   /// Returns what the next step opens or visits.
   [[nodiscard]] Child next() const { return next_; }
@@ -97,17 +110,20 @@ class Traversal {
         if (search.precedes(key, nearest)) std::swap(key, nearest), std::swap(other, next);
         fetch(node.child(other));
         int place = top_++;
-        for (; place > below && search.precedes(keys_[place - 1], key); --place)
-          keys_[place] = keys_[place - 1], waiting_[place] = waiting_[place - 1];
-        keys_[place] = key, waiting_[place] = node.children[other];
+        for (; place > below && search.precedes(waiting_->keys[place - 1], key); --place) {
+          waiting_->keys[place] = waiting_->keys[place - 1];
+          waiting_->children[place] = waiting_->children[place - 1];
+        }
+        waiting_->keys[place] = key, waiting_->children[place] = node.children[other];
       }
       next_ = node.child(next);
       return !search.is_hidden(nearest) || go_on(search);
     } else {
       // How many children wait is as good as random, and therefore no branch.
-      top_ += store_chosen(waiting_ + top_, met, Lanes<std::uint32_t, node_width>::load(node.children));
+      top_ +=
+          store_chosen(waiting_->children + top_, met, Lanes<std::uint32_t, node_width>::load(node.children));
       if constexpr (!std::is_same_v<Fetch, Ignore>)
-        for (int i = below; i < top_; ++i) fetch(Child(waiting_[i]));
+        for (int i = below; i < top_; ++i) fetch(Child(waiting_->children[i]));
       next_ = node.child(next);
       return true;
     }
@@ -119,33 +135,32 @@ class Traversal {
       if (top_ == 0) return false;
       --top_;
     } while (is_hidden(search, top_));
-    next_ = Child(waiting_[top_]);
+    next_ = Child(waiting_->children[top_]);
     return true;
   }
 
   [[nodiscard]] bool is_hidden([[maybe_unused]] const Search& search, [[maybe_unused]] int i) const {
     if constexpr (has_keys)
-      return search.is_hidden(keys_[i]);
+      return search.is_hidden(waiting_->keys[i]);
     else
       return false;
   }
 
-  static constexpr int most_waiting = most_levels * node_width;
-
   const Node* nodes_;
+  Waiting<Search>* waiting_;
   Child next_;
-  int top_ = 0;
-  std::uint32_t waiting_[most_waiting];  ///< Child::bits()
-  Key keys_[most_waiting];
+  int top_ = 0;  ///< number of children that wait
 };
 
 /// Visits the leaves that a search wants, until visit(leaf) returns true; returns true if one did. Calls
 /// fetch(child) for children that have to wait.
 template <class Search, class Fetch = Ignore>
-bool traverse(const Bvh& bvh, const Search& search, const auto& visit, const Fetch& fetch = {}) {
+[[gnu::always_inline]] inline bool traverse(const Bvh& bvh, const Search& search, const auto& visit,
+                                            const Fetch& fetch = {}) {
   if (bvh.order().empty()) return false;
   bool has_ended = false;
-  Traversal<Search> traversal(bvh);
+  Waiting<Search> waiting;
+  Traversal<Search> traversal(bvh, waiting);
   while (traversal.step(
       search, [&](Leaf leaf) { return has_ended = visit(leaf); }, fetch)) {
   }
@@ -162,7 +177,7 @@ struct AlongRay {
   Reach reach;
 
   AlongRay(const Bvh& bvh, const BoxRay& ray, Reach within)
-      : slabs(bvh.root().is_leaf() ? Slabs() : Slabs(ray)), reach(within) {}
+      : slabs(bvh.root().is_leaf() ? Slabs() : Slabs(ray, node_width)), reach(within) {}
 
   /// Distances at which a ray enters boxes, to within the errors that Slabs has.
   struct Distances {
@@ -172,13 +187,15 @@ struct AlongRay {
   };
 
   [[nodiscard]] auto look(const Node& node) const {
+    const float* const ends = node.end[0][0];
     NodeFloats near = reach.from, far = reach.until;
     for (int axis = 0; axis < 3; ++axis) {
-      const int nearer = slabs.nearer[axis];
-      const NodeFloats from = NodeFloats::load(node.end[nearer][axis]),
-                       to = NodeFloats::load(node.end[1 - nearer][axis]);
-      near = max((from - NodeFloats(slabs.near_origin[axis])) * NodeFloats(slabs.inverse[axis]), near);
-      far = min((to - NodeFloats(slabs.far_origin[axis])) * NodeFloats(slabs.far_inverse[axis]), far);
+      const NodeFloats inverse = slabs.inverse[axis];
+      const auto distance = [&](std::size_t end, float shift) {
+        return fused_or_not(NodeFloats::load(ends + end), inverse, NodeFloats(shift));
+      };
+      near = max(distance(slabs.near_end[axis], slabs.near_shift[axis]), near);
+      far = min(distance(slabs.far_end[axis], slabs.far_shift[axis]), far);
     }
     const Bits met = bits(near <= far);
     if constexpr (order == Order::any) {

@@ -33,6 +33,24 @@ using WideMask = Mask<float, float_lanes>;
 #endif
 }
 
+/// Returns a b + c in each lane, the product rounded or not, whichever is faster: for bounds, which hold for
+/// both.
+template <int N>
+[[nodiscard]] Lanes<float, N> fused_or_not(Lanes<float, N> a, Lanes<float, N> b, Lanes<float, N> c) {
+#if defined(PROTOSTAR_VECTORS)
+  [[maybe_unused]] constexpr std::size_t size = sizeof(a.v);
+  using V [[maybe_unused]] = detail::Vector<float, N>;
+#if defined(__AVX512F__)
+  if constexpr (size == 64) return (V)_mm512_fmadd_ps((__m512)a.v, (__m512)b.v, (__m512)c.v);
+#endif
+#if defined(__FMA__)
+  if constexpr (size == 32) return (V)_mm256_fmadd_ps((__m256)a.v, (__m256)b.v, (__m256)c.v);
+  if constexpr (size == 16) return (V)_mm_fmadd_ps((__m128)a.v, (__m128)b.v, (__m128)c.v);
+#endif
+#endif
+  return a * b + c;
+}
+
 /// Returns f(number) in each lane.
 [[nodiscard]] Doubles of_each(Doubles x, const auto& f) {
   return Doubles::of_each([&](int lane) { return f(x[lane]); });
