@@ -20,15 +20,18 @@ class FunctionRef<R(Arguments...)> {
   template <class F>
   requires(!std::same_as<F, FunctionRef> && std::is_invocable_r_v<R, const F&, Arguments...>)
       FunctionRef(const F& function)
-      : function_(std::addressof(function)), call_([](const void* object, Arguments... arguments) -> R {
-          return (*static_cast<const F*>(object))(static_cast<Arguments>(arguments)...);
-        }) {}
+      : function_(std::addressof(function)), call_(&call<F>) {}
 
   R operator()(Arguments... arguments) const {
     return call_(function_, static_cast<Arguments>(arguments)...);
   }
 
  private:
+  template <class F>
+  static R call(const void* object, Arguments... arguments) {
+    return (*static_cast<const F*>(object))(static_cast<Arguments>(arguments)...);
+  }
+
   const void* function_;
   R (*call_)(const void*, Arguments...);
 };
