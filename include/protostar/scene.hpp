@@ -293,11 +293,13 @@ class Scene<S...> {
   /// added.
   template <class T>
   [[nodiscard]] const std::vector<T>& surfaces() const {
-    return std::get<Group<T>>(groups_).surfaces;
+    const Group<T>& group = groups_;
+    return group.surfaces;
   }
   template <class T>
   [[nodiscard]] const std::vector<Material>& materials() const {
-    return std::get<Group<T>>(groups_).materials;
+    const Group<T>& group = groups_;
+    return group.materials;
   }
 
   /// Returns true if any material of the surfaces of one type has a texture, or a normal map.
@@ -335,16 +337,20 @@ class Scene<S...> {
     }
   };
 
+  /// Group of each type. A std::tuple of them would take a compiler twenty functions for each.
+  struct Groups : Group<S>... {};
+
   /// Returns the group of a type, or of the first that it converts to.
   template <class T>
   auto& group_for() {
     constexpr bool is_listed = (std::same_as<T, S> || ...);
     constexpr bool takes_it[] = {is_listed ? std::same_as<T, S> : std::convertible_to<T, S>...};
     constexpr auto first = std::find(std::begin(takes_it), std::end(takes_it), true) - std::begin(takes_it);
-    return std::get<static_cast<std::size_t>(first)>(groups_);
+    using Listed = std::tuple_element_t<static_cast<std::size_t>(first), std::tuple<S...>>;
+    return static_cast<Group<Listed>&>(groups_);
   }
 
-  std::tuple<Group<S>...> groups_;
+  Groups groups_;
   std::vector<Light> lights_;
   Color ambient_{0};
   std::optional<Color> sky_;

@@ -10,7 +10,6 @@
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -40,7 +39,7 @@ class Accelerated<Scene<S...>> {
   [[gnu::cold]] explicit Accelerated(const Scene<S...>& scene, const RenderOptions& options = {})
       : scene_(&scene),
         counts_{scene.template surfaces<S>().size()...},
-        finders_(simd::Finder<S>(scene.template surfaces<S>(), options)...) {
+        finders_{simd::Finder<S>(scene.template surfaces<S>(), options)...} {
     detail::require_threads(options);  // few surfaces are sorted by one thread, whatever the options say
   }
   explicit Accelerated(Scene<S...>&&, const RenderOptions& = {}) = delete;
@@ -179,12 +178,14 @@ class Accelerated<Scene<S...>> {
 
   template <class T>
   [[nodiscard]] const simd::Finder<T>& finder() const {
-    return std::get<simd::Finder<T>>(finders_);
+    return finders_;
   }
+
+  struct Finders : simd::Finder<S>... {};  ///< one of each type
 
   const Scene<S...>* scene_;
   Counts counts_;  ///< when the scene was accelerated
-  std::tuple<simd::Finder<S>...> finders_;
+  Finders finders_;
 };
 
 /// Returns an accelerated scene, with the same answers sooner; call it once all surfaces are in the scene.

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <tuple>
 #include <type_traits>
 
 #include "../plain_vector.hpp"
@@ -31,9 +30,11 @@ struct CrossedByBlock {
 /// State that the parts of a tile share.
 template <Surface... S>
 struct TileState {
+  struct Buffers : VisibilityBuffers<S>... {};
+
   Occluders occluders;
-  std::tuple<VisibilityBuffers<S>...> buffers;  ///< of surfaces that are rasterized
-  PlainVector<CrossedByBlock> crossed;          ///< surfaces that a block of camera rays may cross
+  Buffers buffers;                      ///< of surfaces that are rasterized
+  PlainVector<CrossedByBlock> crossed;  ///< surfaces that a block of camera rays may cross
   RenderStatistics counts;
 };
 
@@ -234,7 +235,8 @@ class TileHits {
   /// Returns the visibility buffer of the surface with this index; null if it has none.
   template <RasterizedSurface T>
   [[nodiscard]] const typename T::Drawn* buffer_at(std::int64_t index) const {
-    return std::get<VisibilityBuffers<T>>(state_.buffers).at(static_cast<int>(index), sample_);
+    const VisibilityBuffers<T>& buffers = state_.buffers;
+    return buffers.at(static_cast<int>(index), sample_);
   }
 
   /// Closest hit of one ray among some surfaces, and the index of its surface; sees_nothing if it misses.

@@ -11,7 +11,6 @@
 #include <iterator>
 #include <memory>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include "../render.hpp"
@@ -106,10 +105,11 @@ class TileRenderer {
     for (const std::uint32_t index : candidates.indices())
       view.visit(index, [&]<class T>(const T& surface, const Material&) {
         if constexpr (RasterizedSurface<T>)
-          for (int i = rays_.pixels().first(); i < rays_.pixels().last(); ++i)
-            if (auto* const drawn =
-                    std::get<VisibilityBuffers<T>>(work.state.buffers).add(static_cast<int>(index), i))
+          for (int i = rays_.pixels().first(); i < rays_.pixels().last(); ++i) {
+            VisibilityBuffers<T>& buffers = work.state.buffers;
+            if (auto* const drawn = buffers.add(static_cast<int>(index), i))
               surface.draw(*drawn, rays_, i, half_spaces, tile);
+          }
       });
   }
 

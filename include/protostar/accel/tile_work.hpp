@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
-#include <tuple>
 #include <utility>
 
 #include "../image.hpp"
@@ -58,7 +57,7 @@ class TileWorks {
     if (!spare_) return std::unique_ptr<Work>(new Work);
     std::unique_ptr<Work> work = std::move(spare_);
     spare_ = std::move(work->next);
-    (std::get<VisibilityBuffers<S>>(work->state.buffers).clear(), ...);
+    (work->state.buffers.VisibilityBuffers<S>::clear(), ...);
     work->state.occluders.clear(), work->state.counts = {};
     return work;
   }
