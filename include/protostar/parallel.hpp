@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cstddef>
 #include <exception>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -22,8 +21,11 @@ namespace detail {
 class JoinedThreads {
  public:
   explicit JoinedThreads(int most) : threads_(new std::thread[static_cast<std::size_t>(most)]) {}
+  JoinedThreads(const JoinedThreads&) = delete;
+  JoinedThreads& operator=(const JoinedThreads&) = delete;
   ~JoinedThreads() {
     for (std::size_t i = 0; i < count_; ++i) threads_[i].join();
+    delete[] threads_;
   }
 
   /// Starts a thread, at most `most` of them.
@@ -33,7 +35,7 @@ class JoinedThreads {
   }
 
  private:
-  std::unique_ptr<std::thread[]> threads_;
+  std::thread* threads_;
   std::size_t count_ = 0;  ///< of those that have started
 };
 

@@ -55,16 +55,16 @@ class TileRenderer {
   /// Fills a tile.
   void operator()(const Tile& tile) const {
     const Fallbacks before = fallbacks;
-    std::unique_ptr<Work> work = works_.take();
+    Work& work = works_.take();
     const Frustum frustum(rays_, tile);
-    Candidates& in_tile = work->lists[0];
-    candidates_.find(tile, frustum, in_tile, work->found);
+    Candidates& in_tile = work.lists[0];
+    candidates_.find(tile, frustum, in_tile, work.found);
     if constexpr (by_packets && View::rasterizes)
-      if (are_tested_together()) rasterize(in_tile, tile, *work);
-    if (!fill_uniform(tile, in_tile, frustum, *work)) fill_parts(tile, in_tile, 0, *work);
-    work->state.counts.exact = fallbacks.exact - before.exact;
-    work->state.counts.undecided = fallbacks.undecided - before.undecided;
-    works_.give_back(std::move(work), statistics_);
+      if (are_tested_together()) rasterize(in_tile, tile, work);
+    if (!fill_uniform(tile, in_tile, frustum, work)) fill_parts(tile, in_tile, 0, work);
+    work.state.counts.exact = fallbacks.exact - before.exact;
+    work.state.counts.undecided = fallbacks.undecided - before.undecided;
+    works_.give_back(work, statistics_);
   }
 
  private:

@@ -3,9 +3,7 @@
 
 #include <array>
 #include <cstddef>
-#include <memory>
 #include <mutex>
-#include <utility>
 
 #include "../image.hpp"
 #include "../render_options.hpp"
@@ -42,7 +40,8 @@ struct TileWork {
   WaitingPackets<typename TileHits<S...>::Closest> waiting;
   TileState<S...> state;
   std::array<PacketSums, most_packets> sums;  ///< of the samples so far, unless a pixel keeps a single one
-  std::unique_ptr<TileWork> next;             ///< in the list of buffers that no tile uses
+  TileWork* next;                             ///< in the list of all buffers of a picture
+  bool is_taken;
 };
 
 /// Buffers of the tiles of a picture. They are large, so that a tile takes those of an earlier one.
@@ -51,28 +50,43 @@ class TileWorks {
  public:
   using Work = TileWork<S...>;
 
+  TileWorks() = default;
+  TileWorks(const TileWorks&) = delete;
+  TileWorks& operator=(const TileWorks&) = delete;
+  ~TileWorks() {
+    while (Work* const work = first_) {
+      first_ = work->next;
+      delete work;
+    }
+  }
+
   /// Returns buffers that no other tile uses.
-  [[nodiscard]] std::unique_ptr<Work> take() {
+  [[nodiscard]] Work& take() {
     const std::lock_guard lock(sharing_);
-    if (!spare_) return std::unique_ptr<Work>(new Work);
-    std::unique_ptr<Work> work = std::move(spare_);
-    spare_ = std::move(work->next);
-    (work->state.buffers.VisibilityBuffers<S>::clear(), ...);
-    work->state.occluders.clear(), work->state.counts = {};
-    return work;
+    Work* work = first_;
+    while (work && work->is_taken) work = work->next;
+    if (work) {
+      (work->state.buffers.VisibilityBuffers<S>::clear(), ...);
+      work->state.occluders.clear(), work->state.counts = {};
+    } else {
+      work = new Work;  // not initialized
+      work->next = first_;
+      first_ = work;
+    }
+    work->is_taken = true;
+    return *work;
   }
 
   /// Takes buffers back, and adds their counts to the statistics, if these are not null.
-  void give_back(std::unique_ptr<Work> work, RenderStatistics* statistics) {
+  void give_back(Work& work, RenderStatistics* statistics) {
     const std::lock_guard lock(sharing_);
-    if (statistics) *statistics += work->state.counts;
-    work->next = std::move(spare_);
-    spare_ = std::move(work);
+    if (statistics) *statistics += work.state.counts;
+    work.is_taken = false;
   }
 
  private:
-  std::mutex sharing_;           ///< guards the statistics and spare_
-  std::unique_ptr<Work> spare_;  ///< first of those that no tile uses
+  std::mutex sharing_;     ///< guards the statistics and the list
+  Work* first_ = nullptr;  ///< of all buffers, as many as threads have used at once
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -73,15 +73,15 @@ bool any_of(std::span<const std::uint32_t> things, const auto& visit) {
   return line.usable && range.min >= 0;
 }
 
+/// Outcome of visits: one returned true, none did and all primitives were visited, or leaves are left.
+enum class Visited : std::uint8_t { until_true, all, some };
+
 /// Calls visit(i) for the primitives that are in no leaf of a tree, or for all primitives if boxes do not
-/// help. Returns true if a visit did, false if all primitives were visited, or nothing if the leaves are left
-/// to be visited.
-std::optional<bool> each_without_box(const Bvh& bvh, const BoxRay& line, const Interval& range,
-                                     const auto& visit) {
-  if (any_of(bvh.unbounded(), visit)) return true;
-  if (!helps(line, range)) return any_of(bvh.order(), visit);
-  if (bvh.order().empty()) return false;
-  return std::nullopt;
+/// help, until a call returns true.
+Visited each_without_box(const Bvh& bvh, const BoxRay& line, const Interval& range, const auto& visit) {
+  const bool in_leaves = helps(line, range) && !bvh.order().empty();
+  if (any_of(bvh.unbounded(), visit) || (!in_leaves && any_of(bvh.order(), visit))) return Visited::until_true;
+  return in_leaves ? Visited::some : Visited::all;
 }
 
 /// Returns the search for the leaves that a ray may meet inside a range.
@@ -97,7 +97,8 @@ template <Order order, class Fetch = Ignore>
 [[gnu::always_inline]] inline bool each_along(const Bvh& bvh, const BoxRay& line, const Interval& range,
                                               const auto& visit, const auto& visit_leaf,
                                               const Fetch& fetch = {}) {
-  if (const auto found = each_without_box(bvh, line, range, visit)) return *found;
+  const Visited visited = each_without_box(bvh, line, range, visit);
+  if (visited != Visited::some) return visited == Visited::until_true;
   auto search = search_along<order>(bvh, line, range);
   const auto visit_one = [&](Leaf leaf) { return visit_leaf(line, leaf, search.reach); };
   if constexpr (order == Order::any)
@@ -144,8 +145,8 @@ void each_along_interleaved(const Bvh& bvh, std::size_t count, const auto& make,
   const auto start = [&](std::optional<Traveller>& traveller) {
     while (next < count) {
       Traveller& one = traveller.emplace(bvh, next++, make);
-      if (!each_without_box(bvh, one.line, one.query.range,
-                            [&](std::uint32_t i) { return visit(one.query, i); }))
+      if (each_without_box(bvh, one.line, one.query.range,
+                           [&](std::uint32_t i) { return visit(one.query, i); }) == Visited::some)
         return;
       done(one.number, one.query);
     }
