@@ -22,25 +22,32 @@ namespace detail {
 
 inline constexpr std::size_t large_page = std::size_t{1} << 21, cache_line = 64;  ///< in bytes
 
-/// Returns the alignment of a block that allocate_pages returns for a number of bytes.
-[[nodiscard]] inline std::align_val_t alignment_of_pages(std::size_t bytes) {
-  return std::align_val_t{bytes >= large_page ? large_page : cache_line};
+/// Returns true if a block is aligned as any scalar is.
+[[nodiscard]] inline bool is_scalar_block(std::size_t bytes, std::size_t alignment) {
+  return bytes <= 256 && alignment <= __STDCPP_DEFAULT_NEW_ALIGNMENT__;
 }
 
-/// Returns new memory, in large pages if it fills at least one. The last page is then a whole one, so that it
-/// is large too.
-[[nodiscard]] inline void* allocate_pages(std::size_t bytes) {
-  if (bytes >= large_page) bytes = (bytes + large_page - 1) / large_page * large_page;
-  void* const memory = ::operator new(bytes, alignment_of_pages(bytes));
+/// Returns new memory for elements of an alignment of at most a cache line, in large pages if it fills at
+/// least one. The last page is then a whole one, so that it is large too. A few bytes are aligned as any
+/// scalar is if that is enough, since a cache line takes twice the time.
+[[nodiscard]] inline void* allocate_pages(std::size_t bytes, std::size_t alignment) {
+  if (bytes < large_page)
+    return is_scalar_block(bytes, alignment) ? ::operator new(bytes)
+                                             : ::operator new (bytes, std::align_val_t{cache_line});
+  bytes = (bytes + large_page - 1) / large_page * large_page;
+  void* const memory = ::operator new (bytes, std::align_val_t{large_page});
 #if defined(MADV_HUGEPAGE)
-  if (bytes >= large_page) madvise(memory, bytes, MADV_HUGEPAGE);  // if this fails, pages are small
+  madvise(memory, bytes, MADV_HUGEPAGE);  // if this fails, pages are small
 #endif
   return memory;
 }
 
-/// Frees a block that allocate_pages returned for this number of bytes.
-inline void free_pages(void* memory, std::size_t bytes) {
-  ::operator delete(memory, alignment_of_pages(bytes));
+/// Frees a block that allocate_pages returned for this number of bytes and alignment.
+inline void free_pages(void* memory, std::size_t bytes, std::size_t alignment) {
+  if (is_scalar_block(bytes, alignment))
+    ::operator delete(memory);
+  else
+    ::operator delete (memory, std::align_val_t{bytes >= large_page ? large_page : cache_line});
 }
 
 }  // namespace detail

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -63,8 +62,8 @@ class OutputFile {
   OutputFile& operator=(const OutputFile&) = delete;
 
   /// Returns the descriptor of this process that a path names, open or not: /dev/stdin, /dev/stdout,
-  /// /dev/stderr, /dev/fd/N or /proc/self/fd/N; nullopt for any other path.
-  [[nodiscard]] static std::optional<int> descriptor_of(const FileName& path) {
+  /// /dev/stderr, /dev/fd/N or /proc/self/fd/N; -1 for any other path.
+  [[nodiscard]] static int descriptor_of(const FileName& path) {
     return detail::SystemFile::descriptor_of(path.text());
   }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <stdexcept>
 #include <type_traits>
@@ -13,19 +14,24 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// Memory of a PlainVector, in elements of `element` bytes. Its functions are compiled once for all types of
-/// elements.
+/// Memory of a PlainVector, in elements of a size and an alignment in bytes. Its functions are compiled once
+/// for all types of elements.
 class PlainMemory {
  public:
-  explicit PlainMemory(std::size_t element) : element_(element) {}
-  PlainMemory(const PlainMemory& other) : element_(other.element_) { assign(other); }
-  PlainMemory(PlainMemory&& other) noexcept : element_(other.element_) { swap(other); }
+  PlainMemory(std::size_t element, std::size_t alignment)
+      : element_(element), alignment_(static_cast<std::uint32_t>(alignment)) {}
+  PlainMemory(const PlainMemory& other) : element_(other.element_), alignment_(other.alignment_) {
+    assign(other);
+  }
+  PlainMemory(PlainMemory&& other) noexcept : element_(other.element_), alignment_(other.alignment_) {
+    swap(other);
+  }
   PlainMemory& operator=(const PlainMemory& other) {
     if (this != &other) assign(other);
     return *this;
   }
   PlainMemory& operator=(PlainMemory&& other) noexcept {
-    PlainMemory old(element_);
+    PlainMemory old(element_, alignment_);
     swap(old);
     swap(other);
     return *this;
@@ -49,11 +55,11 @@ class PlainMemory {
   static constexpr std::size_t largest = static_cast<std::size_t>(-1) / 4;  ///< in bytes
 
   // Not inlined, as they take more code than all else that a caller does with the vector.
-  [[gnu::noinline]] void free() { free_pages(data_, room_ * element_); }
+  [[gnu::noinline]] void free() { free_pages(data_, room_ * element_, alignment_); }
   [[gnu::noinline]] void grow(std::size_t count) {
     if (count > largest / element_) throw std::length_error("PlainVector: too many elements");
     const std::size_t room = count > 2 * room_ ? count : 2 * room_;
-    void* const data = allocate_pages(room * element_);
+    void* const data = allocate_pages(room * element_, alignment_);
     if (size_ > 0) std::memcpy(data, data_, size_ * element_);
     if (data_ != nullptr) free();
     data_ = data, room_ = room;
@@ -70,6 +76,7 @@ class PlainMemory {
 
   void* data_ = nullptr;
   std::size_t element_, size_ = 0, room_ = 0;
+  std::uint32_t alignment_;
 };
 
 }  // namespace detail
@@ -83,7 +90,7 @@ class PlainVector {
  public:
   using value_type = T;
 
-  PlainVector() : memory_(sizeof(T)) {}
+  PlainVector() : memory_(sizeof(T), alignof(T)) {}
   explicit PlainVector(std::size_t size) : PlainVector() { resize(size); }
   PlainVector(std::size_t size, const T& value) : PlainVector() { resize(size, value); }
 

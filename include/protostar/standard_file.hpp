@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <optional>
 #include <random>
 #include <string>
 #include <string_view>
@@ -61,7 +60,7 @@ class StandardFile {
     }
   }
 
-  [[nodiscard]] static std::optional<int> descriptor_of(std::string_view) { return std::nullopt; }
+  [[nodiscard]] static int descriptor_of(std::string_view) { return -1; }
   [[nodiscard]] bool is_in_place() const { return false; }
 
   [[nodiscard]] int write(const char* bytes, std::size_t size) {

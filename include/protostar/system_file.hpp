@@ -30,7 +30,6 @@ using SystemFile = StandardFile;
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -126,14 +125,14 @@ class SystemFile {
     const bool exists = ::stat(path.c_str(), &status) == 0;
     if (!exists && errno != ENOENT && errno != ENOTDIR) return {errno};  // such as a link to itself
     std::array<char, 4096> link;                                         // as long as a path on Linux
-    while (!is_in_proc(path) && !descriptor_of(path)) {
+    while (!is_in_proc(path) && descriptor_of(path) < 0) {
       const auto size = ::readlink(path.c_str(), link.data(), link.size());
       if (size < 0) break;
       const std::string_view to(link.data(), static_cast<std::size_t>(size));
       path.resize(to.starts_with('/') ? 0 : path.rfind('/') + 1);  // npos is −1
       path += to;
     }
-    if (const auto number = descriptor_of(path)) return open_descriptor(*number);
+    if (const int number = descriptor_of(path); number >= 0) return open_descriptor(number);
     if (exists && S_ISDIR(status.st_mode)) return {EISDIR};
     if (exists && (!S_ISREG(status.st_mode) || is_in_proc(path))) {
       file_ = Descriptor(::open(path.c_str(), O_WRONLY | O_APPEND | O_NOCTTY | O_CLOEXEC));
@@ -142,8 +141,8 @@ class SystemFile {
     return open_target(path, exists);
   }
 
-  /// Returns the descriptor of this process that a path names, open or not; nullopt for any other path.
-  [[nodiscard, gnu::cold]] static std::optional<int> descriptor_of(std::string_view path) {
+  /// Returns the descriptor of this process that a path names, open or not; -1 for any other path.
+  [[nodiscard, gnu::cold]] static int descriptor_of(std::string_view path) {
     if (path == "/dev/stdin") return STDIN_FILENO;
     if (path == "/dev/stdout") return STDOUT_FILENO;
     if (path == "/dev/stderr") return STDERR_FILENO;
@@ -155,7 +154,7 @@ class SystemFile {
           read.ec == std::errc{} && read.ptr == end && number >= 0)
         return number;
     }
-    return std::nullopt;
+    return -1;
   }
 
   /// Returns true if the target itself is written, as it cannot be replaced.

@@ -60,7 +60,7 @@ Options::Format format_of(const std::filesystem::path& path, const std::string& 
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (fs::exists(status) && (!fs::is_regular_file(status) || protostar::OutputFile::descriptor_of(path)))
+  if (fs::exists(status) && (!fs::is_regular_file(status) || protostar::OutputFile::descriptor_of(path) >= 0))
     return Options::Format::ppm;
 
   if (ends_in(path, ".ppm")) return Options::Format::ppm;

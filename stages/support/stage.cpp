@@ -104,7 +104,7 @@ void Stage::check_output(const std::filesystem::path& path) const {
   const auto status = std::filesystem::status(path, error);
   const bool is_device = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
                          !std::filesystem::is_directory(status);
-  if (is_device && !OutputFile::descriptor_of(path)) {
+  if (is_device && OutputFile::descriptor_of(path) < 0) {
     // Opening a pipe or a device is an event; hence only its permission is tested.
     if (faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) != 0)
       throw std::system_error(errno, std::generic_category(), "cannot write '" + path.string() + "'");

@@ -80,7 +80,8 @@ enum class Visited : std::uint8_t { until_true, all, some };
 /// help, until a call returns true.
 Visited each_without_box(const Bvh& bvh, const BoxRay& line, const Interval& range, const auto& visit) {
   const bool in_leaves = helps(line, range) && !bvh.order().empty();
-  if (any_of(bvh.unbounded(), visit) || (!in_leaves && any_of(bvh.order(), visit))) return Visited::until_true;
+  if (any_of(bvh.unbounded(), visit) || (!in_leaves && any_of(bvh.order(), visit)))
+    return Visited::until_true;
   return in_leaves ? Visited::some : Visited::all;
 }
 

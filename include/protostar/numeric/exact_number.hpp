@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "../plain_vector.hpp"
 #include "../vec3.hpp"
 #include "double_double.hpp"
 
@@ -32,8 +32,9 @@ class ExactNumber {
     const int shift = (exponent - 53) & 31;  // 0 to 31, also for negative exponents
     const std::uint64_t low = bits << shift, high = shift == 0 ? 0 : bits >> (64 - shift);
     lowest_ = (exponent - 53 - shift) / 32;
-    digits_ = {static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(low >> 32),
-               static_cast<std::uint32_t>(high)};
+    digits_.resize(3);
+    digits_[0] = static_cast<std::uint32_t>(low), digits_[1] = static_cast<std::uint32_t>(low >> 32);
+    digits_[2] = static_cast<std::uint32_t>(high);
     trim();
   }
 
@@ -85,7 +86,7 @@ class ExactNumber {
     if (a.digits_.empty() || b.digits_.empty()) return product;
     product.is_negative_ = a.is_negative_ != b.is_negative_;
     product.lowest_ = a.lowest_ + b.lowest_;
-    product.digits_.resize(a.digits_.size() + b.digits_.size());
+    product.digits_.resize(a.digits_.size() + b.digits_.size(), 0);
     for (std::size_t i = 0; i < a.digits_.size(); ++i) {
       // A product of two digits plus two more digits is less than 2^64.
       const std::uint64_t digit = a.digits_[i];
@@ -117,10 +118,13 @@ class ExactNumber {
 
   /// Removes zeros at both ends.
   void trim() {
-    while (!digits_.empty() && digits_.back() == 0) digits_.pop_back();
-    const auto lowest = std::find_if(digits_.begin(), digits_.end(), [](std::uint32_t x) { return x != 0; });
-    lowest_ += static_cast<int>(lowest - digits_.begin());
-    digits_.erase(digits_.begin(), lowest);
+    std::size_t first = 0, end = digits_.size();
+    while (end > 0 && digits_[end - 1] == 0) --end;
+    while (first < end && digits_[first] == 0) ++first;
+    if (first > 0)
+      for (std::size_t i = first; i < end; ++i) digits_[i - first] = digits_[i];
+    digits_.resize(end - first);
+    lowest_ += static_cast<int>(first);
   }
 
   /// Returns a + b, where b is taken with the given sign.
@@ -153,7 +157,7 @@ class ExactNumber {
     for (std::uint32_t& digit : digits_) digit = ~digit + carries, carries = carries && digit == 0;
   }
 
-  std::vector<std::uint32_t> digits_;  ///< the lowest first, without zeros at either end
+  PlainVector<std::uint32_t> digits_;  ///< the lowest first, without zeros at either end
   int lowest_ = 0;                     ///< the lowest digit counts 2^(32 · lowest_)
   bool is_negative_ = false;
 };
