@@ -1,7 +1,6 @@
 // Images as PPM files (§2.2.2).
 #pragma once
 
-#include <array>
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
@@ -29,7 +28,7 @@ namespace detail {
 
 /// Decimal digits of a code with a tab behind them, so that a number is copied and not computed.
 struct DecimalText {
-  std::array<char, 6> characters{};
+  char characters[6]{};
   std::uint8_t length = 0;
 };
 
@@ -37,7 +36,7 @@ struct DecimalText {
 inline PlainVector<DecimalText> decimal_texts(std::size_t count) {
   PlainVector<DecimalText> texts(count);
   for (std::size_t code = 0; code < count; ++code) {
-    char* const begin = texts[code].characters.data();
+    char* const begin = texts[code].characters;
     char* const end = std::to_chars(begin, begin + 5, code).ptr;
     *end = '\t';
     texts[code].length = static_cast<std::uint8_t>(end + 1 - begin);
@@ -62,29 +61,28 @@ inline void save_ppm(const Image& image, const FileName& path, const Transfer& t
              std::to_string(image.height()) + "\n" + std::to_string(encode.max_code()) + "\n");
 
   const auto decimals = detail::decimal_texts(options.plain ? encode.max_code() + std::size_t{1} : 0);
-  constexpr int block = 4096;  // pixels written at a time, for rows of any width
-  std::array<char, block * 19 + 1>
-      buffer;  // per pixel three numbers of five digits and four tabs, and one newline
+  constexpr int block = 4096;   // pixels written at a time, for rows of any width
+  char buffer[block * 19 + 1];  // per pixel three numbers of five digits and four tabs, and one newline
   const std::size_t row_bytes = static_cast<std::size_t>(image.width()) * sizeof(Color);
   const auto is_like_the_row_above = [&](int y) {
     return y > 0 && std::memcmp(&image(0, y), &image(0, y - 1), row_bytes) == 0;
   };
-  char* end = buffer.data();
+  char* end = buffer;
   for (int y = 0; y < image.height(); ++y) {
     if (options.repeat_rows && image.width() <= block && is_like_the_row_above(y)) {
       if (options.stop.stop_requested()) return;
-      file.write(buffer.data(), static_cast<std::size_t>(end - buffer.data()));  // still the row above
+      file.write(buffer, static_cast<std::size_t>(end - buffer));  // still the row above
       continue;
     }
     for (int x0 = 0; x0 < image.width(); x0 += block) {
       if (options.stop.stop_requested()) return;
       const int x1 = image.width() - x0 < block ? image.width() : x0 + block;
-      end = buffer.data();
+      end = buffer;
       for (int x = x0; x < x1; ++x) {
         for (const std::uint16_t code : encode(image(x, y))) {
           if (options.plain) {
             const detail::DecimalText& text = decimals[code];
-            std::memcpy(end, text.characters.data(), text.characters.size());
+            std::memcpy(end, text.characters, sizeof text.characters);
             end += text.length;
           } else {
             if (wide) *end++ = static_cast<char>(code >> 8);  // the most significant byte first
@@ -94,7 +92,7 @@ inline void save_ppm(const Image& image, const FileName& path, const Transfer& t
         if (options.plain) *end++ = '\t';
       }
       if (options.plain && x1 == image.width()) *end++ = '\n';
-      file.write(buffer.data(), static_cast<std::size_t>(end - buffer.data()));
+      file.write(buffer, static_cast<std::size_t>(end - buffer));
     }
   }
   file.commit();

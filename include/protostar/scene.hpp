@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <iterator>
 #include <optional>
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -109,16 +108,17 @@ template <Surface T>
       constexpr double error = Roots::relative_error;
       const bool departs = ray.departure.kind != Departure::Kind::none;
       double end = range.max, sooner = (1 - 8 * error) * end, later = (1 + 2 * error) * end;
-      for (const T& surface : std::span(surfaces)) {
+      const T* const all = surfaces.data();
+      for (std::size_t i = 0, count = surfaces.size(); i < count; ++i) {
+        const T& surface = all[i];
         const auto root = first_root_of_each(surface.equation(line), true);
         const bool is_known = !root.in_doubt && !(departs && surface.is_left_by(ray));
         if (is_known && !(root.is_there && root.t < later)) continue;
-        const Material& material = materials[static_cast<std::size_t>(&surface - surfaces.data())];
         if (is_known && root.t < sooner) {
-          first = crossing_on(surface, {root.t, root.is_far}, material);
+          first = crossing_on(surface, {root.t, root.is_far}, materials[i]);
           end = (1 + 4 * error) * root.t;  // less than before
         } else {
-          end = take_if_closer(surface, material, ray, {0, end}, first);
+          end = take_if_closer(surface, materials[i], ray, {0, end}, first);
         }
         sooner = (1 - 8 * error) * end, later = (1 + 2 * error) * end;
       }
@@ -255,8 +255,12 @@ class Scene<S...> {
 
   /// Returns true if there is any hit in the range. The first one found ends the search.
   [[nodiscard]] bool occluded(const Ray& ray, [[maybe_unused]] Interval range = {}) const {
-    [[maybe_unused]] const auto is_hit = [&](const auto& surface) { return any_hit(surface, ray, range); };
-    return (std::any_of(surfaces<S>().begin(), surfaces<S>().end(), is_hit) || ...);
+    [[maybe_unused]] const auto any_is_hit = [&](const auto& surfaces) {
+      for (std::size_t i = 0; i < surfaces.size(); ++i)
+        if (any_hit(surfaces[i], ray, range)) return true;
+      return false;
+    };
+    return (any_is_hit(surfaces<S>()) || ...);
   }
 
   /// Calls visit(const Intersection&) for all hits in the range, in the order of the surfaces, not along the

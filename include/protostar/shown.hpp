@@ -11,7 +11,6 @@
 #include <cstdlib>
 #endif
 
-#include <array>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -70,16 +69,16 @@ inline std::string shown(std::string_view text) {
 
 /// Returns a number with so many digits that no other double reads the same, such as 0.1.
 [[nodiscard]] inline std::string shown(double number) {
-  std::array<char, 32> digits{};  // -2.2250738585072014e-308, as long as any, has 24
+  char digits[32]{};  // -2.2250738585072014e-308, as long as any, has 24
 #if defined(__cpp_lib_to_chars)
-  std::to_chars(digits.data(), digits.data() + digits.size(), number);
+  std::to_chars(digits, digits + sizeof digits, number);
 #else  // libc++ 14; 17 digits tell all doubles apart
   for (int count = 1; count <= 17; ++count) {
-    std::snprintf(digits.data(), digits.size(), "%.*g", count, number);
-    if (std::strtod(digits.data(), nullptr) == number) break;
+    std::snprintf(digits, sizeof digits, "%.*g", count, number);
+    if (std::strtod(digits, nullptr) == number) break;
   }
 #endif
-  return digits.data();
+  return digits;
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -25,7 +25,6 @@ using SystemFile = StandardFile;
 #include <sys/xattr.h>
 #endif
 
-#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstddef>
@@ -124,11 +123,11 @@ class SystemFile {
     struct stat status {};
     const bool exists = ::stat(path.c_str(), &status) == 0;
     if (!exists && errno != ENOENT && errno != ENOTDIR) return {errno};  // such as a link to itself
-    std::array<char, 4096> link;                                         // as long as a path on Linux
+    char link[4096];                                                     // as long as a path on Linux
     while (!is_in_proc(path) && descriptor_of(path) < 0) {
-      const auto size = ::readlink(path.c_str(), link.data(), link.size());
+      const auto size = ::readlink(path.c_str(), link, sizeof link);
       if (size < 0) break;
-      const std::string_view to(link.data(), static_cast<std::size_t>(size));
+      const std::string_view to(link, static_cast<std::size_t>(size));
       path.resize(to.starts_with('/') ? 0 : path.rfind('/') + 1);  // npos is −1
       path += to;
     }

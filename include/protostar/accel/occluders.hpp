@@ -257,7 +257,7 @@ class Occluders {
   struct ToLight {
     Point light{0};
     double near = 0;  ///< largest distance from the light at which its rays end
-    std::array<List, lists_each> lists;
+    List lists[lists_each];
     std::size_t next = 0;
     double wide = 4;  ///< width of a cone, as a multiple of that of a packet's rays
     int served = 256, waits = 0, pause = 0;
@@ -280,7 +280,7 @@ class Occluders {
     return to_light;
   }
 
-  std::array<ToLight, most_lights> lights_;
+  ToLight lights_[most_lights];
   PlainVector<int> indices_;  ///< list for the last packet
   std::size_t count_ = 0, next_ = 0;
 };

@@ -1,7 +1,6 @@
 // Buffers for the work on one tile, and what of it pays.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <mutex>
 
@@ -39,8 +38,8 @@ struct TileWork {
   Visibility visibility;
   WaitingPackets<typename TileHits<S...>::Closest> waiting;
   TileState<S...> state;
-  std::array<PacketSums, most_packets> sums;  ///< of the samples so far, unless a pixel keeps a single one
-  TileWork* next;                             ///< in the list of all buffers of a picture
+  PacketSums sums[most_packets];  ///< of the samples so far, unless a pixel keeps a single one
+  TileWork* next;                 ///< in the list of all buffers of a picture
   bool is_taken;
 };
 

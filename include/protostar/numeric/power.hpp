@@ -5,7 +5,6 @@
 // exponent would show, and in exact arithmetic if a comparison needs more. u = 2^-53.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -25,18 +24,20 @@ inline constexpr DoubleDouble log2_e{0x1.71547652b82fep+0, 0x1.777d0ffda0d24p-56
 /// these roots has an error below 8u², since a root halves the error of its argument and adds 4u². With the
 /// products' 5u² each, a power has an error below 5 · 8u² + 4 · 5u² = 60u² < 2^-100.
 [[nodiscard]] inline const DoubleDouble& root_power_of_two(int i) {
-  static const auto table = [] {
-    std::array<DoubleDouble, root_steps + 1> powers;
-    powers.fill(1.0);
-    powers[root_steps] = 2.0;
-    for (std::size_t step = root_steps / 2; step >= 1; step /= 2) {
-      const DoubleDouble root = sqrt(powers[2 * step]);
-      for (std::size_t j = step; j < root_steps; ++j)
-        if ((j & step) != 0) powers[j] = powers[j] * root;
+  static const struct Table {
+    DoubleDouble powers[root_steps + 1];
+
+    Table() {
+      for (DoubleDouble& power : powers) power = 1.0;
+      powers[root_steps] = 2.0;
+      for (std::size_t step = root_steps / 2; step >= 1; step /= 2) {
+        const DoubleDouble root = sqrt(powers[2 * step]);
+        for (std::size_t j = step; j < root_steps; ++j)
+          if ((j & step) != 0) powers[j] = powers[j] * root;
+      }
     }
-    return powers;
-  }();
-  return table[static_cast<std::size_t>(i)];
+  } table;
+  return table.powers[i];
 }
 
 /// Returns c0 + c1 x + c2 x² + ….

@@ -7,7 +7,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -69,14 +68,15 @@ struct SineAndCosine {
 /// Returns arctan(k/8) for k from 0 to 8, each from the one before:
 ///   arctan a − arctan b = arctan((a − b)/(1 + a b)),   here of (1/8)/(1 + k(k − 1)/64).
 [[nodiscard]] inline const DoubleDouble& arc_tangent_of_eighths(int k) {
-  static const auto table = [] {
-    std::array<DoubleDouble, 9> angles;
-    for (int i = 1; i <= 8; ++i)
-      angles[static_cast<std::size_t>(i)] =
-          angles[static_cast<std::size_t>(i - 1)] + arc_tangent_series(quotient(8, 64 + i * (i - 1)));
-    return angles;
-  }();
-  return table[static_cast<std::size_t>(k)];
+  static const struct Table {
+    DoubleDouble angles[9];
+
+    Table() {
+      for (int i = 1; i <= 8; ++i)
+        angles[i] = angles[i - 1] + arc_tangent_series(quotient(8, 64 + i * (i - 1)));
+    }
+  } table;
+  return table.angles[k];
 }
 
 /// Returns the angle between the x axis and (x, y) ≠ 0, with the sign of y; series(z) is the arc tangent of

@@ -171,7 +171,7 @@ class ReconstructionFilter {
     has_weights_ = area_ != signed_area;
     for (Piece& piece : pieces_) piece.weight *= area_ / signed_area;
     std::size_t piece = 0;
-    for (std::size_t part = 0; part < first_pieces_.size(); ++part) {
+    for (std::size_t part = 0; part < parts; ++part) {
       const double before = static_cast<double>(part) / parts * area_;
       while (piece + 1 < pieces_.size() && pieces_[piece + 1].area_before <= before) ++piece;
       first_pieces_[part] = static_cast<std::uint16_t>(piece);
@@ -209,7 +209,7 @@ class ReconstructionFilter {
   double radius_ = 0.5, area_ = 0;  ///< area_ is that under |f|
   bool has_weights_ = false;        ///< other weights than 1
   PlainVector<Piece> pieces_;
-  std::array<std::uint16_t, parts> first_pieces_{};
+  std::uint16_t first_pieces_[parts]{};
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI
