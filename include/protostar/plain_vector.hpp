@@ -46,8 +46,10 @@ class PlainMemory {
       grow(count);
   }
 
-  [[nodiscard]] void* data() const { return data_; }
+  [[nodiscard]] void* memory() const { return data_; }
   [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  void clear() { size_ = 0; }
   [[nodiscard]] std::size_t room() const { return room_; }
   void set_size(std::size_t size) { size_ = size; }  ///< at most room()
 
@@ -86,18 +88,19 @@ class PlainMemory {
 /// std::vector takes a compiler several times as long. Elements made without a value are not set to 0. One
 /// that was moved from is empty.
 template <class T>
-class PlainVector {
+class PlainVector : private detail::PlainMemory {
  public:
   using value_type = T;
+  using PlainMemory::clear;
+  using PlainMemory::empty;
+  using PlainMemory::size;
 
-  PlainVector() : memory_(sizeof(T), alignof(T)) {}
+  PlainVector() : PlainMemory(sizeof(T), alignof(T)) {}
   explicit PlainVector(std::size_t size) : PlainVector() { resize(size); }
   PlainVector(std::size_t size, const T& value) : PlainVector() { resize(size, value); }
 
-  [[nodiscard]] std::size_t size() const { return memory_.size(); }
-  [[nodiscard]] bool empty() const { return size() == 0; }
-  [[nodiscard]] T* data() { return static_cast<T*>(memory_.data()); }
-  [[nodiscard]] const T* data() const { return static_cast<const T*>(memory_.data()); }
+  [[nodiscard]] T* data() { return static_cast<T*>(memory()); }
+  [[nodiscard]] const T* data() const { return static_cast<const T*>(memory()); }
   [[nodiscard]] T* begin() { return data(); }
   [[nodiscard]] T* end() { return data() + size(); }
   [[nodiscard]] const T* begin() const { return data(); }
@@ -107,21 +110,20 @@ class PlainVector {
   [[nodiscard]] T& back() { return data()[size() - 1]; }
   [[nodiscard]] const T& back() const { return data()[size() - 1]; }
 
-  void clear() { memory_.set_size(0); }
   void resize(std::size_t size) {
     static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
     static_assert(alignof(T) <= detail::cache_line);
     const std::size_t old = this->size();
-    memory_.make_room(size);
-    memory_.set_size(size);
+    make_room(size);
+    set_size(size);
     if constexpr (!std::is_trivially_default_constructible_v<T>)
       for (std::size_t i = old; i < size; ++i) ::new (static_cast<void*>(data() + i)) T;
   }
   void resize(std::size_t size, const T& value) {
     const std::size_t old = this->size();
     const T copy = value;  // it may be an element
-    memory_.make_room(size);
-    memory_.set_size(size);
+    make_room(size);
+    set_size(size);
     for (std::size_t i = old; i < size; ++i) ::new (static_cast<void*>(data() + i)) T(copy);
   }
 
@@ -129,9 +131,9 @@ class PlainVector {
   T& push_back(const T& value) {
     static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
     const std::size_t size = this->size();
-    if (size < memory_.room()) [[likely]] {
+    if (size < room()) [[likely]] {
       T* const place = ::new (static_cast<void*>(data() + size)) T(value);
-      memory_.set_size(size + 1);
+      set_size(size + 1);
       return *place;
     }
     resize(size + 1, value);
@@ -144,9 +146,6 @@ class PlainVector {
       if (!(a[i] == b[i])) return false;
     return true;
   }
-
- private:
-  detail::PlainMemory memory_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI
