@@ -297,23 +297,21 @@ class Scene<S...> {
   /// added.
   template <class T>
   [[nodiscard]] const std::vector<T>& surfaces() const {
-    const Group<T>& group = groups_;
-    return group.surfaces;
+    return group<T>().surfaces;
   }
   template <class T>
   [[nodiscard]] const std::vector<Material>& materials() const {
-    const Group<T>& group = groups_;
-    return group.materials;
+    return group<T>().materials;
   }
 
   /// Returns true if any material of the surfaces of one type has a texture, or a normal map.
   template <class T>
   [[nodiscard]] bool has_textures() const {
-    return std::get<Group<T>>(groups_).has_textures;
+    return group<T>().has_textures;
   }
   template <class T>
   [[nodiscard]] bool has_normal_maps() const {
-    return std::get<Group<T>>(groups_).has_normal_maps;
+    return group<T>().has_normal_maps;
   }
 
  private:
@@ -343,6 +341,11 @@ class Scene<S...> {
 
   /// Group of each type. A std::tuple of them would take a compiler twenty functions for each.
   struct Groups : Group<S>... {};
+
+  template <class T>
+  [[nodiscard]] const Group<T>& group() const {
+    return groups_;
+  }
 
   /// Returns the group of a type, or of the first that it converts to.
   template <class T>

@@ -38,8 +38,7 @@ struct TileState {
   RenderStatistics counts;
 };
 
-/// Closest hits of packets among the surfaces of a tile. A surface is tested with all rays of a packet at
-/// once, and a ray that is left in doubt is then traced alone.
+/// Closest hits of packets among a tile's surfaces: of all rays of a packet at once, then of each in doubt.
 template <Surface... S>
 class TileHits {
  public:
