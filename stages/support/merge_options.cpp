@@ -3,6 +3,7 @@
 #include "command_line.hpp"
 #include "option_values.hpp"
 #include "options.hpp"
+#include "picture_file.hpp"
 
 std::optional<MergeOptions> parse_merge_options(int argc, const char* const* argv, const std::string& program,
                                                 int& status) {
@@ -14,7 +15,7 @@ std::optional<MergeOptions> parse_merge_options(int argc, const char* const* arg
   FileOptions file;
   CommandLine line("Makes the picture of which .shard files have all parts (docs/many_machines.md).",
                    program);
-  line.add_word("OUT", output, "", "The picture's file: .ppm, .png, or .pfm and .hdr for the linear light");
+  line.add_word("OUT", output, "", "The picture's file: " + std::string(format_endings));
   line.add_words("SHARD", shards, "The parts, in any order, as --shard has written them");
   file.add_to(line, "the scene's", "");
   line.add_flag("--quiet", merge.options.quiet, "Print nothing but errors");

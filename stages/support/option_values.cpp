@@ -6,9 +6,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <protostar/io/text.hpp>
-#include <protostar/output_file.hpp>
 #include <stdexcept>
-#include <system_error>
 #include <vector>
 
 #include "message.hpp"
@@ -54,21 +52,6 @@ bool ends_in(const std::filesystem::path& path, std::string_view ending) {
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return name.ends_with(ending);
-}
-
-Options::Format format_of(const std::filesystem::path& path, const std::string& option) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (fs::exists(status) && (!fs::is_regular_file(status) || protostar::OutputFile::descriptor_of(path) >= 0))
-    return Options::Format::ppm;
-
-  if (ends_in(path, ".ppm")) return Options::Format::ppm;
-  if (ends_in(path, ".png")) return Options::Format::png;
-  if (ends_in(path, ".pfm")) return Options::Format::pfm;
-  if (ends_in(path, ".hdr")) return Options::Format::hdr;
-  refuse(option, path.string(),
-         "a file that ends in .ppm, .png, .pfm or .hdr, or a device or pipe that exists");
 }
 
 static std::string ending_of(Options::Format format) {

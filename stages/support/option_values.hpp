@@ -28,11 +28,6 @@ int read_whole(const std::string& option, std::string_view text, bool (*is_allow
 /// Returns true if the name of a file ends so, in upper or lower case.
 bool ends_in(const std::filesystem::path& path, std::string_view ending);
 
-/// Returns the format for a file's extension. A device, a pipe or a descriptor of this process by its name,
-/// such as /dev/fd/1, has none and takes a PPM, even if a regular file is open there; a folder is left to the
-/// writer, whose error says what it is. The option is named in the error.
-Options::Format format_of(const std::filesystem::path& path, const std::string& option);
-
 /// Options of the file of a picture: --bits, --transfer and --plain.
 struct FileOptions {
   std::string bits = {}, transfer = {};

@@ -16,6 +16,7 @@
 #include "command_line.hpp"
 #include "message.hpp"
 #include "option_values.hpp"
+#include "picture_file.hpp"
 #include "shard_number.hpp"
 
 namespace {
@@ -289,8 +290,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   CommandLine line(
       of_scene ? "Draws the picture of a scene file." : "Draws the picture of one section of the tutorial.",
       program);
-  line.add_option("-o", output, "FILE",
-                  "The picture's file: .ppm, .png, or .pfm and .hdr for the linear light [out.ppm]");
+  line.add_option("-o", output, "FILE", "The picture's file: " + std::string(format_endings) + " [out.ppm]");
   line.add_option("--size", size, "WxH",
                   "Its size in pixels [" +
                       or_of_scene(std::to_string(defaults.width) + "x" + std::to_string(defaults.height)) +

@@ -16,15 +16,11 @@
 #include <filesystem>
 #include <new>
 #include <protostar/encode.hpp>
-#include <protostar/io/hdr.hpp>
-#include <protostar/io/png.hpp>
 #include <protostar/output_file.hpp>
 #include <protostar/pfm.hpp>
-#include <protostar/ppm.hpp>
 #include <protostar/sampling/every_pixel.hpp>
 #include <protostar/sampling/reconstruction.hpp>
 #include <protostar/sampling/samplers.hpp>
-#include <protostar/sampling/shard_file.hpp>
 #include <protostar/shown.hpp>
 #include <stdexcept>
 #include <string>
@@ -33,6 +29,7 @@
 
 #include "interrupt.hpp"
 #include "message.hpp"
+#include "picture_file.hpp"
 
 using namespace protostar;
 
@@ -59,13 +56,6 @@ Image part_of(const Image& whole, const Crop& crop, int width, int height) {
   return part;
 }
 
-/// Replaces a file by one with this text.
-void save_text(const std::filesystem::path& path, const std::string& text) {
-  OutputFile file(path);
-  file.write(text);
-  file.commit();
-}
-
 void flush(std::FILE* stream, const char* name) {
   if (std::fflush(stream) != 0 || std::ferror(stream) != 0)
     throw std::system_error(errno, std::generic_category(), std::string("cannot write ") + name);
@@ -81,18 +71,13 @@ std::string timeout_text(const Options& options) {
 
 Stage::Stage(const Options& options, StopToken stop)
     : options_(options), stop_(std::move(stop)), progress_(options.quiet) {
-  if (options.shard || !options.checkpoint.empty())
-    shared_.emplace(options.shard.value_or(ShardNumber{}), options.checkpoint);
-  if (!options.pixel) return;
-  Explanation& explanation = explanation_.emplace();
-  explanation.pixel = *options.pixel;
-  explanation.width = options.width;
-  explanation.height = options.height;
+  if (options.shard || !options.checkpoint.empty()) begin_shared();
+  if (options.pixel) begin_explanation();
 }
 
 Image Stage::image() const {
   if (options_.pixel) return Image(options_.width, options_.height);
-  if (options_.format == Options::Format::png) check_png_size(options_.width, options_.height);
+  check_size(options_.format, options_.width, options_.height);
   check_output(options_.output);
   if (!options_.noise.empty()) check_output(options_.noise);
   if (options_.draws_more()) return Image(options_.crop.width, options_.crop.height);
@@ -128,11 +113,10 @@ StageRenderOptions Stage::render_options() {
   if (options_.in_passes()) set_passes(options);
   if (options_.pixel) {
     options.draws = options_.tone == Tone::scale_image && !options_.is_linear();
-    if (explanation_) options.explanation = &*explanation_;
+    options.explanation = explanation_.get();
   }
   if (shared_) {
-    options.shared = &*shared_;
-    options.picture = shared_picture();
+    share(options);
   } else if (options_.shard) {
     options.draws = false;  // a second picture, to compare the first with
   }
@@ -161,19 +145,6 @@ void Stage::set_passes(RenderOptions& options) {
   }
 }
 
-SharedPicture Stage::shared_picture() const {
-  std::string scene = options_.scene + ", " + options_.integrator;
-  if (options_.clamp > 0) scene += ", clamp " + shown(options_.clamp);
-  for (const NumberOption& own : options_.numbers) scene += ", " + own.name + " " + shown(own.value);
-  return {.seed = options_.seed,
-          .filter = options_.filter,
-          .scene = scene,
-          .finish = {.exposure = options_.exposure,
-                     .tone = options_.tone,
-                     .transfer = options_.transfer,
-                     .plain = options_.plain}};
-}
-
 StageRenderOptions Stage::render_options(const Sphere& sphere) {
   StageRenderOptions options = render_options();
   options.sphere = &sphere;
@@ -184,9 +155,6 @@ void Stage::save(const Image& image) {
   progress_.clear();  // the calling thread need not be the one that does the last tile
   if (stop_.stop_requested()) return;
   if (options_.pixel) return tell(image);
-  if (shared_ && !shared_->shard())
-    throw std::runtime_error(std::string(options_.shard ? "--shard" : "--checkpoint") +
-                             ": this picture is drawn without rays, so it has no samples");
   const auto rendered = Clock::now();
   if (options_.in_passes() && !told_passes_ && report_.samples == 0) {  // it was drawn without rays
     report_.is_met = true;
@@ -197,29 +165,25 @@ void Stage::save(const Image& image) {
       standard_error_ = part_of(standard_error_, options_.crop, options_.width, options_.height);
     save_pfm(standard_error_, options_.noise, stop_);
   }
+  const std::string units = shared_ ? save_shared() : std::string();
   if (options_.shard) {
-    save_shard(*shared_->shard(), options_.output);
+    // The shard is the file.
   } else if (!options_.draws_more() && (options_.tone == Tone::clip || options_.is_linear())) {
-    write(image);
+    write_picture(image, options_, stop_);
   } else {
     Image toned = image;
     if (!options_.is_linear()) apply(options_.tone, toned);
     if (options_.draws_more()) toned = part_of(toned, options_.crop, options_.width, options_.height);
-    write(toned);
+    write_picture(toned, options_, stop_);
   }
   if (stop_.stop_requested()) return;
   std::array<char, 128> times;
   std::snprintf(times.data(), times.size(), ", %s in %.2f ms, written in %.2f ms", options_.work.c_str(),
                 milliseconds(rendered - start_), milliseconds(Clock::now() - rendered));
-  std::string units;
-  if (options_.shard)
-    units = std::to_string(shared_->shard()->units().count()) + " of " +
-            std::to_string(shared_->shard()->picture().units()) + " units of ";
   print(shown(options_.output.string()) + ": " + units + std::to_string(options_.width) + "x" +
         std::to_string(options_.height) + ", " + options_.integrator + times.data());
   if (options_.in_passes()) tell_passes();
-  if (shared_) shared_->finish();
-  shared_.reset();
+  if (shared_) end_shared();
 }
 
 std::string Stage::note_on_passes() const {
@@ -298,57 +262,6 @@ double Stage::number(const std::string& option) const {
 void Stage::print(const std::string& line) const {
   if (stop_.stop_requested() || options_.quiet) return;
   std::fprintf(is_stdout(options_.output) ? stderr : stdout, "%s\n", shown(line).c_str());
-}
-
-void Stage::tell(const Image& image) {
-  if (!explanation_) return;
-  Explanation& explanation = *explanation_;
-  const auto [x, y] = explanation.pixel;
-  explanation.light = image(x, y);
-  explanation.toned = explanation.light;
-  if (!explanation.is_traced) explanation.mean = explanation.light;
-  if (!options_.is_linear()) {
-    Image toned(1, 1);
-    if (options_.tone == Tone::scale_image) {
-      toned = image;
-      for (int row = 0; row < image.height(); ++row)
-        for (int column = 0; column < image.width(); ++column) {
-          const Color light = clamped(image(column, row));
-          explanation.largest = std::max({explanation.largest, light.r, light.g, light.b});
-        }
-    } else {
-      toned(0, 0) = explanation.light;
-    }
-    apply(options_.tone, toned);
-    explanation.toned = options_.tone == Tone::scale_image ? toned(x, y) : toned(0, 0);
-    explanation.codes = Encoder(options_.transfer, options_.bits == 16 ? 65535 : 255)(explanation.toned);
-  }
-  if (!options_.quiet) {
-    const std::string text = text_of(explanation, options_);
-    std::fwrite(text.data(), 1, text.size(), stdout);
-  }
-  if (!options_.explain.empty()) save_text(options_.explain, json_of(explanation, options_));
-  if (!options_.rays.empty()) {
-    if (!explanation.is_traced) throw std::runtime_error("--rays: the pixel was drawn without rays");
-    save_text(options_.rays, rays_of(explanation, options_.rays.string().ends_with(".svg")));
-  }
-  explanation_.reset();
-}
-
-void Stage::write(const Image& image) const {
-  switch (options_.format) {
-    case Options::Format::ppm:
-      return save_ppm(image, options_.output, options_.transfer,
-                      {.bits = options_.bits, .plain = options_.plain, .stop = stop_});
-    case Options::Format::png:
-      return save_png(image, options_.output, options_.transfer, stop_);
-    case Options::Format::pfm:
-      return save_pfm(image, options_.output, stop_);
-    case Options::Format::hdr:
-      return save_hdr(image, options_.output, stop_);
-    case Options::Format::shard:
-      throw std::logic_error("a picture is not written as a shard");
-  }
 }
 
 int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::function<void(Stage&)>& draw) {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <protostar/accel/render_tiles.hpp>
 #include <protostar/image.hpp>
@@ -12,7 +13,6 @@
 #include "options.hpp"
 #include "pictures.hpp"
 #include "progress.hpp"
-#include "shared_render.hpp"
 #include "stage_render.hpp"
 
 /// Run of a stage, by the options of the user.
@@ -69,7 +69,6 @@ class Stage {
   /// Prints a line, unless the user wants none or the work was stopped; to stderr if stdout leads to the
   /// picture.
   void print(const std::string& line) const;
-  void write(const protostar::Image& image) const;
 
   /// Adds what passes need to the options of a render.
   void set_passes(protostar::RenderOptions& options);
@@ -80,10 +79,26 @@ class Stage {
   /// Saves the standard errors, and prints how many samples there are and what the error is.
   void tell_passes();
 
-  /// Returns the description of the picture whose work is shared, as far as options tell it.
-  protostar::SharedPicture shared_picture() const;
+  // Work that is shared (stage_shards.cpp).
 
-  /// Completes the explanation by the picture's pixel, prints it, and writes the files that are asked for.
+  /// Begins it: the units of a shard, or those that a checkpoint does not have.
+  void begin_shared();
+
+  /// Asks a render for it.
+  void share(StageRenderOptions& options) const;
+
+  /// Saves the shard, and returns what it is of the picture: how many units.
+  std::string save_shared() const;
+
+  /// Ends it: the checkpoint is not needed any more.
+  void end_shared();
+
+  // The explanation of a pixel (stage_explanation.cpp).
+
+  /// Begins it.
+  void begin_explanation();
+
+  /// Completes it by the picture's pixel, prints it, and writes the files that are asked for.
   void tell(const protostar::Image& image);
 
   Options options_;
@@ -92,8 +107,8 @@ class Stage {
   protostar::RenderReport report_;         ///< of a picture in passes
   protostar::Image standard_error_{1, 1};  ///< with --noise: of its pixels
   bool told_passes_ = false;
-  std::optional<Explanation> explanation_;  ///< until it is told
-  std::optional<SharedRender> shared_;      ///< until it is drawn and saved
+  std::shared_ptr<Explanation> explanation_;  ///< until it is told
+  std::shared_ptr<SharedRender> shared_;      ///< until it is drawn and saved
   Clock::time_point start_ = Clock::now();
 };
 

@@ -1,0 +1,24 @@
+// Formats of the files of pictures.
+#pragma once
+
+#include <filesystem>
+#include <protostar/image.hpp>
+#include <protostar/stop_token.hpp>
+#include <string>
+#include <string_view>
+
+#include "options.hpp"
+
+/// Endings of the formats, for a help text.
+extern const std::string_view format_endings;
+
+/// Returns the format for a file's extension. A device, a pipe or a descriptor of this process by its name,
+/// such as /dev/fd/1, has none and takes a PPM, even if a regular file is open there; a folder is left to the
+/// writer, whose error says what it is. The option is named in the error.
+Options::Format format_of(const std::filesystem::path& path, const std::string& option);
+
+/// Throws std::length_error for a size that the format cannot have.
+void check_size(Options::Format format, int width, int height);
+
+/// Writes a picture into the file that the options name, in their format.
+void write_picture(const protostar::Image& image, const Options& options, const protostar::StopToken& stop);
