@@ -2,6 +2,7 @@
 import {Controls, parseHelp} from './options.js';
 import {Cancelled, Pool} from './pool.js';
 import {MovableScene} from './scene.js';
+import {isLoaded} from '../modules/stages.mjs';
 
 const dragLimit = 50;  // milliseconds until a dragged thing is seen where it is
 
@@ -72,11 +73,14 @@ class StageView {
     if (this.section.dataset.scene) await this.loadScene();
   }
 
+  // Name of the program that draws: the stage, or `render` if something was moved.
+  get program() { return this.scene?.moved ? 'render' : this.name; }
+
   // Runs the stage, or `render` with the scene file if something was moved. Throws an Error with what the program says.
   async run(...args) {
     const files = this.scene?.moved ? {'scene.json': this.scene.text} : {};
     const program = this.scene?.moved ? ['scene.json', '--integrator', this.scene.explanation.integrator] : [];
-    const result = await this.pool.run(this.scene?.moved ? 'render' : this.name,
+    const result = await this.pool.run(this.program,
                                        [...program, ...this.controls.args('--size'), ...args], files);
     if (result.status !== 0 && !result.files['out.ppm']) throw new Error(result.stderr.trim());
     return result;
@@ -178,6 +182,7 @@ class StageView {
   async ask(x, y) {
     const [width, height] = this.controls.size, question = ++this.asked;
     this.point(x, y);
+    if (!isLoaded(this.program + '.explained')) this.tell('The module that explains pixels is being loaded.');
     try {
       const except = this.controls.has('--error') ? ' (The samples of --error are left out.)' : '';
       // A stage that draws without rays refuses to draw them.
@@ -210,7 +215,7 @@ class StageView {
     const moved = this.scene?.moved;
     const program = moved ? ['scene.json', '--integrator', this.scene.explanation.integrator] : [];
     const own = this.controls.args('--size', '--error', '--max-samples', '--clamp');
-    const result = await this.pool.run(moved ? 'render' : this.name,
+    const result = await this.pool.run(this.program + '.explained',
                                        [...program, ...own, '--size', `${width}x${height}`, '--pixel', `${x},${y}`, ...args],
                                        moved ? {'scene.json': this.scene.text} : {});
     if (result.status !== 0) throw new Error(result.stderr.trim());

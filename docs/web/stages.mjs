@@ -10,6 +10,11 @@
 //
 //   worker.postMessage({module: await compiledModule('09_shadow')});     // in the page
 //   const stage = await loadStage('09_shadow', event.data.module);       // in the worker
+//
+// A module only draws. Its name with `.explained` is that of one that also explains pixels (--pixel), which is fetched when
+// it is asked for, and which draws slowly:
+//
+//   const explained = await loadStage('09_shadow.explained');
 import {modules} from './modules.mjs';
 
 /// Names of all stages, and 'render', which draws scene files.
@@ -19,12 +24,17 @@ export const stageNames = Object.keys(modules);
 const filesOf = {'17_mesh': ['knot.obj']};
 
 const folder = new URL('.', import.meta.url);
-const compiled = new Map(), instances = new Map();
+const compiled = new Map(), loaded = new Set(), instances = new Map();
 
+/// Returns the name of the module that a name stands for, and that of its stage, which has no `.explained` at the end.
 function moduleOf(name) {
-  if (!(name in modules)) throw new Error(`no stage is named '${name}'; the stages are ${stageNames.join(', ')}`);
-  return modules[name];
+  const [, stage, explained] = /^(.*?)(\.explained)?$/s.exec(name).map(part => part ?? '');
+  if (!(stage in modules)) throw new Error(`no stage is named '${stage}'; the stages are ${stageNames.join(', ')}`);
+  return {module: modules[stage] + explained, stage};
 }
+
+/// Returns true if compiledModule has the module of a stage.
+export const isLoaded = name => loaded.has(moduleOf(name).module);
 
 /// Returns the bytes of a file beside this one.
 async function fetched(file) {
@@ -50,14 +60,19 @@ function once(promises, key, make) {
 
 /// Fetches and compiles the module of a stage, once. Returns the WebAssembly.Module, which may be posted to workers.
 export function compiledModule(name) {
-  const module = moduleOf(name);
-  return once(compiled, module, () => fetched(module + '.wasm').then(code => WebAssembly.compile(code)));
+  const {module} = moduleOf(name);
+  return once(compiled, module, async () => {
+    const code = await WebAssembly.compile(await fetched(module + '.wasm'));
+    loaded.add(module);
+    return code;
+  });
 }
 
 /// A stage whose module has been instantiated in this page or worker.
 class Stage {
-  constructor(name, instance) {
+  constructor(name, module, instance) {
     this.name = name;
+    this.module = module;
     this.instance = instance;
   }
 
@@ -75,7 +90,7 @@ class Stage {
     try {
       status = ccall('run_stage_named', 'number', ['string', 'number'], [words.join('\0') + '\0', words.length]);
     } catch (error) {
-      instances.delete(moduleOf(this.name));
+      instances.delete(this.module);
       throw error;
     }
     const result = {};
@@ -87,7 +102,7 @@ class Stage {
 async function instantiate(name, module) {
   // The names of temporary files are random. Node has the browsers' source of random numbers by this name from 19 on.
   if (folder.protocol === 'file:') globalThis.crypto ??= (await import('node:crypto')).webcrypto;
-  const {default: create} = await import(new URL(moduleOf(name) + '.mjs', folder).href);
+  const {default: create} = await import(new URL(name + '.mjs', folder).href);
   const printed = {out: '', error: ''};
   const instance = await new Promise((resolve, reject) => {
     create({
@@ -109,10 +124,10 @@ async function instantiate(name, module) {
 /// Returns the stage of a name. Stages of the same module share an instance. `module` is what compiledModule gave to
 /// the page; without it the module is fetched.
 export async function loadStage(name, module) {
-  const key = moduleOf(name);
-  const instance = await once(instances, key, async () => instantiate(name, await (module ?? compiledModule(name))));
-  for (const file of filesOf[name] ?? [])
+  const {module: key, stage} = moduleOf(name);
+  const instance = await once(instances, key, async () => instantiate(key, await (module ?? compiledModule(name))));
+  for (const file of filesOf[stage] ?? [])
     if (!instance.FS.analyzePath('/scenes/' + file).exists)
       instance.FS.writeFile('/scenes/' + file, await fetched('scenes/' + file));
-  return new Stage(name, instance);
+  return new Stage(stage, key, instance);
 }

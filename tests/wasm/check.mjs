@@ -1,4 +1,5 @@
-// Draws the picture of each stage by WebAssembly, in node, and compares it with its golden, byte for byte.
+// Draws the picture of each stage by WebAssembly, in node, and compares it with its golden, byte for byte. The modules that
+// explain pixels draw it too.
 //
 //   node tests/wasm/check.mjs SITE GOLDEN [NAME...]
 //
@@ -7,9 +8,10 @@
 import {existsSync, readFileSync} from 'node:fs';
 import {resolve} from 'node:path';
 import {pathToFileURL} from 'node:url';
+import {readPng, readPpm} from './pictures.mjs';
 
 const [site, golden, ...wanted] = process.argv.slice(2);
-const {compiledModule, loadStage, stageNames} = await import(pathToFileURL(resolve(site, 'modules/stages.mjs')));
+const {compiledModule, isLoaded, loadStage, stageNames} = await import(pathToFileURL(resolve(site, 'modules/stages.mjs')));
 const {modules} = await import(pathToFileURL(resolve(site, 'modules/modules.mjs')));
 const chosen = wanted.length === 0 ? stageNames
   : stageNames.filter(name => wanted.includes(name) || wanted.includes(modules[name]));
@@ -24,6 +26,12 @@ function expect(condition, message) {
 
 const equal = (a, b) => a && b && Buffer.compare(Buffer.from(a), Buffer.from(b)) === 0;
 
+/// Returns true if a PPM file shows the pixels of a PNG file.
+function isPicture(file, path) {
+  const picture = file && readPpm(file), golden = readPng(readFileSync(path));
+  return picture?.width === golden.width && picture.height === golden.height && equal(picture.pixels, golden.pixels);
+}
+
 /// Returns the pixels of a PFM file of a width, row by row from the top, as the file has them from the bottom.
 function rowsOf(file, width, height) {
   const row = 12 * width;
@@ -35,11 +43,11 @@ const names = chosen.filter(name => name !== 'render');
 for (const name of names) {
   const stage = await loadStage(name);
   const start = performance.now();
-  const {status, stdout, stderr, files} = stage.run(['-o', 'out.png']);
+  const {status, stdout, stderr, files} = stage.run([]);
   expect(status === 0 && stderr === '', `${name}: status ${status}, ${stderr}`);
-  expect(stdout.startsWith('out.png: '), `${name}: no line about the picture but '${stdout}'`);
-  expect(equal(files['out.png'], readFileSync(`${golden}/${name}.png`)), `${name}: the picture is not its golden`);
-  console.log(`${name}: ${files['out.png']?.length} bytes, ${Math.round(performance.now() - start)} ms`);
+  expect(stdout.startsWith('out.ppm: '), `${name}: no line about the picture but '${stdout}'`);
+  expect(isPicture(files['out.ppm'], `${golden}/${name}.png`), `${name}: the picture is not its golden`);
+  console.log(`${name}: ${files['out.ppm']?.length} bytes, ${Math.round(performance.now() - start)} ms`);
 
   // Workers share a picture: each draws a band of it, and the bands together are the picture.
   const small = ['--size', '96x72', '--quiet', '-o', 'out.pfm'];
@@ -49,19 +57,34 @@ for (const name of names) {
   expect(whole.every((row, y) => equal(row, bands[y])), `${name}: the bands are not the rows of the picture`);
 }
 
-// A run leaves nothing behind: an error, the explanation of a pixel, and then a picture as before.
+// A run leaves nothing behind: an error, and then a picture as before.
 if (names.length > 0) {
   const [name] = names, stage = await loadStage(name);
   const usage = stage.run(['--size', '0x7']);
   expect(usage.status === 2 && usage.stderr.includes('0x7') && usage.stdout === '', `an error in usage: ${usage.stderr}`);
-  const pixel = stage.run(['--pixel', '3,4', '--explain', 'pixel.json']);
-  expect(pixel.status === 0 && JSON.parse(Buffer.from(pixel.files['pixel.json'])).pixel !== undefined, 'no explanation');
-  const again = stage.run(['-o', 'out.png', '--quiet']);
-  expect(equal(again.files['out.png'], readFileSync(`${golden}/${name}.png`)), 'a later run draws another picture');
-  expect(Object.keys(again.files).join() === 'out.png', `files of earlier runs are left: ${Object.keys(again.files)}`);
-  const absent = stage.run(['-o', 'folder/out.png', '--quiet']);
-  expect(absent.status === 1 && absent.stderr.includes('folder/out.png'), `no error for a folder: ${absent.stderr}`);
+  const again = stage.run(['--quiet']);
+  expect(isPicture(again.files['out.ppm'], `${golden}/${name}.png`), 'a later run draws another picture');
+  expect(Object.keys(again.files).join() === 'out.ppm', `files of earlier runs are left: ${Object.keys(again.files)}`);
+  const absent = stage.run(['-o', 'folder/out.ppm', '--quiet']);
+  expect(absent.status === 1 && absent.stderr.includes('folder/out.ppm'), `no error for a folder: ${absent.stderr}`);
+  for (const [what, ...args] of [['a PNG', '-o', 'out.png'], ['a shard', '--shard', '0/2', '-o', 'a.shard'],
+                                 ['a checkpoint', '--checkpoint', 'state', '--samples', '4'], ['a pixel', '--pixel', '3,4']]) {
+    const refused = stage.run(args);
+    expect(refused.status > 0 && refused.stderr.includes(args[0]), `no error for ${what}: ${refused.status} ${refused.stderr}`);
+  }
   expect(await compiledModule(name) instanceof WebAssembly.Module, 'no module that a worker could take');
+  expect(isLoaded(name), 'a module that is not loaded when it has been run');
+}
+
+// Modules that explain pixels, where they are built, draw the same pictures.
+for (const name of names.filter(name => existsSync(resolve(site, `modules/${modules[name]}.explained.wasm`)))) {
+  const stage = await loadStage(`${name}.explained`);
+  const pixel = stage.run(['--pixel', '3,4', '--explain', 'pixel.json']);
+  expect(pixel.status === 0 && JSON.parse(Buffer.from(pixel.files['pixel.json'])).pixel !== undefined,
+         `${name}: no explanation but ${pixel.stderr}`);
+  const small = ['--size', '96x72', '--quiet', '-o', 'out.pfm'];
+  expect(equal(stage.run(small).files['out.pfm'], (await loadStage(name)).run(small).files['out.pfm']),
+         `${name}: the module that explains draws another picture`);
 }
 let refused = '';
 await loadStage('00_nothing').catch(error => { refused = error.message; });
@@ -75,8 +98,8 @@ if (chosen.includes('render')) {
     const files = {};
     for (const file of [`${name}.json`, 'knot.obj', 'bricks.png', 'dusk.hdr'])
       if (existsSync(`${scenes}/${file}`)) files[file] = readFileSync(`${scenes}/${file}`);
-    const {status, stderr, files: {'out.png': picture}} = render.run([`${name}.json`, '-o', 'out.png', '--quiet'], files);
-    expect(status === 0 && equal(picture, readFileSync(`${golden}/scenes/${name}.png`)),
+    const {status, stderr, files: {'out.ppm': picture}} = render.run([`${name}.json`, '--quiet'], files);
+    expect(status === 0 && isPicture(picture, `${golden}/scenes/${name}.png`),
            `scenes/${name}.json: status ${status}, ${stderr || 'not its golden'}`);
   }
 }
