@@ -98,16 +98,19 @@ struct Enclosure {
   /// Returns the distance to the nearest even number, which is between 0 and 1: mirrored repetition with the
   /// period 2. Exact but where a kink lies inside.
   ///
-  /// A number x less an even number is exact: both are multiples of the last place of x or of 1, and so is
-  /// the difference, which is at most 1. From 2^50 on the answer is [0, 1].
+  /// A number x less the even number next to it is exact: both are multiples of the last place of x or of 1,
+  /// and so is the difference, which is at most 1. From 2^50 on the answer is [0, 1].
   friend Enclosure fold(const Enclosure& a) {
-    const B first = from_even(a.lower), last = from_even(a.upper);
-    // Largest even and odd numbers that are at most the upper end.
-    const B even = rounding::floor(a.upper * B(0.5)) * B(2.0);
-    const B odd = rounding::floor((rounding::floor(a.upper) + B(1.0)) * B(0.5)) * B(2.0) - B(1.0);
-    const Enclosure folded{select(a.lower <= even, B(0.0), rounding::min(first, last)),
-                           select(a.lower <= odd, B(1.0), rounding::max(first, last))};
-    return select(a.magnitude() < B(0x1p50), folded, Enclosure{B(0.0), B(1.0)});
+    const B one(1.0), first = rounding::floor(a.lower), last = rounding::floor(a.upper);
+    const Truth is_straight = last <= first, rises = is_even(first);                // from `first` on
+    const Truth rises_at_end = (is_straight && rises) || (!is_straight && !rises);  // with one kink inside
+    const B at_lower = rounding::select(rises, a.lower - first, first + one - a.lower),
+            at_upper = rounding::select(rises_at_end, a.upper - last, last + one - a.upper);
+    const Truth has_two = first + one < last;
+    const Enclosure folded{
+        rounding::select(has_two || (!is_straight && !rises), B(0.0), rounding::min(at_lower, at_upper)),
+        rounding::select(has_two || (!is_straight && rises), one, rounding::max(at_lower, at_upper))};
+    return select(a.magnitude() < B(0x1p50), folded, Enclosure{B(0.0), one});
   }
 
   /// Returns the difference from the nearest integer, from −1/2 to 1/2, for repetition. It jumps halfway
@@ -191,8 +194,11 @@ struct Enclosure {
   }
 
  private:
-  /// Returns the distance of x from the nearest even number, exactly.
-  static B from_even(const B& x) { return rounding::abs(x - rounding::nearest_integer(x * B(0.5)) * B(2.0)); }
+  /// Tests whether an integer is even.
+  static Truth is_even(const B& x) {
+    const B half = x * B(0.5);
+    return half <= rounding::floor(half);
+  }
 
   /// Returns an upper bound of the exact result that was rounded to c, and is 0 if its argument x ≥ 0 is.
   static B above_unless_zero(const B& x, const B& c, double slack) {
