@@ -44,6 +44,45 @@ TEST_CASE("fields vary by no more than their Lipschitz constant") {
   });
 }
 
+TEST_CASE("fields curve along lines by no more than the bounds of their second derivatives") {
+  for_each_sample_field([](const char* name, const auto& field, double size) {
+    INFO(name);
+    Random random(43);
+    WrongCases wrong(random);
+    const Enclosure<double> bound = lipschitz_bound(field, cube_of(size), 100).curvature;
+    if (bound.lower == -infinity && bound.upper == infinity) return;
+    for (int i = 0; i < cases(400, 100000); ++i) {
+      const Point p = random.point(size);
+      const Vec3 h = std::exp2(random.real(-12, 0)) * random.direction();
+      bool is_inside = true;
+      for (int k = 0; k < 3; ++k) is_inside = is_inside && std::abs(p[k]) + std::abs(h[k]) < size;
+      if (!is_inside) continue;
+      const FieldPoint<TrueNumber> at{p.x, p.y, p.z}, way{h.x, h.y, h.z};
+      const TrueNumber twice = field(at + way) + field(at - way) - field(at) * 2.0;
+      const double curve = static_cast<double>(twice / (way.x * way.x + way.y * way.y + way.z * way.z));
+      // True numbers are off by less than 2^-80, and h² is above 2^-26.
+      wrong.add(!(bound.lower - 0x1p-50 <= curve && curve <= bound.upper + 0x1p-50), p, h, curve, bound.lower,
+                bound.upper);
+    }
+    CHECK(wrong == 0);
+  });
+}
+
+TEST_CASE("bounds of second derivatives are those of convex, smooth and other fields") {
+  const auto curvature = [](const auto& field) { return lipschitz_bound(field, cube_of(2), 300).curvature; };
+  const auto is_near = [](double x, double right) { return std::abs(x - right) < 1e-9; };
+  CHECK(is_near(curvature([](const auto& p) { return length(p) - 1.0; }).lower, 0));
+  CHECK(is_near(curvature([](const auto& p) { return max(p.x, abs(p.y)); }).lower, 0));
+  CHECK(curvature([](const auto& p) { return min(p.x, p.y); }).lower == -infinity);
+  CHECK(is_near(curvature([](const auto& p) { return min(p.x, p.y); }).upper, 0));
+  CHECK(is_near(curvature([](const auto& p) { return min(square(p.x), square(p.x) + 1.0); }).upper, 2));
+  CHECK(is_near(curvature([](const auto& p) { return sin(p.x) * 3.0; }).lower, -3));
+  CHECK(curvature([](const auto& p) { return fold(p.x); }).lower == -infinity);
+  CHECK(curvature([](const auto& p) { return abs(wrap(p.x)); }).lower == -infinity);
+  // ½ w a'' is 0, and (a' − b')² / 2w is 2/w along x.
+  CHECK(is_near(curvature([](const auto& p) { return smooth_min(p.x, -p.x, 0.5); }).lower, -4));
+}
+
 TEST_CASE("plain values are off by no more than the bound of their error, which is not much larger") {
   for_each_sample_field([](const char* name, const auto& field, double size) {
     INFO(name);

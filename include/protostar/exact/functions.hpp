@@ -309,24 +309,27 @@ template <class N>
 
 [[nodiscard]] inline Variation sin(const Variation& a) {
   const bool holds = a.value.magnitude() + a.error <= detail::largest_angle;
-  return composed(a, sin(a.value), cos(a.value), 1, holds ? detail::sine_error<double> : infinity);
+  return composed(a, sin(a.value), cos(a.value), -sin(a.value), 1,
+                  holds ? detail::sine_error<double> : infinity);
 }
 [[nodiscard]] inline Variation cos(const Variation& a) {
   const bool holds = a.value.magnitude() + a.error <= detail::largest_angle;
-  return composed(a, cos(a.value), -sin(a.value), 1, holds ? detail::sine_error<double> : infinity);
+  return composed(a, cos(a.value), -sin(a.value), -cos(a.value), 1,
+                  holds ? detail::sine_error<double> : infinity);
 }
 [[nodiscard]] inline Variation exp(const Variation& a) {
   const bool holds = a.value.magnitude() + a.error <= detail::largest_exponent;
   // The largest approximate argument has the largest power, and the largest derivative.
   const double largest = exp(Enclosure<double>(a.value.upper) + a.error).upper;
   const Enclosure<double> powers = exp(a.value);
-  return composed(a, powers, powers, largest, holds ? largest * detail::exponential_error<double> : infinity);
+  return composed(a, powers, powers, powers, largest,
+                  holds ? largest * detail::exponential_error<double> : infinity);
 }
 [[nodiscard]] inline Variation log(const Variation& a) {
   const Enclosure<double> near = a.value + Enclosure<double>{-a.error, a.error}, values = log(near);
   const bool holds = values.magnitude() < infinity;
-  return composed(a, log(a.value), Enclosure<double>(1.0) / a.value,
-                  (Enclosure<double>(1.0) / near).magnitude(),
+  const Enclosure<double> slopes = Enclosure<double>(1.0) / a.value;
+  return composed(a, log(a.value), slopes, -square(slopes), (Enclosure<double>(1.0) / near).magnitude(),
                   holds ? values.magnitude() * detail::relative_logarithm_error<double> : infinity);
 }
 

@@ -3,9 +3,10 @@
 // Lipschitz constant: a number L with |f(p) − f(q)| ≤ L |p − q| for all points p and q of a box. It is
 // derived from the field, as a Variation, by lipschitz_bound.
 //
-// A Variation describes a function on a box by a bound in each of four ways: its values, its gradient by
-// components, its Lipschitz constant, and the error of its Plain<double> value, which is computed by
-// operations that round once, or not at all where the compiler fuses a product with a sum. u = 2^-53.
+// A Variation describes a function on a box by a bound in each of five ways: its values, its gradient by
+// components, its second derivatives (curvature.hpp), its Lipschitz constant, and the error of its
+// Plain<double> value, which is computed by operations that round once, or not at all where the compiler
+// fuses a product with a sum. u = 2^-53.
 #pragma once
 
 #include <algorithm>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "../bounds.hpp"
+#include "curvature.hpp"
 #include "enclosure.hpp"
 #include "field_point.hpp"
 
@@ -26,6 +28,7 @@ class Variation {
 
   Values value;        ///< contains all exact values
   Values gradient[3];  ///< contains Clarke's generalized gradient by components
+  Curvature curvature;
   double lipschitz = 0;
   double error = 0;  ///< bound of |plain value − exact value|
 
@@ -47,12 +50,14 @@ class Variation {
   friend Variation operator-(Variation a) {
     a.value = -a.value;
     for (Values& g : a.gradient) g = -g;
+    a.curvature = -a.curvature;
     return a;
   }
   friend Variation operator+(const Variation& a, const Variation& b) {
     Variation sum;
     sum.value = a.value + b.value;
     for (int k = 0; k < 3; ++k) sum.gradient[k] = a.gradient[k] + b.gradient[k];
+    sum.curvature = a.curvature + b.curvature;
     sum.set_lipschitz(a.lipschitz + b.lipschitz);
     sum.set_error(a.error + b.error, sum.value);
     return sum;
@@ -65,18 +70,24 @@ class Variation {
     Variation product;
     product.value = a.value * b.value;
     for (int k = 0; k < 3; ++k) product.gradient[k] = a.gradient[k] * b.value + b.gradient[k] * a.value;
+    product.curvature =
+        b.value * a.curvature + a.value * b.curvature + Curvature::of_product(a.gradient, b.gradient);
     product.set_lipschitz(times(a.lipschitz, q) + times(b.lipschitz, p));
     product.set_error(times(p, b.error) + times(q, a.error) + times(a.error, b.error) + tiny, product.value);
     return product;
   }
 
   /// Returns the quotient r = a/b. With errors e of a and f of b, a'/b' is off by (e + |r| f) / (|b| − f).
+  /// The product rule for a = r b gives its second derivatives.
   friend Variation operator/(const Variation& a, const Variation& b) {
     const double least = abs(b.value).lower - b.error;
     if (!(least > 0)) return unknown();
     Variation ratio;
     ratio.value = a.value / b.value;
     for (int k = 0; k < 3; ++k) ratio.gradient[k] = (a.gradient[k] - ratio.value * b.gradient[k]) / b.value;
+    ratio.curvature =
+        (Values(1.0) / b.value) * (a.curvature - Curvature::of_product(ratio.gradient, b.gradient)) +
+        -(ratio.value / b.value) * b.curvature;
     const double size = ratio.value.magnitude();
     ratio.set_lipschitz((a.lipschitz + times(size, b.lipschitz)) / least);
     ratio.set_error((a.error + times(size, b.error)) / least + tiny, ratio.value);
@@ -87,17 +98,21 @@ class Variation {
   // more than their arguments do, and round nothing.
 
   friend Variation min(const Variation& a, const Variation& b) {
-    return of_smaller(a.value, b.value, a, b, min(a.value, b.value));
+    return of_smaller(a.value, b.value, a, b, min(a.value, b.value), {infinity, 0});
   }
   friend Variation max(const Variation& a, const Variation& b) {
-    return of_smaller(b.value, a.value, a, b, max(a.value, b.value));
+    return of_smaller(b.value, a.value, a, b, max(a.value, b.value), {0, infinity});
   }
-  friend Variation abs(const Variation& a) { return of_smaller(-a.value, a.value, a, -a, abs(a.value)); }
+  friend Variation abs(const Variation& a) {
+    return of_smaller(-a.value, a.value, a, -a, abs(a.value), {0, infinity});
+  }
   friend Variation fold(const Variation& a) {
     const double first = std::floor(a.value.lower), last = std::floor(a.value.upper);
     const Variation falling = -a;
     Variation folded = first < last ? either(a, falling) : (std::floor(first / 2) == first / 2 ? a : falling);
     folded.value = fold(a.value);
+    // A kink on the common face of two boxes, as at floor(lower) = lower, counts in one of them.
+    if (first < last) folded.curvature = Curvature::unknown();
     return folded;
   }
 
@@ -106,12 +121,15 @@ class Variation {
   friend Variation wrap(const Variation& a) {
     Variation wrapped = a;
     wrapped.value = wrap(a.value);
+    if (rounding::nearest_integer(a.value.lower) < rounding::nearest_integer(a.value.upper))
+      wrapped.curvature = Curvature::unknown();  // a function that does not jump there may have a kink
     return wrapped;
   }
 
   friend Variation square(const Variation& a) {
     Variation product = a * a;
     product.value = square(a.value);
+    product.curvature = Values(2.0) * (a.value * a.curvature + Curvature::of_square(a.gradient));
     return product;
   }
 
@@ -121,13 +139,18 @@ class Variation {
     root.value = sqrt(a.value);
     const double least = root.value.lower;
     for (int k = 0; k < 3; ++k) root.gradient[k] = a.gradient[k] / (root.value * 2.0);
+    root.curvature = least > 0
+                         ? (Values(0.5) / root.value) *
+                               (a.curvature - (Values(0.5) / a.value) * Curvature::of_square(a.gradient))
+                         : Curvature::unknown();
     root.set_lipschitz(least > 0 ? a.lipschitz / (2 * least) : infinity);
     root.set_error(least > 0 ? smaller(std::sqrt(a.error), a.error / least) : std::sqrt(a.error), root.value);
     return root;
   }
 
   /// Returns the smooth minimum m, which changes by at most as much as the larger of the changes of a and b:
-  /// its derivatives by them are weights with the sum 1.
+  /// its derivatives by them are weights with the sum 1. It is concave in a and b, and its second derivative
+  /// by a − b is −1/2k or 0, which counts (L_a + L_b)² times at most.
   ///
   /// Roundings of the plain value: h = max(k − |a − b|, 0) ≤ k has u (|a| + |b|) + u k, which count h/2k ≤ ½
   /// in h²/4k ≤ k/4; h·h, ¼/k and their product have 3u of it, and the difference u (|m| + k/4).
@@ -136,6 +159,8 @@ class Variation {
     Variation mixed = either(a, b);
     for (int i = 0; i < 3; ++i)
       mixed.gradient[i] = common(mixed.gradient[i], b.gradient[i] + weight * (a.gradient[i] - b.gradient[i]));
+    mixed.curvature = mixed.curvature.widened(
+        larger_by_rounding * times(a.lipschitz + b.lipschitz, a.lipschitz + b.lipschitz) / (2 * k), 0);
     if (weight.lower >= 1) mixed.lipschitz = a.lipschitz;
     if (weight.upper <= 0) mixed.lipschitz = b.lipschitz;
     mixed.set_lipschitz(mixed.lipschitz);
@@ -146,16 +171,23 @@ class Variation {
   }
 
   /// Returns the length. Squares, their sum and the root have a relative error below 4u: no term is negative.
+  /// With e = v/|v|: |v| + e·δ ≤ |v + δ| ≤ |v| + e·δ + |δ|²/2|v|, and |δ| is at most |J| |h| for a change h
+  /// of the point.
   template <std::size_t n>
   friend Variation length_of(const Variation (&v)[n]) {
     Values values[n];
     for (std::size_t i = 0; i < n; ++i) values[i] = v[i].value;
     Variation length;
     length.value = length_of(values);
-    for (int k = 0; k < 3; ++k)
-      for (std::size_t i = 0; i < n; ++i)
-        length.gradient[k] = length.gradient[k] + unit_component(values[i], length.value) * v[i].gradient[k];
-    length.set_lipschitz(norm_of_rows(v));
+    for (std::size_t i = 0; i < n; ++i) {
+      const Values part = unit_component(values[i], length.value);
+      for (int k = 0; k < 3; ++k) length.gradient[k] = length.gradient[k] + part * v[i].gradient[k];
+      length.curvature = length.curvature + part * v[i].curvature;
+    }
+    const double norm = norm_of_rows(v), least = length.value.lower;
+    length.curvature =
+        length.curvature.widened(0, least > 0 ? larger_by_rounding * times(norm, norm) / least : infinity);
+    length.set_lipschitz(norm);
     double squares = 0;
     for (const Variation& component : v) squares += component.error * component.error;
     const double off = std::sqrt(squares) + 0x1p-500;  // 2^-500 exceeds the root of all underflow
@@ -164,24 +196,31 @@ class Variation {
   }
 
   /// Returns the signed distance of q from the vectors without a positive component, which changes by no
-  /// more than |q| does, as distances do. Its plain value is a sum.
+  /// more than |q| does, as distances do. Its plain value is a sum. It is convex in q, as the distance from a
+  /// convex set is, with a gradient whose components are in [0, 1].
   template <std::size_t n>
   friend Variation signed_length_of(const Variation (&q)[n]) {
     Variation parts[n], largest = q[0];
     for (std::size_t i = 0; i < n; ++i) parts[i] = max(q[i], 0.0), largest = max(largest, q[i]);
     const Variation outside = length_of(parts), inside = min(largest, 0.0), sum = outside + inside;
-    Variation distance = of_smaller(Values(0.0), largest.value, outside, largest, sum.value);
+    Variation distance = of_smaller(Values(0.0), largest.value, outside, largest, sum.value, {});
+    distance.curvature = {};
+    for (const Variation& component : q)
+      distance.curvature = distance.curvature + Values(0, 1) * component.curvature;
+    distance.curvature = distance.curvature.widened(0, infinity);
     distance.set_lipschitz(smaller(distance.lipschitz, norm_of_rows(q)));
     distance.error = sum.error;
     return distance;
   }
 
-  /// Returns f(a) for a function f of one number, with its values and derivatives on a.value, the largest
-  /// magnitude of its derivatives within a.error of them, and the largest error of its plain value.
+  /// Returns f(a) for a function f of one number, with its values, derivatives and second derivatives on
+  /// a.value, the largest magnitude of its derivatives within a.error of them, and the largest error of its
+  /// plain value.
   friend Variation composed(const Variation& a, const Values& values, const Values& derivatives,
-                            double steepest, double own) {
+                            const Values& second_derivatives, double steepest, double own) {
     Variation f;
     f.value = values;
+    f.curvature = derivatives * a.curvature + second_derivatives * Curvature::of_square(a.gradient);
     for (int k = 0; k < 3; ++k) f.gradient[k] = derivatives * a.gradient[k];
     f.set_lipschitz(times(derivatives.magnitude(), a.lipschitz));
     f.error = known(larger_by_rounding * (times(steepest, a.error) + own));
@@ -193,6 +232,7 @@ class Variation {
     Variation variation;
     variation.value = Values::whole();
     for (Values& g : variation.gradient) g = Values::whole();
+    variation.curvature = Curvature::unknown();
     variation.lipschitz = variation.error = infinity;
     return variation;
   }
@@ -232,15 +272,23 @@ class Variation {
     Variation one;
     one.value = hull(a.value, b.value);
     for (int k = 0; k < 3; ++k) one.gradient[k] = hull(a.gradient[k], b.gradient[k]);
+    one.curvature = Curvature::either(a.curvature, b.curvature);
     one.lipschitz = larger(a.lipschitz, b.lipschitz);
     one.error = larger(a.error, b.error);
     return one;
   }
 
+  /// Jumps of the gradient where branches meet: infinite if it may fall, or rise, along a line.
+  struct Kinks {
+    double fall = 0, rise = 0;
+  };
+
   /// Returns bounds for a function that is p where a < b, and q where b < a.
   static Variation of_smaller(const Values& a, const Values& b, const Variation& p, const Variation& q,
-                              const Values& values) {
-    Variation chosen = a.upper < b.lower ? p : b.upper < a.lower ? q : either(p, q);
+                              const Values& values, const Kinks& kinks) {
+    const bool is_p = a.upper < b.lower, is_q = b.upper < a.lower;
+    Variation chosen = is_p ? p : is_q ? q : either(p, q);
+    if (!is_p && !is_q) chosen.curvature = chosen.curvature.widened(kinks.fall, kinks.rise);
     chosen.value = values;
     chosen.error = larger(p.error, q.error);
     return chosen;
@@ -271,6 +319,8 @@ class Variation {
 struct FieldBound {
   double lipschitz = infinity;  ///< Lipschitz constant
   double error = infinity;      ///< bound of the error of a Plain<double> value
+  /// Second derivatives along unit vectors; an end is infinite if the gradient may jump (curvature.hpp).
+  Enclosure<double> curvature = Enclosure<double>::whole();
 };
 
 /// Returns the variation of a field over a box.
@@ -290,7 +340,9 @@ struct FieldBound {
   };
   const auto part = [&](const Bounds& of, const FieldBound& whole) {
     const Variation variation = variation_over(field, of);
-    return Part{of, {std::min(variation.lipschitz, whole.lipschitz), std::min(variation.error, whole.error)}};
+    return Part{of,
+                {std::min(variation.lipschitz, whole.lipschitz), std::min(variation.error, whole.error),
+                 common(variation.curvature.range(), whole.curvature)}};
   };
   std::vector<Part> parts{part(box, {})};  // a heap
   double seen = 0;                         // a constant that some point needs
@@ -310,8 +362,11 @@ struct FieldBound {
     parts.push_back(part(upper, worst.bound));
     std::push_heap(parts.begin(), parts.end());
   }
-  FieldBound bound{parts.front().bound.lipschitz, 0};
-  for (const Part& of : parts) bound.error = std::max(bound.error, of.bound.error);
+  FieldBound bound{parts.front().bound.lipschitz, 0, parts.front().bound.curvature};
+  for (const Part& of : parts) {
+    bound.error = std::max(bound.error, of.bound.error);
+    bound.curvature = hull(bound.curvature, of.bound.curvature);
+  }
   return bound;
 }
 
