@@ -333,6 +333,9 @@ class FieldAlong:
         for name, t in (("value", start), ("value_at_to", to)):
             if name in step:
                 self.check_value(step[name], t, error)
+        for place in ("before", "behind"):
+            if place in step:
+                self.check_value(step["value_" + place], step[place].number(), error)
         if kind == "deflation":
             if not self.has_one_slope(start, to):
                 raise Wrong(step["to"].at("must end a segment over which the field rises, or falls, all the way"))

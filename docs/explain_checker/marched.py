@@ -17,6 +17,8 @@ class Marched:
     def __init__(self, facts):
         self.ends = facts["min"].vector(), facts["max"].vector()
         self.lipschitz, self.error = facts["lipschitz"].number(), facts["error"].number()
+        self.bends = [sign * facts[name].number() for name, sign in (("least_curvature", -1), ("most_curvature", 1))
+                      if name in facts]  # of the field, and of the field turned around
         self.field = Field(facts["parts"]) if "parts" in facts else None
 
     def normal(self, point, part):
@@ -97,6 +99,8 @@ class Marched:
                 if width > radius + error_of_radius or \
                         (kind == "ball" and width < radius - error_of_radius - error * reach and abs(to - high) > near):
                     step["to"].refuse(to, start + radius)
+            elif kind == "bend":
+                self.check_bend(step, start, width, error, reach, d)
             elif kind in ("segment", "precise segment"):
                 known = self.check_segment(step, width, last, error, kind == "segment")
             elif kind == "deflation":
@@ -110,7 +114,9 @@ class Marched:
                 least, most = step["min"].number(), to
                 if not start <= least <= most:
                     step["min"].refuse(least, start)
-                if step["slopes"].vector(2)[1] > 0:
+                if "behind" in step:
+                    self.check_fall(step, start, most, error, d)
+                elif step["slopes"].vector(2)[1] > 0:
                     step["slopes"][1].refuse(step["slopes"][1].number(), Fraction(0))
                 self.check_sign(step["value_at_to"], error, -1)
                 if least > start:
@@ -118,11 +124,35 @@ class Marched:
                 if most > 0 and (end is None or least < end):
                     found.append((least, most))
             else:
-                raise Wrong(step["type"].at("must be ball, two balls, segment, precise segment, deflation, sign change "
-                                            "or touch"))
+                raise Wrong(step["type"].at("must be ball, two balls, bend, segment, precise segment, deflation, sign "
+                                            "change or touch"))
         if not found and not (at >= high - near or (end is not None and at >= end)):
             raise Wrong(steps.at(f"must reach the end of the box, at t = {shown(high)}, and ends at {shown(at)}"))
         return found
+
+    def check_bend(self, step, start, width, error, reach, d):
+        """Checks that the line through two values, less what the bend takes from it, is above 0 up to the end of a step, or
+        to the ball there. Convexity: F(t + s) ≥ F(t) + q s − ½ b s (s + w), with the slope q over w before t."""
+        before = start - step["before"].number()
+        if before <= 0:
+            step["before"].refuse(start - before, start)
+        value = step["value"].number() - error
+        q = (value - step["value_before"].number() - error) / before
+        ball = 0
+        if len(step["value_at_to"]):
+            ball = max(Fraction(0), (step["value_at_to"].number() - error) * reach)
+        s = max(Fraction(0), width - ball) * (1 - Fraction(1, 2**25))
+        if not any(value + q * s - max(Fraction(0), b) * d * d * s * (s + before) / 2 >= 0 for b in self.bends):
+            step["to"].refuse(start + width, start)
+
+    def check_fall(self, step, start, to, error, d):
+        """Checks that the slope behind a crossing is so far below 0 that the field falls from the start on."""
+        behind = step["behind"].number()
+        if behind <= to:
+            step["behind"].refuse(behind, to)
+        rise = (step["value_behind"].number() - step["value_at_to"].number() + 2 * error) / (behind - to)
+        if not any(rise + max(Fraction(0), b) * d * d * (behind - start) <= 0 for b in self.bends):
+            step["value_behind"].refuse(step["value_behind"].number(), Fraction(0))
 
     def check_sign(self, value, error, right):
         """Checks that a value has a sign for certain: in double beyond its error, or enclosed on one side of 0."""

@@ -86,11 +86,13 @@ std::string text_of_step(const Facts& step) {
   };
   const double from = step.numbers[0].values[0], to = step.numbers[1].values[0];
   const std::string part = formatted("t = %.9g to %.9g: ", from, to);
-  const std::string slopes =
-      step.type == "ball" || step.type == "two balls" ? "" : "slope in " + numbers("slopes");
+  const std::string least = numbers("slopes"),
+                    slopes = least == "?" ? "value behind " + numbers("value_behind") : "slope in " + least;
   if (step.type == "ball") return part + "empty by a ball, value " + numbers("value");
   if (step.type == "two balls")
     return part + "empty by two balls, values " + numbers("value") + " and " + numbers("value_at_to");
+  if (step.type == "bend")
+    return part + "empty by its bend, values " + numbers("value_before") + " and " + numbers("value");
   if (step.type == "deflation") return part + slopes + ": the surface that is left is not crossed again";
   if (step.type == "sign change")
     return part + slopes + ", and the sign changes: one crossing, enclosed by " +

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <protostar/environment_image.hpp>
 #include <protostar/exact/recorded.hpp>
 #include <protostar/march/field_line.hpp>
@@ -166,9 +167,9 @@ class MarchSteps final : public MarchListener {
  public:
   void evaluated(Evaluation kind, double a, double b, const Result& result) override {
     if (kind == Evaluation::value || kind == Evaluation::precise_value)
-      values_[a] = result;
+      values_[a] = result, last_ = a;
     else
-      slope_ = {a, b, kind == Evaluation::precise_slope, result};
+      slope_ = {a, b, kind == Evaluation::precise_slope, result}, fall_.reset();
   }
 
   void proven(MarchProof proof, double a, double b) override {
@@ -178,15 +179,31 @@ class MarchSteps final : public MarchListener {
         return add("ball", a, b, {{"value", value_at(a)}});
       case MarchProof::two_balls:
         return add("two balls", a, b, {{"value", value_at(a)}, {"value_at_to", value_at(b)}});
+      case MarchProof::bend:
+        return add("bend", a, b,
+                   {{"before", {from_}},
+                    {"value_before", value_at(from_)},
+                    {"value", value_at(a)},
+                    {"value_at_to", value_at(b)}});
       case MarchProof::segment:
         return add(slope_.is_precise ? "precise segment" : "segment", a, b,
                    {{"values", {over.lower, over.upper}},
                     {"slopes", {over.slope_lower, over.slope_upper}},
                     {"value", value_at(a)},
                     {"value_at_to", value_at(b)}});
+      case MarchProof::fall:
+        fall_ = {a, last_};
+        return;
       case MarchProof::deflation:
         return add("deflation", a, b, {{"slopes", {over.slope_lower, over.slope_upper}}});
       case MarchProof::sign_change:
+        if (fall_)
+          return add("sign change", fall_->a, b,
+                     {{"behind", {fall_->behind}},
+                      {"min", {a}},
+                      {"value_behind", value_at(fall_->behind)},
+                      {"value_at_min", value_at(a)},
+                      {"value_at_to", value_at(b)}});
         return add("sign change", slope_.a, b,
                    {{"slopes", {over.slope_lower, over.slope_upper}},
                     {"min", {a}},
@@ -203,6 +220,7 @@ class MarchSteps final : public MarchListener {
   void add(const char* type, double from, double to, std::vector<Named> numbers) {
     numbers.insert(numbers.begin(), {{"from", {from}}, {"to", {to}}});
     facts_.parts.push_back({type, std::move(numbers)});
+    from_ = from;
   }
 
   /// Returns the value at t, or its enclosure if it was evaluated in double-double; nothing if it was not
@@ -216,6 +234,11 @@ class MarchSteps final : public MarchListener {
 
   Facts facts_{"march"};
   std::map<double, Result> values_;
+  double from_ = 0, last_ = 0;  ///< where the last step begins, and the place of the last value
+  struct Fall {
+    double a, behind;
+  };
+  std::optional<Fall> fall_;  ///< proof of a fall by values, unless an enclosure of a slope came after it
   struct {
     double a = 0, b = 0;
     bool is_precise = false;
@@ -246,6 +269,9 @@ Facts facts_of(const AnySurface& surface) {
                  {"max", list(setup->inside.max)},
                  {"lipschitz", {setup->bound.lipschitz}},
                  {"error", {setup->bound.error}}}};
+    const auto& [least, most] = setup->bound.curvature;
+    if (least > -infinity) facts.numbers.push_back({"least_curvature", {least}});
+    if (most < infinity) facts.numbers.push_back({"most_curvature", {most}});
     FieldTape field;
     surface.record_field(field);
     for (const FieldTape::Operation& one : field.operations()) facts.parts.push_back(facts_of(one));

@@ -32,9 +32,11 @@ inline Facts equation_of(const auto&, const protostar::Ray&) { return {.type = "
 /// "from" and "to" are its ends, and the numbers are those that it is proven by. They are:
 /// - ball: value of the field at from;
 /// - two balls: values at from and at to;
+/// - bend: values at from, at to, and at "before", before from; second derivatives of the field bound it;
 /// - segment and precise segment: enclosures of value and slope over it, and the values at both ends;
 /// - deflation: enclosure of the slope over it;
-/// - sign change: slope over it, and the values at min and to, which enclose t;
+/// - sign change: slope over it, or the value at "behind", behind to, by which second derivatives prove that
+///   the field falls; and the values at min and to, which enclose t;
 /// - touch: none; the field comes nearer to 0 at from than double-double tells.
 Facts march_of(const protostar::AnySurface& surface, const protostar::Ray& ray, protostar::Interval range);
 

@@ -7,7 +7,9 @@
 // rounding E_f of f itself, the error of F for all of these is at most
 //   E = L u (2|o| + 6T|d|) + E_f.
 // Hence a plain evaluation v proves F ≥ v − E there, and F > 0 at all parameters nearer to it than
-// (v − E) / (L |d|).
+// (v − E) / (L |d|). If second derivatives of f along unit vectors are at least −K, those of F are at least
+// −K |d|², its bend: F + ½ K |d|² t² is convex, and two values bound F from below behind them as well
+// (march_steps.hpp).
 #pragma once
 
 #include <algorithm>
@@ -68,11 +70,17 @@ template <class R>
   return {span.min, span.max};
 }
 
+/// Returns a lower bound of the second derivatives of f, or of −f if the sign is −1, along unit vectors.
+[[nodiscard]] inline double least_curvature(const FieldBound& bound, double sign) {
+  return sign > 0 ? bound.curvature.lower : -bound.curvature.upper;
+}
+
 /// Numbers of a march along a line, or along one in each lane.
 template <class R>
 struct LineScale {
   R error;       ///< bound of the error of plain values, infinite if double proves nothing on this line
   R reach;       ///< a proven value times this is the distance in t to which F keeps its sign
+  R bend;        ///< second derivatives along unit vectors times this are those by t, at most
   R extent;      ///< half the size of the field's box, as a difference of t
   R resolution;  ///< difference in t below the digits of points in double-double
 
@@ -83,6 +91,7 @@ struct LineScale {
     const R T = largest_t, L(setup.bound.lipschitz);
     const R off = R(u) * (R(2) * o + R(6) * T * d) + R(2) * (o_error + T * d_error);
     reach = R(1 - 0x1p-40) / (L * (d + d_error));
+    bend = (d + d_error) * (d + d_error) * R(more);
     // The set-up says nothing of points that may come out beyond the margin: then only enclosures count.
     // Squares of components that count are above 2^-953, and lose nothing by underflow below 2^-1022.
     const auto is_known =
@@ -109,6 +118,7 @@ class FieldLine {
   /// Precondition: the ray is proper.
   FieldLine(const F& field, const MarchSetup& setup, const Ray& ray, Trace& trace)
       : field_(field),
+        bound_(setup.bound),
         ray_(ray),
         trace_(trace),
         line_(rounded_line(ray)),
@@ -130,6 +140,14 @@ class FieldLine {
 
   /// Number by which a proven value is multiplied for the distance in t to which F keeps its sign.
   [[nodiscard]] double reach() const { return scale_.reach; }
+
+  /// Tests whether second derivatives of F are known to be bounded from below.
+  [[nodiscard]] bool is_bend_known() const { return detail::least_curvature(bound_, sign_) > -infinity; }
+
+  /// Number b ≥ 0 for which second derivatives of F are at least −b.
+  [[nodiscard]] double bend() const {
+    return scale_.bend * std::max(0.0, -detail::least_curvature(bound_, sign_));
+  }
 
   /// Half the size of the field's box, as a difference of t.
   [[nodiscard]] double extent() const { return scale_.extent; }
@@ -249,6 +267,7 @@ class FieldLine {
   }
 
   const F& field_;
+  const FieldBound& bound_;
   const Ray& ray_;
   Trace& trace_;
   RoundedLine line_;

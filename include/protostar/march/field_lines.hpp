@@ -2,6 +2,7 @@
 // (field_line.hpp).
 #pragma once
 
+#include <algorithm>
 #include <bit>
 
 #include "../simd/vectors.hpp"
@@ -20,6 +21,7 @@ class FieldLines {
   FieldLines(const F& field, const MarchSetup& setup, const simd::Vectors& origin,
              const simd::Vectors& direction, Trace& trace)
       : field_(field),
+        bound_(setup.bound),
         trace_(trace),
         origin_(origin),
         direction_(direction),
@@ -41,6 +43,10 @@ class FieldLines {
   [[nodiscard]] const detail::Span<Number>& span() const { return span_; }
   [[nodiscard]] Number error() const { return scale_.error; }
   [[nodiscard]] Number reach() const { return scale_.reach; }
+  [[nodiscard]] bool is_bend_known() const { return detail::least_curvature(bound_, 1) > -infinity; }
+  [[nodiscard]] Number bend() const {
+    return scale_.bend * Number(std::max(0.0, -detail::least_curvature(bound_, 1)));
+  }
   [[nodiscard]] Number extent() const { return scale_.extent; }
   [[nodiscard]] Number resolution() const { return scale_.resolution; }
 
@@ -99,6 +105,7 @@ class FieldLines {
   }
 
   const F& field_;
+  const FieldBound& bound_;
   Trace& trace_;
   simd::Vectors origin_, direction_;
   detail::Span<Number> span_;

@@ -52,8 +52,30 @@ template <class R>
   return b - a <= R(enclosure_width) * rounding::min(rounding::abs(a), rounding::abs(b));
 }
 
+/// Returns the lanes of those that ask where F is proven to fall from `start` to `end`, by an enclosure of
+/// the slope, or if F'' ≥ −b by a value behind the end, at c: F + ½ b t² is convex, so for x < y in [start,
+/// end]
+///   (F(y) − F(x))/(y − x) ≤ (F(c) − F(end))/(c − end) + ½ b (c + end − x − y) ≤ … + b (c − start).
+/// The difference of two values is off by 2E, and 2E more exceed its rounding, u of itself. c is half as far
+/// behind the end as the start is before it: a choice.
+template <class Line, class R, class M>
+[[nodiscard, gnu::flatten]] M falls_over(Line& line, M open, const R& start, const R& end) {
+  M falls = false;
+  if (line.is_bend_known()) {
+    const R at_end = line.value(end, open),
+            c = rounding::min(end + R(0.5) * (end - start), R(line.span().max));
+    const M asks = open && end < c;
+    const R rise = line.value(c, asks) - at_end + R(4.0) * line.error();
+    falls = asks && line.bend() * (c - start) * R(1 + 0x1p-40) <= -rise / (c - end);
+    line.proven(MarchProof::fall, falls, start, end);
+  }
+  const M rest = open && !falls;
+  if (!rounding::any(rest)) return falls;
+  return falls || (rest && line.template slope<R>(start, end, rest).slope.upper <= R(0.0));
+}
+
 /// Proves the first crossing near a guess, from a parameter `start` up to which F > 0 is proven, in the lanes
-/// that ask. Behind the crossing, F(guess + δ) < −E; over [start, guess + δ] the slope is never above 0;
+/// that ask. Behind the crossing, F(guess + δ) < −E; over [start, guess + δ] F falls (falls_over);
 /// before it, F(guess − δ) > E. F falls all along, hence the first root lies between the two. Nothing is
 /// divided by the slope, which may vanish, and at a kink all its slopes count. δ begins where F, by the
 /// slope, is three times its error E: a value there, off by E, is still beyond 2E, and so beyond E if the
@@ -75,7 +97,7 @@ template <class Line, class R, class M>
   }
   root.met = root.met && !asks && root.max <= R(line.span().max);
   if (!rounding::any(root.met)) return root;
-  root.met = root.met && line.template slope<R>(start, root.max, root.met).slope.upper <= R(0.0);
+  root.met = falls_over(line, root.met, start, root.max);
   asks = root.met, delta = least;
   for (int i = 0; i < 4 && rounding::any(asks); ++i, delta = delta * R(4.0)) {
     const R t = rounding::max(start, guess - delta);

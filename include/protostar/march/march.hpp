@@ -2,10 +2,11 @@
 //
 // Far from the surface, values in double prove balls empty, whose radii are (v − E) / (L |d|) along the ray.
 // Steps are longer than a radius where the radius grows or shrinks steadily (over-relaxation), and they count
-// if the balls at both ends cover what is between them. Near the surface, where balls are small, an enclosure
-// of value and slope proves a whole segment. Segments double where they succeed and are halved where they
-// fail, so that a ray which passes at a distance g takes about log 1/g of them. Double-double decides
-// where double cannot.
+// if the balls at both ends cover what is between them. Where second derivatives are bounded, the line
+// through two values proves more of the way behind them. Near the surface, where balls are small, an
+// enclosure of value and slope proves a whole segment. Segments double where they succeed and are halved
+// where they fail, so that a ray which passes at a distance g takes about log 1/g of them. Double-double
+// decides where double cannot.
 #pragma once
 
 #include "hit_proof.hpp"
@@ -105,35 +106,40 @@ class March {
   /// operations otherwise, and vectors then go through memory.
   [[nodiscard, gnu::flatten]] M march_by_balls(M live) {
     using Rules = StepRules;
-    const R error = line_.error(), reach = line_.reach(), extent = line_.extent();
+    const R error = line_.error(), reach = line_.reach(), extent = line_.extent(), bend = line_.bend();
+    const bool bends = line_.is_bend_known();
     const R near = R(Rules::least_ball) * error * reach;
     R v = line_.value(t_, live), radius = (v - error) * reach, stretch(1.0), trend(-1.0), next_try(infinity);
+    R free = radius;  // distance behind t_ within which F > 0
     R failed(0.0), slow(0.0);
     M to_segments = live && !(radius > near);
     live = live && radius > near;
     FieldValue<R> first{t_, v}, second = first;  // at both ends, in lanes that wait for the secant method
-    M is_turned_back = false;                    // lanes whose step was not covered take that of their ball
+    M is_turned_back = false;                    // lanes whose step was not covered go where it is free
     while (any(live)) {
       M tries_any = false, crosses_any = false;
       while (any(live)) {
         // There are branches where lanes mostly agree, so that one line alone does not wait for selections.
-        const R ball = t_ + radius;
-        R t = rounding::min(t_ + radius * stretch, end_);
+        const R ball = t_ + free;
+        R t = rounding::min(t_ + rounding::max(radius * stretch, free), end_);
         if (any(is_turned_back)) [[unlikely]]
           t = select(is_turned_back, ball, t);
         const M misses = live && !is_turned_back && t == end_ && ball >= end_;
         if (any(misses)) [[unlikely]] {
-          line_.proven(MarchProof::ball, misses, t_, end_);
+          const M by_ball = misses && t_ + radius >= end_;
+          line_.proven(MarchProof::ball, by_ball, t_, end_);
+          line_.proven(MarchProof::bend, misses && !by_ball, t_, end_);
           live = live && !misses;
           if (!any(live)) break;
         }
         const R next_v = line_.value(t, live), next_radius = (next_v - error) * reach;
-        const M is_covered = is_turned_back || t - t_ <= radius + next_radius;
+        const M is_covered = is_turned_back || t - t_ <= free + next_radius;
         const M crosses = live && !is_covered && next_v < -error && failed < R(Rules::most_failed - 1);
         // At the border of a ball, F may be too near to 0 to be proven positive: then it stays behind.
         const M moves = live && is_covered && next_radius > R(0.0);
         M leaves = live && is_covered && !(next_radius > R(0.0));
-        const M by_ball = moves && is_turned_back;
+        const M by_ball = moves && is_turned_back && !(radius < t - t_);
+        const M by_two = moves && !is_turned_back && t - t_ <= radius + next_radius;
         is_turned_back = live && !is_covered && !crosses;
         const FieldValue<R> before{t_, v};
         M goes_on = false, tries = false;
@@ -143,13 +149,19 @@ class March {
           trend = select(moves, Rules::trend(gain, way), trend);
           v = select(moves, next_v, v), radius = select(moves, next_radius, radius);
           line_.proven(MarchProof::ball, by_ball, t_, t);
-          line_.proven(MarchProof::two_balls, moves && !by_ball, t_, t);
+          line_.proven(MarchProof::two_balls, by_two, t_, t);
+          line_.proven(MarchProof::bend, moves && !by_ball && !by_two, t_, t);
+          const R ahead =
+              bends ? rounding::max(radius, Rules::free_behind(before.v, way, v, error, bend)) : radius;
+          free = select(moves, ahead, free);
           goes_on = advance(moves, t);
           const M is_slow = goes_on && radius < R(Rules::slow_ball) * extent;
           slow = select(is_slow, slow + R(1.0), slow);
           const M is_too_slow = is_slow && slow > R(Rules::most_slow);
           leaves = leaves || is_too_slow, goes_on = goes_on && !is_too_slow;
-          const M is_near = Rules::is_straight(trend, last) || radius < R(Rules::secant_ball) * extent;
+          const M is_near = bends
+                                ? Rules::is_steep(trend, radius, reach, bend)
+                                : Rules::is_straight(trend, last) || radius < R(Rules::secant_ball) * extent;
           tries = goes_on && trend < R(0.0) && is_near && radius < next_try && radius < extent;
         }
         if (any(tries || crosses)) [[unlikely]] {

@@ -20,9 +20,11 @@ enum class Evaluation : std::uint8_t {
 enum class MarchProof : std::uint8_t {
   ball,         ///< a value: the field cannot reach 0 nearer to it than (v − E) / (L |d|)
   two_balls,    ///< two values whose balls cover what is between them, after an over-relaxed step
+  bend,         ///< the line through two values, and a bound of the second derivative behind them
   segment,      ///< an enclosure of value and slope over the segment
+  fall,         ///< a bound of the second derivative and two values behind: the field falls over the segment
   deflation,    ///< the slope has one sign from the surface that is left on: nothing but the departure
-  sign_change,  ///< the field has one slope and another sign at the end: the segment has one crossing
+  sign_change,  ///< the field falls and has another sign at the end: the segment has one crossing
   touch         ///< not proven in double-double: the field comes nearer to 0 than its digits tell
 };
 

@@ -49,6 +49,35 @@ struct StepRules {
     return R(1.0) + R(0.9) * rounding::min(rounding::max(R(0x1p-11), ratio), R(19.0));
   }
 
+  /// Returns a distance behind the second of two values within which F > 0 is proven, if F'' ≥ −b: F + ½ b t²
+  /// is convex, and lies above the line through the two behind them. With w = t₁ − t₀ and q ≤ (F₁ − F₀)/w,
+  ///   F(t₁ + s) ≥ F₁ + q s − ½ b s (s + w) = F₁ + p s − ½ b s²,   p = q − ½ b w.
+  /// This stays above 0 up to (p + r)/b = 2F₁/(r − p), r = √(p² + 2 b F₁); the first is taken for p > 0 and the
+  /// second otherwise, so that nothing cancels. It is ∞ for b = 0 and p ≥ 0.
+  ///
+  /// Values are off by E: F₁ ≥ v₁ − E, and q = (v₁ − v₀ − 2E)/w. Roundings are relative and below 2^-40, but
+  /// in p, and in v₁ − v₀, where they are at most 2u of the terms. Where q < 0 these do not cancel in p;
+  /// otherwise q ≤ L|d|, and terms of p that cancel are as small, up to a factor 2. So p is off by 8u L|d| at
+  /// most, and F by 8u L|d| s, with s ≤ 2T less than 3E ≥ 18u L|d| T: F₁ is taken as v₁ − 4E.
+  template <class R>
+  [[nodiscard]] static R free_behind(const R& first, const R& way, const R& second, const R& error,
+                                     const R& bend) {
+    const R slope = (second - first - R(2.0) * error) / way - R(0.5) * bend * way;
+    const R least = rounding::max(second - R(4.0) * error, R(0.0));
+    const R root = rounding::sqrt(slope * slope + R(2.0) * bend * least);
+    const auto rises = R(0.0) < slope;
+    return R(1 - 0x1p-38) * rounding::select(rises, slope + root, R(2.0) * least) /
+           rounding::select(rises, bend, root - slope);
+  }
+
+  /// Returns true if F falls so steeply that a proof of its fall up to the root is in sight (falls_over): the
+  /// slope, trend/reach, is at least 3/2 of what the bend takes from it over the way to the root, which is
+  /// radius/−trend.
+  template <class R>
+  [[nodiscard]] static auto is_steep(const R& trend, const R& radius, const R& reach, const R& bend) {
+    return R(1.5) * bend * reach * radius <= trend * trend;
+  }
+
   /// Returns the trend of the radius, for the comparison with the last one.
   template <class R>
   [[nodiscard]] static R trend(const R& gain, const R& way) {
