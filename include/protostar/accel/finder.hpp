@@ -144,7 +144,7 @@ class Finder<Sphere> {
         if (any_of(maybe(leaves_.pass(leaf, i, line), leaf, i, left), leaf.first + i, visit)) return true;
       return false;
     };
-    return each_along<Order::any>(bvh_, ray, range, visit, visit_leaf, soon());
+    return each_along<Order::any>(bvh_, ray, range, visit, visit_leaf);
   }
 
   bool any_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
@@ -160,7 +160,7 @@ class Finder<Sphere> {
       }
       return false;
     };
-    return each_along<Order::any>(bvh_, ray, range, visit, visit_leaf, soon());
+    return each_along<Order::any>(bvh_, ray, range, visit, visit_leaf);
   }
 
   /// Calls visit(i) for the sphere of the closest hit inside the range, and for others. A sphere that is

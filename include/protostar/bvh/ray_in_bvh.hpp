@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <type_traits>
 
 #include "../interval.hpp"
 #include "../ray.hpp"
@@ -93,7 +94,8 @@ AlongRay<order> search_along(const Bvh& bvh, const BoxRay& line, const Interval&
 
 /// Calls visit(i) for the primitives that boxes tell nothing of, and visit_leaf(BoxRay, leaf, reach) for
 /// every leaf that a ray may meet inside the range, until a call returns true; returns true if one did. A
-/// visit may shorten the reach if near leaves come first. Calls fetch(leaf) for leaves that have to wait.
+/// visit may shorten the reach if near leaves come first. Calls fetch(leaf) for leaves that have to wait, and
+/// prefetches nodes that do, unless fetch is Ignore.
 template <Order order, class Fetch = Ignore>
 [[gnu::always_inline]] inline bool each_along(const Bvh& bvh, const BoxRay& line, const Interval& range,
                                               const auto& visit, const auto& visit_leaf,
@@ -102,7 +104,7 @@ template <Order order, class Fetch = Ignore>
   if (visited != Visited::some) return visited == Visited::until_true;
   auto search = search_along<order>(bvh, line, range);
   const auto visit_one = [&](Leaf leaf) { return visit_leaf(line, leaf, search.reach); };
-  if constexpr (order == Order::any)
+  if constexpr (std::is_same_v<Fetch, Ignore>)
     return traverse(bvh, search, visit_one);
   else
     return traverse(bvh, search, visit_one, FetchChild<Read::soon, Fetch>{bvh, fetch});
