@@ -25,7 +25,7 @@
 // a² + |p|² ≤ R²: the center is not farther than R from the part. And a ray with b − m − f > 0 and
 // (b − m − f)² + |p|² > R² starts the part outside and before the center; if the line surely meets the
 // sphere, the ray enters it behind f. It does so before g, if the center or a point inside is before g: for
-// b + m ≤ g, or (b + m − g)² + |p|² < i². None of these needs a root. In float the squares and their sums
+// b + m ≤ g, or (b + m − g)² + |p|² < i². No root is needed. In float the squares and their sums
 // are off by 4u, u = 2^-24, which is less than an eighth of what R² and i² leave (tests/proofs).
 #pragma once
 

@@ -133,9 +133,9 @@ struct BoxRay {
 /// - o_i, its product with v, and the sum with the margin are rounded: 5u |o_i v|, with the errors of v.
 /// - The product m v may be rounded, and the sum of both is: 2u |m v| + u |o_i v|.
 ///
-/// These are at most u |v| (4 |m| + 6 |o_i|), but for 5u of themselves. near_shift is lower than −o_i v by a
-/// margin of |v| (2^-21 (1 + |o_i|) + 2^-38 |o| + widening), with 2^-21 = 8u, and far_shift is higher by it:
-/// the nearer end comes out no farther than it is, and the farther end no nearer.
+/// Together they are at most u |v| (4 |m| + 6 |o_i|), but for 5u of that. near_shift is lower than −o_i v by
+/// a margin of |v| (2^-21 (1 + |o_i|) + 2^-38 |o| + widening), with 2^-21 = 8u, and far_shift is higher by
+/// it: the nearer end comes out no farther than it is, and the farther end no nearer.
 ///
 /// |d_i| < 2^-60 is replaced by 2^-60. The line comes to the nearer end no later by that. Inside a box
 /// s < |o| + 2, and the farther end may be up to s too near; the margin is at least 2^60 (4u + 2^-38 |o|)
