@@ -16,10 +16,29 @@
 
 using namespace protostar;
 
-TEST_CASE("a vector in large pages can be copied and moved and is aligned to 64 bytes") {
+namespace {
+
+/// Returns true if the first element has an address that is a multiple of a number.
+template <class T>
+bool is_aligned(const PlainVector<T>& vector, std::uintptr_t to) {
+  return reinterpret_cast<std::uintptr_t>(vector.data()) % to == 0;
+}
+
+}  // namespace
+
+TEST_CASE("vectors of few bytes are aligned as their elements, and others to 64 bytes") {
+  struct alignas(32) Wide {
+    float numbers[8];
+  };
+  PlainVector<Wide> wide[16];
+  PlainVector<std::uint32_t> longer[16];
+  for (auto& vector : wide) CHECK((vector.resize(1), is_aligned(vector, alignof(Wide))));
+  for (auto& vector : longer) CHECK((vector.resize(65), is_aligned(vector, 64)));
+}
+
+TEST_CASE("a vector in large pages can be copied and moved") {
   for (const std::size_t size : {std::size_t{3}, std::size_t{1'000'000}}) {
     PlainVector<std::uint32_t> numbers(size);
-    CHECK(reinterpret_cast<std::uintptr_t>(numbers.data()) % 64 == 0);
     std::iota(numbers.begin(), numbers.end(), 7u);
     PlainVector<std::uint32_t> others = numbers;
     others.resize(2 * size);
