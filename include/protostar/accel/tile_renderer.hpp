@@ -221,7 +221,7 @@ class TileRenderer {
           if constexpr (shades)
             fill_hits(part, candidates, view, i, work);
           else
-            fill_radiance(part, candidates, view, i, work);
+            fill_radiance(part, view, i, work);
         if (keeps_light_) return;
         each_packet(part, [&](std::size_t k, int x, int y) {
           give_packet(target_, part, x, y, work.sums[k], which, count);
@@ -292,10 +292,10 @@ class TileRenderer {
                    });
     else
       for (std::size_t k = 0; k < count; ++k) {
-        const auto [x, y] = waiting.start[k];
+        const int x = waiting.start[k].x, y = waiting.start[k].y;
         view.set_first_pixel(x, y, i);
         const CameraPacket rays = rays_.packet(part, x, y, i, waiting.rays[k]);
-        const auto shade = [&, x = x, y = y](const auto& hits, auto... lane) {
+        const auto shade = [&](const auto& hits, auto... lane) {
           if constexpr (takes_sampler)
             return integrator_.shade(hits, view, sampler_in(rays_.pixels().samplers(x, y, i), lane...));
           else
@@ -309,8 +309,7 @@ class TileRenderer {
   }
 
   /// Adds the i-th sample of a part, for an integrator that is asked for the radiance of rays.
-  void fill_radiance(const Tile& part, const Candidates& candidates, const View& view, int i,
-                     Work& work) const {
+  void fill_radiance(const Tile& part, const View& view, int i, Work& work) const {
     std::uint64_t skipped = 0;
     each_block(part, [&](const Tile& block) {
       const bool is_tested = AsksForCrossings<I> && are_tested_together() && skips_.sure_in_float;
