@@ -52,8 +52,8 @@ struct StepRules {
   /// Returns a distance behind the second of two values within which F > 0 is proven, if F'' ≥ −b: F + ½ b t²
   /// is convex, and lies above the line through the two behind them. With w = t₁ − t₀ and q ≤ (F₁ − F₀)/w,
   ///   F(t₁ + s) ≥ F₁ + q s − ½ b s (s + w) = F₁ + p s − ½ b s²,   p = q − ½ b w.
-  /// This stays above 0 up to (p + r)/b = 2F₁/(r − p), r = √(p² + 2 b F₁); the first is taken for p > 0 and the
-  /// second otherwise, so that nothing cancels. It is ∞ for b = 0 and p ≥ 0.
+  /// This stays above 0 up to (p + r)/b = 2F₁/(r − p), r = √(p² + 2 b F₁); the first is taken for p > 0 and
+  /// the second otherwise, so that nothing cancels. It is ∞ for b = 0 and p ≥ 0.
   ///
   /// Values are off by E: F₁ ≥ v₁ − E, and q = (v₁ − v₀ − 2E)/w. Roundings are relative and below 2^-40, but
   /// in p, and in v₁ − v₀, where they are at most 2u of the terms. Where q < 0 these do not cancel in p;
