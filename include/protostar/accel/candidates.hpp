@@ -110,32 +110,25 @@ class Candidates {
     add(SurfaceIndices(static_cast<std::uint32_t>(index)), Bits{1}, viewpoint, SpheresAround(around));
   }
 
-  /// Returns which surfaces a tile may see, among as many as a vector holds from the i-th on; bit k is the
-  /// (i + k)-th.
-  [[nodiscard, gnu::always_inline]] Bits seen_in(const Frustum& frustum, int i) const {
-    const auto load = [&](Row row) { return Wide::load(at(row, i)); };
-    const Wide x = load(row_x), y = load(row_y), z = load(row_z), r = load(row_reach);
-    // NaN, which comes from numbers beyond float, is not outside.
-    Mask<float, float_lanes> outside = false;
-    for (int k = 0; k < 4; ++k) {
-      const auto& n = frustum.normal[k];
-      outside = outside || (x * n[0] + y * n[1] + z * n[2] < frustum.offset[k] - r);
-    }
-    const auto& axis = frustum.normal[4];
-    outside = outside || (x * axis[0] + y * axis[1] + z * axis[2] <
-                          load(row_horizon) * frustum.cosine - r * frustum.sine);
-    return bits(!outside) & first_bits(size_ - i);
-  }
-
   /// Adds those surfaces of another list that a tile may see, in their order.
   [[gnu::noinline]] void add(const Candidates& others, const Frustum& frustum) {
     is_ordered_ = others.is_ordered_;
     make_room(size_ + others.size_);
     for (int i = 0; i < others.size_; i += float_lanes) {
-      const Bits seen = others.seen_in(frustum, i);
+      const auto load = [&](Row row) { return Wide::load(others.at(row, i)); };
+      const Wide x = load(row_x), y = load(row_y), z = load(row_z), r = load(row_reach);
+      // NaN, which comes from numbers beyond float, is not outside.
+      Mask<float, float_lanes> outside = false;
+      for (int k = 0; k < 4; ++k) {
+        const auto& n = frustum.normal[k];
+        outside = outside || (x * n[0] + y * n[1] + z * n[2] < frustum.offset[k] - r);
+      }
+      const auto& axis = frustum.normal[4];
+      outside = outside || (x * axis[0] + y * axis[1] + z * axis[2] <
+                            load(row_horizon) * frustum.cosine - r * frustum.sine);
+      const Bits seen = bits(!outside) & first_bits(others.size_ - i);
       if (seen == 0) continue;
-      for (int row = 0; row < row_count; ++row)
-        store_chosen(at(Row(row), size_), seen, Wide::load(others.at(Row(row), i)));
+      for (int row = 0; row < row_count; ++row) store_chosen(at(Row(row), size_), seen, load(Row(row)));
       size_ += store_chosen(index_.data() + size_, seen,
                             Lanes<std::uint32_t, float_lanes>::load(others.index_.data() + i));
     }

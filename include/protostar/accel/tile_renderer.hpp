@@ -83,13 +83,12 @@ class TileRenderer {
 
   /// Sizes of the parts that a tile is divided into, one after the other. A part is divided only if it has
   /// more than `most` candidates, but for those of 16 × 16 pixels, to which all tiles are divided. The last
-  /// parts are at least a block of rays; there are none of these if float decides what blocks see.
+  /// parts are at least a block of rays.
   struct Division {
     int width, height, most;
   };
-  static constexpr int most_of_block = 16;  ///< largest number of candidates that a block does not cull
   static constexpr Division divisions[Work::most_divisions] = {
-      {32, 32, 64}, {16, 16, -1}, {8, 8, 3}, {8, RayBlock::height, most_of_block}};
+      {32, 32, 64}, {16, 16, -1}, {8, 8, 3}, {8, RayBlock::height, 16}};
 
   /// Largest number of candidates that are tested in double as fast as in float, for colors that need t.
   static constexpr int most_tested_in_double = 3;
@@ -116,9 +115,8 @@ class TileRenderer {
   /// Fills a tile or a part of one. One that has many candidates is divided: its candidates are culled for
   /// each of its parts, beginning with the next division.
   void fill_parts(const Tile& tile, const Candidates& candidates, std::size_t next, Work& work) const {
-    const std::size_t last = std::size(divisions) - (decides_in_float() ? 1 : 0);
-    while (next < last && candidates.size() <= divisions[next].most) ++next;
-    if (next == last) return fill(tile, candidates, work);
+    while (next < std::size(divisions) && candidates.size() <= divisions[next].most) ++next;
+    if (next == std::size(divisions)) return fill(tile, candidates, work);
     const auto [width, height, most] = divisions[next];
     Candidates& in_part = work.lists[next + 1];
     for (int y = tile.y0; y < tile.y1; y += height)
@@ -244,11 +242,6 @@ class TileRenderer {
   [[nodiscard]] bool are_tested_together() const {
     return rays_.is_pinhole() && rays_.pixels().has_common_places();
   }
-  /// Returns true if float is asked what the rays of a block see first. The block then culls its candidates
-  /// itself.
-  [[nodiscard]] bool decides_in_float() const {
-    return by_packets && shades && are_tested_together() && skips_.sure_in_float;
-  }
 
   /// Adds the i-th sample of a part, for an integrator that shades closest hits. If a pixel has only this
   /// sample, the packets wait for all others of the 16 × 16 pixels.
@@ -344,7 +337,7 @@ class TileRenderer {
   /// candidates in double is as fast.
   [[nodiscard]] bool find_visibility(const Tile& part, const Candidates& candidates, const View& view, int i,
                                      Work& work) const {
-    if (!decides_in_float()) return false;
+    if (!are_tested_together() || !skips_.sure_in_float) return false;
     view.set_first_pixel(part.x0, part.y0, i);
     const bool is_in_buffer = view.with_only_buffer([&](const auto& drawn) {
       each_packet(part, [&](std::size_t, int x, int y) {
@@ -358,10 +351,7 @@ class TileRenderer {
     for (int k = 0; k < candidates.size(); ++k)
       if (candidates.is_everywhere(k)) return false;
     each_block(part, [&](const Tile& block) {
-      std::optional<Frustum> frustum;
-      if (candidates.size() > most_of_block) frustum.emplace(rays_, block, false);
-      const auto [indices, tested] =
-          seen_by(rays_.block_directions(block.x0, block.y0, i), candidates, frustum ? &*frustum : nullptr);
+      const auto [indices, tested] = seen_by(rays_.block_directions(block.x0, block.y0, i), candidates);
       work.state.counts.float_tests += static_cast<std::uint64_t>(tested);
       work.visibility.set_block(block.x0, block.y0, indices);
     });

@@ -17,8 +17,6 @@
 // (docs/derivations.md, tests/proofs/visibility.gappa, visibility_radii.gappa)
 #pragma once
 
-#include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -27,7 +25,6 @@
 #include "../simd/simd.hpp"
 #include "../simd/vectors.hpp"
 #include "candidates.hpp"
-#include "frustum.hpp"
 #include "pixel_rays.hpp"
 #include "sphere_filter.hpp"
 
@@ -59,35 +56,27 @@ inline bool squares_fit_float(const CandidateSphere& sphere) {
 
 template <bool with_roots>
 [[nodiscard, gnu::always_inline]] inline FirstSeen first_seen(const Candidates& candidates,
-                                                              const WideVectors& directions,
-                                                              const Frustum* frustum) {
+                                                              const WideVectors& directions) {
   constexpr float never = std::numeric_limits<float>::infinity();
   // Bounds of the first hit of the surface that is surely met soonest, and where the others begin.
   WideFloats until = never, from = never, others_from = never;
   WideIndices indices = sees_nothing;
-  int tested = 0;
-  // If no ray can reach a candidate before its first hit, none can reach those that follow.
-  const auto is_last = [&](int k) { return k > 0 && !any(until >= WideFloats(candidates.nearest(k))); };
-  for (int i = 0; i < candidates.size() && !is_last(i); i += float_lanes) {
-    Bits some =
-        frustum ? candidates.seen_in(*frustum, i) : first_bits(std::min(float_lanes, candidates.size() - i));
-    for (; some != 0; some &= some - 1) {
-      const int k = i + std::countr_zero(some);
-      if (is_last(k)) break;
-      ++tested;
-      const CandidateSphere sphere = candidates.sphere(k);
-      const SpherePass passed = pass(sphere, directions);
-      const WideMask maybe = passed.maybe();
-      if (!any(maybe)) continue;
-      const auto entry = with_roots && squares_fit_float(sphere) ? passed.entry() : passed.entry_roughly();
-      const auto is_first = maybe && passed.surely() && entry.until < until;
-      others_from = select(maybe, min(select(is_first, from, entry.from), others_from), others_from);
-      until = select(is_first, entry.until, until);
-      from = select(is_first, entry.from, from);
-      indices = select(is_first, WideIndices(candidates.index(k)), indices);
-    }
+  int k = 0;
+  for (; k < candidates.size(); ++k) {
+    // If no ray can reach a candidate before its first hit, none can reach those that follow.
+    if (k > 0 && !any(until >= WideFloats(candidates.nearest(k)))) break;
+    const CandidateSphere sphere = candidates.sphere(k);
+    const SpherePass passed = pass(sphere, directions);
+    const WideMask maybe = passed.maybe();
+    if (!any(maybe)) continue;
+    const auto entry = with_roots && squares_fit_float(sphere) ? passed.entry() : passed.entry_roughly();
+    const auto is_first = maybe && passed.surely() && entry.until < until;
+    others_from = select(maybe, min(select(is_first, from, entry.from), others_from), others_from);
+    until = select(is_first, entry.until, until);
+    from = select(is_first, entry.from, from);
+    indices = select(is_first, WideIndices(candidates.index(k)), indices);
   }
-  return {indices, others_from < never && others_from <= until, tested};
+  return {indices, others_from < never && others_from <= until, k};
 }
 
 }  // namespace detail
@@ -98,15 +87,13 @@ struct SeenByBlock {
   int tested;  ///< number of tests of a ray with a candidate
 };
 
-/// Finds what the rays of a block see first, as far as float tells. If a frustum that contains the rays is
-/// given, only the candidates in it are tested.
+/// Finds what the rays of a block see first, as far as float tells.
 [[nodiscard, gnu::always_inline]] inline SeenByBlock seen_by(const WideVectors& directions,
-                                                             const Candidates& candidates,
-                                                             const Frustum* frustum = nullptr) {
-  detail::FirstSeen seen = detail::first_seen<false>(candidates, directions, frustum);
+                                                             const Candidates& candidates) {
+  detail::FirstSeen seen = detail::first_seen<false>(candidates, directions);
   int tested = seen.tested;
   if (any(seen.in_doubt)) {
-    seen = detail::first_seen<true>(candidates, directions, frustum);
+    seen = detail::first_seen<true>(candidates, directions);
     tested += seen.tested;
   }
   return {select(seen.in_doubt, WideIndices(is_in_doubt), seen.indices), tested * float_lanes};
