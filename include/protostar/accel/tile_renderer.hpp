@@ -29,7 +29,6 @@
 #include "tile_scene.hpp"
 #include "tile_work.hpp"
 #include "visibility.hpp"
-#include "waiting_packets.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -69,6 +68,7 @@ class TileRenderer {
 
  private:
   using View = TileScene<S...>;
+  using Closest = typename View::Closest;
   using Order = Candidates::Order;
   using Work = TileWork<S...>;
 
@@ -125,11 +125,7 @@ class TileRenderer {
         const Frustum frustum(rays_, part, next + 1 < std::size(divisions));
         in_part.clear();
         in_part.add(candidates, frustum);
-        if (fill_uniform(part, in_part, frustum, work)) continue;
-        fill_parts(part, in_part, next + 1, work);
-        if constexpr (by_packets && shades)
-          if (most < 0 && work.waiting.count > 0)
-            shade_waiting(part, view_of(in_part, work), rays_.pixels().first(), work);
+        if (!fill_uniform(part, in_part, frustum, work)) fill_parts(part, in_part, next + 1, work);
       }
   }
 
@@ -243,62 +239,61 @@ class TileRenderer {
     return rays_.is_pinhole() && rays_.pixels().has_common_places();
   }
 
-  /// Adds the i-th sample of a part, for an integrator that shades closest hits. If a pixel has only this
-  /// sample, the packets wait for all others of the 16 × 16 pixels.
+  /// Adds the i-th sample of a part, for an integrator that shades closest hits. All packets go through one
+  /// step after the other, directions, closest hits, colors, so that the latencies of their square roots and
+  /// divisions overlap.
   [[gnu::flatten]] void fill_hits(const Tile& part, const Candidates& candidates, const View& view, int i,
                                   Work& work) const {
     const bool is_known = find_visibility(part, candidates, view, i, work);
     if (candidates_.are_from_bvh() && !is_known) view.prefetch_candidates();
+    const auto seen_from = [&](int x, int y) {
+      return is_known ? widened(work.visibility(x, y)) : Indices(is_in_doubt);
+    };
     // Rays that stand for all that miss; they are used only if visibility is known.
     const CameraPacket any_rays =
         is_known ? rays_.packet(part, part.x0, part.y0, i) : CameraPacket(Vectors(Vec3{0}), Vectors(Vec3{0}));
-    auto& waiting = work.waiting;
-    const std::size_t first = waiting.count;
+    PacketStart open[most_packets];
+    PacketRays found[most_packets];
+    Closest closest[most_packets];
+    std::size_t count = 0;
     std::uint64_t skipped = 0;
     each_packet(part, [&](std::size_t, int x, int y) {
-      const Indices seen = is_known ? widened(work.visibility(x, y)) : Indices(is_in_doubt);
-      if (is_known && !needs_rays(seen, view)) {
+      if (const Indices seen = seen_from(x, y); is_known && !needs_rays(seen, view)) {
         skipped += static_cast<std::uint64_t>(std::min(double_lanes, part.x1 - x));
-        return add(part, x, y, i, PacketRays(), shade_seen(seen, any_rays, view), work);
+        return add(part, x, y, i, found[count], shade_seen(seen, any_rays, view), work);
       }
       if (candidates_.are_from_bvh() && is_known) view.prefetch_seen(work.visibility(x, y));
-      rays_.find(x, y, i, waiting.add(x, y, seen));
+      rays_.find(x, y, i, found[count]);
+      open[count++] = {x, y};
     });
-    if (is_known)
-      waiting.test_from(first, true, rays_, part, view, i, candidates_.are_from_bvh());
-    else
-      for (std::size_t k = first; k < waiting.count; ++k)
-        waiting.test(k, is_in_doubt, rays_, part, view, i, candidates_.are_from_bvh());
-    if (!keeps_light_) shade_waiting(part, view, i, work);
-    work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
-  }
-
-  /// Shades the waiting packets, which are the i-th samples of their pixels.
-  [[gnu::flatten]] void shade_waiting(const Tile& part, const View& view, int i, Work& work) const {
-    auto& waiting = work.waiting;
-    waiting.test_from(0, false, rays_, part, view, i, candidates_.are_from_bvh());
-    const std::size_t count = std::exchange(waiting.count, 0);
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto [x, y] = open[k];
+      view.set_first_pixel(x, y, i);
+      closest[k] = view.closest(rays_.packet(part, x, y, i, found[k]), seen_from(x, y));
+      if (candidates_.are_from_bvh()) view.prefetch_materials(closest[k]);
+    }
     if constexpr (FollowsPaths<I>)
-      follow_paths(integrator_, view, rays_, part, i, {waiting.start.data(), count}, waiting.rays.data(),
-                   waiting.closest.data(), [&](std::size_t k, const Colors& light) {
-                     add(part, waiting.start[k].x, waiting.start[k].y, i, waiting.rays[k], light, work);
+      follow_paths(integrator_, view, rays_, part, i, {open, count}, found, closest,
+                   [&](std::size_t k, const Colors& light) {
+                     add(part, open[k].x, open[k].y, i, found[k], light, work);
                    });
     else
       for (std::size_t k = 0; k < count; ++k) {
-        const int x = waiting.start[k].x, y = waiting.start[k].y;
+        const int x = open[k].x, y = open[k].y;
         view.set_first_pixel(x, y, i);
-        const CameraPacket rays = rays_.packet(part, x, y, i, waiting.rays[k]);
+        const CameraPacket rays = rays_.packet(part, x, y, i, found[k]);
         const auto shade = [&](const auto& hits, auto... lane) {
           if constexpr (takes_sampler)
             return integrator_.shade(hits, view, sampler_in(rays_.pixels().samplers(x, y, i), lane...));
           else
             return integrator_.shade(hits, view);
         };
-        add(part, x, y, i, waiting.rays[k],
+        add(part, x, y, i, found[k],
             view.shade(
-                rays, waiting.closest[k], [&] { return integrator_.background(rays, view); }, shade),
+                rays, closest[k], [&] { return integrator_.background(rays, view); }, shade),
             work);
       }
+    work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
   }
 
   /// Adds the i-th sample of a part, for an integrator that is asked for the radiance of rays.

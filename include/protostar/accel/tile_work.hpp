@@ -12,7 +12,6 @@
 #include "packet_pixels.hpp"
 #include "tile_hits.hpp"
 #include "visibility.hpp"
-#include "waiting_packets.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -36,7 +35,6 @@ struct TileWork {
   Candidates found;  ///< what the BVH finds for a tile
   Candidates lists[most_divisions + 1];
   Visibility visibility;
-  WaitingPackets<typename TileHits<S...>::Closest> waiting;
   TileState<S...> state;
   PacketSums sums[most_packets];  ///< of the samples so far, unless a pixel keeps a single one
   TileWork* next;                 ///< in the list of all buffers of a picture
