@@ -139,7 +139,7 @@ class Marched:
         value = step["value"].number() - error
         q = (value - step["value_before"].number() - error) / before
         ball = 0
-        if len(step["value_at_to"]):
+        if isinstance(step["value_at_to"].data, Fraction):  # it is empty at the end of the box
             ball = max(Fraction(0), (step["value_at_to"].number() - error) * reach)
         s = max(Fraction(0), width - ball) * (1 - Fraction(1, 2**25))
         if not any(value + q * s - max(Fraction(0), b) * d * d * s * (s + before) / 2 >= 0 for b in self.bends):

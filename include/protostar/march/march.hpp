@@ -138,7 +138,7 @@ class March {
         // At the border of a ball, F may be too near to 0 to be proven positive: then it stays behind.
         const M moves = live && is_covered && next_radius > R(0.0);
         M leaves = live && is_covered && !(next_radius > R(0.0));
-        const M by_ball = moves && is_turned_back && !(radius < t - t_);
+        const M by_ball = moves && is_turned_back && t <= t_ + radius;
         const M by_two = moves && !is_turned_back && t - t_ <= radius + next_radius;
         is_turned_back = live && !is_covered && !crosses;
         const FieldValue<R> before{t_, v};
