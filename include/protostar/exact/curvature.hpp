@@ -20,7 +20,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "enclosure.hpp"
 
@@ -72,10 +71,11 @@ class Curvature {
   friend Curvature operator*(const Values& factor, const Curvature& a) {
     Curvature c;
     for (int i = 0; i < 6; ++i) c.parts_[i] = factor * a.parts_[i];
-    const double ends[] = {times(factor.lower, a.rest_.lower), times(factor.lower, a.rest_.upper),
-                           times(factor.upper, a.rest_.lower), times(factor.upper, a.rest_.upper)};
-    const auto [least, most] = std::minmax_element(std::begin(ends), std::end(ends));
-    c.rest_ = {below(*least), above(*most)};
+    const Values& r = a.rest_;
+    c.rest_ = {std::min({least(factor.lower, r.lower), least(factor.lower, r.upper),
+                         least(factor.upper, r.lower), least(factor.upper, r.upper)}),
+               std::max({most(factor.lower, r.lower), most(factor.lower, r.upper),
+                         most(factor.upper, r.lower), most(factor.upper, r.upper)})};
     return c;
   }
 
@@ -113,11 +113,17 @@ class Curvature {
   Values& part(int i, int k) { return parts_[index(i, k)]; }
   [[nodiscard]] const Values& part(int i, int k) const { return parts_[index(i, k)]; }
 
-  static double times(double a, double b) { return a == 0 || b == 0 ? 0 : a * b; }
+  /// Return bounds of a product, in which 0 times infinity is 0.
+  static double least(double a, double b) {
+    if (a == 0 || b == 0) return 0;
+    if (std::isinf(a) || std::isinf(b)) return a * b;
+    return rounding::below(a * b, rounding::underflow<double>);
+  }
+  static double most(double a, double b) { return -least(-a, b); }
 
-  /// Return bounds of an exact result that was rounded to x; of a product 0 only if a factor is 0.
+  /// Return bounds of a sum that was rounded to x. It is 0 only if the exact sum is.
   static double below(double x) { return x == 0 ? x : rounding::below(x, rounding::underflow<double>); }
-  static double above(double x) { return x == 0 ? x : rounding::above(x, rounding::underflow<double>); }
+  static double above(double x) { return -below(-x); }
 
   Values parts_[6], rest_;
 };
