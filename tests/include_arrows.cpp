@@ -62,6 +62,7 @@ const std::set<std::string> on_demand = {
     "exact/enclosure.hpp",
     "exact/field_point.hpp",
     "exact/functions.hpp",
+    "exact/curvature.hpp",
     "exact/lipschitz.hpp",
     "exact/plain.hpp",
     "exact/polynomial_roots.hpp",
