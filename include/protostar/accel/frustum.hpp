@@ -104,8 +104,7 @@ struct Frustum {
 
   Normal normal[5];      ///< normals of the four sides, and the axis of the cone
   float offset[4] = {};  ///< normal · x for the points x of a side, measured from the apex
-  float cosine,
-      sine;  ///< of the cone's half-angle; 0 and 1 if there is none, it is not certain, or above 60°
+  float cosine, sine;    ///< of the cone's half-angle; 0 and 1 without a cone, or above 60°
 
   /// The cone is optional, since it takes longer than the planes and serves few tiles.
   [[gnu::noinline]] Frustum(const PixelRays& rays, const Tile& tile, bool has_cone = true)
