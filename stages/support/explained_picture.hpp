@@ -1,4 +1,5 @@
-// Explains the pixel of a picture that the user asks for, for a stage. docs/web has this file without it.
+// Explains the pixel of a picture that the user asks for, for a stage. docs/web has another file of this name
+// for modules that only draw.
 #pragma once
 
 #include <protostar/image.hpp>

@@ -1,4 +1,5 @@
-// Draws a picture whose work is shared, for a stage: in units. docs/web has this file without it.
+// Draws a picture whose work is shared, for a stage: in units. docs/web has another file of this name, which
+// shares no work.
 #pragma once
 
 #include <functional>
