@@ -1,8 +1,8 @@
 #include <protostar/scene.hpp>
 #include <protostar/surfaces/sphere.hpp>
-#include <stdexcept>
 
 #include "figures.hpp"
+#include "sketch.hpp"
 #include "svg.hpp"
 
 using namespace protostar;
@@ -24,10 +24,6 @@ struct View {
   }
 };
 
-void expect(bool is_as_drawn) {
-  if (!is_as_drawn) throw std::logic_error("epsilon: the rays do not meet what the figure says");
-}
-
 /// Draws a part of the ground, where the library's rays from above meet it.
 void draw_ground(Drawing& drawing, const View& view) {
   std::vector<Place> outline;
@@ -46,7 +42,7 @@ void draw_too_small(Drawing& drawing, const View& view) {
   const Point stored{std::round(hit.x), std::round(hit.y), 0};
   const Ray to_light{.origin = stored + offset * ground.normal_at(stored), .direction = {0.766, 0.643, 0}};
   const double again = ground.intersect(to_light).value();
-  expect(length(to_light.origin - ground.center) < ground.radius);
+  expect(length(to_light.origin - ground.center) < ground.radius, "epsilon");
 
   for (int x = -3; x <= 0; ++x)
     for (int y = -1; y <= 2; ++y) drawing.circle(view.of(Point(x, y, 0)), 2, Paint::gray, Fill::full);
@@ -83,7 +79,7 @@ void draw_too_large(Drawing& drawing, const View& view) {
   const Ray exact = hit.value().leave({-0.1, 0.995, 0}),
             lifted{.origin = point + offset * ground.normal_at(point), .direction = exact.direction};
   const Roots skipped = roots_of(resting, exact);
-  expect(scene.occluded(exact, {}) && !scene.occluded(lifted, {}) && skipped.count() == 2);
+  expect(scene.occluded(exact, {}) && !scene.occluded(lifted, {}) && skipped.count() == 2, "epsilon");
 
   draw_ground(drawing, view);
   drawing.circle(view.of(resting.center), View::scale * small, Paint::blue, Fill::soft);
