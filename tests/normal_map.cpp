@@ -56,7 +56,7 @@ MeshData square_with(std::vector<Uv> uvs) {
           .uvs = std::move(uvs)};
 }
 
-const MeshData square = square_with({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
+const MeshData square_ahead = square_with({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
 
 /// Surfaces of all kinds in front of the eye at 0, and for each a ray that hits it. Some stand obliquely.
 struct Target {
@@ -82,7 +82,7 @@ std::vector<Target> targets() {
           {"disk", Disk{.position = {0, 0, 4}, .normal = {1, 2, -3}}, ahead},
           {"box", Box{.min = {-1, -1, 4}, .max = {1, 1, 5}}, ahead},
           {"quadric", ellipsoid, down_z},
-          {"mesh", Mesh(square), ahead},
+          {"mesh", Mesh(square_ahead), ahead},
           {"mesh without texture coordinates", Mesh(square_with({})), ahead},
           {"mesh with slanted coordinates", Mesh(slanted), ahead},
           {"mesh with mirrored coordinates", Mesh(mirrored_square), ahead},
@@ -94,7 +94,8 @@ std::vector<Target> targets() {
           {"box askew", Instance(AnySurface(Box{.min = {-1, -1, -1}, .max = {1, 1, 1}}), askew), ahead},
           {"mirror image of a sphere", Instance(AnySurface(Sphere{}), mirrored), ahead},
           {"mirror image of an instance",
-           Instance(AnySurface(Instance(AnySurface(Mesh(square)), Affine{}.scaled_by({1, 2, 1}))), mirrored),
+           Instance(AnySurface(Instance(AnySurface(Mesh(square_ahead)), Affine{}.scaled_by({1, 2, 1}))),
+                    mirrored),
            Ray{.origin = {0.1, 0.2, 4}, .direction = {0, 0, 1}}}};
 }
 
@@ -166,16 +167,19 @@ TEST_CASE("shading normals that are known by hand") {
   const auto flat = Affine{}.scaled_by({1, 1, 0.1}).moved_by({0, 0, 3.6});
   for (const auto& [name, surface, to_u, to_v] : {
            Row{"sphere", Sphere{.center = {0, 0, 4}}, {-0.6, 0, -0.8}, {0, -0.6, -0.8}},
-           Row{"square", Mesh(square), {0.6, 0, -0.8}, {0, 0.6, -0.8}},
+           Row{"square", Mesh(square_ahead), {0.6, 0, -0.8}, {0, 0.6, -0.8}},
            Row{"square with u from right to left",
                Mesh(square_with({{1, 0}, {0, 0}, {0, 1}, {1, 1}})),
                {-0.6, 0, -0.8},
                {0, 0.6, -0.8}},
            Row{"mirror image of the square",
-               Instance(AnySurface(Mesh(square)), mirrored),
+               Instance(AnySurface(Mesh(square_ahead)), mirrored),
                {-0.6, 0, -0.8},
                {0, 0.6, -0.8}},
-           Row{"flattened square", Instance(AnySurface(Mesh(square)), flat), {0.6, 0, -0.8}, {0, 0.6, -0.8}},
+           Row{"flattened square",
+               Instance(AnySurface(Mesh(square_ahead)), flat),
+               {0.6, 0, -0.8},
+               {0, 0.6, -0.8}},
            Row{"board",
                Parallelogram{.position = {-1, -1, 4}, .edge_u = {0, 2, 0}, .edge_v = {2, 2, 0}},
                {0, 0.6, -0.8},
@@ -188,7 +192,7 @@ TEST_CASE("shading normals that are known by hand") {
 }
 
 TEST_CASE("the vertex normals of a mesh are tilted, not those of its triangles") {
-  MeshData smooth = square;
+  MeshData smooth = square_ahead;
   smooth.normals.assign(4, Vec3{0, 0.6, -0.8});
   CHECK(is_near(mapped_normal_of(Mesh(smooth), Ray{}, constant({3, 0, 4})),
                 0.6 * Vec3{1, 0, 0} + 0.8 * Vec3{0, 0.6, -0.8}));
@@ -204,7 +208,7 @@ TEST_CASE("a normal map tilts nothing where the directions of u and v are not kn
 TEST_CASE("tangents of numbers near the limits of coordinates still give unit normals") {
   for (const double size : {0x1p-398, 0x1p398}) {
     CAPTURE(size);
-    MeshData data = square;
+    MeshData data = square_ahead;
     for (Point& vertex : data.vertices) vertex *= size;
     for (Uv& uv : data.uvs) uv *= size;
     const Vec3 normal = mapped_normal_of(Mesh(data), Ray{}, constant({3, 0, 4}));
@@ -236,7 +240,7 @@ All scene_with(const NormalMap& map) {
   scene.add(Sphere{.center = {1, 0.5, 3}, .radius = 0.6}, glass);
   scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, shiny);
   scene.add(Parallelogram{.position = {-3, -1, 6}, .edge_u = {4, 0, 2}, .edge_v = {0.5, 3, 0}}, matte);
-  MeshData data = square;
+  MeshData data = square_ahead;
   for (Point& p : data.vertices) p = 0.5 * p + Point{0, -0.5, 0.3};
   scene.add(Mesh(data), matte);
   scene.add(AnySurface(Instance(AnySurface(Box{.min = {0.2, 0.1, 4}, .max = {1, 1, 5}}),
