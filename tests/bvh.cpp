@@ -263,7 +263,7 @@ TEST_CASE("children are visited near to far, and hidden ones not at all") {
   std::vector<int> expected;
   for (int k = 0; k < simd::node_width; ++k)
     if (const int key = Unordered::Children{}[k]; key <= 9) expected.push_back(key);
-  std::ranges::sort(expected);
+  std::sort(expected.begin(), expected.end());
   CHECK(found == expected);
 }
 
@@ -307,7 +307,8 @@ TEST_CASE("a BVH is the same for any number of threads") {
   Random random(3);
   const auto bounds = random_bounds(random, 100000, 0.02);
   const Bvh one = tree_of(bounds, {.most = 4}, 1), several = tree_of(bounds, {.most = 4}, 3);
-  CHECK(std::ranges::equal(one.order(), several.order()));
+  const auto &order = one.order(), &other = several.order();
+  CHECK(std::equal(order.begin(), order.end(), other.begin(), other.end()));
   std::vector<std::uint32_t> firsts[2];
   one.each_leaf([&](Leaf leaf) { firsts[0].push_back(leaf.first * 32 + leaf.count); });
   several.each_leaf([&](Leaf leaf) { firsts[1].push_back(leaf.first * 32 + leaf.count); });

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <stop_token>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -166,9 +165,7 @@ TEST_CASE("all light that an HDR file can hold is finite") {
 TEST_CASE("saving an HDR file leaves the old file unchanged if it is stopped or fails") {
   const TemporaryFolder folder;
   put_bytes(folder / "a.hdr", "old");
-  std::stop_source source;
-  source.request_stop();
-  save_hdr(Image(8, 8), folder / "a.hdr", source.get_token());
+  save_hdr(Image(8, 8), folder / "a.hdr", [] { return true; });
   CHECK_THAT(message_of<std::system_error>([&] { save_hdr(Image(1, 1), folder / "none/a.hdr"); }),
              ContainsSubstring("none/a.hdr"));
   CHECK(bytes_of(folder / "a.hdr") == "old");

@@ -31,7 +31,8 @@ bool is_inside(const ExactVector& point, const Corners& t) {
 
 /// Tests whether each component of a point differs from another's by at most a distance.
 bool is_within(double distance, const ExactVector& point, const Point& other) {
-  return std::ranges::all_of(difference(point, exact_vector(other)), [&](const ExactNumber& x) {
+  const ExactVector from_other = difference(point, exact_vector(other));
+  return std::all_of(from_other.begin(), from_other.end(), [&](const ExactNumber& x) {
     return (ExactNumber(distance) - x).sign() >= 0 && (ExactNumber(distance) + x).sign() >= 0;
   });
 }

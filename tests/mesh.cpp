@@ -421,7 +421,8 @@ TEST_CASE("the tree of a mesh is the same for any number of threads") {
   const auto one = tree(1), several = tree(3);
   REQUIRE(one.bvh().order().size() == data.triangles.size());
   REQUIRE(several.bvh().order().size() == one.bvh().order().size());
-  CHECK(std::ranges::equal(one.bvh().order(), several.bvh().order()));
+  const auto &order = one.bvh().order(), &other = several.bvh().order();
+  CHECK(std::equal(order.begin(), order.end(), other.begin(), other.end()));
   // Returns the triangles and their indices, in the order of the leaves.
   const auto contents = [](const simd::TriangleTree& of) {
     std::vector<double> numbers;

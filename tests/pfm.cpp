@@ -2,7 +2,6 @@
 #include <cstring>
 #include <limits>
 #include <protostar/pfm.hpp>
-#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -56,9 +55,7 @@ TEST_CASE("every float of a PFM equals the image's, for images of any shape") {
 TEST_CASE("stopping save_pfm leaves the old file unchanged") {
   const TemporaryFolder folder;
   put_bytes(folder / "a.pfm", "old");
-  std::stop_source source;
-  source.request_stop();
-  save_pfm(Image(100, 100), folder / "a.pfm", source.get_token());
+  save_pfm(Image(100, 100), folder / "a.pfm", [] { return true; });
   CHECK(bytes_of(folder / "a.pfm") == "old");
   CHECK(folder.count() == 1);
 }

@@ -65,7 +65,7 @@ std::pair<int, int> least_and_most(const std::vector<SampleSet<double>>& points,
       box = box * cells[d] + static_cast<std::size_t>(point[d] * static_cast<double>(cells[d]));
     ++counts[box];
   }
-  const auto [least, most] = std::ranges::minmax_element(counts);
+  const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
   return {*least, *most};
 }
 

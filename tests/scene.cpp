@@ -1,11 +1,11 @@
 #include <cmath>
+#include <future>
 #include <limits>
 #include <protostar/scene.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <stdexcept>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -309,8 +309,8 @@ TEST_CASE("a const scene may be used by several threads at once") {
   const double expected = work();
   std::vector<double> sums(4);
   {
-    std::vector<std::jthread> threads;
-    for (double& sum : sums) threads.emplace_back([&] { sum = work(); });
+    std::vector<std::future<void>> threads;
+    for (double& sum : sums) threads.push_back(std::async(std::launch::async, [&] { sum = work(); }));
   }
   CHECK(sums == std::vector<double>(4, expected));
 }

@@ -390,8 +390,8 @@ TEST_CASE("a tile keeps every sphere that a ray at one of its corners touches fr
     const std::vector<int> indices = indices_of(in_tile);
     all += static_cast<int>(spheres.size());
     for (std::size_t i = 0; i < spheres.size(); ++i)
-      dropped.add(std::ranges::count(indices, static_cast<int>(i)) == 0, camera, "tile", tile.x0, tile.y0,
-                  "side", side, spheres[i]);
+      dropped.add(std::count(indices.begin(), indices.end(), static_cast<int>(i)) == 0, camera, "tile",
+                  tile.x0, tile.y0, "side", side, spheres[i]);
   }
   CHECK(all == 40000);
   CHECK(dropped == 0);

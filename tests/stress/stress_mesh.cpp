@@ -111,7 +111,8 @@ Aimed aim(Random& random, const Model& model) {
       const Point origin = origin_outside(random, model);
       const double s = coin(random) ? random.real(0, 1) : std::ldexp(1, -whole(random, 1, 50));
       std::vector<int> of_both;  // rounding may lead past the end of an edge
-      std::ranges::set_union(model.shape.around[from], model.shape.around[to], std::back_inserter(of_both));
+      const std::vector<int>&some = model.shape.around[from], &others = model.shape.around[to];
+      std::set_union(some.begin(), some.end(), others.begin(), others.end(), std::back_inserter(of_both));
       return {{origin, p + s * (q - p) - origin}, of_both};
     }
     case 2: {  // a vertex, along an axis
@@ -253,9 +254,10 @@ class Judge {
     if (aimed_.at.empty()) return;
     const auto side = [&](int part) { return plumb(part).side(); };
     const int seen = side(aimed_.at[0]);
-    if (seen == 0 || !std::ranges::all_of(aimed_.at, [&](int part) { return side(part) == seen; })) return;
-    const auto crossed = std::ranges::count_if(crossings_, [&](const Crossing& crossing) {
-      return std::ranges::find(aimed_.at, crossing.part) != aimed_.at.end();
+    const auto begin = aimed_.at.begin(), end = aimed_.at.end();
+    if (seen == 0 || !std::all_of(begin, end, [&](int part) { return side(part) == seen; })) return;
+    const auto crossed = std::count_if(crossings_.begin(), crossings_.end(), [&](const Crossing& crossing) {
+      return std::find(begin, end, crossing.part) != end;
     });
     if (crossed == 0) ++tally.slipped;
     if (crossed > 1) ++tally.twice;
@@ -309,7 +311,8 @@ class Judge {
            mesh_.any_hit(aimed_.ray, range) == !all.empty();
   }
   static bool are_same(const std::vector<Crossing>& some, const std::vector<Crossing>& others) {
-    return std::ranges::equal(some, others, {}, &Crossing::part, &Crossing::part);
+    return std::equal(some.begin(), some.end(), others.begin(), others.end(),
+                      [](const Crossing& a, const Crossing& b) { return a.part == b.part; });
   }
 
   const Mesh& mesh_;
