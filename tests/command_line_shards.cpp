@@ -266,6 +266,30 @@ TEST_CASE("merge refuses shards of other pictures, missing and doubled parts, an
   }
 }
 
+namespace {
+
+/// Starts a stage and stops it by a signal, which has to end it; returns the units of work in its checkpoint,
+/// the file "state". A busy machine may draw none of them in 300 ms: with no more than before, the
+/// stage goes on for twice the time.
+std::uint64_t units_until(int signal, const std::string& name, const std::string& options,
+                          const TemporaryFolder& folder, std::uint64_t before) {
+  std::uint64_t units = before;
+  for (auto time = 300ms; units == before && time < 60s; time *= 2) {
+    Process process(stage(name, words(options), folder / ""));
+    process.wait_for_thread();
+    std::this_thread::sleep_for(time);
+    process.send(signal);
+    const Outcome stopped = process.wait();
+    CHECK(stopped.status == 128 + signal);
+    CHECK(stopped.out + stopped.err == "");
+    CHECK(folder.count() == 1);
+    units = protostar::load_shard(folder / "state").units().count();
+  }
+  return units;
+}
+
+}  // namespace
+
 TEST_CASE("a long render goes on from its checkpoint, also in parts, and removes it at the end") {
   const std::string part = GENERATE("", " --shard 1/2 -o a.shard");
   CAPTURE(part);
@@ -274,16 +298,8 @@ TEST_CASE("a long render goes on from its checkpoint, also in parts, and removes
   // A picture that takes seconds, on any machine, and with few samples a moment.
   const std::string options = "--size 320x240 --threads 1 --sampler halton" + part;
   const std::string many = options + " --samples 4000 --checkpoint state";
-  Process process(stage("15_csg", words(many), folder / ""));
-  process.wait_for_thread();
-  std::this_thread::sleep_for(500ms);
-  process.send(SIGTERM);
-  const Outcome stopped = process.wait();
-  CHECK(stopped.status == 128 + SIGTERM);
-  CHECK(stopped.out + stopped.err == "");
-  CHECK(folder.count() == 1);
+  CHECK(units_until(SIGTERM, "15_csg", many, folder, 0) > 0);
   const std::string state = bytes_of(folder / "state");
-  CHECK(protostar::load_shard(folder / "state").units().count() > 0);
 
   const Outcome refused = run_stage("15_csg", many + " --seed 1", folder);
   CHECK(refused.status == 1);
@@ -306,13 +322,8 @@ TEST_CASE("a render that is stopped twice has the bytes of one that is not", "[l
   const TemporaryFolder folder;
   std::uint64_t units = 0;
   for (const int signal : {SIGINT, SIGHUP}) {
-    Process process(stage("13_whitted", words(options + " --checkpoint state"), folder / ""));
-    process.wait_for_thread();
-    std::this_thread::sleep_for(300ms);
-    process.send(signal);
-    CHECK(process.wait().status == 128 + signal);
-    const std::uint64_t before =
-        std::exchange(units, protostar::load_shard(folder / "state").units().count());
+    const std::uint64_t before = units;
+    units = units_until(signal, "13_whitted", options + " --checkpoint state", folder, before);
     CHECK(units > before);
   }
   CHECK(run_stage("13_whitted", options + " --checkpoint state", folder).status == 0);
