@@ -77,7 +77,13 @@ struct Lanes {
     return lanes;
 #endif
   }
-  void store(T* to) const { std::memcpy(to, &v, sizeof(v)); }
+  void store(T* to) const {
+#if defined(PROTOSTAR_VECTORS)
+    *reinterpret_cast<typename detail::VectorAt<T, N>::type*>(to) = v;
+#else
+    std::memcpy(to, &v, sizeof(v));
+#endif
+  }
 
   T operator[](int i) const { return v[i]; }
   void set(int i, T number) { v[i] = number; }
@@ -263,16 +269,11 @@ template <class T, int N>
   return copysign(a, Lanes<T, N>(T{0}));
 }
 
-/// Returns the smaller number in each lane, as std::min does: a if one of them is NaN. Written like this, it
-/// is one instruction; with AVX-512 g++ 12 makes two of it where one of the numbers is a constant.
+/// Returns the smaller number in each lane, as std::min does: a if one of them is NaN.
 template <class T, int N>
 [[nodiscard]] Lanes<T, N> min(const Lanes<T, N>& a, const Lanes<T, N>& b) {
-#if defined(__AVX512F__) && defined(PROTOSTAR_VECTORS)
-  if constexpr (sizeof(a.v) == 64 && std::same_as<T, double>)
-    return {(detail::Vector<T, N>)_mm512_maskz_min_pd(0xff, (__m512d)b.v, (__m512d)a.v)};
-#endif
 #if defined(PROTOSTAR_VECTORS)
-  return {b.v < a.v ? b.v : a.v};
+  return {detail::smaller(a.v, b.v)};
 #else
   return select(b < a, b, a);
 #endif
@@ -281,12 +282,8 @@ template <class T, int N>
 /// Returns the larger number in each lane, as std::max does: a if one of them is NaN.
 template <class T, int N>
 [[nodiscard]] Lanes<T, N> max(const Lanes<T, N>& a, const Lanes<T, N>& b) {
-#if defined(__AVX512F__) && defined(PROTOSTAR_VECTORS)
-  if constexpr (sizeof(a.v) == 64 && std::same_as<T, double>)
-    return {(detail::Vector<T, N>)_mm512_maskz_max_pd(0xff, (__m512d)b.v, (__m512d)a.v)};
-#endif
 #if defined(PROTOSTAR_VECTORS)
-  return {a.v < b.v ? b.v : a.v};
+  return {detail::larger(a.v, b.v)};
 #else
   return select(a < b, b, a);
 #endif

@@ -170,6 +170,49 @@ template <class V>
 }
 #endif
 
+#if defined(PROTOSTAR_VECTORS)
+/// Returns b where it is less than a, and a elsewhere, by the one instruction that does so: g++ 12 makes two
+/// of the comparison and the selection where one of the vectors is constant, or in memory.
+template <class V>
+[[nodiscard]] V smaller(V a, V b) {
+  using T [[maybe_unused]] = std::remove_cvref_t<decltype(a[0])>;
+  [[maybe_unused]] constexpr std::size_t size = std::floating_point<T> ? sizeof(V) : 0;
+#if defined(__AVX512F__)
+  if constexpr (size == 64 && sizeof(T) == 4) return (V)_mm512_maskz_min_ps(0xffff, (__m512)b, (__m512)a);
+  if constexpr (size == 64 && sizeof(T) == 8) return (V)_mm512_maskz_min_pd(0xff, (__m512d)b, (__m512d)a);
+#endif
+#if defined(__AVX__)
+  if constexpr (size == 32 && sizeof(T) == 4) return (V)_mm256_min_ps((__m256)b, (__m256)a);
+  if constexpr (size == 32 && sizeof(T) == 8) return (V)_mm256_min_pd((__m256d)b, (__m256d)a);
+#endif
+#if defined(__SSE2__)
+  if constexpr (size == 16 && sizeof(T) == 4) return (V)_mm_min_ps((__m128)b, (__m128)a);
+  if constexpr (size == 16 && sizeof(T) == 8) return (V)_mm_min_pd((__m128d)b, (__m128d)a);
+#endif
+  return b < a ? b : a;
+}
+
+/// Returns b where it is more than a, and a elsewhere, as smaller() does.
+template <class V>
+[[nodiscard]] V larger(V a, V b) {
+  using T [[maybe_unused]] = std::remove_cvref_t<decltype(a[0])>;
+  [[maybe_unused]] constexpr std::size_t size = std::floating_point<T> ? sizeof(V) : 0;
+#if defined(__AVX512F__)
+  if constexpr (size == 64 && sizeof(T) == 4) return (V)_mm512_maskz_max_ps(0xffff, (__m512)b, (__m512)a);
+  if constexpr (size == 64 && sizeof(T) == 8) return (V)_mm512_maskz_max_pd(0xff, (__m512d)b, (__m512d)a);
+#endif
+#if defined(__AVX__)
+  if constexpr (size == 32 && sizeof(T) == 4) return (V)_mm256_max_ps((__m256)b, (__m256)a);
+  if constexpr (size == 32 && sizeof(T) == 8) return (V)_mm256_max_pd((__m256d)b, (__m256d)a);
+#endif
+#if defined(__SSE2__)
+  if constexpr (size == 16 && sizeof(T) == 4) return (V)_mm_max_ps((__m128)b, (__m128)a);
+  if constexpr (size == 16 && sizeof(T) == 8) return (V)_mm_max_pd((__m128d)b, (__m128d)a);
+#endif
+  return a < b ? b : a;
+}
+#endif
+
 /// Returns a vector with the number in every lane.
 template <class T, int N>
 [[nodiscard]] Vector<T, N> everywhere(T number) {
