@@ -27,6 +27,8 @@
 // sphere, the ray enters it behind f. It does so before g, if the center or a point inside is before g: for
 // b + m ≤ g, or (b + m − g)² + |p|² < i². No root is needed. In float the squares and their sums
 // are off by 4u, u = 2^-24, which is less than an eighth of what R² and i² leave (tests/proofs).
+//
+// Each product may be rounded or not before it is added (fused_or_not): the bounds are for both.
 #pragma once
 
 #include "../simd/simd.hpp"
@@ -39,9 +41,10 @@ struct LinePass {
   WideFloats along, squared;  ///< b and |p|², as at the top of this file
 
   LinePass(const WideVectors& d, const WideVectors& l) {
-    along = d.x * l.x + d.y * l.y + d.z * l.z;
-    const WideFloats px = l.x - along * d.x, py = l.y - along * d.y, pz = l.z - along * d.z;
-    squared = px * px + py * py + pz * pz;
+    along = dot(d, l);
+    const WideVectors p{fused_or_not(-along, d.x, l.x), fused_or_not(-along, d.y, l.y),
+                        fused_or_not(-along, d.z, l.z)};
+    squared = dot(p, p);
   }
 };
 
@@ -51,7 +54,7 @@ struct SpherePass : LinePass {
 
   /// Returns where a ray may meet a sphere; 2^-120 covers underflow of squares.
   [[nodiscard]] WideMask maybe() const {
-    return squared <= reach * reach + WideFloats(0x1p-120f) && along >= -reach - margin;
+    return squared <= fused_or_not(reach, reach, WideFloats(0x1p-120f)) && along >= -reach - margin;
   }
   /// Returns where a line surely meets a sphere whose center is ahead.
   [[nodiscard]] WideMask surely() const {
@@ -62,15 +65,15 @@ struct SpherePass : LinePass {
   [[nodiscard]] WideMask maybe_within(float from, float until) const {
     const WideFloats apart =
         max(max(WideFloats(from) - along, along - WideFloats(until)) - margin, WideFloats(0.0f));
-    return apart * apart + squared <= reach * reach + WideFloats(0x1p-120f);
+    return fused_or_not(apart, apart, squared) <= fused_or_not(reach, reach, WideFloats(0x1p-120f));
   }
   /// Returns where a ray surely enters a sphere within a part of it.
   [[nodiscard]] WideMask surely_within(float from, float until) const {
     const WideFloats before = along - margin - WideFloats(from),
                      behind = max(along + margin - WideFloats(until), WideFloats(0.0f));
     return inner > WideFloats(0.0f) && before > WideFloats(0.0f) &&
-           before * before + squared > reach * reach + WideFloats(0x1p-120f) &&
-           behind * behind + squared < inner * inner;
+           fused_or_not(before, before, squared) > fused_or_not(reach, reach, WideFloats(0x1p-120f)) &&
+           fused_or_not(behind, behind, squared) < inner * inner;
   }
 
   /// Bounds of t at the first hit: a lower one if there may be a hit, an upper one if there surely is.

@@ -77,8 +77,8 @@ class SphereLeaves {
     const LinePass line({ray.direction[0], ray.direction[1], ray.direction[2]},
                         {from_origin(0), from_origin(1), from_origin(2)});
     const WideFloats r = WideFloats::load(row + 3 * leaf.count);
-    const WideFloats e =
-        WideFloats(0x1p-19f) * (abs(line.along) + r) + WideFloats(0x1p-19f * ray.distance + ray.widening);
+    const WideFloats e = fused_or_not(WideFloats(0x1p-19f), abs(line.along) + r,
+                                      WideFloats(0x1p-19f * ray.distance + ray.widening));
     return {line, r + e, r - e, e};
   }
   /// Returns which spheres, from the i-th of a leaf on, may reach into every one of the half-spaces.
