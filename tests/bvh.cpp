@@ -332,6 +332,27 @@ TEST_CASE("a BVH is the same for any number of threads") {
   CHECK(differ == 0);
 }
 
+TEST_CASE("a ray's direction in box space has length 1, however long it is in the world") {
+  const Bvh tree = tree_of({{Point{-1}, Point{1}}});
+  const double scale = tree.space().scale;
+  Random random(21);
+  for (int i = 0; i < 4000; ++i) {
+    const double length =
+        i % 2 ? 1 + (i % 4 - 2) * std::exp2(random.real(-50, -10)) : std::exp2(random.real(-40, 40));
+    Vec3 direction = random.direction();
+    if (i % 3 == 0) direction[i % 9 / 3] *= std::exp2(random.real(-100, 0));
+    direction = normalize(direction) * length;
+    const BoxRay line({Point{0}, direction}, tree.space(), 0);
+    const double exact = glm::length(direction);
+    CHECK(line.length == Approx(exact * scale).epsilon(0x1p-40));
+    for (int axis = 0; axis < 3; ++axis) {
+      const double d = direction[axis] / exact, limit = std::max(std::abs(d), 0x1p-60);
+      CHECK(std::abs(line.direction[axis] - d) <= 0x1.001p-24 * std::abs(d));
+      CHECK(std::abs(line.inverse[axis] - std::copysign(1 / limit, d)) <= 0x1.001p-24 / limit);
+    }
+  }
+}
+
 TEST_CASE("a ray that float cannot represent is marked as not usable") {
   const Bvh tree = tree_of({{Point{-1}, Point{1}}});
   const auto usable = [&](const Ray& ray) { return BoxRay(ray, tree.space(), 0).usable; };

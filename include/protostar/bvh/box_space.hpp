@@ -15,16 +15,21 @@
 #include "../interval.hpp"
 #include "../ray.hpp"
 #include "../simd/simd.hpp"
+#include "../simd/vectors.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
 /// Four floats, of which boxes and points use three.
 using Float4 = Lanes<float, 4>;
 
-[[nodiscard]] inline Float4 float4(const Vec3& v) {
-  Float4 lanes = 0.0f;
-  for (int i = 0; i < 3; ++i) lanes.set(i, static_cast<float>(v[i]));
-  return lanes;
+/// Returns f(v), rounded to float. Where a register holds four doubles, f takes all components at once, and
+/// elsewhere one at a time.
+[[nodiscard]] Float4 float4(const Vec3& v, const auto& f) {
+  const auto component = [&](int axis) { return axis < 3 ? v[axis] : 0.0; };
+  if constexpr (double_lanes >= 4)
+    return to_float(f(Lanes<double, 4>::of_each(component)));
+  else
+    return Float4::of_each([&](int axis) { return static_cast<float>(f(component(axis))); });
 }
 
 /// A box in box space.
@@ -81,46 +86,48 @@ struct BoxSpace {
 
 /// A ray in box space: its points are origin + s·direction, with a direction of length 1 and s = t · length.
 struct BoxRay {
-  Float4 origin = 0.0f, direction = 0.0f;  ///< rounded to float
-  float distance = 0;                      ///< |o|₁ of the origin o, and 2^-40
-  float widening = 0;                      ///< length by which all primitives are widened
-  double length = 1;                       ///< length of the ray's direction in box space
+  Float4 origin, direction;  ///< rounded to float
+  Float4 inverse;            ///< 1 over each component of the direction, from −2^60 to 2^60
+  float distance;            ///< |o|₁ of the origin o, off by 3u of itself, and 2^-40
+  float widening;            ///< length by which all primitives are widened
+  double length;             ///< length of the ray's direction in box space
 
   /// True if float can hold the ray. If not, it is taken to meet every box: one that starts 2^60 units or
   /// more from the center, or whose direction is shorter than 2^-400, longer than 2^400, or not finite.
   bool usable;
 
   /// Maps a ray; all primitives are widened by `widen`, a length in the world.
-  BoxRay(const Ray& ray, const BoxSpace& space, double widen) {
-    const Point o = space(ray.origin);
-    const double far = std::abs(o.x) + std::abs(o.y) + std::abs(o.z), wide = 2 * widen * space.scale;
-    usable = far + wide < 0x1p60;
-    if (const double square = dot(ray.direction, ray.direction); std::abs(square - 1) <= 0x1p-40) {
-      // A unit vector to within 2^-41, as further rays of paths have: others wait for a root and a division.
-      length = space.scale;
-      direction = float4(ray.direction);
-    } else {
-      const double root = std::sqrt(square);
-      length = root * space.scale;
-      direction = float4(ray.direction * (1 / root));
-      usable = usable && 0x1p-800 < square && 0x1p-400 < length && length < 0x1p400;  // false for NaN
+  ///
+  /// A direction made of floats, or by further rays of paths, is nearly a unit vector. With |d|² = 1 + h and
+  /// |h| ≤ 2^-19, 1 + h/2 is off from the root by less than h²/8 ≤ 2^-41, and 1 − h/2 from its inverse by
+  /// less than 3h²/8 < 2^-39. Other vectors wait for a root and a division. The three divisions by components
+  /// do not wait for the root.
+  [[gnu::always_inline]] BoxRay(const Ray& ray, const BoxSpace& space, double widen)
+      : widening(static_cast<float>(2 * widen * space.scale)) {
+    origin = float4(space(ray.origin), [](const auto& o) { return o; });
+    const Float4 size = abs(origin);
+    distance = size[0] + size[1] + size[2] + 0x1p-40f;
+    usable = distance + widening < 0x1p60f;
+    const double square = dot(ray.direction, ray.direction), excess = square - 1;
+    double root = 1 + 0.5 * excess, inverse_root = 1 - 0.5 * excess;
+    if (!(std::abs(excess) <= 0x1p-19)) {
+      root = std::sqrt(square), inverse_root = 1 / root;
+      usable = usable && 0x1p-800 < square && 0x1p-400 < root * space.scale && root * space.scale < 0x1p400;
     }
-    if (!usable) return;
-    origin = float4(o);
-    distance = static_cast<float>(far + 0x1p-40);
-    widening = static_cast<float>(wide);
+    length = root * space.scale;
+    direction = float4(ray.direction, [&](const auto& d) { return d * inverse_root; });
+    const auto inverse_size = [&]<class T>(const T& d) {
+      using std::abs, std::max, std::min;
+      return min(T(1) / max(abs(d), T(0x1p-600)) * T(root), T(0x1p60));
+    };
+    inverse = copysign(float4(ray.direction, inverse_size), direction);
   }
 
-  /// Returns a lower bound (at_least) or an upper bound (at_most) of t as a distance in box space, 2^-20 of
-  /// it away: this covers three roundings here and those of the distances that it is compared with (Slabs).
-  [[nodiscard]] float at_least(double t) const {
-    const double s = t * length;
-    return static_cast<float>(s - 0x1p-20 * std::abs(s));
-  }
-  [[nodiscard]] float at_most(double t) const {
-    const double s = t * length;
-    return static_cast<float>(s + 0x1p-20 * std::abs(s));
-  }
+  /// Returns a lower bound (at_least) or an upper bound (at_most) of t ≥ 0 as a distance in box space, 2^-20
+  /// of it away: this covers three roundings here and those of the distances that it is compared with
+  /// (Slabs).
+  [[nodiscard]] float at_least(double t) const { return static_cast<float>(t * length * (1 - 0x1p-20)); }
+  [[nodiscard]] float at_most(double t) const { return static_cast<float>(t * length * (1 + 0x1p-20)); }
 };
 
 /// A ray as it is tested against boxes: an end of a box on axis i is at s = end · inverse_i + shift_i.
@@ -129,42 +136,41 @@ struct BoxRay {
 /// to (max_i − o_i)/d_i, or the other way round for d_i < 0. In float, with u = 2^-24, v = inverse_i and an
 /// end m, |m| ≤ 1 + 4u:
 ///
-/// - d_i and 1/d_i are rounded, so that v is off by 2u of itself, and m v by 2u |m v| from m/d_i.
-/// - o_i, its product with v, and the sum with the margin are rounded: 5u |o_i v|, with the errors of v.
+/// - 1/d_i is rounded, so that v is off by less than 2u of itself, and m v by 2u |m v| from m/d_i.
+/// - o_i, its sum with a margin, and their product with v are rounded: 5u |o_i v|, with the errors of v.
 /// - The product m v may be rounded, and the sum of both is: 2u |m v| + u |o_i v|.
 ///
 /// Together they are at most u |v| (4 |m| + 6 |o_i|), but for 5u of that. near_shift is lower than −o_i v by
-/// a margin of |v| (2^-21 (1 + |o_i|) + 2^-38 |o| + widening), with 2^-21 = 8u, and far_shift is higher by
-/// it: the nearer end comes out no farther than it is, and the farther end no nearer.
+/// |v| times a margin of 2^-21 (1 + |o_i|) + 2^-38 |o| + widening, with 2^-21 = 8u, and far_shift is higher
+/// by it: the nearer end comes out no farther than it is, and the farther end no nearer. What the margin
+/// itself is rounded by is far less than the widening in it, which BoxRay has doubled, and than u.
 ///
-/// |d_i| < 2^-60 is replaced by 2^-60. The line comes to the nearer end no later by that. Inside a box
+/// |d_i| < 2^-60 is taken for 2^-60. The line comes to the nearer end no later by that. Inside a box
 /// s < |o| + 2, and the farther end may be up to s too near; the margin is at least 2^60 (4u + 2^-38 |o|)
 /// more than the errors, which is more than s.
 ///
 /// Hence a box that the line meets has near ≤ far. There is no infinity and no NaN in it.
 struct Slabs {
-  Float4 inverse = 0.0f, near_shift = 0.0f, far_shift = 0.0f;
+  Float4 inverse, near_shift, far_shift;
   /// Ends of a box that look nearer and farther on each axis: their places in Node::end.
-  std::uint32_t near_end[3] = {}, far_end[3] = {};
+  std::int32_t near_end[4], far_end[4];
 
   Slabs() = default;  ///< for no ray
   /// Makes those of a ray for nodes of some width.
-  Slabs(const BoxRay& ray, std::uint32_t width) {
-    inverse = copysign(Float4(1) / max(abs(ray.direction), Float4(0x1p-60f)), ray.direction);
-    const Float4 margin = abs(inverse) * (Float4(0x1p-21f) * abs(ray.origin) +
-                                          Float4(0x1p-21f + 0x1p-38f * ray.distance + ray.widening));
-    const Float4 shift = ray.origin * inverse;
-    near_shift = -shift - margin;
-    far_shift = margin - shift;
-    // The sign bit is read as an integer: g++ 12 vectorizes three calls of std::signbit at -O3 to an
-    // instruction that it does not recognize ("internal compiler error: in extract_insn") unless it compiles
-    // for AVX-512.
-    for (std::uint32_t axis = 0; axis < 3; ++axis) {
-      const std::uint32_t sign =
-          protostar::detail::bit_cast<std::uint32_t>(ray.direction[static_cast<int>(axis)]) >> 31;
-      near_end[axis] = (3 * sign + axis) * width;
-      far_end[axis] = (3 * (1 - sign) + axis) * width;
-    }
+  Slabs(const BoxRay& ray, std::int32_t width) {
+    inverse = ray.inverse;
+    const Float4 margin = fused_or_not(Float4(0x1p-21f), abs(ray.origin),
+                                       Float4(0x1p-21f + 0x1p-38f * ray.distance + ray.widening));
+    const Float4 ahead = copysign(margin, inverse);
+    near_shift = (-ray.origin - ahead) * inverse;
+    far_shift = (ahead - ray.origin) * inverse;
+    // Lanes in which the sign bit is set have the two ends the other way round.
+    using Places = Lanes<std::int32_t, 4>;
+    const Places first = iota<std::int32_t, 4>() * Places(width), second = first + Places(3 * width);
+    const Places bits = protostar::detail::bit_cast<detail::Vector<std::int32_t, 4>>(inverse.v);
+    const Places change = (bits >> Places(31)) & Places(3 * width);
+    (first + change).store(near_end);
+    (second - change).store(far_end);
   }
 };
 

@@ -183,29 +183,26 @@ struct AlongRay {
   struct Distances {
     Bits met;
     alignas(64) float near[node_width];
+
+    Distances(Bits some, const NodeFloats& distances) : met(some) { distances.store(near); }
     float operator[](int k) const { return near[k]; }
   };
 
   [[nodiscard]] auto look(const Node& node) const {
     const float* const ends = node.end[0][0];
-    NodeFloats near = reach.from, far = reach.until;
-    for (int axis = 0; axis < 3; ++axis) {
-      const NodeFloats inverse = slabs.inverse[axis];
-      const auto distance = [&](std::size_t end, float shift) {
-        return fused_or_not(NodeFloats::load(ends + end), inverse, NodeFloats(shift));
-      };
-      near = max(distance(slabs.near_end[axis], slabs.near_shift[axis]), near);
-      far = min(distance(slabs.far_end[axis], slabs.far_shift[axis]), far);
-    }
+    const auto distance = [&](const std::int32_t* end, const Float4& shift, int axis) {
+      return fused_or_not(NodeFloats::load(ends + end[axis]), NodeFloats(slabs.inverse[axis]),
+                          NodeFloats(shift[axis]));
+    };
+    const auto nearer = [&](int axis) { return distance(slabs.near_end, slabs.near_shift, axis); };
+    const auto farther = [&](int axis) { return distance(slabs.far_end, slabs.far_shift, axis); };
+    const NodeFloats near = max(max(nearer(0), nearer(1)), max(nearer(2), NodeFloats(reach.from)));
+    const NodeFloats far = min(min(farther(0), farther(1)), min(farther(2), NodeFloats(reach.until)));
     const Bits met = bits(near <= far);
-    if constexpr (order == Order::any) {
+    if constexpr (order == Order::any)
       return Met{met};
-    } else {
-      Distances distances;
-      distances.met = met;
-      near.store(distances.near);
-      return distances;
-    }
+    else
+      return Distances(met, near);
   }
   [[nodiscard]] bool precedes(float near, float other) const { return near < other; }
   [[nodiscard]] bool is_hidden(float near) const { return near > reach.until; }
