@@ -225,21 +225,26 @@ TEST_CASE("a ray whose origin is off the surface of its departure gets the plain
   const int count = GENERATE(3, 8, 9, 100);
   Random random(9);
   Scene<Sphere> scene;
-  std::vector<Sphere> spheres;
   for (int i = 0; i < count; ++i) {
-    spheres.push_back({random.point(1), random.real(0.05, 0.2) * (i % 2 ? 1 : -1)});
-    scene.add(spheres.back(), number(i));
+    Sphere sphere{random.point(1), random.real(0.05, 0.2) * (i % 2 ? 1 : -1)};
+    if (i % 5 == 3) sphere = scene.surfaces<Sphere>().back();
+    if (i % 5 == 4) sphere.center = scene.surfaces<Sphere>().back().center;  // float cannot tell them apart
+    if (i % 5 == 4) sphere.radius = scene.surfaces<Sphere>().back().radius * (1 + std::exp2(-i));
+    scene.add(sphere, number(i));
   }
   const auto fast = accelerate(scene);
+  const auto& spheres = scene.surfaces<Sphere>();
   for (int i = 0; i < 2000; ++i) {
     const Sphere& sphere = spheres[random.bits() % spheres.size()];
     // The origin is a little off the sphere, on either side, or sometimes far off; any direction.
     const double off = 1 + std::exp2(random.real(-50, i % 10 != 1 ? -20 : 1)) * (i % 2 ? 1 : -0.1);
     const Vec3 normal = random.direction();
-    const Ray ray{sphere.center + (off * sphere.radius) * normal,
-                  i % 3 ? random.direction() : cross(normal, random.direction()) - 1e-9 * normal,
-                  sphere.departure()};
-    CHECK(answers(fast, ray, {}) == answers(scene, ray, {}));
+    Ray ray{sphere.center + (off * sphere.radius) * normal,
+            i % 3 ? random.direction() : cross(normal, random.direction()) - 1e-9 * normal,
+            sphere.departure()};
+    if (i % 4 < 2) ray.departure.in_scene = &sphere;  // as Intersection::leave sets it
+    for (const Interval range : {Interval{}, Interval{0, 1}, Interval{-1, 1}})
+      CHECK(answers(fast, ray, range) == answers(scene, ray, range));
   }
 }
 

@@ -59,15 +59,16 @@ template <Surface S>
 }
 
 /// Returns the departure of a ray that leaves a surface, or a primitive of it: the surface's own departure,
-/// or else the object itself.
+/// or else the object itself. It names the surface.
 template <Surface S>
 [[nodiscard]] Departure departure_of(const S& surface, int part = 0) {
+  Departure departure{.kind = Departure::Kind::object, .object = &surface};
   if constexpr (is_made_of_parts<S>)
-    return surface.departure(part);
+    departure = surface.departure(part);
   else if constexpr (knows_departure<S>)
-    return surface.departure();
-  else
-    return {.kind = Departure::Kind::object, .object = &surface};
+    departure = surface.departure();
+  departure.in_scene = &surface;
+  return departure;
 }
 
 namespace detail {
@@ -354,12 +355,7 @@ inline constexpr SurfaceFunctions functions_of{
     .tangents_at = [](const void* s, const Point& p, int part) -> Tangents {
       return tangents_at(*static_cast<const S*>(s), p, part);
     },
-    .departure =
-        [](const void* s, int part) {
-          Departure departure = departure_of(*static_cast<const S*>(s), part);
-          departure.in_scene = s;
-          return departure;
-        },
+    .departure = [](const void* s, int part) { return departure_of(*static_cast<const S*>(s), part); },
     .exact_root =
         [](const void* s, const Ray& ray, const Crossing& crossing) {
           return exact_root(*static_cast<const S*>(s), ray, crossing);

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <vector>
@@ -135,13 +136,23 @@ class Finder<Sphere> {
             options),
         leaves_(
             bvh_, [&](std::size_t i) -> auto& { return spheres[i]; }, options),
-        few_(spheres) {}
+        few_(spheres),
+        position_(spheres.size()) {
+    bvh_.each_leaf(
+        [&](Leaf leaf) {
+          for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) position_[bvh_.order()[i]] = i;
+        },
+        options);
+    for (const std::uint32_t i : bvh_.unbounded()) position_[i] = nowhere;
+  }
 
   bool each_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
     if (few_.has_all()) return each_of_few(ray, range, visit);
+    const std::uint32_t passed_over = left_for_good(ray);
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes)
-        if (any_of(maybe(leaves_.pass(leaf, i, line), leaf, i, left), leaf.first + i, visit)) return true;
+        if (any_of(maybe(leaves_.pass(leaf, i, line), leaf, i, left, passed_over), leaf.first + i, visit))
+          return true;
       return false;
     };
     return each_along<Order::any>(bvh_, ray, range, visit, visit_leaf);
@@ -149,10 +160,11 @@ class Finder<Sphere> {
 
   bool any_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
     if (few_.has_all()) return each_of_few(ray, range, visit);
+    const std::uint32_t passed_over = left_for_good(ray);
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
         const SpherePass passed = leaves_.pass(leaf, i, line);
-        const Bits met = maybe(passed, leaf, i, left);
+        const Bits met = maybe(passed, leaf, i, left, passed_over);
         if (met == 0) continue;
         const Bits surely =
             bits(passed.surely_within(left.from * (1 + 0x1p-18f), left.until * (1 - 0x1p-18f)));
@@ -175,13 +187,14 @@ class Finder<Sphere> {
       each_of_few(ray, range, visit_one);
       return;
     }
+    const std::uint32_t passed_over = left_for_good(ray);
     std::uint32_t waiting = 0;
     float waiting_near = infinite;
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
       prefetch(&bvh_.order()[leaf.first]);
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
         const SpherePass passed = leaves_.pass(leaf, i, line);
-        Bits met = maybe(passed, leaf, i, left);
+        Bits met = maybe(passed, leaf, i, left, passed_over);
         if (met == 0) continue;
         const auto [near, until] = passed.entry();
         const Bits surely = bits(passed.surely() && near > WideFloats(left.from * (1 + 0x1p-18f)));
@@ -230,6 +243,7 @@ class Finder<Sphere> {
 
  private:
   static constexpr float infinite = std::numeric_limits<float>::infinity();
+  static constexpr std::uint32_t nowhere = ~std::uint32_t{0};  ///< position of no sphere
 
   struct Fetch {
     const SphereLeaves& leaves;
@@ -245,10 +259,23 @@ class Finder<Sphere> {
         [&](int lane) { return order[std::min(from + static_cast<std::size_t>(lane), order.size() - 1)]; });
   }
 
-  /// Returns which of the spheres from the i-th of a leaf on a ray may meet within its reach.
+  /// Returns the position of the sphere that a ray leaves and surely does not hit again; `nowhere` if there
+  /// is none, or if its departure does not name it.
+  [[nodiscard]] std::uint32_t left_for_good(const Ray& ray) const {
+    const auto* const left = static_cast<const Sphere*>(ray.departure.in_scene);
+    if (left == nullptr || !leaves_outward(ray)) return nowhere;
+    const std::less<const Sphere*> before;
+    if (before(left, spheres_->data()) || !before(left, spheres_->data() + position_.size())) return nowhere;
+    return position_[static_cast<std::size_t>(left - spheres_->data())];
+  }
+
+  /// Returns which of the spheres from the i-th of a leaf on a ray may meet within its reach, without that at
+  /// the position passed_over.
   [[nodiscard, gnu::always_inline]] static Bits maybe(const SpherePass& passed, Leaf leaf, std::uint32_t i,
-                                                      Reach reach) {
-    return bits(passed.maybe_within(reach.from, reach.until)) & first_bits(static_cast<int>(leaf.count - i));
+                                                      Reach reach, std::uint32_t passed_over) {
+    const std::uint32_t k = passed_over - (leaf.first + i);
+    return bits(passed.maybe_within(reach.from, reach.until)) & first_bits(static_cast<int>(leaf.count - i)) &
+           ~(Bits{k < 32} << (k % 32));
   }
 
   bool each_of_few(const Ray& ray, const Interval& range, const auto& visit) const {
@@ -268,6 +295,7 @@ class Finder<Sphere> {
   Bvh bvh_;
   SphereLeaves leaves_;
   FewSpheres few_;
+  PlainVector<std::uint32_t> position_;  ///< of each sphere, in the order of the leaves
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd
