@@ -88,6 +88,19 @@ struct RayPacket {
         functions(&functions_of_surface),
         parts(primitives) {}
 
+  /// Copies member by member, so that a packet in registers stays there: memcpy, which g++ would call, has to
+  /// wait until the packet is written.
+  RayPacket(const RayPacket& rays)
+      : origin(rays.origin.x, rays.origin.y, rays.origin.z),
+        direction(rays.direction.x, rays.direction.y, rays.direction.z),
+        active(rays.active),
+        departure(rays.departure),
+        departed(rays.departed),
+        functions(rays.functions),
+        parts(rays.parts),
+        time(rays.time) {}
+  RayPacket& operator=(const RayPacket&) = default;
+
   [[nodiscard]] Vectors at(Doubles t) const { return origin + t * direction; }
   [[nodiscard]] RayPacket with_direction(const Vectors& towards) const {
     RayPacket rays = *this;
