@@ -60,10 +60,11 @@ struct Lanes {
   /// Sets every lane to the number.
   Lanes(T number) : v(detail::everywhere<T, N>(number)) {}
 
-  /// Returns the numbers f(0), f(1), ... The lanes are written out: clang takes a loop over lanes of
-  /// WebAssembly for so expensive that it does not unroll it, and each lane then goes through memory.
+  /// Returns the numbers f(0), f(1), ..., written out: clang does not unroll loops over WebAssembly's lanes.
   static Lanes of_each(const auto& f) {
-    return [&]<int... i>(std::integer_sequence<int, i...>) { return Lanes(detail::Vector<T, N>{f(i)...}); }
+    return [&]<int... i>(std::integer_sequence<int, i...>) {
+      return Lanes(detail::Vector<T, N>{detail::in_register<T>(f(i))...});
+    }
     (std::make_integer_sequence<int, N>());
   }
 

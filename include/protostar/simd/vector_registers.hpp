@@ -213,11 +213,22 @@ template <class V>
 }
 #endif
 
+/// Returns the number, which stands in a register from here on. Without this, clang 14 joins a load and the
+/// use of its number in lanes to one instruction of WebAssembly (LLVM's LOAD_SPLAT), and may move it behind a
+/// store that changes the number in memory.
+template <class T>
+[[nodiscard, gnu::always_inline]] inline T in_register(T number) {
+#if defined(__wasm_simd128__)
+  asm("" : "+r"(number));
+#endif
+  return number;
+}
+
 /// Returns a vector with the number in every lane.
 template <class T, int N>
 [[nodiscard]] Vector<T, N> everywhere(T number) {
 #if defined(PROTOSTAR_VECTORS)
-  return number - Vector<T, N>{};
+  return in_register(number) - Vector<T, N>{};
 #else
   return Vector<T, N>::each([&](int) { return number; });
 #endif
