@@ -47,9 +47,7 @@ Interrupt::~Interrupt() {
   setitimer(ITIMER_REAL, &none, nullptr);
   if (!listens()) return;
   done_ = true;
-#if !defined(__EMSCRIPTEN__)                         // which starts no thread, and so has no listener
   pthread_kill(listener_.native_handle(), SIGTERM);  // wakes the listener, which then sees that it is done
-#endif
   listener_.join();
   pthread_sigmask(SIG_SETMASK, &mask_before_, nullptr);
 }

@@ -72,6 +72,11 @@ if (names.length > 0) {
     const refused = stage.run(args);
     expect(refused.status > 0 && refused.stderr.includes(args[0]), `no error for ${what}: ${refused.status} ${refused.stderr}`);
   }
+  for (const number of ['1e400', '1e-400', '1e', '1.5.2', '0x2', 'inf', '-'])
+    expect(stage.run(['--clamp', number]).status === 2, `--clamp takes ${number}`);
+  const [first, ...others] = ['2.2', '22e-1', '02.20000000000000017763568394002504646778106689453125'].map(
+    gamma => stage.run(['--size', '96x72', '--quiet', '--transfer', `gamma=${gamma}`]).files['out.ppm']);
+  expect(others.every(other => equal(first, other)), 'numbers that are equal are not read as equal');
   expect(await compiledModule(name) instanceof WebAssembly.Module, 'no module that a worker could take');
   expect(isLoaded(name), 'a module that is not loaded when it has been run');
 }
