@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "scenes/three_spheres.hpp"
+#include "support/explanation.hpp"
 #include "support/stage.hpp"
 
 namespace naive_march {
