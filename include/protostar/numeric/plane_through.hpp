@@ -81,12 +81,21 @@ namespace detail {
           nearest_quotient(distance, n[k])};
 }
 
+/// Returns a/b by long division with two digits of 53 bits, in half the time of a / b and with an error below
+/// 16u² (algorithm DWDivDW2 of Joldes, Muller and Popescu).
+[[nodiscard]] inline DoubleDouble two_digits(DoubleDouble a, DoubleDouble b) {
+  const double first = a.hi / b.hi;
+  const DoubleDouble product = two_product(b.hi, first);
+  const DoubleDouble whole = fast_two_sum(product.hi, std::fma(b.lo, first, product.lo));
+  return fast_two_sum(first, ((a.hi - whole.hi) + (a.lo - whole.lo)) / b.hi);
+}
+
 /// Returns the equation of the plane through a point with a given normal, from double-double; empty if that
 /// does not decide which component is the largest or how a quotient is rounded. The error is an upper bound
 /// for the relative errors of the normal's components: 0, or at least 2^-100.
 ///
-/// In units of u², an exact normal, or one with an error of 3, gives quotients 3 + 3 + 10; the distance has 3
-/// + 7 + 3 + 3 of the magnitudes of its terms, and its quotient 3 + 10 more. All are below 2^-100 = 64u². If
+/// In units of u², an exact normal, or one with an error of 3, gives quotients 3 + 3 + 16; the distance has 3
+/// + 7 + 3 + 3 of the magnitudes of its terms, and its quotient 3 + 16 more. All are below 2^-100 = 64u². If
 /// the normal's error is large against that, a quotient has twice as much, and the distance as much.
 [[nodiscard]] inline std::optional<PlaneEquation> refined_plane_at(const Point& position,
                                                                    const RefinedVector& n, double error) {
@@ -105,12 +114,12 @@ namespace detail {
   DoubleDouble distance;
   double terms = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const DoubleDouble q = n[i] / n[k], term = n[i] * position[static_cast<int>(i)];
+    const DoubleDouble q = two_digits(n[i], n[k]), term = n[i] * position[static_cast<int>(i)];
     if (!is_rounded(i, q, error * std::abs(q.hi))) return std::nullopt;
     distance = distance + term;
     terms += std::abs(term.hi);
   }
-  if (!is_rounded(3, distance / n[k], error * (terms / std::abs(n[k].hi)))) return std::nullopt;
+  if (!is_rounded(3, two_digits(distance, n[k]), error * (terms / std::abs(n[k].hi)))) return std::nullopt;
   return equation;
 }
 
