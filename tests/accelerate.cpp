@@ -4,6 +4,7 @@
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/disk.hpp>
+#include <protostar/surfaces/parallelogram.hpp>
 #include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/sphere.hpp>
@@ -246,6 +247,34 @@ TEST_CASE("a ray whose origin is off the surface of its departure gets the plain
     for (const Interval range : {Interval{}, Interval{0, 1}, Interval{-1, 1}})
       CHECK(answers(fast, ray, range) == answers(scene, ray, range));
   }
+}
+
+TEST_CASE("a ray that leaves a surface of an accelerated scene gets the plain scene's answers") {
+  Random random(91);
+  Scene<Sphere, Parallelogram> scene;
+  for (int i = 0; i < 10; ++i)
+    scene.add(Sphere{random.point(1), random.real(0.05, 0.5) * (i % 2 ? 1 : -1)}, number(i));
+  scene.add(scene.surfaces<Sphere>()[3], number(10));  // twice the same
+  for (int i = 0; i < 10; ++i) {
+    const Point p = random.point(1);
+    const Vec3 u = random.direction(), v = random.direction();
+    scene.add(Parallelogram{p, u, v}, number(11 + i));
+    scene.add(Parallelogram{p, 0.5 * u, 0.25 * v}, number(21 + i));  // in one plane
+  }
+  const auto fast = accelerate(scene);
+  WrongCases wrong(random);
+  int again = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const auto hit = scene.intersect({3.0 * random.direction(), random.direction()}, Interval{});
+    if (!hit) continue;
+    const Ray ray = hit->leave(random.direction());
+    const Interval range = i % 4 == 0 ? Interval{0, 1} : i % 4 == 1 ? Interval{0.1, infinity} : Interval{};
+    const auto found = scene.intersect(ray, range);
+    again += found && found->surface() == hit->surface();
+    wrong.add(!(answers(fast, ray, range) == answers(scene, ray, range)), ray, range.min, range.max);
+  }
+  CHECK(wrong == 0);
+  CHECK(again > 20);
 }
 
 TEST_CASE("rays that start next to a sphere, or end there, get the plain scene's answers") {

@@ -10,6 +10,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -40,6 +41,7 @@ class Accelerated<Scene<S...>> {
       : scene_(&scene),
         counts_{scene.template surfaces<S>().size()...},
         finders_{simd::Finder<S>(scene.template surfaces<S>(), options)...} {
+    if (scene.size() <= simd::few_surfaces) find_left_together();
     detail::require_threads(options);  // few surfaces are sorted by one thread, whatever the options say
   }
   explicit Accelerated(Scene<S...>&&, const RenderOptions& = {}) = delete;
@@ -72,6 +74,19 @@ class Accelerated<Scene<S...>> {
   [[nodiscard]] const Environment& environment() const { return scene_->environment(); }
 
   [[nodiscard]] const Scene<S...>& scene() const { return *scene_; }
+
+  /// Returns the surfaces that a ray leaves together, for a scene of at most few_surfaces without primitives:
+  /// bit k stands for the k-th in the scene's order. The ray departs from a surface of the scene, or from
+  /// nothing.
+  [[nodiscard]] simd::Bits left_together(const Ray& ray) const {
+    std::size_t index = 0;
+    const auto is_of = [&]<class T>(std::type_identity<T>) {
+      const std::uint32_t left = left_by<T>(ray);
+      index += left == none ? scene_->template surfaces<T>().size() : left;
+      return left != none;
+    };
+    return (is_of(std::type_identity<S>{}) || ...) ? left_together_[index] : 0;
+  }
 
   /// Throws std::logic_error if the scene has more or fewer surfaces of a type than when it was accelerated.
   void require_same_surfaces() const {
@@ -107,14 +122,33 @@ class Accelerated<Scene<S...>> {
                            "; accelerate it again after its surfaces have changed");
   }
 
+  /// Finds the surfaces that are left together with each.
+  void find_left_together() {
+    const auto each = [&](const auto& visit) {
+      std::size_t index = 0;
+      const auto each_of = [&](const auto& surfaces) {
+        for (const auto& surface : surfaces) visit(surface, index++);
+      };
+      (each_of(scene_->template surfaces<S>()), ...);
+    };
+    each([&]<class T>(const T& left, std::size_t index) {
+      if constexpr (!is_made_of_parts<T>) {
+        const Ray ray{.departure = functions_of<T>.departure(&left, 0)};
+        each([&](const auto& surface, std::size_t k) {
+          if constexpr (requires { surface.is_left_by(ray); })
+            left_together_[index] |= simd::Bits{surface.is_left_by(ray)} << k;
+        });
+      }
+    });
+  }
+
   template <class T>
   void look_for_first(const Ray& ray, Interval& range, SurfaceCrossing& first) const {
     const auto& surfaces = scene_->template surfaces<T>();
     const auto& materials = scene_->template materials<T>();
     if (surfaces.empty()) return;
     std::uint32_t first_index = 0;  // surfaces of other types looked at so far come before
-    const auto look_at = [&](std::uint32_t i) {
-      const auto crossing = first_crossing(surfaces[i], ray, range);
+    const auto take = [&](std::uint32_t i, const std::optional<Crossing>& crossing) {
       if (!crossing) return;
       const SurfaceCrossing candidate = crossing_on(surfaces[i], *crossing, materials[i]);
       if (first.surface != nullptr && !precedes(ray, candidate, i, first, first_index)) return;
@@ -124,9 +158,9 @@ class Accelerated<Scene<S...>> {
       range.max = std::min(range.max, upper_bound_of(crossing->t));
     };
     const std::uint32_t left = left_by<T>(ray);
-    if (left != none) look_at(left);
+    if (left != none) take(left, first_crossing_of_left(surfaces[left], ray, range));
     finder<T>().each_first(ray, range, [&](std::uint32_t i) {
-      if (i != left) look_at(i);
+      if (i != left) take(i, first_crossing(surfaces[i], ray, range));
     });
   }
 
@@ -161,18 +195,15 @@ class Accelerated<Scene<S...>> {
 
   static constexpr std::uint32_t none = static_cast<std::uint32_t>(-1);
 
-  /// Returns the index of the surface of one type of which the ray leaves a part, or `none`. It is always
-  /// tested, since the digits of the origin may lie outside of its bounds.
+  /// Returns the index of the surface of one type that the ray leaves, or `none`. It is always tested, since
+  /// the digits of the origin may lie outside of its bounds.
   template <class T>
-  [[nodiscard]] std::uint32_t left_by([[maybe_unused]] const Ray& ray) const {
-    if constexpr (is_made_of_parts<T>) {
-      const auto& surfaces = scene_->template surfaces<T>();
-      const auto* const left = static_cast<const T*>(ray.departure.in_scene);
-      const std::less<const T*> before;
-      if (left != nullptr && !before(left, surfaces.data()) &&
-          before(left, surfaces.data() + surfaces.size()))
-        return static_cast<std::uint32_t>(left - surfaces.data());
-    }
+  [[nodiscard]] std::uint32_t left_by(const Ray& ray) const {
+    const auto& surfaces = scene_->template surfaces<T>();
+    const auto* const left = static_cast<const T*>(ray.departure.in_scene);
+    const std::less<const T*> before;
+    if (left != nullptr && !before(left, surfaces.data()) && before(left, surfaces.data() + surfaces.size()))
+      return static_cast<std::uint32_t>(left - surfaces.data());
     return none;
   }
 
@@ -186,6 +217,7 @@ class Accelerated<Scene<S...>> {
   const Scene<S...>* scene_;
   Counts counts_;  ///< when the scene was accelerated
   Finders finders_;
+  std::array<simd::Bits, simd::few_surfaces> left_together_{};  ///< with each surface; 0 in a larger scene
 };
 
 /// Returns an accelerated scene, with the same answers sooner; call it once all surfaces are in the scene.

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <bit>
+#include <cstddef>
 #include <limits>
 #include <utility>
 
@@ -14,6 +15,10 @@
 #include "../simd/vectors.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// Largest number of surfaces for which testing all of them with rays in lanes is faster than a traversal for
+/// each ray.
+inline constexpr std::size_t few_surfaces = 16;
 
 /// Surface coordinates u and v, in each lane.
 struct Uvs {

@@ -182,8 +182,7 @@ class TileHits {
   }
 
  protected:
-  /// Largest number of surfaces for which testing all of them is faster than a traversal.
-  static constexpr std::size_t few = 16;
+  static constexpr std::size_t few = few_surfaces;
 
   /// All surfaces of a scene of few, as a list like Candidates.
   struct AllOfFew {
@@ -257,6 +256,20 @@ class TileHits {
     return first;
   }
 
+  /// Replaces closest hits by those that surely precede them, and returns their rays; rays with hits in an
+  /// uncertain order become in_doubt.
+  static LaneMask keep_sooner(const ClosestCrossings& first, std::int64_t index, Closest& closest,
+                              LaneMask& in_doubt) {
+    // The order is certified if the errors of both t, 2^-30 of each, do not overlap.
+    const LaneMask sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
+    const LaneMask later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
+    in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
+    closest.t = select(sooner, first.t, closest.t);
+    closest.index = select(sooner, Indices(index), closest.index);
+    closest.is_far = (sooner && first.is_far) || (!sooner && closest.is_far);
+    return sooner;
+  }
+
   const Scene<S...>& scene_;
   const Candidates& candidates_;
   State& state_;
@@ -317,20 +330,6 @@ class TileHits {
         return;
       }
     keep_sooner(first_crossings(surface, rays, lanes, Interval{}), index, closest, in_doubt);
-  }
-
-  /// Replaces closest hits by those that surely precede them, and returns their rays; rays with hits in an
-  /// uncertain order become in_doubt.
-  static LaneMask keep_sooner(const ClosestCrossings& first, std::int64_t index, Closest& closest,
-                              LaneMask& in_doubt) {
-    // The order is certified if the errors of both t, 2^-30 of each, do not overlap.
-    const LaneMask sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
-    const LaneMask later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
-    in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
-    closest.t = select(sooner, first.t, closest.t);
-    closest.index = select(sooner, Indices(index), closest.index);
-    closest.is_far = (sooner && first.is_far) || (!sooner && closest.is_far);
-    return sooner;
   }
 
   /// Returns the radiance of rays that hit one surface, though perhaps different primitives of it.

@@ -2,14 +2,17 @@
 #pragma once
 
 #include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <new>
 #include <optional>
 #include <vector>
 
 #include "../plain_vector.hpp"
 #include "accelerate.hpp"
+#include "hits_among_few.hpp"
 #include "occluders.hpp"
 #include "packet.hpp"
-#include "tile_hits.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
@@ -17,8 +20,8 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// and so is intersect() of the pixel's single ray in the default range; every other query asks the whole
 /// scene. It is Traceable, for packets too.
 template <Surface... S>
-class TileScene : public TileHits<S...> {
-  using Base = TileHits<S...>;
+class TileScene : public HitsAmongFew<S...> {
+  using Base = HitsAmongFew<S...>;
 
  public:
   using Base::closest, Base::shade, Base::visit;
@@ -69,6 +72,16 @@ class TileScene : public TileHits<S...> {
   void crossings(const Ray& ray, Interval range, auto&& report) const {
     count_alone();
     everything_.crossings(ray, range, report);
+  }
+
+  /// Traces rays that may depart from different surfaces, as many as there are lanes or fewer: ray(k) is the
+  /// k-th, and its closest hit becomes *place(k), which is not initialized.
+  void intersect_each(std::size_t count, const auto& ray, const auto& place) const {
+    if constexpr (Base::tests_in_lanes)
+      if (count >= Base::fewest_in_lanes && scene_.size() <= few)
+        return this->intersect_in_lanes(everything_, count, ray, place);
+    for (std::size_t k = 0; k < count; ++k)
+      new (place(k)) std::optional<Intersection>(intersect(ray(k), Interval{}));  // in place
   }
 
   // ---- Packets.

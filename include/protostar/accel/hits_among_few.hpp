@@ -1,0 +1,104 @@
+// Closest hits of rays that depart from different surfaces, among the surfaces of a scene of few.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "accelerate.hpp"
+#include "packet.hpp"
+#include "tile_hits.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// Hits of a tile, and those of other rays in lanes. A packet's rays depart from one geometry; here each has
+/// its own.
+template <Surface... S>
+class HitsAmongFew : public TileHits<S...> {
+  using Base = TileHits<S...>;
+
+ public:
+  using Base::Base, Base::visit;
+  using typename Base::Closest;
+
+ protected:
+  using Base::count_tests, Base::few, Base::scene_, Base::state_;
+
+  /// True if all types have equations that take packets, and no primitives.
+  static constexpr bool tests_in_lanes = double_lanes > 2 && ((takes_packets<S> && !SurfaceOfLanes<S> &&
+                                                               !is_made_of_parts<S>)&&...);
+
+  /// Smallest number of rays for which lanes are faster.
+  static constexpr std::size_t fewest_in_lanes = 3;
+
+  /// Finds the closest hits of some rays by tests of all surfaces: ray(k) is the k-th, and its hit becomes
+  /// *place(k), which is not initialized. The surface that a ray leaves is tested with that ray alone, and so
+  /// are those that coincide with it; planes are not crossed again. `everything` answers for rays in doubt.
+  void intersect_in_lanes(const Accelerated<Scene<S...>>& everything, std::size_t count, const auto& ray,
+                          const auto& place) const {
+    constexpr auto lanes = static_cast<std::size_t>(double_lanes);
+    std::array<double, lanes> numbers[7];
+    Bits leaving[few] = {};
+    for (std::size_t k = 0; k < lanes; ++k) {
+      const Ray& one = ray(std::min(k, count - 1));
+      const double of_ray[7] = {one.origin.x,    one.origin.y,    one.origin.z, one.direction.x,
+                                one.direction.y, one.direction.z, one.time};
+      for (std::size_t i = 0; i < 7; ++i) numbers[i][k] = of_ray[i];
+      for (Bits left = everything.left_together(one); left != 0; left &= left - 1)
+        leaving[std::countr_zero(left)] |= Bits{1} << k;
+    }
+    const auto load = [&](std::size_t i) { return Doubles::load(numbers[i].data()); };
+    RayPacket rays({load(0), load(1), load(2)}, {load(3), load(4), load(5)},
+                   mask_of<double, double_lanes>(first_bits(static_cast<int>(count))));
+    rays.time = load(6);
+
+    Closest found{.t = infinity, .index = sees_nothing};
+    LaneMask in_doubt = false;
+    std::int64_t index = 0;
+    const auto test_all = [&]<class T>(const std::vector<T>& surfaces) {
+      for (const T& surface : surfaces) {
+        const Bits left = leaving[index] & bits(rays.active);
+        const LaneMask others = rays.active && !mask_of<double, double_lanes>(left);
+        count_tests(rays.active);
+        ClosestCrossings first = first_crossings(surface, rays, others, Interval{});
+        if constexpr (protostar::detail::is_quadratic<T>)
+          for (Bits alone = left; alone != 0; alone &= alone - 1)
+            if (const int lane = std::countr_zero(alone);
+                const auto crossing =
+                    first_crossing(surface, ray(static_cast<std::size_t>(lane)), Interval{})) {
+              first.t.set(lane, crossing->t);
+              first.met = first.met || Base::only_lane(lane);
+              if (crossing->root == 1) first.is_far = first.is_far || Base::only_lane(lane);
+            }
+        Base::keep_sooner(first, index++, found, in_doubt);
+      }
+    };
+    (test_all(scene_.template surfaces<S>()), ...);
+
+    state_.counts.other_rays += count;
+    for (std::size_t k = 0; k < count; ++k) {
+      const int lane = static_cast<int>(k);
+      const Ray& one = ray(k);
+      if ((bits(in_doubt) >> k & 1) != 0) {
+        ++state_.counts.in_doubt;
+        new (place(k)) std::optional<Intersection>(everything.intersect(one, Interval{}));
+      } else if (found.index[lane] < 0) {
+        new (place(k)) std::optional<Intersection>();
+      } else {
+        visit(found.index[lane], [&](const auto& surface, const Material& material) {
+          const Crossing crossing{found.t[lane], static_cast<int>(bits(found.is_far) >> k & 1)};
+          new (place(k))
+              std::optional<Intersection>(std::in_place, one, crossing_on(surface, crossing, material));
+        });
+      }
+    }
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd
