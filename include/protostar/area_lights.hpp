@@ -86,6 +86,13 @@ class AreaLight {
     });
   }
 
+  /// Returns the light if it is a rectangle that does not move, otherwise null: RectangleView::sample_each
+  /// draws directions to it from several points at once.
+  [[nodiscard]] const RectangleLight* rectangle() const {
+    const auto* const shape = is_moving() ? nullptr : std::get_if<PreparedParallelogram>(&shape_);
+    return shape != nullptr && shape->light.rectangle ? &*shape->light.rectangle : nullptr;
+  }
+
   /// Returns true if a hit is on this light, on the given primitive of it.
   [[nodiscard]] bool is_hit(const Intersection& hit, std::size_t triangle) const {
     return hit.surface() == surface_ && static_cast<std::size_t>(hit.part()) == triangle;
@@ -104,10 +111,12 @@ class AreaLight {
   }
 
   /// Returns an estimate of the light that a hit reflects from this light, by one ray to it: two numbers in
-  /// (0, 1) draw a direction, and the light counts, times the weight, if the ray hits it first.
+  /// (0, 1) draw a direction, unless it is known already, and the light counts, times the weight, if the ray
+  /// hits it first.
   [[nodiscard]] ReflectedLight light_by_ray(const Reflector& at, const auto& scene, const Uv& numbers,
-                                            double weight) const {
-    const auto [drawn, triangle] = sample(at.hit.point(), numbers.x, numbers.y, at.hit.time());
+                                            double weight, const LightSample* known = nullptr) const {
+    const auto [drawn, triangle] =
+        known ? MeshSample{*known} : sample(at.hit.point(), numbers.x, numbers.y, at.hit.time());
     const Vec3& direction = drawn.direction;
     return at.light_by_ray(direction, drawn.density, weight, [&, part = triangle] {
       return follow(
@@ -215,6 +224,9 @@ class AreaLights {
   /// channels, to choose one of them.
   [[nodiscard]] const Shares& by_power() const { return shares_; }
 
+  /// Returns true if any of the lights is a rectangle (AreaLight::rectangle).
+  [[nodiscard]] bool has_rectangles() const { return has_rectangles_; }
+
   /// Densities with which a direction to a light is drawn.
   struct Drawn {
     double density = 0;      ///< by the light's sample, in 1/steradian
@@ -301,6 +313,7 @@ class AreaLights {
 
   PreparedScene scene_;
   std::vector<AreaLight> lights_;
+  bool has_rectangles_ = false;
   Shares shares_{0};
   std::vector<std::pair<const void*, std::size_t>>
       by_surface_;  ///< sorted by address, with the light's index
@@ -312,6 +325,7 @@ AreaLights::AreaLights(const Scene<S...>& scene) : scene_(scene) {
   (add(scene.template surfaces<S>(), scene.template materials<S>()), ...);
   for (const AreaLight& light : lights_) {
     const Color& e = light.emission();
+    has_rectangles_ = has_rectangles_ || light.rectangle() != nullptr;
     shares_.add(light.visible_area() * (double{e.r} + e.g + e.b));
   }
   for (std::size_t i = 0; i < lights_.size(); ++i) by_surface_.emplace_back(lights_[i].surface(), i);

@@ -24,6 +24,13 @@ concept PacketIntegrator = std::same_as<typename I::TakesPackets, I>;
 template <class I>
 concept FollowsPaths = std::same_as<typename I::FollowsPaths, I>;
 
+/// Integrator of paths that draws directions to lights for several paths together: by draw_to_lights, to
+/// which PathIntegrator has a comment, as Numbers::to_light.
+template <class I>
+concept AimsAtLights = FollowsPaths<I> && requires {
+  typename I::ToLight;
+};
+
 /// Integrator that shades a hit by the numbers of a sampler.
 template <class I, class S>
 concept ShadesBySampler = requires(const I& integrator, const Intersection& hit, const S& scene,

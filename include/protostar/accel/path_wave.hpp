@@ -1,7 +1,8 @@
 // Paths of some pixels on their way together: each takes a step, then each takes the next.
 //
 // All paths of a wave have come equally far, so that they take the same set of their samplers, and its
-// numbers and the directions to which they lead are drawn in lanes. All else is done path by path: without
+// numbers and the directions to which they lead are drawn in lanes; so are directions to rectangles that
+// shine, and in scenes of few surfaces the rays are traced in lanes. All else is done path by path: without
 // the lanes, a wave takes as long as its paths one after the other.
 #pragma once
 
@@ -20,10 +21,21 @@
 #include "../sampling/warp_lanes.hpp"
 #include "../simd/words.hpp"
 #include "packet.hpp"
+#include "packet_integrator.hpp"
 #include "packet_pixels.hpp"
 #include "pixel_rays.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// Type of an integrator's directions to lights; empty if it draws none for several paths together.
+template <class I>
+struct DirectionsToLights {
+  struct ToLight {};
+};
+template <AimsAtLights I>
+struct DirectionsToLights<I> {
+  using ToLight = typename I::ToLight;
+};
 
 /// Paths of an integrator that follows them (FollowsPaths), and the light of the packets in which they began.
 template <class I>
@@ -67,7 +79,12 @@ class PathWave {
       std::size_t on_the_way = 0;
       for (std::size_t first = 0; first < count_; first += lanes) {
         const std::size_t some = std::min(lanes, count_ - first);
-        const Drawn drawn = draw(grid, i, set, first, some);
+        Drawn drawn = draw(grid, i, set, first, some);
+        if constexpr (AimsAtLights<I>)
+          integrator.draw_to_lights(
+              some, [&](std::size_t lane) -> auto& { return paths_[on_the_way_[first + lane]]; },
+              [&](std::size_t lane) -> auto& { return *hits_[on_the_way_[first + lane]]; }, drawn.numbers[2],
+              drawn.numbers[3], drawn.to_light);
         for (std::size_t lane = 0; lane < some; ++lane) {
           const std::size_t k = on_the_way_[first + lane];
           if (integrator.meet(paths_[k], *hits_[k], scene, [&] { return drawn[lane]; }))
@@ -78,13 +95,18 @@ class PathWave {
       }
       count_ = on_the_way;
       on_the_way = 0;
-      for (std::size_t n = 0; n < count_; ++n) {
-        const std::size_t k = on_the_way_[n];
-        new (&hits_[k]) std::optional<Intersection>(scene.intersect(paths_[k].ray, Interval{}));  // in place
-        if (hits_[k])
-          on_the_way_[on_the_way++] = k;
-        else
-          finish(k, integrator.leave(paths_[k], scene));
+      for (std::size_t first = 0; first < count_; first += lanes) {
+        const std::size_t some = std::min(lanes, count_ - first);
+        scene.intersect_each(
+            some, [&](std::size_t lane) -> const Ray& { return paths_[on_the_way_[first + lane]].ray; },
+            [&](std::size_t lane) { return &hits_[on_the_way_[first + lane]]; });
+        for (std::size_t lane = 0; lane < some; ++lane) {
+          const std::size_t k = on_the_way_[first + lane];
+          if (hits_[k])
+            on_the_way_[on_the_way++] = k;
+          else
+            finish(k, integrator.leave(paths_[k], scene));
+        }
       }
       count_ = on_the_way;
     }
@@ -99,13 +121,20 @@ class PathWave {
     std::size_t number;
   };
 
-  /// I::Numbers, one in each lane: those of a set, and the local directions to which they lead.
+  using ToLight = typename DirectionsToLights<I>::ToLight;
+
+  /// I::Numbers, one in each lane: those of a set, the local directions to which they lead, and the
+  /// directions to lights that have been drawn.
   struct Drawn {
     double numbers[4][lanes], hemisphere[3][lanes];
+    std::array<ToLight, lanes> to_light;
 
     [[nodiscard]] typename I::Numbers operator[](std::size_t lane) const {
-      return {{numbers[0][lane], numbers[1][lane], numbers[2][lane], numbers[3][lane]},
-              {hemisphere[0][lane], hemisphere[1][lane], hemisphere[2][lane]}};
+      typename I::Numbers of_lane({numbers[0][lane], numbers[1][lane], numbers[2][lane], numbers[3][lane]},
+                                  {hemisphere[0][lane], hemisphere[1][lane], hemisphere[2][lane]});
+      if constexpr (AimsAtLights<I>)
+        if (to_light[lane]) of_lane.to_light = &*to_light[lane];
+      return of_lane;
     }
   };
 

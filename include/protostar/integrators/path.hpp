@@ -2,10 +2,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -16,6 +19,8 @@
 #include "../lobes.hpp"
 #include "../render.hpp"
 #include "../sampling/sampler.hpp"
+#include "../sampling/solid_angle.hpp"
+#include "../simd/simd.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -89,9 +94,13 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     [[nodiscard]] std::uint32_t set() const { return static_cast<std::uint32_t>(1 + bounces); }
   };
 
+  /// Direction to a light, if it has been drawn.
+  using ToLight = std::optional<LightSample>;
+
   /// Numbers of a set, and the local direction of cosine_hemisphere to which the first two lead.
   struct Numbers : SampleSet<double> {
     Vec3 hemisphere;
+    const LightSample* to_light = nullptr;  ///< direction to the light that they choose, if it is known
     Numbers(const SampleSet<double>& set, const Vec3& direction)
         : SampleSet<double>(set), hemisphere(direction) {}
     explicit Numbers(const SampleSet<double>& set)
@@ -120,15 +129,46 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     environment.require(scene);
   }
 
+  /// Draws directions to lights for some paths together, as many as there are lanes or fewer: those to a
+  /// rectangle to which two or more of them cast rays. path(k) and hit(k) are the k-th path and its next hit,
+  /// u[k] and v[k] the third and fourth number of its set; drawn[k] gets the direction, if one is drawn.
+  void draw_to_lights(std::size_t count, const auto& path, const auto& hit, const double* u, const double* v,
+                      std::span<ToLight> drawn) const {
+    if (!lights.has_rectangles()) return;
+    std::array<ChosenLight, simd::double_lanes> chosen;
+    for (std::size_t k = 0; k < count; ++k)
+      if (path(k).bounces < depth && reflects_light(hit(k).material())) chosen[k] = choose_light(u[k]);
+    for (std::size_t first = 0; first < count; ++first) {
+      const AreaLight* const light = chosen[first].area;
+      if (light == nullptr || light->rectangle() == nullptr) continue;
+      std::array<std::size_t, simd::double_lanes> which;
+      std::array<Point, simd::double_lanes> from;
+      std::array<LightSample, simd::double_lanes> samples;
+      FewNumbers rest{}, other{};
+      std::size_t some = 0;
+      for (std::size_t k = first; k < count; ++k)
+        if (chosen[k].area == light) {
+          from[some] = hit(k).point(), rest[some] = chosen[k].rest, other[some] = v[k];
+          which[some++] = k;
+          chosen[k].area = nullptr;
+        }
+      if (some < 2) continue;
+      RectangleView::sample_each(*light->rectangle(), {from.data(), some}, rest, other, samples);
+      for (std::size_t i = 0; i < some; ++i) drawn[which[i]] = samples[i];
+    }
+  }
+
   /// Adds the light that a path finds at a hit, and chooses how it goes on from there, by the numbers of
   /// path.set(), which draw() returns; returns false if it ends.
   [[nodiscard]] bool meet(Path& path, const Intersection& hit, const auto& scene, const auto& draw) const {
     const Material& material = hit.material();
-    if (!is_black(material.emission))
+    if (!is_black(material.emission)) {
       if (const double share =
               path.is_sharp() ? 1 : power_heuristic(path.density, density_by_lights(path.ray, hit));
           share > 0)
         path.sum = clamped(path.sum + times(clamped(path.weight * material.emission), share));
+      if (!scatters(material)) return false;  // as most lamps
+    }
     if (path.bounces >= depth) return false;
 
     const Numbers numbers = draw();
@@ -162,9 +202,36 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   }
 
  private:
+  /// Returns true if there are area lights to which rays are cast.
+  [[nodiscard]] bool has_area_lights() const { return lights.by_power().whole() > 0; }
+
+  /// Choice of the light to which a ray leads.
+  struct ChosenLight {
+    const AreaLight* area = nullptr;  ///< null: the environment, or none if the probability is 0
+    double probability = 0;
+    double rest = 0;  ///< number in [0, 1] for a direction to the light
+  };
+
+  /// Chooses an area light or the environment by the third number of a set.
+  [[nodiscard]] ChosenLight choose_light(double number) const {
+    const double share = 1 - share_of_environment();
+    if (share < 1 && !decide(number, share)) return {nullptr, 1 - share, number};
+    if (!has_area_lights()) return {};
+    const auto [index, probability, rest] = lights.by_power().choose(number);
+    return {&lights.lights()[index], probability * share, rest};
+  }
+
+  /// Returns true if a material may reflect light that rays to lights find, or may send on a path in any way.
+  [[nodiscard]] static bool reflects_light(const Material& material) {
+    return material.texture || !is_black(material.diffuse) || !is_black(material.glossy);
+  }
+  [[nodiscard]] static bool scatters(const Material& material) {
+    return reflects_light(material) || material.reflect > 0 || material.refract > 0;
+  }
+
   /// Returns true if light_at may find any light.
   [[nodiscard]] bool has_light(const auto& scene) const {
-    return lights.by_power().whole() > 0 || !scene.lights().empty() || environment.has_places() ||
+    return has_area_lights() || !scene.lights().empty() || environment.has_places() ||
            !is_black(ambient_of(scene));
   }
 
@@ -172,7 +239,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   /// of one color gets none: directions drawn by the surfaces find it as well.
   [[nodiscard]] double share_of_environment() const {
     if (!environment.has_places()) return 0;
-    return lights.by_power().whole() > 0 ? 0.5 : 1;
+    return has_area_lights() ? 0.5 : 1;
   }
 
   /// Returns the density with which rays to lights draw the direction of a ray that hits a surface, or
@@ -189,7 +256,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   /// Returns an estimate of the light that a hit reflects of ambient light, of lights at points or in
   /// directions, of an area light or of the environment, if they are not occluded.
   [[nodiscard]] ReflectedLight light_at(const Reflector& at, const auto& scene,
-                                        const SampleSet<double>& numbers) const {
+                                        const Numbers& numbers) const {
     ReflectedLight light{ambient_of(scene)};
     const std::vector<Light>& all = scene.lights();
     if (const auto rays = static_cast<std::size_t>(most_rays); all.size() <= rays) {
@@ -203,16 +270,15 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
       }
     }
     light.matte = clamped(light.matte) * to_float(1 / std::numbers::pi);
-    double number = numbers[2], share = 1 - share_of_environment();
-    if (share < 1 && !decide(number, share)) {
-      const auto drawn = environment.sample(number, numbers[3]);
+    const auto [area, probability, rest] = choose_light(numbers[2]);
+    if (area != nullptr) {
+      light += area->light_by_ray(at, scene, {rest, numbers[3]}, 1 / probability, numbers.to_light);
+    } else if (probability > 0) {
+      const auto drawn = environment.sample(rest, numbers[3]);
       const Ray ray = at.leave(drawn.direction);
-      light += at.light_by_ray(drawn.direction, drawn.density, 1 / (1 - share), [&] {
+      light += at.light_by_ray(drawn.direction, drawn.density, 1 / probability, [&] {
         return scene.occluded(ray, Interval{}) ? Color{0} : background(ray, scene);
       });
-    } else if (lights.by_power().whole() > 0) {
-      const auto [index, probability, rest] = lights.by_power().choose(number);
-      light += lights.lights()[index].light_by_ray(at, scene, {rest, numbers[3]}, 1 / (probability * share));
     }
     light.matte = clamped(light.matte);
     return light;

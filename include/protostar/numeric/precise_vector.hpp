@@ -46,13 +46,15 @@ struct PreciseVector {
 /// Returns a · b with an error below 40u² |a| |b|, in a third of the time of dot: the sums of the products'
 /// upper halves are exact as two doubles, and the rest is summed in double (Ogita, Rump and Oishi 2005). Of a
 /// product, lo · lo is left out, and two terms of at most u |a_i b_i| are rounded thrice: 5u² |a_i b_i|. The
-/// rest has eight terms with a sum below 8u |a| |b|, and its four sums add less than 32u² |a| |b|.
-[[nodiscard]] inline DoubleDouble compensated_dot(const PreciseVector& a, const PreciseVector& b) {
-  const DoubleDouble x = two_product(a.x.hi, b.x.hi), y = two_product(a.y.hi, b.y.hi),
-                     z = two_product(a.z.hi, b.z.hi);
-  const DoubleDouble xy = two_sum(x.hi, y.hi), xyz = two_sum(xy.hi, z.hi);
-  const auto rest = [](const DoubleDouble& p, const DoubleDouble& q, double lo) {
-    return std::fma(p.hi, q.lo, std::fma(p.lo, q.hi, lo));
+/// rest has eight terms with a sum below 8u |a| |b|, and its four sums add less than 32u² |a| |b|. The vector
+/// a may be one in each lane.
+[[nodiscard]] inline auto compensated_dot(const auto& a, const PreciseVector& b) {
+  const auto x = two_product(a.x.hi, b.x.hi), y = two_product(a.y.hi, b.y.hi),
+             z = two_product(a.z.hi, b.z.hi);
+  const auto xy = two_sum(x.hi, y.hi), xyz = two_sum(xy.hi, z.hi);
+  const auto rest = [](const auto& p, const DoubleDouble& q, const auto& lo) {
+    using std::fma;
+    return fma(p.hi, q.lo, fma(p.lo, q.hi, lo));
   };
   return two_sum(xyz.hi,
                  rest(a.x, b.x, x.lo) + rest(a.y, b.y, y.lo) + rest(a.z, b.z, z.lo) + (xy.lo + xyz.lo));

@@ -25,10 +25,14 @@ namespace protostar::inline PROTOSTAR_ABI {
   return exponent;
 }
 
+/// Returns 2^exponent, built from its bits, for |exponent| ≤ 1000.
+[[nodiscard]] inline double power_of_two(int exponent) {
+  return detail::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
+}
+
 /// Returns v · 2^exponent.
 [[nodiscard]] inline Vec3 scaled(const Vec3& v, int exponent) {
-  if (-1000 < exponent && exponent < 1000)  // the power of two, built from its bits
-    return v * detail::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
+  if (-1000 < exponent && exponent < 1000) return v * power_of_two(exponent);
   return {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
 }
 

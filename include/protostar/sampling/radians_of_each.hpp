@@ -17,8 +17,10 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A few numbers, as many as the widest vectors hold; unused ones are 0.
-using FewNumbers = std::array<double, 8>;
+/// A few numbers, as many as the widest vectors hold; unused ones are 0. Or a few in each lane.
+template <class T>
+using Few = std::array<T, 8>;
+using FewNumbers = Few<double>;
 static_assert(simd::double_lanes <= 8);
 
 namespace detail {
@@ -53,47 +55,63 @@ struct SinesCosines {
           select(is_half || left == Doubles(1.0), -second, second)};
 }
 
-/// Returns the sines of the first `count` angles, from 0 to less than 3π/4, with the bits of
-/// sine_and_cosine: at 3π/4 the number of quarter turns, 1 below, becomes 2, and the sign would change.
-[[nodiscard]] inline FewNumbers sines_of_each(const FewNumbers& angles, int count) {
+/// Returns the sine in each lane of angles from 0 to less than 3π/4, with the bits of sine_and_cosine: at
+/// 3π/4 the number of quarter turns, 1 below, becomes 2, and the sign would change.
+[[nodiscard]] inline simd::Doubles sine_of_each(simd::Doubles angle) {
   using simd::Doubles;
+  const Doubles quarters = detail::nearest_whole(angle * Doubles(2 / detail::pi.hi));
+  const Doubles rest = fma(-quarters, detail::pi.lo / 2, fma(-quarters, detail::pi.hi / 2, angle));
+  const Doubles s = rest * rest;
+  const Doubles sine = fma(rest * s, detail::polynomial(detail::sine_terms, s), rest);
+  const Doubles cosine = fma(s, detail::polynomial(detail::cosine_terms, s), 1.0);
+  return select(quarters == Doubles(1.0), cosine, sine);
+}
+
+/// Returns the angle in each lane of y ≥ 0 and x, with the bits of polar_angle.
+[[nodiscard]] inline simd::Doubles polar_angle_of_each(simd::Doubles y, simd::Doubles x) {
+  using simd::Doubles, detail::pi;
+  const DoubleDouble* const table = &detail::arc_tangent_of_eighths(0);
+  const auto is_steep = y > abs(x);
+  const Doubles low = select(is_steep, abs(x), y), high = select(is_steep, y, abs(x));
+  const Doubles ratio = low / high;
+  const auto is_number = ratio <= Doubles(1.0);
+  const Doubles eighths = select(is_number, detail::nearest_whole(8.0 * ratio), Doubles(0.0));
+  const Doubles part = eighths / 8.0;
+  const Doubles z = fma(-high, part, low) / fma(low, part, high), s = z * z;
+  const Doubles series = fma(z * s, detail::polynomial(detail::arc_tangent_terms, s), z);
+  const Doubles at_eighths =
+      Doubles::of_each([&](int lane) { return table[static_cast<int>(eighths[lane])].hi; });
+  Doubles angle = at_eighths + series;
+  angle = select(is_steep, (Doubles(pi.hi / 2) - angle) + Doubles(pi.lo / 2), angle);
+  angle = select(x < Doubles(0.0), (Doubles(pi.hi) - angle) + Doubles(pi.lo), angle);
+  return select(is_number, angle, select(high == Doubles(0.0), Doubles(0.0), ratio));
+}
+
+/// Returns sine_of_each of the first `count` angles.
+[[nodiscard]] inline FewNumbers sines_of_each(const FewNumbers& angles, std::size_t count) {
   FewNumbers sines{};
-  for (int i = 0; i < count; i += simd::double_lanes) {
-    const Doubles angle = Doubles::load(&angles[static_cast<std::size_t>(i)]);
-    const Doubles quarters = detail::nearest_whole(angle * Doubles(2 / detail::pi.hi));
-    const Doubles rest = fma(-quarters, detail::pi.lo / 2, fma(-quarters, detail::pi.hi / 2, angle));
-    const Doubles s = rest * rest;
-    const Doubles sine = fma(rest * s, detail::polynomial(detail::sine_terms, s), rest);
-    const Doubles cosine = fma(s, detail::polynomial(detail::cosine_terms, s), 1.0);
-    select(quarters == Doubles(1.0), cosine, sine).store(&sines[static_cast<std::size_t>(i)]);
-  }
+  for (std::size_t i = 0; i < count; i += simd::double_lanes)
+    sine_of_each(simd::Doubles::load(&angles[i])).store(&sines[i]);
+  return sines;
+}
+[[nodiscard]] inline Few<simd::Doubles> sines_of_each(const Few<simd::Doubles>& angles, std::size_t count) {
+  Few<simd::Doubles> sines;
+  for (std::size_t i = 0; i < count; ++i) sines[i] = sine_of_each(angles[i]);
   return sines;
 }
 
-/// Returns the angles of the first `count` pairs y ≥ 0 and x, with the bits of polar_angle.
-[[nodiscard]] inline FewNumbers polar_angles_of_each(const FewNumbers& y, const FewNumbers& x, int count) {
-  using simd::Doubles, detail::pi;
+/// Returns polar_angle_of_each of the first `count` pairs.
+[[nodiscard]] inline FewNumbers polar_angles_of_each(const FewNumbers& y, const FewNumbers& x,
+                                                     std::size_t count) {
   FewNumbers angles{};
-  const DoubleDouble* const table = &detail::arc_tangent_of_eighths(0);
-  for (int i = 0; i < count; i += simd::double_lanes) {
-    const Doubles above = Doubles::load(&y[static_cast<std::size_t>(i)]),
-                  along = Doubles::load(&x[static_cast<std::size_t>(i)]);
-    const auto is_steep = above > abs(along);
-    const Doubles low = select(is_steep, abs(along), above), high = select(is_steep, above, abs(along));
-    const Doubles ratio = low / high;
-    const auto is_number = ratio <= Doubles(1.0);
-    const Doubles eighths = select(is_number, detail::nearest_whole(8.0 * ratio), Doubles(0.0));
-    const Doubles part = eighths / 8.0;
-    const Doubles z = fma(-high, part, low) / fma(low, part, high), s = z * z;
-    const Doubles series = fma(z * s, detail::polynomial(detail::arc_tangent_terms, s), z);
-    const Doubles at_eighths =
-        Doubles::of_each([&](int lane) { return table[static_cast<int>(eighths[lane])].hi; });
-    Doubles angle = at_eighths + series;
-    angle = select(is_steep, (Doubles(pi.hi / 2) - angle) + Doubles(pi.lo / 2), angle);
-    angle = select(along < Doubles(0.0), (Doubles(pi.hi) - angle) + Doubles(pi.lo), angle);
-    angle = select(is_number, angle, select(high == Doubles(0.0), Doubles(0.0), ratio));
-    angle.store(&angles[static_cast<std::size_t>(i)]);
-  }
+  for (std::size_t i = 0; i < count; i += simd::double_lanes)
+    polar_angle_of_each(simd::Doubles::load(&y[i]), simd::Doubles::load(&x[i])).store(&angles[i]);
+  return angles;
+}
+[[nodiscard]] inline Few<simd::Doubles> polar_angles_of_each(const Few<simd::Doubles>& y,
+                                                             const Few<simd::Doubles>& x, std::size_t count) {
+  Few<simd::Doubles> angles;
+  for (std::size_t i = 0; i < count; ++i) angles[i] = polar_angle_of_each(y[i], x[i]);
   return angles;
 }
 

@@ -24,40 +24,20 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
+#include <utility>
 
 #include "../numeric/precise_vector.hpp"
+#include "../simd/simd.hpp"
+#include "../simd/vectors.hpp"
+#include "double_double_lanes.hpp"
 #include "light_sample.hpp"
 #include "radians_of_each.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-namespace detail {
-
-/// The part of a strip y0 ≤ y ≤ y1, z = h > 0 to the right of x ≥ 0.
-struct HalfStrip {
-  double x, r0, r1, D;
-
-  HalfStrip(double h, double y0, double y1, double left) : x(left) {
-    const double q = x * x + h * h;
-    r0 = std::sqrt(q + y0 * y0), r1 = std::sqrt(q + y1 * y1);
-    const double product = y0 * y1;
-    const double sum = product < 0 ? q * (q + y0 * y0 + y1 * y1) / (r0 * r1 - product) : r0 * r1 + product;
-    D = sum + q + x * (r0 + r1);
-  }
-};
-
-/// Adds a pair to some, of which polar_angle is half of the solid angle of the strip between a.x and b.x ≥
-/// a.x, where width = b.x − a.x.
-inline void add_part_between(const HalfStrip& a, const HalfStrip& b, double width, double hl, auto& add) {
-  const double sum = a.x + b.x;
-  const double dr0 = width * sum / (a.r0 + b.r0), dr1 = width * sum / (a.r1 + b.r1);
-  const double difference = b.r0 * dr1 + a.r1 * dr0 + width * (b.r0 + b.r1) + a.x * (dr0 + dr1) + width * sum;
-  add(hl * difference, a.D * b.D + hl * hl);
-}
-
-}  // namespace detail
 
 /// A rectangle, with what its views have in common, in double-double: unit axes along the edges and their
 /// lengths.
@@ -78,6 +58,133 @@ struct RectangleLight {
   }
 };
 
+namespace detail {
+
+/// What a point sees of a rectangle, with T = double, or points in lanes, with T = Doubles and the same bits.
+/// Lengths are scaled.
+template <class T, class Vector, class Doubled>
+class RectangleSeen {
+ public:
+  /// Vector from the point to the corner, without rounding.
+  struct ToCorner {
+    Doubled x, y, z;
+  };
+
+  /// The distances to the lines of the edges and to the plane are dot products with the axes, which cancel:
+  /// the corner's coordinates are exact, and each distance is rounded once from about twice as many digits,
+  /// with an error below u + 2^45 60u² < (1 + 2^-2) u. Those of the far edges are the sums with the lengths,
+  /// in double-double.
+  RectangleSeen(const RectangleLight& r, const ToCorner& to, const Doubled& width, const Doubled& depth) {
+    using std::abs;
+    const auto left = compensated_dot(to, r.x), near = compensated_dot(to, r.y);
+    const T left_x = T(left), right_x = T(left + width), near_y = T(near), far_y = T(near + depth),
+            height = T(compensated_dot(to, r.z));
+    // Mirrored if need be, the larger part is on the positive side of both axes.
+    const auto mirrors_x = -left_x > right_x, mirrors_y = -near_y > far_y, mirrors_z = height < T(0.0);
+    x0_ = select(mirrors_x, -right_x, left_x), x1_ = select(mirrors_x, -left_x, right_x);
+    y0_ = select(mirrors_y, -far_y, near_y), y1_ = select(mirrors_y, -near_y, far_y);
+    h_ = abs(height);
+    x_ = select(mirrors_x, Vector(-r.axis_x), Vector(r.axis_x));
+    y_ = select(mirrors_y, Vector(-r.axis_y), Vector(r.axis_y));
+    z_ = select(mirrors_z, Vector(-r.axis_z), Vector(r.axis_z));
+
+    const T l = depth.hi, hl = h_ * l;
+    const HalfStrip at_0(*this, T(0.0)), at_x0(*this, abs(x0_)), at_x1(*this, x1_);
+    const auto is_right = x0_ >= T(0.0);
+    const Pair right_part = part_between(at_x0, at_x1, width.hi, hl);
+    const Few<Pair> pairs{Pair{hl, h_ * h_ + y0_ * y1_},
+                          {h_, -y0_},
+                          {h_, y1_},
+                          {hl, at_x1.D},
+                          part_between(at_0, at_x0, abs(x0_), hl),
+                          {select(is_right, right_part.y, hl), select(is_right, right_part.x, at_x0.D)},
+                          part_between(at_0, at_x1, x1_, hl)};
+    Few<T> y{}, x{};
+    for (std::size_t i = 0; i < 7; ++i) y[i] = pairs[i].y, x[i] = pairs[i].x;
+    const Few<T> angles = polar_angles_of_each(y, x, 7);
+    const T Delta = angles[0], near_part = 2.0 * angles[4];
+    kappa0_ = angles[1], kappa1_ = angles[2];
+    right_ = 2.0 * angles[3];
+    left_ = select(is_right, Delta + near_part, 2.0 * angles[5]);
+    solid_angle_ =
+        select(h_ > T(0.0), select(is_right, 2.0 * angles[5], near_part + 2.0 * angles[6]), T(0.0));
+  }
+
+  /// Returns the solid angle in steradians; 0 for a point in the plane.
+  [[nodiscard]] T solid_angle() const { return solid_angle_; }
+
+  /// Unit direction, and the distance along it to the rectangle.
+  struct Drawn {
+    Vector direction;
+    T distance;
+  };
+
+  /// Draws a direction. Precondition: the solid angle is not 0.
+  [[nodiscard]] Drawn sample(T u, T v) const {
+    using std::abs, std::copysign, std::max, std::min, std::sqrt;
+    const T p = (left_ + u * solid_angle_) / 2.0,
+            q = (right_ + (1.0 - u) * solid_angle_) / 2.0;  // halves
+    // Each angle or its supplement. π − |g| for g = p − q is κ0 + κ1 + 2 min(p, q).
+    const Few<T> sines = sines_of_each(
+        Few<T>{min(abs(p - q), kappa0_ + kappa1_ + 2.0 * min(p, q)), min(p, kappa0_ + kappa1_ + q),
+               min(q, kappa0_ + kappa1_ + p), min(kappa1_ + p, kappa0_ + q), min(kappa1_ + q, kappa0_ + p)},
+        5);
+    const T product = sines[1] * sines[2] * sines[3] * sines[4];
+    const T x = min(max(copysign(h_ * sines[0] / (2.0 * sqrt(product)), p - q), x0_), x1_);
+
+    // y = ρ w/√(1 − w²) for a w between w0 and w1; 1 − w and 1 + w are sums of those of the ends.
+    const T rho = sqrt(x * x + h_ * h_);
+    const auto below_1 = [rho](const T& end) {  // 1 − y/r
+      const T r = sqrt(end * end + rho * rho);
+      const auto cancels = end > T(0.0);
+      return select(cancels, rho * rho, r - end) / select(cancels, r * (r + end), r);
+    };
+    const T minus = (1.0 - v) * below_1(y0_) + v * below_1(y1_);
+    const T plus = (1.0 - v) * below_1(-y0_) + v * below_1(-y1_);
+    const T y = min(max(rho * (plus - minus) / (2.0 * sqrt(plus * minus)), y0_), y1_);
+
+    const T farthest = sqrt(x1_ * x1_ + y1_ * y1_ + h_ * h_);
+    const T distance = min(sqrt(y * y + rho * rho), farthest);
+    return {(x / distance) * x_ + (y / distance) * y_ + (h_ / distance) * z_, distance};
+  }
+
+ private:
+  /// The part of the strip y0 ≤ y ≤ y1, z = h > 0 to the right of x ≥ 0.
+  struct HalfStrip {
+    T x, r0, r1, D;
+
+    HalfStrip(const RectangleSeen& of, T left) : x(left) {
+      using std::sqrt;
+      const T q = x * x + of.h_ * of.h_, product = of.y0_ * of.y1_;
+      r0 = sqrt(q + of.y0_ * of.y0_), r1 = sqrt(q + of.y1_ * of.y1_);
+      const T sum =
+          select(product < T(0.0), q * (q + of.y0_ * of.y0_ + of.y1_ * of.y1_) / (r0 * r1 - product),
+                 r0 * r1 + product);
+      D = sum + q + x * (r0 + r1);
+    }
+  };
+
+  /// Numbers of which polar_angle(y, x) is half of a solid angle, or an angle.
+  struct Pair {
+    T y, x;
+  };
+
+  /// Returns the pair of the part of the strip between a.x and b.x ≥ a.x, where width = b.x − a.x.
+  [[nodiscard]] static Pair part_between(const HalfStrip& a, const HalfStrip& b, const T& width,
+                                         const T& hl) {
+    const T sum = a.x + b.x;
+    const T dr0 = width * sum / (a.r0 + b.r0), dr1 = width * sum / (a.r1 + b.r1);
+    const T difference = b.r0 * dr1 + a.r1 * dr0 + width * (b.r0 + b.r1) + a.x * (dr0 + dr1) + width * sum;
+    return {hl * difference, a.D * b.D + hl * hl};
+  }
+
+  Vector x_, y_, z_;  // unit axes
+  T x0_, x1_, y0_, y1_, h_;
+  T kappa0_, kappa1_, left_, right_, solid_angle_;
+};
+
+}  // namespace detail
+
 /// The directions from a point to a rectangle with edges that are perpendicular. The edges may deviate from
 /// that by their rounding; the corner opposite the position is then that of the rectangle. The solid angle
 /// has a relative error below 20u, and directions are off by at most 20u, if the distances from the lines
@@ -86,87 +193,77 @@ class RectangleView {
  public:
   RectangleView(const Point& from, const Point& position, const Vec3& edge_u, const Vec3& edge_v)
       : RectangleView(from, RectangleLight(position, edge_u, edge_v)) {}
-
-  /// The distances to the lines of the edges and to the plane are dot products with the axes, which cancel:
-  /// the corner's coordinates are exact, and each distance is rounded once from about twice as many digits,
-  /// with an error below u + 2^45 60u² < (1 + 2^-2) u. Those of the far edges are the sums with the lengths,
-  /// in double-double.
-  RectangleView(const Point& from, const RectangleLight& r) : x_(r.axis_x), y_(r.axis_y), z_(r.axis_z) {
-    exponent_ = std::max(exponent_of({r.position - from}), r.exponent);
-    const PreciseVector to = scaled_difference(r.position, from, -exponent_);
-    const int smaller = r.exponent - exponent_;
-    const Vec3 sizes = scaled(Vec3{r.width.hi, r.depth.hi, 0}, smaller),
-               rests = scaled(Vec3{r.width.lo, r.depth.lo, 0}, smaller);
-    const DoubleDouble width{sizes.x, rests.x}, depth{sizes.y, rests.y};
-    const DoubleDouble x0 = compensated_dot(to, r.x), y0 = compensated_dot(to, r.y);
-    const double z = static_cast<double>(compensated_dot(to, r.z));
-    h_ = std::abs(z);
-    if (z < 0) z_ = -z_;
-    x0_ = static_cast<double>(x0), x1_ = static_cast<double>(x0 + width);
-    y0_ = static_cast<double>(y0), y1_ = static_cast<double>(y0 + depth);
-    // Mirrored if need be, the larger part is on the positive side of both axes.
-    if (-x0_ > x1_) x_ = -x_, std::swap(x0_, x1_), x0_ = -x0_, x1_ = -x1_;
-    if (-y0_ > y1_) y_ = -y_, std::swap(y0_, y1_), y0_ = -y0_, y1_ = -y1_;
-    farthest_ = std::sqrt(x1_ * x1_ + y1_ * y1_ + h_ * h_);
-    if (!(h_ > 0)) return;
-
-    const double l = depth.hi, hl = h_ * l;
-    const detail::HalfStrip at_0(h_, y0_, y1_, 0), at_x0(h_, y0_, y1_, std::abs(x0_)),
-        at_x1(h_, y0_, y1_, x1_);
-    FewNumbers y{}, x{};
-    std::size_t count = 0;
-    const auto add = [&](double of_y, double of_x) { y[count] = of_y, x[count++] = of_x; };
-    add(hl, h_ * h_ + y0_ * y1_), add(h_, -y0_), add(h_, y1_), add(hl, at_x1.D);
-    detail::add_part_between(at_0, at_x0, std::abs(x0_), hl, add);
-    if (x0_ >= 0)
-      detail::add_part_between(at_x0, at_x1, width.hi, hl, add);
-    else
-      add(hl, at_x0.D), detail::add_part_between(at_0, at_x1, x1_, hl, add);
-    const FewNumbers angles = polar_angles_of_each(y, x, static_cast<int>(count));
-    const double Delta = angles[0], near = 2 * angles[4];
-    kappa0_ = angles[1], kappa1_ = angles[2];
-    right_ = 2 * angles[3];
-    left_ = x0_ >= 0 ? Delta + near : 2 * angles[5];
-    solid_angle_ = x0_ >= 0 ? 2 * angles[5] : near + 2 * angles[6];
-  }
+  RectangleView(const Point& from, const RectangleLight& r)
+      : exponent_(exponent_of_view(from, r)), seen_(seen_by(from, r, exponent_)) {}
 
   /// Returns the solid angle in steradians; 0 for a point in the plane.
-  [[nodiscard]] double solid_angle() const { return solid_angle_; }
+  [[nodiscard]] double solid_angle() const { return seen_.solid_angle(); }
 
   /// Draws a direction.
   [[nodiscard]] LightSample sample(double u, double v) const {
-    if (!(solid_angle_ > 0)) return {};
-    const double p = (left_ + u * solid_angle_) / 2, q = (right_ + (1 - u) * solid_angle_) / 2;  // halves
-    // Each angle or its supplement. π − |g| for g = p − q is κ0 + κ1 + 2 min(p, q).
-    const FewNumbers sines =
-        sines_of_each({std::min(std::abs(p - q), kappa0_ + kappa1_ + 2 * std::min(p, q)),
-                       std::min(p, kappa0_ + kappa1_ + q), std::min(q, kappa0_ + kappa1_ + p),
-                       std::min(kappa1_ + p, kappa0_ + q), std::min(kappa1_ + q, kappa0_ + p)},
-                      5);
-    const double product = sines[1] * sines[2] * sines[3] * sines[4];
-    const double x = std::clamp(std::copysign(h_ * sines[0] / (2 * std::sqrt(product)), p - q), x0_, x1_);
+    if (!(solid_angle() > 0)) return {};
+    const auto [direction, distance] = seen_.sample(u, v);
+    return {direction, std::ldexp(distance, exponent_), 1 / solid_angle()};
+  }
 
-    // y = ρ w/√(1 − w²) for a w between w0 and w1; 1 − w and 1 + w are sums of those of the ends.
-    const double rho = std::sqrt(x * x + h_ * h_);
-    const auto below_1 = [rho](double y) {  // 1 − y/r
-      const double r = std::sqrt(y * y + rho * rho);
-      return y > 0 ? rho * rho / (r * (r + y)) : (r - y) / r;
+  /// Draws a direction from each of some points, as many as there are lanes or fewer, as sample does with the
+  /// numbers u and v of each.
+  static void sample_each(const RectangleLight& r, std::span<const Point> from, const FewNumbers& u,
+                          const FewNumbers& v, std::span<LightSample> drawn) {
+    using simd::Doubles, simd::DoubleDoubles, simd::Vectors;
+    // Powers of two and their reciprocals, and the factors on the lengths of the edges.
+    FewNumbers unit, scale, smaller, x, y, z;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(simd::double_lanes); ++i) {
+      const std::size_t k = std::min(i, from.size() - 1);
+      const int exponent = exponent_of_view(from[k], r);
+      if (!(-500 < r.exponent && exponent < 500)) [[unlikely]] {
+        for (std::size_t one = 0; one < from.size(); ++one)
+          drawn[one] = RectangleView(from[one], r).sample(u[one], v[one]);
+        return;
+      }
+      unit[i] = power_of_two(exponent), scale[i] = power_of_two(-exponent);
+      smaller[i] = power_of_two(r.exponent - exponent);
+      x[i] = from[k].x, y[i] = from[k].y, z[i] = from[k].z;
+    }
+    const auto load = [](const FewNumbers& numbers) { return Doubles::load(numbers.data()); };
+    const Doubles down = load(scale), less = load(smaller);
+    const auto to = [&](const FewNumbers& of, double corner) {
+      return two_sum(Doubles(corner) * down, -(load(of) * down));
     };
-    const double minus = (1 - v) * below_1(y0_) + v * below_1(y1_);
-    const double plus = (1 - v) * below_1(-y0_) + v * below_1(-y1_);
-    const double y = std::clamp(rho * (plus - minus) / (2 * std::sqrt(plus * minus)), y0_, y1_);
-
-    const double distance = std::min(std::sqrt(y * y + rho * rho), farthest_);
-    return {(x / distance) * x_ + (y / distance) * y_ + (h_ / distance) * z_, std::ldexp(distance, exponent_),
-            1 / solid_angle_};
+    const auto length = [&](const DoubleDouble& of) {
+      return DoubleDoubles{Doubles(of.hi) * less, Doubles(of.lo) * less};
+    };
+    const detail::RectangleSeen<Doubles, Vectors, DoubleDoubles> seen(
+        r, {to(x, r.position.x), to(y, r.position.y), to(z, r.position.z)}, length(r.width), length(r.depth));
+    const auto [direction, distance] = seen.sample(load(u), load(v));
+    const Doubles solid_angle = seen.solid_angle(), density = Doubles(1.0) / solid_angle,
+                  far = distance * load(unit);
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const int lane = static_cast<int>(i);
+      if (solid_angle[lane] > 0)
+        drawn[i] = {direction[lane], far[lane], density[lane]};
+      else
+        drawn[i] = {};
+    }
   }
 
  private:
-  Vec3 x_{0}, y_{0}, z_{0};                           // unit axes
-  double x0_ = 0, x1_ = 0, y0_ = 0, y1_ = 0, h_ = 0;  // scaled by 2^-exponent_
-  double farthest_ = 0;
-  double kappa0_ = 0, kappa1_ = 0, left_ = 0, right_ = 0, solid_angle_ = 0;
-  int exponent_ = 0;
+  using Seen = detail::RectangleSeen<double, Vec3, DoubleDouble>;
+
+  [[nodiscard]] static int exponent_of_view(const Point& from, const RectangleLight& r) {
+    return std::max(exponent_of({r.position - from}), r.exponent);
+  }
+
+  [[nodiscard]] static Seen seen_by(const Point& from, const RectangleLight& r, int exponent) {
+    const PreciseVector to = scaled_difference(r.position, from, -exponent);
+    const int smaller = r.exponent - exponent;
+    const Vec3 sizes = scaled(Vec3{r.width.hi, r.depth.hi, 0}, smaller),
+               rests = scaled(Vec3{r.width.lo, r.depth.lo, 0}, smaller);
+    return Seen(r, {to.x, to.y, to.z}, {sizes.x, rests.x}, {sizes.y, rests.y});
+  }
+
+  int exponent_;  // lengths are scaled by 2^-exponent
+  Seen seen_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI
