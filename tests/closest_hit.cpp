@@ -16,7 +16,7 @@ namespace {
 struct Case {
   Ray ray;
   Interval range;
-  std::vector<Sphere> spheres;
+  SceneVector<Sphere> spheres;
 };
 
 Case next_case(Random& random) {
@@ -65,7 +65,7 @@ TEST_CASE("the closest hit is the first of all roots inside the range", "[closes
   int hits = 0, last = 0, limited = 0;
   for (int i = 0; i < 20'000; ++i) {
     const Case c = next_case(random);
-    const std::vector<Material> materials(c.spheres.size());
+    const SceneVector<Material> materials(c.spheres.size());
     const SurfaceCrossing expected = closest_of_all(c, materials[0]);
     SurfaceCrossing first;
     CHECK(search_closest_hit(c.spheres, materials, c.ray, c.range, first) <= c.range.max);
@@ -87,9 +87,9 @@ TEST_CASE("the closest hit is the first of all roots inside the range", "[closes
 TEST_CASE("a surface that is tested later replaces the closest hit only if its t is smaller",
           "[closest_hit]") {
   const Ray ray{{0, 0, 0}, {0, 0, 1}};
-  const std::vector<Material> materials(1);
-  const std::vector spheres{Sphere{{0, 0, 3}, 1}};
-  const std::vector touching{Plane{{0, 0, 1}, 2}}, before{Plane{{0, 0, 1}, std::nextafter(2, 0)}};
+  const SceneVector<Material> materials(1);
+  const SceneVector<Sphere> spheres{Sphere{{0, 0, 3}, 1}};
+  const SceneVector<Plane> touching{Plane{{0, 0, 1}, 2}}, before{Plane{{0, 0, 1}, std::nextafter(2, 0)}};
   SurfaceCrossing first;
   Interval range;
   range.max = search_closest_hit(spheres, materials, ray, range, first);
@@ -101,8 +101,8 @@ TEST_CASE("a surface that is tested later replaces the closest hit only if its t
 
 TEST_CASE("a ray that leaves a sphere counts as starting on it, however far its origin is rounded",
           "[closest_hit]") {
-  const std::vector spheres{Sphere{{1e17, 0, 0}, 1}};
-  const std::vector<Material> materials(1);
+  const SceneVector<Sphere> spheres{Sphere{{1e17, 0, 0}, 1}};
+  const SceneVector<Material> materials(1);
   const Ray along{.origin = {1e17, 0, 0}, .direction = {0, 0, 1}, .departure = spheres[0].departure()};
   SurfaceCrossing first;
   CHECK(search_closest_hit(spheres, materials, along, Interval{}, first) == infinity);

@@ -49,6 +49,16 @@ TEST_CASE("a vector in large pages can be copied and moved") {
   }
 }
 
+TEST_CASE("the surfaces and materials of a scene are in large pages if they fill one") {
+  SceneVector<double> few(3), many(std::size_t{1} << 19);
+  CHECK(reinterpret_cast<std::uintptr_t>(many.data()) % detail::large_page == 0);
+  const SceneVector<double> copy = many;
+  CHECK(reinterpret_cast<std::uintptr_t>(copy.data()) % detail::large_page == 0);
+  CHECK(copy == many);
+  few.push_back(1);
+  CHECK(few.size() == 4);
+}
+
 TEST_CASE("a vector grows, shrinks, and compares as std::vector does") {
   PlainVector<int> numbers;
   std::vector<int> expected;

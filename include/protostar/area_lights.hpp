@@ -247,7 +247,7 @@ class AreaLights {
 
  private:
   template <class T>
-  void add(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
+  void add(const SceneVector<T>& surfaces, const SceneVector<Material>& materials) {
     for (std::size_t i = 0; i < surfaces.size(); ++i)
       if (const Color& emission = materials[i].emission; !is_black(emission))
         if (auto found = shape_in(surfaces[i]))

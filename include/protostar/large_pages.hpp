@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <new>
+#include <vector>
 
 #if __has_include(<sys/mman.h>)
 #include <sys/mman.h>
@@ -22,20 +23,26 @@ namespace detail {
 
 inline constexpr std::size_t large_page = std::size_t{1} << 21, cache_line = 64;  ///< in bytes
 
+/// Returns the alignment of a block that is not a scalar one.
+[[nodiscard]] inline std::align_val_t block_alignment(std::size_t bytes, std::size_t alignment) {
+  if (bytes >= large_page) return std::align_val_t{large_page};
+  return std::align_val_t{alignment < cache_line ? cache_line : alignment};
+}
+
 /// Returns true if a block is aligned as any scalar is.
 [[nodiscard]] inline bool is_scalar_block(std::size_t bytes, std::size_t alignment) {
   return bytes <= 256 && alignment <= __STDCPP_DEFAULT_NEW_ALIGNMENT__;
 }
 
-/// Returns new memory for elements of an alignment of at most a cache line, in large pages if it fills at
-/// least one. The last page is then a whole one, so that it is large too. A few bytes are aligned as any
-/// scalar is if that is enough, since a cache line takes twice the time.
+/// Returns new memory for elements of some alignment, in large pages if it fills at least one. The last page
+/// is then a whole one, so that it is large too. A few bytes are aligned as any scalar is if that is enough,
+/// since a cache line takes twice the time.
 [[nodiscard]] inline void* allocate_pages(std::size_t bytes, std::size_t alignment) {
   if (bytes < large_page)
     return is_scalar_block(bytes, alignment) ? ::operator new(bytes)
-                                             : ::operator new (bytes, std::align_val_t{cache_line});
+                                             : ::operator new (bytes, block_alignment(bytes, alignment));
   bytes = (bytes + large_page - 1) / large_page * large_page;
-  void* const memory = ::operator new (bytes, std::align_val_t{large_page});
+  void* const memory = ::operator new (bytes, block_alignment(bytes, alignment));
 #if defined(MADV_HUGEPAGE)
   madvise(memory, bytes, MADV_HUGEPAGE);  // if this fails, pages are small
 #endif
@@ -47,9 +54,34 @@ inline void free_pages(void* memory, std::size_t bytes, std::size_t alignment) {
   if (is_scalar_block(bytes, alignment))
     ::operator delete(memory);
   else
-    ::operator delete (memory, std::align_val_t{bytes >= large_page ? large_page : cache_line});
+    ::operator delete (memory, block_alignment(bytes, alignment));
 }
 
+/// Allocator of a std::vector in large pages, if it fills one.
+template <class T>
+struct LargePages {
+  using value_type = T;
+
+  LargePages() = default;
+  template <class Other>
+  LargePages(const LargePages<Other>&) {}
+
+  [[nodiscard]] T* allocate(std::size_t count) {
+    if (count > static_cast<std::size_t>(-1) / 2 / sizeof(T)) throw std::bad_array_new_length();
+    return static_cast<T*>(allocate_pages(count * sizeof(T), alignof(T)));
+  }
+  void deallocate(T* memory, std::size_t count) { free_pages(memory, count * sizeof(T), alignof(T)); }
+
+  template <class Other>
+  friend bool operator==(const LargePages&, const LargePages<Other>&) {
+    return true;
+  }
+};
+
 }  // namespace detail
+
+/// Vector of what a scene has many of, its surfaces or their materials. Rays need those of anywhere.
+template <class T>
+using SceneVector = std::vector<T, detail::LargePages<T>>;
 
 }  // namespace protostar::inline PROTOSTAR_ABI

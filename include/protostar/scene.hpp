@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "environment.hpp"
+#include "large_pages.hpp"
 #include "light.hpp"
 #include "material.hpp"
 #include "surface.hpp"
@@ -94,8 +95,8 @@ template <Surface T>
 /// closest hit so far and lies in the range; one not below `later` surely does not (docs/derivations.md,
 /// Which comes first).
 template <Surface T>
-[[nodiscard]] double search_closest_hit(const std::vector<T>& surfaces,
-                                        const std::vector<Material>& materials, const Ray& ray,
+[[nodiscard]] double search_closest_hit(const SceneVector<T>& surfaces,
+                                        const SceneVector<Material>& materials, const Ray& ray,
                                         Interval range, SurfaceCrossing& first) {
   if constexpr (SurfaceWithEquation<T> && !SurfaceWithRoots<T>)
     if (range.min == 0 && ray.transform == nullptr) {
@@ -296,11 +297,11 @@ class Scene<S...> {
   /// Returns the surfaces of one of the scene's types, or their materials, in the order in which they were
   /// added.
   template <class T>
-  [[nodiscard]] const std::vector<T>& surfaces() const {
+  [[nodiscard]] const SceneVector<T>& surfaces() const {
     return group<T>().surfaces;
   }
   template <class T>
-  [[nodiscard]] const std::vector<Material>& materials() const {
+  [[nodiscard]] const SceneVector<Material>& materials() const {
     return group<T>().materials;
   }
 
@@ -318,8 +319,8 @@ class Scene<S...> {
   /// Surfaces of one type, and their materials.
   template <Surface T>
   struct Group {
-    std::vector<T> surfaces;
-    std::vector<Material> materials;
+    SceneVector<T> surfaces;
+    SceneVector<Material> materials;
     bool has_textures = false, has_normal_maps = false;  ///< true if any of the materials has one
 
     void add(T surface, Material material) {

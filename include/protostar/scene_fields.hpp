@@ -109,7 +109,7 @@ class SceneFields {
   };
 
   template <class T>
-  void add(const std::vector<T>& surfaces, const std::vector<Material>& materials) {
+  void add(const SceneVector<T>& surfaces, const SceneVector<Material>& materials) {
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
       Field field{&surfaces[i], !is_black(materials[i].emission), nullptr, nullptr};
       if constexpr (MarchedSurface<T>)

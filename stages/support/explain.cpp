@@ -17,11 +17,11 @@
 
 using namespace protostar;
 
-template void ExplainedScene::add(const std::vector<AnySurface>&, const std::vector<Material>&);
-template void ExplainedScene::add(const std::vector<Mesh>&, const std::vector<Material>&);
-template void ExplainedScene::add(const std::vector<Parallelogram>&, const std::vector<Material>&);
-template void ExplainedScene::add(const std::vector<Plane>&, const std::vector<Material>&);
-template void ExplainedScene::add(const std::vector<Sphere>&, const std::vector<Material>&);
+template void ExplainedScene::add(const SceneVector<AnySurface>&, const SceneVector<Material>&);
+template void ExplainedScene::add(const SceneVector<Mesh>&, const SceneVector<Material>&);
+template void ExplainedScene::add(const SceneVector<Parallelogram>&, const SceneVector<Material>&);
+template void ExplainedScene::add(const SceneVector<Plane>&, const SceneVector<Material>&);
+template void ExplainedScene::add(const SceneVector<Sphere>&, const SceneVector<Material>&);
 
 RayRecord& ExplainedScene::begin(RayRecord::Query query, const Ray& ray, Interval range) const {
   const RayRecord& before = *current_;

@@ -101,7 +101,8 @@ class ExplainedScene {
   };
 
   template <class T>
-  void add(const std::vector<T>& surfaces, const std::vector<protostar::Material>& materials);
+  void add(const protostar::SceneVector<T>& surfaces,
+           const protostar::SceneVector<protostar::Material>& materials);
 
   /// Tests a surface, and records what comes of it.
   const Considered& consider(RayRecord& record, std::size_t surface, bool is_first) const;
@@ -121,7 +122,8 @@ class ExplainedScene {
 };
 
 template <class T>
-void ExplainedScene::add(const std::vector<T>& surfaces, const std::vector<protostar::Material>& materials) {
+void ExplainedScene::add(const protostar::SceneVector<T>& surfaces,
+                         const protostar::SceneVector<protostar::Material>& materials) {
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const T& surface = surfaces[i];
     const protostar::Material& material = materials[i];
@@ -265,16 +267,16 @@ void explain(Explanation& explanation, const protostar::Camera& camera, const Ex
 }
 
 // The library's own types are compiled once (support/explain.cpp).
-extern template void ExplainedScene::add(const std::vector<protostar::AnySurface>&,
-                                         const std::vector<protostar::Material>&);
-extern template void ExplainedScene::add(const std::vector<protostar::Mesh>&,
-                                         const std::vector<protostar::Material>&);
-extern template void ExplainedScene::add(const std::vector<protostar::Parallelogram>&,
-                                         const std::vector<protostar::Material>&);
-extern template void ExplainedScene::add(const std::vector<protostar::Plane>&,
-                                         const std::vector<protostar::Material>&);
-extern template void ExplainedScene::add(const std::vector<protostar::Sphere>&,
-                                         const std::vector<protostar::Material>&);
+extern template void ExplainedScene::add(const protostar::SceneVector<protostar::AnySurface>&,
+                                         const protostar::SceneVector<protostar::Material>&);
+extern template void ExplainedScene::add(const protostar::SceneVector<protostar::Mesh>&,
+                                         const protostar::SceneVector<protostar::Material>&);
+extern template void ExplainedScene::add(const protostar::SceneVector<protostar::Parallelogram>&,
+                                         const protostar::SceneVector<protostar::Material>&);
+extern template void ExplainedScene::add(const protostar::SceneVector<protostar::Plane>&,
+                                         const protostar::SceneVector<protostar::Material>&);
+extern template void ExplainedScene::add(const protostar::SceneVector<protostar::Sphere>&,
+                                         const protostar::SceneVector<protostar::Material>&);
 
 extern template void explain(Explanation&, const protostar::Camera&, const ExplainedScene&,
                              const protostar::BinaryIntegrator&, const protostar::RenderOptions&);

@@ -37,7 +37,7 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 template <Surface T>
 class Finder {
  public:
-  Finder(const std::vector<T>& surfaces, const RenderOptions&)
+  Finder(const SceneVector<T>& surfaces, const RenderOptions&)
       : count_(static_cast<std::uint32_t>(surfaces.size())) {}
 
   /// Calls visit(i) for each surface that a ray may cross inside the range, in any order, until a call
@@ -82,7 +82,7 @@ class Finder {
 template <SurfaceWithBounds T>
 class Finder<T> {
  public:
-  Finder(const std::vector<T>& surfaces, const RenderOptions& options)
+  Finder(const SceneVector<T>& surfaces, const RenderOptions& options)
       : surfaces_(&surfaces),
         bvh_(
             surfaces.size(), [&](std::size_t i) { return surfaces[i].bounds(); }, {.most = 1}, options) {}
@@ -121,7 +121,7 @@ class Finder<T> {
   }
 
  private:
-  const std::vector<T>* surfaces_;
+  const SceneVector<T>* surfaces_;
   Bvh bvh_;
 };
 
@@ -129,7 +129,7 @@ class Finder<T> {
 template <>
 class Finder<Sphere> {
  public:
-  Finder(const std::vector<Sphere>& spheres, const RenderOptions& options)
+  Finder(const SceneVector<Sphere>& spheres, const RenderOptions& options)
       : spheres_(&spheres),
         bvh_(
             spheres.size(), [&](std::size_t i) { return spheres[i].bounds(); }, {.most = node_width},
@@ -291,7 +291,7 @@ class Finder<Sphere> {
     return false;
   }
 
-  const std::vector<Sphere>* spheres_;
+  const SceneVector<Sphere>* spheres_;
   Bvh bvh_;
   SphereLeaves leaves_;
   FewSpheres few_;

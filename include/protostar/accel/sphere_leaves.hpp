@@ -120,7 +120,7 @@ class FewSpheres {
  public:
   static constexpr std::size_t most = 8;
 
-  explicit FewSpheres(const std::vector<Sphere>& spheres) : count_(spheres.size()) {
+  explicit FewSpheres(const SceneVector<Sphere>& spheres) : count_(spheres.size()) {
     for (std::size_t i = 0; i < std::min(count_, most); ++i) {
       const auto& [center, radius] = spheres[i];
       x_[i] = center.x, y_[i] = center.y, z_[i] = center.z, r_[i] = std::abs(radius);

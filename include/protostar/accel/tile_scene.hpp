@@ -40,11 +40,11 @@ class TileScene : public HitsAmongFew<S...> {
   [[nodiscard]] std::size_t size() const { return scene_.size(); }
   [[nodiscard]] std::size_t environments() const { return scene_.environments(); }
   template <class T>
-  [[nodiscard]] const std::vector<T>& surfaces() const {
+  [[nodiscard]] const SceneVector<T>& surfaces() const {
     return scene_.template surfaces<T>();
   }
   template <class T>
-  [[nodiscard]] const std::vector<Material>& materials() const {
+  [[nodiscard]] const SceneVector<Material>& materials() const {
     return scene_.template materials<T>();
   }
 
