@@ -39,7 +39,7 @@ void draw_from_above(Drawing& drawing, const simd::Candidates& kept, const simd:
 
   // A side of the frustum runs through the apex, at a right angle to its normal.
   const auto side = [&](int column) {
-    const auto normal = rays.left_edge(column).normal;
+    const auto normal = rays.left_edge(column, &simd::PixelRays::Edge::normal);
     const Vec3 along = normalize(Vec3{-normal.z, 0, normal.x});
     return along.z > 0 ? along : -along;
   };

@@ -121,7 +121,8 @@ class Candidates {
       Mask<float, float_lanes> outside = false;
       for (int k = 0; k < 4; ++k) {
         const auto& n = frustum.normal[k];
-        outside = outside || (x * n[0] + y * n[1] + z * n[2] < frustum.offset[k] - r);
+        const Wide along = fused_or_not(z, Wide(n[2]), fused_or_not(y, Wide(n[1]), x * n[0]));
+        outside = outside || (along < frustum.offset[k] - r);
       }
       const auto& axis = frustum.normal[4];
       outside = outside || (x * axis[0] + y * axis[1] + z * axis[2] <

@@ -17,10 +17,11 @@ struct TileCone {
   double cosine_square = 0;  ///< square of the half-angle's cosine; 0 if not certain
 
   TileCone(const PixelRays& rays, const Tile& tile) {
+    using Edge = PixelRays::Edge;
     const Camera& camera = rays.camera();
     if (rays.hand() == 0 || camera.is_orthographic()) return;
-    const Vec3 columns[] = {rays.left_edge(tile.x0).shift, rays.right_edge(tile.x1).shift},
-               rows[] = {rays.upper_edge(tile.y0).shift, rays.lower_edge(tile.y1).shift};
+    const Vec3 columns[] = {rays.left_edge(tile.x0, &Edge::shift), rays.right_edge(tile.x1, &Edge::shift)},
+               rows[] = {rays.upper_edge(tile.y0, &Edge::shift), rays.lower_edge(tile.y1, &Edge::shift)};
     const Vec3 middle = camera.forward + 0.5 * (columns[0] + columns[1]) + 0.5 * (rows[0] + rows[1]);
     const double square = dot(middle, middle);
     if (!(0x1p-200 < square && square < 0x1p200)) return;
@@ -45,11 +46,12 @@ struct TileHalfSpaces {
   HalfSpace side[5];
 
   TileHalfSpaces(const PixelRays& rays, const Tile& tile) {
+    using Edge = PixelRays::Edge;
     const Point& apex = rays.viewpoint().apex;
-    side[0] = {apex, rays.left_edge(tile.x0).normal};
-    side[1] = {apex, -rays.right_edge(tile.x1).normal};
-    side[2] = {apex, -rays.lower_edge(tile.y1).normal};
-    side[3] = {apex, rays.upper_edge(tile.y0).normal};
+    side[0] = {apex, rays.left_edge(tile.x0, &Edge::normal)};
+    side[1] = {apex, -rays.right_edge(tile.x1, &Edge::normal)};
+    side[2] = {apex, -rays.lower_edge(tile.y1, &Edge::normal)};
+    side[3] = {apex, rays.upper_edge(tile.y0, &Edge::normal)};
     side[4] = {apex, TileCone(rays, tile).axis};
     if (rays.camera().has_lens())
       start_on_lens(rays, tile);
@@ -100,6 +102,7 @@ struct TileHalfSpaces {
 /// and no cone. The planes fit a tile better, and the cone tells the sky from a sphere that fills the view
 /// below it. A normal that is not certain is 0, so that all points are inside.
 struct Frustum {
+  using Edge = PixelRays::Edge;
   using Normal = PixelRays::FloatNormal;
 
   Normal normal[5];      ///< normals of the four sides, and the axis of the cone
@@ -108,10 +111,10 @@ struct Frustum {
 
   /// The cone is optional, since it takes longer than the planes and serves few tiles.
   [[gnu::noinline]] Frustum(const PixelRays& rays, const Tile& tile, bool has_cone = true)
-      : normal{rays.left_edge(tile.x0).inwards,
-               rays.right_edge(tile.x1).outwards,
-               rays.lower_edge(tile.y1).outwards,
-               rays.upper_edge(tile.y0).inwards,
+      : normal{rays.left_edge(tile.x0, &Edge::inwards),
+               rays.right_edge(tile.x1, &Edge::outwards),
+               rays.lower_edge(tile.y1, &Edge::outwards),
+               rays.upper_edge(tile.y0, &Edge::inwards),
                {}},
         cosine(0),
         sine(1) {

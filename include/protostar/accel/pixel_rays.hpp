@@ -135,22 +135,31 @@ class PixelRays {
     FloatNormal inwards = rounded(normal), outwards = rounded(-normal);  ///< the same in float
   };
 
-  /// Returns the edges of the tiles that begin with column x or row y, left and upper, and of those that end
-  /// before these, right and lower. The edges' planes pass through the camera's apex, unless rays are
-  /// parallel.
-  [[nodiscard]] Edge left_edge(int x) const {
-    return x % RayBlock::width == 0 ? edges_.left[column_of_blocks(x)] : column_edge_at(x, -margin());
+  /// Returns a member of the edge of the tiles that begin with column x or row y, left and upper, or of that
+  /// of those that end before these, right and lower. The edges' planes pass through the camera's apex, unless
+  /// rays are parallel. An edge is not returned as a whole, since a copy that was just written in parts of
+  /// another size would wait until all of them are written.
+  template <class M>
+  [[nodiscard]] M left_edge(int x, M Edge::*member) const {
+    return x % RayBlock::width == 0 ? edges_.left[column_of_blocks(x)].*member
+                                    : column_edge_at(x, -margin()).*member;
   }
-  [[nodiscard]] Edge right_edge(int x) const {
-    if (margin() == 0) return left_edge(x);
-    return x % RayBlock::width == 0 ? edges_.right[column_of_blocks(x)] : column_edge_at(x, margin());
+  template <class M>
+  [[nodiscard]] M right_edge(int x, M Edge::*member) const {
+    if (margin() == 0) return left_edge(x, member);
+    return x % RayBlock::width == 0 ? edges_.right[column_of_blocks(x)].*member
+                                    : column_edge_at(x, margin()).*member;
   }
-  [[nodiscard]] Edge upper_edge(int y) const {
-    return y % RayBlock::height == 0 ? edges_.upper[row_of_blocks(y)] : row_edge_at(y, -margin());
+  template <class M>
+  [[nodiscard]] M upper_edge(int y, M Edge::*member) const {
+    return y % RayBlock::height == 0 ? edges_.upper[row_of_blocks(y)].*member
+                                     : row_edge_at(y, -margin()).*member;
   }
-  [[nodiscard]] Edge lower_edge(int y) const {
-    if (margin() == 0) return upper_edge(y);
-    return y % RayBlock::height == 0 ? edges_.lower[row_of_blocks(y)] : row_edge_at(y, margin());
+  template <class M>
+  [[nodiscard]] M lower_edge(int y, M Edge::*member) const {
+    if (margin() == 0) return upper_edge(y, member);
+    return y % RayBlock::height == 0 ? edges_.lower[row_of_blocks(y)].*member
+                                     : row_edge_at(y, margin()).*member;
   }
 
   /// Returns an edge with the normal of a plane that contains the directions forward + u · right + v · up

@@ -122,7 +122,7 @@ class TileRenderer {
     for (int y = tile.y0; y < tile.y1; y += height)
       for (int x = tile.x0; x < tile.x1; x += width) {
         const Tile part{x, y, std::min(x + width, tile.x1), std::min(y + height, tile.y1)};
-        const Frustum frustum(rays_, part, next + 1 < std::size(divisions));
+        const Frustum frustum(rays_, part, width >= 16);
         in_part.clear();
         in_part.add(candidates, frustum);
         if (!fill_uniform(part, in_part, frustum, work)) fill_parts(part, in_part, next + 1, work);
