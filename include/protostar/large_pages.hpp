@@ -40,9 +40,9 @@ inline constexpr std::size_t large_page = std::size_t{1} << 21, cache_line = 64;
 [[nodiscard]] inline void* allocate_pages(std::size_t bytes, std::size_t alignment) {
   if (bytes < large_page)
     return is_scalar_block(bytes, alignment) ? ::operator new(bytes)
-                                             : ::operator new (bytes, block_alignment(bytes, alignment));
+                                             : ::operator new(bytes, block_alignment(bytes, alignment));
   bytes = (bytes + large_page - 1) / large_page * large_page;
-  void* const memory = ::operator new (bytes, block_alignment(bytes, alignment));
+  void* const memory = ::operator new(bytes, block_alignment(bytes, alignment));
 #if defined(MADV_HUGEPAGE)
   madvise(memory, bytes, MADV_HUGEPAGE);  // if this fails, pages are small
 #endif
@@ -54,7 +54,7 @@ inline void free_pages(void* memory, std::size_t bytes, std::size_t alignment) {
   if (is_scalar_block(bytes, alignment))
     ::operator delete(memory);
   else
-    ::operator delete (memory, block_alignment(bytes, alignment));
+    ::operator delete(memory, block_alignment(bytes, alignment));
 }
 
 /// Allocator of a std::vector in large pages, if it fills one.

@@ -70,7 +70,11 @@ void draw_pixels(Drawing& drawing, const simd::Candidates& kept, const simd::Pix
   std::array<std::array<int, side>, side> seen{};  // block by block, the size of which is the machine's
   for (int y = middle.y0; y < middle.y1; y += RayBlock::height)
     for (int x = middle.x0; x < middle.x1; x += RayBlock::width) {
-      const simd::WideIndices indices = simd::seen_by(rays.block_directions(x, y), kept).indices;
+      simd::Places places;
+      places.add_first(kept.size());
+      const auto [first, others, tested] = simd::seen_by(rays.block_directions(x, y), kept, places, false);
+      const auto is_sure = others == simd::WideIndices(simd::sees_nothing);
+      const auto indices = select(is_sure, first, simd::WideIndices(simd::is_in_doubt));
       for (int i = 0; i < simd::float_lanes; ++i)
         seen.at(static_cast<std::size_t>(y + i / RayBlock::width - middle.y0))
             .at(static_cast<std::size_t>(x + i % RayBlock::width - middle.x0)) = indices[i];

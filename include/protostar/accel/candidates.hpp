@@ -34,6 +34,32 @@ struct CandidateSphere {
   float margin;   ///< 2^-19 of distance and radius, or infinity
 };
 
+/// Places of some surfaces in a list of candidates, in their order.
+class Places {
+ public:
+  [[nodiscard]] int size() const { return size_; }
+  [[nodiscard]] int operator[](int i) const { return places_[static_cast<std::size_t>(i)]; }
+
+  void clear() { size_ = 0; }
+
+  /// Adds place + k for each k in a set.
+  void add(int place, Bits some) {
+    const auto needed = static_cast<std::size_t>(size_ + float_lanes);
+    if (places_.size() < needed) places_.resize(2 * needed);
+    size_ +=
+        store_chosen(places_.data() + size_, some, WideIndices(place) + iota<std::int32_t, float_lanes>());
+  }
+
+  /// Adds the first places of a list.
+  void add_first(int count) {
+    for (int i = 0; i < count; i += float_lanes) add(i, first_bits(std::min(count - i, float_lanes)));
+  }
+
+ private:
+  int size_ = 0;
+  PlainVector<std::int32_t> places_;
+};
+
 /// Surfaces that a camera may see, as spheres that contain them; stored as one row for each number, so that
 /// several are tested at once. A surface without bounds has a sphere of infinite radius, and any tile may see
 /// it.
@@ -114,25 +140,18 @@ class Candidates {
   [[gnu::noinline]] void add(const Candidates& others, const Frustum& frustum) {
     is_ordered_ = others.is_ordered_;
     make_room(size_ + others.size_);
-    for (int i = 0; i < others.size_; i += float_lanes) {
-      const auto load = [&](Row row) { return Wide::load(others.at(row, i)); };
-      const Wide x = load(row_x), y = load(row_y), z = load(row_z), r = load(row_reach);
-      // NaN, which comes from numbers beyond float, is not outside.
-      Mask<float, float_lanes> outside = false;
-      for (int k = 0; k < 4; ++k) {
-        const auto& n = frustum.normal[k];
-        const Wide along = fused_or_not(z, Wide(n[2]), fused_or_not(y, Wide(n[1]), x * n[0]));
-        outside = outside || (along < frustum.offset[k] - r);
-      }
-      const auto& axis = frustum.normal[4];
-      outside = outside || (x * axis[0] + y * axis[1] + z * axis[2] <
-                            load(row_horizon) * frustum.cosine - r * frustum.sine);
-      const Bits seen = bits(!outside) & first_bits(others.size_ - i);
-      if (seen == 0) continue;
-      for (int row = 0; row < row_count; ++row) store_chosen(at(Row(row), size_), seen, load(Row(row)));
+    others.each_seen(frustum, [&](int i, Bits seen) {
+      for (int row = 0; row < row_count; ++row)
+        store_chosen(at(Row(row), size_), seen, Wide::load(others.at(Row(row), i)));
       size_ += store_chosen(index_.data() + size_, seen,
                             Lanes<std::uint32_t, float_lanes>::load(others.index_.data() + i));
-    }
+    });
+  }
+
+  /// Finds where in this list those surfaces are that a tile may see.
+  [[gnu::noinline]] void find(const Frustum& frustum, Places& found) const {
+    found.clear();
+    each_seen(frustum, [&](int i, Bits seen) { found.add(i, seen); });
   }
 
   /// Returns the sphere that contains the i-th surface.
@@ -174,6 +193,24 @@ class Candidates {
 
   /// Numbers of a surface, a row for each: those of CandidateSphere, h, and nearest().
   enum Row { row_x, row_y, row_z, row_reach, row_inner, row_margin, row_horizon, row_nearest, row_count };
+
+  /// Calls visit(i, seen) where a tile may see any of the surfaces from the i-th on, those in a set.
+  [[gnu::always_inline]] void each_seen(const Frustum& frustum, const auto& visit) const {
+    for (int i = 0; i < size_; i += float_lanes) {
+      const auto load = [&](Row row) { return Wide::load(at(row, i)); };
+      const Wide x = load(row_x), y = load(row_y), z = load(row_z), r = load(row_reach);
+      const auto along = [&](const Frustum::Normal& n) {
+        return fused_or_not(z, Wide(n[2]), fused_or_not(y, Wide(n[1]), x * n[0]));
+      };
+      // NaN, which comes from numbers beyond float, is not outside.
+      Mask<float, float_lanes> outside = false;
+      for (int k = 0; k < 4; ++k) outside = outside || along(frustum.normal[k]) < frustum.offset[k] - r;
+      if (frustum.has_cone())
+        outside = outside || along(frustum.normal[4]) < load(row_horizon) * frustum.cosine - r * frustum.sine;
+      const Bits seen = bits(!outside) & first_bits(size_ - i);
+      if (seen != 0) visit(i, seen);
+    }
+  }
 
   [[nodiscard]] float* at(Row row, int i) { return rows_[row].data() + i; }
   [[nodiscard]] const float* at(Row row, int i) const { return rows_[row].data() + i; }

@@ -109,7 +109,8 @@ struct Frustum {
   float offset[4] = {};  ///< normal · x for the points x of a side, measured from the apex
   float cosine, sine;    ///< of the cone's half-angle; 0 and 1 without a cone, or above 60°
 
-  /// The cone is optional, since it takes longer than the planes and serves few tiles.
+  /// The cone is optional, since it takes longer than the planes and serves few tiles. Without it, the axis
+  /// is 0.
   [[gnu::noinline]] Frustum(const PixelRays& rays, const Tile& tile, bool has_cone = true)
       : normal{rays.left_edge(tile.x0, &Edge::inwards),
                rays.right_edge(tile.x1, &Edge::outwards),
@@ -121,6 +122,8 @@ struct Frustum {
     if (has_cone) set_cone(TileCone(rays, tile));
     if (rays.camera().is_orthographic()) set_offsets(TileHalfSpaces(rays, tile), rays.viewpoint());
   }
+
+  [[nodiscard]] bool has_cone() const { return cosine > 0; }
 
  private:
   void set_cone(const TileCone& cone) {

@@ -28,7 +28,7 @@ class HitsAmongFew : public TileHits<S...> {
   using typename Base::Closest;
 
  protected:
-  using Base::count_tests, Base::few, Base::scene_, Base::state_;
+  using Base::count_tests, Base::scene_, Base::state_;
 
   /// True if all types have equations that take packets, and no primitives.
   static constexpr bool tests_in_lanes = double_lanes > 2 && ((takes_packets<S> && !SurfaceOfLanes<S> &&
@@ -44,7 +44,7 @@ class HitsAmongFew : public TileHits<S...> {
                           const auto& place) const {
     constexpr auto lanes = static_cast<std::size_t>(double_lanes);
     std::array<double, lanes> numbers[7];
-    Bits leaving[few] = {};
+    Bits leaving[few_surfaces] = {};
     for (std::size_t k = 0; k < lanes; ++k) {
       const Ray& one = ray(std::min(k, count - 1));
       const double of_ray[7] = {one.origin.x,    one.origin.y,    one.origin.z, one.direction.x,

@@ -27,16 +27,14 @@ class PictureCandidates {
   /// Returns true if each tile finds its candidates in the BVH.
   [[nodiscard]] bool are_from_bvh() const { return scene_.scene().size() > 2048; }
 
-  /// Finds the surfaces that the rays of a tile, in its frustum, may hit. `found` is a buffer.
-  void find(const Tile& tile, const Frustum& frustum, Candidates& candidates, Candidates& found) const {
+  /// Finds the surfaces that the rays of a tile, in its frustum, may hit.
+  void find(const Tile& tile, const Frustum& frustum, Candidates& candidates) const {
     candidates.clear();
     if (!are_from_bvh()) return candidates.add(all_, frustum);
-    found.clear();
     scene_.frustum_query(TileHalfSpaces(rays_, tile).side, [&](const SurfacesAround& surfaces) {
-      found.add(surfaces.indices, surfaces.lanes, rays_.viewpoint(), surfaces.around);
+      candidates.add(surfaces.indices, surfaces.lanes, rays_.viewpoint(), surfaces.around);
     });
-    found.sort(order_);
-    candidates.add(found, frustum);
+    candidates.sort(order_);
   }
 
  private:

@@ -136,9 +136,9 @@ class PixelRays {
   };
 
   /// Returns a member of the edge of the tiles that begin with column x or row y, left and upper, or of that
-  /// of those that end before these, right and lower. The edges' planes pass through the camera's apex, unless
-  /// rays are parallel. An edge is not returned as a whole, since a copy that was just written in parts of
-  /// another size would wait until all of them are written.
+  /// of those that end before these, right and lower. The edges' planes pass through the camera's apex,
+  /// unless rays are parallel. An edge is not returned as a whole, since a copy that was just written in
+  /// parts of another size would wait until all of them are written.
   template <class M>
   [[nodiscard]] M left_edge(int x, M Edge::*member) const {
     return x % RayBlock::width == 0 ? edges_.left[column_of_blocks(x)].*member

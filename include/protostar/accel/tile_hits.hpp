@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -15,28 +16,12 @@
 #include "../simd/prefetch.hpp"
 #include "candidates.hpp"
 #include "drawn.hpp"
-#include "occluders.hpp"
 #include "packet.hpp"
+#include "spheres_in_lanes.hpp"
+#include "tile_state.hpp"
 #include "visibility.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
-
-/// Surface that rays of a block may cross, by its index in the scene's order, as float tells.
-struct CrossedByBlock {
-  std::int32_t index;
-  Bits maybe, surely;  ///< rays that may cross it; those of them that surely do, on their way in and out
-};
-
-/// State that the parts of a tile share.
-template <Surface... S>
-struct TileState {
-  struct Buffers : VisibilityBuffers<S>... {};
-
-  Occluders occluders;
-  Buffers buffers;                      ///< of surfaces that are rasterized
-  PlainVector<CrossedByBlock> crossed;  ///< surfaces that a block of camera rays may cross
-  RenderStatistics counts;
-};
 
 /// Closest hits of packets among a tile's surfaces: of all rays of a packet at once, then of each in doubt.
 template <Surface... S>
@@ -102,15 +87,26 @@ class TileHits {
     return is_rasterized;
   }
 
-  /// Returns the closest hits of camera rays. `seen` is what each ray surely sees first: the index of a
-  /// surface, sees_nothing, or is_in_doubt for a ray that is tested with all candidates.
-  [[nodiscard]] Closest closest(const CameraPacket& rays, const Indices& seen = is_in_doubt) const {
-    return search(rays, candidates_, seen, true);
+  /// Returns the closest hits of camera rays, by tests of all candidates.
+  [[nodiscard]] Closest closest(const CameraPacket& rays) const {
+    return search(rays, rays.active, candidates_, true);
   }
 
-  /// Returns the closest hits of other rays, by tests of all surfaces of a scene of at most `few`.
+  /// Returns the closest hits of camera rays of which it is known what they see first. It is apart from the
+  /// search among all candidates, so that this has the registers for itself.
+  [[nodiscard, gnu::noinline]] Closest closest(const CameraPacket& rays, const SeenByPacket& seen) const {
+    const LaneMask open = rays.active && mask_for<double>(seen.indices == Indices(is_in_doubt));
+    Closest closest{.t = infinity, .index = sees_nothing};
+    LaneMask in_doubt = false;
+    test_seen(seen.indices, rays, closest, in_doubt);
+    test_seen(seen.others, rays, closest, in_doubt);
+    if (!any(open || in_doubt)) return closest;
+    return search(rays, open, candidates_, true, closest, in_doubt);
+  }
+
+  /// Returns the closest hits of other rays, by tests of all surfaces of a scene of at most few_surfaces.
   [[nodiscard]] Closest closest(const RayPacket& rays) const {
-    return search(rays, AllOfFew{scene_.size()}, is_in_doubt, false);
+    return search(rays, rays.active, AllOfFew{scene_.size()}, false);
   }
 
   /// Returns the radiance of rays with these closest hits: shade_hits(hits) for one surface after the other,
@@ -170,44 +166,18 @@ class TileHits {
     for (const std::uint32_t index : candidates_.indices())
       prefetch_surface(static_cast<std::int64_t>(index));
   }
-  /// Prefetches the surfaces that pixels see. How many differ is as good as random, and therefore no branch.
-  void prefetch_seen(const Visibility::SurfaceIndices& seen) const {
-    for (int lane = 0; lane < double_lanes; ++lane) prefetch_surface(std::max(seen[lane], 0));
-  }
-  /// Prefetches the materials of closest hits.
-  void prefetch_materials(const Closest& closest) const {
-    each_index(closest.index, bits(closest.t < infinity), [&](std::int64_t index) {
-      visit(index, [](const auto&, const Material& material) { prefetch_whole(material); });
-    });
+  /// Prefetches the surfaces that pixels see, and their materials. How many differ is as good as random, and
+  /// therefore no branch.
+  void prefetch_seen(const Indices& seen) const {
+    for (int lane = 0; lane < double_lanes; ++lane)
+      visit(std::max(seen[lane], std::int64_t{0}), [](const auto& surface, const Material& material) {
+        prefetch_start(surface), prefetch_start(material);
+      });
   }
 
  protected:
-  static constexpr std::size_t few = few_surfaces;
-
-  /// All surfaces of a scene of few, as a list like Candidates.
-  struct AllOfFew {
-    std::size_t count;
-
-    [[nodiscard]] int size() const { return static_cast<int>(count); }
-    [[nodiscard]] int index(int i) const { return i; }
-    [[nodiscard]] float nearest(int) const { return 0; }
-    [[nodiscard]] std::span<const std::uint32_t> indices() const {
-      static constexpr std::uint32_t all[few] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-      return {all, count};
-    }
-  };
-
   void prefetch_surface(std::int64_t index) const {
     visit(index, [](const auto& surface, const Material&) { prefetch_start(surface); });
-  }
-
-  /// Calls f once for each different index in some lanes.
-  static void each_index(const Indices& indices, Bits lanes, const auto& f) {
-    while (lanes != 0) {
-      const std::int64_t index = in_first_lane(indices, lanes);
-      f(index);
-      lanes &= ~bits(indices == Indices(index));
-    }
   }
 
   /// Returns the radiance of a single hit: shade(hit, lane), or shade(hit) if it takes no lane.
@@ -258,14 +228,14 @@ class TileHits {
 
   /// Replaces closest hits by those that surely precede them, and returns their rays; rays with hits in an
   /// uncertain order become in_doubt.
-  static LaneMask keep_sooner(const ClosestCrossings& first, std::int64_t index, Closest& closest,
+  static LaneMask keep_sooner(const ClosestCrossings& first, const Indices& indices, Closest& closest,
                               LaneMask& in_doubt) {
     // The order is certified if the errors of both t, 2^-30 of each, do not overlap.
     const LaneMask sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
     const LaneMask later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
     in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
     closest.t = select(sooner, first.t, closest.t);
-    closest.index = select(sooner, Indices(index), closest.index);
+    closest.index = select(sooner, indices, closest.index);
     closest.is_far = (sooner && first.is_far) || (!sooner && closest.is_far);
     return sooner;
   }
@@ -276,34 +246,54 @@ class TileHits {
   mutable int first_x_ = 0, first_y_ = 0, sample_ = 0;
 
  private:
-  /// Returns the closest hits of rays. A ray in doubt is tested with all surfaces in `indices`; one that
-  /// surely sees a surface is tested with that alone. Camera rays have visibility buffers.
-  [[nodiscard, gnu::always_inline]] Closest search(const RayPacket& rays, const auto& surfaces,
-                                                   const Indices& seen, bool are_of_camera) const {
-    const auto sees = [&](std::int64_t index) { return mask_for<double>(seen == Indices(index)); };
-    const LaneMask open = rays.active && sees(is_in_doubt);
-    LaneMask sure = rays.active && !open && !sees(sees_nothing), in_doubt = false;
-    Closest closest{.t = infinity, .index = sees_nothing};
-    for (int next = any(open) ? 0 : surfaces.size();;) {
-      std::int64_t index = 0;
-      LaneMask lanes = open;
-      // If no ray can reach a surface before its closest hit, none can reach those that follow.
-      if (next < surfaces.size() && any(open && closest.t >= Doubles(surfaces.nearest(next)))) {
-        index = surfaces.index(next++);
-      } else {
-        next = surfaces.size();
-        if (!any(sure)) break;
-        index = in_first_lane(seen, bits(sure));
-        lanes = sure && sees(index);
-        sure = sure && !lanes;
+  /// Returns the closest hits of rays: those so far, and in some lanes, those of tests of all surfaces.
+  /// Camera rays have visibility buffers.
+  [[nodiscard, gnu::always_inline]] Closest search(const RayPacket& rays, LaneMask lanes,
+                                                   const auto& surfaces, bool are_of_camera,
+                                                   Closest closest = {.t = infinity, .index = sees_nothing},
+                                                   LaneMask in_doubt = false) const {
+    if (any(lanes))
+      for (int i = 0; i < surfaces.size(); ++i) {
+        // If no ray can reach a surface before its closest hit, none can reach those that follow.
+        if (!any(lanes && closest.t >= Doubles(surfaces.nearest(i)))) break;
+        const std::int64_t index = surfaces.index(i);
+        count_tests(lanes);
+        visit(index, [&](const auto& surface, const Material&) {
+          test(surface, index, rays, lanes, are_of_camera, closest, in_doubt);
+        });
       }
-      count_tests(lanes);
-      visit(index, [&](const auto& surface, const Material&) {
-        test(surface, index, rays, lanes, are_of_camera, closest, in_doubt);
-      });
-    }
     if (any(in_doubt)) return with_doubts_resolved(RayPacket(rays), in_doubt, closest, surfaces.indices());
     return closest;
+  }
+
+  /// Updates the closest hits of camera rays with those of the surface that each of them may see, if it does
+  /// not see nothing. Spheres are tested all at once, since a packet sees several if they are small.
+  [[gnu::always_inline]] void test_seen(const Indices& seen, const RayPacket& rays, Closest& closest,
+                                        LaneMask& in_doubt) const {
+    LaneMask left = rays.active && mask_for<double>(seen >= Indices(0));
+    if (!any(left)) return;
+    if constexpr ((std::same_as<S, Sphere> || ...)) {
+      const auto& spheres = scene_.template surfaces<Sphere>();
+      const Indices at = seen - Indices(first_sphere(scene_));
+      const LaneMask here = left && mask_for<double>(at >= Indices(0) &&
+                                                     at < Indices(static_cast<std::int64_t>(spheres.size())));
+      if (any(here)) {
+        count_tests(here);
+        const SpheresInLanes gathered(spheres.data(), select(here, at, Indices(0)));
+        const auto first = first_root_of_each(gathered.equation(rays), here);
+        keep_sooner({first.t, first.is_there, first.in_doubt, first.is_far}, seen, closest, in_doubt);
+        left = left && !here;
+      }
+    }
+    while (any(left)) {
+      const std::int64_t index = in_first_lane(seen, bits(left));
+      const LaneMask here = left && mask_for<double>(seen == Indices(index));
+      count_tests(here);
+      visit(index, [&](const auto& surface, const Material&) {
+        test(surface, index, rays, here, true, closest, in_doubt);
+      });
+      left = left && !here;
+    }
   }
 
   /// Updates the closest hits with those of one surface, and in_doubt with the rays that it leaves in doubt.

@@ -57,7 +57,7 @@ class TileRenderer {
     Work& work = works_.take();
     const Frustum frustum(rays_, tile);
     Candidates& in_tile = work.lists[0];
-    candidates_.find(tile, frustum, in_tile, work.found);
+    candidates_.find(tile, frustum, in_tile);
     if constexpr (by_packets && View::rasterizes)
       if (are_tested_together()) rasterize(in_tile, tile, work);
     if (!fill_uniform(tile, in_tile, frustum, work)) fill_parts(tile, in_tile, 0, work);
@@ -82,16 +82,19 @@ class TileRenderer {
   static constexpr Order order = shades || !by_packets ? Order::near_to_far : Order::of_scene;
 
   /// Sizes of the parts that a tile is divided into, one after the other. A part is divided only if it has
-  /// more than `most` candidates, but for those of 16 × 16 pixels, to which all tiles are divided. The last
-  /// parts are at least a block of rays.
+  /// more than `most` candidates, but for those of 16 × 16 pixels, to which all tiles are divided. A cone
+  /// takes longer than the planes and serves few tiles, so that smaller parts have none.
   struct Division {
     int width, height, most;
   };
-  static constexpr Division divisions[Work::most_divisions] = {
-      {32, 32, 64}, {16, 16, -1}, {8, 8, 3}, {8, RayBlock::height, 16}};
+  static constexpr Division divisions[Work::most_divisions] = {{32, 32, 64}, {16, 16, -1}, {8, 8, 3}};
 
   /// Largest number of candidates that are tested in double as fast as in float, for colors that need t.
   static constexpr int most_tested_in_double = 3;
+
+  /// Largest number of candidates that a block of rays is tested with as fast as it finds those in its
+  /// frustum.
+  static constexpr int most_without_places = 16;
 
   [[nodiscard]] View view_of(const Candidates& candidates, Work& work) const {
     return View(scene_, candidates, skips_, work.state);
@@ -246,9 +249,7 @@ class TileRenderer {
                                   Work& work) const {
     const bool is_known = find_visibility(part, candidates, view, i, work);
     if (candidates_.are_from_bvh() && !is_known) view.prefetch_candidates();
-    const auto seen_from = [&](int x, int y) {
-      return is_known ? widened(work.visibility(x, y)) : Indices(is_in_doubt);
-    };
+    const auto seen_from = [&](int x, int y) { return is_known ? work.visibility(x, y) : SeenByPacket{}; };
     // Rays that stand for all that miss; they are used only if visibility is known.
     const CameraPacket any_rays =
         is_known ? rays_.packet(part, part.x0, part.y0, i) : CameraPacket(Vectors(Vec3{0}), Vectors(Vec3{0}));
@@ -258,19 +259,21 @@ class TileRenderer {
     std::size_t count = 0;
     std::uint64_t skipped = 0;
     each_packet(part, [&](std::size_t, int x, int y) {
-      if (const Indices seen = seen_from(x, y); is_known && !needs_rays(seen, view)) {
+      const SeenByPacket by_packet = seen_from(x, y);
+      if (const Indices seen = by_packet.surely(); is_known && !needs_rays(seen, view)) {
         skipped += static_cast<std::uint64_t>(std::min(double_lanes, part.x1 - x));
         return add(part, x, y, i, found[count], shade_seen(seen, any_rays, view), work);
       }
-      if (candidates_.are_from_bvh() && is_known) view.prefetch_seen(work.visibility(x, y));
+      if (candidates_.are_from_bvh() && is_known) view.prefetch_seen(by_packet.indices);
       rays_.find(x, y, i, found[count]);
       open[count++] = {x, y};
     });
     for (std::size_t k = 0; k < count; ++k) {
       const auto [x, y] = open[k];
       view.set_first_pixel(x, y, i);
-      closest[k] = view.closest(rays_.packet(part, x, y, i, found[k]), seen_from(x, y));
-      if (candidates_.are_from_bvh()) view.prefetch_materials(closest[k]);
+      const CameraPacket rays = rays_.packet(part, x, y, i, found[k]);
+      closest[k] = is_known ? view.closest(rays, work.visibility(x, y)) : view.closest(rays);
+      if (candidates_.are_from_bvh() && !is_known) view.prefetch_seen(closest[k].index);
     }
     if constexpr (FollowsPaths<I>)
       follow_paths(integrator_, view, rays_, part, i, {open, count}, found, closest,
@@ -345,10 +348,15 @@ class TileRenderer {
     if (!shades_anywhere && candidates.size() <= most_tested_in_double) return false;
     for (int k = 0; k < candidates.size(); ++k)
       if (candidates.is_everywhere(k)) return false;
+    const bool are_many = candidates.size() > most_without_places;
+    work.places.clear();
+    if (!are_many) work.places.add_first(candidates.size());
     each_block(part, [&](const Tile& block) {
-      const auto [indices, tested] = seen_by(rays_.block_directions(block.x0, block.y0, i), candidates);
-      work.state.counts.float_tests += static_cast<std::uint64_t>(tested);
-      work.visibility.set_block(block.x0, block.y0, indices);
+      if (are_many) candidates.find(Frustum(rays_, block, false), work.places);
+      const SeenByBlock seen =
+          seen_by(rays_.block_directions(block.x0, block.y0, i), candidates, work.places, !shades_anywhere);
+      work.state.counts.float_tests += static_cast<std::uint64_t>(seen.tested);
+      work.visibility.set_block(block.x0, block.y0, seen);
     });
     return true;
   }

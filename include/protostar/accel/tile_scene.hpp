@@ -78,7 +78,7 @@ class TileScene : public HitsAmongFew<S...> {
   /// k-th, and its closest hit becomes *place(k), which is not initialized.
   void intersect_each(std::size_t count, const auto& ray, const auto& place) const {
     if constexpr (Base::tests_in_lanes)
-      if (count >= Base::fewest_in_lanes && scene_.size() <= few)
+      if (count >= Base::fewest_in_lanes && scene_.size() <= few_surfaces)
         return this->intersect_in_lanes(everything_, count, ray, place);
     for (std::size_t k = 0; k < count; ++k)
       new (place(k)) std::optional<Intersection>(intersect(ray(k), Interval{}));  // in place
@@ -94,7 +94,8 @@ class TileScene : public HitsAmongFew<S...> {
 
   /// Traces other rays; each ray alone in a scene of many surfaces, or if they leave primitives.
   [[nodiscard]] Colors follow(const RayPacket& rays, const auto& background, const auto& shade_hits) const {
-    if (scene_.size() > few || rays.leave_primitives()) return follow_each(rays, background, shade_hits);
+    if (scene_.size() > few_surfaces || rays.leave_primitives())
+      return follow_each(rays, background, shade_hits);
     state_.counts.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.active)));
     return shade(rays, closest(rays), background, shade_hits);
   }
@@ -182,7 +183,7 @@ class TileScene : public HitsAmongFew<S...> {
   }
 
  private:
-  using Base::candidates_, Base::scene_, Base::state_, Base::first_x_, Base::first_y_, Base::few;
+  using Base::candidates_, Base::scene_, Base::state_, Base::first_x_, Base::first_y_;
   using Base::count_tests, Base::only_lane;
 
   struct SomeCross {
@@ -202,7 +203,7 @@ class TileScene : public HitsAmongFew<S...> {
     if (!any(left)) return found;
     // Copies, here and below, let the packet itself stay in registers.
     if (rays.leave_primitives()) return occluded_one_by_one(RayPacket(rays), range);
-    if (scene_.size() > few) return occluded_among_many(RayPacket(rays), range);
+    if (scene_.size() > few_surfaces) return occluded_among_many(RayPacket(rays), range);
     for (std::size_t index = 0; index < scene_.size() && any(left); ++index)
       test_any(static_cast<std::int64_t>(index), rays, range, false, found, left);
     return found;

@@ -30,10 +30,10 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// of a part see, and the sums of their samples.
 template <Surface... S>
 struct TileWork {
-  static constexpr int most_divisions = 4;  ///< how often a tile is divided into smaller parts
+  static constexpr int most_divisions = 3;  ///< how often a tile is divided into smaller parts
 
-  Candidates found;  ///< what the BVH finds for a tile
   Candidates lists[most_divisions + 1];
+  Places places;  ///< of the candidates of a block
   Visibility visibility;
   TileState<S...> state;
   PacketSums sums[most_packets];  ///< of the samples so far, unless a pixel keeps a single one

@@ -41,11 +41,11 @@ inline constexpr std::int32_t sees_nothing = -1, is_in_doubt = -2;
 
 namespace detail {
 
-/// Surfaces that rays of a block surely meet, the rays that may meet another one before, and how many
-/// candidates were tested.
+/// Surfaces that rays of a block surely meet soonest, and what rays may meet before: the surface that begins
+/// first, and whether there are more. Last, how many candidates were tested.
 struct FirstSeen {
-  WideIndices indices;
-  WideMask in_doubt;
+  WideIndices indices, others;
+  WideMask have_other, have_several;
   int tested;
 };
 
@@ -56,78 +56,110 @@ inline bool squares_fit_float(const CandidateSphere& sphere) {
 
 template <bool with_roots>
 [[nodiscard, gnu::always_inline]] inline FirstSeen first_seen(const Candidates& candidates,
+                                                              const Places& places,
                                                               const WideVectors& directions) {
   constexpr float never = std::numeric_limits<float>::infinity();
-  // Bounds of the first hit of the surface that is surely met soonest, and where the others begin.
-  WideFloats until = never, from = never, others_from = never;
-  WideIndices indices = sees_nothing;
-  int k = 0;
-  for (; k < candidates.size(); ++k) {
+  // Bounds of the first hit of the surface that is surely met soonest, and where the first and the second of
+  // the others begin.
+  WideFloats until = never, from = never, other_from = never, next_from = never;
+  WideIndices indices = sees_nothing, others = sees_nothing;
+  int tested = 0;
+  for (; tested < places.size(); ++tested) {
+    const int k = places[tested];
     // If no ray can reach a candidate before its first hit, none can reach those that follow.
-    if (k > 0 && !any(until >= WideFloats(candidates.nearest(k)))) break;
+    if (tested > 0 && !any(until >= WideFloats(candidates.nearest(k)))) break;
     const CandidateSphere sphere = candidates.sphere(k);
     const SpherePass passed = pass(sphere, directions);
     const WideMask maybe = passed.maybe();
-    if (!any(maybe)) continue;
+    // Whether any ray may meet it is as good as random, and therefore no branch, unless it saves roots.
+    if (with_roots && !any(maybe)) continue;
+    const WideIndices index = candidates.index(k);
     const auto entry = with_roots && squares_fit_float(sphere) ? passed.entry() : passed.entry_roughly();
     const auto is_first = maybe && passed.surely() && entry.until < until;
-    others_from = select(maybe, min(select(is_first, from, entry.from), others_from), others_from);
+    // One of both, this surface and the first so far, is first now, and the other begins here.
+    const WideFloats begins = select(maybe, select(is_first, from, entry.from), never);
+    others = select(begins < other_from, select(is_first, indices, index), others);
+    next_from = min(next_from, max(other_from, begins));
+    other_from = min(other_from, begins);
     until = select(is_first, entry.until, until);
     from = select(is_first, entry.from, from);
-    indices = select(is_first, WideIndices(candidates.index(k)), indices);
+    indices = select(is_first, index, indices);
   }
-  return {indices, others_from < never && others_from <= until, k};
+  const auto may_precede = [&](const WideFloats& begins) { return begins < never && begins <= until; };
+  return {indices, others, may_precede(other_from), may_precede(next_from), tested};
 }
 
 }  // namespace detail
 
-/// What the rays of a block see first: sees_nothing, is_in_doubt or a surface's index in the scene's order.
+/// What the rays of a block see first: surely sees_nothing or a surface, by its index in the scene's order,
+/// but for the one other surface that they may meet before, if it is not sees_nothing; or is_in_doubt, with
+/// no other.
 struct SeenByBlock {
-  WideIndices indices;
+  WideIndices indices, others;
   int tested;  ///< number of tests of a ray with a candidate
 };
 
-/// Finds what the rays of a block see first, as far as float tells.
+/// Finds what the rays of a block see first, as far as float tells. It looks closer if several other surfaces
+/// are left to a ray or, for rays that are traced only if they have to be, any. `places` are those of the
+/// candidates that the rays may see.
 [[nodiscard, gnu::always_inline]] inline SeenByBlock seen_by(const WideVectors& directions,
-                                                             const Candidates& candidates) {
-  detail::FirstSeen seen = detail::first_seen<false>(candidates, directions);
+                                                             const Candidates& candidates,
+                                                             const Places& places, bool are_traced_anyway) {
+  detail::FirstSeen seen = detail::first_seen<false>(candidates, places, directions);
   int tested = seen.tested;
-  if (any(seen.in_doubt)) {
-    seen = detail::first_seen<true>(candidates, directions);
+  if (any(are_traced_anyway ? seen.have_several : seen.have_other)) {
+    seen = detail::first_seen<true>(candidates, places, directions);
     tested += seen.tested;
   }
-  return {select(seen.in_doubt, WideIndices(is_in_doubt), seen.indices), tested * float_lanes};
+  return {select(seen.have_several, WideIndices(is_in_doubt), seen.indices),
+          select(seen.have_other && !seen.have_several, seen.others, WideIndices(sees_nothing)),
+          tested * float_lanes};
 }
 
-/// What each pixel of a part of a tile sees first: the index of a surface, sees_nothing or is_in_doubt. A
-/// part has at most 16 × 16 pixels, and begins at a multiple of the size of a block.
+/// What the rays of a packet see first, as of a block (SeenByBlock).
+struct SeenByPacket {
+  Indices indices = is_in_doubt, others = sees_nothing;
+
+  /// Returns what each ray surely sees, or is_in_doubt.
+  [[nodiscard]] Indices surely() const {
+    return select(others == Indices(sees_nothing), indices, Indices(is_in_doubt));
+  }
+};
+
+/// What each pixel of a part of a tile sees first. A part has at most 16 × 16 pixels, and begins at a
+/// multiple of the size of a block.
 class Visibility {
  public:
-  using SurfaceIndices = Lanes<std::int32_t, double_lanes>;
-
   static constexpr int width = 16, height = 16;  ///< largest size of a part
 
-  void set_block(int x, int y, const WideIndices& indices) { indices.store(&indices_[index(x, y)]); }
+  void set_block(int x, int y, const SeenByBlock& seen) {
+    seen.indices.store(&indices_[place(x, y)]), seen.others.store(&others_[place(x, y)]);
+  }
 
   void set_packet(int x, int y, const Indices& indices) {
-    for (int i = 0; i < double_lanes; ++i)
-      indices_[index(x, y) + static_cast<std::size_t>(i)] = static_cast<std::int32_t>(indices[i]);
+    for (int i = 0; i < double_lanes; ++i) {
+      indices_[place(x, y) + static_cast<std::size_t>(i)] = static_cast<std::int32_t>(indices[i]);
+      others_[place(x, y) + static_cast<std::size_t>(i)] = sees_nothing;
+    }
   }
 
   /// Returns what the pixels of a packet from (x, y) on see.
-  [[nodiscard]] SurfaceIndices operator()(int x, int y) const {
-    return SurfaceIndices::load(&indices_[index(x, y)]);
+  [[nodiscard]] SeenByPacket operator()(int x, int y) const {
+    return {in_packet(indices_, x, y), in_packet(others_, x, y)};
   }
 
  private:
   /// Returns where a pixel is stored: block by block.
-  static std::size_t index(int x, int y) {
+  static std::size_t place(int x, int y) {
     constexpr int w = RayBlock::width, h = RayBlock::height;
     const int block = y % height / h * (width / w) + x % width / w;
     return static_cast<std::size_t>(block * float_lanes + y % h * w + x % w);
   }
+  [[nodiscard]] static Indices in_packet(const std::int32_t* of_pixels, int x, int y) {
+    return widened(Lanes<std::int32_t, double_lanes>::load(&of_pixels[place(x, y)]));
+  }
 
-  alignas(64) std::int32_t indices_[width * height];
+  alignas(64) std::int32_t indices_[width * height], others_[width * height];
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -1,9 +1,10 @@
 // Numbers and vectors with a lane for each of as many rays, or surfaces, as are computed at once in double.
 #pragma once
 
-#include <cstdint>
-
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 
 #include "../vec3.hpp"
 #include "simd.hpp"
@@ -54,6 +55,25 @@ template <int N>
 /// Returns f(number) in each lane.
 [[nodiscard]] Doubles of_each(Doubles x, const auto& f) {
   return Doubles::of_each([&](int lane) { return f(x[lane]); });
+}
+
+/// Returns a number of the objects with some indices in an array, whose place in the first object is given.
+template <class T>
+[[nodiscard]] Doubles gathered(const T* objects, const double& of_first, const Indices& indices) {
+#if defined(PROTOSTAR_BIT_MASKS)
+  // The mask form, as in sqrt, since g++ warns of the other.
+  if constexpr (sizeof(T) % sizeof(double) == 0) {
+    const Indices offsets = indices * Indices(sizeof(T) / sizeof(double));
+    return (detail::Vector<double, double_lanes>)_mm512_mask_i64gather_pd(
+        _mm512_setzero_pd(), 0xff, (__m512i)offsets.v, &of_first, sizeof(double));
+  }
+#endif
+  const auto place = reinterpret_cast<const char*>(&of_first) - reinterpret_cast<const char*>(objects);
+  return Doubles::of_each([&](int lane) {
+    double number;
+    std::memcpy(&number, reinterpret_cast<const char*>(objects + indices[lane]) + place, sizeof(number));
+    return number;
+  });
 }
 
 /// A vector of floats in each lane.

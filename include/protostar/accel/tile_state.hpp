@@ -1,0 +1,48 @@
+// State that the parts of a tile share, and lists of surfaces that are none of candidates.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "../plain_vector.hpp"
+#include "../render_options.hpp"
+#include "../simd/simd.hpp"
+#include "../surface.hpp"
+#include "drawn.hpp"
+#include "occluders.hpp"
+#include "packet.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::simd {
+
+/// Surface that rays of a block may cross, by its index in the scene's order, as float tells.
+struct CrossedByBlock {
+  std::int32_t index;
+  Bits maybe, surely;  ///< rays that may cross it; those of them that surely do, on their way in and out
+};
+
+/// State that the parts of a tile share.
+template <Surface... S>
+struct TileState {
+  struct Buffers : VisibilityBuffers<S>... {};
+
+  Occluders occluders;
+  Buffers buffers;                      ///< of surfaces that are rasterized
+  PlainVector<CrossedByBlock> crossed;  ///< surfaces that a block of camera rays may cross
+  RenderStatistics counts;
+};
+
+/// All surfaces of a scene of few, as a list like Candidates.
+struct AllOfFew {
+  std::size_t count;
+
+  [[nodiscard]] int size() const { return static_cast<int>(count); }
+  [[nodiscard]] int index(int i) const { return i; }
+  [[nodiscard]] float nearest(int) const { return 0; }
+  [[nodiscard]] std::span<const std::uint32_t> indices() const {
+    static constexpr std::uint32_t all[few_surfaces] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    return {all, count};
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::simd
