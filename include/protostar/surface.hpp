@@ -291,21 +291,20 @@ template <Surface S>
   }
 }
 
-/// Returns first_crossing of a ray with the surface that it departs from. A plane is not crossed again, and a
-/// quadratic surface only by a ray that leads inward.
+/// Returns true if a ray does not hit the surface again from which it departs, as is known without its roots:
+/// a plane, or a quadratic surface that the ray leaves outward.
 template <Surface S>
-[[nodiscard]] std::optional<Crossing> first_crossing_of_left(const S& surface, const Ray& ray,
-                                                             Interval range) {
-  if constexpr (SurfaceWithEquation<S> && !SurfaceWithRoots<S> && !CompositeSurface<S>)
-    if (range.min == 0 && ray.transform == nullptr) {
-      if constexpr (detail::is_quadratic<S>) {
-        const auto e = surface.equation(ray).without_root_at_0();
-        if (e.is_certain && !(e.height > 0)) return std::nullopt;
-      } else {
-        return std::nullopt;
-      }
+[[nodiscard]] bool leaves_for_good([[maybe_unused]] const S& surface, const Ray& ray, Interval range) {
+  if constexpr (SurfaceWithEquation<S> && !SurfaceWithRoots<S> && !CompositeSurface<S>) {
+    if (range.min != 0 || ray.transform != nullptr) return false;
+    if constexpr (!detail::is_quadratic<S>)
+      return true;
+    else {
+      const auto e = surface.equation(ray).without_root_at_0();
+      return e.is_certain && !(e.height > 0);
     }
-  return first_crossing(surface, ray, range);
+  }
+  return false;
 }
 
 /// Returns t of the first crossing of a ray with a surface inside a range, if there is one.

@@ -82,8 +82,8 @@ class Accelerated<Scene<S...>> {
     std::size_t index = 0;
     const auto is_of = [&]<class T>(std::type_identity<T>) {
       const std::uint32_t left = left_by<T>(ray);
-      index += left == none ? scene_->template surfaces<T>().size() : left;
-      return left != none;
+      index += left == simd::no_surface ? scene_->template surfaces<T>().size() : left;
+      return left != simd::no_surface;
     };
     return (is_of(std::type_identity<S>{}) || ...) ? left_together_[index] : 0;
   }
@@ -148,7 +148,8 @@ class Accelerated<Scene<S...>> {
     const auto& materials = scene_->template materials<T>();
     if (surfaces.empty()) return;
     std::uint32_t first_index = 0;  // surfaces of other types looked at so far come before
-    const auto take = [&](std::uint32_t i, const std::optional<Crossing>& crossing) {
+    const auto look_at = [&](std::uint32_t i) {
+      const auto crossing = first_crossing(surfaces[i], ray, range);
       if (!crossing) return;
       const SurfaceCrossing candidate = crossing_on(surfaces[i], *crossing, materials[i]);
       if (first.surface != nullptr && !precedes(ray, candidate, i, first, first_index)) return;
@@ -158,10 +159,8 @@ class Accelerated<Scene<S...>> {
       range.max = std::min(range.max, upper_bound_of(crossing->t));
     };
     const std::uint32_t left = left_by<T>(ray);
-    if (left != none) take(left, first_crossing_of_left(surfaces[left], ray, range));
-    finder<T>().each_first(ray, range, [&](std::uint32_t i) {
-      if (i != left) take(i, first_crossing(surfaces[i], ray, range));
-    });
+    if (left != simd::no_surface && !leaves_for_good(surfaces[left], ray, range)) look_at(left);
+    finder<T>().each_first(ray, range, left, look_at);
   }
 
   template <class T>
@@ -169,18 +168,18 @@ class Accelerated<Scene<S...>> {
     const auto& surfaces = scene_->template surfaces<T>();
     if (surfaces.empty()) return false;
     const std::uint32_t left = left_by<T>(ray);
-    if (left != none && any_hit(surfaces[left], ray, range)) return true;
-    return finder<T>().any_crossed(
-        ray, range, [&](std::uint32_t i) { return i != left && any_hit(surfaces[i], ray, range); });
+    const auto is_hit = [&](std::uint32_t i) { return any_hit(surfaces[i], ray, range); };
+    if (left != simd::no_surface && !leaves_for_good(surfaces[left], ray, range) && is_hit(left)) return true;
+    return finder<T>().any_crossed(ray, range, left, is_hit);
   }
 
   template <class T>
   void cross(const Ray& ray, const Interval& range, auto&& visit) const {
     PlainVector<std::uint32_t> candidates;
     const std::uint32_t left = left_by<T>(ray);
-    if (left != none) candidates.push_back(left);
-    finder<T>().each_crossed(ray, range, [&](std::uint32_t i) {
-      if (i != left) candidates.push_back(i);
+    if (left != simd::no_surface) candidates.push_back(left);
+    finder<T>().each_crossed(ray, range, left, [&](std::uint32_t i) {
+      candidates.push_back(i);
       return false;
     });
     std::sort(candidates.begin(), candidates.end());
@@ -193,10 +192,8 @@ class Accelerated<Scene<S...>> {
       });
   }
 
-  static constexpr std::uint32_t none = static_cast<std::uint32_t>(-1);
-
-  /// Returns the index of the surface of one type that the ray leaves, or `none`. It is always tested, since
-  /// the digits of the origin may lie outside of its bounds.
+  /// Returns the index of the surface of one type that the ray leaves, or no_surface. It is always tested,
+  /// since the digits of the origin may lie outside of its bounds.
   template <class T>
   [[nodiscard]] std::uint32_t left_by(const Ray& ray) const {
     const auto& surfaces = scene_->template surfaces<T>();
@@ -204,7 +201,7 @@ class Accelerated<Scene<S...>> {
     const std::less<const T*> before;
     if (left != nullptr && !before(left, surfaces.data()) && before(left, surfaces.data() + surfaces.size()))
       return static_cast<std::uint32_t>(left - surfaces.data());
-    return none;
+    return simd::no_surface;
   }
 
   template <class T>

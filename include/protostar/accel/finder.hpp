@@ -5,7 +5,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <span>
 #include <vector>
@@ -32,8 +31,12 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
   return {Numbers(index), Bits{1}, SphereAround{Point{0}, infinity}};
 }
 
-/// Finds the surfaces of one type that a ray may meet. This template is for types without bounds and visits
-/// all surfaces.
+/// Index of no surface.
+inline constexpr std::uint32_t no_surface = ~std::uint32_t{0};
+
+/// Finds the surfaces of one type that a ray may meet, without that at the index `left`, which the ray
+/// departs from and the caller tests apart (no_surface: none). This template is for types without bounds and
+/// visits all others.
 template <Surface T>
 class Finder {
  public:
@@ -42,22 +45,23 @@ class Finder {
 
   /// Calls visit(i) for each surface that a ray may cross inside the range, in any order, until a call
   /// returns true; returns true if one did.
-  bool each_crossed(const Ray&, const Interval&, const auto& visit) const {
+  bool each_crossed(const Ray&, const Interval&, std::uint32_t left, const auto& visit) const {
     for (std::uint32_t i = 0; i < count_; ++i)
-      if (visit(i)) return true;
+      if (i != left && visit(i)) return true;
     return false;
   }
 
   /// Returns true if a ray crosses any surface inside the range; visit(i) decides for one surface if bounds
   /// do not.
-  bool any_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
-    return each_crossed(ray, range, visit);
+  bool any_crossed(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
+    return each_crossed(ray, range, left, visit);
   }
 
   /// Calls visit(i) for the surface of the closest hit inside the range, and for others. `range` refers to a
   /// variable of the caller, which a visit may shorten: it is read again after each.
-  void each_first(const Ray&, const Interval&, const auto& visit) const {
-    for (std::uint32_t i = 0; i < count_; ++i) visit(i);
+  void each_first(const Ray&, const Interval&, std::uint32_t left, const auto& visit) const {
+    for (std::uint32_t i = 0; i < count_; ++i)
+      if (i != left) visit(i);
   }
 
   /// Tells visit of each surface that may reach into every one of the half-spaces, some at a time; `first` is
@@ -87,25 +91,26 @@ class Finder<T> {
         bvh_(
             surfaces.size(), [&](std::size_t i) { return surfaces[i].bounds(); }, {.most = 1}, options) {}
 
-  bool each_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
-    return each_along<Order::any>(bvh_, ray, range, visit, [&](const BoxRay&, Leaf leaf, Reach&) {
-      return visit(bvh_.order()[leaf.first]);
+  bool each_crossed(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
+    const auto visit_other = [&](std::uint32_t i) { return i != left && visit(i); };
+    return each_along<Order::any>(bvh_, ray, range, visit_other, [&](const BoxRay&, Leaf leaf, Reach&) {
+      return visit_other(bvh_.order()[leaf.first]);
     });
   }
 
-  bool any_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
-    return each_crossed(ray, range, visit);
+  bool any_crossed(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
+    return each_crossed(ray, range, left, visit);
   }
 
-  void each_first(const Ray& ray, const Interval& range, const auto& visit) const {
-    const auto visit_one = [&](std::uint32_t i) {
-      visit(i);
+  void each_first(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
+    const auto visit_other = [&](std::uint32_t i) {
+      if (i != left) visit(i);
       return false;
     };
-    each_along<Order::near_first>(bvh_, ray, range, visit_one,
-                                  [&](const BoxRay& line, Leaf leaf, Reach& left) {
-                                    visit(bvh_.order()[leaf.first]);
-                                    left.until = line.at_most(range.max);
+    each_along<Order::near_first>(bvh_, ray, range, visit_other,
+                                  [&](const BoxRay& line, Leaf leaf, Reach& reach) {
+                                    visit_other(bvh_.order()[leaf.first]);
+                                    reach.until = line.at_most(range.max);
                                     return false;
                                   });
   }
@@ -146,76 +151,78 @@ class Finder<Sphere> {
     for (const std::uint32_t i : bvh_.unbounded()) position_[i] = nowhere;
   }
 
-  bool each_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
-    if (few_.has_all()) return each_of_few(ray, range, visit);
-    const std::uint32_t passed_over = left_for_good(ray);
-    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
+  bool each_crossed(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
+    if (few_.has_all()) return each_of_few(ray, range, left, visit);
+    const std::uint32_t passed_over = position(left);
+    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& reach) {
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes)
-        if (any_of(maybe(leaves_.pass(leaf, i, line), leaf, i, left, passed_over), leaf.first + i, visit))
+        if (any_of(maybe(leaves_.pass(leaf, i, line), leaf, i, reach, passed_over), leaf.first + i, visit))
           return true;
       return false;
     };
-    return each_along<Order::any>(bvh_, ray, range, visit, visit_leaf);
+    const auto visit_other = [&](std::uint32_t i) { return i != left && visit(i); };
+    return each_along<Order::any>(bvh_, ray, range, visit_other, visit_leaf);
   }
 
-  bool any_crossed(const Ray& ray, const Interval& range, const auto& visit) const {
-    if (few_.has_all()) return each_of_few(ray, range, visit);
-    const std::uint32_t passed_over = left_for_good(ray);
-    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
+  bool any_crossed(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
+    if (few_.has_all()) return each_of_few(ray, range, left, visit);
+    const std::uint32_t passed_over = position(left);
+    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& reach) {
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
         const SpherePass passed = leaves_.pass(leaf, i, line);
-        const Bits met = maybe(passed, leaf, i, left, passed_over);
+        const Bits met = maybe(passed, leaf, i, reach, passed_over);
         if (met == 0) continue;
         const Bits surely =
-            bits(passed.surely_within(left.from * (1 + 0x1p-18f), left.until * (1 - 0x1p-18f)));
+            bits(passed.surely_within(reach.from * (1 + 0x1p-18f), reach.until * (1 - 0x1p-18f)));
         if ((met & surely) != 0 || any_of(met, leaf.first + i, visit)) return true;
       }
       return false;
     };
-    return each_along<Order::any>(bvh_, ray, range, visit, visit_leaf);
+    const auto visit_other = [&](std::uint32_t i) { return i != left && visit(i); };
+    return each_along<Order::any>(bvh_, ray, range, visit_other, visit_leaf);
   }
 
   /// Calls visit(i) for the sphere of the closest hit inside the range, and for others. A sphere that is
   /// surely entered before all known ones is visited last: mostly a nearer one is found until then, or there
   /// is no other.
-  void each_first(const Ray& ray, const Interval& range, const auto& visit) const {
-    const auto visit_one = [&](std::uint32_t i) {
-      visit(i);
+  void each_first(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
+    const auto visit_other = [&](std::uint32_t i) {
+      if (i != left) visit(i);
       return false;
     };
     if (few_.has_all()) {
-      each_of_few(ray, range, visit_one);
+      each_of_few(ray, range, left, visit_other);
       return;
     }
-    const std::uint32_t passed_over = left_for_good(ray);
+    const std::uint32_t passed_over = position(left);
     std::uint32_t waiting = 0;
     float waiting_near = infinite;
-    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& left) {
+    const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& reach) {
       prefetch(&bvh_.order()[leaf.first]);
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
         const SpherePass passed = leaves_.pass(leaf, i, line);
-        Bits met = maybe(passed, leaf, i, left, passed_over);
+        Bits met = maybe(passed, leaf, i, reach, passed_over);
         if (met == 0) continue;
         const auto [near, until] = passed.entry();
-        const Bits surely = bits(passed.surely() && near > WideFloats(left.from * (1 + 0x1p-18f)));
+        const Bits surely = bits(passed.surely() && near > WideFloats(reach.from * (1 + 0x1p-18f)));
         for (; met != 0; met &= met - 1) {
           const int k = std::countr_zero(met);
-          if (near[k] > left.until) continue;
+          if (near[k] > reach.until) continue;
           const std::uint32_t position = leaf.first + i + static_cast<std::uint32_t>(k);
           if ((surely >> k & 1) != 0 && until[k] < waiting_near) {
             waiting = bvh_.order()[position];
             prefetch(spheres_->data() + waiting);
             waiting_near = near[k];
-            left.until = std::min(left.until, until[k]);
+            reach.until = std::min(reach.until, until[k]);
           } else {
             visit(bvh_.order()[position]);
-            left.until = std::min(left.until, line.at_most(range.max));
+            reach.until = std::min(reach.until, line.at_most(range.max));
           }
         }
       }
       return false;
     };
-    each_along<Order::near_first>(bvh_, ray, range, visit_one, visit_leaf, soon());
+    each_along<Order::near_first>(bvh_, ray, range, visit_other, visit_leaf, soon());
     if (waiting_near < infinite) visit(waiting);
   }
 
@@ -259,14 +266,9 @@ class Finder<Sphere> {
         [&](int lane) { return order[std::min(from + static_cast<std::size_t>(lane), order.size() - 1)]; });
   }
 
-  /// Returns the position of the sphere that a ray leaves and surely does not hit again; `nowhere` if there
-  /// is none, or if its departure does not name it.
-  [[nodiscard]] std::uint32_t left_for_good(const Ray& ray) const {
-    const auto* const left = static_cast<const Sphere*>(ray.departure.in_scene);
-    if (left == nullptr || !leaves_outward(ray)) return nowhere;
-    const std::less<const Sphere*> before;
-    if (before(left, spheres_->data()) || !before(left, spheres_->data() + position_.size())) return nowhere;
-    return position_[static_cast<std::size_t>(left - spheres_->data())];
+  /// Returns the position of a sphere in the order of the leaves; `nowhere` for no_surface.
+  [[nodiscard]] std::uint32_t position(std::uint32_t index) const {
+    return index == no_surface ? nowhere : position_[index];
   }
 
   /// Returns which of the spheres from the i-th of a leaf on a ray may meet within its reach, without that at
@@ -278,9 +280,10 @@ class Finder<Sphere> {
            ~(Bits{k < 32} << (k % 32));
   }
 
-  bool each_of_few(const Ray& ray, const Interval& range, const auto& visit) const {
+  bool each_of_few(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
     for (Bits met = few_.met(ray, range); met != 0; met &= met - 1)
-      if (visit(static_cast<std::uint32_t>(std::countr_zero(met)))) return true;
+      if (const auto i = static_cast<std::uint32_t>(std::countr_zero(met)); i != left && visit(i))
+        return true;
     return false;
   }
 
