@@ -80,7 +80,7 @@ struct LargePages {
 
 }  // namespace detail
 
-/// Vector of what a scene has many of, its surfaces or their materials. Rays need those of anywhere.
+/// Vector of surfaces or of materials of a scene, which rays read at places without order.
 template <class T>
 using SceneVector = std::vector<T, detail::LargePages<T>>;
 

@@ -9,8 +9,8 @@
 #include <new>
 #include <optional>
 #include <utility>
-#include <vector>
 
+#include "../large_pages.hpp"
 #include "accelerate.hpp"
 #include "packet.hpp"
 #include "tile_hits.hpp"
@@ -61,7 +61,7 @@ class HitsAmongFew : public TileHits<S...> {
     Closest found{.t = infinity, .index = sees_nothing};
     LaneMask in_doubt = false;
     std::int64_t index = 0;
-    const auto test_all = [&]<class T>(const std::vector<T>& surfaces) {
+    const auto test_all = [&]<class T>(const SceneVector<T>& surfaces) {
       for (const T& surface : surfaces) {
         const Bits left = leaving[index] & bits(rays.active);
         const LaneMask others = rays.active && !mask_of<double, double_lanes>(left);
