@@ -1,20 +1,22 @@
 // Temporary folders and files for tests that write.
 #pragma once
 
+#include <stdlib.h>
+
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <system_error>
 
 /// A folder, empty at first, that is removed with all its contents.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    namespace fs = std::filesystem;
-    for (int i = 0; path_.empty(); ++i) {
-      const fs::path path = fs::temp_directory_path() / ("protostar-test-" + std::to_string(i));
-      if (fs::create_directory(path)) path_ = path;  // false: another test has it
-    }
+    std::string name = (std::filesystem::temp_directory_path() / "protostar-test-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::system_error(errno, std::generic_category(), name);
+    path_ = name;
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
