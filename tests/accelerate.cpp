@@ -423,3 +423,34 @@ TEST_CASE("an empty accelerated scene has no hits and occludes nothing") {
   CHECK_FALSE(fast.occluded(Ray{}));
   CHECK(&fast.lights() == &scene.lights());
 }
+
+namespace {
+
+Sphere far_from(const Sphere&) { return {{99, 0, 0}, 1}; }
+Plane far_from(const Plane&) { return {{0, 0, 1}, 99}; }
+
+/// Tests whether an accelerated scene has the answers of the scene for a ray that left a surface of another
+/// scene, at whose address it has a surface.
+template <class S>
+void check_kept_departure(const S& left, const S& other) {
+  Scene<S> scene, next;
+  for (int i = 0; i < 20; ++i) {
+    scene.add(i == 5 ? left : far_from(left), Color{1});
+    next.add(i == 5 ? other : far_from(left), Color{1});
+  }
+  const Ray towards{.origin = {0, 0, -5}, .direction = {0, 0, 1}};
+  const Ray kept = accelerate(scene).intersect(towards).value().leave({0, 0, -1});
+  scene = next;  // in the same memory
+  const auto fast = accelerate(scene);
+  REQUIRE(scene.occluded(kept));
+  CHECK(fast.occluded(kept));
+  CHECK(fast.intersect(kept).has_value());
+}
+
+}  // namespace
+
+TEST_CASE("an accelerated scene hits a surface at the address of one that a ray has left in another scene") {
+  check_kept_departure(Sphere{{0, 0, 0}, 1}, Sphere{{0, 0, -10}, 1});
+  check_kept_departure(Sphere{{0, 0, 0}, 1}, Sphere{{0, 0, 10}, 20});
+  check_kept_departure(Plane{{0, 0, -1}, 0}, Plane{{0, 0, 1}, -10});
+}

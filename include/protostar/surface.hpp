@@ -291,12 +291,13 @@ template <Surface S>
   }
 }
 
-/// Returns true if a ray does not hit the surface again from which it departs, as is known without its roots:
-/// a plane, or a quadratic surface that the ray leaves outward.
+/// Returns true if a ray departs from a surface and does not hit it again, as is known without its roots: a
+/// plane, or a quadratic surface that the ray leaves outward.
 template <Surface S>
 [[nodiscard]] bool leaves_for_good([[maybe_unused]] const S& surface, const Ray& ray, Interval range) {
-  if constexpr (SurfaceWithEquation<S> && !SurfaceWithRoots<S> && !CompositeSurface<S>) {
-    if (range.min != 0 || ray.transform != nullptr) return false;
+  if constexpr (SurfaceWithEquation<S> && !SurfaceWithRoots<S> && !CompositeSurface<S> &&
+                requires { surface.is_left_by(ray); }) {
+    if (range.min != 0 || ray.transform != nullptr || !surface.is_left_by(ray)) return false;
     if constexpr (!detail::is_quadratic<S>)
       return true;
     else {

@@ -192,8 +192,8 @@ class Accelerated<Scene<S...>> {
       });
   }
 
-  /// Returns the index of the surface of one type that the ray leaves, or no_surface. It is always tested,
-  /// since the digits of the origin may lie outside of its bounds.
+  /// Returns the index of the surface of one type that the ray leaves, or no_surface. It is tested
+  /// apart, since the digits of the origin may lie outside of its bounds.
   template <class T>
   [[nodiscard]] std::uint32_t left_by(const Ray& ray) const {
     const auto& surfaces = scene_->template surfaces<T>();

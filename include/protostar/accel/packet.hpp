@@ -93,8 +93,8 @@ struct RayPacket {
         functions(&functions_of_surface),
         parts(primitives) {}
 
-  /// Copies member by member, so that a packet in registers stays there: memcpy, which g++ would call, has to
-  /// wait until the packet is written.
+  /// Copies each member, so that a packet in registers stays there: memcpy, which g++ would call, has to wait
+  /// until the packet is written.
   RayPacket(const RayPacket& rays)
       : origin(rays.origin.x, rays.origin.y, rays.origin.z),
         direction(rays.direction.x, rays.direction.y, rays.direction.z),

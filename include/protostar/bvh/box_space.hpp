@@ -88,7 +88,7 @@ struct BoxSpace {
 struct BoxRay {
   Float4 origin, direction;  ///< rounded to float
   Float4 inverse;            ///< 1 over each component of the direction, from −2^60 to 2^60
-  float distance;            ///< |o|₁ of the origin o, off by 3u of itself, and 2^-40
+  float distance;            ///< |o|₁ of the origin o, to within 3u of itself, plus 2^-40
   float widening;            ///< length by which all primitives are widened
   double length;             ///< length of the ray's direction in box space
 
@@ -142,8 +142,8 @@ struct BoxRay {
 ///
 /// Together they are at most u |v| (4 |m| + 6 |o_i|), but for 5u of that. near_shift is lower than −o_i v by
 /// |v| times a margin of 2^-21 (1 + |o_i|) + 2^-38 |o| + widening, with 2^-21 = 8u, and far_shift is higher
-/// by it: the nearer end comes out no farther than it is, and the farther end no nearer. What the margin
-/// itself is rounded by is far less than the widening in it, which BoxRay has doubled, and than u.
+/// by it: the nearer end comes out no farther than it is, and the farther end no nearer. The rounding of
+/// the margin is far less than u, and than what doubling the widening (BoxRay) adds.
 ///
 /// |d_i| < 2^-60 is taken for 2^-60. The line comes to the nearer end no later by that. Inside a box
 /// s < |o| + 2, and the farther end may be up to s too near; the margin is at least 2^60 (4u + 2^-38 |o|)

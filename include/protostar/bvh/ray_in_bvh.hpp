@@ -46,13 +46,13 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
   const auto& [x, y, z, r] = ray.departure.geometry;
   const Vec3 l = Point{x, y, z} - ray.origin;
   const double b = dot(ray.direction, l), A = dot(ray.direction, ray.direction), ll = dot(l, l);
-  return b < 0 && b * b > 0x1p-100 * (A * ll) && 0x1p-150 < A && A < 0x1p150 && ll > 0x1p-800;
+  return b < 0 && b * b > 0x1p-100 * (A * ll) && 0x1p-150 < A && A < 0x1p150 && ll > 0x1p-700;
 }
 
 /// Returns the length by which primitives are widened for a ray that departs from a sphere, or that is
 /// rounded itself.
 ///
-/// A ray that leaves a sphere outward does not hit it again, whatever its bounds say. Another ray that
+/// A ray that leaves a sphere outward does not hit it again, whatever its bounds say. Any other ray that
 /// departs from a sphere starts on the sphere by definition, whatever its digits say. If these put its origin
 /// outside, they put the other root, 2b/A, outside too: the point there is as far from the center as the
 /// origin is, at the distance D = |l|. With D ≥ r, D − r = (D² − r²)/(D + r) is at most (D² − r²)/2r. With u
