@@ -88,15 +88,15 @@ TEST_CASE("sines and polar angles of several numbers at once have the bits of th
     return random.real(-1, 1) * std::exp2(random.real(-60, 60));
   };
   for (int i = 0; i < cases(2000, 1000000); ++i) {
-    const int count = 1 + i % 8;
+    const std::size_t count = 1 + static_cast<std::size_t>(i) % 8;
     FewNumbers angles{}, y{}, x{};
-    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
       angles[k] = random.real(0, 0.75 * std::numbers::pi);
       y[k] = std::abs(number());
       x[k] = i % 3 == 0 ? y[k] * random.real(-1.01, 1.01) : number();
     }
     const FewNumbers sines = sines_of_each(angles, count), polar = polar_angles_of_each(y, x, count);
-    for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
       wrong.add(sines[k] != sine_and_cosine(angles[k]).sine, "sine", angles[k]);
       wrong.add(polar[k] != polar_angle(y[k], x[k]), "angle", y[k], x[k]);
     }
