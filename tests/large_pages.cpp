@@ -6,6 +6,8 @@
 #include <fstream>
 #include <numeric>
 #include <protostar/plain_vector.hpp>
+#include <protostar/scene.hpp>
+#include <protostar/surfaces/sphere.hpp>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -50,6 +52,14 @@ TEST_CASE("a vector in large pages can be copied and moved") {
 }
 
 TEST_CASE("the surfaces and materials of a scene are in large pages if they fill one") {
+  Scene<Sphere> scene;
+  for (std::size_t i = 0; i < detail::large_page / sizeof(Sphere); ++i)
+    scene.add(Sphere{{0, 0, 0}, 1}, Color{1});
+  CHECK(reinterpret_cast<std::uintptr_t>(scene.surfaces<Sphere>().data()) % detail::large_page == 0);
+  CHECK(reinterpret_cast<std::uintptr_t>(scene.materials<Sphere>().data()) % detail::large_page == 0);
+}
+
+TEST_CASE("a vector of a scene is in large pages if it fills one, and so is its copy") {
   SceneVector<double> few(3), many(std::size_t{1} << 19);
   CHECK(reinterpret_cast<std::uintptr_t>(many.data()) % detail::large_page == 0);
   const SceneVector<double> copy = many;

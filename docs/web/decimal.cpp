@@ -10,8 +10,8 @@
 /// the digits from the 21st on; V8 takes them into account.
 EM_JS(double, decimal_number, (const char* text), { return Number(UTF8ToString(text)); })
 
-/// Replaces strtod (by the linker's --wrap) for a text that is a decimal number as a whole. No other text has
-/// a number, not even at its beginning.
+/// Replaces strtod, by the linker's --wrap. It reads a text that is a decimal number from beginning to end;
+/// in any other text it finds no number.
 extern "C" double __wrap_strtod(const char* text, char** end) {
   const double value = decimal_number(text);
   const bool has_digits = std::strcspn(text, "123456789") < std::strcspn(text, "eE");

@@ -28,9 +28,8 @@ struct Departure {
   /// others.
   const void* object = nullptr;
 
-  /// Surface of the scene that is left. Trees visit it whatever its bounds say, as the digits of the origin
-  /// may lie outside of them; a sphere that is left outward is not hit again, and they pass over it. Null:
-  /// any or none.
+  /// Surface that is left, by its address in a scene; null: any or none. An accelerated scene tests it apart
+  /// from its trees, since the digits of the origin may lie outside of its bounds.
   const void* in_scene = nullptr;
 
   /// Kind sphere: center and |radius|; kind plane: normal and distance; kind rounded_plane: normal and

@@ -34,7 +34,8 @@ class HitsAmongFew : public TileHits<S...> {
   static constexpr bool tests_in_lanes = double_lanes > 2 && ((takes_packets<S> && !SurfaceOfLanes<S> &&
                                                                !is_made_of_parts<S>)&&...);
 
-  /// Smallest number of rays for which lanes are faster.
+  /// Smallest number of rays that are tested in lanes. The Cornell box takes as long with 5, and 1.05 times
+  /// as long with 1.
   static constexpr std::size_t fewest_in_lanes = 3;
 
   /// Finds the closest hits of some rays by tests of all surfaces: ray(k) is the k-th, and its hit becomes

@@ -24,8 +24,8 @@ concept PacketIntegrator = std::same_as<typename I::TakesPackets, I>;
 template <class I>
 concept FollowsPaths = std::same_as<typename I::FollowsPaths, I>;
 
-/// Integrator of paths that draws directions to lights for several paths together: by draw_to_lights, to
-/// which PathIntegrator has a comment, as Numbers::to_light.
+/// Integrator of paths that draws directions to lights for several paths at once: it has draw_to_lights() and
+/// the type ToLight, as PathIntegrator has, and takes these directions as Numbers::to_light.
 template <class I>
 concept AimsAtLights = FollowsPaths<I> && requires {
   typename I::ToLight;

@@ -129,9 +129,9 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     environment.require(scene);
   }
 
-  /// Draws directions to lights for some paths together, as many as there are lanes or fewer: those to a
-  /// rectangle to which two or more of them cast rays. path(k) and hit(k) are the k-th path and its next hit,
-  /// u[k] and v[k] the third and fourth number of its set; drawn[k] gets the direction, if one is drawn.
+  /// Draws directions to lights for some paths at once, as many as there are lanes or fewer: those to each
+  /// rectangle to which two or more of the paths cast rays. path(k) and hit(k) are the k-th path and its next
+  /// hit, u[k] and v[k] the third and fourth number of its set; drawn[k] gets the direction, if one is drawn.
   void draw_to_lights(std::size_t count, const auto& path, const auto& hit, const double* u, const double* v,
                       std::span<ToLight> drawn) const {
     if (!lights.has_rectangles()) return;
@@ -221,10 +221,11 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     return {&lights.lights()[index], probability * share, rest};
   }
 
-  /// Returns true if a material may reflect light that rays to lights find, or may send on a path in any way.
+  /// Returns true if a material may reflect light from directions that are drawn to lights.
   [[nodiscard]] static bool reflects_light(const Material& material) {
     return material.texture || !is_black(material.diffuse) || !is_black(material.glossy);
   }
+  /// Returns true if a path may go on from a material.
   [[nodiscard]] static bool scatters(const Material& material) {
     return reflects_light(material) || material.reflect > 0 || material.refract > 0;
   }

@@ -57,7 +57,7 @@ template <int N>
   return Doubles::of_each([&](int lane) { return f(x[lane]); });
 }
 
-/// Returns a number of the objects with some indices in an array, whose place in the first object is given.
+/// Returns a member of objects[index] for the index in each lane. `of_first` is that member of objects[0].
 template <class T>
 [[nodiscard]] Doubles gathered(const T* objects, const double& of_first, const Indices& indices) {
 #if defined(PROTOSTAR_BIT_MASKS)
