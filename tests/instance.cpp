@@ -145,7 +145,7 @@ TEST_CASE("whether a ray hits an ellipsoid is exact if the map consists of power
   };
   int hits = 0, touching = 0;
   WrongCases wrong(random);
-  for (int i = 0; i < 80000; ++i) {
+  for (int i = 0; i < cases(10'000, 80'000, 80'000); ++i) {
     Vec3 scales, moved, origin, direction;
     std::int64_t A = 0, b = 0, c = -16;  // in quarters, in object space
     for (int axis = 0; axis < 3; ++axis) {
@@ -165,8 +165,8 @@ TEST_CASE("whether a ray hits an ellipsoid is exact if the map consists of power
     touching += expected && D == 0;
     wrong.add(crossings != (expected ? 2 : 0), scales, moved, origin, direction);
   }
-  CHECK(hits > 10000);
-  CHECK(touching > 500);
+  CHECK(hits > cases(1'000, 10'000, 10'000));
+  CHECK(touching > cases(50, 500, 500));
   CHECK(wrong == 0);
 }
 
@@ -182,7 +182,7 @@ TEST_CASE(
   const double rounding = 0x1p-43;
   Random random(72);
   double worst = 0, worst_refined = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < cases(3'000, 20'000, 20'000); ++i) {
     const Affine placement = any_placement(random, 3);
     const Instance instance(Sphere{}, placement);
     const Point origin = random.point(6), target = placement.point(0.9 * random.direction());
@@ -225,7 +225,7 @@ TEST_CASE("a ray that leaves an instance never hits it again outwards, and once 
   Random random(74);
   int out = 0, in = 0;
   WrongCases wrong(random);
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < cases(3'000, 20'000, 20'000); ++i) {
     const Affine placement = any_placement(random, 10);
     const Instance<> instance(Sphere{}, placement);
     const Point origin = random.point(20);
@@ -305,7 +305,7 @@ TEST_CASE("every crossing with an instance lies in its bounds, from any distance
   Random random(75);
   int hits = 0;
   WrongCases outside(random), loose(random);
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < cases(3'000, 20'000, 20'000); ++i) {
     const Affine placement = any_placement(random, 100);
     const Instance instance(Sphere{}, placement);
     const Bounds box = instance.bounds();
@@ -333,7 +333,7 @@ TEST_CASE("every crossing with an instance lies in its bounds, from any distance
       loose.add(!(box.max[axis] - box.min[axis] < 4 * reach), placement, ray, reach);
     }
   }
-  CHECK(hits > 10000);
+  CHECK(hits > cases(1'000, 10'000, 10'000));
   CHECK(outside == 0);
   CHECK(loose == 0);
   CHECK(Instance(Plane{}, {}).bounds().max.x == infinity);
@@ -382,7 +382,7 @@ TEST_CASE("rays that leave solids made of instances with common faces show no ac
   Random random(78);
   int hits = 0;
   WrongCases wrong(random);
-  for (int i = 0; i < 50; ++i) {
+  for (int i = 0; i < cases(10, 50, 50); ++i) {
     const Affine map = any_placement(random, 1000);
     std::vector<Csg> cubes;
     for (int k = 0; k < 4; ++k) cubes.push_back(Instance<Box>(Box{{1.0 * k, 0, 0}, {1.0 + k, 1, 1}}, map));
@@ -405,7 +405,7 @@ TEST_CASE("rays that leave solids made of instances with common faces show no ac
       wrong.add(crossed != 2, map, on);
     }
   }
-  CHECK(hits > 3000);
+  CHECK(hits > cases(500, 3000, 3000));
   CHECK(wrong == 0);
 }
 
@@ -414,7 +414,7 @@ TEST_CASE("an instance of a mesh is as watertight as the mesh, from any distance
   int met = 0;
   WrongCases slipped(random);
   const Mesh ball(meshes::icosphere(1));
-  for (int i = 0; i < cases(100, 500); ++i) {
+  for (int i = 0; i < cases(25, 100, 500); ++i) {
     const Affine placement = any_placement(random, 100);
     const Instance<Mesh> instance(ball, placement);
     const Point eye = std::exp2(random.real(0, 50)) * random.direction();
@@ -441,7 +441,7 @@ TEST_CASE("an instance of a mesh is as watertight as the mesh, from any distance
       slipped.add(count % 2 != 0 || !alternates, placement, ray);
     }
   }
-  CHECK(met > cases(400, 2000));
+  CHECK(met > cases(100, 400, 2000));
   CHECK(slipped == 0);
 }
 

@@ -1,69 +1,23 @@
 // Cameras with a lens: their rays, pictures by tiles, culling, and the blur of an edge out of focus.
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <iterator>
-#include <numbers>
 #include <protostar/accel/candidates.hpp>
 #include <protostar/accel/frustum.hpp>
 #include <protostar/accel/pixel_rays.hpp>
-#include <protostar/integrators/color.hpp>
-#include <protostar/integrators/normal.hpp>
 #include <protostar/integrators/shadow.hpp>
-#include <protostar/integrators/transparency.hpp>
 #include <protostar/integrators/whitted.hpp>
 #include <protostar/protostar.hpp>
 #include <protostar/sampling/samplers.hpp>
-#include <protostar/surfaces/mesh.hpp>
-#include <vector>
 
 #include "support/catch.hpp"
 #include "support/common.hpp"
 #include "support/errors.hpp"
-#include "support/light_truth.hpp"
-#include "support/meshes.hpp"
+#include "support/lens_scene.hpp"
 #include "support/pictures.hpp"
 #include "support/random.hpp"
 #include "support/wrong_cases.hpp"
 
 using namespace protostar;
-
-namespace {
-
-/// Returns a camera of random directions, neither at right angles nor of one handedness, with a lens.
-Camera skewed_camera_with_lens(Random& random) {
-  for (;;) {
-    const Camera camera{.position = random.point(2),
-                        .right = random.point(1),
-                        .up = random.point(1),
-                        .forward = random.point(1),
-                        .aperture = std::exp2(random.real(-6, 2)),
-                        .focus = std::exp2(random.real(-3, 5))};
-    const Vec3 r = normalize(camera.right), u = normalize(camera.up), f = normalize(camera.forward);
-    if (std::abs(dot(cross(r, u), f)) > 0.1) return camera;
-  }
-}
-
-using LensScene = Scene<Sphere, Plane, Parallelogram, Mesh>;
-
-/// Returns a scene of balls before and behind the plane in focus, of which the first is around the camera.
-LensScene balls_at_all_depths(int count) {
-  LensScene scene;
-  Random random(5);
-  scene.add(Sphere{.center = {0, 0, 0}, .radius = 40}, Color{0.3f, 0.4f, 0.2f});
-  for (int i = 0; i < count; ++i)
-    scene.add(Sphere{.center = {random.real(-4, 4), random.real(-3, 3), random.real(-1, 12)},
-                     .radius = random.real(0.02, 0.4)},
-              Material{.diffuse = random.color(), .reflect = i % 3 == 0 ? 0.3 : 0});
-  scene.add(Mesh(meshes::moved(meshes::torus(20, 10), 0.7, {1.1, 0.2, 3}), {.threads = 1}),
-            Color{0.2f, 0.7f, 0.3f});
-  scene.add(Plane{.normal = {0, 1, 0}, .distance = -1},
-            Material{.texture = Checker{.first = Color{0.8f}, .second = Color{0.1f}}});
-  scene.add(PointLight{.position = {0, 3, 0}, .power = Color{125.66f}});
-  return scene;
-}
-
-}  // namespace
 
 TEST_CASE("rays through all points of a lens meet where the ray through its center is in focus") {
   Random random(1);
@@ -138,53 +92,6 @@ TEST_CASE("one ray through the pixel's center passes the lens' center, and an ap
       CHECK(different_pixels(sharp, closed) == 0);
       CHECK((different_pixels(sharp, blurred) == 0) == (samples == 0));
     }
-}
-
-TEST_CASE("by tiles, pictures of a lens have the bytes of those ray by ray, for any sampler and filter") {
-  Random random(3);
-  const Vec3 up{0, 1, 0};
-  const std::vector<Camera> cameras{
-      Camera::thin_lens({0, 0, 0}, {0, 0, 1}, up, 60, 0.1, 3),
-      Camera::thin_lens({0, 0.5, -3}, {0, 0, 1}, up, 90, 1, 5),
-      Camera::look_at_right_handed({2, 1, -2}, {0, 0, 4}, up, 40).with_lens(0.5, 0.7),
-      skewed_camera_with_lens(random),
-      skewed_camera_with_lens(random),
-      skewed_camera_with_lens(random)};
-  std::size_t round = 0;
-  for (const int count : {12, 300, 2500}) {
-    const LensScene scene = balls_at_all_depths(count);
-    for (const auto sampler : sampler_names)
-      for (const auto filter : ReconstructionFilter::names) {
-        if (count == 2500 && round % 4 != 0 && ++round) continue;
-        const Camera& camera = cameras[round % cameras.size()];
-        RenderOptions options{.samples = std::vector{1, 2, 3}[round % 3],
-                              .sampler = *sampler_named(sampler),
-                              .filter = ReconstructionFilter::named(filter),
-                              .seed = round,
-                              .threads = 2};
-        if (round % 5 == 0) options.crop = {.x = 7, .y = 3, .width = 60, .height = 50};
-        CAPTURE(count, sampler, filter, round % cameras.size());
-        ++round;
-        const auto differ = [&](const auto& integrator) {
-          Image plain(45, 37), tiles(45, 37);
-          options.tiles = false;
-          render(plain, camera, scene, integrator, options);
-          options.tiles = true;
-          render(tiles, camera, scene, integrator, options);
-          return different_pixels(plain, tiles);
-        };
-        CHECK(differ(NormalIntegrator{}) == 0);
-        CHECK(differ(ColorIntegrator{}) == 0);
-        if (count == 12) {
-          CHECK(differ(TransparencyIntegrator{}) == 0);
-          CHECK(differ(WhittedIntegrator{.depth = 3}) == 0);
-          CHECK(differ([](const Ray& ray, const auto& in) {
-                  const auto hit = in.intersect(ray, Interval{});
-                  return Color(hit ? static_cast<float>(hit->t) : 0.0f);
-                }) == 0);
-        }
-      }
-  }
 }
 
 TEST_CASE("a camera with a lens takes Sobol's numbers if nothing else is chosen") {
@@ -262,53 +169,4 @@ TEST_CASE("a tile drops what no point of the lens sees, and more of it near the 
     in_tile.add(everything, frustum);
     CHECK((in_tile.size() > 0) == row.seen);
   }
-}
-
-TEST_CASE("an edge out of focus fades as the disk's segment beyond it, pixel by pixel") {
-  // A pixel at u sees of the plane z = d, from the lens point x, the place u d + x (1 − d/s). Beyond the edge
-  // at e are the points of the unit disk beyond c = (e − u d)/(r |1 − d/s|), of which the share is the
-  // segment's (arccos c − c √(1 − c²))/π; its mean over a pixel is the difference of the integral G.
-  const auto integral = [](double c) {
-    if (c >= 1) return 0.0;
-    if (c <= -1) return c;
-    const double root = std::sqrt(1 - c * c);
-    return (c * std::acos(c) - root + root * root * root / 3) / std::numbers::pi;
-  };
-  constexpr int width = 32, height = 4, samples = PROTOSTAR_LONG_FORMS ? 1024 : 32;
-  struct {
-    double depth, focus, aperture, edge;
-  } const rows[] = {{2, 1, 4, 1}, {1, 2, 4, 0.5}, {3, 2, 6, -0.75}};
-  for (const auto& row : rows)
-    for (const SamplerChoice& sampler :
-         {sampler_of<SobolSampler>, sampler_of<HaltonSampler>, sampler_of<StratifiedSampler>}) {
-      CAPTURE(row.depth, row.focus, row.aperture);
-      Scene<Parallelogram> scene;
-      scene.add(Parallelogram{{row.edge, -1000, row.depth}, {1000, 0, 0}, {0, 2000, 0}}, Color{1});
-      const Camera camera = Camera::thin_lens({0, 0, 0}, {0, 0, 1}, {0, 1, 0}, 90, row.aperture, row.focus);
-      std::vector<Image> pictures;
-      for (int r = 0; r < LightTruth::scramblings; ++r) {
-        pictures.emplace_back(width, height);
-        render(pictures.back(), camera, scene, ColorIntegrator{},
-               {.samples = samples, .sampler = sampler, .seed = static_cast<std::uint64_t>(r)});
-      }
-      LightTruth truth;
-      const double radius = row.aperture * std::abs(1 - row.depth / row.focus);
-      for (int x = 0; x < width; ++x) {
-        const auto place = [&](int column) {
-          return (row.edge - Camera::u_at(column, width, height) * row.depth) / radius;
-        };
-        const double from = place(x + 1), to = place(x);
-        for (int y = 0; y < height; ++y) {
-          std::vector<double> means;
-          for (const Image& picture : pictures) means.push_back(picture(x, y).g);
-          const double share = integral(to) - integral(from);
-          truth.compare(means, share / (to - from), "pixel", x, y);
-        }
-      }
-      CHECK(truth.wrong == 0);
-      CHECK(truth.lit > width / 2);
-      CHECK(std::abs(truth.mean_error) <=
-            LightTruth::most_errors * std::sqrt(truth.variance) + 0x1p-20 * truth.mean_truth);
-      CHECK(truth.detectable_bias() < (PROTOSTAR_LONG_FORMS ? 2e-3 : 0.02));
-    }
 }

@@ -68,7 +68,7 @@ Left left_at_borders(const S& surface, const MeshData& data, double scale, const
   scene.add(surface, Color{1});
   Random random(71);
   Left left{.outwards = 0, .again = WrongCases(random), .odd = WrongCases(random)};
-  for (int i = 0; i < 1200; ++i) {
+  for (int i = 0; i < cases(300, 1200, 1200); ++i) {
     const auto hit = scene.intersect(aimed_at_border(random, data, scale, at_vertices));
     const Vec3 direction = random.direction();
     const auto slope_at = [&](const Intersection& place) {
@@ -100,7 +100,7 @@ TEST_CASE("a ray that leaves a convex mesh outwards at an edge or a vertex never
       const MeshData data = meshes::moved(at_origin, scale, scale * middle);
       const auto outwards = [&](const Point& point) { return point - scale * middle; };
       const Left left = left_at_borders(Mesh(data, {.threads = 1}), data, scale, outwards, never);
-      CHECK(left.outwards > 300);
+      CHECK(left.outwards > cases(60, 300, 300));
       CHECK(left.again == 0);
     }
 }
@@ -137,7 +137,7 @@ TEST_CASE(
   const Csg solid = intersection_of({mesh, Sphere{.radius = 2}});
   for (const Left& left : {left_at_borders(instance, data, 1, point_itself, never),
                            left_at_borders(solid, data, 1, point_itself, never)}) {
-    CHECK(left.outwards > 300);
+    CHECK(left.outwards > cases(60, 300, 300));
     CHECK(left.again == 0);
   }
 }
@@ -155,7 +155,7 @@ TEST_CASE(
   const MeshData data = meshes::moved(meshes::torus(24, 12), scale, middle);
   for (const MeshData& one : {data, turned(data)}) {
     const Left left = left_at_borders(Mesh(one, {.threads = 1}), data, scale, outwards, goes_in);
-    CHECK(left.outwards > 400);
+    CHECK(left.outwards > cases(100, 400, 400));
     CHECK(left.again == 0);
     CHECK(left.odd == 0);
   }
@@ -241,7 +241,7 @@ WrongCases disordered(const S& surface, const MeshData& data, bool is_room, Rand
   const auto side = [&](const Vec3& direction, int part) {
     return side_led_to(direction, data.triangle(static_cast<std::size_t>(part))) * (is_room ? -1 : 1);
   };
-  for (int i = 0; i < cases(250, 1000); ++i) {
+  for (int i = 0; i < cases(60, 250, 1000); ++i) {
     const Ray ray = aimed_at_border(random, data, 1, true);
     const auto hit = first_crossing(surface, ray, Interval{});
     if (!hit) continue;
@@ -298,7 +298,7 @@ TEST_CASE("rays that leave a closed mesh next to edges and vertices cross it alt
       const Sphere around{.center = far * Point{0.3, -0.7, 0.2}, .radius = 100};
       CHECK(disordered(intersection_of({mesh, around}), data, row.is_room, random, left) == 0);
     }
-  CHECK(left > cases(5'000, 20'000));
+  CHECK(left > cases(1'000, 5'000, 20'000));
 }
 
 TEST_CASE("rays from next to the bottom of a valley hit its other side if they lead there, and only then") {
@@ -311,7 +311,7 @@ TEST_CASE("rays from next to the bottom of a valley hit its other side if they l
       const Mesh mesh(data, {.threads = 1});
       const Vec3 along = data.vertices[1] - data.vertices[0],
                  up = data.vertices[2] + data.vertices[4] - 2.0 * data.vertices[1];
-      for (int i = 0; i < 3000; ++i) {
+      for (int i = 0; i < cases(600, 3000, 3000); ++i) {
         const Point target = data.vertices[0] + random.real(0.3, 0.7) * along;
         const Point origin = target + up + 0.9 * random.direction();
         const Ray ray{origin, target - origin};
@@ -335,7 +335,7 @@ TEST_CASE("rays from next to the bottom of a valley hit its other side if they l
         wrong.add(next && !(next->t > 0), from, ray, leaving);
       }
     }
-  CHECK(left > 4000);
+  CHECK(left > cases(600, 4000, 4000));
   CHECK(wrong == 0);
 }
 

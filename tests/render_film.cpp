@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "support/cases.hpp"
 #include "support/catch.hpp"
 #include "support/common.hpp"
 #include "support/errors.hpp"
@@ -81,6 +82,7 @@ int film_differs(const auto& integrator, const RenderOptions& options) {
 TEST_CASE("samples added to a film in ranges have the bytes of all samples at once") {
   std::vector<SamplerChoice> samplers;
   for (const auto name : sampler_names) samplers.push_back(*sampler_named(name));
+  samplers.resize(std::size_t{cases(2, 5, 5)});
   for (const SamplerChoice& sampler : samplers)
     for (const bool weights : {false, true})
       for (const double clamp : {0.0, 0.4}) {

@@ -1,5 +1,5 @@
-// Entry point and mutator for libFuzzer; tests/json_scene_errors.cpp reads the corpus, and tests/hostile.cpp
-// draws scenes that are mutated in the same way.
+// Entry point and mutator for libFuzzer; tests/json_scene_errors.cpp reads the corpus, and
+// tests/long/hostile.cpp draws scenes that are mutated in the same way.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -182,7 +182,7 @@ TEST_CASE("a picture takes little more than the samples that its error needs") {
 
 TEST_CASE("ordinary pictures keep their error targets, against pictures of many samples") {
   const int seeds = cases(3, 200);
-  const int coarser = cases(2, 1);  // the short form takes a quarter of the samples
+  const int coarser = cases(4, 2, 1);  // errors twice as large take a quarter of the samples
   const auto scene = scene_in_passes();
   const auto check = [&](const auto& integrator, double error) {
     // The reference has at least 16 times as many samples as the pictures, so that its error adds at most

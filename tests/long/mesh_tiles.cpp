@@ -120,6 +120,7 @@ TEST_CASE("by tiles, rays that are aimed at edges and vertices of a mesh have th
   // pass through vertices of the grid, and of the straight one through its diagonals.
   const Camera camera{.position = {0.03125, 0.03125, -4}};
   for (const double scale : {0.25, 1.0}) {
+    if (scale == 1 && cases(0, 1, 1) == 0) continue;
     SpheresAndMeshes scene, alone;
     scene.add(mesh_of(meshes::moved(meshes::box(4), scale, {0, 0, 0})), Color{1});
     for (const double z : {-3.0, -2.0}) {
