@@ -41,7 +41,6 @@ const std::set<std::string> on_demand = {
     "accel/screen.hpp",
     "accel/triangles_on_screen.hpp",
     "accel/pixel_block.hpp",
-    "sampling/double_double_lanes.hpp",
     "sampling/independent_sampler.hpp",
     "sampling/stratified_sampler.hpp",
     "sampling/halton_sampler.hpp",

@@ -1,12 +1,15 @@
 // Checks that the error-free transforms are exact however they are compiled: with products fused into sums,
-// at any level of optimization, inlined. All numbers are whole and at most 2^124, which 128 bits hold.
+// at any level of optimization, inlined, also in lanes. All numbers are whole and at most 2^124, which 128
+// bits hold.
 
 #include <cstdint>
 #include <cstdio>
 #include <protostar/numeric/double_double.hpp>
+#include <protostar/simd/vectors.hpp>
 #include <random>
 
 using namespace protostar;
+using simd::Doubles;
 
 __extension__ using Whole = __int128;
 
@@ -55,6 +58,16 @@ int main() {
     const DoubleDouble fast =
         (ab < 0 ? -ab : ab) >= (c < 0 ? -c : c) ? fast_two_sum(a * b, c) : fast_two_sum(c, a * b);
     wrong += whole(fast) != whole(ab) + whole(c);
+
+    // Each lane has numbers of its own, and so have both transforms: a product that two of them share is
+    // computed and not fused.
+    const auto any = [&] { return Doubles::of_each([&](int) { return random_whole(); }); };
+    const Doubles p = any(), q = any(), r = any(), s = any(), t = any();
+    const DoubleDoubleOf<Doubles> products = two_product(p, q), sums = two_sum(r * s, t);
+    for (int k = 0; k < simd::double_lanes; ++k) {
+      wrong += whole({products.hi[k], products.lo[k]}) != whole(p[k]) * whole(q[k]);
+      wrong += whole({sums.hi[k], sums.lo[k]}) != whole(rounded_product(r[k], s[k])) + whole(t[k]);
+    }
   }
   std::printf("%ld transforms of 1000000 cases are not exact\n", wrong);
   return wrong == 0 ? 0 : 1;

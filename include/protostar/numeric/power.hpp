@@ -87,7 +87,7 @@ template <std::size_t N, class T>
   const double rest =
       s * detail::polynomial({1 / 3.0, 1 / 5.0, 1 / 7.0, 1 / 9.0, 1 / 11.0, 1 / 13.0, 1 / 15.0}, s);
   const DoubleDouble series =
-      DoubleDouble(2 * detail::log2_e.hi, 2 * detail::log2_e.lo) * z * fast_two_sum(1, rest);
+      DoubleDouble(2 * detail::log2_e.hi, 2 * detail::log2_e.lo) * z * fast_two_sum(1.0, rest);
   return DoubleDouble(exponent + steps / detail::root_steps) + series;
 }
 

@@ -106,7 +106,7 @@ struct SineAndCosine {
     const double s = z.hi * z.hi;
     const double rest =
         s * polynomial({-1 / 3.0, 1 / 5.0, -1 / 7.0, 1 / 9.0, -1 / 11.0, 1 / 13.0, -1 / 15.0}, s);
-    return z * fast_two_sum(1, rest);
+    return z * fast_two_sum(1.0, rest);
   };
   return angle_by(series, y, x);
 }

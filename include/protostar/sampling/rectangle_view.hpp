@@ -33,7 +33,6 @@
 #include "../numeric/precise_vector.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/vectors.hpp"
-#include "double_double_lanes.hpp"
 #include "light_sample.hpp"
 #include "radians_of_each.hpp"
 
@@ -62,9 +61,11 @@ namespace detail {
 
 /// What a point sees of a rectangle, with T = double, or points in lanes, with T = Doubles and the same bits.
 /// Lengths are scaled.
-template <class T, class Vector, class Doubled>
+template <class T, class Vector>
 class RectangleSeen {
  public:
+  using Doubled = DoubleDoubleOf<T>;
+
   /// Vector from the point to the corner, without rounding.
   struct ToCorner {
     Doubled x, y, z;
@@ -210,7 +211,7 @@ class RectangleView {
   /// numbers u and v of each.
   static void sample_each(const RectangleLight& r, std::span<const Point> from, const FewNumbers& u,
                           const FewNumbers& v, std::span<LightSample> drawn) {
-    using simd::Doubles, simd::DoubleDoubles, simd::Vectors;
+    using simd::Doubles, simd::Vectors;
     // Powers of two and their reciprocals, and the factors on the lengths of the edges.
     FewNumbers unit, scale, smaller, x, y, z;
     for (std::size_t i = 0; i < static_cast<std::size_t>(simd::double_lanes); ++i) {
@@ -231,9 +232,9 @@ class RectangleView {
       return two_sum(Doubles(corner) * down, -(load(of) * down));
     };
     const auto length = [&](const DoubleDouble& of) {
-      return DoubleDoubles{Doubles(of.hi) * less, Doubles(of.lo) * less};
+      return DoubleDoubleOf<Doubles>{Doubles(of.hi) * less, Doubles(of.lo) * less};
     };
-    const detail::RectangleSeen<Doubles, Vectors, DoubleDoubles> seen(
+    const detail::RectangleSeen<Doubles, Vectors> seen(
         r, {to(x, r.position.x), to(y, r.position.y), to(z, r.position.z)}, length(r.width), length(r.depth));
     const auto [direction, distance] = seen.sample(load(u), load(v));
     const Doubles solid_angle = seen.solid_angle(), density = Doubles(1.0) / solid_angle,
@@ -248,7 +249,7 @@ class RectangleView {
   }
 
  private:
-  using Seen = detail::RectangleSeen<double, Vec3, DoubleDouble>;
+  using Seen = detail::RectangleSeen<double, Vec3>;
 
   [[nodiscard]] static int exponent_of_view(const Point& from, const RectangleLight& r) {
     return std::max(exponent_of({r.position - from}), r.exponent);

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "../vec3.hpp"
+#include "opaque.hpp"
 #include "simd.hpp"
 #include "vector_registers.hpp"
 
@@ -55,6 +56,15 @@ template <int N>
 /// Returns f(number) in each lane.
 [[nodiscard]] Doubles of_each(Doubles x, const auto& f) {
   return Doubles::of_each([&](int lane) { return f(x[lane]); });
+}
+
+/// Returns x in a form that a compiler cannot look through.
+[[nodiscard]] inline Doubles opaque(Doubles x) {
+#if defined(PROTOSTAR_VECTORS)
+  return protostar::opaque(x.v);
+#else
+  return of_each(x, [](double number) { return protostar::opaque(number); });
+#endif
 }
 
 /// Returns a member of objects[index] for the index in each lane. `of_first` is that member of objects[0].
