@@ -132,4 +132,32 @@ struct Ray {
   friend const Ray& masked(bool, const Ray& ray) { return ray; }
 };
 
+namespace detail {
+
+/// Tests whether the square of a direction neither underflows nor takes products with it out of the range of
+/// double.
+template <class T>
+[[nodiscard, gnu::always_inline]] inline auto is_moderate_square(const T& A) {
+  return 0x1p-150 < A && A < 0x1p150;
+}
+
+}  // namespace detail
+
+/// Tests whether a direction d surely leads away from a center, with l the vector to it from the origin, A =
+/// d·d, b = d·l and w ≥ l·l. With u = 2^-53, b is off by at most 4u √(A w) (docs/derivations.md, Dot
+/// products), and 2^-50 = 8u. For w > 2^-900, underflow affects no comparison.
+template <class T>
+[[nodiscard, gnu::always_inline]] inline auto surely_leads_away(const T& A, const T& b, const T& w) {
+  return detail::is_moderate_square(A) && b < 0.0 && b * b > 0x1p-100 * (A * w) && w > 0x1p-900;
+}
+
+/// Returns true if a ray departs from a sphere and surely leads away from its center. Its other root, 2b/A,
+/// is then below 0: it hits neither that sphere nor one that coincides in t > 0.
+[[nodiscard, gnu::always_inline]] inline bool leaves_outward(const Ray& ray) {
+  if (ray.departure.kind != Departure::Kind::sphere || ray.transform != nullptr) return false;
+  const auto& [x, y, z, r] = ray.departure.geometry;
+  const Vec3 l = Point{x, y, z} - ray.origin;
+  return surely_leads_away(dot(ray.direction, ray.direction), dot(ray.direction, l), dot(l, l));
+}
+
 }  // namespace protostar::inline PROTOSTAR_ABI

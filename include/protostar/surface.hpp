@@ -291,21 +291,14 @@ template <Surface S>
   }
 }
 
-/// Returns true if a ray departs from a surface and does not hit it again, as is known without its roots: a
-/// plane, or a quadratic surface that the ray leaves outward.
+/// Returns true if a ray departs from a surface and does not hit it again in t > 0, as is known without its
+/// roots: a plane, or a sphere that the ray leaves outward.
 template <Surface S>
 [[nodiscard]] bool leaves_for_good([[maybe_unused]] const S& surface, const Ray& ray, Interval range) {
-  if constexpr (SurfaceWithEquation<S> && !SurfaceWithRoots<S> && !CompositeSurface<S> &&
-                requires { surface.is_left_by(ray); }) {
-    if (range.min != 0 || ray.transform != nullptr || !surface.is_left_by(ray)) return false;
-    if constexpr (!detail::is_quadratic<S>)
-      return true;
-    else {
-      const auto e = surface.equation(ray).without_root_at_0();
-      return e.is_certain && !(e.height > 0);
-    }
-  }
-  return false;
+  if constexpr (SurfaceWithEquation<S> && !SurfaceWithRoots<S> && !CompositeSurface<S>)
+    return range.min >= 0 && surface.is_left_by(ray) && (!detail::is_quadratic<S> || leaves_outward(ray));
+  else
+    return false;
 }
 
 /// Returns t of the first crossing of a ray with a surface inside a range, if there is one.

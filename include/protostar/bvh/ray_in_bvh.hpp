@@ -36,19 +36,6 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
   return 2 * (origin_error + distance * (direction_error / longest));
 }
 
-/// Returns true if a ray departs from a sphere and surely leads away from its center. Its other root, 2b/A,
-/// is then below 0: it hits neither that sphere nor one that coincides in t > 0.
-///
-/// With A = d·d, b = d·l and u = 2^-53, b is off by at most 4u √(A l·l) (docs/derivations.md, Dot products):
-/// less than 2^-50 times that root. In the range of squares that is asked for, nothing underflows.
-[[nodiscard, gnu::always_inline]] inline bool leaves_outward(const Ray& ray) {
-  if (ray.departure.kind != Departure::Kind::sphere || ray.transform != nullptr) return false;
-  const auto& [x, y, z, r] = ray.departure.geometry;
-  const Vec3 l = Point{x, y, z} - ray.origin;
-  const double b = dot(ray.direction, l), A = dot(ray.direction, ray.direction), ll = dot(l, l);
-  return b < 0 && b * b > 0x1p-100 * (A * ll) && 0x1p-150 < A && A < 0x1p150 && ll > 0x1p-700;
-}
-
 /// Returns the length by which primitives are widened for a ray that departs from a sphere, or that is
 /// rounded itself.
 ///

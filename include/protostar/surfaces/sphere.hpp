@@ -30,13 +30,6 @@ namespace detail {
 /// 6|b| + 2), wherever A < 2^150 and rounding is not larger still.
 inline constexpr double underflow_margin = 0x1p-900;
 
-/// Tests whether the square of a direction neither underflows nor takes products with it out of the range of
-/// double.
-template <class T>
-[[nodiscard, gnu::always_inline]] inline auto is_moderate_square(const T& A) {
-  return 0x1p-150 < A && A < 0x1p150;
-}
-
 }  // namespace detail
 
 /// Returns the equation in double, of one or more lines and one or more spheres.
@@ -78,11 +71,10 @@ template <class T>
 }
 
 /// Tests whether a line certainly starts outside the sphere and leads away from its center, so that it has no
-/// root above 0. The errors of b and c are at most 4u √(A w) and 7u w; underflow affects neither comparison.
+/// root above 0. The error of c is at most 7u w.
 template <class T, class C>
 [[nodiscard, gnu::always_inline]] inline auto surely_recedes(const RoundedQuadratic<T, C>& e) {
-  return detail::is_moderate_square(e.A) && e.c > 0x1p-50 * e.w && e.w > 0x1p-900 && e.b < 0.0 &&
-         e.b * e.b > 0x1p-100 * (e.A * e.w);
+  return e.c > 0x1p-50 * e.w && surely_leads_away(e.A, e.b, e.w);
 }
 
 /// Returns the certified roots of a line that starts close to the sphere, where c alone cancels, by c in
