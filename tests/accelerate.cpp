@@ -243,7 +243,7 @@ TEST_CASE("a ray whose origin is off the surface of its departure gets the plain
     Ray ray{sphere.center + (off * sphere.radius) * normal,
             i % 3 ? random.direction() : cross(normal, random.direction()) - 1e-9 * normal,
             sphere.departure()};
-    if (i % 4 < 2) ray.departure.in_scene = &sphere;  // as Intersection::leave sets it
+    if (i % 4 < 2) ray.departure.surface = &sphere;  // as Intersection::leave sets it
     for (const Interval range : {Interval{}, Interval{0, 1}, Interval{-1, 1}})
       CHECK(answers(fast, ray, range) == answers(scene, ray, range));
   }

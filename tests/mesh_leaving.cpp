@@ -394,7 +394,7 @@ TEST_CASE(
   const auto fast = accelerate(plain, {.threads = 1});
   const Mesh& mesh = plain.surfaces<Mesh>()[1];
   Ray ray{{-0x1p-28, 0.5, 0.5}, {0, -1, 0}, mesh.departure(1)};
-  ray.departure.in_scene = &mesh;  // as Intersection::leave sets it
+  ray.departure.surface = &mesh;  // as Intersection::leave sets it
   for (const auto& hit : {plain.intersect(ray), fast.intersect(ray)}) {
     REQUIRE(hit);
     CHECK(hit->t == 1);

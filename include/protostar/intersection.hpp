@@ -24,7 +24,7 @@ struct Crossing {
 };
 
 /// Table of functions for a surface whose type is erased; their first argument is the surface, which
-/// Departure::in_scene names. surface.hpp has one such table for each type.
+/// Departure::surface names. surface.hpp has one such table for each type.
 struct SurfaceFunctions {
   /// Returns the point of a moving surface that is at a place at a time, where it was made; the other
   /// functions take that. Null for surfaces that do not move.

@@ -28,9 +28,10 @@ struct Departure {
   /// others.
   const void* object = nullptr;
 
-  /// Surface that is left, by its address in a scene; null: any or none. An accelerated scene tests it apart
-  /// from its trees, since the digits of the origin may lie outside of its bounds.
-  const void* in_scene = nullptr;
+  /// Surface that is left, by its address: in a scene, or in the instance or moving surface that holds it and
+  /// for which the ray is mapped; null: any or none. An accelerated scene tests it apart from its trees,
+  /// since the digits of the origin may lie outside of its bounds.
+  const void* surface = nullptr;
 
   /// Kind sphere: center and |radius|; kind plane: normal and distance; kind rounded_plane: normal and
   /// distance of a plane that doubles may not hold, as in PlaneEquation (numeric/plane_through.hpp).
@@ -39,7 +40,7 @@ struct Departure {
   [[nodiscard]] bool is_planar() const { return kind == Kind::plane || kind == Kind::rounded_plane; }
 
   /// Returns true if a surface that recognizes itself by its address is left.
-  [[nodiscard]] bool is_from(const void* surface) const { return kind == Kind::object && object == surface; }
+  [[nodiscard]] bool is_from(const void* address) const { return kind == Kind::object && object == address; }
 
   /// Returns true if both are of one geometry; for planes and spheres neither object nor part counts. For
   /// planes the answer is exact if both equations are, which may be multiples of each other. If one is

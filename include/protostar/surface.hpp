@@ -67,7 +67,7 @@ template <Surface S>
     departure = surface.departure(part);
   else if constexpr (knows_departure<S>)
     departure = surface.departure();
-  departure.in_scene = &surface;
+  departure.surface = &surface;
   return departure;
 }
 

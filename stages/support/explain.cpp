@@ -29,7 +29,7 @@ RayRecord& ExplainedScene::begin(RayRecord::Query query, const Ray& ray, Interva
   record.query = query;
   record.ray = ray;
   record.range = range;
-  const std::size_t left = index_of(ray.departure.in_scene);
+  const std::size_t left = index_of(ray.departure.surface);
   if (left == surfaces_.size()) return record;
   record.left = left;
   // The departure of a solid that is made of solids counts the parts of one of them.

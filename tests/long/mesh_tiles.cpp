@@ -416,7 +416,7 @@ TEST_CASE("in a packet that leaves a mesh, each ray departs from its own triangl
   for (int lane = 0; lane < simd::double_lanes; ++lane) {
     CHECK(rays[lane].departure == mesh.departure(7 * lane));
     CHECK(turned[lane].departure == mesh.departure(7 * lane));
-    CHECK(turned[lane].departure.in_scene == &mesh);
+    CHECK(turned[lane].departure.surface == &mesh);
   }
 }
 

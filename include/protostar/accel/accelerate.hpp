@@ -197,7 +197,7 @@ class Accelerated<Scene<S...>> {
   template <class T>
   [[nodiscard]] std::uint32_t left_by(const Ray& ray) const {
     const auto& surfaces = scene_->template surfaces<T>();
-    const auto* const left = static_cast<const T*>(ray.departure.in_scene);
+    const auto* const left = static_cast<const T*>(ray.departure.surface);
     const std::less<const T*> before;
     if (left != nullptr && !before(left, surfaces.data()) && before(left, surfaces.data() + surfaces.size()))
       return static_cast<std::uint32_t>(left - surfaces.data());

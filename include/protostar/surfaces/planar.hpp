@@ -31,7 +31,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 [[nodiscard]] bool is_plane_left_by(const auto& rays, const auto& surface, const Point& position,
                                     const auto&... along) {
   return rays.departure.is_planar() && !surely_differs(rays.departure.geometry, position, along...) &&
-         (rays.departure.in_scene == &surface || rays.departure == surface.departure());
+         (rays.departure.surface == &surface || rays.departure == surface.departure());
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI
