@@ -40,7 +40,8 @@ class HitsAmongFew : public TileHits<S...> {
 
   /// Finds the closest hits of some rays by tests of all surfaces: ray(k) is the k-th, and its hit becomes
   /// *place(k), which is not initialized. The surface that a ray leaves is tested with that ray alone, and so
-  /// are those that coincide with it; planes are not crossed again. `everything` answers for rays in doubt.
+  /// are those that coincide with it, which digits of an origin far away are certainly off; planes are not
+  /// crossed again. `everything` answers for rays in doubt.
   void intersect_in_lanes(const Accelerated<Scene<S...>>& everything, std::size_t count, const auto& ray,
                           const auto& place) const {
     constexpr auto lanes = static_cast<std::size_t>(double_lanes);
