@@ -23,16 +23,16 @@ using Few = std::array<T, 8>;
 using FewNumbers = Few<double>;
 static_assert(simd::double_lanes <= 8);
 
-namespace detail {
+namespace simd {
 
 /// Returns the nearest whole number in each lane, the even one of two, for magnitudes below 2^50: the digits
 /// after the point do not fit into the sum.
-[[nodiscard]] inline simd::Doubles nearest_whole(simd::Doubles x) {
+[[nodiscard]] inline Doubles nearest_whole(Doubles x) {
   constexpr double shift = 0x1.8p52;
   return (x + shift) - shift;
 }
 
-}  // namespace detail
+}  // namespace simd
 
 /// Sine and cosine in each lane.
 struct SinesCosines {
@@ -42,13 +42,9 @@ struct SinesCosines {
 /// Returns sine and cosine of each angle, |angle| ≤ 7 and not −0, with the bits of sine_and_cosine.
 [[nodiscard]] inline SinesCosines sine_and_cosine_of_each(simd::Doubles angle) {
   using simd::Doubles;
-  const Doubles quarters = detail::nearest_whole(angle * Doubles(2 / detail::pi.hi));
-  const Doubles rest = fma(-quarters, detail::pi.lo / 2, fma(-quarters, detail::pi.hi / 2, angle));
-  const Doubles s = rest * rest;
-  const Doubles sine = fma(rest * s, detail::polynomial(detail::sine_terms, s), rest);
-  const Doubles cosine = fma(s, detail::polynomial(detail::cosine_terms, s), 1.0);
+  const auto [quarters, sine, cosine] = detail::ReducedAngle(angle);
   // Whole turns taken off, the quarters are from −2 to 2.
-  const Doubles left = quarters - 4.0 * detail::nearest_whole(0.25 * quarters);
+  const Doubles left = quarters - 4.0 * nearest_whole(0.25 * quarters);
   const auto is_odd = abs(left) == Doubles(1.0), is_half = abs(left) == Doubles(2.0);
   const Doubles first = select(is_odd, cosine, sine), second = select(is_odd, sine, cosine);
   return {select(is_half || left == Doubles(-1.0), -first, first),
@@ -58,13 +54,8 @@ struct SinesCosines {
 /// Returns the sine in each lane of angles from 0 to less than 3π/4, with the bits of sine_and_cosine: at
 /// 3π/4 the number of quarter turns, 1 below, becomes 2, and the sign would change.
 [[nodiscard]] inline simd::Doubles sine_of_each(simd::Doubles angle) {
-  using simd::Doubles;
-  const Doubles quarters = detail::nearest_whole(angle * Doubles(2 / detail::pi.hi));
-  const Doubles rest = fma(-quarters, detail::pi.lo / 2, fma(-quarters, detail::pi.hi / 2, angle));
-  const Doubles s = rest * rest;
-  const Doubles sine = fma(rest * s, detail::polynomial(detail::sine_terms, s), rest);
-  const Doubles cosine = fma(s, detail::polynomial(detail::cosine_terms, s), 1.0);
-  return select(quarters == Doubles(1.0), cosine, sine);
+  const auto [quarters, sine, cosine] = detail::ReducedAngle(angle);
+  return select(quarters == simd::Doubles(1.0), cosine, sine);
 }
 
 /// Returns the angle in each lane of y ≥ 0 and x, with the bits of polar_angle.
@@ -75,10 +66,8 @@ struct SinesCosines {
   const Doubles low = select(is_steep, abs(x), y), high = select(is_steep, y, abs(x));
   const Doubles ratio = low / high;
   const auto is_number = ratio <= Doubles(1.0);
-  const Doubles eighths = select(is_number, detail::nearest_whole(8.0 * ratio), Doubles(0.0));
-  const Doubles part = eighths / 8.0;
-  const Doubles z = fma(-high, part, low) / fma(low, part, high), s = z * z;
-  const Doubles series = fma(z * s, detail::polynomial(detail::arc_tangent_terms, s), z);
+  const Doubles eighths = select(is_number, nearest_whole(8.0 * ratio), Doubles(0.0));
+  const Doubles series = detail::arc_tangent_beyond(Doubles(eighths / 8.0), low, high);
   const Doubles at_eighths =
       Doubles::of_each([&](int lane) { return table[static_cast<int>(eighths[lane])].hi; });
   Doubles angle = at_eighths + series;
