@@ -267,6 +267,15 @@ template <Surface S>
     return certified_roots(surface, ray);
 }
 
+/// Returns the first of the crossings that a composite surface visits, for one that finds all at once.
+[[nodiscard]] std::optional<Crossing> first_of_all(const auto& surface, const Ray& ray, Interval range) {
+  std::optional<Crossing> first;
+  surface.each_crossing(ray, range, [&](const Crossing& crossing) {
+    if (!first) first = crossing;
+  });
+  return first;
+}
+
 /// Returns the first crossing of a ray with a surface inside a range, if there is one.
 template <Surface S>
 [[nodiscard]] std::optional<Crossing> first_crossing(const S& surface, const Ray& ray, Interval range) {

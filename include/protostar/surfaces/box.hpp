@@ -46,11 +46,7 @@ struct Box {
   }
 
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
-    std::optional<Crossing> first;
-    each_crossing(ray, range, [&](const Crossing& crossing) {
-      if (!first) first = crossing;
-    });
-    return first;
+    return first_of_all(*this, ray, range);
   }
 
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {

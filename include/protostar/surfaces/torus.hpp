@@ -67,11 +67,7 @@ struct Torus {
 
   /// Returns the first crossing in the range.
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
-    std::optional<Crossing> first;
-    each_crossing(ray, range, [&](const Crossing& crossing) {
-      if (!first) first = crossing;
-    });
-    return first;
+    return first_of_all(*this, ray, range);
   }
 
   /// Calls visit(const Crossing&) for all crossings in the range, near to far. A touch is two.
