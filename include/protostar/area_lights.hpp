@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "irradiance.hpp"
+#include "light.hpp"
 #include "light_at_hit.hpp"
 #include "prepared_scene.hpp"
 #include "sampling/solid_angle.hpp"
@@ -244,6 +245,22 @@ class AreaLights {
   /// Throws std::logic_error if a scene, or a view of it, is not the one of these lights, or has other
   /// surfaces than when they were made.
   void require(const auto& scene) const { scene_.require(scene, "AreaLights"); }
+
+  /// Returns the radiance of a matte surface, L_e + ρ/π · Σ E, with its emission L_e and its color as the
+  /// albedo ρ. irradiance_of(light) is E of a Light of the scene, and share_of(light) E/π of an AreaLight of
+  /// the radiance 1. Throws std::logic_error as require does.
+  [[nodiscard]] Color matte_radiance(const Intersection& hit, const auto& scene, const auto& irradiance_of,
+                                     const auto& share_of) const {
+    require(scene);
+    const Material& material = hit.material();
+    const Color albedo = hit.color();
+    if (is_black(albedo)) return material.emission;
+    Color light = ambient_of(scene);
+    for (const Light& one : scene.lights()) light += irradiance_of(one);
+    light *= to_float(1 / std::numbers::pi);
+    for (const AreaLight& one : lights_) light += one.emission() * to_float(share_of(one));
+    return clamped(material.emission + albedo * clamped(light));
+  }
 
  private:
   template <class T>

@@ -44,19 +44,12 @@ struct DistanceShadowIntegrator : FirstHit<DistanceShadowIntegrator> {
 
   /// Throws std::logic_error if the scene is not the one of the lights.
   [[nodiscard]] Color shade(const Intersection& hit, const auto& scene) const {
-    lights.require(scene);
-    const Material& material = hit.material();
-    const Color albedo = hit.color();
-    if (is_black(albedo)) return material.emission;
-    Color light = ambient_of(scene);
-    for (const Light& one : scene.lights()) light += visible_irradiance(scene, hit, one);
-    light *= to_float(1 / std::numbers::pi);
-    for (const AreaLight& one : lights.lights()) {
-      const double all = one.unoccluded_irradiance(hit);
-      if (!(all > 0)) continue;
-      light += one.emission() * to_float(all / std::numbers::pi * seen_share(hit.point(), *one.sphere()));
-    }
-    return clamped(material.emission + albedo * clamped(light));
+    return lights.matte_radiance(
+        hit, scene, [&](const Light& one) { return visible_irradiance(scene, hit, one); },
+        [&](const AreaLight& one) {
+          const double all = one.unoccluded_irradiance(hit);
+          return all > 0 ? all / std::numbers::pi * seen_share(hit.point(), *one.sphere()) : 0;
+        });
   }
 
   /// Returns the share V of a lamp that seems to be seen from a point, from 0 to 1.

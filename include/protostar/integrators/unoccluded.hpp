@@ -1,6 +1,8 @@
 // Shows diffuse surfaces in the light of surfaces that emit it, without shadows and without noise.
 #pragma once
 
+#include <numbers>
+
 #include "../area_lights.hpp"
 #include "../render.hpp"
 
@@ -21,19 +23,13 @@ struct UnoccludedIntegrator : FirstHit<UnoccludedIntegrator> {
 
   /// Throws std::logic_error if the scene is not the one of the lights.
   [[nodiscard]] Color shade(const Intersection& hit, const auto& scene) const {
-    lights.require(scene);
-    const Material& material = hit.material();
-    const Color albedo = hit.color();
-    if (is_black(albedo)) return material.emission;
-    Color light = ambient_of(scene);
-    for (const Light& one : scene.lights()) {
-      const Vec3 to_light = one.towards(hit.point());
-      light += one.received(to_light, hit.height(to_light));
-    }
-    light *= to_float(1 / std::numbers::pi);
-    for (const AreaLight& one : lights.lights())
-      light += one.emission() * to_float(one.unoccluded_irradiance(hit) / std::numbers::pi);
-    return clamped(material.emission + albedo * clamped(light));
+    return lights.matte_radiance(
+        hit, scene,
+        [&](const Light& one) {
+          const Vec3 to_light = one.towards(hit.point());
+          return one.received(to_light, hit.height(to_light));
+        },
+        [&](const AreaLight& one) { return one.unoccluded_irradiance(hit) / std::numbers::pi; });
   }
 };
 
