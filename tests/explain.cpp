@@ -313,6 +313,11 @@ TEST_CASE(
        "--pixel 330,200",
        {"\"field\": ", "\"power\": [", "\"color\": ["},
        {"/field is ", "/radiance/0 is ", "/radiance/0 is "}},
+      // Paths that end at the lamp, which asks for no numbers.
+      {"25_cornell",
+       "--size 160x120 --pixel 99,108 --samples 2",
+       {"\"emission\": ["},
+       {"/material/emission/0 is "}},
       {"23_ambient_occlusion",
        "--pixel 320,400 --samples 1",
        {"\"query\": \"any\"...\"direction\": ["},
@@ -328,6 +333,14 @@ TEST_CASE(
 #if __has_include(<nlohmann/json.hpp>)
   rows.push_back({"render", scene_path("environment") + " --pixel 5,5", {"\"color\": ["}});
   rows.push_back({"render", scene_path("torus") + " --pixel 330,260", {"\"radius\": ", "\"tube\": "}});
+  // Under total reflection, the share that is refracted has no effect: only other hits of that glass tell it.
+  rows.push_back({"render",
+                  PROTOSTAR_SOURCE_DIR "/tests/explain/normal_maps.json --pixel 43,105",
+                  {"\"refract\": 0.6...\"refract\": 0."},
+                  {"/rays/2/hit/material/refract is "}});
+#endif
+#if __has_include(<tiny_obj_loader.h>)
+  rows.push_back({"17_mesh", "--pixel 300,260", {"\"normal_b\": ["}, {"/primitive/normal_b/0 is "}});
 #endif
   for (const auto& [program, arguments, keys, messages] :
        of_built_stages(rows, [](const Row& row) { return row.program; })) {

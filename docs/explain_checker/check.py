@@ -24,6 +24,7 @@ class Check(Rays, Hits, Lights, Radiance, Chance, Paths):
         self.file = file
         self.given = set()
         self.images = Images()
+        self.materials = {}  # of the surfaces that were hit
 
     def run(self):
         f = self.file

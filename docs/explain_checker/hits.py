@@ -20,8 +20,7 @@ class Hits:
         part = one["parts"][i].whole()
         hit["part"].must_be(part)
         if "primitive" in hit and isinstance(surface, Mesh):
-            for name, corner in zip("abc", surface.triangle(part).corners):
-                hit["primitive"][name].must_equal(corner)
+            surface.check_primitive(hit["primitive"], part)
         t = hit["t"].number()
         right = add(line.origin, times(t, line.direction))
         hit["point"].must_be_near_vector(
@@ -43,6 +42,8 @@ class Hits:
             self.check_uv(hit, surface, point, part)
         if "normal_map" in hit:
             self.check_normal_map(hit, surface, point, part)
+        # A surface has one material. Each hit tells which pixel of its image is there.
+        hit["material"].must_agree(self.materials.setdefault(surface, hit["material"]), ("column", "row"))
         self.check_color(hit)
         return hit
 

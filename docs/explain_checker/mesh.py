@@ -73,6 +73,13 @@ class Mesh:
             self.triangles[part] = Triangle.of(of(self.vertices), of(self.normals), of(self.uvs))
         return self.triangles[part]
 
+    def check_primitive(self, primitive, part):
+        """Checks a triangle that a hit tells, with what its corners have."""
+        triangle = self.triangle(part)
+        for name, of_corners in (("", triangle.corners), ("normal_", triangle.normals), ("uv_", triangle.uvs)):
+            for corner, right in zip("abc", of_corners or ()):
+                primitive[name + corner].must_equal(right)
+
     def departure(self, part):
         return Departure("plane", self.triangle(part).departure(0).geometry, self, part)
 

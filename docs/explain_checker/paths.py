@@ -250,8 +250,10 @@ class Paths:
             rays = InOrder(ray["rays"])
             if bounces >= self.depth:
                 return rays.must_end()
-            numbers = self.numbers_of_set(sample, bounces)
             shares = LobeShares(at)
+            if not shares.whole:  # as most lamps, which need no numbers
+                return rays.must_end()
+            numbers = self.numbers_of_set(sample, bounces)
             if at.glossy and shares.whole:
                 at.glossy_probability = shares.glossy / shares.whole
             if at.reflects():

@@ -109,6 +109,22 @@ class Value:
                 x.refuse(x.number(), y)
 
 
+    def must_agree(self, other, but=()):
+        """Checks that this is as another value of the file, but for members of these names."""
+        if type(self.data) is not type(other.data) or \
+                isinstance(self.data, (dict, list)) and len(self.data) != len(other.data):
+            raise Wrong(self.at(f"is not as in line {other.line}"))
+        if isinstance(self.data, dict):
+            for name, value in self.data.items():
+                if name not in but:
+                    value.must_agree(other[name], but)
+        elif isinstance(self.data, list):
+            for mine, its in zip(self.data, other.data):
+                mine.must_agree(its, but)
+        elif self.data != other.data:
+            self.refuse(self.data, other.data)
+
+
 def shown(x):
     if isinstance(x, Fraction):
         return repr(float(x)) if abs(x) < 2**1023 else str(x)
