@@ -1,4 +1,4 @@
-// Draws the soft shadows of balls and a post in the light of two spheres (a next step after §2.4).
+// Draws the soft shadows of balls and a post in the light of two spheres (§5).
 #include <protostar/integrators/direct.hpp>
 #include <protostar/render.hpp>
 

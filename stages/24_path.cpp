@@ -1,4 +1,4 @@
-// Draws a yard at dusk with all light, from surface to surface, by paths (a next step after §2.4).
+// Draws a yard at dusk with all light, from surface to surface, by paths (§6).
 #include <protostar/integrators/path.hpp>
 #include <protostar/render.hpp>
 
