@@ -377,6 +377,22 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("the checker refuses a glossy color without what blurs it, as a black one has none") {
+  const TemporaryFolder folder;
+  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
+    return;  // there is no Python
+  REQUIRE(run_stage("19_soft_shadows", "--size 160x120 --pixel 42,53 --samples 1 --explain a.json --quiet",
+                    folder)
+              .status == 0);
+  std::string text = bytes_of(folder / "a.json");
+  const std::string black = "\"glossy\": [0, 0, 0]";
+  REQUIRE(text.find(black) != std::string::npos);
+  put_bytes(folder / "b.json", text.replace(text.find(black), black.size(), "\"glossy\": [0, 0.5, 0]"));
+  const Outcome wrong = run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""});
+  CHECK(wrong.status == 1);
+  CHECK_THAT(wrong.err, ContainsSubstring("/material/glossy must be black"));
+}
+
 #if __has_include(<tiny_obj_loader.h>)
 TEST_CASE("an explanation has all triangles of a mesh, and the checker finds those that a ray crosses") {
   const TemporaryFolder folder;

@@ -128,6 +128,8 @@ class GlossyAt:
     """A glossy lobe around the shading normal of a hit, or around the surface's own where that faces away."""
 
     def __init__(self, material, d, own, normal):
+        if "blur" not in material:
+            raise Wrong(material["glossy"].at("must be black, or the file tells what blurs it"))
         blur = material["blur"].word()
         if blur not in ("ggx", "phong"):
             raise Wrong(material["blur"].at("must be ggx or phong"))
