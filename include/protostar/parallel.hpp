@@ -46,16 +46,24 @@ inline void require_threads(const RenderOptions& options) {
                                 std::to_string(options.threads));
 }
 
+/// True if threads can be started: not by WebAssembly without memory that they share.
+#if defined(__EMSCRIPTEN__) && !defined(__EMSCRIPTEN_PTHREADS__)
+inline constexpr bool has_threads = false;
+#else
+inline constexpr bool has_threads = true;
+#endif
+
 /// Calls work(i) for every i in [0, count), by as many threads as the options say, with their progress and
 /// stop. Threads take one i after the other, so that none waits for another. The first exception ends all of
 /// them and is thrown in the caller's thread. If the options leave the number to the machine, the threads
 /// that can be started share the work; if a number that was asked for cannot be started, std::system_error is
-/// thrown.
+/// thrown. Without has_threads, the caller's thread does all work, whatever the options say.
 [[gnu::cold]] inline void for_each_in_parallel(int count, const RenderOptions& options,
                                                FunctionRef<void(int)> work) {
   require_threads(options);
-  const int thread_count =
-      options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
+  const int thread_count = !has_threads          ? 1
+                           : options.threads > 0 ? options.threads
+                                                 : static_cast<int>(std::thread::hardware_concurrency());
 
   std::atomic<int> next = 0, done = 0;
   std::exception_ptr failure;
