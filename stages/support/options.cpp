@@ -227,11 +227,11 @@ ShardNumber read_shard(std::string_view text) {
 }
 
 /// Refuses options that make no sense with a shard or a checkpoint, and .shard files of whole pictures.
-void check_parts(const std::function<bool(const char*)>& given, const Options& options) {
+void check_parts(const CommandLine& line, const Options& options) {
   for (const char* const part : {"--shard", "--checkpoint"})
     for (const char* const other :
          {"--pixel", "--error", "--time", "--every-pixel", "--noise", "--max-samples"})
-      if (given(part) && given(other))
+      if (line.given(part) && line.given(other))
         throw UsageError(std::string(part) + " excludes " + other +
                          (other == std::string_view("--pixel")
                               ? ", which draws nothing"
@@ -241,8 +241,8 @@ void check_parts(const std::function<bool(const char*)>& given, const Options& o
     refuse("--shard", output, "a .shard file, which -o has to name");
   if (!options.shard && ends_in(output, ".shard"))
     refuse("-o", output, "the file of a picture, but of a part of one, which --shard I/N asks for");
-  if (given("--checkpoint") && options.checkpoint.empty()) refuse("--checkpoint", "", "the name of a file");
-  if (given("--checkpoint") && options.checkpoint == options.output)
+  if (line.given("--checkpoint") && options.checkpoint.empty()) refuse("--checkpoint", "", "the name of a file");
+  if (line.given("--checkpoint") && options.checkpoint == options.output)
     refuse("--checkpoint", output, "another file than that of -o");
 }
 
@@ -341,14 +341,12 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
                     options.numbers[i].help + " [" + in_digits(options.numbers[i].value, 6) + "]");
   line.add_flag("--quiet", options.quiet, "Print nothing but errors");
 
-  const auto given = [&line](const char* option) { return line.given(option); };
-
   try {
     if (!line.read(argc, argv)) return std::nullopt;
     options.output = output;
-    if (given("--shard")) options.shard = read_shard(shard);
+    if (line.given("--shard")) options.shard = read_shard(shard);
     options.checkpoint = checkpoint;
-    check_parts(given, options);
+    check_parts(line, options);
     options.format = options.shard ? Options::Format::shard : format_of(options.output, "-o");
     const std::optional<Transfer> own_transfer = file.read(line, options);
     std::optional<Size> own_size;
@@ -359,18 +357,18 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     std::optional<int> own_samples;
     double own_timeout = 0;
     if (line.given("--size")) own_size = read_size(size);
-    if (given("--crop")) part = read_crop(crop);
-    if (given("--pixel")) own_pixel = read_pixel(pixel);
+    if (line.given("--crop")) part = read_crop(crop);
+    if (line.given("--pixel")) own_pixel = read_pixel(pixel);
     for (const auto& [option, name] : {std::pair{"--explain", explain}, {"--rays", rays}})
-      if (given(option) && !own_pixel)
+      if (line.given(option) && !own_pixel)
         throw UsageError(std::string(option) + " requires --pixel X,Y, which names the pixel");
-    if (given("--explain")) check_name("--explain", explain, {".json"});
-    if (given("--rays")) check_name("--rays", rays, {".svg", ".obj"});
+    if (line.given("--explain")) check_name("--explain", explain, {".json"});
+    if (line.given("--rays")) check_name("--rays", rays, {".svg", ".obj"});
     options.explain = explain;
     options.rays = rays;
-    if (given("--integrator"))
+    if (line.given("--integrator"))
       own_integrator = read_name("--integrator", integrator, protostar::integrator_names);
-    if (given("--show")) {
+    if (line.given("--show")) {
       std::vector<std::string> names = defaults.shows;
       names.insert(names.begin(), defaults.integrator);
       own_integrator = read_name("--show", integrator, names);
@@ -389,7 +387,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     if (line.given("--threads"))
       options.threads = read_whole(
           "--threads", threads, [](int n) { return n >= 0; }, "a whole number of at least 0");
-    if (given("--timeout")) own_timeout = read_timeout(timeout);
+    if (line.given("--timeout")) own_timeout = read_timeout(timeout);
     for (std::size_t i = 0; i < numbers.size(); ++i)
       if (line.given(options.numbers[i].name))
         options.numbers[i].value =
@@ -423,7 +421,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     check_sums(options);
     if (options.shard || !options.checkpoint.empty())
       options.scene = settings.fingerprint ? settings.fingerprint() : program;
-    if (given("--timeout"))
+    if (line.given("--timeout"))
       options.timeout = own_timeout;
     else if (of_scene)
       options.timeout = seconds_a_pixel * pixels_drawn(options);
