@@ -16,7 +16,7 @@ void Progress::show(double done, const std::string& note) {
   std::string text = percent.data() + note;
   if (text == shown_) return;
   const std::size_t rest = shown_.size() > text.size() ? shown_.size() - text.size() : 0;
-  std::fprintf(stderr, "\r%s%s", text.c_str(), std::string(rest, ' ').c_str());
+  std::fputs(("\r" + text + std::string(rest, ' ')).c_str(), stderr);
   std::fflush(stderr);
   shown_ = std::move(text);
 }
@@ -24,7 +24,7 @@ void Progress::show(double done, const std::string& note) {
 void Progress::clear() {
   if (shown_.empty()) return;
   const std::string blank(shown_.size() + 2, ' ');  // clears the two characters of a ^C too
-  std::fprintf(stderr, "\r%s\r", blank.c_str());
+  std::fputs(("\r" + blank + "\r").c_str(), stderr);
   std::fflush(stderr);
   shown_.clear();
 }

@@ -261,7 +261,7 @@ double Stage::number(const std::string& option) const {
 
 void Stage::print(const std::string& line) const {
   if (stop_.stop_requested() || options_.quiet) return;
-  std::fprintf(is_stdout(options_.output) ? stderr : stdout, "%s\n", shown(line).c_str());
+  std::fputs((shown(line) + "\n").c_str(), is_stdout(options_.output) ? stderr : stdout);
 }
 
 int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::function<void(Stage&)>& draw) {

@@ -39,8 +39,9 @@ class TileRenderer {
   using Target = protostar::detail::SampleTarget;
 
   /// Borrows what the target does, the scene, the integrator and the statistics.
-  TileRenderer(const Target& target, const Camera& camera, const Accelerated<Scene<S...>>& scene,
-               const I& integrator, const RenderOptions& options)
+  [[gnu::cold]] TileRenderer(const Target& target, const Camera& camera,
+                             const Accelerated<Scene<S...>>& scene, const I& integrator,
+                             const RenderOptions& options)
       : target_(target),
         scene_(scene),
         integrator_(integrator),
