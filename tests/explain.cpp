@@ -277,7 +277,8 @@ TEST_CASE(
 
 TEST_CASE(
     "an explanation has the steps of a naive stage, fields, hits in colored glass, light by chance and the "
-    "pixels of an environment, and the checker computes them") {
+    "pixels of an environment, and the checker computes them",
+    "[long]") {
   const TemporaryFolder folder;
   if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
     return;  // there is no Python
