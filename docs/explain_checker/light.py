@@ -51,6 +51,22 @@ def shading_normal(hit):
     return (hit["normal_map"]["facing_shading_normal"] if "normal_map" in hit else hit["facing_normal"]).vector()
 
 
+def mirroring_normal(hit, d):
+    """Returns the shading normal, or the surface's own where a normal map would mirror the ray into the surface."""
+    own, normal = hit["facing_normal"].vector(), shading_normal(hit)
+    return normal if dot(own, mirror(d, normal)) > 0 else own
+
+
+def passage(hit, d):
+    """Returns whether a ray along d passes a hit, its direction behind it, the square of the cosine of its angle there,
+    and the ratio of the indices of refraction. With a normal map, light may bend back to the side from which it comes,
+    and does not pass then."""
+    own, ior = hit["facing_normal"].vector(), hit["material"]["ior"].number()
+    enters = hit["normal"].vector() == own
+    bent, square, ratio = refracted(d, mirroring_normal(hit, d), 1 / ior if enters else ior)
+    return square >= 0 and (dot(own, bent) < 0 or "normal_map" not in hit), bent, square, ratio
+
+
 def angles_of(surface, part):
     """Returns which of u and v are angles, of which 0 is 1: 0 for u, 1 for v."""
     if isinstance(surface, (Instance, Moving)):

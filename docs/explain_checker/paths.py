@@ -8,7 +8,7 @@ from fractions import Fraction
 from .area_lights import AreaLights, NoDirections
 from .chance import Choice, DOUBT, fresnel, SURE_BOUNCES
 from .exact import BLACK, dot, f32, product32, root
-from .light import mirror, refracted
+from .light import mirror, mirroring_normal, passage
 from .lobes import CLOSE, floats, heuristic, Reflector
 from .values import U, Wrong
 from .warps import cosine_direction
@@ -356,12 +356,10 @@ class LobeShares:
             direction, error, density, weight = at.glossy.sample(u, v)
             return direction, error, of(weight, self.glossy), density * self.glossy / self.whole, \
                 at.glossy.is_grazing(direction)
-        normal = at.normal if dot(own, mirror(d, at.normal)) > 0 else own
+        normal = mirroring_normal(at.hit, d)
         if choice.decide(self.mirror / sharp):
             return mirror(d, normal), 64 * U, of([self.mirror] * 3, self.mirror), None, False
-        ior = at.material["ior"].number()
-        bent, square, ratio = refracted(d, normal, 1 / ior if at.hit["normal"].vector() == own else ior)
-        passes = square >= 0 and (dot(own, bent) < 0 or not at.is_mapped)
+        passes, bent, square, ratio = passage(at.hit, d)
         reflectance = fresnel(-dot(normal, d), -dot(normal, bent), ratio) if passes else Fraction(1)
         factor = of([self.glass] * 3, self.glass)
         if choice.decide(reflectance):

@@ -1,8 +1,8 @@
 """The light along a ray, by the formulas of the integrators that use no chance."""
 from fractions import Fraction
 
-from .exact import BLACK, clamped, dot, f32, f64, product32, root, sum32, unit
-from .light import mirror, refracted, shading_normal, times_float
+from .exact import BLACK, clamped, f32, f64, product32, root, sum32, unit
+from .light import mirror, mirroring_normal, passage, times_float
 from .values import U, Wrong
 
 
@@ -55,20 +55,12 @@ class Radiance:
         lit, used = self.check_lights(ray, hit, line)
         for own in lit:
             light = sum32(light, own["share"].vector())
-        d, own, normal = unit(line.direction), hit["facing_normal"].vector(), shading_normal(hit)
-        # Where a normal map would mirror the ray into the surface, the surface's own normal counts.
-        if dot(own, mirror(d, normal)) <= 0:
-            normal = own
-        following = []
+        d, following = unit(line.direction), []
         if material["reflect"].number() > 0:
-            following.append(("reflect", mirror(d, normal), 0))
+            following.append(("reflect", mirror(d, mirroring_normal(hit, d)), 0))
         if material["refract"].number() > 0:
-            enters = hit["normal"].vector() == own
-            ior = material["ior"].number()
-            ratio = 1 / ior if enters else ior
-            bent, square, ratio = refracted(d, normal, ratio)
-            # With a normal map, light may bend back to the side from which it comes, and does not pass then.
-            if square >= 0 and (dot(own, bent) < 0 or "normal_map" not in hit):
+            passes, bent, square, ratio = passage(hit, d)
+            if passes:
                 # Near total reflection the square root magnifies the errors of the square.
                 following.append(("refract", bent, 64 * U * (1 + ratio**2) / (root(square) + Fraction(1, 2**26))))
         skies = 0
