@@ -20,14 +20,14 @@ using namespace protostar;
 
 namespace {
 
-using PlainNumber = Plain<double>;
+using PlainDouble = Plain<double>;
 
 /// Evaluates the operations of a tape at a point.
 double value_of(const FieldTape& tape, const Point& p) {
-  std::vector<PlainNumber> results;
+  std::vector<PlainDouble> results;
   for (const auto& [name, of, number] : tape.operations()) {
     const auto operand = [&, &of = of](std::size_t i) { return results.at(of.at(i)); };
-    const auto result = [&, name = name, &of = of, number = number]() -> PlainNumber {
+    const auto result = [&, name = name, &of = of, number = number]() -> PlainDouble {
       if (name == "x") return p.x;
       if (name == "y") return p.y;
       if (name == "z") return p.z;
@@ -51,8 +51,8 @@ double value_of(const FieldTape& tape, const Point& p) {
       if (name == "log") return log(operand(0));
       if (name == "smooth_min") return smooth_min(operand(0), operand(1), number);
       REQUIRE(name == "length");
-      if (of.size() == 2) return length(Vec2<PlainNumber>{operand(0), operand(1)});
-      return length(FieldPoint<PlainNumber>{operand(0), operand(1), operand(2)});
+      if (of.size() == 2) return length(Vec2<PlainDouble>{operand(0), operand(1)});
+      return length(FieldPoint<PlainDouble>{operand(0), operand(1), operand(2)});
     };
     results.push_back(result());
   }
