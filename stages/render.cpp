@@ -1,5 +1,6 @@
 // Draws a scene file (docs/scene-format.md).
 #include "support/scene_pictures.hpp"
+#include "support/shared_render.hpp"
 #include "support/stage.hpp"
 
 using namespace protostar;

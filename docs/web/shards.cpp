@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "stages/support/shard_number.hpp"
+#include "stages/support/shared_render.hpp"
 #include "stages/support/stage.hpp"
 
 ShardNumber read_shard_number(std::string_view) {
@@ -19,3 +20,5 @@ void Stage::share(StageRenderOptions&) const {}
 std::string Stage::save_shared() const { return {}; }
 
 void Stage::end_shared() {}
+
+std::string fingerprint_of(const std::vector<std::filesystem::path>&) { return {}; }
