@@ -8,6 +8,7 @@
 #include "../image.hpp"
 #include "../sampling/exact_lanes.hpp"
 #include "../sampling/sample_target.hpp"
+#include "../simd/prefetch.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/store_lanes.hpp"
 #include "packet.hpp"
@@ -58,6 +59,13 @@ struct PacketSums {
   /// Returns the sum in a lane.
   [[nodiscard]] ExactColorSum operator[](int lane) const { return {{r[lane], g[lane], b[lane]}}; }
 };
+
+/// Prefetches the pixels of a packet, which will be set after other work.
+inline void prefetch_packet(Image& image, const Tile& tile, int x, int y) {
+  const auto* const pixels = reinterpret_cast<const char*>(&image(x, y));
+  const auto bytes = sizeof(Color) * static_cast<std::size_t>(std::min(double_lanes, tile.x1 - x));
+  prefetch_to_write(pixels), prefetch_to_write(pixels + bytes - 1);
+}
 
 /// Sets the colors of a packet's pixels, as far as these are in the tile. The packet begins at pixel (x, y).
 inline void set_packet(Image& image, const Tile& tile, int x, int y, const Colors& colors) {

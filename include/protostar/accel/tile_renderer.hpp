@@ -266,6 +266,7 @@ class TileRenderer {
         return add(part, x, y, i, found[count], shade_seen(seen, any_rays, view), work);
       }
       if (candidates_.are_from_bvh() && is_known) view.prefetch_seen(by_packet.indices);
+      if (keeps_light_) prefetch_packet(*target_.image(), part, x, y);
       rays_.find(x, y, i, found[count]);
       open[count++] = {x, y};
     });

@@ -24,6 +24,14 @@ void prefetch([[maybe_unused]] const void* address) {
 #endif
 }
 
+/// Prefetches an address that will be written.
+inline void prefetch_to_write([[maybe_unused]] const void* address) {
+#if defined(__GNUC__)
+  __builtin_prefetch(address, 1, 3);
+  asm volatile("");
+#endif
+}
+
 /// Prefetches an object, in all its lines of the cache.
 template <class T>
 void prefetch_whole(const T& object) {
