@@ -241,7 +241,8 @@ void check_parts(const CommandLine& line, const Options& options) {
     refuse("--shard", output, "a .shard file, which -o has to name");
   if (!options.shard && ends_in(output, ".shard"))
     refuse("-o", output, "the file of a picture, but of a part of one, which --shard I/N asks for");
-  if (line.given("--checkpoint") && options.checkpoint.empty()) refuse("--checkpoint", "", "the name of a file");
+  if (line.given("--checkpoint") && options.checkpoint.empty())
+    refuse("--checkpoint", "", "the name of a file");
   if (line.given("--checkpoint") && options.checkpoint == options.output)
     refuse("--checkpoint", output, "another file than that of -o");
 }
