@@ -1,4 +1,4 @@
-// Cameras with a lens: their rays, pictures by tiles, culling, and the blur of an edge out of focus.
+// Cameras with a lens: their rays, and culling. long/lens_pictures.cpp has pictures.
 #include <algorithm>
 #include <cmath>
 #include <protostar/accel/candidates.hpp>

@@ -1,5 +1,5 @@
-// Surfaces and cameras that move while the shutter is open: crossings, departures, pictures by tiles and
-// trees, culling, and the blur of an edge in motion.
+// Surfaces and cameras that move while the shutter is open: crossings, departures, and culling.
+// long/moving_pictures.cpp has pictures.
 #include <protostar/surfaces/moving.hpp>
 
 #include <algorithm>

@@ -46,7 +46,7 @@ inline void require_threads(const RenderOptions& options) {
                                 std::to_string(options.threads));
 }
 
-/// True if threads can be started: not by WebAssembly without memory that they share.
+/// Whether a program can start threads: WebAssembly without shared memory cannot.
 #if defined(__EMSCRIPTEN__) && !defined(__EMSCRIPTEN_PTHREADS__)
 inline constexpr bool has_threads = false;
 #else

@@ -39,9 +39,10 @@ class HitsAmongFew : public TileHits<S...> {
   static constexpr std::size_t fewest_in_lanes = 3;
 
   /// Finds the closest hits of some rays by tests of all surfaces: ray(k) is the k-th, and its hit becomes
-  /// *place(k), which is not initialized. The surface that a ray leaves is tested with that ray alone, and so
-  /// are those that coincide with it, which digits of an origin far away are certainly off; planes are not
-  /// crossed again. `everything` answers for rays in doubt.
+  /// *place(k), which is not initialized. The surface that a ray leaves is tested with that ray alone, which
+  /// knows its departure, and so is each surface that coincides with it: far from the scene's origin, the
+  /// rounded origin of the ray is certainly off that surface, and a test in lanes would be sure of a wrong
+  /// hit. Planes are not crossed again. `everything` answers for rays in doubt.
   void intersect_in_lanes(const Accelerated<Scene<S...>>& everything, std::size_t count, const auto& ray,
                           const auto& place) const {
     constexpr auto lanes = static_cast<std::size_t>(double_lanes);
