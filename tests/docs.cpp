@@ -83,7 +83,7 @@ std::string quoted(const fs::path& path) {
 }
 
 /// Runs a program through the shell; returns its exit status, or −1 if it did not exit.
-int run(const fs::path& program, const std::string& arguments) {
+int run_script(const fs::path& program, const std::string& arguments) {
   const int status = std::system((quoted(program) + " " + arguments).c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
@@ -102,7 +102,8 @@ class Project {
 
   /// Runs the script, whose output is then in said(); returns its exit status.
   [[nodiscard]] int embed_code(const std::string& argument = "") const {
-    return run(folder_ / "docs/embed_code", argument + " > " + quoted(folder_ / "output.txt") + " 2>&1");
+    return run_script(folder_ / "docs/embed_code",
+                      argument + " > " + quoted(folder_ / "output.txt") + " 2>&1");
   }
   [[nodiscard]] std::string said() const { return file("output.txt"); }
 
@@ -134,7 +135,7 @@ const std::string embedded_header =
 
 TEST_CASE("the code in README.md and docs/ is that of its source files") {
   INFO("run docs/embed_code");
-  CHECK(run(repository / "docs" / "embed_code", "--check") == 0);
+  CHECK(run_script(repository / "docs" / "embed_code", "--check") == 0);
 }
 
 TEST_CASE("docs/embed_code puts a file, a type, a function or a member between its marks") {

@@ -25,7 +25,7 @@ std::string golden(const std::string& name) { return source_dir + "/tests/golden
 std::string quoted(const std::string& word) { return "'" + word + "'"; }
 
 /// Runs a shell command in a folder, with its output in output.txt there; returns its exit status, or −1.
-int run(const TemporaryFolder& folder, const std::string& line) {
+int run_line(const TemporaryFolder& folder, const std::string& line) {
   const std::string all = "cd " + quoted((folder / "").string()) + " && (" + line + ") > output.txt 2>&1";
   const int status = std::system(all.c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
@@ -90,7 +90,7 @@ bool takes_seconds(const Golden& picture) {
 void check_drawn(const Golden& picture) {
   INFO(picture.name);
   const TemporaryFolder folder;
-  REQUIRE(run(folder, command(picture)) == 0);
+  REQUIRE(run_line(folder, command(picture)) == 0);
   check_equal(read_image((folder / "out.ppm").string()), read_image(golden(picture.name)));
 }
 
@@ -136,7 +136,7 @@ TEST_CASE("the gallery shows each stage in a picture that the stage draws") {
     CHECK(shown.height >= 480);
     if (++drawn > cases(3, 100)) continue;  // the short form draws some of them
     const TemporaryFolder folder;
-    REQUIRE(run(folder, command(picture) + " --size 640x480 --samples 16") == 0);
+    REQUIRE(run_line(folder, command(picture) + " --size 640x480 --samples 16") == 0);
     check_equal(read_image((folder / "out.ppm").string()), shown);
   }
 }
@@ -152,7 +152,7 @@ TEST_CASE("a naive stage reports how many of its pixels differ from those of the
         Row{"32_enhanced", " --epsilon 1e-6", "33_certified"}, Row{"33_certified", "", "07_diffuse"}}) {
     INFO(stage << options);
     const TemporaryFolder folder;
-    REQUIRE(run(folder, quoted(binary_dir + "/stages/" + stage) + options + " -o out.png") == 0);
+    REQUIRE(run_line(folder, quoted(binary_dir + "/stages/" + stage) + options + " -o out.png") == 0);
     const Picture naive = read_image((folder / "out.png").string()), right = read_image(golden(exact));
     int wrong = 0;
     for (std::size_t i = 0; i < naive.pixels.size(); ++i)
@@ -177,7 +177,7 @@ TEST_CASE("pages state the counts of wrong pixels that the stages print") {
         Row{"32_enhanced", " --epsilon 1e-6", "430", "32_enhanced", "430 pixels are wrong, and not 923"}}) {
     INFO(stage << options);
     const TemporaryFolder folder;
-    REQUIRE(run(folder, quoted(binary_dir + "/stages/" + stage) + options) == 0);
+    REQUIRE(run_line(folder, quoted(binary_dir + "/stages/" + stage) + options) == 0);
     CHECK((bytes_of(folder / "output.txt").ends_with("\n" + count + " of 307200 pixels are wrong\n")));
     CHECK_THAT(bytes_of(source_dir + "/docs/stages/" + page + ".md"), ContainsSubstring(sentence));
   }
@@ -199,8 +199,8 @@ TEST_CASE("pages show the heat maps and the light by distance that the stages dr
   for (const auto& [stage, options, figure] : rows) {
     INFO(figure);
     const TemporaryFolder folder;
-    REQUIRE(run(folder, quoted(binary_dir + "/stages/" + stage) + " --size 320x240 -o out.ppm --show " +
-                            options) == 0);
+    REQUIRE(run_line(folder, quoted(binary_dir + "/stages/" + stage) + " --size 320x240 -o out.ppm --show " +
+                                 options) == 0);
     check_equal(read_image((folder / "out.ppm").string()),
                 read_image(source_dir + "/docs/figures/marching/" + figure + ".png"));
   }
@@ -212,8 +212,8 @@ TEST_CASE("the number of threads changes no byte of a picture") {
     INFO(picture.name);
     const TemporaryFolder folder;
     for (const std::string threads : {"1", "2", "7"})
-      REQUIRE(run(folder, command(picture) + size + " --threads " + threads + " -o " + threads + ".ppm") ==
-              0);
+      REQUIRE(run_line(folder,
+                       command(picture) + size + " --threads " + threads + " -o " + threads + ".ppm") == 0);
     const std::string one = bytes_of(folder / "1.ppm");
     CHECK((one == bytes_of(folder / "2.ppm")));  // in parentheses, to print no megabyte
     CHECK((one == bytes_of(folder / "7.ppm")));
@@ -225,11 +225,11 @@ TEST_CASE("compare_images reports how much pictures differ, and shows where") {
   const std::string compare = quoted(binary_dir + "/tests/compare_images") + " ";
   const std::string lit = quoted(golden("07_diffuse")) + " ", shadowed = quoted(golden("09_shadow")) + " ";
 
-  CHECK(run(folder, compare + lit + lit + "difference.png") == 0);
+  CHECK(run_line(folder, compare + lit + lit + "difference.png") == 0);
   CHECK(bytes_of(folder / "output.txt") == "equal\n");
   CHECK_FALSE(std::filesystem::exists(folder / "difference.png"));
 
-  CHECK(run(folder, compare + lit + shadowed + "difference.png") == 1);
+  CHECK(run_line(folder, compare + lit + shadowed + "difference.png") == 1);
   const Picture a = read_image(golden("07_diffuse")), b = read_image(golden("09_shadow"));
   const Picture shown = read_image((folder / "difference.png").string());
   REQUIRE(same_size(shown, a));
@@ -245,22 +245,22 @@ TEST_CASE("compare_images reports how much pictures differ, and shows where") {
   CHECK_THAT(bytes_of(folder / "output.txt"),
              ContainsSubstring(std::to_string(differing) + " of 307200 pixels differ"));
 
-  CHECK(run(folder, compare + lit + quoted(golden("01_gradient"))) == 1);
+  CHECK(run_line(folder, compare + lit + quoted(golden("01_gradient"))) == 1);
   CHECK_THAT(bytes_of(folder / "output.txt"), ContainsSubstring("640x480 and 100x100"));
-  CHECK(run(folder, compare + lit + "none.png") == 2);
+  CHECK(run_line(folder, compare + lit + "none.png") == 2);
   CHECK_THAT(bytes_of(folder / "output.txt"), ContainsSubstring("none.png"));
-  CHECK(run(folder, compare + lit) == 2);
-  CHECK(run(folder, compare + lit + shadowed + "no/folder.png") == 2);
+  CHECK(run_line(folder, compare + lit) == 2);
+  CHECK(run_line(folder, compare + lit + shadowed + "no/folder.png") == 2);
 
   for (const std::string pixel : {"9 8 7", "9 8 6"})
     put_bytes(folder / (pixel.substr(4) + ".ppm"), "P3\n1 1\n255\n" + pixel);
-  CHECK(run(folder, compare + "7.ppm 6.ppm") == 1);
+  CHECK(run_line(folder, compare + "7.ppm 6.ppm") == 1);
   CHECK(bytes_of(folder / "output.txt") == "1 of 1 pixels differ, by at most 1 of 255 levels\n");
   for (const std::string wrong_end :
        {"1 1\n65535\n9 8 7", "1 1\n255\n9 8", "1 1\n255\n9 8 256", "0 1\n255\n"}) {
     CAPTURE(wrong_end);
     put_bytes(folder / "wrong.ppm", "P3\n" + wrong_end);
-    CHECK(run(folder, compare + "wrong.ppm 7.ppm") == 2);
+    CHECK(run_line(folder, compare + "wrong.ppm 7.ppm") == 2);
     CHECK_THAT(bytes_of(folder / "output.txt"), ContainsSubstring("wrong.ppm"));
   }
 }
@@ -281,8 +281,8 @@ TEST_CASE("update_golden replaces a golden only if a reason is given, and record
   put_bytes(folder / "tests/golden/03_scene.png", wrong);
 
   const auto update = [&](const std::string& answers, const std::string& stages) {
-    return run(folder, "printf '" + answers + "' | TMPDIR=. PATH=./bin:$PATH tests/update_golden " +
-                           quoted(binary_dir) + stages);
+    return run_line(folder, "printf '" + answers + "' | TMPDIR=. PATH=./bin:$PATH tests/update_golden " +
+                                quoted(binary_dir) + stages);
   };
   const auto sphere = [&] { return bytes_of(folder / "tests/golden/02_sphere.png"); };
   const fs::path reasons = folder / "tests/golden/reasons.md";

@@ -14,7 +14,7 @@ using simd::Lanes;
 namespace {
 
 /// Words at the ends of their range, with one digit and with many.
-std::vector<std::uint32_t> words() {
+std::vector<std::uint32_t> any_words() {
   std::vector<std::uint32_t> all = {0, 1, 2, 3, 0x7fffffff, 0x80000000, 0x80000001, 0xfffffffe, 0xffffffff};
   for (int digit = 0; digit < 32; ++digit) all.push_back(std::uint32_t{1} << digit);
   Random random(1);
@@ -47,7 +47,7 @@ std::uint32_t reversed_digit_by_digit(std::uint32_t x) {
 
 TEST_CASE("operations on words in lanes are those on single words") {
   WrongCases wrong;
-  const std::vector<std::uint32_t> all = words();
+  const std::vector<std::uint32_t> all = any_words();
   for_each_word([&](auto kind) {
     using Kind = decltype(kind);
     for (std::size_t i = 0; i + 1 < all.size(); ++i) {
@@ -96,7 +96,7 @@ TEST_CASE("long words are multiplied, and divided into halves, in every lane") {
 
 TEST_CASE("words are compared without a sign, in every lane") {
   WrongCases wrong;
-  for (const std::uint32_t a : words())
+  for (const std::uint32_t a : any_words())
     for (const std::uint32_t b : {0u, 1u, 0x7fffffffu, 0x80000000u, 0xffffffffu}) {
       const simd::Bits all = simd::first_bits(simd::double_lanes);
       wrong.add(bits(simd::Words(a) < simd::Words(b)) != (a < b ? all : 0), a, "<", b);
