@@ -135,7 +135,7 @@ template <class F>
 void measure(const bench::Options& options, Table& table, const std::string& name, const F& field,
              double radius, int side, const auto& truth) {
   const Marched<F> surface(field, Bounds{Point(-radius), Point(radius)});
-  const CameraRays rays(radius, options.quick ? 12 : side);
+  const CameraRays rays(radius, options.quick ? 6 : side);
   const std::size_t count = rays.single.size();
   std::vector<double> true_t;
   for (const auto& [ray, span] : rays.single) true_t.push_back(truth(ray, span));

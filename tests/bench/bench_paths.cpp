@@ -238,7 +238,7 @@ void paths_benchmark(const bench::Options& options) {
                furnace = bench::furnace_workload(), lamps = bench::lamps_workload();
   const std::vector<PathWorkload*> workloads = {&weekend, &cornell, &furnace, &lamps};
   if (options.quick)
-    for (PathWorkload* work : workloads) work->width = 10, work->height = 8;
+    for (PathWorkload* work : workloads) work->width = 5, work->height = 4;
 
   for (const PathWorkload* work : workloads) {
     std::vector<Way> ways = {our_way(*work, "sobol", sampler_of<SobolSampler>),
