@@ -99,6 +99,30 @@ TEST_CASE("a constant of a field is written down where an operation takes it, al
   });
 }
 
+TEST_CASE("operations are written down in one order, in whatever order a compiler computes arguments") {
+  FieldTape left_first, right_first;
+  left_first.record([](const auto& p) {
+    const auto a = abs(p.x) + p.x, b = p.y * 3.0;
+    return max(a, b);
+  });
+  right_first.record([](const auto& p) {
+    [[maybe_unused]] const auto unused = p.z * p.z;
+    const auto b = p.y * 3.0;
+    const auto a = abs(p.x) + p.x;
+    return max(a, b);
+  });
+  const auto names = [](const FieldTape& tape) {
+    std::vector<std::string_view> all;
+    for (const auto& operation : tape.operations()) all.push_back(operation.name);
+    return all;
+  };
+  CHECK(names(left_first) ==
+        std::vector<std::string_view>{"x", "y", "z", "abs", "sum", "constant", "product", "max", "result"});
+  CHECK(names(right_first) == names(left_first));
+  for (std::size_t i = 0; i < left_first.operations().size(); ++i)
+    CHECK(right_first.operations().at(i).of == left_first.operations().at(i).of);
+}
+
 TEST_CASE("a field that is put together at run time is written down by its shapes") {
   const fields::Field ball = fields::Sphere{0.75}, horn = fields::GabrielsHorn{};
   check_recorded(fields::Field(

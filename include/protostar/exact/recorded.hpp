@@ -7,6 +7,7 @@
 // one call writes down all that it ever does, and another program can evaluate it, in any arithmetic.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string_view>
 #include <utility>
@@ -27,7 +28,10 @@ class FieldTape {
     double number = 0;            ///< of a constant, and the width of a smooth minimum
   };
 
-  /// Writes down a field, once for each tape. The last operation is named "result".
+  /// Writes down a field, once for each tape. The first operations are x, y and z, and the last is "result".
+  /// Those between stand as a walk from the result through the operands meets them, from left to right, so
+  /// that their order depends on no compiler: C++ leaves open which of a function's arguments is computed
+  /// first. What the result does not take is dropped.
   void record(const auto& field);
 
   [[nodiscard]] const std::vector<Operation>& operations() const { return operations_; }
@@ -38,6 +42,33 @@ class FieldTape {
   std::size_t add(std::string_view name, std::vector<std::size_t> of, double number = 0) {
     operations_.push_back({name, std::move(of), number});
     return operations_.size() - 1;
+  }
+
+  /// Puts the operations in the order that record() promises.
+  void put_in_order() {
+    constexpr std::size_t open = static_cast<std::size_t>(-1);
+    std::vector<std::size_t> position(operations_.size(), open);  // of each operation in the new order
+    std::vector<Operation> ordered;
+    const auto append = [&](std::size_t i) {
+      for (std::size_t& operand : operations_[i].of) operand = position[operand];
+      position[i] = ordered.size();
+      ordered.push_back(std::move(operations_[i]));
+    };
+    for (std::size_t i = 0; i < 3; ++i) append(i);
+    std::vector<std::size_t> way = {operations_.size() - 1};  // from the result, operand by operand
+    while (!way.empty()) {
+      const std::size_t i = way.back();
+      const std::vector<std::size_t>& of = operations_[i].of;
+      const auto next =
+          std::find_if(of.begin(), of.end(), [&](std::size_t k) { return position[k] == open; });
+      if (next != of.end()) {
+        way.push_back(*next);
+      } else {
+        way.pop_back();
+        append(i);
+      }
+    }
+    operations_ = std::move(ordered);
   }
 
   std::vector<Operation> operations_;
@@ -112,6 +143,7 @@ void FieldTape::record(const auto& field) {
   const Recorded x = Recorded::of("x"), y = Recorded::of("y"), z = Recorded::of("z");
   const Recorded value = field(FieldPoint<Recorded>{x, y, z});
   add("result", {value.index()});
+  put_in_order();
   Recorded::tape_ = before;
 }
 
