@@ -145,6 +145,7 @@ TEST_CASE("distances of surfaces are lower bounds, and tight where the field is 
   CHECK(box.distance_bound({1, 1, 0.5}) == Approx(-0.5));
   CHECK(Plane{{0, 2, 0}, 2}.distance_bound({7, 4, 1}) == Approx(3));
   CHECK(Sphere{{1, 0, 0}, 2}.distance_bound({4, 0, 0}) == Approx(1));
+  CHECK(Sphere{{1, 0, 0}, -2}.distance_bound({4, 0, 0}) == Approx(1));
 
   const AnyScene scene = marched_and_floor();
   const SceneFields fields(scene);

@@ -129,7 +129,9 @@ struct Sphere {
   }
 
   /// Returns the distance of a point from the sphere, less than 0 inside; rounded.
-  [[nodiscard]] double distance_bound(const Point& point) const { return length(point - center) - radius; }
+  [[nodiscard]] double distance_bound(const Point& point) const {
+    return length(point - center) - std::abs(radius);
+  }
 
   /// Returns the equation of the sphere and a ray, or of each ray of a packet, in double with its error; of a
   /// line in exact numbers, without rounding.
