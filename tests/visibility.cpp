@@ -26,7 +26,7 @@ TEST_CASE("the places that a tile finds in a list are those of the surfaces that
   std::vector<Sphere> spheres;
   for (int i = 0; i < 200; ++i) spheres.push_back({Point{0, 0, 4} + random.point(3), random.real(0.01, 0.3)});
   const Candidates everything = candidates_of(spheres, rays.viewpoint());
-  simd::Places places, all;
+  simd::CandidateList places, all;
   for (const Tile& tile : {Tile{0, 0, 64, 64}, Tile{8, 16, 16, 24}, Tile{40, 40, 48, 42}}) {
     Candidates kept;
     kept.add(everything, Frustum(rays, tile));
@@ -52,21 +52,21 @@ TEST_CASE("a ray of a block sees first what float tells, or one of the two that 
     const auto& spheres = scene.surfaces<Sphere>();
     Candidates list = candidates_of({spheres.begin(), spheres.end()}, rays.viewpoint());
     list.sort(Candidates::Order::near_to_far);
-    simd::Places places;
+    simd::CandidateList places;
     places.add_first(list.size());
     for (int y = 0; y < 64; y += simd::RayBlock::height)
       for (int x = 0; x < 64; x += simd::RayBlock::width)
         for (const bool are_traced_anyway : {false, true}) {
           const auto seen = simd::seen_by(rays.block_directions(x, y), list, places, are_traced_anyway);
           for (int k = 0; k < simd::float_lanes; ++k) {
-            if (seen.indices[k] == simd::is_in_doubt) continue;
+            if (seen.indices[k] == simd::doubtful_index) continue;
             const Ray ray =
                 Camera{}.through_pixel(x + k % simd::RayBlock::width, y + k / simd::RayBlock::width, 64, 64);
             const auto hit = scene.intersect(ray);
             const auto first =
                 hit ? static_cast<int>(static_cast<const Sphere*>(hit->surface()) - spheres.data())
-                    : simd::sees_nothing;
-            const bool is_sure = seen.others[k] == simd::sees_nothing;
+                    : simd::no_surface_index;
+            const bool is_sure = seen.others[k] == simd::no_surface_index;
             const bool is_told = first == seen.indices[k] || (!is_sure && first == seen.others[k]);
             wrong.add(!is_told, "pixel", x, y, k, "sees", first);
             ++(is_sure ? sure : of_two);

@@ -55,14 +55,14 @@ concept Integrator = detail::Radiates<I, S> || detail::Radiates<I, S, PixelSampl
 
 /// Supplies radiance and background to an integrator that derives from it and has shade(hit, scene) or
 /// shade(hit, scene, sampler): the radiance of a ray is that of its closest hit.
-template <class Integrator>
+template <class Derived>
 struct FirstHit {
   /// Returns shade of the closest hit, or background(ray, scene) if there is none. The sampler is given on,
   /// if there is one.
   template <Traceable S, class... Sampler>
-  requires detail::ShadesHits<Integrator, S, Sampler...>
+  requires detail::ShadesHits<Derived, S, Sampler...>
   [[nodiscard]] Color radiance(const Ray& ray, const S& scene, const Sampler&... sampler) const {
-    const auto& integrator = static_cast<const Integrator&>(*this);
+    const auto& integrator = static_cast<const Derived&>(*this);
     const auto hit = scene.intersect(ray, Interval{});
     return hit ? integrator.shade(*hit, scene, sampler...) : integrator.background(ray, scene);
   }
@@ -125,7 +125,8 @@ template <class F>
     return radiance_along(ray, radiance);
 }
 
-/// Returns a function that gives the light of a camera's view to a target, ray by ray.
+/// Returns draw(target, options), which renders the view of a camera into the image or film of a target, ray
+/// by ray. Borrows its arguments.
 template <Radiance F>
 [[nodiscard]] auto ray_by_ray(const Camera& camera, const F& radiance) {
   return [&](const SampleTarget& target, const RenderOptions& options) {
@@ -143,7 +144,7 @@ template <Radiance F>
   };
 }
 
-/// Draws an image, in passes if the options say so; draw(target, options) gives light to a target.
+/// Draws an image by draw(target, options), in passes if the options say so.
 void draw_image(Image& image, const RenderOptions& options, const auto& draw) {
   const auto draw_in_passes = options.passes();
   if (draw_in_passes == nullptr) return draw(SampleTarget(image), options);
@@ -152,8 +153,8 @@ void draw_image(Image& image, const RenderOptions& options, const auto& draw) {
   });
 }
 
-/// Adds a range of samples to a film, if there are any, by such a function. Options are checked also if there
-/// are none.
+/// Adds a range of samples of each pixel to a film by draw(target, options). An empty range adds nothing, but
+/// the options are checked.
 void draw_samples(Film& film, const SampleRange& samples, const RenderOptions& options, const auto& draw) {
   const SampleTarget target(film, samples);
   if (samples.first < samples.last) return draw(target, options);

@@ -24,7 +24,7 @@ struct RenderStatistics {
   std::uint64_t in_doubt = 0;        ///< tests in packets that double left in doubt, decided ray by ray
   std::uint64_t exact = 0;           ///< decisions that double left in doubt, made without rounding
   std::uint64_t undecided = 0;       ///< decisions about marched surfaces that more digits left open, too
-  std::uint64_t pixels_skipped = 0;  ///< samples of pixels without a ray, as what they see tells their color
+  std::uint64_t pixels_skipped = 0;  ///< samples that have a color without a camera ray
 
   RenderStatistics& operator+=(const RenderStatistics& other) {
     camera_rays += other.camera_rays, other_rays += other.other_rays;
@@ -50,7 +50,7 @@ struct Crop {
 /// Work that the fast path leaves out. Each kind can be turned off to measure its saving: a picture has the
 /// same bytes with any of them off.
 struct Skips {
-  bool empty_tiles = true;     ///< rays through pixels that see nothing, or the same everywhere
+  bool empty_tiles = true;     ///< camera rays where it is certain what they see and no point of it is needed
   bool occluder_lists = true;  ///< traversals of shadow rays, if a list of occluders serves their packet
   bool sure_in_float = true;   ///< tests in double of camera rays, where float is sure what they see
 };

@@ -70,11 +70,11 @@ void draw_pixels(Drawing& drawing, const simd::Candidates& kept, const simd::Pix
   std::array<std::array<int, side>, side> seen{};  // block by block, the size of which is the machine's
   for (int y = middle.y0; y < middle.y1; y += RayBlock::height)
     for (int x = middle.x0; x < middle.x1; x += RayBlock::width) {
-      simd::Places places;
+      simd::CandidateList places;
       places.add_first(kept.size());
       const auto [first, others, tested] = simd::seen_by(rays.block_directions(x, y), kept, places, false);
-      const auto is_sure = others == simd::WideIndices(simd::sees_nothing);
-      const auto indices = select(is_sure, first, simd::WideIndices(simd::is_in_doubt));
+      const auto is_sure = others == simd::WideIndices(simd::no_surface_index);
+      const auto indices = select(is_sure, first, simd::WideIndices(simd::doubtful_index));
       for (int i = 0; i < simd::float_lanes; ++i)
         seen.at(static_cast<std::size_t>(y + i / RayBlock::width - middle.y0))
             .at(static_cast<std::size_t>(x + i % RayBlock::width - middle.x0)) = indices[i];
@@ -82,12 +82,12 @@ void draw_pixels(Drawing& drawing, const simd::Candidates& kept, const simd::Pix
   for (std::size_t y = 0; y < side; ++y)
     for (std::size_t x = 0; x < side; ++x) {
       const int index = seen[y][x];
-      const bool is_nothing = index == simd::sees_nothing;
+      const bool is_nothing = index == simd::no_surface_index;
       drawing.rectangle({left + size * static_cast<double>(x), top + size * static_cast<double>(y)}, size,
                         size,
-                        is_nothing                   ? Paint::gray
-                        : index == simd::is_in_doubt ? Paint::red
-                                                     : paints[static_cast<std::size_t>(index)],
+                        is_nothing                      ? Paint::gray
+                        : index == simd::doubtful_index ? Paint::red
+                                                        : paints[static_cast<std::size_t>(index)],
                         is_nothing ? Fill::none : Fill::soft);
     }
   drawing.words({left + 8 * size, 24}, "Visibility buffer", Anchor::middle, Paint::ink, true);

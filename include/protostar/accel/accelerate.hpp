@@ -160,7 +160,7 @@ class Accelerated<Scene<S...>> {
     };
     const std::uint32_t left = left_by<T>(ray);
     if (left != simd::no_surface && !leaves_for_good(surfaces[left], ray, range)) look_at(left);
-    finder<T>().each_first(ray, range, left, look_at);
+    finder<T>().search_closest(ray, range, left, look_at);
   }
 
   template <class T>
@@ -178,7 +178,7 @@ class Accelerated<Scene<S...>> {
     PlainVector<std::uint32_t> candidates;
     const std::uint32_t left = left_by<T>(ray);
     if (left != simd::no_surface) candidates.push_back(left);
-    finder<T>().each_crossed(ray, range, left, [&](std::uint32_t i) {
+    finder<T>().each_candidate(ray, range, left, [&](std::uint32_t i) {
       candidates.push_back(i);
       return false;
     });

@@ -21,43 +21,42 @@
 #include "frustum.hpp"
 #include "pixel_rays.hpp"
 #include "sphere_around.hpp"
-#include "sphere_leaves.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// A surface as rays of a pinhole see it: the sphere that contains it, with the center measured from the
-/// apex, in float.
+/// Sphere that contains a surface, with its center measured from the apex of the camera's rays, in float. The
+/// tests in float of what a pixel sees (visibility.hpp) need a pinhole.
 struct CandidateSphere {
   float x, y, z;  ///< center
   float reach;    ///< radius, larger by what float may be off
   float inner;    ///< radius within which a line surely meets the surface; below 0 if there is none
-  float margin;   ///< 2^-19 of distance and radius, or infinity
+  float margin;   ///< 2^-19 of the sum of distance and radius, or infinity
 };
 
-/// Places of some surfaces in a list of candidates, in their order.
-class Places {
+/// Positions of some surfaces in Candidates, ascending.
+class CandidateList {
  public:
   [[nodiscard]] int size() const { return size_; }
-  [[nodiscard]] int operator[](int i) const { return places_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] int operator[](int i) const { return positions_[static_cast<std::size_t>(i)]; }
 
   void clear() { size_ = 0; }
 
-  /// Adds place + k for each k in a set.
-  void add(int place, Bits some) {
+  /// Adds position + k for each bit k that is set.
+  void add(int position, Bits some) {
     const auto needed = static_cast<std::size_t>(size_ + float_lanes);
-    if (places_.size() < needed) places_.resize(2 * needed);
-    size_ +=
-        store_chosen(places_.data() + size_, some, WideIndices(place) + iota<std::int32_t, float_lanes>());
+    if (positions_.size() < needed) positions_.resize(2 * needed);
+    size_ += store_chosen(positions_.data() + size_, some,
+                          WideIndices(position) + iota<std::int32_t, float_lanes>());
   }
 
-  /// Adds the first places of a list.
+  /// Adds the positions 0 to count − 1.
   void add_first(int count) {
     for (int i = 0; i < count; i += float_lanes) add(i, first_bits(std::min(count - i, float_lanes)));
   }
 
  private:
   int size_ = 0;
-  PlainVector<std::int32_t> places_;
+  PlainVector<std::int32_t> positions_;
 };
 
 /// Surfaces that a camera may see, as spheres that contain them; stored as one row for each number, so that
@@ -72,7 +71,7 @@ class Candidates {
   [[nodiscard]] int index(int i) const { return static_cast<int>(index_[slot(i)]); }
 
   /// Returns a lower bound of t at which a camera ray of unit direction hits the i-th surface or any that
-  /// follows it, after sort(Order::near_to_far); otherwise 0.
+  /// follows it, if the list is sorted near to far; 0 if not.
   [[nodiscard]] float nearest(int i) const { return is_ordered_ ? *at(row_nearest, i) : 0; }
 
   /// Returns the indices of all surfaces.
@@ -81,14 +80,15 @@ class Candidates {
   /// Adds the surfaces of some lanes, each contained in a sphere, but for those wholly behind the film.
   ///
   /// A ray that meets a sphere still does when both are shifted. Hence a ray from the apex meets the sphere
-  /// of that center whose radius r is larger by drift, which is the sphere from here on. For a lens, the
+  /// with the radius `own` = around.radius + drift wherever the true ray meets the surface. For a lens, the
   /// frustum is that of the rays through its center, and the part of a ray that meets a sphere is shifted by
-  /// drift_of_lens at most; where a ray starts and what is behind the film is told without that.
+  /// drift_of_lens at most besides: `radius` = own + drift_of_lens. The frustum and the cone are tested with
+  /// `radius`, which is r below; nearest() and what is behind the film are computed with `own`.
   ///
   /// With u = 2^-24: the center from the apex, l, is off by at most u|l| in float, a normal by u, and their
   /// product by 3u|l| more; in double, normals and rays have been turned by less than u. Hence the distance
   /// from a plane is accurate to 6u|l|, and the radius to u r. The radius is raised by 2^-20 (|l| + r) = 16u
-  /// (|l| + r), which is more, and a little further as lines in float need it (Visibility); 2^-140 covers
+  /// (|l| + r), which is more, and a little further as lines in float need it (visibility.hpp); 2^-140 covers
   /// underflow. A sphere so large that the sums might overflow is taken to be everywhere. The distance of the
   /// center from the film, computed in double, is accurate to that as well.
   ///
@@ -110,7 +110,8 @@ class Candidates {
     const Doubles distance = length(l),
                   depth = dot(Vectors(viewpoint.ahead), around.center - Vectors(viewpoint.film));
     const Doubles own = around.radius + viewpoint.drift;
-    const Doubles radius = viewpoint.lens > 0 ? own + viewpoint.drift_of_lens(depth, distance, own) : own;
+    const Doubles radius =
+        viewpoint.lens_radius > 0 ? own + viewpoint.drift_of_lens(depth, distance, own) : own;
     const Doubles error = 0x1p-20 * (distance + radius) + 0x1p-140;
     some &= bits(!(depth < -(own + error)));
     make_room(size_ + double_lanes);
@@ -125,7 +126,7 @@ class Candidates {
     const Doubles sure_square = square - 0x1p-49 * (distance * distance + radius * radius);
     store(row_horizon, select(sure_square > 0.0, sqrt(sure_square) - 4 * error, Doubles(-infinity)),
           -infinity);
-    store(row_nearest, (viewpoint.is_eye ? distance : depth) - own - error, 0);
+    store(row_nearest, (viewpoint.is_pinhole ? distance : depth) - own - error, 0);
     store(row_margin, 2 * error, infinity);
     const Doubles inner = around.inner - error;
     const LaneMask is_sure = inner > 0x1p-60 && inner < 0x1p60 && distance > radius + error;
@@ -149,7 +150,7 @@ class Candidates {
   }
 
   /// Finds where in this list those surfaces are that a tile may see.
-  [[gnu::noinline]] void find(const Frustum& frustum, Places& found) const {
+  [[gnu::noinline]] void find(const Frustum& frustum, CandidateList& found) const {
     found.clear();
     each_seen(frustum, [&](int i, Bits seen) { found.add(i, seen); });
   }
@@ -171,7 +172,7 @@ class Candidates {
   [[nodiscard]] bool fills(int i, const Frustum& frustum) const {
     const CandidateSphere s = sphere(i);
     const double x = s.x, y = s.y, z = s.z, inner = s.inner, margin = s.margin;
-    const auto& axis = frustum.normal[4];
+    const auto& axis = frustum.cone_axis;
     const double square = (x * x + y * y + z * z) * (1 + 0x1p-20);
     const double horizon = std::sqrt(square - inner * inner);
     return inner - margin > std::sqrt(square) * frustum.sine &&
@@ -182,7 +183,7 @@ class Candidates {
   /// Returns true if the i-th surface has no bounds, or none that float holds.
   [[nodiscard]] bool is_everywhere(int i) const { return !(*at(row_reach, i) < infinity); }
 
-  void clear() { size_ = 0; }
+  void clear() { size_ = 0, is_ordered_ = false; }
 
   enum class Order { near_to_far, of_scene };
 
@@ -194,7 +195,8 @@ class Candidates {
   /// Numbers of a surface, a row for each: those of CandidateSphere, h, and nearest().
   enum Row { row_x, row_y, row_z, row_reach, row_inner, row_margin, row_horizon, row_nearest, row_count };
 
-  /// Calls visit(i, seen) where a tile may see any of the surfaces from the i-th on, those in a set.
+  /// Calls visit(i, seen) for each group of float_lanes surfaces that the frustum does not cull entirely: i
+  /// is the position of the first, and bit k of `seen` is set if surface i + k may be seen.
   [[gnu::always_inline]] void each_seen(const Frustum& frustum, const auto& visit) const {
     for (int i = 0; i < size_; i += float_lanes) {
       const auto load = [&](Row row) { return Wide::load(at(row, i)); };
@@ -204,9 +206,9 @@ class Candidates {
       };
       // NaN, which comes from numbers beyond float, is not outside.
       Mask<float, float_lanes> outside = false;
-      for (int k = 0; k < 4; ++k) outside = outside || along(frustum.normal[k]) < frustum.offset[k] - r;
+      for (int k = 0; k < 4; ++k) outside = outside || along(frustum.side[k]) < frustum.offset[k] - r;
       if (frustum.has_cone())
-        outside = outside || along(frustum.normal[4]) < load(row_horizon) * frustum.cosine - r * frustum.sine;
+        outside = outside || along(frustum.cone_axis) < load(row_horizon) * frustum.cosine - r * frustum.sine;
       const Bits seen = bits(!outside) & first_bits(size_ - i);
       if (seen != 0) visit(i, seen);
     }
@@ -220,25 +222,26 @@ class Candidates {
     is_ordered_ = true;
     float least = std::numeric_limits<float>::infinity(), most = 0;
     for (int i = 0; i < size_; ++i) least = std::min(least, nearest(i)), most = std::max(most, nearest(i));
-    const float scale = (slabs - 1) / (most - least);
-    const auto slab = [&](std::uint32_t i) {
+    const float scale = (buckets - 1) / (most - least);
+    const auto bucket = [&](std::uint32_t i) {
       const float depth = (nearest(static_cast<int>(i)) - least) * scale;
-      return depth >= 0 && depth < slabs ? static_cast<std::size_t>(depth) : 0;  // 0 for NaN too
+      return depth >= 0 && depth < buckets ? static_cast<std::size_t>(depth) : 0;  // 0 for NaN too
     };
     start_order();
-    sort_by(slab);
+    sort_by(bucket);
     reorder();
     for (int i = size_ - 2; i >= 0; --i) *at(row_nearest, i) = std::min(nearest(i), nearest(i + 1));
   }
 
   void order_by_index() {
+    is_ordered_ = false;
     start_order();
     for (int byte = 0; byte < 4; ++byte)
       sort_by([&](std::uint32_t i) { return index_[i] >> (8 * byte) & 255; });
     reorder();
   }
 
-  static constexpr std::size_t slabs = 256;
+  static constexpr std::size_t buckets = 256;
 
   /// Sets order_ to the order that the surfaces have.
   void start_order() {
@@ -246,13 +249,13 @@ class Candidates {
     for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<std::uint32_t>(i);
   }
 
-  /// Sorts order_ by slab_of(place), below `slabs`; places with the same slab stay in their order.
-  void sort_by(const auto& slab_of) {
-    std::uint32_t start[slabs + 1] = {};
-    for (const std::uint32_t i : order_) ++start[slab_of(i) + 1];
-    for (std::size_t k = 0; k < slabs; ++k) start[k + 1] += start[k];
+  /// Sorts order_ by bucket_of(position) < buckets; positions in the same bucket keep their order.
+  void sort_by(const auto& bucket_of) {
+    std::uint32_t start[buckets + 1] = {};
+    for (const std::uint32_t i : order_) ++start[bucket_of(i) + 1];
+    for (std::size_t k = 0; k < buckets; ++k) start[k + 1] += start[k];
     sorted_.resize(order_.size());
-    for (const std::uint32_t i : order_) sorted_[start[slab_of(i)]++] = i;
+    for (const std::uint32_t i : order_) sorted_[start[bucket_of(i)]++] = i;
     std::swap(order_, sorted_);
   }
 

@@ -1,4 +1,5 @@
-// Visibility buffers of surfaces with many primitives, which are rasterized into a tile.
+// Visibility buffers of surfaces with many primitives, which are rasterized into a tile: for each pixel the
+// primitive that its ray hits first. Those of visibility.hpp have surfaces instead.
 #pragma once
 
 #include <concepts>
@@ -40,7 +41,8 @@ struct VisibilityBuffers {
 };
 template <RasterizedSurface S>
 struct VisibilityBuffers<S> {
-  /// Largest number of buffers of a tile; further surfaces are traced ray by ray.
+  /// Largest number of buffers of a tile: one for each surface and sample. What has none is traced ray by
+  /// ray.
   static constexpr std::size_t most = 32;
 
   struct Entry {

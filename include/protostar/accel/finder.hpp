@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <vector>
 
 #include "../bvh/box_space.hpp"
 #include "../bvh/bvh.hpp"
@@ -26,8 +25,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Returns a surface without bounds.
-[[nodiscard]] inline SurfacesAround unbounded_surface(std::uint32_t index) {
+/// Returns what frustum_query tells of a surface without bounds: its index in one lane, in a sphere of
+/// infinite radius.
+[[nodiscard]] inline SurfacesAround around_unbounded(std::uint32_t index) {
   return {Numbers(index), Bits{1}, SphereAround{Point{0}, infinity}};
 }
 
@@ -43,9 +43,9 @@ class Finder {
   Finder(const SceneVector<T>& surfaces, const RenderOptions&)
       : count_(static_cast<std::uint32_t>(surfaces.size())) {}
 
-  /// Calls visit(i) for each surface that a ray may cross inside the range, in any order, until a call
-  /// returns true; returns true if one did.
-  bool each_crossed(const Ray&, const Interval&, std::uint32_t left, const auto& visit) const {
+  /// Calls visit(i) for a set of surfaces with all that a ray crosses inside the range, in any order, until a
+  /// call returns true; returns true if one did.
+  bool each_candidate(const Ray&, const Interval&, std::uint32_t left, const auto& visit) const {
     for (std::uint32_t i = 0; i < count_; ++i)
       if (i != left && visit(i)) return true;
     return false;
@@ -54,12 +54,13 @@ class Finder {
   /// Returns true if a ray crosses any surface inside the range; visit(i) decides for one surface if bounds
   /// do not.
   bool any_crossed(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
-    return each_crossed(ray, range, left, visit);
+    return each_candidate(ray, range, left, visit);
   }
 
-  /// Calls visit(i) for the surface of the closest hit inside the range, and for others. `range` refers to a
-  /// variable of the caller, which a visit may shorten: it is read again after each.
-  void each_first(const Ray&, const Interval&, std::uint32_t left, const auto& visit) const {
+  /// Calls visit(i), roughly near to far, for a set of surfaces with that of the closest hit inside the
+  /// range. `range` refers to a variable of the caller, which a visit may shorten: it is read again after
+  /// each.
+  void search_closest(const Ray&, const Interval&, std::uint32_t left, const auto& visit) const {
     for (std::uint32_t i = 0; i < count_; ++i)
       if (i != left) visit(i);
   }
@@ -68,13 +69,14 @@ class Finder {
   /// the index of the type's first surface in the scene's order. The sphere around a surface without bounds
   /// has an infinite radius.
   void frustum_query(std::span<const HalfSpace>, std::uint32_t first, const VisitSurfaces& visit) const {
-    for (std::uint32_t i = 0; i < count_; ++i) visit(unbounded_surface(first + i));
+    for (std::uint32_t i = 0; i < count_; ++i) visit(around_unbounded(first + i));
   }
 
  private:
   std::uint32_t count_;
 };
 
+/// Returns the half-spaces in the coordinates of a BVH's boxes, widened for float.
 [[nodiscard]] inline PlainVector<BoxHalfSpace> in_box_space(std::span<const HalfSpace> half_spaces,
                                                             const Bvh& bvh) {
   PlainVector<BoxHalfSpace> seen;
@@ -91,7 +93,7 @@ class Finder<T> {
         bvh_(
             surfaces.size(), [&](std::size_t i) { return surfaces[i].bounds(); }, {.most = 1}, options) {}
 
-  bool each_crossed(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
+  bool each_candidate(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
     const auto visit_other = [&](std::uint32_t i) { return i != left && visit(i); };
     return each_along<Order::any>(bvh_, ray, range, visit_other, [&](const BoxRay&, Leaf leaf, Reach&) {
       return visit_other(bvh_.order()[leaf.first]);
@@ -99,10 +101,10 @@ class Finder<T> {
   }
 
   bool any_crossed(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
-    return each_crossed(ray, range, left, visit);
+    return each_candidate(ray, range, left, visit);
   }
 
-  void each_first(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
+  void search_closest(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
     const auto visit_other = [&](std::uint32_t i) {
       if (i != left) visit(i);
       return false;
@@ -122,7 +124,7 @@ class Finder<T> {
       visit({Numbers(first + i), Bits{1}, sphere_around((*surfaces_)[i])});
       return false;
     });
-    for (const std::uint32_t i : bvh_.unbounded()) visit(unbounded_surface(first + i));
+    for (const std::uint32_t i : bvh_.unbounded()) visit(around_unbounded(first + i));
   }
 
  private:
@@ -151,7 +153,7 @@ class Finder<Sphere> {
     for (const std::uint32_t i : bvh_.unbounded()) position_[i] = nowhere;
   }
 
-  bool each_crossed(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
+  bool each_candidate(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
     if (few_.has_all()) return each_of_few(ray, range, left, visit);
     const std::uint32_t passed_over = position(left);
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& reach) {
@@ -182,10 +184,10 @@ class Finder<Sphere> {
     return each_along<Order::any>(bvh_, ray, range, visit_other, visit_leaf);
   }
 
-  /// Calls visit(i) for the sphere of the closest hit inside the range, and for others. A sphere that is
+  /// Calls visit(i) for a set of spheres with that of the closest hit inside the range. A sphere that is
   /// surely entered before all known ones is visited last: mostly a nearer one is found until then, or there
   /// is no other.
-  void each_first(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
+  void search_closest(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
     const auto visit_other = [&](std::uint32_t i) {
       if (i != left) visit(i);
       return false;
@@ -208,21 +210,21 @@ class Finder<Sphere> {
         for (; met != 0; met &= met - 1) {
           const int k = std::countr_zero(met);
           if (near[k] > reach.until) continue;
-          const std::uint32_t position = leaf.first + i + static_cast<std::uint32_t>(k);
+          const std::uint32_t sphere = bvh_.order()[leaf.first + i + static_cast<std::uint32_t>(k)];
           if ((surely >> k & 1) != 0 && until[k] < waiting_near) {
-            waiting = bvh_.order()[position];
+            waiting = sphere;
             prefetch(spheres_->data() + waiting);
             waiting_near = near[k];
             reach.until = std::min(reach.until, until[k]);
           } else {
-            visit(bvh_.order()[position]);
+            visit(sphere);
             reach.until = std::min(reach.until, line.at_most(range.max));
           }
         }
       }
       return false;
     };
-    each_along<Order::near_first>(bvh_, ray, range, visit_other, visit_leaf, soon());
+    each_along<Order::near_first>(bvh_, ray, range, visit_other, visit_leaf, prefetcher());
     if (waiting_near < infinite) visit(waiting);
   }
 
@@ -234,7 +236,7 @@ class Finder<Sphere> {
       for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
         if (i % float_lanes == 0) within = leaves_.within(leaf, i, sides);
         if (const Bits some = within & first_bits(double_lanes); some != 0)
-          visit({numbers(leaf.first + i) + Numbers(first), some, leaves_.around(leaf, i, bvh_.space())});
+          visit({indices_at(leaf.first + i) + Numbers(first), some, leaves_.around(leaf, i, bvh_.space())});
         within >>= double_lanes;
       }
       return false;
@@ -245,7 +247,7 @@ class Finder<Sphere> {
     };
     traverse(bvh_, InHalfSpaces{sides}, visit_leaf,
              FetchChild<Read::soon, decltype(fetch_leaf)>{bvh_, fetch_leaf});
-    for (const std::uint32_t i : bvh_.unbounded()) visit(unbounded_surface(first + i));
+    for (const std::uint32_t i : bvh_.unbounded()) visit(around_unbounded(first + i));
   }
 
  private:
@@ -256,10 +258,10 @@ class Finder<Sphere> {
     const SphereLeaves& leaves;
     void operator()(Leaf leaf) const { leaves.fetch(leaf); }
   };
-  [[nodiscard]] Fetch soon() const { return {leaves_}; }
+  [[nodiscard]] Fetch prefetcher() const { return {leaves_}; }
 
-  /// Returns the surfaces in the order of the leaves from a position on.
-  [[nodiscard]] Numbers numbers(std::size_t from) const {
+  /// Returns the indices of the surfaces from a position in the order of the leaves on.
+  [[nodiscard]] Numbers indices_at(std::size_t from) const {
     const auto& order = bvh_.order();
     if (from + double_lanes <= order.size()) return Numbers::load(&order[from]);
     return Numbers::of_each(

@@ -19,9 +19,9 @@ struct TileCone {
   TileCone(const PixelRays& rays, const Tile& tile) {
     using Edge = PixelRays::Edge;
     const Camera& camera = rays.camera();
-    if (rays.hand() == 0 || camera.is_orthographic()) return;
-    const Vec3 columns[] = {rays.left_edge(tile.x0, &Edge::shift), rays.right_edge(tile.x1, &Edge::shift)},
-               rows[] = {rays.upper_edge(tile.y0, &Edge::shift), rays.lower_edge(tile.y1, &Edge::shift)};
+    if (rays.orientation() == 0 || camera.is_orthographic()) return;
+    const Vec3 columns[] = {rays.left_edge(tile.x0, &Edge::term), rays.right_edge(tile.x1, &Edge::term)},
+               rows[] = {rays.upper_edge(tile.y0, &Edge::term), rays.lower_edge(tile.y1, &Edge::term)};
     const Vec3 middle = camera.forward + 0.5 * (columns[0] + columns[1]) + 0.5 * (rows[0] + rows[1]);
     const double square = dot(middle, middle);
     if (!(0x1p-200 < square && square < 0x1p200)) return;
@@ -70,7 +70,7 @@ struct TileHalfSpaces {
     }
     const double margin = rays.margin(), u = rays.lens().u_shift, v = rays.lens().v_shift;
     const auto set = [&](HalfSpace& half_space, const Vec3& inwards) {
-      half_space = {viewpoint.apex - (viewpoint.lens + viewpoint.drift) * inwards, inwards};
+      half_space = {viewpoint.apex - (viewpoint.lens_radius + viewpoint.drift) * inwards, inwards};
     };
     set(side[0], rays.column_edge_at(tile.x0, -margin, -u).normal);
     set(side[1], -rays.column_edge_at(tile.x1, margin, u).normal);
@@ -105,18 +105,17 @@ struct Frustum {
   using Edge = PixelRays::Edge;
   using Normal = PixelRays::FloatNormal;
 
-  Normal normal[5];      ///< normals of the four sides, and the axis of the cone
+  Normal side[4];  ///< unit normals to the inside of the left, right, lower and upper side; 0 if not certain
+  Normal cone_axis;      ///< unit vector
   float offset[4] = {};  ///< normal · x for the points x of a side, measured from the apex
   float cosine, sine;    ///< of the cone's half-angle; 0 and 1 without a cone, or above 60°
 
   /// The cone is optional, since it takes longer than the planes and serves few tiles. Without it, the axis
   /// is 0.
   [[gnu::noinline]] Frustum(const PixelRays& rays, const Tile& tile, bool has_cone = true)
-      : normal{rays.left_edge(tile.x0, &Edge::inwards),
-               rays.right_edge(tile.x1, &Edge::outwards),
-               rays.lower_edge(tile.y1, &Edge::outwards),
-               rays.upper_edge(tile.y0, &Edge::inwards),
-               {}},
+      : side{rays.left_edge(tile.x0, &Edge::inwards), rays.right_edge(tile.x1, &Edge::outwards),
+             rays.lower_edge(tile.y1, &Edge::outwards), rays.upper_edge(tile.y0, &Edge::inwards)},
+        cone_axis{},
         cosine(0),
         sine(1) {
     if (has_cone) set_cone(TileCone(rays, tile));
@@ -127,7 +126,7 @@ struct Frustum {
 
  private:
   void set_cone(const TileCone& cone) {
-    normal[4] = PixelRays::rounded(cone.axis);
+    cone_axis = PixelRays::rounded(cone.axis);
     if (!(cone.cosine_square > 0.25)) return;
     cosine = static_cast<float>(std::sqrt(cone.cosine_square));
     sine = static_cast<float>(std::sqrt(1 - cone.cosine_square));
@@ -136,8 +135,8 @@ struct Frustum {
   /// Sets the offsets of parallel rays. No candidate that float holds is as far out as 2^120.
   void set_offsets(const TileHalfSpaces& half_spaces, const Viewpoint& viewpoint) {
     for (int i = 0; i < 4; ++i) {
-      const HalfSpace& side = half_spaces.side[i];
-      const double from_apex = dot(side.normal, side.on + viewpoint.drift * side.normal - viewpoint.apex);
+      const HalfSpace& plane = half_spaces.side[i];
+      const double from_apex = dot(plane.normal, plane.on + viewpoint.drift * plane.normal - viewpoint.apex);
       offset[i] = static_cast<float>(std::clamp(from_apex, -0x1p120, 0x1p120));
     }
   }

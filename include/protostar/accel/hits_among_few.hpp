@@ -61,7 +61,7 @@ class HitsAmongFew : public TileHits<S...> {
                    mask_of<double, double_lanes>(first_bits(static_cast<int>(count))));
     rays.time = load(6);
 
-    Closest found{.t = infinity, .index = sees_nothing};
+    Closest found{.t = infinity, .index = no_surface_index};
     LaneMask in_doubt = false;
     std::int64_t index = 0;
     const auto test_all = [&]<class T>(const SceneVector<T>& surfaces) {
@@ -79,7 +79,7 @@ class HitsAmongFew : public TileHits<S...> {
               first.met = first.met || Base::only_lane(lane);
               if (crossing->root == 1) first.is_far = first.is_far || Base::only_lane(lane);
             }
-        Base::keep_sooner(first, index++, found, in_doubt);
+        Base::keep_closer(first, index++, found, in_doubt);
       }
     };
     (test_all(scene_.template surfaces<S>()), ...);

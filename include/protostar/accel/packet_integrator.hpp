@@ -51,7 +51,7 @@ concept ShadingIntegrator = requires(const I& integrator, const Ray& ray, const 
 /// Integrator whose radiance of a hit is the same at all points of a surface without a texture, so that
 /// shade(hit, scene) is called without a point there. It declares this for its own type only.
 template <class I>
-concept ShadesAnywhere = std::same_as<typename I::ShadesAnywhere, I>;
+concept ShadesWithoutPoint = std::same_as<typename I::ShadesWithoutPoint, I>;
 
 /// Integrator that asks a scene for the crossings of a ray, in t from 0 to infinity, and for its sky, and
 /// reads nothing of the ray. It declares this for its own type only.

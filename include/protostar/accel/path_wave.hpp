@@ -41,9 +41,9 @@ struct DirectionsToLights<I> {
 template <class I>
 class PathWave {
  public:
-  /// Largest number of packets: enough that lanes are full after some bounces as well, and so few that their
-  /// paths and hits stay in the first cache (?).
-  static constexpr std::size_t most_packets = std::max(32 / double_lanes, 1);
+  /// Largest number of packets: enough that lanes are full after some bounces as well, and few, so that their
+  /// paths and hits take little memory.
+  static constexpr std::size_t most_starting_packets = std::max(32 / double_lanes, 1);
 
   /// Begins the path of a pixel, in a lane of a packet, at the first hit of its ray.
   void begin(const Ray& ray, const SurfaceCrossing& first, int x, int y, std::size_t packet, int lane) {
@@ -113,7 +113,8 @@ class PathWave {
   }
 
  private:
-  static constexpr std::size_t lanes = static_cast<std::size_t>(double_lanes), most = most_packets * lanes;
+  static constexpr std::size_t lanes = static_cast<std::size_t>(double_lanes),
+                               most = most_starting_packets * lanes;
 
   /// Pixel of the image, and the number of its lane in all packets.
   struct Pixel {
@@ -172,11 +173,11 @@ template <class I, class View>
                                     const PacketRays* found, const typename View::Closest* closest,
                                     const auto& give) {
   PathWave<I> wave;
-  for (std::size_t first = 0; first < packets.size(); first += wave.most_packets) {
-    const std::size_t count = std::min(wave.most_packets, packets.size() - first);
+  for (std::size_t first = 0; first < packets.size(); first += wave.most_starting_packets) {
+    const std::size_t count = std::min(wave.most_starting_packets, packets.size() - first);
     for (std::size_t k = 0; k < count; ++k) {
       const auto [x, y] = packets[first + k];
-      view.set_first_pixel(x, y, i);
+      view.set_packet_position(x, y, i);
       const CameraPacket rays = rays_of.packet(part, x, y, i, found[first + k]);
       const auto begin = [&, x = x, y = y](const Ray& ray, const SurfaceCrossing& hit, int lane) {
         wave.begin(ray, hit, x + lane, y, k, lane);

@@ -27,7 +27,8 @@ class PictureCandidates {
   /// Returns true if each tile finds its candidates in the BVH.
   [[nodiscard]] bool are_from_bvh() const { return scene_.scene().size() > 2048; }
 
-  /// Finds the surfaces that the rays of a tile, in its frustum, may hit.
+  /// Finds the surfaces that the rays of a tile may hit: those of all candidates that its frustum does not
+  /// cull, or those that the BVH finds in its half-spaces.
   void find(const Tile& tile, const Frustum& frustum, Candidates& candidates) const {
     candidates.clear();
     if (!are_from_bvh()) return candidates.add(all_, frustum);

@@ -25,13 +25,13 @@ struct RayBlock {
   static constexpr int width = std::min(8, float_lanes), height = float_lanes / width;
 };
 
-/// Directions of the rays of a packet. If each pixel has places or points of the lens of its own, where they
-/// start, as film coordinates or in the unit disk of the lens, and the weights of their light.
+/// Numbers from which a packet of camera rays is made (PixelRays::packet).
 struct PacketRays {
-  Vectors directions;
-  Doubles x, y;
-  Floats weights;
-  Doubles time;  ///< of each ray, if the shutter is open
+  Vectors directions;  ///< unit vectors
+  Doubles x, y;    ///< film coordinates u, v, or points of a lens in the unit disk; set only if each pixel
+                   ///< has places, or points of the lens, of its own
+  Floats weights;  ///< weights of the samples by the filter; set as x and y are
+  Doubles time;    ///< set only if the shutter is open
 };
 
 /// Rays of a camera through the pixels of an image: PixelGrid::ray. If places in pixels are the same in all
@@ -46,9 +46,9 @@ class PixelRays {
         is_pinhole_(camera_.is_pinhole()),
         has_tables_(pixels.has_common_places() && !camera_.has_lens()),
         lens_(camera_.has_lens() ? camera_.lens() : Camera::Lens{camera.film_right, camera.film_up, 0, 0}),
-        hand_(hand_of(camera)),
+        orientation_(orientation_of(camera)),
         has_float_sums_(allows_float_sums(camera_, pixels)),
-        viewpoint_(viewpoint_of(camera_, pixels, hand_)) {
+        viewpoint_(viewpoint_of(camera_, pixels, orientation_)) {
     if (has_tables_) compute_tables(width, height);
     for (int x = 0; x <= width; x += RayBlock::width) {
       edges_.left.push_back(column_edge_at(x, -margin()));
@@ -60,11 +60,11 @@ class PixelRays {
     }
   }
 
-  /// Returns the directions of the rays through the i-th samples of the pixels from (x, y) on to the right,
-  /// if places are the same in all pixels.
+  /// Returns the directions of the rays through the i-th samples of the pixels from (x, y) on to the right.
+  /// Requires tables: places that are the same in all pixels, and no lens.
   [[nodiscard]] Vectors directions(int x, int y, int i = 0) const {
     const int sample = i - pixels_.first();
-    return normalize(tables_.along.some<Vectors>(sample, x) + Vectors(tables_.up.at(sample, y)) +
+    return normalize(tables_.along.load<Vectors>(sample, x) + Vectors(tables_.up.at(sample, y)) +
                      camera_.forward);
   }
 
@@ -73,35 +73,36 @@ class PixelRays {
   ///
   /// A direction before it is normalized, D, is the sum of a column's and a row's vector. If the unit vectors
   /// of the camera span a volume above 1/2, the column's is at most 2|D| long and the row's, a sum of two, at
-  /// most 4|D| (hand()). Rounding these and their sum makes an error of 7u|D|. The length, from its square
-  /// with an error of 3u of it, is off by 1.5u, its reciprocal by 8u, and products by u, which also turns d
-  /// by at most u. Other cameras get directions that are computed in double and rounded once.
+  /// most 4|D| (orientation()). Rounding these and their sum makes an error of 7u|D|. The length, from its
+  /// square with an error of 3u of it, is off by 1.5u, its reciprocal by 8u, and products by u, which also
+  /// turns d by at most u. Other cameras get directions that are computed in double and rounded once.
   [[nodiscard, gnu::always_inline]] WideVectors block_directions(int x, int y, int i = 0) const {
     if (!has_float_sums_) return rounded_directions(x, y, i);
     const int sample = i - pixels_.first();
-    const auto along = tables_.block_along.some<WideVectors>(sample, x * RayBlock::height),
-               row = tables_.block_row.some<WideVectors>(sample, y * RayBlock::width);
+    const auto along = tables_.block_along.load<WideVectors>(sample, x * RayBlock::height),
+               row = tables_.block_row.load<WideVectors>(sample, y * RayBlock::width);
     const auto dx = along.x + row.x, dy = along.y + row.y, dz = along.z + row.z;
     const auto scale = reciprocal_sqrt(dx * dx + dy * dy + dz * dz);
     return {dx * scale, dy * scale, dz * scale};
   }
 
-  /// Finds the rays through the i-th samples of the pixels from (x, y) on to the right.
-  void find(int x, int y, int i, PacketRays& rays) const {
+  /// Computes the rays through the i-th samples of the pixels from (x, y) on to the right.
+  void compute_rays(int x, int y, int i, PacketRays& rays) const {
     if (has_tables_)
       rays.directions = directions(x, y, i);
     else
-      find_own(x, y, i, rays);
+      compute_own_rays(x, y, i, rays);
     if (camera_.shutter.is_open()) rays.time = pixels_.times(camera_.shutter, x, y, i);
   }
 
-  /// Returns the weights of their light.
+  /// Returns the filter's weights of the i-th samples of a packet.
   [[nodiscard]] Floats weights(int i, const PacketRays& rays) const {
     if (!pixels_.has_common_places()) return rays.weights;
     return static_cast<float>(pixels_.common_place(i).weight);
   }
 
-  /// Returns the packet of these rays, of which rays in the tile are active.
+  /// Returns the packet of the i-th camera rays through the pixels from (x, y) on to the right; lanes beyond
+  /// the tile's right edge are inactive.
   [[nodiscard]] CameraPacket packet(const Tile& tile, int x, int y, int i, const PacketRays& rays) const {
     const Doubles time = camera_.shutter.is_open() ? rays.time : Doubles(camera_.shutter.opens);
     CameraPacket packet(is_pinhole_ ? Vectors(camera_.position) : origins(x, y, i, rays, time),
@@ -111,7 +112,7 @@ class PixelRays {
   }
   [[nodiscard]] CameraPacket packet(const Tile& tile, int x, int y, int i = 0) const {
     PacketRays rays;
-    find(x, y, i, rays);
+    compute_rays(x, y, i, rays);
     return packet(tile, x, y, i, rays);
   }
 
@@ -130,15 +131,15 @@ class PixelRays {
   /// Edge of the columns, or of the rows, of a tile, moved out by as much as places of samples may be outside
   /// of their pixel.
   struct Edge {
-    Vec3 shift;   ///< u · right, or v · up
+    Vec3 term;    ///< term of the directions that is fixed along the edge: u · right, or v · up
     Vec3 normal;  ///< unit normal, to the right or downward, of the plane through the edge; 0 if not certain
     FloatNormal inwards = rounded(normal), outwards = rounded(-normal);  ///< the same in float
   };
 
-  /// Returns a member of the edge of the tiles that begin with column x or row y, left and upper, or of that
-  /// of those that end before these, right and lower. The edges' planes pass through the camera's apex,
-  /// unless rays are parallel. An edge is not returned as a whole, since a copy that was just written in
-  /// parts of another size would wait until all of them are written.
+  /// left_edge(x) and upper_edge(y) return a member of the edge of tiles that start at column x or row y;
+  /// right_edge(x) and lower_edge(y), of tiles that end before it. The edges' planes pass through the
+  /// camera's apex, unless rays are parallel. An edge is not returned as a whole, since a copy that was just
+  /// written in parts of another size would wait until all of them are written.
   template <class M>
   [[nodiscard]] M left_edge(int x, M Edge::*member) const {
     return x % RayBlock::width == 0 ? edges_.left[column_of_blocks(x)].*member
@@ -162,18 +163,18 @@ class PixelRays {
                                      : row_edge_at(y, margin()).*member;
   }
 
-  /// Returns an edge with the normal of a plane that contains the directions forward + u · right + v · up
-  /// with u, or v, fixed; if these are all forward, of the plane that contains forward and the edge of the
-  /// film. u or v may be moved on by a shift.
+  /// Returns the edge at `position` pixels from the left side of column x, or from the upper side of row y,
+  /// moved by u_shift or v_shift in film coordinates. Its plane contains all directions forward + u · right +
+  /// v · up with that u, or v; if these are all forward, it contains forward and the edge of the film.
   [[nodiscard]] Edge column_edge_at(int x, double position, double u_shift = 0) const {
     const Vec3& upwards = camera_.is_orthographic() ? camera_.film_up : camera_.up;
-    const Vec3 shift = (pixels_.u(x, position) + u_shift) * camera_.right;
-    return Edge{.shift = shift, .normal = unit(hand_ * cross(upwards, camera_.forward + shift))};
+    const Vec3 term = (pixels_.u(x, position) + u_shift) * camera_.right;
+    return Edge{.term = term, .normal = unit(orientation_ * cross(upwards, camera_.forward + term))};
   }
   [[nodiscard]] Edge row_edge_at(int y, double position, double v_shift = 0) const {
     const Vec3& across = camera_.is_orthographic() ? camera_.film_right : camera_.right;
-    const Vec3 shift = (pixels_.v(y, position) + v_shift) * camera_.up;
-    return Edge{.shift = shift, .normal = unit(hand_ * cross(across, camera_.forward + shift))};
+    const Vec3 term = (pixels_.v(y, position) + v_shift) * camera_.up;
+    return Edge{.term = term, .normal = unit(orientation_ * cross(across, camera_.forward + term))};
   }
   /// Returns how far places of samples may be outside of their pixel, in pixels.
   [[nodiscard]] double margin() const { return pixels_.margin(); }
@@ -185,13 +186,14 @@ class PixelRays {
   [[nodiscard]] const Camera::Lens& lens() const { return lens_; }
 
   /// Returns the orientation of right, up and forward, or of film_right, film_up and forward if rays are
-  /// parallel: 1, or −1 if the camera is mirrored; 0 if the directions almost lie in a plane.
+  /// parallel: 1 for left-handed directions, as Camera's functions make them, −1 for mirrored ones; 0 if they
+  /// lie almost in a plane, so that no plane of an edge is certain.
   ///
   /// Let V be the volume of the unit directions. A sum of multiples of the directions is at least V times as
   /// long as the longest of these, and as much is left of the vector product of such a sum with a direction
   /// that is not in it. Rounding turns rays and products by a few 2^-52 of their terms, hence by less than
   /// 2^-49 / V, which has to be below 2^-25.
-  [[nodiscard]] double hand() const { return hand_; }
+  [[nodiscard]] double orientation() const { return orientation_; }
 
  private:
   static std::size_t column_of_blocks(int x) { return static_cast<std::size_t>(x / RayBlock::width); }
@@ -211,7 +213,7 @@ class PixelRays {
       numbers_.resize(3 * size_ * index(samples), T{0});
     }
     void set(int sample, int i, const Vec3& v) {
-      for (int axis = 0; axis < 3; ++axis) numbers_[place(sample, axis, i)] = static_cast<T>(v[axis]);
+      for (int axis = 0; axis < 3; ++axis) numbers_[offset(sample, axis, i)] = static_cast<T>(v[axis]);
     }
     [[nodiscard]] Vec3 at(int sample, int i) const {
       return {*row(sample, 0, i), *row(sample, 1, i), *row(sample, 2, i)};
@@ -219,18 +221,18 @@ class PixelRays {
 
     /// Returns V{x, y, z} with the components of the vectors from `first` on in the lanes.
     template <class V>
-    [[nodiscard]] V some(int sample, int first) const {
+    [[nodiscard]] V load(int sample, int first) const {
       using L = decltype(V::x);
       return {L::load(row(sample, 0, first)), L::load(row(sample, 1, first)), L::load(row(sample, 2, first))};
     }
 
    private:
     static std::size_t index(int i) { return static_cast<std::size_t>(i); }
-    [[nodiscard]] std::size_t place(int sample, int axis, int i) const {
+    [[nodiscard]] std::size_t offset(int sample, int axis, int i) const {
       return index(3 * sample + axis) * size_ + index(i);
     }
     [[nodiscard]] const T* row(int sample, int axis, int i) const {
-      return &numbers_[place(sample, axis, i)];
+      return &numbers_[offset(sample, axis, i)];
     }
 
     std::size_t size_ = 0;  ///< number of vectors of a sample
@@ -254,7 +256,7 @@ class PixelRays {
                &up = parallel ? camera.film_up : camera.up;
     return dot(cross(normalize(right), normalize(up)), normalize(camera.forward));
   }
-  static double hand_of(const Camera& camera) {
+  static double orientation_of(const Camera& camera) {
     const double volume = volume_of(camera);
     return std::abs(volume) > 0x1p-24 ? std::copysign(1, volume) : 0;
   }
@@ -291,12 +293,12 @@ class PixelRays {
     if (!camera_.has_film() && !camera_.has_lens()) return Vectors(camera_.position);
     if (!has_tables_) return rays.x * lens_.right + rays.y * lens_.up + camera_.position;
     const int sample = i - pixels_.first();
-    return tables_.film_along.some<Vectors>(sample, x) + Vectors(tables_.film_up.at(sample, y)) +
+    return tables_.film_along.load<Vectors>(sample, x) + Vectors(tables_.film_up.at(sample, y)) +
            camera_.position;
   }
 
-  /// Finds rays through places, or points of the lens, that each pixel has of its own.
-  [[gnu::noinline]] void find_own(int x, int y, int i, PacketRays& rays) const {
+  /// Computes rays through places, or points of the lens, that each pixel has of its own.
+  [[gnu::noinline]] void compute_own_rays(int x, int y, int i, PacketRays& rays) const {
     const FilteredPlace<Doubles> places = pixels_.places(x, y, i);
     Doubles u = pixels_.u(x, places.x), v = pixels_.v(y, places.y);
     rays.x = u, rays.y = v;
@@ -347,8 +349,9 @@ class PixelRays {
   Camera camera_;
   PixelGrid pixels_;
   bool is_pinhole_, has_tables_;
-  Camera::Lens lens_;  ///< in place of a lens, the vectors of the film
-  double hand_;
+  Camera::Lens
+      lens_;  ///< vectors that x and y of PacketRays multiply: the lens's or, without one, the film's
+  double orientation_;
   bool has_float_sums_;
   Viewpoint viewpoint_;
   Tables tables_;  ///< of the samples of the grid's range

@@ -29,7 +29,8 @@ void fill_by_tiles(const protostar::detail::SampleTarget& target, const Camera& 
 
 namespace detail {
 
-/// Returns a function that gives the light of a view to a target, by tiles.
+/// Returns draw(target, options), which renders the view of a camera into the image or film of a target, by
+/// tiles. Borrows its arguments.
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 [[nodiscard]] auto by_tiles(const Camera& camera, const Accelerated<Scene<S...>>& scene,
                             const I& integrator) {
@@ -38,8 +39,8 @@ template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
   };
 }
 
-/// Returns the scene itself, which has to have the surfaces that it was accelerated with; or the accelerated
-/// scene.
+/// Returns an accelerated scene: an Accelerated argument itself, or a new one of a plain scene. Throws
+/// std::logic_error if the surfaces of an accelerated scene have changed.
 template <Surface... S>
 [[nodiscard]] const Accelerated<Scene<S...>>& accelerated(const Accelerated<Scene<S...>>& scene,
                                                           const RenderOptions&) {
@@ -51,8 +52,9 @@ template <Surface... S>
   return Accelerated<Scene<S...>>(scene, options);
 }
 
-/// Calls use(draw), where draw(target, options) gives the light of a view to a target: by tiles, or ray by
-/// ray if the options say so. Throws what render does for an invalid camera or integrator.
+/// Calls use(draw), where draw(target, options) renders the view of a camera into a target: by tiles, or ray
+/// by ray if the options say so. draw may be used during that call only, as it refers to the accelerated
+/// scene. Throws what render does for an invalid camera or integrator.
 template <class S, class I>
 void with_view(const Camera& camera, const S& scene, const I& integrator, const RenderOptions& options,
                const auto& use) {

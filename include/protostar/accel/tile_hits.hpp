@@ -6,7 +6,6 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <type_traits>
 
@@ -38,7 +37,7 @@ class TileHits {
   /// Closest hit of each ray.
   struct Closest {
     Doubles t;                ///< infinity if the ray misses
-    Indices index;            ///< surface's index in the scene's order; sees_nothing if the ray misses
+    Indices index;            ///< surface's index in the scene's order; no_surface_index if the ray misses
     LaneMask is_far = false;  ///< true at the second root of a surface that takes packets
 
     /// Primitive that is hit: entry ≥ 0 of a visibility buffer, or number_of(Crossing) < 0.
@@ -48,8 +47,9 @@ class TileHits {
   TileHits(const Scene<S...>& scene, const Candidates& candidates, State& state)
       : scene_(scene), candidates_(candidates), state_(state) {}
 
-  /// Sets the pixel at which the camera's next packet begins, and the index of its sample.
-  void set_first_pixel(int x, int y, int sample) const { first_x_ = x, first_y_ = y, sample_ = sample; }
+  /// Sets the first pixel of the camera's next packet and the index of its sample; called before each query
+  /// with a CameraPacket, since visibility buffers are read there.
+  void set_packet_position(int x, int y, int sample) const { first_x_ = x, first_y_ = y, sample_ = sample; }
 
   /// Calls visit(surface, material) for the surface with this index in the scene's order.
   void visit(std::int64_t index, const auto& visit) const {
@@ -92,11 +92,12 @@ class TileHits {
     return search(rays, rays.active, candidates_, true);
   }
 
-  /// Returns the closest hits of camera rays of which it is known what they see first. It is apart from the
-  /// search among all candidates, so that this has the registers for itself.
+  /// Returns the closest hits of camera rays by what float found: tests each ray with its one or two surfaces
+  /// only, and rays with doubtful_index with all candidates. It is not inlined, so that the search among all
+  /// candidates has the registers for itself.
   [[nodiscard, gnu::noinline]] Closest closest(const CameraPacket& rays, const SeenByPacket& seen) const {
-    const LaneMask open = rays.active && mask_for<double>(seen.indices == Indices(is_in_doubt));
-    Closest closest{.t = infinity, .index = sees_nothing};
+    const LaneMask open = rays.active && mask_for<double>(seen.indices == Indices(doubtful_index));
+    Closest closest{.t = infinity, .index = no_surface_index};
     LaneMask in_doubt = false;
     test_seen(seen.indices, rays, closest, in_doubt);
     test_seen(seen.others, rays, closest, in_doubt);
@@ -145,10 +146,10 @@ class TileHits {
 
   /// Returns the radiance of pixels that surely see these surfaces, or nothing, by an integrator that needs
   /// no point of them.
-  [[nodiscard]] Colors shade_anywhere(const Indices& seen, const auto& background,
-                                      const auto& shade_hits) const {
+  [[nodiscard]] Colors shade_without_point(const Indices& seen, const auto& background,
+                                           const auto& shade_hits) const {
     const RayPacket no_rays(Vectors(Vec3{0}), Vectors(Vec3{0}));
-    Bits left = bits(!(seen == Indices(sees_nothing)));
+    Bits left = bits(!(seen == Indices(no_surface_index)));
     Colors result = left == first_bits(double_lanes) ? Colors(Color{0}) : Colors(background());
     while (left != 0) {
       const std::int64_t index = in_first_lane(seen, left);
@@ -207,9 +208,9 @@ class TileHits {
     return buffers.at(static_cast<int>(index), sample_);
   }
 
-  /// Closest hit of one ray among some surfaces, and the index of its surface; sees_nothing if it misses.
+  /// Closest hit of one ray among some surfaces, and the index of its surface; no_surface_index if it misses.
   struct IndexedCrossing {
-    int index = sees_nothing;
+    int index = no_surface_index;
     SurfaceCrossing crossing;
   };
   [[nodiscard, gnu::noinline, gnu::cold]] IndexedCrossing closest_of_one_ray(
@@ -226,11 +227,12 @@ class TileHits {
     return first;
   }
 
-  /// Replaces closest hits by those that surely precede them, and returns their rays; rays with hits in an
-  /// uncertain order become in_doubt.
-  static LaneMask keep_sooner(const ClosestCrossings& first, const Indices& indices, Closest& closest,
+  /// Replaces the closest hits of the rays for which `first` is surely closer, and returns these rays. Adds
+  /// to in_doubt the rays that `first` leaves in doubt and those for which the order is not certain.
+  static LaneMask keep_closer(const ClosestCrossings& first, const Indices& indices, Closest& closest,
                               LaneMask& in_doubt) {
-    // The order is certified if the errors of both t, 2^-30 of each, do not overlap.
+    // The order is certified if the errors of both t, 2^-30 of each, do not overlap, for which a factor of 1
+    // ± 2.1 · 2^-30 would do; 8 leaves room for the rounding of the products.
     const LaneMask sooner = first.met && first.t < (1 - 8 * Roots::relative_error) * closest.t;
     const LaneMask later = first.t > (1 + 8 * Roots::relative_error) * closest.t;
     in_doubt = in_doubt || first.in_doubt || (first.met && !sooner && !later);
@@ -248,10 +250,9 @@ class TileHits {
  private:
   /// Returns the closest hits of rays: those so far, and in some lanes, those of tests of all surfaces.
   /// Camera rays have visibility buffers.
-  [[nodiscard, gnu::always_inline]] Closest search(const RayPacket& rays, LaneMask lanes,
-                                                   const auto& surfaces, bool are_of_camera,
-                                                   Closest closest = {.t = infinity, .index = sees_nothing},
-                                                   LaneMask in_doubt = false) const {
+  [[nodiscard, gnu::always_inline]] Closest search(
+      const RayPacket& rays, LaneMask lanes, const auto& surfaces, bool are_of_camera,
+      Closest closest = {.t = infinity, .index = no_surface_index}, LaneMask in_doubt = false) const {
     if (any(lanes))
       for (int i = 0; i < surfaces.size(); ++i) {
         // If no ray can reach a surface before its closest hit, none can reach those that follow.
@@ -266,8 +267,9 @@ class TileHits {
     return closest;
   }
 
-  /// Updates the closest hits of camera rays with those of the surface that each of them may see, if it does
-  /// not see nothing. Spheres are tested all at once, since a packet sees several if they are small.
+  /// Tests each active camera ray with the surface in its lane of `seen`, and updates closest and in_doubt;
+  /// lanes with a negative index are left out. Spheres of different lanes are tested together, since a packet
+  /// sees several if they are small.
   [[gnu::always_inline]] void test_seen(const Indices& seen, const RayPacket& rays, Closest& closest,
                                         LaneMask& in_doubt) const {
     LaneMask left = rays.active && mask_for<double>(seen >= Indices(0));
@@ -281,7 +283,7 @@ class TileHits {
         count_tests(here);
         const SpheresInLanes gathered(spheres.data(), select(here, at, Indices(0)));
         const auto first = first_root_of_each(gathered.equation(rays), here);
-        keep_sooner({first.t, first.is_there, first.in_doubt, first.is_far}, seen, closest, in_doubt);
+        keep_closer({first.t, first.is_there, first.in_doubt, first.is_far}, seen, closest, in_doubt);
         left = left && !here;
       }
     }
@@ -307,7 +309,7 @@ class TileHits {
         ClosestCrossings first{.t = infinity, .met = seen.met, .in_doubt = seen.in_doubt};
         if (any(seen.met))
           first.t = select(seen.met, drawn->t(seen.which, seen.met, rays.direction), first.t);
-        const LaneMask sooner = keep_sooner(first, index, closest, in_doubt);
+        const LaneMask sooner = keep_closer(first, index, closest, in_doubt);
         closest.primitive = select(sooner, seen.which, closest.primitive);
         return;
       }
@@ -315,11 +317,11 @@ class TileHits {
       if (has_parts(surface)) {
         Indices numbers = -1;
         const ClosestCrossings first = first_crossings_one_by_one(surface, rays, lanes, Interval{}, numbers);
-        const LaneMask sooner = keep_sooner(first, index, closest, in_doubt);
+        const LaneMask sooner = keep_closer(first, index, closest, in_doubt);
         closest.primitive = select(sooner, numbers, closest.primitive);
         return;
       }
-    keep_sooner(first_crossings(surface, rays, lanes, Interval{}), index, closest, in_doubt);
+    keep_closer(first_crossings(surface, rays, lanes, Interval{}), index, closest, in_doubt);
   }
 
   /// Returns the radiance of rays that hit one surface, though perhaps different primitives of it.
@@ -352,8 +354,8 @@ class TileHits {
     }
     return result;
   }
-  /// Returns the crossing of a closest hit. It is computed again for a surface that takes no packets and has
-  /// no primitives, and for a hit from a visibility buffer.
+  /// Returns the crossing of a closest hit. Types that take no packets, or are made of lanes, compute it
+  /// again, unless `closest` has the number of its primitive; so do hits from a visibility buffer.
   template <Surface T>
   [[nodiscard]] static Crossing crossing_of(const T& surface, const Ray& ray, const Closest& closest,
                                             int lane) {

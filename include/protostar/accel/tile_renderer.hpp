@@ -5,13 +5,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
-#include <memory>
-#include <optional>
-#include <utility>
 
 #include "../render.hpp"
 #include "../render_options.hpp"
@@ -61,7 +57,7 @@ class TileRenderer {
     candidates_.find(tile, frustum, in_tile);
     if constexpr (by_packets && View::rasterizes)
       if (are_tested_together()) rasterize(in_tile, tile, work);
-    if (!fill_uniform(tile, in_tile, frustum, work)) fill_parts(tile, in_tile, 0, work);
+    if (!try_fill_uniform(tile, in_tile, frustum, work)) fill_parts(tile, in_tile, 0, work);
     work.state.counts.exact = fallbacks.exact - before.exact;
     work.state.counts.undecided = fallbacks.undecided - before.undecided;
     works_.give_back(work, statistics_);
@@ -77,25 +73,26 @@ class TileRenderer {
   static constexpr bool shades = ShadingIntegrator<I, View>;
   static constexpr bool takes_sampler =
       shades ? ShadesBySampler<I, View> : protostar::detail::takes_sampler<I, View>;
-  static constexpr bool shades_anywhere = shades && ShadesAnywhere<I> && !takes_sampler;
+  static constexpr bool shades_without_point = shades && ShadesWithoutPoint<I> && !takes_sampler;
 
   /// An integrator that may ask for all hits needs the scene's order.
   static constexpr Order order = shades || !by_packets ? Order::near_to_far : Order::of_scene;
 
-  /// Sizes of the parts that a tile is divided into, one after the other. A part is divided only if it has
-  /// more than `most` candidates, but for those of 16 × 16 pixels, to which all tiles are divided. A cone
-  /// takes longer than the planes and serves few tiles, so that smaller parts have none.
+  /// Step of the division of a tile: a rectangle with more than `most` candidates is split into parts of
+  /// width × height pixels, and one with fewer skips the step; −1 splits all.
   struct Division {
     int width, height, most;
   };
   static constexpr Division divisions[Work::most_divisions] = {{32, 32, 64}, {16, 16, -1}, {8, 8, 3}};
 
+  static constexpr int least_width_with_cone = 16;  ///< in pixels
+
   /// Largest number of candidates that are tested in double as fast as in float, for colors that need t.
   static constexpr int most_tested_in_double = 3;
 
-  /// Largest number of candidates that a block of rays is tested with as fast as it finds those in its
-  /// frustum.
-  static constexpr int most_without_places = 16;
+  /// Largest number of candidates of which a block of rays tests all as fast as it culls them by its frustum
+  /// first.
+  static constexpr int most_without_block_culling = 16;
 
   [[nodiscard]] View view_of(const Candidates& candidates, Work& work) const {
     return View(scene_, candidates, skips_, work.state);
@@ -116,8 +113,9 @@ class TileRenderer {
       });
   }
 
-  /// Fills a tile or a part of one. One that has many candidates is divided: its candidates are culled for
-  /// each of its parts, beginning with the next division.
+  /// Fills a tile or a part of one. One that has many candidates is divided, from divisions[next] on: its
+  /// candidates are culled for each of its parts. A cone takes longer to test than the planes and serves few
+  /// parts, so that small ones have none.
   void fill_parts(const Tile& tile, const Candidates& candidates, std::size_t next, Work& work) const {
     while (next < std::size(divisions) && candidates.size() <= divisions[next].most) ++next;
     if (next == std::size(divisions)) return fill(tile, candidates, work);
@@ -126,24 +124,25 @@ class TileRenderer {
     for (int y = tile.y0; y < tile.y1; y += height)
       for (int x = tile.x0; x < tile.x1; x += width) {
         const Tile part{x, y, std::min(x + width, tile.x1), std::min(y + height, tile.y1)};
-        const Frustum frustum(rays_, part, width >= 16);
+        const Frustum frustum(rays_, part, width >= least_width_with_cone);
         in_part.clear();
         in_part.add(candidates, frustum);
-        if (!fill_uniform(part, in_part, frustum, work)) fill_parts(part, in_part, next + 1, work);
+        if (!try_fill_uniform(part, in_part, frustum, work)) fill_parts(part, in_part, next + 1, work);
       }
   }
 
-  /// Fills a tile, or a part of one, if all of its rays surely see the same and have one radiance; returns
-  /// false if not. All rays of a frustum without candidates miss; all rays of one that a candidate fills meet
-  /// that candidate, and the integrator may tell its radiance without the points that they meet.
-  [[nodiscard]] bool fill_uniform(const Tile& tile, const Candidates& candidates, const Frustum& frustum,
-                                  Work& work) const {
+  /// Fills a tile, or a part of one, with one color and returns true, if it is certain that all its samples
+  /// have it; otherwise changes nothing and returns false. All rays of a frustum without candidates miss; all
+  /// rays of one that a candidate fills meet that candidate, and the integrator may tell its radiance without
+  /// the points that they meet.
+  [[nodiscard]] bool try_fill_uniform(const Tile& tile, const Candidates& candidates, const Frustum& frustum,
+                                      Work& work) const {
     if constexpr (by_packets && (shades || !takes_sampler)) {
       const PixelGrid& pixels = rays_.pixels();
-      if (!may_skip_background() || (pixels.has_weights() && !pixels.has_common_places())) return false;
+      if (!may_skip_rays() || (pixels.has_weights() && !pixels.has_common_places())) return false;
       const View view = view_of(candidates, work);
       if (candidates.size() > 0) {
-        if constexpr (shades ? !shades_anywhere : !AsksForCrossings<I>) return false;
+        if constexpr (shades ? !shades_without_point : !AsksForCrossings<I>) return false;
         if (!rays_.is_pinhole() || !skips_.sure_in_float || (shades && candidates.size() > 1)) return false;
         for (int i = 0; i < candidates.size(); ++i)
           if (!candidates.fills(i, frustum) || view.has_texture(candidates.index(i))) return false;
@@ -155,20 +154,20 @@ class TileRenderer {
     return false;
   }
 
-  /// Returns true if all rays that miss have the same radiance, as there is no environment, and may be
-  /// skipped.
-  [[nodiscard]] bool may_skip_background() const {
-    return skips_.empty_tiles && !scene_.scene().environment();
-  }
+  /// Returns true if the option allows samples without rays, and all rays that miss have one radiance, since
+  /// there is no environment.
+  [[nodiscard]] bool may_skip_rays() const { return skips_.empty_tiles && !scene_.scene().environment(); }
 
-  /// Returns the light of all samples of a tile that see the same: all candidates.
+  /// Returns the light of all samples of a tile that see nothing, without candidates, or cross all
+  /// candidates.
   [[nodiscard, gnu::noinline]] Color uniform_light(const Tile& tile, const Candidates& candidates,
                                                    const View& view, Work& work) const {
     const CameraPacket rays =
         rays_.packet({tile.x0, tile.y0, tile.x0 + 1, tile.y0 + 1}, tile.x0, tile.y0, rays_.pixels().first());
     Colors colors(Color{0});
     if constexpr (shades) {
-      colors = shade_seen(Indices(candidates.size() == 0 ? sees_nothing : candidates.index(0)), rays, view);
+      colors =
+          shade_seen(Indices(candidates.size() == 0 ? no_surface_index : candidates.index(0)), rays, view);
     } else {
       work.state.crossed.clear();
       for (int i = 0; i < candidates.size(); ++i)
@@ -183,9 +182,9 @@ class TileRenderer {
   /// camera rays stand for those that miss. All see nothing unless the integrator shades anywhere.
   [[nodiscard]] Colors shade_seen(const Indices& seen, const CameraPacket& any_rays, const View& view) const {
     const auto background = [&] { return integrator_.background(any_rays, view); };
-    if constexpr (shades_anywhere)
-      return view.shade_anywhere(seen, background,
-                                 [&](const auto& hits) { return integrator_.shade(hits, view); });
+    if constexpr (shades_without_point)
+      return view.shade_without_point(seen, background,
+                                      [&](const auto& hits) { return integrator_.shade(hits, view); });
     else
       return Colors(background());
   }
@@ -194,8 +193,9 @@ class TileRenderer {
     return static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
   }
 
-  /// Fills a part of at most 16 × 16 pixels with the radiance of each pixel's rays: all samples that belong
-  /// to the first of a pixel's sums, then all of the next.
+  /// Fills a part of at most 16 × 16 pixels with the radiance of each pixel's rays. A film keeps one or two
+  /// sums for each pixel, of which sample i belongs to sum i mod their number; they are filled one after the
+  /// other.
   void fill(const Tile& part, const Candidates& candidates, Work& work) const {
     View view = view_of(candidates, work);
     const PixelGrid& pixels = rays_.pixels();
@@ -205,7 +205,7 @@ class TileRenderer {
         for (int x = part.x0; x < part.x1; ++x)
           target_.draw(pixels, x, y, [&](int i, const auto& place) {
             const Ray ray = pixels.ray(rays_.camera(), x, y, i, place);
-            view.set_pixel(ray);
+            view.set_camera_ray(ray);
             return protostar::detail::radiance_of_sample(protostar::detail::radiance_in(view, integrator_),
                                                          ray, pixels.sampler(x, y, i));
           });
@@ -214,6 +214,7 @@ class TileRenderer {
       for (int which = 0; which < sums; ++which) {
         if (!keeps_light_) each_packet(part, [&](std::size_t k, int, int) { work.sums[k] = {}; });
         std::uint32_t count = 0;
+        // The least sample of the range that belongs to this sum.
         const int first = pixels.first() + (which + sums - pixels.first() % sums) % sums;
         for (int i = first; i < pixels.last(); i += sums, ++count)
           if constexpr (shades)
@@ -263,16 +264,17 @@ class TileRenderer {
       const SeenByPacket by_packet = seen_from(x, y);
       if (const Indices seen = by_packet.surely(); is_known && !needs_rays(seen, view)) {
         skipped += static_cast<std::uint64_t>(std::min(double_lanes, part.x1 - x));
+        // The places of pixels, and so the weights, are common here: found[count] is not read.
         return add(part, x, y, i, found[count], shade_seen(seen, any_rays, view), work);
       }
       if (candidates_.are_from_bvh() && is_known) view.prefetch_seen(by_packet.indices);
       if (keeps_light_) prefetch_packet(*target_.image(), part, x, y);
-      rays_.find(x, y, i, found[count]);
+      rays_.compute_rays(x, y, i, found[count]);
       open[count++] = {x, y};
     });
     for (std::size_t k = 0; k < count; ++k) {
       const auto [x, y] = open[k];
-      view.set_first_pixel(x, y, i);
+      view.set_packet_position(x, y, i);
       const CameraPacket rays = rays_.packet(part, x, y, i, found[k]);
       closest[k] = is_known ? view.closest(rays, work.visibility(x, y)) : view.closest(rays);
       if (candidates_.are_from_bvh() && !is_known) view.prefetch_seen(closest[k].index);
@@ -285,7 +287,7 @@ class TileRenderer {
     else
       for (std::size_t k = 0; k < count; ++k) {
         const int x = open[k].x, y = open[k].y;
-        view.set_first_pixel(x, y, i);
+        view.set_packet_position(x, y, i);
         const CameraPacket rays = rays_.packet(part, x, y, i, found[k]);
         const auto shade = [&](const auto& hits, auto... lane) {
           if constexpr (takes_sampler)
@@ -303,20 +305,19 @@ class TileRenderer {
 
   /// Adds the i-th sample of a part, for an integrator that is asked for the radiance of rays.
   void fill_radiance(const Tile& part, const View& view, int i, Work& work) const {
+    const bool is_tested = AsksForCrossings<I> && are_tested_together() && skips_.sure_in_float;
     std::uint64_t skipped = 0;
     each_block(part, [&](const Tile& block) {
-      const bool is_tested = AsksForCrossings<I> && are_tested_together() && skips_.sure_in_float;
-      const bool needs_rays =
-          !(is_tested && view.find_crossed(rays_.block_directions(block.x0, block.y0, i)) &&
-            may_skip_background());
-      if (!needs_rays) skipped += pixel_count(block);
+      const bool is_certain = is_tested && view.list_crossed(rays_.block_directions(block.x0, block.y0, i));
+      const bool computes_rays = !is_certain || !may_skip_rays();
+      if (!computes_rays) skipped += pixel_count(block);
       each_packet(block, [&](std::size_t, int x, int y) {
-        view.set_first_pixel(x, y, i);
+        view.set_packet_position(x, y, i);
         view.set_crossed(is_tested ? &work.state.crossed : nullptr,
                          (y - block.y0) * RayBlock::width + (x - block.x0));
         PacketRays found;
-        if (needs_rays)
-          rays_.find(x, y, i, found);
+        if (computes_rays)
+          rays_.compute_rays(x, y, i, found);
         else
           found.directions = Vec3{0}, found.time = 0.0;
         const CameraPacket rays = rays_.packet(part, x, y, i, found);
@@ -332,32 +333,33 @@ class TileRenderer {
     work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
   }
 
-  /// Finds what the pixels of a part see first, as far as float tells. Returns false if float is not asked:
-  /// the camera is no pinhole, each pixel has places of its own, a candidate has no bounds, or testing so few
-  /// candidates in double is as fast.
+  /// Finds what the pixels of a part see first: from the visibility buffer of the only candidate, if that is
+  /// rasterized; or as far as float tells. Returns false if float is not asked: the option is off, the camera
+  /// is no pinhole, each pixel has places of its own, a candidate has no bounds, or testing so few candidates
+  /// in double is as fast.
   [[nodiscard]] bool find_visibility(const Tile& part, const Candidates& candidates, const View& view, int i,
                                      Work& work) const {
     if (!are_tested_together() || !skips_.sure_in_float) return false;
-    view.set_first_pixel(part.x0, part.y0, i);
+    view.set_packet_position(part.x0, part.y0, i);
     const bool is_in_buffer = view.with_only_buffer([&](const auto& drawn) {
       each_packet(part, [&](std::size_t, int x, int y) {
         const auto seen = drawn.seen(true, x, y);
-        const Indices unmet = select(seen.in_doubt, Indices(is_in_doubt), Indices(sees_nothing));
+        const Indices unmet = select(seen.in_doubt, Indices(doubtful_index), Indices(no_surface_index));
         work.visibility.set_packet(x, y, select(seen.met, Indices(candidates.index(0)), unmet));
       });
     });
     if (is_in_buffer) return true;
-    if (!shades_anywhere && candidates.size() <= most_tested_in_double) return false;
+    if (!shades_without_point && candidates.size() <= most_tested_in_double) return false;
     for (int k = 0; k < candidates.size(); ++k)
       if (candidates.is_everywhere(k)) return false;
-    const bool are_many = candidates.size() > most_without_places;
-    work.places.clear();
-    if (!are_many) work.places.add_first(candidates.size());
+    const bool are_many = candidates.size() > most_without_block_culling;
+    work.seen_by_block.clear();
+    if (!are_many) work.seen_by_block.add_first(candidates.size());
     each_block(part, [&](const Tile& block) {
-      if (are_many) candidates.find(Frustum(rays_, block, false), work.places);
-      const SeenByBlock seen =
-          seen_by(rays_.block_directions(block.x0, block.y0, i), candidates, work.places, !shades_anywhere);
-      work.state.counts.float_tests += static_cast<std::uint64_t>(seen.tested);
+      if (are_many) candidates.find(Frustum(rays_, block, false), work.seen_by_block);
+      const SeenByBlock seen = seen_by(rays_.block_directions(block.x0, block.y0, i), candidates,
+                                       work.seen_by_block, !shades_without_point);
+      work.state.counts.float_tests += static_cast<std::uint64_t>(seen.ray_tests);
       work.visibility.set_block(block.x0, block.y0, seen);
     });
     return true;
@@ -365,13 +367,13 @@ class TileRenderer {
 
   /// Returns true if the radiance of rays that see these surfaces, or nothing, depends on the rays.
   [[nodiscard]] bool needs_rays(const Indices& seen, const View& view) const {
-    if (!may_skip_background()) return true;
-    Bits left = bits(!(seen == Indices(sees_nothing)));
+    if (!may_skip_rays()) return true;
+    Bits left = bits(!(seen == Indices(no_surface_index)));
     if (left == 0) return false;
-    if constexpr (!shades_anywhere) return true;
+    if constexpr (!shades_without_point) return true;
     while (left != 0) {
       const std::int64_t index = seen[std::countr_zero(left) % double_lanes];
-      if (index == is_in_doubt || view.has_texture(index)) return true;
+      if (index == doubtful_index || view.has_texture(index)) return true;
       left &= ~bits(seen == Indices(index));
     }
     return false;

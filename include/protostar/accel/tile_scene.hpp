@@ -27,9 +27,9 @@ class TileScene : public HitsAmongFew<S...> {
   using Base::closest, Base::shade, Base::visit;
   using typename Base::State;
 
-  TileScene(const Accelerated<Scene<S...>>& everything, const Candidates& candidates, const Skips& skips,
+  TileScene(const Accelerated<Scene<S...>>& accelerated, const Candidates& candidates, const Skips& skips,
             State& state)
-      : Base(everything.scene(), candidates, state), everything_(everything), skips_(skips) {}
+      : Base(accelerated.scene(), candidates, state), accelerated_(accelerated), skips_(skips) {}
 
   [[nodiscard]] const std::vector<Light>& lights() const { return scene_.lights(); }
   [[nodiscard]] const Color& ambient() const { return scene_.ambient(); }
@@ -50,15 +50,16 @@ class TileScene : public HitsAmongFew<S...> {
 
   // ---- Single rays.
 
-  /// Sets the camera ray of the current pixel.
-  void set_pixel(const Ray& ray) { pixel_ = ray; }
+  /// Sets the camera ray of the current sample, which intersect() tests with the tile's candidates alone.
+  void set_camera_ray(const Ray& ray) { camera_ray_ = ray; }
 
   [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
-    const bool is_pixel = ray.origin == pixel_.origin && ray.direction == pixel_.direction &&
-                          ray.departure.kind == Departure::Kind::none;
-    if (!is_pixel || range.min != 0 || range.max != infinity) {
+    const bool is_camera_ray = camera_ray_ && ray.origin == camera_ray_->origin &&
+                               ray.direction == camera_ray_->direction &&
+                               ray.departure.kind == Departure::Kind::none;
+    if (!is_camera_ray || range.min != 0 || range.max != infinity) {
       count_alone();
-      return everything_.intersect(ray, range);
+      return accelerated_.intersect(ray, range);
     }
     const auto [index, crossing] = this->closest_of_one_ray(ray, candidates_.indices());
     return index < 0 ? std::nullopt : std::optional(Intersection(ray, crossing));
@@ -66,22 +67,22 @@ class TileScene : public HitsAmongFew<S...> {
 
   [[nodiscard]] bool occluded(const Ray& ray, Interval range = {}) const {
     count_alone();
-    return everything_.occluded(ray, range);
+    return accelerated_.occluded(ray, range);
   }
 
   void crossings(const Ray& ray, Interval range, auto&& report) const {
     count_alone();
-    everything_.crossings(ray, range, report);
+    accelerated_.crossings(ray, range, report);
   }
 
   /// Traces rays that may depart from different surfaces, as many as there are lanes or fewer: ray(k) is the
-  /// k-th, and its closest hit becomes *place(k), which is not initialized.
-  void intersect_each(std::size_t count, const auto& ray, const auto& place) const {
+  /// k-th, and its closest hit becomes *result(k), which is not initialized.
+  void intersect_each(std::size_t count, const auto& ray, const auto& result) const {
     if constexpr (Base::tests_in_lanes)
       if (count >= Base::fewest_in_lanes && scene_.size() <= few_surfaces)
-        return this->intersect_in_lanes(everything_, count, ray, place);
+        return this->intersect_in_lanes(accelerated_, count, ray, result);
     for (std::size_t k = 0; k < count; ++k)
-      new (place(k)) std::optional<Intersection>(intersect(ray(k), Interval{}));  // in place
+      new (result(k)) std::optional<Intersection>(intersect(ray(k), Interval{}));  // in place
   }
 
   // ---- Packets.
@@ -108,7 +109,7 @@ class TileScene : public HitsAmongFew<S...> {
     for (Bits alone = bits(rays.active); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       count_alone();
-      if (const auto hit = everything_.intersect(rays[lane], Interval{}))
+      if (const auto hit = accelerated_.intersect(rays[lane], Interval{}))
         result.set(lane, this->shade_in_lane(shade_hits, *hit, lane));
     }
     return result;
@@ -136,9 +137,9 @@ class TileScene : public HitsAmongFew<S...> {
       return inlined_occluded(rays, range);
   }
 
-  /// Lists the surfaces that the rays of a block may cross, in these directions; returns true if float tells
-  /// all of them, and their colors do not depend on the rays.
-  [[nodiscard]] bool find_crossed(const WideVectors& directions) const {
+  /// Stores the surfaces that camera rays with these directions may cross (set_crossed). Returns true if
+  /// float decides every ray of each of them and none has a texture, so that the packets need no real rays.
+  [[nodiscard]] bool list_crossed(const WideVectors& directions) const {
     state_.crossed.clear();
     bool is_sure = true;
     state_.counts.float_tests += static_cast<std::uint64_t>(candidates_.size() * float_lanes);
@@ -176,8 +177,8 @@ class TileScene : public HitsAmongFew<S...> {
         continue;
       }
       visit(crossed.index, [&](const auto&, const Material& material) {
-        visit_crossing(SomeCross{lanes, material.diffuse});  // on the way in,
-        visit_crossing(SomeCross{lanes, material.diffuse});  // and out
+        visit_crossing(MaskedCrossing{lanes, material.diffuse});  // on the way in,
+        visit_crossing(MaskedCrossing{lanes, material.diffuse});  // and out
       });
     }
   }
@@ -186,7 +187,7 @@ class TileScene : public HitsAmongFew<S...> {
   using Base::candidates_, Base::scene_, Base::state_, Base::first_x_, Base::first_y_;
   using Base::count_tests, Base::only_lane;
 
-  struct SomeCross {
+  struct MaskedCrossing {
     LaneMask which;
     Colors surface_color;
     [[nodiscard]] Colors color() const { return select(which, surface_color, Color{1}); }
@@ -214,7 +215,7 @@ class TileScene : public HitsAmongFew<S...> {
     if (skips_.occluder_lists && range.min == 0 && range.max == 1)
       indices = state_.occluders.between(rays, rays.active,
                                          [&](const auto& half_spaces, const VisitSurfaces& visit_some) {
-                                           everything_.frustum_query(half_spaces, visit_some);
+                                           accelerated_.frustum_query(half_spaces, visit_some);
                                          });
     if (indices == nullptr) return occluded_one_by_one(rays, range);
     LaneMask found = false, left = rays.active;
@@ -230,7 +231,7 @@ class TileScene : public HitsAmongFew<S...> {
     for (Bits alone = bits(rays.active); alone != 0; alone &= alone - 1) {
       const int lane = std::countr_zero(alone);
       ++state_.counts.rays_alone;
-      if (everything_.occluded(rays[lane], range)) found = found || only_lane(lane);
+      if (accelerated_.occluded(rays[lane], range)) found = found || only_lane(lane);
     }
     return found;
   }
@@ -280,7 +281,7 @@ class TileScene : public HitsAmongFew<S...> {
       if (material.texture)
         return each_textured_crossing(surface, material, rays, maybe, range, visit_crossing);
       each_crossing_of(surface, rays, maybe, range, [&](LaneMask which, Doubles) {
-        if (any(which)) visit_crossing(SomeCross{which, material.diffuse});
+        if (any(which)) visit_crossing(MaskedCrossing{which, material.diffuse});
       });
     });
   }
@@ -327,12 +328,12 @@ class TileScene : public HitsAmongFew<S...> {
     if (has_parts(surface))
       each_crossing_one_by_one(surface, rays, some, range, [&](int lane, const Crossing& crossing) {
         const Intersection hit(rays[lane], crossing_on(surface, crossing, material));
-        visit_crossing(SomeCross{only_lane(lane), hit.color()});
+        visit_crossing(MaskedCrossing{only_lane(lane), hit.color()});
       });
     else
       each_crossing_of(surface, rays, some, range, [&](LaneMask which, Doubles t) {
         const HitPacket crossings(rays, t, which, surface, material);
-        if (any(which)) visit_crossing(SomeCross{which, crossings.color()});
+        if (any(which)) visit_crossing(MaskedCrossing{which, crossings.color()});
       });
   }
 
@@ -345,9 +346,9 @@ class TileScene : public HitsAmongFew<S...> {
     }
   }
 
-  const Accelerated<Scene<S...>>& everything_;
+  const Accelerated<Scene<S...>>& accelerated_;
   const Skips& skips_;
-  Ray pixel_;
+  std::optional<Ray> camera_ray_;
   mutable const PlainVector<CrossedByBlock>* crossed_ = nullptr;
   mutable int first_lane_ = 0;
 };

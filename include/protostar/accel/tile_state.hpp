@@ -1,4 +1,4 @@
-// State that the parts of a tile share, and lists of surfaces that are none of candidates.
+// State that the parts of a tile share, and the list of all surfaces of a small scene.
 #pragma once
 
 #include <cstddef>

@@ -33,7 +33,7 @@ struct TileWork {
   static constexpr int most_divisions = 3;  ///< how often a tile is divided into smaller parts
 
   Candidates lists[most_divisions + 1];
-  Places places;  ///< of the candidates of a block
+  CandidateList seen_by_block;  ///< candidates that a block of rays may see
   Visibility visibility;
   TileState<S...> state;
   PacketSums sums[most_packets];  ///< of the samples so far, unless a pixel keeps a single one

@@ -18,11 +18,11 @@ struct Viewpoint {
   /// unless rays are parallel.
   Point apex;
   double drift = 0;
-  bool is_eye = false;  ///< true if all rays start at the apex
+  bool is_pinhole = false;  ///< true if all rays start at the apex
 
   /// Radius of a lens around the apex, in the plane of the film, and the distance of the plane in focus from
   /// it. The part of a ray at another distance is shifted by up to drift_of_lens besides.
-  double lens = 0, focus = 1;
+  double lens_radius = 0, focus_depth = 1;
 
   /// Point and unit normal of the plane on which all rays start, up to drift; they lead to the side of the
   /// normal. A normal that is not certain is 0.
@@ -40,9 +40,9 @@ struct Viewpoint {
   [[nodiscard]] Doubles drift_of_lens(const Doubles& depth, const Doubles& distance,
                                       const Doubles& radius) const {
     if (ahead == Vec3{0}) return std::numeric_limits<double>::infinity();
-    const auto blur = [&](const Doubles& z) { return abs(1.0 - z / focus); };
-    return lens * (max(blur(max(depth - radius, Doubles(0.0))), blur(depth + radius)) +
-                   0x1p-19 * (1.0 + (distance + radius) / focus));
+    const auto blur = [&](const Doubles& z) { return abs(1.0 - z / focus_depth); };
+    return lens_radius * (max(blur(max(depth - radius, Doubles(0.0))), blur(depth + radius)) +
+                          0x1p-19 * (1.0 + (distance + radius) / focus_depth));
   }
 };
 
@@ -68,19 +68,20 @@ namespace detail {
 /// The normal is accurate to 2^-26 (viewpoint_of_film), so that its product with forward is accurate to 2^-20
 /// of itself if that is above 2^-6 of forward's length; otherwise ahead is not certain.
 [[nodiscard, gnu::cold]] inline Viewpoint viewpoint_of_lens(const Camera& camera, const PixelGrid& pixels,
-                                                            double hand) {
+                                                            double orientation) {
   const Camera::Lens lens = camera.lens();
   const Vec3 right = normalize(camera.right), up = normalize(camera.up);
   const double radius = camera.aperture * std::sqrt(1 + std::abs(dot(right, up)));
   Viewpoint viewpoint{.apex = camera.position,
                       .drift = 0x1p-20 * radius + 0x1p-49 * length(camera.position),
-                      .lens = radius,
+                      .lens_radius = radius,
                       .film = camera.position};
-  const Vec3 ahead = ahead_of(camera.forward, (pixels.largest_u() + lens.u_shift) * camera.right,
-                              (pixels.largest_v() + lens.v_shift) * camera.up, hand * cross(right, up));
+  const Vec3 ahead =
+      ahead_of(camera.forward, (pixels.largest_u() + lens.u_shift) * camera.right,
+               (pixels.largest_v() + lens.v_shift) * camera.up, orientation * cross(right, up));
   const double height = dot(ahead, camera.forward);
   if (height > 0x1p-6 * length(camera.forward))
-    viewpoint.ahead = ahead, viewpoint.focus = camera.focus * height;
+    viewpoint.ahead = ahead, viewpoint.focus_depth = camera.focus * height;
   return viewpoint;
 }
 
@@ -97,7 +98,7 @@ namespace detail {
 /// float, a half-space through the film's edge is off by 2^-23 R. Adding 2^-20 R + 2^-49 (|P| + |A|) to the
 /// bound of |e| covers all of it.
 [[nodiscard, gnu::cold]] inline Viewpoint viewpoint_of_film(const Camera& camera, const PixelGrid& pixels,
-                                                            double hand) {
+                                                            double orientation) {
   const Vec3 &right = camera.right, &up = camera.up;
   const Vec3 &film_right = camera.film_right, &film_up = camera.film_up;
   const double u = pixels.largest_u(), v = pixels.largest_v();
@@ -110,8 +111,8 @@ namespace detail {
     viewpoint.drift = u * length(film_right - k * right) + v * length(film_up - k * up);
   }
   viewpoint.drift += 0x1p-20 * film + 0x1p-49 * (length(camera.position) + length(viewpoint.apex));
-  viewpoint.ahead =
-      ahead_of(camera.forward, u * right, v * up, hand * cross(normalize(film_right), normalize(film_up)));
+  viewpoint.ahead = ahead_of(camera.forward, u * right, v * up,
+                             orientation * cross(normalize(film_right), normalize(film_up)));
   return viewpoint;
 }
 
@@ -132,12 +133,12 @@ namespace detail {
 
 }  // namespace detail
 
-/// Returns the viewpoint of a camera, whose orientation is given (PixelRays::hand).
+/// Returns the viewpoint of a camera, whose orientation is given (PixelRays::orientation).
 [[nodiscard, gnu::cold]] inline Viewpoint viewpoint_of(const Camera& camera, const PixelGrid& pixels,
-                                                       double hand) {
-  if (camera.is_pinhole()) return {.apex = camera.position, .is_eye = true};
-  Viewpoint viewpoint = camera.has_film() ? detail::viewpoint_of_film(camera, pixels, hand)
-                                          : detail::viewpoint_of_lens(camera, pixels, hand);
+                                                       double orientation) {
+  if (camera.is_pinhole()) return {.apex = camera.position, .is_pinhole = true};
+  Viewpoint viewpoint = camera.has_film() ? detail::viewpoint_of_film(camera, pixels, orientation)
+                                          : detail::viewpoint_of_lens(camera, pixels, orientation);
   if (camera.is_moving()) detail::move_with(camera, viewpoint);
   return viewpoint;
 }

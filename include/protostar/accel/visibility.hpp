@@ -1,5 +1,5 @@
-// Visibility buffer: the index of the surface that each pixel of a part of a tile surely sees first, decided
-// in float.
+// Visibility buffer: what each pixel of a part of a tile sees first, as far as float tells: nothing, one
+// surface, a surface unless another comes before it, or a surface that float cannot name.
 //
 // A candidate is a sphere that contains a surface: radius r, center l measured from the apex of the pinhole.
 // With u = 2^-24, what sphere_filter.hpp computes of it is off by at most
@@ -36,13 +36,14 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
   return {LinePass(directions, {sphere.x, sphere.y, sphere.z}), sphere.reach, sphere.inner, sphere.margin};
 }
 
-/// What a pixel sees, instead of a surface by its index in the scene's order.
-inline constexpr std::int32_t sees_nothing = -1, is_in_doubt = -2;
+/// Values in place of the index ≥ 0 of a surface in the scene's order: the ray surely misses all surfaces, or
+/// float cannot tell what it hits first.
+inline constexpr std::int32_t no_surface_index = -1, doubtful_index = -2;
 
 namespace detail {
 
-/// Surfaces that rays of a block surely meet soonest, and what rays may meet before: the surface that begins
-/// first, and whether there are more. Last, how many candidates were tested.
+/// Surfaces that the rays of a block surely hit first, unless they hit one of several others before: `others`
+/// is the one of these that begins first. `tested` counts candidates.
 struct FirstSeen {
   WideIndices indices, others;
   WideMask have_other, have_several;
@@ -56,16 +57,16 @@ inline bool squares_fit_float(const CandidateSphere& sphere) {
 
 template <bool with_roots>
 [[nodiscard, gnu::always_inline]] inline FirstSeen first_seen(const Candidates& candidates,
-                                                              const Places& places,
+                                                              const CandidateList& positions,
                                                               const WideVectors& directions) {
   constexpr float never = std::numeric_limits<float>::infinity();
   // Bounds of the first hit of the surface that is surely met soonest, and where the first and the second of
   // the others begin.
   WideFloats until = never, from = never, other_from = never, next_from = never;
-  WideIndices indices = sees_nothing, others = sees_nothing;
+  WideIndices indices = no_surface_index, others = no_surface_index;
   int tested = 0;
-  for (; tested < places.size(); ++tested) {
-    const int k = places[tested];
+  for (; tested < positions.size(); ++tested) {
+    const int k = positions[tested];
     // If no ray can reach a candidate before its first hit, none can reach those that follow.
     if (tested > 0 && !any(until >= WideFloats(candidates.nearest(k)))) break;
     const CandidateSphere sphere = candidates.sphere(k);
@@ -91,55 +92,56 @@ template <bool with_roots>
 
 }  // namespace detail
 
-/// What the rays of a block see first: surely sees_nothing or a surface, by its index in the scene's order,
-/// but for the one other surface that they may meet before, if it is not sees_nothing; or is_in_doubt, with
-/// no other.
+/// First surface on each ray of a block, as far as float tells. `indices` holds its index in the scene's
+/// order, no_surface_index if the ray surely misses all, or doubtful_index. `others` holds the one other
+/// surface that the ray may hit earlier; where it is no_surface_index, `indices` is certain.
 struct SeenByBlock {
   WideIndices indices, others;
-  int tested;  ///< number of tests of a ray with a candidate
+  int ray_tests;  ///< number of tests of a ray with a candidate
 };
 
-/// Finds what the rays of a block see first, as far as float tells. It looks closer if several other surfaces
-/// are left to a ray or, for rays that are traced only if they have to be, any. `places` are those of the
-/// candidates that the rays may see.
+/// Finds the first surface on each ray of a block among the candidates at `positions`. Bounds of t without
+/// square roots come first. The search is repeated with square roots if these bounds leave any ray with more
+/// than one other surface; or with any other, if rays are not traced anyway and a certain pixel needs none.
 [[nodiscard, gnu::always_inline]] inline SeenByBlock seen_by(const WideVectors& directions,
                                                              const Candidates& candidates,
-                                                             const Places& places, bool are_traced_anyway) {
-  detail::FirstSeen seen = detail::first_seen<false>(candidates, places, directions);
+                                                             const CandidateList& positions,
+                                                             bool are_traced_anyway) {
+  detail::FirstSeen seen = detail::first_seen<false>(candidates, positions, directions);
   int tested = seen.tested;
   if (any(are_traced_anyway ? seen.have_several : seen.have_other)) {
-    seen = detail::first_seen<true>(candidates, places, directions);
+    seen = detail::first_seen<true>(candidates, positions, directions);
     tested += seen.tested;
   }
-  return {select(seen.have_several, WideIndices(is_in_doubt), seen.indices),
-          select(seen.have_other && !seen.have_several, seen.others, WideIndices(sees_nothing)),
+  return {select(seen.have_several, WideIndices(doubtful_index), seen.indices),
+          select(seen.have_other && !seen.have_several, seen.others, WideIndices(no_surface_index)),
           tested * float_lanes};
 }
 
 /// What the rays of a packet see first, as of a block (SeenByBlock).
 struct SeenByPacket {
-  Indices indices = is_in_doubt, others = sees_nothing;
+  Indices indices = doubtful_index, others = no_surface_index;
 
-  /// Returns what each ray surely sees, or is_in_doubt.
+  /// Returns what each ray surely sees, or doubtful_index.
   [[nodiscard]] Indices surely() const {
-    return select(others == Indices(sees_nothing), indices, Indices(is_in_doubt));
+    return select(others == Indices(no_surface_index), indices, Indices(doubtful_index));
   }
 };
 
-/// What each pixel of a part of a tile sees first. A part has at most 16 × 16 pixels, and begins at a
-/// multiple of the size of a block.
+/// First surface of each pixel of a part of a tile (SeenByBlock). A part has at most 16 × 16 pixels, and
+/// begins at a multiple of the size of a block.
 class Visibility {
  public:
   static constexpr int width = 16, height = 16;  ///< largest size of a part
 
   void set_block(int x, int y, const SeenByBlock& seen) {
-    seen.indices.store(&indices_[place(x, y)]), seen.others.store(&others_[place(x, y)]);
+    seen.indices.store(&indices_[slot(x, y)]), seen.others.store(&others_[slot(x, y)]);
   }
 
   void set_packet(int x, int y, const Indices& indices) {
     for (int i = 0; i < double_lanes; ++i) {
-      indices_[place(x, y) + static_cast<std::size_t>(i)] = static_cast<std::int32_t>(indices[i]);
-      others_[place(x, y) + static_cast<std::size_t>(i)] = sees_nothing;
+      indices_[slot(x, y) + static_cast<std::size_t>(i)] = static_cast<std::int32_t>(indices[i]);
+      others_[slot(x, y) + static_cast<std::size_t>(i)] = no_surface_index;
     }
   }
 
@@ -150,13 +152,13 @@ class Visibility {
 
  private:
   /// Returns where a pixel is stored: block by block.
-  static std::size_t place(int x, int y) {
+  static std::size_t slot(int x, int y) {
     constexpr int w = RayBlock::width, h = RayBlock::height;
     const int block = y % height / h * (width / w) + x % width / w;
     return static_cast<std::size_t>(block * float_lanes + y % h * w + x % w);
   }
   [[nodiscard]] static Indices in_packet(const std::int32_t* of_pixels, int x, int y) {
-    return widened(Lanes<std::int32_t, double_lanes>::load(&of_pixels[place(x, y)]));
+    return widened(Lanes<std::int32_t, double_lanes>::load(&of_pixels[slot(x, y)]));
   }
 
   alignas(64) std::int32_t indices_[width * height], others_[width * height];

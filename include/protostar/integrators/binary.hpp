@@ -7,8 +7,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// Integrator that returns white for a ray with any hit, else black; it does not ask for the closest hit.
 struct BinaryIntegrator {
-  using TakesPackets = BinaryIntegrator;    ///< takes packets as well as rays (accel/packet.hpp)
-  using ShadesAnywhere = BinaryIntegrator;  ///< needs no point of a hit
+  using TakesPackets = BinaryIntegrator;        ///< takes packets as well as rays (accel/packet.hpp)
+  using ShadesWithoutPoint = BinaryIntegrator;  ///< needs no point of a hit
 
   template <class R = Ray>
   [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {

@@ -7,8 +7,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// Integrator that returns the color of the closest hit, unlit; the sky, or black, if there is none.
 struct ColorIntegrator : FirstHit<ColorIntegrator> {
-  using TakesPackets = ColorIntegrator;    ///< takes packets as well as rays (accel/packet.hpp)
-  using ShadesAnywhere = ColorIntegrator;  ///< needs no point of a hit, unless there is a texture
+  using TakesPackets = ColorIntegrator;        ///< takes packets as well as rays (accel/packet.hpp)
+  using ShadesWithoutPoint = ColorIntegrator;  ///< needs no point of a hit, unless there is a texture
 
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto&) const {

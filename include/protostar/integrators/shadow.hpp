@@ -12,6 +12,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 struct ShadowIntegrator : FirstHit<ShadowIntegrator> {
   using TakesPackets = ShadowIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
 
+  /// Returns the radiance of a hit, with channels that are finite floats; of a HitPacket, for each of its
+  /// rays. The scene says which points are occluded from a light.
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
     typename Hit::Light irradiance(ambient_of(scene));

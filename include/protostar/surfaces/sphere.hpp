@@ -26,16 +26,18 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// Margin added to the error of a discriminant: more than all underflows together, of 2^-1075 (4A + 3|c| +
-/// 6|b| + 2), wherever A < 2^150 and rounding is not larger still.
-inline constexpr double underflow_margin = 0x1p-900;
+/// Bound of all underflow errors in the discriminant together, 2^-1075 (4A + 3|c| + 6|b| + 2), for A < 2^150.
+/// Where c or b are so large that the errors could exceed it, the bound of rounding in E is larger.
+inline constexpr double underflow_of_sphere = 0x1p-900;
 
 }  // namespace detail
 
-/// Returns the equation in double, of one or more lines and one or more spheres.
+/// Returns the equation in double, of one line or a packet of lines (origin and direction) and of one sphere
+/// or one in each lane.
 ///
-/// E is more than the error of D, which is below 21u A w < 2^-48 A w, underflow apart. The product is 2^20 A
-/// w, so it is infinite before b², A c or a part of them overflows. It is infinite also if A is not in range.
+/// E = 2^-48 A w + underflow_of_sphere bounds the error of D, since rounding makes less than 21u A w. It is
+/// computed as 2^-68 · (2^20 A w), so that it is infinite, and nothing certain, before b², A c or a part of
+/// them overflows; it is infinite, too, if A is not in the range of is_moderate_square.
 [[nodiscard, gnu::always_inline]] inline auto sphere_equation(const auto& rays, const auto& center,
                                                               const auto& radius) {
   const auto l = center - rays.origin;
@@ -46,7 +48,7 @@ inline constexpr double underflow_margin = 0x1p-900;
   const auto c = ll - rr, w = ll + rr;
   using T = std::remove_const_t<decltype(b)>;
   const auto E = 0x1p-68 * (select(detail::is_moderate_square(T(A)), 0x1p20 * T(A), T(infinity)) * w) +
-                 detail::underflow_margin;
+                 detail::underflow_of_sphere;
   return RoundedQuadratic<T, std::remove_const_t<decltype(c)>>{
       .A = A, .b = b, .c = c, .w = w, .D = b * b - A * c, .E = E};
 }
