@@ -95,7 +95,7 @@ void tangent_space(Drawing& drawing) {
   ground.words(0.75 * z, {-10, 4}, "z", Paint::blue, Anchor::end);
   ground.words(0.9 * tilted, {8, 0}, "(x, y, z)", Paint::orange);
   drawing.words({480, 30}, "in the map", Anchor::middle, Paint::ink, true);
-  drawing.words({320, 372}, "n′ = x a + y b + z n", Anchor::middle, Paint::orange);
+  drawing.words({320, 372}, "n′ = x a + y b + z n, made 1 long", Anchor::middle, Paint::orange);
 }
 
 void light_behind(Drawing& drawing) {
