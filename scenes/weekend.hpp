@@ -24,7 +24,7 @@ class WeekendNumbers {
 };
 
 /// Calls glass(sphere), metal(sphere, color, fuzz) or matte(sphere, color) for each ball, the ground first.
-/// Lights in the sky are all that shines. The book's metal with fuzz scatters a mirrored ray by a random
+/// The sky is all that shines. The book's metal with fuzz scatters a mirrored ray by a random
 /// vector that is as long as the fuzz.
 inline void weekend_balls(const auto& glass, const auto& metal, const auto& matte) {
   using protostar::Color, protostar::Point, protostar::Sphere;

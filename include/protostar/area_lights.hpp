@@ -136,7 +136,8 @@ class AreaLight {
     return visit([&]<class T>(const T& shape) {
       if constexpr (std::is_same_v<T, Triangles>)
         return irradiance_of_mesh(shape, hit, at_rest, normal);
-      else if (is_moving() ? hit.surface() == surface_ : hit.leave(normal).departure == shape.departure())
+      else if (hit.surface() == surface_ ||
+               (!is_moving() && hit.leave(normal).departure == shape.departure()))
         return irradiance_on_itself(shape, hit);
       else
         return irradiance_of(shape, at_rest, normal);
@@ -184,9 +185,11 @@ class AreaLight {
 
   /// Returns the irradiance of a point that lies on the light itself, whatever its digits say: from inside of
   /// a sphere the light is everywhere, and otherwise it is below the horizon.
-  template <class T>
-  static double irradiance_on_itself(const T&, const Intersection& hit) {
-    const bool is_inside = std::is_same_v<T, Sphere> && dot(hit.surface_normal(), hit.direction()) > 0;
+  static double irradiance_on_itself(const auto&, const Intersection&) { return 0; }
+  static double irradiance_on_itself(const Sphere& sphere, const Intersection& hit) {
+    const bool leads_along_normal = dot(hit.surface_normal(), hit.direction()) > 0;
+    const bool is_inside =
+        leads_along_normal == (sphere.radius > 0);  // a negative radius turns normals inward
     return is_inside ? std::numbers::pi : 0;
   }
 

@@ -27,8 +27,8 @@ struct LightRays {
 inline thread_local LightRays light_rays;
 
 /// Returns the weight of a direction that was drawn with the density `own`, and with `other` in another way:
-/// own²/(own² + other²). It is 1 if nothing else draws it, or the density is infinite, as that of a mirror;
-/// and 0 if `own` is, for a direction that is left to the other way.
+/// own²/(own² + other²). It is 1 if `other` is 0, also if both are, or `own` is infinite, as that of a
+/// mirror; otherwise 0 if `own` is 0, for a direction that is left to the other way.
 [[nodiscard]] inline double power_heuristic(double own, double other) {
   if (!(other > 0) || own == std::numeric_limits<double>::infinity()) return 1;
   const double ratio = other / own;

@@ -54,7 +54,7 @@ struct Bounce {
 
 /// Answers yes with a probability, by a number in [0, 1), and replaces the number by its place among those
 /// with this answer: again a number in [0, 1), for the next question. Samplers have 2^32 different numbers,
-/// so an answer may be 2^-32 too likely.
+/// so an answer may be too likely by 2^-32, divided by the probability of the answers before.
 [[nodiscard]] inline bool decide(double& number, double probability) {
   const bool yes = number < probability;
   const double place = yes ? number / probability : (number - probability) / (1 - probability);

@@ -108,7 +108,7 @@ class PassOption {
 /// progress does not come to 1.
 struct RenderOptions {
   /// Rays through each pixel, which gets their mean (PixelGrid); 0: one through its center, and through that
-  /// of a lens. Of several, channels beyond ±2^15 count as ±2^15 (ExactSum).
+  /// of a lens. Of several, channels beyond ±2^15 count as ±2^15, and below 2^-48 as 0 (ExactSum).
   int samples = 0;
 
   /// Sampler that gives their places, and the numbers of integrators that take a sampler. By default it is
@@ -122,8 +122,8 @@ struct RenderOptions {
   /// Target of the picture's RMSE over pixels and channels, in linear light; 0: none. Samples are drawn in
   /// passes, which double their number, until the RMSE is at most that with a confidence of 95 %
   /// (PictureError); samples has to be 0. As do seconds and standard_error, it takes SobolSampler by default,
-  /// and another sampler only if its even samples are independent of the odd ones: no HammersleySampler or
-  /// StratifiedSampler.
+  /// and another sampler only if its even samples are independent of the odd ones, and its pixels of each
+  /// other: no HammersleySampler or StratifiedSampler.
   PassOption<double> error = {};
   /// Time for the picture in seconds, which ends with the last pass that fits; 0: no limit.
   PassOption<double> seconds = {};

@@ -67,7 +67,8 @@ class SceneFields {
   }
 
   /// Returns a bound of the distance from a point to the nearest surface that emits no light: none
-  /// is nearer, up to rounding. Less than 0 inside of solids; ∞ if there are no surfaces.
+  /// is nearer, up to rounding. Less than 0 inside of solids; ∞ if there are no surfaces. Requires
+  /// require_distances() to have passed.
   [[nodiscard]] double distance_bound(const Point& point) const {
     double least = infinity;
     for (const Field& field : fields_)

@@ -346,7 +346,7 @@ const int most_bounces = 100;
 Color path(Ray ray, const Sample& sample) {
   Color light, weight{1, 1, 1};
   int which = 2;
-  bool is_asked = false;  // the lamps, at the surface before
+  bool is_asked = false;  // true if the surface before has asked the lamps
   for (int bounce = 0; bounce <= most_bounces; ++bounce) {
     const Hit hit = closest_hit(ray);
     if (hit.t == infinity) return light + weight * sky;

@@ -174,6 +174,7 @@ TEST_CASE("a render ends with an error if more rays follow one camera ray than a
              {.threads = 1, .tiles = tiles});
     };
     CHECK_NOTHROW(draw_to(8, 255));  // at most 1 + 2 + ... + 128 rays
+    CHECK_NOTHROW(draw_to(8, std::numeric_limits<std::int64_t>::max()));
     CHECK_THAT(message_of<std::runtime_error>([&] { draw_to(1000, 10'000); }),
                ContainsSubstring("more than 10000 rays follow one ray of the camera"));
   }

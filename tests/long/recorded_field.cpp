@@ -121,6 +121,7 @@ TEST_CASE("operations are written down in one order, in whatever order a compile
   CHECK(names(right_first) == names(left_first));
   for (std::size_t i = 0; i < left_first.operations().size(); ++i)
     CHECK(right_first.operations().at(i).of == left_first.operations().at(i).of);
+  CHECK_THROWS_AS(left_first.record([](const auto& p) { return p.x; }), std::logic_error);
 }
 
 TEST_CASE("a field that is put together at run time is written down by its shapes") {

@@ -195,6 +195,8 @@ TEST_CASE("a soft shadow by distance is that of a straight edge, and right in fu
     const double seen = integrator.seen_share({0, y, 0}, level);
     CAPTURE(y, s, seen);
     CHECK(std::abs(seen - seen_of_disk(s)) < 0.08);
+    level.radius = -level.radius;  // turns its normals, and changes nothing else
+    CHECK(integrator.seen_share({0, y, 0}, level) == seen);
     if (s >= 1) CHECK(seen == 1);
     if (s < -1.1) CHECK(seen == 0);
   }

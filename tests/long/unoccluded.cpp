@@ -144,6 +144,28 @@ TEST_CASE("all surfaces with an emission are seen, and those of known shapes lig
   CHECK(unoccluded.radiance({{3, 5, 0}, {0, -1, 0}}, scene) == Color{0.25f});
 }
 
+TEST_CASE(
+    "a lamp lights itself from inside alone, whichever way its normals lead, and also if it moves by "
+    "nothing") {
+  const Material shining{.diffuse = Color{1}, .emission = Color{1}};
+  const auto seen = [](const auto& scene, const Ray& ray) {
+    return UnoccludedIntegrator(scene).radiance(ray, scene).r;
+  };
+  const Ray from_outside{{0.3, 0.2, -5}, {0, 0, 1}}, from_inside{{0.3, 0.2, 0}, {0, 0, 1}};
+  for (const double radius : {1.0, -1.0}) {
+    CAPTURE(radius);
+    const Sphere sphere{{0.1, 0.2, 0.3}, radius};
+    Scene<Sphere> at_rest;
+    at_rest.add(sphere, shining);
+    CHECK(seen(at_rest, from_outside) == 1);
+    CHECK(seen(at_rest, from_inside) == 2);
+    Scene<Moving<Sphere>> moving;
+    moving.add(Moving<Sphere>(sphere, Vec3{0}), shining);
+    CHECK(seen(moving, from_outside) == 1);
+    CHECK(seen(moving, from_inside) == 2);
+  }
+}
+
 TEST_CASE("the brightest lamps leave no number that is infinite or none") {
   constexpr float most = std::numeric_limits<float>::max();
   Scene<Plane, Sphere> scene;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -31,7 +32,8 @@ class FieldTape {
   /// Writes down a field, once for each tape. The first operations are x, y and z, and the last is "result".
   /// Those between stand as a walk from the result through the operands meets them, from left to right, so
   /// that their order depends on no compiler: C++ leaves open which of a function's arguments is computed
-  /// first. What the result does not take is dropped.
+  /// first. What the result does not take is dropped. Throws std::logic_error if the tape has a field
+  /// already.
   void record(const auto& field);
 
   [[nodiscard]] const std::vector<Operation>& operations() const { return operations_; }
@@ -139,12 +141,16 @@ class Recorded {
 };
 
 void FieldTape::record(const auto& field) {
-  FieldTape* const before = std::exchange(Recorded::tape_, this);
+  if (!operations_.empty()) throw std::logic_error("FieldTape: a tape records one field");
+  struct Restored {
+    FieldTape* before;
+    ~Restored() { Recorded::tape_ = before; }
+  };
+  const Restored restored{std::exchange(Recorded::tape_, this)};  // also if the field throws
   const Recorded x = Recorded::of("x"), y = Recorded::of("y"), z = Recorded::of("z");
   const Recorded value = field(FieldPoint<Recorded>{x, y, z});
   add("result", {value.index()});
   put_in_order();
-  Recorded::tape_ = before;
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -16,7 +16,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// surfaces within a distance are in its way,
 ///   1/π ∫ V cos θ dω,
 /// with the visibility V, 1 or 0, of the sky along a direction. White if there is no hit. It is the light of
-/// PathIntegrator on white surfaces in a white sky, as far as it comes without a bounce.
+/// PathIntegrator on white surfaces in a white sky after one bounce, at the surface that is seen.
 struct AmbientOcclusionIntegrator : FirstHit<AmbientOcclusionIntegrator> {
   /// Distance in scene units from which on surfaces occlude nothing.
   double distance = std::numeric_limits<double>::infinity();

@@ -15,7 +15,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// of a hit is
 ///   1 − Σ w_i (1 − f_i/h_i)
 /// with the distance f_i, cut to 0 … h_i, from the point at the height h_i over the hit, along its normal, to
-/// the nearest surface. Over an open plane f_i = h_i, and nothing is occluded. White if there is no hit.
+/// the nearest surface, or a lower bound of it. Over an open plane f_i = h_i, and nothing is occluded. White
+/// if there is no hit. Distances are negative inside of solids: cameras belong outside.
 ///
 /// The weights make the result right for an endless wall that stands on a plane. From a point at the distance
 /// a from it, the wall hides the directions with a component of c = a/R or more towards it, R being the
@@ -24,9 +25,9 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// of the share is 2c/(π √(1 − c²)). Hence w(x) = 2x²/(π √(1 − x²)): with x = sin α, equal parts of α have
 /// weights in proportion to sin² α. Eight parts leave less than 1/1000 of error for any wall.
 ///
-/// Anything else is off: only the nearer one of two walls counts, so that corners and slots are too bright;
-/// and anything nearby counts as an endless wall, however small it is, so that the surroundings of small
-/// things are too dark.
+/// Anything else is off: the result is never below ½, that of a wall at the hit; only the nearer one of two
+/// walls counts, so that corners and slots are too bright; and anything nearby counts as an endless wall,
+/// however small it is, so that the surroundings of small things are too dark.
 struct DistanceOcclusionIntegrator : FirstHit<DistanceOcclusionIntegrator> {
   SceneFields fields;
 
@@ -56,7 +57,8 @@ struct DistanceOcclusionIntegrator : FirstHit<DistanceOcclusionIntegrator> {
     return Color{to_float(free_share(hit.point(), hit.facing_normal()))};
   }
 
-  /// Returns the free share of the space over a point of a surface with a unit normal, from 0 to 1.
+  /// Returns the free share of the space over a point of a surface with a unit normal: from ½, with a surface
+  /// at the point, to 1.
   [[nodiscard]] double free_share(const Point& point, const Vec3& normal) const {
     // sin α in the middles of eight equal parts of a right angle.
     constexpr double heights[] = {0.098017140329560604, 0.29028467725446233, 0.47139673682599764,

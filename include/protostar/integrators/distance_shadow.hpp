@@ -18,13 +18,15 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// The radiance of a hit is
 ///   L_e + ρ/π · Σ V E
 /// with its emission L_e, its color as the albedo ρ, and the irradiance E of each light. E of an area light
-/// is the closed form, as if nothing hid it, and V is the share of the lamp that is seen (seen_share). Other
-/// lights are seen or not. The sky, or black, if there is no hit.
+/// is the closed form, as if nothing hid it, and V is the share of the lamp that is seen (seen_share). Lights
+/// at points and in directions get exact shadow rays. The sky, or black, if there is no hit.
 ///
 /// V is that of a straight edge, and an estimate for anything else: if two solids hide another half of a lamp
 /// each, V is ½. V is 0 where one solid hides all of the lamp, and 1 where no surface comes as near to the
-/// way towards its center as the outermost rays to it are; both but for what a step may pass (seen_share). A
-/// lamp that the horizon of the hit cuts loses its light twice, by V and by E.
+/// way towards its center as the outermost rays to it are; both but for things thinner than a step
+/// (seen_share), and as far as bounds of distances are distances: a lower bound hides more. A lamp that the
+/// horizon of the hit cuts loses its light twice, by V and by E. Lamps do not hide each other. Distances are
+/// negative inside of solids, so that all is dark there: cameras and lamps belong outside.
 struct DistanceShadowIntegrator : FirstHit<DistanceShadowIntegrator> {
   AreaLights lights;
   SceneFields fields;
@@ -68,13 +70,13 @@ struct DistanceShadowIntegrator : FirstHit<DistanceShadowIntegrator> {
   ///
   /// At the hit itself f and k t are both 0. The way begins at t = D/2^20, where k t is 2^-20 r. The quotient
   /// is that of the surface of the hit there, off by the rounding of f, about 2^-53 |from|: by 2^-33
-  /// |from|/r. Anything that ends before is not seen.
+  /// |from|/r. Occluders that end nearer to the hit than D/2^20 are ignored.
   [[nodiscard]] double seen_share(const Point& from, const Sphere& lamp) const {
     const Vec3 to_center = lamp.center - from;
-    const double D = length(to_center), k = lamp.radius / D;
+    const double D = length(to_center), radius = std::abs(lamp.radius), k = radius / D;
     const Vec3 direction = to_center / D;
     double least = 1;
-    for (double t = 0x1p-20 * D; t < D - lamp.radius;) {
+    for (double t = 0x1p-20 * D; t < D - radius;) {
       const double f = fields.distance_bound(from + t * direction);
       least = std::min(least, f / (k * t));
       if (!(least > -1)) return 0;

@@ -41,7 +41,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// and of surfaces that are no AreaLights, is found by the path itself.
 ///
 /// The estimate is unbiased up to the depth. Without glossy lobes, and if the shares of each material add up
-/// to at most 1, it is bounded: no path weighs more than 1.
+/// to at most 1, no path weighs more than 1. Rays to lights have weights without such a bound, as lights are
+/// chosen by their power.
 struct PathIntegrator : FirstHit<PathIntegrator> {
   using FollowsPaths = PathIntegrator;  ///< those of several pixels together (accel/packet_integrator.hpp)
 

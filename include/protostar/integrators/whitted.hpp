@@ -72,7 +72,10 @@ struct WhittedIntegrator {
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
     if (depth < 1) return end_of_path(hit.leave(hit.direction()), scene);
-    detail::whitted_rays_left = most_rays * count_of(hit.leave(hit.direction()));
+    const std::int64_t n = std::max(count_of(hit.leave(hit.direction())), 1);
+    detail::whitted_rays_left = most_rays > std::numeric_limits<std::int64_t>::max() / n
+                                    ? std::numeric_limits<std::int64_t>::max()
+                                    : most_rays * n;
     return from_hit(hit, scene, depth);
   }
 

@@ -17,8 +17,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Sums of the radiance of a pixel's samples. Sample i belongs to scrambling i mod 2; the two scramblings are
-/// independent of each other. Their samples must be fewer than 2^32 together.
+/// Sums of the radiance of a pixel's samples. Sample i belongs to scrambling i mod 2. Errors are those of
+/// samplers whose two scramblings are independent, such as SobolSampler; of HammersleySampler and
+/// StratifiedSampler, which are not, they tell nothing. Their samples must be fewer than 2^32 together.
 struct PixelSums {
   std::array<ExactColorSum, 2> sums;
   std::array<std::uint32_t, 2> counts{};
@@ -111,13 +112,15 @@ class Film {
     return image_of([](const PixelSums& pixel) { return pixel.mean(); });
   }
 
-  /// Returns the standard error of each pixel's channels.
+  /// Returns the standard error of each pixel's channels, if the sampler has independent scramblings
+  /// (PixelSums).
   [[nodiscard]] Image standard_error() const {
     return image_of([](const PixelSums& pixel) { return pixel.standard_error(); });
   }
 
-  /// Returns the estimate of the picture's error. It adds up the pixels in rows, so it is the same wherever
-  /// it is computed.
+  /// Returns the estimate of the picture's error, if the sampler has independent scramblings (PixelSums) and
+  /// its pixels are independent of each other. It adds up the pixels in rows, so it is the same wherever it
+  /// is computed.
   [[nodiscard]] PictureError error() const {
     PictureError error;
     for (const PixelSums& pixel : pixels_) error.add(pixel.squared_error());

@@ -48,7 +48,7 @@ template <class LongWord>
 inline constexpr std::uint32_t factors[] = {0x9e3779b1, 0x85ebca77, 0xc2b2ae3d, 0x27d4eb2f, 0x165667b1,
                                             0xd3a2646d, 0xb55a4f09, 0xfd7046c5, 0xa0761d65};
 
-/// Returns a word made of the lower half of a set's key, another word for each odd factor.
+/// Returns a word made of the lower half of a set's key, mostly another word for another odd factor.
 template <class Word>
 [[nodiscard]] Word seed_of(Word low, Word factor) {
   const Word x = low * factor;
@@ -87,8 +87,8 @@ template <class Word>
 ///
 /// It shuffles indices with their digits turned around, so that 0, 1, 2–3, 4–7, 8–15, … keep their places:
 /// the first 2^k indices stay the first 2^k, and have at most k digits. Nothing is lost against a scrambling
-/// that moves 0 to some c. For points whose digits depend linearly (modulo 2) on those of the index, ⊕ c in
-/// the index is ⊕ a constant in each coordinate, and these are flipped at random anyway.
+/// that moves 0 to some c. For Sobol's points, whose digits depend linearly (modulo 2) on those of the index,
+/// ⊕ c in the index is ⊕ a constant in each coordinate, and these are flipped at random anyway.
 template <class Word>
 [[nodiscard]] Word shuffled(Word x, Word seed) {
   return nested(x, seed) ^ nested(Word(0), seed);

@@ -24,7 +24,7 @@ struct MeshSample {
 };
 
 /// The triangles of a light, chosen by their areas: for meshes of any size, since a choice takes the
-/// logarithm of their number. Throws nothing; triangles without area are never chosen.
+/// logarithm of their number. Takes any triangles; those without area are never chosen.
 class MeshLight {
  public:
   explicit MeshLight(std::vector<TriangleCorners> triangles)

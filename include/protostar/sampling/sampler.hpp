@@ -1,8 +1,8 @@
 // Samplers: values that give the numbers by which light is chosen at random.
 //
 // A sampler belongs to one sample of one pixel. It has no state: sampler(set) gives four numbers between 0
-// and 1, which are a function of seed, pixel, sample and set. They depend on no thread, no order and no
-// machine, and a part of a picture has the same numbers as the whole.
+// and 1, which are a function of its SampleIndex (seed, pixel, sample, and their number) and the set. They
+// depend on no thread, no order and no machine, and a part of a picture has the same numbers as the whole.
 //
 // Numbers come in sets of four, since numbers of one set are spread evenly together, and those of two sets
 // are not: set 0 is for the place in the pixel and on the lens, and set k for vertex k of the path, two

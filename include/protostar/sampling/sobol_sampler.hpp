@@ -1,4 +1,5 @@
-// Sobol's points, scrambled: the error falls as samples^-1.5 for smooth light, and as samples^-0.75 at edges.
+// Sobol's points, scrambled: the error falls as samples^-1.5 for smooth light on two numbers of one set, and
+// as samples^-0.75 at edges; light that depends on several sets together has the rate of independent samples.
 //
 // Sobol's points are a digital sequence: the digits of coordinate d are sums modulo 2 of digits of the index,
 //   digits of the coordinate = C_d · digits of the index,

@@ -117,7 +117,7 @@ struct CosinePower {
     return (exponent + 1) / (2 * std::numbers::pi) * power;
   }
 
-  /// Draws a local direction. Of the lobe, the share beyond α is 1 − cosⁿ⁺¹ α, so with the share r² of the
+  /// Draws a local direction. Of the lobe, the share within α is 1 − cosⁿ⁺¹ α, so with the share r² of the
   /// disk cos α = (1 − r²)^(1/(n+1)). The power is a double-double with an error below 2^-57, and so is 1 −
   /// cos².
   [[nodiscard]] DirectionAndDensity sample(double u, double v) const {
@@ -177,7 +177,7 @@ struct VisibleNormals {
 
   /// Draws a normal (Dupuy and Benyoub 2023). Stretched by 1/α along z, the microfacets are a hemisphere, and
   /// the normals that a viewer sees of a hemisphere are the directions halfway to a uniform cap. The height
-  /// in the cap, z = 1 − v (1 + viewer.z), is used as 1 − z and 1 + z, which do not cancel.
+  /// in the cap is z = 1 − v (1 + s.z) for the stretched view s, and 1 − z² is computed as (1 − z)(1 + z).
   [[nodiscard]] DirectionAndDensity sample(double u, double v) const {
     const Vec3 stretched = normalize(Vec3{roughness * to_viewer.x, roughness * to_viewer.y, to_viewer.z});
     const double below = v * (1 + stretched.z);
