@@ -23,7 +23,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// farthest distance: the share (arccos c − c √(1 − c²))/π of the light. With f = min(h, a) and a weight w(x)
 /// for the height xR the sum is ∫ w(x) (1 − c/x) dx over x > c, whose second derivative by c is w(c)/c; that
 /// of the share is 2c/(π √(1 − c²)). Hence w(x) = 2x²/(π √(1 − x²)): with x = sin α, equal parts of α have
-/// weights in proportion to sin² α. Eight parts leave less than 1/1000 of error for any wall.
+/// weights in proportion to sin² α. Eight parts leave an error of about 1/1000 at most for any wall.
 ///
 /// Anything else is off: the result is never below ½, that of a wall at the hit; only the nearer one of two
 /// walls counts, so that corners and slots are too bright; and anything nearby counts as an endless wall,
