@@ -73,6 +73,10 @@ TEST_CASE("scenes/make_normal_map writes the bricks of the scenes") {
   const std::filesystem::path project = PROTOSTAR_SOURCE_DIR;
   const Outcome made =
       run({.program = project / "scenes/make_normal_map", .arguments = {}, .folder = project});
+  if (made.status == 127) {  // exit status of env if it does not find python3
+    WARN("not tested: python3 is not installed");
+    return;
+  }
   REQUIRE(made.status == 0);
   const Image image = image_from_bytes(made.out, "bricks.png"),
               stored = load_image(project / "scenes" / "bricks.png");
