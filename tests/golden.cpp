@@ -14,6 +14,7 @@
 #include "support/cases.hpp"
 #include "support/catch.hpp"
 #include "support/files.hpp"
+#include "support/pages.hpp"
 #include "support/wrong_cases.hpp"
 
 namespace {
@@ -36,13 +37,6 @@ void check_equal(const Picture& a, const Picture& b) {
   const Difference found = difference(a, b);
   INFO(found.pixels << " pixels differ, by at most " << found.largest << " levels");
   CHECK(found.pixels == 0);
-}
-
-/// Returns the text of a page in docs/, in one line.
-std::string page_text(const std::string& page) {
-  std::string text = bytes_of(source_dir + "/docs/" + page + ".md");
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
 }
 
 /// A golden: the stage that draws it, and with which options. tests/reference/exact_pictures.cpp compares
@@ -207,7 +201,7 @@ TEST_CASE("pages state the numbers that the stages print") {
     REQUIRE(run_line(folder, quoted(binary_dir + "/stages/" + stage) + options) == 0);
     CHECK_THAT("\n" + bytes_of(folder / "output.txt"),
                ContainsSubstring("\n" + printed) || ContainsSubstring(" " + printed));
-    CHECK_THAT(page_text(page), ContainsSubstring(sentence));
+    CHECK_THAT(page_in_one_line(page), ContainsSubstring(sentence));
   }
 }
 
@@ -223,7 +217,7 @@ TEST_CASE("pages state how much two of their pictures differ") {
     REQUIRE(same_size(one, other));
     const Difference found = difference(one, other);
     CHECK_THAT(
-        page_text(page),
+        page_in_one_line(page),
         ContainsSubstring(std::to_string(found.pixels) + " of " + std::to_string(one.pixels.size()) +
                           " pixels differ, by at most " + std::to_string(found.largest) + " of 255 levels"));
   }

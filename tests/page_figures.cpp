@@ -1,0 +1,186 @@
+// Figures that pages state: they are in the tables that programs have written, or computed here anew.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+#include <protostar/refraction.hpp>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "figures/csv.hpp"
+#include "support/catch.hpp"
+#include "support/files.hpp"
+#include "support/pages.hpp"
+
+using namespace protostar;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path docs_folder = fs::path(PROTOSTAR_SOURCE_DIR) / "docs";
+
+/// Returns the absolute values of all cells of a file in docs/figures that are numbers.
+std::vector<double> numbers_of_table(const std::string& csv) {
+  std::vector<double> numbers;
+  std::istringstream lines(bytes_of(docs_folder / "figures" / csv));
+  for (std::string line; std::getline(lines, line);)
+    for (const std::string& cell : figures::cells_of(line)) {
+      const char* begin = cell.c_str();
+      char* end = nullptr;
+      const double value = std::strtod(begin, &end);
+      if (end != begin && *end == '\0') numbers.push_back(std::abs(value));
+    }
+  return numbers;
+}
+
+/// Returns the numbers with a decimal point in lines of a page, as they are written. Left out are fenced
+/// blocks, the targets of links, and the columns of a table whose heading is `goal`.
+std::vector<std::string> decimals_in(const std::string& text) {
+  std::vector<std::string> found;
+  std::istringstream lines(text);
+  std::size_t goal = std::string::npos;
+  bool in_block = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("```")) in_block = !in_block;
+    if (in_block) continue;
+    line = std::regex_replace(line, std::regex(R"(\]\([^)]*\))"), "]");
+    if (!line.starts_with("|")) goal = std::string::npos;
+    std::string measured = line;
+    if (line.starts_with("|")) {
+      std::istringstream cells(line);
+      std::vector<std::string> row;
+      for (std::string cell; std::getline(cells, cell, '|');) row.push_back(cell);
+      const auto heading = std::find(row.begin(), row.end(), " goal ");
+      if (heading != row.end()) goal = static_cast<std::size_t>(heading - row.begin());
+      if (goal < row.size()) row[goal].clear();
+      measured.clear();
+      for (const std::string& cell : row) measured += cell + " ";
+    }
+    const std::regex decimal(R"((^|[^\w.])(\d+\.\d+)(?![\w.]*\d))");
+    for (std::sregex_iterator at(measured.begin(), measured.end(), decimal), last; at != last; ++at)
+      found.push_back((*at)[2]);
+  }
+  return found;
+}
+
+/// Tells whether a number is one of a table, rounded to as many digits behind the point as it is written
+/// with.
+bool is_among(const std::vector<double>& table, const std::string& written) {
+  const double half = 0.5 * std::pow(10, -static_cast<double>(written.size() - written.find('.') - 1));
+  const double value = std::stod(written);
+  // Cells have three digits and more, so that the error of subtracting them is far below a hundredth of half.
+  return std::any_of(table.begin(), table.end(),
+                     [&](double cell) { return std::abs(cell - value) <= 1.01 * half; });
+}
+
+/// Returns the sum of a column of the tables in docs/figures, over the rows in whose column `where` stands
+/// `is`.
+double column_sum(const std::string& csv, const std::string& column, const std::string& where,
+                  const std::string& is) {
+  double sum = 0;
+  for (const figures::CsvTable& table : figures::read_csv((docs_folder / "figures" / csv).string()))
+    for (std::size_t row = 0; row < table.size(); ++row)
+      if (where.empty() || table.text(row, where) == is) sum += table.number(row, column);
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("each number between marks of figures is in the table that the mark names") {
+  int parts = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(docs_folder)) {
+    if (entry.path().extension() != ".md") continue;
+    const std::string page = bytes_of(entry.path()), open = "\n<!-- figures: ", close = "\n<!-- /figures -->";
+    std::size_t at = page.find(open);
+    for (; at != std::string::npos; at = page.find(open, at)) {
+      ++parts;
+      const std::size_t begin = page.find(" -->\n", at), end = page.find(close, at);
+      CAPTURE(entry.path(), page.substr(at, begin - at));
+      REQUIRE(begin < end);
+      REQUIRE(end < page.size());
+      REQUIRE(page.find(open, at + 1) > end);
+      std::istringstream names(page.substr(at + open.size(), begin - at - open.size()));
+      std::vector<double> table;
+      for (std::string name; names >> name;) {
+        REQUIRE(fs::is_regular_file(docs_folder / "figures" / name));
+        const std::vector<double> more = numbers_of_table(name);
+        table.insert(table.end(), more.begin(), more.end());
+      }
+      const std::vector<std::string> written = decimals_in(page.substr(begin + 5, end - begin - 5));
+      CHECK_FALSE(written.empty());
+      for (const std::string& number : written) {
+        CAPTURE(number);
+        CHECK(is_among(table, number));
+      }
+      at = end;
+    }
+  }
+  CHECK(parts >= 12);
+}
+
+TEST_CASE("numbers with a decimal point are found in prose and tables, but not in links, code and goals") {
+  CHECK(decimals_in("It takes 1.5 of 3, or −0.25 (2.0).\n```sh\nrun 4.5\n```\nSee [5.5](a1.5.csv), v1.2 and "
+                    "1.2.3.\n") == std::vector<std::string>{"1.5", "0.25", "2.0", "5.5"});
+  CHECK(decimals_in(
+            "| a | goal | b |\n| --- | --- | --- |\n| 1.5 | 2.5 | 3.5 |\n\n| c | d |\n| 4.5 | 6.5 |\n") ==
+        std::vector<std::string>{"1.5", "3.5", "4.5", "6.5"});
+  CHECK(is_among({0.1251, 7}, "0.13"));
+  CHECK(is_among({0.125}, "0.13"));
+  CHECK_FALSE(is_among({0.1239}, "0.13"));
+  CHECK_FALSE(is_among({}, "0.13"));
+}
+
+TEST_CASE("docs/numerics.md states as many cases as the tables of the stress tests have") {
+  struct Row {
+    std::string csv, column, where, is, written;
+    double count;
+  };
+  const std::string page = page_in_one_line("numerics");
+  for (const auto& [csv, column, where, is, written, count] :
+       {Row{"stress_numerics.csv", "tests", "kernel", "library", "2,000,052 cases", 2000052},
+        Row{"stress_scenes.csv", "rays", "", "", "20,007 rays", 20007},
+        Row{"stress_mesh_long.csv", "rays", "", "", "10^8 rays", 100000002},  // six equal parts
+        Row{"stress_marching_long.csv", "rays", "", "", "10^6 rays", 1000000},
+        Row{"stress_pictures_long.csv", "segments", "scale", "all", "12,025,854 shadow segments",
+            12025854}}) {
+    CAPTURE(csv);
+    CHECK(column_sum(csv, column, where, is) == count);
+    CHECK_THAT(page, ContainsSubstring("[" + written + "](figures/" + csv + ")"));
+  }
+}
+
+TEST_CASE("docs/stages/fresnel.md: how good Schlick's formula is for glass") {
+  double largest = 0, largest_to_75 = 0;
+  int at = 0;
+  for (int i = 0; i < 9000; ++i) {  // hundredths of a degree
+    const double angle = i * std::numbers::pi / 18000, cosine = std::cos(angle);
+    const double behind = std::sqrt(1 - (1 - cosine * cosine) / (1.5 * 1.5));
+    const double schlick = 0.04 + 0.96 * std::pow(1 - cosine, 5);
+    const double error = std::abs(schlick - fresnel_reflectance(cosine, behind, 1 / 1.5));
+    if (error > largest) largest = error, at = i;
+    if (i <= 7500) largest_to_75 = std::max(largest_to_75, error);
+  }
+  CHECK(std::lround(largest * 1000) == 36);
+  CHECK(std::lround(at / 100.0) == 85);
+  CHECK(largest_to_75 < 0.02);
+  CHECK_THAT(page_in_one_line("stages/fresnel"),
+             ContainsSubstring("never wrong by more than 0.036, at 85°, and by less than 0.02 up to 75°"));
+}
+
+TEST_CASE("pages say how long plain ray tracers are") {
+  const auto lines = [](const std::string& name) {
+    const std::string text = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "stages" / "plain" / (name + ".cpp"));
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  CHECK(std::abs(lines("09_shadow") - 200) < 10);
+  CHECK_THAT(page_in_one_line("stages/09_shadow"),
+             ContainsSubstring("The whole program has about 200 lines"));
+  CHECK(lines("12_glass") < 250);
+  CHECK_THAT(page_in_one_line("stages/introduction"),
+             ContainsSubstring("a ray tracer that draws mirrors and glass has less than 250 lines"));
+}
