@@ -81,7 +81,7 @@ inline void give_packet(const protostar::detail::SampleTarget& target, const Til
                         const PacketSums& sums, int which, std::uint32_t count) {
   if (target.image()) return set_packet(*target.image(), tile, x, y, sums.mean(count));
   for (int k = 0; k < std::min(double_lanes, tile.x1 - x); ++k)
-    target.sums(x + k, y).add(static_cast<std::uint32_t>(which), sums[k], count);
+    target.sums(x + k, y).add_sum(static_cast<std::uint32_t>(which), sums[k], count);
 }
 
 /// Gives all pixels of a tile one color.

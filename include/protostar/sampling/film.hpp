@@ -31,7 +31,7 @@ struct PixelSums {
   }
 
   /// Adds the sum of so many samples of a scrambling.
-  void add(std::uint32_t scrambling, const ExactColorSum& sum, std::uint32_t count) {
+  void add_sum(std::uint32_t scrambling, const ExactColorSum& sum, std::uint32_t count) {
     sums[scrambling] += sum;
     counts[scrambling] += count;
   }
