@@ -337,9 +337,11 @@ TEST_CASE("the rule of a sequence has its price, and refuses numbers that are no
     CHECK_THAT(message(1, wrong, 0.05),
                ContainsSubstring("target must be finite and greater than 0; it is "));
   }
-  for (const double wrong : {0.0, 1.0, -1.0, nan})
+  for (const double wrong : {0.0, 1.0, -1.0, nan, std::nextafter(0x1p-1022, 0.0)})
     CHECK_THAT(message(1, 0.1, wrong),
-               ContainsSubstring("failure_probability must be between 0 and 1; it is "));
+               ContainsSubstring("failure_probability must be less than 1 and at least 2^-1022 (2.2e-308); "
+                                 "it is "));
+  CHECK(std::abs(BernsteinRule(1, 0.01, 0x1p-1022).log() - 1023 * std::log(2.0)) < 3e-13);
 }
 
 TEST_CASE("a mean of large variance is known to within a large target after a while") {

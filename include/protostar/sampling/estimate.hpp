@@ -98,12 +98,12 @@ class BernsteinRule {
   /// Makes a rule for observations in [0, most], such as one channel of radiance that is clamped. For all
   /// channels of all pixels of a picture together, divide the probability of failure by their number, 3 P.
   /// Throws std::invalid_argument unless most and target are finite and greater than 0, and the probability
-  /// lies between 0 and 1.
+  /// is less than 1 and at least 2^-1022, so that 2/α is finite.
   BernsteinRule(double most, double target, double failure_probability) : most_(most), target_(target) {
     require(most > 0 && std::isfinite(most), "most", "finite and greater than 0", most);
     require(target > 0 && std::isfinite(target), "target", "finite and greater than 0", target);
-    require(failure_probability > 0 && failure_probability < 1, "failure_probability", "between 0 and 1",
-            failure_probability);
+    require(failure_probability >= 0x1p-1022 && failure_probability < 1, "failure_probability",
+            "less than 1 and at least 2^-1022 (2.2e-308)", failure_probability);
     // ln(2/α), of the correctly rounded quotient; above 0.69, as α < 1.
     log_ = (log2(DoubleDouble(2 / failure_probability)) * detail::ln_2).hi;
   }
