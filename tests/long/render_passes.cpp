@@ -296,6 +296,40 @@ TEST_CASE("the price of every pixel grows with the clamp and with the logarithm 
   CHECK(EveryPixel::seed_of_block(5, 1) != EveryPixel::seed_of_block(5, 2));
 }
 
+TEST_CASE("every pixel is known no better than its samples count, and its float is what is known") {
+  const Tile one{0, 0, 1, 1};
+  constexpr double error = 0.1;
+  EveryPixel pixels(error, 1, one);
+  BernsteinSequence expected(BernsteinRule(1, error - 0x1p-48, (1 - PictureError::confidence) / 3));
+  Film picture(one), block(one);
+  const float light = 0.7f;  // two thirds of it are no float
+  for (int i = 0; i < 3; ++i) {
+    block(0, 0).add(0, Color{light}), block(0, 0).add(1, Color{0}), block(0, 0).add(2, Color{light});
+    expected.add(light), expected.add(0);
+    const double found = pixels.add(block, picture, {.threads = 1});
+    CHECK(found == expected.error_of(picture.mean()(0, 0).r) + 0x1p-48);
+  }
+
+  // Light below 2^-48 counts as black, so that no error of 2^-48 or less can be kept.
+  constexpr float dark = 3e-15f;
+  const auto drawn = [&](double target) {
+    Image image(1, 1);
+    RenderReport report;
+    render(image, Camera{}, [&](const Ray&) { return Color{dark}; },
+           {.clamp = 1e-14, .error = target, .every_pixel = true, .report = &report});
+    CHECK(report.is_met);
+    CHECK(report.pixel_error >= dark - image(0, 0).r);
+    CHECK(report.pixel_error <= target);
+  };
+  drawn(4e-15);
+  for (const double wrong : {1e-15, 0x1p-48}) {
+    CHECK_THAT(message_of<std::invalid_argument>([&] { EveryPixel(wrong, 1e-14, one); }),
+               ContainsSubstring("EveryPixel: error must be greater than 2^-48 (3.6e-15)"));
+    CHECK_THAT(message_of<std::invalid_argument>([&] { drawn(wrong); }),
+               ContainsSubstring("must be greater than 2^-48 (3.6e-15)"));
+  }
+}
+
 TEST_CASE("progress of passes never goes back, and the report goes with it") {
   const KnownLight known = known_lights()[0];
   for (const RenderOptions& kind : {RenderOptions{.error = 0.02}, RenderOptions{.seconds = 0.05},

@@ -6,11 +6,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 
 #include "../image.hpp"
 #include "../parallel.hpp"
 #include "../plain_vector.hpp"
 #include "../render_options.hpp"
+#include "../shown.hpp"
 #include "estimate.hpp"
 #include "exact_sum.hpp"
 #include "film.hpp"
@@ -27,12 +29,17 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// of a block's samples in one scrambling is an observation of BernsteinSequence: observations are
 /// independent of each other, and their mean is the truth, though the samples of a scrambling depend on each
 /// other. The 5 % are shared by all channels of all pixels alike: 5 %/3P each.
+///
+/// Each sample counts with an error of up to 2^-48 (ExactSum), and so may the truth that the sequences see be
+/// off, whatever the number of samples: all light below 2^-48 counts as black. This part of the error is left
+/// out of their target, and added to what they tell. An error of 2^-48 or less is no target therefore. The
+/// picture's value is the mean as a float, and its rounding to one is a part of the error too.
 class EveryPixel {
  public:
   /// Makes the rule for the pixels of a tile. Throws std::invalid_argument unless the error and the clamp are
-  /// finite and greater than 0.
+  /// finite, the error is greater than 2^-48, and the clamp greater than 0.
   EveryPixel(double error, double clamp, const Tile& area)
-      : rule_(std::min<double>(clamp, ExactSum::most), error,
+      : rule_(std::min<double>(clamp, ExactSum::most), target_of(error),
               (1 - PictureError::confidence) / channels(area)),
         in_observation_(samples_of_observation(rule_)),
         area_(area) {}
@@ -51,7 +58,7 @@ class EveryPixel {
   }
 
   /// Moves the samples of a block to those of the picture, and returns the largest error that any channel of
-  /// their means may have.
+  /// their means may have, as the picture shows them.
   [[nodiscard]] double add(Film& block, Film& picture, const RenderOptions& options) {
     if (sequences_.empty())
       sequences_.resize(static_cast<std::size_t>(channels(area_)), BernsteinSequence(rule_));
@@ -63,11 +70,12 @@ class EveryPixel {
       for (int x = area_.x0; x < area_.x1; ++x) {
         PixelSums &drawn = block(x, y), &sums = picture(x, y);
         sums += drawn;
+        const Color mean = sums.mean();
         for (std::size_t channel = 0; channel < 3; ++channel, ++sequence) {
           for (std::size_t s = 0; s < scramblings; ++s)
             sequence->add(drawn.sums[s].channels[channel].value() / drawn.counts[s]);
-          const double sum = sums.sums[0].channels[channel].value() + sums.sums[1].channels[channel].value();
-          most = std::max(most, sequence->error_of(sum / sums.count()));
+          most = std::max(most,
+                          sequence->error_of(mean[static_cast<int>(channel)]) + ExactSum::largest_rounding);
         }
         drawn = {};
       }
@@ -76,6 +84,15 @@ class EveryPixel {
   }
 
  private:
+  /// Returns the part of an error that is left to the sequences.
+  static double target_of(double error) {
+    if (!(error > ExactSum::largest_rounding))
+      throw std::invalid_argument(
+          "EveryPixel: error must be greater than 2^-48 (3.6e-15), with which a sample may count; it is " +
+          shown(error));
+    return error - ExactSum::largest_rounding;
+  }
+
   static double channels(const Tile& area) { return 3.0 * area.width() * area.height(); }
 
   /// Returns how many samples m make an observation, a power of two.

@@ -29,6 +29,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 class ExactSum {
  public:
   static constexpr float most = 0x1p15f;  ///< largest magnitude of a number that is added
+  static constexpr double largest_rounding =
+      0x1p-48;  ///< largest error with which a number up to that counts
 
   /// Integer high · 2^31 + low in units of 2^-47. It is canonical, and so tells equal sums by equal words, if
   /// 0 ≤ low < 2^31.
