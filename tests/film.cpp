@@ -106,6 +106,24 @@ TEST_CASE("a film's pictures and its error are those of its pixels") {
   CHECK(film.error().share(1) == 0);
 }
 
+TEST_CASE("a film with any samples that tell no error refuses to tell one") {
+  const Tile area{0, 0, 2, 2};
+  Film told(area), untold(area);
+  untold.lose_error();
+  told += Film(area);
+  CHECK_NOTHROW(told.error());
+  CHECK_NOTHROW(told.standard_error());
+  for (int i = 0; i < 2; ++i, untold += Film(area), told += untold) {
+    Film& film = i == 0 ? untold : told;
+    CHECK_NOTHROW(film.mean());
+    if (i == 1) film += untold;
+    CHECK_THAT(message_of<std::logic_error>([&] { return film.error(); }),
+               ContainsSubstring("Film: its samples tell no error") &&
+                   ContainsSubstring("draw all of them with SobolSampler"));
+    CHECK_THROWS_AS(film.standard_error(), std::logic_error);
+  }
+}
+
 TEST_CASE("a film has the pixels of a tile, and is added to films of that tile only") {
   for (const Tile& area :
        {Tile{0, 0, 0, 1}, Tile{0, 3, 1, 3}, Tile{4, 0, 2, 1}, Tile{0, 0, 1 << 15, 1 << 14}})

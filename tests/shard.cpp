@@ -160,6 +160,17 @@ TEST_CASE("each sample of each pixel is in one unit, and each unit in one shard 
   CHECK(wrong == 0);
 }
 
+TEST_CASE("films of shards tell an error if the sampler does") {
+  SharedPicture picture = picture_of(4, 4, 6);
+  CHECK_NOTHROW(Shard(picture).sums().error());
+  picture.sampler = "of my own";
+  CHECK_NOTHROW(Shard(picture).sums().error());
+  for (const char* const name : {"hammersley", "stratified"}) {
+    picture.sampler = name;
+    CHECK_THROWS_AS(Shard(picture).sums().error(), std::logic_error);
+  }
+}
+
 TEST_CASE("shards are of work that exists") {
   const SharedPicture picture = picture_of(8, 8, 6);
   CHECK(picture.units() == 4);

@@ -187,7 +187,7 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
 /// Samples added in any order, in any ranges, by any number of threads and machines give the same sums, and
 /// the mean of all options.samples, if these are several, that of an image. If options.samples is 0,
 /// samples.last counts as their number; samplers whose numbers depend on it (StratifiedSampler,
-/// HammersleySampler) need it to be the same each time. Of their films no error can be told (Film::error):
+/// HammersleySampler) need it to be the same each time. Their films refuse to tell an error (Film::error):
 /// for that, options.sampler is SobolSampler, IndependentSampler or HaltonSampler.
 ///
 /// Throws what the render of an image does, and std::invalid_argument if samples.last is greater than

@@ -114,6 +114,24 @@ TEST_CASE("sample i of a Sobol film is the same for any number of samples") {
   CHECK(drawn(0) == many);
 }
 
+TEST_CASE("films of samplers that tell no error refuse to tell one, on both paths") {
+  const auto scene = scene_of_films();
+  const auto refuses = [&](const RenderOptions& options, const SampleRange& samples = {0, 4}) {
+    Film film(Tile{0, 0, 20, 15});
+    add_samples(film, samples, Camera{}, scene, ColorIntegrator{}, options);
+    return !message_of<std::logic_error>([&] { return film.error(); }).empty();
+  };
+  for (const bool tiles : {false, true}) {
+    CHECK(refuses({.tiles = tiles}));  // HammersleySampler by default
+    CHECK(refuses({.samples = 4, .sampler = sampler_of<HammersleySampler>, .tiles = tiles}));
+    CHECK(refuses({.samples = 4, .sampler = sampler_of<StratifiedSampler>, .tiles = tiles}));
+    for (const auto sampler :
+         {sampler_of<SobolSampler>, sampler_of<HaltonSampler>, sampler_of<IndependentSampler>})
+      CHECK_FALSE(refuses({.samples = 4, .sampler = sampler, .tiles = tiles}));
+    CHECK_FALSE(refuses({.tiles = tiles}, {2, 2}));  // no samples
+  }
+}
+
 TEST_CASE("functions of a ray draw films too") {
   Film film(Tile{0, 0, 20, 15});
   add_samples(film, {0, 4}, Camera{},

@@ -19,7 +19,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// Sums of the radiance of a pixel's samples. Sample i belongs to scrambling i mod 2. Errors are those of
 /// samplers whose two scramblings are independent, such as SobolSampler; of HammersleySampler and
-/// StratifiedSampler, which are not, they tell nothing. Their samples must be fewer than 2^32 together.
+/// StratifiedSampler, which are not, they tell nothing, and Film refuses to tell them. Their samples must be
+/// fewer than 2^32 together.
 struct PixelSums {
   std::array<ExactColorSum, 2> sums;
   std::array<std::uint32_t, 2> counts{};
@@ -81,6 +82,9 @@ struct PixelSums {
 };
 
 /// Sums of the pixels of a picture, or of the part of it that a tile tells.
+///
+/// An error can be told if all samples are those of a sampler with independent scramblings (PixelSums):
+/// SobolSampler, HaltonSampler or IndependentSampler. add_samples notes if others are added.
 class Film {
  public:
   /// Makes a film without samples. Throws std::invalid_argument for a tile without pixels or with more than
@@ -99,6 +103,7 @@ class Film {
         other.area_.y1 != area_.y1)
       throw std::invalid_argument("Film: only films of one tile can be added");
     for (std::size_t i = 0; i < pixels_.size(); ++i) pixels_[i] += other.pixels_[i];
+    tells_error_ = tells_error_ && other.tells_error_;
     return *this;
   }
 
@@ -112,22 +117,34 @@ class Film {
     return image_of([](const PixelSums& pixel) { return pixel.mean(); });
   }
 
-  /// Returns the standard error of each pixel's channels, if the sampler has independent scramblings
-  /// (PixelSums).
+  /// Notes that the film has samples, added already or soon, of which no error can be told
+  /// (SamplerChoice::needs_number).
+  void lose_error() { tells_error_ = false; }
+
+  /// Returns the standard error of each pixel's channels. Throws std::logic_error if none can be told.
   [[nodiscard]] Image standard_error() const {
+    require_error();
     return image_of([](const PixelSums& pixel) { return pixel.standard_error(); });
   }
 
-  /// Returns the estimate of the picture's error, if the sampler has independent scramblings (PixelSums) and
-  /// its pixels are independent of each other. It adds up the pixels in rows, so it is the same wherever it
-  /// is computed.
+  /// Returns the estimate of the picture's error, if its pixels are independent of each other. It adds up the
+  /// pixels in rows, so it is the same wherever it is computed. Throws std::logic_error if none can be told.
   [[nodiscard]] PictureError error() const {
+    require_error();
     PictureError error;
     for (const PixelSums& pixel : pixels_) error.add(pixel.squared_error());
     return error;
   }
 
  private:
+  void require_error() const {
+    if (!tells_error_)
+      throw std::logic_error(
+          "Film: its samples tell no error, since they depend on each other or on their number, as those of "
+          "HammersleySampler and StratifiedSampler; draw all of them with SobolSampler, HaltonSampler or "
+          "IndependentSampler");
+  }
+
   static std::size_t count_of(const Tile& area) {
     const std::int64_t width = std::int64_t{area.x1} - area.x0, height = std::int64_t{area.y1} - area.y0;
     if (width < 1 || height < 1 || width > Image::max_pixels / height)
@@ -150,6 +167,7 @@ class Film {
 
   Tile area_;
   PlainVector<PixelSums> pixels_;
+  bool tells_error_ = true;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

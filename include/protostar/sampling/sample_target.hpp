@@ -36,7 +36,7 @@ class SampleTarget {
   /// Returns the sums of a film's pixel.
   [[nodiscard]] PixelSums& sums(int x, int y) const { return (*film_)(area_.x0 + x, area_.y0 + y); }
 
-  /// Returns the pixels with their samples.
+  /// Returns the pixels with their samples, which are drawn next: a film learns if they tell no error.
   [[nodiscard]] PixelGrid grid(RenderOptions options, const SamplerChoice& otherwise) const {
     if (image_) return {width(), height(), options, otherwise};
     if (options.error != 0 || options.seconds != 0 || options.every_pixel || options.standard_error)
@@ -51,7 +51,9 @@ class SampleTarget {
                                     " or before; they end at " + std::to_string(range_.last));
       options.samples = static_cast<int>(range_.last);
     }
-    return {width(), height(), options, otherwise, range_};
+    const SamplerChoice& sampler = options.sampler.is_made() ? options.sampler : otherwise;
+    if (sampler.needs_number() && range_.first < range_.last) film_->lose_error();
+    return {width(), height(), options, sampler, range_};
   }
 
   /// Returns how many sums a pixel's samples have: sample i belongs to sum i mod sums.

@@ -15,10 +15,12 @@
 #include <utility>
 #include <vector>
 
+#include "../render_options.hpp"
 #include "../shown.hpp"
 #include "../version.hpp"
 #include "film.hpp"
 #include "finish.hpp"
+#include "samplers.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -297,9 +299,12 @@ class Shard {
     return sums();
   }
 
-  /// Returns the sums so far: pixels of missing units have fewer samples, or none.
+  /// Returns the sums so far: pixels of missing units have fewer samples, or none. They tell an error unless
+  /// the sampler has the name of one of the library's that does not (Film).
   [[nodiscard]] Film sums() const {
     Film film(picture_.area);
+    if (const auto sampler = sampler_named(picture_.sampler); sampler && sampler->needs_number())
+      film.lose_error();
     for (const auto& [band, pixels] : bands_) {
       const Tile tile = picture_.tile_of(band);
       auto pixel = pixels.begin();
