@@ -50,7 +50,7 @@ struct WorkUnit {
 struct SharedPicture {
   int width = 0, height = 0;  ///< size of the whole picture
   Tile area{0, 0, 0, 0};      ///< part of it that is drawn
-  std::uint32_t samples = 1;  ///< samples in each pixel
+  std::uint32_t samples = 1;  ///< samples in each pixel, up to most_samples_of_pixel
   std::uint64_t seed = 0;
   std::string sampler = {}, filter = {};    ///< names
   std::string scene = {};                   ///< fingerprint of all else on which radiance depends
@@ -73,7 +73,9 @@ struct SharedPicture {
                 area.y1 <= height,
             "the area is " + text(area) + "; it must have pixels, all inside " + std::to_string(width) + "x" +
                 std::to_string(height));
-    require(samples >= 1, "samples are 0; they must be at least 1");
+    require(samples >= 1 && samples <= std::uint32_t{most_samples_of_pixel},
+            "samples are " + std::to_string(samples) + "; they must be from 1 to " +
+                std::to_string(most_samples_of_pixel) + ", as many as a pixel can have");
     require(rows_in_unit >= 1,
             "rows in a unit are " + std::to_string(rows_in_unit) + "; they must be at least 1");
     require(samples_in_unit >= 1, "samples in a unit are 0; they must be at least 1");
