@@ -14,21 +14,22 @@
 #include "../plain_vector.hpp"
 #include "estimate.hpp"
 #include "exact_sum.hpp"
+#include "sampler.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Sums of the radiance of a pixel's samples. Sample i belongs to scrambling i mod 2. Errors are those of
+/// Sums of the radiance of a pixel's samples. Sample i belongs to scrambling_of(i). Errors are those of
 /// samplers whose two scramblings are independent, such as SobolSampler; of HammersleySampler and
 /// StratifiedSampler, which are not, they tell nothing, and Film refuses to tell them. Their samples must be
 /// fewer than 2^32 together.
 struct PixelSums {
-  std::array<ExactColorSum, 2> sums;
-  std::array<std::uint32_t, 2> counts{};
+  std::array<ExactColorSum, scramblings> sums;
+  std::array<std::uint32_t, scramblings> counts{};
 
   /// Adds the radiance of sample i.
   void add(std::uint32_t i, const Color& radiance) {
-    sums[i % 2].add(radiance);
-    ++counts[i % 2];
+    sums[scrambling_of(i)].add(radiance);
+    ++counts[scrambling_of(i)];
   }
 
   /// Adds the sum of so many samples of a scrambling.
@@ -38,7 +39,7 @@ struct PixelSums {
   }
 
   PixelSums& operator+=(const PixelSums& other) {
-    for (std::size_t i = 0; i < 2; ++i) sums[i] += other.sums[i], counts[i] += other.counts[i];
+    for (std::size_t i = 0; i < scramblings; ++i) sums[i] += other.sums[i], counts[i] += other.counts[i];
     return *this;
   }
 
@@ -61,6 +62,7 @@ struct PixelSums {
   /// the squared error (PictureError); otherwise it is larger. Its rounding error is below 2^-50 |mean| |a −
   /// b|.
   [[nodiscard]] double squared_error(std::size_t channel) const {
+    static_assert(scramblings == 2);
     if (counts[0] == 0 || counts[1] == 0) return std::numeric_limits<double>::infinity();
     const double share = static_cast<double>(std::max(counts[0], counts[1])) / count();
     const double difference = share * (sums[0].channels[channel].value() / counts[0] -

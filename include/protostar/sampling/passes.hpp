@@ -18,6 +18,7 @@
 #include "every_pixel.hpp"
 #include "film.hpp"
 #include "hash.hpp"
+#include "sampler.hpp"
 #include "sobol_sampler.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -59,6 +60,9 @@ class PassLoop {
  private:
   using Clock = std::chrono::steady_clock;
 
+  /// Least number of samples that tell an error: one of each scrambling.
+  static constexpr int fewest_samples = static_cast<int>(scramblings);
+
   static Tile area_of(const Image& image, const RenderOptions& options) {
     const auto& [x, y, width, height] = options.crop;
     if (width == 0 && height == 0) return image.tile();
@@ -81,11 +85,12 @@ class PassLoop {
             "only one of samples, error and seconds may be given; they are " + std::to_string(o.samples) +
                 ", " + shown(o.error) + " and " + shown(o.seconds));
     const bool is_open = o.error > 0 || o.seconds > 0;
-    require(is_open || o.every_pixel || o.samples >= 2,
-            "standard_error needs samples of at least 2, an error or seconds");
-    require(o.max_samples >= 2 && o.max_samples <= most_samples_of_pixel,
-            "max_samples must be from 2 to " + std::to_string(most_samples_of_pixel) + "; it is " +
-                std::to_string(o.max_samples));
+    const std::string fewest = std::to_string(fewest_samples);
+    require(is_open || o.every_pixel || o.samples >= fewest_samples,
+            "standard_error needs samples of at least " + fewest + ", an error or seconds");
+    require(o.max_samples >= fewest_samples && o.max_samples <= most_samples_of_pixel,
+            "max_samples must be from " + fewest + " to " + std::to_string(most_samples_of_pixel) +
+                "; it is " + std::to_string(o.max_samples));
     require(
         !o.sampler.needs_number(),
         "error, seconds and standard_error need a sampler whose samples do not depend on their number, and "
@@ -111,18 +116,20 @@ class PassLoop {
 
   /// Returns the number of samples at the end of the next pass; 0 for none.
   ///
-  /// With a time, a pass doubles the samples if it will end in time, or else takes as many as fit, an even
-  /// number, by the speed of the pass before and a reserve of 5 %. A last pass that would add less than a
-  /// sixteenth is left out: the error would fall by 3 % at most.
+  /// With a time, a pass doubles the samples if it will end in time, or else takes as many as fit, equally
+  /// many of each scrambling, by the speed of the pass before and a reserve of 5 %. A last pass that would
+  /// add less than a sixteenth is left out: the error would fall by 3 % at most.
   [[nodiscard]] int next_end() const {
     const int done = report_.samples;
     if (options_.samples > 0) return done == 0 ? options_.samples : 0;
     if (done >= options_.max_samples || report_.is_met) return 0;
     if (options_.error > 0)
       return done == 0 ? std::min(PictureError::first_look, options_.max_samples) : doubled(done);
-    if (done == 0) return 2;
-    const double fit = std::floor((options_.seconds - elapsed()) / (1.05 * seconds_a_sample_) / 2) * 2;
-    if (!(fit >= std::max(2, done / 16))) return 0;
+    if (done == 0) return fewest_samples;
+    const double fit =
+        std::floor((options_.seconds - elapsed()) / (1.05 * seconds_a_sample_) / fewest_samples) *
+        fewest_samples;
+    if (!(fit >= std::max(fewest_samples, done / 16))) return 0;
     return fit >= done ? doubled(done) : std::min(done + static_cast<int>(fit), options_.max_samples);
   }
   [[nodiscard]] int doubled(int done) const {

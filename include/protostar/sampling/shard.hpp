@@ -20,6 +20,7 @@
 #include "../version.hpp"
 #include "film.hpp"
 #include "finish.hpp"
+#include "sampler.hpp"
 #include "samplers.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -40,8 +41,8 @@ struct WorkUnit {
 
   /// Returns how many of the samples belong to a scrambling.
   [[nodiscard]] std::uint32_t samples_of(std::uint32_t scrambling) const {
-    const std::uint32_t count = last_sample - first_sample;
-    return count / 2 + (count % 2 == 1 && first_sample % 2 == scrambling ? 1u : 0u);
+    const auto below = [&](std::uint32_t end) { return (end + scramblings - 1 - scrambling) / scramblings; };
+    return below(last_sample) - below(first_sample);
   }
 };
 
@@ -269,7 +270,7 @@ class Shard {
       throw std::invalid_argument("Shard: " + picture_.text_of(number) + " is there already");
     const WorkUnit unit = picture_.unit(number);
     const auto width = static_cast<std::size_t>(unit.tile.width());
-    const std::array<std::uint32_t, 2> counts{unit.samples_of(0), unit.samples_of(1)};
+    const std::array counts{unit.samples_of(0), unit.samples_of(1)};
     if (pixels.size() != width * static_cast<std::size_t>(unit.tile.height()) ||
         !std::all_of(pixels.begin(), pixels.end(), [&](const auto& p) { return p.counts == counts; }))
       throw std::invalid_argument("Shard: the sums are not those of all pixels and samples of " +

@@ -34,6 +34,7 @@
 #include "../output_file.hpp"
 #include "../shown.hpp"
 #include "finish.hpp"
+#include "sampler.hpp"
 #include "shard.hpp"
 #include "word_file.hpp"
 
@@ -58,9 +59,9 @@ inline void put_sums(auto& writer, const PixelSums& pixel) {
 }
 
 /// Reads the sums of a pixel with so many samples, whose size they cannot exceed.
-inline PixelSums get_sums(auto& reader, const std::array<std::uint32_t, 2>& counts) {
+inline PixelSums get_sums(auto& reader, const std::array<std::uint32_t, scramblings>& counts) {
   PixelSums pixel{.sums = {}, .counts = counts};
-  for (std::size_t k = 0; k < 2; ++k) {
+  for (std::size_t k = 0; k < scramblings; ++k) {
     std::array<std::int64_t, 3> high;
     for (std::int64_t& word : high) {
       word = static_cast<std::int64_t>(reader.get());
@@ -155,7 +156,7 @@ inline Shard::Bands get_bands(auto& reader, const SharedPicture& picture, const 
   for (std::uint64_t unit = range != units.ranges().end() ? range->first : 0;
        range != units.ranges().end();) {
     const std::uint64_t band = picture.band_of(unit), end_of_band = (band + 1) * blocks;
-    std::array<std::uint32_t, 2> counts{};
+    std::array<std::uint32_t, scramblings> counts{};
     while (range != units.ranges().end() && unit < end_of_band) {
       const std::uint64_t end = std::min(range->second, end_of_band);
       const WorkUnit all{{}, picture.unit(unit).first_sample, picture.unit(end - 1).last_sample};
