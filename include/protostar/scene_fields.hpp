@@ -40,90 +40,107 @@ class CountedMarch final : public MarchListener {
   bool is_hit_ = false;
 };
 
-/// Fields of a scene's surfaces. They are made once for a picture, and valid as long as the scene lives,
+/// Marches along the fields of a scene's surfaces: those of Marched of a DistanceField, in AnySurface too,
+/// which are marched with a proof. They are made once for a picture, and valid as long as the scene lives,
 /// stays in its place and gets no further surfaces. Threads may share them.
-///
-/// Marches are known for surfaces that are marched with a proof: Marched of a DistanceField, in AnySurface
-/// too. Distances are known for these, for boxes, spheres and planes, and for all surfaces with a
-/// distance_bound.
-class SceneFields {
+class SceneMarches {
  public:
+  /// Throws std::invalid_argument, in the name of an integrator, if no surface is marched.
   template <Surface... S>
-  explicit SceneFields(const Scene<S...>& scene) : scene_(scene) {
-    (add(scene.template surfaces<S>(), scene.template materials<S>()), ...);
+  SceneMarches(const Scene<S...>& scene, const std::string& integrator) : scene_(scene) {
+    (add(scene.template surfaces<S>()), ...);
+    if (fields_.empty())
+      throw std::invalid_argument(
+          integrator +
+          ": no surface of the scene is marched with a proof, so that there is nothing to show; "
+          "surfaces of distance fields are");
   }
 
   /// Calls visit(surface, const CountedMarch&) with the march of a ray along each field, as far as the
   /// closest hit of the scene needs it: along the field that is hit, up to the hit; along each other field,
   /// until the march is past that hit, or misses. The surface is named by its address in the scene.
   void each_march(const Ray& ray, const std::optional<Intersection>& hit, const auto& visit) const {
-    for (const Field& field : fields_) {
-      if (field.march == nullptr) continue;
-      const bool is_hit = hit && hit->surface() == field.surface;
+    for (const auto& [surface, march] : fields_) {
+      const bool is_hit = hit && hit->surface() == surface;
       CountedMarch counted;
-      field.march(field.surface, ray, Interval{0, hit && !is_hit ? hit->t : infinity}, counted);
-      visit(field.surface, counted);
+      march(surface, ray, Interval{0, hit && !is_hit ? hit->t : infinity}, counted);
+      visit(surface, counted);
     }
   }
 
-  /// Returns a bound of the distance from a point to the nearest surface that emits no light: none
-  /// is nearer, up to rounding. Less than 0 inside of solids; ∞ if there are no surfaces. Requires
-  /// require_distances() to have passed.
-  [[nodiscard]] double distance_bound(const Point& point) const {
-    double least = infinity;
-    for (const Field& field : fields_)
-      if (!field.emits) least = std::min(least, field.distance_bound(field.surface, point));
-    return least;
-  }
-
-  /// Throws std::invalid_argument, in the name of an integrator, if no distance is known for a surface that
-  /// emits no light.
-  void require_distances(const std::string& integrator) const {
-    for (std::size_t i = 0; i < fields_.size(); ++i)
-      if (!fields_[i].emits && fields_[i].distance_bound == nullptr)
-        throw std::invalid_argument(
-            integrator + ": surface " + std::to_string(i) +
-            " of the scene, counted from 0 in the order of its types, tells no distance; marched surfaces, "
-            "boxes, spheres and planes do, and surfaces with double distance_bound(const Point&) const");
-  }
-
-  /// Throws std::invalid_argument, in the name of an integrator, if no surface is marched.
-  void require_marches(const std::string& integrator) const {
-    for (const Field& field : fields_)
-      if (field.march != nullptr) return;
-    throw std::invalid_argument(integrator +
-                                ": no surface of the scene is marched with a proof, so that there is nothing "
-                                "to show; surfaces of distance fields are");
-  }
-
-  /// Throws std::logic_error if a scene, or a view of it, is not the one of these fields, or has other
+  /// Throws std::logic_error if a scene, or a view of it, is not the one of these marches, or has other
   /// surfaces than when they were made.
-  void require(const auto& scene) const { scene_.require(scene, "SceneFields"); }
+  void require(const auto& scene) const { scene_.require(scene, "SceneMarches"); }
 
  private:
-  /// Surface with its functions for marches and distances, which are null if it has none.
   struct Field {
     const void* surface;
-    bool emits;
     void (*march)(const void* surface, const Ray& ray, Interval range, MarchListener& listener);
-    double (*distance_bound)(const void* surface, const Point& point);
   };
 
   template <class T>
-  void add(const SceneVector<T>& surfaces, const SceneVector<Material>& materials) {
-    for (std::size_t i = 0; i < surfaces.size(); ++i) {
-      Field field{&surfaces[i], !is_black(materials[i].emission), nullptr, nullptr};
-      if constexpr (MarchedSurface<T>)
-        if (surfaces[i].march_setup() != nullptr)
-          field.march = [](const void* s, const Ray& ray, Interval range, MarchListener& listener) {
-            static_cast<void>(static_cast<const T*>(s)->march(ray, range, listener));
-          };
+  void add(const SceneVector<T>& surfaces) {
+    if constexpr (MarchedSurface<T>)
+      for (const T& surface : surfaces)
+        if (surface.march_setup() != nullptr)
+          fields_.push_back(
+              {&surface, [](const void* s, const Ray& ray, Interval range, MarchListener& heard) {
+                 static_cast<void>(static_cast<const T*>(s)->march(ray, range, heard));
+               }});
+  }
+
+  PreparedScene scene_;
+  std::vector<Field> fields_;
+};
+
+/// Distances from the surfaces of a scene that emit no light: marched surfaces, boxes, spheres and planes,
+/// and all surfaces with a distance_bound, that do not move. Valid as long as SceneMarches are.
+class SceneDistances {
+ public:
+  /// Throws std::invalid_argument, in the name of an integrator, if a surface that emits no light tells no
+  /// distance.
+  template <Surface... S>
+  SceneDistances(const Scene<S...>& scene, const std::string& integrator) : scene_(scene) {
+    std::size_t index = 0;
+    (add(scene.template surfaces<S>(), scene.template materials<S>(), integrator, index), ...);
+  }
+
+  /// Returns a bound of the distance from a point to the nearest surface that emits no light: none is nearer,
+  /// up to rounding. Less than 0 inside of solids; ∞ if there are no surfaces.
+  [[nodiscard]] double distance_bound(const Point& point) const {
+    double least = infinity;
+    for (const auto& [surface, distance_bound] : fields_)
+      least = std::min(least, distance_bound(surface, point));
+    return least;
+  }
+
+  /// Throws std::logic_error if a scene, or a view of it, is not the one of these distances, or has other
+  /// surfaces than when they were made.
+  void require(const auto& scene) const { scene_.require(scene, "SceneDistances"); }
+
+ private:
+  struct Field {
+    const void* surface;
+    double (*distance_bound)(const void* surface, const Point& point);
+  };
+
+  /// Adds surfaces, of which the first has an index in the scene.
+  template <class T>
+  void add(const SceneVector<T>& surfaces, const SceneVector<Material>& materials,
+           const std::string& integrator, std::size_t& index) {
+    for (std::size_t i = 0; i < surfaces.size(); ++i, ++index) {
+      if (!is_black(materials[i].emission)) continue;
       if constexpr (knows_distance<T>)
-        if (has_distance_bound(surfaces[i]) && !is_moving(surfaces[i]))
-          field.distance_bound = [](const void* s, const Point& point) {
-            return static_cast<const T*>(s)->distance_bound(point);
-          };
-      fields_.push_back(field);
+        if (has_distance_bound(surfaces[i]) && !is_moving(surfaces[i])) {
+          fields_.push_back({&surfaces[i], [](const void* s, const Point& point) {
+                               return static_cast<const T*>(s)->distance_bound(point);
+                             }});
+          continue;
+        }
+      throw std::invalid_argument(
+          integrator + ": surface " + std::to_string(index) +
+          " of the scene, counted from 0 in the order of its types, tells no distance; marched surfaces, "
+          "boxes, spheres and planes do, and surfaces with double distance_bound(const Point&) const");
     }
   }
 

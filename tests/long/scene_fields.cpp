@@ -148,13 +148,13 @@ TEST_CASE("distances of surfaces are lower bounds, and tight where the field is 
   CHECK(Sphere{{1, 0, 0}, -2}.distance_bound({4, 0, 0}) == Approx(1));
 
   const AnyScene scene = marched_and_floor();
-  const SceneFields fields(scene);
+  const SceneDistances distances(scene, "test");
   Random random(7);
   WrongCases wrong(random);
   int found = 0;
   for (int i = 0; i < 300; ++i) {
     const Point point{random.real(-2, 2), random.real(-1, 2), random.real(1, 6)};
-    const double bound = fields.distance_bound(point);
+    const double bound = distances.distance_bound(point);
     const Vec3 direction = normalize(random.point(1));
     if (!(bound > 0)) continue;
     ++found;
@@ -162,6 +162,15 @@ TEST_CASE("distances of surfaces are lower bounds, and tight where the field is 
   }
   CHECK(found > 100);
   CHECK(wrong == 0);
+
+  // Distances can only be had of a scene all of whose surfaces tell one, but for its lights.
+  AnyScene others = marched_and_floor();
+  others.add(Disk{.position = {0, 0, 9}}, Material{.emission = Color{1}});
+  CHECK(SceneDistances(others, "test").distance_bound({0, 0, 4}) == distances.distance_bound({0, 0, 4}));
+  others.add(Disk{.position = {0, 0, 9}}, Color{1});
+  CHECK_THAT(
+      message_of<std::invalid_argument>([&] { SceneDistances(others, "test"); }),
+      ContainsSubstring("test: surface 4 of the scene, counted from 0 in the order of its types, tells"));
 }
 
 TEST_CASE("ambient occlusion by distance is right beside an endless wall, to 1/1000, as page 37 says") {

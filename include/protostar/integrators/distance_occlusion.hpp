@@ -29,7 +29,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// walls counts, so that corners and slots are too bright; and anything nearby counts as an endless wall,
 /// however small it is, so that the surroundings of small things are too dark.
 struct DistanceOcclusionIntegrator : FirstHit<DistanceOcclusionIntegrator> {
-  SceneFields fields;
+  SceneDistances distances;
 
   /// Distance R in scene units beyond which surfaces occlude nothing, as in AmbientOcclusionIntegrator.
   double distance;
@@ -37,9 +37,8 @@ struct DistanceOcclusionIntegrator : FirstHit<DistanceOcclusionIntegrator> {
   /// Prepares the distances of a scene; pictures of that scene can then be drawn. Throws
   /// std::invalid_argument if no distance is known for a surface that emits no light.
   template <Surface... S>
-  DistanceOcclusionIntegrator(const Scene<S...>& scene, double farthest) : fields(scene), distance(farthest) {
-    fields.require_distances("DistanceOcclusionIntegrator");
-  }
+  DistanceOcclusionIntegrator(const Scene<S...>& scene, double farthest)
+      : distances(scene, "DistanceOcclusionIntegrator"), distance(farthest) {}
 
   /// Throws std::invalid_argument unless the distance is finite and greater than 0. render calls it.
   void validate() const {
@@ -53,7 +52,7 @@ struct DistanceOcclusionIntegrator : FirstHit<DistanceOcclusionIntegrator> {
 
   /// Throws std::logic_error if the scene is not the one of the distances.
   [[nodiscard]] Color shade(const Intersection& hit, const auto& scene) const {
-    fields.require(scene);
+    distances.require(scene);
     return Color{to_float(free_share(hit.point(), hit.facing_normal()))};
   }
 
@@ -66,7 +65,7 @@ struct DistanceOcclusionIntegrator : FirstHit<DistanceOcclusionIntegrator> {
                                   0.95694033573220894,  0.99518472667219682};
     double free = 1;
     for (const double x : heights) {
-      const double h = x * distance, f = std::clamp(fields.distance_bound(point + h * normal), 0.0, h);
+      const double h = x * distance, f = std::clamp(distances.distance_bound(point + h * normal), 0.0, h);
       free -= x * x / 8 * (1 - f / h);
     }
     return free;

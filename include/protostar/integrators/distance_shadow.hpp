@@ -29,19 +29,19 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// negative inside of solids, so that all is dark there: cameras and lamps belong outside.
 struct DistanceShadowIntegrator : FirstHit<DistanceShadowIntegrator> {
   AreaLights lights;
-  SceneFields fields;
+  SceneDistances distances;
 
   /// Prepares lights and distances of a scene; pictures of that scene can then be drawn. Throws
   /// std::invalid_argument if an area light is no sphere at rest, or a surface that is no light tells no
   /// distance.
   template <Surface... S>
-  explicit DistanceShadowIntegrator(const Scene<S...>& scene) : lights(scene), fields(scene) {
+  explicit DistanceShadowIntegrator(const Scene<S...>& scene)
+      : lights(scene), distances(scene, "DistanceShadowIntegrator") {
     for (const AreaLight& light : lights.lights())
       if (light.sphere() == nullptr)
         throw std::invalid_argument(
             "DistanceShadowIntegrator: surfaces that emit light must be spheres that do not move; another is "
             "in the scene");
-    fields.require_distances("DistanceShadowIntegrator");
   }
 
   /// Throws std::logic_error if the scene is not the one of the lights.
@@ -77,7 +77,7 @@ struct DistanceShadowIntegrator : FirstHit<DistanceShadowIntegrator> {
     const Vec3 direction = to_center / D;
     double least = 1;
     for (double t = 0x1p-20 * D; t < D - radius;) {
-      const double f = fields.distance_bound(from + t * direction);
+      const double f = distances.distance_bound(from + t * direction);
       least = std::min(least, f / (k * t));
       if (!(least > -1)) return 0;
       t += std::max((f - least * k * t) / (1 + least * k), std::max(k, 0x1p-10) * t / 8);

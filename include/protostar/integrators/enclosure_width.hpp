@@ -19,25 +19,23 @@ struct EnclosureWidthIntegrator {
   /// neighboring doubles has about 52.
   static constexpr double fewest = 30, most = 53;
 
-  SceneFields fields;
+  SceneMarches marches;
 
-  /// Prepares the fields of a scene; pictures of that scene can then be drawn. Throws std::invalid_argument
+  /// Prepares the marches of a scene; pictures of that scene can then be drawn. Throws std::invalid_argument
   /// if no surface is marched.
   template <Surface... S>
-  explicit EnclosureWidthIntegrator(const Scene<S...>& scene) : fields(scene) {
-    fields.require_marches("EnclosureWidthIntegrator");
-  }
+  explicit EnclosureWidthIntegrator(const Scene<S...>& scene) : marches(scene, "EnclosureWidthIntegrator") {}
 
   /// Returns the bits to which the closest hit is proven, if it is on a marched surface; 0 for a touch. The
   /// logarithm is exact at powers of 2 and interpolated linearly between them, which is too small by less
   /// than 0.09; std::log2 would give other last digits on other machines. Throws
-  /// std::logic_error if the scene is not the one of the fields.
+  /// std::logic_error if the scene is not the one of the marches.
   [[nodiscard]] std::optional<double> bits(const Ray& ray, const auto& scene) const {
-    fields.require(scene);
+    marches.require(scene);
     const auto hit = scene.intersect(ray, Interval{});
     std::optional<double> found;
     if (!hit) return found;
-    fields.each_march(ray, hit, [&](const void* surface, const CountedMarch& march) {
+    marches.each_march(ray, hit, [&](const void* surface, const CountedMarch& march) {
       if (surface != hit->surface() || !march.is_hit()) return;
       const Interval& t = march.enclosure();
       int exponent = 0;

@@ -15,16 +15,14 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// alike, until its closest hit or its miss is proven. The radiance is the heat_color of their number divided
 /// by `most`. Surfaces that are not marched take none.
 struct MarchEvaluationsIntegrator {
-  SceneFields fields;
+  SceneMarches marches;
   double most = 128;  ///< number of evaluations from which on the color is white
 
-  /// Prepares the fields of a scene; pictures of that scene can then be drawn. Throws std::invalid_argument
+  /// Prepares the marches of a scene; pictures of that scene can then be drawn. Throws std::invalid_argument
   /// if no surface is marched.
   template <Surface... S>
   explicit MarchEvaluationsIntegrator(const Scene<S...>& scene, double white = 128)
-      : fields(scene), most(white) {
-    fields.require_marches("MarchEvaluationsIntegrator");
-  }
+      : marches(scene, "MarchEvaluationsIntegrator"), most(white) {}
 
   /// Throws std::invalid_argument unless `most` is greater than 0. render calls it.
   void validate() const {
@@ -34,12 +32,12 @@ struct MarchEvaluationsIntegrator {
   }
 
   /// Returns the number of evaluations of a ray's marches. Throws std::logic_error if the scene is not the
-  /// one of the fields.
+  /// one of the marches.
   [[nodiscard]] std::uint64_t evaluations(const Ray& ray, const auto& scene) const {
-    fields.require(scene);
+    marches.require(scene);
     std::uint64_t sum = 0;
-    fields.each_march(ray, scene.intersect(ray, Interval{}),
-                      [&](const void*, const CountedMarch& march) { sum += march.counts().evaluations(); });
+    marches.each_march(ray, scene.intersect(ray, Interval{}),
+                       [&](const void*, const CountedMarch& march) { sum += march.counts().evaluations(); });
     return sum;
   }
 
