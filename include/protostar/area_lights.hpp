@@ -224,6 +224,9 @@ class AreaLights {
 
   [[nodiscard]] const std::vector<AreaLight>& lights() const { return lights_; }
 
+  /// Returns how many surfaces emit light, but are none of the lights, as no directions are drawn to them.
+  [[nodiscard]] std::size_t others() const { return others_; }
+
   /// Returns the lights' shares by their power, the product of visible_area and the sum of the emission's
   /// channels, to choose one of them.
   [[nodiscard]] const Shares& by_power() const { return shares_; }
@@ -269,9 +272,12 @@ class AreaLights {
   template <class T>
   void add(const SceneVector<T>& surfaces, const SceneVector<Material>& materials) {
     for (std::size_t i = 0; i < surfaces.size(); ++i)
-      if (const Color& emission = materials[i].emission; !is_black(emission))
+      if (const Color& emission = materials[i].emission; !is_black(emission)) {
         if (auto found = shape_in(surfaces[i]))
           lights_.emplace_back(std::move(found->shape), emission, &surfaces[i], found->motion);
+        else
+          ++others_;
+      }
   }
 
   struct ShapeInMotion {
@@ -333,6 +339,7 @@ class AreaLights {
 
   PreparedScene scene_;
   std::vector<AreaLight> lights_;
+  std::size_t others_ = 0;
   bool has_rectangles_ = false;
   Shares shares_{0};
   std::vector<std::pair<const void*, std::size_t>>

@@ -13,6 +13,7 @@
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/disk.hpp>
 #include <protostar/surfaces/distance_field.hpp>
+#include <protostar/surfaces/moving.hpp>
 #include <string>
 
 #include "support/catch.hpp"
@@ -247,11 +248,16 @@ TEST_CASE("pictures of distances refuse scenes that do not tell them, and other 
       "distance; marched surfaces, boxes, spheres and planes do, and surfaces with double "
       "distance_bound(const Point&) const");
   CHECK_NOTHROW(MarchEvaluationsIntegrator(scene));
-  AnyScene lit = marched_and_floor();
-  lit.add(Disk{.position = {0, 0, 9}}, Material{.emission = Color{1}});
-  CHECK(message_of<std::invalid_argument>([&] { DistanceShadowIntegrator{lit}; }) ==
-        "DistanceShadowIntegrator: surfaces that emit light must be spheres that do not move; another is in "
-        "the scene");
+  // Lamps that are no spheres at rest, also such as AreaLights does not know: each would be left out.
+  const AnySurface lamps[] = {Disk{.position = {0, 0, 9}}, Moving<Sphere>({{0, 0, 9}, 1}, {1, 0, 0}),
+                              Box{.min = {0, 0, 9}, .max = {1, 1, 10}}, Marched{marched_ball, around_both}};
+  for (const AnySurface& lamp : lamps) {
+    AnyScene lit = marched_and_floor();
+    lit.add(lamp, Material{.emission = Color{1}});
+    CHECK(message_of<std::invalid_argument>([&] { DistanceShadowIntegrator{lit}; }) ==
+          "DistanceShadowIntegrator: surfaces that emit light must be spheres that do not move; another is "
+          "in the scene");
+  }
 }
 
 TEST_CASE("colors of a heat map grow brighter from black to white") {
