@@ -170,7 +170,7 @@ class AreaLight:
         if isinstance(self.surface, Mesh):
             self.triangles = [self.surface.triangle(i).corners for i in range(len(self.surface.corners))]
             areas = [length(cross(minus(b, a), minus(c, a))) for a, b, c in self.triangles]
-            self.by_area, area = Shares(areas), sum(areas) / 4
+            self.by_area, area = Shares(areas), sum(areas) / (8 if self.surface.is_closed() else 4)
         elif isinstance(self.surface, Sphere):
             area = PI * self.surface.radius**2
         elif isinstance(self.surface, Parallelogram):

@@ -1,4 +1,5 @@
 """Meshes: all triangles are in the file, and a tree of boxes tells which of them a line may cross."""
+from collections import Counter
 from fractions import Fraction
 
 from .flat_surfaces import Triangle
@@ -64,6 +65,15 @@ class Mesh:
         if len(numbers) % size or (name != "vertices" and len(found) != len(self.vertices)):
             raise Wrong(self.facts[name].at(f"must have {size} numbers for each vertex"))
         return found
+
+    def is_closed(self):
+        """Returns true if each edge occurs as often in one direction as in the other."""
+        edges = Counter()
+        for of_one in self.corners:
+            places = [tuple(self.vertices[i]) for i in of_one]
+            for a, b in zip(places, places[1:] + places[:1]):
+                edges[min(a, b), max(a, b)] += (a < b) - (b < a)
+        return not any(edges.values())
 
     def triangle(self, part):
         if not 0 <= part < len(self.corners):

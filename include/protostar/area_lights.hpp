@@ -145,7 +145,9 @@ class AreaLight {
   }
 
   /// Returns the area that a viewer sees of the light, on average over all directions from which it may be
-  /// looked at: a quarter of a sphere, and half of what is flat.
+  /// looked at: a quarter of a sphere and of a convex closed mesh, and half of what is flat (Cauchy).
+  /// Triangles of other meshes count as if they did not hide each other, except that half of those of a
+  /// closed one are turned away.
   [[nodiscard]] double visible_area() const {
     return visit([]<class T>(const T& shape) -> double {
       if constexpr (std::is_same_v<T, Sphere>)
@@ -159,7 +161,7 @@ class AreaLight {
       else {
         double sum = 0;
         for (const auto& [a, b, c] : shape.light.triangles()) sum += length(cross(b - a, c - a)) / 4;
-        return sum;
+        return shape.is_closed ? sum / 2 : sum;
       }
     });
   }

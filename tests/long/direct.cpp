@@ -100,6 +100,21 @@ TEST_CASE("direct light of a mesh is that of its triangles; a closed one hides i
   check_lamp(Mesh(std::move(roof)));
 }
 
+TEST_CASE("a closed mesh is chosen as often as another lamp of its visible area and its radiance") {
+  MeshData open = meshes::box(1);
+  open.triangles.pop_back();  // 47 of 48 triangles, of ½ each
+  Scene<Sphere, Mesh> scene;
+  scene.add(Sphere{{0, 9, 0}, std::sqrt(6 / std::numbers::pi)}, lamp(3));
+  scene.add(Mesh(meshes::box(1)), lamp(3));
+  scene.add(Mesh(open), lamp(3));
+  const AreaLights lights(scene);
+  const double areas[] = {6, 24 / 4.0, 23.5 / 2};
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(lights.lights()[i].visible_area() == Approx(areas[i]).epsilon(1e-14));
+    CHECK(lights.by_power().probability(i) == Approx(areas[i] / 23.75).epsilon(1e-14));
+  }
+}
+
 TEST_CASE("direct light of several lamps adds up, with one ray for each or as many as are allowed") {
   Scene<Plane, Sphere, Parallelogram> scene;
   scene.add(Plane{{0, 1, 0}, 0}, matte);
