@@ -35,10 +35,11 @@ struct Bounce {
   Vec3 direction{0, 0, 1};
   Color weight{0};  ///< scattered light per light from there · cos θ/density, without that density if sharp
 
-  /// Density with which the direction was drawn, as far as light from lights is to be found in it: infinite
-  /// for a mirror and glass, whose one direction rays to lights miss, and 0 for a matte surface, which leaves
-  /// that light to them.
-  double density = std::numeric_limits<double>::infinity();
+  /// Density that is weighed against that of rays to lights in multiple importance sampling
+  /// (power_heuristic). It is the density with which the direction was drawn for a glossy lobe alone: it is
+  /// infinite for a mirror and glass, whose one direction rays to lights miss, and 0 for a matte surface,
+  /// which leaves the light of lights to them, whatever its density.
+  double weighed_density = std::numeric_limits<double>::infinity();
 
   /// Returns true if the path goes on.
   [[nodiscard]] bool goes_on() const { return !is_black(weight); }

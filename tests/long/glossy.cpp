@@ -417,8 +417,8 @@ TEST_CASE("beside a tilted normal a glossy lobe leads out of the surface, and aw
     into_surface += !drawn.goes_on();
     if (!drawn.goes_on()) continue;
     wrong.add(!(drawn.direction.y > 0), "into the surface", view, drawn.direction);
-    wrong.add(!(std::abs(lobe.density(drawn.direction) / drawn.density - 1) < 1e-9), "density", view);
-    const double weight = lobe.reflection(drawn.direction).g / drawn.density;
+    wrong.add(!(std::abs(lobe.density(drawn.direction) / drawn.weighed_density - 1) < 1e-9), "density", view);
+    const double weight = lobe.reflection(drawn.direction).g / drawn.weighed_density;
     wrong.add(!(std::abs(weight / drawn.weight.g - 1) < 1e-5), "weight", view, weight, drawn.weight.g);
   }
   CHECK(wrong == 0);

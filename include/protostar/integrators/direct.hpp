@@ -99,7 +99,7 @@ struct DirectIntegrator : FirstHit<DirectIntegrator> {
           const Color& emission = seen.material().emission;
           if (is_black(emission)) return Color{0};
           return times(clamped(drawn.weight * emission),
-                       power_heuristic(drawn.density, density_by_lights(ray.origin, seen)));
+                       power_heuristic(drawn.weighed_density, density_by_lights(ray.origin, seen)));
         });
   }
 

@@ -85,11 +85,11 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     double most_weight = 0;  ///< after sure_bounces
     int bounces = 0;
     Ray ray;
-    double density = std::numeric_limits<double>::infinity();  ///< with which the ray was drawn
+    double weighed_density = std::numeric_limits<double>::infinity();  ///< of its ray (Bounce)
 
     /// Returns true for the camera's ray, and one that a mirror or glass has sent on: light is found by it
     /// alone.
-    [[nodiscard]] bool is_sharp() const { return density == std::numeric_limits<double>::infinity(); }
+    [[nodiscard]] bool is_sharp() const { return weighed_density == std::numeric_limits<double>::infinity(); }
 
     /// Returns the set of numbers that it takes at its next vertex.
     [[nodiscard]] std::uint32_t set() const { return static_cast<std::uint32_t>(1 + bounces); }
@@ -165,7 +165,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     const Material& material = hit.material();
     if (!is_black(material.emission)) {
       if (const double share =
-              path.is_sharp() ? 1 : power_heuristic(path.density, density_by_lights(path.ray, hit));
+              path.is_sharp() ? 1 : power_heuristic(path.weighed_density, density_by_lights(path.ray, hit));
           share > 0)
         path.sum = clamped(path.sum + times(clamped(path.weight * material.emission), share));
       if (!scatters(material)) return false;  // as most lamps
@@ -190,7 +190,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     if (path.bounces == sure_bounces) path.most_weight = largest(path.weight);
     path.weight = clamped(path.weight * onward.weight);
     if (path.bounces >= sure_bounces && !survives(path.weight, path.most_weight, number)) return false;
-    path.density = onward.density;
+    path.weighed_density = onward.weighed_density;
     at.leave(onward.direction, path.ray);
     ++path.bounces;
     return true;
@@ -199,7 +199,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   /// Returns the light of a path whose ray hits nothing.
   [[nodiscard]] Color leave(const Path& path, const auto& scene) const {
     const Color sky = clamped(path.weight * background(path.ray, scene));
-    return clamped(path.sum + times(sky, power_heuristic(path.density, density_by_lights(path.ray))));
+    return clamped(path.sum + times(sky, power_heuristic(path.weighed_density, density_by_lights(path.ray))));
   }
 
  private:
@@ -328,7 +328,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
                     : lobe == Lobe::mirror
                         ? MirrorLobe{to_float(material.reflect)}.sample(at.vertex)
                         : GlassLobe{to_float(material.refract), material.ior}.sample(at.vertex, number);
-    if (lobe == Lobe::glossy) onward.density *= share / whole;
+    if (lobe == Lobe::glossy) onward.weighed_density *= share / whole;
     onward.weight = times(onward.weight, whole / share);
     return onward;
   }
