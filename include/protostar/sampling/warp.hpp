@@ -146,19 +146,13 @@ struct VisibleNormals {
     return alpha2 / (std::numbers::pi * k * k);
   }
 
-  /// Returns the share of microfacets towards a direction that others do not hide (Smith's G1): 2/(1 + √(1 +
-  /// α² tan² θ)).
-  [[nodiscard]] double visible_share(const Vec3& direction) const {
-    const double z = std::abs(direction.z);
-    return 2 * z / (z + slope_length(direction));
-  }
-
   /// Returns √(cos² θ + α² sin² θ) of a direction, the length of its ellipse of slopes.
   [[nodiscard]] double slope_length(const Vec3& d) const {
     return std::sqrt(d.z * d.z + roughness * roughness * (d.x * d.x + d.y * d.y));
   }
 
-  /// Returns the density of a normal: G1(viewer) · D · max(0, viewer · normal)/viewer.z. The quotient
+  /// Returns the density of a normal: G1 · D · max(0, viewer · normal)/viewer.z, with the share of
+  /// microfacets that others do not hide from the viewer (Smith's G1), 2/(1 + √(1 + α² tan² θ)). The quotient
   /// G1/viewer.z is used as one, so that a viewer in the plane of the surface has a density too.
   [[nodiscard]] double density(const Vec3& normal) const {
     return 2 / (to_viewer.z + slope_length(to_viewer)) * distribution(normal) *
