@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "support/cases.hpp"
 #include "support/catch.hpp"
 #include "support/files.hpp"
 #include "support/process.hpp"
@@ -317,7 +318,8 @@ TEST_CASE("a long render goes on from its checkpoint, also in parts, and removes
 }
 
 TEST_CASE("a render that is stopped twice has the bytes of one that is not", "[long]") {
-  const std::string options = "--size 160x120 --samples 800 --threads 1 --filter mitchell";
+  const std::string samples = std::to_string(cases(100, 800, 800));
+  const std::string options = "--size 160x120 --threads 1 --filter mitchell --samples " + samples;
   const std::string expected = stage_picture("13_whitted", options);
   const TemporaryFolder folder;
   std::uint64_t units = 0;
