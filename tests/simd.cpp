@@ -1,6 +1,8 @@
 #include <protostar/bvh/node.hpp>
+#include <protostar/simd/lane_sets.hpp>
 #include <protostar/simd/simd.hpp>
 #include <protostar/simd/store_lanes.hpp>
+#include <protostar/simd/vectors.hpp>
 #include <protostar/vec3.hpp>
 
 #include <algorithm>
@@ -277,6 +279,28 @@ TEST_CASE("first_bits sets the lowest bits, up to all") {
   CHECK(simd::first_bits(31) == 0x7fffffff);
   static_assert(simd::first_bits(32) == 0xffffffff);
   static_assert(simd::first_bits(100) == 0xffffffff);  // a tile may have more pixels left than there are bits
+}
+
+TEST_CASE("the lanes in a set are visited in order, even if the loop changes the set") {
+  for (Bits set : {Bits{0}, Bits{1}, Bits{0b101100}, Bits{0x80000000}, ~Bits{0}}) {
+    const Bits all = set;
+    Bits visited = 0;
+    int last = -1;
+    for (const int lane : simd::lanes_in(set)) {
+      CHECK(lane > last);
+      last = lane;
+      visited |= Bits{1} << lane;
+      set = 0;
+    }
+    CHECK(visited == all);
+  }
+  for_each_kind([]<class T, int N>(const Lanes<T, N>&) {
+    for (Bits set = 0; set <= std::min(simd::first_bits(N), Bits{0xfff}); ++set) {
+      Bits visited = 0;
+      for (const int lane : lanes_in(simd::mask_of<T, N>(set))) visited |= Bits{1} << lane;
+      CHECK(visited == set);
+    }
+  });
 }
 
 TEST_CASE("lanes are loaded and stored in order, from any address") {

@@ -2,7 +2,6 @@
 // holds one of any type passes them on (surfaces/any_surface.hpp).
 #pragma once
 
-#include <bit>
 #include <concepts>
 
 #include "function_ref.hpp"
@@ -34,13 +33,11 @@ concept SurfaceOfLanes = requires(const S& surface, const RayLanes& rays) {
 
 /// Sets the first crossing of each of the given lanes to the one that `find(lane)` returns, if there is one.
 void set_one_by_one(FirstOfLanes& first, simd::LaneMask lanes, const auto& find) {
-  using simd::Bits;
-  for (Bits left = bits(lanes); left != 0; left &= left - 1) {
-    const int lane = std::countr_zero(left);
+  for (const int lane : lanes_in(lanes)) {
     const auto crossing = find(lane);
     if (!crossing) continue;
     first.t.set(lane, crossing->t);
-    first.is_there = first.is_there || simd::mask_of<double, simd::double_lanes>(Bits{1} << lane);
+    first.is_there = first.is_there || simd::mask_of<double, simd::double_lanes>(simd::Bits{1} << lane);
   }
 }
 

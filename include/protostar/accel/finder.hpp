@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -203,12 +202,11 @@ class Finder<Sphere> {
       prefetch(&bvh_.order()[leaf.first]);
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
         const SpherePass passed = leaves_.pass(leaf, i, line);
-        Bits met = maybe(passed, leaf, i, reach, passed_over);
+        const Bits met = maybe(passed, leaf, i, reach, passed_over);
         if (met == 0) continue;
         const auto [near, until] = passed.entry();
         const Bits surely = bits(passed.surely() && near > WideFloats(reach.from * (1 + 0x1p-18f)));
-        for (; met != 0; met &= met - 1) {
-          const int k = std::countr_zero(met);
+        for (const int k : lanes_in(met)) {
           if (near[k] > reach.until) continue;
           const std::uint32_t sphere = bvh_.order()[leaf.first + i + static_cast<std::uint32_t>(k)];
           if ((surely >> k & 1) != 0 && until[k] < waiting_near) {
@@ -283,16 +281,15 @@ class Finder<Sphere> {
   }
 
   bool each_of_few(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
-    for (Bits met = few_.met(ray, range); met != 0; met &= met - 1)
-      if (const auto i = static_cast<std::uint32_t>(std::countr_zero(met)); i != left && visit(i))
-        return true;
+    for (const int k : lanes_in(few_.met(ray, range)))
+      if (const auto i = static_cast<std::uint32_t>(k); i != left && visit(i)) return true;
     return false;
   }
 
   /// Returns true if visit(i) is true for any of some spheres in a leaf, bit k being at position first + k.
   bool any_of(Bits spheres, std::uint32_t first, const auto& visit) const {
-    for (; spheres != 0; spheres &= spheres - 1)
-      if (visit(bvh_.order()[first + static_cast<std::uint32_t>(std::countr_zero(spheres))])) return true;
+    for (const int k : lanes_in(spheres))
+      if (visit(bvh_.order()[first + static_cast<std::uint32_t>(k)])) return true;
     return false;
   }
 

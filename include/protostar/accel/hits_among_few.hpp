@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -53,8 +52,7 @@ class HitsAmongFew : public TileHits<S...> {
       const double of_ray[7] = {one.origin.x,    one.origin.y,    one.origin.z, one.direction.x,
                                 one.direction.y, one.direction.z, one.time};
       for (std::size_t i = 0; i < 7; ++i) numbers[i][k] = of_ray[i];
-      for (Bits left = everything.left_together(one); left != 0; left &= left - 1)
-        leaving[std::countr_zero(left)] |= Bits{1} << k;
+      for (const int surface : lanes_in(everything.left_together(one))) leaving[surface] |= Bits{1} << k;
     }
     const auto load = [&](std::size_t i) { return Doubles::load(numbers[i].data()); };
     RayPacket rays({load(0), load(1), load(2)}, {load(3), load(4), load(5)},
@@ -71,9 +69,8 @@ class HitsAmongFew : public TileHits<S...> {
         count_tests(rays.active);
         ClosestCrossings first = first_crossings(surface, rays, others, Interval{});
         if constexpr (protostar::detail::is_quadratic<T>)
-          for (Bits alone = left; alone != 0; alone &= alone - 1)
-            if (const int lane = std::countr_zero(alone);
-                const auto crossing =
+          for (const int lane : lanes_in(left))
+            if (const auto crossing =
                     first_crossing(surface, ray(static_cast<std::size_t>(lane)), Interval{})) {
               first.t.set(lane, crossing->t);
               first.met = first.met || Base::only_lane(lane);

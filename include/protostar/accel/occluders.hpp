@@ -165,9 +165,8 @@ class InCone {
     for (std::size_t i = 0; i < indices_.size(); i += float_lanes) {
       const auto row = [&](std::size_t k) { return Row::load(&rows_[rows * i + k * float_lanes]); };
       const Row along = x * row(0) + y * row(1) + z * row(2);
-      Bits within = bits(along >= cosine * row(4) - sine * row(3) && row(5) <= end);
-      for (; within != 0; within &= within - 1)
-        visit(indices_[i + static_cast<std::size_t>(std::countr_zero(within))]);
+      for (const int k : lanes_in(along >= cosine * row(4) - sine * row(3) && row(5) <= end))
+        visit(indices_[i + static_cast<std::size_t>(k)]);
     }
   }
 
@@ -209,8 +208,8 @@ class Occluders {
       search(list->cone.half_spaces(), [&](const SurfacesAround& surfaces) {
         const auto& [indices, lanes, around] = surfaces;
         looked_at += std::popcount(lanes);
-        for (Bits some = lanes; some != 0 && list->in_cone.size() <= most; some &= some - 1) {
-          const int lane = std::countr_zero(some);
+        for (const int lane : lanes_in(lanes)) {
+          if (list->in_cone.size() > most) break;
           const auto seen = list->cone.seen(around[lane]);
           if (list->cone.may_hold(seen)) list->in_cone.add(static_cast<int>(indices[lane]), seen);
         }

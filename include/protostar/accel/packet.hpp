@@ -4,7 +4,6 @@
 // one vector or one in each lane. Every lane is computed as a single ray is, so that it gets the same bytes.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <limits>
 #include <utility>
@@ -140,10 +139,8 @@ struct CameraPacket : RayPacket {
 [[nodiscard, gnu::noinline]] inline Colors environment_radiance(const Environment& environment,
                                                                 const RayPacket& rays) {
   Colors colors(Color{0});
-  for (Bits left = bits(rays.active); left != 0; left &= left - 1) {
-    const int lane = std::countr_zero(left);
+  for (const int lane : lanes_in(rays.active))
     colors.set(lane, environment_radiance(environment, rays[lane]));
-  }
   return colors;
 }
 
@@ -193,8 +190,7 @@ template <Surface S>
                                                                          LaneMask active, Interval range,
                                                                          Indices& numbers) {
   ClosestCrossings first{.t = infinity, .met = false, .in_doubt = false};
-  for (Bits left = bits(active); left != 0; left &= left - 1) {
-    const int lane = std::countr_zero(left);
+  for (const int lane : lanes_in(active)) {
     if (const auto crossing = first_crossing(surface, rays[lane], range)) {
       first.t.set(lane, crossing->t);
       numbers.set(lane, number_of(*crossing));
@@ -292,8 +288,7 @@ class HitPacket {
       return surface_.uv_at(points);
     } else {
       Uvs uvs{0.0, 0.0};
-      for (Bits left = bits(which_); left != 0; left &= left - 1) {
-        const int lane = std::countr_zero(left);
+      for (const int lane : lanes_in(which_)) {
         const Uv one = uv_at(surface_, points[lane], parts_[lane]);
         uvs.x.set(lane, one.x), uvs.y.set(lane, one.y);
       }
@@ -319,8 +314,7 @@ class HitPacket {
 
   [[nodiscard]] Indices parts() const {
     Indices numbers = 0;
-    for (Bits left = bits(which_); left != 0; left &= left - 1)
-      numbers.set(std::countr_zero(left), parts_[std::countr_zero(left)]);
+    for (const int lane : lanes_in(which_)) numbers.set(lane, parts_[lane]);
     return numbers;
   }
 
@@ -331,8 +325,8 @@ class HitPacket {
     Vectors normals(Vec3{0});
     Vec3 n{0};
     int part = -1;
-    for (Bits left = bits(which_); left != 0; left &= left - 1) {
-      const int lane = std::countr_zero(left), before = std::exchange(part, parts_[lane]);
+    for (const int lane : lanes_in(which_)) {
+      const int before = std::exchange(part, parts_[lane]);
       if (!are_flat || part != before) n = protostar::normal_at(surface_, points[lane], part);
       normals.x.set(lane, n.x), normals.y.set(lane, n.y), normals.z.set(lane, n.z);
     }
@@ -342,10 +336,7 @@ class HitPacket {
   [[nodiscard, gnu::noinline, gnu::cold]] Colors texture() const {
     const Uvs uvs = uv();
     Colors colors(Color{0});
-    for (Bits left = bits(which_); left != 0; left &= left - 1) {
-      const int lane = std::countr_zero(left);
-      colors.set(lane, material_.texture(uvs.x[lane], uvs.y[lane]));
-    }
+    for (const int lane : lanes_in(which_)) colors.set(lane, material_.texture(uvs.x[lane], uvs.y[lane]));
     return colors;
   }
 

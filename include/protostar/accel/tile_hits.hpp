@@ -134,8 +134,7 @@ class TileHits {
   /// Calls tell(ray, crossing, lane) for each of these closest hits, and returns which rays have one.
   LaneMask each_hit(const RayPacket& rays, const Closest& closest, const auto& tell) const {
     const LaneMask met = rays.active && closest.t < infinity;
-    for (Bits left = bits(met); left != 0; left &= left - 1) {
-      const int lane = std::countr_zero(left);
+    for (const int lane : lanes_in(met)) {
       const Ray ray = rays[lane];
       visit(closest.index[lane], [&](const auto& surface, const Material& material) {
         tell(ray, crossing_on(surface, crossing_of(surface, ray, closest, lane), material), lane);
@@ -345,8 +344,7 @@ class TileHits {
                                                        const RayPacket& rays, const Closest& closest,
                                                        LaneMask lanes, const auto& shade_hits) const {
     Colors result(Color{0});
-    for (Bits left = bits(lanes); left != 0; left &= left - 1) {
-      const int lane = std::countr_zero(left);
+    for (const int lane : lanes_in(lanes)) {
       const Ray ray = rays[lane];
       const Intersection hit(ray,
                              crossing_on(surface, crossing_of<T>(surface, ray, closest, lane), material));
@@ -373,8 +371,7 @@ class TileHits {
   [[nodiscard, gnu::noinline, gnu::cold]] Closest with_doubts_resolved(
       const RayPacket& rays, LaneMask in_doubt, Closest closest,
       std::span<const std::uint32_t> indices) const {
-    for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
-      const int lane = std::countr_zero(alone);
+    for (const int lane : lanes_in(in_doubt)) {
       ++state_.counts.in_doubt;
       const auto [index, crossing] = closest_of_one_ray(rays[lane], indices);
       closest.t = select(only_lane(lane), Doubles(index < 0 ? infinity : crossing.crossing.t), closest.t);

@@ -106,8 +106,7 @@ class TileScene : public HitsAmongFew<S...> {
   [[nodiscard, gnu::noinline]] Colors follow_each(const RayPacket& rays, const auto& background,
                                                   const auto& shade_hits) const {
     Colors result(background());
-    for (Bits alone = bits(rays.active); alone != 0; alone &= alone - 1) {
-      const int lane = std::countr_zero(alone);
+    for (const int lane : lanes_in(rays.active)) {
       count_alone();
       if (const auto hit = accelerated_.intersect(rays[lane], Interval{}))
         result.set(lane, this->shade_in_lane(shade_hits, *hit, lane));
@@ -228,8 +227,7 @@ class TileScene : public HitsAmongFew<S...> {
 
   [[nodiscard, gnu::noinline]] LaneMask occluded_one_by_one(const RayPacket& rays, Interval range) const {
     LaneMask found = false;
-    for (Bits alone = bits(rays.active); alone != 0; alone &= alone - 1) {
-      const int lane = std::countr_zero(alone);
+    for (const int lane : lanes_in(rays.active)) {
       ++state_.counts.rays_alone;
       if (accelerated_.occluded(rays[lane], range)) found = found || only_lane(lane);
     }
@@ -264,8 +262,7 @@ class TileScene : public HitsAmongFew<S...> {
   [[gnu::noinline, gnu::cold]] LaneMask decide(const T& surface, const RayPacket& rays, LaneMask in_doubt,
                                                Interval range) const {
     LaneMask crossed = false;
-    for (Bits alone = bits(in_doubt); alone != 0; alone &= alone - 1) {
-      const int lane = std::countr_zero(alone);
+    for (const int lane : lanes_in(in_doubt)) {
       ++state_.counts.in_doubt;
       if (any_hit(surface, rays[lane], range)) crossed = crossed || only_lane(lane);
     }
@@ -340,10 +337,8 @@ class TileScene : public HitsAmongFew<S...> {
   [[gnu::noinline, gnu::cold]] void each_crossing_one_by_one(const auto& surface, const CameraPacket& rays,
                                                              LaneMask alone, Interval range,
                                                              const auto& tell) const {
-    for (Bits left = bits(alone); left != 0; left &= left - 1) {
-      const int lane = std::countr_zero(left);
+    for (const int lane : lanes_in(alone))
       each_crossing(surface, rays[lane], range, [&](const Crossing& crossing) { tell(lane, crossing); });
-    }
   }
 
   const Accelerated<Scene<S...>>& accelerated_;

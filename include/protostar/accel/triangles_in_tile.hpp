@@ -190,14 +190,12 @@ class TrianglesInTile {
         [&](Leaf leaf, std::uint32_t i, Bits there) {
           const auto corners = tree_->leaves().corners(leaf, i);
           const TrianglesOnScreen triangles(screen, corners);
-          Bits some = there & triangles.in_tile;
+          const Bits some = there & triangles.in_tile;
           if (some == 0) return;
           const auto first = static_cast<std::int32_t>(drawn_.size() * double_lanes);
           const Floats floors = drawn_.emplace_back(screen, corners, leaf, i).floors(screen, corners);
-          for (; some != 0; some &= some - 1) {
-            const int k = std::countr_zero(some);
+          for (const int k : lanes_in(some))
             draw_one(triangles, floors[k], static_cast<std::size_t>(k), first + k);
-          }
         });
     if (usable_) decide();
   }

@@ -96,16 +96,14 @@ class Traversal {
   [[gnu::always_inline]] bool open(const Search& search, const Fetch& fetch) {
     const Node& node = nodes_[next_.node()];
     const Children children = search.look(node);
-    Bits met = children.met;
-    if (met == 0) return go_on(search);
-    int next = std::countr_zero(met);
-    met &= met - 1;
+    if (children.met == 0) return go_on(search);
+    int next = std::countr_zero(children.met);
+    const Bits others = children.met & (children.met - 1);
     const int below = top_;
     if constexpr (has_keys) {
       // The branches that sort children are predicted: the processor goes on before it knows the nearest.
       Key nearest = children[next];
-      for (; met != 0; met &= met - 1) {
-        int other = std::countr_zero(met);
+      for (int other : lanes_in(others)) {
         Key key = children[other];
         if (search.precedes(key, nearest)) std::swap(key, nearest), std::swap(other, next);
         fetch(node.child(other));
@@ -120,8 +118,8 @@ class Traversal {
       return !search.is_hidden(nearest) || go_on(search);
     } else {
       // How many children wait is as good as random, and therefore no branch.
-      top_ +=
-          store_chosen(waiting_->children + top_, met, Lanes<std::uint32_t, node_width>::load(node.children));
+      top_ += store_chosen(waiting_->children + top_, others,
+                           Lanes<std::uint32_t, node_width>::load(node.children));
       if constexpr (!std::is_same_v<Fetch, Ignore>)
         for (int i = below; i < top_; ++i) fetch(Child(waiting_->children[i]));
       next_ = node.child(next);

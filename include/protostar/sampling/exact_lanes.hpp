@@ -1,7 +1,6 @@
 // Exact sums of several pixels at once, one in each lane.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -56,10 +55,7 @@ class ExactLanes {
         simd::mask_for<double>(simd::to_float(q * (1 - 0x1p-51)) == simd::to_float(q * (1 + 0x1p-51)));
     const auto is_sure = is_near || (error == Doubles(0.0) && q * n == s);
     Floats mean = simd::to_float(q);
-    for (simd::Bits left = bits(!is_sure); left != 0; left &= left - 1) {
-      const int lane = std::countr_zero(left);
-      mean.set(lane, (*this)[lane].mean(count));
-    }
+    for (const int lane : lanes_in(!is_sure)) mean.set(lane, (*this)[lane].mean(count));
     return mean;
   }
 

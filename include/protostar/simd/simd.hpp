@@ -14,15 +14,10 @@
 #include <utility>
 
 #include "../platform.hpp"
+#include "lane_sets.hpp"
 #include "vector_registers.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
-
-/// Set of lanes; the lowest bit is lane 0.
-using Bits = std::uint32_t;
-
-/// Returns the set of the first `count` lanes.
-[[nodiscard]] constexpr Bits first_bits(int count) { return count >= 32 ? ~Bits{0} : (Bits{1} << count) - 1; }
 
 /// Truth value for each of N lanes of type T: a bit, if the processor compares to bits (AVX-512), or else an
 /// integer as large as T.
@@ -157,6 +152,12 @@ template <class T, int N>
 template <class T, int N>
 [[nodiscard]] bool any(Mask<T, N> mask) {
   return bits(mask) != 0;
+}
+
+/// Returns the lanes that are true, for a loop.
+template <class T, int N>
+[[nodiscard]] LanesIn lanes_in(Mask<T, N> mask) {
+  return {bits(mask)};
 }
 
 /// Converts a mask to one for lanes of another type.

@@ -82,7 +82,7 @@ int store_chosen(T* to, Bits lanes, Lanes<T, N> a) {
   }
 #endif
   int count = 0;
-  for (; lanes != 0; lanes &= lanes - 1) to[count++] = a[std::countr_zero(lanes)];
+  for (const int lane : lanes_in(lanes)) to[count++] = a[lane];
   return count;
 }
 

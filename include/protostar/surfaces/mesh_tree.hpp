@@ -1,7 +1,6 @@
 // A BVH over triangles, which answers queries about rays.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -88,12 +87,10 @@ class TriangleTree {
       if ((crossed | in_doubt) == 0) continue;
       any = true;
       const auto place = [&](int k) { return leaves_.place(leaf, i + static_cast<std::uint32_t>(k)); };
-      for (Bits some = crossed; some != 0; some &= some - 1) {
-        const int k = std::countr_zero(some);
+      for (const int k : lanes_in(crossed))
         if (query.found(t[k], leaves_.number(place(k)))) return true;
-      }
-      for (Bits some = in_doubt; some != 0; some &= some - 1) {
-        const TriangleLeaves::Place one = place(std::countr_zero(some));
+      for (const int k : lanes_in(in_doubt)) {
+        const TriangleLeaves::Place one = place(k);
         if (query.maybe(leaves_.triangle(one), leaves_.number(one))) return true;
       }
     }
