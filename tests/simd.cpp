@@ -303,6 +303,30 @@ TEST_CASE("the lanes in a set are visited in order, even if the loop changes the
   });
 }
 
+TEST_CASE("groups have each number in some lanes once, with all of these lanes that hold it") {
+  constexpr int n = simd::double_lanes;
+  Random random(1);
+  for (int round = 0; round < 200; ++round) {
+    const auto number = [](int lane, std::uint64_t bits) {
+      return static_cast<std::int64_t>(bits >> 2 * lane & 3) - 2;
+    };
+    const std::uint64_t of_lanes = random.bits();
+    const auto some = static_cast<Bits>(random.bits()) & simd::first_bits(n);
+    const auto numbers = simd::Indices::of_each([&](int lane) { return number(lane, of_lanes); });
+    auto remaining = simd::mask_of<double, n>(some);
+    while (any(remaining)) {
+      const Bits before = bits(remaining);
+      const simd::Group group = take_group(numbers, remaining);
+      Bits right = 0;
+      for (const int lane : simd::lanes_in(some))
+        right |= Bits{number(lane, of_lanes) == group.number} << lane;
+      CHECK(bits(group.lanes) == right);
+      CHECK((right & before & (~before + 1)) != 0);
+      CHECK(bits(remaining) == (before & ~right));
+    }
+  }
+}
+
 TEST_CASE("lanes are loaded and stored in order, from any address") {
   for_each_kind([]<class T, int N>(const Lanes<T, N>&) {
     T from[N + 1], to[N + 2];

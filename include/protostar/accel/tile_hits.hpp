@@ -117,16 +117,14 @@ class TileHits {
                              const auto& shade_hits) const {
     const LaneMask met = rays.active && closest.t < infinity;
     Colors result(Color{0});
-    for (LaneMask left = met; any(left);) {
-      const std::int64_t index = in_first_lane(closest.index, bits(left));
-      const LaneMask here = left && mask_for<double>(closest.index == Indices(index));
+    for (LaneMask remaining = met; any(remaining);) {
+      const Group group = take_group(closest.index, remaining);
       Colors colors(Color{0});
-      visit(index, [&](const auto& surface, const Material& material) {
-        colors = shade_on(surface, material, rays, closest, here, shade_hits);
+      visit(group.number, [&](const auto& surface, const Material& material) {
+        colors = shade_on(surface, material, rays, closest, group.lanes, shade_hits);
       });
-      if (!any(rays.active && !here)) return colors;  // the usual case: all rays hit one surface
-      result = select(here, colors, result);
-      left = left && !here;
+      if (!any(rays.active && !group.lanes)) return colors;  // the usual case: all rays hit one surface
+      result = select(group.lanes, colors, result);
     }
     return any(rays.active && !met) ? select(met, result, Colors(background())) : result;
   }
@@ -148,15 +146,14 @@ class TileHits {
   [[nodiscard]] Colors shade_without_point(const Indices& seen, const auto& background,
                                            const auto& shade_hits) const {
     const RayPacket no_rays(Vectors(Vec3{0}), Vectors(Vec3{0}));
-    Bits left = bits(!(seen == Indices(no_surface_index)));
-    Colors result = left == first_bits(double_lanes) ? Colors(Color{0}) : Colors(background());
-    while (left != 0) {
-      const std::int64_t index = in_first_lane(seen, left);
-      const LaneMask here = mask_for<double>(seen == Indices(index));
-      visit(index, [&](const auto& surface, const Material& material) {
-        result = select(here, Colors(shade_hits(HitPacket(no_rays, 0.0, here, surface, material))), result);
+    const LaneMask met = !mask_for<double>(seen == Indices(no_surface_index));
+    Colors result = any(!met) ? Colors(background()) : Colors(Color{0});
+    for (LaneMask remaining = met; any(remaining);) {
+      const Group group = take_group(seen, remaining);
+      visit(group.number, [&](const auto& surface, const Material& material) {
+        const HitPacket hits(no_rays, 0.0, group.lanes, surface, material);
+        result = select(group.lanes, Colors(shade_hits(hits)), result);
       });
-      left &= ~bits(here);
     }
     return result;
   }
@@ -192,12 +189,6 @@ class TileHits {
 
   void count_tests(LaneMask which) const {
     state_.counts.surface_tests += static_cast<std::uint64_t>(std::popcount(bits(which)));
-  }
-
-  /// Returns the number in the first of some lanes. Lane 0, mostly the first, is read without a detour
-  /// through memory.
-  static std::int64_t in_first_lane(const Indices& numbers, Bits lanes) {
-    return (lanes & 1) != 0 ? numbers[0] : numbers[std::countr_zero(lanes) % double_lanes];
   }
 
   /// Returns the visibility buffer of the surface with this index; null if it has none.
@@ -287,13 +278,11 @@ class TileHits {
       }
     }
     while (any(left)) {
-      const std::int64_t index = in_first_lane(seen, bits(left));
-      const LaneMask here = left && mask_for<double>(seen == Indices(index));
-      count_tests(here);
-      visit(index, [&](const auto& surface, const Material&) {
-        test(surface, index, rays, here, true, closest, in_doubt);
+      const Group group = take_group(seen, left);
+      count_tests(group.lanes);
+      visit(group.number, [&](const auto& surface, const Material&) {
+        test(surface, group.number, rays, group.lanes, true, closest, in_doubt);
       });
-      left = left && !here;
     }
   }
 
@@ -331,7 +320,7 @@ class TileHits {
       return shade_one_by_one(surface, material, rays, closest, lanes, shade_hits);
     if constexpr (RasterizedSurface<T>)
       if (!any(lanes && mask_for<double>(closest.primitive < Indices(0)))) {
-        const auto& drawn = *buffer_at<T>(closest.index[std::countr_zero(bits(lanes))]);
+        const auto& drawn = *buffer_at<T>(in_first_lane(closest.index, bits(lanes)));
         return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material,
                                            PrimitivesSeen<typename T::Drawn>{drawn, closest.primitive})));
       }

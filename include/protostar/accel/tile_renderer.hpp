@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -368,13 +367,11 @@ class TileRenderer {
   /// Returns true if the radiance of rays that see these surfaces, or nothing, depends on the rays.
   [[nodiscard]] bool needs_rays(const Indices& seen, const View& view) const {
     if (!may_skip_rays()) return true;
-    Bits left = bits(!(seen == Indices(no_surface_index)));
-    if (left == 0) return false;
-    if constexpr (!shades_without_point) return true;
-    while (left != 0) {
-      const std::int64_t index = seen[std::countr_zero(left) % double_lanes];
+    LaneMask remaining = !mask_for<double>(seen == Indices(no_surface_index));
+    if constexpr (!shades_without_point) return any(remaining);
+    while (any(remaining)) {
+      const std::int64_t index = take_group(seen, remaining).number;
       if (index == doubtful_index || view.has_texture(index)) return true;
-      left &= ~bits(seen == Indices(index));
     }
     return false;
   }

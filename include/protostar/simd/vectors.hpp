@@ -1,6 +1,7 @@
 // Numbers and vectors with a lane for each of as many rays, or surfaces, as are computed at once in double.
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -84,6 +85,27 @@ template <class T>
     std::memcpy(&number, reinterpret_cast<const char*>(objects + indices[lane]) + place, sizeof(number));
     return number;
   });
+}
+
+/// Returns the number in the first of some lanes. Lane 0, mostly the first, is read without a detour through
+/// memory.
+[[nodiscard]] inline std::int64_t in_first_lane(const Indices& numbers, Bits lanes) {
+  return (lanes & 1) != 0 ? numbers[0] : numbers[std::countr_zero(lanes) % double_lanes];
+}
+
+/// Some lanes that hold one number.
+struct Group {
+  std::int64_t number;
+  LaneMask lanes;
+};
+
+/// Takes out of some lanes, of which there is at least one, the first and all others that hold the same
+/// number. `while (any(remaining))` around it is a loop over the different numbers.
+[[nodiscard]] inline Group take_group(const Indices& numbers, LaneMask& remaining) {
+  const std::int64_t number = in_first_lane(numbers, bits(remaining));
+  const LaneMask lanes = remaining && mask_for<double>(numbers == Indices(number));
+  remaining = remaining && !lanes;
+  return {number, lanes};
 }
 
 /// A vector of floats in each lane.
